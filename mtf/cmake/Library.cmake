@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+
+# mtfkit_library(name SOURCES files... [PUBLIC libs...] [PRIVATE libs...])
+# One library of the toolkit: target mtfkit_<name>, alias and export mtfkit::<name>, installed.
+function(mtfkit_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC;PRIVATE")
+  set(target mtfkit_${name})
+  add_library(${target} ${arg_SOURCES})
+  add_library(mtfkit::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX INSTALL_RPATH "\$ORIGIN")
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PUBLIC
+    "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>"
+    "$<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>"
+    "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/mtfkit>")
+  target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
+  mtfkit_warnings(${target})
+  install(TARGETS ${target} EXPORT mtfkitTargets)
+endfunction()
+
+# mtfkit_install_headers(folder [EXCLUDE subfolder]): every header below the folder, under include/mtfkit.
+function(mtfkit_install_headers folder)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "EXCLUDE" "")
+  set(exclude "")
+  if(arg_EXCLUDE)
+    set(exclude PATTERN "${arg_EXCLUDE}" EXCLUDE)
+  endif()
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}/"
+    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mtfkit/${folder}"
+    FILES_MATCHING PATTERN "*.h" ${exclude} PATTERN "cmake" EXCLUDE)
+endfunction()

@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: Apache-2.0
+# find_package(mtfkit COMPONENTS mtf io calib)
+
+include(CMakePackageConfigHelpers)
+set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/mtfkit")
+configure_package_config_file("${PROJECT_SOURCE_DIR}/mtf/cmake/mtfkitConfig.cmake.in"
+  "${PROJECT_BINARY_DIR}/mtfkitConfig.cmake" INSTALL_DESTINATION "${package_dir}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/mtfkitConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/mtfkitConfig.cmake" "${PROJECT_BINARY_DIR}/mtfkitConfigVersion.cmake"
+  DESTINATION "${package_dir}")
+install(EXPORT mtfkitTargets NAMESPACE mtfkit:: DESTINATION "${package_dir}")
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")

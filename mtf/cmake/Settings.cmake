@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: Apache-2.0
+# Build settings of the whole tree. Optimisation comes from the build type alone: one binary has to run on any x86-64,
+# and strict floating point is part of the accuracy promise, so neither -march=native nor -ffast-math belongs here.
+
+get_property(multi_config GLOBAL PROPERTY GENERATOR_IS_MULTI_CONFIG)
+if(NOT CMAKE_BUILD_TYPE AND NOT multi_config)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+# Executables of the build tree look for the codec module below lib/mtfkit, as in an installation; installed ones get
+# their own run path (apps/CMakeLists.txt, mtf/io/CMakeLists.txt).
+set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib")
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib")
+set(CMAKE_BUILD_RPATH "${PROJECT_BINARY_DIR}/lib/mtfkit")
+
+find_program(MTFKIT_CCACHE ccache DOC "Compiler cache, used when found")
+if(MTFKIT_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${MTFKIT_CCACHE}")
+endif()

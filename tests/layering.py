@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Checks who includes what, the SPDX line and the length of every source. Usage: layering.py [ROOT]
+
+Dependencies point one way, and each outside library is seen by the few files that wrap it (RULES).
+"""
+
+import re
+import sys
+from pathlib import Path
+
+FOLDERS = ("mtf", "radiometry", "calib", "apps", "tests")
+MAX_LINES = 400
+INCLUDE = re.compile(r"^\s*#\s*include\s*[<\"]([^>\"]+)[>\"]", re.MULTILINE)
+SCRIPT_NAMES = re.compile(r"(CMakeLists\.txt|packages\.txt|\.cmake(\.in)?|\.py|\.sh|/setup|/quickstart|tests/run)$")
+
+# What is included, the files that may, the reason a reader needs.
+RULES = [
+    (r"fftw3\.h$", r"mtf/engines/fftw\.cpp|tests/bench/", "FFTW is private to the FFT engine"),
+    (r"(OpenEXR|Imath)/|Imf\w*\.h$|openexr\w*\.h$", r"mtf/io/|tests/mtf/io/", "OpenEXR is private to mtf/io"),
+    (r"opencv2?/", r"mtf/io/codecs_|calib/|tests/bench/", "OpenCV is private to the codec module and calib"),
+    (r"(png|tiff|tiffio)\.h$", r"mtf/io/codecs_|tests/mtf/io/", "image codecs are private to the codec module"),
+    (r"toml\+\+|toml\.hpp$", r"mtf/io/", "toml++ is private to mtf/io"),
+    (r"ceres/", r"calib/|tests/|apps/study/", "Ceres is private to calib and apps/study"),
+    (r"CLI/", r"apps/main\.cpp$", "CLI11 is private to apps/main.cpp"),
+    (r"mtf/components/all\.h$", r".*/?system_[^/]*$|tests/", "all.h is for the system_* files and tests"),
+]
+
+# Files, what they must not include.
+DIRECTIONS = [
+    (r"mtf/(?!io/)", r"(mtf/io|radiometry|calib|apps|tests)/"),
+    (r"mtf/io/", r"(calib|apps|tests)/"),
+    (r"radiometry/", r"(mtf/io|calib|apps|tests)/"),
+    (r"calib/", r"(apps|tests)/"),
+    (r"apps/", r"tests/"),
+]
+
+
+def problems_of_source(path, text):
+    if not text.startswith("// SPDX-License-Identifier: Apache-2.0\n"):
+        yield f"{path}:1: the first line must be `// SPDX-License-Identifier: Apache-2.0`"
+    lines = text.count("\n")
+    if lines > MAX_LINES:
+        yield f"{path}: {lines} lines, at most {MAX_LINES}: split it by job"
+    for match in INCLUDE.finditer(text):
+        header = match.group(1)
+        where = f"{path}:{text.count(chr(10), 0, match.start(1)) + 1}"
+        for what, allowed, reason in RULES:
+            if re.search(f"(^|/)({what})", header) and not re.match(allowed, path):
+                yield f"{where}: includes {header}: {reason}"
+        for files, forbidden in DIRECTIONS:
+            if re.match(files, path) and re.match(forbidden, header):
+                yield f"{where}: includes {header}: dependencies point apps -> calib, radiometry, io -> mtf"
+
+
+def problems_of_script(path, text):
+    if not any("SPDX-License-Identifier: Apache-2.0" in line for line in text.splitlines()[:2]):
+        yield f"{path}:1: no SPDX-License-Identifier in the first two lines"
+
+
+def check(root):
+    found, sources = [], 0
+    for folder in FOLDERS:
+        for file in sorted((root / folder).rglob("*")):
+            path = file.relative_to(root).as_posix()
+            if not file.is_file() or "node_modules/" in path:
+                continue
+            if file.suffix in (".h", ".cpp"):
+                sources += 1
+                found += problems_of_source(path, file.read_text(encoding="utf-8"))
+            elif SCRIPT_NAMES.search(path):
+                found += problems_of_script(path, file.read_text(encoding="utf-8"))
+    if sources == 0:
+        found.append(f"{root}: no sources found, nothing was checked")
+    return found
+
+
+def main():
+    root = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent
+    found = check(root)
+    print("\n".join(found) if found else "layering: ok")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
