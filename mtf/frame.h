@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The geometry that every component shares, and the only conversions between focal plane, object space and pixels.
+//
+// Canonical spatial frequency: cycles/mm at the focal plane, +x right along columns, +y down along rows.
+//   cy/mrad = cy/mm x focal_length_mm / 1000        (small angles: x = focal length x angle)
+//   cy/px   = cy/mm x pitch_um / 1000               (per axis)
+// Templates over the scalar S (double, float, ceres::Jet), so that fits differentiate through focal length and pitch.
+
+#include <optional>
+#include <string_view>
+
+#include "mtf/units.h"
+
+namespace mtf {
+
+template <class S>
+struct Complex {
+  S re{};
+  S im{};
+  friend Complex operator*(const Complex& a, const Complex& b) {
+    return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+  }
+  friend Complex operator+(const Complex& a, const Complex& b) { return {a.re + b.re, a.im + b.im}; }
+};
+
+/// Spatial frequency in cycles/mm at the focal plane.
+template <class S>
+struct Freq {
+  S x{};
+  S y{};
+};
+
+enum class Axis { x, y };
+
+template <class S>
+struct Frame {
+  S focal_length_mm{};
+  S pitch_x_um{};
+  S pitch_y_um{};
+  S integration_time_s{};
+  int columns = 0;  ///< detector format; 0 = as many whole pitches as the scene holds
+  int rows = 0;
+
+  S pitch_um(Axis axis) const { return axis == Axis::x ? pitch_x_um : pitch_y_um; }
+  S nyquist_cy_mm(Axis axis) const { return S(500.0) / pitch_um(axis); }
+  S cy_per_mrad(const S& f_cy_mm) const { return f_cy_mm * focal_length_mm * S(1e-3); }
+  S cy_per_px(const S& f_cy_mm, Axis axis) const { return f_cy_mm * pitch_um(axis) * S(1e-3); }
+  S cy_mm_from_mrad(const S& f_cy_mrad) const { return f_cy_mrad * S(1e3) / focal_length_mm; }
+  S cy_mm_from_px(const S& f_cy_px, Axis axis) const { return f_cy_px * S(1e3) / pitch_um(axis); }
+  S um_from_urad(const S& angle_urad) const { return angle_urad * focal_length_mm * S(1e-3); }
+};
+
+/// A size in the image that is given as a focal-plane length, as an object angle, or in pixels, and stays what it was
+/// given as: an angle keeps its meaning when the focal length changes. The value is held in the unit it was written in.
+template <class S>
+struct Extent {
+  S value{};
+  const Unit* unit = nullptr;
+
+  S um(const Frame<S>& frame, Axis axis) const {
+    const S base = value * S(unit->factor);
+    if (unit->dimension == Dimension::angle) return frame.um_from_urad(base);
+    if (unit->dimension == Dimension::pixel) return base * frame.pitch_um(axis);
+    return base;
+  }
+};
+
+/// Extent per axis: one value for both axes, or x and y apart.
+template <class S>
+struct AxisPair {
+  Extent<S> x;
+  Extent<S> y;
+  bool split = false;  ///< written as name_x and name_y; otherwise y repeats x
+
+  bool given() const { return x.unit != nullptr; }
+  S x_um(const Frame<S>& frame) const { return x.um(frame, Axis::x); }
+  S y_um(const Frame<S>& frame) const { return (split ? y : x).um(frame, Axis::y); }
+  /// The same length along x and y whatever the frame: pixels are so only when they are square.
+  bool isotropic(const Frame<S>& frame) const { return !given() || x_um(frame) == y_um(frame); }
+};
+
+/// A spatial frequency in the unit it was written in (cy/mm, cy/mrad, cy/px).
+template <class S>
+struct SpatialFrequency {
+  S value{};
+  const Unit* unit = nullptr;
+
+  S cy_mm(const Frame<S>& frame, Axis axis) const {
+    if (unit->name == "cy/mrad") return frame.cy_mm_from_mrad(value);
+    if (unit->name == "cy/px") return frame.cy_mm_from_px(value, axis);
+    return value;
+  }
+};
+
+/// What several components share; a component's own value wins.
+template <class S>
+struct Optics {
+  std::optional<S> f_number;
+  std::optional<S> aperture_mm;  ///< entrance pupil diameter: f_number = focal length / aperture
+  std::optional<S> obscuration;  ///< linear ratio, inner / outer diameter
+  std::optional<S> wavelength_um;
+};
+
+/// Everything outside a component that its OTF depends on. `wavelength_um` is the node of the band average, or the
+/// monochromatic wavelength of the system.
+template <class S>
+struct Context {
+  Frame<S> frame;
+  Optics<S> optics;
+  S wavelength_um{};
+};
+
+}  // namespace mtf

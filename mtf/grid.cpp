@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/grid.h"
+
+namespace mtf {
+
+std::vector<double> FrequencyAxis::half_frequencies() const {
+  std::vector<double> f(static_cast<std::size_t>(half_count()));
+  for (std::size_t k = 0; k < f.size(); ++k) f[k] = cy_mm(static_cast<std::int64_t>(k));
+  return f;
+}
+
+std::vector<double> FrequencyAxis::all_frequencies() const {
+  if (basis == Basis::cosine) return half_frequencies();
+  std::vector<double> f(static_cast<std::size_t>(length + (length % 2 == 0 ? 1 : 0)));
+  for (std::size_t r = 0; r < f.size(); ++r) f[r] = cy_mm(signed_index(static_cast<std::int64_t>(r)));
+  return f;
+}
+
+bool is_smooth(std::int64_t n) {
+  for (const std::int64_t p : {2, 3, 5, 7})
+    while (n % p == 0) n /= p;
+  return n == 1;
+}
+
+std::int64_t next_smooth(std::int64_t n) {
+  while (!is_smooth(n)) ++n;
+  return n;
+}
+
+}  // namespace mtf

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <utility>
+
+namespace mtf {
+
+/// A non-owning, row-major view of one image plane. `stride` counts elements from one row to the next, stride >= width.
+template <class T>
+struct ImageView {
+  T* data = nullptr;
+  std::int64_t width = 0;
+  std::int64_t height = 0;
+  std::int64_t stride = 0;
+
+  T* row(std::int64_t y) const { return data + y * stride; }
+  T& at(std::int64_t x, std::int64_t y) const { return data[y * stride + x]; }
+  operator ImageView<const T>() const {
+    return {data, width, height, stride};
+  }  // NOLINT: a view of const is always safe
+};
+
+/// Memory aligned for SIMD, uninitialised, movable only. The allocation throws std::bad_alloc, never returns null.
+template <class T>
+class AlignedBuffer {
+ public:
+  AlignedBuffer() = default;
+  explicit AlignedBuffer(std::size_t count)
+      : data_(static_cast<T*>(::operator new (count * sizeof(T), std::align_val_t{64}))), size_(count) {}
+
+  T* data() const { return data_.get(); }
+  std::size_t size() const { return size_; }
+  T& operator[](std::size_t i) const { return data_.get()[i]; }
+
+ private:
+  struct Free {
+    void operator()(T* p) const { ::operator delete (p, std::align_val_t{64}); }
+  };
+  std::unique_ptr<T, Free> data_;
+  std::size_t size_ = 0;
+};
+
+/// One owned float32 plane: row-major, linear values, rows packed without padding. Movable only; copy with `clone()`.
+class Image {
+ public:
+  Image() = default;
+  Image(std::int64_t width, std::int64_t height)
+      : buffer_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)), width_(width), height_(height) {}
+
+  std::int64_t width() const { return width_; }
+  std::int64_t height() const { return height_; }
+  std::int64_t size() const { return width_ * height_; }
+  float* data() { return buffer_.data(); }
+  const float* data() const { return buffer_.data(); }
+  ImageView<float> view() { return {buffer_.data(), width_, height_, width_}; }
+  ImageView<const float> view() const { return {buffer_.data(), width_, height_, width_}; }
+  float& at(std::int64_t x, std::int64_t y) { return buffer_.data()[y * width_ + x]; }
+  float at(std::int64_t x, std::int64_t y) const { return buffer_.data()[y * width_ + x]; }
+  Image clone() const {
+    Image copy(width_, height_);
+    for (std::int64_t i = 0; i < size(); ++i) copy.data()[i] = data()[i];
+    return copy;
+  }
+
+ private:
+  AlignedBuffer<float> buffer_;
+  std::int64_t width_ = 0;
+  std::int64_t height_ = 0;
+};
+
+}  // namespace mtf

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/parallel.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+
+namespace mtf {
+
+void parallel_for(std::int64_t count, std::int64_t chunk, int threads,
+                  const std::function<void(std::int64_t, std::int64_t)>& work) {
+  const std::int64_t pieces = (count + chunk - 1) / chunk;
+  const auto piece = [&](std::int64_t i) { work(i * chunk, std::min(count, (i + 1) * chunk)); };
+  if (threads == 1 || pieces <= 1) {
+    for (std::int64_t i = 0; i < pieces; ++i) piece(i);
+    return;
+  }
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  arena.execute([&] { tbb::parallel_for(std::int64_t{0}, pieces, piece); });
+}
+
+}  // namespace mtf

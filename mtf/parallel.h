@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+namespace mtf {
+
+/// Calls `work(begin, end)` over pieces of [0, count) of at most `chunk` on up to `threads` threads (0 = all cores).
+/// Results may not depend on how the range is cut. With one thread the pieces run in order on the calling thread.
+void parallel_for(std::int64_t count, std::int64_t chunk, int threads,
+                  const std::function<void(std::int64_t, std::int64_t)>& work);
+
+}  // namespace mtf

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/units.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "mtf/error.h"
+
+namespace mtf {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0 * 1e6;  // urad
+
+constexpr std::array kUnits{
+    Unit{"nm", Dimension::length, 1e-3},
+    Unit{"um", Dimension::length, 1.0},
+    Unit{"mm", Dimension::length, 1e3},
+    Unit{"cm", Dimension::length, 1e4},
+    Unit{"m", Dimension::length, 1e6},
+    Unit{"km", Dimension::length, 1e9},
+    Unit{"in", Dimension::length, 25400.0},
+    Unit{"nrad", Dimension::angle, 1e-3},
+    Unit{"urad", Dimension::angle, 1.0},
+    Unit{"mrad", Dimension::angle, 1e3},
+    Unit{"rad", Dimension::angle, 1e6},
+    Unit{"deg", Dimension::angle, kDegree},
+    Unit{"arcmin", Dimension::angle, kDegree / 60.0},
+    Unit{"arcsec", Dimension::angle, kDegree / 3600.0},
+    Unit{"px", Dimension::pixel, 1.0},
+    Unit{"cy/mm", Dimension::frequency, 1.0},
+    Unit{"cy/mrad", Dimension::frequency, 1.0},
+    Unit{"cy/px", Dimension::frequency, 1.0},
+    Unit{"ns", Dimension::time, 1e-9},
+    Unit{"us", Dimension::time, 1e-6},
+    Unit{"ms", Dimension::time, 1e-3},
+    Unit{"s", Dimension::time, 1.0},
+    Unit{"um/s", Dimension::velocity, 1.0},
+    Unit{"mm/s", Dimension::velocity, 1e3},
+    Unit{"m/s", Dimension::velocity, 1e6},
+    Unit{"urad/s", Dimension::rate, 1.0},
+    Unit{"mrad/s", Dimension::rate, 1e3},
+    Unit{"rad/s", Dimension::rate, 1e6},
+    Unit{"deg/s", Dimension::rate, kDegree},
+};
+
+std::string ascii_micro(std::string_view name) {
+  for (const std::string_view micro : {"\xC2\xB5", "\xCE\xBC"})  // MICRO SIGN, GREEK SMALL LETTER MU
+    if (name.starts_with(micro)) return "u" + std::string(name.substr(micro.size()));
+  return std::string(name);
+}
+
+bool accepts(Dimension expected, Dimension given) {
+  if (expected == Dimension::extent)
+    return given == Dimension::length || given == Dimension::angle || given == Dimension::pixel;
+  return expected == given;
+}
+
+std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
+
+}  // namespace
+
+const Unit* find_unit(std::string_view name) {
+  const std::string ascii = ascii_micro(name);
+  const auto found = std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) { return u.name == ascii; });
+  return found == kUnits.end() ? nullptr : &*found;
+}
+
+Quantity parse_quantity(std::string_view text, Dimension expected) {
+  const std::string_view whole = text;
+  const auto fail = [&](const std::string& why) -> UsageError {
+    return UsageError(quoted(whole) + ": " + why + "; expected " + std::string(describe(expected)));
+  };
+  const auto skip_blanks = [&] {
+    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  };
+  skip_blanks();
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  Quantity result;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), result.value);
+  if (status == std::errc::result_out_of_range) throw fail("number out of range");
+  if (status != std::errc{}) throw fail("no number");
+  if (!std::isfinite(result.value)) throw fail("number is not finite");
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  skip_blanks();
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  if (text.empty()) throw fail("no unit");
+  result.unit = find_unit(text);
+  if (result.unit == nullptr) {
+    std::vector<std::string_view> names;
+    for (const Unit& unit : kUnits)
+      if (accepts(expected, unit.dimension)) names.push_back(unit.name);
+    const auto guess = nearest(text, names);
+    throw fail("unknown unit " + quoted(text) + (guess ? ", did you mean " + quoted(*guess) + "?" : ""));
+  }
+  if (!accepts(expected, result.unit->dimension)) throw fail("unit " + quoted(text) + " does not fit");
+  return result;
+}
+
+double convert(const Quantity& quantity, std::string_view target) {
+  const Unit* to = find_unit(target);
+  assert(to != nullptr && quantity.unit != nullptr && to->dimension == quantity.unit->dimension);
+  if (to == quantity.unit) return quantity.value;
+  const double from_factor = quantity.unit->factor;
+  // A quotient of powers of ten is exact where their product with a small factor is not.
+  return to->factor > from_factor ? quantity.value / (to->factor / from_factor)
+                                  : quantity.value * (from_factor / to->factor);
+}
+
+std::string format_double(double value) {
+  std::array<char, 32> buffer;
+  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return {buffer.data(), result.ptr};
+}
+
+std::string_view describe(Dimension dimension) {
+  switch (dimension) {
+    case Dimension::none:
+      return "a plain number";
+    case Dimension::length:
+      return "a length such as \"15 um\"";
+    case Dimension::angle:
+      return "an angle such as \"30 deg\"";
+    case Dimension::extent:
+      return "a focal-plane length, an angle or pixels, such as \"2 um\", \"8 urad\" or \"0.5 px\"";
+    case Dimension::frequency:
+      return "a spatial frequency such as \"40 cy/mm\", \"1.5 cy/mrad\" or \"0.6 cy/px\"";
+    case Dimension::time:
+      return "a time such as \"10 ms\"";
+    case Dimension::velocity:
+      return "an image velocity such as \"2 mm/s\"";
+    case Dimension::rate:
+      return "an angular rate such as \"20 mrad/s\"";
+    case Dimension::pixel:
+      return "pixels such as \"0.5 px\"";
+  }
+  return "";
+}
+
+int edit_distance(std::string_view a, std::string_view b) {
+  constexpr std::size_t kLongest = 64;  // nobody means a known word with more; the table grows with the product
+  a = a.substr(0, kLongest);
+  b = b.substr(0, kLongest);
+  std::vector<std::vector<int>> d(a.size() + 1, std::vector<int>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = static_cast<int>(i);
+  for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = static_cast<int>(j);
+  for (std::size_t i = 1; i <= a.size(); ++i)
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const int replace = d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, replace});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  return d[a.size()][b.size()];
+}
+
+}  // namespace mtf
