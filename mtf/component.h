@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a component of a sensor is. A component is a value type `template <class S>` in mtf/components/ with
+//   kind, doc, stages      static: its name in the config, one sentence, the lists it may stand in
+//   fields()               the one table that drives config reading and writing, validation, fits and tests
+//   traits(ctx)            symmetry of its OTF for the present values
+//   otf(f, ctx)            OTF(f) = integral of psf(x) exp(-2 pi i f.x) dx at f in cycles/mm
+//   cutoff_cy_mm(ctx)      |f| from which the OTF is zero; infinity when there is none
+//   deviation(fx, fy, ctx) a bound of |otf - 1| over |f.x| <= fx, |f.y| <= fy
+//   check(ctx)             what the field bounds cannot say: values that exclude each other, validity of the formula
+// Everybody else uses the type-erased handle `Component<S>`; the list of types is mtf/components/all.h.
+
+#include <array>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "mtf/frame.h"
+
+namespace mtf {
+
+/// The three lists of a system, in the order of the physics (DESIGN: presample acts on the scene, readout on collected
+/// charge before the ADC, postsample on digital images; the last two are on the detector grid).
+enum class Stage { presample, readout, postsample };
+inline constexpr std::array kStages{Stage::presample, Stage::readout, Stage::postsample};
+std::string_view stage_name(Stage stage);
+
+struct Stages {
+  bool presample = false, readout = false, postsample = false;
+  constexpr bool allows(Stage stage) const {
+    return stage == Stage::presample ? presample : stage == Stage::readout ? readout : postsample;
+  }
+};
+
+/// Properties of an OTF that the grid and the plan rely on; each is tested for every component.
+struct Traits {
+  bool radial = false;     ///< depends on |f| only
+  bool separable = false;  ///< otf(fx, fy) = otf(fx, 0) x otf(0, fy), where otf(0, 0) = 1
+  bool even_x = false;     ///< otf(-fx, fy) = otf(fx, fy)
+  bool even_y = false;     ///< otf(fx, -fy) = otf(fx, fy)
+  bool real = true;
+  bool chromatic = false;  ///< depends on the wavelength of the band node
+  bool gain = false;       ///< |otf| may exceed 1, or otf(0) differs from 1
+};
+
+enum class Presence {
+  required,
+  optional,
+  shared  ///< falls back to the field of the same name in [optics]
+};
+
+/// One row of a field table.
+struct FieldInfo {
+  std::string_view name;
+  Dimension dimension = Dimension::none;
+  std::string_view unit{};    ///< unit the raw double is held in ("um", "" for plain numbers and Extents)
+  double lo = 0.0, hi = 0.0;  ///< allowed range, in that unit (Extents: in um, urad or px as written)
+  bool lo_open = false;       ///< lo itself is not allowed
+  bool hi_open = false;
+  Presence presence = Presence::required;
+  std::string_view example{};  ///< a typical value as written in a config
+  std::string_view doc{};
+};
+
+/// An enumerated field: `names` are the words of the config.
+struct Choice {
+  int index = 0;
+  std::span<const std::string_view> names;
+};
+
+/// A measured curve of one frequency axis. Values are interpolated by monotone cubics (value and slope continuous).
+/// Before the first sample it starts from 1 at f = 0; beyond the last it goes to 0 along the last slope and stays
+/// there.
+struct Curve {
+  std::string source;             ///< file it came from, for messages and provenance
+  const Unit* unit = nullptr;     ///< cy/mm, cy/mrad or cy/px
+  std::vector<double> frequency;  ///< strictly increasing, first > 0 or (0, value)
+  std::vector<double> value;
+  std::vector<double> slope;  ///< filled by make_curve
+};
+
+/// A curve ready for use. Throws UsageError (with `source`) for fewer than two samples, unsorted, negative or
+/// non-finite entries, sizes that differ, or |value| > 1.05.
+Curve make_curve(std::string source, const Unit& unit, std::vector<double> frequency, std::vector<double> value);
+
+struct ValueSlope {
+  double value = 0.0;
+  double slope = 0.0;
+};
+
+/// Value and slope at |f|, f in the curve's own unit.
+ValueSlope evaluate(const Curve& curve, double f);
+
+template <class S>
+using Taps = std::vector<std::vector<S>>;  ///< rows of equal length, taps[row][column]
+
+/// A field of a live component, type-erased: what config, fits and tests work on.
+template <class S>
+struct FieldRef {
+  const FieldInfo* info;
+  std::variant<S*, std::optional<S>*, AxisPair<S>*, SpatialFrequency<S>*, int*, Choice*, Taps<S>*,
+               std::shared_ptr<const Curve>*>
+      value;
+};
+
+/// Something `check` found: an error stops compilation of the system, a warning is shown and reported.
+struct Problem {
+  bool error = true;
+  std::string field{};  ///< "" when it concerns the component as a whole
+  std::string text{};
+};
+
+template <class S>
+struct ComponentVariant;  // std::variant of all types, in mtf/components/all.h
+
+/// Value handle of one component: copies share, edits through fields() copy first.
+template <class S>
+class Component {
+ public:
+  /// A component of that kind with default values. Throws UsageError naming the nearest kind.
+  static Component make(std::string_view kind);
+  explicit Component(ComponentVariant<S> value);
+
+  std::string_view kind() const;
+  std::string_view doc() const;
+  Stages stages() const;
+  /// True for a complete pupil OTF (diffraction): at most one in a list.
+  bool is_pupil() const;
+  Traits traits(const Context<S>& ctx) const;
+  double cutoff_cy_mm(const Context<S>& ctx) const;
+  double deviation(double fx_cy_mm, double fy_cy_mm, const Context<S>& ctx) const;
+  /// Bounds of every field, shared fields that nobody gives, and the component's own check.
+  std::vector<Problem> check(const Context<S>& ctx) const;
+
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const;
+  /// h[i] *= otf(f[i]): one dispatch for the whole span.
+  void multiply(std::span<const Freq<S>> f, const Context<S>& ctx, std::span<Complex<S>> h) const;
+
+  std::vector<FieldRef<S>> fields();
+  /// The same for reading only; the pointers stay valid as long as the component.
+  std::vector<FieldRef<S>> fields() const;
+
+ private:
+  std::shared_ptr<ComponentVariant<S>> value_;
+};
+
+/// Every kind that exists, in the order of mtf/components/all.h.
+std::vector<std::string_view> component_kinds();
+
+}  // namespace mtf

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A measured or computed MTF as a table: radial (against |f|) or along one axis (twice, once per axis, for both).
+//   otf = monotone cubic through the samples; from 1 at f = 0 when the table starts later; beyond the last sample
+//   straight on along the last slope to 0, and 0 from there (see Curve in mtf/component.h).
+// Signed values are allowed (contrast reversal), phase is not. Real; even.
+
+#include "mtf/components/field.h"
+
+namespace mtf {
+
+inline constexpr std::array<std::string_view, 3> kCurveAxisNames{"radial", "x", "y"};
+
+template <class S>
+struct CurveOtf {
+  static constexpr std::string_view kind = "curve";
+  static constexpr std::string_view doc = "tabulated MTF from a CSV file, radial or along one axis";
+  static constexpr Stages stages{.presample = true, .readout = true, .postsample = true};
+
+  std::shared_ptr<const Curve> curve;
+  Choice axis{0, kCurveAxisNames};
+
+  static constexpr auto fields() {
+    return std::tuple{
+        Field{FieldInfo{.name = "file",
+                        .example = "\"lens.csv\"",
+                        .doc = "CSV with two columns, frequency and MTF, the unit in the header: frequency_cy_mm, mtf"},
+              &CurveOtf::curve},
+        Field{FieldInfo{.name = "axis",
+                        .presence = Presence::optional,
+                        .example = "\"radial\"",
+                        .doc = "radial, or the one axis it acts along"},
+              &CurveOtf::axis}};
+  }
+  Traits traits(const Context<S>& ctx) const {
+    // A radial table in cycles per pixel of non-square pixels is elliptic.
+    const bool round = curve->unit->name != "cy/px" || value_of(ctx.frame.pitch_x_um) == value_of(ctx.frame.pitch_y_um);
+    return {.radial = axis.index == 0 && round, .separable = axis.index != 0, .even_x = true, .even_y = true};
+  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const auto own_unit = [&](const S& along, Axis a) {
+      if (curve->unit->name == "cy/mrad") return ctx.frame.cy_per_mrad(along);
+      if (curve->unit->name == "cy/px") return ctx.frame.cy_per_px(along, a);
+      return along;
+    };
+    const S u = axis.index == 0   ? radius(own_unit(f.x, Axis::x), own_unit(f.y, Axis::y))
+                : axis.index == 1 ? own_unit(f.x, Axis::x)
+                                  : own_unit(f.y, Axis::y);
+    return {lift(evaluate(*curve, value_of(u)), u), S(0)};
+  }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  double deviation(double, double, const Context<S>&) const {
+    double worst = 1.0;
+    for (const double v : curve->value) worst = std::max(worst, std::abs(1.0 - v));
+    return worst;
+  }
+  std::vector<Problem> check(const Context<S>&) const {
+    if (curve == nullptr) return {{.field = "file", .text = "missing"}};
+    if (std::abs(curve->value.back()) <= 0.05) return {};
+    return {{.error = false,
+             .field = "file",
+             .text = curve->source + " ends at " + format_double(curve->frequency.back()) + " " +
+                     std::string(curve->unit->name) + " with MTF " + format_double(curve->value.back()) +
+                     "; beyond it the curve is continued along its last slope to 0"}};
+  }
+};
+
+}  // namespace mtf

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Diffraction of an aberration-free circular or annular pupil, incoherent light.
+//   otf = M(nu, obscuration), nu = |f| lambda N; zero from |f| = 1/(lambda N) on (mtf/components/pupil.h)
+// lambda: the band node, or the component's own wavelength. N: f-number, focal length / aperture. Real, radial.
+// Valid in the paraxial, isoplanatic image of a distant scene.
+
+#include "mtf/components/field.h"
+#include "mtf/components/pupil.h"
+
+namespace mtf {
+
+template <class S>
+struct Diffraction {
+  static constexpr std::string_view kind = "diffraction";
+  static constexpr std::string_view doc = "diffraction of a clear circular or annular pupil";
+  static constexpr Stages stages{.presample = true};
+  static constexpr bool is_pupil = true;
+
+  std::optional<S> f_number;
+  std::optional<S> obscuration;
+  std::optional<S> wavelength_um;
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "f_number",
+                                      .lo = 0.1,
+                                      .hi = 1e4,
+                                      .presence = Presence::shared,
+                                      .example = "2.0",
+                                      .doc = "focal length / aperture"},
+                            &Diffraction::f_number},
+                      Field{FieldInfo{.name = "obscuration",
+                                      .lo = 0.0,
+                                      .hi = 1.0,
+                                      .hi_open = true,
+                                      .presence = Presence::shared,
+                                      .example = "0.3",
+                                      .doc = "central obscuration, inner / outer diameter"},
+                            &Diffraction::obscuration},
+                      Field{FieldInfo{.name = "wavelength",
+                                      .dimension = Dimension::length,
+                                      .unit = "um",
+                                      .lo = 0.01,
+                                      .hi = 1e5,
+                                      .presence = Presence::shared,
+                                      .example = "\"4.0 um\"",
+                                      .doc = "fixed wavelength instead of the band"},
+                            &Diffraction::wavelength_um}};
+  }
+  Traits traits(const Context<S>&) const {
+    return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};
+  }
+  S nu(const S& f_cy_mm, const Context<S>& ctx) const {
+    return relative_frequency(f_cy_mm, wavelength_um.value_or(ctx.wavelength_um), f_number_of(f_number, ctx));
+  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const S v = nu(radius(f.x, f.y), ctx);
+    const S e = obscuration_of(obscuration, ctx);
+    const PupilMtf m = annular_pupil_mtf(value_of(v), value_of(e));
+    return {lift(m.value, m.d_nu, v, m.d_obscuration, e), S(0)};
+  }
+  double cutoff_cy_mm(const Context<S>& ctx) const { return 1.0 / value_of(nu(S(1), ctx)); }
+  /// Clear pupil: the MTF falls monotonically. Annular: |1 - M| <= 1 is all that is cheap and true.
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    if (value_of(obscuration_of(obscuration, ctx)) > 0.0) return 1.0;
+    return 1.0 - circular_pupil_mtf(value_of(nu(S(std::hypot(fx, fy)), ctx))).value;
+  }
+  std::vector<Problem> check(const Context<S>&) const { return {}; }
+};
+
+}  // namespace mtf

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Rectangular detector footprint, uniform response: otf = sinc(wx fx) sinc(wy fy), sinc(x) = sin(pi x)/(pi x).
+// Widths are given, or follow from the area fill factor: w = pitch x sqrt(fill_factor) per axis. Real (signed),
+// separable. (Boreman, Modulation Transfer Function in Optical and Electro-Optical Systems, ch. 2.)
+
+#include "mtf/components/field.h"
+
+namespace mtf {
+
+template <class S>
+struct Footprint {
+  static constexpr std::string_view kind = "footprint";
+  static constexpr std::string_view doc = "rectangular detector footprint";
+  static constexpr Stages stages{.presample = true};
+
+  AxisPair<S> width;
+  std::optional<S> fill_factor;
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "width",
+                                      .dimension = Dimension::extent,
+                                      .lo = 0.0,
+                                      .hi = 1e9,
+                                      .presence = Presence::optional,
+                                      .example = "\"15 um\"",
+                                      .doc = "active width, per axis"},
+                            &Footprint::width},
+                      Field{FieldInfo{.name = "fill_factor",
+                                      .lo = 0.0,
+                                      .hi = 1.0,
+                                      .lo_open = true,
+                                      .presence = Presence::optional,
+                                      .example = "0.9",
+                                      .doc = "active area / cell area, instead of width"},
+                            &Footprint::fill_factor}};
+  }
+  S width_mm(Axis axis, const Context<S>& ctx) const {
+    using std::sqrt;
+    if (width.given()) return (axis == Axis::x ? width.x_um(ctx.frame) : width.y_um(ctx.frame)) * S(1e-3);
+    return ctx.frame.pitch_um(axis) * S(1e-3) * sqrt(fill_factor.value_or(S(1)));
+  }
+  Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true}; }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    return {sinc_of(S(width_mm(Axis::x, ctx) * f.x)) * sinc_of(S(width_mm(Axis::y, ctx) * f.y)), S(0)};
+  }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    return std::min(1.2173, sinc_deviation(value_of(width_mm(Axis::x, ctx)) * fx) +
+                                sinc_deviation(value_of(width_mm(Axis::y, ctx)) * fy));
+  }
+  std::vector<Problem> check(const Context<S>& ctx) const {
+    if (width.given() == fill_factor.has_value())
+      return {{.field = "width", .text = "give either width or fill_factor"}};
+    std::vector<Problem> problems;
+    for (const Axis axis : {Axis::x, Axis::y})
+      if (value_of(width_mm(axis, ctx)) > value_of(ctx.frame.pitch_um(axis)) * 1e-3 * (1.0 + 1e-9))
+        problems.push_back(
+            {.error = false,
+             .field = "width",
+             .text = std::string("active width exceeds the pitch along ") + (axis == Axis::x ? "x" : "y")});
+    return problems;
+  }
+};
+
+}  // namespace mtf

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Gaussian blur: otf = exp(-2 pi^2 (sx^2 fx^2 + sy^2 fy^2)), s = standard deviation of the point spread per axis.
+// A stand-in for blur that is known only by its size (geometric aberrations, diffusion, display spot). Real, separable.
+
+#include "mtf/components/field.h"
+
+namespace mtf {
+
+/// Shared by every component whose OTF is a Gaussian of a size per axis.
+template <class S>
+struct GaussianOtf {
+  static Complex<S> otf(const AxisPair<S>& sigma, const Freq<S>& f, const Context<S>& ctx) {
+    const S sx = sigma.x_um(ctx.frame) * S(1e-3);
+    const S sy = sigma.y_um(ctx.frame) * S(1e-3);
+    return {gaussian_of(S(sx * f.x)) * gaussian_of(S(sy * f.y)), S(0)};
+  }
+  static Traits traits(const AxisPair<S>& sigma, const Context<S>& ctx) {
+    return {.radial = sigma.isotropic(ctx.frame), .separable = true, .even_x = true, .even_y = true};
+  }
+  static double deviation(const AxisPair<S>& sigma, double fx, double fy, const Context<S>& ctx) {
+    const double x = value_of(sigma.x_um(ctx.frame)) * 1e-3 * fx, y = value_of(sigma.y_um(ctx.frame)) * 1e-3 * fy;
+    return -std::expm1(-2.0 * kPi * kPi * (x * x + y * y));
+  }
+};
+
+template <class S>
+struct Gaussian {
+  static constexpr std::string_view kind = "gaussian";
+  static constexpr std::string_view doc = "Gaussian blur of given standard deviation";
+  static constexpr Stages stages{.presample = true, .readout = true, .postsample = true};
+
+  AxisPair<S> sigma;
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "sigma",
+                                      .dimension = Dimension::extent,
+                                      .lo = 0.0,
+                                      .hi = 1e9,
+                                      .example = "\"3 um\"",
+                                      .doc = "standard deviation of the point spread, per axis"},
+                            &Gaussian::sigma}};
+  }
+  Traits traits(const Context<S>& ctx) const { return GaussianOtf<S>::traits(sigma, ctx); }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return GaussianOtf<S>::otf(sigma, f, ctx); }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    return GaussianOtf<S>::deviation(sigma, fx, fy, ctx);
+  }
+  std::vector<Problem> check(const Context<S>&) const { return {}; }
+};
+
+}  // namespace mtf

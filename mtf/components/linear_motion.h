@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Constant-velocity image motion during the integration time, about its middle:
+//   otf = sinc(d . f), d = travel (cos a, sin a), a from +x (right) to +y (down).
+// travel is given, or velocity x integration time. Real (signed); separable only along an axis.
+// (Boreman, ch. 6; Kopeika, ch. 14.)
+
+#include "mtf/components/field.h"
+
+namespace mtf {
+
+template <class S>
+struct LinearMotion {
+  static constexpr std::string_view kind = "linear_motion";
+  static constexpr std::string_view doc = "constant-velocity image motion during the integration time";
+  static constexpr Stages stages{.presample = true};
+
+  AxisPair<S> travel;
+  std::optional<S> velocity_um_s;
+  std::optional<S> rate_urad_s;
+  S direction_deg{};
+
+  static constexpr auto fields() {
+    return std::tuple{
+        Field{FieldInfo{.name = "travel",
+                        .dimension = Dimension::extent,
+                        .lo = 0.0,
+                        .hi = 1e9,
+                        .presence = Presence::optional,
+                        .example = "\"10 um\"",
+                        .doc = "distance moved in one integration time"},
+              &LinearMotion::travel},
+        Field{FieldInfo{.name = "velocity",
+                        .dimension = Dimension::velocity,
+                        .unit = "um/s",
+                        .lo = 0.0,
+                        .hi = 1e15,
+                        .presence = Presence::optional,
+                        .example = "\"2 mm/s\"",
+                        .doc = "image velocity at the focal plane, times frame.integration_time, instead of travel"},
+              &LinearMotion::velocity_um_s},
+        Field{FieldInfo{.name = "rate",
+                        .dimension = Dimension::rate,
+                        .unit = "urad/s",
+                        .lo = 0.0,
+                        .hi = 1e15,
+                        .presence = Presence::optional,
+                        .example = "\"20 mrad/s\"",
+                        .doc = "object angle per second, times frame.integration_time, instead of travel"},
+              &LinearMotion::rate_urad_s},
+        Field{FieldInfo{.name = "direction",
+                        .dimension = Dimension::angle,
+                        .unit = "deg",
+                        .lo = -360.0,
+                        .hi = 360.0,
+                        .presence = Presence::optional,
+                        .example = "\"30 deg\"",
+                        .doc = "from +x (right) to +y (down)"},
+              &LinearMotion::direction_deg}};
+  }
+  Freq<S> displacement_mm(const Context<S>& ctx) const {
+    const S half_turns = direction_deg / S(180);
+    const double a = value_of(half_turns);
+    const S cosine = lift({cos_pi(a), -kPi * sin_pi(a)}, half_turns),
+            sine = lift({sin_pi(a), kPi * cos_pi(a)}, half_turns);
+    if (travel.given()) return {travel.x_um(ctx.frame) * cosine * S(1e-3), travel.y_um(ctx.frame) * sine * S(1e-3)};
+    const S speed = velocity_um_s ? *velocity_um_s : ctx.frame.um_from_urad(rate_urad_s.value_or(S(0)));
+    const S length = speed * ctx.frame.integration_time_s * S(1e-3);
+    return {length * cosine, length * sine};
+  }
+  Traits traits(const Context<S>& ctx) const {
+    const Freq<S> d = displacement_mm(ctx);
+    const bool along_axis = value_of(d.x) == 0.0 || value_of(d.y) == 0.0;
+    return {.separable = along_axis, .even_x = along_axis, .even_y = along_axis};
+  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const Freq<S> d = displacement_mm(ctx);
+    return {sinc_of(S(d.x * f.x + d.y * f.y)), S(0)};
+  }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    const Freq<S> d = displacement_mm(ctx);
+    return sinc_deviation(std::abs(value_of(d.x)) * fx + std::abs(value_of(d.y)) * fy);
+  }
+  std::vector<Problem> check(const Context<S>& ctx) const {
+    if (travel.given() + velocity_um_s.has_value() + rate_urad_s.has_value() != 1)
+      return {{.field = "travel", .text = "give exactly one of travel, velocity, rate"}};
+    if (travel.split)
+      return {{.field = "travel", .text = "give one travel and a direction instead of travel_x, travel_y"}};
+    if (!travel.given() && !(value_of(ctx.frame.integration_time_s) > 0.0))
+      return {{.field = velocity_um_s ? "velocity" : "rate", .text = "needs frame.integration_time"}};
+    return {};
+  }
+};
+
+}  // namespace mtf

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Electronics behind a scanned or serially read detector act along the scan as low-pass filters in time; here by their
+// spatial cutoff f0 along one axis (f_t = f x scan velocity, or f x pitch x pixel clock).
+//   rc_lowpass:   otf = 1/(1 + i f/f0)           causal: the tail of a point trails towards +axis; phase kept
+//   butterworth:  otf = 1/sqrt(1 + (f/f0)^(2n))  modulus of an n-pole filter, phase taken out (linear-phase reading)
+// (Lloyd, Thermal Imaging Systems; Holst, Electro-Optical Imaging System Performance.)
+
+#include "mtf/components/field.h"
+
+namespace mtf {
+
+inline constexpr std::array<std::string_view, 2> kAxisNames{"x", "y"};
+
+template <class S>
+struct LowpassAxis {
+  static constexpr FieldInfo cutoff_info{.name = "cutoff",
+                                         .dimension = Dimension::frequency,
+                                         .lo = 0.0,
+                                         .hi = 1e9,
+                                         .lo_open = true,
+                                         .example = "\"40 cy/mm\"",
+                                         .doc = "spatial frequency where the modulus is 1/sqrt(2)"};
+  static constexpr FieldInfo axis_info{
+      .name = "axis", .presence = Presence::optional, .example = "\"x\"", .doc = "axis of the scan or readout"};
+  static Axis axis_of(const Choice& choice) { return choice.index == 0 ? Axis::x : Axis::y; }
+  /// f/f0 of the component's axis.
+  static S relative(const SpatialFrequency<S>& cutoff, const Choice& axis, const Freq<S>& f, const Context<S>& ctx) {
+    const S& along = axis_of(axis) == Axis::x ? f.x : f.y;
+    return along / cutoff.cy_mm(ctx.frame, axis_of(axis));
+  }
+};
+
+template <class S>
+struct RcLowpass {
+  static constexpr std::string_view kind = "rc_lowpass";
+  static constexpr std::string_view doc = "one-pole electronic low-pass with its phase";
+  static constexpr Stages stages{.presample = true, .readout = true};
+
+  SpatialFrequency<S> cutoff;
+  Choice axis{0, kAxisNames};
+
+  static constexpr auto fields() {
+    return std::tuple{Field{LowpassAxis<S>::cutoff_info, &RcLowpass::cutoff},
+                      Field{LowpassAxis<S>::axis_info, &RcLowpass::axis}};
+  }
+  Traits traits(const Context<S>&) const {
+    const bool x = axis.index == 0;
+    return {.separable = true, .even_x = !x, .even_y = x, .real = false};
+  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const S u = LowpassAxis<S>::relative(cutoff, axis, f, ctx);
+    if (std::abs(value_of(u)) <= 1.0) {
+      const S scale = S(1) / (S(1) + u * u);
+      return {scale, S(-u * scale)};
+    }
+    const S v = S(1) / u;  // the same, without overflow of u^2
+    const S scale = S(1) / (S(1) + v * v);
+    return {S(v * v * scale), S(-v * scale)};
+  }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    const double u = value_of(LowpassAxis<S>::relative(cutoff, axis, {S(fx), S(fy)}, ctx));
+    return u < 1e150 ? u / std::sqrt(1.0 + u * u) : 1.0;
+  }
+  std::vector<Problem> check(const Context<S>&) const { return {}; }
+};
+
+template <class S>
+struct Butterworth {
+  static constexpr std::string_view kind = "butterworth";
+  static constexpr std::string_view doc = "n-pole Butterworth low-pass, modulus only";
+  static constexpr Stages stages{.presample = true, .readout = true};
+
+  SpatialFrequency<S> cutoff;
+  int poles = 0;
+  Choice axis{0, kAxisNames};
+
+  static constexpr auto fields() {
+    return std::tuple{Field{LowpassAxis<S>::cutoff_info, &Butterworth::cutoff},
+                      Field{FieldInfo{.name = "poles", .lo = 1.0, .hi = 20.0, .example = "3", .doc = "number of poles"},
+                            &Butterworth::poles},
+                      Field{LowpassAxis<S>::axis_info, &Butterworth::axis}};
+  }
+  Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true}; }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const S u = LowpassAxis<S>::relative(cutoff, axis, f, ctx);
+    return {lift(modulus(value_of(u)), u), S(0)};
+  }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    return 1.0 - modulus(value_of(LowpassAxis<S>::relative(cutoff, axis, {S(fx), S(fy)}, ctx))).value;
+  }
+  std::vector<Problem> check(const Context<S>&) const { return {}; }
+
+ private:
+  ValueSlope modulus(double u) const {
+    if (u == 0.0) return {1.0, 0.0};
+    const double power = std::pow(std::abs(u), 2.0 * poles);
+    if (!(power < kInfinity)) return {std::pow(std::abs(u), -1.0 * poles), 0.0};
+    const double value = 1.0 / std::sqrt(1.0 + power);
+    return {value, -poles * (power / (1.0 + power)) * value / u};
+  }
+};
+
+}  // namespace mtf

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A sensor as a product of OTFs: the frame, the shared optics, the spectral band, and three lists of components.
+// The system OTF is exactly the product of what is listed; nothing is implied by [frame], [optics] or [band].
+// Chromatic components depend on wavelength: their *product* is averaged over the band with electron-rate weights, then
+// multiplied by the rest (averaging each on its own is wrong).
+
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mtf/component.h"
+
+namespace mtf {
+
+/// Wavelength interval with electron-rate weights. Until spectra are given the rate per wavelength is taken as
+/// constant.
+struct Band {
+  double lo_um = 0.0;
+  double hi_um = 0.0;  ///< hi > lo
+};
+
+/// Gauss-Legendre nodes of a band; weights sum to 1. n is 1 to 512.
+struct WavelengthNodes {
+  std::vector<double> wavelength_um;
+  std::vector<double> weight;
+};
+WavelengthNodes wavelength_nodes(const Band& band, int n);
+
+/// A listed component. The label is what reports call it: unique, the kind by default ("jitter", "jitter_2").
+template <class S>
+struct Entry {
+  Component<S> component;
+  std::string label;
+};
+
+template <class S>
+struct System {
+  std::string name;
+  Frame<S> frame;
+  Optics<S> optics;
+  std::optional<Band> band;
+  int band_nodes = 64;  ///< nodes used by otf(); plans choose their own number from the tolerance
+  std::array<std::vector<Entry<S>>, 3> stages;  ///< index = Stage
+
+  std::vector<Entry<S>>& list(Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
+  const std::vector<Entry<S>>& list(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
+
+  /// Appends a component with a unique label made from its kind.
+  void add(Stage stage, Component<S> component);
+
+  /// The context of the monochromatic wavelength, or of the band's middle.
+  Context<S> context() const;
+  Context<S> context(const S& wavelength_um) const;
+
+  /// OTF of one component; a chromatic one is averaged over the band on its own (for display only).
+  Complex<S> otf(const Entry<S>& entry, const Freq<S>& f) const;
+  /// Product of one list, chromatic product averaged over the band. 1 for an empty list.
+  Complex<S> otf(Stage stage, const Freq<S>& f) const;
+  /// The whole system.
+  Complex<S> otf(const Freq<S>& f) const;
+
+  /// Everything wrong or doubtful: frame, band, fields, lists. `where` is "frame.pitch_x", "presample[1].rms", …
+  struct Finding {
+    std::string where;
+    Problem problem;
+  };
+  std::vector<Finding> check() const;
+};
+
+/// Throws UsageError with all errors of check() in one message; does nothing when there are only warnings.
+void require_valid(const System<double>& system);
+
+/// The same system in another scalar type.
+template <class To, class From>
+System<To> cast(const System<From>& system);
+
+extern template struct System<double>;
+extern template struct System<float>;
+extern template class Component<double>;
+extern template class Component<float>;
+extern template System<float> cast<float, double>(const System<double>&);
+
+}  // namespace mtf

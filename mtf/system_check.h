@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Body of System<S>::check, apart from system_impl.h because it is long and read on its own.
+
+#include "mtf/system_impl.h"
+
+namespace mtf {
+
+template <class S>
+std::vector<typename System<S>::Finding> System<S>::check() const {
+  std::vector<Finding> findings;
+  const auto error = [&](std::string where, std::string text) {
+    findings.push_back({std::move(where), {.error = true, .field = {}, .text = std::move(text)}});
+  };
+  const auto positive = [&](const std::string& where, const S& value, std::string_view unit, double limit) {
+    const double v = value_of(value);
+    if (!(v > 0.0 && v <= limit))
+      error(where, format_double(v) + (unit.empty() ? "" : " ") + std::string(unit) + " is outside (0, " +
+                       format_double(limit) + "]");
+  };
+  positive("frame.focal_length", frame.focal_length_mm, "mm", 1e7);
+  positive("frame.pitch_x", frame.pitch_x_um, "um", 1e6);
+  positive("frame.pitch_y", frame.pitch_y_um, "um", 1e6);
+  if (!(value_of(frame.integration_time_s) >= 0.0 && value_of(frame.integration_time_s) <= 1e9))
+    error("frame.integration_time", format_double(value_of(frame.integration_time_s)) + " s is outside [0, 1e9]");
+  if (frame.columns < 0 || frame.rows < 0) error("frame.format", "columns and rows have to be positive");
+  if (optics.f_number && optics.aperture_mm) error("optics.aperture", "give either f_number or aperture");
+  if (optics.f_number) positive("optics.f_number", *optics.f_number, "", 1e4);
+  if (optics.aperture_mm) positive("optics.aperture", *optics.aperture_mm, "mm", 1e6);
+  if (optics.obscuration && !(value_of(*optics.obscuration) >= 0.0 && value_of(*optics.obscuration) < 1.0))
+    error("optics.obscuration", format_double(value_of(*optics.obscuration)) + " is outside [0, 1)");
+  if (optics.wavelength_um) positive("optics.wavelength", *optics.wavelength_um, "um", 1e5);
+  if (band && !(band->lo_um > 0.0 && band->hi_um > band->lo_um && band->hi_um <= 1e5))
+    error("band.wavelength", "has to be two increasing positive wavelengths up to 1e5 um");
+  if (band && optics.wavelength_um) error("optics.wavelength", "the spectrum is given twice: remove it or [band]");
+  if (!findings.empty()) return findings;  // component checks rely on the frame
+
+  for (const Stage stage : kStages) {
+    std::string pupil;
+    for (std::size_t i = 0; i < list(stage).size(); ++i) {
+      const Entry<S>& entry = list(stage)[i];
+      const std::string where = std::string(stage_name(stage)) + "[" + std::to_string(i) + "]";
+      if (!entry.component.stages().allows(stage))
+        error(where + ".kind", "\"" + std::string(entry.component.kind()) + "\" cannot stand in [[" +
+                                   std::string(stage_name(stage)) + "]]");
+      for (Problem& problem : entry.component.check(context()))
+        findings.push_back({where + (problem.field.empty() ? "" : "." + problem.field), std::move(problem)});
+      if (!entry.component.is_pupil()) continue;
+      if (!pupil.empty())
+        error(where + ".kind",
+              "a second complete pupil OTF beside \"" + pupil +
+                  "\": aberrations and diffraction are one integral; use one wavefront with all terms");
+      pupil = entry.label;
+    }
+  }
+  return findings;
+}
+
+}  // namespace mtf

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/system_check.h"
+
+namespace mtf {
+
+template class Component<double>;
+template struct System<double>;
+
+std::string_view stage_name(Stage stage) {
+  return stage == Stage::presample ? "presample" : stage == Stage::readout ? "readout" : "postsample";
+}
+
+std::vector<std::string_view> component_kinds() {
+  std::vector<std::string_view> kinds;
+  [&]<class... C>(const std::variant<C...>*) {
+    (kinds.push_back(C::kind), ...);
+  }(static_cast<decltype(ComponentVariant<double>::value)*>(nullptr));
+  return kinds;
+}
+
+namespace detail {
+
+bool in_range(const FieldInfo& info, double value) {
+  if (!std::isfinite(value)) return false;
+  return (info.lo_open ? value > info.lo : value >= info.lo) && (info.hi_open ? value < info.hi : value <= info.hi);
+}
+
+std::string range_text(const FieldInfo& info) {
+  return (info.lo_open ? "(" : "[") + format_double(info.lo) + ", " + format_double(info.hi) +
+         (info.hi_open ? ")" : "]");
+}
+
+}  // namespace detail
+
+void require_valid(const System<double>& system) {
+  std::string message;
+  for (const auto& finding : system.check())
+    if (finding.problem.error) message += (message.empty() ? "" : "; ") + finding.where + ": " + finding.problem.text;
+  if (!message.empty()) throw UsageError(message);
+}
+
+}  // namespace mtf

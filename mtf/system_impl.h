@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Template bodies of Component<S> and System<S>. Included only where a scalar type is instantiated: system_double.cpp,
+// system_float.cpp, calib/system_jet.cpp.
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/components/all.h"
+#include "mtf/error.h"
+#include "mtf/system.h"
+
+namespace mtf {
+namespace detail {
+
+template <class S>
+auto visit(const ComponentVariant<S>& v, auto&& f) {
+  return std::visit(f, v.value);
+}
+
+template <class C, class S>
+std::vector<FieldRef<S>> field_refs(C& component) {
+  static constexpr auto table = C::fields();
+  std::vector<FieldRef<S>> refs;
+  std::apply([&](const auto&... field) { (refs.push_back({&field.info, &(component.*field.member)}), ...); }, table);
+  return refs;
+}
+
+/// Text of an allowed interval: "[0, 1)", with the unit.
+std::string range_text(const FieldInfo& info);
+bool in_range(const FieldInfo& info, double value);
+
+template <class S>
+void check_field(const FieldRef<S>& field, const Context<S>& ctx, std::vector<Problem>& problems) {
+  const FieldInfo& info = *field.info;
+  const auto missing = [&] { problems.push_back({.field = std::string(info.name), .text = "missing"}); };
+  const auto bounded = [&](std::string_view suffix, double value, std::string_view unit) {
+    if (in_range(info, value)) return;
+    problems.push_back({.field = std::string(info.name) + std::string(suffix),
+                        .text = format_double(value) + (unit.empty() ? "" : " ") + std::string(unit) + " is outside " +
+                                range_text(info)});
+  };
+  std::visit(
+      [&](auto* value) {
+        using T = std::remove_pointer_t<decltype(value)>;
+        if constexpr (std::is_same_v<T, S>) {
+          bounded("", value_of(*value), info.unit);
+        } else if constexpr (std::is_same_v<T, std::optional<S>>) {
+          if (*value)
+            bounded("", value_of(**value), info.unit);
+          else if (info.presence == Presence::required)
+            missing();
+        } else if constexpr (std::is_same_v<T, AxisPair<S>>) {
+          if (value->given()) {
+            bounded(value->split ? "_x" : "", value_of(value->x.value), value->x.unit->name);
+            if (value->split) bounded("_y", value_of(value->y.value), value->y.unit->name);
+          } else if (info.presence == Presence::required) {
+            missing();
+          }
+        } else if constexpr (std::is_same_v<T, SpatialFrequency<S>>) {
+          if (value->unit != nullptr)
+            bounded("", value_of(value->value), value->unit->name);
+          else if (info.presence == Presence::required)
+            missing();
+        } else if constexpr (std::is_same_v<T, int>) {
+          bounded("", *value, "");
+        } else if constexpr (std::is_same_v<T, Taps<S>>) {
+          for (const auto& row : *value)
+            for (const S& tap : row) bounded("", value_of(tap), "");
+        }
+      },
+      field.value);
+  // Shared fields: f_number and wavelength have to come from somewhere; obscuration is 0 unless given.
+  const auto* own = std::get_if<std::optional<S>*>(&field.value);
+  if (info.presence != Presence::shared || own == nullptr || (*own)->has_value()) return;
+  const bool found = info.name == "f_number"     ? ctx.optics.f_number || ctx.optics.aperture_mm
+                     : info.name == "wavelength" ? value_of(ctx.wavelength_um) > 0.0
+                                                 : true;
+  if (!found)
+    problems.push_back({.field = std::string(info.name),
+                        .text = "missing; give it here, or for all components in [optics]" +
+                                std::string(info.name == "wavelength" ? " or as [band] wavelength" : "")});
+}
+
+template <class To, class From>
+To cast_scalar(const From& from) {
+  if constexpr (std::is_same_v<To, float>)
+    return static_cast<float>(value_of(from));
+  else
+    return To(value_of(from));
+}
+
+template <class To, class From>
+std::optional<To> cast_optional(const std::optional<From>& from) {
+  return from ? std::optional<To>(cast_scalar<To>(*from)) : std::nullopt;
+}
+
+// One overload a field type; pairs of different types never meet, because both components have the same table.
+template <class To, class From>
+struct CastField {
+  void operator()(const From& from, To& to) const { to = cast_scalar<To>(from); }
+  void operator()(const std::optional<From>& from, std::optional<To>& to) const { to = cast_optional<To>(from); }
+  void operator()(const Extent<From>& from, Extent<To>& to) const { to = {cast_scalar<To>(from.value), from.unit}; }
+  void operator()(const AxisPair<From>& from, AxisPair<To>& to) const {
+    (*this)(from.x, to.x);
+    (*this)(from.y, to.y);
+    to.split = from.split;
+  }
+  void operator()(const SpatialFrequency<From>& from, SpatialFrequency<To>& to) const {
+    to = {cast_scalar<To>(from.value), from.unit};
+  }
+  void operator()(const Taps<From>& from, Taps<To>& to) const {
+    to.clear();
+    for (const auto& row : from) {
+      to.emplace_back();
+      for (const From& tap : row) to.back().push_back(cast_scalar<To>(tap));
+    }
+  }
+  void operator()(const int& from, int& to) const { to = from; }
+  void operator()(const Choice& from, Choice& to) const { to = from; }
+  void operator()(const std::shared_ptr<const Curve>& from, std::shared_ptr<const Curve>& to) const { to = from; }
+  template <class A, class B>
+  void operator()(const A&, B&) const {}
+};
+
+template <class To, class From>
+Component<To> cast_component(const Component<From>& from) {
+  Component<To> to = Component<To>::make(from.kind());
+  const auto sources = from.fields();
+  const auto targets = to.fields();
+  for (std::size_t i = 0; i < sources.size(); ++i)
+    std::visit([](const auto* source, auto* target) { CastField<To, From>{}(*source, *target); }, sources[i].value,
+               targets[i].value);
+  return to;
+}
+
+}  // namespace detail
+
+template <class S>
+Component<S>::Component(ComponentVariant<S> value) : value_(std::make_shared<ComponentVariant<S>>(std::move(value))) {}
+
+template <class S>
+Component<S> Component<S>::make(std::string_view kind) {
+  std::optional<ComponentVariant<S>> made;
+  const auto try_type = [&]<class C>(C) {
+    if (C::kind == kind) made = ComponentVariant<S>{C{}};
+  };
+  [&]<class... C>(const std::variant<C...>*) {
+    (try_type(C{}), ...);
+  }(static_cast<decltype(ComponentVariant<S>::value)*>(nullptr));
+  if (made) return Component(std::move(*made));
+  const auto kinds = component_kinds();
+  const auto guess = nearest(kind, kinds);
+  std::string known;
+  for (const std::string_view k : kinds) known += (known.empty() ? "" : ", ") + std::string(k);
+  throw UsageError("unknown kind \"" + std::string(kind) + "\"" + (guess ? ", did you mean \"" + *guess + "\"?" : "") +
+                   " (known: " + known + ")");
+}
+
+template <class S>
+std::string_view Component<S>::kind() const {
+  return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::kind; });
+}
+template <class S>
+std::string_view Component<S>::doc() const {
+  return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::doc; });
+}
+template <class S>
+Stages Component<S>::stages() const {
+  return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::stages; });
+}
+template <class S>
+bool Component<S>::is_pupil() const {
+  return detail::visit(*value_, [](const auto& c) {
+    return requires { std::remove_cvref_t<decltype(c)>::is_pupil; };
+  });
+}
+template <class S>
+Traits Component<S>::traits(const Context<S>& ctx) const {
+  return detail::visit(*value_, [&](const auto& c) { return c.traits(ctx); });
+}
+template <class S>
+double Component<S>::cutoff_cy_mm(const Context<S>& ctx) const {
+  return detail::visit(*value_, [&](const auto& c) { return c.cutoff_cy_mm(ctx); });
+}
+template <class S>
+double Component<S>::deviation(double fx, double fy, const Context<S>& ctx) const {
+  return detail::visit(*value_, [&](const auto& c) { return c.deviation(fx, fy, ctx); });
+}
+template <class S>
+Complex<S> Component<S>::otf(const Freq<S>& f, const Context<S>& ctx) const {
+  return detail::visit(*value_, [&](const auto& c) { return c.otf(f, ctx); });
+}
+template <class S>
+void Component<S>::multiply(std::span<const Freq<S>> f, const Context<S>& ctx, std::span<Complex<S>> h) const {
+  detail::visit(*value_, [&](const auto& c) {
+    for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * c.otf(f[i], ctx);
+  });
+}
+template <class S>
+std::vector<FieldRef<S>> Component<S>::fields() {
+  if (value_.use_count() > 1) value_ = std::make_shared<ComponentVariant<S>>(*value_);
+  return std::visit([](auto& c) { return detail::field_refs<std::remove_reference_t<decltype(c)>, S>(c); },
+                    value_->value);
+}
+template <class S>
+std::vector<FieldRef<S>> Component<S>::fields() const {
+  return std::visit([](auto& c) { return detail::field_refs<std::remove_reference_t<decltype(c)>, S>(c); },
+                    value_->value);
+}
+
+template <class S>
+std::vector<Problem> Component<S>::check(const Context<S>& ctx) const {
+  std::vector<Problem> problems;
+  for (const FieldRef<S>& field : fields()) detail::check_field(field, ctx, problems);
+  if (!problems.empty()) return problems;  // the component's own check may rely on its bounds
+  return detail::visit(*value_, [&](const auto& c) { return c.check(ctx); });
+}
+
+template <class S>
+void System<S>::add(Stage stage, Component<S> component) {
+  const std::string kind(component.kind());
+  const auto taken = [&](const std::string& label) {
+    return std::any_of(stages.begin(), stages.end(), [&](const auto& entries) {
+      return std::any_of(entries.begin(), entries.end(), [&](const Entry<S>& e) { return e.label == label; });
+    });
+  };
+  std::string label = kind;
+  for (int n = 2; taken(label); ++n) label = kind + "_" + std::to_string(n);
+  list(stage).push_back({std::move(component), label});
+}
+
+template <class S>
+Context<S> System<S>::context() const {
+  if (band) return context(S(0.5 * (band->lo_um + band->hi_um)));
+  return context(optics.wavelength_um.value_or(S(0)));
+}
+template <class S>
+Context<S> System<S>::context(const S& wavelength_um) const {
+  return {frame, optics, wavelength_um};
+}
+
+template <class S>
+Complex<S> System<S>::otf(const Entry<S>& entry, const Freq<S>& f) const {
+  if (!band || !entry.component.traits(context()).chromatic) return entry.component.otf(f, context());
+  const WavelengthNodes nodes = wavelength_nodes(*band, band_nodes);
+  Complex<S> sum{};
+  for (std::size_t i = 0; i < nodes.weight.size(); ++i) {
+    const Complex<S> h = entry.component.otf(f, context(S(nodes.wavelength_um[i])));
+    sum = sum + Complex<S>{h.re * S(nodes.weight[i]), h.im * S(nodes.weight[i])};
+  }
+  return sum;
+}
+
+template <class S>
+Complex<S> System<S>::otf(Stage stage, const Freq<S>& f) const {
+  const Context<S> middle = context();
+  Complex<S> product{S(1), S(0)};
+  std::vector<const Component<S>*> chromatic;
+  for (const Entry<S>& entry : list(stage)) {
+    if (band && entry.component.traits(middle).chromatic)
+      chromatic.push_back(&entry.component);
+    else
+      product = product * entry.component.otf(f, middle);
+  }
+  if (chromatic.empty()) return product;
+  const WavelengthNodes nodes = wavelength_nodes(*band, band_nodes);
+  Complex<S> mean{};
+  for (std::size_t i = 0; i < nodes.weight.size(); ++i) {
+    const Context<S> ctx = context(S(nodes.wavelength_um[i]));
+    Complex<S> node{S(nodes.weight[i]), S(0)};
+    for (const Component<S>* component : chromatic) node = node * component->otf(f, ctx);
+    mean = mean + node;
+  }
+  return product * mean;
+}
+
+template <class S>
+Complex<S> System<S>::otf(const Freq<S>& f) const {
+  Complex<S> product{S(1), S(0)};
+  for (const Stage stage : kStages) product = product * otf(stage, f);
+  return product;
+}
+
+template <class To, class From>
+System<To> cast(const System<From>& from) {
+  System<To> to;
+  to.name = from.name;
+  to.band = from.band;
+  to.band_nodes = from.band_nodes;
+  to.frame = {detail::cast_scalar<To>(from.frame.focal_length_mm),
+              detail::cast_scalar<To>(from.frame.pitch_x_um),
+              detail::cast_scalar<To>(from.frame.pitch_y_um),
+              detail::cast_scalar<To>(from.frame.integration_time_s),
+              from.frame.columns,
+              from.frame.rows};
+  to.optics = {detail::cast_optional<To>(from.optics.f_number), detail::cast_optional<To>(from.optics.aperture_mm),
+               detail::cast_optional<To>(from.optics.obscuration),
+               detail::cast_optional<To>(from.optics.wavelength_um)};
+  for (std::size_t i = 0; i < from.stages.size(); ++i)
+    for (const Entry<From>& entry : from.stages[i])
+      to.stages[i].push_back({detail::cast_component<To>(entry.component), entry.label});
+  return to;
+}
+
+}  // namespace mtf
