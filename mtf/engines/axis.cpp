@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/engines/axis.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include "mtf/engines/kernels.h"
+#include "mtf/special.h"
+
+namespace mtf {
+namespace {
+
+std::int64_t modulo(std::int64_t a, std::int64_t m) { return (a % m + m) % m; }
+
+// Chirp exp(i pi turns k^2): k^2 x turns exceeds what a double resolves, so the product is reduced in long double.
+Complex<double> chirp(std::int64_t k, double turns, double sign) {
+  const long double square = static_cast<long double>(k) * static_cast<long double>(k);
+  return rotation(static_cast<long double>(sign) * 0.5L * square * static_cast<long double>(turns));
+}
+
+Term term(std::int64_t k, std::int64_t source, std::int64_t target, Complex<double> factor) {
+  return {static_cast<std::int32_t>(k), static_cast<std::int32_t>(source), static_cast<std::int32_t>(target),
+          static_cast<float>(factor.re), static_cast<float>(factor.im)};
+}
+
+// cos(pi k (j + 1/2) / n) for any k is +-cos of some k' < n, or zero at k = n, 3n, ...
+struct Folded {
+  std::int64_t target;
+  double sign;
+};
+Folded fold_cosine(std::int64_t k, std::int64_t n) {
+  const std::int64_t turns = k / (2 * n), m = k % (2 * n);
+  const double sign = turns % 2 == 0 ? 1.0 : -1.0;
+  if (m == n) return {0, 0.0};
+  return m < n ? Folded{m, sign} : Folded{2 * n - m, -sign};
+}
+
+}  // namespace
+
+Complex<double> rotation(long double turns) {
+  const double reduced = static_cast<double>(turns - std::floor(turns));
+  return {cos_pi(2.0 * reduced), sin_pi(2.0 * reduced)};
+}
+
+double AxisJob::turns_at_first() const {
+  // Cosines are measured from the corner; transforms of samples from the centre of sample 0.
+  const double centre = 0.5 * pitch_um - (frequency.basis == Basis::fourier ? 0.5 * frequency.step_um : 0.0);
+  return centre / frequency.period_um();
+}
+
+std::int64_t inverse_length(const AxisJob& job) {
+  return job.resampling == Resampling::fold ? job.out_length : next_smooth(2 * job.keep - 1 + job.outputs - 1);
+}
+
+std::vector<Term> column_terms(const AxisJob& job) {
+  std::vector<Term> terms;
+  const std::int64_t length = job.frequency.length;
+  const auto chirped = [&](std::int64_t k, double weight) {
+    const Complex<double> start =
+        rotation(static_cast<long double>(k) * static_cast<long double>(job.turns_at_first()));
+    const Complex<double> c = start * chirp(k, job.turns_per_output(), 1.0);
+    return Complex<double>{weight * c.re, weight * c.im};
+  };
+  if (job.frequency.basis == Basis::cosine) {
+    for (std::int64_t k = 0; k < job.keep; ++k) {
+      if (job.resampling == Resampling::chirp) {
+        for (const std::int64_t signed_k : {k, -k}) {
+          terms.push_back(term(k, k, signed_k + job.keep - 1, chirped(signed_k, 1.0)));
+          if (k == 0) break;
+        }
+        continue;
+      }
+      const auto [target, sign] = fold_cosine(k, job.out_length);
+      // The inverse doubles every frequency but the zeroth, where an alias therefore counts twice.
+      if (sign != 0.0) terms.push_back(term(k, k, target, {k != 0 && target == 0 ? 2.0 * sign : sign, 0.0}));
+    }
+    return terms;
+  }
+  const std::int64_t rows = length + (length % 2 == 0 ? 1 : 0);
+  for (std::int64_t r = 0; r < rows; ++r) {
+    const std::int64_t k = job.frequency.signed_index(r);
+    if (std::abs(k) >= job.keep) continue;
+    const double weight = length % 2 == 0 && std::abs(k) == length / 2 ? 0.5 : 1.0;
+    const std::int64_t source = r == length ? length / 2 : r;
+    if (job.resampling == Resampling::chirp) {
+      terms.push_back(term(k, source, k + job.keep - 1, chirped(k, weight)));
+    } else {
+      const Complex<double> c = rotation(static_cast<long double>(k) * static_cast<long double>(job.turns_at_first()));
+      terms.push_back(term(k, source, modulo(k, job.out_length), {weight * c.re, weight * c.im}));
+    }
+  }
+  return terms;
+}
+
+Chirp::Chirp(const AxisJob& job, int lanes, fft::Rigor rigor)
+    : length_(inverse_length(job)),
+      outputs_(job.outputs),
+      lanes_(lanes),
+      forward_(length_, lanes, true, rigor),
+      backward_(length_, lanes, false, rigor),
+      kernel_(2 * static_cast<std::size_t>(length_)),
+      after_(2 * static_cast<std::size_t>(job.outputs)) {
+  // k j = (k^2 + j^2 - (j - k)^2) / 2 turns the sum into a convolution with exp(-i pi t n^2); row k + keep - 1 holds k.
+  std::vector<Complex<double>> kernel(static_cast<std::size_t>(length_));
+  const double t = job.turns_per_output();
+  const std::int64_t shift = job.keep - 1;
+  for (std::int64_t n = -shift; n <= job.outputs - 1 + shift; ++n) {
+    // Row r of the input contributes to output j at lag j - (r - shift); the convolution index is j - r.
+    kernel[static_cast<std::size_t>(modulo(n - shift, length_))] = chirp(n, t, -1.0);
+  }
+  // fft::inverse has sign +1; conjugating before and after gives the forward transform.
+  for (auto& c : kernel) c.im = -c.im;
+  fft::inverse(kernel);
+  const double scale = 1.0 / static_cast<double>(length_);
+  for (std::size_t i = 0; i < kernel.size(); ++i) {
+    kernel_[2 * i] = static_cast<float>(kernel[i].re * scale);
+    kernel_[2 * i + 1] = static_cast<float>(-kernel[i].im * scale);
+  }
+  for (std::int64_t j = 0; j < job.outputs; ++j) {
+    const Complex<double> c = chirp(j, t, 1.0);
+    after_[2 * static_cast<std::size_t>(j)] = static_cast<float>(c.re);
+    after_[2 * static_cast<std::size_t>(j) + 1] = static_cast<float>(c.im);
+  }
+}
+
+void Chirp::run(float* data) const {
+  forward_.execute(data);
+  kernels::multiply_rows(data, kernel_.data(), length_, lanes_);
+  backward_.execute(data);
+  kernels::multiply_rows(data, after_.data(), outputs_, lanes_);
+}
+
+}  // namespace mtf

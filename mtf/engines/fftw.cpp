@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/engines/fftw.h"
+
+#include <fftw3.h>
+
+#include <cassert>
+#include <limits>
+#include <mutex>
+
+#include "mtf/error.h"
+#include "mtf/image.h"
+
+namespace mtf::fft {
+namespace {
+
+std::mutex& planner() {
+  static std::mutex lock;
+  return lock;
+}
+
+int checked(std::int64_t n) {
+  if (n < 1 || n > std::numeric_limits<int>::max())
+    throw UsageError("a transform of length " + std::to_string(n) + " is out of range");
+  return static_cast<int>(n);
+}
+
+unsigned flags(Rigor rigor) { return rigor == Rigor::measure ? FFTW_MEASURE : FFTW_ESTIMATE; }
+
+std::shared_ptr<void> own(fftwf_plan plan) {
+  if (plan == nullptr) throw RuntimeError("FFTW could not plan a transform");
+  return {plan, [](void* p) {
+            const std::scoped_lock lock(planner());
+            fftwf_destroy_plan(static_cast<fftwf_plan>(p));
+          }};
+}
+
+fftwf_complex* complexes(float* p) { return reinterpret_cast<fftwf_complex*>(p); }
+
+}  // namespace
+
+Lanes::Lanes(std::int64_t n, int lanes, bool forward, Rigor rigor) {
+  const int length = checked(n);
+  const AlignedBuffer<float> scratch(2 * static_cast<std::size_t>(n) * static_cast<std::size_t>(lanes));
+  fftwf_complex* data = complexes(scratch.data());
+  const std::scoped_lock lock(planner());
+  plan_ = own(fftwf_plan_many_dft(1, &length, lanes, data, nullptr, lanes, 1, data, nullptr, lanes, 1,
+                                  forward ? FFTW_FORWARD : FFTW_BACKWARD, flags(rigor)));
+}
+
+void Lanes::execute(float* data) const {
+  fftwf_execute_dft(static_cast<fftwf_plan>(plan_.get()), complexes(data), complexes(data));
+}
+
+RealForward::RealForward(std::int64_t n, Rigor rigor) {
+  const int length = checked(n);
+  const AlignedBuffer<float> in(static_cast<std::size_t>(n)), out(static_cast<std::size_t>(n) + 2);
+  const std::scoped_lock lock(planner());
+  plan_ = own(fftwf_plan_dft_r2c_1d(length, in.data(), complexes(out.data()), flags(rigor) | FFTW_DESTROY_INPUT));
+}
+
+void RealForward::execute(float* in, float* out) const {
+  fftwf_execute_dft_r2c(static_cast<fftwf_plan>(plan_.get()), in, complexes(out));
+}
+
+RealInverse::RealInverse(std::int64_t n, Rigor rigor) {
+  const int length = checked(n);
+  const AlignedBuffer<float> in(static_cast<std::size_t>(n) + 2), out(static_cast<std::size_t>(n));
+  const std::scoped_lock lock(planner());
+  plan_ = own(fftwf_plan_dft_c2r_1d(length, complexes(in.data()), out.data(), flags(rigor) | FFTW_DESTROY_INPUT));
+}
+
+void RealInverse::execute(float* in, float* out) const {
+  fftwf_execute_dft_c2r(static_cast<fftwf_plan>(plan_.get()), complexes(in), out);
+}
+
+void inverse(std::vector<Complex<double>>& data) {
+  static_assert(sizeof(Complex<double>) == sizeof(fftw_complex));
+  auto* p = reinterpret_cast<fftw_complex*>(data.data());
+  fftw_plan plan = nullptr;
+  {
+    const std::scoped_lock lock(planner());
+    plan = fftw_plan_dft_1d(checked(static_cast<std::int64_t>(data.size())), p, p, FFTW_BACKWARD, FFTW_ESTIMATE);
+  }
+  fftw_execute(plan);
+  const std::scoped_lock lock(planner());
+  fftw_destroy_plan(plan);
+}
+
+bool load_wisdom(const std::string& path) {
+  const std::scoped_lock lock(planner());
+  return fftwf_import_wisdom_from_filename(path.c_str()) != 0;
+}
+
+bool save_wisdom(const std::string& path) {
+  const std::scoped_lock lock(planner());
+  return fftwf_export_wisdom_to_filename(path.c_str()) != 0;
+}
+
+std::string version() { return fftwf_version; }
+
+}  // namespace mtf::fft

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The only door to FFTW: one-dimensional transforms of fixed length, one thread each. Planning is serialised behind one
+// lock (FFTW's planner is not thread-safe); execution is const and re-entrant. Data are aligned to 64 bytes
+// (AlignedBuffer).
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mtf/frame.h"
+
+namespace mtf::fft {
+
+/// How much planning: estimate is reproducible between runs; measure times candidates (slow planning, faster runs).
+enum class Rigor { estimate, measure };
+
+/// Complex sequences side by side in one block: element n of lane l at data[2 (n lanes + l)]. In place, unnormalised.
+class Lanes {
+ public:
+  Lanes() = default;
+  Lanes(std::int64_t n, int lanes, bool forward, Rigor rigor);
+  void execute(float* data) const;
+
+ private:
+  std::shared_ptr<void> plan_;
+};
+
+/// n reals -> n/2 + 1 complex numbers, sign -1. `in` is destroyed or not, as FFTW likes; in != out.
+class RealForward {
+ public:
+  RealForward() = default;
+  RealForward(std::int64_t n, Rigor rigor);
+  void execute(float* in, float* out) const;
+
+ private:
+  std::shared_ptr<void> plan_;
+};
+
+/// n/2 + 1 complex numbers -> n reals, sign +1, unnormalised. `in` is destroyed; in != out.
+class RealInverse {
+ public:
+  RealInverse() = default;
+  RealInverse(std::int64_t n, Rigor rigor);
+  void execute(float* in, float* out) const;
+
+ private:
+  std::shared_ptr<void> plan_;
+};
+
+/// In-place complex transform in double, sign +1, unnormalised: for plan-time work on one sequence.
+void inverse(std::vector<Complex<double>>& data);
+
+/// Wisdom: what Rigor::measure has learnt, kept per host. False when the file is missing or foreign.
+bool load_wisdom(const std::string& path);
+bool save_wisdom(const std::string& path);
+
+/// "fftw-3.3.10-sse2-avx".
+std::string version();
+
+}  // namespace mtf::fft

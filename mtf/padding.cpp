@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/padding.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/engines/fftw.h"
+
+namespace mtf {
+namespace {
+
+constexpr int kSections = 9;
+constexpr std::int64_t kShortest = 32;      // below this the defined canvas costs nothing
+constexpr std::int64_t kLongest = 1 << 20;  // canvases beyond this are not analysed
+
+// tail[d] = largest sum of |kernel| at distances beyond d, over the sections.
+std::vector<double> kernel_tails(const OtfSampler& sampler, const CanvasRequest& request, std::int64_t length) {
+  const FrequencyAxis along{Basis::fourier, length, request.step_um};
+  std::vector<double> f(static_cast<std::size_t>(length)), across(kSections);
+  for (std::size_t r = 0; r < f.size(); ++r) f[r] = along.cy_mm(along.signed_index(static_cast<std::int64_t>(r)));
+  for (std::size_t s = 0; s < kSections; ++s)
+    across[s] = request.other_nyquist_cy_mm * static_cast<double>(s) / (kSections - 1);
+  const bool x = request.axis == Axis::x;
+  const OtfSampler::Grid grid(sampler, x ? f : across, x ? across : f);
+
+  std::vector<double> tails(f.size() / 2 + 1, 0.0);
+  std::vector<Complex<float>> row(x ? f.size() : kSections);
+  std::vector<std::vector<Complex<double>>> kernels(kSections, std::vector<Complex<double>>(f.size()));
+  for (std::size_t j = 0; j < (x ? kSections : f.size()); ++j) {
+    grid.complex_row(j, 0, row);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const Complex<double> h{row[i].re, row[i].im};
+      (x ? kernels[j][i] : kernels[i][j]) = h;
+    }
+  }
+  for (auto& kernel : kernels) {
+    fft::inverse(kernel);
+    double sum = 0.0;
+    for (std::size_t d = f.size() / 2; d-- > 0;) {
+      // Distances d + 1 to both sides; the middle of an even canvas is both.
+      for (const std::size_t i : {d + 1, f.size() - d - 1}) sum += std::hypot(kernel[i].re, kernel[i].im);
+      tails[d] = std::max(tails[d], sum / static_cast<double>(length));
+    }
+  }
+  return tails;
+}
+
+}  // namespace
+
+CanvasLength choose_canvas(const OtfSampler& sampler, const CanvasRequest& request) {
+  const std::int64_t n = request.samples, defined = canvas_length(request.border, n);
+  if (request.border == Border::periodic || n < kShortest || defined > kLongest || request.budget <= 0.0)
+    return {defined, 0.0};
+  const std::vector<double> tails = kernel_tails(sampler, request, next_smooth(2 * defined));
+  const double scale = 2.0 * request.norm;
+  std::int64_t pad = 0;
+  while (2 * pad < defined - n && scale * tails[static_cast<std::size_t>(pad)] > request.budget) ++pad;
+  const std::int64_t least = next_smooth(n + 2 * pad);
+  if (least >= defined) return {defined, 0.0};
+
+  std::int64_t length = least;
+  for (std::int64_t m = least; m < defined && static_cast<double>(m) <= 1.1 * static_cast<double>(least); ++m) {
+    const double pitches = static_cast<double>(m) * request.step_um / request.pitch_um;
+    if (!is_smooth(m) || std::abs(pitches - std::round(pitches)) > 1e-9) continue;
+    length = m;
+    break;
+  }
+  return {length, scale * tails[static_cast<std::size_t>(std::min<std::int64_t>((length - n) / 2, defined - 1))]};
+}
+
+}  // namespace mtf

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mtf/grid.h"
+#include "mtf/sample.h"
+
+namespace mtf {
+
+/// Length of the periodic canvas of one axis, and what its wrap-around costs.
+struct CanvasLength {
+  std::int64_t length = 0;
+  double bound = 0.0;  ///< wrap-around error, rms relative to the scene's std; 0 when the canvas is the defined one
+};
+
+struct CanvasRequest {
+  Axis axis{};
+  Border border{};
+  std::int64_t samples = 0;
+  double step_um = 0.0;
+  double other_nyquist_cy_mm = 0.0;  ///< of the other axis
+  double pitch_um = 0.0;             ///< a length that is a whole number of pitches is preferred
+  double norm = 1.0;                 ///< canvas_norm / std of the scene
+  double budget = 0.0;
+};
+
+/// The defined canvas (mtf/border.h) or, where the tails of the point spread beyond it fit the budget, a shorter smooth
+/// one. The tails are those of the OTF itself: for nine frequencies of the other axis the kernel along this axis is
+/// summed from outside, the largest sum counts. A filter error e = t * u obeys |e| <= sum|t| |u| (Young), hence the
+/// bound.
+CanvasLength choose_canvas(const OtfSampler& sampler, const CanvasRequest& request);
+
+}  // namespace mtf

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// From a system, two sample grids and one tolerance to a compiled, immutable plan that filters images.
+//
+//   Plan plan = compile(system, scene_grid, detector_grid(system, scene_grid), options);
+//   std::puts(plan.explain().c_str());
+//   plan.run(scene.view(), sensor.view());
+//
+// The tolerance is the rms error over the output pixels, before noise, relative to the scene's standard deviation. The
+// reference is the exact OTF applied to the periodic canvas of mtf/border.h and evaluated at the detector centres.
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mtf/border.h"
+#include "mtf/engines/fftw.h"
+#include "mtf/grid.h"
+#include "mtf/image.h"
+#include "mtf/sample.h"
+#include "mtf/system.h"
+
+namespace mtf {
+
+/// What the plan knows of the scene before it runs; predictions hold for scenes like it.
+struct SceneSummary {
+  double std = 1.0;          ///< > 0
+  double largest = 1.0;      ///< largest |value|, sets the float32 storage error
+  double canvas_norm = 2.0;  ///< canvas_norm of mtf/statistics.h, in units of value
+};
+
+/// Summary of a plane, or nothing when it is flat (every tolerance is met then).
+std::optional<SceneSummary> summarise(ImageView<const float> scene, Border border, double border_value);
+
+struct PlanOptions {
+  double tolerance = 1e-4;
+  Border border = Border::reflect;
+  fft::Rigor rigor = fft::Rigor::estimate;
+  SceneAperture aperture;
+  std::optional<SceneSummary> scene;
+  int threads = 0;  ///< for making the OTF; 0 = all cores
+};
+
+/// Predicted error, each part as rms relative to the scene's std; the parts add linearly.
+struct PredictedError {
+  double dropped = 0.0;     ///< components left out
+  double table = 0.0;       ///< interpolation of radial factors
+  double cut = 0.0;         ///< frequencies left out
+  double wrap = 0.0;        ///< canvas shorter than the defined one
+  double arithmetic = 0.0;  ///< float32 transforms and storage
+  double total() const { return dropped + table + cut + wrap + arithmetic; }
+};
+
+/// What a plan decided, for reports.
+struct PlanReport {
+  std::string method;  ///< "identity" or "spectral"
+  SampleGrid in, out;
+  std::int64_t whole_pitches_x = 0, whole_pitches_y = 0;  ///< that the scene holds; out may be less (format)
+  std::array<std::int64_t, 2> size{};                     ///< transform lengths x, y
+  std::array<std::string, 2> axes;                        ///< "cosine 1024, fold to 256"
+  std::array<std::int64_t, 2> kept{};                     ///< frequencies k >= 0 in use, per axis
+  std::array<std::int64_t, 2> available{};
+  std::vector<Dropped> dropped;
+  std::vector<std::string> merged;
+  std::vector<std::string> notes;
+  int wavelengths = 1;
+  PredictedError predicted;
+  double tolerance = 0.0;
+  std::int64_t otf_bytes = 0, run_bytes = 0;  ///< run_bytes: one channel, besides input and output
+};
+
+/// Detector grid of a system over a scene: min(format, whole pitches in the scene) from the shared corner. Throws
+/// UsageError when the scene is smaller than one pixel.
+SampleGrid detector_grid(const System<double>& system, const SampleGrid& scene);
+
+class Plan {
+ public:
+  const PlanReport& report() const;
+  const SampleGrid& in() const { return report().in; }
+  const SampleGrid& out() const { return report().out; }
+  /// Several lines: what was dropped, merged, chosen, and the predicted error in its parts.
+  std::string explain() const;
+  /// Gain of the mean.
+  double dc() const;
+
+  /// Filters one plane. Sizes have to be those of in() and out() (UsageError). NaN or infinite pixels: RuntimeError
+  /// with their number and first position. A plane of zero contrast comes out as dc x value, exactly.
+  void run(ImageView<const float> in, ImageView<float> out, double border_value = 0.0, int threads = 0) const;
+  /// All planes in one pass over the OTF.
+  void run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value = 0.0,
+           int threads = 0) const;
+
+  /// The plan of another system on the same grids and options; FFT plans are shared where the sizes stay.
+  Plan with(const System<double>& system) const;
+
+ private:
+  struct Impl;
+  friend Plan compile(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
+  friend Plan compile_stages(const System<double>&, std::span<const Stage>, const SampleGrid&, const SampleGrid&,
+                             const PlanOptions&, const Impl*);
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// The presample OTF and the sampling at the pitch. Throws UsageError for an invalid system, a tolerance that is not in
+/// (0, 1) or that this scene cannot reach in float32 (with the value it can reach), and sizes that do not fit memory.
+Plan compile(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
+             const PlanOptions& options);
+
+/// Readout and postsample filters on the detector grid, same size in and out. The border rule is the scene's.
+Plan compile_post(const System<double>& system, const SampleGrid& detector, std::span<const Stage> stages,
+                  const PlanOptions& options);
+
+}  // namespace mtf

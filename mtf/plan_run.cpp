@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "mtf/engines/kernels.h"
+#include "mtf/error.h"
+#include "mtf/parallel.h"
+#include "mtf/plan_impl.h"
+#include "mtf/statistics.h"
+
+namespace mtf {
+namespace {
+
+// Mean and extremes of a plane, summed row by row in a fixed order; only a plane with bad pixels pays for their
+// details.
+struct Level {
+  double mean = 0.0;
+  double deviation = 0.0;  ///< largest |value - mean|
+};
+
+Level level_of(ImageView<const float> plane, int threads) {
+  std::vector<kernels::RowSummary> rows(static_cast<std::size_t>(plane.height));
+  parallel_for(plane.height, 64, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y)
+      rows[static_cast<std::size_t>(y)] = kernels::summarise_row(plane.row(y), plane.width);
+  });
+  double sum = 0.0, low = rows.front().min, high = rows.front().max;
+  for (const kernels::RowSummary& row : rows) {
+    sum += row.sum;
+    low = std::min<double>(low, row.min);
+    high = std::max<double>(high, row.max);
+  }
+  if (!std::isfinite(sum)) {
+    const Statistics s = statistics(plane);
+    if (s.not_finite > 0)
+      throw RuntimeError(std::to_string(s.not_finite) + " pixels are NaN or infinite, the first at column " +
+                         std::to_string(s.first_x) + ", row " + std::to_string(s.first_y) +
+                         "; replace them (mtf simulate --nan fill|propagate)");
+  }
+  if (low == high) return {low, 0.0};
+  const double mean = sum / (static_cast<double>(plane.width) * static_cast<double>(plane.height));
+  return {mean, std::max(high - mean, mean - low)};
+}
+
+void check_size(std::int64_t width, std::int64_t height, const SampleGrid& grid, const char* name) {
+  if (width == grid.width && height == grid.height) return;
+  throw UsageError(std::string(name) + " image is " + std::to_string(width) + "x" + std::to_string(height) +
+                   ", the plan was made for " + std::to_string(grid.width) + "x" + std::to_string(grid.height));
+}
+
+void fill(ImageView<float> out, float value) {
+  for (std::int64_t y = 0; y < out.height; ++y) std::fill_n(out.row(y), out.width, value);
+}
+
+}  // namespace
+
+const PlanReport& Plan::report() const { return impl_->report; }
+double Plan::dc() const { return impl_->dc; }
+
+Plan Plan::with(const System<double>& system) const {
+  return compile_stages(system, impl_->stages, impl_->report.in, impl_->report.out, impl_->options, impl_.get());
+}
+
+void Plan::run(ImageView<const float> in, ImageView<float> out, double border_value, int threads) const {
+  run(std::span(&in, 1), std::span(&out, 1), border_value, threads);
+}
+
+void Plan::run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value,
+               int threads) const {
+  if (in.size() != out.size()) throw UsageError("as many output as input planes are needed");
+  const bool constant = impl_->options.border == Border::constant;
+  std::vector<SpectralEngine::Channel> channels;
+  for (std::size_t c = 0; c < in.size(); ++c) {
+    check_size(in[c].width, in[c].height, impl_->report.in, "input");
+    check_size(out[c].width, out[c].height, impl_->report.out, "output");
+    const Level level = level_of(in[c], threads);
+    const double step = constant ? std::abs(border_value - level.mean) : 0.0;
+    const double deviation = std::max(level.deviation, step);
+    if (deviation == 0.0) {
+      fill(out[c], static_cast<float>(impl_->dc * level.mean));
+    } else if (!impl_->engine) {
+      for (std::int64_t y = 0; y < out[c].height; ++y)
+        std::memcpy(out[c].row(y), in[c].row(y), static_cast<std::size_t>(out[c].width) * sizeof(float));
+    } else {
+      // A power of two: exact, and neither 1e-30 nor 1e30 leaves the range of float inside the transforms.
+      const double scale = std::ldexp(1.0, -std::ilogb(deviation));
+      channels.push_back({in[c], out[c], level.mean, scale, impl_->dc * level.mean, border_value});
+    }
+  }
+  if (!channels.empty()) impl_->engine->run(channels, impl_->otf, threads);
+}
+
+}  // namespace mtf

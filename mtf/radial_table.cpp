@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/radial_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/engines/kernels.h"
+
+namespace mtf {
+namespace {
+
+constexpr std::size_t kFirst = 256, kLast = 32768, kDense = 65536;
+
+// Cubic through four neighbouring samples at t in 0..1 of the middle interval [i, i+1]. The function is even about 0,
+// so sample -1 mirrors sample 1; past the end the last interval is continued by its quadratic.
+double cubic(const std::vector<double>& v, std::size_t i, double t) {
+  const std::size_t n = v.size() - 1;
+  const double b = v[i], c = v[i + 1];
+  const double a = i > 0 ? v[i - 1] : 3.0 * v[0] - 3.0 * v[1] + v[2];
+  const double d = i + 2 <= n ? v[i + 2] : 3.0 * v[n] - 3.0 * v[n - 1] + v[n - 2];
+  return b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)));
+}
+
+}  // namespace
+
+RadialTable::RadialTable(const Function& f, double end, double target) : end_(end) {
+  const auto sample = [&](std::size_t count, double first, double step) {
+    std::vector<double> r(count), v(count);
+    for (std::size_t i = 0; i < count; ++i) r[i] = first + step * static_cast<double>(i);
+    f(r, v);
+    return v;
+  };
+  std::size_t n = kFirst;
+  std::vector<double> v = sample(n + 1, 0.0, end / static_cast<double>(n));
+  for (;;) {
+    const double step = end / static_cast<double>(n);
+    const std::vector<double> middle = sample(n, 0.5 * step, step);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < n; ++i) worst = std::max(worst, std::abs(cubic(v, i, 0.5) - middle[i]));
+    std::vector<double> merged(2 * n + 1);
+    for (std::size_t i = 0; i < n; ++i) merged[2 * i] = v[i], merged[2 * i + 1] = middle[i];
+    merged[2 * n] = v[n];
+    v = std::move(merged);
+    n *= 2;
+    // The merged samples are finer by two than the ones just tested: at least 2^1.5 better even at a cutoff's root.
+    error_ = worst / 2.8;
+    if (error_ <= 0.5 * target || n >= kLast) break;
+  }
+
+  double curvature = 0.0;
+  for (std::size_t i = 1; i < n; ++i) curvature = std::max(curvature, std::abs(v[i - 1] - 2.0 * v[i] + v[i + 1]));
+  std::size_t refine =
+      1;  // linear interpolation errs by second difference / 8, which falls with the square of the step
+  while (refine * n < kDense &&
+         curvature / (8.0 * static_cast<double>(refine) * static_cast<double>(refine)) > 0.25 * target)
+    refine *= 2;
+  knots_.resize(refine * n + 2);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < refine; ++j)
+      knots_[i * refine + j] = static_cast<float>(cubic(v, i, static_cast<double>(j) / static_cast<double>(refine)));
+  knots_[refine * n] = knots_[refine * n + 1] = static_cast<float>(v[n]);
+  error_ = 2.0 * (error_ + curvature / (8.0 * static_cast<double>(refine * refine))) + 1.2e-7;
+
+  suffix_max_.resize(n + 1);
+  suffix_max_[n] = std::abs(v[n]);
+  for (std::size_t i = n; i-- > 0;) suffix_max_[i] = std::max(suffix_max_[i + 1], std::abs(v[i]));
+}
+
+void RadialTable::look_up(std::span<const float> x2, float y2, std::span<float> value) const {
+  // The last knot is repeated, so that a radius at or beyond the end reads inside the table.
+  const auto intervals = static_cast<float>(knots_.size() - 2);
+  kernels::look_up(knots_.data(), intervals, static_cast<float>(static_cast<double>(intervals) / end_), x2.data(), y2,
+                   static_cast<std::int64_t>(value.size()), value.data());
+}
+
+double RadialTable::bound_from(double r) const {
+  const double n = static_cast<double>(suffix_max_.size() - 1);
+  const double i = std::clamp(std::floor(r / end_ * n), 0.0, n);
+  return suffix_max_[static_cast<std::size_t>(i)] + error_;
+}
+
+}  // namespace mtf

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A function of |f| as a table, linear between dense knots: how radial OTF factors reach millions of grid points.
+// The function is sampled exactly on a coarse grid that is doubled until cubic interpolation reproduces the new
+// midpoints within the target; the dense knots come from those cubics.
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace mtf {
+
+class RadialTable {
+ public:
+  /// Table of `f` on [0, end]; beyond `end` it is f(end) (0 when `end` is the cutoff). `f` fills values at many radii.
+  using Function = std::function<void(std::span<const double> radius, std::span<double> value)>;
+  RadialTable(const Function& f, double end, double target);
+
+  /// value[i] = table at sqrt(x2[i] + y2).
+  void look_up(std::span<const float> x2, float y2, std::span<float> value) const;
+
+  /// Largest |table - f| seen at the midpoints, with a factor 2 for what lies between.
+  double error() const { return error_; }
+  /// Largest |f| at radii >= r.
+  double bound_from(double r) const;
+
+ private:
+  std::vector<float> knots_;  // last one repeated
+  std::vector<double> suffix_max_;
+  double end_ = 0.0;
+  double error_ = 0.0;
+};
+
+}  // namespace mtf

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/sample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "mtf/special.h"
+
+namespace mtf {
+namespace {
+
+// 1/A up to the limit g, then g^2 A: continuous at |A| = 1/g, and no frequency is amplified more than g.
+double limited_inverse(double a, double limit) { return std::abs(a) * limit >= 1.0 ? 1.0 / a : limit * limit * a; }
+
+std::string join_labels(const std::vector<const Entry<double>*>& entries) {
+  std::string text;
+  for (const Entry<double>* entry : entries) text += (text.empty() ? "" : ", ") + entry->label;
+  return text;
+}
+
+}  // namespace
+
+OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture,
+                       double fx_max, double fy_max, double drop_budget, double target)
+    : system_(system), aperture_(aperture), stages_(stages.begin(), stages.end()) {
+  sort_components(fx_max, fy_max, drop_budget);
+
+  const bool aperture_radial = aperture_.kind == SceneAperture::Kind::curve;
+  if (!radial_.empty() || !chromatic_radial_.empty() || aperture_radial) {
+    double end = std::hypot(fx_max, fy_max), cutoff = std::numeric_limits<double>::infinity();
+    const Context<double> shortest = system_.band ? system_.context(system_.band->lo_um) : system_.context();
+    for (const auto* list : {&radial_, &chromatic_radial_})
+      for (const Entry<double>* entry : *list) cutoff = std::min(cutoff, entry->component.cutoff_cy_mm(shortest));
+    end = std::min(end, cutoff);
+    choose_wavelengths(end, target);
+    table_.emplace(
+        [this](std::span<const double> radius, std::span<double> value) {
+          for (std::size_t i = 0; i < radius.size(); ++i) value[i] = radial_product(radius[i]);
+        },
+        end, target);
+    std::string names = join_labels(radial_);
+    if (!chromatic_radial_.empty()) names += (names.empty() ? "" : ", ") + join_labels(chromatic_radial_);
+    if (!names.empty()) merged_.push_back(names + " -> one radial table");
+  } else if (!chromatic_general_.empty()) {
+    choose_wavelengths(std::hypot(fx_max, fy_max), target);
+  }
+  if (!separable_.empty()) merged_.push_back(join_labels(separable_) + " -> one vector per axis");
+
+  const double a = aperture_radial ? aperture_.gain_limit : std::sqrt(aperture_.gain_limit);
+  if (aperture_.kind != SceneAperture::Kind::point)
+    aperture_limited_ = aperture_factor(Axis::x, fx_max) > a * (1.0 - 1e-12) ||
+                        aperture_factor(Axis::y, fy_max) > a * (1.0 - 1e-12) ||
+                        (aperture_radial && this->aperture_radial(std::hypot(fx_max, fy_max)) >= a * (1.0 - 1e-12));
+}
+
+void OtfSampler::sort_components(double fx_max, double fy_max, double drop_budget) {
+  const Context<double> ctx = system_.context();
+  struct Candidate {
+    const Entry<double>* entry;
+    double deviation;
+  };
+  std::vector<Candidate> candidates;
+  for (const Stage stage : stages_)
+    for (const Entry<double>& entry : system_.list(stage)) {
+      // A chromatic deviation is largest at one end of the band.
+      double deviation = entry.component.deviation(fx_max, fy_max, ctx);
+      if (system_.band)
+        for (const double wavelength : {system_.band->lo_um, system_.band->hi_um})
+          deviation = std::max(deviation, entry.component.deviation(fx_max, fy_max, system_.context(wavelength)));
+      candidates.push_back({&entry, deviation});
+    }
+  std::vector<std::size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return candidates[a].deviation < candidates[b].deviation; });
+  std::vector<bool> drop(candidates.size());
+  double spent = 0.0;
+  for (const std::size_t i : order) {
+    if (spent + candidates[i].deviation > drop_budget) break;
+    spent += candidates[i].deviation;
+    drop[i] = true;
+  }
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Entry<double>* entry = candidates[i].entry;
+    if (drop[i]) {
+      dropped_.push_back({entry->label, candidates[i].deviation});
+      continue;
+    }
+    const Traits traits = entry->component.traits(ctx);
+    const bool chromatic = system_.band && traits.chromatic;
+    real_ = real_ && traits.real;
+    even_x_ = even_x_ && traits.even_x;
+    even_y_ = even_y_ && traits.even_y;
+    if (traits.gain) gain_ *= 1.0 + candidates[i].deviation;
+    entries_.push_back(entry);
+    auto& list = chromatic          ? (traits.radial ? chromatic_radial_ : chromatic_general_)
+                 : traits.separable ? separable_
+                 : traits.radial    ? radial_
+                                    : general_;
+    list.push_back(entry);
+  }
+  if (chromatic_general_.empty()) return;
+  // The product over wavelengths is averaged as one: a single non-radial factor takes the radial ones along.
+  chromatic_general_.insert(chromatic_general_.end(), chromatic_radial_.begin(), chromatic_radial_.end());
+  chromatic_radial_.clear();
+}
+
+void OtfSampler::choose_wavelengths(double end, double target) {
+  if (chromatic_radial_.empty() && chromatic_general_.empty()) return;
+  const auto& list = chromatic_radial_.empty() ? chromatic_general_ : chromatic_radial_;
+  const auto averages = [&](int n) {
+    const WavelengthNodes nodes = wavelength_nodes(*system_.band, n);
+    std::vector<double> mean(128);
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      const double r = end * (static_cast<double>(i) + 0.5) / static_cast<double>(mean.size());
+      for (std::size_t w = 0; w < nodes.weight.size(); ++w) {
+        double product = nodes.weight[w];
+        for (const Entry<double>* entry : list)
+          product *= entry->component.otf({r, 0.0}, system_.context(nodes.wavelength_um[w])).re;
+        mean[i] += product;
+      }
+    }
+    return mean;
+  };
+  int n = 4;
+  std::vector<double> coarse = averages(n);
+  for (; n < 128; n *= 2) {
+    std::vector<double> fine = averages(2 * n);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < fine.size(); ++i) worst = std::max(worst, std::abs(fine[i] - coarse[i]));
+    if (worst <= target) break;
+    coarse = std::move(fine);
+  }
+  nodes_ = wavelength_nodes(*system_.band, n);
+  wavelengths_ = n;
+}
+
+double OtfSampler::radial_product(double r) const {
+  const Freq<double> f{r, 0.0};
+  double product = aperture_radial(r);
+  for (const Entry<double>* entry : radial_) product *= entry->component.otf(f, system_.context()).re;
+  if (chromatic_radial_.empty()) return product;
+  double mean = 0.0;
+  for (std::size_t w = 0; w < nodes_.weight.size(); ++w) {
+    const Context<double> ctx = system_.context(nodes_.wavelength_um[w]);
+    double node = nodes_.weight[w];
+    for (const Entry<double>* entry : chromatic_radial_) node *= entry->component.otf(f, ctx).re;
+    mean += node;
+  }
+  return product * mean;
+}
+
+Complex<double> OtfSampler::general(const Freq<double>& f) const {
+  Complex<double> product{1.0, 0.0};
+  for (const Entry<double>* entry : general_) product = product * entry->component.otf(f, system_.context());
+  if (chromatic_general_.empty()) return product;
+  Complex<double> mean{};
+  for (std::size_t w = 0; w < nodes_.weight.size(); ++w) {
+    const Context<double> ctx = system_.context(nodes_.wavelength_um[w]);
+    Complex<double> node{nodes_.weight[w], 0.0};
+    for (const Entry<double>* entry : chromatic_general_) node = node * entry->component.otf(f, ctx);
+    mean = mean + node;
+  }
+  return product * mean;
+}
+
+double OtfSampler::aperture_factor(Axis axis, double f) const {
+  const bool x = axis == Axis::x;
+  if (aperture_.kind != SceneAperture::Kind::box && aperture_.kind != SceneAperture::Kind::gaussian) return 1.0;
+  const double size_mm = 1e-3 * (x ? aperture_.size.x_um(system_.frame) : aperture_.size.y_um(system_.frame));
+  const double a = aperture_.kind == SceneAperture::Kind::box ? sinc(size_mm * f).value : gaussian(size_mm * f).value;
+  return limited_inverse(a, std::sqrt(aperture_.gain_limit));
+}
+
+double OtfSampler::aperture_radial(double r) const {
+  if (aperture_.kind != SceneAperture::Kind::curve) return 1.0;
+  const std::string_view unit = aperture_.curve->unit->name;
+  const double f = unit == "cy/mrad" ? system_.frame.cy_per_mrad(r)
+                   : unit == "cy/px" ? system_.frame.cy_per_px(r, Axis::x)
+                                     : r;
+  return limited_inverse(evaluate(*aperture_.curve, f).value, aperture_.gain_limit);
+}
+
+double OtfSampler::error() const {
+  double sum = table_ ? table_->error() * gain_ : 0.0;
+  for (const Dropped& dropped : dropped_) sum += dropped.bound;
+  return sum;
+}
+
+Complex<double> OtfSampler::at(const Freq<double>& f) const {
+  const double correction =
+      aperture_factor(Axis::x, f.x) * aperture_factor(Axis::y, f.y) * aperture_radial(std::hypot(f.x, f.y));
+  Complex<double> h{correction, 0.0};
+  for (const Stage stage : stages_) h = h * system_.otf(stage, f);
+  return h;
+}
+
+OtfSampler::Grid::Grid(const OtfSampler& sampler, std::vector<double> fx, std::vector<double> fy)
+    : sampler_(&sampler), fx_(std::move(fx)), fy_(std::move(fy)) {
+  const Context<double> ctx = sampler.system_.context();
+  const auto vector = [&](const std::vector<double>& f, Axis axis) {
+    std::vector<Freq<double>> freq(f.size());
+    std::vector<Complex<double>> h(f.size());
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      freq[i] = axis == Axis::x ? Freq<double>{f[i], 0.0} : Freq<double>{0.0, f[i]};
+      h[i] = {sampler.aperture_factor(axis, f[i]), 0.0};
+    }
+    for (const Entry<double>* entry : sampler.separable_) entry->component.multiply(freq, ctx, h);
+    std::vector<Complex<float>> narrow(f.size());
+    for (std::size_t i = 0; i < f.size(); ++i) narrow[i] = {static_cast<float>(h[i].re), static_cast<float>(h[i].im)};
+    return narrow;
+  };
+  x_ = vector(fx_, Axis::x);
+  y_ = vector(fy_, Axis::y);
+  for (const double f : fx_) fx2_.push_back(static_cast<float>(f * f));
+}
+
+namespace {
+
+double modulus(const Complex<float>& c) { return std::hypot(c.re, c.im); }
+
+}  // namespace
+
+double OtfSampler::Grid::column_bound(std::size_t i) const {
+  const double radial = sampler_->table_ ? sampler_->table_->bound_from(std::abs(fx_[i])) : 1.0;
+  return modulus(x_[i]) * radial * sampler_->gain_;
+}
+
+double OtfSampler::Grid::row_bound(std::size_t j) const {
+  const double radial = sampler_->table_ ? sampler_->table_->bound_from(std::abs(fy_[j])) : 1.0;
+  return modulus(y_[j]) * radial * sampler_->gain_;
+}
+
+void OtfSampler::Grid::real_row(std::size_t j, std::size_t first, std::span<float> value) const {
+  if (sampler_->table_)
+    sampler_->table_->look_up(std::span(fx2_).subspan(first, value.size()), static_cast<float>(fy_[j] * fy_[j]), value);
+  else
+    std::fill(value.begin(), value.end(), 1.0F);
+  for (std::size_t l = 0; l < value.size(); ++l) value[l] *= x_[first + l].re * y_[j].re;
+  if (!sampler_->has_general()) return;
+  for (std::size_t l = 0; l < value.size(); ++l)
+    value[l] *= static_cast<float>(sampler_->general({fx_[first + l], fy_[j]}).re);
+}
+
+void OtfSampler::Grid::complex_row(std::size_t j, std::size_t first, std::span<Complex<float>> value) const {
+  std::vector<float> radial(value.size(), 1.0F);
+  if (sampler_->table_)
+    sampler_->table_->look_up(std::span(fx2_).subspan(first, value.size()), static_cast<float>(fy_[j] * fy_[j]),
+                              radial);
+  for (std::size_t l = 0; l < value.size(); ++l) {
+    Complex<float> h = x_[first + l] * y_[j];
+    if (sampler_->has_general()) {
+      const Complex<double> g = sampler_->general({fx_[first + l], fy_[j]});
+      h = h * Complex<float>{static_cast<float>(g.re), static_cast<float>(g.im)};
+    }
+    value[l] = {h.re * radial[l], h.im * radial[l]};
+  }
+}
+
+}  // namespace mtf

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The OTF of one list of a system on a frequency grid, cheaply: H(fx, fy) = R(|f|) X(fx) Y(fy) G(fx, fy).
+//   separable components  -> two vectors X and Y
+//   radial ones           -> one table R, chromatic ones averaged over the band as a product before they enter it
+//   all others            -> evaluated per sample in G
+// Each component is visited once per vector, table or tile, never per sample.
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mtf/border.h"
+#include "mtf/radial_table.h"
+#include "mtf/system.h"
+
+namespace mtf {
+
+/// Blur that the scene's samples already carry (a renderer's pixel average); divided out of the OTF. 1/A is limited:
+/// where |A| < 1/limit per factor the correction is limit^2 A, so it falls with A instead of growing.
+struct SceneAperture {
+  enum class Kind { point, box, gaussian, curve };
+  Kind kind = Kind::point;
+  AxisPair<double> size;  ///< box: full width; gaussian: sigma
+  std::shared_ptr<const Curve> curve;
+  double gain_limit = 10.0;
+};
+
+/// What was put aside before evaluation, for the plan's report.
+struct Dropped {
+  std::string label;
+  double bound = 0.0;  ///< of |otf - 1| over the grid
+};
+
+class OtfSampler {
+ public:
+  /// Prepares `stages` of `system` for |fx| <= fx_max, |fy| <= fy_max. Components whose deviations add up to no more
+  /// than `drop_budget` are left out. `target` is the allowed error of the radial table.
+  OtfSampler(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture, double fx_max,
+             double fy_max, double drop_budget, double target);
+  OtfSampler(const OtfSampler&) = delete;  // its lists point into its own copy of the system
+  OtfSampler& operator=(const OtfSampler&) = delete;
+
+  bool is_real() const { return real_; }
+  bool is_even_x() const { return even_x_; }
+  bool is_even_y() const { return even_y_; }
+  bool is_identity() const { return entries_.empty() && aperture_.kind == SceneAperture::Kind::point; }
+  const std::vector<Dropped>& dropped() const { return dropped_; }
+  /// Sentences on what was merged: "jitter, footprint -> two vectors".
+  const std::vector<std::string>& merged() const { return merged_; }
+  int wavelengths() const { return wavelengths_; }
+  /// Bound of |H_used - H| from dropping and from the table.
+  double error() const;
+  /// Some frequencies on the grid hit the aperture's gain limit.
+  bool aperture_limited() const { return aperture_limited_; }
+  /// OTF at zero frequency: the gain of the mean.
+  double dc() const { return at({0.0, 0.0}).re; }
+
+  /// Exact value in double, nothing dropped.
+  Complex<double> at(const Freq<double>& f) const;
+
+  /// The grid: row j holds H(fx[i], fy[j]) for i = 0 .. count-1. One sampler of fixed axes; const and re-entrant.
+  class Grid {
+   public:
+    Grid(const OtfSampler& sampler, std::vector<double> fx, std::vector<double> fy);
+    /// Bound of |H| over the column fx[i] (for cutting columns), and over row fy[j].
+    double column_bound(std::size_t i) const;
+    double row_bound(std::size_t j) const;
+    /// value[l] = H(fx[first + l], fy[j]), real systems only.
+    void real_row(std::size_t j, std::size_t first, std::span<float> value) const;
+    void complex_row(std::size_t j, std::size_t first, std::span<Complex<float>> value) const;
+
+   private:
+    const OtfSampler* sampler_;
+    std::vector<double> fx_, fy_;
+    std::vector<float> fx2_;
+    std::vector<Complex<float>> x_, y_;
+  };
+
+ private:
+  friend class Grid;
+  void sort_components(double fx_max, double fy_max, double drop_budget);
+  void choose_wavelengths(double end, double target);
+  double radial_product(double r) const;
+  bool has_general() const { return !general_.empty() || !chromatic_general_.empty(); }
+  Complex<double> general(const Freq<double>& f) const;
+  double aperture_factor(Axis axis, double f) const;
+  double aperture_radial(double r) const;
+
+  System<double> system_;
+  SceneAperture aperture_;
+  std::vector<Stage> stages_;
+  std::vector<const Entry<double>*> entries_, separable_, radial_, chromatic_radial_, general_, chromatic_general_;
+  double gain_ = 1.0;  ///< bound of the product of the components that amplify
+  std::vector<Dropped> dropped_;
+  std::vector<std::string> merged_;
+  WavelengthNodes nodes_;
+  std::optional<RadialTable> table_;
+  bool real_ = true, even_x_ = true, even_y_ = true, aperture_limited_ = false;
+  int wavelengths_ = 1;
+};
+
+}  // namespace mtf
