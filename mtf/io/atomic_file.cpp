@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/io/atomic_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <climits>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <system_error>
+
+#include "mtf/error.h"
+
+namespace mtf::io {
+namespace {
+
+constexpr std::size_t buffer_bytes = 256 * 1024;
+
+// A signal handler can neither lock nor allocate: names live in fixed slots, published by an atomic state.
+enum SlotState : int { slot_free, slot_filling, slot_active };
+struct Slot {
+  std::atomic<int> state{slot_free};
+  std::array<char, PATH_MAX> name{};
+};
+std::array<Slot, 32>& slots() {
+  static constinit std::array<Slot, 32> all{};
+  return all;
+}
+
+int register_temporary(const std::string& name) {
+  if (name.size() >= PATH_MAX) return -1;
+  for (std::size_t i = 0; i < slots().size(); ++i) {
+    int expected = slot_free;
+    if (!slots()[i].state.compare_exchange_strong(expected, slot_filling)) continue;
+    std::memcpy(slots()[i].name.data(), name.c_str(), name.size() + 1);
+    slots()[i].state = slot_active;
+    return static_cast<int>(i);
+  }
+  return -1;  // more than 32 files at once: still removed on failure, only not on a signal
+}
+
+void unregister_temporary(int slot) {
+  if (slot >= 0) slots()[static_cast<std::size_t>(slot)].state = slot_free;
+}
+
+std::string folder_of(const std::string& path) {
+  const auto slash = path.rfind('/');
+  if (slash == std::string::npos) return ".";
+  return slash == 0 ? "/" : path.substr(0, slash);
+}
+
+std::string remedy(int error_number) {
+  switch (error_number) {
+    case ENOSPC:
+    case EDQUOT:
+      return "free space or choose another folder";
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return "choose a folder you may write to";
+    case EFBIG:
+      return "the file system or a limit (ulimit -f) does not allow a file of this size";
+    default:
+      return "choose another file";
+  }
+}
+
+[[noreturn]] void fail(const std::string& path, int error_number) {
+  throw RuntimeError("cannot write " + path + ": " + std::generic_category().message(error_number) + "; " +
+                     remedy(error_number));
+}
+
+// Returns 0 or the error number; a short write is continued.
+int write_all(int descriptor, const char* data, std::size_t size) {
+  while (size > 0) {
+    const ssize_t written = ::write(descriptor, data, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    if (written == 0) return ENOSPC;
+    data += written;
+    size -= static_cast<std::size_t>(written);
+  }
+  return 0;
+}
+
+std::string resolved(const std::string& path) {
+  const std::unique_ptr<char, decltype(&std::free)> real(::realpath(path.c_str(), nullptr), &std::free);
+  return real ? std::string(real.get()) : path;
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(const std::string& path) : shown_(path), target_(path) {
+  if (path.empty()) throw UsageError("cannot write a file without a name; give the output file a name");
+  struct stat status {};
+  const bool exists = ::stat(path.c_str(), &status) == 0;
+  if (exists && S_ISDIR(status.st_mode))
+    throw RuntimeError("cannot write " + path + ": it is a folder; name a file in it");
+  if (exists && !S_ISREG(status.st_mode))
+    throw RuntimeError("cannot write " + path + ": it is a device or pipe; images need an ordinary file");
+  if (exists && ::access(path.c_str(), W_OK) != 0) fail(path, errno);
+  if (exists) target_ = resolved(path);
+
+  const std::string folder = folder_of(target_);
+  struct stat folder_status {};
+  const int folder_error = ::stat(folder.c_str(), &folder_status) != 0 ? errno : 0;
+  if (folder_error != 0 && folder_error != ENOENT && folder_error != ENOTDIR) fail(path, folder_error);
+  if (folder_error != 0 || !S_ISDIR(folder_status.st_mode))
+    throw RuntimeError("cannot write " + path + ": folder " + folder + " does not exist; create it or choose another");
+
+  const auto slash = target_.rfind('/');
+  const std::string prefix = slash == std::string::npos ? "" : target_.substr(0, slash + 1);
+  std::string base = slash == std::string::npos ? target_ : target_.substr(slash + 1);
+  if (base.empty()) throw RuntimeError("cannot write " + path + ": it names a folder; name a file in it");
+  if (base.size() > NAME_MAX) fail(path, ENAMETOOLONG);
+  base.resize(std::min<std::size_t>(base.size(), NAME_MAX - 32));
+  const std::string stem = prefix + base + ".tmp." + std::to_string(::getpid());
+  temporary_ = stem;
+  // Another thread may be writing the same target, or a crashed process with the same id left its file behind.
+  for (int attempt = 1; attempt <= 100; ++attempt) {
+    // Registered first: a signal between the two would otherwise leave the file behind.
+    slot_ = register_temporary(temporary_);
+    descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ >= 0) break;
+    const int error_number = errno;
+    unregister_temporary(slot_);
+    if (error_number != EEXIST || attempt == 100) fail(path, error_number);
+    temporary_ = stem + "." + std::to_string(attempt);
+  }
+  if (exists) static_cast<void>(::fchmod(descriptor_, status.st_mode & 0777));
+  buffer_.reserve(buffer_bytes);
+}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ < 0) return;
+  ::close(descriptor_);
+  ::unlink(temporary_.c_str());
+  unregister_temporary(slot_);
+}
+
+void AtomicFile::check(int error_number) {
+  if (error_ == 0) error_ = error_number;
+  if (error_ != 0) fail(shown_, error_);
+}
+
+void AtomicFile::flush() {
+  check(0);
+  const int error_number = write_all(descriptor_, buffer_.data(), buffer_.size());
+  buffer_.clear();
+  check(error_number);
+}
+
+void AtomicFile::write(const void* data, std::size_t size) {
+  if (buffer_.size() + size > buffer_bytes) flush();
+  if (size >= buffer_bytes) {
+    check(write_all(descriptor_, static_cast<const char*>(data), size));
+  } else {
+    const char* bytes = static_cast<const char*>(data);
+    buffer_.insert(buffer_.end(), bytes, bytes + size);
+  }
+  position_ += size;
+}
+
+void AtomicFile::seek(std::uint64_t position) {
+  if (position == position_) return;
+  flush();
+  if (::lseek(descriptor_, static_cast<off_t>(position), SEEK_SET) < 0) check(errno);
+  position_ = position;
+}
+
+void AtomicFile::commit() {
+  flush();
+  if (::fsync(descriptor_) != 0) check(errno);
+  if (::rename(temporary_.c_str(), target_.c_str()) != 0) check(errno);
+  unregister_temporary(slot_);
+  ::close(descriptor_);
+  descriptor_ = -1;
+  // The rename itself has to reach the disk; a file system that cannot sync folders has done what it can.
+  const int folder = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder >= 0) {
+    static_cast<void>(::fsync(folder));
+    ::close(folder);
+  }
+}
+
+void write_text_file(const std::string& path, std::string_view text) {
+  struct stat status {};
+  const bool direct = ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+  if (!direct) {
+    AtomicFile file(path);
+    file.write(text.data(), text.size());
+    file.commit();
+    return;
+  }
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) fail(path, errno);
+  const int error_number = write_all(descriptor, text.data(), text.size());
+  ::close(descriptor);
+  if (error_number != 0) fail(path, error_number);
+}
+
+void remove_temporaries() noexcept {
+  const int saved = errno;
+  for (Slot& slot : slots())
+    if (slot.state == slot_active) ::unlink(slot.name.data());
+  errno = saved;
+}
+
+}  // namespace mtf::io

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Output files that appear whole or not at all: bytes go to `name.tmp.<pid>` in the same folder; `commit` flushes,
+// syncs and renames. Without a commit (exception, early return) the temporary is removed and the old file stays.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mtf::io {
+
+/// One file being written. Movable neither nor copyable: the temporary is registered for `remove_temporaries`.
+/// A symbolic link is followed (its target is replaced); an existing file keeps its permissions.
+class AtomicFile {
+ public:
+  /// Creates the temporary. Throws RuntimeError naming the folder that is missing or not writable, and when `path` is a
+  /// folder or a device.
+  explicit AtomicFile(const std::string& path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  /// Appends at the current position (buffered). Throws RuntimeError with the reason (disk full, ...); the failure is
+  /// kept and `commit` reports it again, so a library that swallows exceptions cannot hide it.
+  void write(const void* data, std::size_t size);
+  void seek(std::uint64_t position);
+  std::uint64_t position() const { return position_; }
+
+  /// Descriptor for code that writes by itself; what it wrote has to be complete before `commit`.
+  int descriptor() const { return descriptor_; }
+  /// Tells of an error number that such code met, 0 for none: throws as `write` does.
+  void check(int error_number);
+
+  /// Flush, fsync, rename, fsync of the folder. Throws RuntimeError and removes the temporary when any of it fails.
+  void commit();
+
+ private:
+  void flush();
+
+  std::string shown_;   // as the user named it, for messages
+  std::string target_;  // after symbolic links
+  std::string temporary_;
+  std::vector<char> buffer_;
+  std::uint64_t position_ = 0;
+  int descriptor_ = -1;
+  int slot_ = -1;
+  int error_ = 0;
+};
+
+/// Writes a whole text file in one go. A device or pipe such as /dev/stdout is written directly. Throws RuntimeError.
+void write_text_file(const std::string& path, std::string_view text);
+
+/// Unlinks every temporary of this process. Async-signal-safe: meant for the SIGINT handler of a command.
+void remove_temporaries() noexcept;
+
+}  // namespace mtf::io

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A look at the raw header of an OpenEXR file before the library opens it. The library allocates what a header asks
+// for; a damaged header may ask for anything. The scan walks the attributes of every part (format: OpenEXR file layout,
+// version 2) and refuses what the file cannot hold.
+
+#include <cstdint>
+#include <string>
+
+namespace mtf::io {
+
+/// Throws RuntimeError when the header is cut short, an attribute is longer than the file, a window is inverted, the
+/// chunk table cannot fit, or the announced pixels (or one tile) are far beyond what the file can hold compressed.
+void scan_exr_header(const std::string& path);
+
+/// Lines of one chunk of a scan-line part with this compression code, 0 for an unknown one.
+int exr_chunk_lines(int compression);
+
+}  // namespace mtf::io

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/io/file_checks.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+
+#include "mtf/error.h"
+
+namespace mtf::io {
+
+std::int64_t input_file_size(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0)
+    throw RuntimeError("cannot read " + path + ": " + std::generic_category().message(errno) + "; check the path");
+  if (S_ISDIR(status.st_mode)) throw RuntimeError("cannot read " + path + ": it is a folder; name an image file in it");
+  if (!S_ISREG(status.st_mode))
+    throw RuntimeError("cannot read " + path + ": it is not an ordinary file; store the image in a file first");
+  if (status.st_size == 0) throw RuntimeError("cannot read " + path + ": the file is empty; copy or export it again");
+  return status.st_size;
+}
+
+void check_plane_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t planes) {
+  const double pixels = static_cast<double>(width) * static_cast<double>(height);
+  const double bytes = pixels * static_cast<double>(planes) * sizeof(float);
+  const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  const std::string size = path + ": an image of " + std::to_string(width) + " x " + std::to_string(height) +
+                           " pixels needs " + shown_bytes(bytes) + " for " + std::to_string(planes) + " plane(s)";
+  if (width <= 0 || height <= 0) throw RuntimeError(path + ": the image has no pixels; export the file again");
+  if (pixels > static_cast<double>(max_plane_pixels))
+    throw RuntimeError(size + "; the limit is 2^31 pixels a plane: crop the image or cut it into pieces");
+  if (bytes > memory)
+    throw RuntimeError(size + "; this machine has " + shown_bytes(memory) + ": crop it or choose one channel");
+}
+
+void check_compression(const std::string& path, double data_bytes, std::int64_t file_bytes, double ratio) {
+  if (data_bytes <= static_cast<double>(file_bytes) * ratio) return;
+  throw RuntimeError(path + ": damaged or incomplete: its header announces " + shown_bytes(data_bytes) +
+                     " of pixels, which a file of " + shown_bytes(static_cast<double>(file_bytes)) +
+                     " cannot hold; copy or export the file again");
+}
+
+std::string shown_bytes(double bytes) {
+  constexpr std::array units{"bytes", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
+  std::size_t unit = 0;
+  while (bytes >= 1024 && unit + 1 < units.size()) {
+    bytes /= 1024;
+    ++unit;
+  }
+  std::array<char, 64> text{};
+  static_cast<void>(std::snprintf(text.data(), text.size(), unit == 0 ? "%.0f %s" : "%.3g %s", bytes, units[unit]));
+  return text.data();
+}
+
+namespace {
+
+// Length of the well-formed UTF-8 sequence at `at`, 0 when there is none.
+std::size_t utf8_length(std::string_view text, std::size_t at) {
+  const auto lead = static_cast<unsigned char>(text[at]);
+  const std::size_t length = lead < 0x80   ? 1
+                             : lead < 0xc2 ? 0
+                             : lead < 0xe0 ? 2
+                             : lead < 0xf0 ? 3
+                             : lead < 0xf5 ? 4
+                                           : 0;
+  if (length == 0 || at + length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((static_cast<unsigned char>(text[at + i]) & 0xc0U) != 0x80) return 0;
+  return length;
+}
+
+}  // namespace
+
+std::string printable(std::string_view text, std::size_t limit) {
+  std::string shown;
+  std::size_t at = 0;
+  while (at < text.size() && shown.size() < limit) {
+    const std::size_t length = utf8_length(text, at);
+    const auto code = static_cast<unsigned char>(text[at]);
+    if (length == 0 || code < 0x20 || code == 0x7f)
+      shown += code == '\n' || code == '\t' ? ' ' : '?';
+    else
+      shown += text.substr(at, length);
+    at += std::max<std::size_t>(length, 1);
+  }
+  if (at < text.size()) shown += "...";
+  return shown;
+}
+
+}  // namespace mtf::io

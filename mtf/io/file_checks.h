@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Checks that every reader makes before it trusts a file: what the path is, and whether the announced size is possible.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace mtf::io {
+
+/// Largest number of pixels of one plane that is read or written.
+inline constexpr std::int64_t max_plane_pixels = std::int64_t{1} << 31;
+
+/// Size in bytes of a non-empty regular file. Throws RuntimeError for anything else (missing, folder, pipe, empty).
+std::int64_t input_file_size(const std::string& path);
+
+/// Throws RuntimeError with the bytes needed when `planes` float planes of this size are above `max_plane_pixels` each
+/// or more than the machine's memory. Nothing is allocated.
+void check_plane_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t planes);
+
+/// Throws RuntimeError when a file of `file_bytes` cannot hold `data_bytes` at a compression of `ratio`.
+void check_compression(const std::string& path, double data_bytes, std::int64_t file_bytes, double ratio);
+
+/// "1.5 GiB": for messages.
+std::string shown_bytes(double bytes);
+
+/// The text on one line with control characters and broken UTF-8 replaced, cut to `limit` bytes: names from damaged
+/// files go into messages.
+std::string printable(std::string_view text, std::size_t limit = 200);
+
+}  // namespace mtf::io

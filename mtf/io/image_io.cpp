@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/io/image_io.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <utility>
+
+#include "mtf/error.h"
+#include "mtf/io/channel_choice.h"
+#include "mtf/io/codecs.h"
+#include "mtf/io/exr_read.h"
+#include "mtf/io/file_checks.h"
+#include "mtf/io/png_scan.h"
+
+namespace mtf::io {
+namespace {
+
+RasterHeader raster_header(const std::string& path, Format format) {
+  return format == Format::png ? scan_png(path) : codecs().tiff_header(path, input_file_size(path));
+}
+
+FileInfo describe(const RasterHeader& header, Format format) {
+  FileInfo info;
+  info.format = format;
+  info.storage = header.storage;
+  info.width = header.width;
+  info.height = header.height;
+  info.display_window = {0, 0, static_cast<int>(header.width) - 1, static_cast<int>(header.height) - 1};
+  info.data_window = info.display_window;
+  info.attributes = header.attributes;
+  std::vector<std::string> names{"Y"};
+  if (header.colours == 3) names = {"R", "G", "B"};
+  if (header.alpha) names.emplace_back("A");
+  for (const std::string& name : names) {
+    ChannelInfo channel;
+    channel.name = name;
+    channel.type = header.type;
+    info.channels.push_back(channel);
+  }
+  return info;
+}
+
+ImageFile read_raster(const std::string& path, Format format, const ReadOptions& options) {
+  const RasterHeader header = raster_header(path, format);
+  ImageFile image;
+  image.info = describe(header, format);
+  const ChannelChoice choice = choose_channels(path, image.info.channels, options);
+  for (const std::size_t i : choice.indices)
+    if (image.info.channels[i].name == "A")
+      throw UsageError(path + ": the alpha channel is not image data; choose Y or R, G, B");
+  check_plane_size(path, header.width, header.height, header.colours);
+  std::vector<Image> planes =
+      format == Format::png ? codecs().decode_png(path, header) : codecs().decode_tiff(path, header);
+  for (const std::size_t i : choice.indices) image.planes.push_back(std::move(planes.at(i)));
+  image.names = choice.names;
+  image.integer = header.type == "uint8" || header.type == "uint16";
+  return image;
+}
+
+}  // namespace
+
+Format detect_format(const std::string& path) {
+  const std::int64_t size = input_file_size(path);
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw RuntimeError("cannot read " + path + ": it cannot be opened; check its permissions");
+  std::array<char, 8> start{};
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  const std::string magic(start.data(), static_cast<std::size_t>(file.gcount()));
+  using std::string_literals::operator""s;
+  if (magic.starts_with("\x76\x2f\x31\x01"s)) return Format::exr;
+  if (magic.starts_with("\x89PNG\r\n\x1a\n"s)) return Format::png;
+  for (const std::string& tiff : {"II\x2a\0"s, "MM\0\x2a"s, "II\x2b\0"s, "MM\0\x2b"s})
+    if (magic.starts_with(tiff)) return Format::tiff;
+  throw RuntimeError("cannot read " + path + ": its content (" + shown_bytes(static_cast<double>(size)) +
+                     ") is neither OpenEXR nor PNG nor TIFF; convert the image to one of them");
+}
+
+Format format_from_extension(const std::string& path) {
+  const auto slash = path.rfind('/');
+  const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
+  const auto dot = name.rfind('.');
+  std::string extension = dot == std::string::npos ? "" : name.substr(dot);
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension == ".exr") return Format::exr;
+  if (extension == ".png") return Format::png;
+  if (extension == ".tif" || extension == ".tiff") return Format::tiff;
+  throw UsageError("cannot tell the image format of " + path + "; end the name in .exr, .png, .tif or .tiff");
+}
+
+FileInfo read_info(const std::string& path) {
+  const Format format = detect_format(path);
+  return format == Format::exr ? read_exr_info(path) : describe(raster_header(path, format), format);
+}
+
+ImageFile read_image(const std::string& path, const ReadOptions& options) {
+  const Format format = detect_format(path);
+  return format == Format::exr ? read_exr(path, options) : read_raster(path, format, options);
+}
+
+}  // namespace mtf::io

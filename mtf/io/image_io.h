@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Image files in and out. Everything inside the toolkit is linear float32 planes; this header is the only door to
+// OpenEXR, PNG and TIFF. Values are returned as stored (integers as their counts): gain, offset and quantity belong to
+// the sensor configuration, nothing is guessed here.
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mtf/image.h"
+
+namespace mtf::io {
+
+enum class Format { exr, png, tiff };
+
+/// Format by file content for reading (magic bytes). Throws RuntimeError when the file is missing, empty or none of
+/// ours.
+Format detect_format(const std::string& path);
+
+/// Format by extension for writing (.exr .png .tif .tiff, any case). Throws UsageError naming the known extensions.
+Format format_from_extension(const std::string& path);
+
+struct ChannelInfo {
+  std::string name;   ///< full name as stored, e.g. "ViewLayer.Combined.R"; PNG/TIFF: "Y" or "R","G","B" ("A" last)
+  std::string type;   ///< "half", "float", "uint", "uint8", "uint16", "double" (TIFF); "deep half" ... cannot be read
+  std::string layer;  ///< part before the last '.', "" when there is none
+  int part = 0;       ///< part of a multi-part file, else 0
+  std::string part_name;  ///< name of that part, "" when it has none; works as a layer where channels have none
+  int x_sampling = 1, y_sampling = 1;
+};
+
+/// What a file says of itself, without reading its pixels.
+struct FileInfo {
+  Format format{};
+  std::string storage;     ///< e.g. "scanline zip", "tiled piz, 3 mip-map levels", "2 parts", "16-bit"
+  std::int64_t width = 0;  ///< size of the display window: the size of the image that is read
+  std::int64_t height = 0;
+  std::array<int, 4> data_window{};  ///< x0, y0, x1, y1 inclusive; equals the display window for PNG and TIFF
+  std::array<int, 4> display_window{};
+  std::vector<ChannelInfo> channels;              ///< in the file's order
+  std::map<std::string, std::string> attributes;  ///< other attributes that can be shown as text
+};
+
+FileInfo read_info(const std::string& path);
+
+struct ReadOptions {
+  /// One full channel name, or its last component within `layer`.
+  std::optional<std::string> channel;
+  /// All colour (or single) channels of this layer; "" = the channels without a layer.
+  std::optional<std::string> layer;
+  /// Part of a multi-part file; needed only when names repeat.
+  std::optional<int> part;
+};
+
+/// The chosen planes, each width x height of the *display window*. Data window parts outside are cropped, missing
+/// pixels are 0 and counted. Mip-map level 0. Subsampled channels (RY, BY of luminance-chroma files) and deep data are
+/// refused with the remedy. Values are float32: EXR uint above 2^24 is rounded. NaN and Inf are passed through.
+struct ImageFile {
+  std::vector<std::string> names;  ///< as chosen: "Y" | "R","G","B" | full channel name
+  std::vector<Image> planes;
+  bool integer = false;  ///< stored as integers (PNG, integer TIFF, EXR uint): the config has to give gain and offset
+  std::int64_t missing_pixels = 0;  ///< display-window pixels that the data window does not cover
+  FileInfo info;
+};
+
+/// Reads the channels chosen by `options`. Without a choice: the only channel, or Y, or R,G,B (alpha is left out), of
+/// the channels without a layer or of the only layer; anything else is a UsageError that lists what there is and how to
+/// choose. Damaged, incomplete or impossibly large files: RuntimeError, before memory is taken. Limits: 2^31 pixels a
+/// plane (PNG, TIFF: 2^30 and 2^20 a side), the memory of the machine, what the file can hold compressed, and for
+/// display windows above 2^24 pixels a data window that covers at least 1/256.
+ImageFile read_image(const std::string& path, const ReadOptions& options = {});
+
+/// Text and numbers stored with an image. EXR: typed attributes named `mtf:...`; PNG: tEXt; TIFF: ImageDescription.
+struct Metadata {
+  std::map<std::string, std::string> text;             ///< e.g. {"mtf:units", "W.m^-2.sr^-1"}
+  std::map<std::string, std::array<double, 2>> pairs;  ///< e.g. {"mtf:pixelPitch", {15e-6, 15e-6}}
+  std::map<std::string, std::vector<float>> lists;     ///< e.g. {"mtf:bandEdges", {3.4, 4.8}}
+  std::vector<std::string> history;                    ///< "mtf:history"
+};
+
+struct NamedPlane {
+  std::string name;
+  ImageView<const float> plane;
+};
+
+/// Scanline float32 ZIP EXR, data window = display window = size from (0,0). Appears whole or not at all.
+void write_exr(const std::string& path, const std::vector<NamedPlane>& planes, const Metadata& metadata);
+
+/// file value = round((value - offset) / gain), clamped to 0..65535; the clamped pixels are counted.
+struct IntegerScaling {
+  double gain = 1.0;
+  double offset = 0.0;
+};
+
+/// Scaling that maps [min, max] of the planes to 0..65535 (gain 1 for a flat image).
+IntegerScaling full_range_scaling(const std::vector<NamedPlane>& planes);
+
+/// 16-bit PNG or TIFF (by extension) with 1 or 3 planes; `gain` and `offset` are written into the file beside
+/// `metadata`. Returns the number of clamped samples. Appears whole or not at all.
+std::int64_t write_integer(const std::string& path, const std::vector<NamedPlane>& planes,
+                           const IntegerScaling& scaling, const Metadata& metadata);
+
+/// 8-bit grey or RGB preview: values mapped linearly from [low, high] to 0..255. PNG only.
+void write_preview_png(const std::string& path, const std::vector<NamedPlane>& planes, double low, double high);
+
+}  // namespace mtf::io

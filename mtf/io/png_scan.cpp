@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/io/png_scan.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+
+#include "mtf/error.h"
+#include "mtf/io/file_checks.h"
+
+namespace mtf::io {
+namespace {
+
+using Bytes = std::vector<unsigned char>;
+
+constexpr std::size_t text_limit = 1 << 20;
+
+constexpr std::array<std::uint32_t, 256> crc_table() {
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t n = 0; n < table.size(); ++n) {
+    std::uint32_t c = n;
+    for (int k = 0; k < 8; ++k) c = (c & 1U) != 0 ? 0xedb88320U ^ (c >> 1U) : c >> 1U;
+    table[n] = c;
+  }
+  return table;
+}
+
+std::uint32_t crc(const unsigned char* bytes, std::size_t size) {
+  static constexpr auto table = crc_table();
+  std::uint32_t c = 0xffffffffU;
+  for (std::size_t i = 0; i < size; ++i) c = table[(c ^ bytes[i]) & 0xffU] ^ (c >> 8U);
+  return ~c;
+}
+
+std::uint32_t big_endian(const unsigned char* bytes) {
+  return std::uint32_t{bytes[0]} << 24U | std::uint32_t{bytes[1]} << 16U | std::uint32_t{bytes[2]} << 8U | bytes[3];
+}
+
+[[noreturn]] void damaged(const std::string& path, const std::string& why) {
+  throw RuntimeError("cannot read " + path + ": damaged or incomplete PNG file (" + why +
+                     "); copy or export the file again");
+}
+
+void read_ihdr(const std::string& path, const unsigned char* data, std::size_t size, RasterHeader& header) {
+  if (size != 13) damaged(path, "the header chunk has a wrong length");
+  header.width = big_endian(data);
+  header.height = big_endian(data + 4);
+  const int bits = data[8], colour = data[9];
+  constexpr std::int64_t max_side = 1 << 20;
+  if (header.width == 0 || header.height == 0) damaged(path, "the image has no pixels");
+  if (header.width > max_side || header.height > max_side || header.width * header.height > max_plane_pixels / 2)
+    throw RuntimeError(path + ": a PNG of " + std::to_string(header.width) + " x " + std::to_string(header.height) +
+                       " pixels needs " +
+                       shown_bytes(static_cast<double>(header.width) * static_cast<double>(header.height) * 4) +
+                       " a plane; the limit is 2^30 pixels and 2^20 a side: crop it, or store the image as OpenEXR");
+  const bool grey = colour == 0 || colour == 4, indexed = colour == 3;
+  const bool known = (grey || indexed || colour == 2 || colour == 6) &&
+                     (bits == 8 || (bits == 16 && !indexed) ||
+                      (bits < 8 && (bits == 1 || bits == 2 || bits == 4) && (colour == 0 || indexed)));
+  if (!known) damaged(path, "unknown pixel layout");
+  header.colours = grey ? 1 : 3;
+  header.alpha = colour == 4 || colour == 6;
+  header.type = bits == 16 ? "uint16" : "uint8";
+  header.scale = grey && bits < 8 ? 255 / ((1 << bits) - 1) : 1;
+  header.storage = std::to_string(bits) + "-bit" + (indexed ? " palette" : "") + (data[12] != 0 ? " interlaced" : "");
+}
+
+void read_text(const std::string& type, const unsigned char* data, std::size_t size, RasterHeader& header) {
+  const std::string all(reinterpret_cast<const char*>(data), std::min(size, text_limit));
+  const auto key_end = all.find('\0');
+  if (key_end == std::string::npos || key_end == 0) return;
+  std::size_t text = key_end + 1;
+  if (type == "iTXt") {  // compression flag and method, language, translated key, text
+    if (text >= all.size() || all[text] != 0) return;
+    for (int skipped = 0; skipped < 2; ++skipped) {
+      text = all.find('\0', skipped == 0 ? text + 2 : text);
+      if (text == std::string::npos) return;
+      ++text;
+    }
+  }
+  header.attributes[all.substr(0, key_end)] = all.substr(text);
+}
+
+}  // namespace
+
+RasterHeader scan_png(const std::string& path, Bytes* critical) {
+  const std::int64_t file_bytes = input_file_size(path);
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw RuntimeError("cannot read " + path + ": it cannot be opened; check its permissions");
+  Bytes chunk(8);
+  const auto read = [&](std::size_t size) {
+    chunk.resize(size);
+    file.read(reinterpret_cast<char*>(chunk.data()), static_cast<std::streamsize>(size));
+    return static_cast<bool>(file);
+  };
+  if (!read(8)) damaged(path, "it ends in the header");
+  if (critical != nullptr) *critical = chunk;
+
+  RasterHeader header;
+  bool first = true, any_data = false;
+  for (std::int64_t left = file_bytes - 8;;) {
+    if (left < 12 || !read(8)) damaged(path, "it ends before the end mark");
+    const std::int64_t size = big_endian(chunk.data());
+    const std::string type(chunk.begin() + 4, chunk.end());
+    if (size > left - 12) damaged(path, "chunk " + printable(type) + " is longer than the file");
+    std::array<unsigned char, 4> length{};
+    std::copy_n(chunk.begin(), 4, length.begin());
+    file.seekg(-4, std::ios::cur);  // the CRC covers type and data
+    if (!read(static_cast<std::size_t>(size) + 8)) damaged(path, "chunk " + printable(type) + " cannot be read");
+    left -= size + 12;
+    const unsigned char* data = chunk.data() + 4;
+    const auto data_size = static_cast<std::size_t>(size);
+    if (crc(chunk.data(), data_size + 4) != big_endian(data + data_size))
+      damaged(path, "chunk " + printable(type) + " has a wrong checksum");
+    if (first != (type == "IHDR")) damaged(path, "the header chunk is missing or repeated");
+    if (first) read_ihdr(path, data, data_size, header);
+    first = false;
+    any_data = any_data || type == "IDAT";
+    if (type == "tRNS") header.alpha = true;
+    if (type == "tEXt" || type == "iTXt") read_text(type, data, data_size, header);
+    const bool needed = type == "IHDR" || type == "PLTE" || type == "tRNS" || type == "IDAT" || type == "IEND";
+    if (!needed && type[0] >= 'A' && type[0] <= 'Z') damaged(path, "unknown critical chunk " + printable(type));
+    if (critical != nullptr && needed) {
+      critical->insert(critical->end(), length.begin(), length.end());
+      critical->insert(critical->end(), chunk.begin(), chunk.end());
+    }
+    if (type == "IEND") break;
+  }
+  if (!any_data) damaged(path, "it holds no pixels");
+  const double pixel_bytes = (header.colours + (header.alpha ? 1 : 0)) * (header.type == "uint16" ? 2.0 : 0.125);
+  check_compression(path, static_cast<double>(header.width) * static_cast<double>(header.height) * pixel_bytes,
+                    file_bytes, 2048);
+  return header;
+}
+
+}  // namespace mtf::io
