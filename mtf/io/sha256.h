@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// SHA-256 (FIPS 180-4) of short texts: identifies the sensor file that an image was made with. Not for secrets.
+
+#include <string>
+#include <string_view>
+
+namespace mtf::io {
+
+/// 64 lower-case hex digits.
+std::string sha256_hex(std::string_view bytes);
+
+}  // namespace mtf::io

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "mtf/io/config.h"
+
+namespace mtf::io {
+namespace {
+
+// A sensor file with the curve file of the examples beside it; the folder goes away at the end.
+struct Folder {
+  std::filesystem::path path =
+      std::filesystem::path(testing::TempDir()) / ("mtfkit_config_" + std::to_string(::getpid()));
+  Folder() {
+    std::filesystem::create_directories(path);
+    std::ofstream(path / "lens.csv") << "frequency_cy_mm,mtf\n0,1\n20,0.7\n40,0.35\n60,0\n";
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+};
+
+std::string sensor_path() {
+  static const Folder folder;
+  return (folder.path / "s.toml").string();
+}
+
+bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
+bool same(const std::optional<double>& a, const std::optional<double>& b) {
+  return a.has_value() == b.has_value() && (!a || same(*a, *b));
+}
+bool same(const Extent<double>& a, const Extent<double>& b) { return a.unit == b.unit && same(a.value, b.value); }
+bool same(const AxisPair<double>& a, const AxisPair<double>& b) {
+  return a.split == b.split && same(a.x, b.x) && (!a.split || same(a.y, b.y));
+}
+bool same(const SpatialFrequency<double>& a, const SpatialFrequency<double>& b) {
+  return a.unit == b.unit && same(a.value, b.value);
+}
+bool same(int a, int b) { return a == b; }
+bool same(const Choice& a, const Choice& b) { return a.index == b.index; }
+bool same(const Taps<double>& a, const Taps<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) {
+    return std::equal(x.begin(), x.end(), y.begin(), y.end(), [](double s, double t) { return same(s, t); });
+  });
+}
+bool same(const std::shared_ptr<const Curve>& a, const std::shared_ptr<const Curve>& b) {
+  return (a == nullptr) == (b == nullptr) &&
+         (!a || (a->frequency == b->frequency && a->value == b->value && a->unit == b->unit));
+}
+
+void expect_same(const SensorConfig& a, const SensorConfig& b, const std::string& text) {
+  const System<double>&s = a.system, &t = b.system;
+  EXPECT_EQ(s.name, t.name);
+  EXPECT_TRUE(same(s.frame.focal_length_mm, t.frame.focal_length_mm)) << text;
+  EXPECT_TRUE(same(s.frame.pitch_x_um, t.frame.pitch_x_um)) << text;
+  EXPECT_TRUE(same(s.frame.pitch_y_um, t.frame.pitch_y_um)) << text;
+  EXPECT_TRUE(same(s.frame.integration_time_s, t.frame.integration_time_s)) << text;
+  EXPECT_EQ(s.frame.columns, t.frame.columns);
+  EXPECT_EQ(s.frame.rows, t.frame.rows);
+  EXPECT_TRUE(same(s.optics.f_number, t.optics.f_number)) << text;
+  EXPECT_TRUE(same(s.optics.aperture_mm, t.optics.aperture_mm)) << text;
+  EXPECT_TRUE(same(s.optics.obscuration, t.optics.obscuration)) << text;
+  EXPECT_TRUE(same(s.optics.wavelength_um, t.optics.wavelength_um)) << text;
+  ASSERT_EQ(s.band.has_value(), t.band.has_value()) << text;
+  if (s.band) {
+    EXPECT_TRUE(same(s.band->lo_um, t.band->lo_um) && same(s.band->hi_um, t.band->hi_um)) << text;
+  }
+  for (const Stage stage : kStages) {
+    ASSERT_EQ(s.list(stage).size(), t.list(stage).size()) << text;
+    for (std::size_t i = 0; i < s.list(stage).size(); ++i) {
+      const auto &x = s.list(stage)[i], &y = t.list(stage)[i];
+      EXPECT_EQ(x.label, y.label) << text;
+      ASSERT_EQ(x.component.kind(), y.component.kind()) << text;
+      const auto f = x.component.fields(), g = y.component.fields();
+      for (std::size_t k = 0; k < f.size(); ++k)
+        std::visit(
+            [&](const auto* u) {
+              const auto* v = std::get<std::remove_cvref_t<decltype(*u)>*>(g[k].value);
+              EXPECT_TRUE(same(*u, *v)) << x.label << "." << f[k].info->name << "\n" << text;
+            },
+            f[k].value);
+    }
+  }
+  EXPECT_TRUE(same(a.scene.sample_x_um, b.scene.sample_x_um) && same(a.scene.sample_y_um, b.scene.sample_y_um)) << text;
+  EXPECT_EQ(a.scene.quantity, b.scene.quantity);
+  EXPECT_TRUE(same(a.scene.gain, b.scene.gain) && same(a.scene.offset, b.scene.offset)) << text;
+  EXPECT_EQ(a.scene.border, b.scene.border);
+  EXPECT_TRUE(same(a.scene.border_value, b.scene.border_value)) << text;
+  EXPECT_EQ(a.scene.aperture, b.scene.aperture);
+  EXPECT_TRUE(same(a.scene.aperture_size, b.scene.aperture_size)) << text;
+  EXPECT_TRUE(same(a.scene.aperture_curve, b.scene.aperture_curve)) << text;
+  EXPECT_TRUE(same(a.scene.aperture_gain_limit, b.scene.aperture_gain_limit)) << text;
+  ASSERT_EQ(a.fits.size(), b.fits.size()) << text;
+  for (std::size_t i = 0; i < a.fits.size(); ++i) {
+    const FitSpec &f = a.fits[i], &g = b.fits[i];
+    EXPECT_EQ(f.path, g.path);
+    EXPECT_EQ(f.fit, g.fit);
+    EXPECT_TRUE(same(f.min, g.min) && same(f.max, g.max) && same(f.stderr_value, g.stderr_value)) << text;
+    EXPECT_EQ(f.prior, g.prior) << text;
+  }
+}
+
+std::string first_error(const ConfigResult& result) {
+  for (const auto& d : result.diagnostics)
+    if (d.error) return format_diagnostic(d, "");
+  return "";
+}
+
+/// Written text read again gives the same; writing that again gives the same text.
+void expect_round_trip(const SensorConfig& config) {
+  const std::string text = write_config(config);
+  const ConfigResult again = parse_config(text, config.file);
+  ASSERT_TRUE(again.ok()) << first_error(again) << "\n" << text;
+  expect_same(config, again.config, text);
+  EXPECT_EQ(write_config(again.config), text);
+}
+
+const std::string kHead =
+    "schema = 1\nname = \"a \\\"b\\\" \\\\ \\u0007 µ\"\n[frame]\nfocal_length = \"0.1 m\"\npitch = \"0.015 mm\"\n"
+    "format = [64, 51]\nintegration_time = \"10 ms\"\n[optics]\naperture = \"5 cm\"\n[band]\n"
+    "wavelength = [\"3400 nm\", \"4.8 um\"]\n";
+
+// Every field of every kind gets into a file that is accepted, alone beside the required ones and all together.
+TEST(ConfigRoundTrip, EveryFieldOfEveryKind) {
+  for (const std::string_view kind : component_kinds()) {
+    const Component<double> component = Component<double>::make(kind);
+    const std::string stage(component.stages().presample ? "presample"
+                            : component.stages().readout ? "readout"
+                                                         : "postsample");
+    const auto fields = component.fields();
+    std::vector<bool> accepted(fields.size());
+    for (std::size_t chosen = 0; chosen <= fields.size(); ++chosen) {
+      std::string text = kHead + "[[" + stage + "]]\nkind = \"" + std::string(kind) + "\"\n";
+      std::vector<std::size_t> written;
+      for (std::size_t i = 0; i < fields.size(); ++i) {
+        const FieldInfo& info = *fields[i].info;
+        if (info.presence != Presence::required && i != chosen && chosen != fields.size()) continue;
+        text += std::string(info.name) + " = " + std::string(info.example) + "\n";
+        written.push_back(i);
+      }
+      const ConfigResult result = parse_config(text, sensor_path());
+      if (!result.ok()) continue;  // fields that exclude each other
+      for (const std::size_t i : written) accepted[i] = true;
+      expect_round_trip(result.config);
+    }
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      // A field that only qualifies another one (a direction) is accepted together with that one.
+      if (accepted[i]) continue;
+      for (std::size_t other = 0; other < fields.size() && !accepted[i]; ++other) {
+        std::string text = kHead + "[[" + stage + "]]\nkind = \"" + std::string(kind) + "\"\n";
+        for (const std::size_t k : {i, other})
+          if (k != other || other != i)
+            text += std::string(fields[k].info->name) + " = " + std::string(fields[k].info->example) + "\n";
+        const ConfigResult result = parse_config(text, sensor_path());
+        if (!result.ok()) continue;
+        accepted[i] = true;
+        expect_round_trip(result.config);
+      }
+      EXPECT_TRUE(accepted[i]) << kind << "." << fields[i].info->name << " is never accepted";
+    }
+  }
+}
+
+TEST(ConfigRoundTrip, SceneFormsAndUnits) {
+  for (const std::string scene :
+       {"sample = \"3.75 um\"", "sample_x = \"3.1 um\"\nsample_y = \"0.0029 mm\"", "ifov = \"37.5 urad\"",
+        "gsd = \"0.19 m\"\nrange = \"5 km\"", "gain = 0.1\noffset = -7\nquantity = \"counts\"",
+        "border = \"constant\"\nborder_value = 0.3", "aperture = \"box\"",
+        "aperture = \"box\"\naperture_size = \"0.25 px\"",
+        "aperture = \"gaussian\"\naperture_size_x = \"1 arcsec\"\naperture_size_y = \"2 um\"\naperture_gain_limit = 5",
+        "aperture = \"curve\"\naperture_file = \"lens.csv\""}) {
+    const ConfigResult result = parse_config(kHead + "[scene]\n" + scene + "\n", sensor_path());
+    ASSERT_TRUE(result.ok()) << scene << first_error(result);
+    expect_round_trip(result.config);
+  }
+}
+
+TEST(ConfigRoundTrip, ResolvedValues) {
+  const ConfigResult result = parse_config(kHead + "[scene]\ngsd = \"0.1 m\"\nrange = \"2 km\"\n", sensor_path());
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result.config.system.frame.focal_length_mm, 100.0);
+  EXPECT_EQ(result.config.system.frame.pitch_y_um, 15.0);
+  EXPECT_EQ(result.config.system.frame.integration_time_s, 0.01);
+  EXPECT_EQ(result.config.system.optics.aperture_mm, 50.0);
+  EXPECT_DOUBLE_EQ(result.config.scene.sample_x_um.value(), 5.0);  // 50 urad x 100 mm
+  EXPECT_EQ(result.config.system.band->lo_um, 3.4);
+  EXPECT_EQ(result.config.system.name, "a \"b\" \\ \a \xC2\xB5");
+}
+
+TEST(ConfigRoundTrip, FitTables) {
+  const ConfigResult result = parse_config(
+      "schema = 1\n[frame]\nfocal_length = { value = \"0.1 m\", fit = true, min = \"90 mm\", max = \"11 cm\" }\n"
+      "integration_time = { value = \"0 s\", fit = false }\npitch "
+      "= \"15 um\"\n"
+      "[[presample]]\nkind = \"jitter\"\nrms_x = { value = \"8 urad\", fit = true, min = \"0 urad\", max = \"0.05 "
+      "mrad\", "
+      "prior = { mean = \"7 urad\", sd = \"1 urad\" }, stderr = \"0.3 urad\" }\nrms_y = \"1 um\"\n"
+      "[[readout]]\nkind = \"rc_lowpass\"\ncutoff = { value = \"0.6 cy/px\", fit = false, min = \"0.1 cy/px\" }\n",
+      sensor_path());
+  ASSERT_TRUE(result.ok()) << first_error(result);
+  ASSERT_EQ(result.config.fits.size(), 4u);
+  EXPECT_EQ(result.config.fits[0].path, "frame.focal_length");
+  EXPECT_DOUBLE_EQ(result.config.fits[0].max.value(), 110.0);
+  EXPECT_EQ(result.config.fits[2].path, "presample[0].rms_x");
+  EXPECT_DOUBLE_EQ(result.config.fits[2].max.value(), 50.0);
+  EXPECT_EQ(result.config.fits[2].prior, (std::array<double, 2>{7.0, 1.0}));
+  EXPECT_EQ(result.config.fits[2].stderr_value, 0.3);
+  EXPECT_FALSE(result.config.fits[3].fit);
+  expect_round_trip(result.config);
+}
+
+TEST(ConfigRoundTrip, Labels) {
+  const auto labels = [](const SensorConfig& config) {
+    std::vector<std::string> all;
+    for (const auto& entry : config.system.list(Stage::presample)) all.push_back(entry.label);
+    return all;
+  };
+  const std::string jitter = "[[presample]]\nkind = \"jitter\"\nrms = \"1 um\"\n";
+  const ConfigResult result = parse_config(
+      kHead + jitter + jitter + "label = \"mount\"\n" + jitter + "label = \"jitter\"\n" + jitter, sensor_path());
+  ASSERT_TRUE(result.ok()) << first_error(result);
+  EXPECT_EQ(labels(result.config), (std::vector<std::string>{"jitter_2", "mount", "jitter", "jitter_3"}));
+  expect_round_trip(result.config);
+}
+
+TEST(ConfigRoundTrip, CurveFilesFollowTheDestination) {
+  const ConfigResult result =
+      parse_config(kHead + "[[presample]]\nkind = \"curve\"\nfile = \"./lens.csv\"\n", sensor_path());
+  ASSERT_TRUE(result.ok()) << first_error(result);
+  EXPECT_NE(write_config(result.config).find("file = \"lens.csv\""), std::string::npos);
+  const std::string elsewhere = write_config(result.config, "/nowhere/fitted.toml");
+  EXPECT_TRUE(parse_config(elsewhere, "/nowhere/fitted.toml").ok()) << elsewhere;
+}
+
+double random_double(std::mt19937_64& random, double lo, double hi) {
+  std::uniform_real_distribution<double> flat(0.0, 1.0);
+  // Half of them spread over the magnitudes, with all bits of the mantissa.
+  const double value = random() % 2 ? lo + (hi - lo) * flat(random) : hi * std::exp2(-80.0 * flat(random));
+  return value > lo && value < hi ? value : 0.5 * (lo + hi);
+}
+
+TEST(ConfigRoundTrip, RandomDoubles) {
+  std::mt19937_64 random(20240301);
+  const auto draw = [&](double lo, double hi) { return random_double(random, lo, hi); };
+  const std::vector<std::string_view> extents{"nm", "um", "mm", "in", "nrad", "urad", "deg", "arcmin", "px"};
+  const auto unit = [&](const std::vector<std::string_view>& names) {
+    return find_unit(names[random() % names.size()]);
+  };
+  for (int round = 0; round < 300; ++round) {
+    SensorConfig config;
+    config.file = sensor_path();
+    System<double>& system = config.system;
+    system.frame = {draw(0.0, 1e7), draw(0.0, 1e6), draw(0.0, 1e6), draw(0.0, 1e9), 3, 4};
+    system.optics = {.f_number = draw(0.1, 1e4), .aperture_mm = {}, .obscuration = draw(0.0, 1.0), .wavelength_um = {}};
+    const double lo = draw(0.01, 1e4);
+    system.band = Band{lo, lo * 1.5};
+    config.scene.sample_x_um = draw(0.0, 1e6);
+    config.scene.sample_y_um = draw(0.0, 1e6);
+    config.scene.gain = draw(-1e300, 1e300);
+    config.scene.offset = 12345678901234567168.0;
+    config.scene.border = Border::constant;
+    config.scene.border_value = -draw(0.0, 1e300);
+    for (const std::string_view kind : component_kinds()) {
+      if (kind == "linear_motion" || kind == "curve" || kind == "rms_wavefront") continue;
+      Component<double> component = Component<double>::make(kind);
+      for (auto& field : component.fields()) {
+        const FieldInfo& info = *field.info;
+        if (info.name == "fill_factor") continue;
+        if (auto* const* v = std::get_if<std::optional<double>*>(&field.value)) **v = draw(info.lo, info.hi);
+        if (auto* const* v = std::get_if<AxisPair<double>*>(&field.value))
+          **v = {{draw(info.lo, info.hi), unit(extents)}, {draw(info.lo, info.hi), unit(extents)}, true};
+        if (auto* const* v = std::get_if<SpatialFrequency<double>*>(&field.value))
+          **v = {draw(info.lo, info.hi), unit({"cy/mm", "cy/mrad", "cy/px"})};
+        if (auto* const* v = std::get_if<int*>(&field.value)) **v = 1 + static_cast<int>(random() % 20);
+        if (auto* const* v = std::get_if<Taps<double>*>(&field.value)) **v = {{draw(-1e6, 1e6), 3.0, -draw(0.0, 1e6)}};
+      }
+      const Stages stages = component.stages();
+      system.add(stages.presample ? Stage::presample
+                 : stages.readout ? Stage::readout
+                                  : Stage::postsample,
+                 std::move(component));
+    }
+    expect_round_trip(config);
+    if (HasFailure()) return;
+  }
+}
+
+}  // namespace
+}  // namespace mtf::io
