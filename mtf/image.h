@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -60,6 +61,12 @@ class Image {
   ImageView<const float> view() const { return {buffer_.data(), width_, height_, width_}; }
   float& at(std::int64_t x, std::int64_t y) { return buffer_.data()[y * width_ + x]; }
   float at(std::int64_t x, std::int64_t y) const { return buffer_.data()[y * width_ + x]; }
+  /// Takes another size, no larger in samples, in the memory there is; the samples are as they lie there.
+  void reshape(std::int64_t width, std::int64_t height) {
+    assert(width * height <= static_cast<std::int64_t>(buffer_.size()));
+    width_ = width;
+    height_ = height;
+  }
   Image clone() const {
     Image copy(width_, height_);
     for (std::int64_t i = 0; i < size(); ++i) copy.data()[i] = data()[i];

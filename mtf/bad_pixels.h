@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// NaN and infinite pixels, for those who ask that they be accepted.
+
+#include "mtf/image.h"
+
+namespace mtf {
+
+/// Replaces every non-finite pixel by an average of finite ones near it: means over ever coarser 2x2 cells are taken
+/// until every cell has a value, and gaps are filled from the finest level that knows one. Linear in the number of
+/// pixels. Returns the number replaced. Throws RuntimeError when no pixel is finite.
+std::int64_t fill_bad_pixels(ImageView<float> image);
+
+/// 1 where the pixel is NaN or infinite, 0 elsewhere; empty (0x0) when all are finite.
+Image bad_pixel_mask(ImageView<const float> image);
+
+/// Sets `image` to NaN where |share| > tolerance. `share` is the filtered mask: the part of each output pixel's weight
+/// that comes from bad input.
+void spoil(ImageView<float> image, ImageView<const float> share, double tolerance);
+
+}  // namespace mtf

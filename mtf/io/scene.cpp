@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/io/scene.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+#include "mtf/error.h"
+
+namespace mtf::io {
+namespace {
+
+constexpr std::array kQuantities{Quantity::radiance, Quantity::photon_radiance, Quantity::spectral_radiance,
+                                 Quantity::temperature, Quantity::counts};
+
+std::optional<std::array<double, 2>> two_numbers(const std::string& text) {
+  std::array<double, 2> values{};
+  const char* at = text.data();
+  const char* end = text.data() + text.size();
+  for (double& value : values) {
+    while (at != end && (*at == ' ' || *at == ',' || *at == '(')) ++at;
+    const auto [next, status] = std::from_chars(at, end, value);
+    if (status != std::errc{}) return std::nullopt;
+    at = next;
+  }
+  return values;
+}
+
+// A file holds metres; the decimal of 15 digits takes back what the change of unit rounded.
+double um_from_m(double value_m) {
+  std::array<char, 32> text;
+  const int length = std::snprintf(text.data(), text.size(), "%.15g", value_m * 1e6);
+  double value = 0.0;
+  std::from_chars(text.data(), text.data() + length, value);
+  return value;
+}
+
+SampleGrid grid_of(const SensorConfig& config, const ImageFile& file, const std::string& path) {
+  const SampleGrid size{file.info.width, file.info.height, 0.0, 0.0};
+  if (const auto found = file.info.attributes.find("mtf:pixelPitch"); found != file.info.attributes.end())
+    if (const auto pitch = two_numbers(found->second); pitch && (*pitch)[0] > 0.0 && (*pitch)[1] > 0.0)
+      return {size.width, size.height, um_from_m((*pitch)[0]), um_from_m((*pitch)[1])};
+  if (config.scene.sample_x_um && config.scene.sample_y_um)
+    return {size.width, size.height, *config.scene.sample_x_um, *config.scene.sample_y_um};
+  throw UsageError(path +
+                   ": the sample spacing is not known; add sample = \"3.75 um\" (at the focal plane), or ifov, or gsd "
+                   "and range, to [scene] of " +
+                   config.file);
+}
+
+void apply_gain(std::vector<Image>& planes, double gain, double offset) {
+  if (gain == 1.0 && offset == 0.0) return;
+  for (Image& plane : planes)
+    for (std::int64_t i = 0; i < plane.size(); ++i)
+      plane.data()[i] = static_cast<float>(gain * static_cast<double>(plane.data()[i]) + offset);
+}
+
+std::optional<Quantity> stated_quantity(const ImageFile& file) {
+  const auto found = file.info.attributes.find("mtf:quantity");
+  if (found == file.info.attributes.end()) return std::nullopt;
+  for (const Quantity quantity : kQuantities)
+    if (quantity_name(quantity) == found->second) return quantity;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Scene load_scene(const SensorConfig& config, const std::string& path, const ReadOptions& options) {
+  ImageFile file = read_image(path, options);
+  const SceneDefaults& defaults = config.scene;
+  Scene scene;
+  scene.grid = grid_of(config, file, path);
+  const std::optional<Quantity> stated = stated_quantity(file);
+  const bool float_exr = file.info.format == Format::exr && !file.integer;
+
+  std::string missing;
+  const auto need = [&](bool there, const char* key) {
+    if (!there) missing += (missing.empty() ? "" : ", ") + std::string(key);
+  };
+  if (file.integer) need(defaults.gain.has_value(), "gain"), need(defaults.offset.has_value(), "offset");
+  if (!float_exr) need(stated || defaults.quantity, "quantity");
+  if (!missing.empty())
+    throw UsageError(path + ": " + (file.integer ? "integer samples" : "samples of a TIFF") +
+                     " carry no physical unit; add " + missing + " to [scene] of " + config.file +
+                     " (value = gain x file + offset, in the unit of quantity)");
+  if (!stated && !defaults.quantity)
+    scene.warnings.push_back("quantity is not stated in " + path + " nor in [scene]; taken as radiance (W m-2 sr-1)");
+  if (stated && defaults.quantity && *stated != *defaults.quantity)
+    scene.warnings.push_back(path + " says quantity " + std::string(quantity_name(*stated)) + ", [scene] says " +
+                             std::string(quantity_name(*defaults.quantity)) + "; the file wins");
+  scene.quantity = stated ? *stated : defaults.quantity.value_or(Quantity::radiance);
+  if (file.missing_pixels > 0)
+    scene.warnings.push_back(path + ": " + std::to_string(file.missing_pixels) +
+                             " pixels of the display window lie outside the data window and are 0");
+  apply_gain(file.planes, defaults.gain.value_or(1.0), defaults.offset.value_or(0.0));
+  scene.names = std::move(file.names);
+  scene.planes = std::move(file.planes);
+  scene.info = std::move(file.info);
+  return scene;
+}
+
+SceneAperture scene_aperture(const SceneDefaults& defaults, const SampleGrid& grid) {
+  SceneAperture aperture;
+  aperture.kind = static_cast<SceneAperture::Kind>(defaults.aperture);
+  aperture.size = defaults.aperture_size;
+  if (aperture.kind == SceneAperture::Kind::box && !aperture.size.given())
+    aperture.size = {{grid.step_x_um, find_unit("um")}, {grid.step_y_um, find_unit("um")}, true};
+  aperture.curve = defaults.aperture_curve;
+  aperture.gain_limit = defaults.aperture_gain_limit;
+  return aperture;
+}
+
+std::vector<std::string> sampling_warnings(const System<double>& system, const SampleGrid& grid) {
+  std::vector<std::string> warnings;
+  for (const Axis axis : {Axis::x, Axis::y}) {
+    const double step = axis == Axis::x ? grid.step_x_um : grid.step_y_um;
+    const double ratio = system.frame.pitch_um(axis) / step;
+    if (ratio >= 2.0 * (1.0 - 1e-9)) continue;
+    std::array<char, 256> text;
+    std::snprintf(
+        text.data(), text.size(),
+        "the scene has %.3g samples per pitch along %c: it holds nothing above %.4g cy/mm, so aliasing of finer "
+        "detail (up to the optics' cutoff) is missing; use 2 or more, better 4",
+        ratio, axis == Axis::x ? 'x' : 'y', 500.0 / step);
+    warnings.emplace_back(text.data());
+  }
+  return warnings;
+}
+
+}  // namespace mtf::io

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A scene file together with what the sensor file says about scenes: planes of physical values on a known sample grid.
+
+#include <string>
+#include <vector>
+
+#include "mtf/io/config.h"
+#include "mtf/io/image_io.h"
+#include "mtf/plan.h"
+
+namespace mtf::io {
+
+struct Scene {
+  std::vector<std::string> names;  ///< channels, as read
+  std::vector<Image> planes;       ///< value = gain x file + offset
+  SampleGrid grid;
+  Quantity quantity{};
+  std::vector<std::string> warnings;  ///< assumptions and doubts, each with its reason
+  FileInfo info;
+};
+
+/// Reads `path`. The sample spacing comes from the file (attribute mtf:pixelPitch) or [scene]; integer files need gain,
+/// offset and quantity, float TIFF needs quantity, EXR without a stated quantity is taken as radiance, with a warning.
+/// Throws UsageError naming the key to add, RuntimeError for unreadable files.
+Scene load_scene(const SensorConfig& config, const std::string& path, const ReadOptions& options);
+
+/// The blur that [scene] aperture says is in the samples.
+SceneAperture scene_aperture(const SceneDefaults& defaults, const SampleGrid& grid);
+
+/// Doubts about sampling: fewer than 2 samples per pitch along an axis, with the reason. Empty when fine.
+std::vector<std::string> sampling_warnings(const System<double>& system, const SampleGrid& grid);
+
+}  // namespace mtf::io

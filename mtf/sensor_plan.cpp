@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/sensor_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mtf {
+namespace {
+
+// Plan::run has read all input before it writes any output; where the output is no larger it takes the input's place.
+std::vector<Image> run_in_place(const Plan& plan, std::vector<Image> images, double border_value, int threads) {
+  const std::int64_t width = plan.out().width, height = plan.out().height;
+  std::vector<Image> larger;
+  std::vector<ImageView<const float>> in;
+  std::vector<ImageView<float>> out;
+  for (Image& image : images) {
+    in.push_back(image.view());
+    if (width * height > image.size()) larger.emplace_back(width, height);
+  }
+  for (std::size_t i = 0; i < images.size(); ++i)
+    out.push_back(larger.empty() ? ImageView<float>{images[i].data(), width, height, width} : larger[i].view());
+  plan.run(in, out, border_value, threads);
+  if (!larger.empty()) return larger;
+  for (Image& image : images) image.reshape(width, height);
+  return images;
+}
+
+}  // namespace
+
+SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene, const PlanOptions& options) {
+  const SampleGrid detector = detector_grid(system, scene);
+  if (system.list(Stage::readout).empty() && system.list(Stage::postsample).empty()) {
+    Plan plan = compile(system, scene, detector, options);
+    return {plan, std::nullopt, plan.report().predicted.total()};
+  }
+  constexpr std::array stages{Stage::readout, Stage::postsample};
+  PlanOptions half = options;
+  half.tolerance = 0.5 * options.tolerance;
+  half.aperture = {};
+  const Plan post = compile_post(system, detector, stages, half);
+  const double gain = std::max(1.0, post.report().largest_gain);
+  PlanOptions first = options;
+  first.tolerance = half.tolerance / gain;
+  Plan presample = compile(system, scene, detector, first);
+  const double predicted = presample.report().predicted.total() * gain + post.report().predicted.total();
+  return {std::move(presample), post, predicted};
+}
+
+std::vector<Image> SensorPlan::run(std::span<const ImageView<const float>> scene, double border_value,
+                                   int threads) const {
+  std::vector<Image> sampled;
+  std::vector<ImageView<float>> views;
+  for (std::size_t i = 0; i < scene.size(); ++i) sampled.emplace_back(out().width, out().height);
+  for (Image& image : sampled) views.push_back(image.view());
+  presample.run(scene, views, border_value, threads);
+  return post ? run_in_place(*post, std::move(sampled), presample.dc() * border_value, threads) : std::move(sampled);
+}
+
+std::vector<Image> SensorPlan::run(std::vector<Image>&& scene, double border_value, int threads) const {
+  std::vector<Image> sampled = run_in_place(presample, std::move(scene), border_value, threads);
+  return post ? run_in_place(*post, std::move(sampled), presample.dc() * border_value, threads) : std::move(sampled);
+}
+
+}  // namespace mtf

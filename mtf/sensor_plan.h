@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The linear chain of a sensor without noise: presample OTF and sampling, then readout and postsample filters on the
+// detector grid, one tolerance for both.
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "mtf/plan.h"
+
+namespace mtf {
+
+struct SensorPlan {
+  Plan presample;
+  std::optional<Plan> post;  ///< none when readout and postsample change nothing
+  double predicted_error = 0.0;
+
+  const SampleGrid& out() const { return presample.out(); }
+  /// Output planes of the given scene planes; arguments and errors as Plan::run.
+  std::vector<Image> run(std::span<const ImageView<const float>> scene, double border_value = 0.0,
+                         int threads = 0) const;
+  /// The same in the memory of the scene planes, which are used up: the way for large images.
+  std::vector<Image> run(std::vector<Image>&& scene, double border_value = 0.0, int threads = 0) const;
+};
+
+/// Splits the tolerance: the presample error passes through the filters behind it, so it may use half of the tolerance
+/// divided by their largest gain.
+SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene, const PlanOptions& options);
+
+}  // namespace mtf
