@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/arguments.h"
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+namespace apps {
+namespace {
+
+constexpr int kMaxFrequencies = 1'000'000;
+
+[[noreturn]] void refuse(std::string_view option, std::string_view text, std::string_view expected) {
+  constexpr std::size_t shown = 60;
+  throw mtf::UsageError(std::string(option) + ": '" + std::string(text.substr(0, shown)) +
+                        (text.size() > shown ? "..." : "") + "' is not " + std::string(expected));
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
+template <class T>
+std::optional<T> read_number(std::string_view text) {
+  text = trimmed(text);
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::optional<double> finite(std::string_view text) {
+  const auto value = read_number<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (std::size_t at = 0;;) {
+    const std::size_t end = text.find(separator, at);
+    parts.push_back(text.substr(at, end == std::string_view::npos ? end : end - at));
+    if (end == std::string_view::npos) return parts;
+    at = end + 1;
+  }
+}
+
+}  // namespace
+
+double number(std::string_view option, std::string_view text) {
+  const auto value = finite(text);
+  if (!value) refuse(option, text, "a finite number");
+  return *value;
+}
+
+int whole_number(std::string_view option, std::string_view text, int low, int high) {
+  const auto value = read_number<int>(text);
+  if (!value || *value < low || *value > high)
+    refuse(option, text, "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+  return *value;
+}
+
+std::array<double, 2> number_range(std::string_view option, std::string_view text) {
+  const auto parts = split(text, ':');
+  const auto low = finite(parts.front()), high = finite(parts.back());
+  if (parts.size() != 2 || !low || !high) refuse(option, text, "LOW:HIGH, such as 0:12.5");
+  if (!(*low < *high)) refuse(option, text, "a range: LOW has to be below HIGH");
+  return {*low, *high};
+}
+
+std::vector<double> evenly_spaced(double start, double stop, int count) {
+  std::vector<double> values(static_cast<std::size_t>(count), start);
+  for (int i = 1; i < count; ++i)
+    // Halves: the difference of two huge ends may overflow, and a product would round where the quotient is exact.
+    values[static_cast<std::size_t>(i)] =
+        i + 1 == count ? stop : start + 2.0 * ((0.5 * stop - 0.5 * start) * i / (count - 1));
+  return values;
+}
+
+std::vector<double> frequency_list(std::string_view option, std::string_view text) {
+  if (text.find(':') != std::string_view::npos) {
+    const auto parts = split(text, ':');
+    if (parts.size() != 3) refuse(option, text, "START:STOP:COUNT, such as 0:60:61");
+    const auto start = finite(parts[0]), stop = finite(parts[1]);
+    const auto count = read_number<int>(parts[2]);
+    if (!start || !stop) refuse(option, text, "START:STOP:COUNT with finite ends, such as 0:60:61");
+    if (!count || *count < 1 || *count > kMaxFrequencies)
+      refuse(option, text, "START:STOP:COUNT with a whole COUNT from 1 to " + std::to_string(kMaxFrequencies));
+    if (*count == 1 && *start != *stop) refuse(option, text, "possible: both ends need a COUNT of at least 2");
+    return evenly_spaced(*start, *stop, *count);
+  }
+  const auto parts = split(text, ',');
+  if (parts.size() > kMaxFrequencies)
+    refuse(option, text, "short enough: at most " + std::to_string(kMaxFrequencies) + " frequencies");
+  std::vector<double> values;
+  for (const std::string_view part : parts) {
+    const auto value = finite(part);
+    if (!value) refuse(option, text, "START:STOP:COUNT or a comma list of finite numbers, such as 0,10,33.3");
+    values.push_back(*value);
+  }
+  return values;
+}
+
+}  // namespace apps

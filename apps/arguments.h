@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Words of the command line as values. Every function throws UsageError that names the option, what it got and what it
+// takes.
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "mtf/error.h"
+#include "mtf/units.h"
+
+namespace apps {
+
+/// A finite number, whatever the locale.
+double number(std::string_view option, std::string_view text);
+
+/// A whole number in [low, high].
+int whole_number(std::string_view option, std::string_view text, int low, int high);
+
+/// "LOW:HIGH" with LOW < HIGH.
+std::array<double, 2> number_range(std::string_view option, std::string_view text);
+
+/// "START:STOP:COUNT" with both ends, or a comma list; 1 to 1e6 finite numbers.
+std::vector<double> frequency_list(std::string_view option, std::string_view text);
+
+/// `count` evenly spaced numbers from `start` to `stop`, both included; only `start` when count is 1.
+std::vector<double> evenly_spaced(double start, double stop, int count);
+
+/// The value that belongs to a word.
+template <class T, std::size_t N>
+T choice(std::string_view option, std::string_view text, const std::array<std::pair<std::string_view, T>, N>& words) {
+  std::vector<std::string_view> names;
+  std::string all;
+  for (const auto& [name, value] : words) {
+    if (name == text) return value;
+    names.push_back(name);
+    all += (all.empty() ? "" : ", ") + std::string(name);
+  }
+  const auto meant = mtf::nearest(text, names);
+  throw mtf::UsageError(std::string(option) + ": '" + std::string(text) + "' is not known" +
+                        (meant ? "; did you mean " + *meant + "?" : "") + " (one of " + all + ")");
+}
+
+}  // namespace apps

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf config init | check | explain`, and how every subcommand reads its sensor file.
+
+#include <sys/stat.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/output.h"
+#include "apps/sensor_file.h"
+#include "mtf/error.h"
+#include "mtf/io/config.h"
+#include "mtf/io/config_tree.h"
+#include "mtf/io/curve_csv.h"
+
+namespace apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+int init(const ConfigOptions& options, const Global& global) {
+  const bool to_stdout = options.file.empty() || options.file == "-";
+  struct stat status {};
+  // A sensor file is edited by hand: losing one is worse than losing an output.
+  if (!to_stdout && !options.force && ::stat(options.file.c_str(), &status) == 0 && S_ISREG(status.st_mode))
+    throw mtf::UsageError(options.file + ": exists already; --force replaces it, -o NAME writes another file");
+  emit(options.file, mtf::io::starter_config());
+  if (!to_stdout)
+    note(global, "wrote " + one_line(options.file) + "; next: mtf config check " + shell_word(options.file));
+  return 0;
+}
+
+std::string summary(const mtf::System<double>& system) {
+  std::string text = system.name.empty() ? "" : one_line(system.name) + ", ";
+  for (const mtf::Stage stage : mtf::kStages)
+    text += (stage == mtf::kStages.front() ? "" : ", ") + std::to_string(system.list(stage).size()) + " " +
+            std::string(mtf::stage_name(stage));
+  return text + " components";
+}
+
+std::string as_json(const mtf::io::ConfigResult& result, const std::string& file) {
+  Json json{{"file", file}, {"ok", result.ok()}, {"name", result.config.system.name}, {"sha256", result.config.sha256}};
+  Json& list = json["diagnostics"] = Json::array();
+  for (const auto& d : result.diagnostics)
+    list.push_back({{"severity", d.error    ? "error"
+                                 : d.remark ? "note"
+                                            : "warning"},
+                    {"line", d.position.line},
+                    {"column", d.position.column},
+                    {"path", d.path},
+                    {"text", d.text}});
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+int explain(const ConfigOptions& options, const Global& global) {
+  mtf::io::SensorConfig config = load_sensor(options.file, global);
+  config.file = one_line(config.file);
+  print(mtf::io::explain_config(config));
+  return 0;
+}
+
+}  // namespace
+
+mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global) {
+  std::vector<mtf::io::Diagnostic> warnings;
+  mtf::io::SensorConfig config = mtf::io::load_config(file, &warnings);
+  for (const auto& warning : warnings) note(global, one_line(mtf::io::format_diagnostic(warning, file)));
+  return config;
+}
+
+int check_sensor(const std::string& file, Format format) {
+  const mtf::io::ConfigResult result =
+      mtf::io::parse_config(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file);
+  const bool json = format == Format::json;
+  if (json) print(as_json(result, file));
+  if (!json && result.ok()) print("ok: " + one_line(file) + ": " + summary(result.config.system) + "\n");
+  for (const auto& diagnostic : result.diagnostics) {
+    const std::string line = one_line(mtf::io::format_diagnostic(diagnostic, file));
+    if (diagnostic.error)
+      complain(line);
+    else if (!json)
+      print(line + "\n");
+  }
+  return result.ok() ? 0 : 2;
+}
+
+int run_config(const ConfigOptions& options, const Global& global) {
+  switch (options.action) {
+    case ConfigOptions::Action::init:
+      return init(options, global);
+    case ConfigOptions::Action::check:
+      return check_sensor(options.file, options.format);
+    case ConfigOptions::Action::explain:
+      return explain(options, global);
+  }
+  return 0;
+}
+
+}  // namespace apps

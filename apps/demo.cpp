@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf demo`: a sensor, a scene, its image, the plots, and a check that anybody can follow: the modulation of sine
+// targets in the simulated image against the analytic MTF.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "apps/curve_figure.h"
+#include "apps/demo_scene.h"
+#include "apps/options.h"
+#include "apps/output.h"
+#include "apps/plot.h"
+#include "apps/sensor_image.h"
+#include "apps/text_table.h"
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/statistics.h"
+
+namespace apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kSize = 1024;
+constexpr double kPass = 1e-4;  // the default tolerance: what the plan promises to keep
+// Half cycles over the frame of 3.84 mm: 3.9 to 57 cy/mm; Nyquist is 256. No two have the same alias.
+const std::vector<int> kTargets{30, 60, 90, 120, 150, 170, 190, 210, 225, 240, 250, 280, 310, 340, 390, 440};
+
+void prepare_folder(const fs::path& folder, bool force) {
+  std::error_code error;
+  const fs::path parent = fs::absolute(folder).lexically_normal().parent_path();
+  if (!fs::is_directory(parent, error))
+    throw mtf::RuntimeError("cannot create " + one_line(folder.string()) + ": there is no folder " +
+                            one_line(parent.string()));
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error))
+    throw mtf::UsageError(one_line(folder.string()) + " exists and is not a folder; choose another -o");
+  if (fs::is_directory(folder, error) && !fs::is_empty(folder, error) && !force)
+    throw mtf::UsageError(one_line(folder.string()) +
+                          " is not empty; choose another -o, or --force to replace files in it");
+  fs::create_directory(folder, error);
+  if (error) throw mtf::RuntimeError("cannot create " + one_line(folder.string()) + ": " + error.message());
+}
+
+mtf::io::Metadata scene_metadata(const mtf::SampleGrid& grid) {
+  mtf::io::Metadata m;
+  m.text["mtf:quantity"] = mtf::io::quantity_name(mtf::io::Quantity::radiance);
+  m.text["mtf:units"] = mtf::io::quantity_unit(mtf::io::Quantity::radiance);
+  m.pairs["mtf:pixelPitch"] = {grid.step_x_um * 1e-6, grid.step_y_um * 1e-6};
+  m.history = {"mtf demo: computed scene"};
+  return m;
+}
+
+/// Scene and sensor image at one size, side by side; each detector pixel becomes a square.
+mtf::Image side_by_side(const mtf::Image& scene, const mtf::Image& sensor) {
+  const std::int64_t ratio = scene.width() / sensor.width(), gap = 16;
+  mtf::Image pair(2 * scene.width() + gap, scene.height());
+  for (std::int64_t y = 0; y < scene.height(); ++y) {
+    for (std::int64_t x = 0; x < scene.width(); ++x) {
+      pair.at(x, y) = scene.at(x, y);
+      pair.at(scene.width() + gap + x, y) = sensor.at(x / ratio, y / ratio);
+    }
+    for (std::int64_t x = 0; x < gap; ++x) pair.at(scene.width() + x, y) = scene.at(0, 0);
+  }
+  return pair;
+}
+
+struct Target {
+  double frequency_cy_mm, measured, analytic;
+};
+
+std::vector<Target> measure_targets(const mtf::System<double>& system, const mtf::Image& scene, const mtf::Image& image,
+                                    double step_um) {
+  std::vector<Target> results;
+  for (const int k : kTargets) {
+    const double f = k * 1e3 / (2.0 * static_cast<double>(scene.width()) * step_um);
+    const double measured = cosine_amplitude(image.view(), k) / cosine_amplitude(scene.view(), k);
+    results.push_back({f, measured, system.otf({f, 0.0}).re});
+  }
+  return results;
+}
+
+std::string target_table(const std::vector<Target>& targets, double nyquist, double& worst) {
+  TextTable table({"cy/mm", "measured", "analytic", "difference", ""});
+  worst = 0.0;
+  for (const Target& t : targets) {
+    const double difference = t.measured - t.analytic;
+    worst = std::max(worst, std::abs(difference));
+    table.add({fixed(t.frequency_cy_mm, 2), fixed(t.measured, 6), fixed(t.analytic, 6), significant(difference, 2),
+               t.frequency_cy_mm > nyquist ? "beyond Nyquist, read at its alias" : ""});
+  }
+  return table.aligned({Align::right, Align::right, Align::right, Align::right});
+}
+
+}  // namespace
+
+int run_demo(const DemoOptions& options, const Global& global) {
+  const fs::path folder = options.out;
+  prepare_folder(folder, options.force);
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+
+  mtf::io::write_text_file(path("sensor.toml"), mtf::io::starter_config());
+  const mtf::io::SensorConfig config = mtf::io::load_config(path("sensor.toml"));
+  const mtf::System<double>& system = config.system;
+  const mtf::SampleGrid grid{kSize, kSize, config.scene.sample_x_um.value(), config.scene.sample_y_um.value()};
+  const mtf::Image landscape = demo_landscape(kSize);
+  const mtf::Image targets = demo_sine_targets(kSize, kTargets, 4.0, 1.0);
+  mtf::io::write_exr(path("scene.exr"), {{"Y", landscape.view()}}, scene_metadata(grid));
+  mtf::io::write_exr(path("targets.exr"), {{"Y", targets.view()}}, scene_metadata(grid));
+
+  mtf::PlanOptions plan_options;
+  plan_options.tolerance = options.tolerance.value_or(plan_options.tolerance);
+  plan_options.border = config.scene.border;
+  plan_options.scene = mtf::summarise(landscape.view(), plan_options.border, 0.0);
+  plan_options.threads = global.threads;
+  const mtf::SensorPlan plan = mtf::compile_sensor(system, grid, plan_options);
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<mtf::ImageView<const float>> views{landscape.view(), targets.view()};
+  const std::vector<mtf::Image> images = plan.run(views, 0.0, global.threads);
+  const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+
+  mtf::io::Scene scene;
+  scene.quantity = mtf::io::Quantity::radiance;
+  const mtf::io::Metadata metadata = provenance(config, scene, plan, plan_options.tolerance);
+  mtf::io::write_exr(path("sensor.exr"), {{"Y", images[0].view()}}, metadata);
+  mtf::io::write_exr(path("targets_sensor.exr"), {{"Y", images[1].view()}}, metadata);
+  const mtf::Statistics s = mtf::statistics(landscape.view());
+  const double low = s.mean - 1.7 * s.std, high = s.mean + 2.3 * s.std;
+  mtf::io::write_preview_png(path("preview.png"), {{"Y", side_by_side(landscape, images[0]).view()}}, low, high);
+  mtf::io::write_preview_png(path("targets.png"), {{"Y", side_by_side(targets, images[1]).view()}}, 3.0, 5.0);
+
+  const Direction along_x = make_direction(system.frame, "cy/mm", 0.0);
+  const KeyFigures figures = key_figures(system, along_x);
+  std::vector<double> frequency;
+  for (int i = 0; i <= 130; ++i) frequency.push_back(i);
+  const Figure figure = curve_figure(system, curve_values(system, along_x, frequency));
+  const std::vector<Target> results = measure_targets(system, targets, images[1], grid.step_x_um);
+  if (!write_figure(path("mtf.svg"), figure))
+    note(global,
+         "note: gnuplot is not installed; mtf.csv has the curves, the figures mtf.svg and mtf.png are left out");
+  else
+    write_figure(path("mtf.png"), figure);
+
+  double worst = 0.0;
+  std::string text = "sensor    " + one_line(system.name) + "\n" + curve_footer(system, along_x, figures);
+  text += "image     " + std::to_string(kSize) + "x" + std::to_string(kSize) + " samples -> " +
+          std::to_string(plan.out().width) + "x" + std::to_string(plan.out().height) + " pixels, two scenes in " +
+          fixed(elapsed.count(), 1) + " ms\n";
+  text += "\nsine targets in the simulated image against the analytic system MTF\n";
+  text += target_table(results, figures.nyquist, worst);
+  const double allowed = std::max(kPass, plan_options.tolerance);
+  const bool pass = worst <= allowed;
+  text += std::string(pass ? "PASS" : "FAIL") + "  largest difference " + significant(worst, 2) + ", allowed " +
+          significant(allowed, 2) + "\n\nwritten to " + one_line(folder.string()) +
+          "/: sensor.toml scene.exr sensor.exr preview.png mtf.svg mtf.png mtf.csv targets.exr targets_sensor.exr "
+          "targets.png\nnext: edit " +
+          one_line(path("sensor.toml")) + ", then  mtf simulate " + shell_word(path("sensor.toml")) + " " +
+          shell_word(path("scene.exr")) + " -o out.exr\n";
+  print(text);
+  return pass ? 0 : 3;
+}
+
+}  // namespace apps

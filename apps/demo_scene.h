@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The two scenes of `mtf demo`: a thermal-looking landscape to look at, and sine targets to measure on. Both are
+// computed, square, and hold a whole number of detector pixels.
+
+#include <cstdint>
+#include <vector>
+
+#include "mtf/image.h"
+
+namespace apps {
+
+/// In-band radiance (W m-2 sr-1, MWIR-like levels 2 to 9) of a landscape with a vehicle, bar and star targets and point
+/// sources; edges are area-averaged over each sample.
+mtf::Image demo_landscape(std::int64_t size);
+
+/// One strip a target over the full width: mean + amplitude cos(pi k (i + 1/2) / size), k = `half_cycles[strip]`.
+/// These cosines are continued by a reflect border and are orthogonal to one another over the width, so each target's
+/// amplitude can be read off the whole frame without a window.
+mtf::Image demo_sine_targets(std::int64_t size, const std::vector<int>& half_cycles, double mean, double amplitude);
+
+/// Amplitude of cos(pi k (i + 1/2) / width) over the frame, as a share of the rows: 2/width sum_x cos(...) mean_y
+/// image. k may lie beyond the width: its alias is read, with its sign.
+double cosine_amplitude(mtf::ImageView<const float> image, int half_cycles);
+
+}  // namespace apps

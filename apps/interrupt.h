@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the process owes to its surroundings: signals, broken pipes, missing standard streams.
+
+namespace apps {
+
+/// SIGINT, SIGTERM and SIGHUP remove the temporaries of unfinished output files and end the process with 130 at once. A
+/// reader that goes away shows as a failed write instead of a signal. Call it first thing in main.
+void prepare_process();
+
+}  // namespace apps

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the command line says, as plain values: main.cpp fills these (and is the only file that sees CLI11), each
+// subcommand is one function that takes its struct and returns the exit code. Errors are thrown (mtf/error.h).
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace apps {
+
+enum class Format { table, csv, json };
+enum class Progress { automatic, plain, json, none };
+
+/// Options that work before and after the subcommand.
+struct Global {
+  int threads = 0;  ///< 0 = all cores
+  bool quiet = false;
+  Progress progress = Progress::automatic;
+};
+
+struct CurveOptions {
+  std::string sensor;
+  std::string frequencies;  ///< "START:STOP:COUNT" (both ends) or a comma list; "" = 0 to the smaller of cutoff and 2
+                            ///< Nyquist, 61
+  std::string unit = "cy/mm";
+  double angle_deg = 0.0;
+  Format format = Format::table;
+  std::string plot;  ///< .svg, .pdf, .png or "ascii"
+  std::string out;   ///< "" = stdout
+};
+
+struct InfoOptions {
+  std::string file;
+  Format format = Format::table;
+  std::optional<std::string> channel, layer;
+  std::optional<int> part;
+};
+
+struct ConfigOptions {
+  enum class Action { init, check, explain } action = Action::check;
+  std::string file;  ///< init: where to write, "" = stdout
+  bool force = false;
+  Format format = Format::table;
+};
+
+enum class NanPolicy { refuse, fill, propagate };
+
+struct SimulateOptions {
+  std::string sensor, scene, out, report;
+  std::optional<std::string> channel, layer;
+  std::optional<int> part;
+  std::optional<double> tolerance;
+  NanPolicy nan = NanPolicy::refuse;
+  bool explain = false;
+  bool measure = false;                         ///< --rigor measure
+  std::string wisdom;                           ///< file with what measuring learnt; read before, written after
+  std::optional<double> range_low, range_high;  ///< of 16-bit output; default: extremes of the image
+};
+
+struct DemoOptions {
+  std::string out = "mtf-demo";
+  std::optional<double> tolerance;
+  bool force = false;
+};
+
+int run_curve(const CurveOptions& options, const Global& global);
+int run_info(const InfoOptions& options, const Global& global);
+int run_config(const ConfigOptions& options, const Global& global);
+int run_simulate(const SimulateOptions& options, const Global& global);
+int run_demo(const DemoOptions& options, const Global& global);
+
+}  // namespace apps

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/plot.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "apps/gnuplot.h"
+#include "apps/text_table.h"
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/io/file_checks.h"
+#include "mtf/units.h"
+
+namespace apps {
+namespace {
+
+/// More points of a series do not show; the CSV has all of them.
+constexpr std::size_t kMaxPoints = 4000;
+
+// Distinct for colour-blind readers too, dark enough on white (after Okabe and Ito).
+constexpr std::array<std::string_view, 7> kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                                   "#e69f00", "#56b4e9", "#7f6000"};
+
+enum class Medium { svg, pdf, png, characters };
+
+std::string extension(const std::string& path) {
+  const std::size_t dot = path.rfind('.');
+  if (dot == std::string::npos || path.find('/', dot) != std::string::npos) return "";
+  std::string text = path.substr(dot);
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+Medium medium_of(const std::string& path) {
+  const std::string ending = extension(path);
+  if (ending == ".svg") return Medium::svg;
+  if (ending == ".pdf") return Medium::pdf;
+  if (ending == ".png") return Medium::png;
+  throw mtf::UsageError(path + ": a figure is a .svg, .pdf or .png file, or the word ascii");
+}
+
+/// A literal: nothing is special in single quotes but the quote itself.
+std::string quoted(std::string_view text) {
+  std::string literal = "'";
+  for (const char c : mtf::io::printable(text, 120)) literal += c == '\'' ? std::string("''") : std::string(1, c);
+  return literal + "'";
+}
+
+std::string terminal(Medium medium, int columns, int rows) {
+  switch (medium) {
+    case Medium::svg:
+      return "svg size 960,560 noenhanced font 'DejaVu Sans,Arial,sans-serif,15' background '#ffffff'";
+    case Medium::pdf:
+      return "pdfcairo size 20cm,11.7cm noenhanced font 'DejaVu Sans,11' background '#ffffff'";
+    case Medium::png:
+      return "pngcairo size 1200,700 noenhanced font 'DejaVu Sans,14' background '#ffffff'";
+    case Medium::characters:
+      break;
+  }
+  return "dumb noenhanced size " + std::to_string(columns) + "," + std::to_string(rows);
+}
+
+bool drawable(const Figure& figure, double x, double y) {
+  return std::isfinite(x) && std::isfinite(y) && (!figure.log_x || x > 0.0) && (!figure.log_y || y > 0.0);
+}
+
+std::array<double, 2> x_range(const Figure& figure) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Series& series : figure.series)
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+      if (!drawable(figure, series.x[i], series.y[i])) continue;
+      low = std::min(low, series.x[i]);
+      high = std::max(high, series.x[i]);
+    }
+  if (low > high) throw mtf::UsageError("figure '" + figure.title + "' has no point that can be drawn");
+  if (low < high) return {low, high};
+  const double margin = figure.log_x || low != 0.0 ? 0.1 * std::abs(low) : 1.0;
+  return {low - margin, high + margin};
+}
+
+std::string data_block(const Figure& figure, std::size_t index) {
+  const Series& series = figure.series[index];
+  std::string text = "$d" + std::to_string(index) + " << END_OF_DATA\n";
+  const std::size_t count = series.x.size();
+  const std::size_t shown = std::min(count, kMaxPoints);
+  for (std::size_t k = 0; k < shown; ++k) {
+    const std::size_t i = shown < 2 ? 0 : k * (count - 1) / (shown - 1);
+    if (drawable(figure, series.x[i], series.y[i]))
+      text += mtf::format_double(series.x[i]) + " " + mtf::format_double(series.y[i]) + "\n";
+    else
+      text += "\n";
+  }
+  return text + "END_OF_DATA\n";
+}
+
+/// Labels stand above the plot, one line higher when they would run into the one before. Characters have no room for
+/// them: there they are in the x label.
+std::string vertical_lines(const Figure& figure, std::array<double, 2> range, Medium medium) {
+  const auto fraction = [&](double x) {
+    if (figure.log_x) return std::log(x / range[0]) / std::log(range[1] / range[0]);
+    return (x - range[0]) / (range[1] - range[0]);
+  };
+  std::string text, labels;
+  double last = -1.0;
+  bool raised = false;
+  for (const VerticalLine& line : figure.vertical_lines) {
+    if (!(line.x >= range[0] && line.x <= range[1])) continue;
+    const double at = fraction(line.x);
+    raised = last >= 0.0 && std::abs(at - last) < 0.22 && !raised;
+    last = at;
+    const std::string x = mtf::format_double(line.x);
+    text += "set arrow from first " + x + ", graph 0 to first " + x + ", graph 1 nohead back";
+    if (medium != Medium::characters)
+      text += " lc rgb '#808080' lw 1.4 dt (6,4)\nset label " + quoted(line.label) + " at first " + x + ", graph " +
+              (raised ? "1.07" : "1.025") + " center tc rgb '#505050'";
+    text += "\n";
+    labels += (labels.empty() ? "   | " : ", ") + line.label;
+  }
+  if (medium == Medium::characters) text += "set xlabel " + quoted(figure.x_label + labels) + "\n";
+  return text;
+}
+
+std::string style(const Series& series, std::size_t index, Medium medium) {
+  const std::string with = series.x.size() == 1 ? "points pt 7" : "lines";
+  if (medium == Medium::characters) return with;
+  if (series.emphasised) return with + " lc rgb '#000000' lw 3.2";
+  return with + " lc rgb '" + std::string(kColours[index % kColours.size()]) + "' lw 1.6" +
+         (index >= kColours.size() && series.x.size() > 1 ? " dt (8,3)" : "");
+}
+
+std::string script(const Figure& figure, Medium medium, int columns, int rows) {
+  const std::array<double, 2> range = x_range(figure);
+  const bool characters = medium == Medium::characters;
+  std::string text = "set encoding utf8\nset terminal " + terminal(medium, columns, rows) + "\n";
+  for (std::size_t i = 0; i < figure.series.size(); ++i) text += data_block(figure, i);
+  if (!figure.title.empty()) text += "set title " + quoted(figure.title) + (characters ? "\n" : " offset 0,1.3\n");
+  text += "set xlabel " + quoted(figure.x_label) + "\nset ylabel " + quoted(figure.y_label) + "\n";
+  text += "set xrange [" + mtf::format_double(range[0]) + ":" + mtf::format_double(range[1]) + "]\n";
+  text += "set yrange [" + (figure.y_low ? mtf::format_double(*figure.y_low) : "*") + ":" +
+          (figure.y_high ? mtf::format_double(*figure.y_high) : "*") + "]\n";
+  if (figure.log_x) text += "set logscale x\n";
+  if (figure.log_y) text += "set logscale y\n";
+  text += vertical_lines(figure, range, medium);
+  if (characters)
+    text += "set key outside bottom center horizontal\n";
+  else
+    text +=
+        "set tmargin 4.5\nset key outside right center Left reverse samplen 2 spacing 1.25\n"
+        "set border 3 lc rgb '#404040'\nset tics nomirror out scale 0.6\n"
+        "set grid lc rgb '#e4e4e4' lt 1 lw 0.8\n";
+  std::string plots;
+  std::size_t thin = 0;
+  for (std::size_t i = 0; i < figure.series.size(); ++i)
+    plots += std::string(plots.empty() ? "plot " : ", ") + "$d" + std::to_string(i) + " using 1:2 title " +
+             quoted(figure.series[i].name) + " with " +
+             style(figure.series[i], figure.series[i].emphasised ? 0 : thin++, medium);
+  return text + plots + "\n";
+}
+
+std::string csv_number(double value) { return std::isfinite(value) ? mtf::format_double(value) : ""; }
+
+}  // namespace
+
+std::string figure_data_path(const std::string& path) {
+  return path.substr(0, path.size() - extension(path).size()) + ".csv";
+}
+
+void check_figure_path(const std::string& path) { static_cast<void>(medium_of(path)); }
+
+bool write_figure(const std::string& path, const Figure& figure) {
+  const std::string commands = script(figure, medium_of(path), 0, 0);
+  mtf::io::write_text_file(figure_data_path(path), figure_csv(figure));
+  const auto drawing = run_gnuplot(commands);
+  if (drawing) mtf::io::write_text_file(path, *drawing);
+  return drawing.has_value();
+}
+
+std::optional<std::string> ascii_figure(const Figure& figure, int columns, int rows) {
+  auto drawing = run_gnuplot(script(figure, Medium::characters, columns, rows));
+  if (!drawing) return std::nullopt;
+  std::string text;
+  for (std::size_t at = drawing->find_first_not_of("\f\n"); at < drawing->size();) {
+    const std::size_t end = std::min(drawing->find('\n', at), drawing->size());
+    std::string line = drawing->substr(at, end - at);
+    line.erase(line.find_last_not_of(' ') + 1);
+    if (!line.empty() || !text.empty()) text += line + "\n";
+    at = end + 1;
+  }
+  text.erase(text.find_last_not_of('\n') + 1);
+  return text + "\n";
+}
+
+std::string figure_csv(const Figure& figure) {
+  const auto& all = figure.series;
+  const bool shared = std::all_of(all.begin(), all.end(), [&](const Series& s) { return s.x == all.front().x; });
+  if (!shared) {
+    std::string text = "series," + csv_field(figure.x_label) + "," + csv_field(figure.y_label) + "\n";
+    for (const Series& series : all)
+      for (std::size_t i = 0; i < series.x.size(); ++i)
+        text += csv_field(series.name) + "," + csv_number(series.x[i]) + "," + csv_number(series.y[i]) + "\n";
+    return text;
+  }
+  std::string text = csv_field(figure.x_label);
+  for (const Series& series : all) text += "," + csv_field(series.name);
+  text += "\n";
+  for (std::size_t i = 0; !all.empty() && i < all.front().x.size(); ++i) {
+    text += csv_number(all.front().x[i]);
+    for (const Series& series : all) text += "," + csv_number(series.y[i]);
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace apps

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Line figures through gnuplot: SVG, PDF, PNG and characters. Every figure file has its data beside it as CSV, so that
+// it can be drawn again with anything. Labels are taken literally, whatever they contain.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace apps {
+
+struct Series {
+  std::string name;
+  std::vector<double> x, y;  ///< of one length; what is not finite (or not positive on a log axis) leaves a gap
+  bool emphasised = false;   ///< a thick black line instead of a thin coloured one
+};
+
+struct VerticalLine {
+  double x = 0.0;
+  std::string label;
+};
+
+struct Figure {
+  std::string title;
+  std::string x_label, y_label;  ///< with units
+  std::vector<Series> series;
+  std::vector<VerticalLine> vertical_lines;  ///< drawn where they lie inside the x range
+  bool log_x = false, log_y = false;
+  std::optional<double> y_low, y_high;  ///< limits of the y axis, else from the data
+};
+
+/// "plot.svg" -> "plot.csv".
+std::string figure_data_path(const std::string& path);
+
+/// Throws UsageError unless the extension is .svg, .pdf or .png (any case).
+void check_figure_path(const std::string& path);
+
+/// Writes the data as CSV (17 digits) beside `path`, then the figure, each whole or not at all. False when there is no
+/// gnuplot: the CSV is there, the figure is not. Throws UsageError (extension) and RuntimeError.
+bool write_figure(const std::string& path, const Figure& figure);
+
+/// The figure in characters, or nothing when there is no gnuplot. Throws RuntimeError.
+std::optional<std::string> ascii_figure(const Figure& figure, int columns, int rows);
+
+/// The data: x and one column a series when all share their x, else series,x,y.
+std::string figure_csv(const Figure& figure);
+
+}  // namespace apps

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/run_report.h"
+
+#include <sys/resource.h>
+
+#include <nlohmann/json.hpp>
+
+#include "mtf/engines/fftw.h"
+#include "mtf/version.h"
+
+namespace apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json plan_json(const mtf::Plan& plan) {
+  const mtf::PlanReport& r = plan.report();
+  Json dropped = Json::array();
+  for (const mtf::Dropped& d : r.dropped) dropped.push_back({{"label", d.label}, {"bound", d.bound}});
+  const mtf::PredictedError& e = r.predicted;
+  return {
+      {"method", r.method},
+      {"size", r.size},
+      {"axes", r.axes},
+      {"frequencies_kept", r.kept},
+      {"frequencies_available", r.available},
+      {"dropped", dropped},
+      {"merged", r.merged},
+      {"wavelengths", r.wavelengths},
+      {"notes", r.notes},
+      {"tolerance", r.tolerance},
+      {"predicted_error", e.total()},
+      {"predicted_parts",
+       {{"dropped", e.dropped}, {"table", e.table}, {"cut", e.cut}, {"wrap", e.wrap}, {"arithmetic", e.arithmetic}}},
+      {"otf_bytes", r.otf_bytes},
+      {"buffer_bytes", r.run_bytes}};
+}
+
+}  // namespace
+
+double peak_rss_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+std::string to_json(const RunReport& r) {
+  const mtf::PlanReport& plan = r.plan->presample.report();
+  Json json;
+  json["version"] = mtf::version;
+  json["git_commit"] = mtf::git_commit;
+  json["fft"] = mtf::fft::version();
+  json["sensor"] = r.config->file;
+  json["config_sha256"] = r.config->sha256;
+  json["scene"] = r.scene_path;
+  json["out"] = r.out_path;
+  json["channels"] = r.scene->names;
+  json["quantity"] = mtf::io::quantity_name(r.scene->quantity);
+  json["units"] = mtf::io::quantity_unit(r.scene->quantity);
+  json["scene_size"] = {plan.in.width, plan.in.height};
+  json["scene_step_um"] = {plan.in.step_x_um, plan.in.step_y_um};
+  json["whole_pixels_in_scene"] = {plan.whole_pitches_x, plan.whole_pitches_y};
+  json["out_size"] = {plan.out.width, plan.out.height};
+  json["out_step_um"] = {plan.out.step_x_um, plan.out.step_y_um};
+  json["tolerance"] = r.tolerance;
+  json["plan"] = plan_json(r.plan->presample);
+  json["plan"]["predicted_error"] = r.plan->predicted_error;
+  if (r.plan->post) json["post_plan"] = plan_json(*r.plan->post);
+  for (const auto& [name, ms] : r.timing_ms) json["timing_ms"][name] = ms;
+  json["peak_rss_mib"] = peak_rss_mib();
+  json["warnings"] = r.warnings;
+  if (!r.bad_pixels.empty()) json["bad_pixels"] = r.bad_pixels;
+  if (!r.integer_scaling.empty())
+    json["integer_output"] = {
+        {"gain", r.gain}, {"offset", r.offset}, {"clamped", r.clamped}, {"meaning", r.integer_scaling}};
+  // Names of files may hold any bytes; the report stays valid UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace apps

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The JSON report of `mtf simulate --report` (shape: DESIGN section 7).
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "mtf/io/scene.h"
+#include "mtf/sensor_plan.h"
+
+namespace apps {
+
+struct RunReport {
+  const mtf::io::SensorConfig* config = nullptr;
+  const mtf::io::Scene* scene = nullptr;
+  const mtf::SensorPlan* plan = nullptr;
+  std::string scene_path, out_path;
+  double tolerance = 0.0;
+  std::vector<std::pair<std::string, double>> timing_ms;  ///< in order
+  std::vector<std::string> warnings;
+  std::string bad_pixels;       ///< what happened to NaN and infinite pixels, "" = none
+  std::string integer_scaling;  ///< "value = gain x file + offset, …" of 16-bit output, else ""
+  double gain = 0.0, offset = 0.0;
+  std::int64_t clamped = 0;
+};
+
+std::string to_json(const RunReport& report);
+
+/// Peak resident memory of this process in MiB.
+double peak_rss_mib();
+
+}  // namespace apps

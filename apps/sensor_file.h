@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "apps/options.h"
+#include "mtf/io/config.h"
+
+namespace apps {
+
+/// Reads a sensor file for a subcommand; its warnings and notes go to standard error. Throws as load_config.
+mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global);
+
+/// `mtf config check`: the verdict and notes on standard output, errors as file:line:col lines on standard error; JSON
+/// has both. Returns the exit code, 0 or 2. Throws RuntimeError when the file cannot be read.
+int check_sensor(const std::string& file, Format format);
+
+}  // namespace apps

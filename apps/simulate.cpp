@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf simulate SENSOR SCENE -o OUT`: read, compile, run, write, report.
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "apps/options.h"
+#include "apps/output.h"
+#include "apps/run_report.h"
+#include "apps/sensor_file.h"
+#include "apps/sensor_image.h"
+#include "apps/text_table.h"
+#include "mtf/bad_pixels.h"
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/statistics.h"
+
+namespace apps {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+class StopWatch {
+ public:
+  void lap(const char* name, std::vector<std::pair<std::string, double>>& laps) {
+    const Clock::time_point now = Clock::now();
+    laps.emplace_back(name, std::chrono::duration<double, std::milli>(now - last_).count());
+    last_ = now;
+  }
+
+ private:
+  Clock::time_point last_ = Clock::now();
+};
+
+// What can be seen to fail is said before any work is done.
+void check_paths(const SimulateOptions& options) {
+  if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
+  mtf::io::format_from_extension(options.out);
+  for (const std::string& output : {options.out, options.report}) {
+    if (output.empty()) continue;
+    for (const std::string& input : {options.scene, options.sensor, options.wisdom})
+      if (!input.empty()) require_different(input, output);
+    const std::filesystem::path folder = std::filesystem::path(output).parent_path();
+    std::error_code error;
+    if (!folder.empty() && !std::filesystem::is_directory(folder, error))
+      throw mtf::RuntimeError("cannot write " + one_line(output) + ": there is no folder " + one_line(folder.string()) +
+                              "; create it first");
+  }
+  if (!options.report.empty()) require_different(options.out, options.report);
+  if (!options.report.empty() &&
+      std::filesystem::path(options.out).lexically_normal() == std::filesystem::path(options.report).lexically_normal())
+    throw mtf::UsageError("--report and --out name the same file; give the report another name");
+}
+
+// Masks of bad pixels per channel (empty where there are none), the planes filled.
+std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary) {
+  std::vector<mtf::Image> masks(scene.planes.size());
+  std::int64_t total = 0;
+  for (std::size_t c = 0; c < scene.planes.size(); ++c) {
+    const mtf::Statistics s = mtf::statistics(scene.planes[c].view());
+    if (s.not_finite == 0) continue;
+    if (policy == NanPolicy::refuse)
+      throw mtf::RuntimeError("channel " + scene.names[c] + ": " + std::to_string(s.not_finite) +
+                              " pixels are NaN or infinite, the first at column " + std::to_string(s.first_x) +
+                              ", row " + std::to_string(s.first_y) +
+                              "; use --nan fill (from neighbours) or --nan propagate");
+    if (policy == NanPolicy::propagate) masks[c] = mtf::bad_pixel_mask(scene.planes[c].view());
+    total += mtf::fill_bad_pixels(scene.planes[c].view());
+  }
+  if (total > 0)
+    summary = std::to_string(total) + " NaN or infinite pixels were filled from their neighbours" +
+              (policy == NanPolicy::propagate ? "; output pixels that depend on them are NaN" : "");
+  return masks;
+}
+
+// One summary for all channels: the one that makes the promise hardest to keep, part by part.
+std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults) {
+  std::optional<mtf::SceneSummary> worst;
+  for (const mtf::Image& plane : scene.planes) {
+    const auto s = mtf::summarise(plane.view(), defaults.border, defaults.border_value);
+    if (!s) continue;
+    if (!worst) worst = mtf::SceneSummary{1.0, 0.0, 0.0};
+    worst->largest = std::max(worst->largest, s->largest / s->std);
+    worst->canvas_norm = std::max(worst->canvas_norm, s->canvas_norm / s->std);
+  }
+  return worst;
+}
+
+void propagate_bad_pixels(const mtf::SensorPlan& plan, std::vector<mtf::Image>& masks, double tolerance, int threads,
+                          std::vector<mtf::Image>& images) {
+  for (std::size_t c = 0; c < masks.size(); ++c) {
+    if (masks[c].size() == 0) continue;
+    const mtf::ImageView<const float> mask = masks[c].view();
+    const std::vector<mtf::Image> share = plan.run(std::span(&mask, 1), 0.0, threads);
+    mtf::spoil(images[c].view(), share.front().view(), tolerance);
+  }
+}
+
+void print_summary(const RunReport& report, const std::vector<mtf::Image>& images,
+                   const std::vector<std::string>& names) {
+  const mtf::SampleGrid& out = report.plan->out();
+  std::string text = one_line(report.out_path) + "  " + std::to_string(out.width) + "x" + std::to_string(out.height) +
+                     "  " + std::string(mtf::io::quantity_name(report.scene->quantity)) + " [" +
+                     std::string(mtf::io::quantity_unit(report.scene->quantity)) + "]\n";
+  TextTable table({"channel", "min", "mean", "max", "std"});
+  for (std::size_t c = 0; c < images.size(); ++c) {
+    const mtf::Statistics s = mtf::statistics(images[c].view());
+    table.add({one_line(names[c]), significant(s.min, 6), significant(s.mean, 6), significant(s.max, 6),
+               significant(s.std, 6)});
+  }
+  text += table.aligned({Align::left, Align::right, Align::right, Align::right, Align::right});
+  double total = 0.0;
+  std::string times;
+  for (const auto& [name, ms] : report.timing_ms) {
+    times += (times.empty() ? "" : ", ") + name + " " + fixed(ms, 1);
+    total += ms;
+  }
+  text += "predicted error " + significant(report.plan->predicted_error, 2) + " of the scene's std (tolerance " +
+          mtf::format_double(report.tolerance) + ")\n";
+  text += "time " + fixed(total, 1) + " ms (" + times + ")\n";
+  print(text);
+}
+
+}  // namespace
+
+int run_simulate(const SimulateOptions& options, const Global& global) {
+  check_paths(options);
+  RunReport report;
+  StopWatch watch;
+  const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
+  mtf::io::Scene scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
+  report.warnings = scene.warnings;
+  for (std::string& warning : mtf::io::sampling_warnings(config.system, scene.grid))
+    report.warnings.push_back(std::move(warning));
+  for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
+  std::vector<mtf::Image> masks = treat_bad_pixels(scene, options.nan, report.bad_pixels);
+  if (!report.bad_pixels.empty()) note(global, "note: " + report.bad_pixels);
+  watch.lap("read", report.timing_ms);
+
+  mtf::PlanOptions plan_options;
+  plan_options.tolerance = options.tolerance.value_or(plan_options.tolerance);
+  plan_options.border = config.scene.border;
+  plan_options.rigor = options.measure ? mtf::fft::Rigor::measure : mtf::fft::Rigor::estimate;
+  plan_options.aperture = mtf::io::scene_aperture(config.scene, scene.grid);
+  plan_options.scene = summarise_all(scene, config.scene);
+  plan_options.threads = global.threads;
+  if (!options.wisdom.empty() && !mtf::fft::load_wisdom(options.wisdom))
+    note(global, "note: no FFT wisdom read from " + one_line(options.wisdom) + "; it is made and stored there");
+  const mtf::SensorPlan plan = mtf::compile_sensor(config.system, scene.grid, plan_options);
+  if (options.measure)
+    note(global, "note: --rigor measure chose FFT plans by timing; the last bits may differ between runs");
+  watch.lap("plan", report.timing_ms);
+
+  std::vector<mtf::Image> images = plan.run(std::move(scene.planes), config.scene.border_value, global.threads);
+  propagate_bad_pixels(plan, masks, plan_options.tolerance, global.threads, images);
+  watch.lap("run", report.timing_ms);
+
+  const std::vector<std::string> names = output_names(scene.names);
+  const Written written =
+      write_sensor_image(options.out, names, images, provenance(config, scene, plan, plan_options.tolerance),
+                         options.range_low, options.range_high);
+  if (!options.wisdom.empty() && !mtf::fft::save_wisdom(options.wisdom))
+    note(global, "warning: cannot store FFT wisdom in " + one_line(options.wisdom));
+  watch.lap("write", report.timing_ms);
+
+  report.config = &config;
+  report.scene = &scene;
+  report.plan = &plan;
+  report.scene_path = options.scene;
+  report.out_path = options.out;
+  report.tolerance = plan_options.tolerance;
+  if (written.scaling) {
+    report.gain = written.scaling->gain;
+    report.offset = written.scaling->offset;
+    report.clamped = written.clamped;
+    report.integer_scaling = "value = gain x file + offset, in " + std::string(mtf::io::quantity_unit(scene.quantity));
+    note(global, "note: 16-bit output, value = " + mtf::format_double(report.gain) + " x file + " +
+                     mtf::format_double(report.offset) +
+                     (report.clamped > 0 ? ", " + std::to_string(report.clamped) + " samples clamped" : ""));
+  }
+  if (!options.report.empty()) mtf::io::write_text_file(options.report, to_json(report));
+  if (options.explain) {
+    std::string text = plan.presample.explain();
+    if (plan.post) text += "after sampling\n" + plan.post->explain();
+    print(text);
+  }
+  print_summary(report, images, names);
+  return 0;
+}
+
+}  // namespace apps

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Rows of text for people (aligned columns) and for programs (CSV).
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace apps {
+
+enum class Align { left, right };
+
+class TextTable {
+ public:
+  /// The header; the length of every row has to be the number of columns.
+  explicit TextTable(std::vector<std::string> header) : rows_{std::move(header)} {}
+  void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
+
+  /// Columns padded to their widest cell, two spaces apart, no trailing spaces. `align` per column, left beyond its
+  /// end.
+  std::string aligned(const std::vector<Align>& align = {}) const;
+  std::string csv() const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// A CSV field, quoted where it has to be.
+std::string csv_field(std::string_view text);
+
+/// printf's %.*f and %.*g, the latter with trailing zeros ("125.0") when `zeros`.
+std::string fixed(double value, int decimals);
+std::string significant(double value, int digits, bool zeros = false);
+
+}  // namespace apps
