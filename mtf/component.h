@@ -94,7 +94,7 @@ struct ValueSlope {
   double slope = 0.0;
 };
 
-/// Value and slope at |f|, f in the curve's own unit.
+/// Value at |f| and slope at f, in the curve's own unit; the slope at 0 is 0, the mean of both sides.
 ValueSlope evaluate(const Curve& curve, double f);
 
 template <class S>

@@ -51,7 +51,7 @@ Curve make_curve(std::string source, const Unit& unit, std::vector<double> frequ
 }
 
 ValueSlope evaluate(const Curve& curve, double f) {
-  const double x = std::abs(f), sign = f < 0.0 ? -1.0 : 1.0;
+  const double x = std::abs(f), sign = f < 0.0 ? -1.0 : f > 0.0 ? 1.0 : 0.0;
   const auto& fs = curve.frequency;
   if (x >= fs.back()) {
     // Towards zero along the last slope, at least as steep as the mean fall from 0: a flat end must not go on for ever.

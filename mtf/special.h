@@ -24,11 +24,12 @@ double value_of(const S& s) {
     return static_cast<double>(s);
 }
 
-/// f(x) with the derivative carried: x - value(x) is zero with the derivative part of x alone.
+/// f(x) with the derivative carried: x - value(x) is zero with the derivative part of x alone. A slope of 0 ends it,
+/// also where x is infinite.
 template <class S>
 S lift(const ValueSlope& f, const S& x) {
   if constexpr (requires { x.a; })
-    return S(f.value) + S(f.slope) * (x - S(value_of(x)));
+    return f.slope == 0.0 ? S(f.value) : S(f.value) + S(f.slope) * (x - S(value_of(x)));
   else
     return static_cast<S>(f.value);
 }

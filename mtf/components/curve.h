@@ -6,6 +6,8 @@
 //   straight on along the last slope to 0, and 0 from there (see Curve in mtf/component.h).
 // Signed values are allowed (contrast reversal), phase is not. Real; even.
 
+#include <algorithm>
+
 #include "mtf/components/field.h"
 
 namespace mtf {
@@ -36,7 +38,9 @@ struct CurveOtf {
   Traits traits(const Context<S>& ctx) const {
     // A radial table in cycles per pixel of non-square pixels is elliptic.
     const bool round = curve->unit->name != "cy/px" || value_of(ctx.frame.pitch_x_um) == value_of(ctx.frame.pitch_y_um);
-    return {.radial = axis.index == 0 && round, .separable = axis.index != 0, .even_x = true, .even_y = true};
+    const bool gain = std::any_of(curve->value.begin(), curve->value.end(), [](double v) { return std::abs(v) > 1.0; });
+    return {
+        .radial = axis.index == 0 && round, .separable = axis.index != 0, .even_x = true, .even_y = true, .gain = gain};
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const auto own_unit = [&](const S& along, Axis a) {

@@ -50,8 +50,9 @@ struct Fir {
       }
       sum = sum + row * phase_of(S(uy * S(static_cast<double>(j) - jc)));
     }
-    // Symmetric taps: the imaginary part is rounding only, and declared zero.
-    return {sum.re, mirrored(true, true) ? S(0) : sum.im};
+    // Symmetric taps: the imaginary part is rounding only, and declared zero. Its derivatives are not: a tap may leave
+    // the symmetry.
+    return {sum.re, mirrored(true, true) ? lift({0.0, 1.0}, sum.im) : sum.im};
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double, double, const Context<S>&) const {

@@ -17,18 +17,22 @@ template <class S>
 struct LowpassAxis {
   static constexpr FieldInfo cutoff_info{.name = "cutoff",
                                          .dimension = Dimension::frequency,
-                                         .lo = 0.0,
+                                         .lo = 1e-9,
                                          .hi = 1e9,
-                                         .lo_open = true,
                                          .example = "\"40 cy/mm\"",
                                          .doc = "spatial frequency where the modulus is 1/sqrt(2)"};
   static constexpr FieldInfo axis_info{
       .name = "axis", .presence = Presence::optional, .example = "\"x\"", .doc = "axis of the scan or readout"};
   static Axis axis_of(const Choice& choice) { return choice.index == 0 ? Axis::x : Axis::y; }
-  /// f/f0 of the component's axis.
-  static S relative(const SpatialFrequency<S>& cutoff, const Choice& axis, const Freq<S>& f, const Context<S>& ctx) {
-    const S& along = axis_of(axis) == Axis::x ? f.x : f.y;
-    return along / cutoff.cy_mm(ctx.frame, axis_of(axis));
+  /// Frequency along the component's axis, and f0 there, both in cy/mm.
+  struct Pair {
+    S along;
+    S f0;
+    bool below_f0() const { return std::abs(value_of(along)) <= value_of(f0); }
+    double ratio() const { return std::abs(value_of(along)) / value_of(f0); }
+  };
+  static Pair pair(const SpatialFrequency<S>& cutoff, const Choice& axis, const Freq<S>& f, const Context<S>& ctx) {
+    return {axis_of(axis) == Axis::x ? f.x : f.y, cutoff.cy_mm(ctx.frame, axis_of(axis))};
   }
 };
 
@@ -50,18 +54,19 @@ struct RcLowpass {
     return {.separable = true, .even_x = !x, .even_y = x, .real = false};
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
-    const S u = LowpassAxis<S>::relative(cutoff, axis, f, ctx);
-    if (std::abs(value_of(u)) <= 1.0) {
+    const auto p = LowpassAxis<S>::pair(cutoff, axis, f, ctx);
+    if (p.below_f0()) {
+      const S u = p.along / p.f0;
       const S scale = S(1) / (S(1) + u * u);
       return {scale, S(-u * scale)};
     }
-    const S v = S(1) / u;  // the same, without overflow of u^2
+    const S v = p.f0 / p.along;  // the same without overflow
     const S scale = S(1) / (S(1) + v * v);
     return {S(v * v * scale), S(-v * scale)};
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
-    const double u = value_of(LowpassAxis<S>::relative(cutoff, axis, {S(fx), S(fy)}, ctx));
+    const double u = LowpassAxis<S>::pair(cutoff, axis, {S(fx), S(fy)}, ctx).ratio();
     return u < 1e150 ? u / std::sqrt(1.0 + u * u) : 1.0;
   }
   std::vector<Problem> check(const Context<S>&) const { return {}; }
@@ -85,12 +90,14 @@ struct Butterworth {
   }
   Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true}; }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
-    const S u = LowpassAxis<S>::relative(cutoff, axis, f, ctx);
-    return {lift(modulus(value_of(u)), u), S(0)};
+    const auto p = LowpassAxis<S>::pair(cutoff, axis, f, ctx);
+    if (!(p.ratio() < 1e100)) return {S(std::pow(p.ratio(), -1.0 * poles)), S(0)};  // no slope left that matters
+    const S ratio = p.along / p.f0;
+    return {lift(modulus(value_of(ratio)), ratio), S(0)};
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
-    return 1.0 - modulus(value_of(LowpassAxis<S>::relative(cutoff, axis, {S(fx), S(fy)}, ctx))).value;
+    return 1.0 - modulus(LowpassAxis<S>::pair(cutoff, axis, {S(fx), S(fy)}, ctx).ratio()).value;
   }
   std::vector<Problem> check(const Context<S>&) const { return {}; }
 

@@ -6,6 +6,13 @@
 
 #include "mtf/special.h"
 
+// Areas of overlapping annuli cancel: the rings of a narrow annulus are small differences of large discs. Three forms
+// avoid it, so that the error stays a few ulp of 1 for any obscuration:
+//   wide    2 nu <= 1 - e: both holes lie inside the other disc; 1 - M is a sum of positive terms
+//   narrow  few common points are left (nu near or beyond e): sums of circle segments, each small and accurate
+//   middle  differences of angles and of half chords, each from the difference of squares that is known exactly
+// 1 - nu, e - nu, 1 - e are formed first; nothing near 1 is subtracted later.
+
 namespace mtf {
 namespace {
 
@@ -18,53 +25,107 @@ double x_minus_sin(double x) {
   return x * sum;
 }
 
-// Angle acos(nu) for 0 <= nu <= 1; acos itself loses its relative accuracy near 1.
-double half_angle(double nu) { return nu < 0.5 ? std::acos(nu) : 2.0 * std::asin(std::sqrt(0.5 * (1.0 - nu))); }
+// acos itself loses its relative accuracy near 1, asin(x/r) its absolute one: atan2 of legs keeps both.
+double root_of_product(double a, double b) { return std::sqrt(std::max(a * b, 0.0)); }
 
-struct Lens {
-  double area = 0.0;
-  double beta = 0.0;   // half angle of the arc of the small circle that lies inside the large one
-  double chord = 0.0;  // common chord
+// Discs of radius 1 and e, centres d = 2 nu apart, and what the forms share.
+struct Circles {
+  double nu, e, gap, ring;  // gap = 1 - e, ring = 1 - e^2
+  double outer_half_chord;  // common chord of the two outer circles, halved
+  double inner_half_chord;  // of the two holes; 0 when they are apart
+  double inner_angle;       // half angle of the holes' common arc
+
+  Circles(double nu_in, double e_in)
+      : nu(nu_in),
+        e(e_in),
+        gap(1.0 - e_in),
+        ring((1.0 - e_in) * (1.0 + e_in)),
+        outer_half_chord(root_of_product(1.0 - nu_in, 1.0 + nu_in)),
+        inner_half_chord(root_of_product(e_in - nu_in, e_in + nu_in)),
+        inner_angle(nu_in < e_in ? std::atan2(inner_half_chord, nu_in) : 0.0) {}
 };
 
-// Overlap of the unit circle and one of radius e <= 1 with centres d apart.
-Lens unequal_lens(double e, double d) {
-  if (d <= 1.0 - e) return {kPi * e * e, kPi, 0.0};
-  if (d >= 1.0 + e) return {};
-  const double alpha_cos = (d * d + (1.0 - e) * (1.0 + e)) / (2.0 * d);
-  const double beta_cos = (d * d - (1.0 - e) * (1.0 + e)) / (2.0 * d * e);
-  const double product = (1.0 + e - d) * (d + 1.0 - e) * (d - (1.0 - e)) * (d + 1.0 + e);
-  const double kite = std::sqrt(std::max(product, 0.0));  // = chord x d
-  // atan2 keeps both angles accurate where a cosine is next to +-1.
-  const double alpha = std::atan2(kite, 2.0 * d * alpha_cos);
-  const double beta = std::atan2(kite, 2.0 * d * e * beta_cos);
-  return {alpha + e * e * beta - 0.5 * kite, beta, kite / d};
+// M = 1 - [area that both pupils lose to each other] / ring.
+PupilMtf wide(const Circles& c) {
+  const double turn = c.nu < c.e ? std::atan2(c.nu, c.inner_half_chord) : 0.5 * kPi;  // asin(nu/e), at most pi/2
+  const double outer = std::asin(c.nu) + c.nu * c.outer_half_chord;
+  const double inner = c.e * c.e * turn + std::min(c.nu, c.e) * c.inner_half_chord;
+  const double lost = (2.0 / kPi) * (outer + inner) / c.ring;
+  return {1.0 - lost, -(4.0 / kPi) * (c.outer_half_chord + c.inner_half_chord) / c.ring,
+          -((4.0 / kPi) * c.e * turn + 2.0 * c.e * lost) / c.ring};
+}
+
+// Where an outer circle crosses the other hole's edge.
+struct Crossing {
+  double above, below;  // sqrt((1 + e - d)(1 + e + d)), sqrt((d - gap)(d + gap)); 0 when the circles do not cross
+  double half_chord;
+  double alpha, beta;  // half angles of the arcs: of the outer circle inside the hole, of the hole inside the disc
+
+  explicit Crossing(const Circles& c)
+      : above(root_of_product((1.0 - c.nu) + (c.e - c.nu), 1.0 + c.e + 2.0 * c.nu)),
+        below(root_of_product(2.0 * c.nu - c.gap, 2.0 * c.nu + c.gap)),
+        half_chord(above * below / (4.0 * c.nu)),
+        alpha(std::atan2(half_chord, c.nu + c.ring / (4.0 * c.nu))),
+        beta(std::atan2(half_chord, c.nu - c.ring / (4.0 * c.nu))) {}
+};
+
+double d_obscuration(const Circles& c, double hole_arc, double value) {
+  // An area grows with a radius by the arc that lies inside the other circle.
+  return (-(4.0 / kPi) * c.e * hole_arc + 2.0 * c.e * value) / c.ring;
+}
+
+PupilMtf narrow(const Circles& c, double outer_angle) {
+  const Crossing x(c);
+  const double e2 = c.e * c.e;
+  const double area = x_minus_sin(2.0 * outer_angle) - x_minus_sin(2.0 * x.alpha) - e2 * x_minus_sin(2.0 * x.beta) +
+                      e2 * x_minus_sin(2.0 * c.inner_angle);
+  const double value = std::max(area / (kPi * c.ring), 0.0);
+  const double slope = (4.0 / kPi) * (2.0 * x.half_chord - c.outer_half_chord - c.inner_half_chord) / c.ring;
+  return {value, slope, d_obscuration(c, x.beta - c.inner_angle, value)};
+}
+
+// With A = asin nu, B = asin(nu/e), C = asin(nu/sqrt e) and g half the angle between the radii to a crossing point:
+//   M = (2/pi) [(2g - A - B)/ring + q - nu (u - v)/ring],  q = beta - inner_angle,
+//   2g - A - B = -2 (C - g) + (C - A) - (B - C), each from sin(x - y) = (sin^2 x - sin^2 y)/sin(x + y);
+//   u = outer half chord - half chord, v = half chord - inner half chord, from the differences of their squares.
+PupilMtf middle(const Circles& c) {
+  const Crossing x(c);
+  const double root_e = std::sqrt(c.e);
+  const double leg = std::sqrt(c.e * c.gap + (c.e - c.nu) * (c.e + c.nu));  // sqrt(e - nu^2)
+  const double c_g = std::asin(std::min(1.0, c.gap * c.gap / (2.0 * (c.nu * x.above + leg * x.below))));
+  const double c_a = std::asin(std::min(1.0, c.nu * c.gap / (root_e * (c.outer_half_chord + leg))));
+  const double b_c = std::asin(std::min(1.0, c.nu * c.gap / (root_e * (c.inner_half_chord + leg))));
+  const double quarter = c.ring / (16.0 * c.nu * c.nu);
+  const double u = (0.5 + quarter) / (c.outer_half_chord + x.half_chord);
+  const double v = (0.5 - quarter) / (c.inner_half_chord + x.half_chord);
+  const double q = x.beta - c.inner_angle;
+  const double value = (2.0 / kPi) * ((-2.0 * c_g + (c_a - b_c)) / c.ring + (q - c.nu * (u - v)));
+  return {std::max(value, 0.0), -(4.0 / kPi) * (u - v), d_obscuration(c, q, value)};
 }
 
 }  // namespace
 
 ValueSlope circular_pupil_mtf(double nu) {
   if (!(nu < 1.0)) return {};
-  const double theta = half_angle(nu);
-  const double value =
-      theta < 0.5 ? x_minus_sin(2.0 * theta) / kPi : (2.0 / kPi) * (theta - nu * std::sqrt((1.0 - nu) * (1.0 + nu)));
-  return {value, -(4.0 / kPi) * std::sqrt((1.0 - nu) * (1.0 + nu))};
+  const double half_chord = std::sqrt((1.0 - nu) * (1.0 + nu));
+  const double theta = std::atan2(half_chord, nu);
+  const double value = theta < 0.5 ? x_minus_sin(2.0 * theta) / kPi : (2.0 / kPi) * (theta - nu * half_chord);
+  return {value, -(4.0 / kPi) * half_chord};
 }
 
 PupilMtf annular_pupil_mtf(double nu, double obscuration) {
-  const double e = obscuration;
-  const ValueSlope outer = circular_pupil_mtf(nu);
-  if (e == 0.0) return {outer.value, outer.slope, 0.0};
+  if (obscuration == 0.0) {
+    const ValueSlope clear = circular_pupil_mtf(nu);
+    return {clear.value, clear.slope, 0.0};
+  }
   if (!(nu < 1.0)) return {};
-  const double ring = (1.0 - e) * (1.0 + e);
-  const ValueSlope inner = circular_pupil_mtf(nu / e);  // of the obscuration, on its own scale
-  const Lens cross = unequal_lens(e, 2.0 * nu);
-  const double inner_angle = nu < e ? half_angle(nu / e) : 0.0;
-  const double value = (outer.value - 2.0 * cross.area / kPi + e * e * inner.value) / ring;
-  const double d_nu = (outer.slope + 4.0 * cross.chord / kPi + e * inner.slope) / ring;
-  // An area grows with a radius by the arc that lies inside the other circle.
-  const double d_areas = (-4.0 * e * cross.beta + 4.0 * e * inner_angle) / kPi;
-  return {std::max(value, 0.0), d_nu, d_areas / ring + 2.0 * e * value / ring};
+  // A float rounds the largest obscurations to 1, where no pupil is left.
+  const Circles c(nu, std::min(obscuration, 1.0 - 0x1p-53));
+  if (2.0 * nu <= c.gap) return wide(c);
+  const double outer_angle = std::atan2(c.outer_half_chord, nu);
+  // The error of `narrow` grows as angle^3 / gap, that of `middle` as 1 / angle.
+  const bool few_points = nu >= c.e || std::pow(outer_angle, 4) < c.gap;
+  return few_points ? narrow(c, outer_angle) : middle(c);
 }
 
 }  // namespace mtf
