@@ -37,32 +37,6 @@ Freq<double> unit_vector(double angle_deg) {
   }
 }
 
-/// Product of the entries at every frequency. Chromatic ones are multiplied at each wavelength and then averaged, as
-/// System::otf does it, with the nodes made once.
-std::vector<Complex<double>> product(const System<double>& system, std::span<const Entry<double>> entries,
-                                     std::span<const Freq<double>> f) {
-  const mtf::Context<double> middle = system.context();
-  std::vector<Complex<double>> result(f.size(), {1.0, 0.0});
-  std::vector<const Entry<double>*> chromatic;
-  for (const Entry<double>& entry : entries) {
-    if (system.band && entry.component.traits(middle).chromatic)
-      chromatic.push_back(&entry);
-    else
-      entry.component.multiply(f, middle, result);
-  }
-  if (chromatic.empty()) return result;
-  const mtf::WavelengthNodes nodes = mtf::wavelength_nodes(*system.band, system.band_nodes);
-  std::vector<Complex<double>> mean(f.size()), node(f.size());
-  for (std::size_t k = 0; k < nodes.weight.size(); ++k) {
-    std::fill(node.begin(), node.end(), Complex<double>{nodes.weight[k], 0.0});
-    for (const Entry<double>* entry : chromatic)
-      entry->component.multiply(f, system.context(nodes.wavelength_um[k]), node);
-    for (std::size_t i = 0; i < f.size(); ++i) mean[i] = mean[i] + node[i];
-  }
-  for (std::size_t i = 0; i < f.size(); ++i) result[i] = result[i] * mean[i];
-  return result;
-}
-
 void require_finite(const OtfColumn& column) {
   for (const Complex<double>& h : column.otf)
     if (!std::isfinite(h.re) || !std::isfinite(h.im))
@@ -100,10 +74,10 @@ CurveValues curve_values(const System<double>& system, const Direction& directio
       const bool own = entry.component.traits(system.context()).real;
       real = real && own;
       values.components.push_back(
-          {entry.label, std::string(entry.component.kind()), name, own, product(system, {&entry, 1}, f)});
+          {entry.label, std::string(entry.component.kind()), name, own, system.otf(std::span(&entry, 1), f)});
       require_finite(values.components.back());
     }
-    values.stages.push_back({name, "", name, real, product(system, list, f)});
+    values.stages.push_back({name, "", name, real, system.otf(std::span(list), f)});
     require_finite(values.stages.back());
     values.system.real = values.system.real && real;
     for (std::size_t i = 0; i < f.size(); ++i)

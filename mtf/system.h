@@ -55,6 +55,8 @@ struct System {
   Context<S> context() const;
   Context<S> context(const S& wavelength_um) const;
 
+  /// Product of the given entries at every frequency, chromatic product averaged over the band.
+  std::vector<Complex<S>> otf(std::span<const Entry<S>> entries, std::span<const Freq<S>> f) const;
   /// OTF of one component; a chromatic one is averaged over the band on its own (for display only).
   Complex<S> otf(const Entry<S>& entry, const Freq<S>& f) const;
   /// Product of one list, chromatic product averaged over the band. 1 for an empty list.

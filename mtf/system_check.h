@@ -26,8 +26,14 @@ std::vector<typename System<S>::Finding> System<S>::check() const {
     error("frame.integration_time", format_double(value_of(frame.integration_time_s)) + " s is outside [0, 1e9]");
   if (frame.columns < 0 || frame.rows < 0) error("frame.format", "columns and rows have to be positive");
   if (optics.f_number && optics.aperture_mm) error("optics.aperture", "give either f_number or aperture");
-  if (optics.f_number) positive("optics.f_number", *optics.f_number, "", 1e4);
+  if (optics.f_number && !(value_of(*optics.f_number) >= 0.1 && value_of(*optics.f_number) <= 1e4))
+    error("optics.f_number", format_double(value_of(*optics.f_number)) + " is outside [0.1, 1e4]");
   if (optics.aperture_mm) positive("optics.aperture", *optics.aperture_mm, "mm", 1e6);
+  if (optics.aperture_mm && value_of(*optics.aperture_mm) > 0.0) {
+    const double f_number = value_of(frame.focal_length_mm) / value_of(*optics.aperture_mm);
+    if (f_number < 0.1 || f_number > 1e4)
+      error("optics.aperture", "focal_length / aperture = " + format_double(f_number) + " is outside [0.1, 1e4]");
+  }
   if (optics.obscuration && !(value_of(*optics.obscuration) >= 0.0 && value_of(*optics.obscuration) < 1.0))
     error("optics.obscuration", format_double(value_of(*optics.obscuration)) + " is outside [0, 1)");
   if (optics.wavelength_um) positive("optics.wavelength", *optics.wavelength_um, "um", 1e5);

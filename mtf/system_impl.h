@@ -242,38 +242,37 @@ Context<S> System<S>::context(const S& wavelength_um) const {
 }
 
 template <class S>
-Complex<S> System<S>::otf(const Entry<S>& entry, const Freq<S>& f) const {
-  if (!band || !entry.component.traits(context()).chromatic) return entry.component.otf(f, context());
-  const WavelengthNodes nodes = wavelength_nodes(*band, band_nodes);
-  Complex<S> sum{};
-  for (std::size_t i = 0; i < nodes.weight.size(); ++i) {
-    const Complex<S> h = entry.component.otf(f, context(S(nodes.wavelength_um[i])));
-    sum = sum + Complex<S>{h.re * S(nodes.weight[i]), h.im * S(nodes.weight[i])};
+std::vector<Complex<S>> System<S>::otf(std::span<const Entry<S>> entries, std::span<const Freq<S>> f) const {
+  const Context<S> middle = context();
+  std::vector<Complex<S>> product(f.size(), {S(1), S(0)});
+  std::vector<const Component<S>*> chromatic;
+  for (const Entry<S>& entry : entries) {
+    if (band && entry.component.traits(middle).chromatic)
+      chromatic.push_back(&entry.component);
+    else
+      entry.component.multiply(f, middle, product);
   }
-  return sum;
+  if (chromatic.empty()) return product;
+  const WavelengthNodes nodes = wavelength_nodes(*band, band_nodes);
+  std::vector<Complex<S>> mean(f.size()), node(f.size());
+  for (std::size_t w = 0; w < nodes.weight.size(); ++w) {
+    const Context<S> ctx = context(S(nodes.wavelength_um[w]));
+    std::fill(node.begin(), node.end(), Complex<S>{S(nodes.weight[w]), S(0)});
+    for (const Component<S>* component : chromatic) component->multiply(f, ctx, node);
+    for (std::size_t i = 0; i < f.size(); ++i) mean[i] = mean[i] + node[i];
+  }
+  for (std::size_t i = 0; i < f.size(); ++i) product[i] = product[i] * mean[i];
+  return product;
+}
+
+template <class S>
+Complex<S> System<S>::otf(const Entry<S>& entry, const Freq<S>& f) const {
+  return otf(std::span(&entry, 1), std::span(&f, 1)).front();
 }
 
 template <class S>
 Complex<S> System<S>::otf(Stage stage, const Freq<S>& f) const {
-  const Context<S> middle = context();
-  Complex<S> product{S(1), S(0)};
-  std::vector<const Component<S>*> chromatic;
-  for (const Entry<S>& entry : list(stage)) {
-    if (band && entry.component.traits(middle).chromatic)
-      chromatic.push_back(&entry.component);
-    else
-      product = product * entry.component.otf(f, middle);
-  }
-  if (chromatic.empty()) return product;
-  const WavelengthNodes nodes = wavelength_nodes(*band, band_nodes);
-  Complex<S> mean{};
-  for (std::size_t i = 0; i < nodes.weight.size(); ++i) {
-    const Context<S> ctx = context(S(nodes.wavelength_um[i]));
-    Complex<S> node{S(nodes.weight[i]), S(0)};
-    for (const Component<S>* component : chromatic) node = node * component->otf(f, ctx);
-    mean = mean + node;
-  }
-  return product * mean;
+  return otf(std::span(list(stage)), std::span(&f, 1)).front();
 }
 
 template <class S>
