@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mtf/engines/fftw.h"
+#include "mtf/engines/axis.h"
 
 namespace mtf {
 namespace {
@@ -25,23 +25,30 @@ std::vector<double> kernel_tails(const OtfSampler& sampler, const CanvasRequest&
 
   std::vector<double> tails(f.size() / 2 + 1, 0.0);
   std::vector<Complex<float>> row(x ? f.size() : kSections);
-  std::vector<std::vector<Complex<double>>> kernels(kSections, std::vector<Complex<double>>(f.size()));
+  std::vector<std::vector<Complex<double>>> spectra(kSections, std::vector<Complex<double>>(f.size()));
   for (std::size_t j = 0; j < (x ? kSections : f.size()); ++j) {
     grid.complex_row(j, 0, row);
     for (std::size_t i = 0; i < row.size(); ++i) {
       const Complex<double> h{row[i].re, row[i].im};
-      (x ? kernels[j][i] : kernels[i][j]) = h;
+      (x ? spectra[j][i] : spectra[i][j]) = h;
     }
   }
-  for (auto& kernel : kernels) {
-    fft::inverse(kernel);
-    double sum = 0.0;
-    for (std::size_t d = f.size() / 2; d-- > 0;) {
-      // Distances d + 1 to both sides; the middle of an even canvas is both.
-      for (const std::size_t i : {d + 1, f.size() - d - 1}) sum += std::hypot(kernel[i].re, kernel[i].im);
-      tails[d] = std::max(tails[d], sum / static_cast<double>(length));
+  const double ratio = request.pitch_um / request.step_um;
+  const bool on_samples = std::abs(std::remainder(ratio - 1.0, 2.0)) < 1e-9;  // odd ratios
+  for (const auto& spectrum : spectra)
+    for (const double offset : {0.0, 0.5}) {
+      if (offset > 0.0 && on_samples) break;
+      std::vector<Complex<double>> kernel = spectrum;
+      for (std::size_t r = 0; r < f.size(); ++r)
+        kernel[r] = kernel[r] * rotation(static_cast<long double>(offset * f[r] * request.step_um * 1e-3));
+      fft::inverse(kernel);
+      double sum = 0.0;
+      for (std::size_t d = f.size() / 2; d-- > 0;) {
+        // Distances d + 1 to both sides; the middle of an even canvas is both.
+        for (const std::size_t i : {d + 1, f.size() - d - 1}) sum += std::hypot(kernel[i].re, kernel[i].im);
+        tails[d] = std::max(tails[d], sum / static_cast<double>(length));
+      }
     }
-  }
   return tails;
 }
 

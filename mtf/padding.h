@@ -19,14 +19,15 @@ struct CanvasRequest {
   double step_um = 0.0;
   double other_nyquist_cy_mm = 0.0;  ///< of the other axis
   double pitch_um = 0.0;             ///< a length that is a whole number of pitches is preferred
-  double norm = 1.0;                 ///< canvas_norm / std of the scene
+  double norm = 1.0;                 ///< canvas_norm / std of the scene, x sqrt(samples per output)
   double budget = 0.0;
 };
 
 /// The defined canvas (mtf/border.h) or, where the tails of the point spread beyond it fit the budget, a shorter smooth
 /// one. The tails are those of the OTF itself: for nine frequencies of the other axis the kernel along this axis is
-/// summed from outside, the largest sum counts. A filter error e = t * u obeys |e| <= sum|t| |u| (Young), hence the
-/// bound.
+/// summed from outside, the largest sum counts; for outputs that stand between two samples the kernel is the one
+/// shifted by half a sample, whose tails are longer. A filter error e = t * u obeys |e| <= sum|t| |u| (Young), hence
+/// the bound.
 CanvasLength choose_canvas(const OtfSampler& sampler, const CanvasRequest& request);
 
 }  // namespace mtf

@@ -4,20 +4,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mtf/engines/kernels.h"
 #include "mtf/error.h"
 #include "mtf/padding.h"
-#include "mtf/parallel.h"
 #include "mtf/plan_impl.h"
+#include "mtf/plan_parts.h"
 #include "mtf/statistics.h"
 
 namespace mtf {
 namespace {
 
-// How the tolerance is shared out; what is left over is for arithmetic.
-constexpr double kDropShare = 0.05, kTableShare = 0.02, kCutShare = 0.01, kWrapShare = 0.25;
-constexpr double kFloatUnit = 5.9604644775390625e-8;  // 2^-24
-constexpr double kWholeEpsilon = 1e-9;                // a count of pitches is whole within this
+constexpr double kWholeEpsilon = 1e-9;  // a count of pitches is whole within this
 constexpr std::int64_t kLargestSide = std::int64_t{1} << 29;
 constexpr double kLargestBytes = 1.0e12;
 
@@ -52,67 +48,6 @@ AxisJob make_axis(const OtfSampler& sampler, CanvasRequest request, Basis basis,
   return job;
 }
 
-// Frequencies that alias onto one detector frequency, at most.
-double aliases(const AxisJob& job) {
-  const double detector_band = job.frequency.period_um() / job.pitch_um;
-  const double kept = 2.0 * static_cast<double>(job.keep) - 1.0;
-  return std::max(1.0, std::ceil(kept / std::max(detector_band, 1.0)));
-}
-
-// rms rounding of float32: a transform pair errs by about 0.4 units per doubling of its length (measured in tests), the
-// chirp passes through twice as many; then OTF rounding, and storage of values that stand on a mean.
-double arithmetic_error(const AxisJob& x, const AxisJob& y, const PlanOptions& options) {
-  double units = 2.0;
-  for (const AxisJob* job : {&x, &y}) {
-    const double stages = std::log2(1.0 + static_cast<double>(job->frequency.length));
-    units += 0.5 * stages * (job->resampling == Resampling::chirp ? 4.0 : 1.0);
-  }
-  const double storage = options.scene ? options.scene->largest / options.scene->std : 1.0;
-  return kFloatUnit * (units + storage);
-}
-
-void fill_otf(const OtfSampler& sampler, const SpectralEngine& engine, int threads, OtfBlocks& otf) {
-  const std::int64_t per_block = engine.columns_per_block(), keep = engine.x().keep;
-  const auto& terms = engine.y_terms();
-  otf.complex = !sampler.is_real();
-  otf.blocks = engine.blocks();
-  otf.rows = static_cast<std::int64_t>(terms.size());
-  otf.data = AlignedBuffer<float>(static_cast<std::size_t>(otf.blocks * otf.rows * kRowFloats));
-  std::vector<double> fx(static_cast<std::size_t>(otf.blocks * per_block)), fy(terms.size());
-  for (std::size_t i = 0; i < fx.size(); ++i) fx[i] = engine.x().frequency.cy_mm(static_cast<std::int64_t>(i));
-  for (std::size_t j = 0; j < fy.size(); ++j) fy[j] = engine.y().frequency.cy_mm(terms[j].k);
-  const OtfSampler::Grid grid(sampler, fx, fy);
-  const auto scale = static_cast<float>(engine.otf_scale());
-  const bool paired = per_block == kRowFloats;
-
-  parallel_for(otf.rows, 8, threads, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<float> real(fx.size());
-    std::vector<Complex<float>> values(otf.complex ? fx.size() : 0);
-    for (std::int64_t j = begin; j < end; ++j) {
-      if (otf.complex) {
-        grid.complex_row(static_cast<std::size_t>(j), 0, values);
-        std::fill(values.begin() + keep, values.end(), Complex<float>{});
-      } else {
-        grid.real_row(static_cast<std::size_t>(j), 0, real);
-        std::fill(real.begin() + keep, real.end(), 0.0F);
-      }
-      for (std::int64_t b = 0; b < otf.blocks; ++b) {
-        float* row = otf.row(b, j);
-        const auto first = static_cast<std::size_t>(b * per_block);
-        if (otf.complex)
-          for (std::size_t l = 0; l < kLanes; ++l) {
-            row[2 * l] = values[first + l].re * scale;
-            row[2 * l + 1] = values[first + l].im * scale;
-          }
-        else if (paired)
-          for (std::size_t l = 0; l < kRowFloats; ++l) row[l] = real[first + l] * scale;
-        else
-          for (std::size_t l = 0; l < kLanes; ++l) row[2 * l] = row[2 * l + 1] = real[first + l] * scale;
-      }
-    }
-  });
-}
-
 // Leaves out the frequencies from the far end that no component lets through.
 void cut_frequencies(const OtfSampler& sampler, double allowed, AxisJob& x, AxisJob& y) {
   const OtfSampler::Grid half(sampler, x.frequency.half_frequencies(), y.frequency.half_frequencies());
@@ -133,15 +68,6 @@ std::string axis_text(const AxisJob& job) {
   if (job.resampling == Resampling::chirp) return text + ", chirp to " + std::to_string(job.outputs);
   if (job.out_length == job.frequency.length) return text;
   return text + ", fold to " + std::to_string(job.out_length);
-}
-
-void refuse_unreachable(const PredictedError& predicted, double tolerance, const PlanOptions& options) {
-  if (predicted.total() <= tolerance) return;
-  // What the shares leave over scales with the tolerance; only arithmetic is fixed.
-  const double reachable = predicted.arithmetic / (1.0 - kDropShare - kTableShare - kCutShare - kWrapShare);
-  if (!options.scene && predicted.arithmetic <= tolerance) return;
-  throw UsageError("tolerance " + format_double(tolerance) + " is below what float32 reaches for this scene; use " +
-                   format_double(std::max(reachable, predicted.total()) * 1.01) + " or more");
 }
 
 }  // namespace
@@ -168,7 +94,8 @@ SampleGrid detector_grid(const System<double>& system, const SampleGrid& scene) 
 std::optional<SceneSummary> summarise(ImageView<const float> scene, Border border, double border_value) {
   const Statistics s = statistics(scene);
   if (s.std == 0.0) return std::nullopt;
-  return SceneSummary{s.std, std::max(std::abs(s.min), std::abs(s.max)),
+  const double level = border == Border::constant ? std::abs(border_value) : 0.0;  // shines into the image
+  return SceneSummary{s.std, std::max({std::abs(s.min), std::abs(s.max), level}),
                       canvas_norm(scene, border, border_value, s.mean)};
 }
 
@@ -192,10 +119,16 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
 
   const double fx = 500.0 / in.step_x_um, fy = 500.0 / in.step_y_um;
   const double ratio = std::max(1.0, std::ceil(out.step_x_um / in.step_x_um) * std::ceil(out.step_y_um / in.step_y_um));
-  const double alias = std::sqrt(std::min(ratio, 1e6));
+  const double alias = std::sqrt(ratio);
   const double tolerance = options.tolerance;
-  const OtfSampler sampler(system, stages, options.aperture, fx, fy, kDropShare * tolerance / (2.0 * alias),
-                           std::clamp(kTableShare * tolerance / alias, 1e-7, 1e-6));
+  const double canvas_norm = options.scene ? options.scene->canvas_norm / options.scene->std : 2.0;
+  // The error of the whole scene may gather in the part of it that the detector sees.
+  const auto area = [](const SampleGrid& g) {
+    return static_cast<double>(g.width) * g.step_x_um * (static_cast<double>(g.height) * g.step_y_um);
+  };
+  const double norm = canvas_norm * std::sqrt(std::max(1.0, area(in) / area(out)));
+  const OtfSampler sampler(system, stages, options.aperture, fx, fy, kDropShare * tolerance / (alias * norm),
+                           std::clamp(kTableShare * tolerance / (alias * norm), 1e-7, 1e-6));
   impl->dc = sampler.dc();
   report.dropped = sampler.dropped();
   report.merged = sampler.merged();
@@ -205,54 +138,59 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
                            format_double(options.aperture.gain_limit) + "; beyond, part of the scene's own blur stays");
 
   const bool same_grid = in.step_x_um == out.step_x_um && in.step_y_um == out.step_y_um;
-  if (sampler.is_identity() && same_grid) {
+  const bool unit_mean = std::abs(impl->dc - 1.0) < 1e-12;  // a gain may be dropped for the contrast, not for the mean
+  if (sampler.is_identity() && same_grid && unit_mean) {
     report.method = "identity";
-    report.predicted.dropped =
-        sampler.error() * (options.scene ? options.scene->canvas_norm / options.scene->std : 2.0);
-    return [&] {
-      Plan plan;
-      plan.impl_ = impl;
-      return plan;
-    }();
+    report.predicted.dropped = sampler.error() * norm;
+    Plan plan;
+    plan.impl_ = std::move(impl);
+    return plan;
   }
 
   report.method = "spectral";
-  const bool mirror = options.border == Border::reflect && sampler.is_real();
-  // A half-sample mirror passes unchanged through an OTF that is even along that axis: no padding at all.
-  const bool y_cosine = mirror ? sampler.is_even_y() : options.border == Border::reflect && sampler.is_even_y();
-  const bool x_cosine = mirror && sampler.is_even_x() && y_cosine;
-  const double norm = options.scene ? options.scene->canvas_norm / options.scene->std : 2.0;
-  CanvasRequest request{Axis::x, options.border, in.width, in.step_x_um,
-                        fy,      out.step_x_um,  norm,     0.5 * kWrapShare * tolerance};
+  // A half-sample mirror passes unchanged through an OTF that is even along that axis: no padding at all. Cosines along
+  // x are pairs of real columns, which a complex OTF would mix.
+  const bool y_cosine = options.border == Border::reflect && sampler.is_even_y();
+  const bool x_cosine = y_cosine && sampler.is_real() && sampler.is_even_x();
+  const double density = std::sqrt(std::max(1.0, out.step_x_um / in.step_x_um * (out.step_y_um / in.step_y_um)));
+  CanvasRequest request{Axis::x, options.border, in.width,       in.step_x_um,
+                        fy,      out.step_x_um,  norm * density, 0.5 * kWrapShare * tolerance};
   double wrap = 0.0;
   AxisJob x = make_axis(sampler, request, x_cosine ? Basis::cosine : Basis::fourier, out.width, wrap);
-  request = {Axis::y, options.border, in.height, in.step_y_um, fx, out.step_y_um, norm, 0.5 * kWrapShare * tolerance};
+  request = {Axis::y, options.border, in.height, in.step_y_um, fx, out.step_y_um, norm * density, request.budget};
   AxisJob y = make_axis(sampler, request, y_cosine ? Basis::cosine : Basis::fourier, out.height, wrap);
   // Along a cosine axis error and canvas have the same mirror symmetry: nothing of the canvas's energy can gather
   // inside.
   const double gathering = norm / std::sqrt((x_cosine ? 2.0 : 1.0) * (y_cosine ? 2.0 : 1.0));
   const double allowed = kCutShare * tolerance / (alias * gathering);
+  const double samples = static_cast<double>(x.frequency.length) * static_cast<double>(y.frequency.length);
+  if (8.0 * samples > kLargestBytes)
+    throw UsageError("the transforms would need " + format_double(8.0 * samples) +
+                     " bytes; cut the scene or choose border = \"periodic\"");
   cut_frequencies(sampler, allowed, x, y);
 
   const double spread = gathering * std::sqrt(aliases(x) * aliases(y));
   double dropped = 0.0;
   for (const Dropped& d : sampler.dropped()) dropped += d.bound;
   const bool cut = x.keep < x.frequency.half_count() || y.keep < y.frequency.half_count();
+  dropped *= sampler.gain();
+  const double canvas_area = samples * (x_cosine ? 2.0 : 1.0) * (y_cosine ? 2.0 : 1.0);
+  const double image_area = static_cast<double>(in.width) * static_cast<double>(in.height);
+  const double canvas_rms = canvas_norm * std::sqrt(image_area / canvas_area);
+  const double shortest_rms = canvas_norm / std::sqrt((x_cosine ? 2.0 : 1.0) * (y_cosine ? 2.0 : 1.0));
   report.predicted = {dropped * spread, (sampler.error() - dropped) * spread, cut ? allowed * spread : 0.0, wrap,
-                      arithmetic_error(x, y, options)};
-  refuse_unreachable(report.predicted, tolerance, options);
+                      arithmetic_error(x, y, canvas_rms, sampler.gain(), options)};
+  refuse_unreachable(report.predicted, arithmetic_error(x, y, shortest_rms, sampler.gain(), options), tolerance,
+                     options);
 
-  const double samples = static_cast<double>(x.frequency.length) * static_cast<double>(y.frequency.length);
-  if (8.0 * samples > kLargestBytes)
-    throw UsageError("the transforms would need " + format_double(8.0 * samples) +
-                     " bytes; cut the scene or choose border = \"periodic\"");
   if (relative != nullptr && relative->engine && same_job(relative->engine->x(), x) &&
       same_job(relative->engine->y(), y))
     impl->engine = relative->engine;
   else
     impl->engine = std::make_shared<SpectralEngine>(x, y, options.rigor);
-  fill_otf(sampler, *impl->engine, options.threads, impl->otf);
+  impl->otf = make_otf(sampler, *impl->engine, options.threads);
 
+  if (sampler.has_gain()) report.largest_gain = largest_gain(impl->otf, impl->engine->otf_scale());
   report.size = {x.frequency.length, y.frequency.length};
   report.axes = {axis_text(x), axis_text(y)};
   report.kept = {x.keep, y.keep};

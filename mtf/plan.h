@@ -28,7 +28,7 @@ namespace mtf {
 /// What the plan knows of the scene before it runs; predictions hold for scenes like it.
 struct SceneSummary {
   double std = 1.0;          ///< > 0
-  double largest = 1.0;      ///< largest |value|, sets the float32 storage error
+  double largest = 1.0;      ///< largest |value| or |constant border level|: the float32 storage error
   double canvas_norm = 2.0;  ///< canvas_norm of mtf/statistics.h, in units of value
 };
 
@@ -69,6 +69,7 @@ struct PlanReport {
   int wavelengths = 1;
   PredictedError predicted;
   double tolerance = 0.0;
+  double largest_gain = 1.0;                  ///< of |otf| over the frequencies in use
   std::int64_t otf_bytes = 0, run_bytes = 0;  ///< run_bytes: one channel, besides input and output
 };
 
@@ -87,7 +88,8 @@ class Plan {
   double dc() const;
 
   /// Filters one plane. Sizes have to be those of in() and out() (UsageError). NaN or infinite pixels: RuntimeError
-  /// with their number and first position. A plane of zero contrast comes out as dc x value, exactly.
+  /// with their number and first position. A plane of zero contrast comes out as dc x value, exactly. `out` may lie in
+  /// the memory of `in`, from its start: all of an input is read before any of its output is written.
   void run(ImageView<const float> in, ImageView<float> out, double border_value = 0.0, int threads = 0) const;
   /// All planes in one pass over the OTF.
   void run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value = 0.0,

@@ -70,6 +70,7 @@ void Plan::run(std::span<const ImageView<const float>> in, std::span<const Image
                int threads) const {
   if (in.size() != out.size()) throw UsageError("as many output as input planes are needed");
   const bool constant = impl_->options.border == Border::constant;
+  if (constant && !std::isfinite(border_value)) throw UsageError("the border level has to be a finite number");
   std::vector<SpectralEngine::Channel> channels;
   for (std::size_t c = 0; c < in.size(); ++c) {
     check_size(in[c].width, in[c].height, impl_->report.in, "input");
@@ -81,7 +82,7 @@ void Plan::run(std::span<const ImageView<const float>> in, std::span<const Image
       fill(out[c], static_cast<float>(impl_->dc * level.mean));
     } else if (!impl_->engine) {
       for (std::int64_t y = 0; y < out[c].height; ++y)
-        std::memcpy(out[c].row(y), in[c].row(y), static_cast<std::size_t>(out[c].width) * sizeof(float));
+        std::memmove(out[c].row(y), in[c].row(y), static_cast<std::size_t>(out[c].width) * sizeof(float));
     } else {
       // A power of two: exact, and neither 1e-30 nor 1e30 leaves the range of float inside the transforms.
       const double scale = std::ldexp(1.0, -std::ilogb(deviation));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "mtf/engines/kernels.h"
 
@@ -10,6 +11,7 @@ namespace mtf {
 namespace {
 
 constexpr std::size_t kFirst = 256, kLast = 32768, kDense = 65536;
+constexpr std::size_t kSuspects = 12, kLook = 16;  // intervals looked at closely, and points in each
 
 // Cubic through four neighbouring samples at t in 0..1 of the middle interval [i, i+1]. The function is even about 0,
 // so sample -1 mirrors sample 1; past the end the last interval is continued by its quadratic.
@@ -60,6 +62,25 @@ RadialTable::RadialTable(const Function& f, double end, double target) : end_(en
       knots_[i * refine + j] = static_cast<float>(cubic(v, i, static_cast<double>(j) / static_cast<double>(refine)));
   knots_[refine * n] = knots_[refine * n + 1] = static_cast<float>(v[n]);
   error_ = 2.0 * (error_ + curvature / (8.0 * static_cast<double>(refine * refine))) + 1.2e-7;
+  between_ = curvature / 8.0;
+
+  // A kink (the end of a curve) may hide from the midpoints: look closer where the third difference is largest.
+  std::vector<std::size_t> order(n > 3 ? n - 2 : 0);
+  std::iota(order.begin(), order.end(), std::size_t{1});
+  const auto third = [&v](std::size_t i) { return std::abs(v[i + 2] - v[i - 1] - 3.0 * (v[i + 1] - v[i])); };
+  const auto last = order.begin() + static_cast<std::ptrdiff_t>(std::min(kSuspects, order.size()));
+  std::partial_sort(order.begin(), last, order.end(),
+                    [&](std::size_t a, std::size_t b) { return third(a) > third(b); });
+  for (auto i = order.begin(); i != last; ++i) {
+    const double step = 1.0 / static_cast<double>(n * kLook), first = static_cast<double>(*i) / static_cast<double>(n);
+    const std::vector<double> exact = sample(kLook, (first + 0.5 * step) * end, step * end);
+    for (std::size_t j = 0; j < kLook; ++j) {
+      const float r = static_cast<float>(first + (static_cast<double>(j) + 0.5) * step), x2 = r * r;
+      float value = 0.0F;
+      look_up({&x2, 1}, 0.0F, {&value, 1});
+      error_ = std::max(error_, 1.2 * std::abs(static_cast<double>(value) - exact[j]) + 1.2e-7);
+    }
+  }
 
   suffix_max_.resize(n + 1);
   suffix_max_[n] = std::abs(v[n]);
@@ -69,14 +90,14 @@ RadialTable::RadialTable(const Function& f, double end, double target) : end_(en
 void RadialTable::look_up(std::span<const float> x2, float y2, std::span<float> value) const {
   // The last knot is repeated, so that a radius at or beyond the end reads inside the table.
   const auto intervals = static_cast<float>(knots_.size() - 2);
-  kernels::look_up(knots_.data(), intervals, static_cast<float>(static_cast<double>(intervals) / end_), x2.data(), y2,
-                   static_cast<std::int64_t>(value.size()), value.data());
+  kernels::look_up(knots_.data(), intervals, intervals, x2.data(), y2, static_cast<std::int64_t>(value.size()),
+                   value.data());
 }
 
 double RadialTable::bound_from(double r) const {
   const double n = static_cast<double>(suffix_max_.size() - 1);
   const double i = std::clamp(std::floor(r / end_ * n), 0.0, n);
-  return suffix_max_[static_cast<std::size_t>(i)] + error_;
+  return suffix_max_[static_cast<std::size_t>(i)] + between_ + error_;
 }
 
 }  // namespace mtf

@@ -17,8 +17,10 @@ class RadialTable {
   using Function = std::function<void(std::span<const double> radius, std::span<double> value)>;
   RadialTable(const Function& f, double end, double target);
 
-  /// value[i] = table at sqrt(x2[i] + y2).
+  /// value[i] = table at end() x sqrt(x2[i] + y2): squares of frequencies in cy/mm could leave the range of float.
   void look_up(std::span<const float> x2, float y2, std::span<float> value) const;
+
+  double end() const { return end_; }
 
   /// Largest |table - f| seen at the midpoints, with a factor 2 for what lies between.
   double error() const { return error_; }
@@ -30,6 +32,7 @@ class RadialTable {
   std::vector<double> suffix_max_;
   double end_ = 0.0;
   double error_ = 0.0;
+  double between_ = 0.0;  ///< how far the function may rise between two samples
 };
 
 }  // namespace mtf

@@ -24,6 +24,7 @@ std::string join_labels(const std::vector<const Entry<double>*>& entries) {
 OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture,
                        double fx_max, double fy_max, double drop_budget, double target)
     : system_(system), aperture_(aperture), stages_(stages.begin(), stages.end()) {
+  bound_correction(fx_max, fy_max);
   sort_components(fx_max, fy_max, drop_budget);
 
   const bool aperture_radial = aperture_.kind == SceneAperture::Kind::curve;
@@ -46,12 +47,22 @@ OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stag
     choose_wavelengths(std::hypot(fx_max, fy_max), target);
   }
   if (!separable_.empty()) merged_.push_back(join_labels(separable_) + " -> one vector per axis");
+}
 
-  const double a = aperture_radial ? aperture_.gain_limit : std::sqrt(aperture_.gain_limit);
-  if (aperture_.kind != SceneAperture::Kind::point)
-    aperture_limited_ = aperture_factor(Axis::x, fx_max) > a * (1.0 - 1e-12) ||
-                        aperture_factor(Axis::y, fy_max) > a * (1.0 - 1e-12) ||
-                        (aperture_radial && this->aperture_radial(std::hypot(fx_max, fy_max)) >= a * (1.0 - 1e-12));
+// The limit may be met anywhere in the band: a box or a curve rises again behind its zeros.
+void OtfSampler::bound_correction(double fx_max, double fy_max) {
+  if (aperture_.kind == SceneAperture::Kind::point) return;
+  constexpr int kSteps = 4096;
+  const auto highest = [this](const auto& mtf, double end, double limit) {
+    double least = 1.0;
+    for (int i = 1; i <= kSteps; ++i) least = std::min(least, std::abs(mtf(end * static_cast<double>(i) / kSteps)));
+    aperture_limited_ = aperture_limited_ || least * limit < 1.0;
+    return least * limit < 1.0 ? limit : 1.0 / least;
+  };
+  const double limit = aperture_.gain_limit, root = std::sqrt(limit);
+  correction_ = highest([this](double f) { return aperture_mtf(Axis::x, f); }, fx_max, root) *
+                highest([this](double f) { return aperture_mtf(Axis::y, f); }, fy_max, root) *
+                highest([this](double r) { return aperture_mtf(r); }, std::hypot(fx_max, fy_max), limit);
 }
 
 void OtfSampler::sort_components(double fx_max, double fy_max, double drop_budget) {
@@ -70,6 +81,10 @@ void OtfSampler::sort_components(double fx_max, double fy_max, double drop_budge
           deviation = std::max(deviation, entry.component.deviation(fx_max, fy_max, system_.context(wavelength)));
       candidates.push_back({&entry, deviation});
     }
+  // What is left out would have been multiplied by the components that amplify.
+  double budget = drop_budget / correction_;
+  for (const Candidate& candidate : candidates)
+    if (candidate.entry->component.traits(ctx).gain) budget /= 1.0 + candidate.deviation;
   std::vector<std::size_t> order(candidates.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
@@ -77,7 +92,7 @@ void OtfSampler::sort_components(double fx_max, double fy_max, double drop_budge
   std::vector<bool> drop(candidates.size());
   double spent = 0.0;
   for (const std::size_t i : order) {
-    if (spent + candidates[i].deviation > drop_budget) break;
+    if (spent + candidates[i].deviation > budget) break;
     spent += candidates[i].deviation;
     drop[i] = true;
   }
@@ -165,27 +180,32 @@ Complex<double> OtfSampler::general(const Freq<double>& f) const {
   return product * mean;
 }
 
-double OtfSampler::aperture_factor(Axis axis, double f) const {
-  const bool x = axis == Axis::x;
+double OtfSampler::aperture_mtf(Axis axis, double f) const {
   if (aperture_.kind != SceneAperture::Kind::box && aperture_.kind != SceneAperture::Kind::gaussian) return 1.0;
-  const double size_mm = 1e-3 * (x ? aperture_.size.x_um(system_.frame) : aperture_.size.y_um(system_.frame));
-  const double a = aperture_.kind == SceneAperture::Kind::box ? sinc(size_mm * f).value : gaussian(size_mm * f).value;
-  return limited_inverse(a, std::sqrt(aperture_.gain_limit));
+  const Frame<double>& frame = system_.frame;
+  const double size_mm = 1e-3 * (axis == Axis::x ? aperture_.size.x_um(frame) : aperture_.size.y_um(frame));
+  return aperture_.kind == SceneAperture::Kind::box ? sinc(size_mm * f).value : gaussian(size_mm * f).value;
 }
 
-double OtfSampler::aperture_radial(double r) const {
+double OtfSampler::aperture_mtf(double r) const {
   if (aperture_.kind != SceneAperture::Kind::curve) return 1.0;
   const std::string_view unit = aperture_.curve->unit->name;
   const double f = unit == "cy/mrad" ? system_.frame.cy_per_mrad(r)
                    : unit == "cy/px" ? system_.frame.cy_per_px(r, Axis::x)
                                      : r;
-  return limited_inverse(evaluate(*aperture_.curve, f).value, aperture_.gain_limit);
+  return evaluate(*aperture_.curve, f).value;
 }
 
+double OtfSampler::aperture_factor(Axis axis, double f) const {
+  return limited_inverse(aperture_mtf(axis, f), std::sqrt(aperture_.gain_limit));
+}
+
+double OtfSampler::aperture_radial(double r) const { return limited_inverse(aperture_mtf(r), aperture_.gain_limit); }
+
 double OtfSampler::error() const {
-  double sum = table_ ? table_->error() * gain_ : 0.0;
+  double sum = table_ ? table_->error() : 0.0;
   for (const Dropped& dropped : dropped_) sum += dropped.bound;
-  return sum;
+  return sum * gain();
 }
 
 Complex<double> OtfSampler::at(const Freq<double>& f) const {
@@ -213,7 +233,9 @@ OtfSampler::Grid::Grid(const OtfSampler& sampler, std::vector<double> fx, std::v
   };
   x_ = vector(fx_, Axis::x);
   y_ = vector(fy_, Axis::y);
-  for (const double f : fx_) fx2_.push_back(static_cast<float>(f * f));
+  const double end = sampler.table_ ? sampler.table_->end() : 1.0;
+  for (const double f : fx_) fx2_.push_back(static_cast<float>(f / end * (f / end)));
+  for (const double f : fy_) fy2_.push_back(static_cast<float>(f / end * (f / end)));
 }
 
 namespace {
@@ -224,17 +246,17 @@ double modulus(const Complex<float>& c) { return std::hypot(c.re, c.im); }
 
 double OtfSampler::Grid::column_bound(std::size_t i) const {
   const double radial = sampler_->table_ ? sampler_->table_->bound_from(std::abs(fx_[i])) : 1.0;
-  return modulus(x_[i]) * radial * sampler_->gain_;
+  return modulus(x_[i]) * radial * sampler_->gain();
 }
 
 double OtfSampler::Grid::row_bound(std::size_t j) const {
   const double radial = sampler_->table_ ? sampler_->table_->bound_from(std::abs(fy_[j])) : 1.0;
-  return modulus(y_[j]) * radial * sampler_->gain_;
+  return modulus(y_[j]) * radial * sampler_->gain();
 }
 
 void OtfSampler::Grid::real_row(std::size_t j, std::size_t first, std::span<float> value) const {
   if (sampler_->table_)
-    sampler_->table_->look_up(std::span(fx2_).subspan(first, value.size()), static_cast<float>(fy_[j] * fy_[j]), value);
+    sampler_->table_->look_up(std::span(fx2_).subspan(first, value.size()), fy2_[j], value);
   else
     std::fill(value.begin(), value.end(), 1.0F);
   for (std::size_t l = 0; l < value.size(); ++l) value[l] *= x_[first + l].re * y_[j].re;
@@ -245,9 +267,7 @@ void OtfSampler::Grid::real_row(std::size_t j, std::size_t first, std::span<floa
 
 void OtfSampler::Grid::complex_row(std::size_t j, std::size_t first, std::span<Complex<float>> value) const {
   std::vector<float> radial(value.size(), 1.0F);
-  if (sampler_->table_)
-    sampler_->table_->look_up(std::span(fx2_).subspan(first, value.size()), static_cast<float>(fy_[j] * fy_[j]),
-                              radial);
+  if (sampler_->table_) sampler_->table_->look_up(std::span(fx2_).subspan(first, value.size()), fy2_[j], radial);
   for (std::size_t l = 0; l < value.size(); ++l) {
     Complex<float> h = x_[first + l] * y_[j];
     if (sampler_->has_general()) {

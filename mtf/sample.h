@@ -51,6 +51,9 @@ class OtfSampler {
   const std::vector<Dropped>& dropped() const { return dropped_; }
   /// Sentences on what was merged: "jitter, footprint -> two vectors".
   const std::vector<std::string>& merged() const { return merged_; }
+  bool has_gain() const { return gain_ > 1.0; }
+  /// Bound of |H|, at least 1: what amplifying components and the aperture's correction may multiply.
+  double gain() const { return gain_ * correction_; }
   int wavelengths() const { return wavelengths_; }
   /// Bound of |H_used - H| from dropping and from the table.
   double error() const;
@@ -76,17 +79,20 @@ class OtfSampler {
    private:
     const OtfSampler* sampler_;
     std::vector<double> fx_, fy_;
-    std::vector<float> fx2_;
+    std::vector<float> fx2_, fy2_;  ///< squares, in units of the radial table's end
     std::vector<Complex<float>> x_, y_;
   };
 
  private:
   friend class Grid;
   void sort_components(double fx_max, double fy_max, double drop_budget);
+  void bound_correction(double fx_max, double fy_max);
   void choose_wavelengths(double end, double target);
   double radial_product(double r) const;
   bool has_general() const { return !general_.empty() || !chromatic_general_.empty(); }
   Complex<double> general(const Freq<double>& f) const;
+  double aperture_mtf(Axis axis, double f) const;  ///< the scene's own blur along one axis
+  double aperture_mtf(double r) const;             ///< and of a radial curve
   double aperture_factor(Axis axis, double f) const;
   double aperture_radial(double r) const;
 
@@ -94,7 +100,8 @@ class OtfSampler {
   SceneAperture aperture_;
   std::vector<Stage> stages_;
   std::vector<const Entry<double>*> entries_, separable_, radial_, chromatic_radial_, general_, chromatic_general_;
-  double gain_ = 1.0;  ///< bound of the product of the components that amplify
+  double gain_ = 1.0;        ///< bound of the product of the components that amplify
+  double correction_ = 1.0;  ///< bound of the aperture's correction
   std::vector<Dropped> dropped_;
   std::vector<std::string> merged_;
   WavelengthNodes nodes_;
