@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The command as a whole: help, version, exit codes, messages, signals, standard streams.
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "mtf/io/image_io.h"
+#include "tests/apps/command.h"
+
+namespace {
+
+using apps_test::Result;
+using apps_test::Scratch;
+
+void add_scene(const Scratch& scratch) {
+  mtf::Image scene(96, 64);
+  for (std::int64_t y = 0; y < 64; ++y)
+    for (std::int64_t x = 0; x < 96; ++x) scene.at(x, y) = 4.0F + static_cast<float>((x / 8 + y / 8) % 2);
+  mtf::io::write_exr((scratch / "scene.exr").string(), {{"Y", scene.view()}}, {});
+}
+
+std::vector<std::string> examples_of(const std::string& help) {
+  std::vector<std::string> commands;
+  std::size_t at = help.find("Examples:\n");
+  if (at == std::string::npos) return commands;
+  at = help.find('\n', at) + 1;
+  while (help.compare(at, 6, "  mtf ") == 0) {
+    const std::size_t end = help.find('\n', at);
+    commands.push_back(help.substr(at + 2, end - at - 2));
+    if (end == std::string::npos) break;
+    at = end + 1;
+  }
+  return commands;
+}
+
+class HelpOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  add_scene(scratch);
+  const Result help = scratch.run(std::string("mtf ") + GetParam() + " --help");
+  ASSERT_EQ(help.status, 0);
+  EXPECT_EQ(help.err, "");
+  const auto commands = examples_of(help.out);
+  ASSERT_EQ(commands.size(), 2U) << help.out;
+  EXPECT_TRUE(help.out.ends_with("  " + commands[1] + "\n")) << help.out;
+  for (const std::string& command : commands) {
+    const Result result = scratch.run(command);
+    EXPECT_EQ(result.status, 0) << command << "\n" << result.out << result.err;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, HelpOf,
+                         testing::Values("", "demo", "info", "config", "config init", "config check", "config explain",
+                                         "curve", "simulate"),
+                         [](const auto& parameter) {
+                           std::string name = std::string("mtf ") + parameter.param;
+                           for (char& c : name) c = c == ' ' ? '_' : c;
+                           return name;
+                         });
+
+TEST(Command, VersionNamesTheFftLibraryAndItsLicence) {
+  const Scratch scratch;
+  const Result result = scratch.run("mtf --version");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_TRUE(result.out.starts_with("mtf 0.")) << result.out;
+  for (const char* text : {"\ncommit: ", "\ncompiler: ", "\nFFT: fftw 3.", " (GPL)\n"})
+    EXPECT_NE(result.out.find(text), std::string::npos) << text;
+}
+
+TEST(Command, GlobalOptionsWorkOnEitherSide) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const std::string plain = scratch.run("mtf curve sensor.toml").out;
+  ASSERT_NE(plain, "");
+  EXPECT_EQ(scratch.run("mtf --threads 2 --quiet --progress none curve sensor.toml").out, plain);
+  EXPECT_EQ(scratch.run("mtf curve sensor.toml --threads 2 --progress=json --quiet").out, plain);
+  const Result noted = scratch.run("mtf config init -o a.toml");
+  const Result quiet = scratch.run("mtf config init --quiet -o b.toml");
+  EXPECT_NE(noted.err, "");
+  EXPECT_EQ(quiet.err, "");
+  EXPECT_EQ(quiet.status, 0);
+}
+
+TEST(Command, UsageErrorsSayWhatWasMeant) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  struct Case {
+    const char *arguments, *message;
+  };
+  for (const Case& c : {Case{"", "demo, info, config, curve, simulate"},
+                        {"crve", "did you mean curve?"},
+                        {"config chek sensor.toml", "did you mean check?"},
+                        {"config", "init, check, explain"},
+                        {"curve --fromat json sensor.toml", "did you mean --format?"},
+                        {"curve sensor.toml --thread 2", "did you mean --threads?"},
+                        {"curve sensor.toml --format jsn", "did you mean json?"},
+                        {"simulate a b -o c --nan propgate", "did you mean propagate?"},
+                        {"simulate sensor.toml scene.exr", "--out"},
+                        {"simulate a b -o c --tolerance 2", "--tolerance"},
+                        {"simulate a b -o c --range 5:1", "--range"},
+                        {"simulate a b -o c --part -1", "--part"},
+                        {"curve sensor.toml another.toml", "'another.toml'"},
+                        {"curve", "sensor"},
+                        {"curve ''", "sensor"},
+                        {"''", "''"},
+                        {"curve sensor.toml --threads 99999999999999999999", "--threads"},
+                        {"info", "file"},
+                        {"demo -o ''", "--out"}}) {
+    const Result result = scratch.run(std::string("mtf ") + c.arguments);
+    EXPECT_EQ(result.status, 2) << c.arguments;
+    EXPECT_EQ(result.out, "") << c.arguments;
+    EXPECT_EQ(apps_test::lines(result.err), 1U) << result.err;
+    EXPECT_NE(result.err.find(c.message), std::string::npos) << c.arguments << ": " << result.err;
+  }
+}
+
+TEST(Command, FilesNamedLikeSubcommandsAreFiles) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  EXPECT_EQ(scratch.run("cp sensor.toml demo && mtf curve demo").status, 0);
+  EXPECT_EQ(scratch.run("cp sensor.toml curve && mtf config check curve").status, 0);
+}
+
+TEST(Command, ControlCharactersInNamesDoNotBreakLines) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  apps_test::write_file(scratch / "bad\nname\x1b[31m.toml",
+                        apps_test::read_file(scratch / "sensor.toml") + "foo = 1\n");
+  const std::string name = "\"$(printf 'bad\\nname\\033[31m.toml')\"";
+  for (const std::string command : {"curve ", "config check ", "info ", "config explain "}) {
+    const Result result = scratch.run("mtf " + command + name);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(apps_test::lines(result.err), 1U) << command << result.err;
+    EXPECT_EQ(result.err.find('\x1b'), std::string::npos);
+  }
+  EXPECT_EQ(apps_test::lines(scratch.run("mtf info \"$(printf 'no\\nfile')\"").err), 1U);
+}
+
+TEST(Command, AnOutputThatCannotBeWrittenIsAnError) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  for (const char* command : {"mtf curve sensor.toml >/dev/full", "mtf --help >/dev/full", "mtf --version >&-",
+                              "mtf curve sensor.toml >&-", "mtf config init >/dev/full"}) {
+    const Result result = scratch.run(command);
+    EXPECT_EQ(result.status, 1) << command;
+    EXPECT_EQ(apps_test::lines(result.err), 1U) << command << result.err;
+  }
+  // The reader has gone before the writer starts.
+  const Result pipe = scratch.run(
+      "mkfifo fifo; { mtf curve sensor.toml --freq 0:60:20000; echo $? >status; } >fifo & : <fifo; wait; cat status");
+  EXPECT_EQ(pipe.out, "1\n");
+}
+
+TEST(Command, SignalsEndItWith130AndLeaveNothing) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  for (const char* signal : {"INT", "TERM"}) {
+    // Standard output is a pipe that nobody empties: the command is certain to be at work when the signal comes.
+    const Result result = scratch.run(
+        std::string("mkfifo fifo; sleep 20 <fifo & s=$!; mtf curve sensor.toml --freq 0:60:500000 --format csv >fifo & "
+                    "p=$!; sleep 1; kill -") +
+        signal + " $p; wait $p; echo $?; kill $s; rm fifo; ls");
+    EXPECT_EQ(result.out, "130\nsensor.toml\n") << result.err;
+  }
+}
+
+}  // namespace

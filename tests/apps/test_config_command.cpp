@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf config` and `mtf info`.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "mtf/io/config.h"
+#include "mtf/io/image_io.h"
+#include "tests/apps/command.h"
+
+namespace {
+
+using apps_test::Result;
+using apps_test::Scratch;
+using Json = nlohmann::json;
+
+TEST(Config, InitWritesTheStarterAndKeepsWhatIsThere) {
+  const Scratch scratch;
+  EXPECT_EQ(scratch.run("mtf config init").out, mtf::io::starter_config());
+  EXPECT_EQ(scratch.run("mtf config init -o -").out, mtf::io::starter_config());
+  ASSERT_EQ(scratch.run("mtf config init -o s.toml").status, 0);
+  EXPECT_EQ(apps_test::read_file(scratch / "s.toml"), mtf::io::starter_config());
+  apps_test::write_file(scratch / "s.toml", "mine");
+  const Result refused = scratch.run("mtf config init s.toml");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("--force"), std::string::npos);
+  EXPECT_EQ(apps_test::read_file(scratch / "s.toml"), "mine");
+  EXPECT_EQ(scratch.run("mtf config init s.toml --force").status, 0);
+  EXPECT_EQ(apps_test::read_file(scratch / "s.toml"), mtf::io::starter_config());
+  EXPECT_EQ(scratch.run("mtf config init -o missing/s.toml").status, 1);
+}
+
+TEST(Config, CheckSaysOkOrEveryErrorWithItsPlace) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const Result good = scratch.run("mtf config check sensor.toml");
+  EXPECT_EQ(good.status, 0);
+  EXPECT_TRUE(good.out.starts_with("ok: sensor.toml")) << good.out;
+  EXPECT_EQ(good.err, "");
+
+  apps_test::write_file(scratch / "bad.toml",
+                        "schema = 1\n[frame]\nfocal_lenght = \"100 mm\"\nfocal_length = \"100 mm\"\npitch = 15\n");
+  const Result bad = scratch.run("mtf config check bad.toml");
+  EXPECT_EQ(bad.status, 2);
+  EXPECT_EQ(bad.out, "");
+  EXPECT_NE(bad.err.find("bad.toml:3:1: error: "), std::string::npos) << bad.err;
+  EXPECT_NE(bad.err.find("bad.toml:5:"), std::string::npos) << bad.err;
+  const Result curve = scratch.run("mtf curve bad.toml");
+  EXPECT_EQ(curve.status, 2);
+  EXPECT_EQ(curve.err, bad.err);
+
+  const Result json = scratch.run("mtf config check bad.toml --format json");
+  EXPECT_EQ(json.status, 2);
+  const Json parsed = Json::parse(json.out);
+  EXPECT_FALSE(parsed.at("ok").get<bool>());
+  ASSERT_GE(parsed.at("diagnostics").size(), 2U);
+  EXPECT_EQ(parsed.at("diagnostics")[0].at("severity"), "error");
+  EXPECT_EQ(parsed.at("diagnostics")[0].at("line"), 3);
+  EXPECT_EQ(scratch.run("mtf config check missing.toml").status, 1);
+}
+
+TEST(Config, CheckShowsNotesWithOk) {
+  const Scratch scratch;
+  apps_test::write_file(scratch / "s.toml", "schema = 1\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\n");
+  const Result result = scratch.run("mtf config check s.toml");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_TRUE(result.out.starts_with("ok: s.toml")) << result.out;
+  EXPECT_NE(result.out.find("note: "), std::string::npos) << result.out;
+  const Result curve = scratch.run("mtf curve s.toml --freq 0,1");
+  EXPECT_EQ(curve.status, 0);
+  EXPECT_NE(curve.err.find("note: "), std::string::npos);
+  EXPECT_EQ(scratch.run("mtf curve s.toml --freq 0,1 --quiet").err, "");
+}
+
+TEST(Config, ExplainShowsWhatNumbersBecome) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const Result result = scratch.run("mtf config explain sensor.toml");
+  EXPECT_EQ(result.status, 0);
+  for (const char* text : {"frame.focal_length", "\"100 mm\"", "sensor.toml:", "125 cy/mm", "0.5333333333"})
+    EXPECT_NE(result.out.find(text), std::string::npos) << text << "\n" << result.out;
+}
+
+TEST(Info, DescribesAnImageAndSaysWhatToRun) {
+  const Scratch scratch;
+  mtf::Image first(4, 2), second(4, 2);
+  for (int i = 0; i < 8; ++i) {
+    first.data()[i] = static_cast<float>(i);
+    second.data()[i] = 2.0F;
+  }
+  second.at(1, 1) = std::numeric_limits<float>::quiet_NaN();
+  mtf::io::Metadata metadata;
+  metadata.text = {{"mtf:quantity", "radiance"}, {"mtf:units", "W.m^-2.sr^-1"}};
+  mtf::io::write_exr((scratch / "two.exr").string(), {{"a.Y", first.view()}, {"b.Y", second.view()}}, metadata);
+
+  const Result json = scratch.run("mtf info two.exr --format json");
+  ASSERT_EQ(json.status, 0) << json.err;
+  const Json parsed = Json::parse(json.out);
+  EXPECT_EQ(parsed.at("format"), "OpenEXR");
+  EXPECT_EQ(parsed.at("width"), 4);
+  EXPECT_EQ(parsed.at("height"), 2);
+  ASSERT_EQ(parsed.at("channels").size(), 2U);
+  const Json& a = parsed.at("channels")[0];
+  EXPECT_EQ(a.at("name"), "a.Y");
+  EXPECT_EQ(a.at("layer"), "a");
+  EXPECT_EQ(a.at("min"), 0.0);
+  EXPECT_EQ(a.at("max"), 7.0);
+  EXPECT_EQ(a.at("mean"), 3.5);
+  EXPECT_NEAR(a.at("std").get<double>(), std::sqrt(5.25), 1e-12);
+  const Json& b = parsed.at("channels")[1];
+  EXPECT_EQ(b.at("not_finite"), 1);
+  EXPECT_EQ(b.at("mean"), 2.0);
+  EXPECT_EQ(parsed.at("next"), "mtf simulate sensor.toml two.exr --layer a -o out.exr");
+
+  const Result table = scratch.run("mtf info two.exr");
+  EXPECT_NE(table.out.find("radiance in W.m^-2.sr^-1 (stated in the file)"), std::string::npos) << table.out;
+  EXPECT_NE(table.out.find("next: mtf simulate sensor.toml two.exr --layer a -o out.exr\n"), std::string::npos);
+  const Result csv = scratch.run("mtf info two.exr --format csv --layer a");
+  EXPECT_TRUE(csv.out.starts_with(
+      "channel,type,layer,part,min,max,mean,std,not_finite\na.Y,float,a,0,0,7,3.5,2.29128784747792"))
+      << csv.out;
+  EXPECT_EQ(apps_test::lines(csv.out), 2U);
+}
+
+TEST(Info, SensorFilesAndWhatItCannotRead) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const Result sensor = scratch.run("mtf info sensor.toml");
+  EXPECT_EQ(sensor.status, 0);
+  EXPECT_NE(sensor.out.find("next: mtf curve sensor.toml\n"), std::string::npos) << sensor.out;
+  apps_test::write_file(scratch / "bad.toml", "schema = 2\n");
+  EXPECT_EQ(scratch.run("mtf info bad.toml").status, 2);
+  apps_test::write_file(scratch / "text.txt", "hello, world\n");
+  const Result unknown = scratch.run("mtf info text.txt");
+  EXPECT_EQ(unknown.status, 1);
+  for (const char* format : {"OpenEXR", "PNG", "TIFF"})
+    EXPECT_NE(unknown.err.find(format), std::string::npos) << unknown.err;
+  apps_test::write_file(scratch / "empty.exr", "");
+  for (const char* file : {"missing.exr", "empty.exr", "."})
+    EXPECT_EQ(scratch.run(std::string("mtf info ") + file).status, 1) << file;
+}
+
+}  // namespace

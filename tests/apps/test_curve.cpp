@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf curve`: values that can be met by hand, units that agree, shapes that programs rely on.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+
+#include "mtf/io/config.h"
+#include "tests/apps/command.h"
+
+namespace {
+
+using apps_test::Result;
+using apps_test::Scratch;
+using Json = nlohmann::json;
+
+Json curve(const Scratch& scratch, const std::string& arguments) {
+  const Result result = scratch.run("mtf curve " + arguments + " --format json");
+  EXPECT_EQ(result.status, 0) << result.err;
+  return Json::parse(result.out);
+}
+
+const Json& component(const Json& json, const std::string& label) {
+  for (const Json& entry : json.at("components"))
+    if (entry.at("label") == label) return entry;
+  throw std::runtime_error("no component " + label);
+}
+
+TEST(Curve, ValuesOfTheStarterSensor) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  // 4 um, F/2: cutoff 1 / (lambda N) = 125 cy/mm; 15 um pitch: Nyquist 33.33 cy/mm; Q = 8 um / 15 um.
+  const Json json = curve(scratch, "sensor.toml --freq 0,33.333333333333336,125,200");
+  EXPECT_NEAR(json.at("cutoff").get<double>(), 125.0, 1e-12);
+  EXPECT_NEAR(json.at("nyquist").get<double>(), 100.0 / 3.0, 1e-12);
+  EXPECT_NEAR(json.at("q").get<double>(), 8.0 / 15.0, 1e-15);
+
+  const double v = (100.0 / 3.0) / 125.0;
+  const double diffraction = 2.0 / std::numbers::pi * (std::acos(v) - v * std::sqrt(1.0 - v * v));
+  const double footprint = 2.0 / std::numbers::pi;
+  const double jitter = std::exp(-2.0 * std::pow(std::numbers::pi * 0.002 * 100.0 / 3.0, 2));
+  EXPECT_NEAR(component(json, "diffraction").at("re")[1].get<double>(), diffraction, 1e-12);
+  EXPECT_NEAR(component(json, "footprint").at("re")[1].get<double>(), footprint, 1e-12);
+  EXPECT_NEAR(component(json, "jitter").at("re")[1].get<double>(), jitter, 1e-12);
+  EXPECT_NEAR(json.at("system").at("re")[1].get<double>(), diffraction * footprint * jitter, 1e-12);
+  EXPECT_NEAR(diffraction, 0.6645, 5e-5);
+  EXPECT_NEAR(footprint, 0.6366, 5e-5);
+  EXPECT_NEAR(jitter, 0.9160, 5e-5);
+  EXPECT_NEAR(json.at("system").at("re")[1].get<double>(), 0.3875, 5e-5);
+  EXPECT_NEAR(json.at("system").at("re")[0].get<double>(), 1.0, 1e-15);
+  EXPECT_EQ(json.at("system").at("re")[2].get<double>(), 0.0);
+  EXPECT_EQ(json.at("system").at("re")[3].get<double>(), 0.0);
+}
+
+TEST(Curve, TableAndItsFooter) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const Result result = scratch.run("mtf curve sensor.toml --freq 0:60:7");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  EXPECT_NE(result.out.find("cy/mm  diffraction  footprint   jitter  presample   system\n"), std::string::npos);
+  for (const char* text :
+       {"125.0 cy/mm", "33.33 cy/mm", "0.5333", "diffraction 0.6645 x footprint 0.6366 x jitter 0.9160 = 0.3875\n"})
+    EXPECT_NE(result.out.find(text), std::string::npos) << text << "\n" << result.out;
+}
+
+TEST(Curve, ShapeOfTheJson) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const Json json = curve(scratch, "sensor.toml --freq 0:60:61 --unit cy/mm --angle 0");
+  EXPECT_EQ(json.at("unit"), "cy/mm");
+  EXPECT_EQ(json.at("angle_deg"), 0.0);
+  ASSERT_EQ(json.at("frequency").size(), 61U);
+  for (std::size_t i = 0; i < 61; ++i) EXPECT_EQ(json.at("frequency")[i].get<double>(), static_cast<double>(i));
+  ASSERT_EQ(json.at("components").size(), 3U);
+  for (const Json& entry : json.at("components")) {
+    EXPECT_EQ(entry.at("stage"), "presample");
+    EXPECT_EQ(entry.at("kind"), entry.at("label"));
+    EXPECT_EQ(entry.at("re").size(), 61U);
+    EXPECT_EQ(entry.at("im").size(), 61U);
+  }
+  for (const char* name : {"presample", "readout", "postsample", "system"}) {
+    EXPECT_EQ(json.at(name).at("re").size(), 61U) << name;
+    EXPECT_EQ(json.at(name).at("im").size(), 61U) << name;
+  }
+}
+
+const char* const kComplexSensor = R"(schema = 1
+name = "all lists"
+[frame]
+focal_length = "50 mm"
+pitch_x = "15 um"
+pitch_y = "10 um"
+[optics]
+f_number = 2.0
+[band]
+wavelength = ["8 um", "12 um"]
+[[presample]]
+kind = "diffraction"
+[[presample]]
+kind = "rms_wavefront"
+rms = 0.07
+label = "a, \"b\""
+[[readout]]
+kind = "rc_lowpass"
+cutoff = "40 cy/mm"
+[[postsample]]
+kind = "fir"
+taps = [[0, -0.25, 0], [-0.25, 2.0, -0.25], [0, -0.25, 0]]
+)";
+
+TEST(Curve, EqualsTheLibraryInEveryUnitAndDirection) {
+  const Scratch scratch;
+  apps_test::write_file(scratch / "s.toml", kComplexSensor);
+  const mtf::io::SensorConfig config = mtf::io::load_config((scratch / "s.toml").string());
+  const double angle = 30.0 * std::numbers::pi / 180.0;
+  struct Case {
+    const char* unit;
+    double x, y;  // cycles/mm for one unit along each axis
+  };
+  for (const Case& c : {Case{"cy/mm", 1.0, 1.0}, Case{"cy/mrad", 20.0, 20.0}, Case{"cy/px", 1000.0 / 15.0, 100.0}}) {
+    const Json json = curve(scratch, std::string("s.toml --freq 0,0.1,0.4,-0.3 --angle 30 --unit ") + c.unit);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double f = json.at("frequency")[i].get<double>();
+      const mtf::Complex<double> h = config.system.otf({f * c.x * std::cos(angle), f * c.y * std::sin(angle)});
+      EXPECT_NEAR(json.at("system").at("re")[i].get<double>(), h.re, 1e-12) << c.unit << " " << f;
+      EXPECT_NEAR(json.at("system").at("im")[i].get<double>(), h.im, 1e-12) << c.unit << " " << f;
+    }
+  }
+}
+
+TEST(Curve, DirectionsAndNyquistOfPixelsThatAreNotSquare) {
+  const Scratch scratch;
+  apps_test::write_file(scratch / "s.toml", kComplexSensor);
+  EXPECT_NEAR(curve(scratch, "s.toml --freq 1 --angle 0").at("nyquist").get<double>(), 500.0 / 15.0, 1e-12);
+  EXPECT_NEAR(curve(scratch, "s.toml --freq 1 --angle 90").at("nyquist").get<double>(), 50.0, 1e-12);
+  EXPECT_NEAR(curve(scratch, "s.toml --freq 1 --angle 90 --unit cy/px").at("nyquist").get<double>(), 0.5, 1e-15);
+  // The RC filter acts along x only: nothing of it is left along y, exactly.
+  const Json down = curve(scratch, "s.toml --freq 20 --angle -270");
+  EXPECT_EQ(component(down, "rc_lowpass").at("re")[0].get<double>(), 1.0);
+  EXPECT_EQ(component(down, "rc_lowpass").at("im")[0].get<double>(), 0.0);
+  const Json right = curve(scratch, "s.toml --freq 20 --angle 360");
+  EXPECT_NEAR(component(right, "rc_lowpass").at("re")[0].get<double>(), 1.0 / (1.0 + 0.25), 1e-12);
+  EXPECT_NEAR(component(right, "rc_lowpass").at("im")[0].get<double>(), -0.5 / (1.0 + 0.25), 1e-12);
+}
+
+TEST(Curve, CsvHasTheSameNumbers) {
+  const Scratch scratch;
+  apps_test::write_file(scratch / "s.toml", kComplexSensor);
+  const Json json = curve(scratch, "s.toml --freq 0:40:5");
+  const Result result = scratch.run("mtf curve s.toml --freq 0:40:5 --format csv -o c.csv");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.out, "");
+  std::istringstream csv(apps_test::read_file(scratch / "c.csv"));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line,
+            "frequency,diffraction,\"a, \"\"b\"\"\",rc_lowpass_re,rc_lowpass_im,fir,presample,readout_re,readout_im,"
+            "postsample,system_re,system_im");
+  for (std::size_t i = 0; i < 5; ++i) {
+    ASSERT_TRUE(std::getline(csv, line));
+    std::istringstream fields(line);
+    std::vector<double> values;
+    for (std::string field; std::getline(fields, field, ',');) values.push_back(std::stod(field));
+    ASSERT_EQ(values.size(), 12U);
+    EXPECT_EQ(values[0], json.at("frequency")[i].get<double>());
+    EXPECT_EQ(values[4], component(json, "rc_lowpass").at("im")[i].get<double>());
+    EXPECT_EQ(values[10], json.at("system").at("re")[i].get<double>());
+    EXPECT_EQ(values[11], json.at("system").at("im")[i].get<double>());
+  }
+  EXPECT_FALSE(std::getline(csv, line));
+}
+
+TEST(Curve, BadFrequenciesAndOutputs) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  for (const char* arguments :
+       {"--freq 0:60", "--freq 0:60:0", "--freq 0:60:1", "--freq 0:60:1000001", "--freq 0:60:1e3", "--freq 1,,2",
+        "--freq ''", "--freq 1e300", "--freq nan", "--freq 0:inf:3", "--unit cy/furlong", "--angle 361", "--angle nan",
+        "--plot x.jpg", "--plot ascii --format json", "--plot a.svg -o a.csv", "-o sensor.toml", "-o ''",
+        "--format yaml"}) {
+    const Result result = scratch.run(std::string("mtf curve sensor.toml ") + arguments);
+    EXPECT_EQ(result.status, 2) << arguments;
+    EXPECT_EQ(result.out, "") << arguments;
+    EXPECT_EQ(apps_test::lines(result.err), 1U) << arguments << "\n" << result.err;
+  }
+  EXPECT_EQ(scratch.run("mtf curve sensor.toml -o missing/x.csv").status, 1);
+  EXPECT_EQ(scratch.run("ls").out, "sensor.toml\n");
+}
+
+}  // namespace

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "mtf/io/image_io.h"
+#include "tests/apps/command.h"
+
+namespace apps_test {
+namespace {
+
+TEST(Demo, SaysPassWithTheNumbersToFollowByHand) {
+  const Scratch scratch;
+  const Result demo = scratch.run("mtf demo -o mtf-demo");
+  ASSERT_EQ(demo.status, 0) << demo.err;
+  for (const char* figure : {"125.0 cy/mm", "33.33 cy/mm", "0.5333", "0.6645", "0.6366", "0.9160", "= 0.3875", "PASS"})
+    EXPECT_NE(demo.out.find(figure), std::string::npos) << figure << "\n" << demo.out;
+  for (const char* name : {"sensor.toml", "scene.exr", "sensor.exr", "preview.png", "mtf.csv", "targets.exr"})
+    EXPECT_GT(fs::file_size(scratch / "mtf-demo" / name), 0U) << name;
+  const mtf::io::ImageFile scene = mtf::io::read_image((scratch / "mtf-demo/scene.exr").string());
+  EXPECT_EQ(scene.info.attributes.at("mtf:quantity"), "radiance");
+  EXPECT_EQ(scene.planes.front().width(), 1024);
+}
+
+TEST(Demo, SimulateRepeatsItsImage) {
+  const Scratch scratch;
+  ASSERT_EQ(scratch.run("mtf demo -o d").status, 0);
+  ASSERT_EQ(scratch.run("mtf simulate d/sensor.toml d/scene.exr -o again.exr").status, 0);
+  const auto first = mtf::io::read_image((scratch / "d/sensor.exr").string());
+  const auto second = mtf::io::read_image((scratch / "again.exr").string());
+  ASSERT_EQ(first.planes.front().size(), second.planes.front().size());
+  for (std::int64_t i = 0; i < first.planes.front().size(); ++i)
+    ASSERT_EQ(first.planes.front().data()[i], second.planes.front().data()[i]) << i;
+}
+
+TEST(Demo, KeepsWhatIsThere) {
+  const Scratch scratch;
+  fs::create_directory(scratch / "d");
+  write_file(scratch / "d/mine", "precious");
+  const Result refused = scratch.run("mtf demo -o d");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("--force"), std::string::npos) << refused.err;
+  EXPECT_EQ(scratch.run("mtf demo -o d --force").status, 0);
+  EXPECT_EQ(read_file(scratch / "d/mine"), "precious");
+  EXPECT_EQ(scratch.run("mtf demo -o no/such/folder").status, 1);
+}
+
+TEST(Demo, AToleranceBelowFloatIsRefusedWithTheOneToUse) {
+  const Scratch scratch;
+  const Result refused = scratch.run("mtf demo -o d --tolerance 1e-12");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("float32"), std::string::npos) << refused.err;
+}
+
+}  // namespace
+}  // namespace apps_test

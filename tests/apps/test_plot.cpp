@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Figures of `mtf curve --plot`: files that are what their name says, data beside them, labels taken literally.
+
+#include <gtest/gtest.h>
+
+#include "tests/apps/command.h"
+
+namespace {
+
+using apps_test::Result;
+using apps_test::Scratch;
+
+bool have_gnuplot(const Scratch& scratch) { return scratch.run("command -v gnuplot").status == 0; }
+
+TEST(Plot, EveryFormatWithItsData) {
+  const Scratch scratch;
+  if (!have_gnuplot(scratch)) GTEST_SKIP() << "no gnuplot";
+  scratch.add_sensor();
+  struct Case {
+    const char *name, *start;
+  };
+  for (const Case& c : {Case{"f.svg", "<?xml"}, {"f.PDF", "%PDF"}, {"f.png", "\x89PNG"}}) {
+    const Result result =
+        scratch.run(std::string("rm -f f.csv; mtf curve sensor.toml --freq 0:60:31 --plot ") + c.name);
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.out, "") << "the table is still shown";
+    EXPECT_TRUE(apps_test::read_file(scratch / c.name).starts_with(c.start)) << c.name;
+    const std::string data = apps_test::read_file(scratch / "f.csv");
+    EXPECT_TRUE(data.starts_with("spatial frequency [cy/mm],diffraction,footprint,jitter,system\n0,1,1,1,1\n")) << data;
+    EXPECT_EQ(apps_test::lines(data), 32U);
+  }
+  EXPECT_EQ(scratch.run("ls").out, "f.PDF\nf.csv\nf.png\nf.svg\nsensor.toml\n");
+  const std::string svg = apps_test::read_file(scratch / "f.svg");
+  for (const char* text : {"Nyquist 33.33", "spatial frequency [cy/mm]", "MTF = |OTF|", "MWIR staring 640x512"})
+    EXPECT_NE(svg.find(text), std::string::npos) << text;
+}
+
+TEST(Plot, LabelsAreTakenLiterally) {
+  const Scratch scratch;
+  if (!have_gnuplot(scratch)) GTEST_SKIP() << "no gnuplot";
+  scratch.add_sensor();
+  std::string text = apps_test::read_file(scratch / "sensor.toml");
+  text.insert(text.find("kind = \"jitter\""), "label = '''a_b^{c}'\"`touch pwned`\\n$x <&> %d'''\n");
+  apps_test::write_file(scratch / "odd.toml", text);
+  const Result result = scratch.run("mtf curve odd.toml --plot odd.svg");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const std::string svg = apps_test::read_file(scratch / "odd.svg");
+  EXPECT_NE(svg.find("a_b^{c}'\"`touch pwned`\\n$x &lt;&amp;"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(scratch / "pwned"));
+}
+
+TEST(Plot, Characters) {
+  const Scratch scratch;
+  if (!have_gnuplot(scratch)) GTEST_SKIP() << "no gnuplot";
+  scratch.add_sensor();
+  const Result result = scratch.run("mtf curve sensor.toml --plot ascii -o values.csv --format csv");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("Nyquist 33.33"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("= 0.3875\n"), std::string::npos) << result.out;
+  for (std::size_t at = 0; at < result.out.size(); at = result.out.find('\n', at) + 1)
+    EXPECT_LE(result.out.find('\n', at) - at, 100U);
+  EXPECT_EQ(apps_test::lines(apps_test::read_file(scratch / "values.csv")), 62U);
+}
+
+TEST(Plot, WithoutGnuplotTheDataAreWritten) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const std::string only_mtf = "m=$(command -v mtf); PATH=/nonexistent $m curve sensor.toml --plot ";
+  const Result result = scratch.run(only_mtf + "f.svg");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.err.find("gnuplot is not installed"), std::string::npos) << result.err;
+  EXPECT_EQ(scratch.run("ls").out, "f.csv\nsensor.toml\n");
+  const Result characters = scratch.run(only_mtf + "ascii");
+  EXPECT_EQ(characters.status, 0);
+  EXPECT_NE(characters.out.find("diffraction"), std::string::npos);
+}
+
+}  // namespace

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "mtf/io/image_io.h"
+#include "tests/apps/command.h"
+
+namespace apps_test {
+namespace {
+
+using mtf::Image;
+using mtf::io::NamedPlane;
+
+#ifdef __SANITIZE_ADDRESS__
+const std::string kLimitMemory;  // its shadow memory needs more than any limit
+#else
+const std::string kLimitMemory = "ulimit -v 2000000; ";
+#endif
+
+Image pattern(std::int64_t width, std::int64_t height, double level, double contrast) {
+  Image image(width, height);
+  for (std::int64_t y = 0; y < height; ++y)
+    for (std::int64_t x = 0; x < width; ++x)
+      image.at(x, y) = static_cast<float>(level + contrast * std::sin(0.3 * static_cast<double>(x * x % 97)) *
+                                                      std::cos(0.21 * static_cast<double>(y)));
+  return image;
+}
+
+void write_scene(const fs::path& path, const std::vector<std::string>& names = {"Y"}, std::int64_t size = 64) {
+  const Image plane = pattern(size, size, 5.0, 1.0);
+  std::vector<NamedPlane> planes;
+  for (const std::string& name : names) planes.push_back({name, plane.view()});
+  mtf::io::write_exr(path.string(), planes, {});
+}
+
+class Simulate : public testing::Test {
+ protected:
+  void SetUp() override {
+    scratch.add_sensor();
+    write_scene(scratch / "scene.exr");
+  }
+  // The sensor file with lines of [scene] added.
+  void add_to_scene(const std::string& lines) const {
+    std::string text = read_file(scratch / "sensor.toml");
+    text.insert(text.find("[scene]") + 8, lines);
+    write_file(scratch / "sensor.toml", text);
+  }
+  void expect_refused(const std::string& command, int status, const std::string& word) const {
+    const Result r = scratch.run(command);
+    EXPECT_EQ(r.status, status) << command << "\n" << r.err;
+    EXPECT_NE(r.err.find(word), std::string::npos) << command << "\n" << r.err;
+    EXPECT_EQ(lines(r.err), 1U) << r.err;
+    for (const auto& entry : fs::directory_iterator(scratch / ""))
+      EXPECT_EQ(entry.path().filename().string().find("out"), std::string::npos) << entry.path();
+  }
+  const Scratch scratch;
+};
+
+TEST_F(Simulate, WritesImageAndReport) {
+  const Result r = scratch.run("mtf simulate sensor.toml scene.exr -o out.exr --report run.json --explain");
+  ASSERT_EQ(r.status, 0) << r.err;
+  const auto image = mtf::io::read_image((scratch / "out.exr").string());
+  EXPECT_EQ(image.planes.front().width(), 16);
+  EXPECT_EQ(image.names, std::vector<std::string>{"Y"});
+  EXPECT_EQ(image.info.attributes.at("mtf:units"), "W.m^-2.sr^-1");
+  const auto json = nlohmann::json::parse(read_file(scratch / "run.json"));
+  EXPECT_EQ(json["plan"]["method"], "spectral");
+  EXPECT_EQ(json["plan"]["size"].size(), 2U);
+  EXPECT_LE(json["plan"]["predicted_error"].get<double>(), 1e-4);
+  EXPECT_EQ(json["config_sha256"].get<std::string>().size(), 64U);
+  EXPECT_GT(json["peak_rss_mib"].get<double>(), 1.0);
+  EXPECT_TRUE(json["timing_ms"].contains("run"));
+  EXPECT_NE(r.out.find("merged"), std::string::npos);
+}
+
+TEST_F(Simulate, ChannelsAndLayers) {
+  write_scene(scratch / "rgb.exr", {"R", "G", "B"});
+  ASSERT_EQ(scratch.run("mtf simulate sensor.toml rgb.exr -o rgb_out.exr").status, 0);
+  EXPECT_EQ(mtf::io::read_image((scratch / "rgb_out.exr").string()).planes.size(), 3U);
+  write_scene(scratch / "layers.exr", {"view.mid.X", "view.long.X"});
+  const Result refused = scratch.run("mtf simulate sensor.toml layers.exr -o x.exr");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("view.mid"), std::string::npos) << refused.err;
+  const Result chosen = scratch.run("mtf simulate sensor.toml layers.exr -o y.exr --layer view.mid");
+  ASSERT_EQ(chosen.status, 0) << chosen.err;
+  EXPECT_EQ(mtf::io::read_image((scratch / "y.exr").string()).names, std::vector<std::string>{"Y"});
+  ASSERT_EQ(scratch.run("mtf simulate sensor.toml layers.exr -o z.exr --channel view.long.X").status, 0);
+}
+
+TEST_F(Simulate, IntegerScenesNeedTheirScale) {
+  const Image plane = pattern(64, 48, 20000.0, 5000.0);
+  mtf::io::write_integer((scratch / "counts.png").string(), {{"Y", plane.view()}}, {1.0, 0.0}, {});
+  expect_refused("mtf simulate sensor.toml counts.png -o out.exr", 2, "gain");
+  add_to_scene("gain = 0.001\noffset = 1.5\n");
+  const Result r = scratch.run("mtf simulate sensor.toml counts.png -o out.exr");
+  ASSERT_EQ(r.status, 0) << r.err;
+  const auto image = mtf::io::read_image((scratch / "out.exr").string());
+  double mean = 0.0;
+  for (std::int64_t i = 0; i < image.planes[0].size(); ++i) mean += image.planes[0].data()[i];
+  mean /= static_cast<double>(image.planes[0].size());
+  EXPECT_NEAR(mean, 21.5, 0.5);
+}
+
+TEST_F(Simulate, SixteenBitOutputSaysItsScale) {
+  for (const char* name : {"out16.png", "out16.tif"}) {
+    const Result r = scratch.run("mtf simulate sensor.toml scene.exr -o " + std::string(name) + " --report run.json");
+    ASSERT_EQ(r.status, 0) << r.err;
+    const auto json = nlohmann::json::parse(read_file(scratch / "run.json"));
+    const double gain = json["integer_output"]["gain"], offset = json["integer_output"]["offset"];
+    ASSERT_EQ(scratch.run("mtf simulate sensor.toml scene.exr -o float.exr").status, 0);
+    const auto file = mtf::io::read_image((scratch / name).string());
+    const auto exact = mtf::io::read_image((scratch / "float.exr").string());
+    EXPECT_EQ(std::stod(file.info.attributes.at("gain")), gain);
+    for (std::int64_t i = 0; i < exact.planes[0].size(); ++i)
+      ASSERT_NEAR(gain * file.planes[0].data()[i] + offset, exact.planes[0].data()[i], 0.51 * gain);
+  }
+  const Result clamped =
+      scratch.run("mtf simulate sensor.toml scene.exr -o out16.png --range 4.9:5.1 --report run.json");
+  ASSERT_EQ(clamped.status, 0) << clamped.err;
+  EXPECT_GT(nlohmann::json::parse(read_file(scratch / "run.json"))["integer_output"]["clamped"].get<int>(), 0);
+}
+
+TEST_F(Simulate, BadPixels) {
+  Image plane = pattern(64, 64, 5.0, 1.0);
+  plane.at(3, 7) = std::numeric_limits<float>::quiet_NaN();
+  plane.at(40, 50) = std::numeric_limits<float>::infinity();
+  mtf::io::write_exr((scratch / "bad.exr").string(), {{"Y", plane.view()}}, {});
+  expect_refused("mtf simulate sensor.toml bad.exr -o out.exr", 1,
+                 "2 pixels are NaN or infinite, the first at column 3, row 7");
+  ASSERT_EQ(scratch.run("mtf simulate sensor.toml bad.exr -o filled.exr --nan fill").status, 0);
+  ASSERT_EQ(scratch.run("mtf simulate sensor.toml bad.exr -o spoilt.exr --nan propagate --tolerance 1e-3").status, 0);
+  const auto filled = mtf::io::read_image((scratch / "filled.exr").string());
+  const auto spoilt = mtf::io::read_image((scratch / "spoilt.exr").string());
+  int bad = 0;
+  for (std::int64_t i = 0; i < filled.planes[0].size(); ++i) {
+    EXPECT_TRUE(std::isfinite(filled.planes[0].data()[i]));
+    bad += std::isnan(spoilt.planes[0].data()[i]) ? 1 : 0;
+  }
+  EXPECT_TRUE(std::isnan(spoilt.planes[0].at(0, 1)));    // holds sample (3, 7)
+  EXPECT_TRUE(std::isnan(spoilt.planes[0].at(10, 12)));  // holds sample (40, 50)
+  EXPECT_FALSE(std::isnan(spoilt.planes[0].at(15, 0)));
+  EXPECT_GT(bad, 4);
+  EXPECT_LT(bad, 200);
+}
+
+TEST_F(Simulate, WarnsBelowTwoSamplesPerPitchAndGoesOn) {
+  std::string text = read_file(scratch / "sensor.toml");
+  text.replace(text.find("sample = \"3.75 um\""), 18, "sample = \"12.0 um\"");
+  write_file(scratch / "sensor.toml", text);
+  const Result r = scratch.run("mtf simulate sensor.toml scene.exr -o out.exr");
+  EXPECT_EQ(r.status, 0);
+  EXPECT_NE(r.err.find("samples per pitch"), std::string::npos) << r.err;
+}
+
+TEST_F(Simulate, RefusesBeforeAnythingIsWritten) {
+  expect_refused("mtf simulate sensor.toml scene.exr -o no/such/folder/out.exr", 1, "no/such/folder");
+  expect_refused("mtf simulate sensor.toml scene.exr -o scene.exr", 2, "scene.exr");
+  expect_refused("mtf simulate sensor.toml scene.exr -o ./scene.exr", 2, "scene.exr");
+  expect_refused("mtf simulate sensor.toml scene.exr -o out.jpg", 2, ".jpg");
+  expect_refused("mtf simulate sensor.toml missing.exr -o out.exr", 1, "missing.exr");
+  expect_refused("mtf simulate sensor.toml scene.exr -o out.exr --tolerance 1e-20", 2, "float32");
+  expect_refused("mtf simulate sensor.toml scene.exr -o out.exr --tolerance 0", 2, "tolerance");
+  expect_refused("mtf simulate sensor.toml scene.exr -o out.exr --tolerance -1", 2, "tolerance");
+  expect_refused("mtf simulate sensor.toml scene.exr -o out.exr --tolerance nan", 2, "tolerance");
+  expect_refused("mtf simulate sensor.toml sensor.toml -o out.exr", 1, "sensor.toml");
+  write_file(scratch / "empty.exr", "");
+  expect_refused("mtf simulate sensor.toml empty.exr -o out.exr", 1, "empty.exr");
+  write_scene(scratch / "tiny.exr", {"Y"}, 3);
+  expect_refused("mtf simulate sensor.toml tiny.exr -o out.exr", 2, "smaller than one detector pixel");
+}
+
+TEST_F(Simulate, FullDiskLeavesNothing) {
+  write_scene(scratch / "big.exr", {"Y"}, 1024);
+  // A limit on the size of files stands in for a full disk.
+  const Result r = scratch.run("ulimit -f 8; mtf simulate sensor.toml big.exr -o out.exr");
+  EXPECT_EQ(r.status, 1) << r.err;
+  EXPECT_NE(r.err.find("out.exr"), std::string::npos) << r.err;
+  for (const auto& entry : fs::directory_iterator(scratch / ""))
+    EXPECT_EQ(entry.path().filename().string().find("out"), std::string::npos) << entry.path();
+}
+
+TEST_F(Simulate, SameBitsForAnyThreads) {
+  write_scene(scratch / "big.exr", {"Y"}, 512);
+  ASSERT_EQ(scratch.run("mtf simulate sensor.toml big.exr -o one.exr --threads 1").status, 0);
+  ASSERT_EQ(scratch.run("mtf simulate sensor.toml big.exr -o two.exr --threads 2").status, 0);
+  const auto one = mtf::io::read_image((scratch / "one.exr").string());
+  const auto two = mtf::io::read_image((scratch / "two.exr").string());
+  for (std::int64_t i = 0; i < one.planes[0].size(); ++i) ASSERT_EQ(one.planes[0].data()[i], two.planes[0].data()[i]);
+}
+
+TEST_F(Simulate, WisdomIsKept) {
+  const std::string command = "mtf simulate sensor.toml scene.exr -o out.exr --rigor measure --wisdom fft.wisdom";
+  ASSERT_EQ(scratch.run(command).status, 0);
+  EXPECT_GT(fs::file_size(scratch / "fft.wisdom"), 0U);
+  const Result again = scratch.run(command);
+  EXPECT_EQ(again.status, 0);
+  EXPECT_EQ(again.err.find("no FFT wisdom"), std::string::npos) << again.err;
+}
+
+class RealImages : public testing::Test {
+ protected:
+  static fs::path shared() {
+    const char* set = std::getenv("MTFKIT_SHARED");
+    return set != nullptr ? fs::path(set) : fs::path(MTFKIT_SOURCE_DIR) / ".." / "shared";
+  }
+};
+
+TEST_F(RealImages, ThermalCountsThroughAMicrobolometer) {
+  const fs::path folder = shared() / "data/thermal";
+  if (!fs::is_directory(folder)) GTEST_SKIP() << "no shared data";
+  const Scratch scratch;
+  int done = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() != ".png") continue;
+    const Result r = scratch.run("mtf simulate '" MTFKIT_SOURCE_DIR "/notebooks-data/lwir_microbolometer.toml' '" +
+                                 entry.path().string() + "' -o out.exr");
+    ASSERT_EQ(r.status, 0) << entry.path() << r.err;
+    const auto in = mtf::io::read_image(entry.path().string());
+    const auto out = mtf::io::read_image((scratch / "out.exr").string());
+    EXPECT_EQ(out.info.attributes.at("mtf:units"), "counts");
+    EXPECT_EQ(out.planes[0].width(), in.planes[0].width() / 2);
+    double mean_in = 0.0, mean_out = 0.0;
+    for (std::int64_t i = 0; i < in.planes[0].size(); ++i) mean_in += in.planes[0].data()[i];
+    for (std::int64_t i = 0; i < out.planes[0].size(); ++i) mean_out += out.planes[0].data()[i];
+    mean_in /= static_cast<double>(in.planes[0].size());
+    mean_out /= static_cast<double>(out.planes[0].size());
+    // Even sizes and a reflect border: sampling keeps the sum exactly, whatever the OTF.
+    EXPECT_NEAR(mean_out / mean_in, 1.0, 1e-6) << entry.path();
+    ++done;
+  }
+  EXPECT_EQ(done, 8);
+}
+
+TEST_F(RealImages, SampleExrFiles) {
+  const fs::path folder = shared() / "data/exr_samples";
+  if (!fs::is_directory(folder)) GTEST_SKIP() << "no shared data";
+  const Scratch scratch;
+  scratch.add_sensor();
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() != ".exr") continue;
+    const std::string name = entry.path().filename().string();
+    const Result r = scratch.run("mtf simulate sensor.toml '" + entry.path().string() + "' -o out.exr --nan fill");
+    EXPECT_EQ(r.status, name == "Trunks.exr" ? 2 : 0) << name << r.err;  // deep data: refused with the remedy
+  }
+}
+
+TEST_F(RealImages, DamagedExrFilesAreRefused) {
+  const fs::path folder = shared() / "data/exr_damaged";
+  if (!fs::is_directory(folder)) GTEST_SKIP() << "no shared data";
+  const Scratch scratch;
+  scratch.add_sensor();
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name == "COPYING" || name == "README.rst") continue;
+    const Result r = scratch.run(kLimitMemory + "mtf simulate sensor.toml '" + entry.path().string() + "' -o out.exr");
+    EXPECT_TRUE(r.status == 1 || r.status == 2) << name << " " << r.status << r.err;
+    EXPECT_EQ(lines(r.err), 1U) << r.err;
+    EXPECT_FALSE(fs::exists(scratch / "out.exr"));
+  }
+}
+
+}  // namespace
+}  // namespace apps_test

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/mtf/conformance.h"
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+
+namespace mtf::test {
+namespace {
+
+enum class Draw { example, near_example, whole_box, lower_bound, upper_bound };
+
+std::string unquoted(std::string_view text) {
+  if (text.size() >= 2 && text.front() == '"') text = text.substr(1, text.size() - 2);
+  return std::string(text);
+}
+
+double number(std::string_view text) {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
+// "[[0, 1], [2, 3]]"
+Taps<double> rows_of(std::string_view text) {
+  Taps<double> taps;
+  for (std::size_t i = 1; i < text.size(); ++i) {
+    if (text[i] == '[') taps.emplace_back();
+    if (text[i - 1] == '[' || text[i - 1] == ' ')
+      if (text[i] != '[' && text[i] != ' ') taps.back().push_back(number(text.substr(i)));
+  }
+  return taps;
+}
+
+double draw_number(const FieldInfo& info, double example, Draw draw, Random& random) {
+  const double lo = info.lo_open ? std::nextafter(info.lo, info.hi) : info.lo;
+  const double hi = info.hi_open ? std::nextafter(info.hi, info.lo) : info.hi;
+  switch (draw) {
+    case Draw::example:
+      return example;
+    case Draw::near_example:
+      return std::clamp(example * random.uniform(0.35, 2.9), info.lo + 0.02 * std::min(1.0, example),
+                        info.hi - 0.1 * std::min(1.0, example));
+    case Draw::lower_bound:
+      return lo;
+    case Draw::upper_bound:
+      return hi;
+    case Draw::whole_box:
+      break;
+  }
+  const int way = random.below(6);
+  if (way == 0) return lo;
+  if (way == 1) return hi;
+  if (way < 4) return std::clamp(random.uniform(lo, hi), lo, hi);
+  return std::clamp(lo + (hi - lo) * random.decades(1e-15, 1.0), lo, hi);
+}
+
+Quantity draw_quantity(const FieldInfo& info, Draw draw, Random& random, std::vector<const char*> units) {
+  Quantity q = parse_quantity(unquoted(info.example), info.dimension);
+  q.value = draw_number(info, q.value, draw, random);
+  if (draw == Draw::whole_box) q.unit = find_unit(units[static_cast<std::size_t>(random.below(3))]);
+  return q;
+}
+
+std::shared_ptr<const Curve> draw_curve(Draw draw, Random& random) {
+  const int which = draw == Draw::example ? 0 : random.below(4);
+  const auto make = [](const char* unit, std::vector<double> f, std::vector<double> v) {
+    return std::make_shared<const Curve>(make_curve("lens.csv", *find_unit(unit), std::move(f), std::move(v)));
+  };
+  if (which == 0) return make("cy/mm", {0, 20, 40, 60}, {1, 0.7, 0.35, 0});
+  if (which == 1) return make("cy/mrad", {1, 2, 4, 6}, {0.9, 0.3, -0.1, 0.02});
+  if (which == 2) return make("cy/px", {0, 0.1, 0.5}, {1, 1.02, 0.4});
+  return make("cy/mm", {1e-3, 70.0}, {1, 0.5});
+}
+
+// Fills one field. A double that stands for a quantity is held in the unit of the field table.
+void assign(const FieldRef<double>& field, Draw draw, Random& random) {
+  const FieldInfo& info = *field.info;
+  const auto plain = [&] {
+    const double example = info.dimension == Dimension::none
+                               ? number(info.example)
+                               : convert(parse_quantity(unquoted(info.example), info.dimension), info.unit);
+    return draw_number(info, example, draw, random);
+  };
+  std::visit(
+      [&](auto* value) {
+        using T = std::remove_pointer_t<decltype(value)>;
+        if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::optional<double>>) {
+          *value = plain();
+        } else if constexpr (std::is_same_v<T, int>) {
+          *value = draw == Draw::whole_box ? static_cast<int>(random.uniform(info.lo, info.hi + 1.0))
+                                           : static_cast<int>(std::lround(plain()));
+        } else if constexpr (std::is_same_v<T, AxisPair<double>>) {
+          const auto side = [&] {
+            const Quantity q = draw_quantity(info, draw, random, {"um", "urad", "px"});
+            return Extent<double>{q.value, q.unit};
+          };
+          const bool split = draw != Draw::example && random.below(2) == 1;
+          *value = {side(), split ? side() : Extent<double>{}, split};
+        } else if constexpr (std::is_same_v<T, SpatialFrequency<double>>) {
+          const Quantity q = draw_quantity(info, draw, random, {"cy/mm", "cy/mrad", "cy/px"});
+          *value = {q.value, q.unit};
+        } else if constexpr (std::is_same_v<T, Choice>) {
+          const auto example = std::find(value->names.begin(), value->names.end(), unquoted(info.example));
+          value->index = draw == Draw::example ? static_cast<int>(example - value->names.begin())
+                                               : random.below(static_cast<int>(value->names.size()));
+        } else if constexpr (std::is_same_v<T, Taps<double>>) {
+          *value = rows_of(info.example);
+          if (draw == Draw::whole_box)
+            value->assign(static_cast<std::size_t>(1 + 2 * random.below(3)),
+                          std::vector<double>(static_cast<std::size_t>(1 + 2 * random.below(3))));
+          for (auto& row : *value)
+            for (double& tap : row)
+              tap = draw == Draw::near_example ? tap * random.uniform(0.35, 2.9) : draw_number(info, tap, draw, random);
+        } else {
+          *value = draw_curve(draw, random);
+        }
+      },
+      field.value);
+}
+
+System<double> empty_system(Draw draw, Random& random) {
+  System<double> s;
+  s.frame = {100.0, 15.0, 15.0, 0.01, 0, 0};
+  if (draw == Draw::near_example) s.frame = {37.5, 12.0, 17.0, 0.02, 0, 0};
+  if (draw == Draw::whole_box && random.below(2) == 1)
+    s.frame = {random.decades(1e-6, 1e7), random.decades(1e-6, 1e6), random.decades(1e-6, 1e6), 0.01, 0, 0};
+  s.optics.f_number = 2.5;
+  s.optics.obscuration = draw == Draw::example ? 0.0 : 0.25;
+  s.optics.wavelength_um = 4.5;
+  return s;
+}
+
+bool has_error(const System<double>& system) {
+  const auto findings = system.check();
+  return std::any_of(findings.begin(), findings.end(), [](const auto& f) { return f.problem.error; });
+}
+
+std::vector<Case> make_cases() {
+  std::vector<Case> cases;
+  Random random(20260201);
+  for (const std::string_view kind : component_kinds()) {
+    const Component<double> blank = Component<double>::make(kind);
+    const std::size_t fields = blank.fields().size();
+    for (std::uint64_t chosen = 0; chosen < (std::uint64_t{1} << fields); ++chosen) {
+      const auto in_use = [&](std::size_t i) { return (chosen >> i & 1) != 0; };
+      for (int repeat = 0; repeat < 11; ++repeat) {
+        const Draw draw = repeat == 0   ? Draw::example
+                          : repeat < 4  ? Draw::near_example
+                          : repeat < 9  ? Draw::whole_box
+                          : repeat == 9 ? Draw::lower_bound
+                                        : Draw::upper_bound;
+        Component<double> component = blank;
+        const auto refs = component.fields();
+        Case c{std::string(kind), empty_system(draw, random), Stage::presample, {}, repeat < 4};
+        bool subset = true;
+        for (std::size_t i = 0; i < fields; ++i) {
+          const bool required = refs[i].info->presence == Presence::required;
+          subset = subset && (!required || in_use(i));
+          if (!in_use(i)) continue;
+          assign(refs[i], draw, random);
+          c.name += " " + std::string(refs[i].info->name);
+          if (!required) c.given.emplace_back(refs[i].info->name);
+        }
+        if (!subset) break;
+        while (!component.stages().allows(c.stage)) c.stage = static_cast<Stage>(static_cast<int>(c.stage) + 1);
+        c.system.add(c.stage, component);
+        c.name += " #" + std::to_string(repeat);
+        if (!has_error(c.system))
+          cases.push_back(std::move(c));
+        else if (repeat == 0)
+          break;  // these fields exclude each other
+      }
+    }
+  }
+  return cases;
+}
+
+}  // namespace
+
+std::uint64_t Random::bits() {  // SplitMix64 (Steele, Lea, Flood 2014)
+  std::uint64_t z = (state_ += 0x9E3779B97F4A7C15u);
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+  return z ^ (z >> 31);
+}
+
+const std::vector<Case>& conformance_cases() {
+  static const std::vector<Case> cases = make_cases();
+  return cases;
+}
+
+}  // namespace mtf::test

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "mtf/special.h"
+#include "tests/mtf/conformance.h"
+#include "tests/mtf/reference_table.h"
+
+namespace mtf::test {
+namespace {
+
+constexpr double kUlp = std::numeric_limits<double>::epsilon();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+TEST(Special, sinc_against_the_table) {
+  int rows = 0;
+  for (const Row& row : reference_table("sinc_extremes.csv")) {
+    const double x = number(row, "x_hex");
+    const long double exact = precise(row, "sinc_pi_x");
+    EXPECT_LE(std::abs(sinc(x).value - exact), 4.0L * kUlp * std::abs(exact)) << row.at("x");
+    EXPECT_EQ(sinc(-x).value, sinc(x).value);
+    EXPECT_EQ(sinc(-x).slope, -sinc(x).slope);
+    ++rows;
+  }
+  EXPECT_EQ(rows, 60);
+}
+
+TEST(Special, gaussian_against_the_table) {
+  int rows = 0;
+  for (const Row& row : reference_table("gaussian_extremes.csv")) {
+    const double x = number(row, "sigma_f_hex");
+    const long double exact = precise(row, "mtf");
+    const double smallest = std::numeric_limits<double>::denorm_min();
+    EXPECT_LE(std::abs(gaussian(x).value - exact), 4.0L * kUlp * exact + smallest) << row.at("sigma_f");
+    if (row.at("double_underflow") == "zero") {
+      EXPECT_LE(gaussian(x).value, smallest);
+    }
+    ++rows;
+  }
+  EXPECT_EQ(rows, 37);
+}
+
+TEST(Special, slopes_equal_differences_across_the_switch_to_the_series) {
+  for (const double x : {0.0, 1e-8, 1e-3, 0.0499, 0.04999999, 0.05, 0.0500001, 0.3, 0.999999, 1.0, 1.7, 2.0, 12.3}) {
+    const double h = 1e-5;
+    EXPECT_NEAR(sinc(x).slope, (sinc(x + h).value - sinc(x - h).value) / (2.0 * h), 1e-9) << x;
+    EXPECT_NEAR(gaussian(x).slope, (gaussian(x + h).value - gaussian(x - h).value) / (2.0 * h), 1e-7) << x;
+  }
+  // Both sides of the switch belong to one curve.
+  const double left = std::nextafter(0.05, 0.0);
+  EXPECT_NEAR(sinc(left).value, sinc(0.05).value, 2.0 * kUlp);
+  EXPECT_NEAR(sinc(left).slope, sinc(0.05).slope, 1e-14);
+}
+
+TEST(Special, limits) {
+  for (const double x : {kInf, -kInf}) {
+    EXPECT_EQ(sinc(x).value, 0.0);
+    EXPECT_EQ(gaussian(x).value, 0.0);
+    EXPECT_EQ(gaussian(x).slope, 0.0);
+  }
+  EXPECT_EQ(sinc(0.0).slope, 0.0);
+  EXPECT_EQ(gaussian(0.0).value, 1.0);
+}
+
+TEST(Special, sin_pi_and_cos_pi_are_exact_at_quarter_turns) {
+  for (const double n : {0.0, 1.0, 2.0, 3.0, 7.0, 1e6, 1e15, 4503599627370497.0}) {
+    const double sign = std::fmod(n, 2.0) == 0.0 ? 1.0 : -1.0;
+    EXPECT_EQ(sin_pi(n), 0.0) << n;
+    EXPECT_EQ(cos_pi(n), sign) << n;
+    if (n > 2e15) continue;
+    EXPECT_EQ(sin_pi(n + 0.5), sign) << n;
+    EXPECT_EQ(cos_pi(n + 0.5), 0.0) << n;
+  }
+  Random random(1);
+  for (int i = 0; i < 1000; ++i) {
+    const double x = random.uniform(-4.0, 4.0);
+    EXPECT_NEAR(sin_pi(x), std::sin(kPi * x), 3e-15);
+    EXPECT_NEAR(cos_pi(x), std::cos(kPi * x), 3e-15);
+    EXPECT_NEAR(sin_pi(x) * sin_pi(x) + cos_pi(x) * cos_pi(x), 1.0, 3e-16);
+  }
+}
+
+TEST(Special, radius_and_phase) {
+  EXPECT_EQ(radius(3.0, -4.0), 5.0);
+  EXPECT_EQ(radius(0.0, 0.0), 0.0);
+  EXPECT_EQ(radius(3e300, 4e300), 5e300);
+  // exp(-i pi x): a quarter turn clockwise at 1/2.
+  EXPECT_EQ(phase_of(0.5).re, 0.0);
+  EXPECT_EQ(phase_of(0.5).im, -1.0);
+  EXPECT_EQ(phase_of(1e15 + 1.0).re, -1.0);
+}
+
+}  // namespace
+}  // namespace mtf::test
