@@ -27,7 +27,7 @@ std::vector<double> kernel_tails(const OtfSampler& sampler, const CanvasRequest&
   std::vector<Complex<float>> row(x ? f.size() : kSections);
   std::vector<std::vector<Complex<double>>> spectra(kSections, std::vector<Complex<double>>(f.size()));
   for (std::size_t j = 0; j < (x ? kSections : f.size()); ++j) {
-    grid.complex_row(j, 0, row);
+    grid.complex_row(j, row);
     for (std::size_t i = 0; i < row.size(); ++i) {
       const Complex<double> h{row[i].re, row[i].im};
       (x ? spectra[j][i] : spectra[i][j]) = h;

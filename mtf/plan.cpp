@@ -49,10 +49,8 @@ AxisJob make_axis(const OtfSampler& sampler, CanvasRequest request, Basis basis,
 }
 
 // Leaves out the frequencies from the far end that no component lets through.
-void cut_frequencies(const OtfSampler& sampler, double allowed, AxisJob& x, AxisJob& y) {
-  const OtfSampler::Grid half(sampler, x.frequency.half_frequencies(), y.frequency.half_frequencies());
-  while (x.keep > 1 && half.column_bound(static_cast<std::size_t>(x.keep - 1)) <= allowed) --x.keep;
-  while (y.keep > 1 && half.row_bound(static_cast<std::size_t>(y.keep - 1)) <= allowed) --y.keep;
+void cut_frequencies(const OtfSampler& sampler, Axis axis, double allowed, AxisJob& job) {
+  while (job.keep > 1 && sampler.axis_bound(axis, job.frequency.cy_mm(job.keep - 1)) <= allowed) --job.keep;
 }
 
 bool same_job(const AxisJob& a, const AxisJob& b) {
@@ -167,7 +165,8 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   if (8.0 * samples > kLargestBytes)
     throw UsageError("the transforms would need " + format_double(8.0 * samples) +
                      " bytes; cut the scene or choose border = \"periodic\"");
-  cut_frequencies(sampler, allowed, x, y);
+  cut_frequencies(sampler, Axis::x, allowed, x);
+  cut_frequencies(sampler, Axis::y, allowed, y);
 
   const double spread = gathering * std::sqrt(aliases(x) * aliases(y));
   double dropped = 0.0;

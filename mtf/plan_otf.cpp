@@ -28,10 +28,10 @@ OtfBlocks make_otf(const OtfSampler& sampler, const SpectralEngine& engine, int 
     std::vector<Complex<float>> values(otf.complex ? fx.size() : 0);
     for (std::int64_t j = begin; j < end; ++j) {
       if (otf.complex) {
-        grid.complex_row(static_cast<std::size_t>(j), 0, values);
+        grid.complex_row(static_cast<std::size_t>(j), values);
         std::fill(values.begin() + keep, values.end(), Complex<float>{});
       } else {
-        grid.real_row(static_cast<std::size_t>(j), 0, real);
+        grid.real_row(static_cast<std::size_t>(j), real);
         std::fill(real.begin() + keep, real.end(), 0.0F);
       }
       for (std::int64_t b = 0; b < otf.blocks; ++b) {

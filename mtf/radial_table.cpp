@@ -76,8 +76,8 @@ RadialTable::RadialTable(const Function& f, double end, double target) : end_(en
     const std::vector<double> exact = sample(kLook, (first + 0.5 * step) * end, step * end);
     for (std::size_t j = 0; j < kLook; ++j) {
       const float r = static_cast<float>(first + (static_cast<double>(j) + 0.5) * step), x2 = r * r;
-      float value = 0.0F;
-      look_up({&x2, 1}, 0.0F, {&value, 1});
+      float value = 1.0F;
+      multiply({&x2, 1}, 0.0F, {&value, 1});
       error_ = std::max(error_, 1.2 * std::abs(static_cast<double>(value) - exact[j]) + 1.2e-7);
     }
   }
@@ -87,11 +87,11 @@ RadialTable::RadialTable(const Function& f, double end, double target) : end_(en
   for (std::size_t i = n; i-- > 0;) suffix_max_[i] = std::max(suffix_max_[i + 1], std::abs(v[i]));
 }
 
-void RadialTable::look_up(std::span<const float> x2, float y2, std::span<float> value) const {
+void RadialTable::multiply(std::span<const float> x2, float y2, std::span<float> value) const {
   // The last knot is repeated, so that a radius at or beyond the end reads inside the table.
   const auto intervals = static_cast<float>(knots_.size() - 2);
-  kernels::look_up(knots_.data(), intervals, intervals, x2.data(), y2, static_cast<std::int64_t>(value.size()),
-                   value.data());
+  kernels::multiply_by_table(knots_.data(), intervals, intervals, x2.data(), y2,
+                             static_cast<std::int64_t>(value.size()), value.data());
 }
 
 double RadialTable::bound_from(double r) const {

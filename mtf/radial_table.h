@@ -17,8 +17,8 @@ class RadialTable {
   using Function = std::function<void(std::span<const double> radius, std::span<double> value)>;
   RadialTable(const Function& f, double end, double target);
 
-  /// value[i] = table at end() x sqrt(x2[i] + y2): squares of frequencies in cy/mm could leave the range of float.
-  void look_up(std::span<const float> x2, float y2, std::span<float> value) const;
+  /// value[i] *= table at end x sqrt(x2[i] + y2): squares of frequencies relative to the table's end.
+  void multiply(std::span<const float> x2, float y2, std::span<float> value) const;
 
   double end() const { return end_; }
 

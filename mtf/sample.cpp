@@ -216,66 +216,11 @@ Complex<double> OtfSampler::at(const Freq<double>& f) const {
   return h;
 }
 
-OtfSampler::Grid::Grid(const OtfSampler& sampler, std::vector<double> fx, std::vector<double> fy)
-    : sampler_(&sampler), fx_(std::move(fx)), fy_(std::move(fy)) {
-  const Context<double> ctx = sampler.system_.context();
-  const auto vector = [&](const std::vector<double>& f, Axis axis) {
-    std::vector<Freq<double>> freq(f.size());
-    std::vector<Complex<double>> h(f.size());
-    for (std::size_t i = 0; i < f.size(); ++i) {
-      freq[i] = axis == Axis::x ? Freq<double>{f[i], 0.0} : Freq<double>{0.0, f[i]};
-      h[i] = {sampler.aperture_factor(axis, f[i]), 0.0};
-    }
-    for (const Entry<double>* entry : sampler.separable_) entry->component.multiply(freq, ctx, h);
-    std::vector<Complex<float>> narrow(f.size());
-    for (std::size_t i = 0; i < f.size(); ++i) narrow[i] = {static_cast<float>(h[i].re), static_cast<float>(h[i].im)};
-    return narrow;
-  };
-  x_ = vector(fx_, Axis::x);
-  y_ = vector(fy_, Axis::y);
-  const double end = sampler.table_ ? sampler.table_->end() : 1.0;
-  for (const double f : fx_) fx2_.push_back(static_cast<float>(f / end * (f / end)));
-  for (const double f : fy_) fy2_.push_back(static_cast<float>(f / end * (f / end)));
-}
-
-namespace {
-
-double modulus(const Complex<float>& c) { return std::hypot(c.re, c.im); }
-
-}  // namespace
-
-double OtfSampler::Grid::column_bound(std::size_t i) const {
-  const double radial = sampler_->table_ ? sampler_->table_->bound_from(std::abs(fx_[i])) : 1.0;
-  return modulus(x_[i]) * radial * sampler_->gain();
-}
-
-double OtfSampler::Grid::row_bound(std::size_t j) const {
-  const double radial = sampler_->table_ ? sampler_->table_->bound_from(std::abs(fy_[j])) : 1.0;
-  return modulus(y_[j]) * radial * sampler_->gain();
-}
-
-void OtfSampler::Grid::real_row(std::size_t j, std::size_t first, std::span<float> value) const {
-  if (sampler_->table_)
-    sampler_->table_->look_up(std::span(fx2_).subspan(first, value.size()), fy2_[j], value);
-  else
-    std::fill(value.begin(), value.end(), 1.0F);
-  for (std::size_t l = 0; l < value.size(); ++l) value[l] *= x_[first + l].re * y_[j].re;
-  if (!sampler_->has_general()) return;
-  for (std::size_t l = 0; l < value.size(); ++l)
-    value[l] *= static_cast<float>(sampler_->general({fx_[first + l], fy_[j]}).re);
-}
-
-void OtfSampler::Grid::complex_row(std::size_t j, std::size_t first, std::span<Complex<float>> value) const {
-  std::vector<float> radial(value.size(), 1.0F);
-  if (sampler_->table_) sampler_->table_->look_up(std::span(fx2_).subspan(first, value.size()), fy2_[j], radial);
-  for (std::size_t l = 0; l < value.size(); ++l) {
-    Complex<float> h = x_[first + l] * y_[j];
-    if (sampler_->has_general()) {
-      const Complex<double> g = sampler_->general({fx_[first + l], fy_[j]});
-      h = h * Complex<float>{static_cast<float>(g.re), static_cast<float>(g.im)};
-    }
-    value[l] = {h.re * radial[l], h.im * radial[l]};
-  }
+double OtfSampler::axis_bound(Axis axis, double f_cy_mm) const {
+  const Freq<double> f = axis == Axis::x ? Freq<double>{f_cy_mm, 0.0} : Freq<double>{0.0, f_cy_mm};
+  Complex<double> h{aperture_factor(axis, f_cy_mm), 0.0};
+  for (const Entry<double>* entry : separable_) h = h * entry->component.otf(f, system_.context());
+  return std::hypot(h.re, h.im) * (table_ ? table_->bound_from(std::abs(f_cy_mm)) : 1.0) * gain();
 }
 
 }  // namespace mtf

@@ -65,16 +65,16 @@ class OtfSampler {
   /// Exact value in double, nothing dropped.
   Complex<double> at(const Freq<double>& f) const;
 
+  /// Bound of |H| over all frequencies whose component along `axis` is f: for leaving out what no factor lets through.
+  double axis_bound(Axis axis, double f_cy_mm) const;
+
   /// The grid: row j holds H(fx[i], fy[j]) for i = 0 .. count-1. One sampler of fixed axes; const and re-entrant.
   class Grid {
    public:
     Grid(const OtfSampler& sampler, std::vector<double> fx, std::vector<double> fy);
-    /// Bound of |H| over the column fx[i] (for cutting columns), and over row fy[j].
-    double column_bound(std::size_t i) const;
-    double row_bound(std::size_t j) const;
-    /// value[l] = H(fx[first + l], fy[j]), real systems only.
-    void real_row(std::size_t j, std::size_t first, std::span<float> value) const;
-    void complex_row(std::size_t j, std::size_t first, std::span<Complex<float>> value) const;
+    /// value[i] = H(fx[i], fy[j]), real systems only. `value` may be shorter than fx.
+    void real_row(std::size_t j, std::span<float> value) const;
+    void complex_row(std::size_t j, std::span<Complex<float>> value) const;
 
    private:
     const OtfSampler* sampler_;

@@ -107,28 +107,37 @@ MTFKIT_CLONES void unfold_cosine(const float* coefficients, const float* twiddle
   }
 }
 
-MTFKIT_CLONES void cosine_from_half(const float* half, const float* twiddles, std::int64_t n, float* coefficients) {
+MTFKIT_CLONES void cosine_from_half(const float* __restrict half, const float* __restrict twiddles, std::int64_t n,
+                                    float* __restrict coefficients) {
   coefficients[0] = half[0];
-  for (std::int64_t k = 1; k <= n / 2; ++k) {
+  const int count = static_cast<int>(n / 2), last = static_cast<int>(n);
+  for (int k = 1; k <= count; ++k) {
     const float c = twiddles[2 * k], s = twiddles[2 * k + 1], re = half[2 * k], im = half[2 * k + 1];
     coefficients[k] = re * c - im * s;
-    coefficients[n - k] = -(re * s + im * c);
+    coefficients[last - k] = -(re * s + im * c);
   }
 }
 
-MTFKIT_CLONES void half_from_cosine(const float* coefficients, const float* twiddles, std::int64_t n, float* half) {
+MTFKIT_CLONES void half_from_cosine(const float* __restrict coefficients, const float* __restrict twiddles,
+                                    std::int64_t n, float* __restrict half) {
   half[0] = coefficients[0];
   half[1] = 0.0F;
-  for (std::int64_t k = 1; k <= n / 2; ++k) {
-    const float c = twiddles[2 * k], s = -twiddles[2 * k + 1], a = coefficients[k], b = coefficients[n - k];
+  const int count = static_cast<int>(n / 2), last = static_cast<int>(n);
+  for (int k = 1; k <= count; ++k) {
+    const float c = twiddles[2 * k], s = -twiddles[2 * k + 1], a = coefficients[k], b = coefficients[last - k];
     half[2 * k] = a * c + b * s;
     half[2 * k + 1] = a * s - b * c;
   }
 }
 
-MTFKIT_CLONES void center_ordered(const float* in, std::int64_t n, double mean, double scale, float* out) {
-  for (std::int64_t i = 0; i < (n + 1) / 2; ++i) out[i] = static_cast<float>((in[2 * i] - mean) * scale);
-  for (std::int64_t i = 0; i < n / 2; ++i) out[n - 1 - i] = static_cast<float>((in[2 * i + 1] - mean) * scale);
+MTFKIT_CLONES void center_ordered(const float* __restrict in, std::int64_t n, double mean, double scale,
+                                  float* __restrict out) {
+  const int pairs = static_cast<int>(n / 2), last = static_cast<int>(n - 1);
+  for (int i = 0; i < pairs; ++i) {
+    out[i] = static_cast<float>((in[2 * i] - mean) * scale);
+    out[last - i] = static_cast<float>((in[2 * i + 1] - mean) * scale);
+  }
+  if (n % 2 == 1) out[pairs] = static_cast<float>((in[last] - mean) * scale);
 }
 
 MTFKIT_CLONES void center(const float* in, std::int64_t n, double mean, double scale, float* out) {
@@ -139,10 +148,14 @@ MTFKIT_CLONES void restore(const float* in, std::int64_t n, double mean, double 
   for (std::int64_t i = 0; i < n; ++i) out[i] = static_cast<float>(in[i] * scale + mean);
 }
 
-MTFKIT_CLONES void restore_ordered(const float* in, std::int64_t n, std::int64_t count, double mean, double scale,
-                                   float* out) {
-  for (std::int64_t i = 0; i < (count + 1) / 2; ++i) out[2 * i] = static_cast<float>(in[i] * scale + mean);
-  for (std::int64_t i = 0; i < count / 2; ++i) out[2 * i + 1] = static_cast<float>(in[n - 1 - i] * scale + mean);
+MTFKIT_CLONES void restore_ordered(const float* __restrict in, std::int64_t n, std::int64_t count, double mean,
+                                   double scale, float* __restrict out) {
+  const int pairs = static_cast<int>(count / 2), last = static_cast<int>(n - 1);
+  for (int i = 0; i < pairs; ++i) {
+    out[2 * i] = static_cast<float>(in[i] * scale + mean);
+    out[2 * i + 1] = static_cast<float>(in[last - i] * scale + mean);
+  }
+  if (count % 2 == 1) out[count - 1] = static_cast<float>(in[pairs] * scale + mean);
 }
 
 MTFKIT_CLONES RowSummary summarise_row(const float* in, std::int64_t n) {
@@ -174,15 +187,15 @@ MTFKIT_CLONES RowSummary summarise_row(const float* in, std::int64_t n) {
 }
 
 // Plain int, restrict and the float builtin: with anything else GCC 12 does not turn this into gathers.
-MTFKIT_CLONES void look_up(const float* __restrict knots, float intervals, float per_unit, const float* __restrict x2,
-                           float y2, std::int64_t n, float* __restrict out) {
+MTFKIT_CLONES void multiply_by_table(const float* __restrict knots, float intervals, float per_unit,
+                                     const float* __restrict x2, float y2, std::int64_t n, float* __restrict out) {
   const int count = static_cast<int>(n);
   for (int i = 0; i < count; ++i) {
     const float r = __builtin_sqrtf(x2[i] + y2) * per_unit;
     const float t = r < intervals ? r : intervals;
     const int knot = static_cast<int>(t);
     const float a = knots[knot], b = knots[knot + 1];
-    out[i] = a + (t - static_cast<float>(knot)) * (b - a);
+    out[i] *= a + (t - static_cast<float>(knot)) * (b - a);
   }
 }
 

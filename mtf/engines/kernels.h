@@ -46,10 +46,9 @@ void center_ordered(const float* in, std::int64_t n, double mean, double scale, 
 void restore(const float* in, std::int64_t n, double mean, double scale, float* out);
 void restore_ordered(const float* in, std::int64_t n, std::int64_t count, double mean, double scale, float* out);
 
-/// out[i] = linear interpolation of `knots` at min(sqrt(x2[i] + y2) x per_unit, intervals); knots has intervals + 2
-/// entries.
-void look_up(const float* knots, float intervals, float per_unit, const float* x2, float y2, std::int64_t n,
-             float* out);
+/// out[i] *= linear interpolation of `knots` at min(sqrt(x2[i] + y2) x per_unit, intervals); intervals + 2 knots.
+void multiply_by_table(const float* knots, float intervals, float per_unit, const float* x2, float y2, std::int64_t n,
+                       float* out);
 
 struct RowSummary {
   double sum = 0.0;

@@ -35,7 +35,8 @@ TEST(RadialTable, error_is_a_bound_at_random_points) {
         for (int row = 0; row < 20; ++row) {
           const float y2 = static_cast<float>(std::pow(unit(generator), 2) * 0.4);
           for (float& v : x2) v = static_cast<float>(std::pow(unit(generator), 2));
-          table.look_up(x2, y2, value);
+          std::fill(value.begin(), value.end(), 1.0F);
+          table.multiply(x2, y2, value);
           for (std::size_t i = 0; i < x2.size(); ++i) {
             const double r = std::sqrt(static_cast<double>(x2[i]) + static_cast<double>(y2));
             if (r >= 1.0) continue;
@@ -48,8 +49,8 @@ TEST(RadialTable, error_is_a_bound_at_random_points) {
 TEST(RadialTable, stays_at_its_last_value_beyond_the_end) {
   const RadialTable cut = table_of(circular, 10.0, 1e-6);
   const std::vector<float> x2{1.0F, 1.5F, 1e30F, HUGE_VALF};
-  std::vector<float> value(4);
-  cut.look_up(x2, 0.0F, value);
+  std::vector<float> value(4, 1.0F);
+  cut.multiply(x2, 0.0F, value);
   for (const float v : value) EXPECT_EQ(v, 0.0F);
 }
 
