@@ -68,6 +68,19 @@ mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global)
   return config;
 }
 
+std::vector<std::string> files_of(const mtf::io::SensorConfig& config) {
+  std::vector<std::string> files{config.file};
+  const auto add = [&](const std::shared_ptr<const mtf::Curve>& curve) {
+    if (curve) files.push_back(curve->source);
+  };
+  for (const auto& list : config.system.stages)
+    for (const auto& entry : list)
+      for (const auto& field : entry.component.fields())
+        if (const auto* curve = std::get_if<std::shared_ptr<const mtf::Curve>*>(&field.value)) add(**curve);
+  add(config.scene.aperture_curve);
+  return files;
+}
+
 int check_sensor(const std::string& file, Format format) {
   const mtf::io::ConfigResult result =
       mtf::io::parse_config(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file);

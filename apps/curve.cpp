@@ -104,8 +104,8 @@ std::string formatted(const CurveValues& values, const KeyFigures& figures, cons
 }
 
 /// Everything that two outputs in one place would spoil, before anything is written.
-void check_outputs(const CurveOptions& options) {
-  require_different(options.sensor, options.out);
+void check_outputs(const CurveOptions& options, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) require_different(input, options.out);
   const bool to_stdout = options.out.empty() || options.out == "-";
   if (options.plot == "ascii") {
     if (to_stdout && options.format != Format::table)
@@ -116,7 +116,7 @@ void check_outputs(const CurveOptions& options) {
   check_figure_path(options.plot);
   const std::string data = figure_data_path(options.plot);
   for (const std::string& path : {options.plot, data}) {
-    require_different(options.sensor, path);
+    for (const std::string& input : inputs) require_different(input, path);
     if (!to_stdout && path == options.out)
       throw mtf::UsageError(path + ": the figure " + options.plot + " writes " + data +
                             " too; choose another name for -o");
@@ -126,8 +126,8 @@ void check_outputs(const CurveOptions& options) {
 }  // namespace
 
 int run_curve(const CurveOptions& options, const Global& global) {
-  check_outputs(options);
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
+  check_outputs(options, files_of(config));
   const mtf::System<double>& system = config.system;
   const Direction direction = make_direction(system.frame, options.unit, options.angle_deg);
   const KeyFigures figures = key_figures(system, direction);

@@ -31,7 +31,9 @@ const std::vector<int> kTargets{30, 60, 90, 120, 150, 170, 190, 210, 225, 240, 2
 
 void prepare_folder(const fs::path& folder, bool force) {
   std::error_code error;
-  const fs::path parent = fs::absolute(folder).lexically_normal().parent_path();
+  fs::path whole = fs::absolute(folder, error).lexically_normal();
+  if (!whole.has_filename()) whole = whole.parent_path();  // "demo/" is "demo"
+  const fs::path parent = whole.parent_path();
   if (!fs::is_directory(parent, error))
     throw mtf::RuntimeError("cannot create " + one_line(folder.string()) + ": there is no folder " +
                             one_line(parent.string()));
@@ -48,7 +50,7 @@ mtf::io::Metadata scene_metadata(const mtf::SampleGrid& grid) {
   mtf::io::Metadata m;
   m.text["mtf:quantity"] = mtf::io::quantity_name(mtf::io::Quantity::radiance);
   m.text["mtf:units"] = mtf::io::quantity_unit(mtf::io::Quantity::radiance);
-  m.pairs["mtf:pixelPitch"] = {grid.step_x_um * 1e-6, grid.step_y_um * 1e-6};
+  m.pairs["mtf:pixelPitch"] = {grid.step_x_um / 1e6, grid.step_y_um / 1e6};
   m.history = {"mtf demo: computed scene"};
   return m;
 }
@@ -97,18 +99,11 @@ std::string target_table(const std::vector<Target>& targets, double nyquist, dou
 }  // namespace
 
 int run_demo(const DemoOptions& options, const Global& global) {
-  const fs::path folder = options.out;
-  prepare_folder(folder, options.force);
-  const auto path = [&](const char* name) { return (folder / name).string(); };
-
-  mtf::io::write_text_file(path("sensor.toml"), mtf::io::starter_config());
-  const mtf::io::SensorConfig config = mtf::io::load_config(path("sensor.toml"));
+  const mtf::io::SensorConfig config = mtf::io::parse_config(mtf::io::starter_config(), "sensor.toml").config;
   const mtf::System<double>& system = config.system;
   const mtf::SampleGrid grid{kSize, kSize, config.scene.sample_x_um.value(), config.scene.sample_y_um.value()};
   const mtf::Image landscape = demo_landscape(kSize);
   const mtf::Image targets = demo_sine_targets(kSize, kTargets, 4.0, 1.0);
-  mtf::io::write_exr(path("scene.exr"), {{"Y", landscape.view()}}, scene_metadata(grid));
-  mtf::io::write_exr(path("targets.exr"), {{"Y", targets.view()}}, scene_metadata(grid));
 
   mtf::PlanOptions plan_options;
   plan_options.tolerance = options.tolerance.value_or(plan_options.tolerance);
@@ -116,6 +111,13 @@ int run_demo(const DemoOptions& options, const Global& global) {
   plan_options.scene = mtf::summarise(landscape.view(), plan_options.border, 0.0);
   plan_options.threads = global.threads;
   const mtf::SensorPlan plan = mtf::compile_sensor(system, grid, plan_options);
+
+  const fs::path folder = options.out;
+  prepare_folder(folder, options.force);
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  mtf::io::write_text_file(path("sensor.toml"), mtf::io::starter_config());
+  mtf::io::write_exr(path("scene.exr"), {{"Y", landscape.view()}}, scene_metadata(grid));
+  mtf::io::write_exr(path("targets.exr"), {{"Y", targets.view()}}, scene_metadata(grid));
   const auto start = std::chrono::steady_clock::now();
   const std::vector<mtf::ImageView<const float>> views{landscape.view(), targets.view()};
   const std::vector<mtf::Image> images = plan.run(views, 0.0, global.threads);

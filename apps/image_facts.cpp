@@ -2,6 +2,7 @@
 #include "apps/image_facts.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "apps/output.h"
 #include "mtf/error.h"
@@ -148,7 +149,9 @@ ImageFacts image_facts(const InfoOptions& options) {
     measure_raster(facts, options);
   bool usable = false;
   const std::string words = choice_words(options.file, facts.info, options, usable);
-  if (usable) facts.next = "mtf simulate sensor.toml " + shell_word(options.file) + words + " -o out.exr";
+  if (usable)
+    facts.next = "mtf simulate sensor.toml " + shell_word(options.file) + words +
+                 (std::filesystem::path(options.file).filename() == "out.exr" ? " -o out2.exr" : " -o out.exr");
   return facts;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "apps/options.h"
 #include "mtf/io/config.h"
@@ -10,6 +11,9 @@ namespace apps {
 
 /// Reads a sensor file for a subcommand; its warnings and notes go to standard error. Throws as load_config.
 mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global);
+
+/// The sensor file and every file it names (curves): what no output may replace.
+std::vector<std::string> files_of(const mtf::io::SensorConfig& config);
 
 /// `mtf config check`: the verdict and notes on standard output, errors as file:line:col lines on standard error; JSON
 /// has both. Returns the exit code, 0 or 2. Throws RuntimeError when the file cannot be read.

@@ -23,7 +23,7 @@ Metadata provenance(const SensorConfig& config, const Scene& scene, const mtf::S
   m.text["mtf:version"] = std::string(mtf::version) + " " + mtf::git_commit;
   m.text["mtf:tolerance"] = mtf::format_double(tolerance);
   m.text["mtf:predictedError"] = mtf::format_double(plan.predicted_error);
-  m.pairs["mtf:pixelPitch"] = {frame.pitch_x_um * 1e-6, frame.pitch_y_um * 1e-6};
+  m.pairs["mtf:pixelPitch"] = {frame.pitch_x_um / 1e6, frame.pitch_y_um / 1e6};
   m.pairs["mtf:ifov"] = {frame.pitch_x_um * 1e-3 / frame.focal_length_mm,
                          frame.pitch_y_um * 1e-3 / frame.focal_length_mm};
   if (config.system.band)

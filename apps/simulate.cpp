@@ -16,12 +16,15 @@
 #include "mtf/bad_pixels.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
+#include "mtf/io/curve_csv.h"
 #include "mtf/statistics.h"
 
 namespace apps {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kLargestWisdom = std::size_t{16} << 20;
 
 class StopWatch {
  public:
@@ -36,23 +39,52 @@ class StopWatch {
 };
 
 // What can be seen to fail is said before any work is done.
-void check_paths(const SimulateOptions& options) {
+void check_paths(const SimulateOptions& options, const std::vector<std::string>& inputs) {
   if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
   mtf::io::format_from_extension(options.out);
-  for (const std::string& output : {options.out, options.report}) {
-    if (output.empty()) continue;
-    for (const std::string& input : {options.scene, options.sensor, options.wisdom})
-      if (!input.empty()) require_different(input, output);
-    const std::filesystem::path folder = std::filesystem::path(output).parent_path();
+  std::vector<std::string> outputs{options.out};
+  for (const std::string& more : {options.report, options.wisdom})
+    if (!more.empty() && more != "-") outputs.push_back(more);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (const std::string& input : inputs) require_different(input, outputs[i]);
+    for (std::size_t j = 0; j < i; ++j)
+      if (std::filesystem::path(outputs[i]).lexically_normal() == std::filesystem::path(outputs[j]).lexically_normal())
+        throw mtf::UsageError(one_line(outputs[i]) + " is named for two outputs; give each its own name");
+    const std::filesystem::path folder = std::filesystem::path(outputs[i]).parent_path();
     std::error_code error;
     if (!folder.empty() && !std::filesystem::is_directory(folder, error))
-      throw mtf::RuntimeError("cannot write " + one_line(output) + ": there is no folder " + one_line(folder.string()) +
-                              "; create it first");
+      throw mtf::RuntimeError("cannot write " + one_line(outputs[i]) + ": there is no folder " +
+                              one_line(folder.string()) + "; create it first");
   }
-  if (!options.report.empty()) require_different(options.out, options.report);
-  if (!options.report.empty() &&
-      std::filesystem::path(options.out).lexically_normal() == std::filesystem::path(options.report).lexically_normal())
-    throw mtf::UsageError("--report and --out name the same file; give the report another name");
+}
+
+// FFT plans measured before, from a file that is made when it is missing. Anything else than wisdom is left alone.
+void read_wisdom(const SimulateOptions& options, const Global& global) {
+  std::error_code error;
+  if (options.wisdom.empty()) return;
+  if (!std::filesystem::exists(options.wisdom, error)) {
+    note(global, "note: " + one_line(options.wisdom) + " is made and will hold the FFT plans measured now");
+    return;
+  }
+  if (!std::filesystem::is_regular_file(options.wisdom, error) ||
+      !mtf::fft::import_wisdom(mtf::io::read_text_file(options.wisdom, kLargestWisdom)))
+    throw mtf::UsageError("--wisdom: " + one_line(options.wisdom) +
+                          " is not FFTW wisdom of this machine; name another file");
+}
+
+// The plan for the tolerance asked for; without one, for the default or, where that is out of reach, for what can be
+// kept.
+mtf::SensorPlan compile_plan(const mtf::System<double>& system, const mtf::SampleGrid& grid, bool asked,
+                             mtf::PlanOptions& plan_options, RunReport& report) {
+  try {
+    return mtf::compile_sensor(system, grid, plan_options);
+  } catch (const mtf::UnreachableTolerance& e) {
+    if (asked || !(e.reachable() < 1.0)) throw;
+    report.warnings.push_back("the default tolerance " + mtf::format_double(plan_options.tolerance) +
+                              " cannot be kept for this scene; " + significant(e.reachable(), 2) + " is used");
+    plan_options.tolerance = e.reachable();
+  }
+  return mtf::compile_sensor(system, grid, plan_options);
 }
 
 // Masks of bad pixels per channel (empty where there are none), the planes filled.
@@ -76,15 +108,15 @@ std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy
   return masks;
 }
 
-// One summary for all channels: the one that makes the promise hardest to keep, part by part.
+// One summary for all channels: the parts that make the promise hardest to keep, on the scale of one of them.
 std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults) {
   std::optional<mtf::SceneSummary> worst;
   for (const mtf::Image& plane : scene.planes) {
     const auto s = mtf::summarise(plane.view(), defaults.border, defaults.border_value);
     if (!s) continue;
-    if (!worst) worst = mtf::SceneSummary{1.0, 0.0, 0.0};
-    worst->largest = std::max(worst->largest, s->largest / s->std);
-    worst->canvas_norm = std::max(worst->canvas_norm, s->canvas_norm / s->std);
+    if (!worst) worst = s;
+    worst->largest = std::max(worst->largest, s->largest / s->std * worst->std);
+    worst->canvas_norm = std::max(worst->canvas_norm, s->canvas_norm / s->std * worst->std);
   }
   return worst;
 }
@@ -127,15 +159,16 @@ void print_summary(const RunReport& report, const std::vector<mtf::Image>& image
 }  // namespace
 
 int run_simulate(const SimulateOptions& options, const Global& global) {
-  check_paths(options);
   RunReport report;
   StopWatch watch;
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
+  std::vector<std::string> inputs = files_of(config);
+  inputs.push_back(options.scene);
+  check_paths(options, inputs);
   mtf::io::Scene scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
   report.warnings = scene.warnings;
   for (std::string& warning : mtf::io::sampling_warnings(config.system, scene.grid))
     report.warnings.push_back(std::move(warning));
-  for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
   std::vector<mtf::Image> masks = treat_bad_pixels(scene, options.nan, report.bad_pixels);
   if (!report.bad_pixels.empty()) note(global, "note: " + report.bad_pixels);
   watch.lap("read", report.timing_ms);
@@ -147,9 +180,11 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   plan_options.aperture = mtf::io::scene_aperture(config.scene, scene.grid);
   plan_options.scene = summarise_all(scene, config.scene);
   plan_options.threads = global.threads;
-  if (!options.wisdom.empty() && !mtf::fft::load_wisdom(options.wisdom))
-    note(global, "note: no FFT wisdom read from " + one_line(options.wisdom) + "; it is made and stored there");
-  const mtf::SensorPlan plan = mtf::compile_sensor(config.system, scene.grid, plan_options);
+  read_wisdom(options, global);
+  const mtf::SensorPlan plan =
+      compile_plan(config.system, scene.grid, options.tolerance.has_value(), plan_options, report);
+  for (const std::string& text : plan.presample.report().notes) report.warnings.push_back(text);
+  for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
   if (options.measure)
     note(global, "note: --rigor measure chose FFT plans by timing; the last bits may differ between runs");
   watch.lap("plan", report.timing_ms);
@@ -162,8 +197,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   const Written written =
       write_sensor_image(options.out, names, images, provenance(config, scene, plan, plan_options.tolerance),
                          options.range_low, options.range_high);
-  if (!options.wisdom.empty() && !mtf::fft::save_wisdom(options.wisdom))
-    note(global, "warning: cannot store FFT wisdom in " + one_line(options.wisdom));
+  if (!options.wisdom.empty()) mtf::io::write_text_file(options.wisdom, mtf::fft::export_wisdom());
   watch.lap("write", report.timing_ms);
 
   report.config = &config;
@@ -181,7 +215,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
                      mtf::format_double(report.offset) +
                      (report.clamped > 0 ? ", " + std::to_string(report.clamped) + " samples clamped" : ""));
   }
-  if (!options.report.empty()) mtf::io::write_text_file(options.report, to_json(report));
+  if (!options.report.empty()) emit(options.report, to_json(report));
   if (options.explain) {
     std::string text = plan.presample.explain();
     if (plan.post) text += "after sampling\n" + plan.post->explain();

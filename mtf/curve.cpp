@@ -47,6 +47,10 @@ Curve make_curve(std::string source, const Unit& unit, std::vector<double> frequ
   value.front() = 1.0;
   Curve curve{std::move(source), &unit, std::move(frequency), std::move(value), {}};
   curve.slope = monotone_slopes(curve.frequency, curve.value);
+  for (std::size_t i = 0; i < curve.slope.size(); ++i)
+    if (!std::isfinite(curve.slope[i]) || curve.frequency[i] > 1e12)
+      throw UsageError(curve.source + ": the frequencies near " + format_double(curve.frequency[i]) +
+                       " are too close together or too large");
   return curve;
 }
 

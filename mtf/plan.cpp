@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kWholeEpsilon = 1e-9;  // a count of pitches is whole within this
 constexpr std::int64_t kLargestSide = std::int64_t{1} << 29;
-constexpr double kLargestBytes = 1.0e12;
+constexpr double kLargestImage = 2147483648.0;  // samples
 
 void check_grid(const SampleGrid& grid, const char* name) {
   const auto fail = [&](const std::string& what) { throw UsageError(std::string(name) + " grid: " + what); };
@@ -23,6 +23,10 @@ void check_grid(const SampleGrid& grid, const char* name) {
   if (grid.width > kLargestSide || grid.height > kLargestSide) fail("a side above 2^29 samples; cut the scene");
   for (const double step : {grid.step_x_um, grid.step_y_um})
     if (!(step > 0.0 && step < 1e12)) fail("sample step " + format_double(step) + " um is outside (0, 1e12)");
+  const double samples = static_cast<double>(grid.width) * static_cast<double>(grid.height);
+  if (samples > kLargestImage)
+    fail(format_double(samples) +
+         " samples, above 2^31; check scene.sample and frame.pitch, set frame.format, or cut the scene");
 }
 
 double whole_pitches(std::int64_t n, double step, double pitch) {
@@ -162,9 +166,6 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   const double gathering = norm / std::sqrt((x_cosine ? 2.0 : 1.0) * (y_cosine ? 2.0 : 1.0));
   const double allowed = kCutShare * tolerance / (alias * gathering);
   const double samples = static_cast<double>(x.frequency.length) * static_cast<double>(y.frequency.length);
-  if (8.0 * samples > kLargestBytes)
-    throw UsageError("the transforms would need " + format_double(8.0 * samples) +
-                     " bytes; cut the scene or choose border = \"periodic\"");
   cut_frequencies(sampler, Axis::x, allowed, x);
   cut_frequencies(sampler, Axis::y, allowed, y);
 
@@ -182,6 +183,7 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   refuse_unreachable(report.predicted, arithmetic_error(x, y, shortest_rms, sampler.gain(), options), tolerance,
                      options);
 
+  require_memory(x, y, sampler.is_real(), out);
   if (relative != nullptr && relative->engine && same_job(relative->engine->x(), x) &&
       same_job(relative->engine->y(), y))
     impl->engine = relative->engine;

@@ -18,6 +18,7 @@
 
 #include "mtf/border.h"
 #include "mtf/engines/fftw.h"
+#include "mtf/error.h"
 #include "mtf/grid.h"
 #include "mtf/image.h"
 #include "mtf/sample.h"
@@ -34,6 +35,21 @@ struct SceneSummary {
 
 /// Summary of a plane, or nothing when it is flat (every tolerance is met then).
 std::optional<SceneSummary> summarise(ImageView<const float> scene, Border border, double border_value);
+
+/// The tolerance asked for is below what can be kept for this scene and system.
+class UnreachableTolerance : public UsageError {
+ public:
+  UnreachableTolerance(const std::string& what, double reachable) : UsageError(what), reachable_(reachable) {}
+  double reachable() const {
+    return reachable_;
+  }  ///< a tolerance that is accepted; infinity when there is none below 1
+
+ private:
+  double reachable_;
+};
+
+/// Message for a tolerance that cannot be kept, and what limits it.
+UnreachableTolerance unreachable_tolerance(double asked, double reachable, const std::optional<SceneSummary>& scene);
 
 struct PlanOptions {
   double tolerance = 1e-4;

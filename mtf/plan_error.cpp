@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mtf/error.h"
 #include "mtf/plan_parts.h"
@@ -43,14 +46,35 @@ void refuse_unreachable(const PredictedError& predicted, double arithmetic, doub
   // The other parts scale with the tolerance; arithmetic and the table's resolution are fixed.
   const double reachable =
       1.01 * (arithmetic + predicted.table) / (1.0 - kDropShare - 2.0 * kTableShare - kCutShare - kWrapShare);
-  if (!(reachable < 1.0))
-    throw UsageError("no tolerance below 1 can be kept: float32 rounds values of " +
-                     format_double(options.scene ? options.scene->largest : 1.0) +
-                     " by more than this scene's contrast (std " +
-                     format_double(options.scene ? options.scene->std : 1.0) +
-                     "); take off its offset, bring the border level nearer, or lower the gain of the filter");
-  throw UsageError("tolerance " + format_double(tolerance) + " is below what float32 reaches for this scene; use " +
-                   format_double(reachable) + " or more");
+  throw unreachable_tolerance(tolerance, reachable, options.scene);
+}
+
+UnreachableTolerance unreachable_tolerance(double asked, double reachable, const std::optional<SceneSummary>& scene) {
+  if (reachable < 1.0)
+    return {"tolerance " + format_double(asked) +
+                " is below what can be kept here (float32 arithmetic, and the resolution of OTF tables); use " +
+                format_double(reachable) + " or more",
+            reachable};
+  const SceneSummary s = scene.value_or(SceneSummary{});
+  return {"no tolerance below 1 can be kept: float32 rounds values of " + format_double(s.largest) +
+              " by more than this scene's contrast (std " + format_double(s.std) +
+              "); take off its offset, bring the border level nearer, or lower the gain of the filter",
+          std::numeric_limits<double>::infinity()};
+}
+
+void require_memory(const AxisJob& x, const AxisJob& y, bool real, const SampleGrid& out) {
+  const auto count = [](std::int64_t n) { return static_cast<double>(n); };
+  const double columns = count(x.keep) * (x.frequency.basis == Basis::cosine ? 1.0 : 2.0);
+  const double terms = count(std::min(2 * y.keep, y.frequency.length + 1));
+  const double otf = columns * (y.frequency.basis == Basis::cosine && real ? count(y.keep) : terms);
+  const double buffer = columns * count(std::max(y.samples, y.outputs));
+  const double line = 64.0 * count(std::max(y.frequency.length, inverse_length(y)));
+  const double bytes = 4.0 * (otf + buffer + count(out.width) * count(out.height)) + 2.0 * line;
+  const double machine = count(sysconf(_SC_PHYS_PAGES)) * count(sysconf(_SC_PAGESIZE));
+  if (bytes <= machine) return;
+  throw UsageError(
+      "the plan would need " + format_double(bytes) + " bytes, the machine has " + format_double(machine) +
+      "; check scene.sample and frame.pitch, set frame.format, choose border = \"periodic\", or cut the scene");
 }
 
 }  // namespace mtf

@@ -28,4 +28,7 @@ double arithmetic_error(const AxisJob& x, const AxisJob& y, double canvas_rms, d
 void refuse_unreachable(const PredictedError& predicted, double arithmetic, double tolerance,
                         const PlanOptions& options);
 
+/// Throws UsageError, before anything is allocated, when OTF, buffers and one output plane exceed the machine's memory.
+void require_memory(const AxisJob& x, const AxisJob& y, bool real, const SampleGrid& out);
+
 }  // namespace mtf

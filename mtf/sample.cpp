@@ -42,7 +42,14 @@ OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stag
         end, target);
     std::string names = join_labels(radial_);
     if (!chromatic_radial_.empty()) names += (names.empty() ? "" : ", ") + join_labels(chromatic_radial_);
-    if (!names.empty()) merged_.push_back(names + " -> one radial table");
+    if (table_->error() > 20.0 * target) {
+      // Steep or kinked beyond what a table resolves (a thin annulus, a ragged curve): exact, and slower.
+      table_.reset();
+      radial_per_sample_ = true;
+    }
+    if (!names.empty())
+      merged_.push_back(names +
+                        (table_ ? " -> one radial table" : " -> one radial factor, evaluated at every frequency"));
   } else if (!chromatic_general_.empty()) {
     choose_wavelengths(std::hypot(fx_max, fy_max), target);
   }
@@ -167,7 +174,7 @@ double OtfSampler::radial_product(double r) const {
 }
 
 Complex<double> OtfSampler::general(const Freq<double>& f) const {
-  Complex<double> product{1.0, 0.0};
+  Complex<double> product{radial_per_sample_ ? radial_product(std::hypot(f.x, f.y)) : 1.0, 0.0};
   for (const Entry<double>* entry : general_) product = product * entry->component.otf(f, system_.context());
   if (chromatic_general_.empty()) return product;
   Complex<double> mean{};

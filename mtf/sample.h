@@ -89,7 +89,7 @@ class OtfSampler {
   void bound_correction(double fx_max, double fy_max);
   void choose_wavelengths(double end, double target);
   double radial_product(double r) const;
-  bool has_general() const { return !general_.empty() || !chromatic_general_.empty(); }
+  bool has_general() const { return radial_per_sample_ || !general_.empty() || !chromatic_general_.empty(); }
   Complex<double> general(const Freq<double>& f) const;
   double aperture_mtf(Axis axis, double f) const;  ///< the scene's own blur along one axis
   double aperture_mtf(double r) const;             ///< and of a radial curve
@@ -107,6 +107,7 @@ class OtfSampler {
   WavelengthNodes nodes_;
   std::optional<RadialTable> table_;
   bool real_ = true, even_x_ = true, even_y_ = true, aperture_limited_ = false;
+  bool radial_per_sample_ = false;  ///< no table resolves the radial factors
   int wavelengths_ = 1;
 };
 

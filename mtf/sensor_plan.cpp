@@ -37,11 +37,26 @@ SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene,
   PlanOptions half = options;
   half.tolerance = 0.5 * options.tolerance;
   half.aperture = {};
-  const Plan post = compile_post(system, detector, stages, half);
+  // A refusal speaks of the whole tolerance, not of the share that one step was given, and of what all steps can keep.
+  const auto in_share = [&](double share, const auto& compile_step) {
+    try {
+      return compile_step();
+    } catch (const UnreachableTolerance& e) {
+      PlanOptions looser = options;
+      looser.tolerance = e.reachable() / share;
+      if (looser.tolerance < 1.0) try {
+          compile_sensor(system, scene, looser);
+        } catch (const UnreachableTolerance& later) {
+          looser.tolerance = later.reachable();
+        }
+      throw unreachable_tolerance(options.tolerance, looser.tolerance, options.scene);
+    }
+  };
+  const Plan post = in_share(0.5, [&] { return compile_post(system, detector, stages, half); });
   const double gain = std::max(1.0, post.report().largest_gain);
   PlanOptions first = options;
   first.tolerance = half.tolerance / gain;
-  Plan presample = compile(system, scene, detector, first);
+  Plan presample = in_share(0.5 / gain, [&] { return compile(system, scene, detector, first); });
   const double predicted = presample.report().predicted.total() * gain + post.report().predicted.total();
   return {std::move(presample), post, predicted};
 }

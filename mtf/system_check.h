@@ -13,22 +13,21 @@ std::vector<typename System<S>::Finding> System<S>::check() const {
   const auto error = [&](std::string where, std::string text) {
     findings.push_back({std::move(where), {.error = true, .field = {}, .text = std::move(text)}});
   };
-  const auto positive = [&](const std::string& where, const S& value, std::string_view unit, double limit) {
+  const auto within = [&](const std::string& where, const S& value, std::string_view unit, double low, double high) {
     const double v = value_of(value);
-    if (!(v > 0.0 && v <= limit))
-      error(where, format_double(v) + (unit.empty() ? "" : " ") + std::string(unit) + " is outside (0, " +
-                       format_double(limit) + "]");
+    if (!(v >= low && v <= high))
+      error(where, format_double(v) + (unit.empty() ? "" : " ") + std::string(unit) + " is outside [" +
+                       format_double(low) + ", " + format_double(high) + "]");
   };
-  positive("frame.focal_length", frame.focal_length_mm, "mm", 1e7);
-  positive("frame.pitch_x", frame.pitch_x_um, "um", 1e6);
-  positive("frame.pitch_y", frame.pitch_y_um, "um", 1e6);
+  within("frame.focal_length", frame.focal_length_mm, "mm", 1e-6, 1e7);
+  within("frame.pitch_x", frame.pitch_x_um, "um", 1e-6, 1e6);
+  within("frame.pitch_y", frame.pitch_y_um, "um", 1e-6, 1e6);
   if (!(value_of(frame.integration_time_s) >= 0.0 && value_of(frame.integration_time_s) <= 1e9))
     error("frame.integration_time", format_double(value_of(frame.integration_time_s)) + " s is outside [0, 1e9]");
   if (frame.columns < 0 || frame.rows < 0) error("frame.format", "columns and rows have to be positive");
   if (optics.f_number && optics.aperture_mm) error("optics.aperture", "give either f_number or aperture");
-  if (optics.f_number && !(value_of(*optics.f_number) >= 0.1 && value_of(*optics.f_number) <= 1e4))
-    error("optics.f_number", format_double(value_of(*optics.f_number)) + " is outside [0.1, 1e4]");
-  if (optics.aperture_mm) positive("optics.aperture", *optics.aperture_mm, "mm", 1e6);
+  if (optics.f_number) within("optics.f_number", *optics.f_number, "", 0.1, 1e4);
+  if (optics.aperture_mm) within("optics.aperture", *optics.aperture_mm, "mm", 1e-6, 1e6);
   if (optics.aperture_mm && value_of(*optics.aperture_mm) > 0.0) {
     const double f_number = value_of(frame.focal_length_mm) / value_of(*optics.aperture_mm);
     if (f_number < 0.1 || f_number > 1e4)
@@ -36,9 +35,9 @@ std::vector<typename System<S>::Finding> System<S>::check() const {
   }
   if (optics.obscuration && !(value_of(*optics.obscuration) >= 0.0 && value_of(*optics.obscuration) < 1.0))
     error("optics.obscuration", format_double(value_of(*optics.obscuration)) + " is outside [0, 1)");
-  if (optics.wavelength_um) positive("optics.wavelength", *optics.wavelength_um, "um", 1e5);
-  if (band && !(band->lo_um > 0.0 && band->hi_um > band->lo_um && band->hi_um <= 1e5))
-    error("band.wavelength", "has to be two increasing positive wavelengths up to 1e5 um");
+  if (optics.wavelength_um) within("optics.wavelength", *optics.wavelength_um, "um", 0.01, 1e5);
+  if (band && !(band->lo_um >= 0.01 && band->hi_um > band->lo_um && band->hi_um <= 1e5))
+    error("band.wavelength", "has to be two increasing wavelengths in [0.01, 1e5] um");
   if (band && optics.wavelength_um) error("optics.wavelength", "the spectrum is given twice: remove it or [band]");
   if (!findings.empty()) return findings;  // component checks rely on the frame
 
@@ -52,6 +51,14 @@ std::vector<typename System<S>::Finding> System<S>::check() const {
                                    std::string(stage_name(stage)) + "]]");
       for (Problem& problem : entry.component.check(context()))
         findings.push_back({where + (problem.field.empty() ? "" : "." + problem.field), std::move(problem)});
+      const auto is_diffusion = [](const Entry<S>& other) { return other.component.kind() == "diffusion"; };
+      const auto& before = list(Stage::presample);
+      if (entry.component.kind() == "crosstalk" && std::any_of(before.begin(), before.end(), is_diffusion))
+        findings.push_back(
+            {where + ".kind",
+             {.error = false,
+              .text = "\"crosstalk\" beside \"diffusion\": a measured crosstalk holds the diffusion "
+                      "already and counts it twice; leave one out unless this one is capacitance alone"}});
       if (!entry.component.is_pupil()) continue;
       if (!pupil.empty())
         error(where + ".kind",

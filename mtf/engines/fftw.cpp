@@ -4,6 +4,7 @@
 #include <fftw3.h>
 
 #include <cassert>
+#include <cstdlib>
 #include <limits>
 #include <mutex>
 
@@ -86,14 +87,15 @@ void inverse(std::vector<Complex<double>>& data) {
   fftw_destroy_plan(plan);
 }
 
-bool load_wisdom(const std::string& path) {
+bool import_wisdom(const std::string& text) {
   const std::scoped_lock lock(planner());
-  return fftwf_import_wisdom_from_filename(path.c_str()) != 0;
+  return fftwf_import_wisdom_from_string(text.c_str()) != 0;
 }
 
-bool save_wisdom(const std::string& path) {
+std::string export_wisdom() {
   const std::scoped_lock lock(planner());
-  return fftwf_export_wisdom_to_filename(path.c_str()) != 0;
+  const std::unique_ptr<char, decltype(&std::free)> text(fftwf_export_wisdom_to_string(), &std::free);
+  return text ? std::string(text.get()) : std::string();
 }
 
 std::string version() { return fftwf_version; }

@@ -53,9 +53,9 @@ class RealInverse {
 /// In-place complex transform in double, sign +1, unnormalised: for plan-time work on one sequence.
 void inverse(std::vector<Complex<double>>& data);
 
-/// Wisdom: what Rigor::measure has learnt, kept per host. False when the file is missing or foreign.
-bool load_wisdom(const std::string& path);
-bool save_wisdom(const std::string& path);
+/// Wisdom: what Rigor::measure has learnt, as text to be kept per host. False when the text is not wisdom.
+bool import_wisdom(const std::string& text);
+std::string export_wisdom();
 
 /// "fftw-3.3.10-sse2-avx".
 std::string version();

@@ -200,6 +200,47 @@ TEST_F(Simulate, WisdomIsKept) {
   EXPECT_EQ(again.err.find("no FFT wisdom"), std::string::npos) << again.err;
 }
 
+TEST_F(Simulate, WisdomReplacesNothingElse) {
+  for (const std::string name : {"scene.exr", "sensor.toml", "notes.txt", "/dev/zero"}) {
+    if (name == "notes.txt") write_file(scratch / name, "mine");
+    const std::string before = name.front() == '/' ? "" : read_file(scratch / name);
+    const Result r = scratch.run("mtf simulate sensor.toml scene.exr -o out.exr --wisdom " + name);
+    EXPECT_EQ(r.status, 2) << name << r.err;
+    EXPECT_TRUE(name.front() == '/' || read_file(scratch / name) == before) << name;
+    EXPECT_FALSE(fs::exists(scratch / "out.exr"));
+  }
+  EXPECT_EQ(scratch.run("mtf simulate sensor.toml scene.exr -o out.exr --wisdom out.exr").status, 2);
+}
+
+TEST_F(Simulate, ToleranceAdviceCanBeFollowed) {
+  std::string text = read_file(scratch / "sensor.toml");
+  text += "\n[[postsample]]\nkind = \"fir\"\ntaps = [[0, -0.25, 0], [-0.25, 2.0, -0.25], [0, -0.25, 0]]\n";
+  write_file(scratch / "sensor.toml", text);
+  const Result refused = scratch.run("mtf simulate sensor.toml scene.exr -o out.exr --tolerance 1e-6");
+  ASSERT_EQ(refused.status, 2);
+  const std::size_t at = refused.err.find("use ");
+  ASSERT_NE(at, std::string::npos) << refused.err;
+  const std::string advice = refused.err.substr(at + 4, refused.err.find(' ', at + 4) - at - 4);
+  const Result followed = scratch.run("mtf simulate sensor.toml scene.exr -o out.exr --tolerance " + advice);
+  EXPECT_EQ(followed.status, 0) << advice << followed.err;
+}
+
+TEST_F(Simulate, DefaultToleranceGivesWayWithAWarning) {
+  const Image plane = pattern(64, 64, 1e3, 1.0);
+  mtf::io::write_exr((scratch / "faint.exr").string(), {{"Y", plane.view()}}, {});
+  const Result r = scratch.run("mtf simulate sensor.toml faint.exr -o out.exr");
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_NE(r.err.find("default tolerance"), std::string::npos) << r.err;
+}
+
+TEST_F(Simulate, ScenesThatWouldBecomeHugeAreRefusedAtOnce) {
+  std::string text = read_file(scratch / "sensor.toml");
+  text.replace(text.find("sample = \"3.75 um\""), 18, "sample = \"0.1 m\"  ");
+  text.replace(text.find("format = [640, 512]"), 19, "# no format        ");
+  write_file(scratch / "sensor.toml", text);
+  expect_refused("ulimit -v 4000000; mtf simulate sensor.toml scene.exr -o out.exr", 2, "above 2^31");
+}
+
 class RealImages : public testing::Test {
  protected:
   static fs::path shared() {
