@@ -18,22 +18,26 @@ Json plan_json(const mtf::Plan& plan) {
   Json dropped = Json::array();
   for (const mtf::Dropped& d : r.dropped) dropped.push_back({{"label", d.label}, {"bound", d.bound}});
   const mtf::PredictedError& e = r.predicted;
-  return {
-      {"method", r.method},
-      {"size", r.size},
-      {"axes", r.axes},
-      {"frequencies_kept", r.kept},
-      {"frequencies_available", r.available},
-      {"dropped", dropped},
-      {"merged", r.merged},
-      {"wavelengths", r.wavelengths},
-      {"notes", r.notes},
-      {"tolerance", r.tolerance},
-      {"predicted_error", e.total()},
-      {"predicted_parts",
-       {{"dropped", e.dropped}, {"table", e.table}, {"cut", e.cut}, {"wrap", e.wrap}, {"arithmetic", e.arithmetic}}},
-      {"otf_bytes", r.otf_bytes},
-      {"buffer_bytes", r.run_bytes}};
+  return {{"method", r.method},
+          {"size", r.size},
+          {"axes", r.axes},
+          {"frequencies_kept", r.kept},
+          {"frequencies_available", r.available},
+          {"dropped", dropped},
+          {"merged", r.merged},
+          {"wavelengths", r.wavelengths},
+          {"notes", r.notes},
+          {"tolerance", r.tolerance},
+          {"predicted_error", e.total()},
+          {"predicted_parts",
+           {{"dropped", e.dropped},
+            {"table", e.table},
+            {"band", e.band},
+            {"cut", e.cut},
+            {"wrap", e.wrap},
+            {"arithmetic", e.arithmetic}}},
+          {"otf_bytes", r.otf_bytes},
+          {"buffer_bytes", r.run_bytes}};
 }
 
 }  // namespace
@@ -64,8 +68,17 @@ std::string to_json(const RunReport& r) {
   json["out_step_um"] = {plan.out.step_x_um, plan.out.step_y_um};
   json["tolerance"] = r.tolerance;
   json["plan"] = plan_json(r.plan->presample);
+  if (r.plan->post) {
+    // The object speaks of the whole run; each step's own share stands beside it.
+    json["presample_plan"] = json["plan"];
+    json["post_plan"] = plan_json(*r.plan->post);
+    const double post = r.plan->post->report().predicted.total();
+    const double gain = (r.plan->predicted_error - post) / plan.predicted.total();
+    for (auto& part : json["plan"]["predicted_parts"]) part = part.get<double>() * gain;
+    json["plan"]["predicted_parts"]["after_sampling"] = post;
+  }
+  json["plan"]["tolerance"] = r.tolerance;
   json["plan"]["predicted_error"] = r.plan->predicted_error;
-  if (r.plan->post) json["post_plan"] = plan_json(*r.plan->post);
   for (const auto& [name, ms] : r.timing_ms) json["timing_ms"][name] = ms;
   json["peak_rss_mib"] = peak_rss_mib();
   json["warnings"] = r.warnings;

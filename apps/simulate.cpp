@@ -28,13 +28,20 @@ constexpr std::size_t kLargestWisdom = std::size_t{16} << 20;
 
 class StopWatch {
  public:
+  explicit StopWatch(Progress progress) : progress_(progress) {}
+
+  // A run of one image is over before a bar would help: progress is a line a stage, for those who ask for it.
   void lap(const char* name, std::vector<std::pair<std::string, double>>& laps) {
     const Clock::time_point now = Clock::now();
     laps.emplace_back(name, std::chrono::duration<double, std::milli>(now - last_).count());
     last_ = now;
+    const std::string ms = fixed(laps.back().second, 1);
+    if (progress_ == Progress::plain) complain(std::string(name) + " " + ms + " ms");
+    if (progress_ == Progress::json) complain("{\"stage\":\"" + std::string(name) + "\",\"ms\":" + ms + "}");
   }
 
  private:
+  Progress progress_;
   Clock::time_point last_ = Clock::now();
 };
 
@@ -43,6 +50,7 @@ void check_paths(const SimulateOptions& options, const std::vector<std::string>&
   if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
   mtf::io::format_from_extension(options.out);
   std::vector<std::string> outputs{options.out};
+  if (options.wisdom == "-") throw mtf::UsageError("--wisdom: name a file; \"-\" is for --report only");
   for (const std::string& more : {options.report, options.wisdom})
     if (!more.empty() && more != "-") outputs.push_back(more);
   for (std::size_t i = 0; i < outputs.size(); ++i) {
@@ -121,16 +129,6 @@ std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, cons
   return worst;
 }
 
-void propagate_bad_pixels(const mtf::SensorPlan& plan, std::vector<mtf::Image>& masks, double tolerance, int threads,
-                          std::vector<mtf::Image>& images) {
-  for (std::size_t c = 0; c < masks.size(); ++c) {
-    if (masks[c].size() == 0) continue;
-    const mtf::ImageView<const float> mask = masks[c].view();
-    const std::vector<mtf::Image> share = plan.run(std::span(&mask, 1), 0.0, threads);
-    mtf::spoil(images[c].view(), share.front().view(), tolerance);
-  }
-}
-
 void print_summary(const RunReport& report, const std::vector<mtf::Image>& images,
                    const std::vector<std::string>& names) {
   const mtf::SampleGrid& out = report.plan->out();
@@ -160,7 +158,7 @@ void print_summary(const RunReport& report, const std::vector<mtf::Image>& image
 
 int run_simulate(const SimulateOptions& options, const Global& global) {
   RunReport report;
-  StopWatch watch;
+  StopWatch watch(global.progress);
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
   std::vector<std::string> inputs = files_of(config);
   inputs.push_back(options.scene);
@@ -190,7 +188,9 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   watch.lap("plan", report.timing_ms);
 
   std::vector<mtf::Image> images = plan.run(std::move(scene.planes), config.scene.border_value, global.threads);
-  propagate_bad_pixels(plan, masks, plan_options.tolerance, global.threads, images);
+  for (std::size_t c = 0; c < masks.size(); ++c)
+    if (masks[c].size() > 0)
+      mtf::propagate_bad_pixels(plan, masks[c], plan_options.tolerance, global.threads, images[c].view());
   watch.lap("run", report.timing_ms);
 
   const std::vector<std::string> names = output_names(scene.names);
@@ -216,6 +216,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
                      (report.clamped > 0 ? ", " + std::to_string(report.clamped) + " samples clamped" : ""));
   }
   if (!options.report.empty()) emit(options.report, to_json(report));
+  if (options.report == "-") return 0;  // standard output is the report
   if (options.explain) {
     std::string text = plan.presample.explain();
     if (plan.post) text += "after sampling\n" + plan.post->explain();

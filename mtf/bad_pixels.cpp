@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/bad_pixels.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -42,6 +43,65 @@ Level first_level(ImageView<float> image) {
   return level;
 }
 
+struct Box {
+  std::int64_t x = 0, y = 0;  // half sizes in pixels
+};
+
+// Where the response to one sample in the middle exceeds the tolerance. A sample may lie anywhere in its pixel: when
+// there are several to a pixel the box grows by one.
+Box response_box(const Plan& plan, double tolerance, int threads) {
+  const SampleGrid &in = plan.in(), &out = plan.out();
+  Image impulse(in.width, in.height), response(out.width, out.height);
+  std::fill_n(impulse.data(), impulse.size(), 0.0F);
+  const auto pixel = [](std::int64_t i, double step, double pitch) {
+    return static_cast<std::int64_t>((static_cast<double>(i) + 0.5) * step / pitch);
+  };
+  const std::int64_t x = std::min(
+      in.width / 2, static_cast<std::int64_t>(0.5 * static_cast<double>(out.width) * out.step_x_um / in.step_x_um));
+  const std::int64_t y = std::min(
+      in.height / 2, static_cast<std::int64_t>(0.5 * static_cast<double>(out.height) * out.step_y_um / in.step_y_um));
+  impulse.at(x, y) = 1.0F;
+  plan.run(impulse.view(), response.view(), 0.0, threads);
+  const std::int64_t cx = pixel(x, in.step_x_um, out.step_x_um), cy = pixel(y, in.step_y_um, out.step_y_um);
+  Box box;
+  for (std::int64_t j = 0; j < out.height; ++j)
+    for (std::int64_t i = 0; i < out.width; ++i)
+      if (std::abs(static_cast<double>(response.at(i, j))) > tolerance)
+        box = {std::max(box.x, std::abs(i - cx)), std::max(box.y, std::abs(j - cy))};
+  return {box.x + (in.step_x_um < out.step_x_um ? 1 : 0), box.y + (in.step_y_um < out.step_y_um ? 1 : 0)};
+}
+
+// Marks what lies within `half` of a mark, along one line of n samples `stride` apart.
+void widen(float* line, std::int64_t n, std::int64_t stride, std::int64_t half) {
+  std::vector<std::int64_t> marks(static_cast<std::size_t>(n) + 1, 0);
+  for (std::int64_t i = 0; i < n; ++i)
+    marks[static_cast<std::size_t>(i) + 1] = marks[static_cast<std::size_t>(i)] + (line[i * stride] != 0.0F ? 1 : 0);
+  for (std::int64_t i = 0; i < n; ++i) {
+    const auto from = static_cast<std::size_t>(std::max<std::int64_t>(0, i - half));
+    const auto to = static_cast<std::size_t>(std::min(n, i + half + 1));
+    line[i * stride] = marks[to] > marks[from] ? 1.0F : 0.0F;
+  }
+}
+
+// Pixels behind `plan` that marked samples before it reach: 0 or 1.
+Image reach(const Plan& plan, const Image& mask, double tolerance, int threads) {
+  const SampleGrid &in = plan.in(), &out = plan.out();
+  const Box box = response_box(plan, tolerance, threads);
+  Image reached(out.width, out.height);
+  std::fill_n(reached.data(), reached.size(), 0.0F);
+  for (std::int64_t y = 0; y < in.height; ++y)
+    for (std::int64_t x = 0; x < in.width; ++x) {
+      if (mask.at(x, y) == 0.0F) continue;
+      const auto column = static_cast<std::int64_t>((static_cast<double>(x) + 0.5) * in.step_x_um / out.step_x_um);
+      const auto row = static_cast<std::int64_t>((static_cast<double>(y) + 0.5) * in.step_y_um / out.step_y_um);
+      if (column >= out.width + box.x || row >= out.height + box.y) continue;  // far outside the format
+      reached.at(std::min(column, out.width - 1), std::min(row, out.height - 1)) = 1.0F;
+    }
+  for (std::int64_t y = 0; y < out.height; ++y) widen(reached.data() + y * out.width, out.width, 1, box.x);
+  for (std::int64_t x = 0; x < out.width; ++x) widen(reached.data() + x, out.height, out.width, box.y);
+  return reached;
+}
+
 }  // namespace
 
 std::int64_t fill_bad_pixels(ImageView<float> image) {
@@ -77,11 +137,13 @@ Image bad_pixel_mask(ImageView<const float> image) {
   return any ? std::move(mask) : Image();
 }
 
-void spoil(ImageView<float> image, ImageView<const float> share, double tolerance) {
+void propagate_bad_pixels(const SensorPlan& plan, const Image& mask, double tolerance, int threads,
+                          ImageView<float> image) {
+  Image bad = reach(plan.presample, mask, tolerance, threads);
+  if (plan.post) bad = reach(*plan.post, bad, tolerance, threads);
   for (std::int64_t y = 0; y < image.height; ++y)
     for (std::int64_t x = 0; x < image.width; ++x)
-      if (std::abs(static_cast<double>(share.at(x, y))) > tolerance)
-        image.at(x, y) = std::numeric_limits<float>::quiet_NaN();
+      if (bad.at(x, y) != 0.0F) image.at(x, y) = std::numeric_limits<float>::quiet_NaN();
 }
 
 }  // namespace mtf

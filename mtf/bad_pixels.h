@@ -4,6 +4,7 @@
 // NaN and infinite pixels, for those who ask that they be accepted.
 
 #include "mtf/image.h"
+#include "mtf/sensor_plan.h"
 
 namespace mtf {
 
@@ -15,8 +16,10 @@ std::int64_t fill_bad_pixels(ImageView<float> image);
 /// 1 where the pixel is NaN or infinite, 0 elsewhere; empty (0x0) when all are finite.
 Image bad_pixel_mask(ImageView<const float> image);
 
-/// Sets `image` to NaN where |share| > tolerance. `share` is the filtered mask: the part of each output pixel's weight
-/// that comes from bad input.
-void spoil(ImageView<float> image, ImageView<const float> share, double tolerance);
+/// Sets to NaN every pixel of `image` that bad samples of the scene reach: their own pixel, and those within the box
+/// around it in which the response to one sample exceeds `tolerance` of that sample; behind the sampling the same
+/// again.
+void propagate_bad_pixels(const SensorPlan& plan, const Image& mask, double tolerance, int threads,
+                          ImageView<float> image);
 
 }  // namespace mtf

@@ -23,6 +23,9 @@ struct SampleGrid {
   double step_y_um = 0.0;
 };
 
+/// A length is a whole number of pitches within this many pitches.
+inline constexpr double kWholeEpsilon = 1e-9;
+
 enum class Basis { fourier, cosine };
 
 /// Frequencies of one axis.

@@ -123,14 +123,21 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   const double ratio = std::max(1.0, std::ceil(out.step_x_um / in.step_x_um) * std::ceil(out.step_y_um / in.step_y_um));
   const double alias = std::sqrt(ratio);
   const double tolerance = options.tolerance;
-  const double canvas_norm = options.scene ? options.scene->canvas_norm / options.scene->std : 2.0;
+  if (out.width > report.whole_pitches_x || out.height > report.whole_pitches_y)
+    throw UsageError("the detector grid of " + std::to_string(out.width) + "x" + std::to_string(out.height) +
+                     " is larger than the scene, which holds " + std::to_string(report.whole_pitches_x) + "x" +
+                     std::to_string(report.whole_pitches_y) + " whole pixels; use detector_grid()");
+  // Without a scene: that of a canvas whose parts are as contrasty as the image.
+  const double parts = std::sqrt(static_cast<double>(canvas_length(options.border, in.width) / in.width) *
+                                 static_cast<double>(canvas_length(options.border, in.height) / in.height));
+  const double canvas_norm = options.scene ? options.scene->canvas_norm / options.scene->std : parts;
   // The error of the whole scene may gather in the part of it that the detector sees.
   const auto area = [](const SampleGrid& g) {
     return static_cast<double>(g.width) * g.step_x_um * (static_cast<double>(g.height) * g.step_y_um);
   };
   const double norm = canvas_norm * std::sqrt(std::max(1.0, area(in) / area(out)));
   const OtfSampler sampler(system, stages, options.aperture, fx, fy, kDropShare * tolerance / (alias * norm),
-                           std::clamp(kTableShare * tolerance / (alias * norm), 1e-7, 1e-6));
+                           kTableShare * tolerance / (alias * norm));
   impl->dc = sampler.dc();
   report.dropped = sampler.dropped();
   report.merged = sampler.merged();
@@ -144,6 +151,8 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   if (sampler.is_identity() && same_grid && unit_mean) {
     report.method = "identity";
     report.predicted.dropped = sampler.error() * norm;
+    report.size = {in.width, in.height};
+    report.axes = {"as it is", "as it is"};
     Plan plan;
     plan.impl_ = std::move(impl);
     return plan;
@@ -178,7 +187,12 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   const double image_area = static_cast<double>(in.width) * static_cast<double>(in.height);
   const double canvas_rms = canvas_norm * std::sqrt(image_area / canvas_area);
   const double shortest_rms = canvas_norm / std::sqrt((x_cosine ? 2.0 : 1.0) * (y_cosine ? 2.0 : 1.0));
-  report.predicted = {dropped * spread, (sampler.error() - dropped) * spread, cut ? allowed * spread : 0.0, wrap,
+  const double quadrature = sampler.quadrature_error() * spread;
+  report.predicted = {dropped * spread,
+                      (sampler.error() - dropped) * spread - quadrature,
+                      quadrature,
+                      cut ? allowed * spread : 0.0,
+                      wrap,
                       arithmetic_error(x, y, canvas_rms, sampler.gain(), options)};
   refuse_unreachable(report.predicted, arithmetic_error(x, y, shortest_rms, sampler.gain(), options), tolerance,
                      options);

@@ -64,10 +64,11 @@ struct PlanOptions {
 struct PredictedError {
   double dropped = 0.0;     ///< components left out
   double table = 0.0;       ///< interpolation of radial factors
+  double band = 0.0;        ///< average over the wavelengths of the band
   double cut = 0.0;         ///< frequencies left out
   double wrap = 0.0;        ///< canvas shorter than the defined one
   double arithmetic = 0.0;  ///< float32 transforms and storage
-  double total() const { return dropped + table + cut + wrap + arithmetic; }
+  double total() const { return dropped + table + band + cut + wrap + arithmetic; }
 };
 
 /// What a plan decided, for reports.

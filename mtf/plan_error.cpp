@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kFloatUnit = 5.9604644775390625e-8;  // 2^-24
 constexpr double kSmallestFloat = 0x1p-150;           // half the step of denormal floats
-constexpr double kWholeEpsilon = 1e-9;                // a count of pitches is whole within this
 
 }  // namespace
 

@@ -11,14 +11,15 @@ namespace mtf {
 OtfBlocks make_otf(const OtfSampler& sampler, const SpectralEngine& engine, int threads) {
   const std::int64_t per_block = engine.columns_per_block(), keep = engine.x().keep;
   const auto& terms = engine.y_terms();
+  const FrequencyGrid frequencies = engine.frequencies();
   OtfBlocks otf;
   otf.complex = !sampler.is_real();
   otf.blocks = engine.blocks();
   otf.rows = static_cast<std::int64_t>(terms.size());
   otf.data = AlignedBuffer<float>(static_cast<std::size_t>(otf.blocks * otf.rows * kRowFloats));
   std::vector<double> fx(static_cast<std::size_t>(otf.blocks * per_block)), fy(terms.size());
-  for (std::size_t i = 0; i < fx.size(); ++i) fx[i] = engine.x().frequency.cy_mm(static_cast<std::int64_t>(i));
-  for (std::size_t j = 0; j < fy.size(); ++j) fy[j] = engine.y().frequency.cy_mm(terms[j].k);
+  for (std::size_t i = 0; i < fx.size(); ++i) fx[i] = frequencies.x.cy_mm(static_cast<std::int64_t>(i));
+  for (std::size_t j = 0; j < fy.size(); ++j) fy[j] = frequencies.y.cy_mm(terms[j].k);
   const OtfSampler::Grid grid(sampler, fx, fy);
   const auto scale = static_cast<float>(engine.otf_scale());
   const bool paired = per_block == kRowFloats;

@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t kFirst = 256, kLast = 32768, kDense = 65536;
 constexpr std::size_t kSuspects = 12, kLook = 16;  // intervals looked at closely, and points in each
 
-// Cubic through four neighbouring samples at t in 0..1 of the middle interval [i, i+1]. The function is even about 0,
-// so sample -1 mirrors sample 1; past the end the last interval is continued by its quadratic.
+// Cubic through four neighbouring samples at t in 0..1 of the middle interval [i, i+1]. Past either end the parabola of
+// the last three samples goes on: an MTF may have a corner at 0.
 double cubic(const std::vector<double>& v, std::size_t i, double t) {
   const std::size_t n = v.size() - 1;
   const double b = v[i], c = v[i + 1];
@@ -51,8 +51,8 @@ RadialTable::RadialTable(const Function& f, double end, double target) : end_(en
 
   double curvature = 0.0;
   for (std::size_t i = 1; i < n; ++i) curvature = std::max(curvature, std::abs(v[i - 1] - 2.0 * v[i] + v[i + 1]));
-  std::size_t refine =
-      1;  // linear interpolation errs by second difference / 8, which falls with the square of the step
+  // Linear interpolation errs by second difference / 8, which falls with the square of the step.
+  std::size_t refine = 1;
   while (refine * n < kDense &&
          curvature / (8.0 * static_cast<double>(refine) * static_cast<double>(refine)) > 0.25 * target)
     refine *= 2;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "mtf/error.h"
 #include "mtf/special.h"
 
 namespace mtf {
@@ -12,6 +13,8 @@ namespace {
 
 // 1/A up to the limit g, then g^2 A: continuous at |A| = 1/g, and no frequency is amplified more than g.
 double limited_inverse(double a, double limit) { return std::abs(a) * limit >= 1.0 ? 1.0 / a : limit * limit * a; }
+
+constexpr int kMostWavelengths = 512;
 
 std::string join_labels(const std::vector<const Entry<double>*>& entries) {
   std::string text;
@@ -22,8 +25,13 @@ std::string join_labels(const std::vector<const Entry<double>*>& entries) {
 }  // namespace
 
 OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture,
-                       double fx_max, double fy_max, double drop_budget, double target)
+                       double fx_max, double fy_max, double drop_budget, double table_share)
     : system_(system), aperture_(aperture), stages_(stages.begin(), stages.end()) {
+  const double target = std::clamp(table_share, 1e-7, 1e-6);
+  if (aperture_.kind == SceneAperture::Kind::curve && aperture_.curve->unit->name == "cy/px" &&
+      system_.frame.pitch_x_um != system_.frame.pitch_y_um)
+    throw UsageError(
+        "scene.aperture: a curve in cy/px has no one meaning with pixels that are not square; give it in cy/mm");
   bound_correction(fx_max, fy_max);
   sort_components(fx_max, fy_max, drop_budget);
 
@@ -42,7 +50,7 @@ OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stag
         end, target);
     std::string names = join_labels(radial_);
     if (!chromatic_radial_.empty()) names += (names.empty() ? "" : ", ") + join_labels(chromatic_radial_);
-    if (table_->error() > 20.0 * target) {
+    if (table_->error() > 20.0 * table_share) {
       // Steep or kinked beyond what a table resolves (a thin annulus, a ragged curve): exact, and slower.
       table_.reset();
       radial_per_sample_ = true;
@@ -147,10 +155,11 @@ void OtfSampler::choose_wavelengths(double end, double target) {
   };
   int n = 4;
   std::vector<double> coarse = averages(n);
-  for (; n < 128; n *= 2) {
+  for (; n < kMostWavelengths; n *= 2) {
     std::vector<double> fine = averages(2 * n);
     double worst = 0.0;
     for (std::size_t i = 0; i < fine.size(); ++i) worst = std::max(worst, std::abs(fine[i] - coarse[i]));
+    quadrature_error_ = worst;
     if (worst <= target) break;
     coarse = std::move(fine);
   }
@@ -210,7 +219,7 @@ double OtfSampler::aperture_factor(Axis axis, double f) const {
 double OtfSampler::aperture_radial(double r) const { return limited_inverse(aperture_mtf(r), aperture_.gain_limit); }
 
 double OtfSampler::error() const {
-  double sum = table_ ? table_->error() : 0.0;
+  double sum = (table_ ? table_->error() : 0.0) + quadrature_error_;
   for (const Dropped& dropped : dropped_) sum += dropped.bound;
   return sum * gain();
 }

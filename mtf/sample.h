@@ -38,9 +38,10 @@ struct Dropped {
 class OtfSampler {
  public:
   /// Prepares `stages` of `system` for |fx| <= fx_max, |fy| <= fy_max. Components whose deviations add up to no more
-  /// than `drop_budget` are left out. `target` is the allowed error of the radial table.
+  /// than `drop_budget` are left out. `table_share` is the error that
+  /// radial factors should not exceed; a table that errs by much more is not used.
   OtfSampler(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture, double fx_max,
-             double fy_max, double drop_budget, double target);
+             double fy_max, double drop_budget, double table_share);
   OtfSampler(const OtfSampler&) = delete;  // its lists point into its own copy of the system
   OtfSampler& operator=(const OtfSampler&) = delete;
 
@@ -57,6 +58,8 @@ class OtfSampler {
   int wavelengths() const { return wavelengths_; }
   /// Bound of |H_used - H| from dropping and from the table.
   double error() const;
+  /// The part of it that comes from the number of wavelengths: the change when it was last doubled.
+  double quadrature_error() const { return quadrature_error_ * gain(); }
   /// Some frequencies on the grid hit the aperture's gain limit.
   bool aperture_limited() const { return aperture_limited_; }
   /// OTF at zero frequency: the gain of the mean.
@@ -108,6 +111,7 @@ class OtfSampler {
   std::optional<RadialTable> table_;
   bool real_ = true, even_x_ = true, even_y_ = true, aperture_limited_ = false;
   bool radial_per_sample_ = false;  ///< no table resolves the radial factors
+  double quadrature_error_ = 0.0;
   int wavelengths_ = 1;
 };
 

@@ -10,19 +10,41 @@ namespace {
 // Plan::run has read all input before it writes any output; where the output is no larger it takes the input's place.
 std::vector<Image> run_in_place(const Plan& plan, std::vector<Image> images, double border_value, int threads) {
   const std::int64_t width = plan.out().width, height = plan.out().height;
+  const bool fits = width * height <= plan.in().width * plan.in().height;
   std::vector<Image> larger;
   std::vector<ImageView<const float>> in;
   std::vector<ImageView<float>> out;
   for (Image& image : images) {
+    if (image.width() != plan.in().width || image.height() != plan.in().height)
+      throw UsageError("a plane is " + std::to_string(image.width()) + "x" + std::to_string(image.height()) +
+                       ", the plan was made for " + std::to_string(plan.in().width) + "x" +
+                       std::to_string(plan.in().height));
+    if (!fits) larger.emplace_back(width, height);
     in.push_back(image.view());
-    if (width * height > image.size()) larger.emplace_back(width, height);
+    out.push_back(fits ? ImageView<float>{image.data(), width, height, width} : larger.back().view());
   }
-  for (std::size_t i = 0; i < images.size(); ++i)
-    out.push_back(larger.empty() ? ImageView<float>{images[i].data(), width, height, width} : larger[i].view());
   plan.run(in, out, border_value, threads);
-  if (!larger.empty()) return larger;
+  if (!fits) return larger;
   for (Image& image : images) image.reshape(width, height);
   return images;
+}
+
+// What the filters behind the sampling may meet: all contrast of the scene's canvas may lie in the part that the
+// detector sees, aliases may add, and the correction of the scene's own blur amplifies.
+SceneSummary behind_sampling(SceneSummary scene, const PlanOptions& options, const SampleGrid& in,
+                             const SampleGrid& out) {
+  const auto area = [](const SampleGrid& g) {
+    return static_cast<double>(g.width) * g.step_x_um * (static_cast<double>(g.height) * g.step_y_um);
+  };
+  const double aliases =
+      std::max(1.0, std::ceil(out.step_x_um / in.step_x_um) * std::ceil(out.step_y_um / in.step_y_um));
+  const double correction = options.aperture.kind == SceneAperture::Kind::point ? 1.0 : options.aperture.gain_limit;
+  scene.canvas_norm *= std::sqrt(std::max(1.0, area(in) / area(out)) * aliases) * correction;
+  scene.largest *= correction;
+  // Held edges repeat what may be the largest value; nine images make their canvas.
+  if (options.border == Border::replicate || options.border == Border::constant)
+    scene.canvas_norm = std::max(scene.canvas_norm, 6.0 * scene.largest);
+  return scene;
 }
 
 }  // namespace
@@ -37,6 +59,7 @@ SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene,
   PlanOptions half = options;
   half.tolerance = 0.5 * options.tolerance;
   half.aperture = {};
+  if (options.scene) half.scene = behind_sampling(*options.scene, options, scene, detector);
   // A refusal speaks of the whole tolerance, not of the share that one step was given, and of what all steps can keep.
   const auto in_share = [&](double share, const auto& compile_step) {
     try {

@@ -42,7 +42,7 @@ struct System {
   Frame<S> frame;
   Optics<S> optics;
   std::optional<Band> band;
-  int band_nodes = 64;  ///< nodes used by otf(); plans choose their own number from the tolerance
+  int band_nodes = 256;  ///< nodes used by otf(); plans choose their own number from the tolerance
   std::array<std::vector<Entry<S>>, 3> stages;  ///< index = Stage
 
   std::vector<Entry<S>>& list(Stage stage) { return stages[static_cast<std::size_t>(stage)]; }

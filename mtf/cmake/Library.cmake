@@ -18,13 +18,14 @@ function(mtfkit_library name)
   install(TARGETS ${target} EXPORT mtfkitTargets)
 endfunction()
 
-# mtfkit_install_headers(folder [EXCLUDE subfolder]): every header below the folder, under include/mtfkit.
+# mtfkit_install_headers(folder [INTERNAL files...]): the headers below the folder, under include/mtfkit, but for those that
+# only the toolkit's own sources include.
 function(mtfkit_install_headers folder)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "EXCLUDE" "")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "INTERNAL")
   set(exclude "")
-  if(arg_EXCLUDE)
-    set(exclude PATTERN "${arg_EXCLUDE}" EXCLUDE)
-  endif()
+  foreach(name IN LISTS arg_INTERNAL)
+    list(APPEND exclude PATTERN "${name}" EXCLUDE)
+  endforeach()
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}/"
     DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mtfkit/${folder}"
     FILES_MATCHING PATTERN "*.h" ${exclude} PATTERN "cmake" EXCLUDE)

@@ -3,9 +3,8 @@
 
 // One axis of the spectral engine: how an image axis becomes frequencies, and how filtered frequencies become detector
 // samples. The same trigonometric polynomial is sampled in both ways of `Resampling`:
-//   fold   the canvas is a whole number of pitches: frequencies that alias onto one another are added, and one
-//   transform of
-//          the detector length gives the samples;
+//   fold   the canvas is a whole number of pitches: frequencies that alias onto one another are added, then one
+//          transform of the detector's length gives the samples;
 //   chirp  any other ratio: the polynomial is evaluated at the detector centres (Bluestein's chirp transform).
 
 #include <cstdint>
@@ -17,6 +16,10 @@
 #include "mtf/image.h"
 
 namespace mtf {
+
+/// Complex columns that pass through the column transforms together: one cache line a row.
+inline constexpr int kLanes = 8;
+inline constexpr int kRowFloats = 2 * kLanes;
 
 enum class Resampling { fold, chirp };
 

@@ -27,6 +27,12 @@ int checked(std::int64_t n) {
 
 unsigned flags(Rigor rigor) { return rigor == Rigor::measure ? FFTW_MEASURE : FFTW_ESTIMATE; }
 
+// The lock is released before the plan gets its owner, whose deleter takes it again.
+fftwf_plan planned(const auto& make) {
+  const std::scoped_lock lock(planner());
+  return make();
+}
+
 std::shared_ptr<void> own(fftwf_plan plan) {
   if (plan == nullptr) throw RuntimeError("FFTW could not plan a transform");
   return {plan, [](void* p) {
@@ -43,9 +49,10 @@ Lanes::Lanes(std::int64_t n, int lanes, bool forward, Rigor rigor) {
   const int length = checked(n);
   const AlignedBuffer<float> scratch(2 * static_cast<std::size_t>(n) * static_cast<std::size_t>(lanes));
   fftwf_complex* data = complexes(scratch.data());
-  const std::scoped_lock lock(planner());
-  plan_ = own(fftwf_plan_many_dft(1, &length, lanes, data, nullptr, lanes, 1, data, nullptr, lanes, 1,
-                                  forward ? FFTW_FORWARD : FFTW_BACKWARD, flags(rigor)));
+  plan_ = own(planned([&] {
+    return fftwf_plan_many_dft(1, &length, lanes, data, nullptr, lanes, 1, data, nullptr, lanes, 1,
+                               forward ? FFTW_FORWARD : FFTW_BACKWARD, flags(rigor));
+  }));
 }
 
 void Lanes::execute(float* data) const {
@@ -55,8 +62,9 @@ void Lanes::execute(float* data) const {
 RealForward::RealForward(std::int64_t n, Rigor rigor) {
   const int length = checked(n);
   const AlignedBuffer<float> in(static_cast<std::size_t>(n)), out(static_cast<std::size_t>(n) + 2);
-  const std::scoped_lock lock(planner());
-  plan_ = own(fftwf_plan_dft_r2c_1d(length, in.data(), complexes(out.data()), flags(rigor) | FFTW_DESTROY_INPUT));
+  plan_ = own(planned([&] {
+    return fftwf_plan_dft_r2c_1d(length, in.data(), complexes(out.data()), flags(rigor) | FFTW_DESTROY_INPUT);
+  }));
 }
 
 void RealForward::execute(float* in, float* out) const {
@@ -66,8 +74,9 @@ void RealForward::execute(float* in, float* out) const {
 RealInverse::RealInverse(std::int64_t n, Rigor rigor) {
   const int length = checked(n);
   const AlignedBuffer<float> in(static_cast<std::size_t>(n) + 2), out(static_cast<std::size_t>(n));
-  const std::scoped_lock lock(planner());
-  plan_ = own(fftwf_plan_dft_c2r_1d(length, complexes(in.data()), out.data(), flags(rigor) | FFTW_DESTROY_INPUT));
+  plan_ = own(planned([&] {
+    return fftwf_plan_dft_c2r_1d(length, complexes(in.data()), out.data(), flags(rigor) | FFTW_DESTROY_INPUT);
+  }));
 }
 
 void RealInverse::execute(float* in, float* out) const {
@@ -82,6 +91,7 @@ void inverse(std::vector<Complex<double>>& data) {
     const std::scoped_lock lock(planner());
     plan = fftw_plan_dft_1d(checked(static_cast<std::int64_t>(data.size())), p, p, FFTW_BACKWARD, FFTW_ESTIMATE);
   }
+  if (plan == nullptr) throw RuntimeError("FFTW could not plan a transform");
   fftw_execute(plan);
   const std::scoped_lock lock(planner());
   fftw_destroy_plan(plan);

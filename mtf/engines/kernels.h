@@ -11,9 +11,6 @@
 
 namespace mtf {
 
-inline constexpr int kLanes = 8;
-inline constexpr int kRowFloats = 2 * kLanes;
-
 namespace kernels {
 
 /// row r *= factors[r] (complex) for `rows` rows of `lanes` lanes.

@@ -27,7 +27,7 @@ struct OtfBlocks {
   std::int64_t rows = 0;  ///< terms of the y axis
   AlignedBuffer<float> data;
 
-  float* row(std::int64_t block, std::int64_t r) const { return data.data() + (block * rows + r) * (2 * 8); }
+  float* row(std::int64_t block, std::int64_t r) const { return data.data() + (block * rows + r) * kRowFloats; }
 };
 
 class SpectralEngine {
@@ -35,6 +35,7 @@ class SpectralEngine {
   /// x.basis cosine needs y.basis cosine and a real OTF.
   SpectralEngine(const AxisJob& x, const AxisJob& y, fft::Rigor rigor);
 
+  FrequencyGrid frequencies() const { return {x_.frequency, y_.frequency}; }
   const AxisJob& x() const { return x_; }
   const AxisJob& y() const { return y_; }
   /// x frequencies per block: 2 kLanes cosines or kLanes complex exponentials.

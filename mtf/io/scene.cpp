@@ -94,7 +94,15 @@ Scene load_scene(const SensorConfig& config, const std::string& path, const Read
   if (file.missing_pixels > 0)
     scene.warnings.push_back(path + ": " + std::to_string(file.missing_pixels) +
                              " pixels of the display window lie outside the data window and are 0");
-  apply_gain(file.planes, defaults.gain.value_or(1.0), defaults.offset.value_or(0.0));
+  if (!stated || file.integer)
+    apply_gain(file.planes, defaults.gain.value_or(1.0), defaults.offset.value_or(0.0));
+  else if (defaults.gain || defaults.offset)
+    scene.warnings.push_back(path + " states its own quantity; gain and offset of [scene] are for files that do not");
+  const auto& [width, height, step_x, step_y] = scene.grid;
+  if (defaults.sample_x_um && (*defaults.sample_x_um != step_x || *defaults.sample_y_um != step_y))
+    scene.warnings.push_back(path + " states samples of " + format_double(step_x) + " x " + format_double(step_y) +
+                             " um, [scene] says " + format_double(*defaults.sample_x_um) + " x " +
+                             format_double(*defaults.sample_y_um) + " um; the file wins");
   scene.names = std::move(file.names);
   scene.planes = std::move(file.planes);
   scene.info = std::move(file.info);

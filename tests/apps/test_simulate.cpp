@@ -146,6 +146,38 @@ TEST_F(Simulate, BadPixels) {
   EXPECT_LT(bad, 200);
 }
 
+TEST_F(Simulate, BadPixelsReachThroughAFilterOfZeroSum) {
+  std::string text = read_file(scratch / "sensor.toml");
+  text += "\n[[postsample]]\nkind = \"fir\"\ntaps = [[0, -1, 0], [-1, 4, -1], [0, -1, 0]]\n";
+  write_file(scratch / "sensor.toml", text);
+  Image plane = pattern(128, 128, 5.0, 1.0);
+  for (std::int64_t y = 40; y < 80; ++y)
+    for (std::int64_t x = 40; x < 80; ++x) plane.at(x, y) = std::numeric_limits<float>::quiet_NaN();
+  mtf::io::write_exr((scratch / "hole.exr").string(), {{"Y", plane.view()}}, {});
+  const Result r = scratch.run("mtf simulate sensor.toml hole.exr -o out.exr --nan propagate --tolerance 1e-3");
+  ASSERT_EQ(r.status, 0) << r.err;
+  const auto image = mtf::io::read_image((scratch / "out.exr").string());
+  for (std::int64_t y = 9; y <= 20; ++y)
+    for (std::int64_t x = 9; x <= 20; ++x) EXPECT_TRUE(std::isnan(image.planes[0].at(x, y))) << x << " " << y;
+  EXPECT_FALSE(std::isnan(image.planes[0].at(0, 0)));
+}
+
+TEST_F(Simulate, GainIsForFilesThatStateNoQuantity) {
+  ASSERT_EQ(scratch.run("mtf simulate sensor.toml scene.exr -o first.exr").status, 0);  // states quantity and pitch
+  add_to_scene("gain = 0.5\noffset = 100.0\n");
+  const Result r = scratch.run("mtf simulate sensor.toml first.exr -o second.exr");
+  ASSERT_EQ(r.status, 0) << r.err;
+  EXPECT_NE(r.err.find("gain and offset"), std::string::npos) << r.err;
+  EXPECT_LT(mtf::io::read_image((scratch / "second.exr").string()).planes[0].at(3, 3), 50.0F);
+}
+
+TEST_F(Simulate, ReportOnStandardOutputIsTheReportAlone) {
+  const Result r = scratch.run("mtf simulate sensor.toml scene.exr -o out.exr --report - --explain --progress json");
+  ASSERT_EQ(r.status, 0) << r.err;
+  EXPECT_EQ(nlohmann::json::parse(r.out)["plan"]["method"], "spectral");
+  EXPECT_NE(r.err.find("{\"stage\":\"run\""), std::string::npos) << r.err;
+}
+
 TEST_F(Simulate, WarnsBelowTwoSamplesPerPitchAndGoesOn) {
   std::string text = read_file(scratch / "sensor.toml");
   text.replace(text.find("sample = \"3.75 um\""), 18, "sample = \"12.0 um\"");
