@@ -3,8 +3,14 @@
 
 // The closed list of components: the only registry. Included by system_impl.h and tests; others see Component<S>.
 
+#include "mtf/components/bolometer.h"
+#include "mtf/components/boost.h"
+#include "mtf/components/charge_transfer.h"
+#include "mtf/components/circular_footprint.h"
+#include "mtf/components/crosstalk.h"
 #include "mtf/components/curve.h"
 #include "mtf/components/diffraction.h"
+#include "mtf/components/diffusion.h"
 #include "mtf/components/fir.h"
 #include "mtf/components/footprint.h"
 #include "mtf/components/gaussian.h"
@@ -12,13 +18,18 @@
 #include "mtf/components/linear_motion.h"
 #include "mtf/components/lowpass.h"
 #include "mtf/components/rms_wavefront.h"
+#include "mtf/components/sample_and_hold.h"
+#include "mtf/components/tdi.h"
+#include "mtf/components/turbulence.h"
+#include "mtf/components/vibration.h"
 
 namespace mtf {
 
 template <class S>
 struct ComponentVariant {
-  std::variant<Diffraction<S>, RmsWavefront<S>, Gaussian<S>, Footprint<S>, Jitter<S>, LinearMotion<S>, RcLowpass<S>,
-               Butterworth<S>, CurveOtf<S>, Fir<S>>
+  std::variant<Diffraction<S>, RmsWavefront<S>, Gaussian<S>, Turbulence<S>, Footprint<S>, CircularFootprint<S>,
+               Diffusion<S>, Crosstalk<S>, Tdi<S>, Bolometer<S>, Jitter<S>, LinearMotion<S>, Vibration<S>, RcLowpass<S>,
+               Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>, Boost<S>, SampleAndHold<S>>
       value;
 };
 

@@ -48,6 +48,34 @@ S relative_frequency(const S& f_cy_mm, const S& wavelength_um, const S& f_number
   return f_cy_mm * (wavelength_um * S(1e-3)) * f_number;
 }
 
+inline constexpr std::array<std::string_view, 2> kAxisNames{"x", "y"};
+inline constexpr FieldInfo kAxisInfo{
+    .name = "axis", .presence = Presence::optional, .example = "\"x\"", .doc = "axis of the scan or readout"};
+inline Axis axis_of(const Choice& choice) { return choice.index == 0 ? Axis::x : Axis::y; }
+
+/// Component of f along an axis.
+template <class S>
+const S& along(const Freq<S>& f, Axis axis) {
+  return axis == Axis::x ? f.x : f.y;
+}
+
+inline constexpr FieldInfo kDirectionInfo{.name = "direction",
+                                          .dimension = Dimension::angle,
+                                          .unit = "deg",
+                                          .lo = -360.0,
+                                          .hi = 360.0,
+                                          .presence = Presence::optional,
+                                          .example = "\"30 deg\"",
+                                          .doc = "from +x (right) to +y (down)"};
+
+/// (cos, sin) of a direction, exact at multiples of 90 degrees.
+template <class S>
+Freq<S> unit_vector(const S& direction_deg) {
+  const S half_turns = direction_deg / S(180);
+  const double a = value_of(half_turns);
+  return {lift({cos_pi(a), -kPi * sin_pi(a)}, half_turns), lift({sin_pi(a), kPi * cos_pi(a)}, half_turns)};
+}
+
 /// Bound of |1 - sinc| up to x: monotone to 1, never above 1 + 0.2173 (the deepest side lobe).
 inline double sinc_deviation(double x) { return x < 1.0 ? 1.0 - sinc(x).value : 1.2173; }
 

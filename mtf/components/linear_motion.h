@@ -49,21 +49,10 @@ struct LinearMotion {
                         .example = "\"20 mrad/s\"",
                         .doc = "object angle per second, times frame.integration_time, instead of travel"},
               &LinearMotion::rate_urad_s},
-        Field{FieldInfo{.name = "direction",
-                        .dimension = Dimension::angle,
-                        .unit = "deg",
-                        .lo = -360.0,
-                        .hi = 360.0,
-                        .presence = Presence::optional,
-                        .example = "\"30 deg\"",
-                        .doc = "from +x (right) to +y (down)"},
-              &LinearMotion::direction_deg}};
+        Field{kDirectionInfo, &LinearMotion::direction_deg}};
   }
   Freq<S> displacement_mm(const Context<S>& ctx) const {
-    const S half_turns = direction_deg / S(180);
-    const double a = value_of(half_turns);
-    const S cosine = lift({cos_pi(a), -kPi * sin_pi(a)}, half_turns),
-            sine = lift({sin_pi(a), kPi * cos_pi(a)}, half_turns);
+    const auto [cosine, sine] = unit_vector(direction_deg);
     if (travel.given()) return {travel.x_um(ctx.frame) * cosine * S(1e-3), travel.y_um(ctx.frame) * sine * S(1e-3)};
     const S speed = velocity_um_s ? *velocity_um_s : ctx.frame.um_from_urad(rate_urad_s.value_or(S(0)));
     const S length = speed * ctx.frame.integration_time_s * S(1e-3);

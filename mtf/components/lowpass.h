@@ -11,8 +11,6 @@
 
 namespace mtf {
 
-inline constexpr std::array<std::string_view, 2> kAxisNames{"x", "y"};
-
 template <class S>
 struct LowpassAxis {
   static constexpr FieldInfo cutoff_info{.name = "cutoff",
@@ -21,9 +19,6 @@ struct LowpassAxis {
                                          .hi = 1e9,
                                          .example = "\"40 cy/mm\"",
                                          .doc = "spatial frequency where the modulus is 1/sqrt(2)"};
-  static constexpr FieldInfo axis_info{
-      .name = "axis", .presence = Presence::optional, .example = "\"x\"", .doc = "axis of the scan or readout"};
-  static Axis axis_of(const Choice& choice) { return choice.index == 0 ? Axis::x : Axis::y; }
   /// Frequency along the component's axis, and f0 there, both in cy/mm.
   struct Pair {
     S along;
@@ -32,7 +27,7 @@ struct LowpassAxis {
     double ratio() const { return std::abs(value_of(along)) / value_of(f0); }
   };
   static Pair pair(const SpatialFrequency<S>& cutoff, const Choice& axis, const Freq<S>& f, const Context<S>& ctx) {
-    return {axis_of(axis) == Axis::x ? f.x : f.y, cutoff.cy_mm(ctx.frame, axis_of(axis))};
+    return {mtf::along(f, axis_of(axis)), cutoff.cy_mm(ctx.frame, axis_of(axis))};
   }
 };
 
@@ -46,8 +41,7 @@ struct RcLowpass {
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
-    return std::tuple{Field{LowpassAxis<S>::cutoff_info, &RcLowpass::cutoff},
-                      Field{LowpassAxis<S>::axis_info, &RcLowpass::axis}};
+    return std::tuple{Field{LowpassAxis<S>::cutoff_info, &RcLowpass::cutoff}, Field{kAxisInfo, &RcLowpass::axis}};
   }
   Traits traits(const Context<S>&) const {
     const bool x = axis.index == 0;
@@ -86,7 +80,7 @@ struct Butterworth {
     return std::tuple{Field{LowpassAxis<S>::cutoff_info, &Butterworth::cutoff},
                       Field{FieldInfo{.name = "poles", .lo = 1.0, .hi = 20.0, .example = "3", .doc = "number of poles"},
                             &Butterworth::poles},
-                      Field{LowpassAxis<S>::axis_info, &Butterworth::axis}};
+                      Field{kAxisInfo, &Butterworth::axis}};
   }
   Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true}; }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {

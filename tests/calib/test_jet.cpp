@@ -146,10 +146,31 @@ TEST(Jet, gradient_at_bounds_equals_one_sided_difference) {
       }
     }
   }
-  for (const char* bound : {"diffraction.obscuration.lo", "diffraction.f_number.lo", "diffraction.wavelength.hi",
-                            "footprint.width.lo", "footprint.fill_factor.hi", "gaussian.sigma.lo", "jitter.rms.lo",
-                            "linear_motion.travel.lo", "linear_motion.rate.lo", "linear_motion.direction.hi",
-                            "rms_wavefront.rms.lo", "fir.taps[].lo", "rc_lowpass.cutoff.hi", "butterworth.cutoff.hi"})
+  for (const char* bound : {"diffraction.obscuration.lo",
+                            "diffraction.f_number.lo",
+                            "diffraction.wavelength.hi",
+                            "footprint.width.lo",
+                            "footprint.fill_factor.hi",
+                            "gaussian.sigma.lo",
+                            "jitter.rms.lo",
+                            "linear_motion.travel.lo",
+                            "linear_motion.rate.lo",
+                            "linear_motion.direction.hi",
+                            "rms_wavefront.rms.lo",
+                            "fir.taps[].lo",
+                            "rc_lowpass.cutoff.hi",
+                            "butterworth.cutoff.hi",
+                            "charge_transfer.inefficiency.lo",
+                            "crosstalk.side.lo",
+                            "crosstalk.corner.hi",
+                            "tdi.slip.lo",
+                            "diffusion.depletion_depth.lo",
+                            "diffusion.diffusion_length.hi",
+                            "bolometer.time_constant.lo",
+                            "vibration.amplitude.lo",
+                            "turbulence.fried_parameter.hi",
+                            "turbulence.alpha.lo",
+                            "circular_footprint.diameter.lo"})
     EXPECT_TRUE(compared.contains(bound)) << bound;
 }
 

@@ -50,14 +50,17 @@ double distance(const Complex<S>& a, const Complex<S>& b) {
                     static_cast<double>(a.im) - static_cast<double>(b.im));
 }
 
-// Sum of the moduli of a filter's taps, the scale of its rounding; 1 for all others.
+// Sum of the moduli of a filter's taps or the gain of a boost, the scale of its rounding; 1 for all others.
 double gain_scale(const System<double>& system) {
   System<double> copy = system;
   double sum = 0.0;
-  for (const FieldRef<double>& field : only_component(copy).fields())
+  for (const FieldRef<double>& field : only_component(copy).fields()) {
     if (const auto* taps = std::get_if<Taps<double>*>(&field.value))
       for (const auto& row : **taps)
         for (const double tap : row) sum += std::abs(tap);
+    if (const auto* number = std::get_if<std::optional<double>*>(&field.value); number && field.info->name == "gain")
+      sum = (*number)->value_or(1.0);
+  }
   return std::max(sum, 1.0);
 }
 
@@ -229,7 +232,7 @@ TYPED_TEST(Conformance, chromatic_flag_is_true) {
     }
     if (s.traits.chromatic) chromatic_kinds.emplace(only_component(s.system).kind());
   }
-  EXPECT_EQ(chromatic_kinds, (std::set<std::string>{"diffraction", "rms_wavefront"}));
+  EXPECT_EQ(chromatic_kinds, (std::set<std::string>{"diffraction", "rms_wavefront", "turbulence"}));
 }
 
 // Parameters and frequencies that float holds exactly, so that only the arithmetic differs.

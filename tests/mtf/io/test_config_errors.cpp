@@ -49,12 +49,12 @@ TEST(ConfigErrors, NoneInTheHead) { EXPECT_TRUE(messages(kHead).empty()) << mess
 
 TEST(ConfigErrors, FrameOutOfRange) {
   for (const std::string bad : {"-100 mm", "0 mm"})
-    expect_one(head_with("100 mm", bad), "s.toml:3:16: error: frame.focal_length: ", {" mm is outside (0, 1e+07]"});
+    expect_one(head_with("100 mm", bad), "s.toml:3:16: error: frame.focal_length: ", {" mm is outside [1e-06, 1e+07]"});
   for (const std::string bad : {"-15 um", "0 um"})
-    expect_one(head_with("15 um", bad), "s.toml:4:9: error: frame.pitch: ", {" um is outside (0, 1e+06]"});
+    expect_one(head_with("15 um", bad), "s.toml:4:9: error: frame.pitch: ", {" um is outside [1e-06, 1e+06]"});
   for (const std::string bad : {"-4 um", "0 um"})
-    expect_one(head_with("4 um", bad), "s.toml:7:14: error: optics.wavelength: ", {"is outside (0, 1e+05]"});
-  expect_one(head_with("2.0", "-2.0"), "s.toml:6:12: error: optics.f_number: -2", {"is outside [0.1, 1e4]"});
+    expect_one(head_with("4 um", bad), "s.toml:7:14: error: optics.wavelength: ", {"is outside [0.01, 1e+05]"});
+  expect_one(head_with("2.0", "-2.0"), "s.toml:6:12: error: optics.f_number: -2", {"is outside [0.1, 10000]"});
   for (const std::string bad : {"1.0", "-0.1", "7"})
     expect_one(head_with("f_number", "obscuration = " + bad + "\nf_number"),
                "s.toml:6:15: error: optics.obscuration: ", {"is outside [0, 1)"});

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Thermal time constant of a bolometer under an image that moves at constant speed: its signal is the past of the
+// image, weighted with exp(-t/tau)/tau.
+//   otf = 1/(1 - 2 pi i f v tau),  f along the axis, v = velocity of the image towards +axis
+// The tail lies behind the moving image: towards -axis for v > 0; v may be negative. The phase, a mean lag of v tau, is
+// kept. Steady motion only; the sampling of the frame readout in time is not part of it. (Kruse and Skatrud, Uncooled
+// Infrared Imaging Arrays and Systems.)
+
+#include "mtf/components/field.h"
+
+namespace mtf {
+
+template <class S>
+struct Bolometer {
+  static constexpr std::string_view kind = "bolometer";
+  static constexpr std::string_view doc = "thermal time constant of a bolometer under image motion";
+  static constexpr Stages stages{.presample = true};
+
+  S time_constant_s{};
+  std::optional<S> velocity_um_s;
+  std::optional<S> rate_urad_s;
+  Choice axis{0, kAxisNames};
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "time_constant",
+                                      .dimension = Dimension::time,
+                                      .unit = "s",
+                                      .lo = 0.0,
+                                      .hi = 1e3,
+                                      .example = "\"10 ms\"",
+                                      .doc = "thermal time constant"},
+                            &Bolometer::time_constant_s},
+                      Field{FieldInfo{.name = "velocity",
+                                      .dimension = Dimension::velocity,
+                                      .unit = "um/s",
+                                      .lo = -1e12,
+                                      .hi = 1e12,
+                                      .presence = Presence::optional,
+                                      .example = "\"0.5 mm/s\"",
+                                      .doc = "velocity of the image on the focal plane towards +axis"},
+                            &Bolometer::velocity_um_s},
+                      Field{FieldInfo{.name = "rate",
+                                      .dimension = Dimension::rate,
+                                      .unit = "urad/s",
+                                      .lo = -1e12,
+                                      .hi = 1e12,
+                                      .presence = Presence::optional,
+                                      .example = "\"20 mrad/s\"",
+                                      .doc = "object angle per second towards +axis, instead of velocity"},
+                            &Bolometer::rate_urad_s},
+                      Field{kAxisInfo, &Bolometer::axis}};
+  }
+  Traits traits(const Context<S>&) const {
+    const bool x = axis.index == 0;
+    return {.separable = true, .even_x = !x, .even_y = x, .real = false};
+  }
+  S lag_mm(const Context<S>& ctx) const {
+    const S speed = velocity_um_s ? *velocity_um_s : ctx.frame.um_from_urad(rate_urad_s.value_or(S(0)));
+    return speed * time_constant_s * S(1e-3);
+  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const S x = lag_mm(ctx) * along(f, axis_of(axis));
+    const double u = 2.0 * kPi * value_of(x);
+    if (!(std::abs(u) < 1e150)) return {S(0), S(std::isfinite(u) ? 1.0 / u : 0.0)};
+    const double scale = 1.0 / (1.0 + u * u);
+    return {lift({scale, -4.0 * kPi * (u * scale) * scale}, x),
+            lift({u * scale, 2.0 * kPi * ((1.0 - u) * scale) * ((1.0 + u) * scale)}, x)};
+  }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    const double u = 2.0 * kPi * std::abs(value_of(lag_mm(ctx))) * (axis.index == 0 ? fx : fy);
+    return u < 1e150 ? u / std::sqrt(1.0 + u * u) : 1.0;
+  }
+  std::vector<Problem> check(const Context<S>&) const {
+    if (velocity_um_s.has_value() == rate_urad_s.has_value())
+      return {{.field = "velocity", .text = "give either velocity or rate"}};
+    return {};
+  }
+};
+
+}  // namespace mtf

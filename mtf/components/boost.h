@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Analog boost (aperture correction) of the video signal along one axis:
+//   otf = 1 + (K - 1)/2 (1 - cos(pi f/fm)),  K = gain at its peak fm, f along the axis
+// Raises contrast, and noise with it; the mean stays. Real, periodic in 2 fm: it is the filter that adds the difference
+// of the signal to its neighbours 1/(2 fm) away; meant for f <= fm. (Holst, Electro-Optical Imaging System
+// Performance.)
+
+#include "mtf/components/field.h"
+
+namespace mtf {
+
+template <class S>
+struct Boost {
+  static constexpr std::string_view kind = "boost";
+  static constexpr std::string_view doc = "analog boost of high frequencies along one axis";
+  static constexpr Stages stages{.readout = true, .postsample = true};
+
+  std::optional<S> gain;
+  SpatialFrequency<S> peak;
+  Choice axis{0, kAxisNames};
+
+  static constexpr auto fields() {
+    return std::tuple{
+        Field{FieldInfo{.name = "gain", .lo = 1.0, .hi = 100.0, .example = "2.0", .doc = "otf at the peak frequency"},
+              &Boost::gain},
+        Field{FieldInfo{.name = "peak",
+                        .dimension = Dimension::frequency,
+                        .lo = 1e-9,
+                        .hi = 1e9,
+                        .example = "\"0.5 cy/px\"",
+                        .doc = "frequency of the largest gain"},
+              &Boost::peak},
+        Field{kAxisInfo, &Boost::axis}};
+  }
+  Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true, .gain = true}; }
+  S extra() const { return gain.value_or(S(1)) - S(1); }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const S half_turns = S(0.5) * along(f, axis_of(axis)) / peak.cy_mm(ctx.frame, axis_of(axis));
+    const double x = value_of(half_turns), s = sin_pi(x);
+    const bool steep = std::abs(x) < 1e15;  // beyond, neighbouring doubles are whole periods apart: no slope
+    return {S(1) + extra() * lift({s * s, steep ? 2.0 * kPi * s * cos_pi(x) : 0.0}, half_turns), S(0)};
+  }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    const double x = 0.5 * (axis.index == 0 ? fx : fy) / value_of(peak.cy_mm(ctx.frame, axis_of(axis)));
+    const double s = sin_pi(std::min(x, 0.5));
+    return value_of(extra()) * s * s;
+  }
+  std::vector<Problem> check(const Context<S>&) const { return {}; }
+};
+
+}  // namespace mtf

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Charge-transfer inefficiency of a CCD read along one axis: each of N transfers leaves a fraction e of the packet to
+// the next one behind it.
+//   otf = exp(-N e (1 - exp(-2 pi i f p))),  f along the axis, p its pitch
+// The leading term of a binomial spread, for e << 1. What is left behind trails towards +axis (the output lies towards
+// -axis); its phase, a mean shift of N e pixels, is kept. Complex, periodic in the sampling frequency. N counts clock
+// phases: pixels x phases (+ TDI stages). (Boreman, Modulation Transfer Function, ch. 2.)
+
+#include "mtf/components/field.h"
+
+namespace mtf {
+
+template <class S>
+struct ChargeTransfer {
+  static constexpr std::string_view kind = "charge_transfer";
+  static constexpr std::string_view doc = "charge-transfer inefficiency of a CCD, with its phase";
+  static constexpr Stages stages{.readout = true};
+
+  S inefficiency{};
+  int transfers = 0;
+  Choice axis{0, kAxisNames};
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "inefficiency",
+                                      .lo = 0.0,
+                                      .hi = 0.1,
+                                      .example = "1e-5",
+                                      .doc = "fraction of the charge left behind by one transfer, 1 - CTE"},
+                            &ChargeTransfer::inefficiency},
+                      Field{FieldInfo{.name = "transfers",
+                                      .lo = 0.0,
+                                      .hi = 1e6,
+                                      .example = "1000",
+                                      .doc = "number of transfers to the output: pixels x clock phases"},
+                            &ChargeTransfer::transfers},
+                      Field{kAxisInfo, &ChargeTransfer::axis}};
+  }
+  Traits traits(const Context<S>&) const {
+    const bool x = axis.index == 0;
+    return {.separable = true, .even_x = !x, .even_y = x, .real = false};
+  }
+  S loss() const { return inefficiency * S(static_cast<double>(transfers)); }
+  /// 1 - exp(-i t) = 2 sin^2(t/2) + i sin t, without cancellation at small t.
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const S x = ctx.frame.cy_per_px(along(f, axis_of(axis)), axis_of(axis));
+    const double v = value_of(x), s = sin_pi(v), c = cos_pi(v), sin_2 = 2.0 * s * c, cos_2 = (c - s) * (c + s);
+    const S lost = lift({2.0 * s * s, 2.0 * kPi * sin_2}, x) * loss();
+    const double modulus = std::exp(-value_of(lost));
+    const Complex<S> phase = phase_of(S(lift({sin_2 / kPi, 2.0 * cos_2}, x) * loss()));
+    const S scale = lift({modulus, -modulus}, lost);
+    return {scale * phase.re, scale * phase.im};
+  }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  /// |1 - exp(-z)| <= |z| where Re z >= 0.
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    const double x = (axis.index == 0 ? fx : fy) * value_of(ctx.frame.pitch_um(axis_of(axis))) * 1e-3;
+    return std::min(2.0, 2.0 * value_of(loss()) * sin_pi(std::min(x, 0.5)));
+  }
+  std::vector<Problem> check(const Context<S>&) const { return {}; }
+};
+
+}  // namespace mtf

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Crosstalk between neighbouring pixels, or inter-pixel capacitance: every pixel passes a fraction s of its signal to
+// each of its four side neighbours and c to each of its four corner neighbours.
+//   otf = (1 - 4s - 4c) + 2s (cos X + cos Y) + 4c cos X cos Y,  X = 2 pi fx px, Y = 2 pi fy py
+// Real (signed), periodic in the sampling frequency, so the same before and after sampling. The bounds of s and c keep
+// the middle tap from going negative: passive. Do not use it beside `diffusion` for the same measured spread.
+// (Moore, Ninkov, Forrest, Opt. Eng. 45, 076402 (2006).)
+
+#include "mtf/components/field.h"
+
+namespace mtf {
+
+template <class S>
+struct Crosstalk {
+  static constexpr std::string_view kind = "crosstalk";
+  static constexpr std::string_view doc = "crosstalk or inter-pixel capacitance between neighbouring pixels";
+  static constexpr Stages stages{.presample = true, .readout = true};
+
+  S side{};
+  std::optional<S> corner;
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "side",
+                                      .lo = 0.0,
+                                      .hi = 0.125,
+                                      .example = "0.03",
+                                      .doc = "fraction that reaches each of the four side neighbours"},
+                            &Crosstalk::side},
+                      Field{FieldInfo{.name = "corner",
+                                      .lo = 0.0,
+                                      .hi = 0.125,
+                                      .presence = Presence::optional,
+                                      .example = "0.005",
+                                      .doc = "fraction that reaches each of the four corner neighbours; 0 when absent"},
+                            &Crosstalk::corner}};
+  }
+  Traits traits(const Context<S>&) const { return {.even_x = true, .even_y = true}; }
+  /// sin^2(pi f p), the only form in which the frequency enters: no cancellation at small f.
+  static S sine_square(const S& f, Axis axis, const Context<S>& ctx) {
+    const S x = ctx.frame.cy_per_px(f, axis);
+    const double s = sin_pi(value_of(x)), c = cos_pi(value_of(x));
+    return lift({s * s, 2.0 * kPi * s * c}, x);
+  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const S a = sine_square(f.x, Axis::x, ctx), b = sine_square(f.y, Axis::y, ctx), c = corner.value_or(S(0));
+    return {S(1) - S(4) * (side + S(2) * c) * (a + b) + S(16) * c * a * b, S(0)};
+  }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  /// 1 - otf = 4s (a + b) + 8c (a + b - 2ab), every part of it >= 0.
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    const auto largest = [&](double f, Axis axis) {
+      const double s = sin_pi(std::min(0.5, f * value_of(ctx.frame.pitch_um(axis)) * 1e-3));
+      return s * s;
+    };
+    const double sum = largest(fx, Axis::x) + largest(fy, Axis::y);
+    return 4.0 * value_of(side) * sum + 8.0 * value_of(corner.value_or(S(0))) * std::min(1.0, sum);
+  }
+  std::vector<Problem> check(const Context<S>&) const { return {}; }
+};
+
+}  // namespace mtf

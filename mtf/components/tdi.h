@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Time delay and integration: N stages along one axis whose charge does not quite keep up with the image.
+//   otf = sin(N pi f d) / (N sin(pi f d)) x sinc(f p / M),  d = slip of image against charge per stage, f along the
+//   axis
+// The last factor is the stepwise motion of the charge, M clock phases a pitch p, under an image that moves evenly;
+// clock_phases = 0 leaves it out. Measured from the middle of the stages: real (signed). One stage without clock phases
+// is 1. (Johnson, Appl. Opt. 32, 6503 (1993); Holst, CMOS/CCD Sensors and Camera Systems.)
+
+#include "mtf/components/field.h"
+
+namespace mtf {
+
+template <class S>
+struct Tdi {
+  static constexpr std::string_view kind = "tdi";
+  static constexpr std::string_view doc = "time delay and integration with slip and clock phases";
+  static constexpr Stages stages{.presample = true};
+
+  int stage_count = 0;
+  AxisPair<S> slip;
+  int clock_phases = 0;
+  Choice axis{0, kAxisNames};
+
+  static constexpr auto fields() {
+    return std::tuple{
+        Field{FieldInfo{.name = "stages", .lo = 1.0, .hi = 1e5, .example = "32", .doc = "number of stages"},
+              &Tdi::stage_count},
+        Field{FieldInfo{.name = "slip",
+                        .dimension = Dimension::extent,
+                        .lo = 0.0,
+                        .hi = 1e9,
+                        .example = "\"0.34 um\"",
+                        .doc = "displacement of the image against the charge per stage"},
+              &Tdi::slip},
+        Field{FieldInfo{.name = "clock_phases",
+                        .lo = 0.0,
+                        .hi = 100.0,
+                        .presence = Presence::optional,
+                        .example = "3",
+                        .doc = "charge steps per pitch; 0: motion of the charge taken as even"},
+              &Tdi::clock_phases},
+        Field{kAxisInfo, &Tdi::axis}};
+  }
+  S slip_mm(const Context<S>& ctx) const {
+    return (axis.index == 0 ? slip.x_um(ctx.frame) : slip.y_um(ctx.frame)) * S(1e-3);
+  }
+  S step_mm(const Context<S>& ctx) const {
+    return clock_phases == 0 ? S(0) : S(ctx.frame.pitch_um(axis_of(axis)) * S(1e-3 / clock_phases));
+  }
+  Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true}; }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const S& u = along(f, axis_of(axis));
+    const S x = slip_mm(ctx) * u;
+    return {lift(mean_phase(value_of(x)), x) * sinc_of(S(step_mm(ctx) * u)), S(0)};
+  }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  /// The sum over the stages falls monotonically to its first zero, at f = 1/(N d).
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    const double f = axis.index == 0 ? fx : fy, x = value_of(slip_mm(ctx)) * f;
+    const double stages_part = stage_count == 1 ? 0.0 : x * stage_count < 1.0 ? 1.0 - mean_phase(x).value : 2.0;
+    return std::min(2.0, stages_part + sinc_deviation(value_of(step_mm(ctx)) * f));
+  }
+  std::vector<Problem> check(const Context<S>&) const {
+    if (slip.split) return {{.field = "slip", .text = "give one slip and an axis instead of slip_x, slip_y"}};
+    return {};
+  }
+
+ private:
+  /// sin(N pi x)/(N sin(pi x)) = (-1)^((N-1) k) sinc(N r)/sinc(r), r = x - k the distance to the nearest whole number:
+  /// exact at the zeros of the denominator, since sinc(r) >= 2/pi.
+  ValueSlope mean_phase(double x) const {
+    if (!std::isfinite(x) && stage_count > 1) return {0.0, 0.0};
+    if (stage_count == 1) return {1.0, 0.0};
+    const double wide = std::remainder(x, 2.0), r = std::remainder(wide, 1.0), n = stage_count;
+    const double sign = stage_count % 2 == 0 && std::abs(wide) > 0.5 ? -1.0 : 1.0;
+    const ValueSlope top = sinc(n * r), bottom = sinc(r);
+    return {sign * top.value / bottom.value,
+            sign * (n * top.slope - top.value * bottom.slope / bottom.value) / bottom.value};
+  }
+};
+
+}  // namespace mtf

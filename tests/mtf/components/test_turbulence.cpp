@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "mtf/components/turbulence.h"
+#include "tests/mtf/components/one_component.h"
+#include "tests/mtf/reference_table.h"
+
+namespace mtf::test {
+namespace {
+
+constexpr double kUlp = std::numeric_limits<double>::epsilon();
+
+Component<double> turbulence(double r0_mm, bool is_short = false, double alpha = 0.5, int constant = 0) {
+  auto c = Component<double>::make("turbulence");
+  set(c, "fried_parameter", r0_mm);
+  choose(c, "exposure", is_short ? 1 : 0);
+  if (is_short) set(c, "alpha", alpha);
+  choose(c, "constant", constant);
+  return c;
+}
+
+// 4 um, D 0.1 m (100 mm focal length, F/1), r0 0.05 m; u = 2000, 5000, 10000 cy/rad.
+TEST(Turbulence, ten_digits) {
+  const std::array f{20.0, 50.0, 100.0};
+  const std::array<std::array<double, 3>, 4> values{{{.8501804224, .4735827119, .0932064635},
+                                                     {.8804353535, .5892650349, .2234114147},
+                                                     {.8502581456, .4737821187, .0933311174},
+                                                     {.8804985011, .5894405906, .2236000827}}};
+  for (std::size_t row = 0; row < 4; ++row)
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_NEAR(otf_at(turbulence(50.0, row % 2 == 1, 0.5, row < 2 ? 0 : 1), f[i], 0.0).re, values[row][i],
+                  kTenDigits)
+          << row << i;
+}
+
+TEST(Turbulence, against_the_tables) {
+  int rows = 0;
+  const auto compare = [&](const Row& row, double v, double w, double alpha) {
+    const KolmogorovExponent e = kolmogorov_exponent(v, w, alpha);
+    for (const auto& [column, c] :
+         {std::pair{"otf_coeff_exact", Turbulence<double>::kExact}, {"otf_coeff_3_44", 3.44}}) {
+      const long double exact = precise(row, column);
+      // v, w rounded to double, the power and the bracket: a few units in the last place of the exponent.
+      const double full = c * std::pow(v, 5.0 / 3.0);
+      EXPECT_NEAR(std::exp(-c * e.value), static_cast<double>(exact),
+                  kUlp * (4.0 * static_cast<double>(exact) * (1.0 + 2.0 * full)) + 5e-324)
+          << v << " " << w << " " << alpha;
+      ++rows;
+    }
+  };
+  for (const Row& row : reference_table("kolmogorov_long_exposure.csv")) compare(row, number(row, "u"), 0.0, 0.0);
+  for (const Row& row : reference_table("kolmogorov_short_exposure.csv")) {
+    const double nu = number(row, "nu");
+    compare(row, nu * number(row, "D_over_r0"), nu, number(row, "alpha"));
+  }
+  EXPECT_EQ(rows, 2 * (42 + 783));
+}
+
+TEST(Turbulence, short_exposure_without_alpha_is_the_long_one) {
+  for (const double f : {1.0, 30.0, 249.0, 400.0})
+    EXPECT_EQ(otf_at(turbulence(50.0, true, 0.0), f, f).re, otf_at(turbulence(50.0), f, f).re) << f;
+}
+
+// D/lambda is 250 cy/mm here. Near field: rises back to 1 there, and no further.
+TEST(Turbulence, short_exposure_beyond_the_aperture) {
+  for (const double f : {250.0001, 300.0, 1e4, 1e300})
+    EXPECT_EQ(otf_at(turbulence(80.0, true, 1.0), f, 0.0).re, 1.0) << f;
+  for (const double alpha : {0.3, 0.9, 1.0})
+    EXPECT_NEAR(otf_at(turbulence(80.0, true, alpha), 250.0 * (1.0 - 1e-12), 0.0).re,
+                otf_at(turbulence(80.0, true, alpha), 250.0 * (1.0 + 1e-12), 0.0).re, 1e-10);
+}
+
+TEST(Turbulence, fried_parameter_scales_with_the_wavelength) {
+  auto c = turbulence(50.0);
+  set(c, "wavelength_reference", 0.5);
+  const double r0 = 50.0 * std::pow(8.0, 1.2);
+  EXPECT_NEAR(otf_at(c, 90.0, 0.0).re, otf_at(turbulence(r0), 90.0, 0.0).re, 1e-14);
+}
+
+TEST(Turbulence, aperture_comes_from_the_optics_unless_given) {
+  System<double> s = detector();
+  s.optics.f_number.reset();
+  EXPECT_TRUE(refused(turbulence(50.0, true), "aperture", s));
+  EXPECT_FALSE(refused(turbulence(50.0), "aperture", s));
+  s.optics.aperture_mm = 60.0;
+  auto own = turbulence(50.0, true);
+  set(own, "aperture", 60.0);
+  EXPECT_EQ(otf_at(turbulence(50.0, true), 40.0, 0.0, s).re, otf_at(own, 40.0, 0.0).re);
+  EXPECT_NE(otf_at(own, 40.0, 0.0).re, otf_at(turbulence(50.0, true), 40.0, 0.0).re);
+}
+
+}  // namespace
+}  // namespace mtf::test
