@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/kinds.h"
 #include "apps/output.h"
 #include "apps/sensor_file.h"
 #include "mtf/error.h"
@@ -105,6 +106,9 @@ int run_config(const ConfigOptions& options, const Global& global) {
       return check_sensor(options.file, options.format);
     case ConfigOptions::Action::explain:
       return explain(options, global);
+    case ConfigOptions::Action::kinds:
+      print(describe_kinds(options.file));
+      return 0;
   }
   return 0;
 }

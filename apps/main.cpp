@@ -163,6 +163,11 @@ void add_config(CLI::App& root, ConfigOptions& options) {
                                   "  mtf config explain sensor.toml > explained.txt");
   explain.callback([&] { options.action = ConfigOptions::Action::explain; });
   add_file(explain, "file", "sensor file (TOML)", options.file);
+  CLI::App& kinds = add_command(app, "kinds", "every component with its parameters, units, ranges and an example", "",
+                                "  mtf config kinds\n"
+                                "  mtf config kinds jitter");
+  kinds.callback([&] { options.action = ConfigOptions::Action::kinds; });
+  add_text(kinds, "kind", "KIND", "one component; default: all", [&](const std::string& text) { options.file = text; });
 }
 
 Setter set_tolerance(std::optional<double>& tolerance) {

@@ -40,8 +40,8 @@ struct InfoOptions {
 };
 
 struct ConfigOptions {
-  enum class Action { init, check, explain } action = Action::check;
-  std::string file;  ///< init: where to write, "" = stdout
+  enum class Action { init, check, explain, kinds } action = Action::check;
+  std::string file;  ///< init: where to write, "" = stdout; kinds: the one to show, "" = all
   bool force = false;
   Format format = Format::table;
 };

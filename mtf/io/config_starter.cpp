@@ -35,8 +35,8 @@ wavelength = "4.0 um"         # one wavelength; remove it when there is a [band]
 # [band]
 # wavelength = ["3.4 um", "4.8 um"]
 
-# What blurs the scene before it is sampled, in any order. The system is exactly the product of what is listed here:
-# diffraction, rms_wavefront, gaussian, footprint, jitter, linear_motion, curve (a CSV file), rc_lowpass, butterworth.
+# What blurs the scene before it is sampled, in any order. The system is exactly the product of what is listed here;
+# `mtf config kinds` lists every kind with its parameters.
 [[presample]]
 kind = "diffraction"          # takes f_number and wavelength from [optics]
 

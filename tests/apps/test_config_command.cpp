@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "mtf/component.h"
 #include "mtf/io/config.h"
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
@@ -83,6 +84,18 @@ TEST(Config, ExplainShowsWhatNumbersBecome) {
   EXPECT_EQ(result.status, 0);
   for (const char* text : {"frame.focal_length", "\"100 mm\"", "sensor.toml:", "125 cy/mm", "0.5333333333"})
     EXPECT_NE(result.out.find(text), std::string::npos) << text << "\n" << result.out;
+}
+
+TEST(Config, KindsShowsEveryComponentFromItsFieldTable) {
+  const Scratch scratch;
+  const Result all = scratch.run("mtf config kinds");
+  ASSERT_EQ(all.status, 0) << all.err;
+  for (const std::string_view kind : mtf::component_kinds())
+    EXPECT_NE(("\n" + all.out).find("\n" + std::string(kind) + ": "), std::string::npos) << kind;
+  const Result one = scratch.run("mtf config kinds jitter");
+  EXPECT_TRUE(one.out.starts_with("jitter: ")) << one.out;
+  EXPECT_NE(one.out.find("\"8 urad\""), std::string::npos) << one.out;
+  EXPECT_EQ(scratch.run("mtf config kinds jiter").status, 2);
 }
 
 TEST(Info, DescribesAnImageAndSaysWhatToRun) {
