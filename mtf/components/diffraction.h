@@ -23,13 +23,7 @@ struct Diffraction {
   std::optional<S> wavelength_um;
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "f_number",
-                                      .lo = 0.1,
-                                      .hi = 1e4,
-                                      .presence = Presence::shared,
-                                      .example = "2.0",
-                                      .doc = "focal length / aperture"},
-                            &Diffraction::f_number},
+    return std::tuple{Field{kFNumberInfo, &Diffraction::f_number},
                       Field{FieldInfo{.name = "obscuration",
                                       .lo = 0.0,
                                       .hi = 1.0,
@@ -38,15 +32,7 @@ struct Diffraction {
                                       .example = "0.3",
                                       .doc = "central obscuration, inner / outer diameter"},
                             &Diffraction::obscuration},
-                      Field{FieldInfo{.name = "wavelength",
-                                      .dimension = Dimension::length,
-                                      .unit = "um",
-                                      .lo = 0.01,
-                                      .hi = 1e5,
-                                      .presence = Presence::shared,
-                                      .example = "\"4.0 um\"",
-                                      .doc = "fixed wavelength instead of the band"},
-                            &Diffraction::wavelength_um}};
+                      Field{kWavelengthInfo, &Diffraction::wavelength_um}};
   }
   Traits traits(const Context<S>&) const {
     return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};

@@ -26,6 +26,22 @@ Field(FieldInfo, Member) -> Field<Member>;
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// Rows that several tables share, word for word.
+inline constexpr FieldInfo kFNumberInfo{.name = "f_number",
+                                        .lo = 0.1,
+                                        .hi = 1e4,
+                                        .presence = Presence::shared,
+                                        .example = "2.0",
+                                        .doc = "focal length / aperture"};
+inline constexpr FieldInfo kWavelengthInfo{.name = "wavelength",
+                                           .dimension = Dimension::length,
+                                           .unit = "um",
+                                           .lo = 0.01,
+                                           .hi = 1e5,
+                                           .presence = Presence::shared,
+                                           .example = "\"4.0 um\"",
+                                           .doc = "fixed wavelength instead of the band"};
+
 /// The shared optics of a field marked Presence::shared; a component's own value wins. Evaluated only after check().
 template <class S>
 S f_number_of(const std::optional<S>& own, const Context<S>& ctx) {

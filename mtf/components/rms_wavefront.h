@@ -43,22 +43,7 @@ struct RmsWavefront {
                         .example = "\"0.6328 um\"",
                         .doc = "wavelength at which rms is stated; without it rms holds at every wavelength"},
               &RmsWavefront::wavelength_reference_um},
-        Field{FieldInfo{.name = "f_number",
-                        .lo = 0.1,
-                        .hi = 1e4,
-                        .presence = Presence::shared,
-                        .example = "2.0",
-                        .doc = "focal length / aperture"},
-              &RmsWavefront::f_number},
-        Field{FieldInfo{.name = "wavelength",
-                        .dimension = Dimension::length,
-                        .unit = "um",
-                        .lo = 0.01,
-                        .hi = 1e5,
-                        .presence = Presence::shared,
-                        .example = "\"4.0 um\"",
-                        .doc = "fixed wavelength instead of the band"},
-              &RmsWavefront::wavelength_um}};
+        Field{kFNumberInfo, &RmsWavefront::f_number}, Field{kWavelengthInfo, &RmsWavefront::wavelength_um}};
   }
   Traits traits(const Context<S>&) const {
     return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};

@@ -94,15 +94,7 @@ struct Turbulence {
                         .example = "\"exact\"",
                         .doc = "exact (3.44193859) or the usual rounded 3.44"},
               &Turbulence::constant},
-        Field{FieldInfo{.name = "wavelength",
-                        .dimension = Dimension::length,
-                        .unit = "um",
-                        .lo = 0.01,
-                        .hi = 1e5,
-                        .presence = Presence::shared,
-                        .example = "\"4.0 um\"",
-                        .doc = "fixed wavelength instead of the band"},
-              &Turbulence::wavelength_um}};
+        Field{kWavelengthInfo, &Turbulence::wavelength_um}};
   }
   double c() const { return constant.index == 0 ? kExact : 3.44; }
   bool is_short() const { return exposure.index == 1; }
