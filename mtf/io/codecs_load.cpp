@@ -77,6 +77,10 @@ const Codecs* load() {
   // A program that links the installed static library lies anywhere; its run path leads to the module.
   void* module = std::getenv("MTFKIT_CODECS") == nullptr ? ::dlopen(module_name, RTLD_NOW | RTLD_LOCAL) : nullptr;
   if (module != nullptr) return table_of(module, module_name, remedy);
+#ifndef MTFKIT_HAVE_CODECS
+  if (std::getenv("MTFKIT_CODECS") == nullptr)
+    throw RuntimeError("this build reads and writes OpenEXR only; build with MTFKIT_WITH_OPENCV=ON for PNG and TIFF");
+#endif
   throw RuntimeError("cannot find the PNG and TIFF codecs (looked for " + tried + ")" + remedy);
 }
 
