@@ -101,8 +101,9 @@ std::optional<SceneSummary> summarise(ImageView<const float> scene, Border borde
                       canvas_norm(scene, border, border_value, s.mean)};
 }
 
+// `tables` false: radial factors are evaluated at every frequency, for tolerances that leave no room for a table.
 Plan compile_stages(const System<double>& system, std::span<const Stage> stages, const SampleGrid& in,
-                    const SampleGrid& out, const PlanOptions& options, const Plan::Impl* relative) {
+                    const SampleGrid& out, const PlanOptions& options, const Plan::Impl* relative, bool tables) {
   require_valid(system);
   check_grid(in, "scene");
   check_grid(out, "detector");
@@ -137,7 +138,7 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   };
   const double norm = canvas_norm * std::sqrt(std::max(1.0, area(in) / area(out)));
   const OtfSampler sampler(system, stages, options.aperture, fx, fy, kDropShare * tolerance / (alias * norm),
-                           kTableShare * tolerance / (alias * norm));
+                           tables ? kTableShare * tolerance / (alias * norm) : 0.0);
   impl->dc = sampler.dc();
   report.dropped = sampler.dropped();
   report.merged = sampler.merged();
@@ -194,6 +195,8 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
                       cut ? allowed * spread : 0.0,
                       wrap,
                       arithmetic_error(x, y, canvas_rms, sampler.gain(), options)};
+  if (report.predicted.total() > tolerance && report.predicted.table > 0.0 && tables)
+    return compile_stages(system, stages, in, out, options, relative, false);
   refuse_unreachable(report.predicted, arithmetic_error(x, y, shortest_rms, sampler.gain(), options), tolerance,
                      options);
 
@@ -220,12 +223,12 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
 Plan compile(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
              const PlanOptions& options) {
   constexpr std::array stages{Stage::presample};
-  return compile_stages(system, stages, scene, detector, options, nullptr);
+  return compile_stages(system, stages, scene, detector, options, nullptr, true);
 }
 
 Plan compile_post(const System<double>& system, const SampleGrid& detector, std::span<const Stage> stages,
                   const PlanOptions& options) {
-  return compile_stages(system, stages, detector, detector, options, nullptr);
+  return compile_stages(system, stages, detector, detector, options, nullptr, true);
 }
 
 }  // namespace mtf

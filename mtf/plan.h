@@ -119,7 +119,7 @@ class Plan {
   struct Impl;
   friend Plan compile(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
   friend Plan compile_stages(const System<double>&, std::span<const Stage>, const SampleGrid&, const SampleGrid&,
-                             const PlanOptions&, const Impl*);
+                             const PlanOptions&, const Impl*, bool);
   std::shared_ptr<const Impl> impl_;
 };
 

@@ -42,16 +42,14 @@ void refuse_unreachable(const PredictedError& predicted, double arithmetic, doub
                         const PlanOptions& options) {
   if (predicted.total() <= tolerance) return;
   if (!options.scene && predicted.arithmetic <= tolerance) return;
-  // The other parts scale with the tolerance; arithmetic and the table's resolution are fixed.
-  const double reachable =
-      1.01 * (arithmetic + predicted.table) / (1.0 - kDropShare - 2.0 * kTableShare - kCutShare - kWrapShare);
+  // The other parts scale with the tolerance, or are none where radial factors are exact; arithmetic is fixed.
+  const double reachable = 1.01 * arithmetic / (1.0 - kDropShare - kCutShare - kWrapShare - kBandShare);
   throw unreachable_tolerance(tolerance, reachable, options.scene);
 }
 
 UnreachableTolerance unreachable_tolerance(double asked, double reachable, const std::optional<SceneSummary>& scene) {
   if (reachable < 1.0)
-    return {"tolerance " + format_double(asked) +
-                " is below what can be kept here (float32 arithmetic, and the resolution of OTF tables); use " +
+    return {"tolerance " + format_double(asked) + " is below what can be kept here (float32 arithmetic); use " +
                 format_double(reachable) + " or more",
             reachable};
   const SceneSummary s = scene.value_or(SceneSummary{});

@@ -9,7 +9,7 @@
 namespace mtf {
 
 // How the tolerance is shared out; what is left over is for arithmetic.
-inline constexpr double kDropShare = 0.05, kTableShare = 0.02, kCutShare = 0.01, kWrapShare = 0.25;
+inline constexpr double kDropShare = 0.05, kTableShare = 0.02, kCutShare = 0.01, kWrapShare = 0.25, kBandShare = 0.05;
 
 /// H on the engine's frequencies, times its scale.
 OtfBlocks make_otf(const OtfSampler& sampler, const SpectralEngine& engine, int threads);

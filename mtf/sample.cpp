@@ -43,14 +43,15 @@ OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stag
       for (const Entry<double>* entry : *list) cutoff = std::min(cutoff, entry->component.cutoff_cy_mm(shortest));
     end = std::min(end, cutoff);
     choose_wavelengths(end, target);
-    table_.emplace(
-        [this](std::span<const double> radius, std::span<double> value) {
-          for (std::size_t i = 0; i < radius.size(); ++i) value[i] = radial_product(radius[i]);
-        },
-        end, target);
+    if (table_share > 0.0)
+      table_.emplace(
+          [this](std::span<const double> radius, std::span<double> value) {
+            for (std::size_t i = 0; i < radius.size(); ++i) value[i] = radial_product(radius[i]);
+          },
+          end, target);
     std::string names = join_labels(radial_);
     if (!chromatic_radial_.empty()) names += (names.empty() ? "" : ", ") + join_labels(chromatic_radial_);
-    if (table_->error() > 20.0 * table_share) {
+    if (!table_ || table_->error() > 20.0 * table_share) {
       // Steep or kinked beyond what a table resolves (a thin annulus, a ragged curve): exact, and slower.
       table_.reset();
       radial_per_sample_ = true;
