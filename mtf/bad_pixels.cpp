@@ -43,6 +43,11 @@ Level first_level(ImageView<float> image) {
   return level;
 }
 
+// The pixel that holds the centre of a sample, along one axis.
+std::int64_t pixel_of(std::int64_t sample, double step, double pitch) {
+  return static_cast<std::int64_t>((static_cast<double>(sample) + 0.5) * step / pitch);
+}
+
 struct Box {
   std::int64_t x = 0, y = 0;  // half sizes in pixels
 };
@@ -53,16 +58,13 @@ Box response_box(const Plan& plan, double tolerance, int threads) {
   const SampleGrid &in = plan.in(), &out = plan.out();
   Image impulse(in.width, in.height), response(out.width, out.height);
   std::fill_n(impulse.data(), impulse.size(), 0.0F);
-  const auto pixel = [](std::int64_t i, double step, double pitch) {
-    return static_cast<std::int64_t>((static_cast<double>(i) + 0.5) * step / pitch);
-  };
   const std::int64_t x = std::min(
       in.width / 2, static_cast<std::int64_t>(0.5 * static_cast<double>(out.width) * out.step_x_um / in.step_x_um));
   const std::int64_t y = std::min(
       in.height / 2, static_cast<std::int64_t>(0.5 * static_cast<double>(out.height) * out.step_y_um / in.step_y_um));
   impulse.at(x, y) = 1.0F;
   plan.run(impulse.view(), response.view(), 0.0, threads);
-  const std::int64_t cx = pixel(x, in.step_x_um, out.step_x_um), cy = pixel(y, in.step_y_um, out.step_y_um);
+  const std::int64_t cx = pixel_of(x, in.step_x_um, out.step_x_um), cy = pixel_of(y, in.step_y_um, out.step_y_um);
   Box box;
   for (std::int64_t j = 0; j < out.height; ++j)
     for (std::int64_t i = 0; i < out.width; ++i)
@@ -92,8 +94,8 @@ Image reach(const Plan& plan, const Image& mask, double tolerance, int threads) 
   for (std::int64_t y = 0; y < in.height; ++y)
     for (std::int64_t x = 0; x < in.width; ++x) {
       if (mask.at(x, y) == 0.0F) continue;
-      const auto column = static_cast<std::int64_t>((static_cast<double>(x) + 0.5) * in.step_x_um / out.step_x_um);
-      const auto row = static_cast<std::int64_t>((static_cast<double>(y) + 0.5) * in.step_y_um / out.step_y_um);
+      const std::int64_t column = pixel_of(x, in.step_x_um, out.step_x_um);
+      const std::int64_t row = pixel_of(y, in.step_y_um, out.step_y_um);
       if (column >= out.width + box.x || row >= out.height + box.y) continue;  // far outside the format
       reached.at(std::min(column, out.width - 1), std::min(row, out.height - 1)) = 1.0F;
     }

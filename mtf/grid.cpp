@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/grid.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace mtf {
 
 std::vector<double> FrequencyAxis::half_frequencies() const {
@@ -15,6 +18,12 @@ std::vector<double> FrequencyAxis::all_frequencies() const {
   for (std::size_t r = 0; r < f.size(); ++r) f[r] = cy_mm(signed_index(static_cast<std::int64_t>(r)));
   return f;
 }
+
+double samples_per_pixel(const SampleGrid& in, const SampleGrid& out) {
+  return std::max(1.0, std::ceil(out.step_x_um / in.step_x_um) * std::ceil(out.step_y_um / in.step_y_um));
+}
+
+bool is_whole(double pitches) { return pitches > 0.5 && std::abs(pitches - std::round(pitches)) <= kWholeEpsilon; }
 
 bool is_smooth(std::int64_t n) {
   for (const std::int64_t p : {2, 3, 5, 7})

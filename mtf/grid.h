@@ -21,15 +21,23 @@ struct SampleGrid {
   std::int64_t height = 0;
   double step_x_um = 0.0;
   double step_y_um = 0.0;
+
+  double area_um2() const { return static_cast<double>(width) * step_x_um * (static_cast<double>(height) * step_y_um); }
 };
+
+/// Whole number of samples of `in` that a pixel of `out` touches at least partly, 1 or more: the number of frequencies
+/// that may alias onto one.
+double samples_per_pixel(const SampleGrid& in, const SampleGrid& out);
 
 /// A length is a whole number of pitches within this many pitches.
 inline constexpr double kWholeEpsilon = 1e-9;
+bool is_whole(double pitches);
 
 enum class Basis { fourier, cosine };
 
 /// Frequencies of one axis.
 struct FrequencyAxis {
+  bool operator==(const FrequencyAxis&) const = default;
   Basis basis = Basis::fourier;
   std::int64_t length = 0;  ///< fourier: canvas samples L; cosine: image samples n
   double step_um = 0.0;

@@ -68,7 +68,7 @@ CanvasLength choose_canvas(const OtfSampler& sampler, const CanvasRequest& reque
   std::int64_t length = least;
   for (std::int64_t m = least; m < defined && static_cast<double>(m) <= 1.1 * static_cast<double>(least); ++m) {
     const double pitches = static_cast<double>(m) * request.step_um / request.pitch_um;
-    if (!is_smooth(m) || std::abs(pitches - std::round(pitches)) > kWholeEpsilon) continue;
+    if (!is_smooth(m) || !is_whole(pitches)) continue;
     length = m;
     break;
   }

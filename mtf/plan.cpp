@@ -13,7 +13,6 @@
 namespace mtf {
 namespace {
 
-constexpr double kWholeEpsilon = 1e-9;  // a count of pitches is whole within this
 constexpr std::int64_t kLargestSide = std::int64_t{1} << 29;
 constexpr double kLargestImage = 2147483648.0;  // samples
 
@@ -32,8 +31,6 @@ void check_grid(const SampleGrid& grid, const char* name) {
 double whole_pitches(std::int64_t n, double step, double pitch) {
   return std::floor(static_cast<double>(n) * step / pitch + kWholeEpsilon);
 }
-
-bool is_whole(double x) { return x > 0.5 && std::abs(x - std::round(x)) <= kWholeEpsilon; }
 
 AxisJob make_axis(const OtfSampler& sampler, CanvasRequest request, Basis basis, std::int64_t outputs, double& wrap) {
   AxisJob job;
@@ -55,13 +52,6 @@ AxisJob make_axis(const OtfSampler& sampler, CanvasRequest request, Basis basis,
 // Leaves out the frequencies from the far end that no component lets through.
 void cut_frequencies(const OtfSampler& sampler, Axis axis, double allowed, AxisJob& job) {
   while (job.keep > 1 && sampler.axis_bound(axis, job.frequency.cy_mm(job.keep - 1)) <= allowed) --job.keep;
-}
-
-bool same_job(const AxisJob& a, const AxisJob& b) {
-  return a.frequency.basis == b.frequency.basis && a.frequency.length == b.frequency.length &&
-         a.frequency.step_um == b.frequency.step_um && a.border == b.border && a.samples == b.samples &&
-         a.outputs == b.outputs && a.pitch_um == b.pitch_um && a.resampling == b.resampling &&
-         a.out_length == b.out_length && a.keep == b.keep;
 }
 
 std::string axis_text(const AxisJob& job) {
@@ -121,8 +111,7 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   report.whole_pitches_y = static_cast<std::int64_t>(whole_pitches(in.height, in.step_y_um, out.step_y_um));
 
   const double fx = 500.0 / in.step_x_um, fy = 500.0 / in.step_y_um;
-  const double ratio = std::max(1.0, std::ceil(out.step_x_um / in.step_x_um) * std::ceil(out.step_y_um / in.step_y_um));
-  const double alias = std::sqrt(ratio);
+  const double alias = std::sqrt(samples_per_pixel(in, out));
   const double tolerance = options.tolerance;
   if (out.width > report.whole_pitches_x || out.height > report.whole_pitches_y)
     throw UsageError("the detector grid of " + std::to_string(out.width) + "x" + std::to_string(out.height) +
@@ -133,10 +122,7 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
                                  static_cast<double>(canvas_length(options.border, in.height) / in.height));
   const double canvas_norm = options.scene ? options.scene->canvas_norm / options.scene->std : parts;
   // The error of the whole scene may gather in the part of it that the detector sees.
-  const auto area = [](const SampleGrid& g) {
-    return static_cast<double>(g.width) * g.step_x_um * (static_cast<double>(g.height) * g.step_y_um);
-  };
-  const double norm = canvas_norm * std::sqrt(std::max(1.0, area(in) / area(out)));
+  const double norm = canvas_norm * std::sqrt(std::max(1.0, in.area_um2() / out.area_um2()));
   const OtfSampler sampler(system, stages, options.aperture, fx, fy, kDropShare * tolerance / (alias * norm),
                            tables ? kTableShare * tolerance / (alias * norm) : 0.0);
   impl->dc = sampler.dc();
@@ -201,8 +187,7 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
                      options);
 
   require_memory(x, y, sampler.is_real(), out);
-  if (relative != nullptr && relative->engine && same_job(relative->engine->x(), x) &&
-      same_job(relative->engine->y(), y))
+  if (relative != nullptr && relative->engine && relative->engine->x() == x && relative->engine->y() == y)
     impl->engine = relative->engine;
   else
     impl->engine = std::make_shared<SpectralEngine>(x, y, options.rigor);

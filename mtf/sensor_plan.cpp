@@ -33,13 +33,9 @@ std::vector<Image> run_in_place(const Plan& plan, std::vector<Image> images, dou
 // detector sees, aliases may add, and the correction of the scene's own blur amplifies.
 SceneSummary behind_sampling(SceneSummary scene, const PlanOptions& options, const SampleGrid& in,
                              const SampleGrid& out) {
-  const auto area = [](const SampleGrid& g) {
-    return static_cast<double>(g.width) * g.step_x_um * (static_cast<double>(g.height) * g.step_y_um);
-  };
-  const double aliases =
-      std::max(1.0, std::ceil(out.step_x_um / in.step_x_um) * std::ceil(out.step_y_um / in.step_y_um));
   const double correction = options.aperture.kind == SceneAperture::Kind::point ? 1.0 : options.aperture.gain_limit;
-  scene.canvas_norm *= std::sqrt(std::max(1.0, area(in) / area(out)) * aliases) * correction;
+  scene.canvas_norm *=
+      std::sqrt(std::max(1.0, in.area_um2() / out.area_um2()) * samples_per_pixel(in, out)) * correction;
   scene.largest *= correction;
   // Held edges repeat what may be the largest value; nine images make their canvas.
   if (options.border == Border::replicate || options.border == Border::constant)

@@ -24,6 +24,7 @@ inline constexpr int kRowFloats = 2 * kLanes;
 enum class Resampling { fold, chirp };
 
 struct AxisJob {
+  bool operator==(const AxisJob&) const = default;
   FrequencyAxis frequency;  ///< basis, canvas length, scene step
   Border border{};
   std::int64_t samples = 0;  ///< image samples of the scene
