@@ -100,11 +100,15 @@ ValueSlope evaluate(const Curve& curve, double f);
 template <class S>
 using Taps = std::vector<std::vector<S>>;  ///< rows of equal length, taps[row][column]
 
+/// A list of plain numbers; each element has the bounds of the field and is fitted as name[i], i from 0.
+template <class S>
+using Coefficients = std::vector<S>;
+
 /// A field of a live component, type-erased: what config, fits and tests work on.
 template <class S>
 struct FieldRef {
   const FieldInfo* info;
-  std::variant<S*, std::optional<S>*, AxisPair<S>*, SpatialFrequency<S>*, int*, Choice*, Taps<S>*,
+  std::variant<S*, std::optional<S>*, AxisPair<S>*, SpatialFrequency<S>*, int*, Choice*, Coefficients<S>*, Taps<S>*,
                std::shared_ptr<const Curve>*>
       value;
 };

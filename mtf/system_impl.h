@@ -65,6 +65,9 @@ void check_field(const FieldRef<S>& field, const Context<S>& ctx, std::vector<Pr
             missing();
         } else if constexpr (std::is_same_v<T, int>) {
           bounded("", *value, "");
+        } else if constexpr (std::is_same_v<T, Coefficients<S>>) {
+          for (std::size_t i = 0; i < value->size(); ++i)
+            bounded("[" + std::to_string(i) + "]", value_of((*value)[i]), info.unit);
         } else if constexpr (std::is_same_v<T, Taps<S>>) {
           for (const auto& row : *value)
             for (const S& tap : row) bounded("", value_of(tap), "");
@@ -110,12 +113,13 @@ struct CastField {
   void operator()(const SpatialFrequency<From>& from, SpatialFrequency<To>& to) const {
     to = {cast_scalar<To>(from.value), from.unit};
   }
-  void operator()(const Taps<From>& from, Taps<To>& to) const {
+  void operator()(const Coefficients<From>& from, Coefficients<To>& to) const {
     to.clear();
-    for (const auto& row : from) {
-      to.emplace_back();
-      for (const From& tap : row) to.back().push_back(cast_scalar<To>(tap));
-    }
+    for (const From& coefficient : from) to.push_back(cast_scalar<To>(coefficient));
+  }
+  void operator()(const Taps<From>& from, Taps<To>& to) const {
+    to.resize(from.size());
+    for (std::size_t row = 0; row < from.size(); ++row) (*this)(from[row], to[row]);
   }
   void operator()(const int& from, int& to) const { to = from; }
   void operator()(const Choice& from, Choice& to) const { to = from; }
