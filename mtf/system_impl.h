@@ -203,6 +203,28 @@ void Component<S>::multiply(std::span<const Freq<S>> f, const Context<S>& ctx, s
   });
 }
 template <class S>
+typename Component<S>::Rows Component<S>::rows(std::span<const S> fx, const Context<S>& ctx) const {
+  return detail::visit(*value_, [&](const auto& c) -> Rows {
+    if constexpr (requires { c.rows(fx, ctx); })
+      return c.rows(fx, ctx);
+    else
+      return [c, fx, ctx](const S& fy, std::span<Complex<S>> h) {
+        for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * c.otf({fx[i], fy}, ctx);
+      };
+  });
+}
+template <class S>
+std::optional<Freq<double>> Component<S>::line(const Context<S>& ctx) const {
+  return detail::visit(*value_, [&](const auto& c) -> std::optional<Freq<double>> {
+    if constexpr (requires { c.displacement_mm(ctx); }) {
+      const Freq<S> d = c.displacement_mm(ctx);
+      const double length = std::hypot(value_of(d.x), value_of(d.y));
+      if (length > 0.0 && length < kInfinity) return Freq<double>{value_of(d.x) / length, value_of(d.y) / length};
+    }
+    return std::nullopt;
+  });
+}
+template <class S>
 std::vector<FieldRef<S>> Component<S>::fields() {
   if (value_.use_count() > 1) value_ = std::make_shared<ComponentVariant<S>>(*value_);
   return std::visit([](auto& c) { return detail::field_refs<std::remove_reference_t<decltype(c)>, S>(c); },
