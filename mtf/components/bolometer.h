@@ -3,9 +3,10 @@
 
 // Thermal time constant of a bolometer under an image that moves at constant speed: its signal is the past of the
 // image, weighted with exp(-t/tau)/tau.
-//   otf = 1/(1 - 2 pi i f v tau),  f along the axis, v = velocity of the image towards +axis
-// The tail lies behind the moving image: towards -axis for v > 0; v may be negative. The phase, a mean lag of v tau, is
-// kept. Steady motion only; the sampling of the frame readout in time is not part of it. (Kruse and Skatrud, Uncooled
+//   otf = 1/(1 - 2 pi i f v tau)
+// f = frequency along the axis, v = velocity of the image towards +axis (negative: the other way), tau = time constant.
+// Complex: the tail lies behind the moving image, towards -axis for v > 0; the phase, a mean lag of v tau, is kept.
+// Steady motion only; the sampling of the frame readout in time is not part of it. (Kruse and Skatrud, Uncooled
 // Infrared Imaging Arrays and Systems.)
 
 #include "mtf/components/field.h"

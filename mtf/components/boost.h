@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Analog boost (aperture correction) of the video signal along one axis:
-//   otf = 1 + (K - 1)/2 (1 - cos(pi f/fm)),  K = gain at its peak fm, f along the axis
-// Raises contrast, and noise with it; the mean stays. Real, periodic in 2 fm: it is the filter that adds the difference
-// of the signal to its neighbours 1/(2 fm) away; meant for f <= fm. (Holst, Electro-Optical Imaging System
-// Performance.)
+// Analog boost (aperture correction) of the video signal along one axis.
+//   otf = 1 + (K - 1)/2 (1 - cos(pi f/fm))
+// f = frequency along the axis, K = gain at its peak, fm = frequency of the peak. Real, at least 1: raises contrast,
+// and noise with it; the mean stays. Periodic in 2 fm: it is the filter that adds the difference of the signal to its
+// neighbours 1/(2 fm) away; meant for f <= fm. (Holst, Electro-Optical Imaging System Performance.)
 
 #include "mtf/components/field.h"
 

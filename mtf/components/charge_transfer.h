@@ -3,10 +3,11 @@
 
 // Charge-transfer inefficiency of a CCD read along one axis: each of N transfers leaves a fraction e of the packet to
 // the next one behind it.
-//   otf = exp(-N e (1 - exp(-2 pi i f p))),  f along the axis, p its pitch
-// The leading term of a binomial spread, for e << 1. What is left behind trails towards +axis (the output lies towards
-// -axis); its phase, a mean shift of N e pixels, is kept. Complex, periodic in the sampling frequency. N counts clock
-// phases: pixels x phases (+ TDI stages). (Boreman, Modulation Transfer Function, ch. 2.)
+//   otf = exp(-N e (1 - exp(-2 pi i f p)))
+// f = frequency along the axis, p = its pitch. N counts clock phases: pixels x phases (+ TDI stages). Complex: what is
+// left behind trails towards +axis (the output lies towards -axis); the phase, a mean shift of N e pixels, is kept.
+// Periodic in the sampling frequency. The leading term of a binomial spread, for e << 1. (Boreman, Modulation Transfer
+// Function in Optical and Electro-Optical Systems, ch. 2.)
 
 #include "mtf/components/field.h"
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Circular (or elliptic) detector footprint, uniform response: otf = 2 J1(pi r)/(pi r), r = |(dx fx, dy fy)|, d =
-// diameter per axis. Real (signed); radial when circular. (Boreman, Modulation Transfer Function, ch. 2.)
+// Circular or elliptic detector footprint of uniform response.
+//   otf = 2 J1(pi r)/(pi r),  r = sqrt((dx fx)^2 + (dy fy)^2)
+// d = diameter of the active area, per axis. Real and signed: negative between its zeros, the first at r = 1.2197.
+// Radial when the diameters are equal. (Boreman, Modulation Transfer Function in Optical and Electro-Optical Systems,
+// ch. 2.)
 
 #include "mtf/components/bessel.h"
 #include "mtf/components/field.h"

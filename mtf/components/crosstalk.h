@@ -4,8 +4,8 @@
 // Crosstalk between neighbouring pixels, or inter-pixel capacitance: every pixel passes a fraction s of its signal to
 // each of its four side neighbours and c to each of its four corner neighbours.
 //   otf = (1 - 4s - 4c) + 2s (cos X + cos Y) + 4c cos X cos Y,  X = 2 pi fx px, Y = 2 pi fy py
-// Real (signed), periodic in the sampling frequency, so the same before and after sampling. The bounds of s and c keep
-// the middle tap from going negative: passive. Do not use it beside `diffusion` for the same measured spread.
+// px, py = pitch. Real; periodic in the sampling frequency, so the same before and after sampling. The bounds of s and
+// c keep the middle tap from going negative: passive. Do not use it beside `diffusion` for the same measured spread.
 // (Moore, Ninkov, Forrest, Opt. Eng. 45, 076402 (2006).)
 
 #include "mtf/components/field.h"

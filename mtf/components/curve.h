@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A measured or computed MTF as a table: radial (against |f|) or along one axis (twice, once per axis, for both).
-//   otf = monotone cubic through the samples; from 1 at f = 0 when the table starts later; beyond the last sample
-//   straight on along the last slope to 0, and 0 from there (see Curve in mtf/component.h).
-// Signed values are allowed (contrast reversal), phase is not. Real; even.
+// A measured or computed MTF as a table: radial (against |f|) or along one axis (list it twice, once per axis, for
+// both).
+//   otf = monotone cubic through the samples
+// From 1 at f = 0 when the table starts later; beyond the last sample straight on along the last slope to 0, and 0 from
+// there. Frequencies in cy/mm, cy/mrad or cy/px, as the file's header says; the latter two follow the frame. Real and
+// even: signed values are allowed (contrast reversal), phase is not. As valid as its samples are dense. (Fritsch and
+// Carlson, SIAM J. Numer. Anal. 17, 238 (1980): monotone cubics.)
 
 #include <algorithm>
 

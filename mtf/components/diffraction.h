@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Diffraction of an aberration-free circular or annular pupil, incoherent light.
-//   otf = M(nu, obscuration), nu = |f| lambda N; zero from |f| = 1/(lambda N) on (mtf/components/pupil.h)
-// lambda: the band node, or the component's own wavelength. N: f-number, focal length / aperture. Real, radial.
-// Valid in the paraxial, isoplanatic image of a distant scene.
+// Diffraction of an aberration-free circular or annular pupil in incoherent light.
+//   otf = M(nu, e),  nu = |f| lambda N;  0 from |f| = 1/(lambda N) on
+//   M(nu, 0) = (2/pi) [acos nu - nu sqrt(1 - nu^2)]
+//   M(nu, e) = [A(1, 1) - 2 A(1, e) + A(e, e)] / (pi (1 - e^2))
+// A(R, r) = overlap area of circles of radius R and r with centres 2 nu apart, e = central obscuration (inner / outer
+// diameter), lambda = wavelength of the band's node, or the component's own, N = f-number, focal length / aperture.
+// Real, not negative, radial. Valid in the paraxial, isoplanatic image of a distant scene. (Goodman, Introduction to
+// Fourier Optics, ch. 6; O'Neill, J. Opt. Soc. Am. 46, 285 (1956).)
 
 #include "mtf/components/field.h"
 #include "mtf/components/pupil.h"

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Digital filter on the detector grid: taps[row][column] is the response to a point of one pixel, centred on its
-// middle.
-//   otf = sum_jk taps[j][k] exp(-2 pi i (fx px (k - kc) + fy py (j - jc))), periodic in the sampling frequency.
-// Complex unless the taps are symmetric about their middle. otf(0) = sum of taps: a gain, kept.
+// Digital filter on the detector grid: taps[row][column] is the response to a point of one pixel, centred on its middle
+// tap (row jc, column kc).
+//   otf = sum_jk taps[j][k] exp(-2 pi i (fx px (k - kc) + fy py (j - jc)))
+// px, py = pitch; rows run along +y, columns along +x. Complex unless the taps are symmetric about their middle.
+// Periodic in the sampling frequency. otf(0) = sum of taps: a gain, kept; |otf| may exceed 1. Exact for a linear
+// filter. (Oppenheim and Schafer, Discrete-Time Signal Processing, ch. 2.)
 
 #include "mtf/components/field.h"
 

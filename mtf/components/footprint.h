@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Rectangular detector footprint, uniform response: otf = sinc(wx fx) sinc(wy fy), sinc(x) = sin(pi x)/(pi x).
-// Widths are given, or follow from the area fill factor: w = pitch x sqrt(fill_factor) per axis. Real (signed),
-// separable. (Boreman, Modulation Transfer Function in Optical and Electro-Optical Systems, ch. 2.)
+// Rectangular detector footprint of uniform response.
+//   otf = sinc(wx fx) sinc(wy fy),  sinc(x) = sin(pi x)/(pi x)
+// w = active width per axis, given, or from the area fill factor: w = pitch x sqrt(fill_factor). Real and signed:
+// negative between its zeros, the first at f = 1/w. Separable. (Boreman, Modulation Transfer Function in Optical and
+// Electro-Optical Systems, ch. 2.)
 
 #include "mtf/components/field.h"
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Gaussian blur: otf = exp(-2 pi^2 (sx^2 fx^2 + sy^2 fy^2)), s = standard deviation of the point spread per axis.
-// A stand-in for blur that is known only by its size (geometric aberrations, diffusion, display spot). Real, separable.
+// Gaussian blur.
+//   otf = exp(-2 pi^2 (sx^2 fx^2 + sy^2 fy^2))
+// s = standard deviation of the point spread per axis. Real, positive, separable; radial when sx = sy. A stand-in for
+// blur that is known only by its size (geometric aberrations, diffusion, display spot), best where many small causes
+// add up. (Boreman, Modulation Transfer Function in Optical and Electro-Optical Systems.)
 
 #include "mtf/components/field.h"
 

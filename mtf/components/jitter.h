@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Random line-of-sight motion, Gaussian, many independent positions in one integration time:
-//   otf = exp(-2 pi^2 (sx^2 fx^2 + sy^2 fy^2)), s = rms displacement of one axis (one sigma), at the focal plane.
-// Real, separable. (Kopeika, A System Engineering Approach to Imaging, ch. 14.)
+// Random line-of-sight motion, Gaussian.
+//   otf = exp(-2 pi^2 (sx^2 fx^2 + sy^2 fy^2))
+// s = rms displacement of one axis (one sigma), at the focal plane. Real, positive, separable; radial when sx = sy.
+// Valid for many independent positions in one integration time. (Kopeika, A System Engineering Approach to Imaging, ch.
+// 14.)
 
 #include "mtf/components/gaussian.h"
 

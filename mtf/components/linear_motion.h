@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Constant-velocity image motion during the integration time, about its middle:
-//   otf = sinc(d . f), d = travel (cos a, sin a), a from +x (right) to +y (down).
-// travel is given, or velocity x integration time. Real (signed); separable only along an axis.
-// (Boreman, ch. 6; Kopeika, ch. 14.)
+// Constant-velocity image motion during the integration time, about its middle.
+//   otf = sinc(d . f),  d = travel (cos a, sin a),  sinc(x) = sin(pi x)/(pi x)
+// travel = path at the focal plane, given, or velocity x integration time; a = direction from +x (right) to +y (down).
+// Real and signed: contrast reverses between the zeros at d . f = 1, 2, ... Even in d; separable only along an axis.
+// Valid while velocity and exposure are constant over the integration time. (Boreman, Modulation Transfer Function in
+// Optical and Electro-Optical Systems, ch. 6; Kopeika, A System Engineering Approach to Imaging, ch. 14.)
 
 #include "mtf/components/field.h"
 

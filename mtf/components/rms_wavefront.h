@@ -2,12 +2,12 @@
 #pragma once
 
 // Aberrations known only by their rms wavefront error W (waves): the empirical factor of Hufnagel and Shannon beside
-// `diffraction`,
-//   otf = max(0, 1 - (W/0.18)^2 [1 - 4 (nu - 1/2)^2]),  nu = |f| lambda N in 0..1; 1 beyond the cutoff.
-// Real, radial. W is at `wavelength_reference`: W(lambda) = W x reference / lambda in a band.
-// Validity: a budget curve for W <= 0.1. Measured against exact pupils its error reaches 0.07 (W = 0.07, defocus 0.05),
-// 0.15 (W = 0.1, coma) and 0.47 (W = 0.25, astigmatism); from 0.18 on it clips at zero. Use a wavefront by coefficients
-// when they are known. (Shannon, The Art and Science of Optical Design, 1997.)
+// `diffraction`.
+//   otf = max(0, 1 - (W/0.18)^2 [1 - 4 (nu - 1/2)^2]),  nu = |f| lambda N in 0..1;  1 beyond the cutoff
+// lambda = wavelength, N = f-number. Real, not negative, radial. W is at `wavelength_reference`: W(lambda) = W x
+// reference / lambda in a band. A budget curve for W <= 0.1: measured against exact pupils its error reaches 0.07 (W =
+// 0.07, defocus 0.05), 0.15 (W = 0.1, coma) and 0.47 (W = 0.25, astigmatism); from 0.18 on it clips at zero. Use a
+// wavefront by coefficients when they are known. (Shannon, The Art and Science of Optical Design, 1997.)
 
 #include "mtf/components/field.h"
 

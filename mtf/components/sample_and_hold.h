@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Each sample held for a length along one axis, as a video line or a row of display elements does:
-//   otf = sinc(w f),  w = width of the hold, f along the axis
-// Measured from the middle of the hold: real (signed); the delay of w/2 of a causal hold is left out. Acts on what is
-// shown, after sampling. (Holst, Electro-Optical Imaging System Performance.)
+// Each sample held for a length along one axis, as a video line or a row of display elements does.
+//   otf = sinc(w f),  sinc(x) = sin(pi x)/(pi x)
+// f = frequency along the axis, w = width of the hold. Real and signed: measured from the middle of the hold; the delay
+// of w/2 of a causal hold is left out. Acts on what is shown, after sampling. (Holst, Electro-Optical Imaging System
+// Performance.)
 
 #include "mtf/components/field.h"
 

@@ -2,11 +2,11 @@
 #pragma once
 
 // Time delay and integration: N stages along one axis whose charge does not quite keep up with the image.
-//   otf = sin(N pi f d) / (N sin(pi f d)) x sinc(f p / M),  d = slip of image against charge per stage, f along the
-//   axis
-// The last factor is the stepwise motion of the charge, M clock phases a pitch p, under an image that moves evenly;
-// clock_phases = 0 leaves it out. Measured from the middle of the stages: real (signed). One stage without clock phases
-// is 1. (Johnson, Appl. Opt. 32, 6503 (1993); Holst, CMOS/CCD Sensors and Camera Systems.)
+//   otf = sin(N pi f d) / (N sin(pi f d)) x sinc(f p / M),  sinc(x) = sin(pi x)/(pi x)
+// f = frequency along the axis, d = slip of image against charge per stage, p = pitch. The last factor is the stepwise
+// motion of the charge, M clock phases a pitch, under an image that moves evenly; clock_phases = 0 leaves it out. Real
+// and signed: measured from the middle of the stages. One stage without clock phases is 1. Valid for a slip that is the
+// same at every stage. (Johnson, Appl. Opt. 32, 6503 (1993); Holst, CMOS/CCD Sensors and Camera Systems.)
 
 #include "mtf/components/field.h"
 
