@@ -107,7 +107,7 @@ int run_config(const ConfigOptions& options, const Global& global) {
     case ConfigOptions::Action::explain:
       return explain(options, global);
     case ConfigOptions::Action::kinds:
-      print(describe_kinds(options.file));
+      print(options.markdown ? kinds_markdown(options.file) : describe_kinds(options.file));
       return 0;
   }
   return 0;

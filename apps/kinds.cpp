@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/kinds.h"
 
+#include <sstream>
+
 #include "apps/text_table.h"
-#include "mtf/component.h"
+#include "mtf/component_docs.h"
 
 namespace apps {
 namespace {
@@ -11,6 +13,49 @@ using mtf::Component;
 using mtf::FieldInfo;
 using mtf::FieldRef;
 using mtf::Presence;
+
+std::string indented(std::string_view notes) {
+  std::istringstream lines{std::string(notes)};
+  std::string text;
+  for (std::string line; std::getline(lines, line);) text += (line.empty() ? "" : "  " + line) + "\n";
+  return text;
+}
+
+std::string describe_one(std::string_view kind) {
+  const Component<double> component = Component<double>::make(kind);
+  std::string text = std::string(kind) + ": " + std::string(component.doc()) + "; in " +
+                     join_stages(component.stages(), "[[", "]]") + "\n";
+  text += indented(mtf::component_notes(kind)) + "\n";
+  TextTable table({"  parameter", "example", "range", "", ""});
+  for (const FieldRef<double>& field : component.fields()) {
+    const std::string unit = unit_of(field);
+    table.add({"  " + written_name(field), std::string(field.info->example),
+               range_of(field) + (unit.empty() ? "" : " " + unit), std::string(presence_of(*field.info)),
+               std::string(field.info->doc)});
+  }
+  return text + table.aligned();
+}
+
+}  // namespace
+
+std::string join_stages(const mtf::Stages& stages, const std::string& before, const std::string& after) {
+  std::string text;
+  for (const mtf::Stage stage : mtf::kStages)
+    if (stages.allows(stage)) text += (text.empty() ? "" : ", ") + before + std::string(stage_name(stage)) + after;
+  return text;
+}
+
+std::string written_name(const FieldRef<double>& field) {
+  const std::string name(field.info->name);
+  const bool per_axis = std::holds_alternative<mtf::AxisPair<double>*>(field.value);
+  return per_axis ? name + " (or " + name + "_x, " + name + "_y)" : name;
+}
+
+std::string unit_of(const FieldRef<double>& field) {
+  if (std::holds_alternative<mtf::AxisPair<double>*>(field.value)) return "um, urad or px";
+  if (std::holds_alternative<mtf::SpatialFrequency<double>*>(field.value)) return "cy/mm, cy/mrad or cy/px";
+  return std::string(field.info->unit);
+}
 
 std::string range_of(const FieldRef<double>& field) {
   const FieldInfo& info = *field.info;
@@ -21,7 +66,7 @@ std::string range_of(const FieldRef<double>& field) {
   }
   if (std::holds_alternative<std::shared_ptr<const mtf::Curve>*>(field.value)) return "a file";
   return std::string(info.lo_open ? "(" : "[") + mtf::format_double(info.lo) + ", " + mtf::format_double(info.hi) +
-         (info.hi_open ? ")" : "]") + (info.unit.empty() ? "" : " " + std::string(info.unit));
+         (info.hi_open ? ")" : "]");
 }
 
 std::string_view presence_of(const FieldInfo& info) {
@@ -29,25 +74,6 @@ std::string_view presence_of(const FieldInfo& info) {
          : info.presence == Presence::optional ? "optional"
                                                : "or from [optics]";
 }
-
-std::string describe_one(std::string_view kind) {
-  const Component<double> component = Component<double>::make(kind);
-  std::string lists;
-  for (const mtf::Stage stage : mtf::kStages)
-    if (component.stages().allows(stage))
-      lists += (lists.empty() ? "[[" : ", [[") + std::string(stage_name(stage)) + "]]";
-  std::string text = std::string(kind) + ": " + std::string(component.doc()) + "; in " + lists + "\n";
-  TextTable table({"  parameter", "example", "range", "", ""});
-  for (const FieldRef<double>& field : component.fields()) {
-    const bool per_axis = std::holds_alternative<mtf::AxisPair<double>*>(field.value);
-    const std::string name(field.info->name);
-    table.add({"  " + name + (per_axis ? " (or " + name + "_x, " + name + "_y)" : ""), std::string(field.info->example),
-               range_of(field), std::string(presence_of(*field.info)), std::string(field.info->doc)});
-  }
-  return text + table.aligned();
-}
-
-}  // namespace
 
 std::string describe_kinds(const std::string& kind) {
   if (!kind.empty()) return describe_one(kind);

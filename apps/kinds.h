@@ -1,12 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+// Components as their field tables and the comments of their headers tell them.
+
 #include <string>
+#include <string_view>
+
+#include "mtf/component.h"
 
 namespace apps {
 
-/// The component of that kind ("" = every one), as its field table tells it: what it is, the lists it may stand in, and
-/// each parameter with its range, whether it is needed, and an example. Throws UsageError for an unknown kind.
+/// The component of that kind ("" = every one): what it is, the lists it may stand in, its physics, and each parameter
+/// with its range, whether it is needed, and an example. Throws UsageError for an unknown kind.
 std::string describe_kinds(const std::string& kind);
+
+/// The same as Markdown, one section a kind; for every kind with an introduction and a table of contents: the whole of
+/// mtf/components/README.md.
+std::string kinds_markdown(const std::string& kind);
+
+/// "[[presample]], [[readout]]", each name between `before` and `after`.
+std::string join_stages(const mtf::Stages& stages, const std::string& before, const std::string& after);
+/// "width (or width_x, width_y)".
+std::string written_name(const mtf::FieldRef<double>& field);
+std::string unit_of(const mtf::FieldRef<double>& field);
+/// "[0, 1)", or the words of a choice: "x | y".
+std::string range_of(const mtf::FieldRef<double>& field);
+std::string_view presence_of(const mtf::FieldInfo& info);
 
 }  // namespace apps

@@ -46,6 +46,8 @@ constexpr std::array kNan{std::pair{std::string_view("refuse"), NanPolicy::refus
                           std::pair{std::string_view("propagate"), NanPolicy::propagate}};
 constexpr std::array kRigor{std::pair{std::string_view("estimate"), false},
                             std::pair{std::string_view("measure"), true}};
+constexpr std::array kTableOrMarkdown{std::pair{std::string_view("table"), false},
+                                      std::pair{std::string_view("markdown"), true}};
 constexpr std::array kUnits{std::pair{std::string_view("cy/mm"), 0}, std::pair{std::string_view("cy/mrad"), 1},
                             std::pair{std::string_view("cy/px"), 2}};
 
@@ -163,11 +165,13 @@ void add_config(CLI::App& root, ConfigOptions& options) {
                                   "  mtf config explain sensor.toml > explained.txt");
   explain.callback([&] { options.action = ConfigOptions::Action::explain; });
   add_file(explain, "file", "sensor file (TOML)", options.file);
-  CLI::App& kinds = add_command(app, "kinds", "every component with its parameters, units, ranges and an example", "",
+  CLI::App& kinds = add_command(app, "kinds", "every component: formula, validity, source, and each parameter",
+                                "mtf/components/README.md is the output of --format markdown.",
                                 "  mtf config kinds\n"
                                 "  mtf config kinds jitter");
   kinds.callback([&] { options.action = ConfigOptions::Action::kinds; });
   add_text(kinds, "kind", "KIND", "one component; default: all", [&](const std::string& text) { options.file = text; });
+  add_choice(kinds, "--format", "FORMAT", "table (default) or markdown", kTableOrMarkdown, options.markdown);
 }
 
 Setter set_tolerance(std::optional<double>& tolerance) {

@@ -44,6 +44,7 @@ struct ConfigOptions {
   std::string file;  ///< init: where to write, "" = stdout; kinds: the one to show, "" = all
   bool force = false;
   Format format = Format::table;
+  bool markdown = false;  ///< kinds: as mtf/components/README.md
 };
 
 enum class NanPolicy { refuse, fill, propagate };

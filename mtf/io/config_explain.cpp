@@ -6,7 +6,9 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <sstream>
 
+#include "mtf/component_docs.h"
 #include "mtf/io/config_reader.h"
 
 namespace mtf::io {
@@ -215,6 +217,28 @@ void explain_components(Table& table, const System<double>& system) {
     }
 }
 
+/// Each kind once: who uses it, formula, source.
+std::string formulas(const System<double>& system) {
+  std::vector<std::pair<std::string_view, std::string>> users;
+  for (const auto& list : system.stages)
+    for (const auto& entry : list) {
+      const std::string_view kind = entry.component.kind();
+      const auto known = std::find_if(users.begin(), users.end(), [&](const auto& user) { return user.first == kind; });
+      if (known == users.end())
+        users.emplace_back(kind, entry.label);
+      else
+        known->second += ", " + entry.label;
+    }
+  std::string text;
+  for (const auto& [kind, labels] : users) {
+    text += "\n" + labels + (labels == kind ? "" : " (" + std::string(kind) + ")") + "\n";
+    std::istringstream lines(component_formula(kind));
+    for (std::string line; std::getline(lines, line);) text += "  " + line + "\n";
+    if (const std::string source = component_source(kind); !source.empty()) text += "  source: " + source + "\n";
+  }
+  return text.empty() ? text : text + "\nmtf config kinds KIND tells units, signs and validity\n";
+}
+
 std::string derived(const SensorConfig& config) {
   const System<double>& system = config.system;
   const Frame<double>& frame = system.frame;
@@ -259,7 +283,8 @@ std::string explain_config(const SensorConfig& config) {
   std::string fits;
   for (const FitSpec& fit : config.fits)
     if (fit.fit) fits += "  " + fit.path + "\n";
-  return table.text() + "\n" + derived(config) + (fits.empty() ? "" : "\nto be fitted:\n" + fits);
+  return table.text() + "\n" + derived(config) + (fits.empty() ? "" : "\nto be fitted:\n" + fits) +
+         formulas(config.system);
 }
 
 }  // namespace mtf::io

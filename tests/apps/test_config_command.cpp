@@ -98,6 +98,34 @@ TEST(Config, KindsShowsEveryComponentFromItsFieldTable) {
   EXPECT_EQ(scratch.run("mtf config kinds jiter").status, 2);
 }
 
+TEST(Config, KindsTellsThePhysicsOfAComponent) {
+  const Scratch scratch;
+  const Result one = scratch.run("mtf config kinds footprint");
+  for (const char* text : {"  otf = sinc(wx fx) sinc(wy fy)", "(Boreman, ", "parameter"})
+    EXPECT_NE(one.out.find(text), std::string::npos) << text << "\n" << one.out;
+  const Result section = scratch.run("mtf config kinds footprint --format markdown");
+  EXPECT_TRUE(section.out.starts_with("## footprint\n")) << section.out;
+  EXPECT_NE(section.out.find("\n\n    otf = sinc(wx fx) sinc(wy fy)"), std::string::npos) << section.out;
+  EXPECT_EQ(scratch.run("mtf config kinds --format json").status, 2);
+}
+
+TEST(Config, ComponentReadmeIsWhatKindsPrints) {
+  const Scratch scratch;
+  const Result result = scratch.run("mtf config kinds --format markdown");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_TRUE(result.out == apps_test::read_file(apps_test::fs::path(MTFKIT_SOURCE_DIR) / "mtf/components/README.md"))
+      << "stale; run: mtf config kinds --format markdown > mtf/components/README.md";
+}
+
+TEST(Config, ExplainListsFormulaAndSourceOfEachKindOnce) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const std::string out = scratch.run("mtf config explain sensor.toml").out;
+  for (const char* text : {"\nfootprint\n  otf = sinc(wx fx)", "\ndiffraction\n  otf = M(nu, e)", "  source: Goodman"})
+    EXPECT_NE(out.find(text), std::string::npos) << text << "\n" << out;
+  EXPECT_EQ(out.find("source: Goodman"), out.rfind("source: Goodman"));
+}
+
 TEST(Info, DescribesAnImageAndSaysWhatToRun) {
   const Scratch scratch;
   mtf::Image first(4, 2), second(4, 2);

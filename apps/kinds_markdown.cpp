@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf config kinds --format markdown`: mtf/components/README.md.
+
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "apps/kinds.h"
+#include "mtf/component_docs.h"
+#include "mtf/io/config.h"
+
+namespace apps {
+namespace {
+
+using mtf::Component;
+using mtf::FieldRef;
+using mtf::Presence;
+
+// Prose becomes paragraphs, indented lines become code blocks.
+std::string as_markdown(std::string_view notes) {
+  enum class Last { nothing, prose, formula } last = Last::nothing;
+  std::istringstream lines{std::string(notes)};
+  std::string text;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty()) {
+      last = Last::nothing;
+      continue;
+    }
+    const Last now = line.starts_with("  ") ? Last::formula : Last::prose;
+    if (!text.empty()) text += now != last ? "\n\n" : now == Last::prose ? " " : "\n";
+    text += now == Last::formula ? "  " + line : line;
+    last = now;
+  }
+  while (text.ends_with(' ')) text.pop_back();
+  return text + "\n";
+}
+
+/// Bars would end a cell.
+std::string cell(std::string text) {
+  for (std::size_t i = text.find('|'); i != std::string::npos; i = text.find('|', i + 2)) text.insert(i, "\\");
+  return text;
+}
+
+std::string code(std::string_view text) { return "`" + std::string(text) + "`"; }
+
+struct Example {
+  std::string table;                  ///< the component's TOML
+  std::optional<mtf::Traits> traits;  ///< unknown where it needs a file
+};
+
+/// The required fields, and the first of the others when it does not do without.
+Example example_of(std::string_view kind) {
+  const Component<double> blank = Component<double>::make(kind);
+  const auto fields = std::as_const(blank).fields();
+  std::string list;
+  for (const mtf::Stage stage : mtf::kStages)
+    if (list.empty() && blank.stages().allows(stage)) list = stage_name(stage);
+  const auto with = [&](const FieldRef<double>* extra) {
+    std::string text = "[[" + list + "]]\nkind = \"" + std::string(kind) + "\"\n";
+    for (const FieldRef<double>& field : fields)
+      if (field.info->presence == Presence::required || &field == extra)
+        text += std::string(field.info->name) + " = " + std::string(field.info->example) + "\n";
+    return text;
+  };
+  const std::string sensor =
+      "schema = 1\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\nintegration_time = \"10 ms\"\n"
+      "[optics]\nf_number = 2.0\n[band]\nwavelength = [\"3.4 um\", \"4.8 um\"]\n";
+  std::vector<const FieldRef<double>*> extras{nullptr};
+  for (const FieldRef<double>& field : fields) extras.push_back(&field);
+  for (const FieldRef<double>* extra : extras) {
+    const mtf::io::ConfigResult result = mtf::io::parse_config(sensor + with(extra), "");
+    if (!result.ok()) continue;
+    const mtf::System<double>& system = result.config.system;
+    for (const auto& entries : system.stages)
+      for (const auto& entry : entries) return {with(extra), entry.component.traits(system.context())};
+  }
+  return {with(nullptr), std::nullopt};
+}
+
+std::string traits_text(const mtf::Traits& traits) {
+  std::string text = traits.real ? "real" : "complex";
+  const auto add = [&](bool is, const char* words) { text += is ? std::string(", ") + words : ""; };
+  add(traits.radial, "radial");
+  add(traits.separable, "separable");
+  add(traits.even_x && traits.even_y, "even in x and y");
+  add(traits.even_x && !traits.even_y, "even in x");
+  add(traits.even_y && !traits.even_x, "even in y");
+  add(traits.chromatic, "depends on the wavelength in the band");
+  add(traits.gain, "may amplify");
+  return text;
+}
+
+std::string section(std::string_view kind) {
+  const Component<double> component = Component<double>::make(kind);
+  std::string doc(component.doc());
+  doc.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(doc.front())));
+  std::string text =
+      "## " + std::string(kind) + "\n\n**" + doc + "**, in " + join_stages(component.stages(), "`[[", "]]`") + ".\n\n";
+  std::string_view notes = mtf::component_notes(kind);
+  const std::string source = mtf::component_source(kind);
+  // The source, in parentheses at the end of the notes, gets a line of its own.
+  if (!source.empty()) notes.remove_suffix(source.size() + 3);
+  text += as_markdown(notes) + (source.empty() ? "" : "\nSource: " + source + "\n");
+  text += "\n| parameter | unit | range | presence | example | meaning |\n|---|---|---|---|---|---|\n";
+  for (const FieldRef<double>& field : component.fields()) {
+    const std::string row[] = {written_name(field),       unit_of(field),
+                               range_of(field),           std::string(presence_of(*field.info)),
+                               code(field.info->example), std::string(field.info->doc)};
+    for (const std::string& each : row) text += "| " + cell(each) + (each.empty() ? "" : " ");
+    text += "|\n";
+  }
+  const Example example = example_of(kind);
+  text += "\n```toml\n" + example.table + "```\n";
+  if (example.traits) text += "\nThe OTF of this example: " + traits_text(*example.traits) + ".\n";
+  return text;
+}
+
+}  // namespace
+
+std::string kinds_markdown(const std::string& kind) {
+  if (!kind.empty()) return section(kind);
+  std::string contents, sections;
+  for (const std::string_view each : mtf::component_kinds()) {
+    const Component<double> component = Component<double>::make(each);
+    contents += "| [" + std::string(each) + "](#" + std::string(each) + ") | " + cell(std::string(component.doc())) +
+                " | " + join_stages(component.stages(), "", "") + " |\n";
+    sections += "\n" + section(each);
+  }
+  return R"(<!-- Generated from the component headers: mtf config kinds --format markdown > mtf/components/README.md -->
+# Components
+
+Every analytic MTF that a sensor file may list, one header each. `mtf config kinds KIND` shows the same text,
+`mtf config explain SENSOR` the formulas of one sensor. The system OTF is the product of what is listed, nothing else.
+
+- `otf(f)` is the integral of `psf(x) exp(-2 pi i f.x)`, with `f` in cycles/mm at the focal plane, +x to the right and
+  +y down. Lengths and angles are converted by the frame, so `"8 urad"`, `"0.8 um"` and `"0.05 px"` all work where the
+  unit says um, urad or px.
+- `sinc(x) = sin(pi x)/(pi x)`; `rms` is one sigma of one axis.
+- A parameter is required, optional, or taken from `[optics]` (the wavelength from `[band]` or `[optics]`) when the
+  component does not give it.
+
+| kind | | lists |
+|---|---|---|
+)" + contents +
+         sections;
+}
+
+}  // namespace apps
