@@ -5,48 +5,37 @@ namespace mtf {
 namespace {
 
 struct Reduced {
-  double x;    // |x| <= 1/4
-  int octant;  // x_original = octant / 2 + x, modulo 2
+  double x;     // |x| <= 1/4
+  int quarter;  // x_original = quarter / 2 + x, modulo 2
 };
 
-// remainder() is exact, so nothing is lost for any finite argument.
+// Both differences are exact for any finite argument: multiples of its last place, and small.
 Reduced reduce(double x) {
-  const double r = std::remainder(x, 2.0);  // [-1, 1]
-  const int quarter = static_cast<int>(std::lround(2.0 * r));
-  return {r - 0.5 * quarter, quarter & 3};
+  const double r = x - 2.0 * std::rint(0.5 * x);  // [-1, 1]
+  const double n = std::rint(2.0 * r);
+  return {r - 0.5 * n, static_cast<int>(n) & 3};
 }
 
 }  // namespace
 
-double sin_pi(double x) {
-  if (!std::isfinite(x)) return 0.0;
+SinCos sin_cos_pi(double x) {
+  if (!std::isfinite(x)) return {0.0, 1.0};
   const Reduced r = reduce(x);
-  switch (r.octant) {
+  const double s = std::sin(kPi * r.x), c = std::cos(kPi * r.x);
+  switch (r.quarter) {
     case 0:
-      return std::sin(kPi * r.x);
+      return {s, c};
     case 1:
-      return std::cos(kPi * r.x);
+      return {c, -s};
     case 2:
-      return -std::sin(kPi * r.x);
+      return {-s, -c};
     default:
-      return -std::cos(kPi * r.x);
+      return {-c, s};
   }
 }
 
-double cos_pi(double x) {
-  if (!std::isfinite(x)) return 1.0;
-  const Reduced r = reduce(x);
-  switch (r.octant) {
-    case 0:
-      return std::cos(kPi * r.x);
-    case 1:
-      return -std::sin(kPi * r.x);
-    case 2:
-      return -std::cos(kPi * r.x);
-    default:
-      return std::sin(kPi * r.x);
-  }
-}
+double sin_pi(double x) { return sin_cos_pi(x).sin; }
+double cos_pi(double x) { return sin_cos_pi(x).cos; }
 
 ValueSlope sinc(double x) {
   const double ax = std::abs(x);
@@ -58,8 +47,9 @@ ValueSlope sinc(double x) {
         -kPi * kPi * x / 3.0 * (1.0 - q / 10.0 * (1.0 - q / 28.0 * (1.0 - q / 54.0 * (1.0 - q / 88.0))));
     return {value, slope};
   }
-  const double value = sin_pi(x) / (kPi * x);
-  return {value, (cos_pi(x) - value) / x};
+  const SinCos turn = sin_cos_pi(x);
+  const double value = turn.sin / (kPi * x);
+  return {value, (turn.cos - value) / x};
 }
 
 ValueSlope gaussian(double x) {

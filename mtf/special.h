@@ -46,6 +46,10 @@ S lift(double value, double slope_x, const S& x, double slope_y, const S& y) {
 /// sin(pi x) and cos(pi x), the argument reduced exactly: zeros are exact, any finite x.
 double sin_pi(double x);
 double cos_pi(double x);
+struct SinCos {
+  double sin = 0.0, cos = 1.0;
+};
+SinCos sin_cos_pi(double x);
 
 /// sin(pi x)/(pi x); 0 at infinity.
 ValueSlope sinc(double x);
@@ -74,7 +78,7 @@ S radius(const S& x, const S& y) {
 /// exp(-i pi x) as a complex number: the phase of a shift, argument reduced exactly.
 template <class S>
 Complex<S> phase_of(const S& x) {
-  const double v = value_of(x), c = cos_pi(v), s = sin_pi(v);
+  const auto [s, c] = sin_cos_pi(value_of(x));
   return {lift({c, -kPi * s}, x), lift({-s, -kPi * c}, x)};
 }
 

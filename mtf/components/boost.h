@@ -38,9 +38,9 @@ struct Boost {
   S extra() const { return gain.value_or(S(1)) - S(1); }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const S half_turns = S(0.5) * along(f, axis_of(axis)) / peak.cy_mm(ctx.frame, axis_of(axis));
-    const double x = value_of(half_turns), s = sin_pi(x);
-    const bool steep = std::abs(x) < 1e15;  // beyond, neighbouring doubles are whole periods apart: no slope
-    return {S(1) + extra() * lift({s * s, steep ? 2.0 * kPi * s * cos_pi(x) : 0.0}, half_turns), S(0)};
+    const auto [s, c] = sin_cos_pi(value_of(half_turns));
+    const bool steep = std::abs(value_of(half_turns)) < 1e15;  // beyond, doubles are whole periods apart: no slope
+    return {S(1) + extra() * lift({s * s, steep ? 2.0 * kPi * s * c : 0.0}, half_turns), S(0)};
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {

@@ -46,7 +46,8 @@ struct ChargeTransfer {
   /// 1 - exp(-i t) = 2 sin^2(t/2) + i sin t, without cancellation at small t.
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const S x = ctx.frame.cy_per_px(along(f, axis_of(axis)), axis_of(axis));
-    const double v = value_of(x), s = sin_pi(v), c = cos_pi(v), sin_2 = 2.0 * s * c, cos_2 = (c - s) * (c + s);
+    const auto [s, c] = sin_cos_pi(value_of(x));
+    const double sin_2 = 2.0 * s * c, cos_2 = (c - s) * (c + s);
     const S lost = lift({2.0 * s * s, 2.0 * kPi * sin_2}, x) * loss();
     const double modulus = std::exp(-value_of(lost));
     const Complex<S> phase = phase_of(S(lift({sin_2 / kPi, 2.0 * cos_2}, x) * loss()));

@@ -40,7 +40,7 @@ struct Crosstalk {
   /// sin^2(pi f p), the only form in which the frequency enters: no cancellation at small f.
   static S sine_square(const S& f, Axis axis, const Context<S>& ctx) {
     const S x = ctx.frame.cy_per_px(f, axis);
-    const double s = sin_pi(value_of(x)), c = cos_pi(value_of(x));
+    const auto [s, c] = sin_cos_pi(value_of(x));
     return lift({s * s, 2.0 * kPi * s * c}, x);
   }
   S value(const S& a, const S& b) const {

@@ -128,8 +128,8 @@ inline constexpr FieldInfo kDirectionInfo{.name = "direction",
 template <class S>
 Freq<S> unit_vector(const S& direction_deg) {
   const S half_turns = direction_deg / S(180);
-  const double a = value_of(half_turns);
-  return {lift({cos_pi(a), -kPi * sin_pi(a)}, half_turns), lift({sin_pi(a), kPi * cos_pi(a)}, half_turns)};
+  const auto [sine, cosine] = sin_cos_pi(value_of(half_turns));
+  return {lift({cosine, -kPi * sine}, half_turns), lift({sine, kPi * cosine}, half_turns)};
 }
 
 /// Bound of |1 - sinc| up to x: monotone to 1, never above 1 + 0.2173 (the deepest side lobe).

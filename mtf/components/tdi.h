@@ -73,7 +73,7 @@ struct Tdi {
   ValueSlope mean_phase(double x) const {
     if (!std::isfinite(x) && stage_count > 1) return {0.0, 0.0};
     if (stage_count == 1) return {1.0, 0.0};
-    const double wide = std::remainder(x, 2.0), r = std::remainder(wide, 1.0), n = stage_count;
+    const double wide = x - 2.0 * std::rint(0.5 * x), r = wide - std::rint(wide), n = stage_count;  // exact
     const double sign = stage_count % 2 == 0 && std::abs(wide) > 0.5 ? -1.0 : 1.0;
     const ValueSlope top = sinc(n * r), bottom = sinc(r);
     return {sign * top.value / bottom.value,
