@@ -92,5 +92,18 @@ TEST(Special, radius_and_phase) {
   EXPECT_EQ(phase_of(1e15 + 1.0).re, -1.0);
 }
 
+TEST(Special, sine_and_cosine_of_pi_x_do_not_change_by_whole_turns) {
+  // std::remainder is exact, so it is a second route to the argument within one turn, for any size.
+  for (const double scale : {5e-324, 1e-300, 1e-3, 0.7, 12.0, 1e5, 0x1p49, 0x1p51, 0x1p52, 0x1p53, 1e17, 1e300})
+    for (const double part : {0.25, 0.5, 0.75, 1.0, 1.25, 1.4999999999999998, 1.5, 1.7, 1.9999999999999998})
+      for (const double x : {scale * part, -scale * part}) {
+        const double within = std::remainder(x, 2.0);
+        EXPECT_EQ(sin_cos_pi(x).sin, sin_pi(within)) << x;
+        EXPECT_EQ(sin_cos_pi(x).cos, cos_pi(within)) << x;
+        EXPECT_NEAR(sin_cos_pi(x).sin, std::sin(kPi * within), 4e-16) << x;
+        EXPECT_NEAR(sin_cos_pi(x).cos, std::cos(kPi * within), 4e-16) << x;
+      }
+}
+
 }  // namespace
 }  // namespace mtf::test
