@@ -11,6 +11,8 @@
 //   check(ctx)             what the field bounds cannot say: values that exclude each other, validity of the formula
 // and may offer, for speed:
 //   displacement_mm(ctx)   a vector d such that the OTF depends on f through d.f alone (motion in one direction)
+//   breaks_cy_mm(ctx)      for an OTF that costs microseconds: the |f| in rising order between which it is smooth, the
+//                          last being its cutoff; plans tabulate it between them
 //   rows(fx, ctx)          see Component::rows, for sums of products of functions of fx and of fy
 // Everybody else uses the type-erased handle `Component<S>`; the list of types is mtf/components/all.h.
 
@@ -153,6 +155,8 @@ class Component {
   /// shorter.
   using Rows = std::function<void(const S& fy, std::span<Complex<S>> h)>;
   Rows rows(std::span<const S> fx, const Context<S>& ctx) const;
+  /// Where a slow OTF has its kinks, see above; empty for all that are quick.
+  std::vector<double> breaks_cy_mm(const Context<S>& ctx) const;
   /// Unit vector u with otf(f) = otf((f.u) u), where the component knows one.
   std::optional<Freq<double>> line(const Context<S>& ctx) const;
 

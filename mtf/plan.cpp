@@ -123,8 +123,13 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   const double canvas_norm = options.scene ? options.scene->canvas_norm / options.scene->std : parts;
   // The error of the whole scene may gather in the part of it that the detector sees.
   const double norm = canvas_norm * std::sqrt(std::max(1.0, in.area_um2() / out.area_um2()));
-  const OtfSampler sampler(system, stages, options.aperture, fx, fy, kDropShare * tolerance / (alias * norm),
-                           tables ? kTableShare * tolerance / (alias * norm) : 0.0);
+  const OtfSampler sampler(system, stages, options.aperture,
+                           {.fx_max = fx,
+                            .fy_max = fy,
+                            .drop_budget = kDropShare * tolerance / (alias * norm),
+                            .table_share = tables ? kTableShare * tolerance / (alias * norm) : 0.0,
+                            .samples = in.width * in.height / 2,
+                            .threads = options.threads});
   impl->dc = sampler.dc();
   report.dropped = sampler.dropped();
   report.merged = sampler.merged();

@@ -25,33 +25,39 @@ std::string join_labels(const std::vector<const Entry<double>*>& entries) {
 }  // namespace
 
 OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture,
-                       double fx_max, double fy_max, double drop_budget, double table_share, int wavelengths)
-    : system_(system), aperture_(aperture), stages_(stages.begin(), stages.end()) {
-  const double target = std::clamp(table_share, 1e-7, 1e-6);
+                       const SamplerOptions& options)
+    : system_(system), aperture_(aperture), stages_(stages.begin(), stages.end()), options_(options) {
+  const double target = std::clamp(options.table_share, 1e-7, 1e-6);
   if (aperture_.kind == SceneAperture::Kind::curve && aperture_.curve->unit->name == "cy/px" &&
       system_.frame.pitch_x_um != system_.frame.pitch_y_um)
     throw UsageError(
         "scene.aperture: a curve in cy/px has no one meaning with pixels that are not square; give it in cy/mm");
-  bound_correction(fx_max, fy_max);
-  sort_components(fx_max, fy_max, drop_budget);
+  bound_correction();
+  sort_components();
+
+  // A radial table ends where all of its components do; what others cut off is not its concern.
+  const Context<double> shortest = system_.band ? system_.context(system_.band->lo_um) : system_.context();
+  const auto end_of = [&](std::initializer_list<const std::vector<const Entry<double>*>*> lists) {
+    double end = std::hypot(options.fx_max, options.fy_max);
+    for (const auto* list : lists)
+      for (const Entry<double>* entry : *list) end = std::min(end, entry->component.cutoff_cy_mm(shortest));
+    return end;
+  };
+  for (const Entry<double>* entry : entries_) cutoff_ = std::min(cutoff_, entry->component.cutoff_cy_mm(shortest));
+  const auto& chromatic = chromatic_general_.empty() ? chromatic_radial_ : chromatic_general_;
+  if (!chromatic.empty()) choose_wavelengths(end_of({&chromatic}), target, options.wavelengths);
 
   const bool aperture_radial = aperture_.kind == SceneAperture::Kind::curve;
   if (!radial_.empty() || !chromatic_radial_.empty() || aperture_radial) {
-    double end = std::hypot(fx_max, fy_max), cutoff = std::numeric_limits<double>::infinity();
-    const Context<double> shortest = system_.band ? system_.context(system_.band->lo_um) : system_.context();
-    for (const auto* list : {&radial_, &chromatic_radial_})
-      for (const Entry<double>* entry : *list) cutoff = std::min(cutoff, entry->component.cutoff_cy_mm(shortest));
-    end = std::min(end, cutoff);
-    choose_wavelengths(end, target, wavelengths);
-    if (table_share > 0.0)
+    if (options.table_share > 0.0)
       table_.emplace(
           [this](std::span<const double> radius, std::span<double> value) {
             for (std::size_t i = 0; i < radius.size(); ++i) value[i] = radial_product(radius[i]);
           },
-          end, target);
+          end_of({&radial_, &chromatic_radial_}), target);
     std::string names = join_labels(radial_);
     if (!chromatic_radial_.empty()) names += (names.empty() ? "" : ", ") + join_labels(chromatic_radial_);
-    if (!table_ || table_->error() > 20.0 * table_share) {
+    if (!table_ || table_->error() > 20.0 * options.table_share) {
       // Steep or kinked beyond what a table resolves (a thin annulus, a ragged curve): exact, and slower.
       table_.reset();
       radial_per_sample_ = true;
@@ -59,15 +65,15 @@ OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stag
     if (!names.empty())
       merged_.push_back(names +
                         (table_ ? " -> one radial table" : " -> one radial factor, evaluated at every frequency"));
-  } else if (!chromatic_general_.empty()) {
-    choose_wavelengths(std::hypot(fx_max, fy_max), target, wavelengths);
   }
-  tabulate_lines(fx_max, fy_max, table_share, target);
+  tabulate_lines(target);
+  tabulate_slow(target);
   if (!separable_.empty()) merged_.push_back(join_labels(separable_) + " -> one vector per axis");
 }
 
 // The limit may be met anywhere in the band: a box or a curve rises again behind its zeros.
-void OtfSampler::bound_correction(double fx_max, double fy_max) {
+void OtfSampler::bound_correction() {
+  const double fx_max = options_.fx_max, fy_max = options_.fy_max;
   if (aperture_.kind == SceneAperture::Kind::point) return;
   constexpr int kSteps = 4096;
   const auto highest = [this](const auto& mtf, double end, double limit) {
@@ -82,7 +88,7 @@ void OtfSampler::bound_correction(double fx_max, double fy_max) {
                 highest([this](double r) { return aperture_mtf(r); }, std::hypot(fx_max, fy_max), limit);
 }
 
-void OtfSampler::sort_components(double fx_max, double fy_max, double drop_budget) {
+void OtfSampler::sort_components() {
   const Context<double> ctx = system_.context();
   struct Candidate {
     const Entry<double>* entry;
@@ -92,14 +98,15 @@ void OtfSampler::sort_components(double fx_max, double fy_max, double drop_budge
   for (const Stage stage : stages_)
     for (const Entry<double>& entry : system_.list(stage)) {
       // A chromatic deviation is largest at one end of the band.
-      double deviation = entry.component.deviation(fx_max, fy_max, ctx);
+      double deviation = entry.component.deviation(options_.fx_max, options_.fy_max, ctx);
       if (system_.band)
         for (const double wavelength : {system_.band->lo_um, system_.band->hi_um})
-          deviation = std::max(deviation, entry.component.deviation(fx_max, fy_max, system_.context(wavelength)));
+          deviation = std::max(
+              deviation, entry.component.deviation(options_.fx_max, options_.fy_max, system_.context(wavelength)));
       candidates.push_back({&entry, deviation});
     }
   // What is left out would have been multiplied by the components that amplify.
-  double budget = drop_budget / correction_;
+  double budget = options_.drop_budget / correction_;
   for (const Candidate& candidate : candidates)
     if (candidate.entry->component.traits(ctx).gain) budget /= 1.0 + candidate.deviation;
   std::vector<std::size_t> order(candidates.size());
@@ -140,8 +147,8 @@ void OtfSampler::sort_components(double fx_max, double fy_max, double drop_budge
 
 // Motion along one direction depends on f.u alone, an even function where it is real. A table that is too coarse for it
 // leaves the component where it is.
-void OtfSampler::tabulate_lines(double fx_max, double fy_max, double table_share, double target) {
-  if (!(table_share > 0.0)) return;
+void OtfSampler::tabulate_lines(double target) {
+  if (!(options_.table_share > 0.0)) return;
   const Context<double> ctx = system_.context();
   std::erase_if(general_, [&](const Entry<double>* entry) {
     const auto u = entry->component.line(ctx);
@@ -151,37 +158,88 @@ void OtfSampler::tabulate_lines(double fx_max, double fy_max, double table_share
           for (std::size_t i = 0; i < radius.size(); ++i)
             value[i] = entry->component.otf({u->x * radius[i], u->y * radius[i]}, ctx).re;
         },
-        std::abs(u->x) * fx_max + std::abs(u->y) * fy_max, target);
-    if (table.line_error() > 20.0 * table_share) return false;
+        std::abs(u->x) * options_.fx_max + std::abs(u->y) * options_.fy_max, target);
+    if (table.line_error() > 20.0 * options_.table_share) return false;
     lines_.push_back({*u, std::move(table)});
     merged_.push_back(entry->label + " -> one table along its direction");
     return true;
   });
 }
 
+// Aberrated pupils: microseconds a sample, but smooth between a few radii. A band averages the whole chromatic product.
+void OtfSampler::tabulate_slow(double target) {
+  constexpr std::int64_t kWorthIt = 4000;  // about what a table evaluates
+  if (!(options_.table_share > 0.0) || options_.samples < kWorthIt) return;
+  const double end = std::hypot(options_.fx_max, options_.fy_max) * (1.0 + 1e-9);  // the corner itself lies within
+  const auto breaks_of = [&](const Entry<double>* entry, const Context<double>& ctx, std::vector<double>& breaks) {
+    for (const double r : entry->component.breaks_cy_mm(ctx)) breaks.push_back(std::min(r, end));
+  };
+  const auto tabulate = [&](std::vector<double> breaks, const PolarTable::Function& h, const std::string& names) {
+    std::sort(breaks.begin(), breaks.end());
+    PolarTable table(h, std::move(breaks), target, options_.threads);
+    if (table.error() > 20.0 * options_.table_share) return false;
+    polar_.push_back(std::move(table));
+    merged_.push_back(names + " -> one table over radius and direction");
+    return true;
+  };
+  const Context<double> ctx = system_.context();
+  std::erase_if(general_, [&](const Entry<double>* entry) {
+    std::vector<double> breaks;
+    breaks_of(entry, ctx, breaks);
+    return !breaks.empty() &&
+           tabulate(
+               breaks, [&](const Freq<double>& f) { return entry->component.otf(f, ctx); }, entry->label);
+  });
+  std::vector<double> breaks;
+  for (const Entry<double>* entry : chromatic_general_)
+    for (const double wavelength : {system_.band->lo_um, system_.band->hi_um})
+      breaks_of(entry, system_.context(wavelength), breaks);
+  if (!breaks.empty() &&
+      tabulate(
+          breaks, [this](const Freq<double>& f) { return chromatic_product(f); }, join_labels(chromatic_general_)))
+    chromatic_general_.clear();
+}
+
+Complex<double> OtfSampler::chromatic_product(const Freq<double>& f) const {
+  Complex<double> mean{};
+  for (std::size_t w = 0; w < nodes_.weight.size(); ++w) {
+    const Context<double> ctx = system_.context(nodes_.wavelength_um[w]);
+    Complex<double> node{nodes_.weight[w], 0.0};
+    for (const Entry<double>* entry : chromatic_general_) node = node * entry->component.otf(f, ctx);
+    mean = mean + node;
+  }
+  return mean;
+}
+
 void OtfSampler::choose_wavelengths(double end, double target, int wanted) {
   if (chromatic_radial_.empty() && chromatic_general_.empty()) return;
-  const auto& list = chromatic_radial_.empty() ? chromatic_general_ : chromatic_radial_;
+  // A radial product is the same in all directions; others are looked at in a few, less closely.
+  const bool radial = chromatic_general_.empty();
+  const auto& list = radial ? chromatic_radial_ : chromatic_general_;
+  const std::size_t directions = radial ? 1 : 4, radii = radial ? 128 : 32;
   const auto averages = [&](int n) {
     const WavelengthNodes nodes = wavelength_nodes(*system_.band, n);
-    std::vector<double> mean(128);
+    std::vector<Complex<double>> mean(radii * directions);
     for (std::size_t i = 0; i < mean.size(); ++i) {
-      const double r = end * (static_cast<double>(i) + 0.5) / static_cast<double>(mean.size());
+      const double r = end * (static_cast<double>(i / directions) + 0.5) / static_cast<double>(radii);
+      const double a = 0.25 * static_cast<double>(i % directions);
+      const Freq<double> f{r * cos_pi(a), r * sin_pi(a)};
       for (std::size_t w = 0; w < nodes.weight.size(); ++w) {
-        double product = nodes.weight[w];
+        Complex<double> product{nodes.weight[w], 0.0};
         for (const Entry<double>* entry : list)
-          product *= entry->component.otf({r, 0.0}, system_.context(nodes.wavelength_um[w])).re;
-        mean[i] += product;
+          product = product * entry->component.otf(f, system_.context(nodes.wavelength_um[w]));
+        mean[i] = mean[i] + product;
       }
     }
     return mean;
   };
   int n = wanted > 0 ? wanted : 4;
-  std::vector<double> coarse = averages(n);
+  std::vector<Complex<double>> coarse = averages(n);
   for (; n < kMostWavelengths; n *= 2) {
-    std::vector<double> fine = averages(2 * n);
+    std::vector<Complex<double>> fine = averages(2 * n);
     double worst = 0.0;
-    for (std::size_t i = 0; i < fine.size(); ++i) worst = std::max(worst, std::abs(fine[i] - coarse[i]));
+    for (std::size_t i = 0; i < fine.size(); ++i)
+      worst = std::max(worst, std::hypot(fine[i].re - coarse[i].re, fine[i].im - coarse[i].im));
     quadrature_error_ = worst;
     if (worst <= target || wanted > 0) break;
     coarse = std::move(fine);
@@ -230,6 +288,7 @@ double OtfSampler::aperture_radial(double r) const { return limited_inverse(aper
 double OtfSampler::error() const {
   double sum = (table_ ? table_->error() : 0.0) + quadrature_error_;
   for (const Line& line : lines_) sum += line.table.line_error();
+  for (const PolarTable& table : polar_) sum += table.error();
   for (const Dropped& dropped : dropped_) sum += dropped.bound;
   return sum * gain();
 }
@@ -243,6 +302,7 @@ Complex<double> OtfSampler::at(const Freq<double>& f) const {
 }
 
 double OtfSampler::axis_bound(Axis axis, double f_cy_mm) const {
+  if (std::abs(f_cy_mm) >= cutoff_) return 0.0;
   const Freq<double> f = axis == Axis::x ? Freq<double>{f_cy_mm, 0.0} : Freq<double>{0.0, f_cy_mm};
   Complex<double> h{aperture_factor(axis, f_cy_mm), 0.0};
   for (const Entry<double>* entry : separable_) h = h * entry->component.otf(f, system_.context());

@@ -5,9 +5,12 @@
 //   separable components  -> two vectors X and Y
 //   radial ones           -> one table R, chromatic ones averaged over the band as a product before they enter it
 //   motion at an angle    -> one table each along its direction, L(f.u)
+//   slow ones             -> a table in polar coordinates, where the grid is large enough to be worth it
 //   all others            -> evaluated per sample in G, a row at a time
 // Each component is visited once per vector, table or tile, never per sample.
 
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,6 +18,7 @@
 #include <vector>
 
 #include "mtf/border.h"
+#include "mtf/polar_table.h"
 #include "mtf/radial_table.h"
 #include "mtf/system.h"
 
@@ -36,14 +40,20 @@ struct Dropped {
   double bound = 0.0;  ///< of |otf - 1| over the grid
 };
 
+struct SamplerOptions {
+  double fx_max = 0.0, fy_max = 0.0;  ///< |fx|, |fy| up to these
+  double drop_budget = 0.0;           ///< components whose deviations add up to no more are left out
+  double table_share = 0.0;  ///< error that a table should not exceed (one that errs by much more is not used);
+                             ///< 0: no tables
+  int wavelengths = 0;       ///< of the band; 0 = as many as that error needs
+  std::int64_t samples = std::numeric_limits<std::int64_t>::max();  ///< frequencies that will be asked for, about
+  int threads = 0;  ///< that fill tables of slow components; 0 = all cores
+};
+
 class OtfSampler {
  public:
-  /// Prepares `stages` of `system` for |fx| <= fx_max, |fy| <= fy_max. Components whose deviations add up to no more
-  /// than `drop_budget` are left out. `table_share` is the error that
-  /// radial factors should not exceed; a table that errs by much more is not used. `wavelengths` of the band: 0 = as
-  /// many as that error needs.
-  OtfSampler(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture, double fx_max,
-             double fy_max, double drop_budget, double table_share, int wavelengths = 0);
+  OtfSampler(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture,
+             const SamplerOptions& options);
   OtfSampler(const OtfSampler&) = delete;  // its lists point into its own copy of the system
   OtfSampler& operator=(const OtfSampler&) = delete;
 
@@ -103,12 +113,16 @@ class OtfSampler {
     Freq<double> direction;
     RadialTable table;
   };
-  void sort_components(double fx_max, double fy_max, double drop_budget);
-  void bound_correction(double fx_max, double fy_max);
-  void tabulate_lines(double fx_max, double fy_max, double table_share, double target);
+  void sort_components();
+  void bound_correction();
+  void tabulate_lines(double target);
+  void tabulate_slow(double target);
+  Complex<double> chromatic_product(const Freq<double>& f) const;
   void choose_wavelengths(double end, double target, int wanted);
   double radial_product(double r) const;
-  bool has_general() const { return radial_per_sample_ || !general_.empty() || !chromatic_general_.empty(); }
+  bool has_general() const {
+    return radial_per_sample_ || !general_.empty() || !chromatic_general_.empty() || !polar_.empty();
+  }
   double aperture_mtf(Axis axis, double f) const;  ///< the scene's own blur along one axis
   double aperture_mtf(double r) const;             ///< and of a radial curve
   double aperture_factor(Axis axis, double f) const;
@@ -117,6 +131,7 @@ class OtfSampler {
   System<double> system_;
   SceneAperture aperture_;
   std::vector<Stage> stages_;
+  SamplerOptions options_;
   std::vector<const Entry<double>*> entries_, separable_, radial_, chromatic_radial_, general_, chromatic_general_;
   double gain_ = 1.0;        ///< bound of the product of the components that amplify
   double correction_ = 1.0;  ///< bound of the aperture's correction
@@ -125,6 +140,8 @@ class OtfSampler {
   WavelengthNodes nodes_;
   std::optional<RadialTable> table_;
   std::vector<Line> lines_;
+  std::vector<PolarTable> polar_;
+  double cutoff_ = std::numeric_limits<double>::infinity();  ///< |f| from which some component lets nothing through
   bool real_ = true, even_x_ = true, even_y_ = true, aperture_limited_ = false;
   bool radial_per_sample_ = false;  ///< no table resolves the radial factors
   double quadrature_error_ = 0.0;

@@ -47,6 +47,7 @@ std::vector<Complex<double>> OtfSampler::Grid::general_row(std::size_t j, std::s
   if (sampler_->radial_per_sample_)
     for (std::size_t i = 0; i < count; ++i) product[i].re = sampler_->radial_product(std::hypot(fx_[i], fy_[j]));
   for (const auto& multiply : rows_) multiply(fy_[j], product);
+  for (const PolarTable& table : sampler_->polar_) table.multiply(fx_, fy_[j], product);
   if (sampler_->chromatic_general_.empty()) return product;
   std::vector<Freq<double>> f(count);
   for (std::size_t i = 0; i < count; ++i) f[i] = {fx_[i], fy_[j]};

@@ -214,6 +214,15 @@ typename Component<S>::Rows Component<S>::rows(std::span<const S> fx, const Cont
   });
 }
 template <class S>
+std::vector<double> Component<S>::breaks_cy_mm(const Context<S>& ctx) const {
+  return detail::visit(*value_, [&](const auto& c) -> std::vector<double> {
+    if constexpr (requires { c.breaks_cy_mm(ctx); })
+      return c.breaks_cy_mm(ctx);
+    else
+      return {};
+  });
+}
+template <class S>
 std::optional<Freq<double>> Component<S>::line(const Context<S>& ctx) const {
   return detail::visit(*value_, [&](const auto& c) -> std::optional<Freq<double>> {
     if constexpr (requires { c.displacement_mm(ctx); }) {

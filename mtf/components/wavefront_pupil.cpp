@@ -7,6 +7,7 @@
 
 #include "mtf/components/pupil.h"
 #include "mtf/components/pupil_circles.h"
+#include "mtf/components/pupil_turns.h"
 #include "mtf/quadrature.h"
 #include "mtf/special.h"
 
@@ -99,6 +100,9 @@ struct Sums {
 void add_cap(const Phase& phase, const PupilCap& cap, const Nodes& nodes, bool arcs, Sums& sums) {
   const int degree = phase.d.degree;
   std::array<Cplx, PupilPolynomial::kMaxDegree + 1> moment{};
+  std::size_t moments = 0;
+  for (const PupilPolynomial& p : phase.by) moments = std::max(moments, static_cast<std::size_t>(p.degree) + 1);
+  std::vector<double> re(nodes.across.node.size()), im(re.size());
   for (std::size_t i = 0; i < nodes.along.node.size(); ++i) {
     const double t = 0.5 * cap.angle * (1.0 + nodes.along.node[i]), c = std::cos(t), s = std::sin(t);
     const double u = cap.centre + cap.side * cap.radius * c, half_chord = cap.radius * s;
@@ -108,15 +112,15 @@ void add_cap(const Phase& phase, const PupilCap& cap, const Nodes& nodes, bool a
     bool even = true;
     for (std::size_t j = 1; j <= static_cast<std::size_t>(degree); j += 2) even = even && d[j] == 0.0;
     const std::size_t n = nodes.across.node.size(), used = even ? n / 2 : n;  // the number is even
+    const double fold = even ? 2.0 : 1.0;
+    weighted_turns(d.data(), degree, nodes.across.node.data(), nodes.across.weight.data(), used, re.data(), im.data());
     Cplx chord{};
+    for (std::size_t k = 0; k < used; ++k) chord += Cplx(re[k], im[k]);
+    chord *= fold;
     moment.fill({});
-    for (std::size_t k = 0; k < used; ++k) {
-      const double w = nodes.across.node[k];
-      const Cplx turn = (even ? 2.0 : 1.0) * nodes.across.weight[k] * turn_less_one(evaluate(d, degree, w));
-      chord += turn;
-      if (phase.by.empty()) continue;
-      Cplx power = turn + (even ? 2.0 : 1.0) * nodes.across.weight[k];
-      for (std::size_t j = 0; j < moment.size(); ++j, power *= w) moment[j] += power;
+    for (std::size_t k = 0; k < used && !phase.by.empty(); ++k) {
+      Cplx power = fold * Cplx(re[k] + nodes.across.weight[k], im[k]);
+      for (std::size_t j = 0; j < moments; ++j, power *= nodes.across.node[k]) moment[j] += power;
     }
     if (even)
       for (std::size_t j = 1; j < moment.size(); j += 2) moment[j] = {};

@@ -134,7 +134,9 @@ void whole_system() {
   const double limit = kAxis.nyquist_cy_mm();
   std::vector<Complex<float>> row(fx.size());
   int wavelengths = 0;
-  const auto make = [&] { return OtfSampler(system, kStages, {}, limit, limit, 0.0, 1e-6, 17); };
+  const auto make = [&] {
+    return OtfSampler(system, kStages, {}, {.fx_max = limit, .fy_max = limit, .table_share = 1e-6, .wavelengths = 17});
+  };
   const auto sample = [&] {
     const OtfSampler sampler = make();
     const OtfSampler::Grid grid(sampler, fx, fy);

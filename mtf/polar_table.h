@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A Hermitian function of a frequency vector as a table in polar coordinates, for OTFs that cost microseconds a sample
+// (aberrated pupils). Around, a Fourier series, H(r, a) = sum over m of c_m(r) exp(i m a); outwards, Chebyshev points
+// between the radii where the function has kinks, taken in a variable that is the square root of the distance at both
+// ends of each piece, where pupil edges that touch and the cutoff have their half-integer powers. Both converge
+// geometrically; they are refined until points in between come out within the target.
+
+#include <complex>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "mtf/frame.h"
+
+namespace mtf {
+
+class PolarTable {
+ public:
+  using Function = std::function<Complex<double>(const Freq<double>& f)>;
+  /// `breaks`: radii in rising order between which H is smooth, the last being the table's end; beyond it H is 0.
+  /// `threads` evaluate H (0 = all cores).
+  PolarTable(const Function& h, std::vector<double> breaks, double target, int threads);
+
+  /// h[i] *= table at (fx[i], fy).
+  void multiply(std::span<const double> fx, double fy, std::span<Complex<double>> h) const;
+
+  /// Largest |table - H| seen in between, with a factor 2; what it is when the target is out of reach, too.
+  double error() const { return error_; }
+  /// Frequencies at which H was evaluated.
+  std::int64_t evaluations() const { return evaluations_; }
+
+ private:
+  /// Coefficients c_0 .. c_(orders-1) in rows, one for each knot: uniform in the variable of the piece, one more
+  /// beyond either end for the cubic through four of them.
+  struct Piece {
+    double begin = 0.0, end = 0.0;
+    std::vector<std::complex<double>> rows;
+  };
+  void tabulate(const Function& h, std::size_t spokes, std::size_t points, int threads);
+  Complex<double> at(const Freq<double>& f) const;
+  double probe(const Function& h, std::size_t spokes, std::size_t points, bool around, int threads);
+
+  std::vector<Piece> pieces_;
+  std::size_t orders_ = 0;
+  double error_ = 0.0;
+  std::int64_t evaluations_ = 0;
+};
+
+}  // namespace mtf
