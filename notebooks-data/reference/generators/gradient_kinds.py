@@ -1,0 +1,360 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every kind of component for gradients.py: its OTF from the definition, and the cases to tabulate.
+
+A case: settings as in a sensor file (float: a scalar that is differentiated by; (float, unit): the same with its unit;
+list of lists: taps; int or word: kept), surroundings named frame.*, optics.*, and the frequencies in cycles/mm.
+To add a kind: write its function of a Point, decorate it with @kind and its cases.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+from mpmath import mp, mpf
+
+from annular import annular_mtf
+
+KINDS = {}
+
+
+@dataclass
+class Case:
+    settings: dict
+    at: list
+    side: dict = field(default_factory=dict)  # by name: the slope that is meant where right and left differ
+    fixed: set = field(default_factory=set)  # scalars not differentiated by
+
+
+def kind(name, *cases):
+    def register(otf):
+        KINDS[name] = (otf, cases)
+        return otf
+
+    return register
+
+
+def around(f, along=(1.0, 0.0), steps=(1e-9,)):
+    """The double nearest to f, its neighbours, and points a little further away on both sides, along a direction."""
+    points = [f, math.nextafter(f, 0.0), math.nextafter(f, math.inf)]
+    points += [f * (1 + sign * step) for step in steps for sign in (-1, 1)]
+    return [(u * along[0], u * along[1]) for u in points]
+
+
+ZERO = [(0.0, 0.0)]
+TYPICAL = ZERO + [(1e-9, -2e-9), (5.0, 3.0), (-21.7, 4.4), (33.0, 33.0), (0.0, 47.0)]
+SQUARE = {"frame.pitch_x": 17.0, "frame.pitch_y": 17.0}
+OBLONG = {"frame.pitch_x": 17.0, "frame.pitch_y": 20.0}
+FOCAL = {"frame.focal_length": 100.0}
+
+
+def sinc(x):
+    return mp.sin(mp.pi * x) / (mp.pi * x) if x != 0 else mpf(1)
+
+
+def jinc(x):
+    return 2 * mp.besselj(1, x) / x if x != 0 else mpf(1)
+
+
+def unit_vector(p):
+    degrees = p["direction"] if "direction" in p else mpf(0)
+    return mp.cos(mp.pi * degrees / 180), mp.sin(mp.pi * degrees / 180)
+
+
+def axis_of(p):
+    return p.words.get("axis", "x")
+
+
+def nu_of(p):
+    """f lambda N; the wavelength of the component, or of the surroundings."""
+    own = {n: p[n] if n in p else p["optics." + n] for n in ("wavelength", "f_number")}
+    return mp.hypot(p["fx"], p["fy"]) * own["wavelength"] / 1000 * own["f_number"]
+
+
+def gaussian_of(p, name):
+    return mp.exp(-2 * mp.pi**2 * sum((p.length_mm(name, a) * p.frequency(a)) ** 2 for a in "xy"))
+
+
+@kind("gaussian",
+      Case({"sigma": (3.0, "um")}, TYPICAL),
+      Case({"sigma": (0.25, "px"), **OBLONG}, TYPICAL),
+      Case({"sigma_x": (20.0, "urad"), "sigma_y": (70.0, "urad"), **FOCAL}, TYPICAL + [(0.0, 300.0)]),
+      Case({"sigma": (0.0, "um")}, TYPICAL),
+      Case({"sigma": (1e9, "um")}, ZERO + [(1e-9, 0.0), (1e-7, 2e-7), (5.0, 3.0)]))
+def gaussian(p):
+    return gaussian_of(p, "sigma")
+
+
+@kind("jitter",
+      Case({"rms": (8.0, "urad"), **FOCAL}, TYPICAL),
+      Case({"rms_x": (2.0, "um"), "rms_y": (0.3, "px"), **OBLONG}, TYPICAL),
+      Case({"rms": (0.0, "urad"), **FOCAL}, TYPICAL))
+def jitter(p):
+    return gaussian_of(p, "rms")
+
+
+def rectangle(p):
+    width = {a: p.pitch_mm(a) * mp.sqrt(p["fill_factor"]) if "fill_factor" in p else p.length_mm("width", a)
+             for a in "xy"}
+    return sinc(width["x"] * p["fx"]) * sinc(width["y"] * p["fy"])
+
+
+# sinc passes from its series to the closed form at 0.05, and has zeros at whole numbers.
+kind("footprint",
+     Case({"width": (15.0, "um")}, TYPICAL + around(0.05 / 0.015) + around(1 / 0.015)),
+     Case({"width_x": (0.9, "px"), "width_y": (120.0, "urad"), **OBLONG, **FOCAL}, TYPICAL),
+     Case({"width": (0.0, "um")}, TYPICAL),
+     Case({"width": (1e9, "um")}, ZERO + [(1e-6, 0.0), (1e-7, 2e-7)]),
+     Case({"fill_factor": 0.9, **OBLONG}, TYPICAL),
+     Case({"fill_factor": 1.0, **SQUARE}, TYPICAL),
+     Case({"fill_factor": 1e-9, **SQUARE}, TYPICAL))(rectangle)
+
+
+@kind("circular_footprint",
+      Case({"diameter": (15.0, "um")}, TYPICAL + around(0.1 / math.pi / 0.015) + around(1.2196698912665045 / 0.015)),
+      Case({"diameter_x": (0.9, "px"), "diameter_y": (120.0, "urad"), **OBLONG, **FOCAL}, TYPICAL),
+      Case({"diameter": (0.0, "um")}, TYPICAL))
+def circular_footprint(p):
+    return jinc(mp.pi * mp.hypot(p.length_mm("diameter", "x") * p["fx"], p.length_mm("diameter", "y") * p["fy"]))
+
+
+@kind("sample_and_hold",
+      Case({"width": (1.0, "px"), **OBLONG}, TYPICAL + around(1 / 0.017)),
+      Case({"width": (120.0, "urad"), "axis": "y", **FOCAL}, TYPICAL),
+      Case({"width": (0.0, "um")}, TYPICAL))
+def sample_and_hold(p):
+    return sinc(p.length_mm("width", axis_of(p)) * p.frequency(axis_of(p)))
+
+
+def along_motion(p, length_x, length_y):
+    cosine, sine = unit_vector(p)
+    return length_x * cosine * p["fx"] + length_y * sine * p["fy"]
+
+
+@kind("linear_motion",
+      Case({"travel": (10.0, "um"), "direction": 30.0}, TYPICAL),
+      Case({"travel": (1.0, "px"), "direction": -90.0, **OBLONG}, TYPICAL),
+      Case({"travel": (0.0, "um"), "direction": 360.0}, TYPICAL),
+      Case({"velocity": 2000.0, "direction": 180.0, "frame.integration_time": 0.01}, TYPICAL),
+      Case({"rate": 20000.0, "direction": 45.0, "frame.integration_time": 0.01, **FOCAL}, TYPICAL))
+def linear_motion(p):
+    if "travel" in p:
+        return sinc(along_motion(p, p.length_mm("travel", "x"), p.length_mm("travel", "y")))
+    speed = p["velocity"] / 1000 if "velocity" in p else p["rate"] * p["frame.focal_length"] / 10**6
+    length = speed * p["frame.integration_time"]
+    return sinc(along_motion(p, length, length))
+
+
+@kind("vibration",
+      Case({"amplitude": (5.0, "um"), "direction": 0.0}, TYPICAL + around(2.404825557695773 / (2 * math.pi * 0.005))),
+      Case({"amplitude": (1.5, "px"), "direction": 30.0, **OBLONG}, TYPICAL + [(400.0, 200.0)]),
+      Case({"amplitude": (0.0, "urad"), "direction": -360.0, **FOCAL}, TYPICAL))
+def vibration(p):
+    return mp.besselj(0, 2 * mp.pi * along_motion(p, p.length_mm("amplitude", "x"), p.length_mm("amplitude", "y")))
+
+
+@kind("rc_lowpass",
+      Case({"cutoff": (40.0, "cy/mm")}, TYPICAL + around(40.0)),
+      Case({"cutoff": (3.0, "cy/mrad"), "axis": "y", **FOCAL}, TYPICAL),
+      Case({"cutoff": (0.4, "cy/px"), **OBLONG}, TYPICAL),
+      Case({"cutoff": (1e-9, "cy/mm")}, ZERO + around(1e-9) + [(5.0, 3.0)]),
+      Case({"cutoff": (1e9, "cy/mm")}, TYPICAL + around(1e9)))
+def rc_lowpass(p):
+    return 1 / (1 + mp.j * p.frequency(axis_of(p)) / p.frequency_cy_mm("cutoff", axis_of(p)))
+
+
+@kind("butterworth",
+      Case({"cutoff": (25.0, "cy/mm"), "poles": 3}, TYPICAL + around(25.0)),
+      Case({"cutoff": (3.0, "cy/mrad"), "poles": 1, "axis": "y", **FOCAL}, TYPICAL),
+      Case({"cutoff": (0.4, "cy/px"), "poles": 20, **OBLONG}, TYPICAL),
+      Case({"cutoff": (1e-9, "cy/mm"), "poles": 20}, ZERO + around(1e-9) + [(5.0, 3.0)]),
+      Case({"cutoff": (1e9, "cy/mm"), "poles": 1}, TYPICAL + around(1e9)))
+def butterworth(p):
+    ratio = p.frequency(axis_of(p)) / p.frequency_cy_mm("cutoff", axis_of(p))
+    return 1 / mp.sqrt(1 + ratio ** (2 * p.words["poles"]))
+
+
+@kind("boost",
+      Case({"gain": 2.0, "peak": (0.5, "cy/px"), **OBLONG}, TYPICAL + around(500 / 17.0)),
+      Case({"gain": 5.0, "peak": (3.0, "cy/mrad"), "axis": "y", **FOCAL}, TYPICAL),
+      Case({"gain": 1.0, "peak": (30.0, "cy/mm")}, TYPICAL),
+      Case({"gain": 100.0, "peak": (1e9, "cy/mm")}, TYPICAL + around(1e9)))
+def boost(p):
+    turn = mp.pi * p.frequency(axis_of(p)) / p.frequency_cy_mm("peak", axis_of(p))
+    return 1 + (p["gain"] - 1) / 2 * (1 - mp.cos(turn))
+
+
+@kind("charge_transfer",
+      Case({"inefficiency": 1e-5, "transfers": 2000, **OBLONG}, TYPICAL + around(1000 / 17.0)),
+      Case({"inefficiency": 1e-4, "transfers": 30000, "axis": "y", **OBLONG}, TYPICAL),
+      Case({"inefficiency": 0.0, "transfers": 1000, **SQUARE}, TYPICAL),
+      Case({"inefficiency": 0.1, "transfers": 20, **SQUARE}, TYPICAL),
+      Case({"inefficiency": 0.1, "transfers": 0, **SQUARE}, TYPICAL))
+def charge_transfer(p):
+    turn = 2 * mp.pi * p.frequency(axis_of(p)) * p.pitch_mm(axis_of(p))
+    return mp.exp(-p.words["transfers"] * p["inefficiency"] * (1 - mp.expj(-turn)))
+
+
+@kind("crosstalk",
+      Case({"side": 0.03, "corner": 0.005, **OBLONG}, TYPICAL + around(500 / 17.0)),
+      Case({"side": 0.03, **SQUARE}, TYPICAL),
+      Case({"side": 0.0, "corner": 0.125, **SQUARE}, TYPICAL),
+      Case({"side": 0.125, "corner": 0.0, **OBLONG}, TYPICAL))
+def crosstalk(p):
+    x, y = (mp.cos(2 * mp.pi * p.frequency(a) * p.pitch_mm(a)) for a in "xy")
+    side, corner = p["side"], p["corner"] if "corner" in p else mpf(0)
+    return (1 - 4 * side - 4 * corner) + 2 * side * (x + y) + 4 * corner * x * y
+
+
+# Whole numbers of slips a cycle are the zeros of the denominator.
+@kind("tdi",
+      Case({"stages": 8, "slip": (4.0, "um"), "clock_phases": 3, **OBLONG}, TYPICAL + around(125.0) + around(250.0)),
+      Case({"stages": 5, "slip": (0.3, "px"), "clock_phases": 0, "axis": "y", **OBLONG}, TYPICAL),
+      Case({"stages": 8, "slip": (0.0, "urad"), "clock_phases": 4, **SQUARE, **FOCAL}, TYPICAL),
+      Case({"stages": 1, "slip": (4.0, "um"), "clock_phases": 0}, TYPICAL))
+def tdi(p):
+    axis, stages, phases = axis_of(p), p.words["stages"], p.words["clock_phases"]
+    half_turn = mp.pi * p.frequency(axis) * p.length_mm("slip", axis)
+    mean = sum(mp.cos((2 * k - stages + 1) * half_turn) for k in range(stages)) / stages
+    return mean * (sinc(p.frequency(axis) * p.pitch_mm(axis) / phases) if phases else 1)
+
+
+@kind("bolometer",
+      Case({"time_constant": 0.01, "velocity": 500.0}, TYPICAL),
+      Case({"time_constant": 0.012, "rate": -20000.0, "axis": "y", **FOCAL}, TYPICAL),
+      Case({"time_constant": 0.0, "velocity": 500.0}, TYPICAL),
+      Case({"time_constant": 0.01, "velocity": 0.0}, TYPICAL),
+      Case({"time_constant": 1e3, "velocity": 1e12}, ZERO + [(1e-13, 0.0), (5.0, 3.0)]))
+def bolometer(p):
+    speed = p["velocity"] / 1000 if "velocity" in p else p["rate"] * p["frame.focal_length"] / 10**6
+    return 1 / (1 - 2 * mp.pi * mp.j * p.frequency(axis_of(p)) * speed * p["time_constant"])
+
+
+@kind("diffusion",
+      Case({"absorption_length": 10.0, "depletion_depth": 3.0, "diffusion_length": 20.0}, TYPICAL),
+      Case({"absorption_length": 2.0, "depletion_depth": 0.0, "diffusion_length": 50.0}, TYPICAL),
+      Case({"absorption_length": 1e-3, "depletion_depth": 5.0, "diffusion_length": 20.0}, TYPICAL),
+      Case({"absorption_length": 1e6, "depletion_depth": 5.0, "diffusion_length": 1e6}, TYPICAL),
+      Case({"absorption_length": 10.0, "depletion_depth": 1e6, "diffusion_length": 1e-6}, TYPICAL))
+def diffusion(p):
+    a, depth, l0 = p["absorption_length"], p["depletion_depth"], p["diffusion_length"]
+    l_f = l0 / mp.sqrt(1 + (2 * mp.pi * l0 / 1000) ** 2 * (p["fx"] ** 2 + p["fy"] ** 2))
+    left = mp.exp(-depth / a)
+    return (1 - left / (1 + l_f / a)) / (1 - left / (1 + l0 / a))
+
+
+DIFFRACTION = {"wavelength": 4.0, "f_number": 2.0}  # cutoff 125 cycles/mm
+
+
+@kind("diffraction",
+      Case({"obscuration": 0.0, **DIFFRACTION}, TYPICAL + around(125.0, steps=(1e-12, 1e-9, 1e-3)) + [(300.0, 0.0)]),
+      Case({"obscuration": 0.3, **DIFFRACTION},
+           TYPICAL + around(43.75) + around(37.5) + around(81.25, steps=(1e-12, 1e-6)) + around(125.0)),
+      Case({"optics.obscuration": 0.6, "optics.f_number": 4.0, "optics.wavelength": 10.0},
+           TYPICAL + around(5.0) + around(20.0) + around(15.0) + around(25.0, (0.6, 0.8))),
+      Case({"obscuration": 1e-6, **DIFFRACTION}, ZERO + around(62.5, steps=(1e-6, 1e-3)) + [(100.0, 10.0)]),
+      Case({"obscuration": 0.999, **DIFFRACTION}, ZERO + around(0.0625) + [(30.0, 40.0), (124.0, 0.0), (124.99, 0.0)]))
+def diffraction(p):
+    nu = nu_of(p)
+    e = abs(p["obscuration"] if "obscuration" in p else p["optics.obscuration"])
+    return annular_mtf(nu, e)[0] if nu < 1 else mpf(0)
+
+
+# A factor that starts and stops at the cutoff: the slope jumps there; and clipped at zero.
+@kind("rms_wavefront",
+      Case({"rms": 0.07, **DIFFRACTION}, TYPICAL + around(125.0)[:1] + around(125.0)[3:],
+           dict.fromkeys(("fx", "wavelength", "f_number"), "right")),
+      Case({"rms": 0.05, "wavelength_reference": 0.6328, **DIFFRACTION}, TYPICAL),
+      Case({"rms": 0.0, "optics.wavelength": 10.0, "optics.f_number": 1.5}, TYPICAL),
+      Case({"rms": 0.36, **DIFFRACTION}, TYPICAL + around(62.5 * (1 - math.sqrt(0.75)))[3:]))
+def rms_wavefront(p):
+    nu = nu_of(p)
+    if nu >= 1:
+        return mpf(1)
+    wavelength = p["wavelength"] if "wavelength" in p else p["optics.wavelength"]
+    rms = p["rms"] * (p["wavelength_reference"] / wavelength if "wavelength_reference" in p else 1)
+    return max(mpf(0), 1 - (rms / (mpf(18) / 100)) ** 2 * (1 - 4 * (nu - mpf(1) / 2) ** 2))
+
+
+KOLMOGOROV = (mpf(24) / 5 * mp.gamma(mpf(6) / 5)) ** (mpf(5) / 6)
+
+
+# lambda u = D at 100 mm/(0.004 mm x 100 mm) = 250 cycles/mm for the first short exposures; from there on the bracket
+# keeps its value, and that side's slope is the one that counts.
+BEYOND_APERTURE = {**dict.fromkeys(("fx", "wavelength", "frame.focal_length"), "right"), "aperture": "left"}
+
+
+@kind("turbulence",
+      Case({"fried_parameter": 50.0, "wavelength": 4.0, **FOCAL}, TYPICAL + [(200.0, 0.0)]),
+      Case({"fried_parameter": 50.0, "wavelength_reference": 0.55, "constant": "3.44", "optics.wavelength": 4.0,
+            **FOCAL}, TYPICAL),
+      Case({"fried_parameter": 300.0, "exposure": "short", "alpha": 0.5, "aperture": 100.0, "wavelength": 4.0, **FOCAL},
+           TYPICAL + around(250.0)[:1] + around(250.0)[3:] + [(400.0, 1.0)], BEYOND_APERTURE),
+      Case({"fried_parameter": 300.0, "exposure": "short", "alpha": 1.0, "aperture": 100.0, "wavelength": 4.0, **FOCAL},
+           TYPICAL + around(250.0)[:1] + around(250.0)[3:], BEYOND_APERTURE),
+      Case({"fried_parameter": 50.0, "exposure": "short", "alpha": 0.0, "optics.f_number": 2.0, "wavelength": 4.0,
+            **FOCAL}, TYPICAL),
+      Case({"fried_parameter": 1e6, "wavelength": 4.0, **FOCAL}, TYPICAL))
+def turbulence(p):
+    wavelength = p["wavelength"] if "wavelength" in p else p["optics.wavelength"]
+    r0 = p["fried_parameter"]
+    if "wavelength_reference" in p:
+        r0 *= (wavelength / p["wavelength_reference"]) ** (mpf(6) / 5)
+    span = mp.hypot(p["fx"], p["fy"]) * p["frame.focal_length"] * wavelength / 1000  # in the aperture, mm
+    c = mpf(344) / 100 if p.words.get("constant") == "3.44" else KOLMOGOROV
+    bracket = mpf(1)
+    if p.words.get("exposure") == "short":
+        aperture = p["aperture"] if "aperture" in p else p["frame.focal_length"] / p["optics.f_number"]
+        bracket = 1 - p["alpha"] * mp.cbrt(min(span / aperture, 1))
+    return mp.exp(-c * (span / r0) ** (mpf(5) / 3) * bracket)
+
+
+@kind("fir",
+      Case({"taps": [[0.0, -0.25, 0.0], [-0.25, 2.0, -0.25], [0.0, -0.25, 0.0]], **OBLONG}, TYPICAL),
+      Case({"taps": [[0.1, 0.5, 0.7]], **SQUARE}, TYPICAL + around(500 / 17.0)))
+def fir(p):
+    rows, columns = p.words["taps"]
+    x, y = (-2 * mp.pi * p.frequency(a) * p.pitch_mm(a) for a in "xy")
+    return sum(p[f"taps[{j * columns + k}]"] * mp.expj(x * (k - (columns - 1) // 2) + y * (j - (rows - 1) // 2))
+               for j in range(rows) for k in range(columns))
+
+
+CURVE = "10:0.9|20:0.7|40:0.25|60:0.1"
+IN_PIXELS = "0:1|0.1875:0.75|0.5:0.75|1:-0.125"
+
+
+# Fritsch and Carlson's monotone cubic with Brodlie's slopes, secants at the ends; past the end straight on to zero.
+# The value is smooth through a sample, its second derivative is not.
+@kind("curve",
+      Case({"file": CURVE + " cy/mm"}, TYPICAL + around(20.0) + [(60.0, 0.0), (61.0, 0.0), (59.0, 0.0), (80.0, 80.0)],
+           {"fx": "right"}),
+      Case({"file": CURVE + " cy/mrad", "axis": "y", **FOCAL}, ZERO + [(1.0, 1.5), (0.0, -3.0), (2.0, 6.5)]),
+      Case({"file": IN_PIXELS + " cy/px", "axis": "x", **OBLONG}, TYPICAL + [(58.0, 3.0)]))
+def curve(p):
+    samples, unit = p.words["file"].split()
+    x, y = zip(*([mpf(float(n)) for n in pair.split(":")] for pair in samples.split("|")))
+    if x[0] > 0:
+        x, y = (mpf(0), *x), (mpf(1), *y)
+    scale = {"cy/mm": lambda a: 1, "cy/mrad": lambda a: p["frame.focal_length"] / 1000, "cy/px": p.pitch_mm}[unit]
+    axis = p.words.get("axis", "radial")
+    along = [p.frequency(a) * scale(a) for a in "xy" if axis in (a, "radial")]
+    f = mp.sqrt(sum(u * u for u in along))
+    secant = [(y1 - y0) / (x1 - x0) for x0, x1, y0, y1 in zip(x, x[1:], y, y[1:])]
+
+    def slope(i):
+        if i in (0, len(x) - 1):
+            return secant[min(i, len(secant) - 1)]
+        before, after = secant[i - 1], secant[i]
+        if before * after <= 0:
+            return mpf(0)
+        left, right = x[i] - x[i - 1], x[i + 1] - x[i]
+        weight = (left + 2 * right) / (3 * (left + right))
+        return before * after / (weight * after + (1 - weight) * before)
+
+    if f >= x[-1]:
+        steepness = max(abs(slope(len(x) - 1)), 1 / x[-1])
+        return mp.sign(y[-1]) * max(mpf(0), abs(y[-1]) - steepness * (f - x[-1]))
+    i = max(k for k in range(len(x)) if x[k] <= f)
+    h = x[i + 1] - x[i]
+    t = (f - x[i]) / h
+    c2 = 3 * secant[i] - 2 * slope(i) - slope(i + 1)
+    c3 = slope(i) + slope(i + 1) - 2 * secant[i]
+    return y[i] + h * t * (slope(i) + t * (c2 + t * c3))
