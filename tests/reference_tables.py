@@ -11,6 +11,7 @@ REFERENCE = Path(__file__).resolve().parent.parent / "notebooks-data" / "referen
 SCRIPTS = {
     "annular.py": ["annular_diffraction_mtf.csv"],
     "defocus.py": ["defocus_circular.csv", "defocus_annular.csv"],
+    "elementary.py": ["elementary.csv", "kolmogorov.csv"],
     "gradients.py": ["gradients.csv"],
 }
 

@@ -83,6 +83,33 @@ TEST(Pupil, continuous_where_circles_touch) {
     }
 }
 
+// The component forms nu = f lambda N from four factors, one of them the unit's: a relative 4 x 2^-53 of conditioning
+// times the slope is all that comes on top of the kernel. At every frequency of a grid of 1501 out to the cutoff, where
+// for (1 - e)/2 on the grid other codes have isolated wrong samples (up to an MTF above 1).
+TEST(Pupil, component_adds_the_conditioning_of_nu_alone) {
+  for (const double e : {0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.99})
+    for (const double aperture_m : {0.1, 0.273, 0.275, 2.4})
+      for (const double wavelength_um : {0.5, 0.55, 0.58, 10.0}) {
+        System<double> system = mwir();
+        system.frame.focal_length_mm = 4000.0;
+        system.optics.f_number = 4.0 / aperture_m;
+        system.optics.wavelength_um = wavelength_um;
+        system.optics.obscuration = e;
+        const auto component = Component<double>::make("diffraction");
+        const double cutoff = component.cutoff_cy_mm(system.context());
+        for (int k = 0; k <= 750; ++k) {
+          const double f = -cutoff + (750 + k) * (2.0 * cutoff / 1500.0);
+          const long double nu = static_cast<long double>(f) * wavelength_um * *system.optics.f_number / 1000.0L;
+          const double rounded = static_cast<double>(nu);
+          const PupilMtf m = annular_pupil_mtf(rounded, e);
+          const long double exact = m.value + m.d_nu * (nu - rounded);  // the rest of nu is below 2^-53
+          const double conditioning = 4.0 * 0x1p-53 * rounded * std::abs(m.d_nu);
+          EXPECT_NEAR(component.otf({f, 0.0}, system.context()).re, static_cast<double>(exact), 2e-15 + conditioning)
+              << "e = " << e << ", nu = " << rounded;
+        }
+      }
+}
+
 TEST(Pupil, vanishing_obscuration_is_the_clear_pupil) {
   for (double nu = 0.01; nu < 1.0; nu += 0.0173) {
     const PupilMtf m = annular_pupil_mtf(nu, 1e-9);
