@@ -152,7 +152,7 @@ TEST(Gradients, against_the_table) {
     const Complex<Jet4> h = only_component(system).otf(f, system.context());
     const double size = std::hypot(number(row, "otf_re"), number(row, "otf_im"));
     EXPECT_LE(distance({h.re.a, h.im.a}, row, "otf_re", "otf_im"),
-              1e-14 * std::max(1.0, size) + number(row, "otf_rounding"))
+              4.0 * 0x1p-52 * std::max(1.0, size) + number(row, "otf_rounding"))
         << where;
     const double slope = std::hypot(number(row, "d_re"), number(row, "d_im"));
     const double scale = slope + number(row, "d_largest"), rounding = number(row, "d_rounding");
