@@ -9,9 +9,13 @@
 //   cutoff_cy_mm(ctx)      |f| from which the OTF is zero; infinity when there is none
 //   deviation(fx, fy, ctx) a bound of |otf - 1| over |f.x| <= fx, |f.y| <= fy
 //   check(ctx)             what the field bounds cannot say: values that exclude each other, validity of the formula
+// and may offer, for speed:
+//   displacement_mm(ctx)   a vector d such that the OTF depends on f through d.f alone (motion in one direction)
+//   rows(fx, ctx)          see Component::rows, for sums of products of functions of fx and of fy
 // Everybody else uses the type-erased handle `Component<S>`; the list of types is mtf/components/all.h.
 
 #include <array>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -100,11 +104,15 @@ ValueSlope evaluate(const Curve& curve, double f);
 template <class S>
 using Taps = std::vector<std::vector<S>>;  ///< rows of equal length, taps[row][column]
 
+/// A list of plain numbers; each element has the bounds of the field and is fitted as name[i], i from 0.
+template <class S>
+using Coefficients = std::vector<S>;
+
 /// A field of a live component, type-erased: what config, fits and tests work on.
 template <class S>
 struct FieldRef {
   const FieldInfo* info;
-  std::variant<S*, std::optional<S>*, AxisPair<S>*, SpatialFrequency<S>*, int*, Choice*, Taps<S>*,
+  std::variant<S*, std::optional<S>*, AxisPair<S>*, SpatialFrequency<S>*, int*, Choice*, Coefficients<S>*, Taps<S>*,
                std::shared_ptr<const Curve>*>
       value;
 };
@@ -141,6 +149,12 @@ class Component {
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const;
   /// h[i] *= otf(f[i]): one dispatch for the whole span.
   void multiply(std::span<const Freq<S>> f, const Context<S>& ctx, std::span<Complex<S>> h) const;
+  /// h[i] *= otf({fx[i], fy}) for any fy, what fx alone decides worked out once. Keeps the view of fx; `h` may be
+  /// shorter.
+  using Rows = std::function<void(const S& fy, std::span<Complex<S>> h)>;
+  Rows rows(std::span<const S> fx, const Context<S>& ctx) const;
+  /// Unit vector u with otf(f) = otf((f.u) u), where the component knows one.
+  std::optional<Freq<double>> line(const Context<S>& ctx) const;
 
   std::vector<FieldRef<S>> fields();
   /// The same for reading only; the pointers stay valid as long as the component.

@@ -63,6 +63,8 @@ RadialTable::RadialTable(const Function& f, double end, double target) : end_(en
   knots_[refine * n] = knots_[refine * n + 1] = static_cast<float>(v[n]);
   error_ = 2.0 * (error_ + curvature / (8.0 * static_cast<double>(refine * refine))) + 1.2e-7;
   between_ = curvature / 8.0;
+  for (std::size_t i = 0; i < n; ++i)
+    steepest_ = std::max(steepest_, static_cast<double>(n) * (std::abs(v[i + 1] - v[i]) + 0.5 * curvature));
 
   // A kink (the end of a curve) may hide from the midpoints: look closer where the third difference is largest.
   std::vector<std::size_t> order(n > 3 ? n - 2 : 0);
@@ -92,6 +94,12 @@ void RadialTable::multiply(std::span<const float> x2, float y2, std::span<float>
   const auto intervals = static_cast<float>(knots_.size() - 2);
   kernels::multiply_by_table(knots_.data(), intervals, intervals, x2.data(), y2,
                              static_cast<std::int64_t>(value.size()), value.data());
+}
+
+void RadialTable::multiply_line(std::span<const float> x, float y, std::span<float> value) const {
+  const auto intervals = static_cast<float>(knots_.size() - 2);
+  kernels::multiply_by_line_table(knots_.data(), intervals, x.data(), y, static_cast<std::int64_t>(value.size()),
+                                  value.data());
 }
 
 double RadialTable::bound_from(double r) const {

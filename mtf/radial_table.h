@@ -20,10 +20,15 @@ class RadialTable {
   /// value[i] *= table at end x sqrt(x2[i] + y2): squares of frequencies relative to the table's end.
   void multiply(std::span<const float> x2, float y2, std::span<float> value) const;
 
+  /// The same for a function of one signed coordinate, even about 0: value[i] *= table at end x |x[i] + y|.
+  void multiply_line(std::span<const float> x, float y, std::span<float> value) const;
+
   double end() const { return end_; }
 
   /// Largest |table - f| seen at the midpoints, with a factor 2 for what lies between.
   double error() const { return error_; }
+  /// The same for multiply_line, whose float coordinates may cancel: their rounding times the steepest slope.
+  double line_error() const { return error_ + 0x1p-22 * steepest_; }
   /// Largest |f| at radii >= r.
   double bound_from(double r) const;
 
@@ -32,7 +37,8 @@ class RadialTable {
   std::vector<double> suffix_max_;
   double end_ = 0.0;
   double error_ = 0.0;
-  double between_ = 0.0;  ///< how far the function may rise between two samples
+  double steepest_ = 0.0;  ///< |slope| per table length
+  double between_ = 0.0;   ///< how far the function may rise between two samples
 };
 
 }  // namespace mtf

@@ -25,7 +25,7 @@ std::string join_labels(const std::vector<const Entry<double>*>& entries) {
 }  // namespace
 
 OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture,
-                       double fx_max, double fy_max, double drop_budget, double table_share)
+                       double fx_max, double fy_max, double drop_budget, double table_share, int wavelengths)
     : system_(system), aperture_(aperture), stages_(stages.begin(), stages.end()) {
   const double target = std::clamp(table_share, 1e-7, 1e-6);
   if (aperture_.kind == SceneAperture::Kind::curve && aperture_.curve->unit->name == "cy/px" &&
@@ -42,7 +42,7 @@ OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stag
     for (const auto* list : {&radial_, &chromatic_radial_})
       for (const Entry<double>* entry : *list) cutoff = std::min(cutoff, entry->component.cutoff_cy_mm(shortest));
     end = std::min(end, cutoff);
-    choose_wavelengths(end, target);
+    choose_wavelengths(end, target, wavelengths);
     if (table_share > 0.0)
       table_.emplace(
           [this](std::span<const double> radius, std::span<double> value) {
@@ -60,8 +60,9 @@ OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stag
       merged_.push_back(names +
                         (table_ ? " -> one radial table" : " -> one radial factor, evaluated at every frequency"));
   } else if (!chromatic_general_.empty()) {
-    choose_wavelengths(std::hypot(fx_max, fy_max), target);
+    choose_wavelengths(std::hypot(fx_max, fy_max), target, wavelengths);
   }
+  tabulate_lines(fx_max, fy_max, table_share, target);
   if (!separable_.empty()) merged_.push_back(join_labels(separable_) + " -> one vector per axis");
 }
 
@@ -137,7 +138,28 @@ void OtfSampler::sort_components(double fx_max, double fy_max, double drop_budge
   chromatic_radial_.clear();
 }
 
-void OtfSampler::choose_wavelengths(double end, double target) {
+// Motion along one direction depends on f.u alone, an even function where it is real. A table that is too coarse for it
+// leaves the component where it is.
+void OtfSampler::tabulate_lines(double fx_max, double fy_max, double table_share, double target) {
+  if (!(table_share > 0.0)) return;
+  const Context<double> ctx = system_.context();
+  std::erase_if(general_, [&](const Entry<double>* entry) {
+    const auto u = entry->component.line(ctx);
+    if (!u || !entry->component.traits(ctx).real) return false;
+    RadialTable table(
+        [&](std::span<const double> radius, std::span<double> value) {
+          for (std::size_t i = 0; i < radius.size(); ++i)
+            value[i] = entry->component.otf({u->x * radius[i], u->y * radius[i]}, ctx).re;
+        },
+        std::abs(u->x) * fx_max + std::abs(u->y) * fy_max, target);
+    if (table.line_error() > 20.0 * table_share) return false;
+    lines_.push_back({*u, std::move(table)});
+    merged_.push_back(entry->label + " -> one table along its direction");
+    return true;
+  });
+}
+
+void OtfSampler::choose_wavelengths(double end, double target, int wanted) {
   if (chromatic_radial_.empty() && chromatic_general_.empty()) return;
   const auto& list = chromatic_radial_.empty() ? chromatic_general_ : chromatic_radial_;
   const auto averages = [&](int n) {
@@ -154,14 +176,14 @@ void OtfSampler::choose_wavelengths(double end, double target) {
     }
     return mean;
   };
-  int n = 4;
+  int n = wanted > 0 ? wanted : 4;
   std::vector<double> coarse = averages(n);
   for (; n < kMostWavelengths; n *= 2) {
     std::vector<double> fine = averages(2 * n);
     double worst = 0.0;
     for (std::size_t i = 0; i < fine.size(); ++i) worst = std::max(worst, std::abs(fine[i] - coarse[i]));
     quadrature_error_ = worst;
-    if (worst <= target) break;
+    if (worst <= target || wanted > 0) break;
     coarse = std::move(fine);
   }
   nodes_ = wavelength_nodes(*system_.band, n);
@@ -179,20 +201,6 @@ double OtfSampler::radial_product(double r) const {
     double node = nodes_.weight[w];
     for (const Entry<double>* entry : chromatic_radial_) node *= entry->component.otf(f, ctx).re;
     mean += node;
-  }
-  return product * mean;
-}
-
-Complex<double> OtfSampler::general(const Freq<double>& f) const {
-  Complex<double> product{radial_per_sample_ ? radial_product(std::hypot(f.x, f.y)) : 1.0, 0.0};
-  for (const Entry<double>* entry : general_) product = product * entry->component.otf(f, system_.context());
-  if (chromatic_general_.empty()) return product;
-  Complex<double> mean{};
-  for (std::size_t w = 0; w < nodes_.weight.size(); ++w) {
-    const Context<double> ctx = system_.context(nodes_.wavelength_um[w]);
-    Complex<double> node{nodes_.weight[w], 0.0};
-    for (const Entry<double>* entry : chromatic_general_) node = node * entry->component.otf(f, ctx);
-    mean = mean + node;
   }
   return product * mean;
 }
@@ -221,6 +229,7 @@ double OtfSampler::aperture_radial(double r) const { return limited_inverse(aper
 
 double OtfSampler::error() const {
   double sum = (table_ ? table_->error() : 0.0) + quadrature_error_;
+  for (const Line& line : lines_) sum += line.table.line_error();
   for (const Dropped& dropped : dropped_) sum += dropped.bound;
   return sum * gain();
 }

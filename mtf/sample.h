@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The OTF of one list of a system on a frequency grid, cheaply: H(fx, fy) = R(|f|) X(fx) Y(fy) G(fx, fy).
+// The OTF of one list of a system on a frequency grid, cheaply: H(fx, fy) = R(|f|) X(fx) Y(fy) L(f.u) G(fx, fy).
 //   separable components  -> two vectors X and Y
 //   radial ones           -> one table R, chromatic ones averaged over the band as a product before they enter it
-//   all others            -> evaluated per sample in G
+//   motion at an angle    -> one table each along its direction, L(f.u)
+//   all others            -> evaluated per sample in G, a row at a time
 // Each component is visited once per vector, table or tile, never per sample.
 
 #include <memory>
@@ -39,9 +40,10 @@ class OtfSampler {
  public:
   /// Prepares `stages` of `system` for |fx| <= fx_max, |fy| <= fy_max. Components whose deviations add up to no more
   /// than `drop_budget` are left out. `table_share` is the error that
-  /// radial factors should not exceed; a table that errs by much more is not used.
+  /// radial factors should not exceed; a table that errs by much more is not used. `wavelengths` of the band: 0 = as
+  /// many as that error needs.
   OtfSampler(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture, double fx_max,
-             double fy_max, double drop_budget, double table_share);
+             double fy_max, double drop_budget, double table_share, int wavelengths = 0);
   OtfSampler(const OtfSampler&) = delete;  // its lists point into its own copy of the system
   OtfSampler& operator=(const OtfSampler&) = delete;
 
@@ -75,25 +77,38 @@ class OtfSampler {
   class Grid {
    public:
     Grid(const OtfSampler& sampler, std::vector<double> fx, std::vector<double> fy);
+    Grid(const Grid&) = delete;  // its rows look at its own frequencies
+    Grid& operator=(const Grid&) = delete;
     /// value[i] = H(fx[i], fy[j]), real systems only. `value` may be shorter than fx.
     void real_row(std::size_t j, std::span<float> value) const;
     void complex_row(std::size_t j, std::span<Complex<float>> value) const;
 
    private:
+    void multiply_tables(std::size_t j, std::span<float> value) const;
+    /// What no table or vector holds, at fy[j].
+    std::vector<Complex<double>> general_row(std::size_t j, std::size_t count) const;
+
     const OtfSampler* sampler_;
     std::vector<double> fx_, fy_;
     std::vector<float> fx2_, fy2_;  ///< squares, in units of the radial table's end
     std::vector<Complex<float>> x_, y_;
+    std::vector<std::vector<float>> line_x_, line_y_;  ///< parts of f.u in units of each line table's end
+    std::vector<Component<double>::Rows> rows_;
   };
 
  private:
   friend class Grid;
+  /// A real factor of f.u alone.
+  struct Line {
+    Freq<double> direction;
+    RadialTable table;
+  };
   void sort_components(double fx_max, double fy_max, double drop_budget);
   void bound_correction(double fx_max, double fy_max);
-  void choose_wavelengths(double end, double target);
+  void tabulate_lines(double fx_max, double fy_max, double table_share, double target);
+  void choose_wavelengths(double end, double target, int wanted);
   double radial_product(double r) const;
   bool has_general() const { return radial_per_sample_ || !general_.empty() || !chromatic_general_.empty(); }
-  Complex<double> general(const Freq<double>& f) const;
   double aperture_mtf(Axis axis, double f) const;  ///< the scene's own blur along one axis
   double aperture_mtf(double r) const;             ///< and of a radial curve
   double aperture_factor(Axis axis, double f) const;
@@ -109,6 +124,7 @@ class OtfSampler {
   std::vector<std::string> merged_;
   WavelengthNodes nodes_;
   std::optional<RadialTable> table_;
+  std::vector<Line> lines_;
   bool real_ = true, even_x_ = true, even_y_ = true, aperture_limited_ = false;
   bool radial_per_sample_ = false;  ///< no table resolves the radial factors
   double quadrature_error_ = 0.0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 
 #include "mtf/sample.h"
 
@@ -25,27 +26,61 @@ OtfSampler::Grid::Grid(const OtfSampler& sampler, std::vector<double> fx, std::v
   const double end = sampler.table_ ? sampler.table_->end() : 1.0;
   for (const double f : fx_) fx2_.push_back(static_cast<float>(f / end * (f / end)));
   for (const double f : fy_) fy2_.push_back(static_cast<float>(f / end * (f / end)));
+  for (const OtfSampler::Line& line : sampler.lines_) {
+    const double x = line.direction.x / line.table.end(), y = line.direction.y / line.table.end();
+    std::vector<float>& along_x = line_x_.emplace_back();
+    std::vector<float>& along_y = line_y_.emplace_back();
+    for (const double f : fx_) along_x.push_back(static_cast<float>(x * f));
+    for (const double f : fy_) along_y.push_back(static_cast<float>(y * f));
+  }
+  for (const Entry<double>* entry : sampler.general_) rows_.push_back(entry->component.rows(fx_, ctx));
+}
+
+void OtfSampler::Grid::multiply_tables(std::size_t j, std::span<float> value) const {
+  if (sampler_->table_) sampler_->table_->multiply(std::span(fx2_).first(value.size()), fy2_[j], value);
+  for (std::size_t k = 0; k < line_x_.size(); ++k)
+    sampler_->lines_[k].table.multiply_line(std::span(line_x_[k]).first(value.size()), line_y_[k][j], value);
+}
+
+std::vector<Complex<double>> OtfSampler::Grid::general_row(std::size_t j, std::size_t count) const {
+  std::vector<Complex<double>> product(count, {1.0, 0.0});
+  if (sampler_->radial_per_sample_)
+    for (std::size_t i = 0; i < count; ++i) product[i].re = sampler_->radial_product(std::hypot(fx_[i], fy_[j]));
+  for (const auto& multiply : rows_) multiply(fy_[j], product);
+  if (sampler_->chromatic_general_.empty()) return product;
+  std::vector<Freq<double>> f(count);
+  for (std::size_t i = 0; i < count; ++i) f[i] = {fx_[i], fy_[j]};
+  std::vector<Complex<double>> mean(count), node(count);
+  const WavelengthNodes& nodes = sampler_->nodes_;
+  for (std::size_t w = 0; w < nodes.weight.size(); ++w) {
+    const Context<double> ctx = sampler_->system_.context(nodes.wavelength_um[w]);
+    std::fill(node.begin(), node.end(), Complex<double>{nodes.weight[w], 0.0});
+    for (const Entry<double>* entry : sampler_->chromatic_general_) entry->component.multiply(f, ctx, node);
+    for (std::size_t i = 0; i < count; ++i) mean[i] = mean[i] + node[i];
+  }
+  for (std::size_t i = 0; i < count; ++i) product[i] = product[i] * mean[i];
+  return product;
 }
 
 void OtfSampler::Grid::real_row(std::size_t j, std::span<float> value) const {
   const float y = y_[j].re;
   for (std::size_t i = 0; i < value.size(); ++i) value[i] = x_[i].re * y;
-  if (sampler_->table_) sampler_->table_->multiply(std::span(fx2_).first(value.size()), fy2_[j], value);
+  multiply_tables(j, value);
   if (!sampler_->has_general()) return;
-  for (std::size_t i = 0; i < value.size(); ++i) value[i] *= static_cast<float>(sampler_->general({fx_[i], fy_[j]}).re);
+  const std::vector<Complex<double>> general = general_row(j, value.size());
+  for (std::size_t i = 0; i < value.size(); ++i) value[i] *= static_cast<float>(general[i].re);
 }
 
 void OtfSampler::Grid::complex_row(std::size_t j, std::span<Complex<float>> value) const {
-  std::vector<float> radial(value.size(), 1.0F);
-  if (sampler_->table_) sampler_->table_->multiply(std::span(fx2_).first(value.size()), fy2_[j], radial);
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    Complex<float> h = x_[i] * y_[j];
-    if (sampler_->has_general()) {
-      const Complex<double> g = sampler_->general({fx_[i], fy_[j]});
-      h = h * Complex<float>{static_cast<float>(g.re), static_cast<float>(g.im)};
-    }
-    value[i] = {h.re * radial[i], h.im * radial[i]};
+  std::vector<float> tables(value.size(), 1.0F);
+  multiply_tables(j, tables);
+  for (std::size_t i = 0; i < value.size(); ++i) value[i] = x_[i] * y_[j];
+  if (sampler_->has_general()) {
+    const std::vector<Complex<double>> general = general_row(j, value.size());
+    for (std::size_t i = 0; i < value.size(); ++i)
+      value[i] = value[i] * Complex<float>{static_cast<float>(general[i].re), static_cast<float>(general[i].im)};
   }
+  for (std::size_t i = 0; i < value.size(); ++i) value[i] = {value[i].re * tables[i], value[i].im * tables[i]};
 }
 
 }  // namespace mtf

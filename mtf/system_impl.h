@@ -65,6 +65,9 @@ void check_field(const FieldRef<S>& field, const Context<S>& ctx, std::vector<Pr
             missing();
         } else if constexpr (std::is_same_v<T, int>) {
           bounded("", *value, "");
+        } else if constexpr (std::is_same_v<T, Coefficients<S>>) {
+          for (std::size_t i = 0; i < value->size(); ++i)
+            bounded("[" + std::to_string(i) + "]", value_of((*value)[i]), info.unit);
         } else if constexpr (std::is_same_v<T, Taps<S>>) {
           for (const auto& row : *value)
             for (const S& tap : row) bounded("", value_of(tap), "");
@@ -110,12 +113,13 @@ struct CastField {
   void operator()(const SpatialFrequency<From>& from, SpatialFrequency<To>& to) const {
     to = {cast_scalar<To>(from.value), from.unit};
   }
-  void operator()(const Taps<From>& from, Taps<To>& to) const {
+  void operator()(const Coefficients<From>& from, Coefficients<To>& to) const {
     to.clear();
-    for (const auto& row : from) {
-      to.emplace_back();
-      for (const From& tap : row) to.back().push_back(cast_scalar<To>(tap));
-    }
+    for (const From& coefficient : from) to.push_back(cast_scalar<To>(coefficient));
+  }
+  void operator()(const Taps<From>& from, Taps<To>& to) const {
+    to.resize(from.size());
+    for (std::size_t row = 0; row < from.size(); ++row) (*this)(from[row], to[row]);
   }
   void operator()(const int& from, int& to) const { to = from; }
   void operator()(const Choice& from, Choice& to) const { to = from; }
@@ -196,6 +200,28 @@ template <class S>
 void Component<S>::multiply(std::span<const Freq<S>> f, const Context<S>& ctx, std::span<Complex<S>> h) const {
   detail::visit(*value_, [&](const auto& c) {
     for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * c.otf(f[i], ctx);
+  });
+}
+template <class S>
+typename Component<S>::Rows Component<S>::rows(std::span<const S> fx, const Context<S>& ctx) const {
+  return detail::visit(*value_, [&](const auto& c) -> Rows {
+    if constexpr (requires { c.rows(fx, ctx); })
+      return c.rows(fx, ctx);
+    else
+      return [c, fx, ctx](const S& fy, std::span<Complex<S>> h) {
+        for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * c.otf({fx[i], fy}, ctx);
+      };
+  });
+}
+template <class S>
+std::optional<Freq<double>> Component<S>::line(const Context<S>& ctx) const {
+  return detail::visit(*value_, [&](const auto& c) -> std::optional<Freq<double>> {
+    if constexpr (requires { c.displacement_mm(ctx); }) {
+      const Freq<S> d = c.displacement_mm(ctx);
+      const double length = std::hypot(value_of(d.x), value_of(d.y));
+      if (length > 0.0 && length < kInfinity) return Freq<double>{value_of(d.x) / length, value_of(d.y) / length};
+    }
+    return std::nullopt;
   });
 }
 template <class S>

@@ -9,6 +9,7 @@
 #include "mtf/components/circular_footprint.h"
 #include "mtf/components/crosstalk.h"
 #include "mtf/components/curve.h"
+#include "mtf/components/defocus.h"
 #include "mtf/components/diffraction.h"
 #include "mtf/components/diffusion.h"
 #include "mtf/components/fir.h"
@@ -22,14 +23,16 @@
 #include "mtf/components/tdi.h"
 #include "mtf/components/turbulence.h"
 #include "mtf/components/vibration.h"
+#include "mtf/components/wavefront.h"
 
 namespace mtf {
 
 template <class S>
 struct ComponentVariant {
-  std::variant<Diffraction<S>, RmsWavefront<S>, Gaussian<S>, Turbulence<S>, Footprint<S>, CircularFootprint<S>,
-               Diffusion<S>, Crosstalk<S>, Tdi<S>, Bolometer<S>, Jitter<S>, LinearMotion<S>, Vibration<S>, RcLowpass<S>,
-               Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>, Boost<S>, SampleAndHold<S>>
+  std::variant<Diffraction<S>, Defocus<S>, Wavefront<S>, RmsWavefront<S>, Gaussian<S>, Turbulence<S>, Footprint<S>,
+               CircularFootprint<S>, Diffusion<S>, Crosstalk<S>, Tdi<S>, Bolometer<S>, Jitter<S>, LinearMotion<S>,
+               Vibration<S>, RcLowpass<S>, Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>, Boost<S>,
+               SampleAndHold<S>>
       value;
 };
 

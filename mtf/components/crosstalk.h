@@ -43,9 +43,23 @@ struct Crosstalk {
     const double s = sin_pi(value_of(x)), c = cos_pi(value_of(x));
     return lift({s * s, 2.0 * kPi * s * c}, x);
   }
+  S value(const S& a, const S& b) const {
+    const S c = corner.value_or(S(0));
+    return S(1) - S(4) * (side + S(2) * c) * (a + b) + S(16) * c * a * b;
+  }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
-    const S a = sine_square(f.x, Axis::x, ctx), b = sine_square(f.y, Axis::y, ctx), c = corner.value_or(S(0));
-    return {S(1) - S(4) * (side + S(2) * c) * (a + b) + S(16) * c * a * b, S(0)};
+    return {value(sine_square(f.x, Axis::x, ctx), sine_square(f.y, Axis::y, ctx)), S(0)};
+  }
+  auto rows(std::span<const S> fx, const Context<S>& ctx) const {
+    std::vector<S> a;
+    for (const S& f : fx) a.push_back(sine_square(f, Axis::x, ctx));
+    return [*this, a = std::move(a), ctx](const S& fy, std::span<Complex<S>> h) {
+      const S b = sine_square(fy, Axis::y, ctx);
+      for (std::size_t i = 0; i < h.size(); ++i) {
+        const S v = value(a[i], b);
+        h[i] = {h[i].re * v, h[i].im * v};
+      }
+    };
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// 1 - otf = 4s (a + b) + 8c (a + b - 2ab), every part of it >= 0.

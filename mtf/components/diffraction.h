@@ -23,15 +23,7 @@ struct Diffraction {
   std::optional<S> wavelength_um;
 
   static constexpr auto fields() {
-    return std::tuple{Field{kFNumberInfo, &Diffraction::f_number},
-                      Field{FieldInfo{.name = "obscuration",
-                                      .lo = 0.0,
-                                      .hi = 1.0,
-                                      .hi_open = true,
-                                      .presence = Presence::shared,
-                                      .example = "0.3",
-                                      .doc = "central obscuration, inner / outer diameter"},
-                            &Diffraction::obscuration},
+    return std::tuple{Field{kFNumberInfo, &Diffraction::f_number}, Field{kObscurationInfo, &Diffraction::obscuration},
                       Field{kWavelengthInfo, &Diffraction::wavelength_um}};
   }
   Traits traits(const Context<S>&) const {

@@ -42,6 +42,31 @@ inline constexpr FieldInfo kWavelengthInfo{.name = "wavelength",
                                            .example = "\"4.0 um\"",
                                            .doc = "fixed wavelength instead of the band"};
 
+inline constexpr FieldInfo kObscurationInfo{.name = "obscuration",
+                                            .lo = 0.0,
+                                            .hi = 1.0,
+                                            .hi_open = true,
+                                            .presence = Presence::shared,
+                                            .example = "0.3",
+                                            .doc = "central obscuration, inner / outer diameter"};
+/// Overlaps of a narrower ring by quadrature would be differences without digits.
+inline constexpr double kLargestObscuration = 0.999;
+inline constexpr FieldInfo kQuadratureObscurationInfo{.name = "obscuration",
+                                                      .lo = 0.0,
+                                                      .hi = kLargestObscuration,
+                                                      .presence = Presence::shared,
+                                                      .example = "0.3",
+                                                      .doc = "central obscuration, inner / outer diameter"};
+inline constexpr FieldInfo kWavelengthReferenceInfo{
+    .name = "wavelength_reference",
+    .dimension = Dimension::length,
+    .unit = "um",
+    .lo = 0.01,
+    .hi = 1e5,
+    .presence = Presence::optional,
+    .example = "\"0.6328 um\"",
+    .doc = "wavelength at which the waves are stated; without it they hold at every wavelength"};
+
 /// The shared optics of a field marked Presence::shared; a component's own value wins. Evaluated only after check().
 template <class S>
 S f_number_of(const std::optional<S>& own, const Context<S>& ctx) {
@@ -56,12 +81,27 @@ S obscuration_of(const std::optional<S>& own, const Context<S>& ctx) {
   return own ? *own : ctx.optics.obscuration.value_or(S(0));
 }
 
+/// What the bounds of the field say of the component's own value, for the shared one.
+template <class S>
+std::vector<Problem> check_quadrature_obscuration(const std::optional<S>& own, const Context<S>& ctx) {
+  const double e = value_of(obscuration_of(own, ctx));
+  if (e <= value_of(S(kLargestObscuration))) return {};
+  return {{.field = "obscuration",
+           .text = format_double(e) + " from [optics] is above " + format_double(kLargestObscuration)}};
+}
+
 /// nu = f lambda N, the frequency relative to the incoherent cutoff 1/(lambda N).
 /// Conditioning: nu carries the relative rounding of three factors, about 3 x 2^-53; near the cutoff the MTF falls as
 /// (1 - nu)^1.5, so its relative error there is 1.5 x 3 x 2^-53 / (1 - nu).
 template <class S>
 S relative_frequency(const S& f_cy_mm, const S& wavelength_um, const S& f_number) {
   return f_cy_mm * (wavelength_um * S(1e-3)) * f_number;
+}
+
+/// An aberration in waves at the wavelength in use: the same path difference is fewer of longer waves.
+template <class S>
+S waves_at(const S& waves, const std::optional<S>& wavelength_reference_um, const S& wavelength_um) {
+  return wavelength_reference_um ? S(waves * *wavelength_reference_um / wavelength_um) : waves;
 }
 
 inline constexpr std::array<std::string_view, 2> kAxisNames{"x", "y"};

@@ -37,22 +37,47 @@ struct Fir {
     return {
         .even_x = mirrored(true, false), .even_y = mirrored(false, true), .real = mirrored(true, true), .gain = true};
   }
-  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
-    const S ux = f.x * ctx.frame.pitch_x_um * S(2e-3), uy = f.y * ctx.frame.pitch_y_um * S(2e-3);
-    const double jc = 0.5 * static_cast<double>(taps.size() - 1),
-                 kc = 0.5 * static_cast<double>(taps.front().size() - 1);
+  /// Phase of sample i of n along an axis, about the middle one.
+  static Complex<S> phase(const S& f, const S& pitch_um, std::size_t i, std::size_t n) {
+    return phase_of(S(f * pitch_um * S(2e-3) * S(static_cast<double>(i) - 0.5 * static_cast<double>(n - 1))));
+  }
+  /// Sum of column k over the rows, with their phases.
+  Complex<S> column(std::size_t k, std::span<const Complex<S>> row_phases) const {
     Complex<S> sum{};
-    for (std::size_t j = 0; j < taps.size(); ++j) {
-      Complex<S> row{};
-      for (std::size_t k = 0; k < taps[j].size(); ++k) {
-        const Complex<S> phase = phase_of(S(ux * S(static_cast<double>(k) - kc)));
-        row = row + Complex<S>{taps[j][k] * phase.re, taps[j][k] * phase.im};
-      }
-      sum = sum + row * phase_of(S(uy * S(static_cast<double>(j) - jc)));
-    }
+    for (std::size_t j = 0; j < taps.size(); ++j)
+      sum = sum + Complex<S>{taps[j][k] * row_phases[j].re, taps[j][k] * row_phases[j].im};
+    return sum;
+  }
+  std::vector<Complex<S>> row_phases(const S& fy, const Context<S>& ctx) const {
+    std::vector<Complex<S>> phases(taps.size());
+    for (std::size_t j = 0; j < phases.size(); ++j) phases[j] = phase(fy, ctx.frame.pitch_y_um, j, phases.size());
+    return phases;
+  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const std::vector<Complex<S>> phases = row_phases(f.y, ctx);
+    const std::size_t columns = taps.front().size();
+    Complex<S> sum{};
+    for (std::size_t k = 0; k < columns; ++k)
+      sum = sum + column(k, phases) * phase(f.x, ctx.frame.pitch_x_um, k, columns);
     // Symmetric taps: the imaginary part is rounding only, and declared zero. Its derivatives are not: a tap may leave
     // the symmetry.
     return {sum.re, mirrored(true, true) ? lift({0.0, 1.0}, sum.im) : sum.im};
+  }
+  auto rows(std::span<const S> fx, const Context<S>& ctx) const {
+    const std::size_t n = fx.size(), columns = taps.front().size();
+    std::vector<Complex<S>> along_x(n * columns);
+    for (std::size_t k = 0; k < columns; ++k)
+      for (std::size_t i = 0; i < n; ++i) along_x[k * n + i] = phase(fx[i], ctx.frame.pitch_x_um, k, columns);
+    return [*this, n, real = mirrored(true, true), x = std::move(along_x), ctx](const S& fy, std::span<Complex<S>> h) {
+      const std::vector<Complex<S>> phases = row_phases(fy, ctx);
+      std::vector<Complex<S>> sum(h.size());
+      for (std::size_t k = 0; k < taps.front().size(); ++k) {
+        const Complex<S> weight = column(k, phases);
+        for (std::size_t i = 0; i < h.size(); ++i) sum[i] = sum[i] + weight * x[k * n + i];
+      }
+      for (std::size_t i = 0; i < h.size(); ++i)
+        h[i] = h[i] * Complex<S>{sum[i].re, real ? lift({0.0, 1.0}, sum[i].im) : sum[i].im};
+    };
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double, double, const Context<S>&) const {

@@ -26,32 +26,22 @@ struct RmsWavefront {
   std::optional<S> wavelength_um;
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{FieldInfo{.name = "rms",
-                        .unit = "",
-                        .lo = 0.0,
-                        .hi = 1.0,
-                        .example = "0.07",
-                        .doc = "rms wavefront error in waves"},
-              &RmsWavefront::rms_waves},
-        Field{FieldInfo{.name = "wavelength_reference",
-                        .dimension = Dimension::length,
-                        .unit = "um",
-                        .lo = 0.01,
-                        .hi = 1e5,
-                        .presence = Presence::optional,
-                        .example = "\"0.6328 um\"",
-                        .doc = "wavelength at which rms is stated; without it rms holds at every wavelength"},
-              &RmsWavefront::wavelength_reference_um},
-        Field{kFNumberInfo, &RmsWavefront::f_number}, Field{kWavelengthInfo, &RmsWavefront::wavelength_um}};
+    return std::tuple{Field{FieldInfo{.name = "rms",
+                                      .unit = "",
+                                      .lo = 0.0,
+                                      .hi = 1.0,
+                                      .example = "0.07",
+                                      .doc = "rms wavefront error in waves"},
+                            &RmsWavefront::rms_waves},
+                      Field{kWavelengthReferenceInfo, &RmsWavefront::wavelength_reference_um},
+                      Field{kFNumberInfo, &RmsWavefront::f_number},
+                      Field{kWavelengthInfo, &RmsWavefront::wavelength_um}};
   }
   Traits traits(const Context<S>&) const {
     return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};
   }
   S wavelength(const Context<S>& ctx) const { return wavelength_um.value_or(ctx.wavelength_um); }
-  S rms_at(const Context<S>& ctx) const {
-    return wavelength_reference_um ? S(rms_waves * *wavelength_reference_um / wavelength(ctx)) : rms_waves;
-  }
+  S rms_at(const Context<S>& ctx) const { return waves_at(rms_waves, wavelength_reference_um, wavelength(ctx)); }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const S nu = relative_frequency(radius(f.x, f.y), wavelength(ctx), f_number_of(f_number, ctx));
     if (!(value_of(nu) < 1.0)) return {S(1), S(0)};

@@ -199,4 +199,16 @@ MTFKIT_CLONES void multiply_by_table(const float* __restrict knots, float interv
   }
 }
 
+MTFKIT_CLONES void multiply_by_line_table(const float* __restrict knots, float intervals, const float* __restrict x,
+                                          float y, std::int64_t n, float* __restrict out) {
+  const int count = static_cast<int>(n);
+  for (int i = 0; i < count; ++i) {
+    const float r = __builtin_fabsf(x[i] + y) * intervals;
+    const float t = r < intervals ? r : intervals;
+    const int knot = static_cast<int>(t);
+    const float a = knots[knot], b = knots[knot + 1];
+    out[i] *= a + (t - static_cast<float>(knot)) * (b - a);
+  }
+}
+
 }  // namespace mtf::kernels

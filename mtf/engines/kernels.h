@@ -47,6 +47,9 @@ void restore_ordered(const float* in, std::int64_t n, std::int64_t count, double
 void multiply_by_table(const float* knots, float intervals, float per_unit, const float* x2, float y2, std::int64_t n,
                        float* out);
 
+/// out[i] *= linear interpolation of `knots` at min(|x[i] + y| x intervals, intervals); intervals + 2 knots.
+void multiply_by_line_table(const float* knots, float intervals, const float* x, float y, std::int64_t n, float* out);
+
 struct RowSummary {
   double sum = 0.0;
   float min = 0.0F, max = 0.0F;

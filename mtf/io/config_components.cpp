@@ -47,6 +47,7 @@ bool read_value(const Section& section, const FieldRef<double>& field) {
                 [&](AxisPair<double>* value) { return read_axis_pair(section, info, *value, true); },
                 [&](int* value) { return set(*value, read_whole(section, info)); },
                 [&](Choice* value) { return set(value->index, read_word(section, info.name, value->names)); },
+                [&](Coefficients<double>* value) { return set(*value, read_coefficients(section, info)); },
                 [&](Taps<double>* value) { return set(*value, read_taps(section, info.name)); },
                 [&](std::shared_ptr<const Curve>* value) {
                   *value = read_curve(section, info.name);

@@ -179,6 +179,10 @@ Resolved resolved(const FieldRef<double>& field, const System<double>& system, c
           return {std::to_string(*value)};
         } else if constexpr (std::is_same_v<T, Choice>) {
           return {std::string(value->names[static_cast<std::size_t>(value->index)])};
+        } else if constexpr (std::is_same_v<T, Coefficients<double>>) {
+          std::string list;
+          for (const double coefficient : *value) list += (list.empty() ? "" : ", ") + rounded(coefficient);
+          return value->empty() ? Resolved{} : Resolved{"[" + list + "]"};
         } else if constexpr (std::is_same_v<T, Taps<double>>) {
           double sum = 0.0;
           for (const auto& row : *value)

@@ -79,11 +79,19 @@ std::optional<Scalar> read_plain(Reader& reader, const Node& node, const FieldIn
   }
 }
 
+namespace {
+
+std::optional<Scalar> read_plain_or_fit(Reader& reader, const Node& node, const FieldInfo& info,
+                                        const std::string& path) {
+  return node.kind == Node::Kind::table ? read_fit(reader, node, info, path) : read_plain(reader, node, info, path);
+}
+
+}  // namespace
+
 std::optional<Scalar> read_scalar(const Section& section, const FieldInfo& info, std::string_view key) {
   const Node* node = section.find(key);
   if (node == nullptr) return std::nullopt;
-  if (node->kind == Node::Kind::table) return read_fit(section.reader, *node, info, section.at(key));
-  return read_plain(section.reader, *node, info, section.at(key));
+  return read_plain_or_fit(section.reader, *node, info, section.at(key));
 }
 
 std::optional<double> read_number(const Section& section, const FieldInfo& info, std::string_view key) {
@@ -189,6 +197,27 @@ std::optional<Taps<double>> read_taps(const Section& section, std::string_view k
     }
   }
   return good ? std::optional(std::move(taps)) : std::nullopt;
+}
+
+std::optional<Coefficients<double>> read_coefficients(const Section& section, const FieldInfo& info) {
+  const Node* node = section.find(info.name);
+  if (node == nullptr) return std::nullopt;
+  const std::string path = section.at(info.name);
+  section.reader.positions[path] = node->position;
+  if (node->kind != Node::Kind::array) {
+    section.error(info.name, std::string(kind_word(node->kind)) + " where a list of plain numbers belongs; write for " +
+                                 "example " + std::string(info.name) + " = " + std::string(info.example));
+    return std::nullopt;
+  }
+  Coefficients<double> list;
+  bool good = true;
+  for (std::size_t i = 0; i < node->items.size(); ++i) {
+    const FieldInfo element{.name = info.name, .lo = info.lo, .hi = info.hi, .example = "0.25"};
+    const auto value = read_plain_or_fit(section.reader, node->items[i], element, path + "[" + std::to_string(i) + "]");
+    good = good && value;
+    list.push_back(value ? value->value : 0.0);
+  }
+  return good ? std::optional(std::move(list)) : std::nullopt;
 }
 
 std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view key) {

@@ -72,6 +72,8 @@ std::optional<std::string> read_string(const Section& section, std::string_view 
 std::optional<int> read_word(const Section& section, std::string_view key, std::span<const std::string_view> names);
 std::optional<int> read_whole(const Section& section, const FieldInfo& info);
 std::optional<Taps<double>> read_taps(const Section& section, std::string_view key);
+/// A list of plain numbers or fit tables, which leave a FitSpec of the path name[i].
+std::optional<Coefficients<double>> read_coefficients(const Section& section, const FieldInfo& info);
 std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view key);
 
 /// A fit table; the value of it when usable. In config_fit.cpp.

@@ -54,11 +54,11 @@ class Writer {
   }
   void raw(std::string_view key, const std::string& value) { text_ += std::string(key) + " = " + value + "\n"; }
 
-  /// With the fit table of this path, if there is one.
-  void number(std::string_view key, const Scalar& scalar) {
-    const std::string path = path_ + "." + std::string(key);
-    const auto spec = find_fit(path);
-    if (spec == config_.fits.end()) return raw(key, toml_scalar(scalar));
+  void number(std::string_view key, const Scalar& scalar) { raw(key, with_fit(key, scalar)); }
+  /// The number, or the fit table of this path if there is one.
+  std::string with_fit(std::string_view key, const Scalar& scalar) const {
+    const auto spec = find_fit(path_ + "." + std::string(key));
+    if (spec == config_.fits.end()) return toml_scalar(scalar);
     std::string fit = "{ value = " + toml_scalar(scalar) + ", fit = " + (spec->fit ? "true" : "false");
     const auto like = [&](double value) { return toml_scalar({value, scalar.unit}); };
     if (spec->min) fit += ", min = " + like(*spec->min);
@@ -66,7 +66,7 @@ class Writer {
     if (spec->prior)
       fit += ", prior = { mean = " + like((*spec->prior)[0]) + ", sd = " + like((*spec->prior)[1]) + " }";
     if (spec->stderr_value) fit += ", stderr = " + like(*spec->stderr_value);
-    raw(key, fit + " }");
+    return fit + " }";
   }
   bool is_fit(const std::string& path) const { return find_fit(path) != config_.fits.end(); }
   void number(const FieldInfo& info, double value) { number(info.name, {value, find_unit(info.unit)}); }
@@ -120,6 +120,12 @@ void Writer::field(const FieldRef<double>& field) {
           raw(info.name, std::to_string(*value));
         } else if constexpr (std::is_same_v<T, Choice>) {
           raw(info.name, toml_string(value->names[static_cast<std::size_t>(value->index)]));
+        } else if constexpr (std::is_same_v<T, Coefficients<double>>) {
+          std::string list;
+          for (std::size_t i = 0; i < value->size(); ++i)
+            list += (i == 0 ? "" : ", ") +
+                    with_fit(std::string(info.name) + "[" + std::to_string(i) + "]", {(*value)[i], nullptr});
+          if (!value->empty()) raw(info.name, "[" + list + "]");
         } else if constexpr (std::is_same_v<T, Taps<double>>) {
           std::string rows;
           for (const auto& row : *value) {

@@ -104,6 +104,10 @@ void assign(const FieldRef<double>& field, Draw draw, Random& random) {
           const auto example = std::find(value->names.begin(), value->names.end(), unquoted(info.example));
           value->index = draw == Draw::example ? static_cast<int>(example - value->names.begin())
                                                : random.below(static_cast<int>(value->names.size()));
+        } else if constexpr (std::is_same_v<T, Coefficients<double>>) {
+          *value = rows_of("[" + std::string(info.example) + "]").front();
+          if (draw == Draw::whole_box) value->resize(static_cast<std::size_t>(1 + random.below(16)));
+          for (double& coefficient : *value) coefficient = draw_number(info, coefficient, draw, random);
         } else if constexpr (std::is_same_v<T, Taps<double>>) {
           *value = rows_of(info.example);
           if (draw == Draw::whole_box)

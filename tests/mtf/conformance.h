@@ -72,6 +72,8 @@ std::vector<Scalar<S>> scalars_of(Component<S>& component) {
             if (v->given() && v->split) push(v->y.value, "_y");
           } else if constexpr (std::is_same_v<T, SpatialFrequency<S>>) {
             if (v->unit != nullptr) push(v->value);
+          } else if constexpr (std::is_same_v<T, Coefficients<S>>) {
+            for (S& coefficient : *v) push(coefficient, "[]");
           } else if constexpr (std::is_same_v<T, Taps<S>>) {
             for (auto& row : *v)
               for (S& tap : row) push(tap, "[]");

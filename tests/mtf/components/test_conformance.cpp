@@ -232,10 +232,47 @@ TYPED_TEST(Conformance, chromatic_flag_is_true) {
     }
     if (s.traits.chromatic) chromatic_kinds.emplace(only_component(s.system).kind());
   }
-  EXPECT_EQ(chromatic_kinds, (std::set<std::string>{"diffraction", "rms_wavefront", "turbulence"}));
+  EXPECT_EQ(chromatic_kinds,
+            (std::set<std::string>{"defocus", "diffraction", "rms_wavefront", "turbulence", "wavefront"}));
 }
 
 // Parameters and frequencies that float holds exactly, so that only the arithmetic differs.
+TEST(ConformanceRows, equal_the_otf_pointwise) {
+  Random random(31);
+  for (const Case& c : conformance_cases()) {
+    const Subject<double> subject(c);
+    std::vector<double> fx(5);
+    for (double& f : fx) f = random_frequency(random);
+    const auto rows = only_component(subject.system).rows(fx, subject.ctx);
+    for (int repeat = 0; repeat < 2; ++repeat) {
+      const double fy = random_frequency(random);
+      std::vector<Complex<double>> h(4, {0.0, 2.0});
+      rows(fy, h);
+      for (std::size_t i = 0; i < h.size(); ++i) {
+        const Complex<double> expected = subject.otf(fx[i], fy) * Complex<double>{0.0, 2.0};
+        ASSERT_LE(distance(h[i], expected), 32.0 * ulp<double>() * gain_scale(c.system)) << c.name;
+      }
+    }
+  }
+}
+
+TEST(ConformanceLine, only_the_projection_counts) {
+  Random random(32);
+  int lines = 0;
+  for (const Case& c : conformance_cases()) {
+    const Subject<double> subject(c);
+    const auto u = only_component(subject.system).line(subject.ctx);
+    if (!c.typical || !u) continue;
+    ++lines;
+    EXPECT_NEAR(std::hypot(u->x, u->y), 1.0, 1e-15);
+    for (int repeat = 0; repeat < 20; ++repeat) {
+      const double x = random_frequency(random), y = random_frequency(random), along = x * u->x + y * u->y;
+      ASSERT_LE(distance(subject.otf(x, y), subject.otf(along * u->x, along * u->y)), 1e-11) << c.name;
+    }
+  }
+  EXPECT_GT(lines, 0);
+}
+
 TEST(ConformanceFloat, equals_double_pointwise) {
   Random random(6);
   for (const Case& c : conformance_cases()) {

@@ -49,10 +49,11 @@ bool same(const SpatialFrequency<double>& a, const SpatialFrequency<double>& b) 
 }
 bool same(int a, int b) { return a == b; }
 bool same(const Choice& a, const Choice& b) { return a.index == b.index; }
+bool same(const Coefficients<double>& a, const Coefficients<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double s, double t) { return same(s, t); });
+}
 bool same(const Taps<double>& a, const Taps<double>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) {
-    return std::equal(x.begin(), x.end(), y.begin(), y.end(), [](double s, double t) { return same(s, t); });
-  });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) { return same(x, y); });
 }
 bool same(const std::shared_ptr<const Curve>& a, const std::shared_ptr<const Curve>& b) {
   return (a == nullptr) == (b == nullptr) &&
@@ -274,6 +275,7 @@ TEST(ConfigRoundTrip, RandomDoubles) {
     for (const std::string_view kind : component_kinds()) {
       if (kind == "linear_motion" || kind == "curve" || kind == "rms_wavefront" || kind == "bolometer") continue;
       Component<double> component = Component<double>::make(kind);
+      if (component.is_pupil() && kind != (round % 2 == 0 ? "diffraction" : "wavefront")) continue;
       for (auto& field : component.fields()) {
         const FieldInfo& info = *field.info;
         if (info.name == "fill_factor") continue;
@@ -284,6 +286,8 @@ TEST(ConfigRoundTrip, RandomDoubles) {
         if (auto* const* v = std::get_if<SpatialFrequency<double>*>(&field.value))
           **v = {draw(info.lo, info.hi), unit({"cy/mm", "cy/mrad", "cy/px"})};
         if (auto* const* v = std::get_if<int*>(&field.value)) **v = 1 + static_cast<int>(random() % 20);
+        if (auto* const* v = std::get_if<Coefficients<double>*>(&field.value))
+          **v = {draw(0.0, 0.01), -draw(0.0, 0.01)};
         if (auto* const* v = std::get_if<Taps<double>*>(&field.value)) **v = {{draw(-1e6, 1e6), 3.0, -draw(0.0, 1e6)}};
       }
       const Stages stages = component.stages();

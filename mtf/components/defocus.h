@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Diffraction and defocus of a circular or annular pupil in one, exact at any amount.
+//   otf = Hopkins' integral over the pupil's overlap (mtf/components/defocus_pupil.h), nu = |f| lambda N
+//   W020 = waves, the wavefront error at the edge of the pupil, or distance / (8 N^2 lambda) for an image plane that
+//   lies `distance` away from the focus (paraxial; either sign, the OTF is the same)
+// rms wavefront error of a clear pupil = W020 / sqrt(12). Real (signed: contrast reverses), radial; a complete pupil
+// OTF, zero from |f| = 1/(lambda N) on. Conditioning: nu and W020 carry 3 x 2^-53 each, times the slopes of the OTF.
+// (Hopkins, Proc. R. Soc. A 231, 91 (1955); Goodman, Introduction to Fourier Optics, ch. 6.)
+
+#include "mtf/components/defocus_pupil.h"
+#include "mtf/components/field.h"
+#include "mtf/components/pupil.h"
+
+namespace mtf {
+
+template <class S>
+struct Defocus {
+  static constexpr std::string_view kind = "defocus";
+  static constexpr std::string_view doc = "diffraction with defocus, exact at any amount";
+  static constexpr Stages stages{.presample = true};
+  static constexpr bool is_pupil = true;
+
+  std::optional<S> waves;
+  std::optional<S> distance_um;
+  std::optional<S> wavelength_reference_um;
+  std::optional<S> f_number;
+  std::optional<S> obscuration;
+  std::optional<S> wavelength_um;
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "waves",
+                                      .lo = -1e6,
+                                      .hi = 1e6,
+                                      .presence = Presence::optional,
+                                      .example = "0.5",
+                                      .doc = "wavefront error at the pupil's edge, W020; or give distance"},
+                            &Defocus::waves},
+                      Field{FieldInfo{.name = "distance",
+                                      .dimension = Dimension::length,
+                                      .unit = "um",
+                                      .lo = -1e6,
+                                      .hi = 1e6,
+                                      .presence = Presence::optional,
+                                      .example = "\"60 um\"",
+                                      .doc = "image plane's distance from the focus; or give waves"},
+                            &Defocus::distance_um},
+                      Field{kWavelengthReferenceInfo, &Defocus::wavelength_reference_um},
+                      Field{kFNumberInfo, &Defocus::f_number},
+                      Field{kQuadratureObscurationInfo, &Defocus::obscuration},
+                      Field{kWavelengthInfo, &Defocus::wavelength_um}};
+  }
+  Traits traits(const Context<S>&) const {
+    return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};
+  }
+  S wavelength(const Context<S>& ctx) const { return wavelength_um.value_or(ctx.wavelength_um); }
+  S nu(const S& f_cy_mm, const Context<S>& ctx) const {
+    return relative_frequency(f_cy_mm, wavelength(ctx), f_number_of(f_number, ctx));
+  }
+  S w020(const Context<S>& ctx) const {
+    if (waves) return waves_at(*waves, wavelength_reference_um, wavelength(ctx));
+    const S n = f_number_of(f_number, ctx);
+    return distance_um.value_or(S(0)) / (S(8) * n * n * wavelength(ctx));
+  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const S v = nu(radius(f.x, f.y), ctx), e = obscuration_of(obscuration, ctx), w = w020(ctx);
+    const DefocusOtf h = defocus_pupil_otf(value_of(v), value_of(e), value_of(w));
+    return {lift(h.value, h.d_nu, v, h.d_obscuration, e) + lift({0.0, h.d_w020}, w), S(0)};
+  }
+  double cutoff_cy_mm(const Context<S>& ctx) const { return 1.0 / value_of(nu(S(1), ctx)); }
+  /// 1 - otf = (1 - MTF in focus) + mean of 1 - cos(k x) over the overlap, |x| <= 1 - nu; k grows with f.
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    const double v = value_of(nu(S(std::hypot(fx, fy)), ctx)), k = 8.0 * kPi * value_of(w020(ctx)) * v;
+    const double in_focus = value_of(obscuration_of(obscuration, ctx)) > 0.0 ? 1.0 : 1.0 - circular_pupil_mtf(v).value;
+    return std::min(2.0, in_focus + 0.5 * k * k);
+  }
+  std::vector<Problem> check(const Context<S>& ctx) const {
+    if (waves.has_value() == distance_um.has_value())
+      return {{.field = "waves", .text = "give exactly one of waves, distance"}};
+    if (distance_um && wavelength_reference_um)
+      return {{.field = "wavelength_reference", .text = "belongs to waves; a distance needs none"}};
+    return check_quadrature_obscuration(obscuration, ctx);
+  }
+};
+
+}  // namespace mtf

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Diffraction of an aberrated circular or annular pupil, the wavefront given by coefficients in waves:
+//   otf = 1/A integral over the pupil's overlap of exp(2 pi i [W(p + nu) - W(p - nu)]),  nu = f lambda N as a vector
+//   W = W020 rho^2 + W040 rho^4 + W131 rho^2 x + W222 x^2 + W311 x + sum of zernike[i] Z_(i+1)
+// p = (x, y) in the pupil, x right and y down as in the image, rho = 1 at the outer edge. Zernike terms by `numbering`:
+// fringe (37 terms, each of unit peak) or noll (91 terms, each of unit rms over the full disc); list element 0 is Z1,
+// piston, without effect (mtf/components/pupil_polynomial.h). `orientation` turns the whole wavefront from +x to +y.
+// Complex unless W is even; W311 > 0 moves the image by -2 lambda N W311 along x. The wavefront is one path difference:
+// waves are at `wavelength_reference` and scale as 1/lambda; without it they hold at every wavelength. By
+// exact-geometry quadrature (mtf/components/wavefront_pupil.h): absolute error 1e-13, 1e-15 / (1 - e^2) for a narrow
+// annulus. A complete pupil OTF, zero from |f| = 1/(lambda N) on. (Hopkins, Wave Theory of Aberrations (1950); Goodman,
+// Introduction to Fourier Optics, ch. 6.)
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "mtf/components/field.h"
+#include "mtf/components/pupil.h"
+#include "mtf/components/wavefront_pupil.h"
+
+namespace mtf {
+
+inline constexpr FieldInfo wave_coefficient_info(std::string_view name, std::string_view doc) {
+  return {.name = name, .lo = -10.0, .hi = 10.0, .presence = Presence::optional, .example = "0.1", .doc = doc};
+}
+
+template <class S>
+struct Wavefront {
+  static constexpr std::string_view kind = "wavefront";
+  static constexpr std::string_view doc = "diffraction with aberrations by Seidel and Zernike coefficients";
+  static constexpr Stages stages{.presample = true};
+  static constexpr bool is_pupil = true;
+
+  std::optional<S> w020, w040, w131, w222, w311;
+  Coefficients<S> zernike;
+  Choice numbering{0, kNumberingNames};
+  S orientation_deg{};
+  std::optional<S> wavelength_reference_um;
+  std::optional<S> f_number;
+  std::optional<S> obscuration;
+  std::optional<S> wavelength_um;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        Field{wave_coefficient_info("w020", "defocus, waves at the pupil's edge"), &Wavefront::w020},
+        Field{wave_coefficient_info("w040", "spherical aberration"), &Wavefront::w040},
+        Field{wave_coefficient_info("w131", "coma along x"), &Wavefront::w131},
+        Field{wave_coefficient_info("w222", "astigmatism: x^2"), &Wavefront::w222},
+        Field{wave_coefficient_info("w311", "distortion: tilt along x, an image shift"), &Wavefront::w311},
+        Field{FieldInfo{.name = "zernike",
+                        .lo = -10.0,
+                        .hi = 10.0,
+                        .presence = Presence::optional,
+                        .example = "[0, 0, 0, 0.1, 0.05, 0, 0.08, 0, -0.06]",
+                        .doc = "coefficients Z1, Z2, ... in waves"},
+              &Wavefront::zernike},
+        Field{FieldInfo{.name = "numbering",
+                        .presence = Presence::optional,
+                        .example = "\"fringe\"",
+                        .doc = "of zernike: fringe (unit peak) or noll (unit rms over the full disc)"},
+              &Wavefront::numbering},
+        Field{FieldInfo{.name = "orientation",
+                        .dimension = Dimension::angle,
+                        .unit = "deg",
+                        .lo = -360.0,
+                        .hi = 360.0,
+                        .presence = Presence::optional,
+                        .example = "\"30 deg\"",
+                        .doc = "turns the wavefront from +x (right) to +y (down)"},
+              &Wavefront::orientation_deg},
+        Field{kWavelengthReferenceInfo, &Wavefront::wavelength_reference_um},
+        Field{kFNumberInfo, &Wavefront::f_number},
+        Field{kQuadratureObscurationInfo, &Wavefront::obscuration},
+        Field{kWavelengthInfo, &Wavefront::wavelength_um}};
+  }
+
+  S wavelength(const Context<S>& ctx) const { return wavelength_um.value_or(ctx.wavelength_um); }
+  S nu(const S& f_cy_mm, const Context<S>& ctx) const {
+    return relative_frequency(f_cy_mm, wavelength(ctx), f_number_of(f_number, ctx));
+  }
+  /// f(coefficient, term) for every coefficient that is given.
+  template <class F>
+  void each_coefficient(const F& f) const {
+    const auto seidel = [&](const std::optional<S>& c, SeidelTerm term) {
+      if (c) f(*c, seidel_polynomial(term));
+    };
+    seidel(w020, SeidelTerm::w020);
+    seidel(w040, SeidelTerm::w040);
+    seidel(w131, SeidelTerm::w131);
+    seidel(w222, SeidelTerm::w222);
+    seidel(w311, SeidelTerm::w311);
+    const std::size_t known = std::min(zernike.size(), static_cast<std::size_t>(zernike_count(zernike_numbering())));
+    for (std::size_t i = 0; i < known; ++i)
+      f(zernike[i], zernike_polynomial(zernike_numbering(), 1 + static_cast<int>(i)));
+  }
+  ZernikeNumbering zernike_numbering() const { return static_cast<ZernikeNumbering>(numbering.index); }
+  /// The wavefront in waves at the wavelength in use, before `orientation`.
+  PupilPolynomial wavefront(const Context<S>& ctx) const {
+    const double scale = value_of(waves_at(S(1), wavelength_reference_um, wavelength(ctx)));
+    PupilPolynomial sum;
+    each_coefficient([&](const S& c, const PupilPolynomial& term) { sum.add(term, scale * value_of(c)); });
+    return sum;
+  }
+
+  Traits traits(const Context<S>& ctx) const {
+    const WavefrontSymmetry own = symmetry(wavefront(ctx));
+    if (own.radial) return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};
+    // Turned by a right angle the mirror axes change places; otherwise there are none along x and y.
+    const auto [cosine, sine] = unit_vector(value_of(orientation_deg));
+    const bool mirror_x = cosine == 0.0 ? own.mirror_y : sine == 0.0 && own.mirror_x;
+    const bool mirror_y = cosine == 0.0 ? own.mirror_x : sine == 0.0 && own.mirror_y;
+    // An OTF that is real and even about one axis is so about the other.
+    const bool both = own.point && (mirror_x || mirror_y);
+    return {.even_x = mirror_x || both, .even_y = mirror_y || both, .real = own.point, .chromatic = !wavelength_um};
+  }
+
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const PupilPolynomial w = wavefront(ctx);
+    const S e = obscuration_of(obscuration, ctx);
+    // The frequency is turned back instead of the wavefront.
+    const auto [cosine, sine] = unit_vector(orientation_deg);
+    const S x = nu(f.x, ctx), y = nu(f.y, ctx);
+    const Freq<S> v{cosine * x + sine * y, cosine * y - sine * x};
+    if constexpr (std::is_floating_point_v<S>) {
+      const Complex<double> h = wavefront_pupil_otf(w, {v.x, v.y}, e);
+      return {static_cast<S>(h.re), static_cast<S>(h.im)};
+    } else {
+      return with_derivatives(w, v, e, ctx);
+    }
+  }
+  double cutoff_cy_mm(const Context<S>& ctx) const { return 1.0 / value_of(nu(S(1), ctx)); }
+  /// |1 - otf| <= (1 - MTF without aberrations) + mean of |exp(2 pi i D) - 1|, |D| <= 2 nu steepest slope.
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    const double v = value_of(nu(S(std::hypot(fx, fy)), ctx));
+    const double perfect = value_of(obscuration_of(obscuration, ctx)) > 0.0 ? 1.0 : 1.0 - circular_pupil_mtf(v).value;
+    return std::min(2.0, perfect + 4.0 * kPi * std::min(v, 1.0) * steepest_slope(wavefront(ctx)));
+  }
+  std::vector<Problem> check(const Context<S>& ctx) const {
+    const int most = zernike_count(zernike_numbering());
+    if (std::ssize(zernike) > most)
+      return {{.field = "zernike",
+               .text = std::to_string(zernike.size()) + " coefficients; " +
+                       std::string(numbering.names[static_cast<std::size_t>(numbering.index)]) + " numbering has " +
+                       std::to_string(most) + " here"}};
+    const double slope = steepest_slope(wavefront(ctx));
+    if (slope > kSteepestWavefront)
+      return {{.text = "the wavefront rises by " + format_double(slope) + " waves per pupil radius, more than " +
+                       format_double(kSteepestWavefront) +
+                       "; use \"defocus\" where it is defocus alone, or a geometrical blur"}};
+    return check_quadrature_obscuration(obscuration, ctx);
+  }
+
+ private:
+  /// S is a Jet.
+  Complex<S> with_derivatives(const PupilPolynomial& w, const Freq<S>& v, const S& e, const Context<S>& ctx) const {
+    const S scale = waves_at(S(1), wavelength_reference_um, wavelength(ctx));
+    std::vector<PupilPolynomial> terms;
+    std::vector<S> waves;
+    each_coefficient([&](const S& c, const PupilPolynomial& term) {
+      const S here = c * scale;
+      if (here.v.isZero(0)) return;  // nobody asks for its derivative
+      terms.push_back(term);
+      waves.push_back(here);
+    });
+    const WavefrontOtf h = wavefront_pupil_gradient(w, {value_of(v.x), value_of(v.y)}, value_of(e), {terms, true});
+    Complex<S> result{lift(h.value.re, h.d_nu_x.re, v.x, h.d_nu_y.re, v.y) + lift({0.0, h.d_obscuration.re}, e),
+                      lift(h.value.im, h.d_nu_x.im, v.x, h.d_nu_y.im, v.y) + lift({0.0, h.d_obscuration.im}, e)};
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      result.re += lift({0.0, h.d_term[i].re}, waves[i]);
+      result.im += lift({0.0, h.d_term[i].im}, waves[i]);
+    }
+    return result;
+  }
+};
+
+}  // namespace mtf

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// The grid of a sampler against the product of components evaluated one by one.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/grid.h"
+#include "mtf/sample.h"
+#include "tests/mtf/builders.h"
+
+namespace mtf::test {
+namespace {
+
+constexpr double kEnd = 66.0;
+
+double worst_distance(const System<double>& system, const OtfSampler& sampler) {
+  const FrequencyAxis axis{Basis::fourier, 96, 500.0 / kEnd};
+  const std::vector<double> fx = axis.half_frequencies(), fy = axis.all_frequencies();
+  const OtfSampler::Grid grid(sampler, fx, fy);
+  std::vector<Complex<float>> row(fx.size());
+  std::vector<float> real(fx.size());
+  double worst = 0.0;
+  for (std::size_t j = 0; j < fy.size(); ++j) {
+    grid.complex_row(j, row);
+    if (sampler.is_real()) grid.real_row(j, real);
+    for (std::size_t i = 0; i < fx.size(); ++i) {
+      Complex<double> exact{1.0, 0.0};
+      for (const Stage stage : kStages) exact = exact * system.otf(stage, {fx[i], fy[j]});
+      worst = std::max(worst, std::hypot(row[i].re - exact.re, row[i].im - exact.im));
+      if (sampler.is_real()) worst = std::max(worst, std::abs(real[i] - exact.re));
+    }
+  }
+  return worst;
+}
+
+bool mentions(const OtfSampler& sampler, std::string_view word) {
+  return std::any_of(sampler.merged().begin(), sampler.merged().end(),
+                     [&](const std::string& line) { return line.find(word) != std::string::npos; });
+}
+
+Component<double> vibration(double amplitude_um, double direction_deg) {
+  auto c = Component<double>::make("vibration");
+  set(c, "amplitude", amplitude_um, "um");
+  set(c, "direction", direction_deg);
+  return c;
+}
+
+Component<double> crosstalk(double side, double corner) {
+  auto c = Component<double>::make("crosstalk");
+  set(c, "side", side);
+  set(c, "corner", corner);
+  return c;
+}
+
+TEST(Sampler, motion_at_an_angle_is_one_table_along_its_direction) {
+  for (const double travel_um : {0.5, 8.0, 150.0})
+    for (const double direction_deg : {-120.0, 0.1, 30.0, 45.0, 70.0}) {
+      System<double> system = mwir();
+      system.add(Stage::presample, motion(travel_um, direction_deg));
+      system.add(Stage::presample, vibration(0.4 * travel_um, -direction_deg));
+      const OtfSampler sampler(system, kStages, {}, kEnd, kEnd, 0.0, 1e-6);
+      EXPECT_TRUE(mentions(sampler, "linear_motion -> one table along its direction"));
+      EXPECT_LE(worst_distance(system, sampler), sampler.error() + 3e-7) << travel_um << " um " << direction_deg;
+      EXPECT_LE(sampler.error(), 5e-5);
+    }
+}
+
+TEST(Sampler, motion_too_long_for_a_table_is_evaluated_at_every_frequency) {
+  System<double> system = mwir();
+  system.add(Stage::presample, motion(1e6, 30.0));
+  const OtfSampler sampler(system, kStages, {}, kEnd, kEnd, 0.0, 1e-6);
+  EXPECT_FALSE(mentions(sampler, "direction"));
+  EXPECT_LE(worst_distance(system, sampler), sampler.error() + 3e-7);
+}
+
+TEST(Sampler, filters_and_crosstalk_are_evaluated_a_row_at_a_time) {
+  System<double> system = mwir();
+  system.add(Stage::readout, crosstalk(0.03, 0.01));
+  system.add(Stage::postsample, fir({{0.0, -0.2, 0.1}, {-0.1, 1.4, -0.2}, {0.05, -0.1, 0.05}}));
+  system.add(Stage::postsample, fir({{0.0, -0.2, 0.0}, {-0.1, 1.6, -0.1}, {0.0, -0.2, 0.0}}));
+  system.add(Stage::readout, rc(50.0, 1));
+  const OtfSampler sampler(system, kStages, {}, kEnd, kEnd, 0.0, 1e-6);
+  EXPECT_LE(worst_distance(system, sampler), sampler.error() + 1e-6);
+}
+
+TEST(Sampler, the_number_of_wavelengths_can_be_given) {
+  System<double> system = mwir();
+  system.band = Band{3.4, 4.8};
+  system.band_nodes = 64;
+  const OtfSampler given(system, kStages, {}, kEnd, kEnd, 0.0, 1e-6, 17);
+  EXPECT_EQ(given.wavelengths(), 17);
+  EXPECT_LE(worst_distance(system, given), given.error() + 3e-7);
+}
+
+}  // namespace
+}  // namespace mtf::test
