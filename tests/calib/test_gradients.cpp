@@ -76,6 +76,8 @@ void set_field(Component<double>& component, const std::string& name, const std:
               v->emplace_back();
               for (const std::string& tap : split(row, '|')) v->back().push_back(value_in(tap));
             }
+          } else if constexpr (std::is_same_v<T, mtf::Coefficients<double>>) {
+            for (const std::string& coefficient : split(text, '|')) v->push_back(value_in(coefficient));
           } else if constexpr (std::is_same_v<T, std::shared_ptr<const mtf::Curve>>) {
             *v = curve_in(text);
           } else {

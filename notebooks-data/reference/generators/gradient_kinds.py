@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from mpmath import mp, mpf
 
 from annular import annular_mtf
+from defocus import defocus_otf
+from tables import gauss_legendre
 
 KINDS = {}
 
@@ -21,12 +23,20 @@ class Case:
     settings: dict
     at: list
     side: dict = field(default_factory=dict)  # by name: the slope that is meant where right and left differ
-    fixed: set = field(default_factory=set)  # scalars not differentiated by
 
 
-def kind(name, *cases):
+@dataclass
+class Kind:
+    otf: object
+    cases: tuple
+    digits: int = 150  # of the arithmetic
+    scan_every: int = 1  # of the frequencies searched for the largest derivative
+    rounding: bool = True  # whether the conditioning is worked out; not where it is far below 1e-9
+
+
+def kind(name, *cases, **options):
     def register(otf):
-        KINDS[name] = (otf, cases)
+        KINDS[name] = Kind(otf, cases, **options)
         return otf
 
     return register
@@ -256,6 +266,105 @@ def diffraction(p):
     nu = nu_of(p)
     e = abs(p["obscuration"] if "obscuration" in p else p["optics.obscuration"])
     return annular_mtf(nu, e)[0] if nu < 1 else mpf(0)
+
+
+def waves_of(p, name):
+    """Waves at the wavelength in use."""
+    wavelength = p["wavelength"] if "wavelength" in p else p["optics.wavelength"]
+    return p[name] * (p["wavelength_reference"] / wavelength if "wavelength_reference" in p else 1)
+
+
+@kind("defocus",
+      Case({"waves": 0.5, "obscuration": 0.0, **DIFFRACTION}, TYPICAL + around(125.0) + [(300.0, 0.0)]),
+      Case({"waves": -2.0, "wavelength_reference": 5.0, "obscuration": 0.3, **DIFFRACTION},
+           TYPICAL + around(43.75)[:2] + around(37.5)[:2] + around(81.25)[:2]),
+      Case({"distance": 60.0, "optics.f_number": 2.5, "optics.wavelength": 10.0, "optics.obscuration": 0.5}, TYPICAL),
+      Case({"waves": 0.0, "obscuration": 0.3, **DIFFRACTION}, TYPICAL),
+      scan_every=3)
+def defocus(p):
+    nu = nu_of(p)
+    if nu >= 1:
+        return mpf(0)
+    wavelength = p["wavelength"] if "wavelength" in p else p["optics.wavelength"]
+    f_number = p["f_number"] if "f_number" in p else p["optics.f_number"]
+    waves = waves_of(p, "waves") if "waves" in p else p["distance"] / (8 * f_number**2 * wavelength)
+    return defocus_otf(nu, abs(p["obscuration"] if "obscuration" in p else p["optics.obscuration"]), waves)[0]
+
+
+def seidel_and_zernike(p):
+    """The wavefront in waves as a function of x and y, before it is turned."""
+    seidel = {"w020": lambda x, y, q: q, "w040": lambda x, y, q: q * q, "w131": lambda x, y, q: q * x,
+              "w222": lambda x, y, q: x * x, "w311": lambda x, y, q: x}
+    fringe = [lambda x, y, q: mpf(1), lambda x, y, q: x, lambda x, y, q: y, lambda x, y, q: 2 * q - 1,
+              lambda x, y, q: x * x - y * y, lambda x, y, q: 2 * x * y, lambda x, y, q: (3 * q - 2) * x,
+              lambda x, y, q: (3 * q - 2) * y, lambda x, y, q: 6 * q * q - 6 * q + 1]
+    root3, root6, root8 = mp.sqrt(3), mp.sqrt(6), mp.sqrt(8)
+    noll = [lambda x, y, q: mpf(1), lambda x, y, q: 2 * x, lambda x, y, q: 2 * y, lambda x, y, q: root3 * (2 * q - 1),
+            lambda x, y, q: 2 * root6 * x * y, lambda x, y, q: root6 * (x * x - y * y),
+            lambda x, y, q: root8 * (3 * q - 2) * y, lambda x, y, q: root8 * (3 * q - 2) * x]
+    terms = [(waves_of(p, name), term) for name, term in seidel.items() if name in p]
+    zernike = fringe if p.words.get("numbering", "fringe") == "fringe" else noll
+    terms += [(waves_of(p, f"zernike[{i}]"), term) for i, term in enumerate(zernike) if f"zernike[{i}]" in p]
+    return lambda x, y: sum(c * term(x, y, x * x + y * y) for c, term in terms)
+
+
+# Over a cap x = c + R cos t, |y| <= R sin t (R < 0: the left one), by Gauss-Legendre in t and in y / (R sin t).
+@kind("wavefront",
+      Case({"w040": 0.2, "w131": 0.15, "w222": -0.1, "w311": 0.1, "orientation": 20.0, "obscuration": 0.3,
+            **DIFFRACTION}, ZERO + [(5.0, 3.0), (-21.7, 4.4), (33.0, 60.0)]),
+      Case({"w020": 0.1, "zernike": [[0.0, 0.05, -0.03, 0.1, 0.08, 0.02, 0.06]], "numbering": "noll",
+            "wavelength_reference": 3.0, "optics.obscuration": 0.0, "optics.f_number": 2.0, "optics.wavelength": 4.0},
+           ZERO + [(20.0, -13.0), (70.0, 60.0)]),
+      Case({"zernike": [[0.0, 0.0, 0.0, -0.1, 0.05, 0.07, 0.0, -0.06, 0.1]], "obscuration": 0.5, **DIFFRACTION},
+           [(40.0, 11.0), (0.0, 47.0)]),
+      digits=60, scan_every=13, rounding=False)
+def wavefront(p):
+    nu = nu_of(p)
+    if nu == 0 or nu >= 1:
+        return mpf(1 if nu == 0 else 0)
+    turn = mp.pi * p["orientation"] / 180 if "orientation" in p else mpf(0)
+    direction = mp.atan2(p["fy"], p["fx"]) - turn
+    cosine, sine = mp.cos(direction), mp.sin(direction)
+    surface = seidel_and_zernike(p)
+    e = abs(p["obscuration"] if "obscuration" in p else p["optics.obscuration"])
+    rule = gauss_legendre(22, 60)
+
+    def cap(centre, radius, angle):
+        total = mpf(0)
+        for a, weight_a in rule:
+            cos_t, sin_t = mp.cos_sin(angle * (1 + a) / 2)
+            x, half = centre + radius * cos_t, abs(radius) * sin_t
+            row = mpf(0)
+            for b, weight_b in rule:
+                u, v = x * cosine - half * b * sine, x * sine + half * b * cosine
+                difference = surface(u + nu * cosine, v + nu * sine) - surface(u - nu * cosine, v - nu * sine)
+                row += weight_b * mp.expj(2 * mp.pi * difference)
+            total += weight_a * row * half * half
+        return total * angle / 2
+
+    return sum(sign * cap(*c) for sign, c in lens_caps(nu, e)) / (mp.pi * (1 - e) * (1 + e))
+
+
+def lens_caps(nu, e):
+    """Signed caps (centre, radius, half angle) whose sum is the overlap of two annuli at -nu and nu."""
+    def angle(adjacent, square):
+        return mp.atan2(mp.sqrt(square), adjacent)
+
+    outer = angle(nu, (1 - nu) * (1 + nu))
+    caps = [(1, (-nu, mpf(1), outer)), (1, (nu, mpf(-1), outer))]
+    if e == 0:
+        return caps
+    if e > nu:
+        inner = angle(nu, (e - nu) * (e + nu))
+        caps += [(1, (-nu, e, inner)), (1, (nu, -e, inner))]
+    if 2 * nu <= 1 - e:
+        caps += [(-1, (nu, e, mp.pi)), (-1, (-nu, -e, mp.pi))]
+    elif 2 * nu < 1 + e:
+        shift = (1 - e) * (1 + e) / (4 * nu)
+        square = 1 - (nu + shift) ** 2
+        big, small = angle(nu + shift, square), angle(nu - shift, square)
+        caps += [(-1, (-nu, mpf(1), big)), (-1, (nu, -e, small)), (-1, (nu, mpf(-1), big)), (-1, (-nu, e, small))]
+    return caps
 
 
 # A factor that starts and stops at the cutoff: the slope jumps there; and clipped at zero.

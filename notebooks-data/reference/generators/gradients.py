@@ -3,8 +3,9 @@
 """gradients.csv: OTF of every kind of component and its derivatives by each scalar and by the frequency.
 
 The formulas are in gradient_kinds.py, written from their definitions, not from the C++ code. A derivative is the
-difference quotient with a step of 1e-60 at 150 digits, from both sides: where they agree it exists (`both`), otherwise
-the row states which one is meant (`left`, `right`, or `mean`, the value 0 at the tip of an even OTF).
+difference quotient with a step of 1e-60 at 150 digits (`wavefront`, a double integral: 1e-24 at 60), from both sides:
+where they agree it exists (`both`), otherwise the row states which one is meant (`left`, `right`, or `mean`, which
+leaves 0 of the tip of an even OTF).
 `*_rounding`: what moves when fx and fy move by 4 x 2^-53 of themselves, the conditioning of nu = f lambda N and of
 every other product of a frequency and a length. `d_largest`: the largest |derivative| over frequencies to 60 cycles/mm.
 """
@@ -18,7 +19,6 @@ from gradient_kinds import KINDS
 from tables import digits, hex_of, write_table
 
 mp.dps = 150
-STEP = mpf(10) ** -60
 ROUNDING = mpf(2) ** -51
 SCAN = [(u * x, u * y) for u in (1.3 + 4.9 * i for i in range(13)) for x, y in ((1, 0), (0, 1), (0.83, 0.56))]
 
@@ -78,18 +78,19 @@ def scale_of(point, name):
     return abs(point[name]) or mpf(1)
 
 
-def one_sided(otf, point, name, at=None):
+def one_sided(otf, point, name):
     """Slopes from the right and from the left."""
-    step = STEP * scale_of(point, name)
-    here = otf(point) if at is None else at
+    step = mpf(10) ** -otf.step_digits * scale_of(point, name)
+    here = otf(point)
     return ((otf(point.moved({name: point[name] + step})) - here) / step,
             (here - otf(point.moved({name: point[name] - step}))) / step)
 
 
 def derivative(otf, point, name, stated):
     right, left = one_sided(otf, point, name)
-    # A smooth function leaves a difference of the step, a root at a kink 1e-30 or 1e-40, a kink of slopes far more.
-    if abs(right - left) <= max(mpf(10) ** -20 * max(abs(right), abs(left)), mpf(10) ** -25 / scale_of(point, name)):
+    # A smooth function leaves a difference of the step, a power 3/2 or 5/3 its root or so, a kink of slopes far more.
+    relative, absolute = mpf(10) ** (-otf.step_digits / mpf(3)), mpf(10) ** (-otf.step_digits * mpf(5) / 12)
+    if abs(right - left) <= max(relative * max(abs(right), abs(left)), absolute / scale_of(point, name)):
         return "both", (right + left) / 2
     at_zero = name in ("fx", "fy") and point[name] == 0
     side = "mean" if at_zero else stated.get(name)
@@ -115,25 +116,39 @@ def settings_text(settings):
     return ";".join(f"{name}={text(setting)}" for name, setting in settings.items())
 
 
-def rows_of(kind, otf, case):
+def remembered(function, digits_kept, step_digits):
+    """The OTF at so many digits, each point evaluated once."""
+    known = {}
+
+    def otf(point):
+        key = tuple(point.values.values())
+        if key not in known:
+            with mp.workdps(digits_kept):
+                known[key] = mp.mpmathify(function(point))
+        return known[key]
+
+    otf.step_digits = step_digits
+    return otf
+
+
+def rows_of(name_of_kind, kind, case):
+    otf = remembered(kind.otf, kind.digits, kind.digits * 2 // 5)
     points = [Point(case.settings, f) for f in case.at]
-    scan = [Point(case.settings, f) for f in SCAN]
-    scanned = [otf(p) for p in scan]
-    names = [n for n in points[0].values if n not in case.fixed]
+    scan = [Point(case.settings, f) for f in SCAN[:: kind.scan_every]]
     short = lambda x: digits(x, 3)
-    for name in names:
-        slopes = [abs(s) for p, at in zip(scan, scanned) for s in one_sided(otf, p, name, at)]
-        slopes += [abs(s) for p in points for s in one_sided(otf, p, name)]
-        largest = max(slopes)
+    for name in points[0].values:
+        largest = max(abs(s) for p in points + scan for s in one_sided(otf, p, name))
         for p in points:
-            value = mp.mpmathify(otf(p))
-            side, slope = derivative(otf, p, name, case.side)
-            moved = 0 if side != "both" else max(abs(s - slope) for q in perturbed(p) for s in one_sided(otf, q, name))
-            value_moved = max(abs(otf(q) - value) for q in perturbed(p))
-            # What is below 1e-40 comes from the step.
-            slope, moved, top = (s if abs(s) * scale_of(p, name) > mpf(10) ** -40 else mpf(0)
-                                 for s in (slope, moved, largest))
-            yield [kind, settings_text(case.settings), hex_of(p["fx"]), hex_of(p["fy"]), name, side,
+            value, (side, slope) = otf(p), derivative(otf, p, name, case.side)
+            value_moved = moved = mpf(0)
+            if kind.rounding:
+                value_moved = max(abs(otf(q) - value) for q in perturbed(p))
+            if kind.rounding and side == "both":
+                moved = max(abs(s - slope) for q in perturbed(p) for s in one_sided(otf, q, name))
+            # What is below comes from the step.
+            noise = mpf(10) ** (-otf.step_digits * 2 / mpf(3)) / scale_of(p, name)
+            slope, moved, top = (s if abs(s) > noise else mpf(0) for s in (slope, moved, largest))
+            yield [name_of_kind, settings_text(case.settings), hex_of(p["fx"]), hex_of(p["fy"]), name, side,
                    digits(mp.re(value), 25), digits(mp.im(value), 25), short(value_moved),
                    digits(mp.re(slope), 25), digits(mp.im(slope), 25), short(moved), short(top)]
 
@@ -143,8 +158,8 @@ def main():
     parser.add_argument("--folder", help="where to write; default: the folder of the tables")
     parser.add_argument("kinds", nargs="*", help="these kinds only, for a look while adding one")
     options = parser.parse_args()
-    rows = [row for kind, (otf, cases) in KINDS.items() if kind in options.kinds or not options.kinds
-            for case in cases for row in rows_of(kind, otf, case)]
+    rows = [row for name, kind in KINDS.items() if name in options.kinds or not options.kinds
+            for case in kind.cases for row in rows_of(name, kind, case)]
     header = ["kind", "settings", "fx_hex", "fy_hex", "parameter", "side", "otf_re", "otf_im", "otf_rounding",
               "d_re", "d_im", "d_rounding", "d_largest"]
     write_table("gradients.csv", header, rows, options.folder)
