@@ -28,6 +28,9 @@ using mtf::test::Row;
 
 /// Kinds that have no rows in the table yet.
 const std::set<std::string_view> kWithoutReference{};
+/// Kinds in the table that this build does not have yet.
+const std::set<std::string_view> kNotBuilt{"rc_highpass",        "unsharp", "interpolation", "display_crt",
+                                           "display_flat_panel", "eye"};
 
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> all;
@@ -144,6 +147,7 @@ double distance(const Complex<double>& z, const Row& row, const std::string& re,
 TEST(Gradients, against_the_table) {
   std::map<std::string, double> worst;
   for (const Row& row : reference_table("gradients.csv")) {
+    if (kNotBuilt.contains(row.at("kind"))) continue;
     System<Jet4> system = mtf::cast<Jet4>(system_of(row));
     Freq<Jet4> f{Jet4(number(row, "fx_hex")), Jet4(number(row, "fy_hex"))};
     const std::string where = row.at("kind") + " " + row.at("settings") + " by " + row.at("parameter") + " at " +
@@ -154,7 +158,7 @@ TEST(Gradients, against_the_table) {
     const Complex<Jet4> h = only_component(system).otf(f, system.context());
     const double size = std::hypot(number(row, "otf_re"), number(row, "otf_im"));
     EXPECT_LE(distance({h.re.a, h.im.a}, row, "otf_re", "otf_im"),
-              4.0 * 0x1p-52 * std::max(1.0, size) + number(row, "otf_rounding"))
+              8.0 * 0x1p-52 * std::max(1.0, size) + number(row, "otf_rounding"))
         << where;
     const double slope = std::hypot(number(row, "d_re"), number(row, "d_im"));
     const double scale = slope + number(row, "d_largest"), rounding = number(row, "d_rounding");
@@ -175,6 +179,8 @@ TEST(Gradients, every_kind_has_rows) {
   for (const std::string_view kind : mtf::component_kinds())
     EXPECT_NE(found.contains(std::string(kind)), kWithoutReference.contains(kind))
         << kind << ": add it to notebooks-data/reference/generators/gradient_kinds.py, or take it off the list";
+  for (const std::string_view kind : mtf::component_kinds())
+    EXPECT_FALSE(kNotBuilt.contains(kind)) << kind << " is built: take it off the list";
 }
 
 }  // namespace

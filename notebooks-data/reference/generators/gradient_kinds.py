@@ -8,6 +8,7 @@ To add a kind: write its function of a Point, decorate it with @kind and its cas
 
 import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 from mpmath import mp, mpf
 
@@ -467,3 +468,120 @@ def curve(p):
     c2 = 3 * secant[i] - 2 * slope(i) - slope(i + 1)
     c3 = slope(i) + slope(i + 1) - 2 * secant[i]
     return y[i] + h * t * (slope(i) + t * (c2 + t * c3))
+
+
+@kind("rc_highpass",
+      Case({"cutoff": (2.0, "cy/mm")}, [(5.0, 3.0), (-21.7, 4.4), (0.1, 47.0)] + around(2.0)),
+      Case({"cutoff": (0.4, "cy/px"), "axis": "y", "dc": "remove", **OBLONG}, TYPICAL),
+      Case({"cutoff": (20.0, "kHz"), "scan_velocity": 1e7}, [(5.0, 3.0), (-21.7, 4.4)]),
+      Case({"cutoff": (20.0, "kHz"), "scan_rate": 1e8, **FOCAL}, [(5.0, 3.0), (-21.7, 4.4)]),
+      Case({"cutoff": (20.0, "kHz"), "pixel_clock": 1e6, "dc": "remove", **OBLONG}, [(5.0, 3.0), (-21.7, 4.4)]))
+def rc_highpass(p):
+    u = p.frequency(axis_of(p)) / p.frequency_cy_mm("cutoff", axis_of(p))
+    return mp.j * u / (1 + mp.j * u)
+
+
+@kind("unsharp",
+      Case({"amount": 1.5, "size": 3, **OBLONG}, TYPICAL + around(1000 / 17.0)),
+      Case({"amount": 0.7, "sigma": 1.2, **OBLONG}, TYPICAL + around(500 / 17.0)),
+      Case({"amount": 0.0, "sigma": 0.3, **SQUARE}, TYPICAL))
+def unsharp(p):
+    def blur(axis):
+        turn = 2 * mp.pi * p.frequency(axis) * p.pitch_mm(axis)
+        if "size" in p.words:
+            reach = (p.words["size"] - 1) // 2
+            return sum(mp.cos(k * turn) for k in range(-reach, reach + 1)) / p.words["size"]
+        taps = [mp.exp(-(mpf(k) ** 2) / (2 * p["sigma"] ** 2)) for k in range(40)]
+        weights = [taps[0]] + [2 * t for t in taps[1:]]
+        return sum(w * mp.cos(k * turn) for k, w in enumerate(weights)) / sum(weights)
+
+    return 1 + p["amount"] * (1 - blur("x") * blur("y"))
+
+
+@kind("interpolation",
+      Case({"kernel": "nearest", **OBLONG}, TYPICAL + around(1000 / 17.0)),
+      Case({"kernel": "linear", **OBLONG}, TYPICAL),
+      Case({"kernel": "cubic", "a": -0.5, **OBLONG}, TYPICAL + around(1000 / 17.0) + [(0.5, -0.3), (3.0, 8.0)]),
+      Case({"kernel": "cubic", "a": -1.0, **OBLONG}, TYPICAL),
+      Case({"kernel": "bspline", **OBLONG}, TYPICAL),
+      Case({"kernel": "six_coefficient", **OBLONG}, TYPICAL))
+def interpolation(p):
+    def response(x):
+        kernel, turn = p.words["kernel"], mp.pi * x
+        if kernel == "six_coefficient":
+            c = [mpf(n) / 10000 for n in (6213, -1704, 693, -276, 100, -30)]
+            return mpf(1) / 2 + sum(c_j * mp.cos((2 * j + 1) * turn) for j, c_j in enumerate(c))
+        if kernel == "bspline":
+            return sinc(x) ** 4 / (mpf(2) / 3 + mp.cos(2 * turn) / 3)
+        if kernel == "cubic":
+            if x == 0:
+                return mpf(1)
+            a = 3 * (sinc(x) ** 2 - sinc(2 * x)) / turn**2
+            return a + p["a"] * 2 * (3 * sinc(2 * x) ** 2 - 2 * sinc(2 * x) - sinc(4 * x)) / turn**2
+        return sinc(x) ** {"nearest": 1, "linear": 2}[kernel]
+
+    return response(p["fx"] * p.pitch_mm("x")) * response(p["fy"] * p.pitch_mm("y"))
+
+
+@kind("display_crt",
+      Case({"sigma": (0.5, "px"), **OBLONG}, TYPICAL),
+      Case({"sigma_x": (8.0, "um"), "sigma_y": (0.0, "um")}, TYPICAL))
+def display_crt(p):
+    return gaussian_of(p, "sigma")
+
+
+@kind("display_flat_panel",
+      Case({"width": (0.9, "px"), **OBLONG}, TYPICAL),
+      Case({"lcd_pitch": (1.0, "px"), **OBLONG}, TYPICAL))
+def display_flat_panel(p):
+    if "width" in p:
+        return sinc(p.length_mm("width", "x") * p["fx"]) * sinc(p.length_mm("width", "y") * p["fy"])
+    x, y = (p.length_mm("lcd_pitch", a) * p["f" + a] for a in "xy")
+    stripes = mpf(68) / 100 + mpf(32) / 100 * mp.cos(mpf(64) / 100 * mp.pi * x)
+    return sinc(mpf(29) / 100 * x) * stripes * sinc(mpf(85) / 100 * y)
+
+
+def contrast_sensitivity(model, u, luminance, field_deg):
+    if model == "barten_2003":
+        noise = 63 / luminance ** (mpf(83) / 100) + 1 / (1 - mp.exp(-u * u / 50))
+        return (5200 * mp.exp(-mpf(16) / 10000 * u * u * (1 + 100 / luminance) ** (mpf(8) / 100))
+                / mp.sqrt((1 + 144 / field_deg**2 + mpf(64) / 100 * u * u) * noise))
+    b = mpf(3) / 10 * (1 + 100 / luminance) ** (mpf(15) / 100)
+    a = 540 * (1 + mpf(7) / 10 / luminance) ** (-mpf(2) / 10)
+    a /= 1 + 12 / (field_deg * (1 + u / 3) ** (2 if model == "barten_short_squared" else 1))
+    return a * u * mp.exp(-b * u) * mp.sqrt(1 + mpf(6) / 100 * mp.exp(b * u))
+
+
+@lru_cache(maxsize=None)
+def peak_of_sensitivity(model, luminance, field_deg):
+    """Where the sensitivity is largest, to half the digits: there it has no slope."""
+    with mp.workdps(80):
+        log_of = lambda u: mp.log(contrast_sensitivity(model, u, mpf(luminance), mpf(field_deg)))
+        start = max((mpf(k) / 4 for k in range(1, 80)), key=log_of)
+        return mp.findroot(lambda u: mp.diff(log_of, u), start, tol=mpf(10) ** -60)
+
+
+IN_SIGHT = [(0.5, -0.2), (5.0, 3.0), (-21.7, 4.4), (33.0, 33.0)]
+
+
+@kind("eye",
+      Case({"model": "mtf", "magnification": 10.0, "luminance": 34.0, "eyes": 2, **FOCAL}, IN_SIGHT),
+      Case({"model": "mtf", "magnification": 3.0, "luminance": 500.0, "eyes": 1, **FOCAL}, IN_SIGHT),
+      Case({"model": "barten_2003", "magnification": 10.0, "luminance": 34.0, "field": 10.0, **FOCAL}, IN_SIGHT),
+      Case({"model": "barten_short", "magnification": 5.0, "luminance": 100.0, "field": 20.0, **FOCAL}, IN_SIGHT),
+      Case({"model": "barten_short_squared", "magnification": 5.0, "luminance": 1.0, "field": 10.0, **FOCAL}, IN_SIGHT))
+def eye(p):
+    f = mp.hypot(p["fx"], p["fy"]) * p["frame.focal_length"] / 1000 / p["magnification"]
+    luminance, model = p["luminance"], p.words["model"]
+    if model == "mtf":
+        in_foot_lamberts = luminance * mp.pi * (mpf(3048) / 10000) ** 2
+        d = -mpf(9011) / 1000 + mpf(1323) / 100 * mp.exp(-mp.log10(in_foot_lamberts) / (mpf(21082) / 1000))
+        d -= mpf(1) / 2 if p.words["eyes"] == 2 else 0
+        f0 = mp.exp(mpf(3663) / 1000 - mpf(216) / 10000 * d * d * mp.log(d))
+        i0 = (mpf(7155) / 10000 + mpf(277) / 1000 / mp.sqrt(d)) ** 2
+        return (mp.exp(-((mpf(4369) / 100 * f / f0) ** i0)) * mp.exp(-mpf(375) / 1000 * f ** (mpf(121) / 100))
+                * mp.exp(-mpf(4441) / 10000 * f * f))
+    u = f * 1000 * mp.pi / 180
+    peak = peak_of_sensitivity(model, float(luminance), float(p["field"]))
+    here, largest = (contrast_sensitivity(model, v, luminance, p["field"]) for v in (u, peak))
+    return here / largest

@@ -71,6 +71,12 @@ class Point:
         value, unit = self[name], self.units[name]
         if unit == "cy/px":
             return value / self.pitch_mm(axis)
+        if unit == "kHz":  # in time: cycles/mm = cycles/s / (mm/s)
+            if "pixel_clock" in self:
+                return value * 1000 / (self.pitch_mm(axis) * self["pixel_clock"])
+            rate = self["scan_velocity"] / 1000 if "scan_velocity" in self else (
+                self["scan_rate"] * self["frame.focal_length"] / 10**6)
+            return value * 1000 / rate
         return value * 1000 / self["frame.focal_length"] if unit == "cy/mrad" else value
 
 
