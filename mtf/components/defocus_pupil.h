@@ -17,7 +17,7 @@ struct DefocusOtf {
   double d_w020 = 0.0;
 };
 
-/// nu >= 0, obscuration in [0, 1), any finite w020_waves. Absolute error below 1e-15 (1 + k 2^-3) / (1 - e^2): the
+/// nu >= 0, obscuration in [0, 1), any finite w020_waves. Absolute error below 2e-15 (1 + k 2^-3) / (1 - e^2): the
 /// rounding of the phase k x grows with k, areas of a thin annulus are differences. Constant time: 30 to 130
 /// evaluations of sine and cosine whatever the defocus.
 DefocusOtf defocus_pupil_otf(double nu, double obscuration, double w020_waves);

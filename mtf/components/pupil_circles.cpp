@@ -24,15 +24,18 @@ PupilCaps pupil_caps(double nu, double obscuration) {
   if (e == 0.0) return caps;
   if (nu < e)
     for (const double side : {1.0, -1.0}) add(1.0, side, e, std::atan2(root_of_product(e - nu, e + nu), nu), true);
+  // d - (1 - e) and (1 + e) - d, rounded once: d - 1 is exact where a small hole touches the edge from either side,
+  // 1 - e where a large one does. The slopes there go with the roots of these.
   const double gap = 1.0 - e;
-  if (2.0 * nu <= gap) {  // a hole lies inside the other disc
+  const double from_inside = e < 0.5 ? (2.0 * nu - 1.0) + e : 2.0 * nu - gap, to_outside = (1.0 - 2.0 * nu) + e;
+  if (from_inside <= 0.0) {  // a hole lies inside the other disc
     for (const double side : {1.0, -1.0}) add(-1.0, side, e, std::numbers::pi, true);
     return caps;
   }
-  if (2.0 * nu >= 1.0 + e) return caps;
+  if (to_outside <= 0.0) return caps;
   const double ring = gap * (1.0 + e);
-  const double half_chord = root_of_product((1.0 - nu) + (e - nu), 1.0 + e + 2.0 * nu);
-  const double crossing = half_chord * root_of_product(2.0 * nu - gap, 2.0 * nu + gap) / (4.0 * nu);
+  const double half_chord = root_of_product(to_outside, 1.0 + e + 2.0 * nu);
+  const double crossing = half_chord * root_of_product(from_inside, 2.0 * nu + gap) / (4.0 * nu);
   for (const double side : {1.0, -1.0}) {
     add(-1.0, side, 1.0, std::atan2(crossing, nu + ring / (4.0 * nu)), false);
     add(-1.0, -side, e, std::atan2(crossing, nu - ring / (4.0 * nu)), true);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "mtf/components/bessel.h"
 #include "mtf/special.h"
 #include "tests/mtf/conformance.h"
 #include "tests/mtf/reference_table.h"
@@ -40,6 +41,31 @@ TEST(Special, gaussian_against_the_table) {
     ++rows;
   }
   EXPECT_EQ(rows, 37);
+}
+
+// Values to 4 ulp, J0 and 2 J1/x of what their oscillation leaves between the zeros; slopes to 12 ulp of 1, since they
+// are differences of terms of that size over a small x.
+TEST(Special, against_the_dense_table) {
+  std::map<std::string, int> rows;
+  for (const Row& row : reference_table("elementary.csv")) {
+    const std::string name = row.at("function");
+    const double x = number(row, "x_hex");
+    const ValueSlope f = name == "sinc"       ? sinc(x)
+                         : name == "gaussian" ? gaussian(x)
+                         : name == "j0"       ? bessel_j0(x)
+                                              : jinc(x);
+    const long double value = precise(row, "value"), slope = precise(row, "slope");
+    const long double envelope = std::sqrt(2.0L / (3.14159265358979L * std::max(x, 1.0)));
+    const long double scale = name == "j0" ? envelope : name == "jinc" ? envelope / std::max(x, 1.0) : 0.0L;
+    EXPECT_LE(std::abs(f.value - value), 4.0L * kUlp * std::max(std::abs(value), scale) + 5e-324L)
+        << name << " at " << x;
+    EXPECT_LE(std::abs(f.slope - slope), 12.0L * kUlp) << name << " at " << x;
+    if (name == "j0") {
+      EXPECT_LE(std::abs(f.slope - slope), 4.0L * kUlp * std::max(std::abs(slope), scale)) << x;
+    }
+    ++rows[name];
+  }
+  for (const char* name : {"sinc", "gaussian", "j0", "jinc"}) EXPECT_GE(rows[name], 200) << name;
 }
 
 TEST(Special, slopes_equal_differences_across_the_switch_to_the_series) {

@@ -58,6 +58,19 @@ TEST(Turbulence, against_the_tables) {
   EXPECT_EQ(rows, 2 * (42 + 783));
 }
 
+// 4 ulp, and the conditioning: the exponent E of the long exposure is rounded, which e^-E turns into a relative error.
+TEST(Turbulence, against_the_table_at_exact_doubles) {
+  for (const Row& row : reference_table("kolmogorov.csv")) {
+    const double v = number(row, "v_hex"), w = number(row, "w_hex"), alpha = number(row, "alpha_hex");
+    const KolmogorovExponent e = kolmogorov_exponent(v, w, alpha);
+    const long double full = kolmogorov_exponent(v, 0.0, 0.0).value, otf = precise(row, "otf");
+    EXPECT_LE(std::abs(e.value - precise(row, "exponent")), 6.0L * kUlp * full) << v << " " << w << " " << alpha;
+    EXPECT_LE(std::abs(std::exp(-Turbulence<double>::kExact * e.value) - otf),
+              kUlp * otf * (4.0L + 2.0L * Turbulence<double>::kExact * full) + 5e-324L)
+        << v << " " << w << " " << alpha;
+  }
+}
+
 TEST(Turbulence, short_exposure_without_alpha_is_the_long_one) {
   for (const double f : {1.0, 30.0, 249.0, 400.0})
     EXPECT_EQ(otf_at(turbulence(50.0, true, 0.0), f, f).re, otf_at(turbulence(50.0), f, f).re) << f;
