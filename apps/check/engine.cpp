@@ -178,7 +178,8 @@ void sizes(const Tables&, Tally& tally) {
   for (const auto& [width, height] : kSizes)
     for (const Border border : kBorders)
       for (const double ratio : {1.0, 2.0, 3.7})
-        keeps_promise(tally, optics(), noisy(width, height, 1.0), ratio, border);
+        if (ratio == 2.0 || width * height < 500)
+          keeps_promise(tally, optics(), noisy(width, height, 1.0), ratio, border);
   keeps_promise(tally, optics(), noisy(251, 127, 1.0), 2.0, Border::periodic);
 }
 

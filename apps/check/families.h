@@ -10,6 +10,7 @@ namespace apps::check {
 std::vector<Check> special_checks();     ///< sinc, Gaussian, Bessel functions
 std::vector<Check> pupil_checks();       ///< diffraction
 std::vector<Check> turbulence_checks();  ///< Kolmogorov, both exposures
+std::vector<Check> component_checks();   ///< golden values of each kind
 std::vector<Check> engine_checks();      ///< plans at the extremes of size, scale, contrast and OTF
 
 }  // namespace apps::check
