@@ -5,6 +5,7 @@
 // values and values from the whole parameter box, each in the frame and optics of one of them. Seeded.
 
 #include <complex>
+#include <map>
 
 #include "tests/mtf/conformance.h"
 
@@ -13,8 +14,18 @@ namespace mtf::test {
 /// The system of that number, one wavelength; with a band when asked for.
 inline System<double> random_system(int number, bool band = false) {
   Random random(0x5eed0000u + static_cast<std::uint64_t>(number));
-  const std::vector<Case>& cases = conformance_cases();
-  const auto draw = [&]() -> const Case& { return cases[static_cast<std::size_t>(random.bits() % cases.size())]; };
+  // First the kind, so that one with many combinations of fields does not crowd out the others.
+  static const std::vector<std::vector<const Case*>> by_kind = [] {
+    std::map<std::string_view, std::vector<const Case*>> groups;
+    for (const Case& c : conformance_cases()) groups[only_component(c.system).kind()].push_back(&c);
+    std::vector<std::vector<const Case*>> list;
+    for (auto& [kind, group] : groups) list.push_back(std::move(group));
+    return list;
+  }();
+  const auto draw = [&]() -> const Case& {
+    const auto& group = by_kind[random.bits() % by_kind.size()];
+    return *group[random.bits() % group.size()];
+  };
   System<double> system = draw().system;
   for (auto& list : system.stages) list.clear();
   if (band) {

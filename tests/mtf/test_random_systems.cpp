@@ -80,30 +80,43 @@ TEST(RandomSystems, otf_is_the_product_of_the_parts_and_hermitian) {
   }
 }
 
+/// The presample plan, or that of `stages`; at the tolerance that a refusal names where 1e-2 is too tight.
+std::optional<Plan> compiled(const System<double>& system, const SampleGrid& grid, const std::vector<Stage>& stages) {
+  PlanOptions options;
+  options.border = Border::periodic;
+  options.tolerance = 1e-2;
+  options.threads = 1;
+  const auto once = [&] {
+    return stages.empty() ? compile(system, grid, grid, options) : compile_post(system, grid, stages, options);
+  };
+  try {
+    return once();
+  } catch (const UnreachableTolerance& refusal) {
+    if (!(refusal.reachable() < 1.0)) return std::nullopt;
+    options.tolerance = refusal.reachable();
+    return once();
+  }
+}
+
 // The image of a point through both plans, on a small periodic canvas.
 TEST_P(RandomSystemsPart, psf_sums_to_the_otf_at_zero) {
-  constexpr std::array kAfter{Stage::readout, Stage::postsample};
   int refused = 0;
   for (int i = first_; i < first_ + kCount; ++i) {
     const System<double> system = random_system(i);
     const SampleGrid grid{16, 12, system.frame.pitch_x_um, system.frame.pitch_y_um};
-    PlanOptions options;
-    options.border = Border::periodic;
-    options.tolerance = 1e-2;
-    options.threads = 1;
-    try {
-      const Plan before = compile(system, grid, grid, options), after = compile_post(system, grid, kAfter, options);
-      const Image point = image_of(16, 12, [](auto x, auto y) { return x == 5 && y == 7 ? 1.0 : 0.0; });
-      const Image image = run(after, run(before, point));
-      double sum = 0.0;
-      for (std::int64_t k = 0; k < image.size(); ++k) sum += image.data()[k];
-      const Product parts = product_of_parts(system, kStages, {0.0, 0.0});
-      const double gain = std::max(1.0, before.report().largest_gain) * std::max(1.0, after.report().largest_gain);
-      EXPECT_NEAR(sum, static_cast<double>(parts.value.real()), 1e-5 * gain) << describe(i, system);
-      EXPECT_EQ(parts.value.imag(), 0.0L);
-    } catch (const UnreachableTolerance&) {
-      ++refused;  // a filter of huge gain
+    const auto before = compiled(system, grid, {}), after = compiled(system, grid, {Stage::readout, Stage::postsample});
+    if (!before || !after) {
+      ++refused;  // a filter whose gain leaves float32 no digit
+      continue;
     }
+    const Image point = image_of(16, 12, [](auto x, auto y) { return x == 5 && y == 7 ? 1.0 : 0.0; });
+    const Image image = run(*after, run(*before, point));
+    double sum = 0.0;
+    for (std::int64_t k = 0; k < image.size(); ++k) sum += image.data()[k];
+    const Product parts = product_of_parts(system, kStages, {0.0, 0.0});
+    const double gain = std::max(1.0, before->report().largest_gain) * std::max(1.0, after->report().largest_gain);
+    EXPECT_NEAR(sum, static_cast<double>(parts.value.real()), 1e-5 * gain) << describe(i, system);
+    EXPECT_EQ(parts.value.imag(), 0.0L);
   }
   EXPECT_LT(refused, kCount / 10);
 }
