@@ -17,7 +17,7 @@
 namespace apps::check {
 
 struct CheckResult {
-  std::string component;   ///< what was checked: "diffraction", "engine", …
+  std::string component;   ///< what was checked: "diffraction", "engine", ...
   std::string name;        ///< which case of it
   std::string promise;     ///< the error allowed, in words
   std::int64_t count = 0;  ///< comparisons made
