@@ -32,6 +32,7 @@ struct Options {
   ConfigOptions config;
   SimulateOptions simulate;
   DemoOptions demo;
+  CheckOptions check;
 };
 
 constexpr std::array kFormats{std::pair{std::string_view("table"), Format::table},
@@ -220,6 +221,21 @@ void add_demo(CLI::App& root, DemoOptions& options) {
   app.add_flag("--force", options.force, "write into a folder that is not empty");
 }
 
+void add_check(CLI::App& root, CheckOptions& options) {
+  CLI::App& app = add_command(
+      root, "check", "the accuracy promised, verified on this machine and build",
+      "Compares the kernels with tables of high precision (built in), and images filtered at the extremes of size,\n"
+      "scale, contrast and OTF with slow sums in double. Exit code 3 when a promise is not kept.\n"
+      "Absolute and relative errors are the worst found; each value has to keep its own allowance.",
+      "  mtf check\n"
+      "  mtf check --format json -o check.json");
+  add_text(app, "--reference", "FOLDER", "check against your own tables: CSV files named and laid out as the built-in",
+           [&](const std::string& text) { options.reference = text; });
+  add_choice(app, "--format", "FORMAT", "table (default), csv or json", kFormats, options.format);
+  add_text(app, "-o,--out", "FILE", "write the results here instead of standard output",
+           [&](const std::string& text) { options.out = text; });
+}
+
 std::string version_text() {
   const std::string fft = mtf::fft::version();  // "fftw-3.3.10-sse2-avx"
   const std::string number = fft.starts_with("fftw-") ? fft.substr(5, fft.find('-', 5) - 5) : fft;
@@ -232,6 +248,7 @@ int dispatch(const CLI::App& root, const Options& options) {
   if (root.got_subcommand("curve")) return run_curve(options.curve, options.global);
   if (root.got_subcommand("info")) return run_info(options.info, options.global);
   if (root.got_subcommand("config")) return run_config(options.config, options.global);
+  if (root.got_subcommand("check")) return run_check(options.check, options.global);
   if (root.got_subcommand("simulate")) return run_simulate(options.simulate, options.global);
   return run_demo(options.demo, options.global);
 }
@@ -273,6 +290,7 @@ int run(int argc, char** argv) {
   add_config(root, options.config);
   add_curve(root, options.curve);
   add_simulate(root, options.simulate);
+  add_check(root, options.check);
   try {
     root.parse(argc, argv);
   } catch (const CLI::CallForVersion& version) {

@@ -67,10 +67,17 @@ struct DemoOptions {
   bool force = false;
 };
 
+struct CheckOptions {
+  std::string reference;  ///< folder of tables to use in place of the built-in ones; "" = none
+  Format format = Format::table;
+  std::string out;  ///< "" = stdout
+};
+
 int run_curve(const CurveOptions& options, const Global& global);
 int run_info(const InfoOptions& options, const Global& global);
 int run_config(const ConfigOptions& options, const Global& global);
 int run_simulate(const SimulateOptions& options, const Global& global);
 int run_demo(const DemoOptions& options, const Global& global);
+int run_check(const CheckOptions& options, const Global& global);
 
 }  // namespace apps

@@ -84,6 +84,14 @@ RadialTable::RadialTable(const Function& f, double end, double target) : end_(en
     }
   }
 
+  // All of a narrow OTF may lie within the first interval, where a grid of even steps sees nothing of it.
+  for (double r = 0.75; r > 0x1p-60; r *= 0.5) {
+    const float x2 = static_cast<float>(r * r);
+    float value = 1.0F;
+    multiply({&x2, 1}, 0.0F, {&value, 1});
+    error_ = std::max(error_, 1.2 * std::abs(static_cast<double>(value) - sample(1, r * end, 0.0).front()) + 1.2e-7);
+  }
+
   suffix_max_.resize(n + 1);
   suffix_max_[n] = std::abs(v[n]);
   for (std::size_t i = n; i-- > 0;) suffix_max_[i] = std::max(suffix_max_[i + 1], std::abs(v[i]));

@@ -71,8 +71,7 @@ struct Tdi {
   /// sin(N pi x)/(N sin(pi x)) = (-1)^((N-1) k) sinc(N r)/sinc(r), r = x - k the distance to the nearest whole number:
   /// exact at the zeros of the denominator, since sinc(r) >= 2/pi.
   ValueSlope mean_phase(double x) const {
-    if (!std::isfinite(x) && stage_count > 1) return {0.0, 0.0};
-    if (stage_count == 1) return {1.0, 0.0};
+    if (stage_count == 1 || !std::isfinite(x)) return {1.0, 0.0};  // every double beyond 2^54 is a whole, even number
     const double wide = x - 2.0 * std::rint(0.5 * x), r = wide - std::rint(wide), n = stage_count;  // exact
     const double sign = stage_count % 2 == 0 && std::abs(wide) > 0.5 ? -1.0 : 1.0;
     const ValueSlope top = sinc(n * r), bottom = sinc(r);

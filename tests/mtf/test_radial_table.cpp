@@ -46,6 +46,15 @@ TEST(RadialTable, error_is_a_bound_at_random_points) {
       }
 }
 
+// A cutoff far below the first step: the samples at even steps are 1, 0, 0, ..., or the fall and rise are unseen.
+TEST(RadialTable, a_structure_within_its_first_interval_shows_in_the_error) {
+  const auto dip = [](double r) { return r > 0.0 && r < 1e-8 ? 0.3 : 1.0; };
+  const RadialTable table = table_of(dip, 7.0, 1e-6);
+  EXPECT_GE(table.error(), 0.7);
+  const auto spike = [](double r) { return circular(1e9 * r); };
+  EXPECT_GE(table_of(spike, 7.0, 1e-6).error(), 0.9);
+}
+
 TEST(RadialTable, stays_at_its_last_value_beyond_the_end) {
   const RadialTable cut = table_of(circular, 10.0, 1e-6);
   const std::vector<float> x2{1.0F, 1.5F, 1e30F, HUGE_VALF};

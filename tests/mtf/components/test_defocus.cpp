@@ -9,6 +9,7 @@
 #include "mtf/components/pupil.h"
 #include "mtf/special.h"
 #include "tests/mtf/components/one_component.h"
+#include "tests/mtf/reference_table.h"
 
 namespace mtf::test {
 namespace {
@@ -22,6 +23,16 @@ TEST(DefocusPupil, golden_values) {
     EXPECT_NEAR(defocus_pupil_otf(0.5 * s[i], 0.0, 0.5).value, half_wave[i], 5.1e-7);
     EXPECT_NEAR(defocus_pupil_otf(0.5 * s[i], 0.0, 1.0).value, one_wave[i], 5.1e-7);
     EXPECT_EQ(defocus_pupil_otf(0.5 * s[i], 0.0, -1.0).value, defocus_pupil_otf(0.5 * s[i], 0.0, 1.0).value);
+  }
+}
+
+TEST(DefocusPupil, against_the_tables_at_exact_doubles) {
+  for (const auto& [name, count] :
+       {std::pair{"clear, to 50 waves", 1666}, std::pair{"annular, to 10 waves", 2563},
+        std::pair{"clear, to 50 waves, slopes", 1666 * 2}, std::pair{"annular, to 10 waves, slopes", 2563 * 3}}) {
+    const auto check = reference_check("defocus", name);
+    EXPECT_TRUE(check.passed) << check.failure;
+    EXPECT_EQ(check.count, count);
   }
 }
 

@@ -53,6 +53,11 @@ TEST(Tdi, no_step_where_its_denominator_vanishes) {
   }
 }
 
+// A slip of 1e6 mm: f d is a whole even number at every double from 1e16 on, and no longer a number from 1e303 on.
+TEST(Tdi, no_step_where_its_phase_leaves_the_doubles) {
+  for (const double f : {1e200, 1e302, 1e303, 1e307}) EXPECT_EQ(otf_at(tdi(6, 1e9), f, 0.0).re, 1.0) << f;
+}
+
 TEST(Tdi, two_slips_are_refused) {
   auto c = tdi(8, 1.0);
   set_xy(c, "slip", 1.0, 2.0, "um");

@@ -20,21 +20,11 @@ Component<double> vibration(double amplitude_um, double direction_deg = 0.0) {
 }
 
 TEST(Bessel, against_the_table) {
-  int rows = 0;
-  for (const Row& row : reference_table("bessel_j_extremes.csv")) {
-    const double x = number(row, "x_hex");
-    const long double j0 = precise(row, "j0"), quotient = precise(row, "two_j1_over_x");
-    const auto scale = [&](long double exact) {
-      const long double envelope = std::sqrt(2.0L / (3.14159265358979L * std::max(x, 1.0)));
-      return 4.0L * kUlp * std::max(std::abs(exact), envelope);
-    };
-    EXPECT_LE(std::abs(bessel_j0(x).value - j0), scale(j0)) << row.at("x");
-    EXPECT_LE(std::abs(jinc(x).value - quotient),
-              x < 3.0 ? 4.0L * kUlp * quotient : 2.0L / x * scale(precise(row, "j1")) + kUlp * std::abs(quotient))
-        << row.at("x");
-    ++rows;
+  for (const auto& [component, name] : {std::pair{"vibration", "J0"}, {"circular_footprint", "2 J1(x)/x"}}) {
+    const auto check = reference_check(component, name);
+    EXPECT_TRUE(check.passed) << check.failure;
+    EXPECT_EQ(check.count, 54);
   }
-  EXPECT_EQ(rows, 54);
 }
 
 TEST(Bessel, slopes_equal_differences_across_the_switch_to_the_series) {

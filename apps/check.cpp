@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf check`: every promise about numbers, held against references on this machine and build.
+
+#include "apps/check/check.h"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "apps/options.h"
+#include "apps/output.h"
+#include "apps/text_table.h"
+#include "mtf/units.h"
+
+namespace apps {
+namespace {
+
+using check::CheckResult;
+using Json = nlohmann::ordered_json;
+
+std::string_view verdict(const CheckResult& result) { return result.passed ? "PASS" : "FAIL"; }
+
+std::string as_table(const std::vector<CheckResult>& results) {
+  TextTable table({"component", "case", "values", "worst abs", "worst rel", "", "promise"});
+  for (const CheckResult& r : results)
+    table.add({r.component, r.name, std::to_string(r.count), significant(r.worst_abs, 2), significant(r.worst_rel, 2),
+               std::string(verdict(r)), r.promise});
+  std::string text =
+      table.aligned({Align::left, Align::left, Align::right, Align::right, Align::right, Align::left, Align::left});
+  for (const CheckResult& r : results)
+    if (!r.passed) text += "FAIL " + r.component + ", " + r.name + ": " + one_line(r.failure) + "\n";
+  return text;
+}
+
+std::string as_csv(const std::vector<CheckResult>& results) {
+  TextTable table({"component", "case", "values", "worst_abs", "worst_rel", "promise", "result", "failure"});
+  for (const CheckResult& r : results)
+    table.add({r.component, r.name, std::to_string(r.count), significant(r.worst_abs, 17), significant(r.worst_rel, 17),
+               r.promise, std::string(verdict(r)), one_line(r.failure)});
+  return table.csv();
+}
+
+std::string as_json(const std::vector<CheckResult>& results, std::size_t failed) {
+  Json json;
+  json["passed"] = failed == 0;
+  json["failed"] = failed;
+  json["checks"] = Json::array();
+  for (const CheckResult& r : results) {
+    Json& item = json["checks"].emplace_back();
+    item = {{"component", r.component}, {"case", r.name},       {"values", r.count}, {"worst_abs", r.worst_abs},
+            {"worst_rel", r.worst_rel}, {"promise", r.promise}, {"passed", r.passed}};
+    if (!r.passed) item["failure"] = one_line(r.failure);
+  }
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace
+
+int run_check(const CheckOptions& options, const Global& global) {
+  const auto start = std::chrono::steady_clock::now();
+  const check::Tables tables = options.reference.empty() ? check::Tables() : check::Tables(options.reference);
+  std::vector<CheckResult> results;
+  std::size_t failed = 0;
+  std::int64_t values = 0;
+  for (const check::Check& each : check::all_checks()) {
+    results.push_back(run(each, tables));
+    failed += results.back().passed ? 0U : 1U;
+    values += results.back().count;
+  }
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  const std::string summary =
+      (failed == 0 ? "all " + std::to_string(results.size()) + " checks passed"
+                   : std::to_string(failed) + " of " + std::to_string(results.size()) + " checks FAILED") +
+      ": " + std::to_string(values) + " values in " + fixed(elapsed.count(), 1) + " s";
+  const bool table = options.format == Format::table;
+  emit(options.out, table                           ? as_table(results) + summary + "\n"
+                    : options.format == Format::csv ? as_csv(results)
+                                                    : as_json(results, failed));
+  if (!table || !options.out.empty()) note(global, summary);
+  return failed == 0 ? 0 : 3;
+}
+
+}  // namespace apps

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Components as a sensor file makes them: one case of each with its OTF to 25 digits (golden_components.py).
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apps/check/families.h"
+#include "mtf/error.h"
+#include "mtf/system.h"
+
+namespace apps::check {
+namespace {
+
+/// One field from its text: "15 um", "3", "short".
+void assign(const mtf::FieldRef<double>& field, const std::string& text, const std::string& where) {
+  const mtf::FieldInfo& info = *field.info;
+  const auto plain = [&] {
+    return info.dimension == mtf::Dimension::none ? std::strtod(text.c_str(), nullptr)
+                                                  : mtf::convert(mtf::parse_quantity(text, info.dimension), info.unit);
+  };
+  std::visit(
+      [&](auto* value) {
+        using T = std::remove_pointer_t<decltype(value)>;
+        if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::optional<double>>) {
+          *value = plain();
+        } else if constexpr (std::is_same_v<T, int>) {
+          *value = static_cast<int>(plain());
+        } else if constexpr (std::is_same_v<T, mtf::AxisPair<double>>) {
+          const mtf::Quantity size = mtf::parse_quantity(text, info.dimension);
+          *value = {{size.value, size.unit}, {}, false};
+        } else if constexpr (std::is_same_v<T, mtf::SpatialFrequency<double>>) {
+          const mtf::Quantity frequency = mtf::parse_quantity(text, info.dimension);
+          *value = {frequency.value, frequency.unit};
+        } else if constexpr (std::is_same_v<T, mtf::Choice>) {
+          const auto word = std::find(value->names.begin(), value->names.end(), text);
+          if (word == value->names.end()) throw mtf::UsageError(where + ": " + text + " is no word of this field");
+          value->index = static_cast<int>(word - value->names.begin());
+        } else {
+          throw mtf::UsageError(where + ": fields of this type cannot stand in a table");
+        }
+      },
+      field.value);
+}
+
+/// "width = 15 um; fill_factor = 0.8" into the fields of a component.
+void assign_all(mtf::Component<double>& component, const std::string& settings, const std::string& where) {
+  const auto fields = component.fields();
+  for (std::size_t at = 0; at < settings.size();) {
+    const std::size_t end = std::min(settings.find("; ", at), settings.size()), equals = settings.find(" = ", at);
+    if (equals >= end) throw mtf::UsageError(where + ": settings are \"field = value; field = value\"");
+    const std::string name = settings.substr(at, equals - at);
+    const auto field = std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.info->name == name; });
+    if (field == fields.end())
+      throw mtf::UsageError(where + ": " + std::string(component.kind()) + " has no field " + name);
+    assign(*field, settings.substr(equals + 3, end - equals - 3), where);
+    at = end + 2;
+  }
+}
+
+// Rounding of the lengths to double and of their products with f comes before the formula: a few ulp of 1 in all.
+void golden(const Tables& tables, Tally& tally, std::string_view kind) {
+  constexpr long double allowed = 4.0L * std::numeric_limits<double>::epsilon();
+  for (const Row& row : tables.rows("golden_components.csv")) {
+    if (row.at("kind") != kind) continue;
+    mtf::System<double> system;
+    system.frame = {100.0, 17.0, 17.0, 0.01, 0, 0};
+    system.optics.f_number = 1.0;
+    system.optics.wavelength_um = 4.0;
+    auto component = mtf::Component<double>::make(kind);
+    assign_all(component, row.at("settings"), row.where);
+    const mtf::Complex<double> h = component.otf({number(row, "f_cy_mm"), 0.0}, system.context());
+    const long double re = precise(row, "re"), im = precise(row, "im");
+    tally.error(std::hypot(h.re - re, h.im - im), std::hypot(re, im), allowed, row.where);
+  }
+}
+
+}  // namespace
+
+std::vector<Check> component_checks() {
+  std::vector<std::string> kinds;  // in the order of the table
+  for (const Row& row : Tables().rows("golden_components.csv"))
+    if (std::find(kinds.begin(), kinds.end(), row.at("kind")) == kinds.end()) kinds.push_back(row.at("kind"));
+  std::vector<Check> checks;
+  for (const std::string& kind : kinds)
+    checks.push_back({kind, "golden values", "4 ulp of 1",
+                      [kind](const Tables& tables, Tally& tally) { golden(tables, tally, kind); }});
+  return checks;
+}
+
+}  // namespace apps::check
