@@ -9,6 +9,9 @@
 //   cutoff_cy_mm(ctx)      |f| from which the OTF is zero; infinity when there is none
 //   deviation(fx, fy, ctx) a bound of |otf - 1| over |f.x| <= fx, |f.y| <= fy
 //   check(ctx)             what the field bounds cannot say: values that exclude each other, validity of the formula
+// and may add
+//   evaluator(ctx)         otf as a function of f alone, where work that does not depend on f is worth doing once
+//   variant_doc()          the sentence for the present values, where the kind holds several models
 // Everybody else uses the type-erased handle `Component<S>`; the list of types is mtf/components/all.h.
 
 #include <array>
@@ -47,6 +50,7 @@ struct Traits {
   bool real = true;
   bool chromatic = false;  ///< depends on the wavelength of the band node
   bool gain = false;       ///< |otf| may exceed 1, or otf(0) differs from 1
+  double dc = 1.0;         ///< otf(0)
 };
 
 enum class Presence {

@@ -34,8 +34,14 @@ struct Fir {
     return true;
   }
   Traits traits(const Context<S>&) const {
-    return {
-        .even_x = mirrored(true, false), .even_y = mirrored(false, true), .real = mirrored(true, true), .gain = true};
+    double sum = 0.0;
+    for (const auto& row : taps)
+      for (const S& tap : row) sum += value_of(tap);
+    return {.even_x = mirrored(true, false),
+            .even_y = mirrored(false, true),
+            .real = mirrored(true, true),
+            .gain = true,
+            .dc = sum};
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const S ux = f.x * ctx.frame.pitch_x_um * S(2e-3), uy = f.y * ctx.frame.pitch_y_um * S(2e-3);
