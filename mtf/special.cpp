@@ -62,6 +62,17 @@ ValueSlope sinc(double x) {
   return {value, (cos_pi(x) - value) / x};
 }
 
+ValueSlope dirichlet(int n, double x) {
+  if (n == 1) return {1.0, 0.0};
+  if (!std::isfinite(x)) return {0.0, 0.0};
+  // (-1)^((n-1) k) sinc(n r)/sinc(r), r = x - k the distance to the nearest whole number: sinc(r) >= 2/pi.
+  const double wide = std::remainder(x, 2.0), r = std::remainder(wide, 1.0);
+  const double sign = n % 2 == 0 && std::abs(wide) > 0.5 ? -1.0 : 1.0;
+  const ValueSlope top = sinc(n * r), bottom = sinc(r);
+  return {sign * top.value / bottom.value,
+          sign * (n * top.slope - top.value * bottom.slope / bottom.value) / bottom.value};
+}
+
 ValueSlope gaussian(double x) {
   if (!(std::abs(x) < 7.0)) return {0.0, 0.0};  // below the smallest double from 6.2 on
   // exp turns the rounding of its argument into a relative error: the argument is kept in two parts.
