@@ -17,6 +17,7 @@
 #include "mtf/components/jitter.h"
 #include "mtf/components/linear_motion.h"
 #include "mtf/components/lowpass.h"
+#include "mtf/components/rc_highpass.h"
 #include "mtf/components/rms_wavefront.h"
 #include "mtf/components/sample_and_hold.h"
 #include "mtf/components/tdi.h"
@@ -29,7 +30,7 @@ template <class S>
 struct ComponentVariant {
   std::variant<Diffraction<S>, RmsWavefront<S>, Gaussian<S>, Turbulence<S>, Footprint<S>, CircularFootprint<S>,
                Diffusion<S>, Crosstalk<S>, Tdi<S>, Bolometer<S>, Jitter<S>, LinearMotion<S>, Vibration<S>, RcLowpass<S>,
-               Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>, Boost<S>, SampleAndHold<S>>
+               RcHighpass<S>, Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>, Boost<S>, SampleAndHold<S>>
       value;
 };
 
