@@ -133,6 +133,8 @@ class Component {
 
   std::string_view kind() const;
   std::string_view doc() const;
+  /// doc(), or for a kind that holds several models the one in use.
+  std::string_view description() const;
   Stages stages() const;
   /// True for a complete pupil OTF (diffraction): at most one in a list.
   bool is_pupil() const;

@@ -19,7 +19,7 @@
 //   barten_short_squared   the same with (1 + u/3)^2
 // Both short forms are in use, under one name; they differ by a quarter for a field of 10 degrees: results have to
 // name theirs. All are 0 at u = 0, like u. Their fits are made for about 0.1 to 1000 cd/m^2 and fields of 0.5 to 60
-// degrees. (Barten, Proc. SPIE 5294, 231 (2003); Barten, Proc. SPIE 1666, 57 (1992).)
+// degrees. (Barten, Proc. SPIE 5294, 231 (2003); Barten, J. Opt. Soc. Am. A 7, 2024 (1990).)
 
 #include <array>
 #include <string_view>

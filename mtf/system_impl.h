@@ -164,6 +164,10 @@ std::string_view Component<S>::kind() const {
 }
 template <class S>
 std::string_view Component<S>::doc() const {
+  return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::doc; });
+}
+template <class S>
+std::string_view Component<S>::description() const {
   return detail::visit(*value_, [](const auto& c) -> std::string_view {
     if constexpr (requires { c.variant_doc(); })
       return c.variant_doc();

@@ -214,7 +214,7 @@ void explain_components(Table& table, const System<double>& system) {
       const auto& entry = system.list(stage)[i];
       const Node* node = table.component(stage, i);
       const std::string path = std::string(stage_name(stage)) + "[" + std::to_string(i) + "]";
-      table.row(path, node, {"kind"}, std::string(entry.component.doc()), "set by program");
+      table.row(path, node, {"kind"}, std::string(entry.component.description()), "set by program");
       table.row(path + ".label", node, {"label"}, entry.label, "default");
       const auto fields = entry.component.fields();
       for (const FieldRef<double>& field : fields) {

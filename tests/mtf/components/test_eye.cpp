@@ -138,14 +138,14 @@ TEST(Eye, is_the_mtf_at_the_eye) {
   EXPECT_NEAR(otf_at(c, 15.0, 20.0).re, .5853882496, 1e-9);
   EXPECT_NEAR(otf_at(c, 0.0, -50.0).re, .3608273161, 1e-9);
   EXPECT_EQ(otf_at(c, 0.0, 0.0).re, 1.0);
-  EXPECT_EQ(c.doc(), "eye: MTF of optics, retina and tremor");
+  EXPECT_EQ(c.description(), "eye: MTF of optics, retina and tremor");
 }
 
 TEST(Eye, sensitivity_is_relative_to_its_peak) {
   for (int m = 0; m < 3; ++m) {
     const ContrastModel model = kModels[static_cast<std::size_t>(m)];
     auto c = eye(m + 1, 5.0, 34.26);
-    EXPECT_NE(c.doc().find("Barten"), std::string_view::npos);
+    EXPECT_NE(c.description().find("Barten"), std::string_view::npos);
     const double mm_of_one = 5.0 * 180.0 / kPi / 100.0;  // cycles/mm for 1 cycle/degree at the eye
     const double peak = peak_frequency_cy_deg(model, 34.26, 10.0);
     EXPECT_NEAR(otf_at(c, 0.0, peak * mm_of_one).re, 1.0, 1e-15);
