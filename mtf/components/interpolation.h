@@ -15,6 +15,8 @@
 // Real, separable. Nothing is shifted. (Keys, IEEE Trans. ASSP-29, 1153 (1981); Unser, IEEE Signal Proc. Mag. 16(6),
 // 22 (1999); six coefficients: the zoom of the NVTherm family of sensor models.)
 
+#include <utility>
+
 #include "mtf/components/field.h"
 
 namespace mtf {
@@ -133,11 +135,15 @@ struct Interpolation {
       return lift(keys.a0, x) + a.value_or(S(-0.5)) * lift(keys.a1, x);
     }
     if (kernel.index == six_coefficient) {
+      // cos and sin of odd multiples of pi x by their recurrence, twice the angle at a time.
+      const double c1 = cos_pi(v), s1 = sin_pi(v), step = 2.0 * (c1 - s1) * (c1 + s1);
+      double c = c1, s = s1, c_before = c1, s_before = -s1;
       ValueSlope sum{0.5, 0.0};
       for (std::size_t j = 0; j < kSix.size(); ++j) {
-        const double n = 2.0 * static_cast<double>(j) + 1.0;
-        sum.value += kSix[j] * cos_pi(n * std::remainder(v, 2.0));
-        sum.slope -= kSix[j] * n * kPi * sin_pi(n * std::remainder(v, 2.0));
+        sum.value += kSix[j] * c;
+        sum.slope -= kSix[j] * (2.0 * static_cast<double>(j) + 1.0) * kPi * s;
+        c_before = std::exchange(c, step * c - c_before);
+        s_before = std::exchange(s, step * s - s_before);
       }
       return lift(sum, x);
     }
