@@ -79,7 +79,7 @@ std::string as_json(const CurveValues& values, const KeyFigures& figures, const 
   json["frequency"] = values.frequency;
   json["components"] = Json::array();
   for (const OtfColumn& column : values.components) {
-    Json component{{"label", column.label}, {"kind", column.kind}, {"stage", column.stage}};
+    Json component{{"label", column.label}, {"kind", column.kind}, {"stage", column.stage}, {"doc", column.doc}};
     add_parts(component, column);
     json["components"].push_back(std::move(component));
   }

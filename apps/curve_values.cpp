@@ -75,6 +75,7 @@ CurveValues curve_values(const System<double>& system, const Direction& directio
       real = real && own;
       values.components.push_back(
           {entry.label, std::string(entry.component.kind()), name, own, system.otf(std::span(&entry, 1), f)});
+      values.components.back().doc = entry.component.description();
       require_finite(values.components.back());
     }
     values.stages.push_back({name, "", name, real, system.otf(std::span(list), f)});

@@ -32,6 +32,7 @@ struct OtfColumn {
   std::string stage;  ///< list it belongs to; "system" for the whole
   bool real = true;
   std::vector<mtf::Complex<double>> otf;
+  std::string doc{};  ///< what the component is, with the model it uses; "" for products
 };
 
 struct CurveValues {

@@ -9,11 +9,13 @@
 //   cutoff_cy_mm(ctx)      |f| from which the OTF is zero; infinity when there is none
 //   deviation(fx, fy, ctx) a bound of |otf - 1| over |f.x| <= fx, |f.y| <= fy
 //   check(ctx)             what the field bounds cannot say: values that exclude each other, validity of the formula
-// and may offer, for speed:
+// and may add, for speed but for the last:
 //   displacement_mm(ctx)   a vector d such that the OTF depends on f through d.f alone (motion in one direction)
 //   breaks_cy_mm(ctx)      for an OTF that costs microseconds: the |f| in rising order between which it is smooth, the
 //                          last being its cutoff; plans tabulate it between them
 //   rows(fx, ctx)          see Component::rows, for sums of products of functions of fx and of fy
+//   evaluator(ctx)         otf as a function of f alone, where work that does not depend on f is worth doing once
+//   variant_doc()          the sentence for the present values, where the kind holds several models
 // Everybody else uses the type-erased handle `Component<S>`; the list of types is mtf/components/all.h.
 
 #include <array>
@@ -53,6 +55,7 @@ struct Traits {
   bool real = true;
   bool chromatic = false;  ///< depends on the wavelength of the band node
   bool gain = false;       ///< |otf| may exceed 1, or otf(0) differs from 1
+  double dc = 1.0;         ///< otf(0)
 };
 
 enum class Presence {
@@ -139,6 +142,8 @@ class Component {
 
   std::string_view kind() const;
   std::string_view doc() const;
+  /// doc(), or for a kind that holds several models the one in use.
+  std::string_view description() const;
   Stages stages() const;
   /// True for a complete pupil OTF (diffraction): at most one in a list.
   bool is_pupil() const;

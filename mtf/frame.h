@@ -6,6 +6,7 @@
 // Canonical spatial frequency: cycles/mm at the focal plane, +x right along columns, +y down along rows.
 //   cy/mrad = cy/mm x focal_length_mm / 1000        (small angles: x = focal length x angle)
 //   cy/px   = cy/mm x pitch_um / 1000               (per axis)
+//   Hz      = cy/mm x speed_um_s / 1000             (speed of the scan over the focal plane)
 // Templates over the scalar S (double, float, ceres::Jet), so that fits differentiate through focal length and pitch.
 
 #include <optional>
@@ -49,7 +50,25 @@ struct Frame {
   S cy_per_px(const S& f_cy_mm, Axis axis) const { return f_cy_mm * pitch_um(axis) * S(1e-3); }
   S cy_mm_from_mrad(const S& f_cy_mrad) const { return f_cy_mrad * S(1e3) / focal_length_mm; }
   S cy_mm_from_px(const S& f_cy_px, Axis axis) const { return f_cy_px * S(1e3) / pitch_um(axis); }
+  S cy_mm_from_hz(const S& f_hz, const S& speed_um_s) const { return f_hz * S(1e3) / speed_um_s; }
   S um_from_urad(const S& angle_urad) const { return angle_urad * focal_length_mm * S(1e-3); }
+};
+
+/// What turns time in the electronics into place in the image: exactly one of the speed of a scanning detector over
+/// the focal plane, its angular rate in object space, or the pixels read per second along a line of a staring array.
+template <class S>
+struct Scan {
+  std::optional<S> velocity_um_s;
+  std::optional<S> rate_urad_s;
+  std::optional<S> pixel_clock_hz;
+
+  int given() const { return velocity_um_s.has_value() + rate_urad_s.has_value() + pixel_clock_hz.has_value(); }
+  /// 0 when none is given.
+  S speed_um_s(const Frame<S>& frame, Axis axis) const {
+    if (velocity_um_s) return *velocity_um_s;
+    if (rate_urad_s) return frame.um_from_urad(*rate_urad_s);
+    return pixel_clock_hz ? S(*pixel_clock_hz * frame.pitch_um(axis)) : S(0);
+  }
 };
 
 /// A size in the image that is given as a focal-plane length, as an object angle, or in pixels, and stays what it was
@@ -81,13 +100,16 @@ struct AxisPair {
   bool isotropic(const Frame<S>& frame) const { return !given() || x_um(frame) == y_um(frame); }
 };
 
-/// A spatial frequency in the unit it was written in (cy/mm, cy/mrad, cy/px).
+/// A spatial frequency in the unit it was written in (cy/mm, cy/mrad, cy/px); of electronics also a temporal one (Hz,
+/// kHz ...), which becomes spatial by its scan.
 template <class S>
 struct SpatialFrequency {
   S value{};
   const Unit* unit = nullptr;
 
-  S cy_mm(const Frame<S>& frame, Axis axis) const {
+  bool temporal() const { return unit != nullptr && unit->dimension == Dimension::temporal; }
+  S cy_mm(const Frame<S>& frame, Axis axis, const Scan<S>& scan = {}) const {
+    if (temporal()) return frame.cy_mm_from_hz(S(value * S(unit->factor)), scan.speed_um_s(frame, axis));
     if (unit->name == "cy/mrad") return frame.cy_mm_from_mrad(value);
     if (unit->name == "cy/px") return frame.cy_mm_from_px(value, axis);
     return value;

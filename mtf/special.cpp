@@ -52,6 +52,16 @@ ValueSlope sinc(double x) {
   return {value, (turn.cos - value) / x};
 }
 
+ValueSlope dirichlet(int n, double x) {
+  if (n == 1 || !std::isfinite(x)) return {1.0, 0.0};  // every double beyond 2^54 is a whole, even number
+  // (-1)^((n-1) k) sinc(n r)/sinc(r), r = x - k the distance to the nearest whole number: sinc(r) >= 2/pi.
+  const double wide = x - 2.0 * std::rint(0.5 * x), r = wide - std::rint(wide);  // exact
+  const double sign = n % 2 == 0 && std::abs(wide) > 0.5 ? -1.0 : 1.0;
+  const ValueSlope top = sinc(n * r), bottom = sinc(r);
+  return {sign * top.value / bottom.value,
+          sign * (n * top.slope - top.value * bottom.slope / bottom.value) / bottom.value};
+}
+
 ValueSlope gaussian(double x) {
   if (!(std::abs(x) < 7.0)) return {0.0, 0.0};  // below the smallest double from 6.2 on
   // exp turns the rounding of its argument into a relative error: the argument is kept in two parts.

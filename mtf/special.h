@@ -54,6 +54,10 @@ SinCos sin_cos_pi(double x);
 /// sin(pi x)/(pi x); 0 at infinity.
 ValueSlope sinc(double x);
 
+/// sin(n pi x)/(n sin(pi x)), n >= 1: the mean of n phases 2 pi x apart, measured from their middle. Exact where the
+/// denominator is zero; 0 at infinity.
+ValueSlope dirichlet(int n, double x);
+
 /// exp(-2 pi^2 x^2), x = sigma f; 0 at infinity.
 ValueSlope gaussian(double x);
 

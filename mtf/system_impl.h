@@ -171,6 +171,15 @@ std::string_view Component<S>::doc() const {
   return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::doc; });
 }
 template <class S>
+std::string_view Component<S>::description() const {
+  return detail::visit(*value_, [](const auto& c) -> std::string_view {
+    if constexpr (requires { c.variant_doc(); })
+      return c.variant_doc();
+    else
+      return std::remove_cvref_t<decltype(c)>::doc;
+  });
+}
+template <class S>
 Stages Component<S>::stages() const {
   return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::stages; });
 }
@@ -199,7 +208,12 @@ Complex<S> Component<S>::otf(const Freq<S>& f, const Context<S>& ctx) const {
 template <class S>
 void Component<S>::multiply(std::span<const Freq<S>> f, const Context<S>& ctx, std::span<Complex<S>> h) const {
   detail::visit(*value_, [&](const auto& c) {
-    for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * c.otf(f[i], ctx);
+    if constexpr (requires { c.evaluator(ctx); }) {
+      const auto otf = c.evaluator(ctx);
+      for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * otf(f[i]);
+    } else {
+      for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * c.otf(f[i], ctx);
+    }
   });
 }
 template <class S>

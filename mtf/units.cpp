@@ -35,6 +35,10 @@ constexpr std::array kUnits{
     Unit{"cy/mm", Dimension::frequency, 1.0},
     Unit{"cy/mrad", Dimension::frequency, 1.0},
     Unit{"cy/px", Dimension::frequency, 1.0},
+    Unit{"Hz", Dimension::temporal, 1.0},
+    Unit{"kHz", Dimension::temporal, 1e3},
+    Unit{"MHz", Dimension::temporal, 1e6},
+    Unit{"GHz", Dimension::temporal, 1e9},
     Unit{"ns", Dimension::time, 1e-9},
     Unit{"us", Dimension::time, 1e-6},
     Unit{"ms", Dimension::time, 1e-3},
@@ -46,6 +50,8 @@ constexpr std::array kUnits{
     Unit{"mrad/s", Dimension::rate, 1e3},
     Unit{"rad/s", Dimension::rate, 1e6},
     Unit{"deg/s", Dimension::rate, kDegree},
+    Unit{"cd/m^2", Dimension::luminance, 1.0},
+    Unit{"fL", Dimension::luminance, 1.0 / (std::numbers::pi * 0.3048 * 0.3048)},
 };
 
 std::string ascii_micro(std::string_view name) {
@@ -57,6 +63,7 @@ std::string ascii_micro(std::string_view name) {
 bool accepts(Dimension expected, Dimension given) {
   if (expected == Dimension::extent)
     return given == Dimension::length || given == Dimension::angle || given == Dimension::pixel;
+  if (expected == Dimension::cutoff) return given == Dimension::frequency || given == Dimension::temporal;
   return expected == given;
 }
 
@@ -129,6 +136,10 @@ std::string_view describe(Dimension dimension) {
       return "a focal-plane length, an angle or pixels, such as \"2 um\", \"8 urad\" or \"0.5 px\"";
     case Dimension::frequency:
       return "a spatial frequency such as \"40 cy/mm\", \"1.5 cy/mrad\" or \"0.6 cy/px\"";
+    case Dimension::temporal:
+      return "a frequency in time such as \"25 kHz\"";
+    case Dimension::cutoff:
+      return "a spatial frequency such as \"40 cy/mm\" or \"0.6 cy/px\", or a frequency in time such as \"25 kHz\"";
     case Dimension::time:
       return "a time such as \"10 ms\"";
     case Dimension::velocity:
@@ -137,6 +148,8 @@ std::string_view describe(Dimension dimension) {
       return "an angular rate such as \"20 mrad/s\"";
     case Dimension::pixel:
       return "pixels such as \"0.5 px\"";
+    case Dimension::luminance:
+      return "a luminance such as \"100 cd/m^2\"";
   }
   return "";
 }

@@ -17,10 +17,13 @@ enum class Dimension {
   angle,      ///< base urad
   extent,     ///< a focal-plane length, the object angle that subtends it, or pixels: see Extent in frame.h
   frequency,  ///< spatial frequency: cy/mm, cy/mrad, cy/px (converted to each other only by Frame)
+  temporal,   ///< frequency in time, base Hz
+  cutoff,     ///< of electronics: a spatial frequency, or a temporal one with its Scan (frame.h)
   time,       ///< base s
   velocity,   ///< focal-plane length per second, base um/s
   rate,       ///< object angle per second, base urad/s
-  pixel       ///< base px
+  pixel,      ///< base px
+  luminance   ///< base cd/m^2
 };
 
 struct Unit {

@@ -12,16 +12,22 @@
 #include "mtf/components/defocus.h"
 #include "mtf/components/diffraction.h"
 #include "mtf/components/diffusion.h"
+#include "mtf/components/display_crt.h"
+#include "mtf/components/display_flat_panel.h"
+#include "mtf/components/eye.h"
 #include "mtf/components/fir.h"
 #include "mtf/components/footprint.h"
 #include "mtf/components/gaussian.h"
+#include "mtf/components/interpolation.h"
 #include "mtf/components/jitter.h"
 #include "mtf/components/linear_motion.h"
 #include "mtf/components/lowpass.h"
+#include "mtf/components/rc_highpass.h"
 #include "mtf/components/rms_wavefront.h"
 #include "mtf/components/sample_and_hold.h"
 #include "mtf/components/tdi.h"
 #include "mtf/components/turbulence.h"
+#include "mtf/components/unsharp.h"
 #include "mtf/components/vibration.h"
 #include "mtf/components/wavefront.h"
 
@@ -31,8 +37,8 @@ template <class S>
 struct ComponentVariant {
   std::variant<Diffraction<S>, Defocus<S>, Wavefront<S>, RmsWavefront<S>, Gaussian<S>, Turbulence<S>, Footprint<S>,
                CircularFootprint<S>, Diffusion<S>, Crosstalk<S>, Tdi<S>, Bolometer<S>, Jitter<S>, LinearMotion<S>,
-               Vibration<S>, RcLowpass<S>, Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>, Boost<S>,
-               SampleAndHold<S>>
+               Vibration<S>, RcLowpass<S>, RcHighpass<S>, Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>,
+               Boost<S>, SampleAndHold<S>, Unsharp<S>, Interpolation<S>, DisplayCrt<S>, DisplayFlatPanel<S>, Eye<S>>
       value;
 };
 

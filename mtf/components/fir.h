@@ -36,8 +36,14 @@ struct Fir {
     return true;
   }
   Traits traits(const Context<S>&) const {
-    return {
-        .even_x = mirrored(true, false), .even_y = mirrored(false, true), .real = mirrored(true, true), .gain = true};
+    double sum = 0.0;
+    for (const auto& row : taps)
+      for (const S& tap : row) sum += value_of(tap);
+    return {.even_x = mirrored(true, false),
+            .even_y = mirrored(false, true),
+            .real = mirrored(true, true),
+            .gain = true,
+            .dc = sum};
   }
   /// Phase of sample i of n along an axis, about the middle one.
   static Complex<S> phase(const S& f, const S& pitch_um, std::size_t i, std::size_t n) {

@@ -1,54 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Electronics behind a scanned or serially read detector act along the scan as low-pass filters in time; here by their
-// spatial cutoff f0 along one axis (f_t = f x scan velocity, or f x pitch x pixel clock).
+// Low-pass filters of the electronics, along the scan; their cutoff f0 in space or in time: electronics.h.
 //   rc_lowpass:   otf = 1/(1 + i f/f0)           causal: the tail of a point trails towards +axis; phase kept
 //   butterworth:  otf = 1/sqrt(1 + (f/f0)^(2n))  modulus of an n-pole filter, phase taken out (linear-phase reading)
 // (Lloyd, Thermal Imaging Systems; Holst, Electro-Optical Imaging System Performance.)
 
-#include "mtf/components/field.h"
+#include "mtf/components/electronics.h"
 
 namespace mtf {
 
 template <class S>
-struct LowpassAxis {
-  static constexpr FieldInfo cutoff_info{.name = "cutoff",
-                                         .dimension = Dimension::frequency,
-                                         .lo = 1e-9,
-                                         .hi = 1e9,
-                                         .example = "\"40 cy/mm\"",
-                                         .doc = "spatial frequency where the modulus is 1/sqrt(2)"};
-  /// Frequency along the component's axis, and f0 there, both in cy/mm.
-  struct Pair {
-    S along;
-    S f0;
-    bool below_f0() const { return std::abs(value_of(along)) <= value_of(f0); }
-    double ratio() const { return std::abs(value_of(along)) / value_of(f0); }
-  };
-  static Pair pair(const SpatialFrequency<S>& cutoff, const Choice& axis, const Freq<S>& f, const Context<S>& ctx) {
-    return {mtf::along(f, axis_of(axis)), cutoff.cy_mm(ctx.frame, axis_of(axis))};
-  }
-};
-
-template <class S>
-struct RcLowpass {
+struct RcLowpass : ElectronicFilter<S> {
   static constexpr std::string_view kind = "rc_lowpass";
   static constexpr std::string_view doc = "one-pole electronic low-pass with its phase";
   static constexpr Stages stages{.presample = true, .readout = true};
 
-  SpatialFrequency<S> cutoff;
-  Choice axis{0, kAxisNames};
-
-  static constexpr auto fields() {
-    return std::tuple{Field{LowpassAxis<S>::cutoff_info, &RcLowpass::cutoff}, Field{kAxisInfo, &RcLowpass::axis}};
-  }
   Traits traits(const Context<S>&) const {
-    const bool x = axis.index == 0;
+    const bool x = this->axis.index == 0;
     return {.separable = true, .even_x = !x, .even_y = x, .real = false};
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
-    const auto p = LowpassAxis<S>::pair(cutoff, axis, f, ctx);
+    const auto p = this->pair(f, ctx);
     if (p.below_f0()) {
       const S u = p.along / p.f0;
       const S scale = S(1) / (S(1) + u * u);
@@ -60,40 +33,36 @@ struct RcLowpass {
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
-    const double u = LowpassAxis<S>::pair(cutoff, axis, {S(fx), S(fy)}, ctx).ratio();
+    const double u = this->pair({S(fx), S(fy)}, ctx).ratio();
     return u < 1e150 ? u / std::sqrt(1.0 + u * u) : 1.0;
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
 };
 
 template <class S>
-struct Butterworth {
+struct Butterworth : ElectronicFilter<S> {
   static constexpr std::string_view kind = "butterworth";
   static constexpr std::string_view doc = "n-pole Butterworth low-pass, modulus only";
   static constexpr Stages stages{.presample = true, .readout = true};
 
-  SpatialFrequency<S> cutoff;
   int poles = 0;
-  Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
-    return std::tuple{Field{LowpassAxis<S>::cutoff_info, &Butterworth::cutoff},
-                      Field{FieldInfo{.name = "poles", .lo = 1.0, .hi = 20.0, .example = "3", .doc = "number of poles"},
-                            &Butterworth::poles},
-                      Field{kAxisInfo, &Butterworth::axis}};
+    return std::tuple_cat(
+        ElectronicFilter<S>::fields(),
+        std::tuple{Field{FieldInfo{.name = "poles", .lo = 1.0, .hi = 20.0, .example = "3", .doc = "number of poles"},
+                         &Butterworth::poles}});
   }
   Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true}; }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
-    const auto p = LowpassAxis<S>::pair(cutoff, axis, f, ctx);
+    const auto p = this->pair(f, ctx);
     if (!(p.ratio() < 1e100)) return {S(std::pow(p.ratio(), -1.0 * poles)), S(0)};  // no slope left that matters
     const S ratio = p.along / p.f0;
     return {lift(modulus(value_of(ratio)), ratio), S(0)};
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
-    return 1.0 - modulus(LowpassAxis<S>::pair(cutoff, axis, {S(fx), S(fy)}, ctx).ratio()).value;
+    return 1.0 - modulus(this->pair({S(fx), S(fy)}, ctx).ratio()).value;
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
 
  private:
   ValueSlope modulus(double u) const {

@@ -53,30 +53,20 @@ struct Tdi {
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const S& u = along(f, axis_of(axis));
     const S x = slip_mm(ctx) * u;
-    return {lift(mean_phase(value_of(x)), x) * sinc_of(S(step_mm(ctx) * u)), S(0)};
+    return {lift(dirichlet(stage_count, value_of(x)), x) * sinc_of(S(step_mm(ctx) * u)), S(0)};
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// The sum over the stages falls monotonically to its first zero, at f = 1/(N d).
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double f = axis.index == 0 ? fx : fy, x = value_of(slip_mm(ctx)) * f;
-    const double stages_part = stage_count == 1 ? 0.0 : x * stage_count < 1.0 ? 1.0 - mean_phase(x).value : 2.0;
+    const double stages_part = stage_count == 1        ? 0.0
+                               : x * stage_count < 1.0 ? 1.0 - dirichlet(stage_count, x).value
+                                                       : 2.0;
     return std::min(2.0, stages_part + sinc_deviation(value_of(step_mm(ctx)) * f));
   }
   std::vector<Problem> check(const Context<S>&) const {
     if (slip.split) return {{.field = "slip", .text = "give one slip and an axis instead of slip_x, slip_y"}};
     return {};
-  }
-
- private:
-  /// sin(N pi x)/(N sin(pi x)) = (-1)^((N-1) k) sinc(N r)/sinc(r), r = x - k the distance to the nearest whole number:
-  /// exact at the zeros of the denominator, since sinc(r) >= 2/pi.
-  ValueSlope mean_phase(double x) const {
-    if (stage_count == 1 || !std::isfinite(x)) return {1.0, 0.0};  // every double beyond 2^54 is a whole, even number
-    const double wide = x - 2.0 * std::rint(0.5 * x), r = wide - std::rint(wide), n = stage_count;  // exact
-    const double sign = stage_count % 2 == 0 && std::abs(wide) > 0.5 ? -1.0 : 1.0;
-    const ValueSlope top = sinc(n * r), bottom = sinc(r);
-    return {sign * top.value / bottom.value,
-            sign * (n * top.slope - top.value * bottom.slope / bottom.value) / bottom.value};
   }
 };
 

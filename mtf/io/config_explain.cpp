@@ -160,8 +160,22 @@ Resolved shared_value(const FieldInfo& info, const System<double>& system, const
   return {};
 }
 
+/// The scan among the fields of a filter of the electronics.
+Scan<double> scan_of(const std::vector<FieldRef<double>>& fields) {
+  Scan<double> scan;
+  for (const FieldRef<double>& field : fields) {
+    const auto* const* value = std::get_if<std::optional<double>*>(&field.value);
+    if (value == nullptr) continue;
+    if (field.info->name == "scan_velocity") scan.velocity_um_s = **value;
+    if (field.info->name == "scan_rate") scan.rate_urad_s = **value;
+    if (field.info->name == "pixel_clock") scan.pixel_clock_hz = **value;
+  }
+  return scan;
+}
+
 /// Empty for an optional value that is not given.
-Resolved resolved(const FieldRef<double>& field, const System<double>& system, const Table& table) {
+Resolved resolved(const FieldRef<double>& field, const System<double>& system, const Scan<double>& scan,
+                  const Table& table) {
   const FieldInfo& info = *field.info;
   const Frame<double>& frame = system.frame;
   return std::visit(
@@ -176,7 +190,7 @@ Resolved resolved(const FieldRef<double>& field, const System<double>& system, c
           return value->given() ? Resolved{per_axis(value->x_um(frame), value->y_um(frame), "um")} : Resolved{};
         } else if constexpr (std::is_same_v<T, SpatialFrequency<double>>) {
           if (value->unit == nullptr) return {};
-          return {per_axis(value->cy_mm(frame, Axis::x), value->cy_mm(frame, Axis::y), "cy/mm")};
+          return {per_axis(value->cy_mm(frame, Axis::x, scan), value->cy_mm(frame, Axis::y, scan), "cy/mm")};
         } else if constexpr (std::is_same_v<T, int>) {
           return {std::to_string(*value)};
         } else if constexpr (std::is_same_v<T, Choice>) {
@@ -206,10 +220,11 @@ void explain_components(Table& table, const System<double>& system) {
       const auto& entry = system.list(stage)[i];
       const Node* node = table.component(stage, i);
       const std::string path = std::string(stage_name(stage)) + "[" + std::to_string(i) + "]";
-      table.row(path, node, {"kind"}, std::string(entry.component.doc()), "set by program");
+      table.row(path, node, {"kind"}, std::string(entry.component.description()), "set by program");
       table.row(path + ".label", node, {"label"}, entry.label, "default");
-      for (const FieldRef<double>& field : entry.component.fields()) {
-        const Resolved value = resolved(field, system, table);
+      const auto fields = entry.component.fields();
+      for (const FieldRef<double>& field : fields) {
+        const Resolved value = resolved(field, system, scan_of(fields), table);
         const std::string name(field.info->name);
         if (!value.value.empty())
           table.row(path + "." + name, node, {name, name + "_x", name + "_y"}, value.value, value.origin);

@@ -19,7 +19,8 @@ constexpr std::size_t kMaxText = 1024;
 
 std::string_view remedy_unit(const FieldInfo& info) {
   if (!info.unit.empty()) return info.unit;
-  return info.dimension == Dimension::frequency ? "cy/mm" : info.dimension == Dimension::pixel ? "px" : "um";
+  if (info.dimension == Dimension::frequency || info.dimension == Dimension::cutoff) return "cy/mm";
+  return info.dimension == Dimension::pixel ? "px" : "um";
 }
 
 bool is_number(std::string_view text) {

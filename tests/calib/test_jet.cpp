@@ -171,7 +171,19 @@ TEST(Jet, gradient_at_bounds_equals_one_sided_difference) {
                             "vibration.amplitude.lo",
                             "turbulence.fried_parameter.hi",
                             "turbulence.alpha.lo",
-                            "circular_footprint.diameter.lo"})
+                            "circular_footprint.diameter.lo",
+                            "rc_highpass.cutoff.hi",
+                            "rc_highpass.scan_velocity.hi",
+                            "rc_lowpass.pixel_clock.hi",
+                            "unsharp.amount.lo",
+                            "unsharp.sigma.hi",
+                            "interpolation.a.lo",
+                            "display_crt.sigma.lo",
+                            "display_flat_panel.lcd_pitch.lo",
+                            "eye.magnification.hi",
+                            "eye.luminance.lo",
+                            "eye.luminance.hi",
+                            "eye.field.lo"})
     EXPECT_TRUE(compared.contains(bound)) << bound;
 }
 

@@ -73,8 +73,9 @@ std::shared_ptr<const Curve> draw_curve(Draw draw, Random& random) {
   return make("cy/mm", {1e-3, 70.0}, {1, 0.5});
 }
 
-// Fills one field. A double that stands for a quantity is held in the unit of the field table.
-void assign(const FieldRef<double>& field, Draw draw, Random& random) {
+// Fills one field. A double that stands for a quantity is held in the unit of the field table. A cutoff that may be
+// spatial or temporal is like `in_time` when that is given.
+void assign(const FieldRef<double>& field, std::string_view in_time, Draw draw, Random& random) {
   const FieldInfo& info = *field.info;
   const auto plain = [&] {
     const double example = info.dimension == Dimension::none
@@ -98,7 +99,11 @@ void assign(const FieldRef<double>& field, Draw draw, Random& random) {
           const bool split = draw != Draw::example && random.below(2) == 1;
           *value = {side(), split ? side() : Extent<double>{}, split};
         } else if constexpr (std::is_same_v<T, SpatialFrequency<double>>) {
-          const Quantity q = draw_quantity(info, draw, random, {"cy/mm", "cy/mrad", "cy/px"});
+          const bool temporal = !in_time.empty() && info.dimension == Dimension::cutoff;
+          FieldInfo row = info;
+          if (temporal) row.example = in_time;
+          const Quantity q = draw_quantity(
+              row, draw, random, temporal ? std::vector{"Hz", "kHz", "MHz"} : std::vector{"cy/mm", "cy/mrad", "cy/px"});
           *value = {q.value, q.unit};
         } else if constexpr (std::is_same_v<T, Choice>) {
           const auto example = std::find(value->names.begin(), value->names.end(), unquoted(info.example));
@@ -172,6 +177,12 @@ std::vector<std::uint64_t> field_subsets(const Component<double>& component) {
   return subsets;
 }
 
+// A typical frequency in time beside a field that says how time becomes place; empty for other fields.
+std::string_view frequency_in_time(const FieldInfo& info) {
+  if (info.dimension == Dimension::velocity || info.dimension == Dimension::rate) return "400 kHz";
+  return info.dimension == Dimension::temporal ? "4 MHz" : "";
+}
+
 std::vector<Case> make_cases() {
   std::vector<Case> cases;
   Random random(20260201);
@@ -189,9 +200,12 @@ std::vector<Case> make_cases() {
         Component<double> component = blank;
         const auto refs = component.fields();
         Case c{std::string(kind), empty_system(draw, random), Stage::presample, {}, repeat < 4};
+        std::string_view in_time;
+        for (std::size_t i = 0; i < fields; ++i)
+          if (in_use(i) && in_time.empty()) in_time = frequency_in_time(*refs[i].info);
         for (std::size_t i = 0; i < fields; ++i) {
           if (!in_use(i)) continue;
-          assign(refs[i], draw, random);
+          assign(refs[i], in_time, draw, random);
           c.name += " " + std::string(refs[i].info->name);
           if (refs[i].info->presence != Presence::required) c.given.emplace_back(refs[i].info->name);
         }

@@ -59,6 +59,9 @@ TEST(Units, whatever_is_not_is_refused) {
   mentions("0x10 um", "unknown unit");
   mentions("15,5 um", "unknown unit");
   EXPECT_NE(refusal("3 s", Dimension::extent), "");
+  EXPECT_NE(refusal("3 Hz", Dimension::frequency), "");
+  EXPECT_NE(refusal("3 cy/mm", Dimension::temporal), "");
+  EXPECT_NE(refusal("3 um", Dimension::cutoff), "");
   EXPECT_NE(refusal("3 cy/mm", Dimension::length), "");
 }
 
@@ -75,6 +78,9 @@ TEST(Units, conversion_is_exact_where_the_decimal_is) {
   EXPECT_EQ(mm("0.1 m"), 100.0);
   EXPECT_EQ(convert(parse_quantity("10 ms", Dimension::time), "s"), 0.01);
   EXPECT_EQ(convert(parse_quantity("20 mrad/s", Dimension::rate), "urad/s"), 20000.0);
+  EXPECT_EQ(convert(parse_quantity("10.5 MHz", Dimension::temporal), "Hz"), 10.5e6);
+  EXPECT_EQ(convert(parse_quantity("3 GHz", Dimension::cutoff), "kHz"), 3e6);
+  EXPECT_NEAR(convert(parse_quantity("10 fL", Dimension::luminance), "cd/m^2"), 34.262591, 5e-7);
   EXPECT_DOUBLE_EQ(convert(parse_quantity("180 deg", Dimension::angle), "rad"), std::numbers::pi);
   EXPECT_DOUBLE_EQ(convert(parse_quantity("60 arcmin", Dimension::angle), "deg"), 1.0);
   EXPECT_DOUBLE_EQ(convert(parse_quantity("3600 arcsec", Dimension::angle), "deg"), 1.0);

@@ -190,6 +190,16 @@ TEST(ConfigErrors, Components) {
              "s.toml:12:9: error: readout[0].poles: 21 is outside [1, 20]");
   expect_one(list("readout", "kind = \"rc_lowpass\"\ncutoff = 40\n"),
              "s.toml:11:10: error: readout[0].cutoff: 40 has no unit; write \"40 cy/mm\"");
+  expect_one(list("readout", "kind = \"rc_lowpass\"\ncutoff = \"25 kHz\"\n"),
+             "s.toml:11:10: error: readout[0].cutoff: in kHz, a frequency in time; give also one of scan_velocity");
+  expect_one(list("readout", "kind = \"rc_lowpass\"\ncutoff = \"25 cy/mm\"\nscan_rate = \"1 rad/s\"\n"),
+             "s.toml:12:13: error: readout[0].scan_rate: without use, because the cutoff is a spatial frequency");
+  expect_one(
+      list("readout", "kind = \"rc_lowpass\"\ncutoff = \"25 kHz\"\nscan_rate = \"1 rad/s\"\npixel_clock = \"1 MHz\"\n"),
+      "s.toml:12:13: error: readout[0].scan_rate: give exactly one of scan_velocity, scan_rate, pixel_clock");
+  expect_one(list("readout", "kind = \"rc_lowpass\"\ncutoff = \"25 um\"\n"),
+             "s.toml:11:10: error: readout[0].cutoff: \"25 um\": unit \"um\" does not fit; expected a spatial "
+             "frequency such as \"40 cy/mm\" or \"0.6 cy/px\", or a frequency in time");
   expect_one(list("postsample", "kind = \"fir\"\ntaps = [1, 2, 1]\n"),
              "s.toml:11:8: error: postsample[0].taps: has to be");
   expect_one(list("postsample", "kind = \"fir\"\ntaps = [[1, \"2\", 1]]\n"),

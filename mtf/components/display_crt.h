@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Spot of a cathode-ray tube, a Gaussian of the screen's luminance:
+//   otf = exp(-2 pi^2 (sx^2 fx^2 + sy^2 fy^2)),  s = standard deviation of the spot per axis
+// Sizes are given at the focal plane, which the screen shows magnified: "0.5 px" is half a pixel of the image as shown.
+// From a full width at half maximum, s = FWHM/2.3548. Real, separable. (Holst, Electro-Optical Imaging System
+// Performance.)
+
+#include "mtf/components/gaussian.h"
+
+namespace mtf {
+
+template <class S>
+struct DisplayCrt {
+  static constexpr std::string_view kind = "display_crt";
+  static constexpr std::string_view doc = "Gaussian spot of a cathode-ray tube";
+  static constexpr Stages stages{.postsample = true};
+
+  AxisPair<S> sigma;
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "sigma",
+                                      .dimension = Dimension::extent,
+                                      .lo = 0.0,
+                                      .hi = 1e9,
+                                      .example = "\"0.4 px\"",
+                                      .doc = "standard deviation of the spot, per axis; px are those of the image"},
+                            &DisplayCrt::sigma}};
+  }
+  Traits traits(const Context<S>& ctx) const { return GaussianOtf<S>::traits(sigma, ctx); }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return GaussianOtf<S>::otf(sigma, f, ctx); }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    return GaussianOtf<S>::deviation(sigma, fx, fy, ctx);
+  }
+  std::vector<Problem> check(const Context<S>&) const { return {}; }
+};
+
+}  // namespace mtf

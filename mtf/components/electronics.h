@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Filters of the electronics behind a scanned or serially read detector act in time, along the scan: in the image, on
+// the frequency along one axis. Their cutoff f0 is given as a spatial frequency, or in time together with what makes
+// place of it,
+//   f_t = f x scan velocity (at the focal plane) = f x focal length x scan rate = f x pitch x pixel clock.
+// Time runs towards +axis. (Lloyd, Thermal Imaging Systems; Holst, Electro-Optical Imaging System Performance.)
+
+#include "mtf/components/field.h"
+
+namespace mtf {
+
+/// The fields and the argument u = f/f0 of every such filter.
+template <class S>
+struct ElectronicFilter {
+  SpatialFrequency<S> cutoff;
+  std::optional<S> scan_velocity_um_s;
+  std::optional<S> scan_rate_urad_s;
+  std::optional<S> pixel_clock_hz;
+  Choice axis{0, kAxisNames};
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "cutoff",
+                                      .dimension = Dimension::cutoff,
+                                      .lo = 1e-9,
+                                      .hi = 1e9,
+                                      .example = "\"40 cy/mm\"",
+                                      .doc = "frequency where the modulus is 1/sqrt(2); in time (\"400 kHz\") with one "
+                                             "of scan_velocity, scan_rate, pixel_clock"},
+                            &ElectronicFilter::cutoff},
+                      Field{FieldInfo{.name = "scan_velocity",
+                                      .dimension = Dimension::velocity,
+                                      .unit = "um/s",
+                                      .lo = 1e-3,
+                                      .hi = 1e15,
+                                      .presence = Presence::optional,
+                                      .example = "\"10 m/s\"",
+                                      .doc = "speed of the scan over the focal plane"},
+                            &ElectronicFilter::scan_velocity_um_s},
+                      Field{FieldInfo{.name = "scan_rate",
+                                      .dimension = Dimension::rate,
+                                      .unit = "urad/s",
+                                      .lo = 1e-3,
+                                      .hi = 1e15,
+                                      .presence = Presence::optional,
+                                      .example = "\"100 rad/s\"",
+                                      .doc = "object angle scanned per second"},
+                            &ElectronicFilter::scan_rate_urad_s},
+                      Field{FieldInfo{.name = "pixel_clock",
+                                      .dimension = Dimension::temporal,
+                                      .unit = "Hz",
+                                      .lo = 1e-3,
+                                      .hi = 1e15,
+                                      .presence = Presence::optional,
+                                      .example = "\"10 MHz\"",
+                                      .doc = "pixels read per second along the axis, one after the other"},
+                            &ElectronicFilter::pixel_clock_hz},
+                      Field{kAxisInfo, &ElectronicFilter::axis}};
+  }
+
+  /// Frequency along the axis, and f0 there, both in cy/mm.
+  struct Pair {
+    S along;
+    S f0;
+    bool below_f0() const { return std::abs(value_of(along)) <= value_of(f0); }
+    double ratio() const { return std::abs(value_of(along)) / value_of(f0); }
+  };
+  Pair pair(const Freq<S>& f, const Context<S>& ctx) const {
+    const Axis a = axis_of(axis);
+    return {along(f, a), cutoff.cy_mm(ctx.frame, a, {scan_velocity_um_s, scan_rate_urad_s, pixel_clock_hz})};
+  }
+  std::vector<Problem> check(const Context<S>&) const {
+    const Scan<S> scan{scan_velocity_um_s, scan_rate_urad_s, pixel_clock_hz};
+    const char* given = scan_velocity_um_s ? "scan_velocity" : scan_rate_urad_s ? "scan_rate" : "pixel_clock";
+    if (cutoff.temporal() && scan.given() == 0)
+      return {{.field = "cutoff",
+               .text = "in " + std::string(cutoff.unit->name) +
+                       ", a frequency in time; give also one of scan_velocity, scan_rate, pixel_clock, or write the "
+                       "cutoff as a spatial frequency such as \"40 cy/mm\""}};
+    if (scan.given() > 1)
+      return {{.field = given, .text = "give exactly one of scan_velocity, scan_rate, pixel_clock"}};
+    if (!cutoff.temporal() && scan.given() == 1)
+      return {{.field = given,
+               .text = "without use, because the cutoff is a spatial frequency; remove it, or write the cutoff as a "
+                       "frequency in time such as \"400 kHz\""}};
+    return {};
+  }
+};
+
+}  // namespace mtf

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The observer's eye at the display, by one of the models of mtf/eye.h. Frequencies at the eye are those in object
+// space divided by the display's magnification, M = angle at the eye / angle in object space.
+//   model = "mtf"    optics x retina x tremor, pupil from the luminance: 1 at f = 0
+//   the others       contrast sensitivity relative to its own peak, S(u)/max S: a filter of visibility, not of
+//                    luminance. It is 0 at f = 0 (the mean is no contrast) and 1 at its peak.
+// Real, radial. All have a tip at f = 0, where the derivatives are taken as 0; the slope on its sides is that of the
+// models, unbounded for "mtf" (f^i0 with i0 < 1).
+
+#include "mtf/components/field.h"
+#include "mtf/eye.h"
+
+namespace mtf {
+
+template <class S>
+struct Eye {
+  static constexpr std::string_view kind = "eye";
+  static constexpr std::string_view doc = "the observer's eye at the display";
+  static constexpr Stages stages{.postsample = true};
+
+  static constexpr std::array<std::string_view, 4> kModelNames{"mtf", kContrastModelNames[0], kContrastModelNames[1],
+                                                               kContrastModelNames[2]};
+  static constexpr std::array<std::string_view, 4> kModelDocs{
+      "eye: MTF of optics, retina and tremor", "eye: contrast sensitivity of Barten 2003 over its peak",
+      "eye: contrast sensitivity of Barten's short form over its peak, field term (1 + u/3)",
+      "eye: contrast sensitivity of Barten's short form over its peak, field term (1 + u/3)^2"};
+
+  Choice model{0, kModelNames};
+  S magnification{1.0};
+  S luminance_cd_m2{100.0};
+  int eyes = 2;
+  std::optional<S> field_deg;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        Field{FieldInfo{.name = "model",
+                        .example = "\"barten_2003\"",
+                        .doc = "mtf, or contrast sensitivity barten_2003, barten_short, barten_short_squared"},
+              &Eye::model},
+        Field{FieldInfo{.name = "magnification",
+                        .lo = 0.01,
+                        .hi = 1e4,
+                        .example = "10.0",
+                        .doc = "angle at the eye / angle in object space"},
+              &Eye::magnification},
+        Field{FieldInfo{.name = "luminance",
+                        .dimension = Dimension::luminance,
+                        .unit = "cd/m^2",
+                        .lo = kLuminanceLo,
+                        .hi = kLuminanceHi,
+                        .example = "\"34 cd/m^2\"",
+                        .doc = "mean luminance of the display"},
+              &Eye::luminance_cd_m2},
+        Field{FieldInfo{.name = "eyes",
+                        .lo = 1.0,
+                        .hi = 2.0,
+                        .presence = Presence::optional,
+                        .example = "2",
+                        .doc = "number of eyes, for the pupil of model = \"mtf\""},
+              &Eye::eyes},
+        Field{FieldInfo{.name = "field",
+                        .dimension = Dimension::angle,
+                        .unit = "deg",
+                        .lo = 0.1,
+                        .hi = 180.0,
+                        .presence = Presence::optional,
+                        .example = "\"10 deg\"",
+                        .doc = "angular size of the picture at the eye, for the contrast sensitivities; 10 deg unless "
+                               "given"},
+              &Eye::field_deg}};
+  }
+  std::string_view variant_doc() const { return kModelDocs[static_cast<std::size_t>(model.index)]; }
+  bool is_mtf() const { return model.index == 0; }
+  ContrastModel contrast_model() const { return static_cast<ContrastModel>(model.index - 1); }
+  Traits traits(const Context<S>&) const {
+    return {.radial = true, .even_x = true, .even_y = true, .gain = !is_mtf(), .dc = is_mtf() ? 1.0 : 0.0};
+  }
+
+  /// The OTF for many frequencies, with what does not depend on them done once.
+  auto evaluator(const Context<S>& ctx) const {
+    const S pupil = lift(pupil_diameter_mm(value_of(luminance_cd_m2), eyes), luminance_cd_m2);
+    const S field = field_deg.value_or(S(10.0));
+    const double luminance = value_of(luminance_cd_m2);
+    const double u_peak = is_mtf() ? 1.0 : peak_frequency_cy_deg(contrast_model(), luminance, value_of(field));
+    // The derivative of a largest value by a parameter is that at its fixed place.
+    const ContrastSensitivity peak =
+        is_mtf() ? ContrastSensitivity{} : contrast_sensitivity(contrast_model(), u_peak, luminance, value_of(field));
+    return [*this, &ctx, pupil, field, luminance, peak](const Freq<S>& f) -> Complex<S> {
+      const S f_cy_mrad = ctx.frame.cy_per_mrad(radius(f.x, f.y)) / magnification;
+      if (is_mtf()) {
+        const EyeMtf h = eye_mtf(value_of(f_cy_mrad), value_of(pupil));
+        return {lift(h.value, h.by_frequency, f_cy_mrad, h.by_pupil, pupil), S(0)};
+      }
+      const S u = f_cy_mrad * S(1e3 * kPi / 180.0);
+      const ContrastSensitivity s = contrast_sensitivity(contrast_model(), value_of(u), luminance, value_of(field));
+      const double h = s.value / peak.value;
+      return {lift(h, s.by_frequency / peak.value, u, (s.by_luminance - h * peak.by_luminance) / peak.value,
+                   luminance_cd_m2) +
+                  lift({0.0, (s.by_field - h * peak.by_field) / peak.value}, field),
+              S(0)};
+    };
+  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return evaluator(ctx)(f); }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    if (!is_mtf()) return 1.0;
+    return 1.0 - value_of(otf({S(fx), S(fy)}, ctx).re);
+  }
+  std::vector<Problem> check(const Context<S>&) const {
+    if (is_mtf() && field_deg)
+      return {{.field = "field", .text = "belongs to the contrast sensitivities; model = \"mtf\" has no use for it"}};
+    return {};
+  }
+};
+
+}  // namespace mtf
