@@ -8,6 +8,7 @@
 // clock_phases = 0 leaves it out. Measured from the middle of the stages: real (signed). One stage without clock phases
 // is 1. (Johnson, Appl. Opt. 32, 6503 (1993); Holst, CMOS/CCD Sensors and Camera Systems.)
 
+#include "mtf/components/dirichlet.h"
 #include "mtf/components/field.h"
 
 namespace mtf {
@@ -53,31 +54,17 @@ struct Tdi {
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const S& u = along(f, axis_of(axis));
     const S x = slip_mm(ctx) * u;
-    return {lift(mean_phase(value_of(x)), x) * sinc_of(S(step_mm(ctx) * u)), S(0)};
+    return {lift(dirichlet(value_of(x), stage_count), x) * sinc_of(S(step_mm(ctx) * u)), S(0)};
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
-  /// The sum over the stages falls monotonically to its first zero, at f = 1/(N d).
   double deviation(double fx, double fy, const Context<S>& ctx) const {
-    const double f = axis.index == 0 ? fx : fy, x = value_of(slip_mm(ctx)) * f;
-    const double stages_part = stage_count == 1 ? 0.0 : x * stage_count < 1.0 ? 1.0 - mean_phase(x).value : 2.0;
-    return std::min(2.0, stages_part + sinc_deviation(value_of(step_mm(ctx)) * f));
+    const double f = axis.index == 0 ? fx : fy;
+    return std::min(
+        2.0, dirichlet_deviation(value_of(slip_mm(ctx)) * f, stage_count) + sinc_deviation(value_of(step_mm(ctx)) * f));
   }
   std::vector<Problem> check(const Context<S>&) const {
     if (slip.split) return {{.field = "slip", .text = "give one slip and an axis instead of slip_x, slip_y"}};
     return {};
-  }
-
- private:
-  /// sin(N pi x)/(N sin(pi x)) = (-1)^((N-1) k) sinc(N r)/sinc(r), r = x - k the distance to the nearest whole number:
-  /// exact at the zeros of the denominator, since sinc(r) >= 2/pi.
-  ValueSlope mean_phase(double x) const {
-    if (!std::isfinite(x) && stage_count > 1) return {0.0, 0.0};
-    if (stage_count == 1) return {1.0, 0.0};
-    const double wide = std::remainder(x, 2.0), r = std::remainder(wide, 1.0), n = stage_count;
-    const double sign = stage_count % 2 == 0 && std::abs(wide) > 0.5 ? -1.0 : 1.0;
-    const ValueSlope top = sinc(n * r), bottom = sinc(r);
-    return {sign * top.value / bottom.value,
-            sign * (n * top.slope - top.value * bottom.slope / bottom.value) / bottom.value};
   }
 };
 
