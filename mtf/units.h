@@ -20,7 +20,11 @@ enum class Dimension {
   time,       ///< base s
   velocity,   ///< focal-plane length per second, base um/s
   rate,       ///< object angle per second, base urad/s
-  pixel       ///< base px
+  pixel,      ///< base px
+  /// focal-plane length per second squared, base um/s^2
+  acceleration,
+  /// object angle per second squared, base urad/s^2
+  angular_acceleration
 };
 
 struct Unit {
