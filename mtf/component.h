@@ -6,6 +6,7 @@
 //   fields()               the one table that drives config reading and writing, validation, fits and tests
 //   traits(ctx)            symmetry of its OTF for the present values
 //   otf(f, ctx)            OTF(f) = integral of psf(x) exp(-2 pi i f.x) dx at f in cycles/mm
+//   bound(ctx)             optional: f -> otf(f, ctx), where part of the work does not depend on f
 //   cutoff_cy_mm(ctx)      |f| from which the OTF is zero; infinity when there is none
 //   deviation(fx, fy, ctx) a bound of |otf - 1| over |f.x| <= fx, |f.y| <= fy
 //   check(ctx)             what the field bounds cannot say: values that exclude each other, validity of the formula

@@ -195,7 +195,12 @@ Complex<S> Component<S>::otf(const Freq<S>& f, const Context<S>& ctx) const {
 template <class S>
 void Component<S>::multiply(std::span<const Freq<S>> f, const Context<S>& ctx, std::span<Complex<S>> h) const {
   detail::visit(*value_, [&](const auto& c) {
-    for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * c.otf(f[i], ctx);
+    if constexpr (requires { c.bound(ctx); }) {
+      const auto otf = c.bound(ctx);
+      for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * otf(f[i]);
+    } else {
+      for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * c.otf(f[i], ctx);
+    }
   });
 }
 template <class S>
