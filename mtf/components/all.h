@@ -3,6 +3,9 @@
 
 // The closed list of components: the only registry. Included by system_impl.h and tests; others see Component<S>.
 
+#include "mtf/components/accelerated_motion.h"
+#include "mtf/components/aerosol.h"
+#include "mtf/components/binning.h"
 #include "mtf/components/bolometer.h"
 #include "mtf/components/boost.h"
 #include "mtf/components/charge_transfer.h"
@@ -17,6 +20,8 @@
 #include "mtf/components/jitter.h"
 #include "mtf/components/linear_motion.h"
 #include "mtf/components/lowpass.h"
+#include "mtf/components/polygon_footprint.h"
+#include "mtf/components/random_wavefront.h"
 #include "mtf/components/rms_wavefront.h"
 #include "mtf/components/sample_and_hold.h"
 #include "mtf/components/tdi.h"
@@ -29,7 +34,8 @@ template <class S>
 struct ComponentVariant {
   std::variant<Diffraction<S>, RmsWavefront<S>, Gaussian<S>, Turbulence<S>, Footprint<S>, CircularFootprint<S>,
                Diffusion<S>, Crosstalk<S>, Tdi<S>, Bolometer<S>, Jitter<S>, LinearMotion<S>, Vibration<S>, RcLowpass<S>,
-               Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>, Boost<S>, SampleAndHold<S>>
+               Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>, Boost<S>, SampleAndHold<S>, RandomWavefront<S>,
+               Aerosol<S>, PolygonFootprint<S>, Binning<S>, AcceleratedMotion<S>>
       value;
 };
 
