@@ -91,13 +91,12 @@ struct AcceleratedMotion {
             lift({h.value.im, h.by_d.im}, d) + lift({0.0, h.by_b.im}, b)};
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
-  /// |1 - exp(ix)| <= |x| at the largest phases: d and b/4 where they are linear, 2 pi |d s| at most pi |d|.
+  /// That of sinc(d), and |h(d, b) - sinc(d)| <= mean of 2 pi b s^2 = pi b/6.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const auto [cosine, sine] = unit_vector(direction_deg);
     const Lengths length = lengths_mm(ctx);
     const double along = std::abs(value_of(cosine)) * fx + std::abs(value_of(sine)) * fy;
     const double d = along * value_of(length.velocity_part), b = along * std::abs(value_of(length.acceleration_part));
-    // |h(d, b) - sinc(d)| <= <2 pi b s^2> = pi b/6.
     return std::min(2.0, sinc_deviation(d) + kPi * b / 6.0);
   }
   std::vector<Problem> check(const Context<S>& ctx) const {

@@ -38,7 +38,7 @@ std::vector<double> bessel_orders(double x) {
     }
     return j;
   }
-  const auto last = static_cast<std::size_t>(x + 12.0 * std::cbrt(x) + 24.0);
+  const auto last = static_cast<std::size_t>(x + 12.0 * std::cbrt(x) + 8.0);  // J below 1e-17 from there
   std::vector<double> j(last + 2);
   j[last] = 1e-150;
   double norm = 0.0;
