@@ -53,13 +53,18 @@ ValueSlope sinc(double x) {
 }
 
 ValueSlope dirichlet(int n, double x) {
-  if (n == 1 || !std::isfinite(x)) return {1.0, 0.0};  // every double beyond 2^54 is a whole, even number
+  if (n == 1 || !std::isfinite(x)) return {1.0, 0.0};
   // (-1)^((n-1) k) sinc(n r)/sinc(r), r = x - k the distance to the nearest whole number: sinc(r) >= 2/pi.
   const double wide = x - 2.0 * std::rint(0.5 * x), r = wide - std::rint(wide);  // exact
   const double sign = n % 2 == 0 && std::abs(wide) > 0.5 ? -1.0 : 1.0;
   const ValueSlope top = sinc(n * r), bottom = sinc(r);
   return {sign * top.value / bottom.value,
           sign * (n * top.slope - top.value * bottom.slope / bottom.value) / bottom.value};
+}
+
+double dirichlet_deviation(int n, double x) {
+  if (n == 1) return 0.0;
+  return x * n < 1.0 ? 1.0 - dirichlet(n, x).value : 2.0;
 }
 
 ValueSlope gaussian(double x) {

@@ -55,8 +55,11 @@ SinCos sin_cos_pi(double x);
 ValueSlope sinc(double x);
 
 /// sin(n pi x)/(n sin(pi x)), n >= 1: the mean of n phases 2 pi x apart, measured from their middle. Exact where the
-/// denominator is zero; 0 at infinity.
+/// denominator is zero; 1 at infinity, as for every double beyond 2^54, a whole, even number.
 ValueSlope dirichlet(int n, double x);
+
+/// Bound of |1 - dirichlet| up to x: it falls monotonically to its first zero, at x = 1/n.
+double dirichlet_deviation(int n, double x);
 
 /// exp(-2 pi^2 x^2), x = sigma f; 0 at infinity.
 ValueSlope gaussian(double x);

@@ -3,9 +3,51 @@
 
 // Body of System<S>::check, apart from system_impl.h because it is long and read on its own.
 
+#include "mtf/double_counting.h"
 #include "mtf/system_impl.h"
 
 namespace mtf {
+namespace detail {
+
+/// "kind", or "kind:word" for one with that word chosen in one of its fields.
+template <class S>
+bool matches(const Component<S>& component, std::string_view pattern) {
+  const std::size_t colon = pattern.find(':');
+  if (component.kind() != pattern.substr(0, colon)) return false;
+  if (colon == std::string_view::npos) return true;
+  for (const FieldRef<S>& field : component.fields())
+    if (const auto* choice = std::get_if<Choice*>(&field.value))
+      if ((*choice)->names[static_cast<std::size_t>((*choice)->index)] == pattern.substr(colon + 1)) return true;
+  return false;
+}
+
+template <class S>
+bool matches_one(const Component<S>& component, const std::array<std::string_view, 3>& patterns) {
+  return std::any_of(patterns.begin(), patterns.end(),
+                     [&](std::string_view pattern) { return !pattern.empty() && matches(component, pattern); });
+}
+
+/// What `entry` counts that another entry of the system counts already.
+template <class S>
+std::vector<Problem> counted_twice(const System<S>& system, const Entry<S>& entry) {
+  std::vector<Problem> problems;
+  for (const DoubleCounting& rule : kDoubleCounting) {
+    const bool alike = rule.other.front().empty();
+    if (!matches_one(entry.component, alike ? rule.one : rule.other)) continue;
+    bool earlier = true;
+    for (const Stage stage : kStages)
+      for (const Entry<S>& first : system.list(stage)) {
+        earlier = earlier && &first != &entry;
+        if (&first == &entry || (alike && !earlier) || !matches_one(first.component, rule.one)) continue;
+        problems.push_back({.error = false,
+                            .text = "\"" + std::string(entry.component.kind()) + "\" beside \"" + first.label +
+                                    "\": " + std::string(rule.why)});
+      }
+  }
+  return problems;
+}
+
+}  // namespace detail
 
 template <class S>
 std::vector<typename System<S>::Finding> System<S>::check() const {
@@ -51,14 +93,8 @@ std::vector<typename System<S>::Finding> System<S>::check() const {
                                    std::string(stage_name(stage)) + "]]");
       for (Problem& problem : entry.component.check(context()))
         findings.push_back({where + (problem.field.empty() ? "" : "." + problem.field), std::move(problem)});
-      const auto is_diffusion = [](const Entry<S>& other) { return other.component.kind() == "diffusion"; };
-      const auto& before = list(Stage::presample);
-      if (entry.component.kind() == "crosstalk" && std::any_of(before.begin(), before.end(), is_diffusion))
-        findings.push_back(
-            {where + ".kind",
-             {.error = false,
-              .text = "\"crosstalk\" beside \"diffusion\": a measured crosstalk holds the diffusion "
-                      "already and counts it twice; leave one out unless this one is capacitance alone"}});
+      for (Problem& problem : detail::counted_twice(*this, entry))
+        findings.push_back({where + ".kind", std::move(problem)});
       if (!entry.component.is_pupil()) continue;
       if (!pupil.empty())
         error(where + ".kind",

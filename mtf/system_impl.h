@@ -223,7 +223,12 @@ typename Component<S>::Rows Component<S>::rows(std::span<const S> fx, const Cont
       return c.rows(fx, ctx);
     else
       return [c, fx, ctx](const S& fy, std::span<Complex<S>> h) {
-        for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * c.otf({fx[i], fy}, ctx);
+        if constexpr (requires { c.evaluator(ctx); }) {
+          const auto otf = c.evaluator(ctx);
+          for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * otf({fx[i], fy});
+        } else {
+          for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * c.otf({fx[i], fy}, ctx);
+        }
       };
   });
 }

@@ -52,6 +52,13 @@ constexpr std::array kUnits{
     Unit{"deg/s", Dimension::rate, kDegree},
     Unit{"cd/m^2", Dimension::luminance, 1.0},
     Unit{"fL", Dimension::luminance, 1.0 / (std::numbers::pi * 0.3048 * 0.3048)},
+    Unit{"um/s^2", Dimension::acceleration, 1.0},
+    Unit{"mm/s^2", Dimension::acceleration, 1e3},
+    Unit{"m/s^2", Dimension::acceleration, 1e6},
+    Unit{"urad/s^2", Dimension::angular_acceleration, 1.0},
+    Unit{"mrad/s^2", Dimension::angular_acceleration, 1e3},
+    Unit{"rad/s^2", Dimension::angular_acceleration, 1e6},
+    Unit{"deg/s^2", Dimension::angular_acceleration, kDegree},
 };
 
 std::string ascii_micro(std::string_view name) {
@@ -146,6 +153,10 @@ std::string_view describe(Dimension dimension) {
       return "an image velocity such as \"2 mm/s\"";
     case Dimension::rate:
       return "an angular rate such as \"20 mrad/s\"";
+    case Dimension::acceleration:
+      return "an image acceleration such as \"60 mm/s^2\"";
+    case Dimension::angular_acceleration:
+      return "an angular acceleration such as \"600 mrad/s^2\"";
     case Dimension::pixel:
       return "pixels such as \"0.5 px\"";
     case Dimension::luminance:

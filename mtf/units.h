@@ -23,7 +23,11 @@ enum class Dimension {
   velocity,   ///< focal-plane length per second, base um/s
   rate,       ///< object angle per second, base urad/s
   pixel,      ///< base px
-  luminance   ///< base cd/m^2
+  luminance,  ///< base cd/m^2
+  /// focal-plane length per second squared, base um/s^2
+  acceleration,
+  /// object angle per second squared, base urad/s^2
+  angular_acceleration
 };
 
 struct Unit {

@@ -3,6 +3,9 @@
 
 // The closed list of components: the only registry. Included by system_impl.h and tests; others see Component<S>.
 
+#include "mtf/components/accelerated_motion.h"
+#include "mtf/components/aerosol.h"
+#include "mtf/components/binning.h"
 #include "mtf/components/bolometer.h"
 #include "mtf/components/boost.h"
 #include "mtf/components/charge_transfer.h"
@@ -22,6 +25,8 @@
 #include "mtf/components/jitter.h"
 #include "mtf/components/linear_motion.h"
 #include "mtf/components/lowpass.h"
+#include "mtf/components/polygon_footprint.h"
+#include "mtf/components/random_wavefront.h"
 #include "mtf/components/rc_highpass.h"
 #include "mtf/components/rms_wavefront.h"
 #include "mtf/components/sample_and_hold.h"
@@ -35,8 +40,9 @@ namespace mtf {
 
 template <class S>
 struct ComponentVariant {
-  std::variant<Diffraction<S>, Defocus<S>, Wavefront<S>, RmsWavefront<S>, Gaussian<S>, Turbulence<S>, Footprint<S>,
-               CircularFootprint<S>, Diffusion<S>, Crosstalk<S>, Tdi<S>, Bolometer<S>, Jitter<S>, LinearMotion<S>,
+  std::variant<Diffraction<S>, Defocus<S>, Wavefront<S>, RmsWavefront<S>, RandomWavefront<S>, Gaussian<S>,
+               Turbulence<S>, Aerosol<S>, Footprint<S>, CircularFootprint<S>, PolygonFootprint<S>, Binning<S>,
+               Diffusion<S>, Crosstalk<S>, Tdi<S>, Bolometer<S>, Jitter<S>, LinearMotion<S>, AcceleratedMotion<S>,
                Vibration<S>, RcLowpass<S>, RcHighpass<S>, Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>,
                Boost<S>, SampleAndHold<S>, Unsharp<S>, Interpolation<S>, DisplayCrt<S>, DisplayFlatPanel<S>, Eye<S>>
       value;

@@ -76,6 +76,14 @@ S f_number_of(const std::optional<S>& own, const Context<S>& ctx) {
   return S(0);
 }
 
+/// Entrance pupil diameter in mm; 0 when nobody gives one.
+template <class S>
+S aperture_of(const std::optional<S>& own, const Context<S>& ctx) {
+  if (own) return *own;
+  if (ctx.optics.aperture_mm) return *ctx.optics.aperture_mm;
+  return ctx.optics.f_number ? S(ctx.frame.focal_length_mm / *ctx.optics.f_number) : S(0);
+}
+
 template <class S>
 S obscuration_of(const std::optional<S>& own, const Context<S>& ctx) {
   return own ? *own : ctx.optics.obscuration.value_or(S(0));

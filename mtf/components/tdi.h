@@ -56,13 +56,10 @@ struct Tdi {
     return {lift(dirichlet(stage_count, value_of(x)), x) * sinc_of(S(step_mm(ctx) * u)), S(0)};
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
-  /// The sum over the stages falls monotonically to its first zero, at f = 1/(N d).
   double deviation(double fx, double fy, const Context<S>& ctx) const {
-    const double f = axis.index == 0 ? fx : fy, x = value_of(slip_mm(ctx)) * f;
-    const double stages_part = stage_count == 1        ? 0.0
-                               : x * stage_count < 1.0 ? 1.0 - dirichlet(stage_count, x).value
-                                                       : 2.0;
-    return std::min(2.0, stages_part + sinc_deviation(value_of(step_mm(ctx)) * f));
+    const double f = axis.index == 0 ? fx : fy;
+    return std::min(
+        2.0, dirichlet_deviation(stage_count, value_of(slip_mm(ctx)) * f) + sinc_deviation(value_of(step_mm(ctx)) * f));
   }
   std::vector<Problem> check(const Context<S>&) const {
     if (slip.split) return {{.field = "slip", .text = "give one slip and an axis instead of slip_x, slip_y"}};

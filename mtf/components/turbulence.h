@@ -7,11 +7,15 @@
 // c = (24/5 Gamma(6/5))^(5/6) = 3.44193859..., or the usual 3.44 by name. alpha = 1: near field, 0.5: far field, 0: the
 // long exposure. D = aperture. Real, radial; multiplies `diffraction`. Short exposure is a formula for lambda u < D;
 // beyond, where the aperture passes nothing, the bracket keeps its value 1 - alpha, so the otf never grows above 1.
-// r0 is stated at wavelength_reference and scales as lambda^(6/5); without a reference it holds at every wavelength.
+// r0 is given in one of two ways:
+//   fried_parameter, stated at wavelength_reference: it scales as lambda^(6/5); without a reference it holds everywhere
+//   a path (mtf/fried.h): profile "constant" with cn2 and path_length, or "hufnagel_valley" with wind, ground_cn2, the
+//   altitudes of target and sensor, and path_length or zenith_angle (flat Earth: up to 80 degrees)
 // Valid within the inertial range (outer scale far above D, inner scale far below r0). Conditioning: the exponent E
 // makes a relative rounding of E x 2^-52. (Fried, J. Opt. Soc. Am. 56, 1372 (1966).)
 
 #include "mtf/components/field.h"
+#include "mtf/fried.h"
 
 namespace mtf {
 
@@ -33,6 +37,8 @@ inline KolmogorovExponent kolmogorov_exponent(double v, double w, double alpha) 
 
 inline constexpr std::array<std::string_view, 2> kExposureNames{"long", "short"};
 inline constexpr std::array<std::string_view, 2> kKolmogorovNames{"exact", "3.44"};
+inline constexpr std::array<std::string_view, 2> kProfileNames{"constant", "hufnagel_valley"};
+inline constexpr std::array<std::string_view, 2> kWaveNames{"spherical", "plane"};
 
 template <class S>
 struct Turbulence {
@@ -48,6 +54,15 @@ struct Turbulence {
   std::optional<S> aperture_mm;
   Choice constant{0, kKolmogorovNames};
   std::optional<S> wavelength_um;
+  Choice profile{0, kProfileNames};
+  Choice wave{0, kWaveNames};
+  std::optional<S> cn2;
+  std::optional<S> path_length_m;
+  std::optional<S> wind_m_s;
+  std::optional<S> ground_cn2;
+  std::optional<S> target_altitude_m;
+  std::optional<S> sensor_altitude_m;
+  std::optional<S> zenith_angle_deg;
 
   static constexpr auto fields() {
     return std::tuple{
@@ -56,6 +71,7 @@ struct Turbulence {
                         .unit = "mm",
                         .lo = 1e-3,
                         .hi = 1e6,
+                        .presence = Presence::optional,
                         .example = "\"50 mm\"",
                         .doc = "Fried parameter r0 of the path"},
               &Turbulence::fried_parameter_mm},
@@ -94,52 +110,182 @@ struct Turbulence {
                         .example = "\"exact\"",
                         .doc = "exact (3.44193859) or the usual rounded 3.44"},
               &Turbulence::constant},
-        Field{kWavelengthInfo, &Turbulence::wavelength_um}};
+        Field{kWavelengthInfo, &Turbulence::wavelength_um},
+        Field{FieldInfo{.name = "profile",
+                        .presence = Presence::optional,
+                        .example = "\"hufnagel_valley\"",
+                        .doc = "Cn2 along the path, instead of fried_parameter: constant or hufnagel_valley"},
+              &Turbulence::profile},
+        Field{FieldInfo{.name = "wave",
+                        .presence = Presence::optional,
+                        .example = "\"plane\"",
+                        .doc = "path: spherical (a target at the end of the path) or plane (a star)"},
+              &Turbulence::wave},
+        Field{FieldInfo{.name = "cn2",
+                        .lo = 1e-25,
+                        .hi = 1e-5,
+                        .presence = Presence::optional,
+                        .example = "1e-14",
+                        .doc = "constant profile: Cn2 in m^(-2/3), a plain number"},
+              &Turbulence::cn2},
+        Field{FieldInfo{.name = "path_length",
+                        .dimension = Dimension::length,
+                        .unit = "m",
+                        .lo = 1e-3,
+                        .hi = 1e12,
+                        .presence = Presence::optional,
+                        .example = "\"4 km\"",
+                        .doc = "length of the path from target to sensor"},
+              &Turbulence::path_length_m},
+        Field{FieldInfo{.name = "wind",
+                        .lo = 0.0,
+                        .hi = 1e3,
+                        .presence = Presence::optional,
+                        .example = "21.0",
+                        .doc = "hufnagel_valley: wind of the upper atmosphere in m/s, a plain number; 21 when absent"},
+              &Turbulence::wind_m_s},
+        Field{FieldInfo{.name = "ground_cn2",
+                        .lo = 0.0,
+                        .hi = 1e-5,
+                        .presence = Presence::optional,
+                        .example = "1.7e-14",
+                        .doc = "hufnagel_valley: its ground term A in m^(-2/3); 1.7e-14 when absent"},
+              &Turbulence::ground_cn2},
+        Field{altitude_info("target_altitude", "\"2 km\"", "hufnagel_valley: altitude of the target"),
+              &Turbulence::target_altitude_m},
+        Field{altitude_info("sensor_altitude", "\"20 m\"", "hufnagel_valley: altitude of the sensor; 0 when absent"),
+              &Turbulence::sensor_altitude_m},
+        Field{FieldInfo{.name = "zenith_angle",
+                        .dimension = Dimension::angle,
+                        .unit = "deg",
+                        .lo = 0.0,
+                        .hi = 80.0,
+                        .presence = Presence::optional,
+                        .example = "\"60 deg\"",
+                        .doc = "hufnagel_valley: angle of the path from the vertical, instead of path_length"},
+              &Turbulence::zenith_angle_deg}};
+  }
+  static constexpr FieldInfo altitude_info(std::string_view name, std::string_view example, std::string_view doc) {
+    return {.name = name,
+            .dimension = Dimension::length,
+            .unit = "m",
+            .lo = 0.0,
+            .hi = 1e9,
+            .presence = Presence::optional,
+            .example = example,
+            .doc = doc};
   }
   double c() const { return constant.index == 0 ? kExact : 3.44; }
   bool is_short() const { return exposure.index == 1; }
   Traits traits(const Context<S>&) const {
     return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};
   }
-  S aperture(const Context<S>& ctx) const {
-    if (aperture_mm) return *aperture_mm;
-    if (ctx.optics.aperture_mm) return *ctx.optics.aperture_mm;
-    return ctx.optics.f_number ? S(ctx.frame.focal_length_mm / *ctx.optics.f_number) : S(0);
+  /// M of mtf/fried.h, in m^(1/3).
+  S path() const {
+    const Wave kind_of_wave = wave.index == 0 ? Wave::spherical : Wave::plane;
+    if (profile.index == 0)
+      return cn2.value_or(S(0)) * path_length_m.value_or(S(0)) * S(constant_path_weight(kind_of_wave));
+    const S wind = wind_m_s.value_or(S(21)), ground = ground_cn2.value_or(S(1.7e-14));
+    const S target = target_altitude_m.value_or(S(0)), sensor = sensor_altitude_m.value_or(S(0));
+    const PathMean mean =
+        path_mean({value_of(wind), value_of(ground)}, value_of(target), value_of(sensor), kind_of_wave);
+    const S per_length = lift({mean.value, mean.by_wind}, wind) + lift({0.0, mean.by_ground}, ground) +
+                         lift({0.0, mean.by_target}, target) + lift({0.0, mean.by_sensor}, sensor);
+    return per_length * length_m();
   }
-  S r0_mm(const S& wavelength) const {
-    const S r0 = fried_parameter_mm.value_or(S(1));
-    if (!wavelength_reference_um) return r0;
-    const S ratio = wavelength / *wavelength_reference_um;
+  S length_m() const {
+    if (path_length_m) return *path_length_m;
+    const S rise = sensor_altitude_m.value_or(S(0)) - target_altitude_m.value_or(S(0));
+    return (value_of(rise) < 0.0 ? S(-rise) : rise) / unit_vector(zenith_angle_deg.value_or(S(0))).x;
+  }
+  S inverse_r0_1_mm(const S& wavelength) const {
+    if (!fried_parameter_mm) {
+      const S m = path();
+      const InverseFried r = inverse_fried(value_of(m), value_of(wavelength));
+      return lift({r.value_1_mm, r.by_path}, m) + lift({0.0, r.by_wavelength}, wavelength);
+    }
+    if (!wavelength_reference_um) return S(1) / *fried_parameter_mm;
+    const S ratio = *wavelength_reference_um / wavelength;
     const double root = std::pow(value_of(ratio), 0.2);
-    return r0 * lift({root * value_of(ratio), 1.2 * root}, ratio);
+    return lift({root * value_of(ratio), 1.2 * root}, ratio) / *fried_parameter_mm;
   }
-  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+  /// What does not depend on the frequency is done once: for many frequencies at one context.
+  auto evaluator(const Context<S>& ctx) const {
     const S wavelength = wavelength_um.value_or(ctx.wavelength_um);
     // cycles/mm x focal length = cycles/rad; x wavelength = a length in the aperture.
-    const S span_mm = radius(f.x, f.y) * (ctx.frame.focal_length_mm * wavelength * S(1e-3));
-    const S v = span_mm / r0_mm(wavelength);
-    const S w = is_short() ? S(span_mm / aperture(ctx)) : S(0);
-    const S a = is_short() ? alpha.value_or(S(0.5)) : S(0);
-    const KolmogorovExponent e = kolmogorov_exponent(value_of(v), value_of(w), value_of(a));
-    const double h = std::exp(-c() * e.value), slope = -c() * h;
-    if (h == 0.0) return {S(0), S(0)};
-    return {lift({h, slope * e.d_v}, v) + lift({0.0, slope * e.d_w}, w) + lift({0.0, slope * e.d_alpha}, a), S(0)};
+    return [scale_mm2 = S(ctx.frame.focal_length_mm * wavelength * S(1e-3)), inverse_r0 = inverse_r0_1_mm(wavelength),
+            inverse_d = is_short() ? S(S(1) / aperture_of(aperture_mm, ctx)) : S(0),
+            a = is_short() ? alpha.value_or(S(0.5)) : S(0), c = c()](const Freq<S>& f) {
+      const S span_mm = radius(f.x, f.y) * scale_mm2;
+      const S v = span_mm * inverse_r0, w = span_mm * inverse_d;
+      const KolmogorovExponent e = kolmogorov_exponent(value_of(v), value_of(w), value_of(a));
+      const double h = std::exp(-c * e.value), slope = -c * h;
+      if (h == 0.0) return Complex<S>{S(0), S(0)};
+      return Complex<S>{lift({h, slope * e.d_v}, v) + lift({0.0, slope * e.d_w}, w) + lift({0.0, slope * e.d_alpha}, a),
+                        S(0)};
+    };
   }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return evaluator(ctx)(f); }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// The short exposure is never below the long one, which falls monotonically.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const S wavelength = wavelength_um.value_or(ctx.wavelength_um);
-    const double v = std::hypot(fx, fy) * value_of(ctx.frame.focal_length_mm) * value_of(wavelength) * 1e-3 /
-                     value_of(r0_mm(wavelength));
+    const double v = std::hypot(fx, fy) * value_of(ctx.frame.focal_length_mm) * value_of(wavelength) * 1e-3 *
+                     value_of(inverse_r0_1_mm(wavelength));
     return -std::expm1(-c() * kolmogorov_exponent(v, 0.0, 0.0).value);
   }
   std::vector<Problem> check(const Context<S>& ctx) const {
+    if (std::vector<Problem> path_problems = check_path(); !path_problems.empty()) return path_problems;
     if (!is_short()) {
       if (!alpha) return {};
       return {{.error = false, .field = "alpha", .text = "has no effect on exposure = \"long\""}};
     }
-    if (!aperture_mm && !ctx.optics.aperture_mm && !ctx.optics.f_number)
+    if (!(value_of(aperture_of(aperture_mm, ctx)) > 0.0))
       return {{.field = "aperture", .text = "missing; exposure = \"short\" needs it here or in [optics]"}};
+    return {};
+  }
+
+ private:
+  /// Exactly one way to r0, and nothing that belongs to another.
+  std::vector<Problem> check_path() const {
+    const auto stray = [](bool given, const char* name, const char* owner) {
+      return given ? std::vector<Problem>{{.field = name, .text = std::string("belongs to ") + owner}}
+                   : std::vector<Problem>{};
+    };
+    const bool is_path = !fried_parameter_mm, layered = profile.index == 1;
+    std::vector<Problem> problems;
+    const auto add = [&](std::vector<Problem> more) { problems.insert(problems.end(), more.begin(), more.end()); };
+    const char* const a_path = "a path, which fried_parameter replaces: give one of them";
+    add(stray(!is_path && layered, "profile", a_path));
+    add(stray(!is_path && wave.index != 0, "wave", a_path));
+    add(stray(!is_path && path_length_m, "path_length", a_path));
+    add(stray(is_path && wavelength_reference_um.has_value(), "wavelength_reference", "fried_parameter"));
+    add(stray(cn2 && (!is_path || layered), "cn2", is_path ? "profile = \"constant\"" : a_path));
+    for (const auto& [value, name] : {std::pair{&wind_m_s, "wind"},
+                                      {&ground_cn2, "ground_cn2"},
+                                      {&target_altitude_m, "target_altitude"},
+                                      {&sensor_altitude_m, "sensor_altitude"},
+                                      {&zenith_angle_deg, "zenith_angle"}})
+      add(stray(value->has_value() && !(is_path && layered), name, "profile = \"hufnagel_valley\""));
+    if (!problems.empty() || !is_path) return problems;
+    if (!layered) {
+      if (!cn2 && !path_length_m)
+        return {{.field = "fried_parameter",
+                 .text = "missing; give it, or cn2 and path_length, or profile = \"hufnagel_valley\""}};
+      if (!cn2) return {{.field = "cn2", .text = "missing beside path_length"}};
+      if (!path_length_m) return {{.field = "path_length", .text = "missing beside cn2"}};
+      return {};
+    }
+    if (!target_altitude_m) return {{.field = "target_altitude", .text = "missing for hufnagel_valley"}};
+    if (path_length_m.has_value() == zenith_angle_deg.has_value())
+      return {{.field = "path_length", .text = "hufnagel_valley needs either path_length or zenith_angle"}};
+    const double rise = std::abs(value_of(sensor_altitude_m.value_or(S(0))) - value_of(*target_altitude_m));
+    if (path_length_m && value_of(*path_length_m) < rise * (1.0 - 1e-6))
+      return {{.field = "path_length",
+               .text = format_double(value_of(*path_length_m)) + " m is shorter than the difference of altitudes, " +
+                       format_double(rise) + " m"}};
+    if (zenith_angle_deg && rise == 0.0)
+      return {{.field = "zenith_angle", .text = "target and sensor at one altitude: give path_length"}};
     return {};
   }
 };

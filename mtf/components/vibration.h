@@ -1,36 +1,84 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Sinusoidal line-of-sight vibration along a direction, many cycles (or a whole number) in one integration time:
-//   otf = J0(2 pi d . f), d = amplitude (cos a, sin a), a from +x (right) to +y (down); amplitude is peak from the
-//   middle
-// Real: the negative lobes (contrast reversal) are kept. The high-frequency limit only: for an exposure of less than
-// about two cycles the blur depends on its start, which is not offered yet. rms displacement = amplitude / sqrt(2).
-// (Kopeika, A System Engineering Approach to Imaging, ch. 14; Boreman, ch. 6.)
+// Sinusoidal line-of-sight vibration d sin(2 pi s/T + phase) along a direction, s = time from mid exposure,
+// d = amplitude (cos a, sin a), a from +x (right) to +y (down); amplitude is peak from the middle, rms =
+// amplitude/sqrt 2. With x = 2 pi d.f and c = exposure / T cycles in one exposure:
+//   average "many_cycles" (default): otf = J0(x), the limit of many cycles, and of whole ones; real, its negative lobes
+//     (contrast reversal) kept
+//   "fixed_phase": otf = sum over n of J_n(x) exp(-i n phase) sinc(n c): one exposure, complex
+//   "rms": sqrt(sum over n of J_n(x)^2 sinc(n c)^2), root mean square of |otf| over all phases: an expectation for
+//     budgets, not the otf of any one image; real, never negative, |J0| for whole cycles
+// Sums and limits: sine_motion.h. (Hadar, Fisher, Kopeika, Opt. Eng. 31, 581 (1992); Kopeika, A System Engineering
+// Approach to Imaging, ch. 14; Boreman, ch. 6.)
 
 #include "mtf/components/bessel.h"
 #include "mtf/components/field.h"
+#include "mtf/components/sine_motion.h"
 
 namespace mtf {
+
+inline constexpr std::array<std::string_view, 3> kVibrationNames{"many_cycles", "fixed_phase", "rms"};
 
 template <class S>
 struct Vibration {
   static constexpr std::string_view kind = "vibration";
-  static constexpr std::string_view doc = "sinusoidal vibration of many cycles in the integration time";
+  static constexpr std::string_view doc =
+      "sinusoidal vibration, many cycles in the integration time or any part of them";
   static constexpr Stages stages{.presample = true};
 
   AxisPair<S> amplitude;
   S direction_deg{};
+  Choice average{0, kVibrationNames};
+  std::optional<S> cycles;
+  std::optional<S> period_s;
+  S phase_deg{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "amplitude",
-                                      .dimension = Dimension::extent,
-                                      .lo = 0.0,
-                                      .hi = 1e9,
-                                      .example = "\"5 um\"",
-                                      .doc = "peak displacement from the middle, half of peak to peak"},
-                            &Vibration::amplitude},
-                      Field{kDirectionInfo, &Vibration::direction_deg}};
+    return std::tuple{
+        Field{FieldInfo{.name = "amplitude",
+                        .dimension = Dimension::extent,
+                        .lo = 0.0,
+                        .hi = 1e9,
+                        .example = "\"5 um\"",
+                        .doc = "peak displacement from the middle, half of peak to peak"},
+              &Vibration::amplitude},
+        Field{kDirectionInfo, &Vibration::direction_deg},
+        Field{FieldInfo{.name = "average",
+                        .presence = Presence::optional,
+                        .example = "\"fixed_phase\"",
+                        .doc = "many_cycles, fixed_phase (one exposure) or rms (root mean square over all phases)"},
+              &Vibration::average},
+        Field{FieldInfo{.name = "cycles",
+                        .lo = 0.0,
+                        .hi = 1e3,
+                        .presence = Presence::optional,
+                        .example = "0.4",
+                        .doc = "exposure / period, for fixed_phase and rms; beyond 1000 use many_cycles"},
+              &Vibration::cycles},
+        Field{FieldInfo{.name = "period",
+                        .dimension = Dimension::time,
+                        .unit = "s",
+                        .lo = 1e-9,
+                        .hi = 1e9,
+                        .presence = Presence::optional,
+                        .example = "\"25 ms\"",
+                        .doc = "period of the vibration, with frame.integration_time, instead of cycles"},
+              &Vibration::period_s},
+        Field{FieldInfo{.name = "phase",
+                        .dimension = Dimension::angle,
+                        .unit = "deg",
+                        .lo = -360.0,
+                        .hi = 360.0,
+                        .presence = Presence::optional,
+                        .example = "\"30 deg\"",
+                        .doc = "fixed_phase: phase at mid exposure; 0: passing the middle towards the direction"},
+              &Vibration::phase_deg}};
+  }
+  bool fixed_phase() const { return average.index == 1; }
+  bool many_cycles() const { return average.index == 0; }
+  S cycles_in(const Context<S>& ctx) const {
+    return cycles ? *cycles : S(ctx.frame.integration_time_s / period_s.value_or(S(1)));
   }
   Freq<S> displacement_mm(const Context<S>& ctx) const {
     const auto [cosine, sine] = unit_vector(direction_deg);
@@ -38,25 +86,50 @@ struct Vibration {
   }
   Traits traits(const Context<S>& ctx) const {
     const Freq<S> d = displacement_mm(ctx);
-    const bool along_axis = value_of(d.x) == 0.0 || value_of(d.y) == 0.0;
-    return {.separable = along_axis, .even_x = along_axis, .even_y = along_axis};
+    const bool in_x = value_of(d.y) == 0.0, in_y = value_of(d.x) == 0.0, even = !fixed_phase();
+    return {
+        .separable = in_x || in_y, .even_x = in_y || (in_x && even), .even_y = in_x || (in_y && even), .real = even};
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const Freq<S> d = displacement_mm(ctx);
-    const S x = d.x * f.x + d.y * f.y;
-    const ValueSlope j0 = bessel_j0(2.0 * kPi * value_of(x));
-    return {lift({j0.value, 2.0 * kPi * j0.slope}, x), S(0)};
+    const S x = S(2.0 * kPi) * (d.x * f.x + d.y * f.y);
+    if (many_cycles()) return {lift(bessel_j0(value_of(x)), x), S(0)};
+    const S c = cycles_in(ctx);
+    if (!fixed_phase()) {
+      const SineRms r = sine_rms(value_of(x), value_of(c));
+      return {lift({r.value, r.by_x}, x) + lift({0.0, r.by_cycles}, c), S(0)};
+    }
+    const S turns = phase_deg / S(360);
+    const SineMean h = sine_mean(value_of(x), value_of(c), value_of(turns));
+    return {lift({h.value.re, h.by_x.re}, x) + lift({0.0, h.by_cycles.re}, c) + lift({0.0, h.by_turns.re}, turns),
+            lift({h.value.im, h.by_x.im}, x) + lift({0.0, h.by_cycles.im}, c) + lift({0.0, h.by_turns.im}, turns)};
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
-  /// J0 falls monotonically to its deepest lobe, -0.40276 at 3.83.
+  /// J0 falls monotonically to its deepest lobe, -0.40276 at 3.83. Any one exposure: no phase beyond x. rms: its square
+  /// is the mean cosine of phase differences, whose mean square is at most 2 x^2.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const Freq<S> d = displacement_mm(ctx);
     const double x = 2.0 * kPi * (std::abs(value_of(d.x)) * fx + std::abs(value_of(d.y)) * fy);
-    return x < 3.8 ? 1.0 - bessel_j0(x).value : 1.4028;
+    if (many_cycles()) return x < 3.8 ? 1.0 - bessel_j0(x).value : 1.4028;
+    if (!fixed_phase()) return std::min(1.0, x * x);
+    return x < kPi ? 2.0 * std::sin(0.5 * x) : 2.0;
   }
-  std::vector<Problem> check(const Context<S>&) const {
+  std::vector<Problem> check(const Context<S>& ctx) const {
     if (amplitude.split)
       return {{.field = "amplitude", .text = "give one amplitude and a direction instead of amplitude_x, amplitude_y"}};
+    const char* const given = cycles ? "cycles" : "period";
+    if (many_cycles() && (cycles || period_s))
+      return {
+          {.field = given, .text = "needs average = \"fixed_phase\" or \"rms\"; many_cycles has no number of them"}};
+    if (!many_cycles() && cycles.has_value() == period_s.has_value())
+      return {{.field = "cycles", .text = "average = \"fixed_phase\" and \"rms\" need either cycles or period"}};
+    if (period_s && !(value_of(ctx.frame.integration_time_s) > 0.0))
+      return {{.field = "period", .text = "needs frame.integration_time"}};
+    if (period_s && value_of(cycles_in(ctx)) > 1e3)
+      return {{.field = "period",
+               .text = "more than 1000 periods in frame.integration_time: use average = \"many_cycles\""}};
+    if (!fixed_phase() && value_of(phase_deg) != 0.0)
+      return {{.field = "phase", .text = "belongs to average = \"fixed_phase\""}};
     return {};
   }
 };

@@ -204,7 +204,8 @@ Resolved resolved(const FieldRef<double>& field, const System<double>& system, c
           for (const auto& row : *value)
             for (const double tap : row) sum += tap;
           return {std::to_string(value->size()) + " rows x " +
-                  std::to_string(value->empty() ? 0 : value->front().size()) + " columns, sum " + rounded(sum)};
+                  std::to_string(value->empty() ? 0 : value->front().size()) + " columns" +
+                  (info.name == "taps" ? ", sum " + rounded(sum) : "")};
         } else {
           if (*value == nullptr) return {};
           return {std::to_string((*value)->frequency.size()) + " samples to " +

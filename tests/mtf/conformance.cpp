@@ -2,6 +2,7 @@
 #include "tests/mtf/conformance.h"
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <limits>
 
@@ -115,9 +116,11 @@ void assign(const FieldRef<double>& field, std::string_view in_time, Draw draw, 
           for (double& coefficient : *value) coefficient = draw_number(info, coefficient, draw, random);
         } else if constexpr (std::is_same_v<T, Taps<double>>) {
           *value = rows_of(info.example);
-          if (draw == Draw::whole_box)
-            value->assign(static_cast<std::size_t>(1 + 2 * random.below(3)),
-                          std::vector<double>(static_cast<std::size_t>(1 + 2 * random.below(3))));
+          if (draw == Draw::whole_box) {  // odd numbers, except where the example has pairs
+            const bool pairs = value->front().size() == 2;
+            const auto rows = static_cast<std::size_t>(1 + 2 * random.below(3));
+            value->assign(rows, std::vector<double>(pairs ? 2 : static_cast<std::size_t>(1 + 2 * random.below(3))));
+          }
           for (auto& row : *value)
             for (double& tap : row)
               tap = draw == Draw::near_example ? tap * random.uniform(0.35, 2.9) : draw_number(info, tap, draw, random);
@@ -145,8 +148,35 @@ bool has_error(const System<double>& system) {
   return std::any_of(findings.begin(), findings.end(), [](const auto& f) { return f.problem.error; });
 }
 
-// Which fields are given, as bit sets: the required ones with every combination of the others, or, where there are more
-// than five others, with none, each one, each pair and all of them.
+// A typical frequency in time beside a field that says how time becomes place; empty for other fields.
+std::string_view frequency_in_time(const FieldInfo& info) {
+  if (info.dimension == Dimension::velocity || info.dimension == Dimension::rate) return "400 kHz";
+  return info.dimension == Dimension::temporal ? "4 MHz" : "";
+}
+
+/// The component with the fields of that bit set filled; the others are left as they are.
+Component<double> filled(const Component<double>& blank, std::uint64_t chosen, Draw draw, Random& random) {
+  Component<double> component = blank;
+  const auto refs = component.fields();
+  const auto in_use = [&](std::size_t i) { return (chosen >> i & 1) != 0; };
+  std::string_view in_time;
+  for (std::size_t i = 0; i < refs.size(); ++i)
+    if (in_use(i) && in_time.empty()) in_time = frequency_in_time(*refs[i].info);
+  for (std::size_t i = 0; i < refs.size(); ++i)
+    if (in_use(i)) assign(refs[i], in_time, draw, random);
+  return component;
+}
+
+System<double> system_of(const Component<double>& component, Draw draw, Random& random) {
+  System<double> system = empty_system(draw, random);
+  Stage stage = Stage::presample;
+  while (!component.stages().allows(stage)) stage = static_cast<Stage>(static_cast<int>(stage) + 1);
+  system.add(stage, component);
+  return system;
+}
+
+// Which fields are given, as bit sets: the required ones with every combination of the others. Where there are more
+// than five others: every smallest set that check() accepts, alone and with each one and each pair of the rest.
 std::vector<std::uint64_t> field_subsets(const Component<double>& component) {
   std::uint64_t required = 0;
   std::vector<std::uint64_t> others;
@@ -167,20 +197,26 @@ std::vector<std::uint64_t> field_subsets(const Component<double>& component) {
     }
     return subsets;
   }
-  std::uint64_t all = required;
-  subsets.push_back(required);
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    all |= others[i];
-    for (std::size_t j = 0; j <= i; ++j) subsets.push_back(required | others[i] | others[j]);
-  }
-  subsets.push_back(all);
+  others.insert(others.begin(), 0);  // "no field": triples with repetition are all sets of up to three
+  std::vector<std::uint64_t> smallest;
+  for (int size = 0; size <= 3; ++size)
+    for (std::size_t i = 0; i < others.size(); ++i)
+      for (std::size_t j = 0; j <= i; ++j)
+        for (std::size_t k = 0; k <= j; ++k) {
+          const std::uint64_t set = required | others[i] | others[j] | others[k];
+          if (std::popcount(set ^ required) != size) continue;
+          const auto inside = [&](std::uint64_t known) { return (known & set) == known; };
+          Random random(1);
+          if (std::none_of(smallest.begin(), smallest.end(), inside) &&
+              !has_error(system_of(filled(component, set, Draw::example, random), Draw::example, random)))
+            smallest.push_back(set);
+        }
+  for (const std::uint64_t set : smallest)
+    for (std::size_t i = 0; i < others.size(); ++i)
+      for (std::size_t j = 0; j <= i; ++j) subsets.push_back(set | others[i] | others[j]);
+  std::sort(subsets.begin(), subsets.end());
+  subsets.erase(std::unique(subsets.begin(), subsets.end()), subsets.end());
   return subsets;
-}
-
-// A typical frequency in time beside a field that says how time becomes place; empty for other fields.
-std::string_view frequency_in_time(const FieldInfo& info) {
-  if (info.dimension == Dimension::velocity || info.dimension == Dimension::rate) return "400 kHz";
-  return info.dimension == Dimension::temporal ? "4 MHz" : "";
 }
 
 std::vector<Case> make_cases() {
@@ -188,29 +224,22 @@ std::vector<Case> make_cases() {
   Random random(20260201);
   for (const std::string_view kind : component_kinds()) {
     const Component<double> blank = Component<double>::make(kind);
-    const std::size_t fields = blank.fields().size();
     for (const std::uint64_t chosen : field_subsets(blank)) {
-      const auto in_use = [&](std::size_t i) { return (chosen >> i & 1) != 0; };
       for (int repeat = 0; repeat < 11; ++repeat) {
         const Draw draw = repeat == 0   ? Draw::example
                           : repeat < 4  ? Draw::near_example
                           : repeat < 9  ? Draw::whole_box
                           : repeat == 9 ? Draw::lower_bound
                                         : Draw::upper_bound;
-        Component<double> component = blank;
+        const Component<double> component = filled(blank, chosen, draw, random);
+        Case c{std::string(kind), system_of(component, draw, random), Stage::presample, {}, repeat < 4};
         const auto refs = component.fields();
-        Case c{std::string(kind), empty_system(draw, random), Stage::presample, {}, repeat < 4};
-        std::string_view in_time;
-        for (std::size_t i = 0; i < fields; ++i)
-          if (in_use(i) && in_time.empty()) in_time = frequency_in_time(*refs[i].info);
-        for (std::size_t i = 0; i < fields; ++i) {
-          if (!in_use(i)) continue;
-          assign(refs[i], in_time, draw, random);
+        for (std::size_t i = 0; i < refs.size(); ++i) {
+          if ((chosen >> i & 1) == 0) continue;
           c.name += " " + std::string(refs[i].info->name);
           if (refs[i].info->presence != Presence::required) c.given.emplace_back(refs[i].info->name);
         }
         while (!component.stages().allows(c.stage)) c.stage = static_cast<Stage>(static_cast<int>(c.stage) + 1);
-        c.system.add(c.stage, component);
         c.name += " #" + std::to_string(repeat);
         if (!has_error(c.system))
           cases.push_back(std::move(c));

@@ -81,6 +81,8 @@ TEST(Units, conversion_is_exact_where_the_decimal_is) {
   EXPECT_EQ(convert(parse_quantity("10.5 MHz", Dimension::temporal), "Hz"), 10.5e6);
   EXPECT_EQ(convert(parse_quantity("3 GHz", Dimension::cutoff), "kHz"), 3e6);
   EXPECT_NEAR(convert(parse_quantity("10 fL", Dimension::luminance), "cd/m^2"), 34.262591, 5e-7);
+  EXPECT_EQ(convert(parse_quantity("60 mm/s^2", Dimension::acceleration), "um/s^2"), 60000.0);
+  EXPECT_EQ(convert(parse_quantity("0.6 rad/s^2", Dimension::angular_acceleration), "urad/s^2"), 6e5);
   EXPECT_DOUBLE_EQ(convert(parse_quantity("180 deg", Dimension::angle), "rad"), std::numbers::pi);
   EXPECT_DOUBLE_EQ(convert(parse_quantity("60 arcmin", Dimension::angle), "deg"), 1.0);
   EXPECT_DOUBLE_EQ(convert(parse_quantity("3600 arcsec", Dimension::angle), "deg"), 1.0);

@@ -217,8 +217,8 @@ TYPED_TEST(Conformance, chromatic_flag_is_true) {
     }
     if (s.traits.chromatic) chromatic_kinds.emplace(only_component(s.system).kind());
   }
-  EXPECT_EQ(chromatic_kinds,
-            (std::set<std::string>{"defocus", "diffraction", "rms_wavefront", "turbulence", "wavefront"}));
+  EXPECT_EQ(chromatic_kinds, (std::set<std::string>{"aerosol", "defocus", "diffraction", "random_wavefront",
+                                                    "rms_wavefront", "turbulence", "wavefront"}));
 }
 
 // Parameters and frequencies that float holds exactly, so that only the arithmetic differs.

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "mtf/components/turbulence.h"
+#include "mtf/fried.h"
 #include "tests/mtf/components/one_component.h"
 #include "tests/mtf/reference_table.h"
 
 namespace mtf::test {
 namespace {
+
+constexpr long double kUlp = std::numeric_limits<double>::epsilon();
 
 Component<double> turbulence(double r0_mm, bool is_short = false, double alpha = 0.5, int constant = 0) {
   auto c = Component<double>::make("turbulence");
@@ -17,7 +22,8 @@ Component<double> turbulence(double r0_mm, bool is_short = false, double alpha =
   return c;
 }
 
-// 4 um, D 0.1 m (100 mm focal length, F/1), r0 0.05 m; u = 2000, 5000, 10000 cy/rad.
+// 4 um, D 0.1 m (100 mm focal length, F/1), r0 0.05 m; u = 2000, 5000, 10000 cy/rad. The third short exposure is
+// 0.22341141474886 in 30 digits.
 TEST(Turbulence, ten_digits) {
   const std::array f{20.0, 50.0, 100.0};
   const std::array<std::array<double, 3>, 4> values{{{.8501804224, .4735827119, .0932064635},
@@ -83,6 +89,109 @@ TEST(Turbulence, aperture_comes_from_the_optics_unless_given) {
   set(own, "aperture", 60.0);
   EXPECT_EQ(otf_at(turbulence(50.0, true), 40.0, 0.0, s).re, otf_at(own, 40.0, 0.0).re);
   EXPECT_NE(otf_at(own, 40.0, 0.0).re, otf_at(turbulence(50.0, true), 40.0, 0.0).re);
+}
+
+// The published HV 5/7: integral 2.235e-12 m^(1/3), r0 = 4.96 cm at 0.5 um, plane wave to the zenith.
+TEST(Fried, hufnagel_valley_5_7) {
+  const HufnagelValley profile;
+  EXPECT_NEAR(structure_parameter(profile, 0.0), 1.7e-14 + 2.7e-16, 1e-28);
+  const double integral = 1e5 * path_mean(profile, 1e5, 0.0, Wave::plane).value;
+  EXPECT_NEAR(integral, 2.235e-12, 1e-15);
+  EXPECT_NEAR(1.0 / inverse_fried(integral, 0.5).value_1_mm, 49.6, 0.05);
+  // The same to mpmath's digits, with spherical waves both ways.
+  EXPECT_NEAR(integral / 2.23539488e-12, 1.0, 3e-9);
+  for (const auto& [target, down, up] : {std::tuple{1000.0, 1.5214905894890048e-15, 1.1797626529636997e-16},
+                                         {20000.0, 1.0400208040300093e-16, 2.8711664265195517e-18},
+                                         {0.05, 6.475379854503227e-15, 6.4739298189631557e-15}}) {
+    EXPECT_NEAR(path_mean(profile, target, 0.0, Wave::spherical).value / down, 1.0, 1e-13) << target;
+    EXPECT_NEAR(path_mean(profile, 0.0, target, Wave::spherical).value / up, 1.0, 1e-13) << target;
+  }
+}
+
+// A constant profile: the weight s^(5/3) has the mean 3/8; the layers reach any altitude.
+TEST(Fried, second_routes) {
+  const HufnagelValley calm{0.0, 0.0};  // 2.7e-16 exp(-h/1500) alone: closed form
+  const double low = 300.0, high = 9000.0;
+  const double exact = 2.7e-16 * 1500.0 * (std::exp(-low / 1500.0) - std::exp(-high / 1500.0)) / (high - low);
+  EXPECT_NEAR(path_mean(calm, low, high, Wave::plane).value / exact, 1.0, 1e-14);
+  EXPECT_NEAR(path_mean(calm, high, low, Wave::plane).value / exact, 1.0, 1e-14);
+  const HufnagelValley profile;
+  const double horizontal = structure_parameter(profile, 50.0);
+  EXPECT_NEAR(path_mean(profile, 50.0, 50.0, Wave::spherical).value / (0.375 * horizontal), 1.0, 1e-14);
+  EXPECT_NEAR(path_mean(profile, 50.0, 50.0 + 1e-7, Wave::plane).value / horizontal, 1.0, 1e-8);
+  EXPECT_EQ(path_mean(profile, 1e7, 1e6, Wave::plane).value, 0.0);
+  EXPECT_EQ(inverse_fried(0.0, 1.0).value_1_mm, 0.0);
+}
+
+TEST(Fried, slopes_equal_differences) {
+  const auto value = [](double wind, double ground, double target, double sensor) {
+    return path_mean({wind, ground}, target, sensor, Wave::spherical).value;
+  };
+  for (const auto& [target, sensor] : {std::pair{2000.0, 20.0}, {5.0, 9000.0}, {100.0, 100.05}, {400.0, 3e4}}) {
+    const PathMean m = path_mean({21.0, 1.7e-14}, target, sensor, Wave::spherical);
+    const double scale = m.value;
+    EXPECT_NEAR(m.by_wind, (value(21.01, 1.7e-14, target, sensor) - value(20.99, 1.7e-14, target, sensor)) / 0.02,
+                1e-9 * scale);
+    EXPECT_NEAR(m.by_ground, (value(21, 1.8e-14, target, sensor) - value(21, 1.6e-14, target, sensor)) / 2e-15,
+                1e-9 * std::abs(m.by_ground));
+    EXPECT_NEAR(m.by_target,
+                (value(21, 1.7e-14, target + 1e-3, sensor) - value(21, 1.7e-14, target - 1e-3, sensor)) / 2e-3,
+                1e-8 * scale);
+    EXPECT_NEAR(m.by_sensor,
+                (value(21, 1.7e-14, target, sensor + 1e-3) - value(21, 1.7e-14, target, sensor - 1e-3)) / 2e-3,
+                1e-8 * scale);
+  }
+}
+
+Component<double> path(int profile, int wave) {
+  auto c = Component<double>::make("turbulence");
+  choose(c, "profile", profile);
+  choose(c, "wave", wave);
+  return c;
+}
+
+TEST(Turbulence, by_a_path_is_that_by_its_fried_parameter) {
+  // Spherical, 2 km of 1e-14: r0 = (0.423 k^2 3/8 Cn2 L)^(-3/5) at 4 um.
+  auto constant = path(0, 0);
+  set(constant, "cn2", 1e-14);
+  set(constant, "path_length", 2000.0);
+  const double k = 2.0 * kPi / 4e-6, r0_mm = 1e3 * std::pow(0.423 * k * k * 0.375 * 1e-14 * 2000.0, -0.6);
+  EXPECT_NEAR(otf_at(constant, 30.0, 9.0).re, otf_at(turbulence(r0_mm), 30.0, 9.0).re, 1e-14);
+  // HV 5/7 along 60 degrees: twice the path.
+  auto slant = path(1, 1);
+  set(slant, "target_altitude", 1e5);
+  set(slant, "zenith_angle", 60.0);
+  const double zenith_r0_mm = 49.6056782 * std::pow(8.0, 1.2);  // from 0.5 um to 4 um
+  EXPECT_NEAR(otf_at(slant, 300.0, 0.0).re, otf_at(turbulence(zenith_r0_mm * std::pow(2.0, -0.6)), 300.0, 0.0).re,
+              1e-9);
+  auto length = path(1, 1);
+  set(length, "target_altitude", 1e5);
+  set(length, "path_length", 2e5);
+  EXPECT_NEAR(otf_at(length, 300.0, 0.0).re, otf_at(slant, 300.0, 0.0).re, 1e-14);
+}
+
+TEST(Turbulence, one_way_to_the_fried_parameter) {
+  EXPECT_TRUE(refused(Component<double>::make("turbulence"), "fried_parameter"));
+  auto both = turbulence(50.0);
+  set(both, "cn2", 1e-14);
+  EXPECT_TRUE(refused(both, "cn2"));
+  auto half = path(0, 0);
+  set(half, "cn2", 1e-14);
+  EXPECT_TRUE(refused(half, "path_length"));
+  set(half, "path_length", 1000.0);
+  EXPECT_FALSE(refused(half, "path_length"));
+  set(half, "wind", 21.0);
+  EXPECT_TRUE(refused(half, "wind"));
+  auto layered = path(1, 0);
+  EXPECT_TRUE(refused(layered, "target_altitude"));
+  set(layered, "target_altitude", 2000.0);
+  EXPECT_TRUE(refused(layered, "path_length"));
+  set(layered, "path_length", 1000.0);  // shorter than the rise
+  EXPECT_TRUE(refused(layered, "path_length"));
+  set(layered, "path_length", 5000.0);
+  EXPECT_FALSE(refused(layered, "path_length"));
+  set(layered, "wavelength_reference", 0.5);
+  EXPECT_TRUE(refused(layered, "wavelength_reference"));
 }
 
 }  // namespace

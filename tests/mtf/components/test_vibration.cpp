@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "mtf/components/bessel.h"
+#include "mtf/components/sine_motion.h"
 #include "tests/mtf/components/one_component.h"
 #include "tests/mtf/reference_table.h"
 
@@ -60,6 +61,193 @@ TEST(Vibration, two_amplitudes_are_refused) {
   auto c = vibration(1.0);
   set_xy(c, "amplitude", 1.0, 2.0, "um");
   EXPECT_TRUE(refused(c, "amplitude"));
+}
+
+Component<double> exposure(double amplitude_um, double cycles, double phase_deg) {
+  auto c = vibration(amplitude_um);
+  choose(c, "average", 1);
+  set(c, "cycles", cycles);
+  set(c, "phase", phase_deg);
+  return c;
+}
+
+Component<double> rms_over_phases(double amplitude_um, double cycles) {
+  auto c = vibration(amplitude_um);
+  choose(c, "average", 2);
+  set(c, "cycles", cycles);
+  return c;
+}
+
+// Amplitude x frequency = 0.5, a quarter of a cycle: 5 um at 100 cy/mm.
+TEST(Vibration, published_quarter_cycle) {
+  EXPECT_NEAR(otf_at(rms_over_phases(5.0, 0.25), 100.0, 0.0).re, .6596, 5.01e-5);
+  EXPECT_NEAR(otf_at(rms_over_phases(5.0, 0.1), 100.0, 0.0).re, .9242, 5.01e-5);
+  EXPECT_NEAR(otf_at(vibration(5.0), 100.0, 0.0).re, -.304, 5.01e-4);
+  double mean = 0.0, least = 1.0, most = 0.0;
+  for (int k = 0; k < 720; ++k) {
+    const double h = modulus(otf_at(exposure(5.0, 0.25, 0.5 * k), 100.0, 0.0));
+    mean += h / 720.0;
+    least = std::min(least, h);
+    most = std::max(most, h);
+  }
+  EXPECT_NEAR(mean, .6179, 5.01e-5);
+  EXPECT_NEAR(least, .3077, 5.01e-5);
+  EXPECT_NEAR(most, .9623, 5.01e-5);
+}
+
+/// The definition, over the exposure in panels of less than half a radian of phase.
+Complex<double> over_the_exposure(double x, double cycles, double turns) {
+  const int panels = 8 + static_cast<int>(2.0 * x * std::min(1.0, cycles) * (1.0 + cycles));
+  const WavelengthNodes rule = wavelength_nodes({0.0, 1.0}, 8);
+  Complex<double> mean{};
+  for (int k = 0; k < panels; ++k)
+    for (std::size_t i = 0; i < rule.weight.size(); ++i) {
+      const double s = (k + rule.wavelength_um[i]) / panels - 0.5, phase = x * sin_pi(2.0 * (turns + cycles * s));
+      const double w = rule.weight[i] / panels;
+      mean = mean + Complex<double>{w * std::cos(phase), -w * std::sin(phase)};
+    }
+  return mean;
+}
+
+TEST(SineMotion, is_the_mean_over_the_exposure) {
+  for (const double x : {0.2, 3.0, 49.9, 50.1, 90.0, 700.0, 2500.0, 4e4})
+    for (const double cycles : {1e-4, 0.003, 0.04, 0.26, 0.5, 0.77, 2.3})
+      for (const double turns : {0.0, 0.13, 0.2499, 0.25, 0.27, 0.5, 0.74, -0.3}) {
+        const Complex<double> exact = over_the_exposure(x, cycles, turns), h = sine_mean(x, cycles, turns).value;
+        EXPECT_LE(std::hypot(h.re - exact.re, h.im - exact.im), 2e-14 + x * kUlp) << x << " " << cycles << " " << turns;
+      }
+}
+
+TEST(SineMotion, slopes_equal_differences) {
+  for (const double x : {0.2, 3.0, 47.0, 61.0, 700.0})
+    for (const double cycles : {0.003, 0.04, 0.26, 0.77, 2.3})
+      for (const double turns : {0.02, 0.13, 0.251, 0.74}) {
+        const SineMean h = sine_mean(x, cycles, turns);
+        const auto compare = [&](const Complex<double>& slope, const SineMean& high, const SineMean& low, double step) {
+          const double re = (high.value.re - low.value.re) / (2.0 * step),
+                       im = (high.value.im - low.value.im) / (2.0 * step);
+          EXPECT_LE(std::hypot(slope.re - re, slope.im - im), 2e-7 * (1.0 + x)) << x << " " << cycles << " " << turns;
+        };
+        compare(h.by_x, sine_mean(x + 1e-5, cycles, turns), sine_mean(x - 1e-5, cycles, turns), 1e-5);
+        compare(h.by_cycles, sine_mean(x, cycles + 1e-7, turns), sine_mean(x, cycles - 1e-7, turns), 1e-7);
+        compare(h.by_turns, sine_mean(x, cycles, turns + 1e-7), sine_mean(x, cycles, turns - 1e-7), 1e-7);
+        const SineRms r = sine_rms(x, cycles);
+        EXPECT_NEAR(r.by_x, (sine_rms(x + 1e-5, cycles).value - sine_rms(x - 1e-5, cycles).value) / 2e-5, 1e-7);
+        EXPECT_NEAR(r.by_cycles, (sine_rms(x, cycles + 1e-6).value - sine_rms(x, cycles - 1e-6).value) / 2e-6,
+                    1e-6 * (1.0 + x));
+      }
+}
+
+// Both sides of every switch of method.
+TEST(SineMotion, no_step_where_the_method_changes) {
+  for (const double cycles : {1e-3, 0.04, 0.26, 0.77, 2.3})
+    for (const double turns : {0.0, 0.1, 0.25}) {
+      const SineMean below = sine_mean(50.0, cycles, turns),
+                     above = sine_mean(std::nextafter(50.0, 51.0), cycles, turns);
+      EXPECT_NEAR(below.value.re, above.value.re, 3e-14) << cycles << " " << turns;
+      EXPECT_NEAR(below.value.im, above.value.im, 3e-14) << cycles << " " << turns;
+      EXPECT_NEAR(below.by_x.re, above.by_x.re, 3e-14) << cycles << " " << turns;
+    }
+  for (double x = 100.0; x < 4000.0; x *= 1.37)  // quadrature to ends, somewhere in each sweep
+    for (const double turns : {0.05, 0.24}) {
+      double cycles = 1e-4;
+      for (; cycles < 0.5; cycles *= 1.003) {
+        const Complex<double> a = sine_mean(x, cycles, turns).value,
+                              b = sine_mean(x, cycles * (1 + 1e-13), turns).value;
+        EXPECT_LE(std::hypot(a.re - b.re, a.im - b.im), 1e-13 + x * 1e-15) << x << " " << cycles;
+      }
+    }
+}
+
+TEST(SineMotion, rms_is_the_mean_square_over_phases) {
+  for (const double x : {0.3, 4.0, 45.0, 300.0, 1999.0})
+    for (const double cycles : {0.02, 0.3, 0.5, 1.7}) {
+      double square = 0.0;
+      const int n = 16 + static_cast<int>(4.0 * x);
+      for (int k = 0; k < n; ++k) {
+        const Complex<double> h = sine_mean(x, cycles, (k + 0.5) / n).value;
+        square += (h.re * h.re + h.im * h.im) / n;
+      }
+      EXPECT_NEAR(sine_rms(x, cycles).value, std::sqrt(square), 1e-12) << x << " " << cycles;
+    }
+}
+
+// Beyond x = 2000 its leading term, or quadrature for a small part of a cycle.
+TEST(SineMotion, rms_at_large_arguments) {
+  for (const double x : {2000.7, 2500.0, 9000.0})
+    for (const double cycles : {1e-3, 4e-3, 6e-3, 0.02, 0.1, 0.3, 0.49, 0.51, 0.8, 1.3, 2.6, 17.2}) {
+      double square = 0.0;
+      const int n = static_cast<int>(4.0 * x);
+      for (int k = 0; k < n; ++k) {
+        const Complex<double> h = sine_mean(x, cycles, (k + 0.5) / n).value;
+        square += (h.re * h.re + h.im * h.im) / n;
+      }
+      EXPECT_NEAR(sine_rms(x, cycles).value, std::sqrt(square), 2e-4) << x << " " << cycles;
+    }
+}
+
+TEST(Vibration, whole_cycles_are_j0_exactly) {
+  for (const double f : {0.0, 1.0, 80.0, 122.0, 1e4, 1e7, 1e12})
+    for (const double cycles : {1.0, 2.0, 7.0, 1000.0}) {
+      const double j0 = otf_at(vibration(5.0), f, 3.0).re;
+      EXPECT_EQ(otf_at(exposure(5.0, cycles, 77.0), f, 3.0).re, j0) << f;
+      EXPECT_EQ(otf_at(exposure(5.0, cycles, 77.0), f, 3.0).im, 0.0) << f;
+      EXPECT_EQ(otf_at(rms_over_phases(5.0, cycles), f, 3.0).re, std::abs(j0)) << f;
+    }
+}
+
+TEST(Vibration, many_part_cycles_approach_j0) {
+  for (const double f : {30.0, 90.0, 200.0})
+    EXPECT_NEAR(otf_at(exposure(5.0, 987.654, 40.0), f, 0.0).re, otf_at(vibration(5.0), f, 0.0).re, 1e-3) << f;
+}
+
+// A short exposure while passing the middle: linear motion of 2 pi A c; at a crest: a shift of A.
+TEST(Vibration, short_exposures) {
+  const double cycles = 1e-3, travel_um = 2.0 * kPi * 100.0 * cycles;
+  for (const double f : {50.0, 700.0, 2000.0}) {
+    EXPECT_NEAR(otf_at(exposure(100.0, cycles, 0.0), f, 0.0).re, otf_at(motion(travel_um, 0.0), f, 0.0).re, 2e-5) << f;
+    const Complex<double> shift = phase_of(2.0 * f * 0.1), h = otf_at(exposure(100.0, 1e-6, 90.0), f, 0.0);
+    EXPECT_NEAR(h.re, shift.re, 1e-6) << f;
+    EXPECT_NEAR(h.im, shift.im, 1e-6) << f;
+  }
+}
+
+TEST(Vibration, period_is_cycles_in_the_exposure) {
+  auto c = vibration(5.0);
+  choose(c, "average", 1);
+  set(c, "period", 0.04);  // 10 ms exposure
+  const Complex<double> a = otf_at(c, 70.0, 0.0), b = otf_at(exposure(5.0, 0.25, 0.0), 70.0, 0.0);
+  EXPECT_NEAR(a.re, b.re, 1e-15);
+  EXPECT_NEAR(a.im, b.im, 1e-15);
+}
+
+TEST(Vibration, finite_for_any_argument) {
+  for (const double x : {0.0, 5e-324, 1e-9, 50.0, 2000.0, 1e8, 1e17, 1e200, 1e299, 1e308})
+    for (const double cycles : {0.0, 5e-324, 1e-9, 0.3, 0.5, 1.0, 33.3, 1e9, 1e18})
+      for (const double turns : {0.0, 0.25, -0.8}) {
+        const SineMean h = sine_mean(x, cycles, turns);
+        const SineRms r = sine_rms(x, cycles);
+        EXPECT_TRUE(std::isfinite(h.by_x.re + h.by_x.im + h.by_cycles.re + h.by_cycles.im + h.by_turns.re)) << x;
+        EXPECT_LE(modulus(h.value), 1.0 + 1e-15) << x << " " << cycles;
+        EXPECT_TRUE(std::isfinite(r.by_x + r.by_cycles) && r.value >= 0.0 && r.value <= 1.0 + kUlp)
+            << x << " " << cycles;
+      }
+}
+
+TEST(Vibration, averages_need_their_values) {
+  auto c = vibration(1.0);
+  set(c, "cycles", 0.5);
+  EXPECT_TRUE(refused(c, "cycles"));
+  choose(c, "average", 2);
+  EXPECT_FALSE(refused(c, "cycles"));
+  set(c, "period", 0.1);
+  EXPECT_TRUE(refused(c, "cycles"));
+  c = vibration(1.0);
+  choose(c, "average", 1);
+  EXPECT_TRUE(refused(c, "cycles"));
+  c = rms_over_phases(1.0, 0.4);
+  set(c, "phase", 10.0);
+  EXPECT_TRUE(refused(c, "phase"));
 }
 
 }  // namespace

@@ -167,12 +167,14 @@ TEST(ConfigRoundTrip, EveryFieldOfEveryKind) {
       expect_round_trip(result.config);
     }
     for (std::size_t i = 0; i < fields.size(); ++i) {
-      // A field that only qualifies another one (a direction) is accepted together with that one.
-      if (accepted[i]) continue;
-      for (std::size_t other = 0; other < fields.size() && !accepted[i]; ++other) {
+      // A field that only qualifies others (a direction, a wind) is accepted together with up to three of them.
+      const std::size_t n = fields.size();
+      for (std::size_t others = 0; others < n * n * n && !accepted[i]; ++others) {
+        const std::size_t a = others % n, b = others / n % n, c = others / (n * n);
+        if (a < b || b < c) continue;
         std::string text = kHead + "[[" + stage + "]]\nkind = \"" + std::string(kind) + "\"\n";
-        for (std::size_t k = 0; k < fields.size(); ++k)
-          if (k == i || k == other || fields[k].info->presence == Presence::required)
+        for (std::size_t k = 0; k < n; ++k)
+          if (k == i || k == a || k == b || k == c || fields[k].info->presence == Presence::required)
             text += example_line(*fields[k].info, is_scan(*fields[i].info));
         const ConfigResult result = parse_config(text, sensor_path());
         if (!result.ok()) continue;
@@ -302,8 +304,11 @@ TEST(ConfigRoundTrip, RandomDoubles) {
     config.scene.border = Border::constant;
     config.scene.border_value = -draw(0.0, 1e300);
     for (const std::string_view kind : component_kinds()) {
-      if (kind == "linear_motion" || kind == "curve" || kind == "rms_wavefront" || kind == "bolometer") continue;
-      if (kind == "unsharp" || kind == "interpolation" || kind == "display_flat_panel" || kind == "eye") continue;
+      // Not those whose fields exclude each other or whose random values are refused.
+      if (kind == "linear_motion" || kind == "curve" || kind == "rms_wavefront" || kind == "bolometer" ||
+          kind == "turbulence" || kind == "random_wavefront" || kind == "accelerated_motion" || kind == "aerosol" ||
+          kind == "unsharp" || kind == "interpolation" || kind == "display_flat_panel" || kind == "eye")
+        continue;
       Component<double> component = Component<double>::make(kind);
       if (component.is_pupil() && kind != (round % 2 == 0 ? "diffraction" : "wavefront")) continue;
       for (auto& field : component.fields()) {
@@ -319,7 +324,10 @@ TEST(ConfigRoundTrip, RandomDoubles) {
         if (auto* const* v = std::get_if<int*>(&field.value)) **v = 1 + static_cast<int>(random() % 20);
         if (auto* const* v = std::get_if<Coefficients<double>*>(&field.value))
           **v = {draw(0.0, 0.01), -draw(0.0, 0.01)};
-        if (auto* const* v = std::get_if<Taps<double>*>(&field.value)) **v = {{draw(-1e6, 1e6), 3.0, -draw(0.0, 1e6)}};
+        if (auto* const* v = std::get_if<Taps<double>*>(&field.value))
+          **v = info.name == "vertices"
+                    ? Taps<double>{{draw(-1e6, 1e6), 3.0}, {draw(-1e6, 1e6), 5.0}, {0.25, -draw(0.0, 1e6)}}
+                    : Taps<double>{{draw(-1e6, 1e6), 3.0, -draw(0.0, 1e6)}};
       }
       const Stages stages = component.stages();
       system.add(stages.presample ? Stage::presample

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Light scattered by aerosol over a path of length R, scattering coefficient s, optical depth of scattering s R:
+//   contrast (default): otf = 1 at f = 0, exp(-s R) everywhere else: scattered light is a veil without detail
+//   blur:  otf = exp(-s R (u/uc)^2) for u < uc, exp(-s R) beyond: it is a halo of finite width
+// u in cycles/rad, uc = a / lambda for particles of radius a, or given. Real; depends on |f| only.
+// The mean of the image is kept (otf(0) = 1): what is lost to absorption, exp(-A R), belongs to the path transmission
+// of the radiometry and never here. Count scattering once: with this component the path transmission holds absorption
+// alone; with a transmission exp(-(A + s) R) and its path radiance in the radiometry, leave this component out.
+// (Kopeika, A System Engineering Approach to Imaging, with exp(-A R) taken out of its aerosol MTF. Monte-Carlo work
+// finds a contrast loss nearly independent of frequency and hardly any blur, hence the default.)
+
+#include "mtf/components/field.h"
+
+namespace mtf {
+
+inline constexpr std::array<std::string_view, 2> kAerosolNames{"contrast", "blur"};
+
+template <class S>
+struct Aerosol {
+  static constexpr std::string_view kind = "aerosol";
+  static constexpr std::string_view doc = "aerosol scattering of the path: contrast loss, or blur";
+  static constexpr Stages stages{.presample = true};
+
+  S scattering_1_km{};
+  S path_length_km{};
+  Choice mode{0, kAerosolNames};
+  SpatialFrequency<S> cutoff;
+  std::optional<S> particle_radius_um;
+  std::optional<S> wavelength_um;
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "scattering",
+                                      .lo = 0.0,
+                                      .hi = 1e3,
+                                      .example = "0.1",
+                                      .doc = "scattering coefficient per km, a plain number"},
+                            &Aerosol::scattering_1_km},
+                      Field{FieldInfo{.name = "path_length",
+                                      .dimension = Dimension::length,
+                                      .unit = "km",
+                                      .lo = 0.0,
+                                      .hi = 1e6,
+                                      .example = "\"5 km\"",
+                                      .doc = "length of the path"},
+                            &Aerosol::path_length_km},
+                      Field{FieldInfo{.name = "mode",
+                                      .presence = Presence::optional,
+                                      .example = "\"blur\"",
+                                      .doc = "contrast (a veil) or blur (a halo)"},
+                            &Aerosol::mode},
+                      Field{FieldInfo{.name = "cutoff",
+                                      .dimension = Dimension::frequency,
+                                      .lo = 1e-9,
+                                      .hi = 1e9,
+                                      .presence = Presence::optional,
+                                      .example = "\"2 cy/mrad\"",
+                                      .doc = "blur: frequency uc from which the loss is constant"},
+                            &Aerosol::cutoff},
+                      Field{FieldInfo{.name = "particle_radius",
+                                      .dimension = Dimension::length,
+                                      .unit = "um",
+                                      .lo = 1e-3,
+                                      .hi = 1e5,
+                                      .presence = Presence::optional,
+                                      .example = "\"100 um\"",
+                                      .doc = "blur: uc = radius / wavelength, instead of cutoff"},
+                            &Aerosol::particle_radius_um},
+                      Field{kWavelengthInfo, &Aerosol::wavelength_um}};
+  }
+  bool is_blur() const { return mode.index == 1; }
+  Traits traits(const Context<S>&) const {
+    // The step of the contrast at f = 0 keeps it out of tables over |f|, the pitch a cutoff in cy/px off the circle.
+    const bool round = cutoff.unit == nullptr || cutoff.unit->name != "cy/px";
+    return {.radial = is_blur() && round,
+            .even_x = true,
+            .even_y = true,
+            .chromatic = is_blur() && particle_radius_um && !wavelength_um};
+  }
+  /// u/uc.
+  S relative(const Freq<S>& f, const Context<S>& ctx) const {
+    if (cutoff.unit != nullptr)
+      return radius(S(f.x / cutoff.cy_mm(ctx.frame, Axis::x)), S(f.y / cutoff.cy_mm(ctx.frame, Axis::y)));
+    const S wavelength = wavelength_um.value_or(ctx.wavelength_um);
+    return radius(f.x, f.y) * (ctx.frame.focal_length_mm * wavelength) / particle_radius_um.value_or(S(1));
+  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const S depth = scattering_1_km * path_length_km;
+    const double most = std::exp(-value_of(depth));
+    if (!is_blur()) {
+      if (value_of(f.x) == 0.0 && value_of(f.y) == 0.0) return {S(1), S(0)};
+      return {lift({most, -most}, depth), S(0)};
+    }
+    const S u = relative(f, ctx);
+    const double r = value_of(u);
+    if (!(r < 1.0)) return {lift({most, -most}, depth), S(0)};
+    const double h = std::exp(-value_of(depth) * r * r);
+    return {lift({h, -r * r * h}, depth) + lift({0.0, -2.0 * value_of(depth) * r * h}, u), S(0)};
+  }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    const double depth = value_of(scattering_1_km) * value_of(path_length_km);
+    const double r = is_blur() ? std::min(1.0, value_of(relative({S(fx), S(fy)}, ctx))) : 1.0;
+    return -std::expm1(-depth * r * r);
+  }
+  std::vector<Problem> check(const Context<S>&) const {
+    const bool has_cutoff = cutoff.unit != nullptr;
+    if (is_blur() && has_cutoff == particle_radius_um.has_value())
+      return {{.field = "cutoff", .text = "mode = \"blur\" needs either cutoff or particle_radius"}};
+    if (!is_blur() && (has_cutoff || particle_radius_um))
+      return {{.field = has_cutoff ? "cutoff" : "particle_radius",
+               .text = "belongs to mode = \"blur\"; the contrast loss has no frequency"}};
+    return {};
+  }
+};
+
+}  // namespace mtf

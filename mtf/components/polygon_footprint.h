@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Detector footprint of any simple polygon, uniform response: L-shape, hexagon, trapezoid ...
+//   otf = (1/area) integral over the polygon of exp(-2 pi i f.x) dx
+// Vertices [x, y] in order (either sense) as plain numbers of unit_length, +x right, +y down from the pixel's centre.
+// Complex: the shift of an off-centre polygon is kept in the phase. Real when the polygon is point-symmetric. As a sum
+// of signed triangles from the mean of the vertices, see polygon.h. (Lee and Mittra, IEEE Trans. Antennas Propag. 31,
+// 99 (1983), for the transform by edges.)
+
+#include "mtf/components/field.h"
+#include "mtf/components/polygon.h"
+
+namespace mtf {
+
+template <class S>
+struct PolygonFootprint {
+  static constexpr std::string_view kind = "polygon_footprint";
+  static constexpr std::string_view doc = "detector footprint of any simple polygon";
+  static constexpr Stages stages{.presample = true};
+  static constexpr std::size_t kMostVertices = 200;
+
+  Taps<S> vertices;
+  AxisPair<S> unit_length;
+
+  static constexpr auto fields() {
+    return std::tuple{
+        Field{FieldInfo{.name = "vertices",
+                        .lo = -1e6,
+                        .hi = 1e6,
+                        .example = "[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.1], [0.1, 0.1], [0.1, 0.5], [-0.5, 0.5]]",
+                        .doc = "corners [x, y] in order, in units of unit_length"},
+              &PolygonFootprint::vertices},
+        Field{FieldInfo{.name = "unit_length",
+                        .dimension = Dimension::extent,
+                        .lo = 0.0,
+                        .hi = 1e9,
+                        .example = "\"15 um\"",
+                        .doc = "length that 1 stands for in vertices, per axis"},
+              &PolygonFootprint::unit_length}};
+  }
+  std::vector<Point> points() const {
+    std::vector<Point> all;
+    for (const auto& v : vertices) all.push_back({value_of(v[0]), value_of(v[1])});
+    return all;
+  }
+  Traits traits(const Context<S>&) const {
+    const std::vector<Point> p = points();
+    return {.even_x = polygon_mirrored(p, -1.0, 1.0),
+            .even_y = polygon_mirrored(p, 1.0, -1.0),
+            .real = polygon_mirrored(p, -1.0, -1.0)};
+  }
+  /// What does not depend on the frequency is done once: for many frequencies at one context.
+  auto evaluator(const Context<S>& ctx) const {
+    return [this, ux = S(unit_length.x_um(ctx.frame) * S(1e-3)), uy = S(unit_length.y_um(ctx.frame) * S(1e-3)),
+            middle = middle_point(), real = polygon_mirrored(points(), -1.0, -1.0)](const Freq<S>& f) {
+      const Complex<S> h = transform(f.x * ux, f.y * uy, middle);
+      return Complex<S>{h.re, real ? lift({0.0, 1.0}, h.im) : h.im};
+    };
+  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return evaluator(ctx)(f); }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  /// |1 - exp(-2 pi i a)| = 2 sin(pi |a|) for the farthest corner; real: its real part alone, 2 sin^2(pi a).
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    double largest = 0.0;
+    for (const Point& p : points())
+      largest = std::max(largest, std::abs(p.x) * fx * value_of(unit_length.x_um(ctx.frame)) * 1e-3 +
+                                      std::abs(p.y) * fy * value_of(unit_length.y_um(ctx.frame)) * 1e-3);
+    const double sine = sin_pi(std::min(0.5, largest));
+    return polygon_mirrored(points(), -1.0, -1.0) ? 2.0 * sine * sine : 2.0 * sine;
+  }
+  std::vector<Problem> check(const Context<S>& ctx) const {
+    const auto fault = [](std::string text) {
+      return std::vector<Problem>{{.field = "vertices", .text = std::move(text)}};
+    };
+    for (const auto& v : vertices)
+      if (v.size() != 2) return fault("every vertex is a pair [x, y]");
+    if (vertices.size() > kMostVertices) return fault("more than " + std::to_string(kMostVertices) + " vertices");
+    const std::vector<Point> p = points();
+    if (std::string text = polygon_fault(p); !text.empty()) return fault(std::move(text));
+    const auto [left, right] = std::minmax_element(p.begin(), p.end(), [](auto& a, auto& b) { return a.x < b.x; });
+    const auto [top, bottom] = std::minmax_element(p.begin(), p.end(), [](auto& a, auto& b) { return a.y < b.y; });
+    const auto wide = [&](double length, const S& unit_um, Axis axis) {
+      return length * value_of(unit_um) > value_of(ctx.frame.pitch_um(axis)) * (1.0 + 1e-9);
+    };
+    if (wide(right->x - left->x, unit_length.x_um(ctx.frame), Axis::x) ||
+        wide(bottom->y - top->y, unit_length.y_um(ctx.frame), Axis::y))
+      return {{.error = false, .field = "vertices", .text = "the polygon is larger than the pitch"}};
+    return {};
+  }
+
+ private:
+  /// Any point serves as the common corner of the triangles; inside, few of them are negative.
+  Point middle_point() const {
+    Point sum;
+    for (const Point& p : points()) sum = {sum.x + p.x, sum.y + p.y};
+    const double n = static_cast<double>(vertices.size());
+    return {sum.x / n, sum.y / n};
+  }
+  /// gx, gy: cycles per unit of the vertices.
+  Complex<S> transform(const S& gx, const S& gy, const Point& middle) const {
+    const auto x = [&](std::size_t k) { return S(vertices[k][0] - S(middle.x)); };
+    const auto y = [&](std::size_t k) { return S(vertices[k][1] - S(middle.y)); };
+    if (!(std::hypot(value_of(gx), value_of(gy)) < 1e150)) return {};  // nothing is left, and no phase to tell
+    const std::size_t n = vertices.size();
+    const auto twice_area = [&](std::size_t k) { return S(x(k) * y((k + 1) % n) - y(k) * x((k + 1) % n)); };
+    S area = S(0);
+    for (std::size_t k = 0; k < n; ++k) area = area + twice_area(k);
+    Complex<S> sum{};
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t next = (k + 1) % n;
+      const S share = twice_area(k) / area;
+      const Complex<S> mean = triangle_mean(S(gx * x(k) + gy * y(k)), S(gx * x(next) + gy * y(next)));
+      sum = sum + Complex<S>{share * mean.re, share * mean.im};
+    }
+    const S shift = S(2) * (gx * S(middle.x) + gy * S(middle.y));
+    return sum * phase_of(shift);
+  }
+  /// Mean of exp(-2 pi i a) over a triangle with the phases 0, a and b at its corners.
+  static Complex<S> triangle_mean(const S& a, const S& b) {
+    const double u = value_of(a), v = value_of(b);
+    const Complex<double> h = phase_divided_difference(std::array{0.0, u, v});
+    if constexpr (requires { a.a; }) {
+      const Complex<double> by_a = phase_divided_difference(std::array{0.0, u, u, v}),
+                            by_b = phase_divided_difference(std::array{0.0, u, v, v});  // by z = -2 pi i a
+      const double c = 4.0 * kPi;
+      return {lift({2.0 * h.re, c * by_a.im}, a) + lift({0.0, c * by_b.im}, b),
+              lift({2.0 * h.im, -c * by_a.re}, a) + lift({0.0, -c * by_b.re}, b)};
+    } else {
+      return {S(2.0 * h.re), S(2.0 * h.im)};
+    }
+  }
+};
+
+}  // namespace mtf
