@@ -53,7 +53,7 @@ std::vector<double> lagrange(std::size_t n, double t) {
 
 }  // namespace
 
-PolarTable::PolarTable(const Function& h, std::vector<double> breaks, double target, int threads) {
+PolarTable::PolarTable(const Function& h, std::vector<double> breaks, double target, std::int64_t most, int threads) {
   double begin = 0.0;
   for (const double end : breaks) {
     if (end > begin * (1.0 + 1e-9)) pieces_.push_back({begin, end, {}}), begin = end;
@@ -65,9 +65,10 @@ PolarTable::PolarTable(const Function& h, std::vector<double> breaks, double tar
     error_ = 2.0 * (around + outwards);
     const bool more_spokes =
         around > 0.25 * target && spokes<kMostSpokes, more_points = outwards> 0.25 * target && points < kMostPoints;
-    if (!more_spokes && !more_points) return;
     if (more_spokes) spokes *= 2;
     if (more_points) points *= 2;
+    const auto next = static_cast<std::int64_t>(pieces_.size() * (points * (spokes / 2) + 2 * kProbes));
+    if ((!more_spokes && !more_points) || evaluations_ + next > most) return;
   }
 }
 

@@ -8,6 +8,7 @@
 // geometrically; they are refined until points in between come out within the target.
 
 #include <complex>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -20,8 +21,9 @@ class PolarTable {
  public:
   using Function = std::function<Complex<double>(const Freq<double>& f)>;
   /// `breaks`: radii in rising order between which H is smooth, the last being the table's end; beyond it H is 0.
-  /// `threads` evaluate H (0 = all cores).
-  PolarTable(const Function& h, std::vector<double> breaks, double target, int threads);
+  /// Refined until the target is met or the next step would take more than `most` evaluations in all; `threads`
+  /// evaluate H (0 = all cores).
+  PolarTable(const Function& h, std::vector<double> breaks, double target, std::int64_t most, int threads);
 
   /// h[i] *= table at (fx[i], fy).
   void multiply(std::span<const double> fx, double fy, std::span<Complex<double>> h) const;

@@ -10,7 +10,7 @@
 namespace mtf {
 namespace {
 
-constexpr std::size_t kFirst = 256, kLast = 32768, kDense = 65536;
+constexpr std::size_t kFirst = 256, kDense = 65536;
 constexpr std::size_t kSuspects = 12, kLook = 16;  // intervals looked at closely, and points in each
 
 // Cubic through four neighbouring samples at t in 0..1 of the middle interval [i, i+1]. Past either end the parabola of
@@ -25,7 +25,7 @@ double cubic(const std::vector<double>& v, std::size_t i, double t) {
 
 }  // namespace
 
-RadialTable::RadialTable(const Function& f, double end, double target) : end_(end) {
+RadialTable::RadialTable(const Function& f, double end, double target, std::int64_t most) : end_(end) {
   const auto sample = [&](std::size_t count, double first, double step) {
     std::vector<double> r(count), v(count);
     for (std::size_t i = 0; i < count; ++i) r[i] = first + step * static_cast<double>(i);
@@ -46,7 +46,7 @@ RadialTable::RadialTable(const Function& f, double end, double target) : end_(en
     n *= 2;
     // The merged samples are finer by two than the ones just tested: at least 2^1.5 better even at a cutoff's root.
     error_ = worst / 2.8;
-    if (error_ <= 0.5 * target || n >= kLast) break;
+    if (error_ <= 0.5 * target || static_cast<std::int64_t>(n) >= most) break;
   }
 
   double curvature = 0.0;

@@ -5,6 +5,7 @@
 // The function is sampled exactly on a coarse grid that is doubled until cubic interpolation reproduces the new
 // midpoints within the target; the dense knots come from those cubics.
 
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -13,9 +14,11 @@ namespace mtf {
 
 class RadialTable {
  public:
+  static constexpr std::int64_t kMostSamples = 32768;
   /// Table of `f` on [0, end]; beyond `end` it is f(end) (0 when `end` is the cutoff). `f` fills values at many radii.
   using Function = std::function<void(std::span<const double> radius, std::span<double> value)>;
-  RadialTable(const Function& f, double end, double target);
+  /// Refined up to about `most` samples.
+  RadialTable(const Function& f, double end, double target, std::int64_t most = kMostSamples);
 
   /// value[i] *= table at end x sqrt(x2[i] + y2): squares of frequencies relative to the table's end.
   void multiply(std::span<const float> x2, float y2, std::span<float> value) const;

@@ -45,7 +45,10 @@ OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stag
   };
   for (const Entry<double>* entry : entries_) cutoff_ = std::min(cutoff_, entry->component.cutoff_cy_mm(shortest));
   const auto& chromatic = chromatic_general_.empty() ? chromatic_radial_ : chromatic_general_;
-  if (!chromatic.empty()) choose_wavelengths(end_of({&chromatic}), target, options.wavelengths);
+  // Slow components are given what they may err by, not the least that a table can.
+  const double slow_target = std::clamp(4.0 * options.table_share, 1e-7, 1e-4);
+  if (!chromatic.empty())
+    choose_wavelengths(end_of({&chromatic}), chromatic_general_.empty() ? target : slow_target, options.wavelengths);
 
   const bool aperture_radial = aperture_.kind == SceneAperture::Kind::curve;
   if (!radial_.empty() || !chromatic_radial_.empty() || aperture_radial) {
@@ -54,7 +57,7 @@ OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stag
           [this](std::span<const double> radius, std::span<double> value) {
             for (std::size_t i = 0; i < radius.size(); ++i) value[i] = radial_product(radius[i]);
           },
-          end_of({&radial_, &chromatic_radial_}), target);
+          end_of({&radial_, &chromatic_radial_}), target, std::min(options.samples, RadialTable::kMostSamples));
     std::string names = join_labels(radial_);
     if (!chromatic_radial_.empty()) names += (names.empty() ? "" : ", ") + join_labels(chromatic_radial_);
     if (!table_ || table_->error() > 20.0 * options.table_share) {
@@ -67,7 +70,7 @@ OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stag
                         (table_ ? " -> one radial table" : " -> one radial factor, evaluated at every frequency"));
   }
   tabulate_lines(target);
-  tabulate_slow(target);
+  tabulate_slow(slow_target);
   if (!separable_.empty()) merged_.push_back(join_labels(separable_) + " -> one vector per axis");
 }
 
@@ -158,7 +161,8 @@ void OtfSampler::tabulate_lines(double target) {
           for (std::size_t i = 0; i < radius.size(); ++i)
             value[i] = entry->component.otf({u->x * radius[i], u->y * radius[i]}, ctx).re;
         },
-        std::abs(u->x) * options_.fx_max + std::abs(u->y) * options_.fy_max, target);
+        std::abs(u->x) * options_.fx_max + std::abs(u->y) * options_.fy_max, target,
+        std::min(options_.samples, RadialTable::kMostSamples));
     if (table.line_error() > 20.0 * options_.table_share) return false;
     lines_.push_back({*u, std::move(table)});
     merged_.push_back(entry->label + " -> one table along its direction");
@@ -168,7 +172,8 @@ void OtfSampler::tabulate_lines(double target) {
 
 // Aberrated pupils: microseconds a sample, but smooth between a few radii. A band averages the whole chromatic product.
 void OtfSampler::tabulate_slow(double target) {
-  constexpr std::int64_t kWorthIt = 4000;  // about what a table evaluates
+  // About what a table evaluates at least, and the most it may: what is rougher is no better off with one.
+  constexpr std::int64_t kWorthIt = 4000, kMostEvaluations = 40000;
   if (!(options_.table_share > 0.0) || options_.samples < kWorthIt) return;
   const double end = std::hypot(options_.fx_max, options_.fy_max) * (1.0 + 1e-9);  // the corner itself lies within
   const auto breaks_of = [&](const Entry<double>* entry, const Context<double>& ctx, std::vector<double>& breaks) {
@@ -176,7 +181,7 @@ void OtfSampler::tabulate_slow(double target) {
   };
   const auto tabulate = [&](std::vector<double> breaks, const PolarTable::Function& h, const std::string& names) {
     std::sort(breaks.begin(), breaks.end());
-    PolarTable table(h, std::move(breaks), target, options_.threads);
+    PolarTable table(h, std::move(breaks), target, std::min(options_.samples, kMostEvaluations), options_.threads);
     if (table.error() > 20.0 * options_.table_share) return false;
     polar_.push_back(std::move(table));
     merged_.push_back(names + " -> one table over radius and direction");
@@ -216,7 +221,7 @@ void OtfSampler::choose_wavelengths(double end, double target, int wanted) {
   // A radial product is the same in all directions; others are looked at in a few, less closely.
   const bool radial = chromatic_general_.empty();
   const auto& list = radial ? chromatic_radial_ : chromatic_general_;
-  const std::size_t directions = radial ? 1 : 4, radii = radial ? 128 : 32;
+  const std::size_t directions = radial ? 1 : 4, radii = radial ? 128 : 16;
   const auto averages = [&](int n) {
     const WavelengthNodes nodes = wavelength_nodes(*system_.band, n);
     std::vector<Complex<double>> mean(radii * directions);
