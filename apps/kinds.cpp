@@ -21,6 +21,15 @@ std::string indented(std::string_view notes) {
   return text;
 }
 
+/// 1e6 for 1e+06.
+std::string bound(double value) {
+  std::string text = mtf::format_double(value);
+  const std::size_t e = text.find('e');
+  if (e == std::string::npos) return text;
+  const std::size_t digits = text.find_first_of("123456789", e);
+  return text.substr(0, e + 1) + (text[e + 1] == '-' ? "-" : "") + text.substr(digits);
+}
+
 std::string describe_one(std::string_view kind) {
   const Component<double> component = Component<double>::make(kind);
   std::string text = std::string(kind) + ": " + std::string(component.doc()) + "; in " +
@@ -53,7 +62,8 @@ std::string written_name(const FieldRef<double>& field) {
 
 std::string unit_of(const FieldRef<double>& field) {
   if (std::holds_alternative<mtf::AxisPair<double>*>(field.value)) return "um, urad or px";
-  if (std::holds_alternative<mtf::SpatialFrequency<double>*>(field.value)) return "cy/mm, cy/mrad or cy/px";
+  if (std::holds_alternative<mtf::SpatialFrequency<double>*>(field.value))
+    return field.info->dimension == mtf::Dimension::cutoff ? "cy/mm, cy/mrad, cy/px or Hz" : "cy/mm, cy/mrad or cy/px";
   return std::string(field.info->unit);
 }
 
@@ -65,8 +75,7 @@ std::string range_of(const FieldRef<double>& field) {
     return words;
   }
   if (std::holds_alternative<std::shared_ptr<const mtf::Curve>*>(field.value)) return "a file";
-  return std::string(info.lo_open ? "(" : "[") + mtf::format_double(info.lo) + ", " + mtf::format_double(info.hi) +
-         (info.hi_open ? ")" : "]");
+  return (info.lo_open ? "(" : "[") + bound(info.lo) + ", " + bound(info.hi) + (info.hi_open ? ")" : "]");
 }
 
 std::string_view presence_of(const FieldInfo& info) {

@@ -2,9 +2,11 @@
 
 // `mtf config kinds --format markdown`: mtf/components/README.md.
 
+#include <algorithm>
 #include <optional>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "apps/kinds.h"
 #include "mtf/component_docs.h"
@@ -16,6 +18,33 @@ namespace {
 using mtf::Component;
 using mtf::FieldRef;
 using mtf::Presence;
+
+/// The order of the page, along the path of the light and the signal. A kind of no group comes last.
+struct Group {
+  std::string_view title;
+  std::vector<std::string_view> kinds;
+};
+std::vector<Group> groups() {
+  std::vector<Group> all{
+      {"Optics", {"diffraction", "defocus", "wavefront", "rms_wavefront", "random_wavefront"}},
+      {"Path", {"turbulence", "aerosol"}},
+      {"Focal plane",
+       {"footprint", "circular_footprint", "polygon_footprint", "binning", "diffusion", "crosstalk", "charge_transfer",
+        "bolometer", "tdi"}},
+      {"Motion", {"jitter", "linear_motion", "accelerated_motion", "vibration"}},
+      {"Electronics", {"rc_lowpass", "butterworth", "rc_highpass", "boost"}},
+      {"After sampling",
+       {"fir", "unsharp", "sample_and_hold", "interpolation", "display_crt", "display_flat_panel", "eye"}},
+      {"Measured, or known by size alone", {"curve", "gaussian"}},
+      {"Others", {}}};
+  for (const std::string_view kind : mtf::component_kinds())
+    if (std::none_of(all.begin(), all.end(), [&](const Group& group) {
+          return std::find(group.kinds.begin(), group.kinds.end(), kind) != group.kinds.end();
+        }))
+      all.back().kinds.push_back(kind);
+  if (all.back().kinds.empty()) all.pop_back();
+  return all;
+}
 
 // Prose becomes paragraphs, indented lines become code blocks.
 std::string as_markdown(std::string_view notes) {
@@ -49,7 +78,7 @@ struct Example {
   std::optional<mtf::Traits> traits;  ///< unknown where it needs a file
 };
 
-/// The required fields, and the first of the others when it does not do without.
+/// The required fields; without any, or when they do not do, the first of the others that will.
 Example example_of(std::string_view kind) {
   const Component<double> blank = Component<double>::make(kind);
   const auto fields = std::as_const(blank).fields();
@@ -66,8 +95,18 @@ Example example_of(std::string_view kind) {
   const std::string sensor =
       "schema = 1\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\nintegration_time = \"10 ms\"\n"
       "[optics]\nf_number = 2.0\n[band]\nwavelength = [\"3.4 um\", \"4.8 um\"]\n";
-  std::vector<const FieldRef<double>*> extras{nullptr};
-  for (const FieldRef<double>& field : fields) extras.push_back(&field);
+  std::vector<const FieldRef<double>*> extras;
+  const auto add_all = [&](Presence presence) {
+    for (const FieldRef<double>& field : fields)
+      if (field.info->presence == presence) extras.push_back(&field);
+  };
+  const bool some_required = std::any_of(fields.begin(), fields.end(), [](const FieldRef<double>& field) {
+    return field.info->presence == Presence::required;
+  });
+  if (some_required) extras.push_back(nullptr);
+  add_all(Presence::optional);
+  if (!some_required) extras.push_back(nullptr);
+  add_all(Presence::shared);
   for (const FieldRef<double>* extra : extras) {
     const mtf::io::ConfigResult result = mtf::io::parse_config(sensor + with(extra), "");
     if (!result.ok()) continue;
@@ -121,11 +160,14 @@ std::string section(std::string_view kind) {
 std::string kinds_markdown(const std::string& kind) {
   if (!kind.empty()) return section(kind);
   std::string contents, sections;
-  for (const std::string_view each : mtf::component_kinds()) {
-    const Component<double> component = Component<double>::make(each);
-    contents += "| [" + std::string(each) + "](#" + std::string(each) + ") | " + cell(std::string(component.doc())) +
-                " | " + join_stages(component.stages(), "", "") + " |\n";
-    sections += "\n" + section(each);
+  for (const auto& [title, kinds] : groups()) {
+    contents += "| **" + std::string(title) + "** | | |\n";
+    for (const std::string_view each : kinds) {
+      const Component<double> component = Component<double>::make(each);
+      contents += "| [" + std::string(each) + "](#" + std::string(each) + ") | " + cell(std::string(component.doc())) +
+                  " | " + join_stages(component.stages(), "", "") + " |\n";
+      sections += "\n" + section(each);
+    }
   }
   return R"(<!-- Generated from the component headers: mtf config kinds --format markdown > mtf/components/README.md -->
 # Components

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Image motion of constant acceleration during the integration time t, x(s) = v s + a s^2/2 about mid exposure:
-//   otf = (1/t) integral over s = -t/2 ... t/2 of exp(-2 pi i f.x(s)) ds = h(d, b),  d = f.v t,  b = f.a t^2/2
-// in Fresnel integrals (chirp.h); both along one direction. v is the velocity at mid exposure. Complex: the mean shift
-// a t^2/24 and the asymmetry are kept in the phase; a = 0 is linear_motion. A negative acceleration slows the image.
-// Conditioning: the phases pi d and pi b/2 carry the rounding of their products, a few 2^-53 of themselves.
-// (Hadar, Dror, Kopeika, Opt. Eng. 33, 566 (1994).)
+// Image motion of constant acceleration during the integration time t, about mid exposure.
+//   otf = (1/t) integral over s = -t/2 ... t/2 of exp(-2 pi i f.x(s)) ds,  x(s) = v s + a s^2/2
+// v = velocity of the image at mid exposure, a = its acceleration, both at the focal plane and along one direction,
+// from +x (right) to +y (down). A negative acceleration slows the image. Complex: the mean shift a t^2/24 and the
+// asymmetry are kept in the phase; a = 0 is `linear_motion`. Separable only along an axis. Valid while the acceleration
+// is constant over the integration time. In closed form by Fresnel integrals; the phases pi f.v t and pi f.a t^2/4
+// carry the rounding of their products, a few 2^-53 of themselves. (Hadar, Dror, Kopeika, Opt. Eng. 33, 566 (1994).)
 
 #include "mtf/components/chirp.h"
 #include "mtf/components/field.h"

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Light scattered by aerosol over a path of length R, scattering coefficient s, optical depth of scattering s R:
-//   contrast (default): otf = 1 at f = 0, exp(-s R) everywhere else: scattered light is a veil without detail
-//   blur:  otf = exp(-s R (u/uc)^2) for u < uc, exp(-s R) beyond: it is a halo of finite width
-// u in cycles/rad, uc = a / lambda for particles of radius a, or given. Real; depends on |f| only.
-// The mean of the image is kept (otf(0) = 1): what is lost to absorption, exp(-A R), belongs to the path transmission
-// of the radiometry and never here. Count scattering once: with this component the path transmission holds absorption
-// alone; with a transmission exp(-(A + s) R) and its path radiance in the radiometry, leave this component out.
-// (Kopeika, A System Engineering Approach to Imaging, with exp(-A R) taken out of its aerosol MTF. Monte-Carlo work
-// finds a contrast loss nearly independent of frequency and hardly any blur, hence the default.)
+// Light scattered by aerosol over a path of length R.
+//   contrast: otf = 1 at f = 0,  exp(-s R) everywhere else
+//   blur:     otf = exp(-s R (u/uc)^2) for u < uc,  exp(-s R) beyond
+// s = scattering coefficient, s R = optical depth of scattering, u = |f| x focal length in cycles/rad, uc = a/lambda
+// for particles of radius a, or given. Contrast, the default, takes scattered light for a veil without detail, blur for
+// a halo of finite width. Real, positive, radial. The mean of the image is kept (otf(0) = 1): what is lost to
+// absorption, exp(-A R), belongs to the path transmission of the radiometry and never here. Count scattering once: with
+// this component the path transmission holds absorption alone; with a transmission exp(-(A + s) R) and its path
+// radiance in the radiometry, leave this component out. Monte-Carlo work finds a contrast loss nearly independent of
+// frequency and hardly any blur, hence the default. (Kopeika, A System Engineering Approach to Imaging, with exp(-A R)
+// taken out of its aerosol MTF.)
 
 #include "mtf/components/field.h"
 

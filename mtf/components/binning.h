@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Pixels summed n by m into one sample (binning), the gaps between their active areas kept:
-//   otf = [(1/n) sum over i = 0 ... n-1 of cos(2 pi fx px (i - (n-1)/2))] x the same along y with m, py
-// p = spacing of the native pixels; the response of one of them is its own component (footprint, width w <= p).
-// frame.pitch is the pitch of the binned output, at which the image is sampled; spacing is the native one and defaults
-// to pitch_x / n, pitch_y / m. Real (signed), separable; n = m = 1 is 1. Without gaps, footprint p times binning n is
-// one footprint of n p. (Holst and Lomheim, CMOS/CCD Sensors and Camera Systems.)
+// Pixels summed n by m into one sample, the gaps between their active areas kept.
+//   otf = C(n, px fx) C(m, py fy),  C(n, x) = (1/n) sum over i = 0 ... n-1 of cos(2 pi x (i - (n-1)/2))
+// p = spacing of the native pixels; the response of one of them is its own component (`footprint` of a width up to p).
+// frame.pitch is the pitch of the binned output, at which the image is sampled; the spacing defaults to pitch_x/n and
+// pitch_y/m. Real and signed; separable; n = m = 1 is 1. Without gaps, a footprint of width p times the binning of n is
+// one footprint of width n p. (Holst and Lomheim, CMOS/CCD Sensors and Camera Systems.)
 
 #include "mtf/components/field.h"
 

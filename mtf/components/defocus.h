@@ -2,12 +2,14 @@
 #pragma once
 
 // Diffraction and defocus of a circular or annular pupil in one, exact at any amount.
-//   otf = Hopkins' integral over the pupil's overlap (mtf/components/defocus_pupil.h), nu = |f| lambda N
-//   W020 = waves, the wavefront error at the edge of the pupil, or distance / (8 N^2 lambda) for an image plane that
-//   lies `distance` away from the focus (paraxial; either sign, the OTF is the same)
-// rms wavefront error of a clear pupil = W020 / sqrt(12). Real (signed: contrast reverses), radial; a complete pupil
-// OTF, zero from |f| = 1/(lambda N) on. Conditioning: nu and W020 carry 3 x 2^-53 each, times the slopes of the OTF.
-// (Hopkins, Proc. R. Soc. A 231, 91 (1955); Goodman, Introduction to Fourier Optics, ch. 6.)
+//   otf = 1/A integral over the pupil's overlap of cos(8 pi W020 nu x) dx dy,  nu = |f| lambda N
+//   W020 = distance / (8 N^2 lambda)
+// W020 = wavefront error at the edge of the pupil in waves, given, or from the distance between image plane and focus
+// (paraxial; either sign, the OTF is the same); the rms wavefront error of a clear pupil is W020/sqrt(12). The overlap
+// is that of two pupils of radius 1 and area A with centres 2 nu apart along x, lambda = wavelength, N = f-number. Real
+// (signed: contrast reverses), radial; a complete pupil OTF, zero from |f| = 1/(lambda N) on. Conditioning: nu and W020
+// carry 3 x 2^-53 each, times the slopes of the OTF. (Hopkins, Proc. R. Soc. A 231, 91 (1955); Goodman, Introduction to
+// Fourier Optics, ch. 6.)
 
 #include "mtf/components/defocus_pupil.h"
 #include "mtf/components/field.h"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Spot of a cathode-ray tube, a Gaussian of the screen's luminance:
-//   otf = exp(-2 pi^2 (sx^2 fx^2 + sy^2 fy^2)),  s = standard deviation of the spot per axis
-// Sizes are given at the focal plane, which the screen shows magnified: "0.5 px" is half a pixel of the image as shown.
-// From a full width at half maximum, s = FWHM/2.3548. Real, separable. (Holst, Electro-Optical Imaging System
-// Performance.)
+// Spot of a cathode-ray tube, a Gaussian of the screen's luminance.
+//   otf = exp(-2 pi^2 (sx^2 fx^2 + sy^2 fy^2))
+// s = standard deviation of the spot per axis; from a full width at half maximum, s = FWHM/2.3548. Sizes are given at
+// the focal plane, which the screen shows magnified: "0.5 px" is half a pixel of the image as shown. Real, positive,
+// separable; radial when sx = sy. (Holst, Electro-Optical Imaging System Performance.)
 
 #include "mtf/components/gaussian.h"
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Element of a flat panel, evenly lit over its active width:
-//   width       monochrome:  otf = sinc(w fx) sinc(w fy), per axis
-//   lcd_pitch   colour LCD of pitch P with three vertical stripes:
-//               otf = sinc(0.29 P fx) [0.68 + 0.32 cos(0.64 pi P fx)] sinc(0.85 P fy)
-// The second is the luminance of a white element: stripes 0.29 P wide, the middle one with 0.68 of it, the outer ones
-// at -0.32 P and +0.32 P with 0.16 each. It is 1 at f = 0; the form with a product, 0.68 x 0.32 cos(...), that is found
-// in print is not. Sizes are given at the focal plane, which the panel shows magnified: "1 px" is one pixel of the
-// image as shown. Real, signed, separable. (Holst, Electro-Optical Imaging System Performance; Vollmerhausen and
-// Driggers, Analysis of Sampled Imaging Systems.)
+// Element of a flat panel, evenly lit over its active width, or the three stripes of a colour LCD.
+//   width:      otf = sinc(wx fx) sinc(wy fy),  sinc(x) = sin(pi x)/(pi x)
+//   lcd_pitch:  otf = sinc(0.29 P fx) [0.68 + 0.32 cos(0.64 pi P fx)] sinc(0.85 P fy)
+// w = active width per axis of a monochrome element; P = pitch of a colour LCD with three vertical stripes. The second
+// is the luminance of a white element: stripes 0.29 P wide, the middle one with 0.68 of it, the outer ones at -0.32 P
+// and +0.32 P with 0.16 each. It is 1 at f = 0; the form with a product, 0.68 x 0.32 cos(...), that is found in print
+// is not. Sizes are given at the focal plane, which the panel shows magnified: "1 px" is one pixel of the image as
+// shown. Real and signed; separable. (Holst, Electro-Optical Imaging System Performance; Vollmerhausen and Driggers,
+// Analysis of Sampled Imaging Systems.)
 
 #include "mtf/components/field.h"
 

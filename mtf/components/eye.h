@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The observer's eye at the display, by one of the models of mtf/eye.h. Frequencies at the eye are those in object
-// space divided by the display's magnification, M = angle at the eye / angle in object space.
-//   model = "mtf"    optics x retina x tremor, pupil from the luminance: 1 at f = 0
-//   the others       contrast sensitivity relative to its own peak, S(u)/max S: a filter of visibility, not of
-//                    luminance. It is 0 at f = 0 (the mean is no contrast) and 1 at its peak.
-// Real, radial. All have a tip at f = 0, where the derivatives are taken as 0; the slope on its sides is that of the
-// models, unbounded for "mtf" (f^i0 with i0 < 1).
+// The observer's eye at the display, by its MTF or by one of three models of its contrast sensitivity.
+//   mtf:         otf = exp(-(43.69 u/f0)^i0) exp(-0.375 u^1.21) exp(-0.4441 u^2),  u in cycles/mrad
+//   the others:  otf = S(u)/max S,  u in cycles/degree
+//   barten_2003           S = 5200 exp(-0.0016 u^2 (1 + 100/L)^0.08)
+//                             / sqrt((1 + 144/X^2 + 0.64 u^2) (63/L^0.83 + 1/(1 - exp(-0.02 u^2))))
+//   barten_short          S = 540 u exp(-b u) sqrt(1 + 0.06 exp(b u)) (1 + 0.7/L)^-0.2 / (1 + 12/(X (1 + u/3))),
+//                         b = 0.3 (1 + 100/L)^0.15
+//   barten_short_squared  the same with (1 + u/3)^2
+// u = frequency at the eye = frequency in object space / magnification, which is angle at the eye / angle in object
+// space. mtf is optics x retina x tremor; f0 and i0 follow from the pupil, the pupil from the luminance L in cd/m^2
+// (`mtf/eye.h`). The others are filters of visibility, not of luminance: 0 at f = 0 (the mean is no contrast), 1 at
+// their peak; X = angular size of the picture in degrees. Both short forms are in use under one name. Real, not
+// negative, radial. All have a tip at f = 0, where the derivatives are taken as 0; the slope on its sides is that of
+// the models, unbounded for mtf (u^i0 with i0 < 1). Fits for 3.4e-4 to 3.5e3 cd/m^2 (mtf), about 0.1 to 1000 cd/m^2 and
+// 0.5 to 60 degrees (the others). (Overington, Vision and Acquisition; Barten, Proc. SPIE 5294, 231 (2003); Barten, J.
+// Opt. Soc. Am. A 7, 2024 (1990).)
 
 #include "mtf/components/field.h"
 #include "mtf/eye.h"

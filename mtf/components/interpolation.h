@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Interpolation between the samples of an image, per axis; x = f p in cycles/pixel, and beyond x = 1/2 what is left of
-// the replicas of the spectrum:
-//   nearest          sinc(x)
-//   linear           sinc(x)^2
-//   cubic            Keys' kernel of parameter a:  A(x) + a B(x),
-//                    A = 3 (sinc(x)^2 - sinc(2x))/(pi x)^2,  B = 2 (3 sinc(2x)^2 - 2 sinc(2x) - sinc(4x))/(pi x)^2
-//                    a = -1/2 is third order; below, fine detail is amplified
-//   bspline          cubic B-spline through the samples:  sinc(x)^4 / (2/3 + cos(2 pi x)/3)
-//   six_coefficient  doubles the samples by a symmetric filter of twelve taps: 1/2 + sum_j c_j cos((2j - 1) pi x),
-//                    period 2. Coefficients as published, to four decimals: otf(0) = 0.9996 per axis (0.9992 for an
-//                    image) and up to 1.0008 within the band; this gain is kept and declared, as that of `fir` is.
-// Real, separable. Nothing is shifted. (Keys, IEEE Trans. ASSP-29, 1153 (1981); Unser, IEEE Signal Proc. Mag. 16(6),
-// 22 (1999); six coefficients: the zoom of the NVTherm family of sensor models.)
+// Interpolation between the samples of an image.
+//   otf = h(fx px) h(fy py),  sinc(x) = sin(pi x)/(pi x)
+//   nearest          h(x) = sinc(x)
+//   linear           h(x) = sinc(x)^2
+//   cubic            h(x) = A + a B,  A = 3 (sinc(x)^2 - sinc(2x))/(pi x)^2,
+//                    B = 2 (3 sinc(2x)^2 - 2 sinc(2x) - sinc(4x))/(pi x)^2
+//   bspline          h(x) = sinc(x)^4 / (2/3 + cos(2 pi x)/3)
+//   six_coefficient  h(x) = 1/2 + sum over j = 1 ... 6 of c_j cos((2j - 1) pi x)
+// p = pitch, so that x is in cycles/pixel; beyond x = 1/2 the otf is what is left of the replicas of the spectrum.
+// cubic: Keys' kernel of parameter a; a = -1/2 is of third order; below, fine detail is amplified. bspline: the cubic
+// spline through the samples. six_coefficient: doubles the samples by a symmetric filter of twelve taps, period 2; its
+// coefficients are published to four decimals, so otf(0) = 0.9996 per axis (0.9992 for an image) and up to 1.0008
+// within the band; this gain is kept and declared, as that of `fir` is. Real; nothing is shifted. (Keys, IEEE Trans.
+// ASSP-29, 1153 (1981); Unser, IEEE Signal Proc. Mag. 16(6), 22 (1999); six coefficients: the zoom of the NVTherm
+// family of sensor models.)
 
 #include <utility>
 

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Low-pass filters of the electronics, along the scan; their cutoff f0 in space or in time: electronics.h.
-//   rc_lowpass:   otf = 1/(1 + i f/f0)           causal: the tail of a point trails towards +axis; phase kept
-//   butterworth:  otf = 1/sqrt(1 + (f/f0)^(2n))  modulus of an n-pole filter, phase taken out (linear-phase reading)
-// (Lloyd, Thermal Imaging Systems; Holst, Electro-Optical Imaging System Performance.)
+// Low-pass filters of the electronics behind a scanned or serially read detector, in time, along the scan.
+//   rc_lowpass:   otf = 1/(1 + i f/f0)
+//   butterworth:  otf = 1/sqrt(1 + (f/f0)^(2n))
+// f = frequency along the axis, f0 = cutoff: a spatial frequency, or one in time together with the speed that makes
+// place of it, scan velocity, scan rate or pixel clock; n = number of poles. rc_lowpass is causal and complex: the tail
+// of a point trails towards +axis, where time runs, and the phase is kept. butterworth is real and positive: the
+// modulus of an n-pole filter, its phase taken out (linear-phase reading). (Lloyd, Thermal Imaging Systems; Holst,
+// Electro-Optical Imaging System Performance.)
 
 #include "mtf/components/electronics.h"
 
@@ -41,7 +45,7 @@ struct RcLowpass : ElectronicFilter<S> {
 template <class S>
 struct Butterworth : ElectronicFilter<S> {
   static constexpr std::string_view kind = "butterworth";
-  static constexpr std::string_view doc = "n-pole Butterworth low-pass, modulus only";
+  static constexpr std::string_view doc = "Butterworth low-pass of n poles, modulus only";
   static constexpr Stages stages{.presample = true, .readout = true};
 
   int poles = 0;

@@ -94,7 +94,10 @@ std::string polygon_fault(std::span<const Point> v) {
         return "edges " + std::to_string(i + 1) + " and " + std::to_string(j + 1) +
                (n == 3 ? " lie on one line: no area" : " cross or touch; the outline has to be simple");
     }
-  return area == 0.0 ? "the polygon has no area" : "";
+  const auto [left, right] = std::minmax_element(v.begin(), v.end(), [](auto& a, auto& b) { return a.x < b.x; });
+  const auto [top, bottom] = std::minmax_element(v.begin(), v.end(), [](auto& a, auto& b) { return a.y < b.y; });
+  const double box = (right->x - left->x) * (bottom->y - top->y);
+  return 0.5 * std::abs(area) <= 1e-6 * box ? "the polygon has less than 1e-6 of the area of the box around it" : "";
 }
 
 bool polygon_mirrored(std::span<const Point> v, double sx, double sy) {

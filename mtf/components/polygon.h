@@ -21,7 +21,7 @@ struct Point {
 };
 
 /// Why the closed line through the vertices is no polygon with an inside (fewer than three, repeated, crossing or
-/// touching itself, without area), or "".
+/// touching itself, thinner than rounding allows), or "".
 std::string polygon_fault(std::span<const Point> vertices);
 
 /// Whether the polygon is its own image under (x, y) -> (sx x, sy y), sx, sy = 1 or -1.

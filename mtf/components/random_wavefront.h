@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Random wavefront error, Gaussian with a Gaussian correlation, averaged over its realisations:
-//   otf = exp(-s^2 [1 - exp(-(lambda u / L)^2)])
-// s = 2 pi W, W = rms wavefront error in waves at lambda; lambda u = separation in the pupil, u in cycles/rad; L =
-// correlation length, as a length in the pupil or as a fraction of the aperture. Real, radial; multiplies
-// `diffraction`. The otf does not go to 0: the fraction exp(-s^2) of the light stays in the sharp core. W is at
-// `wavelength_reference`: W(lambda) = W x reference / lambda. Valid for L well below the aperture (polishing errors,
-// boundary layers); a budget of known aberrations is `rms_wavefront`. (O'Neill, Introduction to
+// Random wavefront error, Gaussian with a Gaussian correlation, averaged over its realisations.
+//   otf = exp(-s^2 [1 - exp(-(lambda u / L)^2)]),  s = 2 pi W
+// W = rms wavefront error in waves at lambda, lambda = wavelength, lambda u = separation in the pupil, u = |f| x focal
+// length in cycles/rad, L = correlation length, as a length in the pupil or as a fraction of the aperture. Real,
+// positive, radial; multiplies `diffraction`. It does not go to 0: the fraction exp(-s^2) of the light stays in the
+// sharp core. W is at `wavelength_reference`: W(lambda) = W x reference / lambda. Valid for L well below the aperture
+// (polishing errors, boundary layers); a budget of known aberrations is `rms_wavefront`. (O'Neill, Introduction to
 // Statistical Optics; equation 3-31 of the IBSM as pyBSM quotes it.)
 
 #include "mtf/components/field.h"

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// AC coupling of the electronics: a one-pole high-pass along the scan, 1 minus the low-pass of the same cutoff,
-//   otf = i u/(1 + i u),  u = f/f0, f along the axis; f0 in space or in time: electronics.h
-// The phase is kept: behind a bright point every line drops below its mean and recovers with exp(-2 pi f0 x) towards
-// +axis (droop, undershoot). What happens to the mean of a line, u = 0 exactly, is the field `dc`:
-//   "keep"    otf = 1 there: DC restoration gives every line its mean back. Beside that line the otf tends to 0 all the
-//             same, otf = i u + O(u^2) from both sides, and the slope at u = 0 is taken as that, i/f0.
-//   "remove"  otf = 0 there, the formula itself: every line has the mean zero, otf(0) = 0.
-// (Lloyd, Thermal Imaging Systems; Holst, Electro-Optical Imaging System Performance.)
+// AC coupling of the electronics: a one-pole high-pass along the scan, 1 minus the low-pass of the same cutoff.
+//   otf = i u/(1 + i u),  u = f/f0
+// f = frequency along the axis, f0 = cutoff: a spatial frequency, or one in time together with the speed that makes
+// place of it, scan velocity, scan rate or pixel clock. Complex, the phase is kept: behind a bright point every line
+// drops below its mean and recovers with exp(-2 pi f0 x) towards +axis (droop, undershoot). What happens to the mean of
+// a line, u = 0 exactly, is the field `dc`. keep: otf = 1 there, DC restoration gives every line its mean back; beside
+// that line the otf tends to 0 all the same, i u + O(u^2) from both sides, and the slope at u = 0 is taken as that,
+// i/f0. remove: otf = 0 there, the formula itself, and every line has the mean zero. (Lloyd, Thermal Imaging Systems;
+// Holst, Electro-Optical Imaging System Performance.)
 
 #include "mtf/components/electronics.h"
 

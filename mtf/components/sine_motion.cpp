@@ -158,7 +158,7 @@ SineMean by_ends(double x, double cycles, double turns) {
 
 SineRms square_root(double square, double by_x, double by_cycles) {
   if (!(square > 0.0)) return {};
-  const double root = std::sqrt(square);
+  const double root = std::sqrt(std::min(square, 1.0));  // a mean of squares below 1; its sum may round to more
   return {root, 0.5 * by_x / root, 0.5 * by_cycles / root};
 }
 
@@ -212,6 +212,8 @@ SineMean sine_mean(double x, double cycles, double phase_turns) {
   else
     h = by_ends(a, cycles, phase_turns);
   if (cycles > 0.0 && cycles == std::floor(cycles)) h.value = {bessel_j0(a).value, 0.0};
+  // A mean of phases; the sum of its terms may round to more.
+  if (const double modulus = std::hypot(h.value.re, h.value.im); modulus > 1.0) h.value = times(1.0 / modulus, h.value);
   if (x >= 0.0) return h;
   return {conj(h.value), times(-1.0, conj(h.by_x)), conj(h.by_cycles), conj(h.by_turns)};
 }

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Kolmogorov turbulence of the path, Fried parameter r0, u = frequency in cycles/rad of object angle:
-//   long exposure:  otf = exp(-c (lambda u / r0)^(5/3))
-//   short exposure: otf = exp(-c (lambda u / r0)^(5/3) [1 - alpha (lambda u / D)^(1/3)])   (image motion taken out)
-// c = (24/5 Gamma(6/5))^(5/6) = 3.44193859..., or the usual 3.44 by name. alpha = 1: near field, 0.5: far field, 0: the
-// long exposure. D = aperture. Real, radial; multiplies `diffraction`. Short exposure is a formula for lambda u < D;
-// beyond, where the aperture passes nothing, the bracket keeps its value 1 - alpha, so the otf never grows above 1.
-// r0 is given in one of two ways:
-//   fried_parameter, stated at wavelength_reference: it scales as lambda^(6/5); without a reference it holds everywhere
-//   a path (mtf/fried.h): profile "constant" with cn2 and path_length, or "hufnagel_valley" with wind, ground_cn2, the
-//   altitudes of target and sensor, and path_length or zenith_angle (flat Earth: up to 80 degrees)
-// Valid within the inertial range (outer scale far above D, inner scale far below r0). Conditioning: the exponent E
-// makes a relative rounding of E x 2^-52. (Fried, J. Opt. Soc. Am. 56, 1372 (1966).)
+// Kolmogorov turbulence of the path, seen in a long or a short exposure (image motion taken out).
+//   long:   otf = exp(-c (lambda u / r0)^(5/3))
+//   short:  otf = exp(-c (lambda u / r0)^(5/3) [1 - alpha (lambda u / D)^(1/3)])
+// u = |f| x focal length in cycles/rad, lambda = wavelength, r0 = Fried parameter, D = aperture. c = (24/5
+// Gamma(6/5))^(5/6) = 3.44193859..., or the usual 3.44 by name. alpha = 1: near field, 0.5: far field, 0: the long
+// exposure. Real, positive, radial; multiplies `diffraction`. r0 is given, scaled as lambda^(6/5) from
+// wavelength_reference where that is stated; or it follows from a path (`mtf/fried.h`): profile "constant" with cn2 and
+// path_length, or "hufnagel_valley" with wind, ground_cn2, the altitudes of target and sensor, and path_length or
+// zenith_angle (flat Earth: up to 80 degrees). Valid within the inertial range (outer scale far above D, inner scale
+// far below r0). The short exposure is a formula for lambda u < D; beyond, where the aperture passes nothing, the
+// bracket keeps its value 1 - alpha, so the otf never grows above 1. Conditioning: with E the exponent of the long
+// exposure, the relative error is within (4 + 2 E) 2^-52, and what the rounding of lambda u / r0 adds. (Fried, J. Opt.
+// Soc. Am. 56, 1372 (1966).)
 
 #include "mtf/components/field.h"
 #include "mtf/fried.h"

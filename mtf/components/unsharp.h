@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Unsharp mask: the image plus `amount` times its difference to a blurred copy of itself,
-//   otf = 1 + amount (1 - B(x) B(y)),  x = fx px, y = fy py in cycles/pixel
-// with one of two blurs of the digital image, each with taps that sum to 1, so that B has period 1, B(0) = 1 exactly:
-//   size    box of n x n pixels, n odd:        B(x) = sin(n pi x)/(n sin(pi x))
-//   sigma   all taps exp(-k^2/(2 sigma^2)):    B(x) = sum_m g(x - m) / sum_m g(m),  g(x) = exp(-2 pi^2 sigma^2 x^2)
-//           (Poisson's sum; below sigma = 0.5 the taps themselves are summed)
-// Real, even, keeps the mean; amplifies fine detail, and noise with it, up to 1 + amount (4/3 amount for the lobes of a
-// box of three). Not separable. (Pratt, Digital Image Processing.)
+// Unsharp mask: the image plus `amount` times its difference to a blurred copy of itself.
+//   otf = 1 + amount (1 - B(fx px) B(fy py))
+//   size:   B(x) = sin(n pi x)/(n sin(pi x))
+//   sigma:  B(x) = sum over m of g(x - m) / sum over m of g(m),  g(x) = exp(-2 pi^2 sigma^2 x^2)
+// p = pitch, so that x is in cycles/pixel. The blur is that of the digital image, a box of n x n pixels, n odd, or all
+// taps exp(-k^2/(2 sigma^2)); its taps sum to 1, so that B has period 1 and B(0) = 1 exactly. Real, even, keeps the
+// mean; amplifies fine detail, and noise with it, up to 1 + amount (4/3 amount for the lobes of a box of three). Not
+// separable. By Poisson's sum; below sigma = 0.5 the taps themselves are summed. (Pratt, Digital Image Processing.)
 
 #include "mtf/components/field.h"
 

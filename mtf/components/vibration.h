@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Sinusoidal line-of-sight vibration d sin(2 pi s/T + phase) along a direction, s = time from mid exposure,
-// d = amplitude (cos a, sin a), a from +x (right) to +y (down); amplitude is peak from the middle, rms =
-// amplitude/sqrt 2. With x = 2 pi d.f and c = exposure / T cycles in one exposure:
-//   average "many_cycles" (default): otf = J0(x), the limit of many cycles, and of whole ones; real, its negative lobes
-//     (contrast reversal) kept
-//   "fixed_phase": otf = sum over n of J_n(x) exp(-i n phase) sinc(n c): one exposure, complex
-//   "rms": sqrt(sum over n of J_n(x)^2 sinc(n c)^2), root mean square of |otf| over all phases: an expectation for
-//     budgets, not the otf of any one image; real, never negative, |J0| for whole cycles
-// Sums and limits: sine_motion.h. (Hadar, Fisher, Kopeika, Opt. Eng. 31, 581 (1992); Kopeika, A System Engineering
-// Approach to Imaging, ch. 14; Boreman, ch. 6.)
+// Sinusoidal line-of-sight vibration d sin(2 pi s/T + phase) along a direction, s = time from mid exposure.
+//   many_cycles:  otf = J0(x),  x = 2 pi d.f
+//   fixed_phase:  otf = sum over n of J_n(x) exp(-i n phase) sinc(n c)
+//   rms:          otf = sqrt(sum over n of J_n(x)^2 sinc(n c)^2)
+// d = amplitude (cos a, sin a), a = direction from +x (right) to +y (down); amplitude is the peak from the middle, rms
+// displacement = amplitude/sqrt 2. c = exposure/T = cycles in one exposure, sinc(x) = sin(pi x)/(pi x). many_cycles,
+// the default, is the limit of many cycles, and of whole ones; real, its negative lobes (contrast reversal) kept.
+// fixed_phase is one exposure; complex. rms is the root mean square of |otf| over all phases: an expectation for
+// budgets, not the otf of any one image; real, never negative, |J0| for whole cycles. Separable only along an axis.
+// (Hadar, Fisher, Kopeika, Opt. Eng. 31, 581 (1992); Kopeika, A System Engineering Approach to Imaging, ch. 14;
+// Boreman, Modulation Transfer Function in Optical and Electro-Optical Systems, ch. 6.)
 
 #include "mtf/components/bessel.h"
 #include "mtf/components/field.h"

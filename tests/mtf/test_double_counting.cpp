@@ -18,8 +18,10 @@ std::optional<Component<double>> example_of(std::string_view pattern) {
     for (const FieldRef<double>& field : component.fields())
       if (auto* const* choice = std::get_if<Choice*>(&field.value))
         for (std::size_t i = 0; i < (*choice)->names.size(); ++i)
-          if ((*choice)->names[i] == pattern.substr(kind.size() + 1)) (*choice)->index = static_cast<int>(i);
-    return component;
+          if ((*choice)->names[i] == pattern.substr(kind.size() + 1)) {
+            (*choice)->index = static_cast<int>(i);
+            return component;
+          }
   }
   return std::nullopt;
 }
@@ -49,7 +51,7 @@ TEST(DoubleCounting, every_row_of_the_table) {
       for (const std::string_view other : alike ? rule.one : rule.other) {
         if (one.empty() || other.empty()) continue;
         const auto a = example_of(one), b = example_of(other);
-        if (!a || !b) continue;  // a kind of another build
+        ASSERT_TRUE(a && b) << "no such component: " << (a ? other : one);
         for (const bool swapped : {false, true}) {
           System<double> s = mwir();
           s.list(Stage::presample).clear();
@@ -62,7 +64,39 @@ TEST(DoubleCounting, every_row_of_the_table) {
         ++pairs;
       }
   }
-  EXPECT_GE(pairs, 15);
+  EXPECT_GE(pairs, 20);
+}
+
+Component<double> interpolation(int kernel) {
+  auto c = Component<double>::make("interpolation");
+  choose(c, "kernel", kernel);
+  return c;
+}
+
+// Repeated samples are held samples; any other interpolator may well be shown by a display that holds.
+TEST(DoubleCounting, only_the_interpolator_that_holds_beside_a_hold) {
+  auto hold = Component<double>::make("sample_and_hold");
+  set(hold, "width", 1.0, "px");
+  for (int kernel = 0; kernel < 5; ++kernel)
+    for (const bool hold_first : {false, true}) {
+      System<double> s = mwir();
+      s.add(Stage::postsample, hold_first ? hold : interpolation(kernel));
+      s.add(Stage::postsample, hold_first ? interpolation(kernel) : hold);
+      EXPECT_EQ(warnings(s, "held already"), kernel == 0 ? 1 : 0) << kernel << hold_first;
+    }
+}
+
+// A statistic of the wavefront error belongs beside the plain pupil; beside the aberrations themselves it repeats them.
+TEST(DoubleCounting, aberrations_by_coefficients_and_by_statistics) {
+  for (const char* pupil : {"diffraction", "defocus", "wavefront"})
+    for (const char* statistic : {"rms_wavefront", "random_wavefront"}) {
+      System<double> s = mwir();
+      s.list(Stage::presample).clear();
+      s.add(Stage::presample, *example_of(pupil));
+      s.add(Stage::presample, *example_of(statistic));
+      const bool plain = std::string_view(pupil) == "diffraction";
+      EXPECT_EQ(warnings(s, "the rms holds the aberrations"), plain ? 0 : 1) << pupil << " " << statistic;
+    }
 }
 
 TEST(DoubleCounting, names_the_other_and_the_remedy) {

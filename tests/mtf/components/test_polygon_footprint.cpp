@@ -115,12 +115,29 @@ TEST(PolygonFootprint, symmetry_is_found) {
   EXPECT_TRUE(rhomboid.real && !rhomboid.even_x && !rhomboid.even_y);
 }
 
+// Sizes whose products exceed float, and corners that float moves onto one line: a point there, far from the middle.
+TEST(PolygonFootprint, in_float_at_any_size) {
+  const auto in_float = [](Taps<double> v, double unit_um, double f) {
+    System<double> s = detector();
+    s.add(Stage::presample, polygon(std::move(v), unit_um));
+    const System<float> single = cast<float>(s);
+    return single.list(Stage::presample).front().component.otf({static_cast<float>(f), 0.0F}, single.context());
+  };
+  for (const double f : {0.0, 0.3, 1e9, 1e30, 3e38}) {
+    const Complex<float> h = in_float(box(-1e6, 1e6, -1e6, 1e6), 1e9, f);
+    EXPECT_LE(std::hypot(h.re, h.im), f == 0.0 ? 1.0F : 1e-9F) << f;
+  }
+  const Complex<float> far = in_float(box(1e6 - 1e-3, 1e6, 1e6 - 1e-3, 1e6), 1000.0, 0.125e-6);  // a shift of 1 km
+  EXPECT_NEAR(far.re, std::sqrt(0.5), 1e-6);
+  EXPECT_NEAR(far.im, -std::sqrt(0.5), 1e-6);
+}
+
 TEST(PolygonFootprint, refusals) {
   const Taps<double> bow{{0, 0}, {1, 1}, {1, 0}, {0, 1}}, line{{0, 0}, {1, 1}, {2, 2}}, two{{0, 0}, {1, 1}},
       triple{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, closed{{0, 0}, {1, 0}, {0, 1}, {0, 0}},
       spike{{0, 0}, {1, 0}, {2, 0}, {1, 0.0}, {0, 1}}, fold{{0, 0}, {2, 0}, {1, 0}, {0, 1}},
-      touching{{0, 0}, {4, 0}, {4, 4}, {2, 0}, {0, 4}};
-  for (const Taps<double>& bad : {bow, line, two, triple, closed, spike, fold, touching})
+      touching{{0, 0}, {4, 0}, {4, 4}, {2, 0}, {0, 4}}, sliver{{0, 0}, {1, 1}, {0.5, 0.5000009}};
+  for (const Taps<double>& bad : {bow, line, two, triple, closed, spike, fold, touching, sliver})
     EXPECT_TRUE(refused(polygon(bad), "vertices")) << bad.size();
   EXPECT_TRUE(refused(polygon({}), "vertices"));
   EXPECT_FALSE(refused(polygon({{0, 0}, {1, 0}, {2, 0}, {0, 1}}), "vertices"));  // a corner of 180 degrees is none
