@@ -12,6 +12,7 @@ SCRIPTS = {
     "annular.py": ["annular_diffraction_mtf.csv"],
     "defocus.py": ["defocus_circular.csv", "defocus_annular.csv"],
     "elementary.py": ["elementary.csv", "kolmogorov.csv"],
+    "fresnel.py": ["fresnel_integrals.csv", "accelerated_motion.csv"],
     "golden_components.py": ["golden_components.csv"],
     "gradients.py": ["gradients.csv"],
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "apps/check/families.h"
 #include "mtf/error.h"
@@ -13,7 +14,36 @@
 namespace apps::check {
 namespace {
 
-/// One field from its text: "15 um", "3", "short".
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+/// "0|1/2|3": rows of numbers.
+mtf::Taps<double> taps(const std::string& text) {
+  mtf::Taps<double> rows;
+  for (const std::string& row : split(text, '/')) {
+    rows.emplace_back();
+    for (const std::string& tap : split(row, '|')) rows.back().push_back(std::strtod(tap.c_str(), nullptr));
+  }
+  return rows;
+}
+
+/// "0:1|20:0.5 cy/mm": frequencies and values in place of a file.
+std::shared_ptr<const mtf::Curve> curve(const std::string& text) {
+  const std::size_t space = text.find(' ');
+  std::vector<double> frequencies, values;
+  for (const std::string& sample : split(text.substr(0, space), '|')) {
+    frequencies.push_back(std::strtod(sample.c_str(), nullptr));
+    values.push_back(std::strtod(sample.substr(sample.find(':') + 1).c_str(), nullptr));
+  }
+  return std::make_shared<const mtf::Curve>(
+      mtf::make_curve("table", *mtf::find_unit(text.substr(space + 1)), frequencies, values));
+}
+
+/// One field from its text: "15 um", "3", "short", rows of taps, samples of a curve.
 void assign(const mtf::FieldRef<double>& field, const std::string& text, const std::string& where) {
   const mtf::FieldInfo& info = *field.info;
   const auto plain = [&] {
@@ -37,6 +67,10 @@ void assign(const mtf::FieldRef<double>& field, const std::string& text, const s
           const auto word = std::find(value->names.begin(), value->names.end(), text);
           if (word == value->names.end()) throw mtf::UsageError(where + ": " + text + " is no word of this field");
           value->index = static_cast<int>(word - value->names.begin());
+        } else if constexpr (std::is_same_v<T, std::shared_ptr<const mtf::Curve>>) {
+          *value = curve(text);
+        } else if constexpr (std::is_same_v<T, mtf::Taps<double>>) {
+          *value = taps(text);
         } else {
           throw mtf::UsageError(where + ": fields of this type cannot stand in a table");
         }

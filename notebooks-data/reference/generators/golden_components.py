@@ -3,13 +3,17 @@
 """Writes golden_components.csv: the OTF of one case of each component, from the definitions alone, to 25 digits.
 
 Focal length 100 mm, pitch 17 um, F/1, 4 um unless the settings say otherwise; fy = 0. Frequencies are the doubles
-printed, everything else is the decimal written here. Needs mpmath.
+printed, everything else is the decimal written here; whole numbers without a unit are counts. Cases without a formula
+here take that of gradient_kinds*.py, where lengths keep their unit and all else is in the unit of its field.
+Needs mpmath.
 """
 
 import argparse
+import re
 
 import mpmath as mp
 
+from gradients import KINDS, Point
 from tables import write_table
 
 mp.mp.dps = 50
@@ -72,6 +76,85 @@ CASES = [
     ("turbulence", "fried_parameter = 50 mm; constant = 3.44", turbulence(d("3.44"), 0), LONG),
     ("turbulence", "fried_parameter = 50 mm; exposure = short; alpha = 0.5", turbulence(EXACT, d("0.5")), LONG),
 ]
+
+SURROUNDINGS = {"frame.focal_length": 100, "frame.pitch_x": 17, "frame.pitch_y": 17, "frame.integration_time": "0.01",
+                "optics.f_number": 1, "optics.wavelength": 4}
+BY_DEFINITION = [
+    ("gaussian", "sigma = 3 um"),
+    ("rms_wavefront", "rms = 0.07; f_number = 2.0; wavelength = 10 um"),
+    ("random_wavefront", "rms = 0.1; correlation = 0.2"),
+    ("random_wavefront", "rms = 0.1; wavelength_reference = 3.39 um; correlation_length = 8 mm"),
+    ("aerosol", "scattering = 0.1; path_length = 5 km"),
+    ("aerosol", "scattering = 0.1; path_length = 5 km; mode = blur; cutoff = 2 cy/mrad"),
+    ("circular_footprint", "diameter = 15 um"),
+    ("polygon_footprint",
+     "vertices = -0.5|-0.5/0.5|-0.5/0.5|0.1/0.1|0.1/0.1|0.5/-0.5|0.5; unit_length = 15 um"),
+    ("binning", "columns = 2; rows = 2"),
+    ("binning", "columns = 4; rows = 1; spacing = 4 um"),
+    ("accelerated_motion", "velocity = 1200 um/s; acceleration = 60000 um/s^2"),
+    ("accelerated_motion", "rate = 50000 urad/s; angular_acceleration = -2400000 urad/s^2"),
+    ("vibration", "amplitude = 5 um; average = fixed_phase; cycles = 0.4; phase = 30 deg"),
+    ("vibration", "amplitude = 12 um; average = fixed_phase; period = 0.008 s"),
+    ("vibration", "amplitude = 5 um; average = rms; cycles = 0.4"),
+    ("rc_lowpass", "cutoff = 400 kHz; pixel_clock = 1000000 Hz"),
+    ("butterworth", "cutoff = 400 kHz; scan_velocity = 10000000 um/s; poles = 3"),
+    ("rc_highpass", "cutoff = 2 cy/mm"),
+    ("rc_highpass", "cutoff = 20 kHz; scan_rate = 100000000 urad/s; dc = remove"),
+    ("boost", "gain = 2.0; peak = 0.5 cy/px"),
+    ("sample_and_hold", "width = 1 px"),
+    ("fir", "taps = 0.0|-0.25|0.0/-0.25|2.0|-0.25/0.0|-0.25|0.0"),
+    ("fir", "taps = 0.1|0.5|0.7"),
+    ("unsharp", "amount = 1.5; size = 3"),
+    ("unsharp", "amount = 0.7; sigma = 1.2 px"),
+    ("interpolation", "kernel = nearest"),
+    ("interpolation", "kernel = linear"),
+    ("interpolation", "kernel = cubic; a = -0.5"),
+    ("interpolation", "kernel = bspline"),
+    ("interpolation", "kernel = six_coefficient"),
+    ("display_crt", "sigma = 0.5 px"),
+    ("display_flat_panel", "width = 0.9 px"),
+    ("display_flat_panel", "lcd_pitch = 1 px"),
+    ("eye", "model = mtf; magnification = 10.0; luminance = 34 cd/m^2; eyes = 2"),
+    ("eye", "model = barten_2003; magnification = 10.0; luminance = 34 cd/m^2; field = 10 deg"),
+    ("eye", "model = barten_short; magnification = 5.0; luminance = 100 cd/m^2; field = 20 deg"),
+    ("eye", "model = barten_short_squared; magnification = 5.0; luminance = 1 cd/m^2; field = 10 deg"),
+    ("curve", "file = 10:0.9|20:0.7|40:0.25|60:0.1 cy/mm"),
+    ("curve", "file = 0:1|0.1875:0.75|0.5:0.75|1:-0.125 cy/px; axis = x"),
+    ("turbulence", "cn2 = 1e-14; path_length = 4000 m"),
+    ("turbulence", "cn2 = 3e-15; path_length = 9000 m; wave = plane; exposure = short; alpha = 0.5"),
+    ("turbulence", "profile = hufnagel_valley; wind = 21.0; ground_cn2 = 1.7e-14; target_altitude = 2000 m; "
+                   "sensor_altitude = 20 m; path_length = 4000 m"),
+    ("turbulence", "profile = hufnagel_valley; wind = 21.0; ground_cn2 = 1.7e-14; target_altitude = 20000 m; "
+                   "sensor_altitude = 0 m; zenith_angle = 10 deg; wave = plane"),
+]
+
+
+def point(settings, f):
+    """The numbers of a case, decimals taken exactly."""
+    p = Point({}, (0, 0))
+    p.values = {**{name: d(value) for name, value in SURROUNDINGS.items()}, "fx": d(f), "fy": d(0)}
+    for name, text in (setting.split(" = ") for setting in settings.split("; ")):
+        number, _, unit = text.partition(" ")
+        if ":" in text:
+            p.words[name] = text
+        elif "|" in text:
+            rows = [row.split("|") for row in text.split("/")]
+            p.values.update((f"{name}[{i}]", d(tap)) for i, tap in enumerate(tap for row in rows for tap in row))
+            p.words[name] = (len(rows), len(rows[0]))
+        elif not unit and re.fullmatch("[0-9]+", number):
+            p.words[name] = int(number)
+        elif re.match("-?[0-9]", number):
+            p.values[name], p.units[name] = d(number), unit
+        else:
+            p.words[name] = text
+    return p
+
+
+def by_definition(kind, settings):
+    return lambda f: KINDS[kind].otf(point(settings, f))
+
+
+CASES += [(kind, settings, by_definition(kind, settings), FREQUENCIES) for kind, settings in BY_DEFINITION]
 
 
 def main():

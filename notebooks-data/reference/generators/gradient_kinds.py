@@ -3,7 +3,8 @@
 
 A case: settings as in a sensor file (float: a scalar that is differentiated by; (float, unit): the same with its unit;
 list of lists: taps; int or word: kept), surroundings named frame.*, optics.*, and the frequencies in cycles/mm.
-To add a kind: write its function of a Point, decorate it with @kind and its cases.
+To add a kind: write its function of a Point, decorate it with @kind and its cases. Motion and the path have files of
+their own.
 """
 
 import math
@@ -127,6 +128,47 @@ def circular_footprint(p):
     return jinc(mp.pi * mp.hypot(p.length_mm("diameter", "x") * p["fx"], p.length_mm("diameter", "y") * p["fy"]))
 
 
+# A whole number of turns from pixel to pixel is a zero of both sines of the closed form.
+@kind("binning",
+      Case({"columns": 2, "rows": 3, **OBLONG}, TYPICAL + around(2000 / 17.0) + around(1000 / 17.0)),
+      Case({"columns": 4, "rows": 1, "spacing": (4.0, "um")}, TYPICAL + around(250.0)),
+      Case({"columns": 3, "rows": 5, "spacing_x": (0.3, "px"), "spacing_y": (30.0, "urad"), **OBLONG, **FOCAL},
+           TYPICAL),
+      Case({"columns": 1, "rows": 1, "spacing": (0.0, "um")}, TYPICAL))
+def binning(p):
+    def mean(axis, count):
+        apart = p.length_mm("spacing", axis) if "spacing" in p or "spacing_x" in p else p.pitch_mm(axis) / count
+        turn = 2 * mp.pi * p.frequency(axis) * apart
+        return sum(mp.cos((i - mpf(count - 1) / 2) * turn) for i in range(count)) / count
+
+    return mean("x", p.words["columns"]) * mean("y", p.words["rows"])
+
+
+# Green's theorem: along the edges, the integral over dy of the antiderivative by x.
+@kind("polygon_footprint",
+      Case({"vertices": [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.1], [0.1, 0.1], [0.1, 0.5], [-0.5, 0.5]],
+            "unit_length": (15.0, "um")}, ZERO + [(1e-9, -2e-9), (-21.7, 4.4), (33.0, 33.0), (0.0, 47.0)]),
+      Case({"vertices": [[0.2, -0.4], [-0.6, 0.3], [0.5, 0.7]], "unit_length": (0.8, "px"), **OBLONG},
+           ZERO + [(5.0, 3.0), (21.7, 4.4), (33.0, -60.0)]),
+      Case({"vertices": [[-7.5, -6.0], [7.5, -6.0], [7.5, 6.0], [-7.5, 6.0]], "unit_length_x": (10.0, "urad"),
+            "unit_length_y": (1.0, "um"), **FOCAL}, ZERO + [(5.0, 3.0), (0.0, 47.0), (500.0 / 7.5, 10.0)]),
+      digits=90, scan_every=3, rounding=False)
+def polygon_footprint(p):
+    corners = [(p[f"vertices[{2 * k}]"], p[f"vertices[{2 * k + 1}]"]) for k in range(p.words["vertices"][0])]
+    gx, gy = (-2j * mp.pi * p.frequency(a) * p.length_mm("unit_length", a) for a in "xy")
+
+    def antiderivative(x, y):
+        return mp.exp(gy * y) * (mp.expm1(gx * x) / gx if gx != 0 else x)
+
+    total = area = mpf(0)
+    for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1]):
+        area += (x0 * y1 - x1 * y0) / 2
+        for t, weight in gauss_legendre(40, mp.dps):
+            s = (1 + t) / 2
+            total += weight / 2 * (y1 - y0) * antiderivative(x0 + s * (x1 - x0), y0 + s * (y1 - y0))
+    return total / area
+
+
 @kind("sample_and_hold",
       Case({"width": (1.0, "px"), **OBLONG}, TYPICAL + around(1 / 0.017)),
       Case({"width": (120.0, "urad"), "axis": "y", **FOCAL}, TYPICAL),
@@ -135,37 +177,13 @@ def sample_and_hold(p):
     return sinc(p.length_mm("width", axis_of(p)) * p.frequency(axis_of(p)))
 
 
-def along_motion(p, length_x, length_y):
-    cosine, sine = unit_vector(p)
-    return length_x * cosine * p["fx"] + length_y * sine * p["fy"]
-
-
-@kind("linear_motion",
-      Case({"travel": (10.0, "um"), "direction": 30.0}, TYPICAL),
-      Case({"travel": (1.0, "px"), "direction": -90.0, **OBLONG}, TYPICAL),
-      Case({"travel": (0.0, "um"), "direction": 360.0}, TYPICAL),
-      Case({"velocity": 2000.0, "direction": 180.0, "frame.integration_time": 0.01}, TYPICAL),
-      Case({"rate": 20000.0, "direction": 45.0, "frame.integration_time": 0.01, **FOCAL}, TYPICAL))
-def linear_motion(p):
-    if "travel" in p:
-        return sinc(along_motion(p, p.length_mm("travel", "x"), p.length_mm("travel", "y")))
-    speed = p["velocity"] / 1000 if "velocity" in p else p["rate"] * p["frame.focal_length"] / 10**6
-    length = speed * p["frame.integration_time"]
-    return sinc(along_motion(p, length, length))
-
-
-@kind("vibration",
-      Case({"amplitude": (5.0, "um"), "direction": 0.0}, TYPICAL + around(2.404825557695773 / (2 * math.pi * 0.005))),
-      Case({"amplitude": (1.5, "px"), "direction": 30.0, **OBLONG}, TYPICAL + [(400.0, 200.0)]),
-      Case({"amplitude": (0.0, "urad"), "direction": -360.0, **FOCAL}, TYPICAL))
-def vibration(p):
-    return mp.besselj(0, 2 * mp.pi * along_motion(p, p.length_mm("amplitude", "x"), p.length_mm("amplitude", "y")))
-
-
 @kind("rc_lowpass",
       Case({"cutoff": (40.0, "cy/mm")}, TYPICAL + around(40.0)),
       Case({"cutoff": (3.0, "cy/mrad"), "axis": "y", **FOCAL}, TYPICAL),
       Case({"cutoff": (0.4, "cy/px"), **OBLONG}, TYPICAL),
+      Case({"cutoff": (400.0, "kHz"), "scan_velocity": 1e7}, TYPICAL + around(40.0)),
+      Case({"cutoff": (400.0, "kHz"), "scan_rate": 1e8, "axis": "y", **FOCAL}, TYPICAL),
+      Case({"cutoff": (400.0, "kHz"), "pixel_clock": 1e6, **OBLONG}, TYPICAL),
       Case({"cutoff": (1e-9, "cy/mm")}, ZERO + around(1e-9) + [(5.0, 3.0)]),
       Case({"cutoff": (1e9, "cy/mm")}, TYPICAL + around(1e9)))
 def rc_lowpass(p):
@@ -176,6 +194,9 @@ def rc_lowpass(p):
       Case({"cutoff": (25.0, "cy/mm"), "poles": 3}, TYPICAL + around(25.0)),
       Case({"cutoff": (3.0, "cy/mrad"), "poles": 1, "axis": "y", **FOCAL}, TYPICAL),
       Case({"cutoff": (0.4, "cy/px"), "poles": 20, **OBLONG}, TYPICAL),
+      Case({"cutoff": (400.0, "kHz"), "poles": 3, "scan_velocity": 1e7}, TYPICAL + around(40.0)),
+      Case({"cutoff": (400.0, "kHz"), "poles": 3, "scan_rate": 1e8, "axis": "y", **FOCAL}, TYPICAL),
+      Case({"cutoff": (400.0, "kHz"), "poles": 3, "pixel_clock": 1e6, **OBLONG}, TYPICAL),
       Case({"cutoff": (1e-9, "cy/mm"), "poles": 20}, ZERO + around(1e-9) + [(5.0, 3.0)]),
       Case({"cutoff": (1e9, "cy/mm"), "poles": 1}, TYPICAL + around(1e9)))
 def butterworth(p):
@@ -384,37 +405,22 @@ def rms_wavefront(p):
     return max(mpf(0), 1 - (rms / (mpf(18) / 100)) ** 2 * (1 - 4 * (nu - mpf(1) / 2) ** 2))
 
 
-KOLMOGOROV = (mpf(24) / 5 * mp.gamma(mpf(6) / 5)) ** (mpf(5) / 6)
-
-
-# lambda u = D at 100 mm/(0.004 mm x 100 mm) = 250 cycles/mm for the first short exposures; from there on the bracket
-# keeps its value, and that side's slope is the one that counts.
-BEYOND_APERTURE = {**dict.fromkeys(("fx", "wavelength", "frame.focal_length"), "right"), "aperture": "left"}
-
-
-@kind("turbulence",
-      Case({"fried_parameter": 50.0, "wavelength": 4.0, **FOCAL}, TYPICAL + [(200.0, 0.0)]),
-      Case({"fried_parameter": 50.0, "wavelength_reference": 0.55, "constant": "3.44", "optics.wavelength": 4.0,
-            **FOCAL}, TYPICAL),
-      Case({"fried_parameter": 300.0, "exposure": "short", "alpha": 0.5, "aperture": 100.0, "wavelength": 4.0, **FOCAL},
-           TYPICAL + around(250.0)[:1] + around(250.0)[3:] + [(400.0, 1.0)], BEYOND_APERTURE),
-      Case({"fried_parameter": 300.0, "exposure": "short", "alpha": 1.0, "aperture": 100.0, "wavelength": 4.0, **FOCAL},
-           TYPICAL + around(250.0)[:1] + around(250.0)[3:], BEYOND_APERTURE),
-      Case({"fried_parameter": 50.0, "exposure": "short", "alpha": 0.0, "optics.f_number": 2.0, "wavelength": 4.0,
-            **FOCAL}, TYPICAL),
-      Case({"fried_parameter": 1e6, "wavelength": 4.0, **FOCAL}, TYPICAL))
-def turbulence(p):
+@kind("random_wavefront",
+      Case({"rms": 0.1, "correlation": 0.2, "aperture": 50.0, "wavelength": 4.0, **FOCAL}, TYPICAL),
+      Case({"rms": 0.4, "wavelength_reference": 3.0, "correlation": 0.05, "optics.f_number": 2.0,
+            "optics.wavelength": 4.0}, TYPICAL),
+      Case({"rms": 1.5, "correlation_length": 8.0, "wavelength": 10.0, **FOCAL}, TYPICAL),
+      Case({"rms": 0.0, "correlation_length": 1e-3, "wavelength": 4.0, **FOCAL}, TYPICAL))
+def random_wavefront(p):
     wavelength = p["wavelength"] if "wavelength" in p else p["optics.wavelength"]
-    r0 = p["fried_parameter"]
-    if "wavelength_reference" in p:
-        r0 *= (wavelength / p["wavelength_reference"]) ** (mpf(6) / 5)
-    span = mp.hypot(p["fx"], p["fy"]) * p["frame.focal_length"] * wavelength / 1000  # in the aperture, mm
-    c = mpf(344) / 100 if p.words.get("constant") == "3.44" else KOLMOGOROV
-    bracket = mpf(1)
-    if p.words.get("exposure") == "short":
-        aperture = p["aperture"] if "aperture" in p else p["frame.focal_length"] / p["optics.f_number"]
-        bracket = 1 - p["alpha"] * mp.cbrt(min(span / aperture, 1))
-    return mp.exp(-c * (span / r0) ** (mpf(5) / 3) * bracket)
+    in_pupil = mp.hypot(p["fx"], p["fy"]) * wavelength / 1000  # for a focal length of 1
+    if "correlation_length" in p:
+        relative = in_pupil * p["frame.focal_length"] / p["correlation_length"]
+    elif "aperture" in p:
+        relative = in_pupil * p["frame.focal_length"] / (p["correlation"] * p["aperture"])
+    else:  # the focal length cancels
+        relative = in_pupil * p["optics.f_number"] / p["correlation"]
+    return mp.exp((2 * mp.pi * waves_of(p, "rms")) ** 2 * mp.expm1(-(relative**2)))
 
 
 @kind("fir",

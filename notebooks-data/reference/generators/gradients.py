@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """gradients.csv: OTF of every kind of component and its derivatives by each scalar and by the frequency.
 
-The formulas are in gradient_kinds.py, written from their definitions, not from the C++ code. A derivative is the
+The formulas are in gradient_kinds*.py, written from their definitions, not from the C++ code. A derivative is the
 difference quotient with a step of 1e-60 at 150 digits (`wavefront`, a double integral: 1e-24 at 60), from both sides:
 where they agree it exists (`both`), otherwise the row states which one is meant (`left`, `right`, or `mean`, which
 leaves 0 of the tip of an even OTF).
@@ -15,6 +15,8 @@ from itertools import product
 
 from mpmath import mp, mpf
 
+import gradient_kinds_motion  # noqa: F401  registers its kinds
+import gradient_kinds_path  # noqa: F401
 from gradient_kinds import KINDS
 from tables import digits, hex_of, write_table
 

@@ -20,16 +20,9 @@ Component<double> accelerated(double velocity_um_s, double acceleration_um_s2, d
 double distance(const Complex<double>& a, const Complex<double>& b) { return std::hypot(a.re - b.re, a.im - b.im); }
 
 TEST(Fresnel, against_the_table) {
-  int rows = 0;
-  for (const Row& row : reference_table("fresnel_integrals.csv")) {
-    for (const double sign : {1.0, -1.0}) {
-      const FresnelIntegrals f = fresnel(sign * number(row, "u_hex"));
-      EXPECT_NEAR(sign * f.c.value, static_cast<double>(precise(row, "c")), 5e-16) << row.at("u_hex");
-      EXPECT_NEAR(sign * f.s.value, static_cast<double>(precise(row, "s")), 5e-16) << row.at("u_hex");
-    }
-    ++rows;
-  }
-  EXPECT_EQ(rows, 30);
+  const auto check = reference_check("accelerated_motion", "Fresnel integrals");
+  EXPECT_TRUE(check.passed) << check.failure;
+  EXPECT_EQ(check.count, 120);
   EXPECT_EQ(fresnel(1e300).c.value, 0.5);
   EXPECT_EQ(fresnel(-1e300).s.value, -0.5);
 }
@@ -49,19 +42,9 @@ TEST(Fresnel, slopes_equal_differences) {
 }
 
 TEST(ChirpMean, value_and_slopes_against_the_table) {
-  int rows = 0;
-  for (const Row& row : reference_table("accelerated_motion.csv")) {
-    const double d = number(row, "d_hex"), b = number(row, "b_hex");
-    const ChirpMean h = chirp_mean(d, b);
-    const auto exact = [&](const std::string& suffix) {
-      return Complex<double>{number(row, "re" + suffix), number(row, "im" + suffix)};
-    };
-    EXPECT_LE(distance(h.value, exact("")), 5e-16) << d << " " << b;
-    EXPECT_LE(distance(h.by_d, exact("_by_d")), 1e-15) << d << " " << b;
-    EXPECT_LE(distance(h.by_b, exact("_by_b")), 1e-15) << d << " " << b;
-    ++rows;
-  }
-  EXPECT_EQ(rows, 62);
+  const auto check = reference_check("accelerated_motion", "mean phase and slopes");
+  EXPECT_TRUE(check.passed) << check.failure;
+  EXPECT_EQ(check.count, 3 * 62);
 }
 
 // Both sides of every switch: quadrature to ends at 4, stationary point inside or outside at d = b, tail at u = 1.5.
