@@ -115,7 +115,13 @@ struct PolygonFootprint {
     }
     // Where float has moved the corners onto one line there are no areas left to weigh with.
     const bool flat = !(std::abs(value_of(area)) > 1e-12 * size);
-    for (T& share : all.share) share = flat ? T(1.0 / static_cast<double>(n)) : T(share / area);
+    // The last one is what is left: their sum is 1, with no slope, to the last digit.
+    T sum(0);
+    for (std::size_t k = 0; k + 1 < n; ++k) {
+      all.share[k] = flat ? T(1.0 / static_cast<double>(n)) : T(all.share[k] / area);
+      sum = sum + all.share[k];
+    }
+    all.share[n - 1] = T(1) - sum;
     return all;
   }
   /// gx, gy: cycles per unit of the vertices.

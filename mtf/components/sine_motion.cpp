@@ -225,11 +225,10 @@ SineRms sine_rms(double x, double cycles) {
   if (cycles > 0.0 && cycles == std::floor(cycles)) {
     const ValueSlope j = bessel_j0(a);
     r = {std::abs(j.value), j.value < 0.0 ? -j.slope : j.slope, 0.0};
-  } else if (a <= kRmsSeriesUpTo) {
-    r = rms_by_series(a, cycles);
+  } else if (cycles < 0.5 && 2.0 * a * sin_pi(cycles) <= kTurnRms) {
+    r = rms_by_quadrature(a, cycles);
   } else {
-    const bool few_turns = cycles < 0.5 && 2.0 * a * sin_pi(cycles) <= kTurnRms;
-    r = few_turns ? rms_by_quadrature(a, cycles) : rms_leading(a, cycles);
+    r = a <= kRmsSeriesUpTo ? rms_by_series(a, cycles) : rms_leading(a, cycles);
   }
   if (x < 0.0) r.by_x = -r.by_x;
   return r;

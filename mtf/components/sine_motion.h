@@ -9,9 +9,9 @@
 // otherwise exact end contributions: whole half cycles give pi J0(x); what is left runs from each end of the window
 // into the complex plane, in Fresnel integrals and a short recurrence. Bounded work for any x; absolute error below
 // 1e-14 plus the rounding of the phase, x 2^-53.
-// r: the sum up to x = 2000. Beyond it, Gauss-Legendre on the autocorrelation, mean of J0(2 x sin(pi c s)) weighted
-// with 2 (1 - s), while that turns by less than 64 radians, otherwise its leading term in 1/x: absolute error below
-// 2e-4.
+// r: Gauss-Legendre on the autocorrelation, mean of J0(2 x sin(pi c s)) weighted with 2 (1 - s), while that turns by
+// less than 64 radians. Otherwise the sum up to x = 2000, and beyond it the leading term of the mean in 1/x: absolute
+// error below 2e-4.
 
 #include "mtf/frame.h"
 

@@ -181,6 +181,12 @@ bool is_degenerate(const Case& c) {
   return false;
 }
 
+/// A veil of scattered light and AC coupling keep the mean alone: a step beside f = 0, as their headers say.
+bool steps_at_zero(const Case& c) {
+  const std::string_view kind = only_component(c.system).kind();
+  return kind == "aerosol" || kind == "rc_highpass";
+}
+
 /// The cases of one part: of each kind at most 64, spread over its combinations of fields and its draws.
 std::vector<const Case*> cases_of(int part, int parts) {
   std::map<std::string_view, std::vector<const Case*>> groups;
@@ -208,7 +214,8 @@ TEST_P(StabilityPart, no_jump_along_frequency) {
     const System<Jet4> jets = mtf::cast<Jet4>(c.system);
     const mtf::Component<Jet4>& component = only_component(jets);
     const mtf::Context<Jet4> ctx = jets.context();
-    const auto positions = frequencies(component.cutoff_cy_mm(ctx));
+    auto positions = frequencies(component.cutoff_cy_mm(ctx));
+    if (steps_at_zero(c)) std::erase_if(positions, [](double f) { return f < 1e-300; });
     const double angle = 0.1 + 0.37 * (index % 17);
     for (const mtf::Freq<double>& d : {mtf::Freq<double>{1.0, 0.0}, {0.0, -1.0}, {std::cos(angle), std::sin(angle)}}) {
       const Line line = [&](double t) {
