@@ -125,17 +125,26 @@ std::string first_jump(const Line& line, double scale, const std::vector<double>
   return "";
 }
 
-double gain_scale(const System<double>& system) {
-  const mtf::Component<double> component = only_component(system);
-  double total = 0.0;
-  for (const auto& field : component.fields()) {
-    if (const auto* taps = std::get_if<mtf::Taps<double>*>(&field.value))
-      for (const auto& row : **taps)
-        for (const double tap : row) total += std::abs(tap);
-    if (const auto* gain = std::get_if<std::optional<double>*>(&field.value); gain && field.info->name == "gain")
-      total = (*gain)->value_or(1.0);
-  }
-  return std::max(total, 1.0);
+/// Series and quadratures: what they promise beyond rounding, as their headers state it. Others round at their own
+/// scale.
+double stated_error(const Case& c) {
+  System<double> system = c.system;
+  const std::string_view kind = only_component(system).kind();
+  if (kind == "vibration") return 1e-14;
+  if (kind != "wavefront" && kind != "defocus") return 0.0;
+  double obscuration = *system.optics.obscuration;
+  for (const auto& scalar : scalars_of(only_component(system)))
+    if (scalar.name == "obscuration") obscuration = *scalar.value;
+  const double ring = (1.0 - obscuration) * (1.0 + obscuration);
+  return kind == "wavefront" ? 2e-13 / ring : 1e-14 / ring;
+}
+
+/// The size of what is rounded: 16 ulp of it are allowed.
+double rounding_scale(const Case& c) {
+  const mtf::Context<double> ctx = c.system.context();
+  const mtf::Component<double>& component = only_component(c.system);
+  const double gain = component.traits(ctx).gain ? 1.0 + component.deviation(1e300, 1e300, ctx) : 1.0;
+  return std::max(gain, stated_error(c) / (16.0 * kUlp));
 }
 
 TEST(Stability, search_finds_a_jump_of_1e12_and_passes_a_kink) {
@@ -169,7 +178,8 @@ std::vector<double> frequencies(double cutoff) {
 }
 
 /// Nothing can be asked of a pupil that is all but closed (the promise ends at 0.999), nor of a wavefront of 1e6 waves,
-/// whose factor climbs back to 1 at the cutoff within one ulp.
+/// whose factor climbs back to 1 at the cutoff within one ulp, nor of a mask whose teeth are narrower than the doubles
+/// are apart at high frequencies.
 bool is_degenerate(const Case& c) {
   System<double> system = c.system;
   for (const auto& scalar : scalars_of(only_component(system))) {
@@ -177,7 +187,12 @@ bool is_degenerate(const Case& c) {
     if (scalar.name == "wavelength_reference" && only_component(system).kind() == "rms_wavefront" &&
         *scalar.value > 1e3)
       return true;
+    if (scalar.name == "sigma" && only_component(system).kind() == "unsharp" && *scalar.value > 100.0) return true;
   }
+  // Beyond 2 pi amplitude f = 2000 the rms over phases is its leading term, stated to 2e-4 only.
+  for (const auto& field : only_component(system).fields())
+    if (const auto* choice = std::get_if<mtf::Choice*>(&field.value); choice && field.info->name == "average")
+      return (*choice)->names[static_cast<std::size_t>((*choice)->index)] == "rms" && !c.typical;
   return false;
 }
 
@@ -191,11 +206,14 @@ bool steps_at_zero(const Case& c) {
 std::vector<const Case*> cases_of(int part, int parts) {
   std::map<std::string_view, std::vector<const Case*>> groups;
   for (const Case& c : conformance_cases())
-    if (!is_degenerate(c)) groups[only_component(c.system).kind()].push_back(&c);
+    if (!is_degenerate(c) && (c.typical || only_component(c.system).breaks_cy_mm(c.system.context()).empty()))
+      groups[only_component(c.system).kind()].push_back(&c);
   std::vector<const Case*> all;
   int index = 0;
   for (const auto& [kind, group] : groups) {
-    const std::size_t count = std::min<std::size_t>(group.size(), 64);
+    // Quadrature takes microseconds a value, and the scan some thousands of values a line.
+    const bool slow = !only_component(group.front()->system).breaks_cy_mm(group.front()->system.context()).empty();
+    const std::size_t count = std::min<std::size_t>(group.size(), slow ? 6 : 32);
     for (std::size_t i = 0; i < count; ++i)
       if (index++ % parts == part) all.push_back(group[i * group.size() / count]);
   }
@@ -229,7 +247,7 @@ TEST_P(StabilityPart, no_jump_along_frequency) {
                       sum(d.x, by_x, sum(d.y, by_y, {})),
                       t * (std::abs(d.x) * norm(by_x) + std::abs(d.y) * norm(by_y))};
       };
-      EXPECT_EQ(first_jump(line, gain_scale(c.system), positions), "") << c.name << " along " << d.x << ", " << d.y;
+      EXPECT_EQ(first_jump(line, rounding_scale(c), positions), "") << c.name << " along " << d.x << ", " << d.y;
     }
   }
 }
@@ -274,7 +292,7 @@ TEST_P(StabilityPart, no_jump_along_any_parameter) {
           const Complex<double> slope{h.re.v[1], h.im.v[1]};
           return Sample{t, {h.re.a, h.im.a}, slope, std::abs(t) * norm(slope)};
         };
-        EXPECT_EQ(first_jump(line, gain_scale(c.system), positions), "")
+        EXPECT_EQ(first_jump(line, rounding_scale(c), positions), "")
             << c.name << " along " << scalars[i].name << " at " << f.x << ", " << f.y;
         ++lines;
       }
