@@ -110,8 +110,10 @@ bool compare(const Case& c, const mtf::Freq<double>& f, std::size_t index, doubl
   *addresses(moved.system, g)[index] = at;
   const Gradient jet = gradient(mtf::cast<Jet4>(moved.system), g, index);
   EXPECT_TRUE(std::isfinite(jet.slope.re) && std::isfinite(jet.slope.im)) << c.name;
-  // 1e-14 but for pupil quadrature, which promises 1e-13 and folds mirrored frequencies only without derivatives.
-  EXPECT_LE(norm(combine(1.0, jet.value, -1.0, value_at(c, f, index, at))), 1e-13) << c.name;
+  // 1e-14 but for pupil quadrature, which promises 1e-13 and folds mirrored frequencies only without derivatives;
+  // defocus of the narrowest annulus, 2e-15 / (1 - e^2).
+  const double promised = only_component(c.system).kind() == "defocus" ? 1e-12 : 1e-13;
+  EXPECT_LE(norm(combine(1.0, jet.value, -1.0, value_at(c, f, index, at))), promised) << c.name;
   const double scale = std::max(std::abs(at), smallest_scale(c, index)), h = (side == 0 ? 2.173e-5 : 1.071e-5) * scale;
   const Complex<double> wide = difference(c, f, index, at, h, side),
                         narrow = difference(c, f, index, at, 0.618 * h, side);
@@ -219,7 +221,9 @@ TEST(Jet, zero_frequency) {
     const System<Jet4> jets = mtf::cast<Jet4>(c.system);
     for (std::size_t i = 0; i + 2 < list.size(); ++i) {
       const Gradient g = gradient(jets, {0.0, 0.0}, i);
-      EXPECT_NEAR(g.slope.re, list[i].name == "taps[]" ? 1.0 : 0.0, 1e-14) << c.name << " by " << list[i].name;
+      // A vertex of a sliver, 1e-4 by 1e6: the shares of its triangles change by 1e4 each, and cancel.
+      const double rounding = list[i].name == "vertices[]" && !c.typical ? 1e-11 : 1e-14;
+      EXPECT_NEAR(g.slope.re, list[i].name == "taps[]" ? 1.0 : 0.0, rounding) << c.name << " by " << list[i].name;
       EXPECT_EQ(g.slope.im, 0.0) << c.name << " by " << list[i].name;
     }
     if (!c.typical) continue;
