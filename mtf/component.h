@@ -84,8 +84,8 @@ struct Choice {
 };
 
 /// A measured curve of one frequency axis. Values are interpolated by monotone cubics (value and slope continuous).
-/// Before the first sample it starts from 1 at f = 0; beyond the last it goes to 0 along the last slope and stays
-/// there.
+/// Before the first sample it starts from 1 at f = 0; beyond the last it goes to 0 along the last slope, or the mean
+/// fall 1/(last frequency) if steeper, and stays there.
 struct Curve {
   std::string source;             ///< file it came from, for messages and provenance
   const Unit* unit = nullptr;     ///< cy/mm, cy/mrad or cy/px

@@ -240,7 +240,7 @@ void OtfSampler::choose_wavelengths(double end, double target, int wanted) {
   };
   int n = wanted > 0 ? wanted : 4;
   std::vector<Complex<double>> coarse = averages(n);
-  for (; n < kMostWavelengths; n *= 2) {
+  for (; n < kMostWavelengths || wanted > 0; n *= 2) {
     std::vector<Complex<double>> fine = averages(2 * n);
     double worst = 0.0;
     for (std::size_t i = 0; i < fine.size(); ++i)

@@ -91,7 +91,12 @@ std::vector<typename System<S>::Finding> System<S>::check() const {
       if (!entry.component.stages().allows(stage))
         error(where + ".kind", "\"" + std::string(entry.component.kind()) + "\" cannot stand in [[" +
                                    std::string(stage_name(stage)) + "]]");
-      for (Problem& problem : entry.component.check(context()))
+      // A chromatic component meets its limits at one end of the band.
+      std::vector<Problem> problems = entry.component.check(context());
+      if (band && problems.empty() && entry.component.traits(context()).chromatic)
+        for (const double wavelength : {band->lo_um, band->hi_um})
+          if (problems.empty()) problems = entry.component.check(context(S(wavelength)));
+      for (Problem& problem : problems)
         findings.push_back({where + (problem.field.empty() ? "" : "." + problem.field), std::move(problem)});
       for (Problem& problem : detail::counted_twice(*this, entry))
         findings.push_back({where + ".kind", std::move(problem)});

@@ -76,6 +76,13 @@ Tables::Tables(const std::string& folder) {
       throw mtf::UsageError(file.path().string() + ": no check reads a table of this name" +
                             (meant ? "; did you mean " + *meant + "?" : ""));
     }
+    // Gradients and exponents are references of the test suite, not of these checks.
+    if (name == "gradients.csv" || name == "kolmogorov.csv")
+      throw mtf::UsageError(file.path().string() + ": no check reads this table; remove it from the folder");
+    constexpr std::uintmax_t kMostBytes = std::uintmax_t{64} << 20;
+    if (!file.is_regular_file(failed)) throw mtf::UsageError(file.path().string() + ": not an ordinary file");
+    if (file.file_size(failed) > kMostBytes || failed)
+      throw mtf::UsageError(file.path().string() + ": larger than 64 MiB, which no reference table is");
     std::ifstream in(file.path(), std::ios::binary);
     own_[name] = {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
     if (!in) throw mtf::RuntimeError(file.path().string() + ": cannot be read");

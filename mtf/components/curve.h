@@ -4,10 +4,11 @@
 // A measured or computed MTF as a table: radial (against |f|) or along one axis (list it twice, once per axis, for
 // both).
 //   otf = monotone cubic through the samples
-// From 1 at f = 0 when the table starts later; beyond the last sample straight on along the last slope to 0, and 0 from
-// there. Frequencies in cy/mm, cy/mrad or cy/px, as the file's header says; the latter two follow the frame. Real and
-// even: signed values are allowed (contrast reversal), phase is not. As valid as its samples are dense. (Fritsch and
-// Carlson, SIAM J. Numer. Anal. 17, 238 (1980): monotone cubics.)
+// From 1 at f = 0 when the table starts later; beyond the last sample straight on to 0 along the last slope, or along
+// the mean fall 1/(last frequency) where that is steeper, and 0 from there. Frequencies in cy/mm, cy/mrad or cy/px, as
+// the file's header says; the latter two follow the frame. Real and even: signed values are allowed (contrast
+// reversal), phase is not. As valid as its samples are dense. (Fritsch and Carlson, SIAM J. Numer. Anal. 17, 238
+// (1980): monotone cubics.)
 
 #include <algorithm>
 
@@ -65,11 +66,13 @@ struct CurveOtf {
   std::vector<Problem> check(const Context<S>&) const {
     if (curve == nullptr) return {{.field = "file", .text = "missing"}};
     if (std::abs(curve->value.back()) <= 0.05) return {};
-    return {{.error = false,
-             .field = "file",
-             .text = curve->source + " ends at " + format_double(curve->frequency.back()) + " " +
-                     std::string(curve->unit->name) + " with MTF " + format_double(curve->value.back()) +
-                     "; beyond it the curve is continued along its last slope to 0"}};
+    return {
+        {.error = false,
+         .field = "file",
+         .text =
+             curve->source + " ends at " + format_double(curve->frequency.back()) + " " +
+             std::string(curve->unit->name) + " with MTF " + format_double(curve->value.back()) +
+             "; beyond it the curve goes straight on to 0, along its last slope or 1/(last frequency), the steeper"}};
   }
 };
 

@@ -82,7 +82,14 @@ struct Defocus {
       return {{.field = "waves", .text = "give exactly one of waves, distance"}};
     if (distance_um && wavelength_reference_um)
       return {{.field = "wavelength_reference", .text = "belongs to waves; a distance needs none"}};
-    return check_quadrature_obscuration(obscuration, ctx);
+    std::vector<Problem> problems = check_quadrature_obscuration(obscuration, ctx);
+    constexpr double kSlowFrom = 20.0;
+    if (const double w = std::abs(value_of(w020(ctx))); problems.empty() && w > kSlowFrom)
+      problems.push_back({.error = false,
+                          .text = format_double(w) +
+                                  " waves of defocus are evaluated exactly, which can take minutes " +
+                                  "for a large image, above all in a band"});
+    return problems;
   }
 };
 

@@ -158,7 +158,14 @@ struct Wavefront {
       return {{.text = "the wavefront rises by " + format_double(slope) + " waves per pupil radius, more than " +
                        format_double(kSteepestWavefront) +
                        "; use \"defocus\" where it is defocus alone, or a geometrical blur"}};
-    return check_quadrature_obscuration(obscuration, ctx);
+    std::vector<Problem> problems = check_quadrature_obscuration(obscuration, ctx);
+    constexpr double kSlowFrom = 8.0;
+    if (problems.empty() && slope > kSlowFrom)
+      problems.push_back({.error = false,
+                          .text = "a wavefront that rises by " + format_double(slope) +
+                                  " waves per pupil radius is evaluated exactly, which can take minutes for a large "
+                                  "image; where it is defocus alone, \"defocus\" is quicker"});
+    return problems;
   }
 
  private:

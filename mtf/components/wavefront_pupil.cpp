@@ -65,7 +65,8 @@ struct Phase {
 // Enough nodes for exp(2 pi i D) and its polynomial factors: the steepest phase among samples of the cap decides, at
 // Chebyshev's points, between which a polynomial rises little.
 Nodes choose_nodes(const Phase& phase, const PupilCap& cap, double accuracy) {
-  const int degree = phase.d.degree, points = degree + 3;
+  // Along a long arc the phase is a trigonometric polynomial of its degree, not an algebraic one.
+  const int degree = phase.d.degree, points = (cap.angle > 0.5 * kPi ? 2 : 1) * (degree + 3);
   const auto chebyshev = [points](int k) { return std::cos(kPi * k / (points - 1)); };
   double along = 0.0, across = 0.0;
   for (int k = 0; k < points; ++k) {
@@ -81,10 +82,10 @@ Nodes choose_nodes(const Phase& phase, const PupilCap& cap, double accuracy) {
                        std::abs(d_y * cap.radius * c * w - cap.side * half_chord * evaluate(d_u, phase.d_u.degree, w)));
     }
   }
-  const double digits = -std::log10(std::clamp(accuracy, 1e-14, 1e-2));
+  const double digits = -std::log10(std::clamp(accuracy, 1e-18, 1e-2));
   // Set by trial: phases of high degree grow faster off the axis than their slope on it tells, and want more.
   const auto count = [&](double radians, double start) {
-    const double n = (0.8 + 0.03 * degree) * radians + 3.0 * std::cbrt(radians) + (1.0 + 0.1 * degree) * start;
+    const double n = (1.0 + 0.04 * degree) * radians + 3.0 * std::cbrt(radians) + (1.0 + 0.12 * degree) * start;
     return std::clamp(2 * static_cast<int>(std::ceil(0.5 * n)), 4, kMostGaussNodes);
   };
   return {gauss_legendre(count(kPi * cap.angle * along, 1.1 * digits + 3.0 * cap.angle)),
@@ -189,7 +190,7 @@ WavefrontOtf wavefront_pupil_gradient(const PupilPolynomial& wavefront, const Fr
   Sums sums;
   sums.by.resize(phase.by.size());
   for (const PupilCap& cap : pupil_caps(h, e))
-    add_cap(phase, cap, choose_nodes(phase, cap, accuracy), gradient.geometry, sums);
+    add_cap(phase, cap, choose_nodes(phase, cap, accuracy * (1.0 - e * e)), gradient.geometry, sums);
 
   const PupilMtf focused = annular_pupil_mtf(h, e);
   const double ring = (1.0 - e) * (1.0 + e), scale = 1.0 / (kPi * ring);

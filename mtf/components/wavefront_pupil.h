@@ -29,7 +29,7 @@ struct WavefrontOtf {
 };
 
 /// Steepest slope of a wavefront (waves per pupil radius) that the quadrature takes; check() refuses more.
-inline constexpr double kSteepestWavefront = 150.0;
+inline constexpr double kSteepestWavefront = 40.0;
 
 /// Absolute error below `accuracy`, 1e-14 at the least, and 1e-15 / (1 - e^2); modulus at most 1 beyond rounding.
 /// Exactly 0 from |nu| = 1 on; Hermitian and with the wavefront's own symmetry to the last bit.
