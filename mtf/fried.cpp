@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "mtf/quadrature.h"
 #include "mtf/special.h"
-#include "mtf/system.h"
 
 namespace mtf {
 namespace {
@@ -44,7 +44,7 @@ double structure_parameter(const HufnagelValley& profile, double altitude_m) {
 
 // With s = q^3 the weight s^(5/3) ds = 3 q^7 dq is smooth at the source; Gauss-Legendre in q, layer by layer.
 PathMean path_mean(const HufnagelValley& profile, double target_altitude_m, double sensor_altitude_m, Wave wave) {
-  static const WavelengthNodes rule = wavelength_nodes({0.0, 1.0}, 24);
+  static const GaussRule rule = mean_rule(0.0, 1.0, 24);
   const double rise = sensor_altitude_m - target_altitude_m;
   const double low = std::min(target_altitude_m, sensor_altitude_m),
                high = std::min(kLayers.back(), std::max(target_altitude_m, sensor_altitude_m));
@@ -52,7 +52,7 @@ PathMean path_mean(const HufnagelValley& profile, double target_altitude_m, doub
   if (low >= kLayers.back()) return sum;
   if (std::abs(rise) < 1e-3 * (100.0 + low)) {  // one layer: the profile hardly changes
     for (std::size_t i = 0; i < rule.weight.size(); ++i) {
-      const double q = rule.wavelength_um[i], s = q * q * q;
+      const double q = rule.node[i], s = q * q * q;
       const double w = 3.0 * q * q * (wave == Wave::spherical ? std::pow(q, 5.0) : 1.0);
       add(sum, terms(profile, target_altitude_m + s * rise), s, w * rule.weight[i]);
     }
@@ -63,7 +63,7 @@ PathMean path_mean(const HufnagelValley& profile, double target_altitude_m, doub
     if (!(a < b)) continue;
     const double qa = std::cbrt((a - target_altitude_m) / rise), qb = std::cbrt((b - target_altitude_m) / rise);
     for (std::size_t i = 0; i < rule.weight.size(); ++i) {
-      const double q = qa + (qb - qa) * rule.wavelength_um[i], s = q * q * q;
+      const double q = qa + (qb - qa) * rule.node[i], s = q * q * q;
       const double w = 3.0 * q * q * (wave == Wave::spherical ? std::pow(q, 5.0) : 1.0);
       add(sum, terms(profile, target_altitude_m + s * rise), s, w * rule.weight[i] * std::abs(qb - qa));
     }

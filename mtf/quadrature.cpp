@@ -44,4 +44,15 @@ const GaussRule& gauss_legendre(int n) {
   return rules[i];
 }
 
+GaussRule mean_rule(double lo, double hi, int n) {
+  const GaussRule& rule = gauss_legendre(n);
+  const double middle = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
+  GaussRule mean;
+  for (std::size_t i = 0; i < rule.node.size(); ++i) {
+    mean.node.push_back(middle - half * rule.node[i]);
+    mean.weight.push_back(0.5 * rule.weight[i]);
+  }
+  return mean;
+}
+
 }  // namespace mtf

@@ -9,13 +9,17 @@
 namespace mtf {
 
 struct GaussRule {
-  std::vector<double> node;  ///< decreasing, in (-1, 1)
+  std::vector<double> node;
   std::vector<double> weight;
 };
 
 inline constexpr int kMostGaussNodes = 2048;
 
-/// The rule of n nodes, 1 <= n <= kMostGaussNodes (assert). Made once, then shared; safe to call from many threads.
+/// The rule of n nodes in falling order, 1 <= n <= kMostGaussNodes (assert). Made once, then shared; safe to call from
+/// many threads.
 const GaussRule& gauss_legendre(int n);
+
+/// The mean over [lo, hi]: nodes in rising order, weights that sum to 1.
+GaussRule mean_rule(double lo, double hi, int n);
 
 }  // namespace mtf

@@ -22,7 +22,7 @@ struct Band {
   double hi_um = 0.0;  ///< hi > lo
 };
 
-/// Gauss-Legendre nodes of a band; weights sum to 1. n is 1 to 512.
+/// Gauss-Legendre nodes of a band; weights sum to 1. n is 1 to kMostGaussNodes.
 struct WavelengthNodes {
   std::vector<double> wavelength_um;
   std::vector<double> weight;

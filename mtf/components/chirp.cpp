@@ -2,7 +2,7 @@
 #include "mtf/components/chirp.h"
 
 #include "mtf/fresnel.h"
-#include "mtf/system.h"
+#include "mtf/quadrature.h"
 
 namespace mtf {
 namespace {
@@ -14,10 +14,10 @@ Complex<double> times_i(double a, const Complex<double>& z) { return {-a * z.im,
 
 // The moments <cos(2 pi d s) exp(..)>, s and s^2 times as much, by Gauss-Legendre over s = 0 ... 1/2.
 ChirpMean by_quadrature(double d, double b) {
-  static const WavelengthNodes rule = wavelength_nodes({0.0, 0.5}, 24);
+  static const GaussRule rule = mean_rule(0.0, 0.5, 24);
   ChirpMean h{};
   for (std::size_t i = 0; i < rule.weight.size(); ++i) {
-    const double s = rule.wavelength_um[i], w = rule.weight[i], x = 2.0 * kPi * d * s, y = 2.0 * kPi * b * s * s;
+    const double s = rule.node[i], w = rule.weight[i], x = 2.0 * kPi * d * s, y = 2.0 * kPi * b * s * s;
     const double c = std::cos(x), e = std::cos(y), f = std::sin(y), by_d = -2.0 * kPi * s * std::sin(x),
                  by_b = -2.0 * kPi * s * s * c;
     h.value = h.value + Complex<double>{w * c * e, -w * c * f};

@@ -5,12 +5,12 @@
 
 #include "mtf/components/bessel.h"
 #include "mtf/fresnel.h"
-#include "mtf/system.h"
+#include "mtf/quadrature.h"
 
 namespace mtf {
 namespace {
 
-constexpr double kSeriesUpTo = 50.0, kRmsSeriesUpTo = 2000.0;
+constexpr double kSeriesUpTo = 50.0, kRmsSeriesUpTo = 1500.0, kRmsBlend = 500.0;
 constexpr double kTurnMean = 16.0, kTurnRms = 64.0;  // radians that Gauss-Legendre takes
 
 using C = Complex<double>;
@@ -77,10 +77,10 @@ SineMean by_series(double x, double cycles, double turns) {
 
 /// The mean over a window short enough for a fixed rule.
 SineMean by_quadrature(double x, double cycles, double turns) {
-  static const WavelengthNodes rule = wavelength_nodes({-0.5, 0.5}, 32);
+  static const GaussRule rule = mean_rule(-0.5, 0.5, 32);
   SineMean h{};
   for (std::size_t i = 0; i < rule.weight.size(); ++i) {
-    const double s = rule.wavelength_um[i], t = turns + cycles * s, sine = sin_pi(2.0 * t);
+    const double s = rule.node[i], t = turns + cycles * s, sine = sin_pi(2.0 * t);
     const C e = times(rule.weight[i], phase_at(x, t));
     const C by_t = times_i(-2.0 * kPi * x * cos_pi(2.0 * t), e);
     h.value = h.value + e;
@@ -176,10 +176,10 @@ SineRms rms_by_series(double x, double cycles) {
 }
 
 SineRms rms_by_quadrature(double x, double cycles) {
-  static const WavelengthNodes rule = wavelength_nodes({0.0, 1.0}, 80);
+  static const GaussRule rule = mean_rule(0.0, 1.0, 80);
   double sum = 0.0, by_x = 0.0, by_cycles = 0.0;
   for (std::size_t i = 0; i < rule.weight.size(); ++i) {
-    const double s = rule.wavelength_um[i], w = 2.0 * (1.0 - s) * rule.weight[i], sine = sin_pi(cycles * s);
+    const double s = rule.node[i], w = 2.0 * (1.0 - s) * rule.weight[i], sine = sin_pi(cycles * s);
     const ValueSlope j = bessel_j0(2.0 * x * sine);
     sum += w * j.value;
     by_x += w * j.slope * 2.0 * sine;
@@ -192,10 +192,39 @@ SineRms rms_by_quadrature(double x, double cycles) {
 SineRms rms_leading(double x, double c) {
   const double k = std::ceil(c) - 1.0, m = std::max(0.0, std::ceil(c - 0.5));
   const double zeros = 1.0 + 2.0 * (k - 0.5 * k * (k + 1.0) / c), still = 2.0 * (m - 0.5 * m * m / c);
-  const double scale = 1.0 / (kPi * x * c), sine = std::sin(2.0 * x);
-  const double square = scale * (zeros + sine * still);
+  const double scale = 1.0 / (kPi * x * c), sine = std::sin(2.0 * x), crest = std::sin(x) + std::cos(x);
+  // zeros + sin(2x) still, which vanishes for whole cycles wherever 1 + sin(2x) = (sin x + cos x)^2 does.
+  const double square = scale * ((zeros - still) + crest * crest * still);
   const double by_c = scale * (k * (k + 1.0) + sine * m * m) / (c * c) - square / c;
   return square_root(square, -square / x + 2.0 * scale * std::cos(2.0 * x) * still, by_c);
+}
+
+// From 0 to 1 with its slope, smooth at both ends.
+ValueSlope blend_weight(double t) {
+  if (!(t > 0.0)) return {0.0, 0.0};
+  if (!(t < 1.0)) return {1.0, 0.0};
+  return {t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t)};
+}
+
+SineRms blend(const SineRms& p, const SineRms& q, double weight, double by_x, double by_cycles) {
+  const double step = q.value - p.value;
+  return {p.value + weight * step, p.by_x + weight * (q.by_x - p.by_x) + by_x * step,
+          p.by_cycles + weight * (q.by_cycles - p.by_cycles) + by_cycles * step};
+}
+
+// The sum, which is |J0| for whole cycles: the root of a rounded sum would lose it next to its zeros.
+SineRms rms_exact(double x, double cycles) {
+  if (!(cycles > 0.0 && cycles == std::floor(cycles))) return rms_by_series(x, cycles);
+  const ValueSlope j = bessel_j0(x);
+  return {std::abs(j.value), j.value < 0.0 ? -j.slope : j.slope, 0.0};
+}
+
+// The sum, going over into its leading term.
+SineRms rms_of_many_turns(double x, double cycles) {
+  const ValueSlope w = blend_weight((x - kRmsSeriesUpTo) / kRmsBlend);
+  if (w.value == 0.0) return rms_exact(x, cycles);
+  if (w.value == 1.0) return rms_leading(x, cycles);
+  return blend(rms_exact(x, cycles), rms_leading(x, cycles), w.value, w.slope / kRmsBlend, 0.0);
 }
 
 }  // namespace
@@ -222,13 +251,17 @@ SineRms sine_rms(double x, double cycles) {
   const double a = std::abs(x);
   if (!(a < 1e300)) return {};
   SineRms r{};
-  if (cycles > 0.0 && cycles == std::floor(cycles)) {
-    const ValueSlope j = bessel_j0(a);
-    r = {std::abs(j.value), j.value < 0.0 ? -j.slope : j.slope, 0.0};
-  } else if (cycles < 0.5 && 2.0 * a * sin_pi(cycles) <= kTurnRms) {
+  const double turn_by_x = 2.0 * sin_pi(cycles), turn = a * turn_by_x;
+  if (cycles < 0.5 && turn <= kTurnRms) {
     r = rms_by_quadrature(a, cycles);
+    // Where the series is no longer at hand, its leading term is met without a step.
+    const ValueSlope w = blend_weight((turn - 0.75 * kTurnRms) / (0.25 * kTurnRms));
+    if (w.value > 0.0 && a > kRmsSeriesUpTo) {
+      const double slope = w.slope / (0.25 * kTurnRms), turn_by_cycles = 2.0 * kPi * a * cos_pi(cycles);
+      r = blend(r, rms_of_many_turns(a, cycles), w.value, slope * turn_by_x, slope * turn_by_cycles);
+    }
   } else {
-    r = a <= kRmsSeriesUpTo ? rms_by_series(a, cycles) : rms_leading(a, cycles);
+    r = rms_of_many_turns(a, cycles);
   }
   if (x < 0.0) r.by_x = -r.by_x;
   return r;

@@ -12,8 +12,8 @@
 // zenith_angle (flat Earth: up to 80 degrees). Valid within the inertial range (outer scale far above D, inner scale
 // far below r0). The short exposure is a formula for lambda u < D; beyond, where the aperture passes nothing, the
 // bracket keeps its value 1 - alpha, so the otf never grows above 1. Conditioning: with E the exponent of the long
-// exposure, the relative error is within (4 + 2 E) 2^-52, and what the rounding of lambda u / r0 adds. (Fried, J. Opt.
-// Soc. Am. 56, 1372 (1966).)
+// exposure, the relative error is within (4 + 2 E) 2^-52, and what the rounding of lambda u / r0 adds; a path integral
+// adds some 1e-14 E. (Fried, J. Opt. Soc. Am. 56, 1372 (1966).)
 
 #include "mtf/components/field.h"
 #include "mtf/fried.h"

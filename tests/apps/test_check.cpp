@@ -137,7 +137,8 @@ TEST(Check, NoTableCheckPassesOnWrongValues) {
   const auto folder = scratch / "tables";
   apps_test::fs::create_directory(folder);
   for (const BuiltInTable& table : apps::check::built_in_tables())
-    apps_test::write_file(folder / std::string(table.name), distorted(table));
+    if (table.name != "gradients.csv" && table.name != "kolmogorov.csv")  // of the test suite, refused in a folder
+      apps_test::write_file(folder / std::string(table.name), distorted(table));
   const Tables wrong(folder.string());
   int of_tables = 0;
   for (const Check& check : apps::check::all_checks()) {
