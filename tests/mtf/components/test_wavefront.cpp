@@ -77,16 +77,16 @@ Cplx by_rows(const PupilPolynomial& w, const Freq<double>& nu, double e) {
 
 TEST(WavefrontPupil, random_zernike_wavefronts_by_a_second_quadrature) {
   Random random(77);
-  for (int i = 0; i < 24; ++i) {
+  for (int i = 0; i < 60; ++i) {
     PupilPolynomial w;
     const auto numbering = i % 2 == 0 ? ZernikeNumbering::fringe : ZernikeNumbering::noll;
     for (int number = 2; number <= 37; ++number)
       w.add(zernike_polynomial(numbering, number), random.uniform(-0.08, 0.08));
-    const double e = i % 3 == 0 ? 0.0 : random.uniform(0.05, 0.8), nu = random.uniform(0.02, 0.98),
+    const double e = i % 3 == 0 ? 0.0 : random.uniform(0.05, 0.95), nu = random.uniform(0.02, 0.98),
                  angle = random.uniform(-kPi, kPi);
     const Freq<double> f{nu * std::cos(angle), nu * std::sin(angle)};
     const Complex<double> h = wavefront_pupil_otf(w, f, e);
-    EXPECT_LE(std::abs(Cplx(h.re, h.im) - by_rows(w, f, e)), 1e-12) << "e = " << e << " nu = " << nu;
+    EXPECT_LE(std::abs(Cplx(h.re, h.im) - by_rows(w, f, e)), 2e-13 / (1.0 - e * e)) << "e = " << e << " nu = " << nu;
     for (const double accuracy : {1e-4, 1e-6, 1e-8, 1e-10}) {
       const Complex<double> quick = wavefront_pupil_otf(w, f, e, accuracy);
       EXPECT_LE(std::hypot(quick.re - h.re, quick.im - h.im), accuracy) << accuracy;
