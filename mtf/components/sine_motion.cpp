@@ -10,7 +10,7 @@
 namespace mtf {
 namespace {
 
-constexpr double kSeriesUpTo = 50.0, kRmsSeriesUpTo = 1500.0, kRmsBlend = 500.0;
+constexpr double kSeriesUpTo = 50.0, kRmsSeriesUpTo = 2000.0, kRmsBlend = 500.0;
 constexpr double kTurnMean = 16.0, kTurnRms = 64.0;  // radians that Gauss-Legendre takes
 
 using C = Complex<double>;

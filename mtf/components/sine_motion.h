@@ -10,8 +10,8 @@
 // into the complex plane, in Fresnel integrals and a short recurrence. Bounded work for any x; absolute error below
 // 1e-14 plus the rounding of the phase, x 2^-53.
 // r: Gauss-Legendre on the autocorrelation, mean of J0(2 x sin(pi c s)) weighted with 2 (1 - s), while that turns by
-// less than 64 radians. Otherwise the sum up to x = 1500, going over without a step into the leading term of the mean
-// in 1/x at x = 2000: absolute error below 2e-4 from 1500 on.
+// less than 64 radians. Otherwise the sum up to x = 2000, going over without a step into the leading term of the mean
+// in 1/x at x = 2500: absolute error below 2e-4 from 2000 on.
 
 #include "mtf/frame.h"
 

@@ -9,7 +9,7 @@
 // displacement = amplitude/sqrt 2. c = exposure/T = cycles in one exposure, sinc(x) = sin(pi x)/(pi x). many_cycles,
 // the default, is the limit of many cycles, and of whole ones; real, its negative lobes (contrast reversal) kept.
 // fixed_phase is one exposure; complex. rms is the root mean square of |otf| over all phases: an expectation for
-// budgets, not the otf of any one image; real, never negative, |J0| for whole cycles; from x = 1500 on it goes over
+// budgets, not the otf of any one image; real, never negative, |J0| for whole cycles; from x = 2000 on it goes over
 // into its leading term, within 2e-4. Separable only along an axis. (Hadar, Fisher, Kopeika, Opt. Eng. 31, 581 (1992);
 // Kopeika, A System Engineering Approach to Imaging, ch. 14; Boreman, Modulation Transfer Function in Optical and
 // Electro-Optical Systems, ch. 6.)

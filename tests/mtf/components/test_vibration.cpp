@@ -172,9 +172,9 @@ TEST(SineMotion, rms_is_the_mean_square_over_phases) {
     }
 }
 
-// From x = 1500 on towards its leading term, or quadrature for a small part of a cycle.
+// From x = 2000 on towards its leading term, or quadrature for a small part of a cycle.
 TEST(SineMotion, rms_at_large_arguments) {
-  for (const double x : {1600.3, 2000.7, 2500.0, 9000.0})
+  for (const double x : {2000.7, 2300.3, 2500.0, 9000.0})
     for (const double cycles : {1e-3, 4e-3, 6e-3, 0.02, 0.1, 0.3, 0.49, 0.51, 0.8, 1.3, 2.6, 17.2}) {
       double square = 0.0;
       const int n = static_cast<int>(4.0 * x);
@@ -208,10 +208,10 @@ TEST(Vibration, rms_has_no_step) {
     EXPECT_NEAR(b.value - a.value, predicted, 1e-9 + 1e-3 * std::abs(predicted)) << x << " " << cycles;
   };
   for (const double cycles : {0.00559, 0.3, 1.7}) {
-    expect_smooth(1500.0, cycles, 1e-6, 0.0);
+    expect_smooth(2500.0, cycles, 1e-6, 0.0);
     expect_smooth(2000.0, cycles, 1e-6, 0.0);
   }
-  for (const double x : {1700.0, 2500.0, 1e5})
+  for (const double x : {2300.0, 2600.0, 1e5})
     for (const double turn : {48.0, 64.0}) expect_smooth(x, std::asin(0.5 * turn / x) / kPi, 0.0, 1e-11);
   expect_smooth(3000.7, 2.0 - 1e-6, 0.0, 1e-9);
   EXPECT_NEAR(sine_rms(3000.7, 2.0 - 1e-13).value, sine_rms(3000.7, 2.0).value, 1e-12);
