@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mtf/components/pupil_circles.h"
 #include "mtf/special.h"
 
 // Areas of overlapping annuli cancel: the rings of a narrow annulus are small differences of large discs. Three forms
@@ -24,9 +25,6 @@ double x_minus_sin(double x) {
   for (int n = 10; n >= 1; --n) sum = (1.0 - sum) * q / ((2.0 * n) * (2.0 * n + 1.0));
   return x * sum;
 }
-
-// acos itself loses its relative accuracy near 1, asin(x/r) its absolute one: atan2 of legs keeps both.
-double root_of_product(double a, double b) { return std::sqrt(std::max(a * b, 0.0)); }
 
 // Discs of radius 1 and e, centres d = 2 nu apart, and what the forms share.
 struct Circles {

@@ -6,11 +6,8 @@
 #include <numbers>
 
 namespace mtf {
-namespace {
 
 double root_of_product(double a, double b) { return std::sqrt(std::max(a * b, 0.0)); }
-
-}  // namespace
 
 PupilCaps pupil_caps(double nu, double obscuration) {
   PupilCaps caps;

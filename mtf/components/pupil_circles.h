@@ -12,6 +12,10 @@
 
 namespace mtf {
 
+/// A leg from the factors of its square, each formed without cancellation; 0 where rounding makes the product negative.
+/// acos loses its relative accuracy near 1, asin(x/r) its absolute one: atan2 of legs keeps both.
+double root_of_product(double a, double b);
+
 struct PupilCap {
   double sign = 1.0;    ///< of its lens
   double centre = 0.0;  ///< of its circle, on the x axis

@@ -72,8 +72,7 @@ struct RandomWavefront {
   }
   S wavelength(const Context<S>& ctx) const { return wavelength_um.value_or(ctx.wavelength_um); }
   S phase_rad(const Context<S>& ctx) const {
-    const S waves = wavelength_reference_um ? S(rms_waves * *wavelength_reference_um / wavelength(ctx)) : rms_waves;
-    return S(2.0 * kPi) * waves;
+    return S(2.0 * kPi) * waves_at(rms_waves, wavelength_reference_um, wavelength(ctx));
   }
   S length_mm(const Context<S>& ctx) const {
     return correlation_length_mm ? *correlation_length_mm
