@@ -42,6 +42,10 @@ std::shared_ptr<void> own(fftwf_plan plan) {
 }
 
 fftwf_complex* complexes(float* p) { return reinterpret_cast<fftwf_complex*>(p); }
+fftw_complex* complexes(Complex<double>* p) {
+  static_assert(sizeof(Complex<double>) == sizeof(fftw_complex));
+  return reinterpret_cast<fftw_complex*>(p);
+}
 
 }  // namespace
 
@@ -83,9 +87,28 @@ void RealInverse::execute(float* in, float* out) const {
   fftwf_execute_dft_c2r(static_cast<fftwf_plan>(plan_.get()), complexes(in), out);
 }
 
+ComplexDouble::ComplexDouble(std::int64_t n, bool forward) {
+  const int length = checked(n);
+  const AlignedBuffer<Complex<double>> scratch(static_cast<std::size_t>(n));
+  fftw_complex* data = complexes(scratch.data());
+  fftw_plan plan = nullptr;
+  {
+    const std::scoped_lock lock(planner());
+    plan = fftw_plan_dft_1d(length, data, data, forward ? FFTW_FORWARD : FFTW_BACKWARD, FFTW_ESTIMATE);
+  }
+  if (plan == nullptr) throw RuntimeError("FFTW could not plan a transform");
+  plan_ = {plan, [](void* p) {
+             const std::scoped_lock lock(planner());
+             fftw_destroy_plan(static_cast<fftw_plan>(p));
+           }};
+}
+
+void ComplexDouble::execute(Complex<double>* data) const {
+  fftw_execute_dft(static_cast<fftw_plan>(plan_.get()), complexes(data), complexes(data));
+}
+
 void inverse(std::vector<Complex<double>>& data) {
-  static_assert(sizeof(Complex<double>) == sizeof(fftw_complex));
-  auto* p = reinterpret_cast<fftw_complex*>(data.data());
+  fftw_complex* p = complexes(data.data());
   fftw_plan plan = nullptr;
   {
     const std::scoped_lock lock(planner());

@@ -50,6 +50,17 @@ class RealInverse {
   std::shared_ptr<void> plan_;
 };
 
+/// One complex sequence in double, in place, unnormalised: for references.
+class ComplexDouble {
+ public:
+  ComplexDouble() = default;
+  ComplexDouble(std::int64_t n, bool forward);
+  void execute(Complex<double>* data) const;
+
+ private:
+  std::shared_ptr<void> plan_;
+};
+
 /// In-place complex transform in double, sign +1, unnormalised: for plan-time work on one sequence.
 void inverse(std::vector<Complex<double>>& data);
 
