@@ -77,6 +77,9 @@ std::array<double, 2> x_range(const Figure& figure) {
       high = std::max(high, series.x[i]);
     }
   if (low > high) throw mtf::UsageError("figure '" + figure.title + "' has no point that can be drawn");
+  const bool points = std::any_of(figure.series.begin(), figure.series.end(),
+                                  [](const Series& series) { return series.mark != Mark::line; });
+  if (low < high && points && figure.log_x) return {0.8 * low, 1.25 * high};  // no mark is cut by the frame
   if (low < high) return {low, high};
   const double margin = figure.log_x || low != 0.0 ? 0.1 * std::abs(low) : 1.0;
   return {low - margin, high + margin};
@@ -125,6 +128,15 @@ std::string vertical_lines(const Figure& figure, std::array<double, 2> range, Me
 }
 
 std::string style(const Series& series, std::size_t index, Medium medium) {
+  if (series.mark != Mark::line) {
+    // Filled shapes of gnuplot, one after the other; a ring around what is emphasised.
+    constexpr std::array kShapes{7, 5, 9, 13, 11, 15};
+    if (medium == Medium::characters) return "points";
+    const char* size = series.mark == Mark::large_points ? " ps 2.2" : " ps 0.9";
+    if (series.emphasised) return std::string("points pt 6 lc rgb '#000000' lw 2.2") + size;
+    return "points pt " + std::to_string(kShapes[index % kShapes.size()]) + " lc rgb '" +
+           std::string(kColours[index % kColours.size()]) + "'" + size;
+  }
   const std::string with = series.x.size() == 1 ? "points pt 7" : "lines";
   if (medium == Medium::characters) return with;
   if (series.emphasised) return with + " lc rgb '#000000' lw 3.2";
@@ -172,9 +184,14 @@ std::string figure_data_path(const std::string& path) {
 void check_figure_path(const std::string& path) { static_cast<void>(medium_of(path)); }
 
 bool write_figure(const std::string& path, const Figure& figure) {
-  const std::string commands = script(figure, medium_of(path), 0, 0);
+  static_cast<void>(x_range(figure));  // nothing to draw is found before anything is written
+  check_figure_path(path);
   mtf::io::write_text_file(figure_data_path(path), figure_csv(figure));
-  const auto drawing = run_gnuplot(commands);
+  return draw_figure(path, figure);
+}
+
+bool draw_figure(const std::string& path, const Figure& figure) {
+  const auto drawing = run_gnuplot(script(figure, medium_of(path), 0, 0));
   if (drawing) mtf::io::write_text_file(path, *drawing);
   return drawing.has_value();
 }

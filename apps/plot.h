@@ -10,10 +10,14 @@
 
 namespace apps {
 
+/// How a series is drawn. A single point of a line is drawn as a point.
+enum class Mark { line, points, large_points };
+
 struct Series {
   std::string name;
   std::vector<double> x, y;  ///< of one length; what is not finite (or not positive on a log axis) leaves a gap
-  bool emphasised = false;   ///< a thick black line instead of a thin coloured one
+  bool emphasised = false;   ///< a thick black line or ring instead of a thin coloured one
+  Mark mark = Mark::line;
 };
 
 struct VerticalLine {
@@ -39,6 +43,9 @@ void check_figure_path(const std::string& path);
 /// Writes the data as CSV (17 digits) beside `path`, then the figure, each whole or not at all. False when there is no
 /// gnuplot: the CSV is there, the figure is not. Throws UsageError (extension) and RuntimeError.
 bool write_figure(const std::string& path, const Figure& figure);
+
+/// The figure alone, for data that have a file of their own. False when there is no gnuplot.
+bool draw_figure(const std::string& path, const Figure& figure);
 
 /// The figure in characters, or nothing when there is no gnuplot. Throws RuntimeError.
 std::optional<std::string> ascii_figure(const Figure& figure, int columns, int rows);
