@@ -77,9 +77,7 @@ std::array<double, 2> x_range(const Figure& figure) {
       high = std::max(high, series.x[i]);
     }
   if (low > high) throw mtf::UsageError("figure '" + figure.title + "' has no point that can be drawn");
-  const bool points = std::any_of(figure.series.begin(), figure.series.end(),
-                                  [](const Series& series) { return series.mark != Mark::line; });
-  if (low < high && points && figure.log_x) return {0.8 * low, 1.25 * high};  // no mark is cut by the frame
+  if (figure.x_range) return *figure.x_range;
   if (low < high) return {low, high};
   const double margin = figure.log_x || low != 0.0 ? 0.1 * std::abs(low) : 1.0;
   return {low - margin, high + margin};
@@ -155,7 +153,7 @@ std::string script(const Figure& figure, Medium medium, int columns, int rows) {
   text += "set yrange [" + (figure.y_low ? mtf::format_double(*figure.y_low) : "*") + ":" +
           (figure.y_high ? mtf::format_double(*figure.y_high) : "*") + "]\n";
   if (figure.log_x) text += "set logscale x\n";
-  if (figure.log_y) text += "set logscale y\n";
+  if (figure.log_y) text += "set logscale y\nset format y '%.0e'\n";
   text += vertical_lines(figure, range, medium);
   if (characters)
     text += "set key outside bottom center horizontal\n";

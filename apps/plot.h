@@ -4,6 +4,7 @@
 // Line figures through gnuplot: SVG, PDF, PNG and characters. Every figure file has its data beside it as CSV, so that
 // it can be drawn again with anything. Labels are taken literally, whatever they contain.
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,7 +32,8 @@ struct Figure {
   std::vector<Series> series;
   std::vector<VerticalLine> vertical_lines;  ///< drawn where they lie inside the x range
   bool log_x = false, log_y = false;
-  std::optional<double> y_low, y_high;  ///< limits of the y axis, else from the data
+  std::optional<std::array<double, 2>> x_range;  ///< else from the data
+  std::optional<double> y_low, y_high;           ///< limits of the y axis, else from the data
 };
 
 /// "plot.svg" -> "plot.csv".

@@ -43,6 +43,7 @@ class Filter {
     if (job.method == OpenCvJob::Method::dft) {
       const cv::Mat kernel = as_floats(job.kernel, job.kernel_height, job.kernel_width);
       cv::dft(kernel, kernel_);
+      job_.kernel.clear();
       return;
     }
     // OpenCV correlates: a convolution needs the kernel turned about its origin.
