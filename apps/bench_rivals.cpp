@@ -115,8 +115,11 @@ OpenCvJob Rivals::kernel_job(Method method, std::int64_t radius) const {
 OpenCvJob Rivals::transform_job(std::int64_t pad) const {
   OpenCvJob job;
   job.method = Method::dft;
+  // A canvas of the border's own period needs no more: the image itself, a mirror's twice that.
+  const mtf::Border border = job_->options.border;
   const auto length = [&](std::int64_t n) {
-    return job_->options.border == mtf::Border::periodic ? n : next_quick(n + 2 * pad);
+    if (border == mtf::Border::periodic) return n;
+    return next_quick(n + 2 * std::min(pad, border == mtf::Border::reflect ? n / 2 : n));
   };
   job.kernel_width = length(x_.samples);
   job.kernel_height = length(y_.samples);
@@ -165,12 +168,10 @@ bool Rivals::fits(Method method, std::int64_t extent, double tolerance) {
 std::vector<Contender> Rivals::at(double tolerance) {
   std::vector<std::int64_t> radii, pads;
   for (std::int64_t r = x_.between || y_.between ? 1 : 0; r <= kLargestRadius; ++r) radii.push_back(r);
-  // A canvas of the border's own period needs no more; a mirror's is twice the image.
-  const mtf::Border border = job_->options.border;
-  const std::int64_t longest = std::max(x_.samples, y_.samples) / (border == mtf::Border::reflect ? 2 : 1);
-  for (std::int64_t pad = 4; pad < longest; pad *= 2) pads.insert(pads.end(), {pad, std::min(longest, pad + pad / 2)});
+  const std::int64_t longest = std::max(x_.samples, y_.samples);
+  for (std::int64_t pad = 4; pad < longest; pad *= 2) pads.insert(pads.end(), {pad, pad + pad / 2});
   pads.push_back(longest);
-  if (border == mtf::Border::periodic) pads = {0};
+  if (job_->options.border == mtf::Border::periodic) pads = {0};
   // The error falls with the extent: bisection for the first that fits.
   const auto first_that_fits = [&](Method method, const std::vector<std::int64_t>& extents) {
     std::size_t low = 0, high = extents.size() - 1;
