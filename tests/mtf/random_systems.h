@@ -11,16 +11,13 @@
 
 namespace mtf::test {
 
-/// The system of that number, one wavelength; with a band when asked for.
-inline System<double> random_system(int number, bool band = false) {
-  Random random(0x5eed0000u + static_cast<std::uint64_t>(number));
-  // First the kind, so that one with many combinations of fields does not crowd out the others.
+/// The conformance cases, kind by kind, without those that are slow: pupils by quadrature at the ends of their box cost
+/// milliseconds a value.
+inline const std::vector<std::vector<const Case*>>& quick_cases_by_kind() {
   static const std::vector<std::vector<const Case*>> by_kind = [] {
     std::map<std::string_view, std::vector<const Case*>> groups;
     for (const Case& c : conformance_cases()) {
       const Component<double>& component = only_component(c.system);
-      // Pupils by quadrature at the ends of their box cost milliseconds a value: conformance has them, here are the
-      // rest.
       const bool slow = !component.breaks_cy_mm(c.system.context()).empty() && !c.typical;
       if (!slow) groups[component.kind()].push_back(&c);
     }
@@ -28,7 +25,21 @@ inline System<double> random_system(int number, bool band = false) {
     for (auto& [kind, group] : groups) list.push_back(std::move(group));
     return list;
   }();
+  return by_kind;
+}
+
+inline bool has_no_errors(const System<double>& system) {
+  for (const auto& finding : system.check())
+    if (finding.problem.error) return false;
+  return true;
+}
+
+/// The system of that number, one wavelength; with a band when asked for.
+inline System<double> random_system(int number, bool band = false) {
+  Random random(0x5eed0000u + static_cast<std::uint64_t>(number));
+  // First the kind, so that one with many combinations of fields does not crowd out the others.
   const auto draw = [&]() -> const Case& {
+    const auto& by_kind = quick_cases_by_kind();
     const auto& group = by_kind[random.bits() % by_kind.size()];
     return *group[random.bits() % group.size()];
   };
@@ -40,18 +51,13 @@ inline System<double> random_system(int number, bool band = false) {
     system.band = Band{middle - half, middle + half};
     system.band_nodes = 1 + random.below(24);
   }
-  const auto valid = [](const System<double>& s) {
-    for (const auto& finding : s.check())
-      if (finding.problem.error) return false;
-    return true;
-  };
   for (int wanted = 1 + random.below(8), tries = 0; wanted > 0 && tries < 100; ++tries) {
     const Component<double>& component = only_component(draw().system);
     const Stage stage = kStages[static_cast<std::size_t>(random.below(3))];
     if (!component.stages().allows(stage)) continue;
     System<double> larger = system;
     larger.add(stage, component);
-    if (!valid(larger)) continue;
+    if (!has_no_errors(larger)) continue;
     system = std::move(larger);
     --wanted;
   }

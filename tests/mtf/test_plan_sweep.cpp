@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// The promise over random work, with every way that a plan offers: realised rms error <= promised <= tolerance, or a
+// refusal that names a tolerance which works. The reference is the exact OTF on the defined canvas, in double.
+//
+// MTFKIT_SWEEP_FIRST and MTFKIT_SWEEP_CASES choose other seeds than a test's own: a failure prints its seed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <optional>
+
+#include "apps/check/reference_fft.h"
+#include "mtf/scene_spectrum.h"
+#include "mtf/statistics.h"
+#include "tests/mtf/sweep_cases.h"
+
+namespace mtf::test {
+namespace {
+
+// What a user of the command has, and what somebody has who knows only mean and contrast of the scene.
+enum class Knowledge { spectrum, summary };
+constexpr std::array kKnowledge{Knowledge::spectrum, Knowledge::summary};
+
+constexpr double kLoosestMedian = 30.0;
+constexpr int kForcedEvery = 4;  // of so many cases, one has every possible way insisted on
+
+/// promised / realised of every plan that ran, by name of the group.
+class Tightness {
+ public:
+  void add(const std::string& group, double ratio) { ratios_[group].push_back(ratio); }
+  double median(const std::string& group) { return quantile(ratios_[group], 0.5); }
+  void print() {
+    std::printf("  %-32s %7s %8s %8s %8s\n", "promised / realised", "plans", "least", "median", "95 %");
+    for (auto& [group, ratios] : ratios_)
+      std::printf("  %-32s %7zu %8.2f %8.1f %8.3g\n", group.c_str(), ratios.size(), quantile(ratios, 0.0),
+                  quantile(ratios, 0.5), quantile(ratios, 0.95));
+  }
+
+ private:
+  static double quantile(std::vector<double>& ratios, double q) {
+    if (ratios.empty()) return 0.0;
+    std::sort(ratios.begin(), ratios.end());
+    return ratios[static_cast<std::size_t>(q * static_cast<double>(ratios.size() - 1))];
+  }
+  std::map<std::string, std::vector<double>> ratios_;
+};
+
+class Sweep {
+ public:
+  explicit Sweep(std::vector<Photograph> photographs) : photographs_(std::move(photographs)) {}
+
+  void run(std::uint64_t first, int cases, const SweepLimits& limits) {
+    if (const char* other = std::getenv("MTFKIT_SWEEP_FIRST")) first = std::strtoull(other, nullptr, 10);
+    if (const char* other = std::getenv("MTFKIT_SWEEP_CASES")) cases = std::atoi(other);
+    for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(cases); ++seed) {
+      const SweepCase c = sweep_case(seed, limits, photographs_);
+      SCOPED_TRACE(c.describe());
+      try {
+        check(c);
+      } catch (const std::exception& e) {
+        ADD_FAILURE() << e.what();
+      }
+    }
+    report();
+  }
+
+ private:
+  void check(const SweepCase& c) {
+    ++cases_;
+    PlanOptions options = c.options();
+    if (!options.scene) {
+      ++flat_;
+      return check_flat(c, options);
+    }
+    const std::vector<double> expected = reference(c);
+    for (const Knowledge knowledge : kKnowledge) {
+      options = c.options();
+      if (knowledge == Knowledge::spectrum) options.spectrum = scene_spectrum(c.scene.view(), c.border, 1);
+      const std::optional<Plan> plan = compile_or_named(c, options);
+      if (!plan) continue;
+      const std::string what = knowledge == Knowledge::spectrum ? "with spectrum" : "summary only";
+      ++chosen_[plan->report().method];
+      check_plan(c, *plan, expected, options, {"all, " + what, plan->report().method + ", " + what});
+      if (c.seed % kForcedEvery != 0) continue;
+      for (const Candidate& candidate : plan->report().candidates) {
+        if (!candidate.possible || kMethodNames[static_cast<std::size_t>(candidate.method)] == plan->report().method)
+          continue;
+        options.method = candidate.method;
+        check_plan(c, c.compile_with(options), expected, options,
+                   {std::string(kMethodNames[static_cast<std::size_t>(candidate.method)]) + ", insisted on"});
+      }
+    }
+  }
+
+  static std::vector<double> reference(const SweepCase& c) {
+    return apps::check::reference_image_fft(c.scene.view(), c.in, c.out,
+                                            apps::check::exact_otf(c.system, c.stages, c.aperture, c.in), c.border,
+                                            c.border_value, 1);
+  }
+
+  static void check_flat(const SweepCase& c, const PlanOptions& options) {
+    if (c.border == Border::constant) return;  // its level is contrast
+    const Plan plan = c.compile_with(options);
+    Image out(c.out.width, c.out.height);
+    plan.run(c.scene.view(), out.view(), c.border_value, 1);
+    EXPECT_EQ(out.at(0, 0), static_cast<float>(plan.dc() * static_cast<double>(c.scene.at(0, 0))));
+  }
+
+  // A refused tolerance is replaced by the one that the refusal names; nothing where none below 1 can be kept.
+  std::optional<Plan> compile_or_named(const SweepCase& c, PlanOptions& options) {
+    try {
+      return c.compile_with(options);
+    } catch (const UnreachableTolerance& refusal) {
+      ++refused_;
+      if (!(refusal.reachable() < 1.0)) {
+        ++unreachable_;
+        return std::nullopt;
+      }
+      EXPECT_GT(refusal.reachable(), options.tolerance);
+      options.tolerance = refusal.reachable();
+    }
+    try {
+      return c.compile_with(options);
+    } catch (const UnreachableTolerance& again) {
+      ADD_FAILURE() << "the named tolerance is refused: " << again.what();
+      return std::nullopt;
+    }
+  }
+
+  void check_plan(const SweepCase& c, const Plan& plan, const std::vector<double>& expected, const PlanOptions& options,
+                  const std::vector<std::string>& groups) {
+    Image out(c.out.width, c.out.height);
+    plan.run(c.scene.view(), out.view(), c.border_value, 1);
+    double squares = 0.0;
+    for (std::int64_t i = 0; i < out.size(); ++i)
+      squares += std::pow(out.data()[i] - expected[static_cast<std::size_t>(i)], 2);
+    const double rms = std::sqrt(squares / static_cast<double>(out.size())) / options.scene->std;
+    const double promised = plan.report().predicted.total();
+    EXPECT_LE(rms, promised) << (options.spectrum ? "with spectrum\n" : "without spectrum\n") << plan.explain();
+    EXPECT_LE(promised, options.tolerance) << plan.explain();
+    ++plans_;
+    for (const std::string& group : groups)
+      if (rms > 0.0) tightness_.add(group, promised / rms);
+  }
+
+  void report() {
+    std::printf("%d cases, %d plans run; %d scenes flat; %d tolerances refused, %d of them with none below 1\n", cases_,
+                plans_, flat_, refused_, unreachable_);
+    for (const auto& [method, count] : chosen_) std::printf("  chosen: %-15s %d\n", method.c_str(), count);
+    tightness_.print();
+    EXPECT_GT(plans_, cases_);
+    EXPECT_LE(tightness_.median("all, with spectrum"), kLoosestMedian);
+  }
+
+  std::vector<Photograph> photographs_;
+  int cases_ = 0, plans_ = 0, flat_ = 0, refused_ = 0, unreachable_ = 0;
+  std::map<std::string, int> chosen_;
+  Tightness tightness_;
+};
+
+constexpr SweepLimits kShort{16, 160}, kLong{16, 700};
+
+TEST(PlanSweep, made_scenes) { Sweep({}).run(1, 40, kShort); }
+TEST(PlanSweepLong, made_scenes) { Sweep({}).run(10'000, 1500, kLong); }
+
+void photographed(std::uint64_t first, int cases, const SweepLimits& limits) {
+  std::vector<Photograph> images = photographs();
+  if (images.empty()) GTEST_SKIP() << "no shared data";
+  Sweep(std::move(images)).run(first, cases, limits);
+}
+
+TEST(PlanSweep, photographs) { photographed(1, 20, kShort); }
+TEST(PlanSweepLong, photographs) { photographed(20'000, 700, kLong); }
+
+}  // namespace
+}  // namespace mtf::test
