@@ -212,7 +212,7 @@ std::vector<Photograph> photographs() {
   return found;
 }
 
-SweepCase sweep_case(std::uint64_t seed, const SweepLimits& limits, const std::vector<Photograph>& photographs) {
+SweepCase sweep_case(std::uint64_t seed, const SweepLimits& limits, std::span<const Photograph> photographs) {
   Random random(0x5eed'0000'0000u + seed);
   SweepCase c;
   c.seed = seed;
@@ -221,10 +221,16 @@ SweepCase sweep_case(std::uint64_t seed, const SweepLimits& limits, const std::v
   c.system = draw_system(random, c.stages);
   Frame<double>& frame = c.system.frame;
   const std::int64_t largest = affordable_side(c.system, limits.largest_side);
-  const std::int64_t width = draw_side(random, limits.least_side, largest);
-  const std::int64_t height = random.below(4) == 0 ? width : draw_side(random, limits.least_side, largest);
   const double ratio_x = c.is_presample() ? draw_ratio(random) : 1.0;
   const double ratio_y = random.below(3) == 0 && c.is_presample() ? draw_ratio(random) : ratio_x;
+  const auto side = [&](double ratio) {
+    const std::int64_t n = draw_side(random, limits.least_side, largest);
+    const auto whole = static_cast<std::int64_t>(ratio);  // most scenes are made for their detector
+    const std::int64_t multiple = std::max(n / whole, (limits.least_side + whole - 1) / whole) * whole;
+    return static_cast<double>(whole) == ratio && random.below(4) != 0 ? multiple : n;
+  };
+  const std::int64_t width = side(ratio_x);
+  const std::int64_t height = random.below(4) == 0 ? width : side(ratio_y);
   c.in = {width, height, frame.pitch_x_um / ratio_x, frame.pitch_y_um / ratio_y};
   if (random.below(8) == 0) frame.columns = 1 + random.below(64), frame.rows = 1 + random.below(64);
   c.out = c.is_presample() ? detector_grid(c.system, c.in) : c.in;

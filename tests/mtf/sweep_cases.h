@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,6 @@ struct Photograph {
 std::vector<Photograph> photographs();
 
 /// The case of that seed. With photographs its scene is a part of one of them, mirrored where it is smaller.
-SweepCase sweep_case(std::uint64_t seed, const SweepLimits& limits, const std::vector<Photograph>& photographs);
+SweepCase sweep_case(std::uint64_t seed, const SweepLimits& limits, std::span<const Photograph> photographs);
 
 }  // namespace mtf::test

@@ -20,10 +20,7 @@
 namespace mtf::test {
 namespace {
 
-// What a user of the command has, and what somebody has who knows only mean and contrast of the scene.
-enum class Knowledge { spectrum, summary };
-constexpr std::array kKnowledge{Knowledge::spectrum, Knowledge::summary};
-
+const std::string kAsSimulate = "as simulate";
 constexpr double kLoosestMedian = 30.0;
 constexpr int kForcedEvery = 4;  // of so many cases, one has every possible way insisted on
 
@@ -76,13 +73,16 @@ class Sweep {
       return check_flat(c, options);
     }
     const std::vector<double> expected = reference(c);
-    for (const Knowledge knowledge : kKnowledge) {
+    // What `mtf simulate` gives its plan, and what somebody has who knows only mean and contrast of the scene.
+    const auto spectrum = scene_spectrum(c.scene.view(), c.border, 1);
+    for (const bool with_spectrum : {true, false}) {
+      if (!with_spectrum && !spectrum) continue;  // borders that have none
       options = c.options();
-      if (knowledge == Knowledge::spectrum) options.spectrum = scene_spectrum(c.scene.view(), c.border, 1);
+      if (with_spectrum) options.spectrum = spectrum;
       const std::optional<Plan> plan = compile_or_named(c, options);
       if (!plan) continue;
-      const std::string what = knowledge == Knowledge::spectrum ? "with spectrum" : "summary only";
-      ++chosen_[plan->report().method];
+      const std::string what = with_spectrum ? kAsSimulate : "summary only";
+      if (with_spectrum) ++chosen_[plan->report().method];
       check_plan(c, *plan, expected, options, {"all, " + what, plan->report().method + ", " + what});
       if (c.seed % kForcedEvery != 0) continue;
       for (const Candidate& candidate : plan->report().candidates) {
@@ -151,8 +151,8 @@ class Sweep {
                 plans_, flat_, refused_, unreachable_);
     for (const auto& [method, count] : chosen_) std::printf("  chosen: %-15s %d\n", method.c_str(), count);
     tightness_.print();
-    EXPECT_GT(plans_, cases_);
-    EXPECT_LE(tightness_.median("all, with spectrum"), kLoosestMedian);
+    EXPECT_GT(plans_, cases_ - cases_ / 4);
+    EXPECT_LE(tightness_.median("all, " + kAsSimulate), kLoosestMedian);
   }
 
   std::vector<Photograph> photographs_;
