@@ -10,6 +10,7 @@
 
 #include "mtf/io/image_io.h"
 #include "mtf/statistics.h"
+#include "tests/mtf/builders.h"
 #include "tests/mtf/random_systems.h"
 
 namespace mtf::test {
@@ -33,9 +34,37 @@ bool has_quadrature(const System<double>& system) {
   return false;
 }
 
-// Two of three systems are sensors near the examples of the component tables, the others take any allowed value.
-System<double> draw_system(Random& random, std::span<const Stage> stages) {
-  const bool typical = random.below(3) != 0;
+// One or two blurs of about a pixel: what kernels of a few samples can do.
+System<double> compact_system(Random& random) {
+  System<double> system;
+  system.frame = {100.0, 15.0, random.below(3) == 0 ? 12.0 : 15.0, 0.01, 0, 0};
+  system.optics.f_number = random.decades(1.0, 6.0);
+  system.optics.wavelength_um = 4.0;
+  for (int wanted = 1 + random.below(3); wanted > 0; --wanted) switch (random.below(5)) {
+      case 0:
+        system.add(Stage::presample, gaussian(random.decades(0.5, 15.0)));
+        break;
+      case 1:
+        system.add(Stage::presample, footprint(random.uniform(5.0, 15.0)));
+        break;
+      case 2:
+        system.add(Stage::presample, jitter(random.decades(0.2, 10.0)));
+        break;
+      case 3:
+        system.add(Stage::presample, motion(random.decades(0.5, 30.0), 15.0 * random.below(24)));
+        break;
+      default: {
+        const auto optics = Component<double>::make("diffraction");
+        System<double> larger = system;
+        larger.add(Stage::presample, optics);
+        if (has_no_errors(larger)) system = std::move(larger);
+      }
+    }
+  return system;
+}
+
+// Any kinds, as examples of the component tables have them (typical) or with any allowed value.
+System<double> any_system(Random& random, std::span<const Stage> stages, bool typical) {
   const auto& by_kind = quick_cases_by_kind();
   const auto draw = [&]() -> const Case& {
     for (;;) {
@@ -47,27 +76,23 @@ System<double> draw_system(Random& random, std::span<const Stage> stages) {
   System<double> system = draw().system;
   for (auto& list : system.stages) list.clear();
   const auto try_to_add = [&](const Component<double>& component, Stage stage) {
-    if (!component.stages().allows(stage)) return false;
+    if (!component.stages().allows(stage)) return 0;
     System<double> larger = system;
     larger.add(stage, component);
-    if (!has_no_errors(larger)) return false;
+    if (!has_no_errors(larger)) return 0;
     system = std::move(larger);
-    return true;
+    return 1;
   };
   int wanted = 1 + std::min(random.below(8), random.below(8));
-  if (typical && stages.front() == Stage::presample && random.below(8) != 0) {
+  if (typical && stages.front() == Stage::presample) {
     system.frame = {100.0, 15.0, random.below(3) == 0 ? 12.0 : 15.0, 0.01, 0, 0};
     system.optics.f_number = random.decades(1.2, 12.0);
-    auto pixel = Component<double>::make("footprint");
-    for (const FieldRef<double>& field : pixel.fields())
-      if (field.info->name == "width")
-        *std::get<AxisPair<double>*>(field.value) = {{random.uniform(0.8, 1.0), find_unit("px")}, {}, false};
-    wanted -= try_to_add(Component<double>::make("diffraction"), Stage::presample) ? 1 : 0;
-    wanted -= try_to_add(pixel, Stage::presample) ? 1 : 0;
+    wanted -= try_to_add(Component<double>::make("diffraction"), Stage::presample);
+    wanted -= try_to_add(footprint(random.uniform(10.0, 15.0)), Stage::presample);
   }
   for (int tries = 0; wanted > 0 && tries < 100; ++tries) {
     const Stage stage = stages[static_cast<std::size_t>(random.below(static_cast<int>(stages.size())))];
-    if (try_to_add(only_component(draw().system), stage)) --wanted;
+    wanted -= try_to_add(only_component(draw().system), stage);
   }
   if (random.below(6) == 0 && !has_quadrature(system)) {
     const double middle = random.decades(0.5, 12.0), half = 0.5 * middle * random.uniform(0.02, 0.4);
@@ -77,6 +102,12 @@ System<double> draw_system(Random& random, std::span<const Stage> stages) {
     if (has_no_errors(wide)) system = std::move(wide);
   }
   return system;
+}
+
+System<double> draw_system(Random& random, std::span<const Stage> stages) {
+  const int family = random.below(3);
+  if (family == 0 && stages.front() == Stage::presample) return compact_system(random);
+  return any_system(random, stages, family == 1);
 }
 
 // The exact OTF of every frequency of the canvas is what a reference costs.

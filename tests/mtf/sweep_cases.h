@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Random work for plans: systems of 1 to 8 components of every kind, half of them typical sensors, sizes with primes,
-// whole and other ratios of pitch and sample, every border rule, tolerances of 1e-6 to 1e-1, and scenes that are made
-// or cut from photographs. A case is its seed: the same for every machine, whatever the standard library.
+// Random work for plans: systems of 1 to 8 components (a third each: blurs of about a pixel, typical sensors, any kinds
+// with any allowed values), sizes with primes, whole and other ratios of pitch and sample, every border rule,
+// tolerances of 1e-6 to 1e-1, and scenes that are made or cut from photographs. A case is its seed: the same for every
+// machine, whatever the standard library.
 
 #include <array>
 #include <cstdint>
