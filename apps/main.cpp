@@ -202,6 +202,10 @@ void add_simulate(CLI::App& root, SimulateOptions& options) {
              options.measure);
   add_text(app, "--wisdom", "FILE", "what measuring has learnt: read before, written after",
            [&](const std::string& text) { options.wisdom = text; });
+  add_word(app, "--frames", "RANGE", "START:STOP[:STEP], both ends; default: all frames, or those of the schedule",
+           [&](const std::string& text) { options.frames = frame_range("--frames", text); });
+  add_text(app, "--schedule", "FILE", "parameters that change over frames: CSV with frame,parameter,value",
+           [&](const std::string& text) { options.schedule = text; });
   add_word(app, "--range", "LOW:HIGH", "values at 0 and 65535 of 16-bit output; default: extremes of the image",
            [&](const std::string& text) {
              const auto range = number_range("--range", text);
