@@ -96,7 +96,7 @@ void print_summary(const RunReport& report, const SequenceReport& s) {
 /// As many frames at a time as keep every thread busy and fit into half of the machine's memory.
 std::int64_t frames_in_flight(const SequenceFrames& frames, int threads) {
   const double room = 0.5 * machine_bytes() / std::max(1.0, frames.bytes_a_frame());
-  const auto wanted = std::min<std::int64_t>(2 * std::int64_t{threads}, frames.count());
+  const auto wanted = std::min<std::int64_t>(threads == 1 ? 1 : 2 * std::int64_t{threads}, frames.count());
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(std::min(room, 1e6)), 1, wanted);
 }
 

@@ -107,6 +107,7 @@ TEST(SensorPlan, with_compiles_anew_where_shares_or_grids_do_not_fit) {
   const SampleGrid in{96, 80, 3.75, 3.75};
   const Image scene = random_image(96, 80, 3);
   PlanOptions options;
+  options.tolerance = 1e-2;
   options.scene = summarise(scene.view(), options.border, 0.0);
   const SensorPlan plan = compile_sensor(sharpened(3.0, 1.0), in, options);
   const auto expect_fresh = [&](const System<double>& system) {
