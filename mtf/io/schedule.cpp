@@ -170,12 +170,16 @@ struct ScheduledSensor::State {
   std::size_t next = 0;                              ///< first setting that is not in force yet
   std::map<std::string, Setting, std::less<>> last;  ///< in force, by path
 
-  /// The line that a finding about `path` comes from: that of the value itself, of its table, or of the last change.
+  /// The line that a finding about `path` comes from: the latest that set this value, a part of it, or something in
+  /// its table; otherwise the latest of all.
   const Setting& cause(const std::string& path) const {
+    const auto concerns = [&](const std::string& key) {
+      return key == path || key == path + "_x" || key == path + "_y" || key.starts_with(path + "[") ||
+             key.starts_with(path + ".") || path.starts_with(key + "[");
+    };
     const Setting* found = nullptr;
     for (const auto& [key, setting] : last)
-      if (key == path || (key.starts_with(path) && (key.size() == path.size() + 2 || key[path.size()] == '[')))
-        found = &setting;
+      if (concerns(key) && (found == nullptr || setting.frame > found->frame)) found = &setting;
     return found != nullptr ? *found : schedule.settings[next - 1];
   }
 };
