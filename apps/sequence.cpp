@@ -169,7 +169,7 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
   facts.fps = static_cast<double>(facts.frames) / facts.seconds;
   RunReport report;
   report.config = &sensor;
-  report.scene = &frames.first().input->scene;
+  report.scene = &frames.first_scene();
   report.plan = &frames.last_plan();
   report.scene_path = options.scene;
   report.out_path = options.out;
@@ -180,7 +180,7 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
   if (!options.report.empty()) emit(options.report, to_json(report));
   if (options.report == "-") return 0;  // standard output is the report
   if (options.explain) {
-    const mtf::SensorPlan& plan = *frames.first().plan;
+    const mtf::SensorPlan& plan = frames.first_plan();
     print("frame " + std::to_string(facts.first) + "\n" + plan.presample.explain() +
           (plan.post ? "after sampling\n" + plan.post->explain() : ""));
   }

@@ -102,9 +102,13 @@ void SequenceFrames::prepare() {
   read(*frame);
   plan(*frame);
   if (frame->error) rethrow(*frame);
-  first_ = frame;
-  at_ = 0;
+  prepared_ = frame;
+  first_plan_ = frame->plan;
   const mtf::io::Scene& scene = frame->input->scene;
+  first_scene_.names = scene.names;
+  first_scene_.grid = scene.grid;
+  first_scene_.quantity = scene.quantity;
+  first_scene_.info = scene.info;
   for (const std::string& text : scene.warnings) warn(text);
   for (const std::string& text : mtf::io::sampling_warnings(frame->sensor->system, scene.grid)) warn(text);
   for (const std::string& text : frame->plan->presample.report().notes) warn(text);
@@ -113,11 +117,11 @@ void SequenceFrames::prepare() {
 }
 
 double SequenceFrames::bytes_a_frame() const {
-  const mtf::SensorPlan& plan = *first_->plan;
+  const mtf::SensorPlan& plan = *first_plan_;
   const auto pixels = [](const mtf::SampleGrid& grid) {
     return static_cast<double>(grid.width) * static_cast<double>(grid.height);
   };
-  const auto channels = static_cast<double>(first_->input->scene.planes.size());
+  const auto channels = static_cast<double>(first_scene_.names.size());
   // The scene, the sampled image, the final one and what a file format makes of it; buffers and an OTF of its own.
   const double planes = 4.0 * (2.0 * pixels(plan.in()) + 3.0 * pixels(plan.out()));
   const mtf::PlanReport& report = plan.presample.report();
@@ -125,11 +129,10 @@ double SequenceFrames::bytes_a_frame() const {
 }
 
 std::shared_ptr<Frame> SequenceFrames::next() {
+  if (prepared_) return std::exchange(prepared_, nullptr);
   if (at_ == names_.frames.size()) return nullptr;
-  const bool ready = first_ != nullptr && at_ == 0;
-  auto frame = ready ? first_ : std::make_shared<Frame>();
+  auto frame = std::make_shared<Frame>();
   frame->number = names_.frames[at_++];
-  if (ready) return frame;
   attempt(*frame, frame->plan_ms, [&] {
     if (schedule_.advance(frame->number)) {
       ++report_.schedule_changes;
@@ -163,8 +166,8 @@ void SequenceFrames::require_like_first(const Frame& frame) {
     throw mtf::RuntimeError(names_.scenes->name(frame.number) + " has " + what + " " + is +
                             ", the sequence began with " + was + "; bring it to the same, or leave it out by --frames");
   };
-  if (first_) {
-    const mtf::io::Scene& first = first_->input->scene;
+  if (first_plan_) {
+    const mtf::io::Scene& first = first_scene_;
     if (scene.grid.width != first.grid.width || scene.grid.height != first.grid.height)
       fail("size", size_text(scene.grid), size_text(first.grid));
     if (scene.names != first.names) fail("channels", joined(scene.names), joined(first.names));
@@ -182,9 +185,7 @@ void SequenceFrames::plan(Frame& frame) {
   if (frame.plan) return;
   attempt(frame, frame.plan_ms, [&] {
     if (names_.scenes) require_like_first(frame);
-    std::vector<std::string> warnings;
-    frame.plan = planner_.plan_for(*frame.sensor, *frame.input, warnings);
-    for (const std::string& text : warnings) warn("frame " + std::to_string(frame.number) + ": " + text);
+    frame.plan = planner_.plan_for(*frame.sensor, *frame.input, frame.warnings);
   });
 }
 
@@ -211,6 +212,7 @@ void SequenceFrames::run(Frame& frame) {
 }
 
 void SequenceFrames::finish(const Frame& frame) {
+  for (const std::string& text : frame.warnings) warn("frame " + std::to_string(frame.number) + ": " + text);
   if (frame.error) {
     meter_.note("note: " + std::to_string(report_.frames) + " of " + std::to_string(count()) +
                 " frames were finished before this one and are whole");

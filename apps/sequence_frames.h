@@ -33,6 +33,7 @@ struct Frame {
   std::string settings;                                 ///< what the schedule has changed so far
   std::shared_ptr<const SceneInput> input;
   std::shared_ptr<const mtf::SensorPlan> plan;
+  std::vector<std::string> warnings;
   double read_ms = 0.0, plan_ms = 0.0, run_ms = 0.0, write_ms = 0.0;
   std::exception_ptr error;
 };
@@ -57,7 +58,9 @@ class SequenceFrames {
   void finish(const Frame& frame);
 
   std::int64_t count() const { return static_cast<std::int64_t>(names_.frames.size()); }
-  const Frame& first() const { return *first_; }
+  /// What the first frame was and how it was planned; without its planes.
+  const mtf::io::Scene& first_scene() const { return first_scene_; }
+  const mtf::SensorPlan& first_plan() const { return *first_plan_; }
   const mtf::SensorPlan& last_plan() const { return *last_plan_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// Sums over frames: read, plan, run, write.
@@ -76,9 +79,10 @@ class SequenceFrames {
   mtf::io::ScheduledSensor schedule_;
   SequencePlanner planner_;
   std::shared_ptr<const mtf::io::SensorConfig> sensor_;
-  std::shared_ptr<Frame> first_;
+  std::shared_ptr<Frame> prepared_;  ///< the first frame, until it goes its way
+  mtf::io::Scene first_scene_;
   std::shared_ptr<const SceneInput> still_;
-  std::shared_ptr<const mtf::SensorPlan> last_plan_;
+  std::shared_ptr<const mtf::SensorPlan> first_plan_, last_plan_;
   std::shared_ptr<const mtf::io::SensorConfig> spacing_sensor_;  ///< that `spacing_` belongs to
   mtf::SampleGrid spacing_;
   std::size_t at_ = 0;  ///< of the next frame
