@@ -251,6 +251,23 @@ TEST_F(Sequence, MisuseIsSaidBeforeAnythingIsWritten) {
   EXPECT_EQ(outputs(), 2U);
 }
 
+TEST_F(Sequence, StoppingItLeavesWholeFramesOnly) {
+  write_scene(scratch / "scene.exr", 256, 5.0, 0.0);
+  write_file(scratch / "s.csv", "frame,parameter,value\n1,jitter.rms,9 urad\n");
+  const Result r = scratch.run(
+      "mtf simulate sensor.toml scene.exr -o out.%06d.exr --schedule s.csv --frames 1:999999 &\n"
+      "pid=$!\nwhile [ ! -e out.000003.exr ] && kill -0 $pid; do sleep 0.01; done\nkill -INT $pid\nwait $pid\n");
+  EXPECT_EQ(r.status, 130) << r.err;
+  EXPECT_GE(outputs(), 2U);
+  for (const auto& entry : fs::directory_iterator(scratch / "")) {
+    const std::string path = entry.path().string();
+    EXPECT_EQ(path.find(".tmp"), std::string::npos) << path;
+    if (path.find("out.") != std::string::npos) {
+      EXPECT_EQ(mtf::io::read_image(path).planes.size(), 1U);
+    }
+  }
+}
+
 TEST_F(Sequence, BadPixelsAndProgress) {
   add_frames(1, 3);
   Image holed = pattern(64, 48, 5.0, 0.0);
