@@ -12,24 +12,27 @@ namespace {
 // Room for frames that are harder to keep the promise for: storage costs little, the canvas scales everything. A
 // reflected canvas is twice the image for every frame.
 constexpr double kRoomStorage = 2.0, kRoomCanvas = 1.1, kRounding = 1.0 + 1e-6;
+constexpr double kFloatUnit = 0x1p-24, kSmallestFloat = 0x1p-150;  // of float32: relative, and half a denormal step
 
-/// Both summaries at once, on the scale of std = 1.
-mtf::SceneSummary harder(const std::optional<mtf::SceneSummary>& a, const mtf::SceneSummary& b) {
-  mtf::SceneSummary all{1.0, b.largest / b.std, b.canvas_norm / b.std};
-  if (!a) return all;
-  return {1.0, std::max(all.largest, a->largest), std::max(all.canvas_norm, a->canvas_norm)};
+SceneDifficulty difficulty(const mtf::SceneSummary& scene) {
+  return {std::max(scene.largest * kFloatUnit, kSmallestFloat) / scene.std, scene.canvas_norm / scene.std};
 }
 
-mtf::SceneSummary with_room(const mtf::SceneSummary& summary, mtf::Border border) {
-  const double canvas = border == mtf::Border::reflect ? kRounding : kRoomCanvas;
-  return {summary.std, summary.largest * kRoomStorage, summary.canvas_norm * canvas};
+SceneDifficulty harder(const SceneDifficulty& a, const SceneDifficulty& b) {
+  return {std::max(a.storage, b.storage), std::max(a.canvas, b.canvas)};
+}
+
+/// The summary, on the scale of a scene, of one that is as hard.
+mtf::SceneSummary summary_of(const SceneDifficulty& d, double std) {
+  return {std, d.storage * std / kFloatUnit, d.canvas * std};
 }
 
 /// True when a plan compiled for `plan` keeps its promise for a scene of this summary; a flat one asks for nothing.
 bool serves(const std::optional<mtf::SceneSummary>& plan, const std::optional<mtf::SceneSummary>& scene) {
   if (!scene) return true;
-  return plan && scene->largest / scene->std <= plan->largest / plan->std &&
-         scene->canvas_norm / scene->std <= plan->canvas_norm / plan->std;
+  if (!plan) return false;
+  const SceneDifficulty able = difficulty(*plan), needed = difficulty(*scene);
+  return needed.storage <= able.storage && needed.canvas <= able.canvas;
 }
 
 bool same_system(const mtf::System<double>& a, const mtf::System<double>& b) {
@@ -50,14 +53,16 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::S
                                                                 std::vector<std::string>& warnings) {
   options_.border = sensor.scene.border;
   options_.aperture = mtf::io::scene_aperture(sensor.scene, input.scene.grid);
-  if (input.summary) met_ = harder(met_, *input.summary);
+  if (input.summary) met_ = harder(met_, difficulty(*input.summary));
   ++compiled_;
   const auto attempt = [&](const std::optional<mtf::SceneSummary>& summary) {
     options_.scene = summary;
     return std::make_shared<const mtf::SensorPlan>(mtf::compile_sensor(sensor.system, input.scene.grid, options_));
   };
-  if (met_) try {
-      return attempt(with_room(*met_, options_.border));
+  const double canvas = options_.border == mtf::Border::reflect ? kRounding : kRoomCanvas;
+  const SceneDifficulty room{met_.storage * kRoomStorage, met_.canvas * canvas};
+  if (input.summary) try {
+      return attempt(summary_of(room, input.summary->std));
     } catch (const mtf::UnreachableTolerance&) {  // there is no room
     }
   try {

@@ -25,6 +25,12 @@ struct SceneInput {
   std::optional<mtf::SceneSummary> summary;
 };
 
+/// What of a scene makes a promise hard to keep, relative to its std.
+struct SceneDifficulty {
+  double storage = 0.0;  ///< rounding of its largest value
+  double canvas = 0.0;   ///< norm of its canvas
+};
+
 class SequencePlanner {
  public:
   /// Without a tolerance asked for, the default is loosened where a frame cannot keep it, with a warning.
@@ -43,7 +49,7 @@ class SequencePlanner {
 
   mtf::PlanOptions options_;
   bool asked_ = false;
-  std::optional<mtf::SceneSummary> met_;  ///< the hardest of all frames so far, std = 1
+  SceneDifficulty met_;  ///< the hardest of all frames so far
   std::shared_ptr<const mtf::SensorPlan> plan_;
   int compiled_ = 0, updated_ = 0;
 };
