@@ -6,10 +6,11 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "apps/frame_names.h"
 #include "apps/output.h"
-#include "apps/progress.h"
+#include "apps/progress_line.h"
 #include "apps/run_report.h"
 #include "apps/sensor_file.h"
 #include "apps/sequence_frames.h"
@@ -100,7 +101,8 @@ std::int64_t frames_in_flight(const SequenceFrames& frames, int threads) {
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(std::min(room, 1e6)), 1, wanted);
 }
 
-void run_pipeline(SequenceFrames& frames, std::int64_t in_flight, int threads) {
+void run_pipeline(SequenceFrames& frames, std::int64_t in_flight, int threads, const Global& global) {
+  ProgressLine progress(global);
   using Token = std::shared_ptr<Frame>;
   const auto step = [](void (SequenceFrames::*work)(Frame&), SequenceFrames& all) {
     return [work, &all](const Token& frame) {
@@ -121,9 +123,31 @@ void run_pipeline(SequenceFrames& frames, std::int64_t in_flight, int threads) {
             tbb::make_filter<Token, Token>(tbb::filter_mode::parallel, step(&SequenceFrames::read, frames)) &
             tbb::make_filter<Token, Token>(tbb::filter_mode::serial_in_order, step(&SequenceFrames::plan, frames)) &
             tbb::make_filter<Token, Token>(tbb::filter_mode::parallel, step(&SequenceFrames::run, frames)) &
-            tbb::make_filter<Token, void>(tbb::filter_mode::serial_in_order,
-                                          [&](const Token& frame) { frames.finish(*frame); }));
+            tbb::make_filter<Token, void>(tbb::filter_mode::serial_in_order, [&](const Token& frame) {
+              frames.finish(*frame);
+              progress.update("frames", frames.share_done());
+            }));
   });
+}
+
+/// Reads, runs and writes all frames, and says what there is to say when they are done, or when one has failed. Returns
+/// how many were on their way at a time.
+std::int64_t run_frames(SequenceFrames& frames, int threads, const Global& global) {
+  const auto say = [&] {
+    for (const std::string& text : frames.warnings()) note(global, "warning: " + one_line(text));
+    for (const std::string& text : frames.notes()) note(global, "note: " + one_line(text));
+  };
+  try {
+    frames.prepare();
+    const std::int64_t in_flight = frames_in_flight(frames, threads);
+    frames.set_threads_a_frame(static_cast<int>(std::max<std::int64_t>(1, threads / in_flight)));
+    run_pipeline(frames, in_flight, threads, global);
+    say();
+    return in_flight;
+  } catch (...) {
+    say();
+    throw;
+  }
 }
 
 }  // namespace
@@ -153,19 +177,17 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
 
   const int threads = global.threads > 0 ? global.threads : tbb::info::default_concurrency();
   const std::string schedule_sha256 = schedule.sha256;
-  ProgressMeter meter(global, "frame", static_cast<std::int64_t>(names.frames.size()));
-  SequenceFrames frames(options, sensor, std::move(schedule), names, threads, meter);
-  frames.prepare();
-  const std::int64_t in_flight = frames_in_flight(frames, threads);
-  frames.set_threads_a_frame(static_cast<int>(std::max<std::int64_t>(1, threads / in_flight)));
-  run_pipeline(frames, in_flight, threads);
+  SequenceFrames frames(options, sensor, std::move(schedule), names, threads);
+  const auto start = std::chrono::steady_clock::now();
+  const std::int64_t in_flight = run_frames(frames, threads, global);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   if (!options.wisdom.empty()) mtf::io::write_text_file(options.wisdom, mtf::fft::export_wisdom());
 
   SequenceReport facts = frames.report();
   facts.schedule = options.schedule;
   facts.schedule_sha256 = schedule_sha256;
   facts.in_flight = in_flight;
-  facts.seconds = meter.seconds();
+  facts.seconds = elapsed.count();
   facts.fps = static_cast<double>(facts.frames) / facts.seconds;
   RunReport report;
   report.config = &sensor;

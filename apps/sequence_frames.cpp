@@ -69,22 +69,15 @@ double machine_bytes() {
 }
 
 SequenceFrames::SequenceFrames(const SimulateOptions& options, const mtf::io::SensorConfig& sensor,
-                               mtf::io::Schedule schedule, const SequenceNames& names, int threads,
-                               ProgressMeter& meter)
+                               mtf::io::Schedule schedule, const SequenceNames& names, int threads)
     : options_(options),
       names_(names),
-      meter_(meter),
       threads_(threads),
       schedule_(sensor, std::move(schedule)),
       planner_(options, threads),
       sensor_(std::make_shared<const mtf::io::SensorConfig>(sensor)) {
   report_.first = names.frames.front();
   report_.last = names.frames.back();
-}
-
-void SequenceFrames::warn(const std::string& text) {
-  warnings_.push_back(text);
-  meter_.note("warning: " + one_line(text));
 }
 
 SceneInput SequenceFrames::load(const std::string& path, const mtf::io::SensorConfig& sensor) const {
@@ -109,11 +102,12 @@ void SequenceFrames::prepare() {
   first_scene_.grid = scene.grid;
   first_scene_.quantity = scene.quantity;
   first_scene_.info = scene.info;
-  for (const std::string& text : scene.warnings) warn(text);
-  for (const std::string& text : mtf::io::sampling_warnings(frame->sensor->system, scene.grid)) warn(text);
-  for (const std::string& text : frame->plan->presample.report().notes) warn(text);
+  for (const std::string& text : scene.warnings) warnings_.push_back(text);
+  for (const std::string& text : mtf::io::sampling_warnings(frame->sensor->system, scene.grid))
+    warnings_.push_back(text);
+  for (const std::string& text : frame->plan->presample.report().notes) warnings_.push_back(text);
   if (options_.measure)
-    meter_.note("note: --rigor measure chose FFT plans by timing; the last bits may differ between runs");
+    notes_.push_back("--rigor measure chose FFT plans by timing; the last bits may differ between runs");
 }
 
 double SequenceFrames::bytes_a_frame() const {
@@ -212,15 +206,16 @@ void SequenceFrames::run(Frame& frame) {
 }
 
 void SequenceFrames::finish(const Frame& frame) {
-  for (const std::string& text : frame.warnings) warn("frame " + std::to_string(frame.number) + ": " + text);
+  for (const std::string& text : frame.warnings)
+    warnings_.push_back("frame " + std::to_string(frame.number) + ": " + text);
   if (frame.error) {
-    meter_.note("note: " + std::to_string(report_.frames) + " of " + std::to_string(count()) +
-                " frames were finished before this one and are whole");
+    notes_.push_back("" + std::to_string(report_.frames) + " of " + std::to_string(count()) +
+                     " frames were finished before this one and are whole");
     rethrow(frame);
   }
   if (!frame.input->bad_pixels.empty() && report_.frames_with_bad_pixels++ == 0)
-    meter_.note("note: frame " + std::to_string(frame.number) + ": " + frame.input->bad_pixels +
-                " (the report counts such frames)");
+    notes_.push_back("frame " + std::to_string(frame.number) + ": " + frame.input->bad_pixels +
+                     " (the report counts such frames)");
   ++report_.frames;
   report_.predicted_error = std::max(report_.predicted_error, frame.plan->predicted_error);
   last_plan_ = frame.plan;
@@ -228,7 +223,6 @@ void SequenceFrames::finish(const Frame& frame) {
   plan_ms_ += frame.plan_ms;
   run_ms_ += frame.run_ms;
   write_ms_ += frame.write_ms;
-  meter_.step(names_.out->name(frame.number), frame.read_ms + frame.plan_ms + frame.run_ms + frame.write_ms);
 }
 
 std::vector<std::pair<std::string, double>> SequenceFrames::timing_ms() const {

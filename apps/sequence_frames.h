@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "apps/frame_names.h"
-#include "apps/progress.h"
 #include "apps/run_report.h"
 #include "apps/sequence_plan.h"
 #include "mtf/io/schedule.h"
@@ -41,7 +40,7 @@ struct Frame {
 class SequenceFrames {
  public:
   SequenceFrames(const SimulateOptions& options, const mtf::io::SensorConfig& sensor, mtf::io::Schedule schedule,
-                 const SequenceNames& names, int threads, ProgressMeter& meter);
+                 const SequenceNames& names, int threads);
 
   /// Reads the first frame and compiles its plan, on all threads: what the others are judged by. Throws.
   void prepare();
@@ -57,12 +56,15 @@ class SequenceFrames {
   /// Counts the frame. Throws its error, its number before the message.
   void finish(const Frame& frame);
 
+  double share_done() const { return static_cast<double>(report_.frames) / static_cast<double>(count()); }
   std::int64_t count() const { return static_cast<std::int64_t>(names_.frames.size()); }
   /// What the first frame was and how it was planned; without its planes.
   const mtf::io::Scene& first_scene() const { return first_scene_; }
   const mtf::SensorPlan& first_plan() const { return *first_plan_; }
   const mtf::SensorPlan& last_plan() const { return *last_plan_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
+  /// What there is to say that is no warning.
+  const std::vector<std::string>& notes() const { return notes_; }
   /// Sums over frames: read, plan, run, write.
   std::vector<std::pair<std::string, double>> timing_ms() const;
   SequenceReport report() const;
@@ -70,11 +72,9 @@ class SequenceFrames {
  private:
   SceneInput load(const std::string& path, const mtf::io::SensorConfig& sensor) const;
   void require_like_first(const Frame& frame);
-  void warn(const std::string& text);
 
   const SimulateOptions& options_;
   const SequenceNames& names_;
-  ProgressMeter& meter_;
   int threads_ = 1;
   mtf::io::ScheduledSensor schedule_;
   SequencePlanner planner_;
@@ -86,7 +86,7 @@ class SequenceFrames {
   std::shared_ptr<const mtf::io::SensorConfig> spacing_sensor_;  ///< that `spacing_` belongs to
   mtf::SampleGrid spacing_;
   std::size_t at_ = 0;  ///< of the next frame
-  std::vector<std::string> warnings_;
+  std::vector<std::string> warnings_, notes_;
   SequenceReport report_;
   double read_ms_ = 0.0, plan_ms_ = 0.0, run_ms_ = 0.0, write_ms_ = 0.0;
 };
