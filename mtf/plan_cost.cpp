@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/plan_cost.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mtf {
@@ -36,19 +37,42 @@ double fft_cost_ms(const AxisJob& x, const AxisJob& y, bool complex_otf) {
   return 1e-6 * (rows + across + touch) + 2e-3;
 }
 
+namespace {
+
+double whole_vectors(std::int64_t n) { return 16.0 * std::ceil(static_cast<double>(n) / 16.0); }
+
+// Nanoseconds of fetching the rows of samples that tiles of `tile_rows` output rows need: a call a row, samples beyond
+// the edges one by one, and the others, which ratios other than 1, 2 and 4 sort into phases with strides.
+double load_ns(const TapAxis& x, const TapAxis& y, double tile_rows, double& rows) {
+  const double outputs = static_cast<double>(y.outputs), tiles = std::ceil(outputs / tile_rows);
+  rows = outputs * static_cast<double>(y.ratio) + tiles * static_cast<double>(y.count);
+  const double sample = x.ratio == 1 ? 0.25 : x.ratio == 2 || x.ratio == 4 ? 0.32 : 0.65;
+  const double calls = 35.0 * std::ceil(static_cast<double>(x.outputs) / 256.0);
+  return rows * (calls + 5.5 * static_cast<double>(x.count) +
+                 sample * static_cast<double>(x.outputs) * static_cast<double>(x.ratio));
+}
+
+}  // namespace
+
 double separable_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t rank) {
-  const auto count = [](std::int64_t n) { return static_cast<double>(n); };
-  const double pixels = count(x.outputs) * count(y.outputs), rows = count(y.outputs) * count(y.ratio);
-  const double across = rows * count(x.outputs) * count(rank) * (0.05 + 0.022 * count(x.count));
-  const double down = pixels * (0.15 + 0.022 * count(rank) * count(y.count));
-  return 1e-6 * (across + down + 0.25 * count(x.samples) * count(y.samples)) + 2e-3;
+  const auto terms = static_cast<double>(rank), x_count = static_cast<double>(x.count),
+             y_count = static_cast<double>(y.count), ratio = static_cast<double>(y.ratio);
+  const double tile_rows = std::clamp((384.0 / terms - y_count) / ratio, std::max(16.0, y_count / ratio), 256.0);
+  const double width = whole_vectors(x.outputs), height = static_cast<double>(y.outputs);
+  double rows = 0.0;
+  const double load = load_ns(x, y, tile_rows, rows);
+  return 1e-6 * (load + width * (0.030 * rows * terms * x_count + height * (0.2 + 0.025 * terms * y_count))) + 1e-3;
 }
 
 double direct_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t used, bool mirrored) {
-  const auto count = [](std::int64_t n) { return static_cast<double>(n); };
-  const double pixels = count(x.outputs) * count(y.outputs);
-  const double sums = mirrored ? 0.012 * count(used) + 0.03 * count(y.count) * count(x.ratio) : 0.025 * count(used);
-  return 1e-6 * (pixels * (0.2 + sums) + 0.3 * count(x.samples) * count(y.samples)) + 2e-3;
+  const double width = whole_vectors(x.outputs), height = static_cast<double>(y.outputs);
+  const auto taps = static_cast<double>(used);
+  double rows = 0.0;
+  const double load = load_ns(x, y, 64.0, rows), calls = height * std::ceil(width / 256.0) * taps;
+  const double added = static_cast<double>(y.count * x.ratio) * (width + 32.0);
+  const double sums = mirrored ? height * (width * (0.5 + 0.0132 * taps) + 0.0085 * added) + 2.1 * calls
+                               : height * width * 0.0286 * taps + 6.3 * calls;
+  return 1e-6 * (load + sums) + 1e-3;
 }
 
 }  // namespace mtf
