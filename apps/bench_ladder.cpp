@@ -72,11 +72,23 @@ class Climber {
     if (job_.flat) return;
     std::string obstacle = Rivals::obstacle(job_);
     if (obstacle.empty()) try {
-        rivals_ = std::make_unique<Rivals>(job_, out_);
+        rivals_ = std::make_unique<Rivals>(job_, out_, slowest_ms_);
       } catch (const mtf::RuntimeError& error) {
         obstacle = error.what();
       }
     if (!obstacle.empty()) ladder.notes.push_back("no rows for OpenCV: " + obstacle);
+  }
+
+  /// What a reader of the rows has to know of those that are not there.
+  void finish() {
+    if (rivals_)
+      for (const std::string& what : rivals_->too_slow()) leave_out(what, "a run takes too long; see --seconds");
+    const auto refused =
+        std::find_if(ladder.rungs.begin(), ladder.rungs.end(), [](const Rung& rung) { return !rung.contender; });
+    if (refused == ladder.rungs.end()) return;
+    ladder.notes.push_back("no plan keeps " + significant(refused->tolerance, 2) + " and less; " +
+                           (refused->reachable < 1.0 ? significant(refused->reachable, 2) + " can be kept"
+                                                     : "no tolerance can be kept for this scene"));
   }
 
   Ladder ladder;
@@ -174,6 +186,7 @@ Ladder climb(const BenchJob& job, mtf::ImageView<float> out, double slowest_ms, 
     climber.plans(kLadder[i]);
     climber.rivals(kLadder[i]);
   }
+  climber.finish();
   return std::move(climber.ladder);
 }
 
