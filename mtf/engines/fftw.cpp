@@ -108,14 +108,16 @@ void ComplexDouble::execute(Complex<double>* data) const {
   fftw_execute_dft(static_cast<fftw_plan>(plan_.get()), complexes(data), complexes(data));
 }
 
-RealPair2d::RealPair2d(std::int64_t width, std::int64_t height, Rigor rigor)
-    : real_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
+RealPair2d::RealPair2d(std::int64_t width, std::int64_t height, Place place, Rigor rigor)
+    : real_(place == Place::in ? 0 : static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
       half_(2 * static_cast<std::size_t>(height) * static_cast<std::size_t>(width / 2 + 1)) {
   const int w = checked(width), h = checked(height);
   fftwf_complex* spectrum = complexes(half_.data());
-  forward_ = own(planned([&] { return fftwf_plan_dft_r2c_2d(h, w, real_.data(), spectrum, flags(rigor)); }));
-  backward_ = own(planned([&] { return fftwf_plan_dft_c2r_2d(h, w, spectrum, real_.data(), flags(rigor)); }));
+  float* real = place == Place::in ? half_.data() : real_.data();  // in place FFTW pads each row by itself
+  forward_ = own(planned([&] { return fftwf_plan_dft_r2c_2d(h, w, real, spectrum, flags(rigor)); }));
+  backward_ = own(planned([&] { return fftwf_plan_dft_c2r_2d(h, w, spectrum, real, flags(rigor)); }));
   std::fill_n(real_.data(), real_.size(), 0.0F);  // zeros stay zeros: the inverse is unnormalised
+  std::fill_n(half_.data(), half_.size(), 0.0F);
 }
 
 void RealPair2d::execute() const {

@@ -62,11 +62,12 @@ class ComplexDouble {
   std::shared_ptr<void> plan_;
 };
 
-/// Real two-dimensional transform and back, float, out of place, one thread, on memory of its own: the floor that
-/// benchmarks compare with.
+/// Real two-dimensional transform and back, float, one thread, on memory of its own: the floor that benchmarks compare
+/// with.
 class RealPair2d {
  public:
-  RealPair2d(std::int64_t width, std::int64_t height, Rigor rigor);
+  enum class Place { out, in };
+  RealPair2d(std::int64_t width, std::int64_t height, Place place, Rigor rigor);
   void execute() const;
 
  private:
