@@ -54,7 +54,11 @@ class Climber {
         leave_out(std::string(name), "all filters together would take more than a quarter of the memory");
         continue;
       }
-      another_way(tolerance, *chosen, candidate.method, options);
+      try {
+        another_way(tolerance, *chosen, candidate.method, options);
+      } catch (const mtf::UsageError& refusal) {
+        leave_out(std::string(name), refusal.what());
+      }
     }
   }
 
