@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/options.h"
 #include "mtf/error.h"
 #include "mtf/units.h"
 
@@ -23,6 +24,9 @@ int whole_number(std::string_view option, std::string_view text, int low, int hi
 
 /// "LOW:HIGH" with LOW < HIGH.
 std::array<double, 2> number_range(std::string_view option, std::string_view text);
+
+/// "START:STOP" or "START:STOP:STEP": whole numbers, 0 <= START <= STOP, STEP at least 1; both ends belong to it.
+FrameRange frame_range(std::string_view option, std::string_view text);
 
 /// "START:STOP:COUNT" with both ends, or a comma list; 1 to 1e6 finite numbers.
 std::vector<double> frequency_list(std::string_view option, std::string_view text);

@@ -58,10 +58,6 @@ void fill(ImageView<float> out, float value) {
 const PlanReport& Plan::report() const { return impl_->report; }
 double Plan::dc() const { return impl_->dc; }
 
-Plan Plan::with(const System<double>& system) const {
-  return compile_stages(system, impl_->stages, impl_->report.in, impl_->report.out, impl_->options, impl_.get(), true);
-}
-
 void Plan::run(ImageView<const float> in, ImageView<float> out, double border_value, int threads) const {
   run(std::span(&in, 1), std::span(&out, 1), border_value, threads);
 }
