@@ -141,8 +141,7 @@ int run_bench(const BenchOptions& options, const Global& global) {
   if (scene.planes.size() > 1)
     report.notes.push_back("the scene has " + std::to_string(scene.planes.size()) + " channels; " + scene.names[0] +
                            " is used (see --channel)");
-  BenchJob job = make_job(config, scene, 0);
-  job.options.threads = global.threads;
+  BenchJob job = make_job(config, scene, 0, global.threads);
   job.options.rigor = options.measure ? mtf::fft::Rigor::measure : mtf::fft::Rigor::estimate;
   if (job.flat) report.notes.push_back("the scene is flat: every method gives it exactly, errors are 0");
   report.job = &job;

@@ -103,14 +103,16 @@ class Climber {
     options.tolerance = chosen.presample.report().tolerance;
     options.method = method;
     const auto start = Clock::now();
-    mtf::Plan presample = mtf::compile(job_.system, job_.in, job_.out, options);
+    mtf::SensorPlan plan = chosen;
+    plan.presample = mtf::compile(job_.system, job_.in, job_.out, options);
     const double ms = ms_since(start);
-    double predicted = presample.report().predicted.total();
+    double predicted = plan.presample.report().predicted.total();
     if (chosen.post) {
       const mtf::PlanReport& post = chosen.post->report();
       predicted = predicted * std::max(1.0, post.largest_gain) + post.predicted.total();
     }
-    add(tolerance, {std::move(presample), chosen.post, predicted}, ms, false);
+    plan.predicted_error = predicted;
+    add(tolerance, plan, ms, false);
   }
 
   void add(double tolerance, const mtf::SensorPlan& plan, double plan_ms, bool chosen) {
