@@ -12,6 +12,7 @@
 #include "apps/demo_scene.h"
 #include "apps/options.h"
 #include "apps/output.h"
+#include "apps/output_folder.h"
 #include "apps/plot.h"
 #include "apps/sensor_image.h"
 #include "apps/text_table.h"
@@ -28,23 +29,6 @@ constexpr std::int64_t kSize = 1024;
 constexpr double kPass = 1e-4;  // the default tolerance: what the plan promises to keep
 // Half cycles over the frame of 3.84 mm: 3.9 to 57 cy/mm; Nyquist is 256. No two have the same alias.
 const std::vector<int> kTargets{30, 60, 90, 120, 150, 170, 190, 210, 225, 240, 250, 280, 310, 340, 390, 440};
-
-void prepare_folder(const fs::path& folder, bool force) {
-  std::error_code error;
-  fs::path whole = fs::absolute(folder, error).lexically_normal();
-  if (!whole.has_filename()) whole = whole.parent_path();  // "demo/" is "demo"
-  const fs::path parent = whole.parent_path();
-  if (!fs::is_directory(parent, error))
-    throw mtf::RuntimeError("cannot create " + one_line(folder.string()) + ": there is no folder " +
-                            one_line(parent.string()));
-  if (fs::exists(folder, error) && !fs::is_directory(folder, error))
-    throw mtf::UsageError(one_line(folder.string()) + " exists and is not a folder; choose another -o");
-  if (fs::is_directory(folder, error) && !fs::is_empty(folder, error) && !force)
-    throw mtf::UsageError(one_line(folder.string()) +
-                          " is not empty; choose another -o, or --force to replace files in it");
-  fs::create_directory(folder, error);
-  if (error) throw mtf::RuntimeError("cannot create " + one_line(folder.string()) + ": " + error.message());
-}
 
 mtf::io::Metadata scene_metadata(const mtf::SampleGrid& grid) {
   mtf::io::Metadata m;

@@ -3,6 +3,7 @@
 
 #include <fftw3.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cstdlib>
 #include <limits>
@@ -42,6 +43,10 @@ std::shared_ptr<void> own(fftwf_plan plan) {
 }
 
 fftwf_complex* complexes(float* p) { return reinterpret_cast<fftwf_complex*>(p); }
+fftw_complex* complexes(Complex<double>* p) {
+  static_assert(sizeof(Complex<double>) == sizeof(fftw_complex));
+  return reinterpret_cast<fftw_complex*>(p);
+}
 
 }  // namespace
 
@@ -83,9 +88,45 @@ void RealInverse::execute(float* in, float* out) const {
   fftwf_execute_dft_c2r(static_cast<fftwf_plan>(plan_.get()), complexes(in), out);
 }
 
+ComplexDouble::ComplexDouble(std::int64_t n, bool forward) {
+  const int length = checked(n);
+  const AlignedBuffer<Complex<double>> scratch(static_cast<std::size_t>(n));
+  fftw_complex* data = complexes(scratch.data());
+  fftw_plan plan = nullptr;
+  {
+    const std::scoped_lock lock(planner());
+    plan = fftw_plan_dft_1d(length, data, data, forward ? FFTW_FORWARD : FFTW_BACKWARD, FFTW_ESTIMATE);
+  }
+  if (plan == nullptr) throw RuntimeError("FFTW could not plan a transform");
+  plan_ = {plan, [](void* p) {
+             const std::scoped_lock lock(planner());
+             fftw_destroy_plan(static_cast<fftw_plan>(p));
+           }};
+}
+
+void ComplexDouble::execute(Complex<double>* data) const {
+  fftw_execute_dft(static_cast<fftw_plan>(plan_.get()), complexes(data), complexes(data));
+}
+
+RealPair2d::RealPair2d(std::int64_t width, std::int64_t height, Place place, Rigor rigor)
+    : real_(place == Place::in ? 0 : static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
+      half_(2 * static_cast<std::size_t>(height) * static_cast<std::size_t>(width / 2 + 1)) {
+  const int w = checked(width), h = checked(height);
+  fftwf_complex* spectrum = complexes(half_.data());
+  float* real = place == Place::in ? half_.data() : real_.data();  // in place FFTW pads each row by itself
+  forward_ = own(planned([&] { return fftwf_plan_dft_r2c_2d(h, w, real, spectrum, flags(rigor)); }));
+  backward_ = own(planned([&] { return fftwf_plan_dft_c2r_2d(h, w, spectrum, real, flags(rigor)); }));
+  std::fill_n(real_.data(), real_.size(), 0.0F);  // zeros stay zeros: the inverse is unnormalised
+  std::fill_n(half_.data(), half_.size(), 0.0F);
+}
+
+void RealPair2d::execute() const {
+  fftwf_execute(static_cast<fftwf_plan>(forward_.get()));
+  fftwf_execute(static_cast<fftwf_plan>(backward_.get()));
+}
+
 void inverse(std::vector<Complex<double>>& data) {
-  static_assert(sizeof(Complex<double>) == sizeof(fftw_complex));
-  auto* p = reinterpret_cast<fftw_complex*>(data.data());
+  fftw_complex* p = complexes(data.data());
   fftw_plan plan = nullptr;
   {
     const std::scoped_lock lock(planner());

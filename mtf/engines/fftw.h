@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mtf/frame.h"
+#include "mtf/image.h"
 
 namespace mtf::fft {
 
@@ -48,6 +49,30 @@ class RealInverse {
 
  private:
   std::shared_ptr<void> plan_;
+};
+
+/// One complex sequence in double, in place, unnormalised: for references.
+class ComplexDouble {
+ public:
+  ComplexDouble() = default;
+  ComplexDouble(std::int64_t n, bool forward);
+  void execute(Complex<double>* data) const;
+
+ private:
+  std::shared_ptr<void> plan_;
+};
+
+/// Real two-dimensional transform and back, float, one thread, on memory of its own: the floor that benchmarks compare
+/// with.
+class RealPair2d {
+ public:
+  enum class Place { out, in };
+  RealPair2d(std::int64_t width, std::int64_t height, Place place, Rigor rigor);
+  void execute() const;
+
+ private:
+  AlignedBuffer<float> real_, half_;
+  std::shared_ptr<void> forward_, backward_;
 };
 
 /// In-place complex transform in double, sign +1, unnormalised: for plan-time work on one sequence.
