@@ -27,61 +27,70 @@ int checked(std::int64_t n) {
 
 unsigned flags(Rigor rigor) { return rigor == Rigor::measure ? FFTW_MEASURE : FFTW_ESTIMATE; }
 
-// The lock is released before the plan gets its owner, whose deleter takes it again.
-fftwf_plan planned(const auto& make) {
-  const std::scoped_lock lock(planner());
-  return make();
-}
+template <class S>
+struct Api;
+template <>
+struct Api<float> {
+  using Plan = fftwf_plan;
+  using Dimension = fftwf_iodim;
+  static constexpr auto make = fftwf_plan_guru_split_dft;
+  static constexpr auto execute = fftwf_execute_split_dft;
+  static constexpr auto destroy = fftwf_destroy_plan;
+};
+template <>
+struct Api<double> {
+  using Plan = fftw_plan;
+  using Dimension = fftw_iodim;
+  static constexpr auto make = fftw_plan_guru_split_dft;
+  static constexpr auto execute = fftw_execute_split_dft;
+  static constexpr auto destroy = fftw_destroy_plan;
+};
 
-std::shared_ptr<void> own(fftwf_plan plan) {
+// Sign -1 on (re, im).
+template <class S>
+std::shared_ptr<void> plan_split(int length, int lanes, S* re, S* im, Rigor rigor) {
+  using Api = Api<S>;
+  const typename Api::Dimension transform{length, 2 * lanes, 2 * lanes}, batch{lanes, 1, 1};
+  typename Api::Plan plan = nullptr;
+  {  // the lock is released before the plan gets its owner, whose deleter takes it again
+    const std::scoped_lock lock(planner());
+    plan = Api::make(1, &transform, 1, &batch, re, im, re, im, flags(rigor));
+  }
   if (plan == nullptr) throw RuntimeError("FFTW could not plan a transform");
   return {plan, [](void* p) {
             const std::scoped_lock lock(planner());
-            fftwf_destroy_plan(static_cast<fftwf_plan>(p));
+            Api::destroy(static_cast<typename Api::Plan>(p));
           }};
 }
 
-fftwf_complex* complexes(float* p) { return reinterpret_cast<fftwf_complex*>(p); }
+template <class S>
+void execute_split(const std::shared_ptr<void>& plan, S* re, S* im) {
+  Api<S>::execute(static_cast<typename Api<S>::Plan>(plan.get()), re, im, re, im);
+}
 
 }  // namespace
 
-Lanes::Lanes(std::int64_t n, int lanes, bool forward, Rigor rigor) {
+// FFTW transforms split data with sign -1 only; sign +1 is the same with re and im exchanged.
+template <class S>
+Split<S>::Split(std::int64_t n, int lanes, Rigor rigor) {
   const int length = checked(n);
-  const AlignedBuffer<float> scratch(2 * static_cast<std::size_t>(n) * static_cast<std::size_t>(lanes));
-  fftwf_complex* data = complexes(scratch.data());
-  plan_ = own(planned([&] {
-    return fftwf_plan_many_dft(1, &length, lanes, data, nullptr, lanes, 1, data, nullptr, lanes, 1,
-                               forward ? FFTW_FORWARD : FFTW_BACKWARD, flags(rigor));
-  }));
+  const AlignedBuffer<S> scratch(2 * static_cast<std::size_t>(n) * static_cast<std::size_t>(lanes));
+  forward_ = plan_split(length, lanes, scratch.data(), scratch.data() + lanes, rigor);
+  inverse_ = plan_split(length, lanes, scratch.data() + lanes, scratch.data(), rigor);
 }
 
-void Lanes::execute(float* data) const {
-  fftwf_execute_dft(static_cast<fftwf_plan>(plan_.get()), complexes(data), complexes(data));
+template <class S>
+void Split<S>::forward(S* re, S* im) const {
+  execute_split(forward_, re, im);
 }
 
-RealForward::RealForward(std::int64_t n, Rigor rigor) {
-  const int length = checked(n);
-  const AlignedBuffer<float> in(static_cast<std::size_t>(n)), out(static_cast<std::size_t>(n) + 2);
-  plan_ = own(planned([&] {
-    return fftwf_plan_dft_r2c_1d(length, in.data(), complexes(out.data()), flags(rigor) | FFTW_DESTROY_INPUT);
-  }));
+template <class S>
+void Split<S>::inverse(S* re, S* im) const {
+  execute_split(inverse_, im, re);
 }
 
-void RealForward::execute(float* in, float* out) const {
-  fftwf_execute_dft_r2c(static_cast<fftwf_plan>(plan_.get()), in, complexes(out));
-}
-
-RealInverse::RealInverse(std::int64_t n, Rigor rigor) {
-  const int length = checked(n);
-  const AlignedBuffer<float> in(static_cast<std::size_t>(n) + 2), out(static_cast<std::size_t>(n));
-  plan_ = own(planned([&] {
-    return fftwf_plan_dft_c2r_1d(length, complexes(in.data()), out.data(), flags(rigor) | FFTW_DESTROY_INPUT);
-  }));
-}
-
-void RealInverse::execute(float* in, float* out) const {
-  fftwf_execute_dft_c2r(static_cast<fftwf_plan>(plan_.get()), complexes(in), out);
-}
+template class Split<float>;
+template class Split<double>;
 
 void inverse(std::vector<Complex<double>>& data) {
   static_assert(sizeof(Complex<double>) == sizeof(fftw_complex));
