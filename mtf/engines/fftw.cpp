@@ -27,6 +27,8 @@ int checked(std::int64_t n) {
 
 unsigned flags(Rigor rigor) { return rigor == Rigor::measure ? FFTW_MEASURE : FFTW_ESTIMATE; }
 
+fftwf_complex* complexes(float* p) { return reinterpret_cast<fftwf_complex*>(p); }
+
 template <class S>
 struct Api;
 template <>
@@ -46,21 +48,25 @@ struct Api<double> {
   static constexpr auto destroy = fftw_destroy_plan;
 };
 
-// Sign -1 on (re, im).
 template <class S>
-std::shared_ptr<void> plan_split(int length, int lanes, S* re, S* im, Rigor rigor) {
-  using Api = Api<S>;
-  const typename Api::Dimension transform{length, 2 * lanes, 2 * lanes}, batch{lanes, 1, 1};
-  typename Api::Plan plan = nullptr;
+std::shared_ptr<void> planned(const auto& make) {
+  typename Api<S>::Plan plan = nullptr;
   {  // the lock is released before the plan gets its owner, whose deleter takes it again
     const std::scoped_lock lock(planner());
-    plan = Api::make(1, &transform, 1, &batch, re, im, re, im, flags(rigor));
+    plan = make();
   }
   if (plan == nullptr) throw RuntimeError("FFTW could not plan a transform");
   return {plan, [](void* p) {
             const std::scoped_lock lock(planner());
-            Api::destroy(static_cast<typename Api::Plan>(p));
+            Api<S>::destroy(static_cast<typename Api<S>::Plan>(p));
           }};
+}
+
+// Sign -1 on (re, im).
+template <class S>
+std::shared_ptr<void> plan_split(int length, int lanes, S* re, S* im, Rigor rigor) {
+  const typename Api<S>::Dimension transform{length, 2 * lanes, 2 * lanes}, batch{lanes, 1, 1};
+  return planned<S>([&] { return Api<S>::make(1, &transform, 1, &batch, re, im, re, im, flags(rigor)); });
 }
 
 template <class S>
@@ -91,6 +97,18 @@ void Split<S>::inverse(S* re, S* im) const {
 
 template class Split<float>;
 template class Split<double>;
+
+RealForward::RealForward(std::int64_t n, Rigor rigor) {
+  const int length = checked(n);
+  const AlignedBuffer<float> in(static_cast<std::size_t>(n)), out(static_cast<std::size_t>(n) + 2);
+  plan_ = planned<float>([&] {
+    return fftwf_plan_dft_r2c_1d(length, in.data(), complexes(out.data()), flags(rigor) | FFTW_DESTROY_INPUT);
+  });
+}
+
+void RealForward::execute(float* in, float* out) const {
+  fftwf_execute_dft_r2c(static_cast<fftwf_plan>(plan_.get()), in, complexes(out));
+}
 
 void inverse(std::vector<Complex<double>>& data) {
   static_assert(sizeof(Complex<double>) == sizeof(fftw_complex));

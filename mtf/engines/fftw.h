@@ -31,6 +31,17 @@ class Split {
   std::shared_ptr<void> forward_, inverse_;
 };
 
+/// n reals -> n/2 + 1 complex numbers, sign -1. `in` is destroyed or not, as FFTW likes; in != out.
+class RealForward {
+ public:
+  RealForward() = default;
+  RealForward(std::int64_t n, Rigor rigor);
+  void execute(float* in, float* out) const;
+
+ private:
+  std::shared_ptr<void> plan_;
+};
+
 /// In-place complex transform in double, sign +1, unnormalised: for plan-time work on one sequence.
 void inverse(std::vector<Complex<double>>& data);
 

@@ -7,6 +7,47 @@
 
 namespace mtf::kernels {
 
+MTFKIT_CLONES void cosine_from_half(const float* __restrict half, const float* __restrict twiddles, std::int64_t n,
+                                    float* __restrict coefficients) {
+  coefficients[0] = half[0];
+  const int count = static_cast<int>(n / 2), last = static_cast<int>(n);
+  for (int k = 1; k <= count; ++k) {
+    const float c = twiddles[2 * k], s = twiddles[2 * k + 1], re = half[2 * k], im = half[2 * k + 1];
+    coefficients[k] = re * c - im * s;
+    coefficients[last - k] = -(re * s + im * c);
+  }
+}
+
+MTFKIT_CLONES void center_ordered(const float* __restrict in, std::int64_t n, double mean, double scale,
+                                  float* __restrict out) {
+  const int pairs = static_cast<int>(n / 2), last = static_cast<int>(n - 1);
+  for (int i = 0; i < pairs; ++i) {
+    out[i] = static_cast<float>((in[2 * i] - mean) * scale);
+    out[last - i] = static_cast<float>((in[2 * i + 1] - mean) * scale);
+  }
+  if (n % 2 == 1) out[pairs] = static_cast<float>((in[last] - mean) * scale);
+}
+
+MTFKIT_CLONES void center(const float* __restrict in, std::int64_t n, double mean, double scale,
+                          float* __restrict out) {
+  for (std::int64_t i = 0; i < n; ++i) out[i] = static_cast<float>((in[i] - mean) * scale);
+}
+
+MTFKIT_CLONES void center(const float* __restrict in, std::int64_t n, double mean, double scale,
+                          double* __restrict out) {
+  for (std::int64_t i = 0; i < n; ++i) out[i] = (in[i] - mean) * scale;
+}
+
+MTFKIT_CLONES void restore(const float* __restrict in, std::int64_t n, double mean, double scale,
+                           float* __restrict out) {
+  for (std::int64_t i = 0; i < n; ++i) out[i] = static_cast<float>(in[i] * scale + mean);
+}
+
+MTFKIT_CLONES void restore(const double* __restrict in, std::int64_t n, double mean, double scale,
+                           float* __restrict out) {
+  for (std::int64_t i = 0; i < n; ++i) out[i] = static_cast<float>(in[i] * scale + mean);
+}
+
 MTFKIT_CLONES RowSummary summarise_row(const float* in, std::int64_t n) {
   constexpr int kStep = 16;
   using Loose = float __attribute__((vector_size(64), aligned(4), may_alias));

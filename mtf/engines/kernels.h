@@ -7,6 +7,20 @@
 
 namespace mtf::kernels {
 
+/// out[i] = (in[i] - mean) x scale, rounded once.
+void center(const float* in, std::int64_t n, double mean, double scale, float* out);
+void center(const float* in, std::int64_t n, double mean, double scale, double* out);
+/// The same in Makhoul's order, even samples up, odd samples down (IEEE Trans. ASSP 28, 27 (1980)).
+void center_ordered(const float* in, std::int64_t n, double mean, double scale, float* out);
+
+/// out[i] = in[i] x scale + mean, rounded once.
+void restore(const float* in, std::int64_t n, double mean, double scale, float* out);
+void restore(const double* in, std::int64_t n, double mean, double scale, float* out);
+
+/// Cosine coefficients of a real row from the half spectrum V (n/2 + 1) of its Makhoul order: C_k = Re(t_k V_k),
+/// C_{n-k} = -Im(t_k V_k), t_k = exp(-i pi k / 2n).
+void cosine_from_half(const float* half, const float* twiddles, std::int64_t n, float* coefficients);
+
 /// out[i] *= linear interpolation of `knots` at min(sqrt(x2[i] + y2) x per_unit, intervals); intervals + 2 knots.
 void multiply_by_table(const float* knots, float intervals, float per_unit, const float* x2, float y2, std::int64_t n,
                        float* out);

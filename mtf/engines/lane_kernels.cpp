@@ -175,24 +175,6 @@ struct LanesToLines {
   }
 };
 
-template <class S>
-struct Center {
-  template <int>
-  static MTFKIT_INLINE void run(const float* __restrict in, std::int64_t n, double mean, double scale,
-                                S* __restrict out) {
-    for (std::int64_t i = 0; i < n; ++i) out[i] = static_cast<S>((in[i] - mean) * scale);
-  }
-};
-
-template <class S>
-struct Restore {
-  template <int>
-  static MTFKIT_INLINE void run(const S* __restrict in, std::int64_t n, double mean, double scale,
-                                float* __restrict out) {
-    for (std::int64_t i = 0; i < n; ++i) out[i] = static_cast<float>(in[i] * scale + mean);
-  }
-};
-
 template <class S, Source source>
 void spread_with(Factor factor, std::span<const Route<S>> routes, const S* from, const S* otf, S* target) {
   const auto count = static_cast<std::int64_t>(routes.size());
@@ -250,16 +232,6 @@ void lanes_to_lines(const S* data, std::span<const std::int32_t> rows, S* lines,
   simd::run<LanesToLines<S>>(data, rows.data(), static_cast<std::int64_t>(rows.size()), lines, stride);
 }
 
-template <class S>
-void center(const float* in, std::int64_t n, double mean, double scale, S* out) {
-  simd::run<Center<S>>(in, n, mean, scale, out);
-}
-
-template <class S>
-void restore(const S* in, std::int64_t n, double mean, double scale, float* out) {
-  simd::run<Restore<S>>(in, n, mean, scale, out);
-}
-
 #define MTFKIT_INSTANTIATE(S)                                                                 \
   template void spread<S>(Source, Factor, std::span<const Route<S>>, const S*, const S*, S*); \
   template void separate<S>(std::span<const Route<S>>, const S*, S*);                         \
@@ -267,9 +239,7 @@ void restore(const S* in, std::int64_t n, double mean, double scale, float* out)
   template void multiply_rows<S>(S*, const S*, std::int64_t);                                 \
   template void transpose<S>(const S*, std::int64_t, S*, std::int64_t);                       \
   template void lines_to_lanes<S>(const S*, std::int64_t, std::span<const std::int32_t>, S*); \
-  template void lanes_to_lines<S>(const S*, std::span<const std::int32_t>, S*, std::int64_t); \
-  template void center<S>(const float*, std::int64_t, double, double, S*);                    \
-  template void restore<S>(const S*, std::int64_t, double, double, float*);
+  template void lanes_to_lines<S>(const S*, std::span<const std::int32_t>, S*, std::int64_t);
 MTFKIT_INSTANTIATE(float)
 MTFKIT_INSTANTIATE(double)
 #undef MTFKIT_INSTANTIATE

@@ -64,11 +64,4 @@ void lines_to_lanes(const S* lines, std::int64_t stride, std::span<const std::in
 template <class S>
 void lanes_to_lines(const S* data, std::span<const std::int32_t> rows, S* lines, std::int64_t stride);
 
-/// out[i] = (in[i] - mean) x scale
-template <class S>
-void center(const float* in, std::int64_t n, double mean, double scale, S* out);
-/// out[i] = in[i] x scale + mean
-template <class S>
-void restore(const S* in, std::int64_t n, double mean, double scale, float* out);
-
 }  // namespace mtf::lanes

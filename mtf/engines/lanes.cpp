@@ -75,6 +75,7 @@ std::vector<int> radices(std::int64_t n) {
 
 template <class S>
 LaneTransform<S>::LaneTransform(std::int64_t n, fft::Rigor rigor) {
+  if (n < 1 || n > kLongest) throw UsageError("a transform of length " + std::to_string(n) + " is out of range");
   static std::mutex lock;
   static std::map<std::pair<std::int64_t, fft::Rigor>, std::shared_ptr<const Tables>> kept;
   const std::pair key{n, is_smooth(n) ? fft::Rigor::estimate : rigor};
@@ -92,7 +93,6 @@ LaneTransform<S>::LaneTransform(std::int64_t n, fft::Rigor rigor) {
 
 template <class S>
 auto LaneTransform<S>::make_tables(std::int64_t n, fft::Rigor rigor) -> std::shared_ptr<const Tables> {
-  if (n < 1 || n > kLongest) throw UsageError("a transform of length " + std::to_string(n) + " is out of range");
   auto tables = std::make_shared<Tables>();
   tables->length = n;
   tables->place.resize(static_cast<std::size_t>(n));

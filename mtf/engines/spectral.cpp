@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstring>
 
+#include "mtf/engines/kernels.h"
 #include "mtf/parallel.h"
 
 namespace mtf {
@@ -87,7 +88,7 @@ void SpectralEngine<S>::rows_forward(const Channel& channel, S* buffer, int thre
     for (std::int64_t i = 0; i < kRow; ++i) {
       S* line = lines.data() + i * stride;
       if (begin + i < end)
-        lanes::center(channel.in.row(begin + i), x().samples, channel.mean, channel.scale, line);
+        kernels::center(channel.in.row(begin + i), x().samples, channel.mean, channel.scale, line);
       else
         std::fill_n(line, x().samples, S(0));
     }
@@ -150,7 +151,7 @@ void SpectralEngine<S>::rows_inverse(const Channel& channel, const S* buffer, in
     const S* samples = x_.inverse(coefficients.data(), nullptr, false, target.data(), work.data());
     lanes::lanes_to_lines<S>(samples, x_.out_rows(), lines.data(), stride);
     for (std::int64_t i = begin; i < end; ++i)
-      lanes::restore(lines.data() + (i - begin) * stride, x().outputs, channel.out_mean, unscale, channel.out.row(i));
+      kernels::restore(lines.data() + (i - begin) * stride, x().outputs, channel.out_mean, unscale, channel.out.row(i));
   });
 }
 
