@@ -4,69 +4,73 @@
 // Discrete Fourier transforms of a few points, sign -1, in registers: z[k] <- sum_j z[j] exp(-2 pi i j k / R).
 // Products of two lengths by the Cooley-Tukey step, odd primes by pairing j with R - j.
 
-#include <cmath>
-
 #include "mtf/engines/simd.h"
 
 namespace mtf::simd {
 
-/// cos and sin of 2 pi j / R, j = 0 .. R-1, for the odd primes.
+/// cos and sin of 2 pi j / R, j = 1 .. (R-1)/2, for the odd primes; root_cos and root_sin for any j.
 template <int R>
-inline constexpr double kCos[R] = {};
+inline constexpr double kCos[(R - 1) / 2] = {};
 template <int R>
-inline constexpr double kSin[R] = {};
+inline constexpr double kSin[(R - 1) / 2] = {};
 template <>
-inline constexpr double kCos<3>[3] = {1.0, -0.5, -0.5};
+inline constexpr double kCos<3>[1] = {-0.50000000000000000000};
 template <>
-inline constexpr double kSin<3>[3] = {0.0, 0.86602540378443864676, -0.86602540378443864676};
+inline constexpr double kSin<3>[1] = {0.86602540378443864676};
 template <>
-inline constexpr double kCos<5>[5] = {1.0, 0.30901699437494742410, -0.80901699437494742410, -0.80901699437494742410,
-                                      0.30901699437494742410};
+inline constexpr double kCos<5>[2] = {0.30901699437494742410, -0.80901699437494742410};
 template <>
-inline constexpr double kSin<5>[5] = {0.0, 0.95105651629515357212, 0.58778525229247312917, -0.58778525229247312917,
-                                      -0.95105651629515357212};
+inline constexpr double kSin<5>[2] = {0.95105651629515357212, 0.58778525229247312917};
 template <>
-inline constexpr double kCos<7>[7] = {1.0,
-                                      0.62348980185873353053,
-                                      -0.22252093395631440429,
-                                      -0.90096886790241912624,
-                                      -0.90096886790241912624,
-                                      -0.22252093395631440429,
-                                      0.62348980185873353053};
+inline constexpr double kCos<7>[3] = {0.62348980185873353053, -0.22252093395631440429, -0.90096886790241912624};
 template <>
-inline constexpr double kSin<7>[7] = {0.0,
-                                      0.78183148246802980871,
-                                      0.97492791218182360702,
-                                      0.43388373911755812048,
-                                      -0.43388373911755812048,
-                                      -0.97492791218182360702,
-                                      -0.78183148246802980871};
+inline constexpr double kSin<7>[3] = {0.78183148246802980871, 0.97492791218182360702, 0.43388373911755812048};
+template <>
+inline constexpr double kCos<11>[5] = {0.84125353283118116886, 0.41541501300188642553, -0.14231483827328514044,
+                                       -0.65486073394528506406, -0.95949297361449738989};
+template <>
+inline constexpr double kSin<11>[5] = {0.54064081745559758211, 0.90963199535451837141, 0.98982144188093273238,
+                                       0.75574957435425828377, 0.28173255684142969771};
+template <>
+inline constexpr double kCos<13>[6] = {0.88545602565320989590,  0.56806474673115580251,  0.12053668025532305335,
+                                       -0.35460488704253562597, -0.74851074817110109863, -0.97094181742605202716};
+template <>
+inline constexpr double kSin<13>[6] = {0.46472317204376854566, 0.82298386589365639458, 0.99270887409805399280,
+                                       0.93501624268541482344, 0.66312265824079520238, 0.23931566428755776715};
+
+template <int R>
+constexpr double root_cos(int j) {
+  j %= R;
+  return j == 0 ? 1.0 : j <= R / 2 ? kCos<R>[j - 1] : kCos<R>[R - j - 1];
+}
+template <int R>
+constexpr double root_sin(int j) {
+  j %= R;
+  return j == 0 ? 0.0 : j <= R / 2 ? kSin<R>[j - 1] : -kSin<R>[R - j - 1];
+}
 
 template <int R, class P>
 MTFKIT_INLINE void dft(P (&z)[R]) {
+  using S = decltype(z[0].re[0] + 0);
   constexpr int half = (R - 1) / 2;
   P sum[half], difference[half];
-  P total = z[0];
+  const P first = z[0];
 #pragma GCC unroll 8
   for (int j = 1; j <= half; ++j) {
     sum[j - 1] = z[j] + z[R - j];
     difference[j - 1] = z[j] - z[R - j];
-    total = total + sum[j - 1];
+    z[0] = z[0] + sum[j - 1];
   }
-  const P first = z[0];
 #pragma GCC unroll 8
   for (int k = 1; k <= half; ++k) {
-    P even = first, odd = difference[0] * static_cast<decltype(first.re[0] + 0)>(kSin<R>[k]);
+    P even = first, odd = difference[0] * static_cast<S>(root_sin<R>(k));
 #pragma GCC unroll 8
-    for (int j = 1; j <= half; ++j)
-      even = even + sum[j - 1] * static_cast<decltype(first.re[0] + 0)>(kCos<R>[j * k % R]);
+    for (int j = 1; j <= half; ++j) even = even + sum[j - 1] * static_cast<S>(root_cos<R>(j * k));
 #pragma GCC unroll 8
-    for (int j = 2; j <= half; ++j)
-      odd = odd + difference[j - 1] * static_cast<decltype(first.re[0] + 0)>(kSin<R>[j * k % R]);
+    for (int j = 2; j <= half; ++j) odd = odd + difference[j - 1] * static_cast<S>(root_sin<R>(j * k));
     z[k] = minus_i(even, odd);
     z[R - k] = plus_i(even, odd);
   }
-  z[0] = total;
 }
 
 template <class P>

@@ -9,7 +9,6 @@
 
 #include "mtf/engines/butterfly.h"
 #include "mtf/error.h"
-#include "mtf/grid.h"
 #include "mtf/special.h"
 
 namespace mtf {
@@ -57,7 +56,8 @@ struct RadixStep {
   }
 };
 
-// Few and large radices mean few passes over the data; the largest come first, where the data are farthest.
+// Few and large radices mean few passes over the data; the largest come first, where the data are farthest. None when n
+// has another prime factor.
 std::vector<int> radices(std::int64_t n) {
   std::vector<int> list;
   int twos = 0;
@@ -66,9 +66,9 @@ std::vector<int> radices(std::int64_t n) {
   for (; twos >= 7 || twos == 4; twos -= 4) list.push_back(16);
   for (; twos >= 3 && twos != 4; twos -= 3) list.push_back(8);
   if (twos > 0) list.push_back(1 << twos);
-  for (const int p : {7, 5, 3})
+  for (const int p : {13, 11, 7, 5, 3})
     for (; n % p == 0; n /= p) list.push_back(p);
-  return list;
+  return n == 1 ? list : std::vector<int>{};
 }
 
 }  // namespace
@@ -78,7 +78,7 @@ LaneTransform<S>::LaneTransform(std::int64_t n, fft::Rigor rigor) {
   if (n < 1 || n > kLongest) throw UsageError("a transform of length " + std::to_string(n) + " is out of range");
   static std::mutex lock;
   static std::map<std::pair<std::int64_t, fft::Rigor>, std::shared_ptr<const Tables>> kept;
-  const std::pair key{n, is_smooth(n) ? fft::Rigor::estimate : rigor};
+  const std::pair key{n, rigor};
   {
     const std::scoped_lock guard(lock);
     if (const auto found = kept.find(key); found != kept.end()) tables_ = found->second;
@@ -96,13 +96,14 @@ auto LaneTransform<S>::make_tables(std::int64_t n, fft::Rigor rigor) -> std::sha
   auto tables = std::make_shared<Tables>();
   tables->length = n;
   tables->place.resize(static_cast<std::size_t>(n));
-  if (!is_smooth(n)) {
+  const std::vector<int> factors = radices(n);
+  if (factors.empty() && n > 1) {
     tables->fftw = fft::Split<S>(n, kLanes, rigor);
     for (std::int64_t k = 0; k < n; ++k) tables->place[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(k);
     return tables;
   }
   std::int64_t size = n;
-  for (const int radix : radices(n)) {
+  for (const int radix : factors) {
     Step step{radix, size / radix, {}};
     for (std::int64_t p = 1; p < step.stride; ++p)
       for (int j = 1; j < radix; ++j) {
@@ -146,6 +147,10 @@ void LaneTransform<S>::step(const Step& step, S* data, std::int64_t blocks, bool
       return run.template operator()<7>();
     case 8:
       return run.template operator()<8>();
+    case 11:
+      return run.template operator()<11>();
+    case 13:
+      return run.template operator()<13>();
     default:
       assert(step.radix == 16);
       return run.template operator()<16>();
