@@ -209,7 +209,7 @@ std::vector<Draft> fft_drafts(const PlanTask& task) {
     d.make = [&sampler, x, y, rigor = options.rigor, threads = options.threads,
               out = task.out](const Engine* relative) {
       require_memory(x, y, sampler.is_real(), out);
-      return make_spectral_filter(sampler, x, y, rigor, threads, relative);
+      return make_spectral_filter(sampler, x, y, Precision::single_precision, rigor, threads, relative);
     };
     return d;
   };
