@@ -43,18 +43,23 @@ void time_all(const Ladder& ladder, const BenchOptions& options, double seconds,
   for (const Contender& contender : ladder.contenders) cases.push_back(contender.run);
   progress.update("planning bare FFTW", 0.0);
   const std::vector<Size> sizes = floor_sizes(job, ladder.contenders);
+  using Pair = mtf::fft::RealPair2d;
   for (const Size& size : sizes)
-    cases.emplace_back([pair = std::make_shared<const mtf::fft::RealPair2d>(size[0], size[1], job.options.rigor)] {
-      pair->execute();
-    });
+    for (const Pair::Place place : {Pair::Place::out, Pair::Place::in})
+      cases.emplace_back(
+          [pair = std::make_shared<const Pair>(size[0], size[1], place, job.options.rigor)] { pair->execute(); });
   const std::vector<Timing> times =
       interleave(cases, {.rounds = options.rounds, .seconds = seconds, .progress = [&](double share) {
                            progress.update("timing", share);
                          }});
   const std::size_t count = ladder.contenders.size();
-  for (std::size_t i = 0; i < sizes.size(); ++i) report.floors.push_back({sizes[i], times[count + i]});
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const Timing &out = times[count + 2 * i], &in = times[count + 2 * i + 1];
+    report.floors.push_back({sizes[i], in.min_ms < out.min_ms ? in : out, in.min_ms < out.min_ms});
+  }
   const auto floor_ms = [&](const Size& size) {
-    return times[count + static_cast<std::size_t>(std::find(sizes.begin(), sizes.end(), size) - sizes.begin())].min_ms;
+    return report.floors[static_cast<std::size_t>(std::find(sizes.begin(), sizes.end(), size) - sizes.begin())]
+        .time.min_ms;
   };
   for (const Rung& rung : ladder.rungs) {
     BenchRow row;
@@ -71,7 +76,7 @@ void time_all(const Ladder& ladder, const BenchOptions& options, double seconds,
       row.time = times[*rung.contender];
       row.memory_mib = static_cast<double>(contender.bytes) / 1048576.0;
       row.floor_ms = floor_ms(contender.size);
-      row.floor_image_ms = times[count].min_ms;
+      row.floor_image_ms = report.floors.front().time.min_ms;
     } else {
       row.method = "refused";
       row.detail = rung.reachable < 1.0 ? "reachable: " + significant(rung.reachable, 2) : "no tolerance is reachable";
@@ -136,8 +141,7 @@ int run_bench(const BenchOptions& options, const Global& global) {
   if (scene.planes.size() > 1)
     report.notes.push_back("the scene has " + std::to_string(scene.planes.size()) + " channels; " + scene.names[0] +
                            " is used (see --channel)");
-  BenchJob job = make_job(config, scene, 0);
-  job.options.threads = global.threads;
+  BenchJob job = make_job(config, scene, 0, global.threads);
   job.options.rigor = options.measure ? mtf::fft::Rigor::measure : mtf::fft::Rigor::estimate;
   if (job.flat) report.notes.push_back("the scene is flat: every method gives it exactly, errors are 0");
   report.job = &job;

@@ -6,6 +6,7 @@
 
 #include "apps/machine.h"
 #include "mtf/error.h"
+#include "mtf/scene_spectrum.h"
 #include "mtf/statistics.h"
 
 namespace apps {
@@ -25,7 +26,7 @@ void require_memory(const BenchJob& job) {
 
 }  // namespace
 
-BenchJob make_job(const mtf::io::SensorConfig& config, mtf::io::Scene& scene, std::size_t plane) {
+BenchJob make_job(const mtf::io::SensorConfig& config, mtf::io::Scene& scene, std::size_t plane, int threads) {
   BenchJob job;
   job.system = config.system;
   job.in = scene.grid;
@@ -40,6 +41,8 @@ BenchJob make_job(const mtf::io::SensorConfig& config, mtf::io::Scene& scene, st
                             " pixels are NaN or infinite, the first at column " + std::to_string(s.first_x) + ", row " +
                             std::to_string(s.first_y) + "; replace them before a benchmark");
   job.options.scene = mtf::summarise(job.scene.view(), job.options.border, job.border_value);
+  job.options.spectrum = mtf::scene_spectrum(job.scene.view(), job.options.border, threads);
+  job.options.threads = threads;
   job.flat = !job.options.scene;
   job.scale = !job.flat ? s.std : s.mean != 0.0 ? std::abs(s.mean) : 1.0;
   require_memory(job);

@@ -17,7 +17,8 @@ namespace apps {
 struct BenchJob {
   mtf::System<double> system;
   mtf::SampleGrid in, out;
-  mtf::PlanOptions options;  ///< border, aperture, scene, rigor and threads; each plan has its own tolerance
+  mtf::PlanOptions
+      options;  ///< border, aperture, scene and its spectrum, rigor and threads; each plan has its own tolerance
   double border_value = 0.0;
   mtf::Image scene;
   std::vector<double> exact;  ///< the reference image
@@ -27,7 +28,7 @@ struct BenchJob {
 
 /// One plane and its sensor, the exact image not yet made. Throws RuntimeError when pixels are not finite, UsageError
 /// when the exact image would not fit the machine's memory.
-BenchJob make_job(const mtf::io::SensorConfig& config, mtf::io::Scene& scene, std::size_t plane);
+BenchJob make_job(const mtf::io::SensorConfig& config, mtf::io::Scene& scene, std::size_t plane, int threads);
 
 /// Error of an image, relative to the scale of the job.
 struct Realised {

@@ -54,7 +54,11 @@ class Climber {
         leave_out(std::string(name), "all filters together would take more than a quarter of the memory");
         continue;
       }
-      another_way(tolerance, *chosen, candidate.method, options);
+      try {
+        another_way(tolerance, *chosen, candidate.method, options);
+      } catch (const mtf::UsageError& refusal) {
+        leave_out(std::string(name), refusal.what());
+      }
     }
   }
 
@@ -72,11 +76,23 @@ class Climber {
     if (job_.flat) return;
     std::string obstacle = Rivals::obstacle(job_);
     if (obstacle.empty()) try {
-        rivals_ = std::make_unique<Rivals>(job_, out_);
+        rivals_ = std::make_unique<Rivals>(job_, out_, slowest_ms_);
       } catch (const mtf::RuntimeError& error) {
         obstacle = error.what();
       }
     if (!obstacle.empty()) ladder.notes.push_back("no rows for OpenCV: " + obstacle);
+  }
+
+  /// What a reader of the rows has to know of those that are not there.
+  void finish() {
+    if (rivals_)
+      for (const std::string& what : rivals_->too_slow()) leave_out(what, "a run takes too long; see --seconds");
+    const auto refused =
+        std::find_if(ladder.rungs.begin(), ladder.rungs.end(), [](const Rung& rung) { return !rung.contender; });
+    if (refused == ladder.rungs.end()) return;
+    ladder.notes.push_back("no plan keeps " + significant(refused->tolerance, 2) + " and less; " +
+                           (refused->reachable < 1.0 ? significant(refused->reachable, 2) + " can be kept"
+                                                     : "no tolerance can be kept for this scene"));
   }
 
   Ladder ladder;
@@ -87,14 +103,16 @@ class Climber {
     options.tolerance = chosen.presample.report().tolerance;
     options.method = method;
     const auto start = Clock::now();
-    mtf::Plan presample = mtf::compile(job_.system, job_.in, job_.out, options);
+    mtf::SensorPlan plan = chosen;
+    plan.presample = mtf::compile(job_.system, job_.in, job_.out, options);
     const double ms = ms_since(start);
-    double predicted = presample.report().predicted.total();
+    double predicted = plan.presample.report().predicted.total();
     if (chosen.post) {
       const mtf::PlanReport& post = chosen.post->report();
       predicted = predicted * std::max(1.0, post.largest_gain) + post.predicted.total();
     }
-    add(tolerance, {std::move(presample), chosen.post, predicted}, ms, false);
+    plan.predicted_error = predicted;
+    add(tolerance, plan, ms, false);
   }
 
   void add(double tolerance, const mtf::SensorPlan& plan, double plan_ms, bool chosen) {
@@ -174,6 +192,7 @@ Ladder climb(const BenchJob& job, mtf::ImageView<float> out, double slowest_ms, 
     climber.plans(kLadder[i]);
     climber.rivals(kLadder[i]);
   }
+  climber.finish();
   return std::move(climber.ladder);
 }
 

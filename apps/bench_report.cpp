@@ -93,8 +93,8 @@ std::string bench_table(const BenchReport& report) {
       "> is what the plan chooses; errors are relative to the scene's std; x FFTW compares with bare FFTW of the "
       "image's size\n";
   for (const Floor& floor : report.floors)
-    text += "bare FFTW " + size_text(floor.size) + ", forward and back: " + fixed(floor.time.min_ms, 3) +
-            " ms (median " + fixed(floor.time.median_ms, 3) + ")\n";
+    text += "bare FFTW " + size_text(floor.size) + ", forward and back, " + (floor.in_place ? "in" : "out of") +
+            " place: " + fixed(floor.time.min_ms, 3) + " ms (median " + fixed(floor.time.median_ms, 3) + ")\n";
   return text;
 }
 
@@ -134,6 +134,7 @@ std::string bench_json(const BenchReport& report) {
   json["floors"] = Json::array();
   for (const Floor& floor : report.floors)
     json["floors"].push_back({{"size", floor.size},
+                              {"in_place", floor.in_place},
                               {"time_ms_min", floor.time.min_ms},
                               {"time_ms_median", floor.time.median_ms},
                               {"runs", floor.time.runs}});

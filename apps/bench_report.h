@@ -21,9 +21,11 @@ struct BenchRow {
   std::optional<Timing> time;
 };
 
+/// Bare FFTW, forward and back, in place or out of place, whichever is faster.
 struct Floor {
   std::array<std::int64_t, 2> size{};
   Timing time;
+  bool in_place = false;
 };
 
 struct BenchReport {

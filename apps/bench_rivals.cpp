@@ -2,9 +2,11 @@
 #include "apps/bench_rivals.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "apps/check/reference_fft.h"
+#include "apps/machine.h"
 
 namespace apps {
 namespace {
@@ -12,6 +14,7 @@ namespace {
 using mtf::io::OpenCvJob;
 
 constexpr std::int64_t kLargestRadius = 31;    // kernels of up to 63 samples
+constexpr int kWavelengths = 64;               // of a band: far below the rounding of float
 constexpr std::int64_t kLongestSpread = 2048;  // what lies beyond half of it is far below any tolerance
 
 // The lengths that OpenCV's transform is quick at.
@@ -49,12 +52,13 @@ Rivals::Side Rivals::side(std::int64_t samples, double step, double pitch) const
   return {samples, period, stride, (stride - 1) / 2, stride % 2 == 0};
 }
 
-Rivals::Rivals(const BenchJob& job, mtf::ImageView<float> out)
+Rivals::Rivals(const BenchJob& job, mtf::ImageView<float> out, double slowest_ms)
     : job_(&job),
       out_(out),
       x_(side(job.in.width, job.in.step_x_um, job.out.step_x_um)),
       y_(side(job.in.height, job.in.step_y_um, job.out.step_y_um)),
-      separable_(is_separable(job)) {
+      separable_(is_separable(job)),
+      slowest_ms_(slowest_ms) {
   static_cast<void>(mtf::io::opencv_filter({.width = 1,
                                             .height = 1,
                                             .kernel_width = 1,
@@ -66,7 +70,9 @@ Rivals::Rivals(const BenchJob& job, mtf::ImageView<float> out)
   const mtf::SampleGrid grid{x_.period, y_.period, job.in.step_x_um, job.in.step_y_um};
   std::vector<double> point(static_cast<std::size_t>(x_.period * y_.period), 0.0);
   point[static_cast<std::size_t>(y_.period / 2 * x_.period + x_.period / 2)] = 1.0;
-  const check::OtfColumn exact = check::exact_otf(job.system, {mtf::Stage::presample}, job.options.aperture, job.in);
+  mtf::System<double> system = job.system;
+  system.band_nodes = std::min(system.band_nodes, kWavelengths);
+  const check::OtfColumn exact = check::exact_otf(system, {mtf::Stage::presample}, job.options.aperture, job.in);
   const double shift_x_mm = x_.between ? 0.5e-3 * job.in.step_x_um : 0.0;
   const double shift_y_mm = y_.between ? 0.5e-3 * job.in.step_y_um : 0.0;
   const check::OtfColumn shifted = [&](double fx, std::span<const double> fy, std::span<std::complex<double>> h) {
@@ -134,7 +140,7 @@ OpenCvJob Rivals::transform_job(std::int64_t pad) const {
   return job;
 }
 
-Contender Rivals::make(Method method, std::int64_t extent) const {
+Rivals::Trial Rivals::make(Method method, std::int64_t extent) const {
   OpenCvJob job = method == Method::dft ? transform_job(extent) : kernel_job(method, extent);
   job.width = job_->in.width;
   job.height = job_->in.height;
@@ -154,26 +160,40 @@ Contender Rivals::make(Method method, std::int64_t extent) const {
   contender.run = [filter = mtf::io::opencv_filter(job), scene = job_->scene.view(), out = out_] {
     filter(scene, out);
   };
+  const auto start = std::chrono::steady_clock::now();
   contender.run();
+  const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
   contender.error = realised_error(*job_, out_);
-  return contender;
+  return {std::move(contender), elapsed.count()};
 }
 
 bool Rivals::fits(Method method, std::int64_t extent, double tolerance) {
   const auto [known, fresh] = error_.try_emplace({method, extent}, 0.0);
-  if (fresh) known->second = make(method, extent).error.rms;
+  if (fresh) known->second = make(method, extent).contender.error.rms;
   return known->second <= tolerance;
 }
 
-std::vector<Contender> Rivals::at(double tolerance) {
-  std::vector<std::int64_t> radii, pads;
-  for (std::int64_t r = x_.between || y_.between ? 1 : 0; r <= kLargestRadius; ++r) radii.push_back(r);
+std::vector<std::int64_t> Rivals::pads() const {
+  if (job_->options.border == mtf::Border::periodic) return {0};
+  std::vector<std::int64_t> pads;
   const std::int64_t longest = std::max(x_.samples, y_.samples);
   for (std::int64_t pad = 4; pad < longest; pad *= 2) pads.insert(pads.end(), {pad, pad + pad / 2});
   pads.push_back(longest);
-  if (job_->options.border == mtf::Border::periodic) pads = {0};
+  // The point spread in double and float, image, spectrum and result.
+  const auto bytes = [&](std::int64_t pad) {
+    return 24.0 * static_cast<double>(x_.samples + 2 * pad) * static_cast<double>(y_.samples + 2 * pad);
+  };
+  const double limit = 0.25 * static_cast<double>(this_machine().memory_bytes);
+  while (pads.size() > 1 && bytes(pads.back()) > limit) pads.pop_back();
+  return pads;
+}
+
+std::vector<Contender> Rivals::at(double tolerance) {
+  std::vector<std::int64_t> radii;
+  for (std::int64_t r = x_.between || y_.between ? 1 : 0; r <= kLargestRadius; ++r) radii.push_back(r);
+  std::vector<Contender> rivals;
   // The error falls with the extent: bisection for the first that fits.
-  const auto first_that_fits = [&](Method method, const std::vector<std::int64_t>& extents) {
+  const auto invite = [&](Method method, const std::vector<std::int64_t>& extents) {
     std::size_t low = 0, high = extents.size() - 1;
     while (low < high) {
       const std::size_t middle = (low + high) / 2;
@@ -182,10 +202,21 @@ std::vector<Contender> Rivals::at(double tolerance) {
       else
         low = middle + 1;
     }
-    return make(method, extents[low]);
+    const std::pair key{method, extents[low]};
+    if (best_.count(key) == 0) {
+      Trial trial = make(method, extents[low]);
+      if (trial.ms > slowest_ms_) {
+        const std::string text = trial.contender.method + ", " + trial.contender.detail;
+        if (std::find(too_slow_.begin(), too_slow_.end(), text) == too_slow_.end()) too_slow_.push_back(text);
+        return;
+      }
+      best_.emplace(key, std::move(trial.contender));
+    }
+    rivals.push_back(best_.at(key));
   };
-  std::vector<Contender> rivals{first_that_fits(Method::dft, pads), first_that_fits(Method::filter2d, radii)};
-  if (separable_) rivals.push_back(first_that_fits(Method::sep, radii));
+  invite(Method::dft, pads());
+  invite(Method::filter2d, radii);
+  if (separable_) invite(Method::sep, radii);
   return rivals;
 }
 

@@ -18,6 +18,7 @@
 #include "apps/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
+#include "mtf/scene_spectrum.h"
 #include "mtf/statistics.h"
 
 namespace apps {
@@ -92,9 +93,15 @@ int run_demo(const DemoOptions& options, const Global& global) {
   mtf::PlanOptions plan_options;
   plan_options.tolerance = options.tolerance.value_or(plan_options.tolerance);
   plan_options.border = config.scene.border;
-  plan_options.scene = mtf::summarise(landscape.view(), plan_options.border, 0.0);
   plan_options.threads = global.threads;
-  const mtf::SensorPlan plan = mtf::compile_sensor(system, grid, plan_options);
+  // As `mtf simulate` does it: each scene has its own plan, from its own contrast and spectrum.
+  const auto plan_for = [&](const mtf::Image& image) {
+    mtf::PlanOptions own = plan_options;
+    own.scene = mtf::summarise(image.view(), own.border, 0.0);
+    own.spectrum = mtf::scene_spectrum(image.view(), own.border, global.threads);
+    return mtf::compile_sensor(system, grid, own);
+  };
+  const mtf::SensorPlan plan = plan_for(landscape), targets_plan = plan_for(targets);
 
   const fs::path folder = options.out;
   prepare_folder(folder, options.force);
@@ -103,15 +110,19 @@ int run_demo(const DemoOptions& options, const Global& global) {
   mtf::io::write_exr(path("scene.exr"), {{"Y", landscape.view()}}, scene_metadata(grid));
   mtf::io::write_exr(path("targets.exr"), {{"Y", targets.view()}}, scene_metadata(grid));
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<mtf::ImageView<const float>> views{landscape.view(), targets.view()};
-  const std::vector<mtf::Image> images = plan.run(views, 0.0, global.threads);
+  std::vector<mtf::Image> images;
+  for (const auto& [image_plan, image] : {std::pair{&plan, &landscape}, std::pair{&targets_plan, &targets}}) {
+    const mtf::ImageView<const float> view = image->view();
+    images.push_back(std::move(image_plan->run(std::span(&view, 1), 0.0, global.threads).front()));
+  }
   const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
 
   mtf::io::Scene scene;
   scene.quantity = mtf::io::Quantity::radiance;
   const mtf::io::Metadata metadata = provenance(config, scene, plan, plan_options.tolerance);
   mtf::io::write_exr(path("sensor.exr"), {{"Y", images[0].view()}}, metadata);
-  mtf::io::write_exr(path("targets_sensor.exr"), {{"Y", images[1].view()}}, metadata);
+  mtf::io::write_exr(path("targets_sensor.exr"), {{"Y", images[1].view()}},
+                     provenance(config, scene, targets_plan, plan_options.tolerance));
   const mtf::Statistics s = mtf::statistics(landscape.view());
   const double low = s.mean - 1.7 * s.std, high = s.mean + 2.3 * s.std;
   mtf::io::write_preview_png(path("preview.png"), {{"Y", side_by_side(landscape, images[0]).view()}}, low, high);

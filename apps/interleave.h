@@ -73,8 +73,9 @@ inline std::vector<Timing> interleave(const std::vector<std::function<void()>>& 
       if ((round + 1) * runs[i] / rounds == round * runs[i] / rounds) continue;
       times[i].push_back(detail::run_ms(cases[i]));
       done += once[i];
-      if (options.progress) options.progress(total > 0.0 ? done / total : 1.0);
+      if (options.progress && total > 0.0) options.progress(done / total);
     }
+  if (options.progress) options.progress(1.0);
   std::vector<Timing> result;
   for (auto& t : times) {
     std::sort(t.begin(), t.end());

@@ -130,7 +130,7 @@ std::string style(const Series& series, std::size_t index, Medium medium) {
     // Filled shapes of gnuplot, one after the other; a ring around what is emphasised.
     constexpr std::array kShapes{7, 5, 9, 13, 11, 15};
     if (medium == Medium::characters) return "points";
-    const char* size = series.mark == Mark::large_points ? " ps 2.2" : " ps 0.9";
+    const char* size = series.mark == Mark::large_points ? " ps 2.4" : " ps 1.3";
     if (series.emphasised) return std::string("points pt 6 lc rgb '#000000' lw 2.2") + size;
     return "points pt " + std::to_string(kShapes[index % kShapes.size()]) + " lc rgb '" +
            std::string(kColours[index % kColours.size()]) + "'" + size;

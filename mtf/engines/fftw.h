@@ -18,15 +18,18 @@ namespace mtf::fft {
 /// How much planning: estimate is reproducible between runs; measure times candidates (slow planning, faster runs).
 enum class Rigor { estimate, measure };
 
-/// Complex sequences side by side in one block: element n of lane l at data[2 (n lanes + l)]. In place, unnormalised.
-class Lanes {
+/// Complex sequences side by side, in place, unnormalised: element n of lane l at re[2 n lanes + l] and the same of im,
+/// im = re + lanes. For the lengths that LaneTransform leaves to FFTW.
+template <class S>
+class Split {
  public:
-  Lanes() = default;
-  Lanes(std::int64_t n, int lanes, bool forward, Rigor rigor);
-  void execute(float* data) const;
+  Split() = default;
+  Split(std::int64_t n, int lanes, Rigor rigor);
+  void forward(S* re, S* im) const;  ///< sign -1
+  void inverse(S* re, S* im) const;  ///< sign +1
 
  private:
-  std::shared_ptr<void> plan_;
+  std::shared_ptr<void> forward_, inverse_;
 };
 
 /// n reals -> n/2 + 1 complex numbers, sign -1. `in` is destroyed or not, as FFTW likes; in != out.
@@ -34,17 +37,6 @@ class RealForward {
  public:
   RealForward() = default;
   RealForward(std::int64_t n, Rigor rigor);
-  void execute(float* in, float* out) const;
-
- private:
-  std::shared_ptr<void> plan_;
-};
-
-/// n/2 + 1 complex numbers -> n reals, sign +1, unnormalised. `in` is destroyed; in != out.
-class RealInverse {
- public:
-  RealInverse() = default;
-  RealInverse(std::int64_t n, Rigor rigor);
   void execute(float* in, float* out) const;
 
  private:
@@ -62,11 +54,12 @@ class ComplexDouble {
   std::shared_ptr<void> plan_;
 };
 
-/// Real two-dimensional transform and back, float, out of place, one thread, on memory of its own: the floor that
-/// benchmarks compare with.
+/// Real two-dimensional transform and back, float, one thread, on memory of its own: the floor that benchmarks compare
+/// with.
 class RealPair2d {
  public:
-  RealPair2d(std::int64_t width, std::int64_t height, Rigor rigor);
+  enum class Place { out, in };
+  RealPair2d(std::int64_t width, std::int64_t height, Place place, Rigor rigor);
   void execute() const;
 
  private:
