@@ -50,38 +50,38 @@ namespace {
 
 double whole_vectors(std::int64_t n) { return 16.0 * std::ceil(static_cast<double>(n) / 16.0); }
 
-// Nanoseconds of fetching the rows of samples that tiles of `tile_rows` output rows need: a call a row, samples beyond
-// the edges one by one, and the others, which ratios other than 1, 2 and 4 sort into phases with strides.
+// Nanoseconds of one look at the whole scene (its mean), and of fetching the rows of samples that tiles of `tile_rows`
+// output rows need: a call a row, samples beyond the edges one by one, and the others, which ratios other than 1, 2 and
+// 4 sort into phases with strides.
 double load_ns(const TapAxis& x, const TapAxis& y, double tile_rows, double& rows) {
-  const double outputs = static_cast<double>(y.outputs), tiles = std::ceil(outputs / tile_rows);
-  rows = outputs * static_cast<double>(y.ratio) + tiles * static_cast<double>(y.count);
-  const double sample = x.ratio == 1 ? 0.25 : x.ratio == 2 || x.ratio == 4 ? 0.32 : 0.65;
-  const double calls = 35.0 * std::ceil(static_cast<double>(x.outputs) / 256.0);
-  return rows * (calls + 5.5 * static_cast<double>(x.count) +
-                 sample * static_cast<double>(x.outputs) * static_cast<double>(x.ratio));
+  const double tiles = std::ceil(count(y.outputs) / tile_rows);
+  rows = count(y.outputs * y.ratio) + tiles * count(y.count);
+  const double sample = x.ratio == 1 ? 0.22 : x.ratio == 2 || x.ratio == 4 ? 0.36 : 0.6;
+  const double row = 35.0 * groups(x.outputs, 256) + 5.5 * count(x.count) + sample * count(x.outputs * x.ratio);
+  return count(y.samples) * (20.0 + 0.15 * count(x.samples)) + rows * row;
 }
 
 }  // namespace
 
 double separable_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t rank) {
-  const auto terms = static_cast<double>(rank), x_count = static_cast<double>(x.count),
-             y_count = static_cast<double>(y.count), ratio = static_cast<double>(y.ratio);
-  const double tile_rows = std::clamp((384.0 / terms - y_count) / ratio, std::max(16.0, y_count / ratio), 256.0);
-  const double width = whole_vectors(x.outputs), height = static_cast<double>(y.outputs);
+  const double tile_rows = std::clamp((384.0 / count(rank) - count(y.count)) / count(y.ratio),
+                                      std::max(16.0, count(y.count) / count(y.ratio)), 256.0);
+  const double width = whole_vectors(x.outputs);
   double rows = 0.0;
   const double load = load_ns(x, y, tile_rows, rows);
-  return 1e-6 * (load + width * (0.030 * rows * terms * x_count + height * (0.2 + 0.025 * terms * y_count))) + 1e-3;
+  const double across = rows * count(rank) * (0.25 + 0.030 * count(x.count));
+  const double down = count(y.outputs) * (0.2 + 0.025 * count(rank * y.count));
+  return 1e-6 * (load + width * (across + down)) + 1e-3;
 }
 
 double direct_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t used, bool mirrored) {
-  const double width = whole_vectors(x.outputs), height = static_cast<double>(y.outputs);
-  const auto taps = static_cast<double>(used);
+  const double width = whole_vectors(x.outputs), height = count(y.outputs), taps = count(used);
   double rows = 0.0;
-  const double load = load_ns(x, y, 64.0, rows), calls = height * std::ceil(width / 256.0) * taps;
-  const double added = static_cast<double>(y.count * x.ratio) * (width + 32.0);
-  const double sums = mirrored ? height * (width * (0.5 + 0.0132 * taps) + 0.0085 * added) + 2.1 * calls
-                               : height * width * 0.0286 * taps + 6.3 * calls;
-  return 1e-6 * (load + sums) + 1e-3;
+  const double load = load_ns(x, y, 64.0, rows), calls = groups(x.outputs, 256) * taps;
+  const double added = count(y.count * x.ratio) * (width + 32.0);
+  const double row =
+      mirrored ? width * (0.5 + 0.0132 * taps) + 0.0085 * added + 2.1 * calls : width * 0.0286 * taps + 6.3 * calls;
+  return 1e-6 * (load + height * row) + 1e-3;
 }
 
 }  // namespace mtf
