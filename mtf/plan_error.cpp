@@ -77,10 +77,10 @@ double spectral_bytes(const AxisJob& x, const AxisJob& y, bool real) {
   const double terms = count(std::min(2 * y.keep, y.frequency.length + 1));
   const double otf = columns * (y.frequency.basis == Basis::cosine && real ? count(y.keep) : terms);
   const double buffer = columns * count(std::max(y.samples, y.outputs));
-  // Per frequency of an axis: up to four work areas of a row of lanes each, and tables.
+  // Per frequency of an axis: up to five work areas of a row of lanes each, and tables.
   double axes = 0.0;
   for (const AxisJob* job : {&x, &y})
-    axes += (16.0 * kRow + 200.0) * count(std::max(job->frequency.length, inverse_length(*job)));
+    axes += (20.0 * kRow + 200.0) * count(std::max(job->frequency.length, inverse_length(*job)));
   return 4.0 * (otf + buffer) + axes;
 }
 
