@@ -129,7 +129,8 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
                             .drop_budget = kDropShare * tolerance / (alias * norm),
                             .table_share = tables ? kTableShare * tolerance / (alias * norm) : 0.0,
                             .samples = in.width * in.height / 2,
-                            .threads = options.threads});
+                            .threads = options.threads,
+                            .split = options.split});
   impl->dc = sampler.dc();
   report.dropped = sampler.dropped();
   report.merged = sampler.merged();

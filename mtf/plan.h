@@ -57,6 +57,7 @@ struct PlanOptions {
   fft::Rigor rigor = fft::Rigor::estimate;
   SceneAperture aperture;
   std::optional<SceneSummary> scene;
+  ScaleSplit split = {};  ///< the near or far part only (mtf/tiles.h)
   int threads = 0;  ///< for making the OTF; 0 = all cores
 };
 

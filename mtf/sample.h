@@ -20,6 +20,7 @@
 #include "mtf/border.h"
 #include "mtf/polar_table.h"
 #include "mtf/radial_table.h"
+#include "mtf/split.h"
 #include "mtf/system.h"
 
 namespace mtf {
@@ -47,7 +48,8 @@ struct SamplerOptions {
                              ///< 0: no tables
   int wavelengths = 0;       ///< of the band; 0 = as many as that error needs
   std::int64_t samples = std::numeric_limits<std::int64_t>::max();  ///< frequencies that will be asked for, about
-  int threads = 0;  ///< that fill tables of slow components; 0 = all cores
+  int threads = 0;   ///< that fill tables of slow components; 0 = all cores
+  ScaleSplit split = {};  ///< the part of the OTF by scale
 };
 
 class OtfSampler {
@@ -60,7 +62,9 @@ class OtfSampler {
   bool is_real() const { return real_; }
   bool is_even_x() const { return even_x_; }
   bool is_even_y() const { return even_y_; }
-  bool is_identity() const { return entries_.empty() && aperture_.kind == SceneAperture::Kind::point; }
+  bool is_identity() const {
+    return entries_.empty() && aperture_.kind == SceneAperture::Kind::point && options_.split.is_whole();
+  }
   const std::vector<Dropped>& dropped() const { return dropped_; }
   /// Sentences on what was merged: "jitter, footprint -> two vectors".
   const std::vector<std::string>& merged() const { return merged_; }
