@@ -10,10 +10,12 @@
 // The tolerance is the rms error over the output pixels, before noise, relative to the scene's standard deviation. The
 // reference is the exact OTF applied to the periodic canvas of mtf/border.h and evaluated at the detector centres.
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mtf/border.h"
@@ -51,14 +53,34 @@ class UnreachableTolerance : public UsageError {
 /// Message for a tolerance that cannot be kept, and what limits it.
 UnreachableTolerance unreachable_tolerance(double asked, double reachable, const std::optional<SceneSummary>& scene);
 
+/// The ways of doing the work. All FFT methods inverse-transform on the detector grid only.
+enum class Method {
+  identity,       ///< nothing to do
+  separable,      ///< taps along the rows, then along the columns
+  low_rank,       ///< a sum of such pairs, for point spreads that nearly factor
+  direct_square,  ///< one two-dimensional kernel on a square, a disc
+  direct_disc,    ///< or a diamond |x| + |y| <= r of samples, mirrored samples added first
+  direct_diamond,
+  fft_float,  ///< real transforms in float
+  fft_cut,    ///< the same, only the columns below the cutoff
+  fft_double  ///< real transforms in double
+};
+inline constexpr std::array<std::string_view, 9> kMethodNames{"identity",      "separable",   "low_rank",
+                                                              "direct_square", "direct_disc", "direct_diamond",
+                                                              "fft_float",     "fft_cut",     "fft_double"};
+
+class SceneSpectrum;
+
 struct PlanOptions {
   double tolerance = 1e-4;
+  std::optional<Method> method;  ///< insist on it; otherwise the cheapest that keeps the tolerance
   Border border = Border::reflect;
   fft::Rigor rigor = fft::Rigor::estimate;
   SceneAperture aperture;
   std::optional<SceneSummary> scene;
-  ScaleSplit split = {};  ///< the near or far part only (mtf/tiles.h)
-  int threads = 0;  ///< for making the OTF; 0 = all cores
+  ScaleSplit split = {};                          ///< the near or far part only (mtf/tiles.h)
+  std::shared_ptr<const SceneSpectrum> spectrum;  ///< of this very scene: what an omission costs it, not any scene
+  int threads = 0;                                ///< for making the OTF; 0 = all cores
 };
 
 /// Predicted error, each part as rms relative to the scene's std; the parts add linearly.
@@ -72,9 +94,29 @@ struct PredictedError {
   double total() const { return dropped + table + band + cut + wrap + arithmetic; }
 };
 
+/// One way to do the work, as the plan judged it.
+struct Candidate {
+  Method method{};
+  std::string detail;        ///< "17 x 15 taps, rank 2"; "cosine 1024, fold to 256"
+  PredictedError predicted;  ///< where the way exists at all
+  double cost_ms = 0.0;      ///< predicted, or measured under Rigor::measure: one thread, one channel
+  std::int64_t bytes = 0;    ///< filter, and buffers of one run
+  bool possible = false;     ///< keeps the tolerance
+  std::string reason;        ///< why not, or why another was chosen; "" for the chosen one
+};
+
+/// Something a plan leaves out because the tolerance does not need it.
+struct Omission {
+  std::string what;
+  double bound = 0.0;     ///< rms relative to the scene's std
+  double saved_ms = 0.0;  ///< a run, estimated; 0 when only planning got cheaper
+};
+
 /// What a plan decided, for reports.
 struct PlanReport {
-  std::string method;  ///< "identity" or "spectral"
+  std::string method;  ///< name of the chosen one
+  std::vector<Candidate> candidates;
+  std::vector<Omission> omitted;
   SampleGrid in, out;
   std::int64_t whole_pitches_x = 0, whole_pitches_y = 0;  ///< that the scene holds; out may be less (format)
   std::array<std::int64_t, 2> size{};                     ///< transform lengths x, y
@@ -125,7 +167,8 @@ class Plan {
 };
 
 /// The presample OTF and the sampling at the pitch. Throws UsageError for an invalid system, a tolerance that is not in
-/// (0, 1) or that this scene cannot reach in float32 (with the value it can reach), and sizes that do not fit memory.
+/// (0, 1) or that this scene cannot reach (UnreachableTolerance, with the value it can), a method that cannot do the
+/// work, and sizes that do not fit memory.
 Plan compile(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
              const PlanOptions& options);
 

@@ -23,6 +23,17 @@ double aliases(const AxisJob& job) {
   return std::max(1.0, std::ceil(kept / std::max(detector_band, 1.0) - kWholeEpsilon));
 }
 
+double dropped_error(const OtfSampler& sampler) {
+  double sum = 0.0;
+  for (const Dropped& d : sampler.dropped()) sum += d.bound;
+  return sum * sampler.gain();
+}
+
+double storage_error(const PlanOptions& options) {
+  if (!options.scene) return kFloatUnit;
+  return std::max(options.scene->largest * kFloatUnit, kSmallestFloat) / options.scene->std;
+}
+
 // rms rounding of float32: a transform pair errs by about 0.4 units per doubling of its length (measured in tests), the
 // chirp passes through twice as many; then OTF rounding. Rounding inside the transforms is relative to the rms of the
 // canvas (in units of std), which a far border level raises; that of the result to the values with their mean.
@@ -33,18 +44,16 @@ double arithmetic_error(const AxisJob& x, const AxisJob& y, double canvas_rms, d
     const double stages = std::log2(1.0 + static_cast<double>(job->frequency.length));
     units += 0.5 * stages * (job->resampling == Resampling::chirp ? 4.0 : 1.0);
   }
-  const double storage =
-      options.scene ? std::max(options.scene->largest * kFloatUnit, kSmallestFloat) / options.scene->std : kFloatUnit;
-  return gain * (kFloatUnit * units * std::max(canvas_rms, 1.0) + storage);
+  return gain * (kFloatUnit * units * std::max(canvas_rms, 1.0) + storage_error(options));
 }
 
-void refuse_unreachable(const PredictedError& predicted, double arithmetic, double tolerance,
-                        const PlanOptions& options) {
-  if (predicted.total() <= tolerance) return;
-  if (!options.scene && predicted.arithmetic <= tolerance) return;
-  // The other parts scale with the tolerance, or are none where radial factors are exact; arithmetic is fixed.
-  const double reachable = 1.01 * arithmetic / (1.0 - kDropShare - kCutShare - kWrapShare - kBandShare);
-  throw unreachable_tolerance(tolerance, reachable, options.scene);
+bool keeps_tolerance(const PredictedError& predicted, const PlanOptions& options) {
+  return predicted.total() <= options.tolerance || (!options.scene && predicted.arithmetic <= options.tolerance);
+}
+
+// The other parts scale with the tolerance, or are none where radial factors are exact; arithmetic is fixed.
+double reachable_tolerance(double arithmetic) {
+  return 1.01 * arithmetic / (1.0 - kDropShare - kCutShare - kWrapShare - kBandShare);
 }
 
 UnreachableTolerance unreachable_tolerance(double asked, double reachable, const std::optional<SceneSummary>& scene) {
@@ -59,15 +68,20 @@ UnreachableTolerance unreachable_tolerance(double asked, double reachable, const
           std::numeric_limits<double>::infinity()};
 }
 
-void require_memory(const AxisJob& x, const AxisJob& y, bool real, const SampleGrid& out) {
+double spectral_bytes(const AxisJob& x, const AxisJob& y, bool real) {
   const auto count = [](std::int64_t n) { return static_cast<double>(n); };
   const double columns = count(x.keep) * (x.frequency.basis == Basis::cosine ? 1.0 : 2.0);
   const double terms = count(std::min(2 * y.keep, y.frequency.length + 1));
   const double otf = columns * (y.frequency.basis == Basis::cosine && real ? count(y.keep) : terms);
   const double buffer = columns * count(std::max(y.samples, y.outputs));
   const double line = 64.0 * count(std::max(y.frequency.length, inverse_length(y)));
-  const double bytes = 4.0 * (otf + buffer + count(out.width) * count(out.height)) + 2.0 * line;
-  const double machine = count(sysconf(_SC_PHYS_PAGES)) * count(sysconf(_SC_PAGESIZE));
+  return 4.0 * (otf + buffer) + 2.0 * line;
+}
+
+void require_memory(const AxisJob& x, const AxisJob& y, bool real, const SampleGrid& out) {
+  const double bytes =
+      spectral_bytes(x, y, real) + 4.0 * static_cast<double>(out.width) * static_cast<double>(out.height);
+  const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   if (bytes <= machine) return;
   throw UsageError(
       "the plan would need " + format_double(bytes) + " bytes, the machine has " + format_double(machine) +

@@ -26,7 +26,7 @@ std::string Plan::explain() const {
                      format_double(r.out.step_y_um) + " um\n";
   if (r.out.width < r.whole_pitches_x || r.out.height < r.whole_pitches_y)
     text += "format    the scene holds " + size_text(r.whole_pitches_x, r.whole_pitches_y) + " whole pixels\n";
-  if (r.method == "spectral") {
+  if (r.method.starts_with("fft")) {
     text += "axes      x: " + r.axes[0] + "; y: " + r.axes[1] + "\n";
     text += "kept      " + size_text(r.kept[0], r.kept[1]) + " of " + size_text(r.available[0], r.available[1]) +
             " frequencies\n";
@@ -36,6 +36,14 @@ std::string Plan::explain() const {
   for (const Dropped& d : r.dropped)
     text += "dropped   " + d.label + " (changes the OTF by at most " + short_number(d.bound) + ")\n";
   for (const std::string& note : r.notes) text += "note      " + note + "\n";
+  for (const Candidate& c : r.candidates) {
+    text += (c.reason.empty() ? "chosen    " : "other     ") +
+            std::string(kMethodNames[static_cast<std::size_t>(c.method)]);
+    if (!c.detail.empty()) text += ": " + c.detail;
+    if (c.cost_ms > 0.0)
+      text += "; predicted error " + short_number(c.predicted.total()) + ", " + short_number(c.cost_ms) + " ms";
+    text += (c.reason.empty() ? "" : "; " + c.reason) + "\n";
+  }
   const PredictedError& e = r.predicted;
   text += "error     predicted <= " + short_number(e.total()) + " of the scene's std, tolerance " +
           short_number(r.tolerance) + " (dropped " + short_number(e.dropped) + ", table " + short_number(e.table) +

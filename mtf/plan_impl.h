@@ -3,7 +3,7 @@
 
 // Shared by plan.cpp (compiling), plan_run.cpp (running) and plan_explain.cpp (reporting); not installed as interface.
 
-#include "mtf/engines/spectral.h"
+#include "mtf/engines/engine.h"
 #include "mtf/plan.h"
 
 namespace mtf {
@@ -14,8 +14,7 @@ struct Plan::Impl {
   PlanOptions options;
   PlanReport report;
   double dc = 1.0;
-  std::shared_ptr<const SpectralEngine> engine;  ///< null for the identity
-  OtfBlocks otf;
+  std::shared_ptr<const Engine> engine;  ///< null for the identity
 };
 
 }  // namespace mtf

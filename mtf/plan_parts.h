@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Parts of compiling a plan that stand on their own: the OTF in the engine's layout, and the prediction of errors.
+// Parts of compiling a plan that stand on their own: the ways of doing the work that are drafted, judged and chosen
+// from, and the prediction of errors.
 
-#include "mtf/engines/spectral.h"
+#include <functional>
+#include <limits>
+
+#include "mtf/engines/axis.h"
+#include "mtf/engines/engine.h"
 #include "mtf/plan.h"
 
 namespace mtf {
@@ -11,24 +16,64 @@ namespace mtf {
 // How the tolerance is shared out; what is left over is for arithmetic.
 inline constexpr double kDropShare = 0.05, kTableShare = 0.02, kCutShare = 0.01, kWrapShare = 0.25, kBandShare = 0.05;
 
-/// H on the engine's frequencies, times its scale.
-OtfBlocks make_otf(const OtfSampler& sampler, const SpectralEngine& engine, int threads);
+/// What all ways of doing one plan's work share.
+struct PlanTask {
+  const OtfSampler& sampler;
+  SampleGrid in, out;
+  const PlanOptions& options;
+  double canvas_norm = 1.0;  ///< of the defined canvas (canvas_norm of mtf/statistics.h), in units of the scene's std
+  double norm = 1.0;         ///< the same, gathered in the part of the scene that the detector sees
+  double alias = 1.0;        ///< sqrt(frequencies that may alias onto one)
+};
 
-/// Largest |H| of the blocks, the scale taken off.
-double largest_gain(const OtfBlocks& otf, double scale);
+/// One way to do the work: judged, not yet built.
+struct Draft {
+  Candidate candidate;
+  /// The least tolerance that this way could keep for this scene; infinity when it does not depend on the tolerance.
+  double reachable = std::numeric_limits<double>::infinity();
+  /// Makes the engine, sharing with `relative` (may be null) what is the same.
+  std::function<std::shared_ptr<const Engine>(const Engine* relative)> make;
+  std::optional<std::array<AxisJob, 2>> axes;  ///< x and y of the FFT methods
+};
+
+std::vector<Draft> fft_drafts(const PlanTask& task);
+std::vector<Draft> draft_all(const PlanTask& task);
+
+/// The cheapest that keeps the tolerance (of the method asked for, if any); null when there is none. Says in each
+/// candidate why it was not taken.
+Draft* choose(std::vector<Draft>& drafts, const PlanOptions& options);
+
+/// Throws what is to be said when none was chosen: UnreachableTolerance, or UsageError for a method that cannot.
+[[noreturn]] void refuse(const std::vector<Draft>& drafts, const PlanOptions& options);
+
+/// What a report says of the draft that was chosen and of its engine (null: nothing to do).
+void describe(const Draft& chosen, const Engine* engine, const OtfSampler& sampler, int threads, PlanReport& report);
+
+/// "cosine 1024, fold to 256".
+std::string axis_text(const AxisJob& job);
+
+/// Bound of |H_used - H| that comes from the components that the sampler left out.
+double dropped_error(const OtfSampler& sampler);
+
+/// Whether the prediction keeps the tolerance. Without a scene only rounding can be said to break it.
+bool keeps_tolerance(const PredictedError& predicted, const PlanOptions& options);
 
 /// Frequencies that alias onto one detector frequency, at most.
 double aliases(const AxisJob& job);
 
+/// What storing samples as float32 costs, rms relative to the scene's std.
+double storage_error(const PlanOptions& options);
+
 /// rms rounding of float32 relative to the scene's std. `canvas_rms`: of the canvas about the mean, in units of std.
 double arithmetic_error(const AxisJob& x, const AxisJob& y, double canvas_rms, double gain, const PlanOptions& options);
 
-/// Throws UsageError, naming the tolerance to use, when the prediction exceeds the tolerance. `arithmetic` is that of
-/// the shortest canvas, which a larger tolerance may choose.
-void refuse_unreachable(const PredictedError& predicted, double arithmetic, double tolerance,
-                        const PlanOptions& options);
+/// The least tolerance that leaves room for a given rounding.
+double reachable_tolerance(double arithmetic);
 
 /// Throws UsageError, before anything is allocated, when OTF, buffers and one output plane exceed the machine's memory.
 void require_memory(const AxisJob& x, const AxisJob& y, bool real, const SampleGrid& out);
+
+/// Bytes of OTF and buffers of an FFT method.
+double spectral_bytes(const AxisJob& x, const AxisJob& y, bool real);
 
 }  // namespace mtf

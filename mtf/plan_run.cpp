@@ -71,7 +71,7 @@ void Plan::run(std::span<const ImageView<const float>> in, std::span<const Image
   if (in.size() != out.size()) throw UsageError("as many output as input planes are needed");
   const bool constant = impl_->options.border == Border::constant;
   if (constant && !std::isfinite(border_value)) throw UsageError("the border level has to be a finite number");
-  std::vector<SpectralEngine::Channel> channels;
+  std::vector<Channel> channels;
   for (std::size_t c = 0; c < in.size(); ++c) {
     check_size(in[c].width, in[c].height, impl_->report.in, "input");
     check_size(out[c].width, out[c].height, impl_->report.out, "output");
@@ -89,7 +89,7 @@ void Plan::run(std::span<const ImageView<const float>> in, std::span<const Image
       channels.push_back({in[c], out[c], level.mean, scale, impl_->dc * level.mean, border_value});
     }
   }
-  if (!channels.empty()) impl_->engine->run(channels, impl_->otf, threads);
+  if (!channels.empty()) impl_->engine->run(channels, threads);
 }
 
 }  // namespace mtf

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "mtf/engines/axis.h"
+#include "mtf/engines/engine.h"
 #include "mtf/image.h"
 
 namespace mtf {
@@ -47,14 +48,6 @@ class SpectralEngine {
   /// Bytes of buffers that one run of `channels` planes allocates.
   std::int64_t run_bytes(std::int64_t channels, int threads) const;
 
-  struct Channel {
-    ImageView<const float> in;
-    ImageView<float> out;
-    double mean = 0.0;      ///< taken off before, in double
-    double scale = 1.0;     ///< and this applied (a power of two)
-    double out_mean = 0.0;  ///< added back at the end: H(0) x mean
-    double border_value = 0.0;
-  };
   /// Filters all channels with one OTF, read once. Const and re-entrant.
   void run(const std::vector<Channel>& channels, const OtfBlocks& otf, int threads) const;
 

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "mtf/plan_spectral.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "mtf/engines/kernels.h"
 #include "mtf/parallel.h"
-#include "mtf/plan_parts.h"
 
 namespace mtf {
+namespace {
 
+// H on the engine's frequencies, times its scale.
 OtfBlocks make_otf(const OtfSampler& sampler, const SpectralEngine& engine, int threads) {
   const std::int64_t per_block = engine.columns_per_block(), keep = engine.x().keep;
   const auto& terms = engine.y_terms();
@@ -53,13 +56,26 @@ OtfBlocks make_otf(const OtfSampler& sampler, const SpectralEngine& engine, int 
   return otf;
 }
 
-double largest_gain(const OtfBlocks& otf, double scale) {
+}  // namespace
+
+double SpectralFilter::largest_gain() const {
   double squares = 0.0;
-  for (std::size_t i = 0; i + 1 < otf.data.size(); i += 2) {
-    const double re = otf.data[i], im = otf.data[i + 1];
-    squares = std::max(squares, otf.complex ? re * re + im * im : std::max(re * re, im * im));
+  for (std::size_t i = 0; i + 1 < otf_.data.size(); i += 2) {
+    const double re = otf_.data[i], im = otf_.data[i + 1];
+    squares = std::max(squares, otf_.complex ? re * re + im * im : std::max(re * re, im * im));
   }
-  return std::sqrt(squares) / scale;
+  return std::sqrt(squares) / transforms_->otf_scale();
+}
+
+std::shared_ptr<const SpectralFilter> make_spectral_filter(const OtfSampler& sampler, const AxisJob& x,
+                                                           const AxisJob& y, fft::Rigor rigor, int threads,
+                                                           const Engine* relative) {
+  std::shared_ptr<const SpectralEngine> transforms;
+  if (const auto* filter = dynamic_cast<const SpectralFilter*>(relative))
+    if (filter->transforms()->x() == x && filter->transforms()->y() == y) transforms = filter->transforms();
+  if (!transforms) transforms = std::make_shared<SpectralEngine>(x, y, rigor);
+  OtfBlocks otf = make_otf(sampler, *transforms, threads);
+  return std::make_shared<SpectralFilter>(std::move(transforms), std::move(otf));
 }
 
 }  // namespace mtf

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// How far a long command is, on standard error: a bar with the time left on a terminal, lines for --progress plain and
+// json, nothing otherwise.
+
+#include <chrono>
+#include <string>
+
+#include "apps/options.h"
+
+namespace apps {
+
+class ProgressLine {
+ public:
+  explicit ProgressLine(const Global& global);
+  ~ProgressLine();  ///< clears the bar
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  /// `step` is what is being done, `share` of it in [0, 1] is finished. Cheap to call often: the bar moves at most ten
+  /// times a second, lines come with a new step or another tenth.
+  void update(const std::string& step, double share);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  enum class Way { none, bar, plain, json } way_;
+  std::string step_;
+  Clock::time_point start_{}, shown_{};
+  int tenths_ = -1;
+};
+
+}  // namespace apps

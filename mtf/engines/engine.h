@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What every way of doing the work looks like to a plan: planes in, filtered and sampled planes out. Engines hold one
+// filter; they are immutable, and `run` is const and re-entrant.
+
+#include <cstdint>
+#include <vector>
+
+#include "mtf/image.h"
+
+namespace mtf {
+
+/// One plane to filter.
+struct Channel {
+  ImageView<const float> in;
+  ImageView<float> out;
+  double mean = 0.0;      ///< taken off before, in double
+  double scale = 1.0;     ///< and this applied (a power of two)
+  double out_mean = 0.0;  ///< added back at the end: H(0) x mean
+  double border_value = 0.0;
+};
+
+class Engine {
+ public:
+  Engine() = default;
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+  virtual ~Engine() = default;
+
+  /// Filters all channels. The result does not depend on `threads` (0 = all cores).
+  virtual void run(const std::vector<Channel>& channels, int threads) const = 0;
+  /// Bytes that one run of `channels` planes allocates.
+  virtual std::int64_t run_bytes(std::int64_t channels, int threads) const = 0;
+  /// Bytes that the filter itself holds.
+  virtual std::int64_t filter_bytes() const = 0;
+};
+
+}  // namespace mtf

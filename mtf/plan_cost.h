@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Predicted run times, for choosing between methods: one thread, one channel, on the kind of machine that the constants
+// were measured on. Only their ratios matter; Rigor::measure times the best few instead.
+
+#include "mtf/engines/axis.h"
+
+namespace mtf {
+
+/// Milliseconds of an FFT method.
+double fft_cost_ms(const AxisJob& x, const AxisJob& y, bool complex_otf);
+
+}  // namespace mtf

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// The FFT methods of a plan: basis and length of each axis, the frequencies in use, predicted error and cost.
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/padding.h"
+#include "mtf/plan_cost.h"
+#include "mtf/plan_parts.h"
+#include "mtf/plan_spectral.h"
+
+namespace mtf {
+namespace {
+
+struct Layout {
+  AxisJob x, y;
+  double wrap = 0.0;
+};
+
+AxisJob make_axis(const OtfSampler& sampler, const CanvasRequest& request, Basis basis, std::int64_t outputs,
+                  double& wrap) {
+  AxisJob job;
+  job.border = request.border;
+  job.samples = request.samples;
+  job.outputs = outputs;
+  job.pitch_um = request.pitch_um;
+  CanvasLength canvas{request.samples, 0.0};
+  if (basis == Basis::fourier) canvas = choose_canvas(sampler, request);
+  wrap += canvas.bound;
+  job.frequency = {basis, canvas.length, request.step_um};
+  const double pitches = static_cast<double>(canvas.length) * request.step_um / request.pitch_um;
+  job.resampling = is_whole(pitches) ? Resampling::fold : Resampling::chirp;
+  if (job.resampling == Resampling::fold) job.out_length = std::llround(pitches);
+  job.keep = job.frequency.half_count();
+  return job;
+}
+
+Layout make_layout(const PlanTask& task, Basis basis_x, Basis basis_y) {
+  const SampleGrid &in = task.in, &out = task.out;
+  const double density = std::sqrt(std::max(1.0, out.step_x_um / in.step_x_um * (out.step_y_um / in.step_y_um)));
+  CanvasRequest request{Axis::x,
+                        task.options.border,
+                        in.width,
+                        in.step_x_um,
+                        500.0 / in.step_y_um,
+                        out.step_x_um,
+                        task.norm * density,
+                        0.5 * kWrapShare * task.options.tolerance};
+  Layout layout;
+  layout.x = make_axis(task.sampler, request, basis_x, out.width, layout.wrap);
+  request = {Axis::y,       task.options.border, in.height,     in.step_y_um, 500.0 / in.step_x_um,
+             out.step_y_um, task.norm * density, request.budget};
+  layout.y = make_axis(task.sampler, request, basis_y, out.height, layout.wrap);
+  return layout;
+}
+
+// A cosine axis is exact without padding; where its length is awkward (a large prime, not a whole number of pitches) a
+// padded canvas may be cheaper all the same.
+Layout cheapest_layout(const PlanTask& task) {
+  const OtfSampler& sampler = task.sampler;
+  // A half-sample mirror passes unchanged through an OTF that is even along that axis: no padding at all. Cosines along
+  // x are pairs of real columns, which a complex OTF would mix.
+  const bool y_cosine = task.options.border == Border::reflect && sampler.is_even_y();
+  const bool x_cosine = y_cosine && sampler.is_real() && sampler.is_even_x();
+  Layout best = make_layout(task, x_cosine ? Basis::cosine : Basis::fourier, y_cosine ? Basis::cosine : Basis::fourier);
+  const auto awkward = [](const AxisJob& job) {
+    return job.frequency.basis == Basis::cosine &&
+           (job.resampling == Resampling::chirp || !is_smooth(job.frequency.length));
+  };
+  const bool try_x = awkward(best.x), try_y = awkward(best.y);
+  const auto consider = [&](Basis x, Basis y) {
+    Layout other = make_layout(task, x, y);
+    if (fft_cost_ms(other.x, other.y, false) < fft_cost_ms(best.x, best.y, false)) best = std::move(other);
+  };
+  if (try_x) consider(Basis::fourier, Basis::cosine);
+  if (try_y) consider(Basis::fourier, Basis::fourier);
+  return best;
+}
+
+// Leaves out the frequencies from the far end that no component lets through.
+void cut_frequencies(const OtfSampler& sampler, Axis axis, double allowed, AxisJob& job) {
+  while (job.keep > 1 && sampler.axis_bound(axis, job.frequency.cy_mm(job.keep - 1)) <= allowed) --job.keep;
+}
+
+}  // namespace
+
+std::string axis_text(const AxisJob& job) {
+  const bool cosine = job.frequency.basis == Basis::cosine;
+  std::string text = (cosine ? "cosine " : "fourier ") + std::to_string(job.frequency.length);
+  if (job.keep < job.frequency.half_count()) text += ", " + std::to_string(job.keep) + " kept";
+  if (job.resampling == Resampling::chirp) return text + ", chirp to " + std::to_string(job.outputs);
+  if (job.out_length == job.frequency.length) return text;
+  return text + ", fold to " + std::to_string(job.out_length);
+}
+
+std::vector<Draft> fft_drafts(const PlanTask& task) {
+  const OtfSampler& sampler = task.sampler;
+  const PlanOptions& options = task.options;
+  const Layout layout = cheapest_layout(task);
+  const bool x_cosine = layout.x.frequency.basis == Basis::cosine, y_cosine = layout.y.frequency.basis == Basis::cosine;
+  // Along a cosine axis error and canvas have the same mirror symmetry: nothing of the canvas's energy can gather
+  // inside.
+  const double symmetric = std::sqrt((x_cosine ? 2.0 : 1.0) * (y_cosine ? 2.0 : 1.0));
+  const double gathering = task.norm / symmetric;
+  const double allowed = kCutShare * options.tolerance / (task.alias * gathering);
+  const double samples =
+      static_cast<double>(layout.x.frequency.length) * static_cast<double>(layout.y.frequency.length);
+  const double image_area = static_cast<double>(task.in.width) * static_cast<double>(task.in.height);
+  const double canvas_rms = task.canvas_norm * std::sqrt(image_area / (samples * symmetric * symmetric));
+
+  const auto draft = [&](Method method) {
+    AxisJob x = layout.x, y = layout.y;
+    if (method != Method::fft_float) {
+      cut_frequencies(sampler, Axis::x, allowed, x);
+      cut_frequencies(sampler, Axis::y, allowed, y);
+    }
+    const bool cut = x.keep < x.frequency.half_count() || y.keep < y.frequency.half_count();
+    const double spread = gathering * std::sqrt(aliases(x) * aliases(y));
+    const double dropped = dropped_error(sampler), quadrature = sampler.quadrature_error();
+    Draft d;
+    d.candidate.method = method;
+    d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
+    d.candidate.predicted = {dropped * spread,    (sampler.error() - dropped - quadrature) * spread,
+                             quadrature * spread, cut ? allowed * spread : 0.0,
+                             layout.wrap,         arithmetic_error(x, y, canvas_rms, sampler.gain(), options)};
+    d.candidate.cost_ms = fft_cost_ms(x, y, !sampler.is_real());
+    d.candidate.bytes = static_cast<std::int64_t>(spectral_bytes(x, y, sampler.is_real()));
+    d.reachable = reachable_tolerance(arithmetic_error(x, y, task.canvas_norm / symmetric, sampler.gain(), options));
+    d.axes = {x, y};
+    d.make = [&sampler, x, y, rigor = options.rigor, threads = options.threads,
+              out = task.out](const Engine* relative) {
+      require_memory(x, y, sampler.is_real(), out);
+      return make_spectral_filter(sampler, x, y, rigor, threads, relative);
+    };
+    return d;
+  };
+  std::vector<Draft> drafts{draft(Method::fft_float)};
+  Draft cut = draft(Method::fft_cut);
+  if ((*cut.axes)[0].keep < layout.x.keep || (*cut.axes)[1].keep < layout.y.keep) drafts.push_back(std::move(cut));
+  return drafts;
+}
+
+}  // namespace mtf
