@@ -4,13 +4,23 @@
 // The JSON report of `mtf simulate --report` (shape: DESIGN section 7).
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "mtf/io/scene.h"
 #include "mtf/sensor_plan.h"
+#include "mtf/tiles.h"
 
 namespace apps {
+
+/// What was special about a run in tiles.
+struct TilesReport {
+  mtf::TileReport plan;
+  mtf::TileTally tally;
+  mtf::SampleGrid scene, out;
+  std::array<std::int64_t, 2> whole_pixels{};  ///< that the scene holds
+};
 
 struct RunReport {
   const mtf::io::SensorConfig* config = nullptr;
@@ -24,6 +34,7 @@ struct RunReport {
   std::string integer_scaling;  ///< "value = gain x file + offset, …" of 16-bit output, else ""
   double gain = 0.0, offset = 0.0;
   std::int64_t clamped = 0;
+  std::optional<TilesReport> tiles;
 };
 
 std::string to_json(const RunReport& report);

@@ -116,6 +116,8 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
       canvas_norm_of(options, scene) * std::sqrt(std::max(1.0, scene.area_um2() / plan.detector_.area_um2()));
   const std::int64_t longest = kLongestSide / 2;
   PlanOptions post_options = options;
+  post_options.spectrum = nullptr;
+  post_options.method = {};
   post_options.aperture = {};
   post_options.tolerance = 0.5 * options.tolerance;
   Halo post_halo;
@@ -145,6 +147,7 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
   }
 
   PlanOptions near_options = options;
+  near_options.spectrum = nullptr;  // of the whole scene, not of a tile
   near_options.tolerance = (has_post ? 0.5 / gain : 1.0) * options.tolerance;
   const double share = near_options.tolerance;
   if (every > 0) {
@@ -212,6 +215,7 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
     PlanOptions far = near_options;
     far.border = plan.coarse_->x.coarse_border();
     far.split.part = ScaleSplit::Part::far;
+    far.method = {};
     far.tolerance = std::min(0.9, kFarShare * share / gather);
     if (far.scene) far.scene->canvas_norm *= std::sqrt(std::min(1.0, scene.area_um2() / coarse.area_um2()));
     plan.far_ = compile(system, coarse, coarse, far);

@@ -190,13 +190,11 @@ void TileStore::write(std::int64_t tile, std::span<const ImageView<const float>>
   done_[static_cast<std::size_t>(tile)] = 1;
 }
 
-void TileStore::read_rows(std::int64_t first, std::span<const ImageView<float>> planes) const {
-  for (std::size_t plane = 0; plane < planes.size(); ++plane)
-    for (std::int64_t y = 0; y < planes[plane].height; ++y)
-      if (const int error =
-              read_at(pixels_, planes[plane].row(y), layout_.width, position(layout_, plane, 0, first + y)))
-        throw RuntimeError("cannot read " + pixels_path_ + ": " + std::generic_category().message(error) +
-                           "; remove it and run the command again");
+void TileStore::read_rows(std::size_t plane, std::int64_t first, ImageView<float> rows) const {
+  for (std::int64_t y = 0; y < rows.height; ++y)
+    if (const int error = read_at(pixels_, rows.row(y), layout_.width, position(layout_, plane, 0, first + y)))
+      throw RuntimeError("cannot read " + pixels_path_ + ": " + std::generic_category().message(error) +
+                         "; remove it and run the command again");
 }
 
 void TileStore::remove() {

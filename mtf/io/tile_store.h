@@ -40,8 +40,8 @@ class TileStore {
   const std::string& note() const { return note_; }
   /// Keeps a finished tile. From several threads, each tile once. Throws RuntimeError naming the disk.
   void write(std::int64_t tile, std::span<const ImageView<const float>> planes);
-  /// Rows from `first` of all planes.
-  void read_rows(std::int64_t first, std::span<const ImageView<float>> planes) const;
+  /// Rows from `first` of one plane.
+  void read_rows(std::size_t plane, std::int64_t first, ImageView<float> rows) const;
   /// The image is written: removes both files.
   void remove();
 

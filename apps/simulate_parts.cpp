@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulate_parts.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "apps/output.h"
+#include "mtf/bad_pixels.h"
+#include "mtf/engines/fftw.h"
+#include "mtf/error.h"
+#include "mtf/io/curve_csv.h"
+#include "mtf/statistics.h"
+
+namespace apps {
+namespace {
+
+constexpr std::size_t kLargestWisdom = std::size_t{16} << 20;
+
+}  // namespace
+
+std::vector<std::string> outputs_of(const SimulateOptions& options) {
+  if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
+  mtf::io::format_from_extension(options.out);
+  std::vector<std::string> outputs{options.out};
+  if (options.wisdom == "-") throw mtf::UsageError("--wisdom: name a file; \"-\" is for --report only");
+  for (const std::string& more : {options.report, options.wisdom})
+    if (!more.empty() && more != "-") outputs.push_back(more);
+  return outputs;
+}
+
+void require_writable(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (const std::string& input : inputs) require_different(input, outputs[i]);
+    for (std::size_t j = 0; j < i; ++j)
+      if (std::filesystem::path(outputs[i]).lexically_normal() == std::filesystem::path(outputs[j]).lexically_normal())
+        throw mtf::UsageError(one_line(outputs[i]) + " is named for two outputs; give each its own name");
+    const std::filesystem::path folder = std::filesystem::path(outputs[i]).parent_path();
+    std::error_code error;
+    if (!folder.empty() && !std::filesystem::is_directory(folder, error))
+      throw mtf::RuntimeError("cannot write " + one_line(outputs[i]) + ": there is no folder " +
+                              one_line(folder.string()) + "; create it first");
+  }
+}
+
+void read_wisdom(const SimulateOptions& options, const Global& global) {
+  std::error_code error;
+  if (options.wisdom.empty()) return;
+  if (!std::filesystem::exists(options.wisdom, error)) {
+    note(global, "note: " + one_line(options.wisdom) + " is made and will hold the FFT plans measured now");
+    return;
+  }
+  if (!std::filesystem::is_regular_file(options.wisdom, error) ||
+      !mtf::fft::import_wisdom(mtf::io::read_text_file(options.wisdom, kLargestWisdom)))
+    throw mtf::UsageError("--wisdom: " + one_line(options.wisdom) +
+                          " is not FFTW wisdom of this machine; name another file");
+}
+
+std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary) {
+  std::vector<mtf::Image> masks(scene.planes.size());
+  std::int64_t total = 0;
+  for (std::size_t c = 0; c < scene.planes.size(); ++c) {
+    const mtf::Statistics s = mtf::statistics(scene.planes[c].view());
+    if (s.not_finite == 0) continue;
+    if (policy == NanPolicy::refuse)
+      throw mtf::RuntimeError("channel " + scene.names[c] + ": " + std::to_string(s.not_finite) +
+                              " pixels are NaN or infinite, the first at column " + std::to_string(s.first_x) +
+                              ", row " + std::to_string(s.first_y) +
+                              "; use --nan fill (from neighbours) or --nan propagate");
+    if (policy == NanPolicy::propagate) masks[c] = mtf::bad_pixel_mask(scene.planes[c].view());
+    total += mtf::fill_bad_pixels(scene.planes[c].view());
+  }
+  if (total > 0)
+    summary = std::to_string(total) + " NaN or infinite pixels were filled from their neighbours" +
+              (policy == NanPolicy::propagate ? "; output pixels that depend on them are NaN" : "");
+  return masks;
+}
+
+std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults) {
+  std::optional<mtf::SceneSummary> worst;
+  for (const mtf::Image& plane : scene.planes) {
+    const auto s = mtf::summarise(plane.view(), defaults.border, defaults.border_value);
+    if (!s) continue;
+    if (!worst) worst = s;
+    worst->largest = std::max(worst->largest, s->largest / s->std * worst->std);
+    worst->canvas_norm = std::max(worst->canvas_norm, s->canvas_norm / s->std * worst->std);
+  }
+  return worst;
+}
+
+}  // namespace apps

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Steps of `mtf simulate` that a single image and a sequence share.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/options.h"
+#include "mtf/io/scene.h"
+
+namespace apps {
+
+/// Files that the command line names for writing. Throws UsageError when --out is missing or of no known format.
+std::vector<std::string> outputs_of(const SimulateOptions& options);
+
+/// What can be seen to fail is said before any work is done: outputs that are inputs, two of one name (UsageError), no
+/// folder to write into (RuntimeError).
+void require_writable(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
+
+/// FFT plans measured before, from a file that is made when it is missing. Anything else than wisdom is left alone.
+void read_wisdom(const SimulateOptions& options, const Global& global);
+
+/// Masks of bad pixels per channel (empty where there are none), the planes filled; `summary` says so. Throws
+/// RuntimeError when the policy is to refuse.
+std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary);
+
+/// One summary for all channels: the parts that make the promise hardest to keep, on the scale of one of them. Nothing
+/// when all are flat.
+std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults);
+
+}  // namespace apps
