@@ -65,10 +65,11 @@ std::vector<Stencil> analysis(const CoarseAxis& axis) {
 
 // Lanes of partial sums: the same order on every machine.
 MTFKIT_CLONES float dot(const float* a, const float* b, std::int64_t n) {
-  std::array<float, kLanes> lanes{};
+  constexpr std::int64_t width = 4 * kLanes;  // sums enough to hide the latency of each
+  std::array<float, width> lanes{};
   std::int64_t i = 0;
-  for (; i + kLanes <= n; i += kLanes)
-    for (std::int64_t l = 0; l < kLanes; ++l) lanes[static_cast<std::size_t>(l)] += a[i + l] * b[i + l];
+  for (; i + width <= n; i += width)
+    for (std::int64_t l = 0; l < width; ++l) lanes[static_cast<std::size_t>(l)] += a[i + l] * b[i + l];
   float sum = 0.0F;
   for (; i < n; ++i) sum += a[i] * b[i];
   for (const float lane : lanes) sum += lane;

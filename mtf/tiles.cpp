@@ -16,8 +16,9 @@ namespace {
 // Shares of the tolerance that the presample steps are given; near and far also hold the rounding.
 constexpr double kHaloShare = 0.25, kFarShare = 0.15, kNearShare = 0.55;
 constexpr double kMostOverlap = 4.0;              // canvas of a tile against the tile, in area
+constexpr double kParallelOverlap = 2.0;          // beyond which fewer threads on longer tiles are better
 constexpr std::int64_t kLongestSide = 4096;       // samples of a tile's canvas: longer ones leave the caches
-constexpr std::int64_t kFixedBytes = 48LL << 20;  // program, libraries, tables
+constexpr std::int64_t kFixedBytes = 80LL << 20;  // program, libraries, tables
 constexpr std::int64_t kSlackRows = 512;          // that a reader holds beside those of a tile
 constexpr std::array<std::int64_t, 2> kEvery{8, 16};
 
@@ -38,7 +39,7 @@ std::int64_t coarse_bytes(const CoarseGrid& grid) { return 28 * grid.x.count * g
 struct TileBytes {
   double shared = 0.0, each = 0.0;
 };
-TileBytes tile_bytes(double samples, double pixels) { return {8.0 * samples, 14.0 * samples + 12.0 * pixels}; }
+TileBytes tile_bytes(double samples, double pixels) { return {8.0 * samples, 16.0 * samples + 12.0 * pixels}; }
 
 std::string mib(double bytes) {
   return std::to_string(static_cast<std::int64_t>(std::ceil(bytes / 1048576.0))) + "MiB";
@@ -174,16 +175,18 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
   };
   double least = 0.0;
   bool fits = false;
-  for (std::int64_t side = kLongestSide; side >= 32 && !fits; side = side * 3 / 4) {
-    const auto axis = [&](const PitchRatio& ratio, bool x) {
-      const std::size_t i = x ? 0 : 1;
-      return tile_axis({ratio, x ? plan.region_.x : plan.region_.y, x ? plan.region_.width : plan.region_.height,
-                        halo->samples[i], has_post ? post_halo.samples[i] : 0, side, tiles.side});
-    };
-    const auto x = axis(*rx, true), y = axis(*ry, false);
-    if (!x || !y) break;
-    if (tiles.side == 0 && x->overlap() * y->overlap() > kMostOverlap && least > 0.0) break;
-    for (int in_flight = threads; in_flight >= 1 && !fits; in_flight = in_flight / 2) {
+  // All threads at work are worth some overlap; what fits no other way runs one tile at a time.
+  for (int in_flight = threads; in_flight >= 1 && !fits; in_flight /= 2)
+    for (std::int64_t side = kLongestSide; side >= 32; side = side * 7 / 8) {
+      const auto axis = [&](const PitchRatio& ratio, bool x) {
+        const std::size_t i = x ? 0 : 1;
+        return tile_axis({ratio, x ? plan.region_.x : plan.region_.y, x ? plan.region_.width : plan.region_.height,
+                          halo->samples[i], has_post ? post_halo.samples[i] : 0, side, tiles.side});
+      };
+      const auto x = axis(*rx, true), y = axis(*ry, false);
+      if (!x || !y) break;
+      const double overlap = x->overlap() * y->overlap();
+      if (tiles.side == 0 && least > 0.0 && overlap > (in_flight > 1 ? kParallelOverlap : kMostOverlap)) break;
       least = needed(count(x->canvas_samples()), count(y->canvas_samples()), in_flight);
       if (least > limit) continue;
       fits = true;
@@ -191,8 +194,8 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
       plan.y_ = *y;
       plan.report_.in_flight = in_flight;
       plan.report_.bytes = static_cast<std::int64_t>(least);
+      break;
     }
-  }
   if (!fits) {
     reason = least > 0.0 ? "one tile needs " + mib(least) : "the halo is longer than a tile";
     return std::nullopt;
