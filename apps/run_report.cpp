@@ -35,6 +35,7 @@ Json plan_json(const mtf::Plan& plan) {
             {"band", e.band},
             {"cut", e.cut},
             {"wrap", e.wrap},
+            {"kernel", e.kernel},
             {"arithmetic", e.arithmetic}}},
           {"otf_bytes", r.otf_bytes},
           {"buffer_bytes", r.run_bytes}};

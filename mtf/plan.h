@@ -90,8 +90,9 @@ struct PredictedError {
   double band = 0.0;        ///< average over the wavelengths of the band
   double cut = 0.0;         ///< frequencies left out
   double wrap = 0.0;        ///< canvas shorter than the defined one
+  double kernel = 0.0;      ///< taps left out
   double arithmetic = 0.0;  ///< float32 transforms and storage
-  double total() const { return dropped + table + band + cut + wrap + arithmetic; }
+  double total() const { return dropped + table + band + cut + wrap + kernel + arithmetic; }
 };
 
 /// One way to do the work, as the plan judged it.

@@ -39,8 +39,14 @@ std::vector<Draft> identity_drafts(const PlanTask& task) {
 
 std::vector<Draft> draft_all(const PlanTask& task) {
   std::vector<Draft> drafts = identity_drafts(task);
-  std::vector<Draft> more = fft_drafts(task);
-  std::move(more.begin(), more.end(), std::back_inserter(drafts));
+  const auto append = [&drafts](std::vector<Draft> more) {
+    std::move(more.begin(), more.end(), std::back_inserter(drafts));
+  };
+  std::vector<Draft> fft = fft_drafts(task);
+  double fft_ms = std::numeric_limits<double>::infinity();
+  for (const Draft& draft : fft) fft_ms = std::min(fft_ms, draft.candidate.cost_ms);
+  append(tap_drafts(task, fft_ms));
+  append(std::move(fft));
   return drafts;
 }
 
@@ -89,7 +95,11 @@ void describe(const Draft& chosen, const Engine* engine, const OtfSampler& sampl
   if (engine == nullptr) return;
   report.otf_bytes = engine->filter_bytes();
   report.run_bytes = engine->run_bytes(1, threads);
-  if (!chosen.axes) return;
+  report.largest_gain = chosen.largest_gain;
+  if (!chosen.axes) {
+    report.axes = {chosen.candidate.detail, ""};
+    return;
+  }
   const auto& [x, y] = *chosen.axes;
   report.size = {x.frequency.length, y.frequency.length};
   report.axes = {axis_text(x), axis_text(y)};

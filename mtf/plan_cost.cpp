@@ -36,4 +36,19 @@ double fft_cost_ms(const AxisJob& x, const AxisJob& y, bool complex_otf) {
   return 1e-6 * (rows + across + touch) + 2e-3;
 }
 
+double separable_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t rank) {
+  const auto count = [](std::int64_t n) { return static_cast<double>(n); };
+  const double pixels = count(x.outputs) * count(y.outputs), rows = count(y.outputs) * count(y.ratio);
+  const double across = rows * count(x.outputs) * count(rank) * (0.05 + 0.022 * count(x.count));
+  const double down = pixels * (0.15 + 0.022 * count(rank) * count(y.count));
+  return 1e-6 * (across + down + 0.25 * count(x.samples) * count(y.samples)) + 2e-3;
+}
+
+double direct_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t used, bool mirrored) {
+  const auto count = [](std::int64_t n) { return static_cast<double>(n); };
+  const double pixels = count(x.outputs) * count(y.outputs);
+  const double sums = mirrored ? 0.012 * count(used) + 0.03 * count(y.count) * count(x.ratio) : 0.025 * count(used);
+  return 1e-6 * (pixels * (0.2 + sums) + 0.3 * count(x.samples) * count(y.samples)) + 2e-3;
+}
+
 }  // namespace mtf

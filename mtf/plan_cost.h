@@ -5,10 +5,15 @@
 // were measured on. Only their ratios matter; Rigor::measure times the best few instead.
 
 #include "mtf/engines/axis.h"
+#include "mtf/engines/taps.h"
 
 namespace mtf {
 
 /// Milliseconds of an FFT method.
 double fft_cost_ms(const AxisJob& x, const AxisJob& y, bool complex_otf);
+
+/// Milliseconds of separable taps of a rank, and of `used` taps of a direct kernel.
+double separable_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t rank);
+double direct_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t used, bool mirrored);
 
 }  // namespace mtf

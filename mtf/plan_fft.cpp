@@ -120,9 +120,13 @@ std::vector<Draft> fft_drafts(const PlanTask& task) {
     Draft d;
     d.candidate.method = method;
     d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
-    d.candidate.predicted = {dropped * spread,    (sampler.error() - dropped - quadrature) * spread,
-                             quadrature * spread, cut ? allowed * spread : 0.0,
-                             layout.wrap,         arithmetic_error(x, y, canvas_rms, sampler.gain(), options)};
+    PredictedError& predicted = d.candidate.predicted;
+    predicted.dropped = dropped * spread;
+    predicted.table = (sampler.error() - dropped - quadrature) * spread;
+    predicted.band = quadrature * spread;
+    predicted.cut = cut ? allowed * spread : 0.0;
+    predicted.wrap = layout.wrap;
+    predicted.arithmetic = arithmetic_error(x, y, canvas_rms, sampler.gain(), options);
     d.candidate.cost_ms = fft_cost_ms(x, y, !sampler.is_real());
     d.candidate.bytes = static_cast<std::int64_t>(spectral_bytes(x, y, sampler.is_real()));
     d.reachable = reachable_tolerance(arithmetic_error(x, y, task.canvas_norm / symmetric, sampler.gain(), options));

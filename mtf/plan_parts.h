@@ -34,9 +34,12 @@ struct Draft {
   /// Makes the engine, sharing with `relative` (may be null) what is the same.
   std::function<std::shared_ptr<const Engine>(const Engine* relative)> make;
   std::optional<std::array<AxisJob, 2>> axes;  ///< x and y of the FFT methods
+  double largest_gain = 1.0;                   ///< bound of |H|, of the other methods
 };
 
 std::vector<Draft> fft_drafts(const PlanTask& task);
+/// `fft_ms`: cost of the cheapest FFT method; what is far slower is not worked out.
+std::vector<Draft> tap_drafts(const PlanTask& task, double fft_ms);
 std::vector<Draft> draft_all(const PlanTask& task);
 
 /// The cheapest that keeps the tolerance (of the method asked for, if any); null when there is none. Says in each

@@ -161,7 +161,7 @@ TEST(PlanPost, readout_and_postsample_lists_equal_the_fourier_sums) {
                   plan.report().predicted.total() + 1e-12)
             << plan.explain();
         EXPECT_LE(plan.report().predicted.total(), tolerance);
-        EXPECT_EQ(plan.report().method, stages.empty() ? "identity" : "fft_float");
+        EXPECT_EQ(plan.report().method == "identity", stages.empty());
       }
 }
 
