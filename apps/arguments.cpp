@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "mtf/io/schedule.h"
+
 namespace apps {
 namespace {
 
@@ -68,6 +70,21 @@ std::array<double, 2> number_range(std::string_view option, std::string_view tex
   if (parts.size() != 2 || !low || !high) refuse(option, text, "LOW:HIGH, such as 0:12.5");
   if (!(*low < *high)) refuse(option, text, "a range: LOW has to be below HIGH");
   return {*low, *high};
+}
+
+FrameRange frame_range(std::string_view option, std::string_view text) {
+  const auto parts = split(text, ':');
+  constexpr std::int64_t last = mtf::io::kLastFrame;
+  std::vector<std::int64_t> numbers;
+  for (const std::string_view part : parts)
+    if (const auto value = read_number<std::int64_t>(part); value && *value >= 0 && *value <= last)
+      numbers.push_back(*value);
+  if (numbers.size() != parts.size() || parts.size() < 2 || parts.size() > 3)
+    refuse(option, text, "START:STOP or START:STOP:STEP, whole numbers up to " + std::to_string(last));
+  const FrameRange range{numbers[0], numbers[1], numbers.size() == 3 ? numbers[2] : 1};
+  if (range.first > range.last) refuse(option, text, "a range: START has to be at most STOP");
+  if (range.step < 1) refuse(option, text, "a range: STEP has to be 1 or more");
+  return range;
 }
 
 std::int64_t byte_count(std::string_view option, std::string_view text) {

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/options.h"
 #include "mtf/error.h"
 #include "mtf/units.h"
 
@@ -24,6 +25,9 @@ int whole_number(std::string_view option, std::string_view text, int low, int hi
 
 /// "LOW:HIGH" with LOW < HIGH.
 std::array<double, 2> number_range(std::string_view option, std::string_view text);
+
+/// "START:STOP" or "START:STOP:STEP": whole numbers, 0 <= START <= STOP, STEP at least 1; both ends belong to it.
+FrameRange frame_range(std::string_view option, std::string_view text);
 
 /// Bytes: a number with or without a unit, "512MiB", "2GB", "1073741824"; 1 MiB or more.
 std::int64_t byte_count(std::string_view option, std::string_view text);

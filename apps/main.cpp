@@ -184,15 +184,21 @@ Setter set_tolerance(std::optional<double>& tolerance) {
 }
 
 void add_simulate(CLI::App& root, SimulateOptions& options) {
-  CLI::App& app =
-      add_command(root, "simulate", "a radiance image through the sensor",
-                  "Scenes: OpenEXR, PNG, TIFF. Output by extension: .exr (float), .png or .tif (16 bits).\n"
-                  "The tolerance is the rms error over the output pixels, relative to the scene's standard deviation.",
-                  "  mtf simulate sensor.toml scene.exr -o out.exr\n"
-                  "  mtf simulate sensor.toml scene.exr -o out.png --tolerance 1e-3 --report run.json");
+  CLI::App& app = add_command(
+      root, "simulate", "a radiance image through the sensor",
+      "Scenes: OpenEXR, PNG, TIFF. Output by extension: .exr (float), .png or .tif (16 bits).\n"
+      "The tolerance is the rms error over the output pixels, relative to the scene's standard deviation.\n"
+      "A number in a name, as in frame.%04d.exr, makes it a sequence: its frames run in parallel. A schedule\n"
+      "has the header frame,parameter,value and lines such as 20,jitter.rms,8 urad: from frame 20 on the\n"
+      "component labelled jitter has that rms, as if the sensor file said so. With a schedule the scene may\n"
+      "be one image; there is an output for every frame that the schedule names, or those of --frames.",
+      "  mtf simulate sensor.toml scene.exr -o out.exr\n"
+      "  mtf simulate sensor.toml frame.%04d.exr -o out.%04d.exr --tolerance 1e-3 --report run.json");
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
-  add_file(app, "scene", "image of the scene", options.scene);
-  add_text(app, "-o,--out", "FILE", "image to write", [&](const std::string& text) { options.out = text; })->required();
+  add_file(app, "scene", "image of the scene, or frame.%04d.exr for a sequence", options.scene);
+  add_text(app, "-o,--out", "FILE", "image to write; of a sequence out.%04d.exr", [&](const std::string& text) {
+    options.out = text;
+  })->required();
   add_text(app, "--report", "FILE", "what was done, how exactly and how fast, as JSON",
            [&](const std::string& text) { options.report = text; });
   add_choice_of_channel(app, options.channel, options.layer, options.part);
@@ -203,6 +209,10 @@ void add_simulate(CLI::App& root, SimulateOptions& options) {
              options.measure);
   add_text(app, "--wisdom", "FILE", "what measuring has learnt: read before, written after",
            [&](const std::string& text) { options.wisdom = text; });
+  add_word(app, "--frames", "RANGE", "START:STOP[:STEP], both ends; default: all frames, or those of the schedule",
+           [&](const std::string& text) { options.frames = frame_range("--frames", text); });
+  add_text(app, "--schedule", "FILE", "parameters that change over frames: CSV with frame,parameter,value",
+           [&](const std::string& text) { options.schedule = text; });
   add_word(app, "--memory", "SIZE",
            "most memory to use, such as 512MiB or 2GB: the scene (OpenEXR) goes through in tiles.\n"
            "Without it that is done only where the whole image does not fit the machine",

@@ -50,6 +50,11 @@ struct ConfigOptions {
 
 enum class NanPolicy { refuse, fill, propagate };
 
+/// First and last frame of a sequence, and from one to the next.
+struct FrameRange {
+  std::int64_t first = 0, last = 0, step = 1;
+};
+
 struct SimulateOptions {
   std::string sensor, scene, out, report;
   std::optional<std::string> channel, layer;
@@ -57,6 +62,11 @@ struct SimulateOptions {
   std::optional<double> tolerance;
   NanPolicy nan = NanPolicy::refuse;
   bool explain = false;
+  bool measure = false;                               ///< --rigor measure
+  std::string wisdom;                                 ///< file with what measuring learnt; read before, written after
+  std::optional<double> range_low, range_high;        ///< of 16-bit output; default: extremes of the image
+  std::optional<FrameRange> frames;                   ///< of a sequence; default: all on disk, or those of the schedule
+  std::string schedule;                               ///< CSV of parameters that change over frames; "" = none
   bool measure = false;                               ///< --rigor measure
   std::string wisdom;                                 ///< file with what measuring learnt; read before, written after
   std::optional<std::int64_t> memory;                 ///< bytes that may be in use; the scene goes through in tiles

@@ -41,6 +41,23 @@ Json plan_json(const mtf::Plan& plan) {
           {"buffer_bytes", r.run_bytes}};
 }
 
+Json sequence_json(const SequenceReport& s) {
+  Json json = {{"frames", s.frames},
+               {"first", s.first},
+               {"last", s.last},
+               {"seconds", s.seconds},
+               {"fps", s.fps},
+               {"frames_at_a_time", s.in_flight},
+               {"plans_compiled", s.plans_compiled},
+               {"plans_updated", s.plans_updated},
+               {"schedule_changes", s.schedule_changes},
+               {"predicted_error", s.predicted_error},
+               {"frames_with_bad_pixels", s.frames_with_bad_pixels}};
+  if (!s.schedule.empty()) json["schedule"] = s.schedule;
+  if (!s.schedule.empty()) json["schedule_sha256"] = s.schedule_sha256;
+  return json;
+}
+
 // The plan is that of one tile; sizes are those of the whole run.
 void add_tiles(Json& json, const TilesReport& tiles) {
   json["scene_size"] = {tiles.scene.width, tiles.scene.height};
@@ -94,6 +111,7 @@ std::string to_json(const RunReport& r) {
   json["plan"]["tolerance"] = r.tolerance;
   json["plan"]["predicted_error"] = r.plan->predicted_error;
   for (const auto& [name, ms] : r.timing_ms) json["timing_ms"][name] = ms;
+  if (r.sequence) json["sequence"] = sequence_json(*r.sequence);
   json["peak_rss_mib"] = peak_rss_mib();
   json["warnings"] = r.warnings;
   if (!r.bad_pixels.empty()) json["bad_pixels"] = r.bad_pixels;

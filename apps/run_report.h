@@ -14,6 +14,19 @@
 
 namespace apps {
 
+/// What was special about a run over many frames.
+struct SequenceReport {
+  std::int64_t frames = 0, first = 0, last = 0;
+  double seconds = 0.0, fps = 0.0;  ///< from the first file to the last
+  int plans_compiled = 0;
+  int plans_updated = 0;     ///< remade in part for other parameters
+  int schedule_changes = 0;  ///< frames at which lines of the schedule came into force
+  std::int64_t in_flight = 1;
+  std::int64_t frames_with_bad_pixels = 0;
+  double predicted_error = 0.0;  ///< of the worst frame
+  std::string schedule, schedule_sha256;
+};
+
 /// What was special about a run in tiles.
 struct TilesReport {
   mtf::TileReport plan;
@@ -34,6 +47,7 @@ struct RunReport {
   std::string integer_scaling;  ///< "value = gain x file + offset, …" of 16-bit output, else ""
   double gain = 0.0, offset = 0.0;
   std::int64_t clamped = 0;
+  std::optional<SequenceReport> sequence;
   std::optional<TilesReport> tiles;
 };
 

@@ -9,6 +9,7 @@
 #include "apps/run_report.h"
 #include "apps/sensor_file.h"
 #include "apps/sensor_image.h"
+#include "apps/sequence.h"
 #include "apps/simulate_parts.h"
 #include "apps/simulate_tiles.h"
 #include "apps/text_table.h"
@@ -84,6 +85,7 @@ void print_summary(const RunReport& report, const std::vector<mtf::Image>& image
 }  // namespace
 
 int run_simulate(const SimulateOptions& options, const Global& global) {
+  if (is_sequence(options)) return run_sequence(options, global);
   RunReport report;
   StopWatch watch(global.progress);
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);

@@ -17,6 +17,7 @@ namespace mtf {
 
 /// Size and sample spacing of an image plane. All positive.
 struct SampleGrid {
+  bool operator==(const SampleGrid&) const = default;
   std::int64_t width = 0;
   std::int64_t height = 0;
   double step_x_um = 0.0;

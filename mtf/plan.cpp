@@ -60,9 +60,8 @@ std::optional<SceneSummary> summarise(ImageView<const float> scene, Border borde
                       canvas_norm(scene, border, border_value, s.mean)};
 }
 
-// `tables` false: radial factors are evaluated at every frequency, for tolerances that leave no room for a table.
 Plan compile_stages(const System<double>& system, std::span<const Stage> stages, const SampleGrid& in,
-                    const SampleGrid& out, const PlanOptions& options, const Plan::Impl* relative, bool tables) {
+                    const SampleGrid& out, const PlanOptions& options, const Plan::Recompile& how) {
   require_valid(system);
   check_grid(in, "scene");
   check_grid(out, "detector");
@@ -91,13 +90,19 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   // The error of the whole scene may gather in the part of it that the detector sees.
   const double norm = canvas_norm * std::sqrt(std::max(1.0, in.area_um2() / out.area_um2()));
   const double alias = std::sqrt(samples_per_pixel(in, out));
+  const double ratio_x = out.step_x_um / in.step_x_um, ratio_y = out.step_y_um / in.step_y_um;
+  // A mirrored canvas is four images; an error that is not mirrored may gather in one of them.
+  const double gathered = norm / canvas_norm * (options.border == Border::reflect ? 2.0 : 1.0);
+  std::optional<SceneCost> scene_cost;
+  if (options.spectrum) scene_cost = SceneCost{options.spectrum.get(), ratio_x, ratio_y, gathered / (alias * norm)};
   const OtfSampler sampler(system, stages, options.aperture,
                            {.fx_max = 500.0 / in.step_x_um,
                             .fy_max = 500.0 / in.step_y_um,
                             .drop_budget = kDropShare * tolerance / (alias * norm),
-                            .table_share = tables ? kTableShare * tolerance / (alias * norm) : 0.0,
+                            .table_share = how.tables ? kTableShare * tolerance / (alias * norm) : 0.0,
                             .samples = in.width * in.height / 2,
                             .threads = options.threads,
+                            .scene = scene_cost,
                             .split = options.split});
   impl->dc = sampler.dc();
   report.dropped = sampler.dropped();
@@ -107,17 +112,22 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
     report.notes.push_back("scene aperture: the correction is limited to " +
                            format_double(options.aperture.gain_limit) + "; beyond, part of the scene's own blur stays");
 
-  const PlanTask task{sampler, in, out, options, canvas_norm, norm, alias};
-  std::vector<Draft> drafts = draft_all(task);
-  Draft* chosen = choose(drafts, options);
+  const PlanTask task{sampler, in, out, options, canvas_norm, norm, alias, gathered};
+  Family wanted = Family::all;
+  if (options.method) wanted = family(kMethodNames[static_cast<std::size_t>(*options.method)]);
+  if (how.same_way) wanted = family(how.relative->report.method);
+  std::vector<Draft> drafts = draft_all(task, wanted);
+  Draft* chosen = choose(drafts, task, options.rigor == fft::Rigor::measure && !how.same_way);
   if (chosen == nullptr) {
     const bool room_for_tables =
         std::any_of(drafts.begin(), drafts.end(), [](const Draft& d) { return d.candidate.predicted.table > 0.0; });
-    if (tables && room_for_tables) return compile_stages(system, stages, in, out, options, relative, false);
+    if (how.tables && room_for_tables)
+      return compile_stages(system, stages, in, out, options, {how.relative, how.same_way, false});
     refuse(drafts, options);
   }
-  if (chosen->make) impl->engine = chosen->make(relative != nullptr ? relative->engine.get() : nullptr);
-  describe(*chosen, impl->engine.get(), sampler, options.threads, report);
+  if (chosen->make) impl->engine = chosen->make(how.relative != nullptr ? how.relative->engine.get() : nullptr);
+  impl->cost_ms = chosen->candidate.cost_ms;
+  describe(*chosen, drafts, impl->engine.get(), task, report);
   for (Draft& draft : drafts) report.candidates.push_back(std::move(draft.candidate));
   Plan plan;
   plan.impl_ = std::move(impl);
@@ -127,12 +137,28 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
 Plan compile(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
              const PlanOptions& options) {
   constexpr std::array stages{Stage::presample};
-  return compile_stages(system, stages, scene, detector, options, nullptr, true);
+  return compile_stages(system, stages, scene, detector, options, {});
+}
+
+// A frame of a sequence is worth no fresh look at every way: what was chosen stays while it keeps the tolerance and has
+// not become clearly dearer.
+Plan Plan::with(const System<double>& system) const {
+  constexpr double kDearer = 1.5;
+  const auto compiled = [&](bool same_way) {
+    return compile_stages(system, impl_->stages, in(), out(), impl_->options, {impl_.get(), same_way, true});
+  };
+  if (impl_->options.method) return compiled(false);
+  try {
+    Plan plan = compiled(true);
+    if (plan.impl_->cost_ms <= kDearer * impl_->cost_ms) return plan;
+  } catch (const UnreachableTolerance&) {  // another way may reach it
+  }
+  return compiled(false);
 }
 
 Plan compile_post(const System<double>& system, const SampleGrid& detector, std::span<const Stage> stages,
                   const PlanOptions& options) {
-  return compile_stages(system, stages, detector, detector, options, nullptr, true);
+  return compile_stages(system, stages, detector, detector, options, {});
 }
 
 }  // namespace mtf

@@ -100,7 +100,8 @@ struct Candidate {
   Method method{};
   std::string detail;        ///< "17 x 15 taps, rank 2"; "cosine 1024, fold to 256"
   PredictedError predicted;  ///< where the way exists at all
-  double cost_ms = 0.0;      ///< predicted, or measured under Rigor::measure: one thread, one channel
+  double cost_ms = 0.0;      ///< of a run on one thread, one channel: predicted
+  bool measured = false;     ///< or measured (Rigor::measure)
   std::int64_t bytes = 0;    ///< filter, and buffers of one run
   bool possible = false;     ///< keeps the tolerance
   std::string reason;        ///< why not, or why another was chosen; "" for the chosen one
@@ -156,14 +157,16 @@ class Plan {
   void run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value = 0.0,
            int threads = 0) const;
 
-  /// The plan of another system on the same grids and options; FFT plans are shared where the sizes stay.
+  /// The plan of another system on the same grids and options. FFT plans are shared where the sizes stay, and the way
+  /// of doing the work stays unless it has become impossible or clearly dearer.
   Plan with(const System<double>& system) const;
 
  private:
   struct Impl;
   friend Plan compile(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
+  struct Recompile;
   friend Plan compile_stages(const System<double>&, std::span<const Stage>, const SampleGrid&, const SampleGrid&,
-                             const PlanOptions&, const Impl*, bool);
+                             const PlanOptions&, const Recompile&);
   std::shared_ptr<const Impl> impl_;
 };
 

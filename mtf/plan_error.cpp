@@ -47,8 +47,11 @@ double arithmetic_error(const AxisJob& x, const AxisJob& y, double canvas_rms, d
   return gain * (kFloatUnit * units * std::max(canvas_rms, 1.0) + storage_error(options));
 }
 
-bool keeps_tolerance(const PredictedError& predicted, const PlanOptions& options) {
-  return predicted.total() <= options.tolerance || (!options.scene && predicted.arithmetic <= options.tolerance);
+bool keeps_tolerance(const Draft& draft, const PlanOptions& options) {
+  const PredictedError& predicted = draft.candidate.predicted;
+  if (predicted.total() <= options.tolerance) return true;
+  // The parts of an FFT method are shares of the tolerance but for rounding and tables.
+  return !options.scene && draft.axes && predicted.table == 0.0 && predicted.arithmetic <= options.tolerance;
 }
 
 // The other parts scale with the tolerance, or are none where radial factors are exact; arithmetic is fixed.

@@ -33,15 +33,17 @@ std::string Plan::explain() const {
   }
   for (const std::string& line : r.merged) text += "merged    " + line + "\n";
   if (r.wavelengths > 1) text += "band      " + std::to_string(r.wavelengths) + " wavelengths\n";
-  for (const Dropped& d : r.dropped)
-    text += "dropped   " + d.label + " (changes the OTF by at most " + short_number(d.bound) + ")\n";
+  for (const Omission& o : r.omitted)
+    text += "left out  " + o.what + " (error at most " + short_number(o.bound) + ", saves about " +
+            short_number(o.saved_ms) + " ms)\n";
   for (const std::string& note : r.notes) text += "note      " + note + "\n";
   for (const Candidate& c : r.candidates) {
     text += (c.reason.empty() ? "chosen    " : "other     ") +
             std::string(kMethodNames[static_cast<std::size_t>(c.method)]);
     if (!c.detail.empty()) text += ": " + c.detail;
     if (c.cost_ms > 0.0)
-      text += "; predicted error " + short_number(c.predicted.total()) + ", " + short_number(c.cost_ms) + " ms";
+      text += "; predicted error " + short_number(c.predicted.total()) + ", " + short_number(c.cost_ms) +
+              (c.measured ? " ms measured" : " ms");
     text += (c.reason.empty() ? "" : "; " + c.reason) + "\n";
   }
   const PredictedError& e = r.predicted;

@@ -8,6 +8,7 @@
 #include "mtf/plan_cost.h"
 #include "mtf/plan_parts.h"
 #include "mtf/plan_spectral.h"
+#include "mtf/scene_spectrum.h"
 
 namespace mtf {
 namespace {
@@ -82,6 +83,51 @@ void cut_frequencies(const OtfSampler& sampler, Axis axis, double allowed, AxisJ
   while (job.keep > 1 && sampler.axis_bound(axis, job.frequency.cy_mm(job.keep - 1)) <= allowed) --job.keep;
 }
 
+// Leaves out those that cost this scene no more than `budget`, each axis half of it. Returns what they cost.
+double cut_by_spectrum(const PlanTask& task, double budget, double gathered, AxisJob& x, AxisJob& y) {
+  constexpr int kCells = SceneSpectrum::kCells, kColumns = SceneSpectrum::kColumns;
+  const SampleGrid &in = task.in, &out = task.out;
+  std::vector<double> bound_x, bound_y;
+  for (int i = 0; i <= kCells; ++i) {
+    bound_x.push_back(task.sampler.axis_bound(Axis::x, SceneSpectrum::corner_cy_mm(i, 500.0 / in.step_x_um)));
+    bound_y.push_back(task.sampler.axis_bound(Axis::y, SceneSpectrum::corner_cy_mm(i, 500.0 / in.step_y_um)));
+  }
+  const auto cost = [&](int from_x, int from_y) {
+    std::vector<double> error(static_cast<std::size_t>(SceneSpectrum::kRows * kColumns), 0.0);
+    for (int j = -kCells; j <= kCells; ++j)
+      for (int i = 0; i <= kCells; ++i)
+        if (i >= from_x || std::abs(j) >= from_y)
+          error[static_cast<std::size_t>((j + kCells) * kColumns + i)] =
+              std::min(bound_x[static_cast<std::size_t>(i)], bound_y[static_cast<std::size_t>(std::abs(j))]);
+    return gathered *
+           task.options.spectrum->rms_error(error, out.step_x_um / in.step_x_um, out.step_y_um / in.step_y_um);
+  };
+  const auto first = [&](const auto& cost_from) {
+    int low = 1, high = kCells + 1;  // high: nothing is cut
+    while (low < high) {
+      const int middle = (low + high) / 2;
+      if (cost_from(middle) <= 0.5 * budget)
+        high = middle;
+      else
+        low = middle + 1;
+    }
+    return high;
+  };
+  const int from_x = first([&](int i) { return cost(i, kCells + 1); });
+  const int from_y = first([&](int j) { return cost(kCells + 1, j); });
+  // A cell more than the corner: errors are counted from the corner on.
+  const auto keep = [](int from, AxisJob& job) {
+    const double share = static_cast<double>(from) / kCells;
+    const auto count =
+        static_cast<std::int64_t>(std::ceil(share * static_cast<double>(job.frequency.half_count()))) + 1;
+    job.keep = std::min(job.keep, count);
+  };
+  if (from_x > kCells && from_y > kCells) return 0.0;
+  if (from_x <= kCells) keep(from_x, x);
+  if (from_y <= kCells) keep(from_y, y);
+  return cost(from_x, from_y);
+}
+
 }  // namespace
 
 std::string axis_text(const AxisJob& job) {
@@ -110,11 +156,21 @@ std::vector<Draft> fft_drafts(const PlanTask& task) {
 
   const auto draft = [&](Method method) {
     AxisJob x = layout.x, y = layout.y;
+    double cut_error = 0.0;
     if (method != Method::fft_float) {
+      const auto cut = [&] { return x.keep < x.frequency.half_count() || y.keep < y.frequency.half_count(); };
       cut_frequencies(sampler, Axis::x, allowed, x);
       cut_frequencies(sampler, Axis::y, allowed, y);
+      if (cut()) cut_error = allowed * gathering * std::sqrt(aliases(x) * aliases(y));
+      // The spectrum is that of the defined canvas.
+      if (options.spectrum && layout.wrap == 0.0) {
+        AxisJob narrow_x = layout.x, narrow_y = layout.y;
+        const double error = cut_by_spectrum(task, kCutShare * options.tolerance,
+                                             task.gathered / (symmetric > 1.5 ? 2.0 : 1.0), narrow_x, narrow_y);
+        if (error > 0.0 && narrow_x.keep * narrow_y.keep < x.keep * y.keep)
+          x = narrow_x, y = narrow_y, cut_error = error;
+      }
     }
-    const bool cut = x.keep < x.frequency.half_count() || y.keep < y.frequency.half_count();
     const double spread = gathering * std::sqrt(aliases(x) * aliases(y));
     const double dropped = dropped_error(sampler), quadrature = sampler.quadrature_error();
     Draft d;
@@ -124,13 +180,14 @@ std::vector<Draft> fft_drafts(const PlanTask& task) {
     predicted.dropped = dropped * spread;
     predicted.table = (sampler.error() - dropped - quadrature) * spread;
     predicted.band = quadrature * spread;
-    predicted.cut = cut ? allowed * spread : 0.0;
+    predicted.cut = cut_error;
     predicted.wrap = layout.wrap;
     predicted.arithmetic = arithmetic_error(x, y, canvas_rms, sampler.gain(), options);
     d.candidate.cost_ms = fft_cost_ms(x, y, !sampler.is_real());
     d.candidate.bytes = static_cast<std::int64_t>(spectral_bytes(x, y, sampler.is_real()));
     d.reachable = reachable_tolerance(arithmetic_error(x, y, task.canvas_norm / symmetric, sampler.gain(), options));
     d.axes = {x, y};
+    d.error_per_otf = spread;
     d.make = [&sampler, x, y, rigor = options.rigor, threads = options.threads,
               out = task.out](const Engine* relative) {
       require_memory(x, y, sampler.is_real(), out);

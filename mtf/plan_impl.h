@@ -14,7 +14,15 @@ struct Plan::Impl {
   PlanOptions options;
   PlanReport report;
   double dc = 1.0;
+  double cost_ms = 0.0;                  ///< predicted, of the chosen draft
   std::shared_ptr<const Engine> engine;  ///< null for the identity
+};
+
+/// How a compilation relates to one before.
+struct Plan::Recompile {
+  const Plan::Impl* relative = nullptr;  ///< whose transforms are shared
+  bool same_way = false;                 ///< only the family of methods of `relative`
+  bool tables = true;  ///< false: radial factors at every frequency, for tolerances that leave no room for a table
 };
 
 }  // namespace mtf

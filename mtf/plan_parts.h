@@ -14,7 +14,7 @@
 namespace mtf {
 
 // How the tolerance is shared out; what is left over is for arithmetic.
-inline constexpr double kDropShare = 0.05, kTableShare = 0.02, kCutShare = 0.01, kWrapShare = 0.25, kBandShare = 0.05;
+inline constexpr double kDropShare = 0.05, kTableShare = 0.02, kCutShare = 0.1, kWrapShare = 0.25, kBandShare = 0.05;
 
 /// What all ways of doing one plan's work share.
 struct PlanTask {
@@ -24,6 +24,7 @@ struct PlanTask {
   double canvas_norm = 1.0;  ///< of the defined canvas (canvas_norm of mtf/statistics.h), in units of the scene's std
   double norm = 1.0;         ///< the same, gathered in the part of the scene that the detector sees
   double alias = 1.0;        ///< sqrt(frequencies that may alias onto one)
+  double gathered = 1.0;     ///< largest factor between the rms_error of the scene's spectrum and the image's
 };
 
 /// One way to do the work: judged, not yet built.
@@ -35,22 +36,28 @@ struct Draft {
   std::function<std::shared_ptr<const Engine>(const Engine* relative)> make;
   std::optional<std::array<AxisJob, 2>> axes;  ///< x and y of the FFT methods
   double largest_gain = 1.0;                   ///< bound of |H|, of the other methods
+  double error_per_otf = 0.0;                  ///< rms error relative to std that an OTF error of 1 may become
 };
 
 std::vector<Draft> fft_drafts(const PlanTask& task);
 /// `fft_ms`: cost of the cheapest FFT method; what is far slower is not worked out.
 std::vector<Draft> tap_drafts(const PlanTask& task, double fft_ms);
-std::vector<Draft> draft_all(const PlanTask& task);
 
-/// The cheapest that keeps the tolerance (of the method asked for, if any); null when there is none. Says in each
-/// candidate why it was not taken.
-Draft* choose(std::vector<Draft>& drafts, const PlanOptions& options);
+/// Ways that share their engine, or all there are.
+enum class Family { all, identity, taps, fft };
+Family family(std::string_view method_name);
+std::vector<Draft> draft_all(const PlanTask& task, Family family);
+
+/// The cheapest that keeps the tolerance (of the method asked for, if any), by prediction or, with `measure`, by timing
+/// those that might be; null when there is none. Says in each candidate why it was not taken.
+Draft* choose(std::vector<Draft>& drafts, const PlanTask& task, bool measure);
 
 /// Throws what is to be said when none was chosen: UnreachableTolerance, or UsageError for a method that cannot.
 [[noreturn]] void refuse(const std::vector<Draft>& drafts, const PlanOptions& options);
 
-/// What a report says of the draft that was chosen and of its engine (null: nothing to do).
-void describe(const Draft& chosen, const Engine* engine, const OtfSampler& sampler, int threads, PlanReport& report);
+/// What a report says of the draft that was chosen from `drafts` and of its engine (null: nothing to do).
+void describe(const Draft& chosen, const std::vector<Draft>& drafts, const Engine* engine, const PlanTask& task,
+              PlanReport& report);
 
 /// "cosine 1024, fold to 256".
 std::string axis_text(const AxisJob& job);
@@ -59,7 +66,7 @@ std::string axis_text(const AxisJob& job);
 double dropped_error(const OtfSampler& sampler);
 
 /// Whether the prediction keeps the tolerance. Without a scene only rounding can be said to break it.
-bool keeps_tolerance(const PredictedError& predicted, const PlanOptions& options);
+bool keeps_tolerance(const Draft& draft, const PlanOptions& options);
 
 /// Frequencies that alias onto one detector frequency, at most.
 double aliases(const AxisJob& job);

@@ -34,7 +34,7 @@ class Judge {
     const bool mirror = task.options.border == Border::reflect;
     const bool symmetric = mirror && sampler.is_real() && sampler.is_even_x() && sampler.is_even_y();
     gathering_ = task.norm / (symmetric ? 2.0 : 1.0);
-    crop_ = task.norm / task.canvas_norm * (mirror && !symmetric ? 2.0 : 1.0);
+    crop_ = task.gathered / (symmetric ? 2.0 : 1.0);
     const double spread = gathering_ * task.alias, dropped = dropped_error(sampler),
                  quadrature = sampler.quadrature_error();
     parts_.dropped = dropped * spread;
@@ -42,8 +42,7 @@ class Judge {
     parts_.band = quadrature * spread;
   }
 
-  double ratio_x() const { return ratio_x_; }
-  double ratio_y() const { return ratio_y_; }
+  double error_per_otf() const { return gathering_ * task_.alias; }
 
   /// rms error of an OTF error at the corners.
   double rms(std::span<const double> error) const {
@@ -297,7 +296,10 @@ std::vector<Draft> tap_drafts(const PlanTask& task, double fft_ms) {
   for (const Method method : direct_methods) drafts.push_back(direct(work, response, method, limit_ms));
   // Between the corners |H| may be somewhat larger.
   const double gain = task.sampler.has_gain() ? std::min(task.sampler.gain(), 1.05 * response.largest()) : 1.0;
-  for (Draft& draft : drafts) draft.largest_gain = std::max(1.0, gain);
+  for (Draft& draft : drafts) {
+    draft.largest_gain = std::max(1.0, gain);
+    draft.error_per_otf = judge.error_per_otf();
+  }
   return drafts;
 }
 

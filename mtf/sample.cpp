@@ -16,6 +16,12 @@ double limited_inverse(double a, double limit) { return std::abs(a) * limit >= 1
 
 constexpr int kMostWavelengths = 512;
 
+// About 30 ns a value (tests/bench/bench_components): vectors and tables are short, the rest is evaluated everywhere.
+double saved_ms(const Traits& traits, std::int64_t samples) {
+  const auto count = static_cast<double>(samples);
+  return 30e-6 * (traits.separable ? 2.0 * std::sqrt(count) : traits.radial ? std::min(count, 2048.0) : count);
+}
+
 std::string join_labels(const std::vector<const Entry<double>*>& entries) {
   std::string text;
   for (const Entry<double>* entry : entries) text += (text.empty() ? "" : ", ") + entry->label;
@@ -91,11 +97,39 @@ void OtfSampler::bound_correction() {
                 highest([this](double r) { return aperture_mtf(r); }, std::hypot(fx_max, fy_max), limit);
 }
 
+double OtfSampler::scene_cost(const Entry<double>& entry) const {
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  if (!options_.scene || options_.scene->spectrum == nullptr) return kUnknown;
+  const Component<double>& component = entry.component;
+  // Pupils by quadrature cost more to look at than they would save.
+  if (!component.breaks_cy_mm(system_.context()).empty()) return kUnknown;
+  constexpr int kCells = SceneSpectrum::kCells;
+  std::vector<Freq<double>> f;
+  for (int j = -kCells; j <= kCells; ++j)
+    for (int i = 0; i <= kCells; ++i)
+      f.push_back({SceneSpectrum::corner_cy_mm(i, options_.fx_max), SceneSpectrum::corner_cy_mm(j, options_.fy_max)});
+  std::vector<double> error(f.size(), 0.0);
+  const auto visit = [&](const Context<double>& ctx) {
+    std::vector<Complex<double>> h(f.size(), {1.0, 0.0});
+    component.multiply(f, ctx, h);
+    for (std::size_t i = 0; i < h.size(); ++i) error[i] = std::max(error[i], std::hypot(h[i].re - 1.0, h[i].im));
+  };
+  if (system_.band && component.traits(system_.context()).chromatic) {
+    visit(system_.context(system_.band->lo_um));
+    visit(system_.context(system_.band->hi_um));
+  } else {
+    visit(system_.context());
+  }
+  const SceneCost& scene = *options_.scene;
+  return scene.scale * scene.spectrum->rms_error(error, scene.ratio_x, scene.ratio_y);
+}
+
 void OtfSampler::sort_components() {
   const Context<double> ctx = system_.context();
   struct Candidate {
     const Entry<double>* entry;
-    double deviation;
+    double deviation;  ///< bound of |otf - 1|
+    double cost;       ///< what it costs to leave out
   };
   std::vector<Candidate> candidates;
   for (const Stage stage : stages_)
@@ -106,30 +140,34 @@ void OtfSampler::sort_components() {
         for (const double wavelength : {system_.band->lo_um, system_.band->hi_um})
           deviation = std::max(
               deviation, entry.component.deviation(options_.fx_max, options_.fy_max, system_.context(wavelength)));
-      candidates.push_back({&entry, deviation});
+      candidates.push_back({&entry, deviation, std::min(deviation, scene_cost(entry))});
     }
   // What is left out would have been multiplied by the components that amplify.
-  double budget = options_.drop_budget / correction_;
-  for (const Candidate& candidate : candidates)
-    if (candidate.entry->component.traits(ctx).gain) budget /= 1.0 + candidate.deviation;
+  double amplified = correction_;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.entry->component.traits(ctx).gain) amplified *= 1.0 + candidate.deviation;
+    identity_error_ += candidate.cost;
+  }
+  const double budget = options_.drop_budget / amplified;
+  identity_error_ *= amplified;
   std::vector<std::size_t> order(candidates.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return candidates[a].deviation < candidates[b].deviation; });
+                   [&](std::size_t a, std::size_t b) { return candidates[a].cost < candidates[b].cost; });
   std::vector<bool> drop(candidates.size());
   double spent = 0.0;
   for (const std::size_t i : order) {
-    if (spent + candidates[i].deviation > budget) break;
-    spent += candidates[i].deviation;
+    if (spent + candidates[i].cost > budget) break;
+    spent += candidates[i].cost;
     drop[i] = true;
   }
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const Entry<double>* entry = candidates[i].entry;
+    const Traits traits = entry->component.traits(ctx);
     if (drop[i]) {
-      dropped_.push_back({entry->label, candidates[i].deviation});
+      dropped_.push_back({entry->label, candidates[i].cost, saved_ms(traits, options_.samples)});
       continue;
     }
-    const Traits traits = entry->component.traits(ctx);
     const bool chromatic = system_.band && traits.chromatic;
     real_ = real_ && traits.real;
     even_x_ = even_x_ && traits.even_x;

@@ -20,6 +20,7 @@
 #include "mtf/border.h"
 #include "mtf/polar_table.h"
 #include "mtf/radial_table.h"
+#include "mtf/scene_spectrum.h"
 #include "mtf/split.h"
 #include "mtf/system.h"
 
@@ -38,7 +39,16 @@ struct SceneAperture {
 /// What was put aside before evaluation, for the plan's report.
 struct Dropped {
   std::string label;
-  double bound = 0.0;  ///< of |otf - 1| over the grid
+  double bound = 0.0;     ///< of |otf - 1| over the grid, or its mean over the scene's own spectrum (SceneCost)
+  double saved_ms = 0.0;  ///< of making the OTF, estimated
+};
+
+/// What a change of the OTF costs the scene at hand: its rms error, in units in which the largest |change| of any
+/// scene's OTF would count. At most that, so the smaller of the two is taken.
+struct SceneCost {
+  const SceneSpectrum* spectrum = nullptr;
+  double ratio_x = 1.0, ratio_y = 1.0;  ///< samples a pitch
+  double scale = 1.0;                   ///< unit of the spectrum's rms_error
 };
 
 struct SamplerOptions {
@@ -48,7 +58,8 @@ struct SamplerOptions {
                              ///< 0: no tables
   int wavelengths = 0;       ///< of the band; 0 = as many as that error needs
   std::int64_t samples = std::numeric_limits<std::int64_t>::max();  ///< frequencies that will be asked for, about
-  int threads = 0;   ///< that fill tables of slow components; 0 = all cores
+  int threads = 0;  ///< that fill tables of slow components; 0 = all cores
+  std::optional<SceneCost> scene = std::nullopt;
   ScaleSplit split = {};  ///< the part of the OTF by scale
 };
 
@@ -70,6 +81,8 @@ class OtfSampler {
   const std::vector<Dropped>& dropped() const { return dropped_; }
   /// Sentences on what was merged: "jitter, footprint -> two vectors".
   const std::vector<std::string>& merged() const { return merged_; }
+  /// Bound of |H - 1| that counts as the dropped ones do: what leaving out everything would cost.
+  double identity_error() const { return identity_error_; }
   bool has_gain() const { return gain_ > 1.0; }
   /// Bound of |H|, at least 1: what amplifying components and the aperture's correction may multiply.
   double gain() const { return gain_ * correction_; }
@@ -120,6 +133,7 @@ class OtfSampler {
     RadialTable table;
   };
   void sort_components();
+  double scene_cost(const Entry<double>& entry) const;
   void bound_correction();
   void tabulate_lines(double target);
   void tabulate_slow(double target);
@@ -141,6 +155,7 @@ class OtfSampler {
   std::vector<const Entry<double>*> entries_, separable_, radial_, chromatic_radial_, general_, chromatic_general_;
   double gain_ = 1.0;        ///< bound of the product of the components that amplify
   double correction_ = 1.0;  ///< bound of the aperture's correction
+  double identity_error_ = 0.0;
   std::vector<Dropped> dropped_;
   std::vector<std::string> merged_;
   WavelengthNodes nodes_;

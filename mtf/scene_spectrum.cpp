@@ -202,4 +202,13 @@ std::shared_ptr<const SceneSpectrum> scene_spectrum(ImageView<const float> scene
   return std::make_shared<SceneSpectrum>(std::move(power));
 }
 
+std::shared_ptr<const SceneSpectrum> largest_of(std::span<const std::shared_ptr<const SceneSpectrum>> spectra) {
+  std::vector<double> power(static_cast<std::size_t>(2 * kCells * kCells), 0.0);
+  for (const auto& spectrum : spectra) {
+    if (!spectrum) return nullptr;
+    for (std::size_t i = 0; i < power.size(); ++i) power[i] = std::max(power[i], spectrum->power()[i]);
+  }
+  return spectra.empty() ? nullptr : std::make_shared<SceneSpectrum>(std::move(power));
+}
+
 }  // namespace mtf

@@ -31,6 +31,7 @@ class SceneSpectrum {
   /// rms over the detector samples, relative to the scene's std, of an OTF error whose moduli at the corners are
   /// `error` (kRows x kColumns), for `ratio_x`, `ratio_y` samples a pitch.
   double rms_error(std::span<const double> error, double ratio_x, double ratio_y) const;
+  const std::vector<double>& power() const { return power_; }
 
   /// What `rms_error` could be at most for a scene whose canvas has unit rms: the largest error of each alias zone,
   /// zones added as squares.
@@ -44,5 +45,9 @@ class SceneSpectrum {
 /// transforms of its own size) and periodic. Null for the other borders, for flat images and for those that have pixels
 /// that are not finite. The same bits for any `threads`.
 std::shared_ptr<const SceneSpectrum> scene_spectrum(ImageView<const float> scene, Border border, int threads = 0);
+
+/// One spectrum for several planes, each cell the largest of theirs: errors that hold for every one of them. Null when
+/// one of them is null, or there are none.
+std::shared_ptr<const SceneSpectrum> largest_of(std::span<const std::shared_ptr<const SceneSpectrum>> spectra);
 
 }  // namespace mtf

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mtf/same_list.h"
+
 namespace mtf {
 namespace {
 
@@ -43,11 +45,27 @@ SceneSummary behind_sampling(SceneSummary scene, const PlanOptions& options, con
   return scene;
 }
 
+namespace {
+
+bool has_filters(const System<double>& system) {
+  return !system.list(Stage::readout).empty() || !system.list(Stage::postsample).empty();
+}
+
+double largest_gain(const Plan& post) { return std::max(1.0, post.report().largest_gain); }
+
+// What the sampled image errs by passes through the filters behind it.
+double predict(const Plan& presample, const std::optional<Plan>& post) {
+  const double sampled = presample.report().predicted.total();
+  return post ? sampled * largest_gain(*post) + post->report().predicted.total() : sampled;
+}
+
+}  // namespace
+
 SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene, const PlanOptions& options) {
   const SampleGrid detector = detector_grid(system, scene);
-  if (system.list(Stage::readout).empty() && system.list(Stage::postsample).empty()) {
-    Plan plan = compile(system, scene, detector, options);
-    return {plan, std::nullopt, plan.report().predicted.total()};
+  if (!has_filters(system)) {
+    const Plan plan = compile(system, scene, detector, options);
+    return {plan, std::nullopt, predict(plan, std::nullopt), system, options};
   }
   constexpr std::array stages{Stage::readout, Stage::postsample};
   PlanOptions half = options;
@@ -70,12 +88,28 @@ SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene,
     }
   };
   const Plan post = in_share(0.5, [&] { return compile_post(system, detector, stages, half); });
-  const double gain = std::max(1.0, post.report().largest_gain);
+  const double gain = largest_gain(post);
   PlanOptions first = options;
   first.tolerance = half.tolerance / gain;
-  Plan presample = in_share(0.5 / gain, [&] { return compile(system, scene, detector, first); });
-  const double predicted = presample.report().predicted.total() * gain + post.report().predicted.total();
-  return {std::move(presample), post, predicted};
+  const Plan presample = in_share(0.5 / gain, [&] { return compile(system, scene, detector, first); });
+  return {presample, post, predict(presample, post), system, options};
+}
+
+SensorPlan SensorPlan::with(const System<double>& other) const {
+  if (detector_grid(other, in()) != out() || has_filters(other) != post.has_value())
+    return compile_sensor(other, in(), options);
+  const auto same = [&](Stage stage) { return same_list(system, other, stage); };
+  try {
+    SensorPlan plan = *this;
+    plan.system = other;
+    plan.updated = true;
+    if (!same(Stage::presample)) plan.presample = presample.with(other);
+    if (post && !(same(Stage::readout) && same(Stage::postsample))) plan.post = post->with(other);
+    plan.predicted_error = predict(plan.presample, plan.post);
+    if (plan.predicted_error <= options.tolerance) return plan;
+  } catch (const UnreachableTolerance&) {  // of a share: other shares may do
+  }
+  return compile_sensor(other, in(), options);
 }
 
 std::vector<Image> SensorPlan::run(std::span<const ImageView<const float>> scene, double border_value,

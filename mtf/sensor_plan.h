@@ -16,13 +16,22 @@ struct SensorPlan {
   Plan presample;
   std::optional<Plan> post;  ///< none when readout and postsample change nothing
   double predicted_error = 0.0;
+  System<double> system;  ///< that it was made for, and how
+  PlanOptions options;
+  bool updated = false;  ///< made by with() from another plan whose FFT plans it shares
 
+  const SampleGrid& in() const { return presample.in(); }
   const SampleGrid& out() const { return presample.out(); }
   /// Output planes of the given scene planes; arguments and errors as Plan::run.
   std::vector<Image> run(std::span<const ImageView<const float>> scene, double border_value = 0.0,
                          int threads = 0) const;
   /// The same in the memory of the scene planes, which are used up: the way for large images.
   std::vector<Image> run(std::vector<Image>&& scene, double border_value = 0.0, int threads = 0) const;
+
+  /// The plan of another system on the same scene grid and options. A list that has not changed keeps its plan, one
+  /// that has is remade for its old share of the tolerance. Everything is compiled anew where that cannot be: another
+  /// detector grid, filters that come or go, or shares that no longer fit. Errors as compile_sensor.
+  SensorPlan with(const System<double>& other) const;
 };
 
 /// What the filters behind the sampling may meet: all contrast of the scene's canvas may lie in the part that the

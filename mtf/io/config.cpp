@@ -86,30 +86,37 @@ bool ConfigResult::ok() const {
   return std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.error; });
 }
 
+namespace cfg {
+
+void interpret(const Node& tree, ConfigResult& result) {
+  Reader reader{.folder = folder_of(result.config.file), .diagnostics = {}, .positions = {}, .failed = {}, .fits = {}};
+  const Section root{reader, tree, "", ""};
+  if (read_schema(root)) {
+    System<double>& system = result.config.system;
+    check_keys(root, kTopKeys, kLaterTopKeys);
+    read_name(root, system);
+    read_sections(root, result.config);
+    const Origin origin = read_components(root, system);
+    check_system(reader, system, origin);
+    if (reader.failed.empty()) note_what_is_missing(reader, system);
+  }
+  result.config.fits = std::move(reader.fits);
+  result.diagnostics = std::move(reader.diagnostics);
+  sort_diagnostics(result.diagnostics);
+}
+
+}  // namespace cfg
+
 ConfigResult parse_config(const std::string& text, const std::string& file) {
   ConfigResult result;
   result.config.file = file;
   result.config.text = text;
   result.config.sha256 = sha256_hex(text);
   const cfg::Tree tree = cfg::read_tree(text);
-  if (tree.error) {
+  if (tree.error)
     result.diagnostics.push_back(*tree.error);
-    return result;
-  }
-  cfg::Reader reader{.folder = cfg::folder_of(file), .diagnostics = {}, .positions = {}, .failed = {}, .fits = {}};
-  const cfg::Section root{reader, tree.root, "", ""};
-  if (read_schema(root)) {
-    System<double>& system = result.config.system;
-    cfg::check_keys(root, cfg::kTopKeys, cfg::kLaterTopKeys);
-    read_name(root, system);
-    cfg::read_sections(root, result.config);
-    const cfg::Origin origin = cfg::read_components(root, system);
-    cfg::check_system(reader, system, origin);
-    if (reader.failed.empty()) note_what_is_missing(reader, system);
-  }
-  result.config.fits = std::move(reader.fits);
-  result.diagnostics = std::move(reader.diagnostics);
-  sort_diagnostics(result.diagnostics);
+  else
+    cfg::interpret(tree.root, result);
   return result;
 }
 

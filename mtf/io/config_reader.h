@@ -96,6 +96,10 @@ void read_sections(const Section& root, SensorConfig& config);
 /// [[presample]], [[readout]], [[postsample]]. In config_components.cpp.
 Origin read_components(const Section& root, System<double>& system);
 
+/// The whole tree of a sensor file into system, scene and fits of `result`, with everything that is wrong in it; the
+/// file's name has to be there already. In config.cpp.
+void interpret(const Node& tree, ConfigResult& result);
+
 /// Labels of a list of components, explicit where given: the kind, numbered from the second one.
 std::vector<std::string> complete_labels(const std::vector<std::string>& kinds,
                                          const std::vector<std::optional<std::string>>& labels);

@@ -18,7 +18,8 @@ void add_scene(const Scratch& scratch) {
   mtf::Image scene(96, 64);
   for (std::int64_t y = 0; y < 64; ++y)
     for (std::int64_t x = 0; x < 96; ++x) scene.at(x, y) = 4.0F + static_cast<float>((x / 8 + y / 8) % 2);
-  mtf::io::write_exr((scratch / "scene.exr").string(), {{"Y", scene.view()}}, {});
+  for (const char* name : {"scene.exr", "frame.0001.exr", "frame.0002.exr"})
+    mtf::io::write_exr((scratch / name).string(), {{"Y", scene.view()}}, {});
 }
 
 std::vector<std::string> examples_of(const std::string& help) {

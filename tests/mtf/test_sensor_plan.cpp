@@ -59,6 +59,76 @@ TEST(SensorPlan, in_place_equals_apart_and_refuses_other_sizes) {
   EXPECT_THROW(plan.run(std::move(wrong)), UsageError);
 }
 
+std::vector<Image> run_plan(const SensorPlan& plan, const Image& scene) {
+  const ImageView<const float> view = scene.view();
+  return plan.run(std::span(&view, 1));
+}
+
+void expect_equal_bits(const std::vector<Image>& a, const std::vector<Image>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  ASSERT_EQ(a[0].width(), b[0].width());
+  ASSERT_EQ(a[0].height(), b[0].height());
+  for (std::int64_t i = 0; i < a[0].size(); ++i) ASSERT_EQ(a[0].data()[i], b[0].data()[i]) << i;
+}
+
+System<double> sharpened(double blur_um, double centre) {
+  System<double> system = mwir();
+  system.add(Stage::presample, gaussian(blur_um));
+  const double side = 0.25 * (1.0 - centre);
+  system.add(Stage::postsample, fir({{0, side, 0}, {side, centre, side}, {0, side, 0}}));
+  return system;
+}
+
+TEST(SensorPlan, with_remakes_the_lists_that_changed_and_no_more) {
+  const SampleGrid in{96, 80, 3.75, 3.75};
+  const Image scene = random_image(96, 80, 3);
+  PlanOptions options;
+  options.scene = summarise(scene.view(), options.border, 0.0);
+  const SensorPlan plan = compile_sensor(sharpened(3.0, 2.0), in, options);
+
+  const SensorPlan same = plan.with(sharpened(3.0, 2.0));
+  EXPECT_TRUE(same.updated);
+  EXPECT_EQ(&same.presample.report(), &plan.presample.report());
+  EXPECT_EQ(&same.post->report(), &plan.post->report());
+
+  const SensorPlan blurred = plan.with(sharpened(5.0, 2.0));
+  EXPECT_TRUE(blurred.updated);
+  EXPECT_NE(&blurred.presample.report(), &plan.presample.report());
+  EXPECT_EQ(&blurred.post->report(), &plan.post->report());
+  expect_equal_bits(run_plan(blurred, scene), run_plan(compile_sensor(sharpened(5.0, 2.0), in, options), scene));
+
+  const SensorPlan softer = plan.with(sharpened(3.0, 1.5));
+  EXPECT_EQ(&softer.presample.report(), &plan.presample.report());
+  EXPECT_NE(&softer.post->report(), &plan.post->report());
+  EXPECT_LE(softer.predicted_error, options.tolerance);
+}
+
+TEST(SensorPlan, with_compiles_anew_where_shares_or_grids_do_not_fit) {
+  const SampleGrid in{96, 80, 3.75, 3.75};
+  const Image scene = random_image(96, 80, 3);
+  PlanOptions options;
+  options.tolerance = 1e-2;
+  options.scene = summarise(scene.view(), options.border, 0.0);
+  const SensorPlan plan = compile_sensor(sharpened(3.0, 1.0), in, options);
+  const auto expect_fresh = [&](const System<double>& system) {
+    const SensorPlan other = plan.with(system);
+    EXPECT_LE(other.predicted_error, options.tolerance);
+    expect_equal_bits(run_plan(other, scene), run_plan(compile_sensor(system, in, options), scene));
+    return other.updated;
+  };
+  // A gain of 200 behind the sampling leaves the presample plan far less of the tolerance.
+  EXPECT_FALSE(expect_fresh(sharpened(3.0, 100.0)));
+  System<double> coarser = sharpened(3.0, 1.0);
+  coarser.frame.pitch_x_um = coarser.frame.pitch_y_um = 30.0;
+  EXPECT_FALSE(expect_fresh(coarser));
+  System<double> bare = sharpened(3.0, 1.0);
+  bare.list(Stage::postsample).clear();
+  EXPECT_FALSE(expect_fresh(bare));
+  System<double> invalid = sharpened(3.0, 1.0);
+  set(invalid.list(Stage::presample).back().component, "sigma", -1.0, "um");
+  EXPECT_THROW(plan.with(invalid), UsageError);
+}
+
 TEST(SensorPlan, a_detector_larger_than_the_scene_is_refused) {
   const System<double> system = mwir();
   EXPECT_THROW(compile(system, {64, 64, 3.75, 3.75}, {400, 400, 15.0, 15.0}, {}), UsageError);

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/same_list.h"
+
+#include <algorithm>
+
+namespace mtf {
+namespace {
+
+bool same(double a, double b) { return a == b; }
+bool same(int a, int b) { return a == b; }
+bool same(const Choice& a, const Choice& b) { return a.index == b.index; }
+bool same(const std::optional<double>& a, const std::optional<double>& b) { return a == b; }
+bool same(const Coefficients<double>& a, const Coefficients<double>& b) { return a == b; }
+bool same(const Taps<double>& a, const Taps<double>& b) { return a == b; }
+bool same(const SpatialFrequency<double>& a, const SpatialFrequency<double>& b) {
+  return a.value == b.value && a.unit == b.unit;
+}
+bool same(const Extent<double>& a, const Extent<double>& b) { return a.value == b.value && a.unit == b.unit; }
+bool same(const AxisPair<double>& a, const AxisPair<double>& b) {
+  return same(a.x, b.x) && same(a.y, b.y) && a.split == b.split;
+}
+bool same(const std::shared_ptr<const Curve>& a, const std::shared_ptr<const Curve>& b) {
+  if (a == b || !a || !b) return a == b;
+  return a->unit == b->unit && a->frequency == b->frequency && a->value == b->value && a->slope == b->slope;
+}
+
+bool same(const Component<double>& a, const Component<double>& b) {
+  if (a.kind() != b.kind()) return false;
+  const auto fields = a.fields(), others = b.fields();
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const bool equal = std::visit(
+        [&](const auto* value) {
+          using T = std::remove_cvref_t<decltype(value)>;
+          return same(*value, *std::get<std::remove_const_t<std::remove_pointer_t<T>>*>(others[i].value));
+        },
+        fields[i].value);
+    if (!equal) return false;
+  }
+  return true;
+}
+
+bool same(const Frame<double>& a, const Frame<double>& b) {
+  return a.focal_length_mm == b.focal_length_mm && a.pitch_x_um == b.pitch_x_um && a.pitch_y_um == b.pitch_y_um &&
+         a.integration_time_s == b.integration_time_s;
+}
+
+bool same(const Optics<double>& a, const Optics<double>& b) {
+  return a.f_number == b.f_number && a.aperture_mm == b.aperture_mm && a.obscuration == b.obscuration &&
+         a.wavelength_um == b.wavelength_um;
+}
+
+bool same(const std::optional<Band>& a, const std::optional<Band>& b) {
+  return a.has_value() == b.has_value() && (!a || (a->lo_um == b->lo_um && a->hi_um == b->hi_um));
+}
+
+}  // namespace
+
+bool same_list(const System<double>& a, const System<double>& b, Stage stage) {
+  const auto &first = a.list(stage), &second = b.list(stage);
+  if (first.empty() && second.empty()) return true;
+  return same(a.frame, b.frame) && same(a.optics, b.optics) && same(a.band, b.band) && a.band_nodes == b.band_nodes &&
+         std::equal(first.begin(), first.end(), second.begin(), second.end(),
+                    [](const auto& x, const auto& y) { return same(x.component, y.component); });
+}
+
+}  // namespace mtf
