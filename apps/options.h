@@ -67,12 +67,9 @@ struct SimulateOptions {
   std::optional<double> range_low, range_high;        ///< of 16-bit output; default: extremes of the image
   std::optional<FrameRange> frames;                   ///< of a sequence; default: all on disk, or those of the schedule
   std::string schedule;                               ///< CSV of parameters that change over frames; "" = none
-  bool measure = false;                               ///< --rigor measure
-  std::string wisdom;                                 ///< file with what measuring learnt; read before, written after
   std::optional<std::int64_t> memory;                 ///< bytes that may be in use; the scene goes through in tiles
   std::optional<std::array<std::int64_t, 4>> region;  ///< x, y, width, height in pixels
   bool resume = true;                                 ///< go on from what a stopped run left
-  std::optional<double> range_low, range_high;        ///< of 16-bit output; default: extremes of the image
 };
 
 struct DemoOptions {

@@ -111,6 +111,14 @@ mtf::TiledSensorPlan compile_plan(const mtf::System<double>& system, const mtf::
   return mtf::compile_tiled(system, grid, plan_options, tiles);
 }
 
+// That the scene holds, whatever format the sensor has.
+std::array<std::int64_t, 2> whole_pixels(const mtf::io::SensorConfig& config, const mtf::SampleGrid& scene) {
+  mtf::System<double> system = config.system;
+  system.frame.columns = system.frame.rows = 0;
+  const mtf::SampleGrid detector = mtf::detector_grid(system, scene);
+  return {detector.width, detector.height};
+}
+
 // All that the pixels depend on.
 std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& config, const Source& source,
                    const mtf::TiledSensorPlan& plan) {
@@ -206,6 +214,28 @@ std::string summary_text(const RunReport& report, const std::vector<std::string>
 
 }  // namespace
 
+std::optional<mtf::TiledSensorPlan> flat_tiles(const mtf::io::SensorConfig& config, const mtf::io::Scene& scene,
+                                               const std::vector<mtf::Image>& masks, const mtf::PlanOptions& options,
+                                               RunReport& report) try {
+  if (std::any_of(masks.begin(), masks.end(), [](const mtf::Image& mask) { return mask.size() > 0; }))
+    return std::nullopt;
+  std::vector<mtf::ImageView<const float>> planes;
+  for (const mtf::Image& plane : scene.planes) planes.push_back(plane.view());
+  auto plan = mtf::worth_tiling(config.system, scene.grid, planes, config.scene.border_value, options);
+  if (!plan) return plan;
+  report.tiles = TilesReport{plan->report(), {}, scene.grid, plan->out(), whole_pixels(config, scene.grid)};
+  return plan;
+} catch (const mtf::UnreachableTolerance&) {
+  return std::nullopt;  // the whole image may keep it, or says what it can
+}
+
+std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const mtf::io::Scene& scene,
+                                       double border_value, RunReport& report) {
+  std::vector<mtf::ImageView<const float>> planes;
+  for (const mtf::Image& plane : scene.planes) planes.push_back(plane.view());
+  return plan.run(planes, border_value, &report.tiles->tally);
+}
+
 bool wants_tiles(const SimulateOptions& options) {
   if (options.memory || options.region) return true;
   if (mtf::io::detect_format(options.scene) != mtf::io::Format::exr) return false;
@@ -275,8 +305,7 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   report.out_path = options.out;
   report.tolerance = plan_options.tolerance;
   report.tiles = TilesReport{plan.report(), {}, scene.grid, plan.out(), {}};
-  const mtf::SampleGrid detector = mtf::detector_grid(config.system, scene.grid);
-  report.tiles->whole_pixels = {detector.width, detector.height};
+  report.tiles->whole_pixels = whole_pixels(config, scene.grid);
 
   progress.emplace(global);
   mtf::TileRunOptions run;

@@ -10,6 +10,14 @@
 
 namespace apps {
 
+/// A plan in tiles where so many of them are flat that it takes less time; not where pixels have been masked. Says so
+/// in the report.
+std::optional<mtf::TiledSensorPlan> flat_tiles(const mtf::io::SensorConfig& config, const mtf::io::Scene& scene,
+                                               const std::vector<mtf::Image>& masks, const mtf::PlanOptions& options,
+                                               RunReport& report);
+std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const mtf::io::Scene& scene,
+                                       double border_value, RunReport& report);
+
 /// True when a limit or a region is given, or the whole image would not fit the machine.
 bool wants_tiles(const SimulateOptions& options);
 

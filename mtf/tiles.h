@@ -24,11 +24,11 @@
 namespace mtf {
 
 struct TileOptions {
-  std::int64_t memory = 0;       ///< bytes that may be in use, 0 = those of the machine
-  std::int64_t row_bytes = 0;    ///< that the reader holds for each row of the scene within reach of a tile
-  int threads = 0;               ///< 0 = all cores
+  std::int64_t memory = 0;     ///< bytes that may be in use, 0 = those of the machine
+  std::int64_t row_bytes = 0;  ///< that the reader holds for each row of the scene within reach of a tile
+  int threads = 0;             ///< 0 = all cores
   std::optional<Region> region = std::nullopt;  ///< detector pixels that are wanted
-  std::int64_t side = 0;         ///< of a tile in pixels, 0 = by cost
+  std::int64_t side = 0;                        ///< of a tile in pixels, 0 = by cost
 };
 
 struct TileReport {
@@ -56,7 +56,7 @@ using WriteTile = std::function<void(const Tile& tile, std::span<const ImageView
 
 struct TileRunOptions {
   double border_value = 0.0;
-  std::function<bool(std::int64_t)> done = nullptr;                            ///< true for tiles that are there already
+  std::function<bool(std::int64_t)> done = nullptr;  ///< true for tiles that are there already
   std::function<void(std::int64_t done, std::int64_t of)> progress = nullptr;  ///< serialised
 };
 
@@ -118,5 +118,11 @@ std::int64_t coarse_every(const SampleGrid& scene, Border border, std::int64_t m
 /// region that is not within the detector.
 TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
                               const TileOptions& tiles);
+
+/// The plan of a scene in memory that takes less time in tiles because many of them are flat; nothing where it does
+/// not, which for a scene without flat parts shows at once.
+std::optional<TiledSensorPlan> worth_tiling(const System<double>& system, const SampleGrid& scene,
+                                            std::span<const ImageView<const float>> planes, double border_value,
+                                            const PlanOptions& options);
 
 }  // namespace mtf

@@ -266,27 +266,4 @@ std::vector<Image> TiledSensorPlan::run(std::span<const ImageView<const float>> 
   return out;
 }
 
-double TiledSensorPlan::flat_share(std::span<const ImageView<const float>> scene, double border_value) const {
-  if (report_.whole) return 0.0;
-  std::int64_t flat = 0;
-  for (std::int64_t index = 0; index < report_.count; ++index) {
-    // The part of the canvas within the scene tells all but for the level of a constant border.
-    const auto within = [](std::int64_t first, std::int64_t count, std::int64_t n) {
-      const std::int64_t from = std::clamp<std::int64_t>(first, 0, n - 1);
-      return std::pair{from, std::clamp<std::int64_t>(first + count, from + 1, n)};
-    };
-    const auto [x0, x1] = within(x_.first_sample(index % x_.count()), x_.canvas_samples(), in_.width);
-    const auto [y0, y1] = within(y_.first_sample(index / x_.count()), y_.canvas_samples(), in_.height);
-    bool same = true;
-    for (const ImageView<const float>& plane : scene) {
-      const float first = plane.at(x0, y0);
-      same = same && (border_ != Border::constant || first == static_cast<float>(border_value));
-      for (std::int64_t y = y0; same && y < y1; ++y)
-        for (std::int64_t x = x0; same && x < x1; ++x) same = plane.at(x, y) == first;
-    }
-    flat += same ? 1 : 0;
-  }
-  return static_cast<double>(flat) / static_cast<double>(report_.count);
-}
-
 }  // namespace mtf
