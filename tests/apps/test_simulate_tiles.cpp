@@ -20,7 +20,7 @@ class SimulateTiles : public testing::Test {
     std::string text = read_file(scratch / "sensor.toml");
     text.replace(text.find("format = [640, 512]"), 19, "# no format        ");
     write_file(scratch / "sensor.toml", text);
-    write_scene("scene.exr", 1300);
+    write_scene("scene.exr", 1700);
   }
   void write_scene(const std::string& name, std::int64_t size, float bad = 0.0F) const {
     Image plane(size, size);
@@ -48,7 +48,7 @@ class SimulateTiles : public testing::Test {
     EXPECT_EQ(lines(r.err), 1U) << r.err;
     EXPECT_FALSE(fs::exists(scratch / "out.exr"));
   }
-  const std::string tiled = "mtf simulate sensor.toml scene.exr -o out.exr --memory 110MiB --report run.json";
+  const std::string tiled = "mtf simulate sensor.toml scene.exr -o out.exr --memory 105MiB --report run.json";
   const Scratch scratch;
 };
 
@@ -59,8 +59,8 @@ TEST_F(SimulateTiles, EqualTheWholeImageWithinTheTolerance) {
   ASSERT_EQ(scratch.run("mtf simulate sensor.toml scene.exr -o all.exr").status, 0);
   EXPECT_LT(rms_between("out.exr", "all.exr"), 1e-4);
   EXPECT_GT(report()["tiles"]["count"].get<int>(), 1) << report()["tiles"];
-  EXPECT_EQ(report()["scene_size"][0], 1300);
-  EXPECT_EQ(report()["out_size"][0], 325);
+  EXPECT_EQ(report()["scene_size"][0], 1700);
+  EXPECT_EQ(report()["out_size"][0], 425);
   const auto out = mtf::io::read_image((scratch / "out.exr").string());
   EXPECT_NE(out.info.storage.find("tiled"), std::string::npos);
   EXPECT_EQ(out.info.attributes.at("mtf:units"), "W.m^-2.sr^-1");
@@ -81,7 +81,7 @@ TEST_F(SimulateTiles, ARegionIsThatPartOfTheImage) {
 }
 
 TEST_F(SimulateTiles, BadPixels) {
-  write_scene("bad.exr", 1300, std::numeric_limits<float>::quiet_NaN());
+  write_scene("bad.exr", 1700, std::numeric_limits<float>::quiet_NaN());
   expect_refused("mtf simulate sensor.toml bad.exr -o out.exr --memory 300MiB", 1,
                  "1 pixels are NaN or infinite, the first at column 70, row 900");
   expect_refused("mtf simulate sensor.toml bad.exr -o out.exr --memory 300MiB --nan fill", 2, "--nan");
@@ -107,7 +107,7 @@ TEST_F(SimulateTiles, BadPixels) {
 
 TEST_F(SimulateTiles, AStoppedRunGoesOn) {
   ASSERT_EQ(scratch.run(tiled + " && mv out.exr first.exr").status, 0);
-  write_scene("scene.exr", 1300);  // the same pixels, a new file
+  write_scene("scene.exr", 1700);  // the same pixels, a new file
   // Stopped by a signal, as soon as a tile is there.
   const Result stopped = scratch.run(
       tiled +
@@ -135,7 +135,7 @@ TEST_F(SimulateTiles, ACorruptStateIsSaidAndNotUsed) {
 
 TEST_F(SimulateTiles, FullDiskIsSaid) {
   // A limit on the size of files stands in for a full disk.
-  expect_refused("ulimit -f 8; mtf simulate sensor.toml scene.exr -o out.exr --memory 110MiB", 1, "out.exr.part");
+  expect_refused("ulimit -f 8; mtf simulate sensor.toml scene.exr -o out.exr --memory 105MiB", 1, "out.exr.part");
 }
 
 TEST_F(SimulateTiles, Refusals) {
@@ -144,7 +144,7 @@ TEST_F(SimulateTiles, Refusals) {
   expect_refused("mtf simulate sensor.toml scene.exr -o out.exr --memory lots", 2, "512MiB");
   expect_refused("mtf simulate sensor.toml scene.exr -o out.png --memory 1GiB", 2, ".exr");
   expect_refused("mtf simulate sensor.toml scene.exr -o out.exr --roi 1,2,3", 2, "--roi");
-  expect_refused("mtf simulate sensor.toml scene.exr -o out.exr --roi 300,0,26,5", 2, "325x325");
+  expect_refused("mtf simulate sensor.toml scene.exr -o out.exr --roi 400,0,26,5", 2, "425x425");
   expect_refused("mtf simulate sensor.toml scene.exr -o out.exr --memory 1GiB --resume maybe", 2, "--resume");
   expect_refused("mtf simulate sensor.toml scene.exr -o out.exr --memory 1GiB --tolerance 1e-20", 2, "float32");
 }
