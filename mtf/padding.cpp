@@ -38,12 +38,14 @@ std::vector<double> kernel_tails(const OtfSampler& sampler, const CanvasRequest&
   const double ratio = request.pitch_um / request.step_um;
   const double silent = noise * static_cast<double>(length);                  // the transform is not normalised
   const bool on_samples = std::abs(std::remainder(ratio - 1.0, 2.0)) < 1e-9;  // odd ratios
-  for (const auto& spectrum : spectra)
-    for (const double offset : {0.0, 0.5}) {
-      if (offset > 0.0 && on_samples) break;
+  for (const double offset : {0.0, 0.5}) {
+    if (offset > 0.0 && on_samples) break;
+    std::vector<Complex<double>> shift(f.size(), {1.0, 0.0});
+    for (std::size_t r = 0; offset > 0.0 && r < f.size(); ++r)
+      shift[r] = rotation(static_cast<long double>(offset * f[r] * request.step_um * 1e-3));
+    for (const auto& spectrum : spectra) {
       std::vector<Complex<double>> kernel = spectrum;
-      for (std::size_t r = 0; r < f.size(); ++r)
-        kernel[r] = kernel[r] * rotation(static_cast<long double>(offset * f[r] * request.step_um * 1e-3));
+      for (std::size_t r = 0; r < f.size(); ++r) kernel[r] = kernel[r] * shift[r];
       fft::inverse(kernel);
       double sum = 0.0;
       for (std::size_t d = f.size() / 2; d-- > 0;) {
@@ -53,6 +55,7 @@ std::vector<double> kernel_tails(const OtfSampler& sampler, const CanvasRequest&
         tails[d] = std::max(tails[d], sum / static_cast<double>(length));
       }
     }
+  }
   return tails;
 }
 

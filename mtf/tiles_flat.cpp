@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kBlock = 64;
 constexpr double kFewFlatBlocks = 0.3;
-constexpr std::int64_t kWorthPlanning = std::int64_t{1} << 21;  // samples; below, planning costs more than it saves
+constexpr std::int64_t kWorthPlanning = std::int64_t{1} << 23;  // samples; below, planning costs more than it saves
 constexpr double kWorthIt = 0.8;                                // of the work of the whole image
 constexpr double kReading = 0.05, kCoarse = 0.3;                // work besides transforms, a sample of the scene
 constexpr std::array<std::int64_t, 2> kSides{512, 1024};        // of a tile in samples
@@ -69,8 +69,6 @@ std::optional<TiledSensorPlan> worth_tiling(const System<double>& system, const 
   const double samples = static_cast<double>(scene.width) * static_cast<double>(scene.height);
   if (planes.empty() || samples < static_cast<double>(kWorthPlanning) || flat_blocks(planes) < kFewFlatBlocks)
     return std::nullopt;
-  std::optional<TiledSensorPlan> best;
-  double least = kWorthIt;
   for (const std::int64_t side : kSides) {
     const double ratio = std::max(system.frame.pitch_x_um / scene.step_x_um, 1.0);
     TiledSensorPlan plan =
@@ -82,9 +80,9 @@ std::optional<TiledSensorPlan> worth_tiling(const System<double>& system, const 
     const double each = static_cast<double>(canvas.width) * static_cast<double>(canvas.height);
     const double busy = static_cast<double>(plan.report().count) * (1.0 - plan.flat_share(planes, border_value));
     const double work = busy * each / samples + kReading + (plan.report().every > 0 ? kCoarse : 0.0);
-    if (work < least) least = work, best = std::move(plan);
+    if (work < kWorthIt) return plan;
   }
-  return best;
+  return std::nullopt;
 }
 
 }  // namespace mtf

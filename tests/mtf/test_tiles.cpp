@@ -107,7 +107,7 @@ TEST(Tiles, same_bits_for_any_threads) {
 
 TEST(Tiles, flat_tiles_are_not_computed) {
   const System<double> system = with(bare(15.0, 15.0), {gaussian(8.0)});
-  const SampleGrid in{2048, 1024, 3.75, 3.75};
+  const SampleGrid in{4096, 2048, 3.75, 3.75};
   Image scene = random_image(in.width, in.height, 3, 4.0, 1.0);
   for (std::int64_t y = 0; y < in.height; ++y)
     for (std::int64_t x = in.width / 4; x < in.width; ++x) scene.at(x, y) = 7.25F;
