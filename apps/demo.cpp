@@ -12,11 +12,13 @@
 #include "apps/demo_scene.h"
 #include "apps/options.h"
 #include "apps/output.h"
+#include "apps/output_folder.h"
 #include "apps/plot.h"
 #include "apps/sensor_image.h"
 #include "apps/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
+#include "mtf/scene_spectrum.h"
 #include "mtf/statistics.h"
 
 namespace apps {
@@ -28,23 +30,6 @@ constexpr std::int64_t kSize = 1024;
 constexpr double kPass = 1e-4;  // the default tolerance: what the plan promises to keep
 // Half cycles over the frame of 3.84 mm: 3.9 to 57 cy/mm; Nyquist is 256. No two have the same alias.
 const std::vector<int> kTargets{30, 60, 90, 120, 150, 170, 190, 210, 225, 240, 250, 280, 310, 340, 390, 440};
-
-void prepare_folder(const fs::path& folder, bool force) {
-  std::error_code error;
-  fs::path whole = fs::absolute(folder, error).lexically_normal();
-  if (!whole.has_filename()) whole = whole.parent_path();  // "demo/" is "demo"
-  const fs::path parent = whole.parent_path();
-  if (!fs::is_directory(parent, error))
-    throw mtf::RuntimeError("cannot create " + one_line(folder.string()) + ": there is no folder " +
-                            one_line(parent.string()));
-  if (fs::exists(folder, error) && !fs::is_directory(folder, error))
-    throw mtf::UsageError(one_line(folder.string()) + " exists and is not a folder; choose another -o");
-  if (fs::is_directory(folder, error) && !fs::is_empty(folder, error) && !force)
-    throw mtf::UsageError(one_line(folder.string()) +
-                          " is not empty; choose another -o, or --force to replace files in it");
-  fs::create_directory(folder, error);
-  if (error) throw mtf::RuntimeError("cannot create " + one_line(folder.string()) + ": " + error.message());
-}
 
 mtf::io::Metadata scene_metadata(const mtf::SampleGrid& grid) {
   mtf::io::Metadata m;
@@ -108,9 +93,15 @@ int run_demo(const DemoOptions& options, const Global& global) {
   mtf::PlanOptions plan_options;
   plan_options.tolerance = options.tolerance.value_or(plan_options.tolerance);
   plan_options.border = config.scene.border;
-  plan_options.scene = mtf::summarise(landscape.view(), plan_options.border, 0.0);
   plan_options.threads = global.threads;
-  const mtf::SensorPlan plan = mtf::compile_sensor(system, grid, plan_options);
+  // As `mtf simulate` does it: each scene has its own plan, from its own contrast and spectrum.
+  const auto plan_for = [&](const mtf::Image& image) {
+    mtf::PlanOptions own = plan_options;
+    own.scene = mtf::summarise(image.view(), own.border, 0.0);
+    own.spectrum = mtf::scene_spectrum(image.view(), own.border, global.threads);
+    return mtf::compile_sensor(system, grid, own);
+  };
+  const mtf::SensorPlan plan = plan_for(landscape), targets_plan = plan_for(targets);
 
   const fs::path folder = options.out;
   prepare_folder(folder, options.force);
@@ -119,15 +110,19 @@ int run_demo(const DemoOptions& options, const Global& global) {
   mtf::io::write_exr(path("scene.exr"), {{"Y", landscape.view()}}, scene_metadata(grid));
   mtf::io::write_exr(path("targets.exr"), {{"Y", targets.view()}}, scene_metadata(grid));
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<mtf::ImageView<const float>> views{landscape.view(), targets.view()};
-  const std::vector<mtf::Image> images = plan.run(views, 0.0, global.threads);
+  std::vector<mtf::Image> images;
+  for (const auto& [image_plan, image] : {std::pair{&plan, &landscape}, std::pair{&targets_plan, &targets}}) {
+    const mtf::ImageView<const float> view = image->view();
+    images.push_back(std::move(image_plan->run(std::span(&view, 1), 0.0, global.threads).front()));
+  }
   const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
 
   mtf::io::Scene scene;
   scene.quantity = mtf::io::Quantity::radiance;
   const mtf::io::Metadata metadata = provenance(config, scene, plan, plan_options.tolerance);
   mtf::io::write_exr(path("sensor.exr"), {{"Y", images[0].view()}}, metadata);
-  mtf::io::write_exr(path("targets_sensor.exr"), {{"Y", images[1].view()}}, metadata);
+  mtf::io::write_exr(path("targets_sensor.exr"), {{"Y", images[1].view()}},
+                     provenance(config, scene, targets_plan, plan_options.tolerance));
   const mtf::Statistics s = mtf::statistics(landscape.view());
   const double low = s.mean - 1.7 * s.std, high = s.mean + 2.3 * s.std;
   mtf::io::write_preview_png(path("preview.png"), {{"Y", side_by_side(landscape, images[0]).view()}}, low, high);

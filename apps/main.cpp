@@ -33,6 +33,7 @@ struct Options {
   SimulateOptions simulate;
   DemoOptions demo;
   CheckOptions check;
+  BenchOptions bench;
 };
 
 constexpr std::array kFormats{std::pair{std::string_view("table"), Format::table},
@@ -255,6 +256,34 @@ void add_check(CLI::App& root, CheckOptions& options) {
            [&](const std::string& text) { options.out = text; });
 }
 
+void add_bench(CLI::App& root, BenchOptions& options) {
+  CLI::App& app = add_command(
+      root, "bench", "what each tolerance costs: promised and realised error beside run time",
+      "For every decade of tolerance from 1e-1 to 1e-7: the plan that is chosen, every other way that keeps the\n"
+      "tolerance, and plain OpenCV, each held against the exact image in double and timed in interleaved rounds with\n"
+      "bare FFTW. Writes bench.csv, bench.json, bench.svg and bench.png. Exit code 3 when an error is above its\n"
+      "promise. A tolerance that cannot be kept has a row `refused` with the one that can.",
+      "  mtf bench sensor.toml scene.exr -o bench --rounds 3 --seconds 5\n"
+      "  mtf bench sensor.toml scene.exr -o bench-1 --threads 1 --rounds 3 --seconds 5 --format csv");
+  add_file(app, "sensor", "sensor file (TOML)", options.sensor);
+  add_file(app, "scene", "image of the scene", options.scene);
+  add_text(app, "-o,--out", "FOLDER", "folder to create", [&](const std::string& text) {
+    options.out = text;
+  })->required();
+  add_choice_of_channel(app, options.channel, options.layer, options.part);
+  add_word(app, "--rounds", "N", "runs of each way; default 15, fewer of slow ones",
+           [&](const std::string& text) { options.rounds = whole_number("--rounds", text, 1, 10000); });
+  add_word(app, "--seconds", "S", "time for the whole, about; default 60", [&](const std::string& text) {
+    options.seconds = number("--seconds", text);
+    if (!(options.seconds >= 0.1 && options.seconds <= 1e6))
+      throw mtf::UsageError("--seconds: " + text + " is outside 0.1 to 1e6");
+  });
+  add_choice(app, "--rigor", "RIGOR", "of plans and of bare FFTW: estimate (default) or measure", kRigor,
+             options.measure);
+  add_choice(app, "--format", "FORMAT", "of standard output: table (default), csv or json", kFormats, options.format);
+  app.add_flag("--force", options.force, "write into a folder that is not empty");
+}
+
 std::string version_text() {
   const std::string fft = mtf::fft::version();  // "fftw-3.3.10-sse2-avx"
   const std::string number = fft.starts_with("fftw-") ? fft.substr(5, fft.find('-', 5) - 5) : fft;
@@ -268,6 +297,7 @@ int dispatch(const CLI::App& root, const Options& options) {
   if (root.got_subcommand("info")) return run_info(options.info, options.global);
   if (root.got_subcommand("config")) return run_config(options.config, options.global);
   if (root.got_subcommand("check")) return run_check(options.check, options.global);
+  if (root.got_subcommand("bench")) return run_bench(options.bench, options.global);
   if (root.got_subcommand("simulate")) return run_simulate(options.simulate, options.global);
   return run_demo(options.demo, options.global);
 }
@@ -309,6 +339,7 @@ int run(int argc, char** argv) {
   add_config(root, options.config);
   add_curve(root, options.curve);
   add_simulate(root, options.simulate);
+  add_bench(root, options.bench);
   add_check(root, options.check);
   try {
     root.parse(argc, argv);

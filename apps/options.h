@@ -78,6 +78,17 @@ struct DemoOptions {
   bool force = false;
 };
 
+struct BenchOptions {
+  std::string sensor, scene, out;
+  std::optional<std::string> channel, layer;
+  std::optional<int> part;
+  int rounds = 15;
+  double seconds = 60.0;  ///< for everything, about
+  Format format = Format::table;
+  bool measure = false;  ///< --rigor measure
+  bool force = false;
+};
+
 struct CheckOptions {
   std::string reference;  ///< folder of tables to use in place of the built-in ones; "" = none
   Format format = Format::table;
@@ -88,6 +99,7 @@ int run_curve(const CurveOptions& options, const Global& global);
 int run_info(const InfoOptions& options, const Global& global);
 int run_config(const ConfigOptions& options, const Global& global);
 int run_simulate(const SimulateOptions& options, const Global& global);
+int run_bench(const BenchOptions& options, const Global& global);
 int run_demo(const DemoOptions& options, const Global& global);
 int run_check(const CheckOptions& options, const Global& global);
 

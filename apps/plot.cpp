@@ -77,6 +77,7 @@ std::array<double, 2> x_range(const Figure& figure) {
       high = std::max(high, series.x[i]);
     }
   if (low > high) throw mtf::UsageError("figure '" + figure.title + "' has no point that can be drawn");
+  if (figure.x_range) return *figure.x_range;
   if (low < high) return {low, high};
   const double margin = figure.log_x || low != 0.0 ? 0.1 * std::abs(low) : 1.0;
   return {low - margin, high + margin};
@@ -125,6 +126,15 @@ std::string vertical_lines(const Figure& figure, std::array<double, 2> range, Me
 }
 
 std::string style(const Series& series, std::size_t index, Medium medium) {
+  if (series.mark != Mark::line) {
+    // Filled shapes of gnuplot, one after the other; a ring around what is emphasised.
+    constexpr std::array kShapes{7, 5, 9, 13, 11, 15};
+    if (medium == Medium::characters) return "points";
+    const char* size = series.mark == Mark::large_points ? " ps 2.4" : " ps 1.3";
+    if (series.emphasised) return std::string("points pt 6 lc rgb '#000000' lw 2.2") + size;
+    return "points pt " + std::to_string(kShapes[index % kShapes.size()]) + " lc rgb '" +
+           std::string(kColours[index % kColours.size()]) + "'" + size;
+  }
   const std::string with = series.x.size() == 1 ? "points pt 7" : "lines";
   if (medium == Medium::characters) return with;
   if (series.emphasised) return with + " lc rgb '#000000' lw 3.2";
@@ -143,7 +153,7 @@ std::string script(const Figure& figure, Medium medium, int columns, int rows) {
   text += "set yrange [" + (figure.y_low ? mtf::format_double(*figure.y_low) : "*") + ":" +
           (figure.y_high ? mtf::format_double(*figure.y_high) : "*") + "]\n";
   if (figure.log_x) text += "set logscale x\n";
-  if (figure.log_y) text += "set logscale y\n";
+  if (figure.log_y) text += "set logscale y\nset format y '%.0e'\n";
   text += vertical_lines(figure, range, medium);
   if (characters)
     text += "set key outside bottom center horizontal\n";
@@ -172,9 +182,14 @@ std::string figure_data_path(const std::string& path) {
 void check_figure_path(const std::string& path) { static_cast<void>(medium_of(path)); }
 
 bool write_figure(const std::string& path, const Figure& figure) {
-  const std::string commands = script(figure, medium_of(path), 0, 0);
+  static_cast<void>(x_range(figure));  // nothing to draw is found before anything is written
+  check_figure_path(path);
   mtf::io::write_text_file(figure_data_path(path), figure_csv(figure));
-  const auto drawing = run_gnuplot(commands);
+  return draw_figure(path, figure);
+}
+
+bool draw_figure(const std::string& path, const Figure& figure) {
+  const auto drawing = run_gnuplot(script(figure, medium_of(path), 0, 0));
   if (drawing) mtf::io::write_text_file(path, *drawing);
   return drawing.has_value();
 }

@@ -4,16 +4,21 @@
 // Line figures through gnuplot: SVG, PDF, PNG and characters. Every figure file has its data beside it as CSV, so that
 // it can be drawn again with anything. Labels are taken literally, whatever they contain.
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace apps {
 
+/// How a series is drawn. A single point of a line is drawn as a point.
+enum class Mark { line, points, large_points };
+
 struct Series {
   std::string name;
   std::vector<double> x, y;  ///< of one length; what is not finite (or not positive on a log axis) leaves a gap
-  bool emphasised = false;   ///< a thick black line instead of a thin coloured one
+  bool emphasised = false;   ///< a thick black line or ring instead of a thin coloured one
+  Mark mark = Mark::line;
 };
 
 struct VerticalLine {
@@ -27,7 +32,8 @@ struct Figure {
   std::vector<Series> series;
   std::vector<VerticalLine> vertical_lines;  ///< drawn where they lie inside the x range
   bool log_x = false, log_y = false;
-  std::optional<double> y_low, y_high;  ///< limits of the y axis, else from the data
+  std::optional<std::array<double, 2>> x_range;  ///< else from the data
+  std::optional<double> y_low, y_high;           ///< limits of the y axis, else from the data
 };
 
 /// "plot.svg" -> "plot.csv".
@@ -39,6 +45,9 @@ void check_figure_path(const std::string& path);
 /// Writes the data as CSV (17 digits) beside `path`, then the figure, each whole or not at all. False when there is no
 /// gnuplot: the CSV is there, the figure is not. Throws UsageError (extension) and RuntimeError.
 bool write_figure(const std::string& path, const Figure& figure);
+
+/// The figure alone, for data that have a file of their own. False when there is no gnuplot.
+bool draw_figure(const std::string& path, const Figure& figure);
 
 /// The figure in characters, or nothing when there is no gnuplot. Throws RuntimeError.
 std::optional<std::string> ascii_figure(const Figure& figure, int columns, int rows);

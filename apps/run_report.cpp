@@ -17,6 +17,21 @@ Json plan_json(const mtf::Plan& plan) {
   const mtf::PlanReport& r = plan.report();
   Json dropped = Json::array();
   for (const mtf::Dropped& d : r.dropped) dropped.push_back({{"label", d.label}, {"bound", d.bound}});
+  Json omitted = Json::array(), candidates = Json::array();
+  for (const mtf::Omission& o : r.omitted)
+    omitted.push_back({{"what", o.what}, {"bound", o.bound}, {"saved_ms", o.saved_ms}});
+  for (const mtf::Candidate& c : r.candidates) {
+    Json one = {{"method", mtf::kMethodNames[static_cast<std::size_t>(c.method)]},
+                {"detail", c.detail},
+                {"possible", c.possible}};
+    if (c.possible) {
+      one["predicted_error"] = c.predicted.total();
+      one["cost_ms"] = c.cost_ms;
+      one["measured"] = c.measured;
+    }
+    one["reason"] = c.reason;
+    candidates.push_back(one);
+  }
   const mtf::PredictedError& e = r.predicted;
   return {{"method", r.method},
           {"size", r.size},
@@ -25,6 +40,8 @@ Json plan_json(const mtf::Plan& plan) {
           {"frequencies_available", r.available},
           {"dropped", dropped},
           {"merged", r.merged},
+          {"omitted", omitted},
+          {"candidates", candidates},
           {"wavelengths", r.wavelengths},
           {"notes", r.notes},
           {"tolerance", r.tolerance},

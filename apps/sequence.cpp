@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/sequence.h"
+#include "apps/measured_file.h"
 
 #include <tbb/info.h>
 #include <tbb/parallel_pipeline.h>
@@ -173,7 +174,7 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
     note(global, "note: " + one_line(options.schedule) + " goes on to frame " +
                      std::to_string(schedule.settings.back().frame) + ", the sequence ends with " +
                      std::to_string(names.frames.back()));
-  read_wisdom(options, global);
+  read_measured(options, global);
 
   const int threads = global.threads > 0 ? global.threads : tbb::info::default_concurrency();
   const std::string schedule_sha256 = schedule.sha256;
@@ -181,7 +182,7 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
   const auto start = std::chrono::steady_clock::now();
   const std::int64_t in_flight = run_frames(frames, threads, global);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  if (!options.wisdom.empty()) mtf::io::write_text_file(options.wisdom, mtf::fft::export_wisdom());
+  write_measured(options, global);
 
   SequenceReport facts = frames.report();
   facts.schedule = options.schedule;

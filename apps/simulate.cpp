@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "apps/measured_file.h"
 #include "apps/options.h"
 #include "apps/output.h"
 #include "apps/run_report.h"
@@ -112,15 +113,17 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   plan_options.aperture = mtf::io::scene_aperture(config.scene, scene.grid);
   plan_options.scene = summarise_all(scene, config.scene);
   plan_options.threads = global.threads;
-  read_wisdom(options, global);
+  read_measured(options, global);
   const std::optional<mtf::TiledSensorPlan> tiles = flat_tiles(config, scene, masks, plan_options, report);
+  if (!tiles) plan_options.spectrum = spectrum_of_all(scene, config.scene.border, global.threads);
   const mtf::SensorPlan plan =
       tiles ? tiles->inner()
             : compile_plan(config.system, scene.grid, options.tolerance.has_value(), plan_options, report);
   for (const std::string& text : plan.presample.report().notes) report.warnings.push_back(text);
   for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
   if (options.measure)
-    note(global, "note: --rigor measure chose FFT plans by timing; the last bits may differ between runs");
+    note(global, "note: --rigor measure chose the method (" + plan.presample.report().method +
+                     ") and its FFT plans by timing; results may differ between runs, within the tolerance");
   watch.lap("plan", report.timing_ms);
 
   std::vector<mtf::Image> images = tiles ? run_flat_tiles(*tiles, scene, config.scene.border_value, report)
@@ -134,7 +137,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   const Written written =
       write_sensor_image(options.out, names, images, provenance(config, scene, plan, plan_options.tolerance),
                          options.range_low, options.range_high);
-  if (!options.wisdom.empty()) mtf::io::write_text_file(options.wisdom, mtf::fft::export_wisdom());
+  write_measured(options, global);
   watch.lap("write", report.timing_ms);
 
   report.config = &config;

@@ -6,18 +6,11 @@
 
 #include "apps/output.h"
 #include "mtf/bad_pixels.h"
-#include "mtf/engines/fftw.h"
 #include "mtf/error.h"
-#include "mtf/io/curve_csv.h"
+#include "mtf/scene_spectrum.h"
 #include "mtf/statistics.h"
 
 namespace apps {
-namespace {
-
-constexpr std::size_t kLargestWisdom = std::size_t{16} << 20;
-
-}  // namespace
-
 std::vector<std::string> outputs_of(const SimulateOptions& options) {
   if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
   mtf::io::format_from_extension(options.out);
@@ -40,19 +33,6 @@ void require_writable(const std::vector<std::string>& outputs, const std::vector
       throw mtf::RuntimeError("cannot write " + one_line(outputs[i]) + ": there is no folder " +
                               one_line(folder.string()) + "; create it first");
   }
-}
-
-void read_wisdom(const SimulateOptions& options, const Global& global) {
-  std::error_code error;
-  if (options.wisdom.empty()) return;
-  if (!std::filesystem::exists(options.wisdom, error)) {
-    note(global, "note: " + one_line(options.wisdom) + " is made and will hold the FFT plans measured now");
-    return;
-  }
-  if (!std::filesystem::is_regular_file(options.wisdom, error) ||
-      !mtf::fft::import_wisdom(mtf::io::read_text_file(options.wisdom, kLargestWisdom)))
-    throw mtf::UsageError("--wisdom: " + one_line(options.wisdom) +
-                          " is not FFTW wisdom of this machine; name another file");
 }
 
 std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary) {
@@ -85,6 +65,18 @@ std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, cons
     worst->canvas_norm = std::max(worst->canvas_norm, s->canvas_norm / s->std * worst->std);
   }
   return worst;
+}
+
+std::shared_ptr<const mtf::SceneSpectrum> spectrum_of_all(const mtf::io::Scene& scene, mtf::Border border,
+                                                          int threads) {
+  constexpr std::int64_t kWorthIt = std::int64_t{1} << 26;  // beyond, its memory counts
+  std::vector<std::shared_ptr<const mtf::SceneSpectrum>> spectra;
+  for (const mtf::Image& plane : scene.planes) {
+    if (plane.size() > kWorthIt) return nullptr;
+    const mtf::Statistics s = mtf::statistics(plane.view());
+    if (s.std > 0.0) spectra.push_back(mtf::scene_spectrum(plane.view(), border, threads));
+  }
+  return mtf::largest_of(spectra);
 }
 
 }  // namespace apps

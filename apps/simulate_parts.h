@@ -19,9 +19,6 @@ std::vector<std::string> outputs_of(const SimulateOptions& options);
 /// folder to write into (RuntimeError).
 void require_writable(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
 
-/// FFT plans measured before, from a file that is made when it is missing. Anything else than wisdom is left alone.
-void read_wisdom(const SimulateOptions& options, const Global& global);
-
 /// Masks of bad pixels per channel (empty where there are none), the planes filled; `summary` says so. Throws
 /// RuntimeError when the policy is to refuse.
 std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary);
@@ -29,5 +26,9 @@ std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy
 /// One summary for all channels: the parts that make the promise hardest to keep, on the scale of one of them. Nothing
 /// when all are flat.
 std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults);
+
+/// One spectrum for all channels that have contrast, where the border has one (mtf/scene_spectrum.h) and the planes are
+/// not huge.
+std::shared_ptr<const mtf::SceneSpectrum> spectrum_of_all(const mtf::io::Scene& scene, mtf::Border border, int threads);
 
 }  // namespace apps

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstring>
 
+#include "apps/measured_file.h"
 #include "apps/output.h"
 #include "apps/progress_line.h"
 #include "apps/sensor_image.h"
@@ -15,7 +16,6 @@
 #include "apps/text_table.h"
 #include "mtf/bad_pixels.h"
 #include "mtf/error.h"
-#include "mtf/io/atomic_file.h"
 #include "mtf/io/exr_windows.h"
 #include "mtf/io/tile_store.h"
 #include "mtf/version.h"
@@ -281,7 +281,7 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   tile_options.memory = options.memory.value_or(0);
   tile_options.threads = global.threads;
   tile_options.row_bytes = source.file ? source.file->row_bytes() : 0;
-  if (!streamed) read_wisdom(options, global);
+  if (!streamed) read_measured(options, global);
   if (options.region) {
     const auto [x, y, width, height] = *options.region;
     tile_options.region = mtf::Region{x, y, width, height};
@@ -359,7 +359,7 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
       report.integer_scaling =
           "value = gain x file + offset, in " + std::string(mtf::io::quantity_unit(scene.quantity));
     }
-    if (!options.wisdom.empty()) mtf::io::write_text_file(options.wisdom, mtf::fft::export_wisdom());
+    write_measured(options, global);
     for (const mtf::Image& image : images) statistics.push_back(mtf::statistics(image.view()));
   }
   progress.reset();

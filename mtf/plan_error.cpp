@@ -77,8 +77,11 @@ double spectral_bytes(const AxisJob& x, const AxisJob& y, bool real) {
   const double terms = count(std::min(2 * y.keep, y.frequency.length + 1));
   const double otf = columns * (y.frequency.basis == Basis::cosine && real ? count(y.keep) : terms);
   const double buffer = columns * count(std::max(y.samples, y.outputs));
-  const double line = 64.0 * count(std::max(y.frequency.length, inverse_length(y)));
-  return 4.0 * (otf + buffer) + 2.0 * line;
+  // Per frequency of an axis: up to four work areas of a row of lanes each, and tables.
+  double axes = 0.0;
+  for (const AxisJob* job : {&x, &y})
+    axes += (16.0 * kRow + 200.0) * count(std::max(job->frequency.length, inverse_length(*job)));
+  return 4.0 * (otf + buffer) + axes;
 }
 
 void require_memory(const AxisJob& x, const AxisJob& y, bool real, const SampleGrid& out) {

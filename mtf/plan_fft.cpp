@@ -78,20 +78,39 @@ Layout cheapest_layout(const PlanTask& task) {
   return best;
 }
 
-// Leaves out the frequencies from the far end that no component lets through.
-void cut_frequencies(const OtfSampler& sampler, Axis axis, double allowed, AxisJob& job) {
-  while (job.keep > 1 && sampler.axis_bound(axis, job.frequency.cy_mm(job.keep - 1)) <= allowed) --job.keep;
+// Leaves out the frequencies from the far end that no component lets through. Returns the largest |H| among them.
+double cut_frequencies(const OtfSampler& sampler, Axis axis, double allowed, AxisJob& job) {
+  double largest = 0.0;
+  for (; job.keep > 1; --job.keep) {
+    const double bound = sampler.axis_bound(axis, job.frequency.cy_mm(job.keep - 1));
+    if (bound > allowed) break;
+    largest = std::max(largest, bound);
+  }
+  return largest;
+}
+
+// Largest |H| of each axis' own frequencies in the cells that meet at a corner of the scene's spectrum.
+std::vector<double> bounds_about_corners(const OtfSampler& sampler, Axis axis, const AxisJob& job) {
+  constexpr std::int64_t kCells = SceneSpectrum::kCells;
+  std::vector<double> bounds(static_cast<std::size_t>(kCells + 1), 0.0);
+  const std::int64_t count = job.frequency.half_count();
+  for (std::int64_t k = 0; k < count; ++k) {
+    const double bound = sampler.axis_bound(axis, job.frequency.cy_mm(k));
+    const std::int64_t cell = std::min(kCells - 1, k * kCells / std::max<std::int64_t>(count - 1, 1));
+    for (const std::int64_t corner : {cell, cell + 1}) {
+      double& largest = bounds[static_cast<std::size_t>(corner)];
+      largest = std::max(largest, bound);
+    }
+  }
+  return bounds;
 }
 
 // Leaves out those that cost this scene no more than `budget`, each axis half of it. Returns what they cost.
 double cut_by_spectrum(const PlanTask& task, double budget, double gathered, AxisJob& x, AxisJob& y) {
   constexpr int kCells = SceneSpectrum::kCells, kColumns = SceneSpectrum::kColumns;
   const SampleGrid &in = task.in, &out = task.out;
-  std::vector<double> bound_x, bound_y;
-  for (int i = 0; i <= kCells; ++i) {
-    bound_x.push_back(task.sampler.axis_bound(Axis::x, SceneSpectrum::corner_cy_mm(i, 500.0 / in.step_x_um)));
-    bound_y.push_back(task.sampler.axis_bound(Axis::y, SceneSpectrum::corner_cy_mm(i, 500.0 / in.step_y_um)));
-  }
+  const std::vector<double> bound_x = bounds_about_corners(task.sampler, Axis::x, x),
+                            bound_y = bounds_about_corners(task.sampler, Axis::y, y);
   const auto cost = [&](int from_x, int from_y) {
     std::vector<double> error(static_cast<std::size_t>(SceneSpectrum::kRows * kColumns), 0.0);
     for (int j = -kCells; j <= kCells; ++j)
@@ -158,10 +177,9 @@ std::vector<Draft> fft_drafts(const PlanTask& task) {
     AxisJob x = layout.x, y = layout.y;
     double cut_error = 0.0;
     if (method != Method::fft_float) {
-      const auto cut = [&] { return x.keep < x.frequency.half_count() || y.keep < y.frequency.half_count(); };
-      cut_frequencies(sampler, Axis::x, allowed, x);
-      cut_frequencies(sampler, Axis::y, allowed, y);
-      if (cut()) cut_error = allowed * gathering * std::sqrt(aliases(x) * aliases(y));
+      const double largest =
+          std::max(cut_frequencies(sampler, Axis::x, allowed, x), cut_frequencies(sampler, Axis::y, allowed, y));
+      cut_error = largest * gathering * std::sqrt(aliases(x) * aliases(y));
       // The spectrum is that of the defined canvas.
       if (options.spectrum && layout.wrap == 0.0) {
         AxisJob narrow_x = layout.x, narrow_y = layout.y;
@@ -191,7 +209,7 @@ std::vector<Draft> fft_drafts(const PlanTask& task) {
     d.make = [&sampler, x, y, rigor = options.rigor, threads = options.threads,
               out = task.out](const Engine* relative) {
       require_memory(x, y, sampler.is_real(), out);
-      return make_spectral_filter(sampler, x, y, rigor, threads, relative);
+      return make_spectral_filter(sampler, x, y, Precision::single_precision, rigor, threads, relative);
     };
     return d;
   };

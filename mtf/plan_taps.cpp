@@ -56,6 +56,8 @@ class Judge {
     parts.arithmetic = arithmetic;
     return 0.98 * (task_.options.tolerance - parts.total());
   }
+  /// Whether an error that the corners do not show is small enough all the same.
+  bool negligible(double excess) const { return error_per_otf() * excess <= 0.05 * task_.options.tolerance; }
   PredictedError predicted(double kernel, double arithmetic) const {
     PredictedError p = parts_;
     p.kernel = kernel;
@@ -172,11 +174,14 @@ Draft exact_separable(const Work& work) {
                                       [&](std::int64_t r) { return cost(x.error(x.taps(r)), none); });
   const auto reach_y = smallest_reach(1, AxisResponse::kReach, 0.5 * budget,
                                       [&](std::int64_t r) { return cost(none, y.error(y.taps(r))); });
-  if (!reach_x || !reach_y)
-    return impossible(method, "the point spread is wider than " + std::to_string(2 * AxisResponse::kReach) +
-                                  " samples at this tolerance");
+  const std::string too_wide =
+      "the point spread is wider than " + std::to_string(2 * AxisResponse::kReach) + " samples at this tolerance";
+  if (!reach_x || !reach_y) return impossible(method, too_wide);
   std::vector<double> x_taps = x.taps(*reach_x), y_taps = y.taps(*reach_y);
-  const double kernel = cost(x.error(x_taps), y.error(y_taps));
+  const std::vector<double> error_x = x.error(x_taps), error_y = y.error(y_taps);
+  if (!work.judge.negligible(std::abs(dc) * (x.excess(x_taps, error_x) + y.excess(y_taps, error_y))))
+    return impossible(method, too_wide);
+  const double kernel = cost(error_x, error_y);
   for (double& tap : y_taps) tap *= dc;
   return separable_draft(work, method, {x_taps}, {y_taps}, kernel);
 }
@@ -199,17 +204,20 @@ Draft low_rank(const Work& work, const PointResponse& response, double limit_ms)
   };
   const auto reach = smallest_reach(1, PointResponse::kReach, 0.6 * budget,
                                     [&](std::int64_t r) { return work.judge.rms(response.error(normalised(r))); });
-  if (!reach)
-    return impossible(method, "the point spread is wider than " + std::to_string(2 * PointResponse::kReach) +
-                                  " samples at this tolerance");
+  const std::string too_wide =
+      "the point spread is wider than " + std::to_string(2 * PointResponse::kReach) + " samples at this tolerance";
+  if (!reach) return impossible(method, too_wide);
   const TapBox box = normalised(*reach);
   const SeparableTerms terms = separable_terms(box, kLargestRank);
   for (std::size_t rank = 1; rank <= terms.along_x.size(); ++rank) {
     if (separable_cost_ms(work.x(terms.along_x.front().size()), work.y(terms.along_y.front().size()),
                           static_cast<std::int64_t>(rank)) > limit_ms)
       return impossible(method, "needs rank " + std::to_string(rank) + " or more: far slower than other ways");
-    const double kernel = work.judge.rms(response.error(product_of(terms, rank)));
+    const TapBox product = product_of(terms, rank);
+    const std::vector<double> error = response.error(product);
+    const double kernel = work.judge.rms(error);
     if (kernel > budget) continue;
+    if (!work.judge.negligible(response.excess(product, error))) return impossible(method, too_wide);
     const auto count = static_cast<std::ptrdiff_t>(rank);
     return separable_draft(work, method, {terms.along_x.begin(), terms.along_x.begin() + count},
                            {terms.along_y.begin(), terms.along_y.begin() + count}, kernel);
@@ -241,8 +249,8 @@ Draft direct(const Work& work, const PointResponse& response, Method method, dou
   const std::int64_t most = kDirectReach;
   const auto reach =
       smallest_reach(1, most, budget, [&](std::int64_t r) { return work.judge.rms(response.error(taps(r))); });
-  if (!reach)
-    return impossible(method, "needs more than " + std::to_string(2 * most) + " samples across at this tolerance");
+  const std::string too_wide = "needs more than " + std::to_string(2 * most) + " samples across at this tolerance";
+  if (!reach) return impossible(method, too_wide);
   const TapBox box = taps(*reach);
   const auto used = std::count_if(box.value.begin(), box.value.end(), [](double tap) { return tap != 0.0; });
   const bool mirrored = work.task.sampler.is_real() && work.task.sampler.is_even_x() && work.task.sampler.is_even_y();
@@ -254,8 +262,10 @@ Draft direct(const Work& work, const PointResponse& response, Method method, dou
              std::to_string(used) + " used";
   c.cost_ms = direct_cost_ms(x, y, used, mirrored);
   if (c.cost_ms > limit_ms) return impossible(method, c.detail + ": far slower than other ways");
-  c.predicted = work.judge.predicted(work.judge.rms(response.error(box)),
-                                     work.judge.arithmetic(static_cast<double>(used), moduli(box.value)));
+  const std::vector<double> error = response.error(box);
+  if (!work.judge.negligible(response.excess(box, error))) return impossible(method, too_wide);
+  c.predicted =
+      work.judge.predicted(work.judge.rms(error), work.judge.arithmetic(static_cast<double>(used), moduli(box.value)));
   std::vector<float> narrowed = narrow(box.value);
   if (mirrored)  // bit by bit, so that mirrored samples may be added first
     for (std::int64_t r = 0; r < box.rows; ++r)

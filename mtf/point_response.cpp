@@ -17,13 +17,30 @@ double position(std::int64_t t, std::int64_t count) {
   return static_cast<double>(t) - 0.5 * static_cast<double>(count - 1);
 }
 
-// exp(sign 2 pi i k x / (2 kCells)) for taps 0 .. count - 1 of one frequency.
-std::vector<Complex<double>> phases(int k, std::int64_t count, double sign) {
+// exp(sign 2 pi i k x / (2 kCells)) for taps 0 .. count - 1 of one frequency, in cells.
+std::vector<Complex<double>> phases(double k, std::int64_t count, double sign) {
   std::vector<Complex<double>> e;
   for (std::int64_t t = 0; t < count; ++t)
     e.push_back(rotation(static_cast<long double>(sign * k * position(t, count) / (2.0 * kCells))));
   return e;
 }
+
+// Frequencies that no period of an OTF falls in step with: golden-ratio steps, one in each of `count` equal parts.
+std::vector<double> irregular(int count, double low, double high) {
+  std::vector<double> f;
+  for (int i = 0; i < count; ++i) {
+    const double jitter = std::fmod(0.381966011250105 + 0.618033988749895 * static_cast<double>(i), 1.0);
+    f.push_back(low + (high - low) * (static_cast<double>(i) + jitter) / static_cast<double>(count));
+  }
+  return f;
+}
+
+std::vector<double> in_cy_mm(std::vector<double> cells, double step_um) {
+  for (double& f : cells) f *= SceneSpectrum::corner_cy_mm(1, 500.0 / step_um);
+  return cells;
+}
+
+constexpr double kMoreThanCorners = 1.5;
 
 std::size_t index(std::int64_t row, std::int64_t column, std::int64_t columns) {
   return static_cast<std::size_t>(row * columns + column);
@@ -44,6 +61,15 @@ PointResponse::PointResponse(const OtfSampler& sampler, const SampleGrid& in, st
   for (std::size_t j = 0; j < kRows; ++j) {
     grid.complex_row(j, row);
     for (const Complex<float>& h : row) otf_.push_back({h.re, h.im});
+  }
+
+  probe_x_ = irregular(24, 0.0, kCells);
+  probe_y_ = irregular(40, -kCells, kCells);
+  const OtfSampler::Grid between(sampler, in_cy_mm(probe_x_, in.step_x_um), in_cy_mm(probe_y_, in.step_y_um));
+  row.resize(probe_x_.size());
+  for (std::size_t j = 0; j < probe_y_.size(); ++j) {
+    between.complex_row(j, row);
+    for (const Complex<float>& h : row) probes_.push_back({h.re, h.im});
   }
 
   taps_.rows = taps_within(kReach, half_y_);
@@ -110,6 +136,32 @@ std::vector<double> PointResponse::error(const TapBox& taps) const {
   return error;
 }
 
+double PointResponse::excess(const TapBox& taps, std::span<const double> error) const {
+  double worst = 0.0;
+  std::vector<Complex<double>> along_y(static_cast<std::size_t>(taps.columns));
+  for (std::size_t j = 0; j < probe_y_.size(); ++j) {
+    const auto e = phases(probe_y_[j], taps.rows, 1.0);
+    std::fill(along_y.begin(), along_y.end(), Complex<double>{});
+    for (std::int64_t r = 0; r < taps.rows; ++r)
+      for (std::int64_t c = 0; c < taps.columns; ++c) {
+        along_y[static_cast<std::size_t>(c)].re += taps.at(r, c) * e[static_cast<std::size_t>(r)].re;
+        along_y[static_cast<std::size_t>(c)].im += taps.at(r, c) * e[static_cast<std::size_t>(r)].im;
+      }
+    const auto row = static_cast<std::int64_t>(std::floor(probe_y_[j])) + kCells;
+    for (std::size_t i = 0; i < probe_x_.size(); ++i) {
+      const auto turn = phases(probe_x_[i], taps.columns, 1.0);
+      Complex<double> sum{};
+      for (std::size_t c = 0; c < along_y.size(); ++c) sum = sum + along_y[c] * turn[c];
+      const Complex<double>& h = probes_[j * probe_x_.size() + i];
+      const auto column = static_cast<std::int64_t>(std::floor(probe_x_[i]));
+      const double* corner = error.data() + row * kColumns + column;
+      const double about = std::max({corner[0], corner[1], corner[kColumns], corner[kColumns + 1]});
+      worst = std::max(worst, std::hypot(sum.re - h.re, sum.im - h.im) - kMoreThanCorners * about);
+    }
+  }
+  return worst;
+}
+
 double PointResponse::largest() const {
   double squares = 0.0;
   for (const Complex<double>& h : otf_) squares = std::max(squares, h.re * h.re + h.im * h.im);
@@ -148,6 +200,14 @@ AxisResponse::AxisResponse(const OtfSampler& sampler, Axis axis, double step_um,
   }
   // The transform has sign +1, taps need -1: they are real, so the conjugate serves. Both ends of the spectrum share
   // one coefficient, of which the taps see the real part.
+  probe_ = irregular(96, 0.0, kCells);
+  const std::vector<double> probes = in_cy_mm(probe_, step_um);
+  const OtfSampler::Grid between(sampler, axis == Axis::x ? probes : zero, axis == Axis::x ? zero : probes);
+  row.resize(axis == Axis::x ? probes.size() : 1);
+  for (std::size_t j = 0; j < (axis == Axis::x ? 1 : probes.size()); ++j) {
+    between.complex_row(j, row);
+    for (const Complex<float>& h : row) probes_.push_back({h.re / dc, h.im / dc});
+  }
   std::vector<Complex<double>> kernel = otf_;
   for (std::int64_t r = 0; r < kFine; ++r) {
     Complex<double>& h = kernel[static_cast<std::size_t>(r)];
@@ -189,6 +249,20 @@ std::vector<double> AxisResponse::error(const std::vector<double>& taps) const {
     fine.push_back(std::hypot(through.re - h.re, through.im - h.im));
   }
   return about_corners(fine);
+}
+
+double AxisResponse::excess(const std::vector<double>& taps, std::span<const double> error) const {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < probe_.size(); ++i) {
+    const auto turn = phases(probe_[i], static_cast<std::int64_t>(taps.size()), 1.0);
+    Complex<double> sum{};
+    for (std::size_t t = 0; t < taps.size(); ++t)
+      sum = sum + Complex<double>{taps[t] * turn[t].re, taps[t] * turn[t].im};
+    const auto cell = static_cast<std::size_t>(probe_[i]);
+    const double about = std::max(error[cell], error[cell + 1]);
+    worst = std::max(worst, std::hypot(sum.re - probes_[i].re, sum.im - probes_[i].im) - kMoreThanCorners * about);
+  }
+  return worst;
 }
 
 std::vector<double> AxisResponse::modulus() const {

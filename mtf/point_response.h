@@ -38,11 +38,17 @@ class PointResponse {
   std::vector<double> error(const TapBox& taps) const;
   /// Largest |H| at the corners.
   double largest() const;
+  /// By how much the error of taps at irregular frequencies exceeds half as much again as that at the corners of the
+  /// cell there (`error`): more than nothing where H turns faster than corners can show, because the point spread is
+  /// wider than 2 kCells samples.
+  double excess(const TapBox& taps, std::span<const double> error) const;
 
  private:
   double half_x_, half_y_;
-  std::vector<Complex<double>> otf_;  ///< at the corners, kRows x kColumns
-  TapBox taps_;                       ///< all there are
+  std::vector<Complex<double>> otf_;       ///< at the corners, kRows x kColumns
+  std::vector<double> probe_x_, probe_y_;  ///< irregular frequencies, in cells
+  std::vector<Complex<double>> probes_;    ///< H there, rows of y
+  TapBox taps_;                            ///< all there are
 };
 
 /// One axis of an OTF that factors: the same, further out and finer.
@@ -58,10 +64,14 @@ class AxisResponse {
   /// Largest |sum K exp - H| and largest |H| about each of the corners 0 .. kCells.
   std::vector<double> error(const std::vector<double>& taps) const;
   std::vector<double> modulus() const;
+  /// As PointResponse::excess.
+  double excess(const std::vector<double>& taps, std::span<const double> error) const;
 
  private:
   double half_;
   std::vector<Complex<double>> otf_;  ///< in transform order
+  std::vector<double> probe_;
+  std::vector<Complex<double>> probes_;
   std::vector<double> taps_;
 };
 

@@ -105,9 +105,19 @@ double OtfSampler::scene_cost(const Entry<double>& entry) const {
   if (!component.breaks_cy_mm(system_.context()).empty()) return kUnknown;
   constexpr int kCells = SceneSpectrum::kCells;
   std::vector<Freq<double>> f;
+  const double cell_x = SceneSpectrum::corner_cy_mm(1, options_.fx_max);
+  const double cell_y = SceneSpectrum::corner_cy_mm(1, options_.fy_max);
   for (int j = -kCells; j <= kCells; ++j)
-    for (int i = 0; i <= kCells; ++i)
-      f.push_back({SceneSpectrum::corner_cy_mm(i, options_.fx_max), SceneSpectrum::corner_cy_mm(j, options_.fy_max)});
+    for (int i = 0; i <= kCells; ++i) f.push_back({i * cell_x, j * cell_y});
+  // One more in each of the cells on four lines through the half-plane, at irregular places.
+  std::vector<std::size_t> corner_of;
+  for (int line = 0; line < 4; ++line)
+    for (int i = 0; i < kCells; ++i) {
+      const int j = std::array{0, i, -1 - i, kCells / 2}[static_cast<std::size_t>(line)];
+      const double jitter = std::fmod(0.381966011250105 + 0.618033988749895 * static_cast<double>(4 * i + line), 1.0);
+      f.push_back({(i + jitter) * cell_x, (j + 1.0 - jitter) * cell_y});
+      corner_of.push_back(static_cast<std::size_t>((j + kCells) * SceneSpectrum::kColumns + i));
+    }
   std::vector<double> error(f.size(), 0.0);
   const auto visit = [&](const Context<double>& ctx) {
     std::vector<Complex<double>> h(f.size(), {1.0, 0.0});
@@ -119,6 +129,14 @@ double OtfSampler::scene_cost(const Entry<double>& entry) const {
     visit(system_.context(system_.band->hi_um));
   } else {
     visit(system_.context());
+  }
+  // Where it turns faster than the corners can show, they say nothing.
+  const std::size_t corners = error.size() - corner_of.size();
+  for (std::size_t p = 0; p < corner_of.size(); ++p) {
+    const double* corner = error.data() + corner_of[p];
+    const double about =
+        std::max({corner[0], corner[1], corner[SceneSpectrum::kColumns], corner[SceneSpectrum::kColumns + 1]});
+    if (error[corners + p] > 1.5 * about + 1e-9) return kUnknown;
   }
   const SceneCost& scene = *options_.scene;
   return scene.scale * scene.spectrum->rms_error(error, scene.ratio_x, scene.ratio_y);

@@ -111,6 +111,9 @@ class OtfSampler {
     /// value[i] = H(fx[i], fy[j]), real systems only. `value` may be shorter than fx.
     void real_row(std::size_t j, std::span<float> value) const;
     void complex_row(std::size_t j, std::span<Complex<float>> value) const;
+    /// The same in double, throughout where the sampler has no tables (table_share = 0).
+    void real_row(std::size_t j, std::span<double> value) const;
+    void complex_row(std::size_t j, std::span<Complex<double>> value) const;
 
    private:
     void multiply_tables(std::size_t j, std::span<float> value) const;
@@ -119,8 +122,9 @@ class OtfSampler {
 
     const OtfSampler* sampler_;
     std::vector<double> fx_, fy_;
-    std::vector<float> fx2_, fy2_;  ///< squares, in units of the radial table's end
-    std::vector<Complex<float>> x_, y_;
+    std::vector<float> fx2_, fy2_;        ///< squares, in units of the radial table's end
+    std::vector<Complex<double>> x_, y_;  ///< product of the separable factors, per axis
+    std::vector<Complex<float>> narrow_x_, narrow_y_;
     std::vector<std::vector<float>> line_x_, line_y_;  ///< parts of f.u in units of each line table's end
     std::vector<Component<double>::Rows> rows_;
   };

@@ -5,6 +5,11 @@
 #include "mtf/sample.h"
 
 namespace mtf {
+namespace {
+
+Complex<float> narrow(const Complex<double>& h) { return {static_cast<float>(h.re), static_cast<float>(h.im)}; }
+
+}  // namespace
 
 OtfSampler::Grid::Grid(const OtfSampler& sampler, std::vector<double> fx, std::vector<double> fy)
     : sampler_(&sampler), fx_(std::move(fx)), fy_(std::move(fy)) {
@@ -17,12 +22,12 @@ OtfSampler::Grid::Grid(const OtfSampler& sampler, std::vector<double> fx, std::v
       h[i] = {sampler.aperture_factor(axis, f[i]), 0.0};
     }
     for (const Entry<double>* entry : sampler.separable_) entry->component.multiply(freq, ctx, h);
-    std::vector<Complex<float>> narrow(f.size());
-    for (std::size_t i = 0; i < f.size(); ++i) narrow[i] = {static_cast<float>(h[i].re), static_cast<float>(h[i].im)};
-    return narrow;
+    return h;
   };
   x_ = vector(fx_, Axis::x);
   y_ = vector(fy_, Axis::y);
+  for (const Complex<double>& h : x_) narrow_x_.push_back(narrow(h));
+  for (const Complex<double>& h : y_) narrow_y_.push_back(narrow(h));
   const double end = sampler.table_ ? sampler.table_->end() : 1.0;
   for (const double f : fx_) fx2_.push_back(static_cast<float>(f / end * (f / end)));
   for (const double f : fy_) fy2_.push_back(static_cast<float>(f / end * (f / end)));
@@ -64,8 +69,8 @@ std::vector<Complex<double>> OtfSampler::Grid::general_row(std::size_t j, std::s
 }
 
 void OtfSampler::Grid::real_row(std::size_t j, std::span<float> value) const {
-  const float y = y_[j].re;
-  for (std::size_t i = 0; i < value.size(); ++i) value[i] = x_[i].re * y;
+  const float y = narrow_y_[j].re;
+  for (std::size_t i = 0; i < value.size(); ++i) value[i] = narrow_x_[i].re * y;
   multiply_tables(j, value);
   if (!sampler_->has_general()) return;
   const std::vector<Complex<double>> general = general_row(j, value.size());
@@ -75,13 +80,28 @@ void OtfSampler::Grid::real_row(std::size_t j, std::span<float> value) const {
 void OtfSampler::Grid::complex_row(std::size_t j, std::span<Complex<float>> value) const {
   std::vector<float> tables(value.size(), 1.0F);
   multiply_tables(j, tables);
-  for (std::size_t i = 0; i < value.size(); ++i) value[i] = x_[i] * y_[j];
+  for (std::size_t i = 0; i < value.size(); ++i) value[i] = narrow_x_[i] * narrow_y_[j];
   if (sampler_->has_general()) {
     const std::vector<Complex<double>> general = general_row(j, value.size());
-    for (std::size_t i = 0; i < value.size(); ++i)
-      value[i] = value[i] * Complex<float>{static_cast<float>(general[i].re), static_cast<float>(general[i].im)};
+    for (std::size_t i = 0; i < value.size(); ++i) value[i] = value[i] * narrow(general[i]);
   }
   for (std::size_t i = 0; i < value.size(); ++i) value[i] = {value[i].re * tables[i], value[i].im * tables[i]};
+}
+
+void OtfSampler::Grid::real_row(std::size_t j, std::span<double> value) const {
+  std::vector<Complex<double>> h(value.size());
+  complex_row(j, std::span(h));
+  for (std::size_t i = 0; i < value.size(); ++i) value[i] = h[i].re;
+}
+
+void OtfSampler::Grid::complex_row(std::size_t j, std::span<Complex<double>> value) const {
+  std::vector<float> tables(value.size(), 1.0F);
+  multiply_tables(j, tables);
+  const std::vector<Complex<double>> general = general_row(j, value.size());
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const Complex<double> h = x_[i] * y_[j] * general[i];
+    value[i] = {h.re * tables[i], h.im * tables[i]};
+  }
 }
 
 }  // namespace mtf

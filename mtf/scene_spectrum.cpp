@@ -121,7 +121,7 @@ std::vector<double> cosine_power(ImageView<const float> scene, const Statistics&
 std::vector<double> fourier_power(ImageView<const float> scene, const Statistics& s, int threads) {
   const std::int64_t w = scene.width, h = scene.height, half_w = w / 2 + 1;
   const fft::RealForward forward_x(w, fft::Rigor::estimate);
-  const fft::Lanes forward_y(h, 1, true, fft::Rigor::estimate);
+  const fft::Split<float> forward_y(h, 1, fft::Rigor::estimate);
   Image columns(2 * h, half_w);
   parallel_for(h, 16, threads, [&](std::int64_t begin, std::int64_t end) {
     const AlignedBuffer<float> row(static_cast<std::size_t>(w)), half(static_cast<std::size_t>(w + 2));
@@ -142,7 +142,7 @@ std::vector<double> fourier_power(ImageView<const float> scene, const Statistics
       std::vector<double>& part = parts[static_cast<std::size_t>(k)];
       part.assign(static_cast<std::size_t>(2 * kCells), 0.0);
       std::copy_n(columns.view().row(k), 2 * h, c.data());
-      forward_y.execute(c.data());
+      forward_y.forward(c.data(), c.data() + 1);
       for (std::int64_t r = k == 0 ? 1 : 0; r < h; ++r) {
         const double re = c[static_cast<std::size_t>(2 * r)], im = c[static_cast<std::size_t>(2 * r + 1)];
         const double weight = (k == 0 || 2 * k == w ? 1.0 : 2.0) / (area * area);

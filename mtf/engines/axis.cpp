@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "mtf/engines/kernels.h"
+#include "mtf/engines/lane_kernels.h"
 #include "mtf/special.h"
 
 namespace mtf {
@@ -19,8 +19,8 @@ Complex<double> chirp(std::int64_t k, double turns, double sign) {
 }
 
 Term term(std::int64_t k, std::int64_t source, std::int64_t target, Complex<double> factor) {
-  return {static_cast<std::int32_t>(k), static_cast<std::int32_t>(source), static_cast<std::int32_t>(target),
-          static_cast<float>(factor.re), static_cast<float>(factor.im)};
+  return {static_cast<std::int32_t>(k), static_cast<std::int32_t>(source), static_cast<std::int32_t>(target), factor.re,
+          factor.im};
 }
 
 // cos(pi k (j + 1/2) / n) for any k is +-cos of some k' < n, or zero at k = n, 3n, ...
@@ -92,42 +92,46 @@ std::vector<Term> column_terms(const AxisJob& job) {
   return terms;
 }
 
-Chirp::Chirp(const AxisJob& job, int lanes, fft::Rigor rigor)
-    : length_(inverse_length(job)),
-      outputs_(job.outputs),
-      lanes_(lanes),
-      forward_(length_, lanes, true, rigor),
-      backward_(length_, lanes, false, rigor),
-      kernel_(2 * static_cast<std::size_t>(length_)),
+template <class S>
+Chirp<S>::Chirp(const AxisJob& job, fft::Rigor rigor)
+    : outputs_(job.outputs),
+      transform_(inverse_length(job), rigor),
+      kernel_(2 * static_cast<std::size_t>(inverse_length(job))),
       after_(2 * static_cast<std::size_t>(job.outputs)) {
   // k j = (k^2 + j^2 - (j - k)^2) / 2 turns the sum into a convolution with exp(-i pi t n^2); row k + keep - 1 holds k.
-  std::vector<Complex<double>> kernel(static_cast<std::size_t>(length_));
+  const std::int64_t length = inverse_length(job);
+  std::vector<Complex<double>> kernel(static_cast<std::size_t>(length));
   const double t = job.turns_per_output();
   const std::int64_t shift = job.keep - 1;
   for (std::int64_t n = -shift; n <= job.outputs - 1 + shift; ++n) {
     // Row r of the input contributes to output j at lag j - (r - shift); the convolution index is j - r.
-    kernel[static_cast<std::size_t>(modulo(n - shift, length_))] = chirp(n, t, -1.0);
+    kernel[static_cast<std::size_t>(modulo(n - shift, length))] = chirp(n, t, -1.0);
   }
   // fft::inverse has sign +1; conjugating before and after gives the forward transform.
   for (auto& c : kernel) c.im = -c.im;
   fft::inverse(kernel);
-  const double scale = 1.0 / static_cast<double>(length_);
+  const double scale = 1.0 / static_cast<double>(length);
   for (std::size_t i = 0; i < kernel.size(); ++i) {
-    kernel_[2 * i] = static_cast<float>(kernel[i].re * scale);
-    kernel_[2 * i + 1] = static_cast<float>(-kernel[i].im * scale);
+    const auto row = 2 * static_cast<std::size_t>(transform_.place(static_cast<std::int64_t>(i)));
+    kernel_[row] = static_cast<S>(kernel[i].re * scale);
+    kernel_[row + 1] = static_cast<S>(-kernel[i].im * scale);
   }
   for (std::int64_t j = 0; j < job.outputs; ++j) {
     const Complex<double> c = chirp(j, t, 1.0);
-    after_[2 * static_cast<std::size_t>(j)] = static_cast<float>(c.re);
-    after_[2 * static_cast<std::size_t>(j) + 1] = static_cast<float>(c.im);
+    after_[2 * static_cast<std::size_t>(j)] = static_cast<S>(c.re);
+    after_[2 * static_cast<std::size_t>(j) + 1] = static_cast<S>(c.im);
   }
 }
 
-void Chirp::run(float* data) const {
-  forward_.execute(data);
-  kernels::multiply_rows(data, kernel_.data(), length_, lanes_);
-  backward_.execute(data);
-  kernels::multiply_rows(data, after_.data(), outputs_, lanes_);
+template <class S>
+void Chirp<S>::run(S* data) const {
+  transform_.forward(data);
+  lanes::multiply_rows(data, kernel_.data(), transform_.length());
+  transform_.inverse(data);
+  lanes::multiply_rows(data, after_.data(), outputs_);
 }
+
+template class Chirp<float>;
+template class Chirp<double>;
 
 }  // namespace mtf

@@ -11,15 +11,11 @@
 #include <vector>
 
 #include "mtf/border.h"
-#include "mtf/engines/fftw.h"
+#include "mtf/engines/lanes.h"
 #include "mtf/grid.h"
 #include "mtf/image.h"
 
 namespace mtf {
-
-/// Complex columns that pass through the column transforms together: one cache line a row.
-inline constexpr int kLanes = 8;
-inline constexpr int kRowFloats = 2 * kLanes;
 
 enum class Resampling { fold, chirp };
 
@@ -44,7 +40,7 @@ struct Term {
   std::int32_t k = 0;       ///< signed frequency
   std::int32_t source = 0;  ///< transform row (fourier) or k (cosine)
   std::int32_t target = 0;
-  float re = 1.0F, im = 0.0F;
+  double re = 1.0, im = 0.0;
 };
 
 /// All terms of a column axis (every signed frequency kept). The OTF has one row a term, in this order.
@@ -55,18 +51,21 @@ std::int64_t inverse_length(const AxisJob& job);
 
 /// Bluestein evaluation of sum_k g_k exp(2 pi i k (t0 + j t)), |k| < keep, j = 0 .. outputs-1, on lanes. The input
 /// holds g_k at row k + keep - 1, times the factors of its terms.
+template <class S>
 class Chirp {
  public:
   Chirp() = default;
-  Chirp(const AxisJob& job, int lanes, fft::Rigor rigor);
-  void run(float* data) const;  ///< inverse_length rows in, outputs rows out, in place
+  Chirp(const AxisJob& job, fft::Rigor rigor);
+  void run(S* data) const;  ///< inverse_length rows in, outputs rows out, in place
 
  private:
-  std::int64_t length_ = 0, outputs_ = 0;
-  int lanes_ = 0;
-  fft::Lanes forward_, backward_;
-  std::vector<float> kernel_, after_;
+  std::int64_t outputs_ = 0;
+  LaneTransform<S> transform_;
+  std::vector<S> kernel_, after_;
 };
+
+extern template class Chirp<float>;
+extern template class Chirp<double>;
 
 /// Rotation exp(2 pi i turns), the argument reduced first.
 Complex<double> rotation(long double turns);

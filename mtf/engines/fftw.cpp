@@ -3,6 +3,7 @@
 
 #include <fftw3.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cstdlib>
 #include <limits>
@@ -27,65 +28,125 @@ int checked(std::int64_t n) {
 
 unsigned flags(Rigor rigor) { return rigor == Rigor::measure ? FFTW_MEASURE : FFTW_ESTIMATE; }
 
-// The lock is released before the plan gets its owner, whose deleter takes it again.
-fftwf_plan planned(const auto& make) {
-  const std::scoped_lock lock(planner());
-  return make();
-}
+fftwf_complex* complexes(float* p) { return reinterpret_cast<fftwf_complex*>(p); }
 
-std::shared_ptr<void> own(fftwf_plan plan) {
+template <class S>
+struct Api;
+template <>
+struct Api<float> {
+  using Plan = fftwf_plan;
+  using Dimension = fftwf_iodim;
+  static constexpr auto make = fftwf_plan_guru_split_dft;
+  static constexpr auto execute = fftwf_execute_split_dft;
+  static constexpr auto destroy = fftwf_destroy_plan;
+};
+template <>
+struct Api<double> {
+  using Plan = fftw_plan;
+  using Dimension = fftw_iodim;
+  static constexpr auto make = fftw_plan_guru_split_dft;
+  static constexpr auto execute = fftw_execute_split_dft;
+  static constexpr auto destroy = fftw_destroy_plan;
+};
+
+template <class S>
+std::shared_ptr<void> planned(const auto& make) {
+  typename Api<S>::Plan plan = nullptr;
+  {  // the lock is released before the plan gets its owner, whose deleter takes it again
+    const std::scoped_lock lock(planner());
+    plan = make();
+  }
   if (plan == nullptr) throw RuntimeError("FFTW could not plan a transform");
   return {plan, [](void* p) {
             const std::scoped_lock lock(planner());
-            fftwf_destroy_plan(static_cast<fftwf_plan>(p));
+            Api<S>::destroy(static_cast<typename Api<S>::Plan>(p));
           }};
 }
 
-fftwf_complex* complexes(float* p) { return reinterpret_cast<fftwf_complex*>(p); }
+fftw_complex* complexes(Complex<double>* p) {
+  static_assert(sizeof(Complex<double>) == sizeof(fftw_complex));
+  return reinterpret_cast<fftw_complex*>(p);
+}
+
+// Sign -1 on (re, im).
+template <class S>
+std::shared_ptr<void> plan_split(int length, int lanes, S* re, S* im, Rigor rigor) {
+  const typename Api<S>::Dimension transform{length, 2 * lanes, 2 * lanes}, batch{lanes, 1, 1};
+  return planned<S>([&] { return Api<S>::make(1, &transform, 1, &batch, re, im, re, im, flags(rigor)); });
+}
+
+template <class S>
+void execute_split(const std::shared_ptr<void>& plan, S* re, S* im) {
+  Api<S>::execute(static_cast<typename Api<S>::Plan>(plan.get()), re, im, re, im);
+}
 
 }  // namespace
 
-Lanes::Lanes(std::int64_t n, int lanes, bool forward, Rigor rigor) {
+// FFTW transforms split data with sign -1 only; sign +1 is the same with re and im exchanged.
+template <class S>
+Split<S>::Split(std::int64_t n, int lanes, Rigor rigor) {
   const int length = checked(n);
-  const AlignedBuffer<float> scratch(2 * static_cast<std::size_t>(n) * static_cast<std::size_t>(lanes));
-  fftwf_complex* data = complexes(scratch.data());
-  plan_ = own(planned([&] {
-    return fftwf_plan_many_dft(1, &length, lanes, data, nullptr, lanes, 1, data, nullptr, lanes, 1,
-                               forward ? FFTW_FORWARD : FFTW_BACKWARD, flags(rigor));
-  }));
+  const AlignedBuffer<S> scratch(2 * static_cast<std::size_t>(n) * static_cast<std::size_t>(lanes));
+  forward_ = plan_split(length, lanes, scratch.data(), scratch.data() + lanes, rigor);
+  inverse_ = plan_split(length, lanes, scratch.data() + lanes, scratch.data(), rigor);
 }
 
-void Lanes::execute(float* data) const {
-  fftwf_execute_dft(static_cast<fftwf_plan>(plan_.get()), complexes(data), complexes(data));
+template <class S>
+void Split<S>::forward(S* re, S* im) const {
+  execute_split(forward_, re, im);
 }
+
+template <class S>
+void Split<S>::inverse(S* re, S* im) const {
+  execute_split(inverse_, im, re);
+}
+
+template class Split<float>;
+template class Split<double>;
 
 RealForward::RealForward(std::int64_t n, Rigor rigor) {
   const int length = checked(n);
   const AlignedBuffer<float> in(static_cast<std::size_t>(n)), out(static_cast<std::size_t>(n) + 2);
-  plan_ = own(planned([&] {
+  plan_ = planned<float>([&] {
     return fftwf_plan_dft_r2c_1d(length, in.data(), complexes(out.data()), flags(rigor) | FFTW_DESTROY_INPUT);
-  }));
+  });
 }
 
 void RealForward::execute(float* in, float* out) const {
   fftwf_execute_dft_r2c(static_cast<fftwf_plan>(plan_.get()), in, complexes(out));
 }
 
-RealInverse::RealInverse(std::int64_t n, Rigor rigor) {
+ComplexDouble::ComplexDouble(std::int64_t n, bool forward) {
   const int length = checked(n);
-  const AlignedBuffer<float> in(static_cast<std::size_t>(n) + 2), out(static_cast<std::size_t>(n));
-  plan_ = own(planned([&] {
-    return fftwf_plan_dft_c2r_1d(length, complexes(in.data()), out.data(), flags(rigor) | FFTW_DESTROY_INPUT);
-  }));
+  const AlignedBuffer<Complex<double>> scratch(static_cast<std::size_t>(n));
+  fftw_complex* data = complexes(scratch.data());
+  plan_ = planned<double>(
+      [&] { return fftw_plan_dft_1d(length, data, data, forward ? FFTW_FORWARD : FFTW_BACKWARD, FFTW_ESTIMATE); });
 }
 
-void RealInverse::execute(float* in, float* out) const {
-  fftwf_execute_dft_c2r(static_cast<fftwf_plan>(plan_.get()), complexes(in), out);
+void ComplexDouble::execute(Complex<double>* data) const {
+  fftw_execute_dft(static_cast<fftw_plan>(plan_.get()), complexes(data), complexes(data));
+}
+
+RealPair2d::RealPair2d(std::int64_t width, std::int64_t height, Place place, Rigor rigor)
+    : real_(place == Place::in ? 0 : static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
+      half_(2 * static_cast<std::size_t>(height) * static_cast<std::size_t>(width / 2 + 1)) {
+  const int w = checked(width), h = checked(height);
+  fftwf_complex* spectrum = complexes(half_.data());
+  float* real = place == Place::in ? half_.data() : real_.data();  // in place FFTW pads each row by itself
+  forward_ = planned<float>([&] { return fftwf_plan_dft_r2c_2d(h, w, real, spectrum, flags(rigor)); });
+  backward_ = planned<float>([&] { return fftwf_plan_dft_c2r_2d(h, w, spectrum, real, flags(rigor)); });
+  std::fill_n(real_.data(), real_.size(), 0.0F);  // zeros stay zeros: the inverse is unnormalised
+  std::fill_n(half_.data(), half_.size(), 0.0F);
+}
+
+void RealPair2d::execute() const {
+  fftwf_execute(static_cast<fftwf_plan>(forward_.get()));
+  fftwf_execute(static_cast<fftwf_plan>(backward_.get()));
 }
 
 void inverse(std::vector<Complex<double>>& data) {
-  static_assert(sizeof(Complex<double>) == sizeof(fftw_complex));
-  auto* p = reinterpret_cast<fftw_complex*>(data.data());
+  fftw_complex* p = complexes(data.data());
   fftw_plan plan = nullptr;
   {
     const std::scoped_lock lock(planner());

@@ -11,21 +11,25 @@
 #include <vector>
 
 #include "mtf/frame.h"
+#include "mtf/image.h"
 
 namespace mtf::fft {
 
 /// How much planning: estimate is reproducible between runs; measure times candidates (slow planning, faster runs).
 enum class Rigor { estimate, measure };
 
-/// Complex sequences side by side in one block: element n of lane l at data[2 (n lanes + l)]. In place, unnormalised.
-class Lanes {
+/// Complex sequences side by side, in place, unnormalised: element n of lane l at re[2 n lanes + l] and the same of im,
+/// im = re + lanes. For the lengths that LaneTransform leaves to FFTW.
+template <class S>
+class Split {
  public:
-  Lanes() = default;
-  Lanes(std::int64_t n, int lanes, bool forward, Rigor rigor);
-  void execute(float* data) const;
+  Split() = default;
+  Split(std::int64_t n, int lanes, Rigor rigor);
+  void forward(S* re, S* im) const;  ///< sign -1
+  void inverse(S* re, S* im) const;  ///< sign +1
 
  private:
-  std::shared_ptr<void> plan_;
+  std::shared_ptr<void> forward_, inverse_;
 };
 
 /// n reals -> n/2 + 1 complex numbers, sign -1. `in` is destroyed or not, as FFTW likes; in != out.
@@ -39,15 +43,28 @@ class RealForward {
   std::shared_ptr<void> plan_;
 };
 
-/// n/2 + 1 complex numbers -> n reals, sign +1, unnormalised. `in` is destroyed; in != out.
-class RealInverse {
+/// One complex sequence in double, in place, unnormalised: for references.
+class ComplexDouble {
  public:
-  RealInverse() = default;
-  RealInverse(std::int64_t n, Rigor rigor);
-  void execute(float* in, float* out) const;
+  ComplexDouble() = default;
+  ComplexDouble(std::int64_t n, bool forward);
+  void execute(Complex<double>* data) const;
 
  private:
   std::shared_ptr<void> plan_;
+};
+
+/// Real two-dimensional transform and back, float, one thread, on memory of its own: the floor that benchmarks compare
+/// with.
+class RealPair2d {
+ public:
+  enum class Place { out, in };
+  RealPair2d(std::int64_t width, std::int64_t height, Place place, Rigor rigor);
+  void execute() const;
+
+ private:
+  AlignedBuffer<float> real_, half_;
+  std::shared_ptr<void> forward_, backward_;
 };
 
 /// In-place complex transform in double, sign +1, unnormalised: for plan-time work on one sequence.

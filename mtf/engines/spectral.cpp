@@ -3,258 +3,159 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <cstring>
 
 #include "mtf/engines/kernels.h"
 #include "mtf/parallel.h"
-#include "mtf/special.h"
 
 namespace mtf {
 namespace {
 
-constexpr std::int64_t kRowChunk = 16, kRowGroup = 4;
-
-// FFTW's arrays all start on a cache line.
-constexpr std::int64_t aligned(std::int64_t floats) { return (floats + 15) & ~std::int64_t{15}; }
-
-void copy_row(float* to, const float* from) { std::memcpy(to, from, kRowFloats * sizeof(float)); }
-
-std::vector<float> cosine_twiddles(std::int64_t n) {
-  std::vector<float> t(2 * static_cast<std::size_t>(n));
-  for (std::int64_t k = 0; k < n; ++k) {
-    const double half_turns = static_cast<double>(k) / (2.0 * static_cast<double>(n));
-    t[2 * static_cast<std::size_t>(k)] = static_cast<float>(cos_pi(half_turns));
-    t[2 * static_cast<std::size_t>(k) + 1] = static_cast<float>(-sin_pi(half_turns));
-  }
-  return t;
-}
-
-// Canvas position -> image sample. The right continuation stands behind the image, the left one at the end of the
-// canvas.
-std::vector<std::int32_t> canvas_sources(const AxisJob& job) {
-  const std::int64_t length = job.frequency.length, n = job.samples;
-  std::vector<std::int32_t> source(static_cast<std::size_t>(length));
-  const std::int64_t right = n + (length - n + 1) / 2;
-  for (std::int64_t i = 0; i < length; ++i)
-    source[static_cast<std::size_t>(i)] =
-        static_cast<std::int32_t>(border_source(job.border, i < right ? i : i - length, n));
-  return source;
-}
+constexpr std::int64_t round_up(std::int64_t n, std::int64_t step) { return (n + step - 1) / step * step; }
 
 }  // namespace
 
-SpectralEngine::SpectralEngine(const AxisJob& x, const AxisJob& y, fft::Rigor rigor)
-    : x_(x), y_(y), x_terms_(column_terms(x)), y_terms_(column_terms(y)) {
+template <class S>
+SpectralEngine<S>::SpectralEngine(const AxisJob& x, const AxisJob& y, fft::Rigor rigor)
+    : x_(x, true, rigor), y_(y, false, rigor) {
   assert(x.frequency.basis == Basis::fourier || y.frequency.basis == Basis::cosine);
-  const bool x_cosine = x.frequency.basis == Basis::cosine, y_cosine = y.frequency.basis == Basis::cosine;
-  for (const Term& term : x_terms_) x_folds_ = x_folds_ || term.target != term.source || term.re != 1.0F;
-  x_forward_ = fft::RealForward(x.frequency.length, rigor);
-  y_forward_ = fft::Lanes(y.frequency.length, kLanes, true, rigor);
-  if (x_cosine) x_twiddles_ = cosine_twiddles(x.frequency.length);
-  if (y_cosine) y_twiddles_ = cosine_twiddles(y.frequency.length);
-  if (!x_cosine) x_source_ = canvas_sources(x);
-  if (!y_cosine) y_source_ = canvas_sources(y);
-  if (x.resampling == Resampling::chirp) {
-    x_chirp_ = Chirp(x, 1, rigor);
-  } else {
-    x_inverse_ = fft::RealInverse(x.out_length, rigor);
-    if (x_cosine) x_out_twiddles_ = cosine_twiddles(x.out_length);
-  }
-  if (y.resampling == Resampling::chirp) {
-    y_chirp_ = Chirp(y, kLanes, rigor);
-  } else {
-    y_inverse_ = fft::Lanes(y.out_length, kLanes, false, rigor);
-    if (y_cosine) y_out_twiddles_ = cosine_twiddles(y.out_length);
-  }
 }
 
-std::int64_t SpectralEngine::columns_per_block() const {
-  return x_.frequency.basis == Basis::cosine ? kRowFloats : kLanes;
+template <class S>
+double SpectralEngine<S>::otf_scale() const {
+  return 1.0 / (static_cast<double>(x().frequency.length) * static_cast<double>(y().frequency.length));
 }
 
-std::int64_t SpectralEngine::blocks() const { return (x_.keep + columns_per_block() - 1) / columns_per_block(); }
-
-double SpectralEngine::otf_scale() const {
-  return 1.0 / (static_cast<double>(x_.frequency.length) * static_cast<double>(y_.frequency.length));
+template <class S>
+std::int64_t SpectralEngine<S>::block_rows() const {
+  // Whole groups of rows, and one more, which keeps the blocks of one row out of the same cache sets.
+  return round_up(std::max(y().samples, y().outputs), kRow) + 1;
 }
 
-std::int64_t SpectralEngine::block_rows() const {
-  // An odd number of cache lines keeps the blocks of one row out of the same cache sets.
-  return std::max(y_.samples, y_.outputs) | 1;
+template <class S>
+std::int64_t SpectralEngine<S>::coefficient_rows() const {
+  return blocks() * kRow;
 }
 
-std::int64_t SpectralEngine::work_rows() const { return std::max(y_.frequency.length, inverse_length(y_)); }
-
-std::int64_t SpectralEngine::run_bytes(std::int64_t channels, int threads) const {
-  const std::int64_t buffers = channels * blocks() * block_rows() * kRowFloats * 4;
-  return buffers + std::int64_t{std::max(threads, 1)} * 2 * work_rows() * kRowFloats * 4;
+template <class S>
+std::int64_t SpectralEngine<S>::line_stride() const {
+  return round_up(std::max(x().samples, x().outputs), kLanes) + kLanes;
 }
 
-void SpectralEngine::run(const std::vector<Channel>& channels, const OtfBlocks& otf, int threads) const {
-  std::vector<AlignedBuffer<float>> buffers;
+template <class S>
+std::int64_t SpectralEngine<S>::run_bytes(std::int64_t channels, int threads) const {
+  const std::int64_t rows = coefficient_rows() + line_stride() + 2 * std::max(x_.rows(), y_.rows());
+  const std::int64_t numbers = channels * blocks() * block_rows() + std::int64_t{std::max(threads, 1)} * rows;
+  return numbers * kRow * static_cast<std::int64_t>(sizeof(S));
+}
+
+template <class S>
+void SpectralEngine<S>::run(const std::vector<Channel>& channels, const OtfBlocks<S>& otf, int threads) const {
+  std::vector<BufferPool::Loan<S>> loans;
+  std::vector<S*> buffers;
   for (const Channel& channel : channels) {
-    buffers.emplace_back(static_cast<std::size_t>(blocks() * block_rows() * kRowFloats));
-    rows_forward(channel, buffers.back().data(), threads);
+    loans.emplace_back(pool_, static_cast<std::size_t>(blocks() * block_rows() * kRow));
+    buffers.push_back(loans.back().data());
+    rows_forward(channel, buffers.back(), threads);
   }
   columns(channels, buffers, otf, threads);
-  for (std::size_t c = 0; c < channels.size(); ++c) rows_inverse(channels[c], buffers[c].data(), threads);
+  for (std::size_t c = 0; c < channels.size(); ++c) rows_inverse(channels[c], buffers[c], threads);
 }
 
-void SpectralEngine::rows_forward(const Channel& channel, float* buffer, int threads) const {
-  const std::int64_t n = x_.samples, length = x_.frequency.length, count = blocks();
-  const bool cosine = x_.frequency.basis == Basis::cosine;
-  const float level = static_cast<float>((channel.border_value - channel.mean) * channel.scale);
-  // Coefficients of a few rows are collected, so that each block is written several cache lines at a time.
-  const std::int64_t stride = aligned(std::max(count * kRowFloats, length + 2));
-  parallel_for(y_.samples, kRowChunk, threads, [&](std::int64_t begin, std::int64_t end) {
-    const AlignedBuffer<float> ordered(static_cast<std::size_t>(length)), half(static_cast<std::size_t>(length + 2));
-    const AlignedBuffer<float> rows(static_cast<std::size_t>(kRowGroup * stride));
-    std::fill_n(rows.data(), rows.size(), 0.0F);
-    for (std::int64_t first = begin; first < end; first += kRowGroup) {
-      const std::int64_t group = std::min(kRowGroup, end - first);
-      for (std::int64_t g = 0; g < group; ++g) {
-        const float* in = channel.in.row(first + g);
-        float* coefficients = rows.data() + g * stride;
-        if (cosine) {
-          kernels::center_ordered(in, n, channel.mean, channel.scale, ordered.data());
-          x_forward_.execute(ordered.data(), half.data());
-          kernels::cosine_from_half(half.data(), x_twiddles_.data(), n, coefficients);
-          continue;
-        }
-        kernels::center(in, n, channel.mean, channel.scale, ordered.data());
-        for (std::int64_t i = n; i < length; ++i) {
-          const std::int32_t source = x_source_[static_cast<std::size_t>(i)];
-          ordered[static_cast<std::size_t>(i)] = source < 0 ? level : ordered[static_cast<std::size_t>(source)];
-        }
-        x_forward_.execute(ordered.data(), coefficients);
+// A cosine coefficient is a row of 2 x kLanes lines: a tile of kLanes frequencies fills half the width of a block. A
+// complex one is two rows, of the first and the last kLanes lines, and its real and imaginary parts fill both halves.
+template <class S>
+void SpectralEngine<S>::for_tiles(auto* coefficients, auto* buffer, std::int64_t first_row, const auto& tile) const {
+  const bool pairs = x_.rows_per_coefficient() == 2;
+  for (std::int64_t b = 0; b < blocks(); ++b)
+    for (int half = 0; half < 2; ++half)
+      for (int lines = 0; lines < 2; ++lines) {
+        auto* from = coefficients + b * kRow * kRow;
+        from += pairs ? lines * kRow + half * kLanes : half * kLanes * kRow + lines * kLanes;
+        tile(from, buffer + (b * block_rows() + first_row + lines * kLanes) * kRow + half * kLanes);
       }
-      for (std::int64_t b = 0; b < count; ++b)
-        for (std::int64_t g = 0; g < group; ++g)
-          copy_row(buffer + (b * block_rows() + first + g) * kRowFloats, rows.data() + g * stride + b * kRowFloats);
+}
+
+template <class S>
+void SpectralEngine<S>::rows_forward(const Channel& channel, S* buffer, int threads) const {
+  const std::int64_t stride = line_stride(), used = x().keep * x_.rows_per_coefficient();
+  parallel_for(y().samples, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
+    const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride)),
+        work(pool_, static_cast<std::size_t>(x_.rows() * kRow)),
+        coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));
+    alignas(64) S level_row[kRow];
+    std::fill_n(level_row, kRow, level(channel));
+    for (std::int64_t i = 0; i < kRow; ++i) {
+      S* line = lines.data() + i * stride;
+      if (begin + i < end)
+        kernels::center(channel.in.row(begin + i), x().samples, channel.mean, channel.scale, line);
+      else
+        std::fill_n(line, x().samples, S(0));
     }
+    lanes::lines_to_lanes<S>(lines.data(), stride, x_.in_rows(), work.data());
+    x_.extend(level_row, work.data());
+    x_.forward(work.data());
+    x_.coefficients(work.data(), coefficients.data());
+    std::fill_n(coefficients.data() + used * kRow, (coefficient_rows() - used) * kRow, S(0));
+    const std::int64_t step = kRow * x_.rows_per_coefficient();
+    for_tiles(coefficients.data(), buffer, begin,
+              [&](const S* from, S* to) { lanes::transpose(from, step, to, kRow); });
   });
 }
 
-void SpectralEngine::columns(const std::vector<Channel>& channels, const std::vector<AlignedBuffer<float>>& buffers,
-                             const OtfBlocks& otf, int threads) const {
-  parallel_for(blocks(), 1, threads, [&](std::int64_t begin, std::int64_t end) {
-    const auto scratch = static_cast<std::size_t>(work_rows() * kRowFloats);
-    const AlignedBuffer<float> work(scratch), target(scratch);
-    for (std::int64_t b = begin; b < end; ++b)
-      for (std::size_t c = 0; c < channels.size(); ++c)
-        column_block(channels[c], otf, b, buffers[c].data() + b * block_rows() * kRowFloats, work.data(),
-                     target.data());
+template <class S>
+void SpectralEngine<S>::columns(const std::vector<Channel>& channels, const std::vector<S*>& buffers,
+                                const OtfBlocks<S>& otf, int threads) const {
+  parallel_for(blocks(), 1, threads, [&](std::int64_t b, std::int64_t) {
+    const auto area = static_cast<std::size_t>(y_.rows() * kRow);
+    const BufferPool::Loan<S> work(pool_, area), target(pool_, area);
+    for (std::size_t c = 0; c < channels.size(); ++c)
+      column_block(channels[c], otf, b, buffers[c] + b * block_rows() * kRow, work.data(), target.data());
   });
 }
 
-// One block of columns with its border: in Makhoul's order for the cosine basis, as a whole canvas else.
-void SpectralEngine::load_columns(const Channel& channel, std::int64_t block, const float* data, float* work) const {
-  const std::int64_t n = y_.samples;
-  if (y_.frequency.basis == Basis::cosine) {
-    for (std::int64_t i = 0; i < (n + 1) / 2; ++i) copy_row(work + i * kRowFloats, data + 2 * i * kRowFloats);
-    for (std::int64_t i = 0; i < n / 2; ++i) copy_row(work + (n - 1 - i) * kRowFloats, data + (2 * i + 1) * kRowFloats);
-    return;
+template <class S>
+void SpectralEngine<S>::column_block(const Channel& channel, const OtfBlocks<S>& otf, std::int64_t block, S* data,
+                                     S* work, S* target) const {
+  constexpr std::size_t bytes = kRow * sizeof(S);
+  for (const std::int32_t row : y_.in_rows()) {
+    std::memcpy(work + std::int64_t{row} * kRow, data, bytes);
+    data += kRow;
   }
+  data -= y().samples * kRow;
   // A row of the constant level has one coefficient only: that of frequency zero.
-  alignas(64) float level_row[kRowFloats] = {};
-  if (block == 0)
-    level_row[0] = static_cast<float>((channel.border_value - channel.mean) * channel.scale *
-                                      static_cast<double>(x_.frequency.length));
-  std::memcpy(work, data, static_cast<std::size_t>(n) * kRowFloats * sizeof(float));
-  for (std::int64_t i = n; i < y_.frequency.length; ++i) {
-    const std::int32_t source = y_source_[static_cast<std::size_t>(i)];
-    copy_row(work + i * kRowFloats, source < 0 ? level_row : data + std::int64_t{source} * kRowFloats);
+  alignas(64) S level_row[kRow] = {};
+  if (block == 0) level_row[0] = level(channel) * static_cast<S>(x().frequency.length);
+  y_.extend(level_row, work);
+  y_.forward(work);
+  const S* samples = y_.inverse(work, otf.row(block, 0), otf.complex, target, work);
+  for (const std::int32_t row : y_.out_rows()) {
+    std::memcpy(data, samples + std::int64_t{row} * kRow, bytes);
+    data += kRow;
   }
+  // Lines come in pairs: what has no partner is one of zeros.
+  std::fill_n(data, (round_up(y().outputs, kRow) - y().outputs) * kRow, S(0));
 }
 
-void SpectralEngine::column_block(const Channel& channel, const OtfBlocks& otf, std::int64_t block, float* data,
-                                  float* work, float* target) const {
-  const bool cosine = y_.frequency.basis == Basis::cosine;
-  load_columns(channel, block, data, work);
-  y_forward_.execute(work);
-  const std::int64_t target_rows = inverse_length(y_);
-  if (cosine)
-    kernels::spread_cosine(work, otf.row(block, 0), otf.complex, y_terms_, y_twiddles_.data(), y_.samples, target,
-                           target_rows);
-  else
-    kernels::spread_fourier(work, otf.row(block, 0), otf.complex, y_terms_, target, target_rows);
-
-  if (y_.resampling == Resampling::fold && cosine) {
-    const std::int64_t m = y_.out_length;
-    kernels::unfold_cosine(target, y_out_twiddles_.data(), m, work);
-    y_inverse_.execute(work);
-    for (std::int64_t i = 0; 2 * i < y_.outputs; ++i) copy_row(data + 2 * i * kRowFloats, work + i * kRowFloats);
-    for (std::int64_t i = 0; 2 * i + 1 < y_.outputs; ++i)
-      copy_row(data + (2 * i + 1) * kRowFloats, work + (m - 1 - i) * kRowFloats);
-    return;
-  }
-  if (y_.resampling == Resampling::chirp)
-    y_chirp_.run(target);
-  else
-    y_inverse_.execute(target);
-  std::memcpy(data, target, static_cast<std::size_t>(y_.outputs) * kRowFloats * sizeof(float));
-}
-
-void SpectralEngine::rows_inverse(const Channel& channel, const float* buffer, int threads) const {
-  const std::int64_t count = blocks(), stride = aligned(std::max(count * kRowFloats, inverse_length(x_)));
-  parallel_for(y_.outputs, kRowChunk, threads, [&](std::int64_t begin, std::int64_t end) {
-    const AlignedBuffer<float> rows(static_cast<std::size_t>(kRowGroup * stride));
-    const AlignedBuffer<float> work(static_cast<std::size_t>(3 * aligned(2 * inverse_length(x_) + 2)));
-    std::fill_n(rows.data(), rows.size(), 0.0F);
-    for (std::int64_t first = begin; first < end; first += kRowGroup) {
-      const std::int64_t group = std::min(kRowGroup, end - first);
-      for (std::int64_t b = 0; b < count; ++b)
-        for (std::int64_t g = 0; g < group; ++g)
-          copy_row(rows.data() + g * stride + b * kRowFloats, buffer + (b * block_rows() + first + g) * kRowFloats);
-      for (std::int64_t g = 0; g < group; ++g)
-        row_from_coefficients(channel, rows.data() + g * stride, work.data(), channel.out.row(first + g));
-    }
+template <class S>
+void SpectralEngine<S>::rows_inverse(const Channel& channel, const S* buffer, int threads) const {
+  const std::int64_t stride = line_stride();
+  const double unscale = 1.0 / channel.scale;
+  parallel_for(y().outputs, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
+    const auto area = static_cast<std::size_t>(x_.rows() * kRow);
+    const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride)), work(pool_, area),
+        target(pool_, area), coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));
+    const std::int64_t step = kRow * x_.rows_per_coefficient();
+    for_tiles(coefficients.data(), buffer, begin,
+              [&](S* to, const S* from) { lanes::transpose(from, kRow, to, step); });
+    const S* samples = x_.inverse(coefficients.data(), nullptr, false, target.data(), work.data());
+    lanes::lanes_to_lines<S>(samples, x_.out_rows(), lines.data(), stride);
+    for (std::int64_t i = begin; i < end; ++i)
+      kernels::restore(lines.data() + (i - begin) * stride, x().outputs, channel.out_mean, unscale, channel.out.row(i));
   });
 }
 
-void SpectralEngine::row_from_coefficients(const Channel& channel, const float* c, float* work, float* out) const {
-  const bool cosine = x_.frequency.basis == Basis::cosine;
-  const std::int64_t m = inverse_length(x_);
-  const double unscale = 1.0 / channel.scale;
-  float* folded = work;
-  float* samples = work + aligned(2 * m + 2);
-  float* half = samples + aligned(2 * m + 2);
-  if (x_.resampling == Resampling::chirp) {
-    std::fill_n(folded, 2 * m, 0.0F);
-    for (const Term& term : x_terms_) {
-      const std::int64_t k = std::abs(term.k);
-      const float re = cosine ? c[k] : c[2 * k];
-      const float im = cosine ? 0.0F : (term.k < 0 ? -c[2 * k + 1] : c[2 * k + 1]);
-      folded[2 * term.target] = re * term.re - im * term.im;
-      folded[2 * term.target + 1] = re * term.im + im * term.re;
-    }
-    x_chirp_.run(folded);
-    for (std::int64_t j = 0; j < x_.outputs; ++j) samples[j] = folded[2 * j];
-    kernels::restore(samples, x_.outputs, channel.out_mean, unscale, out);
-    return;
-  }
-  if (cosine) {
-    if (x_folds_) {
-      std::fill_n(folded, m, 0.0F);
-      for (const Term& term : x_terms_) folded[term.target] += term.re * c[term.source];
-    }
-    kernels::half_from_cosine(x_folds_ ? folded : c, x_out_twiddles_.data(), m, half);
-    x_inverse_.execute(half, samples);
-    kernels::restore_ordered(samples, m, x_.outputs, channel.out_mean, unscale, out);
-    return;
-  }
-  // Half spectrum of the detector row: a term of frequency k, or its mirror, lands in bins 0 .. m/2.
-  std::fill_n(half, m + 2, 0.0F);
-  for (const Term& term : x_terms_) {
-    if (2 * std::int64_t{term.target} > m) continue;  // given by the mirrored term
-    const std::int64_t k = std::abs(term.k);
-    const float re = c[2 * k], im = term.k < 0 ? -c[2 * k + 1] : c[2 * k + 1];
-    half[2 * term.target] += re * term.re - im * term.im;
-    half[2 * term.target + 1] += re * term.im + im * term.re;
-  }
-  x_inverse_.execute(half, samples);
-  kernels::restore(samples, x_.outputs, channel.out_mean, unscale, out);
-}
+template class SpectralEngine<float>;
+template class SpectralEngine<double>;
 
 }  // namespace mtf

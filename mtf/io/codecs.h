@@ -12,10 +12,11 @@
 #include <vector>
 
 #include "mtf/image.h"
+#include "mtf/io/opencv_filters.h"
 
 namespace mtf::io {
 
-inline constexpr int codecs_version = 1;
+inline constexpr int codecs_version = 2;
 
 /// A PNG or TIFF as its header describes it, sizes already checked against the file.
 struct RasterHeader {
@@ -47,6 +48,7 @@ struct Codecs {
   std::vector<Image> (*decode_tiff)(const std::string& path, const RasterHeader& header);
   int (*encode_png)(int descriptor, const RasterData& data);
   int (*encode_tiff)(int descriptor, const RasterData& data);
+  OpenCvFilter (*opencv_filter)(const OpenCvJob& job);
 };
 
 /// Name of the function that the module exports: `const Codecs* mtfkit_codecs()`.

@@ -91,4 +91,6 @@ const Codecs& codecs() {
   return *table;
 }
 
+OpenCvFilter opencv_filter(const OpenCvJob& job) { return codecs().opencv_filter(job); }
+
 }  // namespace mtf::io

@@ -18,6 +18,7 @@ std::vector<Image> decode_png(const std::string& path, const RasterHeader& heade
 std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& header);
 int encode_png(int descriptor, const RasterData& data);
 int encode_tiff(int descriptor, const RasterData& data);
+OpenCvFilter make_filter(const OpenCvJob& job);
 
 /// Stops libtiff from writing to stderr; its messages are replaced by ours.
 void silence_tiff();

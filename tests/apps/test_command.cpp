@@ -56,7 +56,7 @@ TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
 
 INSTANTIATE_TEST_SUITE_P(Every, HelpOf,
                          testing::Values("", "demo", "info", "config", "config init", "config check", "config explain",
-                                         "config kinds", "curve", "simulate", "check"),
+                                         "config kinds", "curve", "simulate", "bench", "check"),
                          [](const auto& parameter) {
                            std::string name = std::string("mtf ") + parameter.param;
                            for (char& c : name) c = c == ' ' ? '_' : c;

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Plan::run beside bare FFTW float transforms of the same lengths and flags (the floor), of the image's own size, and
-// OpenCV doing the same filter by cv::dft, all on one thread and interleaved. Also: making the OTF of six components
-// beside one transform. Output: a table; columns are minimum and median in ms.
+// FFT plans beside bare FFTW (float, MEASURE, in place or out of place, whichever is faster) of the image's own size,
+// and OpenCV doing the same filter by cv::dft, all on one thread and interleaved. Also: making the OTF of six
+// components beside one transform. Output: a table; columns are minimum and median in ms.
 
 #include <fftw3.h>
 
 #include <cstdio>
-#include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
+#include <string>
 
 #include "mtf/plan.h"
 #include "mtf/version.h"
@@ -20,16 +21,19 @@ namespace {
 
 using namespace mtf;  // NOLINT: a benchmark program
 
-// Forward and inverse real transform, out of place, as a user of FFTW would write it.
+// Forward and inverse real transform, as a user of FFTW would write it.
 class BarePair {
  public:
-  BarePair(std::int64_t width, std::int64_t height, unsigned flags)
-      : real_(static_cast<std::size_t>(width * height)), half_(static_cast<std::size_t>(2 * height * (width / 2 + 1))) {
+  BarePair(std::int64_t width, std::int64_t height, bool in_place)
+      : half_(static_cast<std::size_t>(2 * height * (width / 2 + 1))),
+        real_(in_place ? 1 : static_cast<std::size_t>(width * height)) {
     const auto w = static_cast<int>(width), h = static_cast<int>(height);
+    float* real = in_place ? half_.data() : real_.data();
     auto* spectrum = reinterpret_cast<fftwf_complex*>(half_.data());
-    forward_ = fftwf_plan_dft_r2c_2d(h, w, real_.data(), spectrum, flags);
-    backward_ = fftwf_plan_dft_c2r_2d(h, w, spectrum, real_.data(), flags);
-    std::fill_n(real_.data(), real_.size(), 0.0F);  // zeros stay zeros: the inverse is unnormalised
+    forward_ = fftwf_plan_dft_r2c_2d(h, w, real, spectrum, FFTW_MEASURE);
+    backward_ = fftwf_plan_dft_c2r_2d(h, w, spectrum, real, FFTW_MEASURE);
+    std::fill_n(half_.data(), half_.size(), 0.0F);  // zeros stay zeros: the inverse is unnormalised
+    std::fill_n(real_.data(), real_.size(), 0.0F);
   }
   ~BarePair() {
     fftwf_destroy_plan(forward_);
@@ -44,7 +48,7 @@ class BarePair {
   }
 
  private:
-  AlignedBuffer<float> real_, half_;
+  AlignedBuffer<float> half_, real_;
   fftwf_plan forward_ = nullptr, backward_ = nullptr;
 };
 
@@ -52,38 +56,43 @@ struct Size {
   std::int64_t width, height;
 };
 
-void compare(const Size& size, double ratio, const System<double>& system, fft::Rigor rigor, const char* what) {
+void compare(const char* what, const Size& size, double ratio, const System<double>& system) {
   const SampleGrid in{size.width, size.height, 15.0 / ratio, 15.0 / ratio};
   const SampleGrid out = detector_grid(system, in);
   const Image scene = test::random_image(size.width, size.height, 1, 100.0, 10.0);
   PlanOptions options;
-  options.rigor = rigor;
+  options.method = Method::fft_float;
   options.scene = summarise(scene.view(), options.border, 0.0);
-  const Plan plan = compile(system, in, out, options);
+  const Plan whole = compile(system, in, out, options);
+  // Only the columns below the cutoff, where there is one.
+  options.method = Method::fft_cut;
+  std::optional<Plan> cut;
+  if (whole.report().candidates.size() > 1)
+    for (const Candidate& candidate : whole.report().candidates)
+      if (candidate.method == Method::fft_cut && candidate.possible) cut = compile(system, in, out, options);
+  const Plan plan = cut.value_or(whole);
   Image image(out.width, out.height);
-  const auto padded = plan.report().size;
-  const unsigned flags = rigor == fft::Rigor::measure ? FFTW_MEASURE : FFTW_ESTIMATE;
-  const BarePair floor(padded[0], padded[1], flags), own(size.width, size.height, flags);
-
+  const BarePair apart(size.width, size.height, false), in_place(size.width, size.height, true);
   const cv::Mat mat(static_cast<int>(size.height), static_cast<int>(size.width), CV_32F,
                     const_cast<float*>(scene.data()));
   const cv::Mat otf(mat.rows, mat.cols, CV_32F, cv::Scalar(1.0));
   cv::Mat spectrum, filtered;
   const auto t = bench::interleave(
-      {[&] { plan.run(scene.view(), image.view(), 0.0, 1); }, [&] { floor.both(); }, [&] { own.both(); },
+      {[&] { plan.run(scene.view(), image.view(), 0.0, 1); }, [&] { apart.both(); }, [&] { in_place.both(); },
        [&] {
          cv::dft(mat, spectrum);
          cv::mulSpectrums(spectrum, otf, spectrum, 0);
          cv::dft(spectrum, filtered, cv::DFT_INVERSE | cv::DFT_REAL_OUTPUT | cv::DFT_SCALE);
        }},
       21);
+  const bench::Timing& floor = t[1].min_ms < t[2].min_ms ? t[1] : t[2];
+  const auto& kept = plan.report().kept;
   std::printf(
-      "%-22s %4lldx%-4lld /%g  plan %7.2f %7.2f | floor %lldx%lld %7.2f %7.2f | own size %7.2f %7.2f | cv::dft %7.2f "
-      "%7.2f"
-      " | plan/floor %.2f  plan/own %.2f\n",
-      what, static_cast<long long>(size.width), static_cast<long long>(size.height), ratio, t[0].min_ms, t[0].median_ms,
-      static_cast<long long>(padded[0]), static_cast<long long>(padded[1]), t[1].min_ms, t[1].median_ms, t[2].min_ms,
-      t[2].median_ms, t[3].min_ms, t[3].median_ms, t[0].min_ms / t[1].min_ms, t[0].min_ms / t[2].min_ms);
+      "%-28s %4lldx%-4lld kept %4lldx%-4lld plan %7.2f %7.2f | FFTW %7.2f %7.2f | cv::dft %7.2f %7.2f | plan/FFTW "
+      "%.2f %.2f\n",
+      what, static_cast<long long>(size.width), static_cast<long long>(size.height), static_cast<long long>(kept[0]),
+      static_cast<long long>(kept[1]), t[0].min_ms, t[0].median_ms, floor.min_ms, floor.median_ms, t[3].min_ms,
+      t[3].median_ms, t[0].min_ms / floor.min_ms, t[0].median_ms / floor.median_ms);
 }
 
 System<double> six_components() {
@@ -96,14 +105,14 @@ System<double> six_components() {
   return s;
 }
 
-void otf_making(fft::Rigor rigor) {
+void otf_making() {
   const System<double> system = six_components();
   const SampleGrid grid{1024, 1024, 7.5, 7.5};
   PlanOptions options;
-  options.rigor = rigor;
   options.threads = 1;
+  options.method = Method::fft_float;
   const Plan plan = compile(system, grid, detector_grid(system, grid), options);
-  const BarePair bare(1024, 1024, rigor == fft::Rigor::measure ? FFTW_MEASURE : FFTW_ESTIMATE);
+  const BarePair bare(1024, 1024, false);
   const auto t = bench::interleave({[&] { const Plan again = plan.with(system); }, [&] { bare.forward(); }}, 21);
   std::printf(
       "OTF of 6 components, 1024x1024 (Plan::with, all included)  %7.2f %7.2f | one transform %7.2f %7.2f | ratio "
@@ -111,21 +120,30 @@ void otf_making(fft::Rigor rigor) {
       t[0].min_ms, t[0].median_ms, t[1].min_ms, t[1].median_ms, t[0].min_ms / t[1].min_ms);
 }
 
+// Diffraction and a footprint, cut off at a part of the scene's Nyquist frequency.
+System<double> cut_at(double part, double ratio) {
+  System<double> s = test::mwir();
+  s.optics.f_number = 1e3 / (part * 500.0 * ratio / 15.0 * 4.0);
+  return s;
+}
+
 }  // namespace
 
 int main() {
   cv::setNumThreads(1);
-  std::printf("mtfkit %s (%s), %s; one thread; minimum and median of interleaved runs, ms\n",
+  std::printf("mtfkit %s (%s), %s; reflect border, one thread; minimum and median of interleaved runs, ms\n",
               std::string(mtf::version).c_str(), std::string(mtf::git_commit).c_str(), fft::version().c_str());
   System<double> complex = test::mwir();
   complex.add(Stage::presample, test::rc(60.0, 0));
-  for (const fft::Rigor rigor : {fft::Rigor::estimate, fft::Rigor::measure}) {
-    std::printf("%s\n", rigor == fft::Rigor::measure ? "FFTW_MEASURE" : "FFTW_ESTIMATE");
-    for (const Size size : {Size{640, 512}, Size{1024, 1024}, Size{2048, 2048}}) {
-      compare(size, 1.0, test::mwir(), rigor, "even OTF, reflect");
-      compare(size, 4.0, test::mwir(), rigor, "even OTF, reflect");
-      compare(size, 4.0, complex, rigor, "RC phase, reflect");
+  for (const Size size : {Size{640, 512}, Size{1024, 1024}, Size{1280, 1024}, Size{2048, 2048}}) {
+    compare("1 a pitch", size, 1.0, cut_at(1.5, 1.0));
+    for (const double ratio : {2.0, 4.0}) {
+      const std::string what = ratio == 2.0 ? "2 a pitch" : "4 a pitch";
+      compare((what + ", up to Nyquist").c_str(), size, ratio, cut_at(1.5, ratio));
+      compare((what + ", up to half of it").c_str(), size, ratio, cut_at(0.5, ratio));
     }
-    otf_making(rigor);
+    compare("1 a pitch, OTF with phase", size, 1.0, complex);
+    compare("4 a pitch, OTF with phase", size, 4.0, complex);
   }
+  otf_making();
 }

@@ -35,14 +35,16 @@ TEST(EngineAxis, chirp_evaluates_the_polynomial_at_every_output) {
     for (const std::int64_t keep : {1, 7, 400}) {
       const AxisJob j = job(Basis::fourier, 101, ratio, static_cast<std::int64_t>(101 / ratio), keep);
       const std::int64_t rows = inverse_length(j);
-      AlignedBuffer<float> data(static_cast<std::size_t>(2 * rows));
+      AlignedBuffer<float> data(static_cast<std::size_t>(rows * kRow));
       std::fill_n(data.data(), data.size(), 0.0F);
+      const std::size_t lane = 11;
       std::vector<C> expected(static_cast<std::size_t>(j.outputs));
       double energy = 0.0;
       for (const Term& term : column_terms(j)) {
         const C g(normal(generator), normal(generator)), in = g * C(term.re, term.im);
-        data[static_cast<std::size_t>(2 * term.target)] += static_cast<float>(in.real());
-        data[static_cast<std::size_t>(2 * term.target + 1)] += static_cast<float>(in.imag());
+        const std::size_t row = static_cast<std::size_t>(term.target) * kRow;
+        data[row + lane] += static_cast<float>(in.real());
+        data[row + kLanes + lane] += static_cast<float>(in.imag());
         energy += std::norm(g);
         for (std::int64_t o = 0; o < j.outputs; ++o) {
           const double x = (static_cast<double>(o) + 0.5) * ratio - 0.5;  // scene samples from the centre of sample 0
@@ -50,10 +52,11 @@ TEST(EngineAxis, chirp_evaluates_the_polynomial_at_every_output) {
               g * std::polar(1.0, 2.0 * M_PI * static_cast<double>(term.k) * x / 101.0);
         }
       }
-      const Chirp chirp(j, 1, fft::Rigor::estimate);
+      const Chirp<float> chirp(j, fft::Rigor::estimate);
       chirp.run(data.data());
       for (std::size_t o = 0; o < expected.size(); ++o)
-        ASSERT_LT(std::abs(C(data[2 * o], data[2 * o + 1]) - expected[o]), 3e-6 * std::sqrt(energy))
+        ASSERT_LT(std::abs(C(data[o * kRow + lane], data[o * kRow + kLanes + lane]) - expected[o]),
+                  3e-6 * std::sqrt(energy))
             << ratio << " " << o;
     }
 }

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/engines/axis_pass.h"
+
+#include <cstring>
+
+#include "mtf/special.h"
+
+namespace mtf {
+namespace {
+
+template <class S>
+std::vector<S> cosine_twiddles(std::int64_t n) {
+  std::vector<S> t(2 * static_cast<std::size_t>(n));
+  for (std::int64_t k = 0; k < n; ++k) {
+    const double half_turns = static_cast<double>(k) / (2.0 * static_cast<double>(n));
+    t[2 * static_cast<std::size_t>(k)] = static_cast<S>(cos_pi(half_turns));
+    t[2 * static_cast<std::size_t>(k) + 1] = static_cast<S>(-sin_pi(half_turns));
+  }
+  return t;
+}
+
+// Rows of the first `count` of n samples: in order, or in Makhoul's order, even ones up, odd ones down.
+std::vector<std::int32_t> sample_rows(std::int64_t count, std::int64_t n, bool makhoul) {
+  std::vector<std::int32_t> rows(static_cast<std::size_t>(count));
+  for (std::int64_t i = 0; i < count; ++i)
+    rows[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(!makhoul ? i : i % 2 == 0 ? i / 2 : n - 1 - i / 2);
+  return rows;
+}
+
+}  // namespace
+
+template <class S>
+AxisPass<S>::AxisPass(const AxisJob& job, bool apart, fft::Rigor rigor)
+    : job_(job), terms_(column_terms(job)), forward_(job.frequency.length, rigor) {
+  const std::int64_t length = job.frequency.length, n = job.samples;
+  if (cosine()) twiddles_ = cosine_twiddles<S>(length);
+  in_rows_ = sample_rows(n, length, cosine());
+  // The right continuation stands behind the image, the left one at the end of the canvas.
+  const std::int64_t right = n + (length - n + 1) / 2;
+  for (std::int64_t i = n; i < length; ++i)
+    extension_.push_back(static_cast<std::int32_t>(border_source(job.border, i < right ? i : i - length, n)));
+
+  if (job.resampling == Resampling::chirp) {
+    chirp_ = Chirp<S>(job, rigor);
+  } else {
+    inverse_ = LaneTransform<S>(job.out_length, rigor);
+    if (cosine()) out_twiddles_ = cosine_twiddles<S>(job.out_length);
+  }
+  const bool folded_cosine = cosine() && job.resampling == Resampling::fold;
+  out_rows_ = sample_rows(job.outputs, job.out_length, folded_cosine);
+  if (folded_cosine)
+    for (std::int64_t k = 0; k < job.out_length; ++k) out_place_.push_back(inverse_.place(k));
+
+  source_ = apart ? (cosine() ? lanes::Source::plain : lanes::Source::pairs)
+                  : (cosine() ? lanes::Source::cosine : lanes::Source::plain);
+  std::vector<bool> reached(static_cast<std::size_t>(inverse_length(job)));
+  for (const Term& term : terms_) {
+    lanes::Route<S> route;
+    if (!apart) {
+      route = source_of(term.source);
+    } else if (cosine()) {
+      route.up = term.source;
+    } else {
+      route.up = 2 * std::abs(term.k);
+      route.down = route.up + 1;
+      route.sin = term.k < 0 ? S(-1) : S(1);
+    }
+    // The chirp and the unfolding take their input in order, a transform at its places.
+    const bool in_order = job.resampling == Resampling::chirp || cosine();
+    route.target = in_order ? term.target : inverse_.place(term.target);
+    route.re = static_cast<S>(term.re);
+    route.im = static_cast<S>(term.im);
+    route.first = !reached[static_cast<std::size_t>(route.target)];
+    reached[static_cast<std::size_t>(route.target)] = true;
+    routes_.push_back(route);
+  }
+  for (std::size_t r = 0; r < reached.size(); ++r)
+    if (!reached[r]) zeros_.push_back(static_cast<std::int32_t>(r));
+  if (!apart) return;
+  for (std::int64_t k = 0; k < job.keep; ++k) {
+    coefficients_.push_back(source_of(k));
+    coefficients_.back().target = static_cast<std::int32_t>(k);
+  }
+}
+
+// Where the transform leaves frequency k, and the one it is combined with.
+template <class S>
+lanes::Route<S> AxisPass<S>::source_of(std::int64_t k) const {
+  const std::int64_t length = job_.frequency.length;
+  lanes::Route<S> route;
+  route.up = forward_.place(k);
+  route.down = forward_.place(k == 0 ? 0 : length - k);
+  if (!cosine()) return route;
+  route.cos = S(0.5) * twiddles_[2 * static_cast<std::size_t>(k)];
+  route.sin = S(0.5) * twiddles_[2 * static_cast<std::size_t>(k) + 1];
+  return route;
+}
+
+template <class S>
+void AxisPass<S>::extend(const S* level, S* work) const {
+  constexpr std::size_t bytes = kRow * sizeof(S);
+  S* row = work + job_.samples * kRow;
+  for (const std::int32_t source : extension_) {
+    std::memcpy(row, source < 0 ? level : work + std::int64_t{source} * kRow, bytes);
+    row += kRow;
+  }
+}
+
+template <class S>
+void AxisPass<S>::coefficients(const S* work, S* to) const {
+  if (cosine())
+    lanes::spread<S>(lanes::Source::cosine, lanes::Factor::none, coefficients_, work, nullptr, to);
+  else
+    lanes::separate<S>(coefficients_, work, to);
+}
+
+template <class S>
+S* AxisPass<S>::inverse(const S* from, const S* otf, bool complex_otf, S* target, S* work) const {
+  using lanes::Factor;
+  for (const std::int32_t row : zeros_) std::fill_n(target + std::int64_t{row} * kRow, kRow, S(0));
+  const Factor factor = otf == nullptr ? Factor::none : complex_otf ? Factor::complex : Factor::real;
+  lanes::spread<S>(source_, factor, routes_, from, otf, target);
+  if (job_.resampling == Resampling::chirp) {
+    chirp_.run(target);
+    return target;
+  }
+  if (!cosine()) {
+    inverse_.inverse(target);
+    return target;
+  }
+  lanes::unfold_cosine<S>(target, out_twiddles_.data(), out_place_, work);
+  inverse_.inverse(work);
+  return work;
+}
+
+template class AxisPass<float>;
+template class AxisPass<double>;
+
+}  // namespace mtf

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// One axis of the spectral engine at work on kLanes lines at once: samples -> frequencies, and filtered frequencies ->
+// detector samples. Real lines come in pairs, as the real and imaginary parts of one lane; where everything is
+// real-linear with real factors (the cosine basis with a real OTF) they pass through as they are, else `coefficients`
+// takes them apart.
+
+#include <span>
+#include <vector>
+
+#include "mtf/engines/axis.h"
+#include "mtf/engines/lane_kernels.h"
+
+namespace mtf {
+
+template <class S>
+class AxisPass {
+ public:
+  /// `apart`: the frequencies leave the pass as coefficients and come back later (the x axis, on both sides of the
+  /// column passes); otherwise they are filtered in place.
+  AxisPass(const AxisJob& job, bool apart, fft::Rigor rigor);
+
+  const AxisJob& job() const { return job_; }
+  const std::vector<Term>& terms() const { return terms_; }
+  /// Rows of a work area.
+  std::int64_t rows() const { return std::max(job_.frequency.length, inverse_length(job_)); }
+  /// Rows of the coefficients of one frequency: a line's real coefficient, or a complex one each of both lines.
+  int rows_per_coefficient() const { return cosine() ? 1 : 2; }
+
+  /// Row of image sample i before `forward`; `extend` fills the other rows with what the border rule says, -1 being
+  /// `level` (a row).
+  std::span<const std::int32_t> in_rows() const { return in_rows_; }
+  void extend(const S* level, S* work) const;
+  void forward(S* work) const { forward_.forward(work); }
+  /// Coefficients of k = 0 .. keep-1 from what `forward` left.
+  void coefficients(const S* work, S* to) const;
+
+  /// From what `forward` left, or from coefficients, through the OTF (one row a term; null for none) to samples. Uses
+  /// both work areas and returns the one that holds sample j in row out_rows()[j]. `from` may be `work`.
+  S* inverse(const S* from, const S* otf, bool complex_otf, S* target, S* work) const;
+  std::span<const std::int32_t> out_rows() const { return out_rows_; }
+
+ private:
+  bool cosine() const { return job_.frequency.basis == Basis::cosine; }
+  void plan_source(bool apart);
+  lanes::Route<S> source_of(std::int64_t k) const;
+
+  AxisJob job_;
+  std::vector<Term> terms_;
+  std::vector<S> twiddles_, out_twiddles_;        ///< exp(-i pi k / 2n), cosine basis
+  std::vector<std::int32_t> in_rows_, out_rows_;  ///< by sample
+  std::vector<std::int32_t> extension_;           ///< source row of row samples + i, -1 = level
+  std::vector<std::int32_t> out_place_;           ///< cosine: rows of the inverse's frequencies
+  std::vector<std::int32_t> zeros_;               ///< target rows that no term reaches
+  std::vector<lanes::Route<S>> routes_, coefficients_;
+  lanes::Source source_{};
+  LaneTransform<S> forward_, inverse_;
+  Chirp<S> chirp_;
+};
+
+extern template class AxisPass<float>;
+extern template class AxisPass<double>;
+
+}  // namespace mtf

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/engines/lanes.h"
+
+#include <cassert>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "mtf/engines/butterfly.h"
+#include "mtf/error.h"
+#include "mtf/special.h"
+
+namespace mtf {
+namespace {
+
+constexpr std::int64_t kNearBytes = 24 << 10;      // of a part that is taken through its remaining steps at once
+constexpr std::size_t kKeptTables = 64;            // of the process
+constexpr std::int64_t kLongestKept = 1 << 16;     // longer tables are made anew
+constexpr std::int64_t kLongest = 0x7fffffff / 2;  // rows are counted in 32 bits
+
+// Sign -1 on (re, im); sign +1 is the same with re and im exchanged.
+template <class S, int R, bool inverse>
+struct RadixStep {
+  template <int Bytes>
+  static MTFKIT_INLINE void run(S* re, S* im, std::int64_t stride, std::int64_t blocks, const S* twiddles) {
+    using P = simd::Packet<S, Bytes>;
+    const std::int64_t apart = stride * kRow;
+    for (std::int64_t b = 0; b < blocks; ++b, re += R * apart, im += R * apart) {
+      for (int lane = 0; lane < kLanes; lane += P::size) {
+        P z[R];
+#pragma GCC unroll 16
+        for (int j = 0; j < R; ++j) z[j] = P::load(re + j * apart + lane, im + j * apart + lane);
+        simd::dft(z);
+#pragma GCC unroll 16
+        for (int j = 0; j < R; ++j) z[j].store(re + j * apart + lane, im + j * apart + lane);
+      }
+      const S* w = twiddles;
+      for (std::int64_t p = 1; p < stride; ++p, w += 2 * (R - 1))
+        for (int lane = 0; lane < kLanes; lane += P::size) {
+          S *const re_p = re + p * kRow + lane, *const im_p = im + p * kRow + lane;
+          P z[R];
+#pragma GCC unroll 16
+          for (int j = 0; j < R; ++j) z[j] = P::load(re_p + j * apart, im_p + j * apart);
+          if (inverse)
+#pragma GCC unroll 16
+            for (int j = 1; j < R; ++j) z[j] = z[j].turned(w[2 * j - 2], w[2 * j - 1]);
+          simd::dft(z);
+          if (!inverse)
+#pragma GCC unroll 16
+            for (int j = 1; j < R; ++j) z[j] = z[j].turned(w[2 * j - 2], w[2 * j - 1]);
+#pragma GCC unroll 16
+          for (int j = 0; j < R; ++j) z[j].store(re_p + j * apart, im_p + j * apart);
+        }
+    }
+  }
+};
+
+// Few and large radices mean few passes over the data; the largest come first, where the data are farthest. None when n
+// has another prime factor.
+std::vector<int> radices(std::int64_t n) {
+  std::vector<int> list;
+  int twos = 0;
+  for (; n % 2 == 0; n /= 2) ++twos;
+  // 2^5 is 8 x 4 rather than 16 x 2, 2^6 8 x 8 rather than 16 x 4.
+  for (; twos >= 7 || twos == 4; twos -= 4) list.push_back(16);
+  for (; twos >= 3 && twos != 4; twos -= 3) list.push_back(8);
+  if (twos > 0) list.push_back(1 << twos);
+  for (const int p : {13, 11, 7, 5, 3})
+    for (; n % p == 0; n /= p) list.push_back(p);
+  return n == 1 ? list : std::vector<int>{};
+}
+
+}  // namespace
+
+template <class S>
+LaneTransform<S>::LaneTransform(std::int64_t n, fft::Rigor rigor) {
+  if (n < 1 || n > kLongest) throw UsageError("a transform of length " + std::to_string(n) + " is out of range");
+  static std::mutex lock;
+  static std::map<std::pair<std::int64_t, fft::Rigor>, std::shared_ptr<const Tables>> kept;
+  const std::pair key{n, rigor};
+  {
+    const std::scoped_lock guard(lock);
+    if (const auto found = kept.find(key); found != kept.end()) tables_ = found->second;
+  }
+  if (tables_) return;
+  tables_ = make_tables(n, rigor);
+  if (n > kLongestKept) return;
+  const std::scoped_lock guard(lock);
+  if (kept.size() >= kKeptTables) kept.clear();
+  kept.insert_or_assign(key, tables_);
+}
+
+template <class S>
+auto LaneTransform<S>::make_tables(std::int64_t n, fft::Rigor rigor) -> std::shared_ptr<const Tables> {
+  auto tables = std::make_shared<Tables>();
+  tables->length = n;
+  tables->place.resize(static_cast<std::size_t>(n));
+  const std::vector<int> factors = radices(n);
+  if (factors.empty() && n > 1) {
+    tables->fftw = fft::Split<S>(n, kLanes, rigor);
+    for (std::int64_t k = 0; k < n; ++k) tables->place[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(k);
+    return tables;
+  }
+  std::int64_t size = n;
+  for (const int radix : factors) {
+    Step step{radix, size / radix, {}};
+    for (std::int64_t p = 1; p < step.stride; ++p)
+      for (int j = 1; j < radix; ++j) {
+        const double half_turns = 2.0 * static_cast<double>(p * j % size) / static_cast<double>(size);
+        step.twiddles.push_back(static_cast<S>(cos_pi(half_turns)));
+        step.twiddles.push_back(static_cast<S>(-sin_pi(half_turns)));
+      }
+    size = step.stride;
+    tables->steps.push_back(std::move(step));
+  }
+  // A step of radix r puts frequencies k = r q + j into its part j, there at the place of q.
+  for (std::int64_t k = 0; k < n; ++k) {
+    std::int64_t rest = k, row = 0;
+    for (const Step& step : tables->steps) {
+      row += rest % step.radix * step.stride;
+      rest /= step.radix;
+    }
+    tables->place[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(row);
+  }
+  return tables;
+}
+
+template <class S>
+void LaneTransform<S>::step(const Step& step, S* data, std::int64_t blocks, bool inverse) {
+  const auto run = [&]<int R>() {
+    if (inverse)
+      simd::run<RadixStep<S, R, true>>(data + kLanes, data, step.stride, blocks, step.twiddles.data());
+    else
+      simd::run<RadixStep<S, R, false>>(data, data + kLanes, step.stride, blocks, step.twiddles.data());
+  };
+  switch (step.radix) {
+    case 2:
+      return run.template operator()<2>();
+    case 3:
+      return run.template operator()<3>();
+    case 4:
+      return run.template operator()<4>();
+    case 5:
+      return run.template operator()<5>();
+    case 7:
+      return run.template operator()<7>();
+    case 8:
+      return run.template operator()<8>();
+    case 11:
+      return run.template operator()<11>();
+    case 13:
+      return run.template operator()<13>();
+    default:
+      assert(step.radix == 16);
+      return run.template operator()<16>();
+  }
+}
+
+template <class S>
+void LaneTransform<S>::forward_from(std::size_t first, S* data) const {
+  const std::vector<Step>& steps = tables_->steps;
+  const std::int64_t size = steps[first].radix * steps[first].stride;
+  if (size * kRow * static_cast<std::int64_t>(sizeof(S)) <= kNearBytes) {
+    for (std::size_t i = first; i < steps.size(); ++i)
+      step(steps[i], data, size / (steps[i].radix * steps[i].stride), false);
+    return;
+  }
+  step(steps[first], data, 1, false);
+  if (first + 1 == steps.size()) return;
+  for (int j = 0; j < steps[first].radix; ++j) forward_from(first + 1, data + j * steps[first].stride * kRow);
+}
+
+template <class S>
+void LaneTransform<S>::inverse_from(std::size_t first, S* data) const {
+  const std::vector<Step>& steps = tables_->steps;
+  const std::int64_t size = steps[first].radix * steps[first].stride;
+  if (size * kRow * static_cast<std::int64_t>(sizeof(S)) <= kNearBytes) {
+    for (std::size_t i = steps.size(); i-- > first;)
+      step(steps[i], data, size / (steps[i].radix * steps[i].stride), true);
+    return;
+  }
+  if (first + 1 < steps.size())
+    for (int j = 0; j < steps[first].radix; ++j) inverse_from(first + 1, data + j * steps[first].stride * kRow);
+  step(steps[first], data, 1, true);
+}
+
+template <class S>
+void LaneTransform<S>::forward(S* data) const {
+  if (!tables_->steps.empty()) return forward_from(0, data);
+  if (tables_->length > 1) tables_->fftw.forward(data, data + kLanes);
+}
+
+template <class S>
+void LaneTransform<S>::inverse(S* data) const {
+  if (!tables_->steps.empty()) return inverse_from(0, data);
+  if (tables_->length > 1) tables_->fftw.inverse(data, data + kLanes);
+}
+
+template class LaneTransform<float>;
+template class LaneTransform<double>;
+
+}  // namespace mtf

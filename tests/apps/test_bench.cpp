@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `mtf bench` writes: its promises, its shapes, and rivals that do the same job.
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tests/apps/bench_csv.h"
+
+namespace apps_test {
+namespace {
+
+constexpr const char* kHeader =
+    "tolerance,method,chosen,promised,rms_error,max_error,time_ms_min,time_ms_median,plan_ms,memory_mib,floor_ms,"
+    "floor_image_ms";
+
+/// Every row as it has to be, whatever was measured.
+void check_rows(const std::vector<Row>& rows) {
+  std::map<double, int> chosen;
+  std::set<double> refused;
+  for (const Row& row : rows) {
+    const double tolerance = value(row, "tolerance");
+    const std::string& method = row.at("method");
+    chosen[tolerance] += row.at("chosen") == "1" ? 1 : 0;
+    if (method == "refused") {
+      refused.insert(tolerance);
+      for (const char* name : {"promised", "rms_error", "max_error", "time_ms_min"}) EXPECT_EQ(row.at(name), "");
+      EXPECT_NE(row.at("detail").find("reachable: "), std::string::npos) << row.at("detail");
+      continue;
+    }
+    EXPECT_GE(value(row, "max_error"), value(row, "rms_error")) << method;
+    for (const char* name : {"time_ms_min", "floor_ms", "floor_image_ms", "memory_mib"})
+      EXPECT_GT(value(row, name), 0.0) << name << " " << method << " " << tolerance;
+    EXPECT_GE(value(row, "time_ms_median"), value(row, "time_ms_min"));
+    EXPECT_EQ(row.at("promised").empty(), is_rival(row)) << method;
+    EXPECT_EQ(row.at("plan_ms").empty(), is_rival(row)) << method;
+    if (is_rival(row)) continue;
+    EXPECT_LE(value(row, "promised"), tolerance) << method;
+    EXPECT_LE(value(row, "rms_error"), value(row, "promised")) << method;
+    EXPECT_GT(value(row, "rms_error"), 0.0) << method;  // of float: an error of 0 would be a broken measure
+  }
+  EXPECT_EQ(chosen.size(), 7U);
+  for (const auto& [tolerance, count] : chosen) EXPECT_EQ(count, refused.count(tolerance) == 0 ? 1 : 0) << tolerance;
+}
+
+TEST(Bench, RowsKeepTheirPromisesForEveryRatioAndBorder) {
+  const Scratch scratch;
+  write_bench_scene(scratch / "scene.exr", 60, 48);
+  struct Case {
+    double samples;
+    const char* border;
+  };
+  for (const Case& c : {Case{1, "reflect"}, {2, "replicate"}, {3, "constant"}, {4, "periodic"}, {2.3, "reflect"}}) {
+    write_bench_sensor(scratch / "sensor.toml", c.samples, c.border, kDiffraction);
+    const Result result = scratch.run("mtf bench sensor.toml scene.exr -o b --force" + kQuick);
+    ASSERT_EQ(result.status, 0) << c.border << "\n" << result.err;
+    const std::string csv = read_file(scratch / "b/bench.csv");
+    ASSERT_TRUE(csv.starts_with(kHeader)) << csv;
+    const std::vector<Row> rows = read_rows(csv);
+    check_rows(rows);
+    EXPECT_EQ(value(rows.front(), "tolerance"), 1e-1);
+    EXPECT_EQ(value(rows.back(), "tolerance"), 1e-7);
+  }
+}
+
+TEST(Bench, StagesBehindTheSamplingAndABand) {
+  const Scratch scratch;
+  write_bench_scene(scratch / "scene.exr", 40, 40);
+  write_bench_sensor(
+      scratch / "sensor.toml", 2, "reflect",
+      "[band]\nwavelength = [\"3.4 um\", \"4.8 um\"]\n" + kDiffraction +
+          "[[postsample]]\nkind = \"fir\"\ntaps = [[0, -0.25, 0], [-0.25, 2.0, -0.25], [0, -0.25, 0]]\n");
+  std::string text = read_file(scratch / "sensor.toml");
+  text.erase(text.find("wavelength = \"4.0 um\"\n"), 22);
+  write_file(scratch / "sensor.toml", text);
+  const Result result = scratch.run("mtf bench sensor.toml scene.exr -o b" + kQuick);
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.err.find("no rows for OpenCV"), std::string::npos) << result.err;
+  const auto rows = read_rows(read_file(scratch / "b/bench.csv"));
+  check_rows(rows);
+  for (const Row& row : rows) EXPECT_FALSE(is_rival(row));
+}
+
+TEST(Bench, OpenCvDoesTheSameJob) {
+  const Scratch scratch;
+  write_bench_scene(scratch / "scene.exr", 60, 48);
+  struct Case {
+    double samples;
+    const char* border;
+    const std::string& stages;
+  };
+  for (const Case& c : {Case{1, "reflect", kSeparable},
+                        {1, "periodic", kDiffraction},
+                        {2, "constant", kSeparable},
+                        {3, "replicate", kSeparable},
+                        {3, "reflect", kDiffraction}}) {
+    write_bench_sensor(scratch / "sensor.toml", c.samples, c.border, c.stages);
+    const Result result = scratch.run("mtf bench sensor.toml scene.exr -o b --force" + kQuick);
+    ASSERT_EQ(result.status, 0) << result.err;
+    if (result.err.find("no rows for OpenCV") != std::string::npos) GTEST_SKIP() << "no OpenCV";
+    std::map<std::string, double> best;
+    for (const Row& row : read_rows(read_file(scratch / "b/bench.csv")))
+      if (is_rival(row)) {
+        const auto [known, fresh] = best.try_emplace(row.at("method"), value(row, "rms_error"));
+        known->second = std::min(known->second, value(row, "rms_error"));
+      }
+    EXPECT_LT(best.at("opencv_dft"), 5e-6) << c.samples << " " << c.border;  // float rounding is what remains
+    EXPECT_LT(best.at("opencv_filter2d"), &c.stages == &kSeparable ? 5e-6 : 3e-2) << c.samples << " " << c.border;
+    EXPECT_EQ(best.count("opencv_sep"), &c.stages == &kSeparable ? 1U : 0U);
+    for (const auto& [method, error] : best) EXPECT_TRUE(method != "opencv_sep" || error < 5e-6) << error;
+  }
+}
+
+TEST(Bench, FilesAndFormats) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  write_bench_scene(scratch / "scene.exr", 64, 48);
+  const Result csv = scratch.run("mtf bench sensor.toml scene.exr -o b --format csv" + kQuick);
+  ASSERT_EQ(csv.status, 0) << csv.err;
+  EXPECT_EQ(csv.out, read_file(scratch / "b/bench.csv"));
+  const auto json = nlohmann::json::parse(read_file(scratch / "b/bench.json"));
+  EXPECT_EQ(json.at("rows").size(), read_rows(csv.out).size());
+  EXPECT_EQ(json.at("scene_size"), nlohmann::json({64, 48}));
+  EXPECT_EQ(json.at("threads"), 1);
+  EXPECT_GE(json.at("machine").at("cores"), 1);
+  EXPECT_NE(json.at("command").get<std::string>().find("mtf bench sensor.toml scene.exr -o b "), std::string::npos);
+  for (const char* name : {"git_commit", "fft", "floors", "warnings", "version"})
+    EXPECT_TRUE(json.contains(name)) << name;
+  for (const auto& row : json.at("rows")) EXPECT_EQ(row.at("time_ms_min").is_null(), row.at("method") == "refused");
+  if (scratch.run("command -v gnuplot").status == 0) {
+    const std::string svg = read_file(scratch / "b/bench.svg");
+    for (const char* text : {"chosen by the plan", "Pareto front", "FFTW 64x48", "fft_float"})
+      EXPECT_NE(svg.find(text), std::string::npos) << text;
+    EXPECT_TRUE(read_file(scratch / "b/bench.png").starts_with("\x89PNG"));
+  }
+  const Result table = scratch.run("mtf bench sensor.toml scene.exr -o b --force --progress plain" + kQuick);
+  EXPECT_NE(table.out.find("rms error"), std::string::npos);
+  EXPECT_NE(table.err.find("timing 100 %"), std::string::npos) << table.err;
+  const Result as_json = scratch.run("mtf bench sensor.toml scene.exr -o b --force --format json" + kQuick);
+  EXPECT_TRUE(nlohmann::json::accept(as_json.out)) << as_json.out;
+}
+
+TEST(Bench, WithoutGnuplotTheNumbersAreThere) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  write_bench_scene(scratch / "scene.exr", 32, 32);
+  const Result result =
+      scratch.run("m=$(command -v mtf); PATH=/nonexistent $m bench sensor.toml scene.exr -o b" + kQuick);
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.err.find("gnuplot is not installed"), std::string::npos) << result.err;
+  EXPECT_EQ(scratch.run("ls b").out, "bench.csv\nbench.json\n");
+}
+
+TEST(Bench, WithoutOpenCvThePlansAreTimed) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  write_bench_scene(scratch / "scene.exr", 32, 32);
+  const Result result =
+      scratch.run("MTFKIT_CODECS=/nonexistent mtf bench sensor.toml scene.exr -o b --format csv" + kQuick);
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.err.find("no rows for OpenCV"), std::string::npos) << result.err;
+  EXPECT_EQ(result.out.find("opencv_"), std::string::npos);
+  check_rows(read_rows(result.out));
+}
+
+}  // namespace
+}  // namespace apps_test
