@@ -79,6 +79,7 @@ struct PlanOptions {
   fft::Rigor rigor = fft::Rigor::estimate;
   SceneAperture aperture;
   std::optional<SceneSummary> scene;
+  ScaleSplit split = {};                          ///< the near or far part only (mtf/tiles.h)
   std::shared_ptr<const SceneSpectrum> spectrum;  ///< of this very scene: what an omission costs it, not any scene
   int threads = 0;                                ///< for making the OTF; 0 = all cores
 };
