@@ -87,6 +87,41 @@ FrameRange frame_range(std::string_view option, std::string_view text) {
   return range;
 }
 
+std::int64_t byte_count(std::string_view option, std::string_view text) {
+  constexpr std::array units{std::pair{"KiB", 1024.0},
+                             std::pair{"MiB", 1048576.0},
+                             std::pair{"GiB", 1073741824.0},
+                             std::pair{"TiB", 1099511627776.0},
+                             std::pair{"KB", 1e3},
+                             std::pair{"MB", 1e6},
+                             std::pair{"GB", 1e9},
+                             std::pair{"TB", 1e12},
+                             std::pair{"B", 1.0},
+                             std::pair{"", 1.0}};
+  for (const auto& [unit, bytes] : units) {
+    if (!text.ends_with(unit)) continue;
+    std::string_view digits = text.substr(0, text.size() - std::string_view(unit).size());
+    while (digits.ends_with(' ')) digits.remove_suffix(1);
+    const auto value = finite(digits);
+    if (!value || !(*value * bytes >= 1048576.0 && *value * bytes < 9e18)) break;
+    return static_cast<std::int64_t>(*value * bytes);
+  }
+  refuse(option, text, "an amount of memory from 1MiB, such as 512MiB or 2GB");
+}
+
+std::array<std::int64_t, 4> rectangle(std::string_view option, std::string_view text) {
+  const auto parts = split(text, ',');
+  std::array<std::int64_t, 4> values{};
+  bool good = parts.size() == values.size();
+  for (std::size_t i = 0; good && i < values.size(); ++i) {
+    const auto value = read_number<std::int64_t>(parts[i]);
+    good = value && *value >= (i < 2 ? 0 : 1) && *value <= (std::int64_t{1} << 31);
+    values[i] = value.value_or(0);
+  }
+  if (!good) refuse(option, text, "X,Y,WIDTH,HEIGHT in pixels, such as 128,64,256,256");
+  return values;
+}
+
 std::vector<double> evenly_spaced(double start, double stop, int count) {
   std::vector<double> values(static_cast<std::size_t>(count), start);
   for (int i = 1; i < count; ++i)

@@ -5,6 +5,7 @@
 // takes.
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,6 +28,12 @@ std::array<double, 2> number_range(std::string_view option, std::string_view tex
 
 /// "START:STOP" or "START:STOP:STEP": whole numbers, 0 <= START <= STOP, STEP at least 1; both ends belong to it.
 FrameRange frame_range(std::string_view option, std::string_view text);
+
+/// Bytes: a number with or without a unit, "512MiB", "2GB", "1073741824"; 1 MiB or more.
+std::int64_t byte_count(std::string_view option, std::string_view text);
+
+/// "X,Y,WIDTH,HEIGHT": whole numbers, the last two above 0.
+std::array<std::int64_t, 4> rectangle(std::string_view option, std::string_view text);
 
 /// "START:STOP:COUNT" with both ends, or a comma list; 1 to 1e6 finite numbers.
 std::vector<double> frequency_list(std::string_view option, std::string_view text);

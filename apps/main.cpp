@@ -48,6 +48,7 @@ constexpr std::array kNan{std::pair{std::string_view("refuse"), NanPolicy::refus
                           std::pair{std::string_view("propagate"), NanPolicy::propagate}};
 constexpr std::array kRigor{std::pair{std::string_view("estimate"), false},
                             std::pair{std::string_view("measure"), true}};
+constexpr std::array kResume{std::pair{std::string_view("auto"), true}, std::pair{std::string_view("no"), false}};
 constexpr std::array kTableOrMarkdown{std::pair{std::string_view("table"), false},
                                       std::pair{std::string_view("markdown"), true}};
 constexpr std::array kUnits{std::pair{std::string_view("cy/mm"), 0}, std::pair{std::string_view("cy/mrad"), 1},
@@ -213,6 +214,14 @@ void add_simulate(CLI::App& root, SimulateOptions& options) {
            [&](const std::string& text) { options.frames = frame_range("--frames", text); });
   add_text(app, "--schedule", "FILE", "parameters that change over frames: CSV with frame,parameter,value",
            [&](const std::string& text) { options.schedule = text; });
+  add_word(app, "--memory", "SIZE",
+           "most memory to use, such as 512MiB or 2GB: the scene (OpenEXR) goes through in tiles.\n"
+           "Without it that is done only where the whole image does not fit the machine",
+           [&](const std::string& text) { options.memory = byte_count("--memory", text); });
+  add_word(app, "--roi", "X,Y,W,H", "pixels of the output that are wanted; only what they need is computed",
+           [&](const std::string& text) { options.region = rectangle("--roi", text); });
+  add_choice(app, "--resume", "MODE", "a stopped run in tiles: auto (default) goes on with it, no starts over", kResume,
+             options.resume);
   add_word(app, "--range", "LOW:HIGH", "values at 0 and 65535 of 16-bit output; default: extremes of the image",
            [&](const std::string& text) {
              const auto range = number_range("--range", text);

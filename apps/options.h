@@ -4,6 +4,7 @@
 // What the command line says, as plain values: main.cpp fills these (and is the only file that sees CLI11), each
 // subcommand is one function that takes its struct and returns the exit code. Errors are thrown (mtf/error.h).
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -61,11 +62,14 @@ struct SimulateOptions {
   std::optional<double> tolerance;
   NanPolicy nan = NanPolicy::refuse;
   bool explain = false;
-  bool measure = false;                         ///< --rigor measure
-  std::string wisdom;                           ///< file with what measuring learnt; read before, written after
-  std::optional<double> range_low, range_high;  ///< of 16-bit output; default: extremes of the image
-  std::optional<FrameRange> frames;             ///< of a sequence; default: all on disk, or those of the schedule
-  std::string schedule;                         ///< CSV of parameters that change over frames; "" = none
+  bool measure = false;                               ///< --rigor measure
+  std::string wisdom;                                 ///< file with what measuring learnt; read before, written after
+  std::optional<double> range_low, range_high;        ///< of 16-bit output; default: extremes of the image
+  std::optional<FrameRange> frames;                   ///< of a sequence; default: all on disk, or those of the schedule
+  std::string schedule;                               ///< CSV of parameters that change over frames; "" = none
+  std::optional<std::int64_t> memory;                 ///< bytes that may be in use; the scene goes through in tiles
+  std::optional<std::array<std::int64_t, 4>> region;  ///< x, y, width, height in pixels
+  bool resume = true;                                 ///< go on from what a stopped run left
 };
 
 struct DemoOptions {

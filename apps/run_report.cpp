@@ -75,6 +75,19 @@ Json sequence_json(const SequenceReport& s) {
   return json;
 }
 
+// The plan is that of one tile; sizes are those of the whole run.
+void add_tiles(Json& json, const TilesReport& tiles) {
+  json["scene_size"] = {tiles.scene.width, tiles.scene.height};
+  json["whole_pixels_in_scene"] = tiles.whole_pixels;
+  json["out_size"] = {tiles.out.width, tiles.out.height};
+  json["tiles"] = {{"count", tiles.plan.count},         {"flat", tiles.tally.flat},
+                   {"resumed", tiles.tally.resumed},    {"size", tiles.plan.side},
+                   {"halo", tiles.plan.halo},           {"post_halo", tiles.plan.post_halo},
+                   {"coarse_every", tiles.plan.every},  {"halo_error", tiles.plan.halo_error},
+                   {"in_flight", tiles.plan.in_flight}, {"saved_ms", tiles.tally.saved_ms}};
+  if (tiles.plan.whole) json["tiles"]["whole"] = tiles.plan.reason;
+}
+
 }  // namespace
 
 double peak_rss_mib() {
@@ -122,6 +135,7 @@ std::string to_json(const RunReport& r) {
   if (!r.integer_scaling.empty())
     json["integer_output"] = {
         {"gain", r.gain}, {"offset", r.offset}, {"clamped", r.clamped}, {"meaning", r.integer_scaling}};
+  if (r.tiles) add_tiles(json, *r.tiles);
   // Names of files may hold any bytes; the report stays valid UTF-8.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

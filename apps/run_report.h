@@ -10,6 +10,7 @@
 
 #include "mtf/io/scene.h"
 #include "mtf/sensor_plan.h"
+#include "mtf/tiles.h"
 
 namespace apps {
 
@@ -26,6 +27,14 @@ struct SequenceReport {
   std::string schedule, schedule_sha256;
 };
 
+/// What was special about a run in tiles.
+struct TilesReport {
+  mtf::TileReport plan;
+  mtf::TileTally tally;
+  mtf::SampleGrid scene, out;
+  std::array<std::int64_t, 2> whole_pixels{};  ///< that the scene holds
+};
+
 struct RunReport {
   const mtf::io::SensorConfig* config = nullptr;
   const mtf::io::Scene* scene = nullptr;
@@ -39,6 +48,7 @@ struct RunReport {
   double gain = 0.0, offset = 0.0;
   std::int64_t clamped = 0;
   std::optional<SequenceReport> sequence;
+  std::optional<TilesReport> tiles;
 };
 
 std::string to_json(const RunReport& report);

@@ -12,6 +12,7 @@
 #include "apps/sensor_image.h"
 #include "apps/sequence.h"
 #include "apps/simulate_parts.h"
+#include "apps/simulate_tiles.h"
 #include "apps/text_table.h"
 #include "mtf/bad_pixels.h"
 #include "mtf/error.h"
@@ -59,7 +60,7 @@ mtf::SensorPlan compile_plan(const mtf::System<double>& system, const mtf::Sampl
 
 void print_summary(const RunReport& report, const std::vector<mtf::Image>& images,
                    const std::vector<std::string>& names) {
-  const mtf::SampleGrid& out = report.plan->out();
+  const mtf::SampleGrid& out = report.tiles ? report.tiles->out : report.plan->out();
   std::string text = one_line(report.out_path) + "  " + std::to_string(out.width) + "x" + std::to_string(out.height) +
                      "  " + std::string(mtf::io::quantity_name(report.scene->quantity)) + " [" +
                      std::string(mtf::io::quantity_unit(report.scene->quantity)) + "]\n";
@@ -85,13 +86,18 @@ void print_summary(const RunReport& report, const std::vector<mtf::Image>& image
 }  // namespace
 
 int run_simulate(const SimulateOptions& options, const Global& global) {
-  if (is_sequence(options)) return run_sequence(options, global);
+  if (is_sequence(options)) {
+    if (options.memory || options.region)
+      throw mtf::UsageError("--memory and --roi are for one image; leave them out of a sequence");
+    return run_sequence(options, global);
+  }
   RunReport report;
   StopWatch watch(global.progress);
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
   std::vector<std::string> inputs = files_of(config);
   inputs.push_back(options.scene);
   require_writable(outputs_of(options), inputs);
+  if (wants_tiles(options)) return simulate_tiles(options, global, config);
   mtf::io::Scene scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
   report.warnings = scene.warnings;
   for (std::string& warning : mtf::io::sampling_warnings(config.system, scene.grid))
@@ -107,10 +113,12 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   plan_options.aperture = mtf::io::scene_aperture(config.scene, scene.grid);
   plan_options.scene = summarise_all(scene, config.scene);
   plan_options.threads = global.threads;
-  plan_options.spectrum = spectrum_of_all(scene, config.scene.border, global.threads);
   read_measured(options, global);
+  const std::optional<mtf::TiledSensorPlan> tiles = flat_tiles(config, scene, masks, plan_options, report);
+  if (!tiles) plan_options.spectrum = spectrum_of_all(scene, config.scene.border, global.threads);
   const mtf::SensorPlan plan =
-      compile_plan(config.system, scene.grid, options.tolerance.has_value(), plan_options, report);
+      tiles ? tiles->inner()
+            : compile_plan(config.system, scene.grid, options.tolerance.has_value(), plan_options, report);
   for (const std::string& text : plan.presample.report().notes) report.warnings.push_back(text);
   for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
   if (options.measure)
@@ -118,7 +126,8 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
                      ") and its FFT plans by timing; results may differ between runs, within the tolerance");
   watch.lap("plan", report.timing_ms);
 
-  std::vector<mtf::Image> images = plan.run(std::move(scene.planes), config.scene.border_value, global.threads);
+  std::vector<mtf::Image> images = tiles ? run_flat_tiles(*tiles, scene, config.scene.border_value, report)
+                                         : plan.run(std::move(scene.planes), config.scene.border_value, global.threads);
   for (std::size_t c = 0; c < masks.size(); ++c)
     if (masks[c].size() > 0)
       mtf::propagate_bad_pixels(plan, masks[c], plan_options.tolerance, global.threads, images[c].view());

@@ -13,8 +13,10 @@ constexpr int kSections = 9;
 constexpr std::int64_t kShortest = 32;      // below this the defined canvas costs nothing
 constexpr std::int64_t kLongest = 1 << 20;  // canvases beyond this are not analysed
 
-// tail[d] = largest sum of |kernel| at distances beyond d, over the sections.
-std::vector<double> kernel_tails(const OtfSampler& sampler, const CanvasRequest& request, std::int64_t length) {
+}  // namespace
+
+std::vector<double> kernel_tails(const OtfSampler& sampler, const CanvasRequest& request, std::int64_t length,
+                                 double noise) {
   const FrequencyAxis along{Basis::fourier, length, request.step_um};
   std::vector<double> f(static_cast<std::size_t>(length)), across(kSections);
   for (std::size_t r = 0; r < f.size(); ++r) f[r] = along.cy_mm(along.signed_index(static_cast<std::int64_t>(r)));
@@ -34,25 +36,28 @@ std::vector<double> kernel_tails(const OtfSampler& sampler, const CanvasRequest&
     }
   }
   const double ratio = request.pitch_um / request.step_um;
+  const double silent = noise * static_cast<double>(length);                  // the transform is not normalised
   const bool on_samples = std::abs(std::remainder(ratio - 1.0, 2.0)) < 1e-9;  // odd ratios
-  for (const auto& spectrum : spectra)
-    for (const double offset : {0.0, 0.5}) {
-      if (offset > 0.0 && on_samples) break;
+  for (const double offset : {0.0, 0.5}) {
+    if (offset > 0.0 && on_samples) break;
+    std::vector<Complex<double>> shift(f.size(), {1.0, 0.0});
+    for (std::size_t r = 0; offset > 0.0 && r < f.size(); ++r)
+      shift[r] = rotation(static_cast<long double>(offset * f[r] * request.step_um * 1e-3));
+    for (const auto& spectrum : spectra) {
       std::vector<Complex<double>> kernel = spectrum;
-      for (std::size_t r = 0; r < f.size(); ++r)
-        kernel[r] = kernel[r] * rotation(static_cast<long double>(offset * f[r] * request.step_um * 1e-3));
+      for (std::size_t r = 0; r < f.size(); ++r) kernel[r] = kernel[r] * shift[r];
       fft::inverse(kernel);
       double sum = 0.0;
       for (std::size_t d = f.size() / 2; d-- > 0;) {
         // Distances d + 1 to both sides; the middle of an even canvas is both.
-        for (const std::size_t i : {d + 1, f.size() - d - 1}) sum += std::hypot(kernel[i].re, kernel[i].im);
+        for (const std::size_t i : {d + 1, f.size() - d - 1})
+          if (const double k = std::hypot(kernel[i].re, kernel[i].im); k > silent) sum += k;
         tails[d] = std::max(tails[d], sum / static_cast<double>(length));
       }
     }
+  }
   return tails;
 }
-
-}  // namespace
 
 CanvasLength choose_canvas(const OtfSampler& sampler, const CanvasRequest& request) {
   const std::int64_t n = request.samples, defined = canvas_length(request.border, n);

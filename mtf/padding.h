@@ -23,6 +23,11 @@ struct CanvasRequest {
   double budget = 0.0;
 };
 
+/// tails[d] = largest sum of |kernel| at distances beyond d samples, over sections of the OTF; a canvas of `length`.
+/// Values below `noise` count as none: the rounding of the OTF's floats, spread over the whole canvas.
+std::vector<double> kernel_tails(const OtfSampler& sampler, const CanvasRequest& request, std::int64_t length,
+                                 double noise = 0.0);
+
 /// The defined canvas (mtf/border.h) or, where the tails of the point spread beyond it fit the budget, a shorter smooth
 /// one. The tails are those of the OTF itself: for nine frequencies of the other axis the kernel along this axis is
 /// summed from outside, the largest sum counts; for outputs that stand between two samples the kernel is the one

@@ -102,7 +102,8 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
                             .table_share = how.tables ? kTableShare * tolerance / (alias * norm) : 0.0,
                             .samples = in.width * in.height / 2,
                             .threads = options.threads,
-                            .scene = scene_cost});
+                            .scene = scene_cost,
+                            .split = options.split});
   impl->dc = sampler.dc();
   report.dropped = sampler.dropped();
   report.merged = sampler.merged();

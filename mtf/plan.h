@@ -50,8 +50,9 @@ class UnreachableTolerance : public UsageError {
   double reachable_;
 };
 
-/// Message for a tolerance that cannot be kept, and what limits it.
-UnreachableTolerance unreachable_tolerance(double asked, double reachable, const std::optional<SceneSummary>& scene);
+/// Message for a tolerance that cannot be kept, and what limits it. `in_float`: what transforms in float could keep.
+UnreachableTolerance unreachable_tolerance(double asked, double reachable, const std::optional<SceneSummary>& scene,
+                                           double in_float = 0.0);
 
 /// The ways of doing the work. All FFT methods inverse-transform on the detector grid only.
 enum class Method {
@@ -78,6 +79,7 @@ struct PlanOptions {
   fft::Rigor rigor = fft::Rigor::estimate;
   SceneAperture aperture;
   std::optional<SceneSummary> scene;
+  ScaleSplit split = {};                          ///< the near or far part only (mtf/tiles.h)
   std::shared_ptr<const SceneSpectrum> spectrum;  ///< of this very scene: what an omission costs it, not any scene
   int threads = 0;                                ///< for making the OTF; 0 = all cores
 };

@@ -129,18 +129,20 @@ Draft* choose(std::vector<Draft>& drafts, const PlanTask& task, bool measure) {
 
 void refuse(const std::vector<Draft>& drafts, const PlanOptions& options) {
   double reachable = std::numeric_limits<double>::infinity();
+  double in_float = reachable;
   const Draft* wanted = nullptr;
   for (const Draft& draft : drafts) {
     if (options.method && *options.method != draft.candidate.method) continue;
     wanted = &draft;
     reachable = std::min(reachable, draft.reachable);
+    if (draft.axes && draft.candidate.method != Method::fft_double) in_float = std::min(in_float, draft.reachable);
   }
   if (options.method && wanted == nullptr)
     throw UsageError("method " + std::string(name_of(*options.method)) +
                      " cannot do this work; `mtf simulate --explain` lists those that can");
   if (options.method && !(reachable < 1.0))
     throw UsageError("method " + std::string(name_of(*options.method)) + ": " + wanted->candidate.reason);
-  throw unreachable_tolerance(options.tolerance, reachable, options.scene);
+  throw unreachable_tolerance(options.tolerance, reachable, options.scene, in_float);
 }
 
 namespace {

@@ -55,15 +55,22 @@ bool keeps_tolerance(const Draft& draft, const PlanOptions& options) {
 }
 
 // The other parts scale with the tolerance, or are none where radial factors are exact; arithmetic is fixed.
-double reachable_tolerance(double arithmetic) {
-  return 1.01 * arithmetic / (1.0 - kDropShare - kCutShare - kWrapShare - kBandShare);
+double reachable_tolerance(double arithmetic, double band) {
+  const double fixed = arithmetic / (1.0 - kDropShare - kCutShare - kWrapShare - kBandShare);
+  return 1.01 * std::max(fixed, (arithmetic + band) / (1.0 - kDropShare - kCutShare - kWrapShare));
 }
 
-UnreachableTolerance unreachable_tolerance(double asked, double reachable, const std::optional<SceneSummary>& scene) {
-  if (reachable < 1.0)
-    return {"tolerance " + format_double(asked) + " is below what can be kept here (float32 arithmetic); use " +
-                format_double(reachable) + " or more",
-            reachable};
+UnreachableTolerance unreachable_tolerance(double asked, double reachable, const std::optional<SceneSummary>& scene,
+                                           double in_float) {
+  if (reachable < 1.0) {
+    const bool both = in_float > reachable && in_float < 1.0;
+    return {
+        "tolerance " + format_double(asked) + " is below what can be kept here (samples are float32" +
+            (both ? "; transforms in float reach " + format_double(in_float) + ", in double " + format_double(reachable)
+                  : std::string()) +
+            "); use " + format_double(reachable) + " or more",
+        reachable};
+  }
   const SceneSummary s = scene.value_or(SceneSummary{});
   return {"no tolerance below 1 can be kept: float32 rounds values of " + format_double(s.largest) +
               " by more than this scene's contrast (std " + format_double(s.std) +
@@ -77,16 +84,15 @@ double spectral_bytes(const AxisJob& x, const AxisJob& y, bool real) {
   const double terms = count(std::min(2 * y.keep, y.frequency.length + 1));
   const double otf = columns * (y.frequency.basis == Basis::cosine && real ? count(y.keep) : terms);
   const double buffer = columns * count(std::max(y.samples, y.outputs));
-  // Per frequency of an axis: up to four work areas of a row of lanes each, and tables.
+  // Per frequency of an axis: up to five work areas of a row of lanes each, and tables.
   double axes = 0.0;
   for (const AxisJob* job : {&x, &y})
-    axes += (16.0 * kRow + 200.0) * count(std::max(job->frequency.length, inverse_length(*job)));
+    axes += (20.0 * kRow + 200.0) * count(std::max(job->frequency.length, inverse_length(*job)));
   return 4.0 * (otf + buffer) + axes;
 }
 
-void require_memory(const AxisJob& x, const AxisJob& y, bool real, const SampleGrid& out) {
-  const double bytes =
-      spectral_bytes(x, y, real) + 4.0 * static_cast<double>(out.width) * static_cast<double>(out.height);
+void require_memory(double bytes, const SampleGrid& out) {
+  bytes += 4.0 * static_cast<double>(out.width) * static_cast<double>(out.height);
   const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   if (bytes <= machine) return;
   throw UsageError(

@@ -13,6 +13,8 @@
 namespace mtf {
 namespace {
 
+constexpr double kDoubleCost = 2.2;  // half the samples a vector, twice the memory
+
 struct Layout {
   AxisJob x, y;
   double wrap = 0.0;
@@ -176,6 +178,7 @@ std::vector<Draft> fft_drafts(const PlanTask& task) {
   const auto draft = [&](Method method) {
     AxisJob x = layout.x, y = layout.y;
     double cut_error = 0.0;
+    const bool in_double = method == Method::fft_double;
     if (method != Method::fft_float) {
       const double largest =
           std::max(cut_frequencies(sampler, Axis::x, allowed, x), cut_frequencies(sampler, Axis::y, allowed, y));
@@ -200,22 +203,28 @@ std::vector<Draft> fft_drafts(const PlanTask& task) {
     predicted.band = quadrature * spread;
     predicted.cut = cut_error;
     predicted.wrap = layout.wrap;
-    predicted.arithmetic = arithmetic_error(x, y, canvas_rms, sampler.gain(), options);
-    d.candidate.cost_ms = fft_cost_ms(x, y, !sampler.is_real());
-    d.candidate.bytes = static_cast<std::int64_t>(spectral_bytes(x, y, sampler.is_real()));
-    d.reachable = reachable_tolerance(arithmetic_error(x, y, task.canvas_norm / symmetric, sampler.gain(), options));
+    const auto rounding = [&](double rms) {
+      if (in_double) return sampler.gain() * storage_error(options) * (1.0 + 1e-6);
+      return arithmetic_error(x, y, rms, sampler.gain(), options);
+    };
+    predicted.arithmetic = rounding(canvas_rms);
+    d.candidate.cost_ms = (in_double ? kDoubleCost : 1.0) * fft_cost_ms(x, y, !sampler.is_real());
+    d.candidate.bytes = static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(x, y, sampler.is_real()));
+    d.reachable = reachable_tolerance(rounding(task.canvas_norm / symmetric), in_double ? predicted.band : 0.0);
     d.axes = {x, y};
     d.error_per_otf = spread;
-    d.make = [&sampler, x, y, rigor = options.rigor, threads = options.threads,
-              out = task.out](const Engine* relative) {
-      require_memory(x, y, sampler.is_real(), out);
-      return make_spectral_filter(sampler, x, y, Precision::single_precision, rigor, threads, relative);
+    const Precision precision = in_double ? Precision::double_precision : Precision::single_precision;
+    d.make = [&sampler, x, y, precision, bytes = static_cast<double>(d.candidate.bytes), rigor = options.rigor,
+              threads = options.threads, out = task.out](const Engine* relative) {
+      require_memory(bytes, out);
+      return make_spectral_filter(sampler, x, y, precision, rigor, threads, relative);
     };
     return d;
   };
   std::vector<Draft> drafts{draft(Method::fft_float)};
   Draft cut = draft(Method::fft_cut);
   if ((*cut.axes)[0].keep < layout.x.keep || (*cut.axes)[1].keep < layout.y.keep) drafts.push_back(std::move(cut));
+  drafts.push_back(draft(Method::fft_double));
   return drafts;
 }
 

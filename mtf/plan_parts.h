@@ -77,11 +77,12 @@ double storage_error(const PlanOptions& options);
 /// rms rounding of float32 relative to the scene's std. `canvas_rms`: of the canvas about the mean, in units of std.
 double arithmetic_error(const AxisJob& x, const AxisJob& y, double canvas_rms, double gain, const PlanOptions& options);
 
-/// The least tolerance that leaves room for a given rounding.
-double reachable_tolerance(double arithmetic);
+/// The least tolerance that leaves room for a given rounding, and for an error of the band average that cannot be made
+/// less.
+double reachable_tolerance(double arithmetic, double band);
 
-/// Throws UsageError, before anything is allocated, when OTF, buffers and one output plane exceed the machine's memory.
-void require_memory(const AxisJob& x, const AxisJob& y, bool real, const SampleGrid& out);
+/// Throws UsageError, before anything is allocated, when that and one output plane exceed the machine's memory.
+void require_memory(double bytes, const SampleGrid& out);
 
 /// Bytes of OTF and buffers of an FFT method.
 double spectral_bytes(const AxisJob& x, const AxisJob& y, bool real);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 
 #include "mtf/engines/kernels.h"
 #include "mtf/error.h"
@@ -53,6 +54,17 @@ void fill(ImageView<float> out, float value) {
   for (std::int64_t y = 0; y < out.height; ++y) std::fill_n(out.row(y), out.width, value);
 }
 
+bool share_memory(ImageView<const float> a, ImageView<const float> b) {
+  const std::less<const float*> before;
+  return before(a.data, b.row(b.height)) && before(b.data, a.row(a.height));
+}
+
+Image copy_of(ImageView<const float> plane) {
+  Image copy(plane.width, plane.height);
+  for (std::int64_t y = 0; y < plane.height; ++y) std::copy_n(plane.row(y), plane.width, copy.view().row(y));
+  return copy;
+}
+
 }  // namespace
 
 const PlanReport& Plan::report() const { return impl_->report; }
@@ -68,6 +80,9 @@ void Plan::run(std::span<const ImageView<const float>> in, std::span<const Image
   const bool constant = impl_->options.border == Border::constant;
   if (constant && !std::isfinite(border_value)) throw UsageError("the border level has to be a finite number");
   std::vector<Channel> channels;
+  std::vector<Image> copies;
+  const bool reads_first =
+      impl_->report.method.starts_with("fft");  // transforms have all of an input before they write
   for (std::size_t c = 0; c < in.size(); ++c) {
     check_size(in[c].width, in[c].height, impl_->report.in, "input");
     check_size(out[c].width, out[c].height, impl_->report.out, "output");
@@ -82,7 +97,9 @@ void Plan::run(std::span<const ImageView<const float>> in, std::span<const Image
     } else {
       // A power of two: exact, and neither 1e-30 nor 1e30 leaves the range of float inside the transforms.
       const double scale = std::ldexp(1.0, -std::ilogb(deviation));
-      channels.push_back({in[c], out[c], level.mean, scale, impl_->dc * level.mean, border_value});
+      ImageView<const float> from = in[c];
+      if (!reads_first && share_memory(in[c], out[c])) from = copies.emplace_back(copy_of(in[c])).view();
+      channels.push_back({from, out[c], level.mean, scale, impl_->dc * level.mean, border_value});
     }
   }
   if (!channels.empty()) impl_->engine->run(channels, threads);

@@ -56,7 +56,7 @@ OtfSampler::OtfSampler(const System<double>& system, std::span<const Stage> stag
   if (!chromatic.empty())
     choose_wavelengths(end_of({&chromatic}), chromatic_general_.empty() ? target : slow_target, options.wavelengths);
 
-  const bool aperture_radial = aperture_.kind == SceneAperture::Kind::curve;
+  const bool aperture_radial = aperture_.kind == SceneAperture::Kind::curve || !options.split.is_whole();
   if (!radial_.empty() || !chromatic_radial_.empty() || aperture_radial) {
     if (options.table_share > 0.0)
       table_.emplace(
@@ -311,7 +311,7 @@ void OtfSampler::choose_wavelengths(double end, double target, int wanted) {
 
 double OtfSampler::radial_product(double r) const {
   const Freq<double> f{r, 0.0};
-  double product = aperture_radial(r);
+  double product = aperture_radial(r) * options_.split.factor(r);
   for (const Entry<double>* entry : radial_) product *= entry->component.otf(f, system_.context()).re;
   if (chromatic_radial_.empty()) return product;
   double mean = 0.0;
@@ -355,8 +355,8 @@ double OtfSampler::error() const {
 }
 
 Complex<double> OtfSampler::at(const Freq<double>& f) const {
-  const double correction =
-      aperture_factor(Axis::x, f.x) * aperture_factor(Axis::y, f.y) * aperture_radial(std::hypot(f.x, f.y));
+  const double correction = aperture_factor(Axis::x, f.x) * aperture_factor(Axis::y, f.y) *
+                            aperture_radial(std::hypot(f.x, f.y)) * options_.split.factor(std::hypot(f.x, f.y));
   Complex<double> h{correction, 0.0};
   for (const Stage stage : stages_) h = h * system_.otf(stage, f);
   return h;
@@ -367,7 +367,9 @@ double OtfSampler::axis_bound(Axis axis, double f_cy_mm) const {
   const Freq<double> f = axis == Axis::x ? Freq<double>{f_cy_mm, 0.0} : Freq<double>{0.0, f_cy_mm};
   Complex<double> h{aperture_factor(axis, f_cy_mm), 0.0};
   for (const Entry<double>* entry : separable_) h = h * entry->component.otf(f, system_.context());
-  return std::hypot(h.re, h.im) * (table_ ? table_->bound_from(std::abs(f_cy_mm)) : 1.0) * gain();
+  const double radial = table_ ? table_->bound_from(std::abs(f_cy_mm))
+                               : std::max(1.0, options_.split.factor(std::hypot(options_.fx_max, options_.fy_max)));
+  return std::hypot(h.re, h.im) * radial * gain();
 }
 
 }  // namespace mtf

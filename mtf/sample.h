@@ -21,6 +21,7 @@
 #include "mtf/polar_table.h"
 #include "mtf/radial_table.h"
 #include "mtf/scene_spectrum.h"
+#include "mtf/split.h"
 #include "mtf/system.h"
 
 namespace mtf {
@@ -59,6 +60,7 @@ struct SamplerOptions {
   std::int64_t samples = std::numeric_limits<std::int64_t>::max();  ///< frequencies that will be asked for, about
   int threads = 0;  ///< that fill tables of slow components; 0 = all cores
   std::optional<SceneCost> scene = std::nullopt;
+  ScaleSplit split = {};  ///< the part of the OTF by scale
 };
 
 class OtfSampler {
@@ -73,7 +75,9 @@ class OtfSampler {
   bool is_even_y() const { return even_y_; }
   /// H(fx, fy) H(0, 0) = H(fx, 0) H(0, fy): nothing but vectors along the axes.
   bool is_separable() const { return !table_ && lines_.empty() && !has_general(); }
-  bool is_identity() const { return entries_.empty() && aperture_.kind == SceneAperture::Kind::point; }
+  bool is_identity() const {
+    return entries_.empty() && aperture_.kind == SceneAperture::Kind::point && options_.split.is_whole();
+  }
   const std::vector<Dropped>& dropped() const { return dropped_; }
   /// Sentences on what was merged: "jitter, footprint -> two vectors".
   const std::vector<std::string>& merged() const { return merged_; }

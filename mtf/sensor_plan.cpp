@@ -31,8 +31,8 @@ std::vector<Image> run_in_place(const Plan& plan, std::vector<Image> images, dou
   return images;
 }
 
-// What the filters behind the sampling may meet: all contrast of the scene's canvas may lie in the part that the
-// detector sees, aliases may add, and the correction of the scene's own blur amplifies.
+}  // namespace
+
 SceneSummary behind_sampling(SceneSummary scene, const PlanOptions& options, const SampleGrid& in,
                              const SampleGrid& out) {
   const double correction = options.aperture.kind == SceneAperture::Kind::point ? 1.0 : options.aperture.gain_limit;
@@ -44,6 +44,8 @@ SceneSummary behind_sampling(SceneSummary scene, const PlanOptions& options, con
     scene.canvas_norm = std::max(scene.canvas_norm, 6.0 * scene.largest);
   return scene;
 }
+
+namespace {
 
 bool has_filters(const System<double>& system) {
   return !system.list(Stage::readout).empty() || !system.list(Stage::postsample).empty();

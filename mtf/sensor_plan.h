@@ -34,6 +34,11 @@ struct SensorPlan {
   SensorPlan with(const System<double>& other) const;
 };
 
+/// What the filters behind the sampling may meet: all contrast of the scene's canvas may lie in the part that the
+/// detector sees, aliases may add, and the correction of the scene's own blur amplifies.
+SceneSummary behind_sampling(SceneSummary scene, const PlanOptions& options, const SampleGrid& in,
+                             const SampleGrid& out);
+
 /// Splits the tolerance: the presample error passes through the filters behind it, so it may use half of the tolerance
 /// divided by their largest gain.
 SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene, const PlanOptions& options);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/engines/axis_pass.h"
 
-#include <cstring>
+#include <algorithm>
 
 #include "mtf/special.h"
 
@@ -34,11 +34,19 @@ AxisPass<S>::AxisPass(const AxisJob& job, bool apart, fft::Rigor rigor)
     : job_(job), terms_(column_terms(job)), forward_(job.frequency.length, rigor) {
   const std::int64_t length = job.frequency.length, n = job.samples;
   if (cosine()) twiddles_ = cosine_twiddles<S>(length);
-  in_rows_ = sample_rows(n, length, cosine());
-  // The right continuation stands behind the image, the left one at the end of the canvas.
-  const std::int64_t right = n + (length - n + 1) / 2;
-  for (std::int64_t i = n; i < length; ++i)
-    extension_.push_back(static_cast<std::int32_t>(border_source(job.border, i < right ? i : i - length, n)));
+  if (cosine()) {
+    canvas_.resize(static_cast<std::size_t>(n));
+    const std::vector<std::int32_t> rows = sample_rows(n, n, true);
+    for (std::int64_t i = 0; i < n; ++i)
+      canvas_[static_cast<std::size_t>(rows[static_cast<std::size_t>(i)])] = static_cast<std::int32_t>(i);
+  } else {
+    // The right continuation stands behind the image, the left one at the end of the canvas.
+    const std::int64_t right = n + (length - n + 1) / 2;
+    for (std::int64_t i = 0; i < length; ++i) {
+      const std::int64_t source = border_source(job.border, i < right ? i : i - length, n);
+      canvas_.push_back(static_cast<std::int32_t>(source < 0 ? n : source));
+    }
+  }
 
   if (job.resampling == Resampling::chirp) {
     chirp_ = Chirp<S>(job, rigor);
@@ -94,16 +102,6 @@ lanes::Route<S> AxisPass<S>::source_of(std::int64_t k) const {
   route.cos = S(0.5) * twiddles_[2 * static_cast<std::size_t>(k)];
   route.sin = S(0.5) * twiddles_[2 * static_cast<std::size_t>(k) + 1];
   return route;
-}
-
-template <class S>
-void AxisPass<S>::extend(const S* level, S* work) const {
-  constexpr std::size_t bytes = kRow * sizeof(S);
-  S* row = work + job_.samples * kRow;
-  for (const std::int32_t source : extension_) {
-    std::memcpy(row, source < 0 ? level : work + std::int64_t{source} * kRow, bytes);
-    row += kRow;
-  }
 }
 
 template <class S>

@@ -28,11 +28,9 @@ class AxisPass {
   /// Rows of the coefficients of one frequency: a line's real coefficient, or a complex one each of both lines.
   int rows_per_coefficient() const { return cosine() ? 1 : 2; }
 
-  /// Row of image sample i before `forward`; `extend` fills the other rows with what the border rule says, -1 being
-  /// `level` (a row).
-  std::span<const std::int32_t> in_rows() const { return in_rows_; }
-  void extend(const S* level, S* work) const;
-  void forward(S* work) const { forward_.forward(work); }
+  /// Transforms samples 0 .. n-1 (rows in order, and row n: the level beyond a constant border), continued by the
+  /// border rule.
+  void forward(const S* samples, S* work) const { forward_.forward(samples, canvas_, work); }
   /// Coefficients of k = 0 .. keep-1 from what `forward` left.
   void coefficients(const S* work, S* to) const;
 
@@ -43,16 +41,15 @@ class AxisPass {
 
  private:
   bool cosine() const { return job_.frequency.basis == Basis::cosine; }
-  void plan_source(bool apart);
   lanes::Route<S> source_of(std::int64_t k) const;
 
   AxisJob job_;
   std::vector<Term> terms_;
-  std::vector<S> twiddles_, out_twiddles_;        ///< exp(-i pi k / 2n), cosine basis
-  std::vector<std::int32_t> in_rows_, out_rows_;  ///< by sample
-  std::vector<std::int32_t> extension_;           ///< source row of row samples + i, -1 = level
-  std::vector<std::int32_t> out_place_;           ///< cosine: rows of the inverse's frequencies
-  std::vector<std::int32_t> zeros_;               ///< target rows that no term reaches
+  std::vector<S> twiddles_, out_twiddles_;  ///< exp(-i pi k / 2n), cosine basis
+  std::vector<std::int32_t> canvas_;        ///< sample at each position, n = the level
+  std::vector<std::int32_t> out_rows_;      ///< by output
+  std::vector<std::int32_t> out_place_;     ///< cosine: rows of the inverse's frequencies
+  std::vector<std::int32_t> zeros_;         ///< target rows that no term reaches
   std::vector<lanes::Route<S>> routes_, coefficients_;
   lanes::Source source_{};
   LaneTransform<S> forward_, inverse_;

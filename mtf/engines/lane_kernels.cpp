@@ -139,8 +139,7 @@ struct Transpose {
 template <class S>
 struct LinesToLanes {
   template <int Bytes>
-  static MTFKIT_INLINE void run(const S* lines, std::int64_t stride, const std::int32_t* rows, std::int64_t count,
-                                S* data) {
+  static MTFKIT_INLINE void run(const S* lines, std::int64_t stride, std::int64_t count, S* data) {
     using Q = Square<S, Bytes>;
     for (std::int64_t first = 0; first < count; first += Q::n)
       for (int line = 0; line < kRow; line += Q::n) {
@@ -148,8 +147,7 @@ struct LinesToLanes {
 #pragma GCC unroll 16
         for (int i = 0; i < Q::n; ++i) q.load(i, lines + (line + i) * stride + first);
         q.transpose();
-        for (int i = 0; i < Q::n && first + i < count; ++i)
-          q.store(i, data + rows[first + i] * std::int64_t{kRow} + line);
+        for (int i = 0; i < Q::n && first + i < count; ++i) q.store(i, data + (first + i) * kRow + line);
       }
   }
 };
@@ -223,8 +221,8 @@ void transpose(const S* from, std::int64_t from_stride, S* to, std::int64_t to_s
 }
 
 template <class S>
-void lines_to_lanes(const S* lines, std::int64_t stride, std::span<const std::int32_t> rows, S* data) {
-  simd::run<LinesToLanes<S>>(lines, stride, rows.data(), static_cast<std::int64_t>(rows.size()), data);
+void lines_to_lanes(const S* lines, std::int64_t stride, std::int64_t count, S* data) {
+  simd::run<LinesToLanes<S>>(lines, stride, count, data);
 }
 
 template <class S>
@@ -238,7 +236,7 @@ void lanes_to_lines(const S* data, std::span<const std::int32_t> rows, S* lines,
   template void unfold_cosine<S>(const S*, const S*, std::span<const std::int32_t>, S*);      \
   template void multiply_rows<S>(S*, const S*, std::int64_t);                                 \
   template void transpose<S>(const S*, std::int64_t, S*, std::int64_t);                       \
-  template void lines_to_lanes<S>(const S*, std::int64_t, std::span<const std::int32_t>, S*); \
+  template void lines_to_lanes<S>(const S*, std::int64_t, std::int64_t, S*);                  \
   template void lanes_to_lines<S>(const S*, std::span<const std::int32_t>, S*, std::int64_t);
 MTFKIT_INSTANTIATE(float)
 MTFKIT_INSTANTIATE(double)

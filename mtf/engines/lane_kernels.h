@@ -57,10 +57,11 @@ void multiply_rows(S* data, const S* factors, std::int64_t rows);
 template <class S>
 void transpose(const S* from, std::int64_t from_stride, S* to, std::int64_t to_stride);
 
-/// kRow lines become lanes: element j of line l is number l of row rows[j]. Lines are padded to whole kLanes.
+/// kRow lines of `count` numbers become lanes: number j of line l is number l of row j. Lines are padded to whole
+/// kLanes.
 template <class S>
-void lines_to_lanes(const S* lines, std::int64_t stride, std::span<const std::int32_t> rows, S* data);
-/// And back.
+void lines_to_lanes(const S* lines, std::int64_t stride, std::int64_t count, S* data);
+/// And back: number j of line l is number l of row rows[j].
 template <class S>
 void lanes_to_lines(const S* data, std::span<const std::int32_t> rows, S* lines, std::int64_t stride);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/engines/lanes.h"
 
+#include <algorithm>
 #include <cassert>
 #include <map>
 #include <mutex>
@@ -19,43 +20,6 @@ constexpr std::size_t kKeptTables = 64;            // of the process
 constexpr std::int64_t kLongestKept = 1 << 16;     // longer tables are made anew
 constexpr std::int64_t kLongest = 0x7fffffff / 2;  // rows are counted in 32 bits
 
-// Sign -1 on (re, im); sign +1 is the same with re and im exchanged.
-template <class S, int R, bool inverse>
-struct RadixStep {
-  template <int Bytes>
-  static MTFKIT_INLINE void run(S* re, S* im, std::int64_t stride, std::int64_t blocks, const S* twiddles) {
-    using P = simd::Packet<S, Bytes>;
-    const std::int64_t apart = stride * kRow;
-    for (std::int64_t b = 0; b < blocks; ++b, re += R * apart, im += R * apart) {
-      for (int lane = 0; lane < kLanes; lane += P::size) {
-        P z[R];
-#pragma GCC unroll 16
-        for (int j = 0; j < R; ++j) z[j] = P::load(re + j * apart + lane, im + j * apart + lane);
-        simd::dft(z);
-#pragma GCC unroll 16
-        for (int j = 0; j < R; ++j) z[j].store(re + j * apart + lane, im + j * apart + lane);
-      }
-      const S* w = twiddles;
-      for (std::int64_t p = 1; p < stride; ++p, w += 2 * (R - 1))
-        for (int lane = 0; lane < kLanes; lane += P::size) {
-          S *const re_p = re + p * kRow + lane, *const im_p = im + p * kRow + lane;
-          P z[R];
-#pragma GCC unroll 16
-          for (int j = 0; j < R; ++j) z[j] = P::load(re_p + j * apart, im_p + j * apart);
-          if (inverse)
-#pragma GCC unroll 16
-            for (int j = 1; j < R; ++j) z[j] = z[j].turned(w[2 * j - 2], w[2 * j - 1]);
-          simd::dft(z);
-          if (!inverse)
-#pragma GCC unroll 16
-            for (int j = 1; j < R; ++j) z[j] = z[j].turned(w[2 * j - 2], w[2 * j - 1]);
-#pragma GCC unroll 16
-          for (int j = 0; j < R; ++j) z[j].store(re_p + j * apart, im_p + j * apart);
-        }
-    }
-  }
-};
-
 // Few and large radices mean few passes over the data; the largest come first, where the data are farthest. None when n
 // has another prime factor.
 std::vector<int> radices(std::int64_t n) {
@@ -72,6 +36,53 @@ std::vector<int> radices(std::int64_t n) {
 }
 
 }  // namespace
+
+// Sign -1 on (re, im); sign +1 is the same with re and im exchanged. `gather` reads row n of one block at row rows[n]
+// of `from`.
+template <class S>
+template <int R, typename LaneTransform<S>::Way way>
+struct LaneTransform<S>::Radix {
+  template <int Bytes>
+  static MTFKIT_INLINE void run(S* re, S* im, std::int64_t stride, std::int64_t blocks, const S* twiddles,
+                                const S* from, const std::int32_t* rows) {
+    const std::int64_t size = R * stride;
+    for (std::int64_t b = 0; b < blocks; ++b, re += size * kRow, im += size * kRow) {
+      butterflies<Bytes, false>(re, im, stride, 0, nullptr, from, rows);
+      const S* w = twiddles;
+      for (std::int64_t p = 1; p < stride; ++p, w += 2 * (R - 1))
+        butterflies<Bytes, true>(re, im, stride, p, w, from, rows);
+    }
+  }
+
+  template <int Bytes, bool turned>
+  static MTFKIT_INLINE void butterflies(S* re, S* im, std::int64_t stride, std::int64_t p, const S* w, const S* from,
+                                        const std::int32_t* rows) {
+    using P = simd::Packet<S, Bytes>;
+    const std::int64_t apart = stride * kRow;
+    for (int lane = 0; lane < kLanes; lane += P::size) {
+      S *const re_p = re + p * kRow + lane, *const im_p = im + p * kRow + lane;
+      P z[R];
+#pragma GCC unroll 16
+      for (int j = 0; j < R; ++j) {
+        if constexpr (way == Way::gather) {
+          const S* row = from + std::int64_t{rows[p + j * stride]} * kRow + lane;
+          z[j] = P::load(row, row + kLanes);
+        } else {
+          z[j] = P::load(re_p + j * apart, im_p + j * apart);
+        }
+      }
+      if constexpr (turned && way == Way::inverse)
+#pragma GCC unroll 16
+        for (int j = 1; j < R; ++j) z[j] = z[j].turned(w[2 * j - 2], w[2 * j - 1]);
+      simd::dft(z);
+      if constexpr (turned && way != Way::inverse)
+#pragma GCC unroll 16
+        for (int j = 1; j < R; ++j) z[j] = z[j].turned(w[2 * j - 2], w[2 * j - 1]);
+#pragma GCC unroll 16
+      for (int j = 0; j < R; ++j) z[j].store(re_p + j * apart, im_p + j * apart);
+    }
+  }
+};
 
 template <class S>
 LaneTransform<S>::LaneTransform(std::int64_t n, fft::Rigor rigor) {
@@ -127,12 +138,11 @@ auto LaneTransform<S>::make_tables(std::int64_t n, fft::Rigor rigor) -> std::sha
 }
 
 template <class S>
-void LaneTransform<S>::step(const Step& step, S* data, std::int64_t blocks, bool inverse) {
+template <typename LaneTransform<S>::Way way>
+void LaneTransform<S>::run(const Step& step, S* data, std::int64_t blocks, const S* from, const std::int32_t* rows) {
+  S *const re = way == Way::inverse ? data + kLanes : data, *const im = way == Way::inverse ? data : data + kLanes;
   const auto run = [&]<int R>() {
-    if (inverse)
-      simd::run<RadixStep<S, R, true>>(data + kLanes, data, step.stride, blocks, step.twiddles.data());
-    else
-      simd::run<RadixStep<S, R, false>>(data, data + kLanes, step.stride, blocks, step.twiddles.data());
+    simd::run<Radix<R, way>>(re, im, step.stride, blocks, step.twiddles.data(), from, rows);
   };
   switch (step.radix) {
     case 2:
@@ -163,10 +173,10 @@ void LaneTransform<S>::forward_from(std::size_t first, S* data) const {
   const std::int64_t size = steps[first].radix * steps[first].stride;
   if (size * kRow * static_cast<std::int64_t>(sizeof(S)) <= kNearBytes) {
     for (std::size_t i = first; i < steps.size(); ++i)
-      step(steps[i], data, size / (steps[i].radix * steps[i].stride), false);
+      run<Way::forward>(steps[i], data, size / (steps[i].radix * steps[i].stride));
     return;
   }
-  step(steps[first], data, 1, false);
+  run<Way::forward>(steps[first], data, 1);
   if (first + 1 == steps.size()) return;
   for (int j = 0; j < steps[first].radix; ++j) forward_from(first + 1, data + j * steps[first].stride * kRow);
 }
@@ -177,18 +187,31 @@ void LaneTransform<S>::inverse_from(std::size_t first, S* data) const {
   const std::int64_t size = steps[first].radix * steps[first].stride;
   if (size * kRow * static_cast<std::int64_t>(sizeof(S)) <= kNearBytes) {
     for (std::size_t i = steps.size(); i-- > first;)
-      step(steps[i], data, size / (steps[i].radix * steps[i].stride), true);
+      run<Way::inverse>(steps[i], data, size / (steps[i].radix * steps[i].stride));
     return;
   }
   if (first + 1 < steps.size())
     for (int j = 0; j < steps[first].radix; ++j) inverse_from(first + 1, data + j * steps[first].stride * kRow);
-  step(steps[first], data, 1, true);
+  run<Way::inverse>(steps[first], data, 1);
 }
 
 template <class S>
 void LaneTransform<S>::forward(S* data) const {
   if (!tables_->steps.empty()) return forward_from(0, data);
   if (tables_->length > 1) tables_->fftw.forward(data, data + kLanes);
+}
+
+template <class S>
+void LaneTransform<S>::forward(const S* from, std::span<const std::int32_t> rows, S* data) const {
+  const std::vector<Step>& steps = tables_->steps;
+  if (steps.empty()) {
+    for (std::size_t n = 0; n < rows.size(); ++n)
+      std::copy_n(from + std::int64_t{rows[n]} * kRow, kRow, data + static_cast<std::int64_t>(n) * kRow);
+    return forward(data);
+  }
+  run<Way::gather>(steps[0], data, 1, from, rows.data());
+  if (steps.size() == 1) return;
+  for (int j = 0; j < steps[0].radix; ++j) forward_from(1, data + j * steps[0].stride * kRow);
 }
 
 template <class S>

@@ -4,13 +4,14 @@
 // Complex Fourier transforms of kLanes sequences side by side. Element n of all sequences is one row of 2 kLanes
 // numbers: the real parts, then the imaginary parts; every step of a transform is then arithmetic on whole vectors.
 //
-// Lengths 2^a 3^b 5^c 7^d 11^e 13^f are transformed in place, steps of one radix after another (decimation in frequency forwards,
-// in time backwards), a part that fits the first-level cache at a time. Frequencies stay where the steps leave them:
-// that of k at row place(k), which who reads them looks up. Other lengths go to FFTW, where place(k) = k.
+// Lengths 2^a 3^b 5^c 7^d 11^e 13^f are transformed in place, steps of one radix after another (decimation in frequency
+// forwards, in time backwards), a part that fits the first-level cache at a time. Frequencies stay where the steps
+// leave them: that of k at row place(k), which who reads them looks up. Other lengths go to FFTW, where place(k) = k.
 
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "mtf/engines/fftw.h"
@@ -32,6 +33,8 @@ class LaneTransform {
   std::int32_t place(std::int64_t k) const { return tables_->place[static_cast<std::size_t>(k)]; }
   /// x[n] in order -> sum_n x[n] exp(-2 pi i n k / length) at row place(k).
   void forward(S* data) const;
+  /// The same, where x[n] is row rows[n] of `from`.
+  void forward(const S* from, std::span<const std::int32_t> rows, S* data) const;
   /// X[k] at row place(k) -> sum_k X[k] exp(+2 pi i n k / length) in order.
   void inverse(S* data) const;
 
@@ -49,7 +52,12 @@ class LaneTransform {
     fft::Split<S> fftw;  ///< for lengths without steps
   };
   static std::shared_ptr<const Tables> make_tables(std::int64_t n, fft::Rigor rigor);
-  static void step(const Step& step, S* data, std::int64_t blocks, bool inverse);
+  enum class Way { forward, gather, inverse };
+  template <int R, Way way>
+  struct Radix;
+  template <Way way>
+  static void run(const Step& step, S* data, std::int64_t blocks, const S* from = nullptr,
+                  const std::int32_t* rows = nullptr);
   void forward_from(std::size_t first, S* data) const;
   void inverse_from(std::size_t first, S* data) const;
 

@@ -28,7 +28,8 @@ double SpectralEngine<S>::otf_scale() const {
 
 template <class S>
 std::int64_t SpectralEngine<S>::block_rows() const {
-  // Whole groups of rows, and one more, which keeps the blocks of one row out of the same cache sets.
+  // Whole groups of rows, and one more for the level beyond a border, which also keeps the blocks of one row out of the
+  // same cache sets.
   return round_up(std::max(y().samples, y().outputs), kRow) + 1;
 }
 
@@ -44,7 +45,7 @@ std::int64_t SpectralEngine<S>::line_stride() const {
 
 template <class S>
 std::int64_t SpectralEngine<S>::run_bytes(std::int64_t channels, int threads) const {
-  const std::int64_t rows = coefficient_rows() + line_stride() + 2 * std::max(x_.rows(), y_.rows());
+  const std::int64_t rows = coefficient_rows() + line_stride() + x().samples + 1 + 2 * std::max(x_.rows(), y_.rows());
   const std::int64_t numbers = channels * blocks() * block_rows() + std::int64_t{std::max(threads, 1)} * rows;
   return numbers * kRow * static_cast<std::int64_t>(sizeof(S));
 }
@@ -81,10 +82,9 @@ void SpectralEngine<S>::rows_forward(const Channel& channel, S* buffer, int thre
   const std::int64_t stride = line_stride(), used = x().keep * x_.rows_per_coefficient();
   parallel_for(y().samples, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
     const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride)),
+        samples(pool_, static_cast<std::size_t>((x().samples + 1) * kRow)),
         work(pool_, static_cast<std::size_t>(x_.rows() * kRow)),
         coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));
-    alignas(64) S level_row[kRow];
-    std::fill_n(level_row, kRow, level(channel));
     for (std::int64_t i = 0; i < kRow; ++i) {
       S* line = lines.data() + i * stride;
       if (begin + i < end)
@@ -92,9 +92,9 @@ void SpectralEngine<S>::rows_forward(const Channel& channel, S* buffer, int thre
       else
         std::fill_n(line, x().samples, S(0));
     }
-    lanes::lines_to_lanes<S>(lines.data(), stride, x_.in_rows(), work.data());
-    x_.extend(level_row, work.data());
-    x_.forward(work.data());
+    lanes::lines_to_lanes(lines.data(), stride, x().samples, samples.data());
+    std::fill_n(samples.data() + x().samples * kRow, kRow, level(channel));
+    x_.forward(samples.data(), work.data());
     x_.coefficients(work.data(), coefficients.data());
     std::fill_n(coefficients.data() + used * kRow, (coefficient_rows() - used) * kRow, S(0));
     const std::int64_t step = kRow * x_.rows_per_coefficient();
@@ -117,20 +117,14 @@ void SpectralEngine<S>::columns(const std::vector<Channel>& channels, const std:
 template <class S>
 void SpectralEngine<S>::column_block(const Channel& channel, const OtfBlocks<S>& otf, std::int64_t block, S* data,
                                      S* work, S* target) const {
-  constexpr std::size_t bytes = kRow * sizeof(S);
-  for (const std::int32_t row : y_.in_rows()) {
-    std::memcpy(work + std::int64_t{row} * kRow, data, bytes);
-    data += kRow;
-  }
-  data -= y().samples * kRow;
   // A row of the constant level has one coefficient only: that of frequency zero.
-  alignas(64) S level_row[kRow] = {};
+  S* level_row = data + y().samples * kRow;
+  std::fill_n(level_row, kRow, S(0));
   if (block == 0) level_row[0] = level(channel) * static_cast<S>(x().frequency.length);
-  y_.extend(level_row, work);
-  y_.forward(work);
+  y_.forward(data, work);
   const S* samples = y_.inverse(work, otf.row(block, 0), otf.complex, target, work);
   for (const std::int32_t row : y_.out_rows()) {
-    std::memcpy(data, samples + std::int64_t{row} * kRow, bytes);
+    std::memcpy(data, samples + std::int64_t{row} * kRow, kRow * sizeof(S));
     data += kRow;
   }
   // Lines come in pairs: what has no partner is one of zeros.

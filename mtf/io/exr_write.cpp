@@ -7,6 +7,8 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfStringVectorAttribute.h>
+#include <OpenEXR/ImfThreading.h>
+#include <OpenEXR/ImfTiledOutputFile.h>
 #include <OpenEXR/ImfVecAttribute.h>
 
 #include <algorithm>
@@ -16,6 +18,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
+#include "mtf/io/exr_threads.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/plane_checks.h"
@@ -55,25 +58,44 @@ void insert_metadata(const std::string& path, Imf::Header& header, const Metadat
   if (!metadata.history.empty()) insert("mtf:history", Imf::StringVectorAttribute(metadata.history));
 }
 
-void check_names(const std::string& path, const std::vector<NamedPlane>& planes) {
+void check_names(const std::string& path, const std::vector<std::string>& names) {
   std::set<std::string> seen;
-  for (const NamedPlane& plane : planes) {
-    if (plane.name.empty() || plane.name.size() > 255)
-      throw UsageError(path + ": channel name '" + printable(plane.name, 40) + "' must have 1 to 255 characters");
-    if (!seen.insert(plane.name).second)
-      throw UsageError(path + ": two channels are called '" + printable(plane.name, 40) + "'; rename one");
+  for (const std::string& name : names) {
+    if (name.empty() || name.size() > 255)
+      throw UsageError(path + ": channel name '" + printable(name, 40) + "' must have 1 to 255 characters");
+    if (!seen.insert(name).second)
+      throw UsageError(path + ": two channels are called '" + printable(name, 40) + "'; rename one");
   }
 }
+
+// Runs `write` and turns what the library throws into our errors.
+template <class Action>
+void guarded_write(const std::string& path, AtomicFile& file, Action&& write) {
+  try {
+    write();
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    file.check(0);  // a failed write explains more than what the library made of it
+    throw RuntimeError("cannot write " + path + ": " + printable(error.what()) +
+                       "; check the image and its attributes");
+  }
+  file.commit();
+}
+
+constexpr int kTileSide = 256;
 
 }  // namespace
 
 void write_exr(const std::string& path, const std::vector<NamedPlane>& planes, const Metadata& metadata) {
   check_planes(path, planes);
-  check_names(path, planes);
+  std::vector<std::string> names;
+  for (const NamedPlane& plane : planes) names.push_back(plane.name);
+  check_names(path, names);
   const ImageView<const float>& first = planes[0].plane;
 
   AtomicFile file(path);
-  try {
+  guarded_write(path, file, [&] {
     Imf::Header header(static_cast<int>(first.width), static_cast<int>(first.height));
     header.compression() = Imf::ZIP_COMPRESSION;
     Imf::FrameBuffer buffer;
@@ -89,14 +111,43 @@ void write_exr(const std::string& path, const std::vector<NamedPlane>& planes, c
     Imf::OutputFile output(stream, header);
     output.setFrameBuffer(buffer);
     output.writePixels(static_cast<int>(first.height));
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {
-    file.check(0);  // a failed write explains more than what the library made of it
-    throw RuntimeError("cannot write " + path + ": " + printable(error.what()) +
-                       "; check the image and its attributes");
-  }
-  file.commit();
+  });
+}
+
+void write_tiled_exr(const std::string& path, const std::vector<std::string>& names, std::int64_t width,
+                     std::int64_t height, const ReadRows& rows, const Metadata& metadata, int threads) {
+  check_names(path, names);
+  check_plane_pixels(path, width, height);
+  use_exr_threads(threads);
+  AtomicFile file(path);
+  guarded_write(path, file, [&] {
+    Imf::Header header(static_cast<int>(width), static_cast<int>(height));
+    header.compression() = Imf::ZIP_COMPRESSION;
+    header.setTileDescription(Imf::TileDescription(kTileSide, kTileSide, Imf::ONE_LEVEL));
+    for (const std::string& name : names) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    insert_metadata(path, header, metadata);
+    AtomicStream stream(file, path);
+    Imf::TiledOutputFile output(stream, header, Imf::globalThreadCount());
+    std::vector<Image> planes;
+    for (std::size_t c = 0; c < names.size(); ++c)
+      planes.emplace_back(width, std::min<std::int64_t>(kTileSide, height));
+    for (std::int64_t first = 0; first < height; first += kTileSide) {
+      std::vector<ImageView<float>> views;
+      Imf::FrameBuffer buffer;
+      for (std::size_t c = 0; c < names.size(); ++c) {
+        views.push_back({planes[c].data(), width, std::min<std::int64_t>(kTileSide, height - first), width});
+        // The library adds coordinates to a base outside the plane; through integers this is well defined.
+        const auto origin = static_cast<std::uintptr_t>(first * width * std::int64_t{sizeof(float)});
+        auto* base = reinterpret_cast<char*>(reinterpret_cast<std::uintptr_t>(planes[c].data()) - origin);
+        buffer.insert(names[c],
+                      Imf::Slice(Imf::FLOAT, base, sizeof(float), static_cast<std::size_t>(width) * sizeof(float)));
+      }
+      rows(first, views);
+      output.setFrameBuffer(buffer);
+      const int row = static_cast<int>(first / kTileSide);
+      output.writeTiles(0, output.numXTiles(0) - 1, row, row);
+    }
+  });
 }
 
 }  // namespace mtf::io

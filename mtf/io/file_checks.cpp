@@ -25,15 +25,21 @@ std::int64_t input_file_size(const std::string& path) {
   return status.st_size;
 }
 
+void check_plane_pixels(const std::string& path, std::int64_t width, std::int64_t height) {
+  if (width <= 0 || height <= 0) throw RuntimeError(path + ": the image has no pixels; export the file again");
+  if (static_cast<double>(width) * static_cast<double>(height) > static_cast<double>(max_plane_pixels))
+    throw RuntimeError(path + ": an image of " + std::to_string(width) + " x " + std::to_string(height) +
+                       " pixels needs " + shown_bytes(static_cast<double>(width) * static_cast<double>(height) * 4.0) +
+                       " a plane; the limit is 2^31 pixels a plane: crop the image or cut it into pieces");
+}
+
 void check_plane_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t planes) {
   const double pixels = static_cast<double>(width) * static_cast<double>(height);
   const double bytes = pixels * static_cast<double>(planes) * sizeof(float);
   const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
   const std::string size = path + ": an image of " + std::to_string(width) + " x " + std::to_string(height) +
                            " pixels needs " + shown_bytes(bytes) + " for " + std::to_string(planes) + " plane(s)";
-  if (width <= 0 || height <= 0) throw RuntimeError(path + ": the image has no pixels; export the file again");
-  if (pixels > static_cast<double>(max_plane_pixels))
-    throw RuntimeError(size + "; the limit is 2^31 pixels a plane: crop the image or cut it into pieces");
+  check_plane_pixels(path, width, height);
   if (bytes > memory)
     throw RuntimeError(size + "; this machine has " + shown_bytes(memory) + ": crop it or choose one channel");
 }

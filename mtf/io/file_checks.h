@@ -15,6 +15,9 @@ inline constexpr std::int64_t max_plane_pixels = std::int64_t{1} << 31;
 /// Size in bytes of a non-empty regular file. Throws RuntimeError for anything else (missing, folder, pipe, empty).
 std::int64_t input_file_size(const std::string& path);
 
+/// Throws RuntimeError when a plane of this size is empty or above `max_plane_pixels`.
+void check_plane_pixels(const std::string& path, std::int64_t width, std::int64_t height);
+
 /// Throws RuntimeError with the bytes needed when `planes` float planes of this size are above `max_plane_pixels` each
 /// or more than the machine's memory. Nothing is allocated.
 void check_plane_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t planes);

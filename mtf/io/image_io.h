@@ -7,8 +7,10 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -90,6 +92,14 @@ struct NamedPlane {
 
 /// Scanline float32 ZIP EXR, data window = display window = size from (0,0). Appears whole or not at all.
 void write_exr(const std::string& path, const std::vector<NamedPlane>& planes, const Metadata& metadata);
+
+/// Fills rows first .. of every plane, as many as the views are high.
+using ReadRows = std::function<void(std::int64_t first, std::span<const ImageView<float>> planes)>;
+
+/// Tiled float32 ZIP EXR of an image that need not fit memory, otherwise as write_exr. Rows are asked for in order, a
+/// row of tiles at a time; `threads` compress, 0 = all cores.
+void write_tiled_exr(const std::string& path, const std::vector<std::string>& names, std::int64_t width,
+                     std::int64_t height, const ReadRows& rows, const Metadata& metadata, int threads);
 
 /// file value = round((value - offset) / gain), clamped to 0..65535; the clamped pixels are counted.
 struct IntegerScaling {

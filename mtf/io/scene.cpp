@@ -50,13 +50,6 @@ SampleGrid grid_of(const SensorConfig& config, const ImageFile& file, const std:
                    config.file);
 }
 
-void apply_gain(std::vector<Image>& planes, double gain, double offset) {
-  if (gain == 1.0 && offset == 0.0) return;
-  for (Image& plane : planes)
-    for (std::int64_t i = 0; i < plane.size(); ++i)
-      plane.data()[i] = static_cast<float>(gain * static_cast<double>(plane.data()[i]) + offset);
-}
-
 std::optional<Quantity> stated_quantity(const ImageFile& file) {
   const auto found = file.info.attributes.find("mtf:quantity");
   if (found == file.info.attributes.end()) return std::nullopt;
@@ -67,8 +60,14 @@ std::optional<Quantity> stated_quantity(const ImageFile& file) {
 
 }  // namespace
 
-Scene load_scene(const SensorConfig& config, const std::string& path, const ReadOptions& options) {
-  ImageFile file = read_image(path, options);
+void apply_scaling(const IntegerScaling& scaling, ImageView<float> image) {
+  if (scaling.gain == 1.0 && scaling.offset == 0.0) return;
+  for (std::int64_t y = 0; y < image.height; ++y)
+    for (std::int64_t x = 0; x < image.width; ++x)
+      image.at(x, y) = static_cast<float>(scaling.gain * static_cast<double>(image.at(x, y)) + scaling.offset);
+}
+
+Scene describe_scene(const SensorConfig& config, const std::string& path, const ImageFile& file) {
   const SceneDefaults& defaults = config.scene;
   Scene scene;
   scene.grid = grid_of(config, file, path);
@@ -95,7 +94,7 @@ Scene load_scene(const SensorConfig& config, const std::string& path, const Read
     scene.warnings.push_back(path + ": " + std::to_string(file.missing_pixels) +
                              " pixels of the display window lie outside the data window and are 0");
   if (!stated || file.integer)
-    apply_gain(file.planes, defaults.gain.value_or(1.0), defaults.offset.value_or(0.0));
+    scene.scaling = {defaults.gain.value_or(1.0), defaults.offset.value_or(0.0)};
   else if (defaults.gain || defaults.offset)
     scene.warnings.push_back(path + " states its own quantity; gain and offset of [scene] are for files that do not");
   const auto& [width, height, step_x, step_y] = scene.grid;
@@ -103,9 +102,16 @@ Scene load_scene(const SensorConfig& config, const std::string& path, const Read
     scene.warnings.push_back(path + " states samples of " + format_double(step_x) + " x " + format_double(step_y) +
                              " um, [scene] says " + format_double(*defaults.sample_x_um) + " x " +
                              format_double(*defaults.sample_y_um) + " um; the file wins");
-  scene.names = std::move(file.names);
+  scene.names = file.names;
+  scene.info = file.info;
+  return scene;
+}
+
+Scene load_scene(const SensorConfig& config, const std::string& path, const ReadOptions& options) {
+  ImageFile file = read_image(path, options);
+  Scene scene = describe_scene(config, path, file);
   scene.planes = std::move(file.planes);
-  scene.info = std::move(file.info);
+  for (Image& plane : scene.planes) apply_scaling(scene.scaling, plane.view());
   return scene;
 }
 

@@ -19,12 +19,17 @@ struct Scene {
   Quantity quantity{};
   std::vector<std::string> warnings;  ///< assumptions and doubts, each with its reason
   FileInfo info;
+  IntegerScaling scaling;  ///< value = gain x file + offset; done already to `planes`
 };
 
 /// Reads `path`. The sample spacing comes from the file (attribute mtf:pixelPitch) or [scene]; integer files need gain,
 /// offset and quantity, float TIFF needs quantity, EXR without a stated quantity is taken as radiance, with a warning.
 /// Throws UsageError naming the key to add, RuntimeError for unreadable files.
 Scene load_scene(const SensorConfig& config, const std::string& path, const ReadOptions& options);
+
+/// The same of a file whose pixels are read in windows: all but the planes, to which `scaling` is still to be applied.
+Scene describe_scene(const SensorConfig& config, const std::string& path, const ImageFile& file);
+void apply_scaling(const IntegerScaling& scaling, ImageView<float> image);
 
 /// The blur that [scene] aperture says is in the samples.
 SceneAperture scene_aperture(const SceneDefaults& defaults, const SampleGrid& grid);

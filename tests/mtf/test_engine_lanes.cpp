@@ -90,6 +90,22 @@ TYPED_TEST(EngineLanes, lanes_do_not_see_one_another) {
   }
 }
 
+TYPED_TEST(EngineLanes, rows_are_gathered_from_anywhere) {
+  for (const std::int64_t n : {1, 2, 16, 17, 60, 512, 1280}) {
+    const AlignedBuffer<TypeParam> from = random_rows<TypeParam>(7, 1), gathered = random_rows<TypeParam>(n, 2),
+                                   expected = random_rows<TypeParam>(n, 3);
+    std::vector<std::int32_t> rows;
+    for (std::int64_t i = 0; i < n; ++i) {
+      rows.push_back(static_cast<std::int32_t>(i * i % 7));
+      std::copy_n(from.data() + rows.back() * kRow, kRow, expected.data() + i * kRow);
+    }
+    const LaneTransform<TypeParam> transform(n, fft::Rigor::estimate);
+    transform.forward(from.data(), rows, gathered.data());
+    transform.forward(expected.data());
+    for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_EQ(gathered[i], expected[i]) << n;
+  }
+}
+
 TYPED_TEST(EngineLanes, a_square_is_transposed) {
   const AlignedBuffer<TypeParam> from = random_rows<TypeParam>(3 * kLanes, 2), to = random_rows<TypeParam>(kLanes, 3);
   lanes::transpose(from.data(), 3 * kRow, to.data(), kRow);
@@ -105,13 +121,13 @@ TYPED_TEST(EngineLanes, lines_become_lanes_and_lines_again) {
     std::vector<std::int32_t> rows(static_cast<std::size_t>(count));  // any order
     for (std::int64_t i = 0; i < count; ++i)
       rows[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(count - 1 - i);
-    lanes::lines_to_lanes<TypeParam>(lines.data(), stride, rows, data.data());
+    lanes::lines_to_lanes(lines.data(), stride, count, data.data());
     lanes::lanes_to_lines<TypeParam>(data.data(), rows, back.data(), stride);
     for (std::int64_t line = 0; line < kRow; ++line)
       for (std::int64_t j = 0; j < count; ++j) {
-        const auto i = static_cast<std::size_t>(line * stride + j);
-        ASSERT_EQ(data[static_cast<std::size_t>((count - 1 - j) * kRow + line)], lines[i]);
-        ASSERT_EQ(back[i], lines[i]);
+        ASSERT_EQ(data[static_cast<std::size_t>(j * kRow + line)], lines[static_cast<std::size_t>(line * stride + j)]);
+        ASSERT_EQ(back[static_cast<std::size_t>(line * stride + count - 1 - j)],
+                  lines[static_cast<std::size_t>(line * stride + j)]);
       }
   }
 }

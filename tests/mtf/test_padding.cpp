@@ -55,6 +55,7 @@ TEST(Padding, every_padded_border_is_shortened_for_a_large_image) {
   for (const Border border : {Border::replicate, Border::constant, Border::reflect}) {
     PlanOptions options;
     options.border = border;
+    options.method = Method::fft_float;  // taps need no canvas
     const PlanReport report = compile(system, in, detector_grid(system, in), options).report();
     EXPECT_LT(static_cast<double>(report.size[0]), 1.35 * 640.0) << report.axes[0];
     EXPECT_LT(static_cast<double>(report.size[1]), 1.35 * 512.0) << report.axes[1];

@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulate_tiles.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+
+#include "apps/measured_file.h"
+#include "apps/output.h"
+#include "apps/progress_line.h"
+#include "apps/sensor_image.h"
+#include "apps/simulate_parts.h"
+#include "apps/text_table.h"
+#include "mtf/bad_pixels.h"
+#include "mtf/error.h"
+#include "mtf/io/exr_windows.h"
+#include "mtf/io/tile_store.h"
+#include "mtf/version.h"
+
+namespace apps {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::int64_t kBandRows = 128, kReadAhead = 384;
+constexpr std::size_t kHeaderBytes = 65536;  // of a scene file, for telling it from another
+
+// A scene in memory or, where memory is limited, as windows of its file.
+struct Source {
+  mtf::io::Scene scene;
+  std::optional<mtf::io::ExrWindows> file;
+  std::vector<mtf::ImageView<const float>> planes;
+  mtf::ReadWindow read;
+};
+
+void open_windows(const SimulateOptions& options, const Global& global, const mtf::io::SensorConfig& config,
+                  Source& source) {
+  if (mtf::io::detect_format(options.scene) != mtf::io::Format::exr)
+    throw mtf::UsageError("--memory: " + one_line(options.scene) +
+                          " is no OpenEXR file, which is the format that can be read in pieces; convert it");
+  if (mtf::io::format_from_extension(options.out) != mtf::io::Format::exr)
+    throw mtf::UsageError("--memory: tiles are written as OpenEXR; end the name of the output in .exr");
+  if (options.nan != NanPolicy::refuse)
+    throw mtf::UsageError(
+        "--nan: fill and propagate look at the whole image; leave out --memory, or replace such "
+        "pixels before");
+  if (!options.wisdom.empty()) throw mtf::UsageError("--wisdom is for whole images; leave it out with --memory");
+  source.file.emplace(options.scene, mtf::io::ReadOptions{options.channel, options.layer, options.part},
+                      global.threads);
+  source.scene = mtf::io::describe_scene(config, options.scene, source.file->file());
+  source.read = [&source](std::size_t channel, std::int64_t x, std::int64_t y, mtf::ImageView<float> out) {
+    source.file->read(channel, x, y, out);
+    mtf::io::apply_scaling(source.scene.scaling, out);
+  };
+}
+
+std::vector<mtf::Survey> survey_all(const Source& source, const mtf::io::SceneDefaults& defaults, std::int64_t every,
+                                    const Global& global, ProgressLine& progress) {
+  std::vector<mtf::Survey> surveys;
+  const double channels = static_cast<double>(source.scene.names.size());
+  for (std::size_t c = 0; c < source.scene.names.size(); ++c) {
+    const auto read = [&](std::size_t channel, std::int64_t x, std::int64_t y, mtf::ImageView<float> out) {
+      source.read(channel, x, y, out);
+      const double share = static_cast<double>(y) / static_cast<double>(source.scene.grid.height);
+      progress.update("survey", (static_cast<double>(channel) + share) / channels);
+    };
+    surveys.push_back(mtf::survey(read, c, source.scene.grid,
+                                  {.border = defaults.border,
+                                   .border_value = defaults.border_value,
+                                   .every = every,
+                                   .band_rows = kBandRows,
+                                   .threads = global.threads}));
+    const mtf::Statistics& s = surveys.back().statistics;
+    if (s.not_finite > 0)
+      throw mtf::RuntimeError("channel " + one_line(source.scene.names[c]) + ": " + std::to_string(s.not_finite) +
+                              " pixels are NaN or infinite, the first at column " + std::to_string(s.first_x) +
+                              ", row " + std::to_string(s.first_y) +
+                              "; replace them before, or run without --memory "
+                              "and with --nan fill|propagate");
+  }
+  return surveys;
+}
+
+// The parts of all channels that make the promise hardest to keep, on the scale of one of them.
+std::optional<mtf::SceneSummary> worst_of(const std::vector<mtf::Survey>& surveys,
+                                          const mtf::io::SceneDefaults& defaults) {
+  std::optional<mtf::SceneSummary> worst;
+  for (const mtf::Survey& survey : surveys) {
+    const auto s = survey.summary(defaults.border, defaults.border_value);
+    if (!s) continue;
+    if (!worst) worst = s;
+    worst->largest = std::max(worst->largest, s->largest / s->std * worst->std);
+    worst->canvas_norm = std::max(worst->canvas_norm, s->canvas_norm / s->std * worst->std);
+  }
+  return worst;
+}
+
+mtf::TiledSensorPlan compile_plan(const mtf::System<double>& system, const mtf::SampleGrid& grid, bool asked,
+                                  mtf::PlanOptions& plan_options, const mtf::TileOptions& tiles, RunReport& report) {
+  try {
+    return mtf::compile_tiled(system, grid, plan_options, tiles);
+  } catch (const mtf::UnreachableTolerance& e) {
+    if (asked || !(e.reachable() < 1.0)) throw;
+    report.warnings.push_back("the default tolerance " + mtf::format_double(plan_options.tolerance) +
+                              " cannot be kept for this scene; " + significant(e.reachable(), 2) + " is used");
+    plan_options.tolerance = e.reachable();
+  }
+  return mtf::compile_tiled(system, grid, plan_options, tiles);
+}
+
+// That the scene holds, whatever format the sensor has.
+std::array<std::int64_t, 2> whole_pixels(const mtf::io::SensorConfig& config, const mtf::SampleGrid& scene) {
+  mtf::System<double> system = config.system;
+  system.frame.columns = system.frame.rows = 0;
+  const mtf::SampleGrid detector = mtf::detector_grid(system, scene);
+  return {detector.width, detector.height};
+}
+
+// All that the pixels depend on.
+std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& config, const Source& source,
+                   const mtf::TiledSensorPlan& plan) {
+  struct stat status {};
+  static_cast<void>(::stat(options.scene.c_str(), &status));
+  std::string header(kHeaderBytes, '\0');
+  if (std::FILE* file = std::fopen(options.scene.c_str(), "rb")) {
+    header.resize(std::fread(header.data(), 1, header.size(), file));
+    std::fclose(file);
+  }
+  const mtf::TileReport& r = plan.report();
+  std::string key = std::string(mtf::version) + " " + mtf::git_commit + " " + config.sha256 + " " +
+                    std::to_string(status.st_size) + " " + std::to_string(status.st_mtim.tv_sec) + "." +
+                    std::to_string(status.st_mtim.tv_nsec) + " " + mtf::format_double(r.tolerance) + " " +
+                    (options.measure ? "measure" : "estimate");
+  for (const std::string& name : source.scene.names) key += " [" + name + "]";
+  if (options.region)
+    for (const std::int64_t n : *options.region) key += " " + std::to_string(n);
+  for (const auto& pair : {r.side, r.halo, r.post_halo})
+    for (const std::int64_t n : pair) key += " " + std::to_string(n);
+  return key + " " + std::to_string(r.every) + " " + header;
+}
+
+// Pixels that are NaN where bad samples reach them need the whole image and its plan.
+std::vector<mtf::Image> run_whole(const mtf::io::SensorConfig& config, Source& source,
+                                  const std::vector<mtf::Image>& masks, const mtf::PlanOptions& options,
+                                  const mtf::Region& region) {
+  const mtf::SensorPlan plan = mtf::compile_sensor(config.system, source.scene.grid, options);
+  std::vector<mtf::Image> images = plan.run(std::move(source.scene.planes), config.scene.border_value, options.threads);
+  for (std::size_t c = 0; c < images.size(); ++c) {
+    if (masks[c].size() > 0)
+      mtf::propagate_bad_pixels(plan, masks[c], options.tolerance, options.threads, images[c].view());
+    mtf::Image cut(region.width, region.height);
+    for (std::int64_t y = 0; y < region.height; ++y)
+      std::memcpy(cut.view().row(y), images[c].view().row(region.y + y) + region.x,
+                  static_cast<std::size_t>(region.width) * sizeof(float));
+    images[c] = std::move(cut);
+  }
+  return images;
+}
+
+std::vector<mtf::Image> run_in_memory(const mtf::io::SensorConfig& config, Source& source,
+                                      const std::vector<mtf::Survey>& surveys, const std::vector<mtf::Image>& masks,
+                                      const mtf::TiledSensorPlan& plan, const mtf::PlanOptions& options,
+                                      const mtf::TileRunOptions& run, const mtf::Region& region, RunReport& report) {
+  if (std::any_of(masks.begin(), masks.end(), [](const mtf::Image& mask) { return mask.size() > 0; }))
+    return run_whole(config, source, masks, options, region);
+  std::vector<mtf::Image> images;
+  for (std::size_t c = 0; c < surveys.size(); ++c) images.emplace_back(plan.out().width, plan.out().height);
+  report.tiles->tally = plan.run(
+      source.read, surveys,
+      [&](const mtf::Tile& tile, std::span<const mtf::ImageView<const float>> planes) {
+        for (std::size_t c = 0; c < planes.size(); ++c)
+          for (std::int64_t y = 0; y < tile.region.height; ++y)
+            std::memcpy(images[c].view().row(tile.region.y + y) + tile.region.x, planes[c].row(y),
+                        static_cast<std::size_t>(tile.region.width) * sizeof(float));
+      },
+      run);
+  return images;
+}
+
+std::string summary_text(const RunReport& report, const std::vector<std::string>& names,
+                         const std::vector<mtf::Statistics>& statistics) {
+  const TilesReport& tiles = *report.tiles;
+  const auto by = [](const std::array<std::int64_t, 2>& n) {
+    return std::to_string(n[0]) + "x" + std::to_string(n[1]);
+  };
+  std::string text = one_line(report.out_path) + "  " + std::to_string(tiles.out.width) + "x" +
+                     std::to_string(tiles.out.height) + "  " +
+                     std::string(mtf::io::quantity_name(report.scene->quantity)) + " [" +
+                     std::string(mtf::io::quantity_unit(report.scene->quantity)) + "]\n";
+  TextTable table({"channel", "min", "mean", "max", "std"});
+  for (std::size_t c = 0; c < statistics.size(); ++c)
+    table.add({one_line(names[c]), significant(statistics[c].min, 6), significant(statistics[c].mean, 6),
+               significant(statistics[c].max, 6), significant(statistics[c].std, 6)});
+  text += table.aligned({Align::left, Align::right, Align::right, Align::right, Align::right});
+  if (tiles.plan.whole)
+    text += "one tile: " + tiles.plan.reason + "\n";
+  else
+    text += std::to_string(tiles.plan.count) + " tiles of " + by(tiles.plan.side) + " px, halo " + by(tiles.plan.halo) +
+            " samples; " + std::to_string(tiles.tally.flat) + " flat, " + std::to_string(tiles.tally.resumed) +
+            " from a stopped run\n";
+  double total = 0.0;
+  std::string times;
+  for (const auto& [name, ms] : report.timing_ms) {
+    times += (times.empty() ? "" : ", ") + name + " " + fixed(ms, 1);
+    total += ms;
+  }
+  return text + "predicted error " + significant(report.plan->predicted_error, 2) + " of the scene's std (tolerance " +
+         mtf::format_double(report.tolerance) + ")\ntime " + fixed(total, 1) + " ms (" + times + "), peak memory " +
+         fixed(peak_rss_mib(), 0) + " MiB\n";
+}
+
+}  // namespace
+
+std::optional<mtf::TiledSensorPlan> flat_tiles(const mtf::io::SensorConfig& config, const mtf::io::Scene& scene,
+                                               const std::vector<mtf::Image>& masks, const mtf::PlanOptions& options,
+                                               RunReport& report) try {
+  if (std::any_of(masks.begin(), masks.end(), [](const mtf::Image& mask) { return mask.size() > 0; }))
+    return std::nullopt;
+  std::vector<mtf::ImageView<const float>> planes;
+  for (const mtf::Image& plane : scene.planes) planes.push_back(plane.view());
+  auto plan = mtf::worth_tiling(config.system, scene.grid, planes, config.scene.border_value, options);
+  if (!plan) return plan;
+  report.tiles = TilesReport{plan->report(), {}, scene.grid, plan->out(), whole_pixels(config, scene.grid)};
+  return plan;
+} catch (const mtf::UnreachableTolerance&) {
+  return std::nullopt;  // the whole image may keep it, or says what it can
+}
+
+std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const mtf::io::Scene& scene,
+                                       double border_value, RunReport& report) {
+  std::vector<mtf::ImageView<const float>> planes;
+  for (const mtf::Image& plane : scene.planes) planes.push_back(plane.view());
+  return plan.run(planes, border_value, &report.tiles->tally);
+}
+
+bool wants_tiles(const SimulateOptions& options) {
+  if (options.memory || options.region) return true;
+  if (mtf::io::detect_format(options.scene) != mtf::io::Format::exr) return false;
+  // Planes of three channels, transforms and OTF of one, about.
+  const mtf::io::FileInfo info = mtf::io::read_info(options.scene);
+  const double machine = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  return static_cast<double>(info.width) * static_cast<double>(info.height) * 20.0 > machine;
+}
+
+int simulate_tiles(const SimulateOptions& options, const Global& global, const mtf::io::SensorConfig& config) {
+  RunReport report;
+  Clock::time_point last = Clock::now();
+  const auto lap = [&](const char* name) {
+    const Clock::time_point now = Clock::now();
+    report.timing_ms.emplace_back(name, std::chrono::duration<double, std::milli>(now - last).count());
+    last = now;
+  };
+  const bool streamed = options.memory || !options.region;
+  Source source;
+  std::vector<mtf::Image> masks;
+  if (streamed) {
+    open_windows(options, global, config, source);
+  } else {
+    source.scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
+    masks = treat_bad_pixels(source.scene, options.nan, report.bad_pixels);
+    if (!report.bad_pixels.empty()) note(global, "note: " + report.bad_pixels);
+    for (const mtf::Image& plane : source.scene.planes) source.planes.push_back(plane.view());
+    source.read = mtf::windows_of(source.planes);
+  }
+  const mtf::io::Scene& scene = source.scene;
+  report.warnings = scene.warnings;
+  for (std::string& warning : mtf::io::sampling_warnings(config.system, scene.grid))
+    report.warnings.push_back(std::move(warning));
+
+  std::optional<ProgressLine> progress(global);
+  mtf::PlanOptions plan_options;
+  plan_options.tolerance = options.tolerance.value_or(plan_options.tolerance);
+  plan_options.border = config.scene.border;
+  plan_options.rigor = options.measure ? mtf::fft::Rigor::measure : mtf::fft::Rigor::estimate;
+  plan_options.aperture = mtf::io::scene_aperture(config.scene, scene.grid);
+  plan_options.threads = global.threads;
+  mtf::TileOptions tile_options;
+  tile_options.memory = options.memory.value_or(0);
+  tile_options.threads = global.threads;
+  tile_options.row_bytes = source.file ? source.file->row_bytes() : 0;
+  if (!streamed) read_measured(options, global);
+  if (options.region) {
+    const auto [x, y, width, height] = *options.region;
+    tile_options.region = mtf::Region{x, y, width, height};
+  }
+  const std::vector<mtf::Survey> surveys = survey_all(
+      source, config.scene, mtf::coarse_every(scene.grid, config.scene.border, tile_options.memory), global, *progress);
+  plan_options.scene = worst_of(surveys, config.scene);
+  lap("survey");
+  const mtf::TiledSensorPlan plan =
+      compile_plan(config.system, scene.grid, options.tolerance.has_value(), plan_options, tile_options, report);
+  if (source.file) source.file->keep_rows(plan.report().whole ? 0 : plan.inner().presample.in().height + kReadAhead);
+  progress.reset();
+  for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
+  lap("plan");
+
+  const std::vector<std::string> names = output_names(scene.names);
+  report.config = &config;
+  report.scene = &scene;
+  report.plan = &plan.inner();
+  report.scene_path = options.scene;
+  report.out_path = options.out;
+  report.tolerance = plan_options.tolerance;
+  report.tiles = TilesReport{plan.report(), {}, scene.grid, plan.out(), {}};
+  report.tiles->whole_pixels = whole_pixels(config, scene.grid);
+
+  progress.emplace(global);
+  mtf::TileRunOptions run;
+  run.border_value = config.scene.border_value;
+  run.progress = [&](std::int64_t done, std::int64_t of) {
+    progress->update("tiles", static_cast<double>(done) / static_cast<double>(of));
+  };
+  const mtf::io::Metadata metadata = provenance(config, scene, plan.inner(), plan_options.tolerance);
+  std::vector<mtf::Statistics> statistics;
+  if (streamed) {
+    mtf::io::TileStore store(options.out,
+                             {key_of(options, config, source, plan), plan.out().width, plan.out().height, names.size(),
+                              plan.report().count, [&](std::int64_t i) { return plan.tile(i).region; }},
+                             options.resume);
+    if (!store.note().empty()) note(global, "note: " + one_line(store.note()));
+    if (store.resumed() > 0)
+      note(global, "note: " + std::to_string(store.resumed()) + " of " + std::to_string(plan.report().count) +
+                       " tiles are there from a stopped run");
+    run.done = [&](std::int64_t i) { return store.done(i); };
+    report.tiles->tally = plan.run(
+        source.read, surveys,
+        [&](const mtf::Tile& tile, std::span<const mtf::ImageView<const float>> planes) {
+          store.write(tile.index, planes);
+        },
+        run);
+    lap("run");
+    progress.emplace(global);
+    mtf::io::write_tiled_exr(
+        options.out, names, plan.out().width, plan.out().height,
+        [&](std::int64_t first, std::span<const mtf::ImageView<float>> planes) {
+          for (std::size_t c = 0; c < planes.size(); ++c) store.read_rows(c, first, planes[c]);
+          progress->update("write", static_cast<double>(first) / static_cast<double>(plan.out().height));
+        },
+        metadata, global.threads);
+    for (std::size_t c = 0; c < names.size(); ++c)
+      statistics.push_back(mtf::survey([&](std::size_t plane, std::int64_t, std::int64_t y,
+                                           mtf::ImageView<float> rows) { store.read_rows(plane, y, rows); },
+                                       c, plan.out(), {.threads = global.threads})
+                               .statistics);
+    store.remove();
+  } else {
+    std::vector<mtf::Image> images =
+        run_in_memory(config, source, surveys, masks, plan, plan_options, run, *tile_options.region, report);
+    lap("run");
+    const Written written =
+        write_sensor_image(options.out, names, images, metadata, options.range_low, options.range_high);
+    if (written.scaling) {
+      report.gain = written.scaling->gain;
+      report.offset = written.scaling->offset;
+      report.clamped = written.clamped;
+      report.integer_scaling =
+          "value = gain x file + offset, in " + std::string(mtf::io::quantity_unit(scene.quantity));
+    }
+    write_measured(options, global);
+    for (const mtf::Image& image : images) statistics.push_back(mtf::statistics(image.view()));
+  }
+  progress.reset();
+  lap("write");
+  if (!options.report.empty()) emit(options.report, to_json(report));
+  if (options.report == "-") return 0;  // standard output is the report
+  if (options.explain) {
+    std::string text = plan.inner().presample.explain();
+    if (plan.inner().post) text += "after sampling\n" + plan.inner().post->explain();
+    print(text);
+  }
+  print(summary_text(report, names, statistics));
+  return 0;
+}
+
+}  // namespace apps

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Finished tiles of a run that may be stopped: OUT.part holds their pixels, OUT.part.tiles a line of what the run is
+// and a record for each tile with a checksum of its pixels. Both survive a signal, a kill and a full disk; the same
+// command goes on from them. Nothing but the image is left when it is done.
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mtf/image.h"
+#include "mtf/survey.h"
+
+namespace mtf::io {
+
+struct TileStoreLayout {
+  std::string key;  ///< all that the pixels depend on; another key is another run
+  std::int64_t width = 0, height = 0;
+  std::size_t planes = 1;
+  std::int64_t tiles = 0;
+  std::function<Region(std::int64_t)> region;  ///< of a tile
+};
+
+/// Whose pixels are not kept longer than the process.
+class TileStore {
+ public:
+  /// Opens what a stopped run left, or starts over: `note` says why when something was there. Throws RuntimeError when
+  /// the files cannot be made, the disk has no room for all pixels, or another process is writing them.
+  TileStore(const std::string& out, TileStoreLayout layout, bool resume);
+  ~TileStore();
+  TileStore(const TileStore&) = delete;
+  TileStore& operator=(const TileStore&) = delete;
+
+  bool done(std::int64_t tile) const { return done_[static_cast<std::size_t>(tile)]; }
+  std::int64_t resumed() const { return resumed_; }
+  const std::string& note() const { return note_; }
+  /// Keeps a finished tile. From several threads, each tile once. Throws RuntimeError naming the disk.
+  void write(std::int64_t tile, std::span<const ImageView<const float>> planes);
+  /// Rows from `first` of one plane.
+  void read_rows(std::size_t plane, std::int64_t first, ImageView<float> rows) const;
+  /// The image is written: removes both files.
+  void remove();
+
+ private:
+  bool load();
+  void start_over();
+
+  std::string pixels_path_, journal_path_, note_;
+  TileStoreLayout layout_;
+  std::vector<char> done_;  // not bits: tiles are marked by several threads
+  std::int64_t resumed_ = 0;
+  int pixels_ = -1, journal_ = -1;
+};
+
+}  // namespace mtf::io

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/survey.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "mtf/engines/clones.h"
+#include "mtf/engines/kernels.h"
+#include "mtf/error.h"
+#include "mtf/parallel.h"
+
+namespace mtf {
+namespace {
+
+// Moments of the finite samples of one row about its own mean: they combine without cancellation.
+struct Row {
+  double mean = 0.0, squares = 0.0, min = 0.0, max = 0.0, first = 0.0, last = 0.0;
+  std::int64_t finite = 0, first_bad = -1;
+};
+
+// Lanes of partial sums: the same order on every machine.
+MTFKIT_CLONES double squares_about(const float* values, std::int64_t n, double mean) {
+  constexpr std::int64_t lanes = 8;
+  std::array<double, lanes> sums{};
+  std::int64_t x = 0;
+  for (; x + lanes <= n; x += lanes)
+    for (std::int64_t l = 0; l < lanes; ++l) {
+      const double d = values[x + l] - mean;
+      sums[static_cast<std::size_t>(l)] += d * d;
+    }
+  double sum = 0.0;
+  for (; x < n; ++x) sum += (values[x] - mean) * (values[x] - mean);
+  for (const double s : sums) sum += s;
+  return sum;
+}
+
+Row row_moments(const float* values, std::int64_t n) {
+  Row row;
+  row.first = values[0];
+  row.last = values[n - 1];
+  if (const kernels::RowSummary quick = kernels::summarise_row(values, n); std::isfinite(quick.sum)) {
+    row.min = quick.min;
+    row.max = quick.max;
+    row.finite = n;
+    row.mean = row.min == row.max ? row.min : quick.sum / static_cast<double>(n);
+    row.squares = squares_about(values, n, row.mean);
+    return row;
+  }
+  double sum = 0.0;
+  for (std::int64_t x = 0; x < n; ++x) {
+    const double v = values[x];
+    if (!std::isfinite(v)) {
+      if (row.first_bad < 0) row.first_bad = x;
+      continue;
+    }
+    if (row.finite++ == 0) row.min = row.max = v;
+    row.min = std::min(row.min, v);
+    row.max = std::max(row.max, v);
+    sum += v;
+  }
+  if (row.finite == 0) return row;
+  row.mean = row.min == row.max ? row.min : sum / static_cast<double>(row.finite);
+  for (std::int64_t x = 0; x < n; ++x)
+    if (const double d = values[x] - row.mean; std::isfinite(d)) row.squares += d * d;
+  return row;
+}
+
+double square(double x) { return x * x; }
+
+Statistics statistics_of(const std::vector<Row>& rows, std::int64_t width) {
+  Statistics s;
+  double sum = 0.0;
+  std::int64_t finite = 0;
+  for (std::size_t y = 0; y < rows.size(); ++y) {
+    const Row& row = rows[y];
+    if (row.first_bad >= 0 && s.first_x < 0) s.first_x = row.first_bad, s.first_y = static_cast<std::int64_t>(y);
+    s.not_finite += width - row.finite;
+    if (row.finite == 0) continue;
+    s.min = finite == 0 ? row.min : std::min(s.min, row.min);
+    s.max = finite == 0 ? row.max : std::max(s.max, row.max);
+    finite += row.finite;
+    sum += row.mean * static_cast<double>(row.finite);
+  }
+  if (finite == 0) return s;
+  s.mean = s.min == s.max ? s.min : sum / static_cast<double>(finite);
+  const double scale = std::max(s.max - s.mean, s.mean - s.min);  // 1e-30 squared is none
+  if (scale == 0.0) return s;
+  double squares = 0.0;
+  for (const Row& row : rows)
+    if (row.finite > 0)
+      squares += row.squares / scale / scale + static_cast<double>(row.finite) * square((row.mean - s.mean) / scale);
+  s.std = scale * std::sqrt(squares / static_cast<double>(finite));
+  return s;
+}
+
+// Each sample counts as often as the canvas repeats it (mtf/statistics.cpp).
+double canvas_norm_of(const std::vector<Row>& rows, std::int64_t width, const SurveyOptions& options, double mean) {
+  const auto height = static_cast<std::int64_t>(rows.size());
+  const auto n = static_cast<double>(width);
+  const double copies = options.border == Border::reflect ? 2.0 : 1.0;
+  double sum = 0.0;
+  for (std::int64_t y = 0; y < height; ++y) {
+    const Row& row = rows[static_cast<std::size_t>(y)];
+    double along = copies * (row.squares + n * square(row.mean - mean));
+    double weight = copies;
+    if (options.border == Border::replicate) {
+      along += n * (square(row.first - mean) + square(row.last - mean));
+      weight += (y == 0 ? static_cast<double>(height) : 0.0) + (y == height - 1 ? static_cast<double>(height) : 0.0);
+    }
+    sum += weight * along;
+  }
+  const double area = n * static_cast<double>(height);
+  if (options.border == Border::constant) sum += 8.0 * area * square(options.border_value - mean);
+  return std::sqrt(sum / area);
+}
+
+}  // namespace
+
+ReadWindow windows_of(std::span<const ImageView<const float>> planes) {
+  return [planes](std::size_t channel, std::int64_t x, std::int64_t y, ImageView<float> out) {
+    for (std::int64_t j = 0; j < out.height; ++j)
+      std::memcpy(out.row(j), planes[channel].row(y + j) + x, static_cast<std::size_t>(out.width) * sizeof(float));
+  };
+}
+
+std::optional<SceneSummary> Survey::summary(Border border, double border_value) const {
+  if (statistics.std == 0.0) return std::nullopt;
+  const double level = border == Border::constant ? std::abs(border_value) : 0.0;
+  return SceneSummary{statistics.std, std::max({std::abs(statistics.min), std::abs(statistics.max), level}),
+                      canvas_norm};
+}
+
+Survey survey(const ReadWindow& read, std::size_t channel, const SampleGrid& scene, const SurveyOptions& options) {
+  std::vector<Row> rows(static_cast<std::size_t>(scene.height));
+  std::optional<CoarseScene> coarse;
+  Image band(scene.width, std::min(options.band_rows, scene.height));
+  for (std::int64_t first = 0; first < scene.height; first += options.band_rows) {
+    const std::int64_t count = std::min(options.band_rows, scene.height - first);
+    const ImageView<float> view{band.data(), scene.width, count, scene.width};
+    read(channel, 0, first, view);
+    parallel_for(count, 8, options.threads, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t y = begin; y < end; ++y)
+        rows[static_cast<std::size_t>(first + y)] = row_moments(view.row(y), scene.width);
+    });
+    if (options.every == 0) continue;
+    if (first == 0)
+      coarse.emplace(coarse_grid(scene, options.border, options.every),
+                     options.border == Border::constant ? options.border_value : rows.front().mean);
+    coarse->add(first, view, options.threads);
+  }
+  Survey result;
+  result.statistics = statistics_of(rows, scene.width);
+  result.canvas_norm = canvas_norm_of(rows, scene.width, options, result.statistics.mean);
+  if (coarse && result.statistics.not_finite == 0) {
+    result.shift = coarse->shift();
+    result.coarse = coarse->image();
+  }
+  return result;
+}
+
+}  // namespace mtf

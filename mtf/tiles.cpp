@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/tiles.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "mtf/error.h"
+#include "mtf/tile_halo.h"
+
+namespace mtf {
+namespace {
+
+// Shares of the tolerance that the presample steps are given; near and far also hold the rounding.
+constexpr double kHaloShare = 0.25, kFarShare = 0.15, kNearShare = 0.55;
+constexpr double kMostOverlap = 4.0;              // canvas of a tile against the tile, in area
+constexpr double kParallelOverlap = 2.0;          // beyond which fewer threads on longer tiles are better
+constexpr std::int64_t kLongestSide = 4096;       // samples of a tile's canvas: longer ones leave the caches
+constexpr std::int64_t kFixedBytes = 80LL << 20;  // program, libraries, tables
+constexpr std::int64_t kSlackRows = 512;          // that a reader holds beside those of a tile
+constexpr std::array<std::int64_t, 2> kEvery{8, 16};
+
+std::int64_t machine_bytes() {
+  return static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::int64_t>(sysconf(_SC_PAGESIZE));
+}
+
+int threads_of(int asked) {
+  return asked > 0 ? asked : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
+
+double count(std::int64_t n) { return static_cast<double>(n); }
+
+// Coarse image, its running sums, and plan: what stays for the whole run.
+std::int64_t coarse_bytes(const CoarseGrid& grid) { return 28 * grid.x.count * grid.y.count; }
+
+// Two planes, transforms and OTF of one tile of this canvas, about; a complex OTF doubles the last two.
+struct TileBytes {
+  double shared = 0.0, each = 0.0;
+};
+TileBytes tile_bytes(double samples, double pixels) { return {8.0 * samples, 16.0 * samples + 12.0 * pixels}; }
+
+std::string mib(double bytes) {
+  return std::to_string(static_cast<std::int64_t>(std::ceil(bytes / 1048576.0))) + "MiB";
+}
+
+double canvas_norm_of(const PlanOptions& options, const SampleGrid& in) {
+  if (options.scene) return options.scene->canvas_norm / options.scene->std;
+  return std::sqrt(count(canvas_length(options.border, in.width) / in.width) *
+                   count(canvas_length(options.border, in.height) / in.height));
+}
+
+void require_region(const Region& region, const SampleGrid& detector) {
+  if (region.x >= 0 && region.y >= 0 && region.width > 0 && region.height > 0 &&
+      region.x <= detector.width - region.width && region.y <= detector.height - region.height)
+    return;
+  throw UsageError("the region " + std::to_string(region.x) + "," + std::to_string(region.y) + "," +
+                   std::to_string(region.width) + "," + std::to_string(region.height) +
+                   " does not lie within the output of " + std::to_string(detector.width) + "x" +
+                   std::to_string(detector.height) + " pixels; give x,y,width,height in pixels within it");
+}
+
+// What the whole image needs at once: planes, transforms, OTF; other borders than the mirror are written out.
+double whole_bytes(const SampleGrid& in, const PlanOptions& options, const TileOptions& tiles) {
+  const double planes = std::max(4.0, count(tiles.row_bytes) / count(in.width));
+  return count(in.width) * count(in.height) * (planes + (options.border == Border::reflect ? 9.0 : 22.0)) +
+         count(kFixedBytes);
+}
+
+}  // namespace
+
+std::int64_t coarse_every(const SampleGrid& scene, Border border, std::int64_t memory) {
+  const std::int64_t limit = (memory > 0 ? memory : machine_bytes()) / 5;
+  for (const std::int64_t every : kEvery) {
+    if (std::min(scene.width, scene.height) < 32 * every) return 0;  // a tile would be the scene
+    if (coarse_bytes(coarse_grid(scene, border, every)) <= limit) return every;
+  }
+  std::int64_t every = 2 * kEvery.back();
+  while (coarse_bytes(coarse_grid(scene, border, every)) > limit) every *= 2;
+  return every;
+}
+
+// The plan with the OTF split at `every`, or whole where that is 0. Nothing, and the reason, where tiles are no way.
+std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, const SampleGrid& scene,
+                                              const PlanOptions& options, const TileOptions& tiles, std::int64_t every,
+                                              std::string& reason) {
+  constexpr std::array presample{Stage::presample};
+  constexpr std::array behind{Stage::readout, Stage::postsample};
+  TiledSensorPlan plan;
+  plan.in_ = scene;
+  plan.detector_ = detector_grid(system, scene);
+  plan.border_ = options.border;
+  plan.threads_ = tiles.threads;
+  plan.region_ = tiles.region.value_or(Region{0, 0, plan.detector_.width, plan.detector_.height});
+  plan.out_ = plan.detector_;
+  plan.out_.width = plan.region_.width;
+  plan.out_.height = plan.region_.height;
+  const auto rx = pitch_ratio(plan.detector_.step_x_um, scene.step_x_um);
+  const auto ry = pitch_ratio(plan.detector_.step_y_um, scene.step_y_um);
+  if (!rx || !ry) {
+    reason = "the pitch is not a ratio of small whole numbers of samples";
+    return std::nullopt;
+  }
+  const bool has_post = !system.list(Stage::readout).empty() || !system.list(Stage::postsample).empty();
+  const double whole_x = count(scene.width) * count(rx->pixels) / count(rx->samples);
+  const double whole_y = count(scene.height) * count(ry->pixels) / count(ry->samples);
+  if (has_post && options.border == Border::periodic &&
+      (whole_x != count(plan.detector_.width) || whole_y != count(plan.detector_.height))) {
+    reason =
+        "filters behind the sampling of a periodic scene need its far side, which is no whole number of pixels away";
+    return std::nullopt;
+  }
+
+  // Filters behind the sampling take half of the tolerance; what comes before passes through their gain.
+  const double norm =
+      canvas_norm_of(options, scene) * std::sqrt(std::max(1.0, scene.area_um2() / plan.detector_.area_um2()));
+  const std::int64_t longest = kLongestSide / 2;
+  PlanOptions post_options = options;
+  post_options.spectrum = nullptr;
+  post_options.method = {};
+  post_options.aperture = {};
+  post_options.tolerance = 0.5 * options.tolerance;
+  Halo post_halo;
+  double post_norm = 1.0;
+  if (has_post) {
+    if (options.scene) post_options.scene = behind_sampling(*options.scene, options, scene, plan.detector_);
+    post_norm = canvas_norm_of(post_options, plan.detector_);
+    const auto found = find_halo(system, behind, post_options,
+                                 {plan.detector_, plan.detector_, (1.0 + std::sqrt(kMostOverlap)) * post_norm,
+                                  kHaloShare * post_options.tolerance, longest});
+    if (!found) {
+      reason = "the filters behind the sampling reach too far at this tolerance";
+      return std::nullopt;
+    }
+    post_halo = *found;
+  }
+  // Their gain has to be known before the tolerance of the tile is; it is that of the OTF wherever it is looked at.
+  double gain = 1.0;
+  if (has_post) {
+    PlanOptions probe = post_options;
+    probe.border = Border::reflect;
+    gain = std::max(1.0,
+                    compile_post(system, {256, 256, plan.detector_.step_x_um, plan.detector_.step_y_um}, behind, probe)
+                        .report()
+                        .largest_gain);
+    gain *= gain > 1.0 ? 1.05 : 1.0;  // between the frequencies looked at
+  }
+
+  PlanOptions near_options = options;
+  near_options.spectrum = nullptr;  // of the whole scene, not of a tile
+  near_options.tolerance = (has_post ? 0.5 / gain : 1.0) * options.tolerance;
+  const double share = near_options.tolerance;
+  if (every > 0) {
+    plan.coarse_ = coarse_grid(scene, options.border, every);
+    near_options.split = {ScaleSplit::Part::near, plan.coarse_->split_sigma_um()};
+  }
+  const auto halo =
+      find_halo(system, presample, near_options,
+                {scene, plan.detector_, (1.0 + std::sqrt(kMostOverlap)) * norm, kHaloShare * share, longest});
+  if (!halo) {
+    reason = "the point spread reaches further than a tile at this tolerance";
+    return std::nullopt;
+  }
+
+  // The largest canvas that memory allows, by halves of powers of two.
+  const double limit = count(tiles.memory > 0 ? tiles.memory : machine_bytes());
+  const double fixed = count(kFixedBytes) + (plan.coarse_ ? count(coarse_bytes(*plan.coarse_)) : 0.0);
+  const int threads = threads_of(tiles.threads);
+  const double pixels_per_sample =
+      1.0 / (count(rx->samples) / count(rx->pixels) * count(ry->samples) / count(ry->pixels));
+  const auto needed = [&](double samples_x, double samples_y, int in_flight) {
+    const TileBytes bytes = tile_bytes(samples_x * samples_y, samples_x * samples_y * pixels_per_sample);
+    return fixed + bytes.shared + in_flight * bytes.each + count(tiles.row_bytes) * (samples_y + count(kSlackRows));
+  };
+  double least = 0.0;
+  bool fits = false;
+  // All threads at work are worth some overlap; what fits no other way runs one tile at a time.
+  for (int in_flight = threads; in_flight >= 1 && !fits; in_flight /= 2)
+    for (std::int64_t side = kLongestSide; side >= 32; side = side * 7 / 8) {
+      const auto axis = [&](const PitchRatio& ratio, bool x) {
+        const std::size_t i = x ? 0 : 1;
+        return tile_axis({ratio, x ? plan.region_.x : plan.region_.y, x ? plan.region_.width : plan.region_.height,
+                          halo->samples[i], has_post ? post_halo.samples[i] : 0, side, tiles.side});
+      };
+      const auto x = axis(*rx, true), y = axis(*ry, false);
+      if (!x || !y) break;
+      const double overlap = x->overlap() * y->overlap();
+      if (tiles.side == 0 && least > 0.0 && overlap > (in_flight > 1 ? kParallelOverlap : kMostOverlap)) break;
+      least = needed(count(x->canvas_samples()), count(y->canvas_samples()), in_flight);
+      if (least > limit) continue;
+      fits = true;
+      plan.x_ = *x;
+      plan.y_ = *y;
+      plan.report_.in_flight = in_flight;
+      plan.report_.bytes = static_cast<std::int64_t>(least);
+      break;
+    }
+  if (!fits) {
+    reason = least > 0.0 ? "one tile needs " + mib(least) : "the halo is longer than a tile";
+    return std::nullopt;
+  }
+  const double overlap = plan.x_.overlap() * plan.y_.overlap();
+
+  PlanOptions inner = near_options;
+  inner.border = Border::reflect;
+  inner.tolerance = (every > 0 ? kNearShare : kNearShare + kFarShare) * share;
+  if (inner.scene) inner.scene->canvas_norm = norm * inner.scene->std * std::sqrt(std::max(1.0, overlap));
+  const SampleGrid canvas{plan.x_.canvas_samples(), plan.y_.canvas_samples(), scene.step_x_um, scene.step_y_um};
+  const SampleGrid wide{plan.x_.canvas_pixels(), plan.y_.canvas_pixels(), plan.detector_.step_x_um,
+                        plan.detector_.step_y_um};
+  Plan near = compile(system, canvas, wide, inner);
+  double predicted = near.report().predicted.total() + halo->bound;
+  plan.dc_ = near.dc();
+  if (every > 0) {
+    const SampleGrid coarse = plan.coarse_->grid();
+    const double gather = std::sqrt(std::max(1.0, coarse.area_um2() / plan.detector_.area_um2()));
+    PlanOptions far = near_options;
+    far.border = plan.coarse_->x.coarse_border();
+    far.split.part = ScaleSplit::Part::far;
+    far.method = {};
+    far.tolerance = std::min(0.9, kFarShare * share / gather);
+    if (far.scene) far.scene->canvas_norm *= std::sqrt(std::min(1.0, scene.area_um2() / coarse.area_um2()));
+    plan.far_ = compile(system, coarse, coarse, far);
+    plan.dc_ = plan.far_->dc();
+    predicted += plan.far_->report().predicted.total() * gather + kCoarseError * norm;
+  }
+  std::optional<Plan> post;
+  if (has_post) {
+    PlanOptions behind_options = post_options;
+    behind_options.border = Border::reflect;
+    behind_options.tolerance = (1.0 - kHaloShare) * post_options.tolerance;
+    if (behind_options.scene) behind_options.scene->canvas_norm *= std::sqrt(std::max(1.0, overlap));
+    post = compile_post(system,
+                        {plan.x_.tile + 2 * plan.x_.post, plan.y_.tile + 2 * plan.y_.post, plan.detector_.step_x_um,
+                         plan.detector_.step_y_um},
+                        behind, behind_options);
+    predicted = predicted * gain + post->report().predicted.total() + post_halo.bound;
+  }
+  plan.inner_ = SensorPlan{std::move(near), std::move(post), predicted, system, options};
+  TileReport& report = plan.report_;
+  report.count = plan.x_.count() * plan.y_.count();
+  report.side = {plan.x_.tile, plan.y_.tile};
+  report.halo = halo->samples;
+  report.post_halo = {plan.x_.post, plan.y_.post};
+  report.every = every;
+  report.halo_error = halo->bound * gain + post_halo.bound;
+  report.predicted_error = predicted;
+  report.tolerance = options.tolerance;
+  return plan;
+}
+
+TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
+                              const TileOptions& tiles) {
+  const SampleGrid detector = detector_grid(system, scene);
+  if (tiles.region) require_region(*tiles.region, detector);
+  if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
+    throw UsageError("tolerance " + format_double(options.tolerance) + " is outside (0, 1)");
+  const double limit = count(tiles.memory > 0 ? tiles.memory : machine_bytes());
+
+  std::optional<TiledSensorPlan> best;
+  std::string reason;
+  const auto work = [](const TiledSensorPlan& plan) {
+    return count(plan.report().count) * count(plan.inner().presample.in().width) *
+           count(plan.inner().presample.in().height) * (plan.report().every > 0 ? 1.2 : 1.0);
+  };
+  for (const std::int64_t every : {std::int64_t{0}, coarse_every(scene, options.border, tiles.memory)}) {
+    if (best && every == 0) continue;
+    try {
+      auto plan = cut_into_tiles(system, scene, options, tiles, every, reason);
+      if (plan && (!best || work(*plan) < work(*best))) best = std::move(plan);
+    } catch (const UnreachableTolerance& e) {
+      reason = "the tolerance leaves no room for a halo";
+    }
+  }
+  // More tiles than the scene is worth: one plan for all of it is less work.
+  const double all = count(scene.width) * count(scene.height);
+  const bool useful = best && (tiles.side > 0 || work(*best) <= kMostOverlap * all);
+  if (useful) return std::move(*best);
+
+  const double bytes = whole_bytes(scene, options, tiles);
+  if (bytes > limit && best) return std::move(*best);
+  if (bytes > limit)
+    throw UsageError("the scene does not go through " + mib(limit) + " of memory: " + reason +
+                     ", and all of it at once needs " + mib(bytes) + "; allow that (--memory " + mib(bytes) +
+                     ") or a larger tolerance");
+  TiledSensorPlan plan;
+  plan.in_ = scene;
+  plan.detector_ = detector;
+  plan.border_ = options.border;
+  plan.threads_ = tiles.threads;
+  plan.region_ = tiles.region.value_or(Region{0, 0, detector.width, detector.height});
+  plan.out_ = detector;
+  plan.out_.width = plan.region_.width;
+  plan.out_.height = plan.region_.height;
+  plan.inner_ = compile_sensor(system, scene, options);
+  TileReport& report = plan.report_;
+  report.whole = true;
+  report.reason = best ? "tiles with their halos are more work" : reason;
+  report.side = {plan.out_.width, plan.out_.height};
+  report.bytes = static_cast<std::int64_t>(bytes);
+  report.predicted_error = plan.inner_->predicted_error;
+  report.tolerance = options.tolerance;
+  return plan;
+}
+
+}  // namespace mtf

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tiles: the same image as the exact reference and as the whole-image route, within the tolerance, for every border.
+#include "mtf/tiles.h"
+
+#include <cstdlib>
+#include <limits>
+
+#include "tests/mtf/plan_support.h"
+
+namespace mtf::test {
+namespace {
+
+Image tiled(const TiledSensorPlan& plan, const Image& scene, double border_value, TileTally* tally = nullptr) {
+  const ImageView<const float> view = scene.view();
+  std::vector<Image> out = plan.run(std::span(&view, 1), border_value, tally);
+  return std::move(out.front());
+}
+
+double rms_between(const Image& a, const Image& b) {
+  double squares = 0.0;
+  for (std::int64_t i = 0; i < a.size(); ++i) squares += std::pow(static_cast<double>(a.data()[i]) - b.data()[i], 2);
+  return std::sqrt(squares / static_cast<double>(a.size()));
+}
+
+// Half dark, half bright, noise on both: what far tails carry matters.
+Image two_halves(std::int64_t width, std::int64_t height) {
+  Image scene = random_image(width, height, 11, 5.0, 0.3);
+  for (std::int64_t y = 0; y < height; ++y)
+    for (std::int64_t x = 0; x < width; ++x) scene.at(x, y) += 2 * x + y < width ? 0.0F : 3.0F;
+  return scene;
+}
+
+TEST(Tiles, keep_the_promise_against_the_reference) {
+  int cut = 0;
+  for (const Border border : kBorders)
+    for (const double ratio : {1.0, 2.0, 3.0, 3.7, 1.5})
+      for (const double tolerance : {1e-2, 1e-4}) {
+        const System<double> system = with(bare(), {gaussian(16.0), motion(4.0, 30.0)});
+        const SampleGrid in = scene_grid(system, 51, 44, ratio, ratio);
+        const Image scene = two_halves(in.width, in.height);
+        const PlanOptions options = options_for(scene, border, tolerance, 2.0);
+        const TiledSensorPlan plan = compile_tiled(system, in, options, {.threads = 1, .side = 5});
+        cut += plan.report().whole ? 0 : 1;
+        const Image out = tiled(plan, scene, 2.0);
+        const auto expected = reference_image(scene, in, plan.out(), otf_of(system, Stage::presample), border, 2.0);
+        EXPECT_LE(rms_distance(out, expected) / options.scene->std, plan.report().predicted_error)
+            << kBorderNames[static_cast<std::size_t>(border)] << " " << ratio << " " << tolerance << " "
+            << plan.report().reason;
+        EXPECT_LE(plan.report().predicted_error, tolerance);
+      }
+  EXPECT_GT(cut, 24) << "too few of the cases are tiles at all";
+}
+
+TEST(Tiles, split_otf_equals_the_whole_image) {
+  int split = 0;
+  for (const Border border : kBorders)
+    for (const bool filters : {false, true})
+      for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+        System<double> system = mwir();
+        if (filters) system.add(Stage::postsample, fir({{0, -0.25, 0}, {-0.25, 2.0, -0.25}, {0, -0.25, 0}}));
+        const SampleGrid in{803, 710, 3.75, 3.75};
+        const Image scene = two_halves(in.width, in.height);
+        const PlanOptions options = options_for(scene, border, tolerance, 2.0);
+        const TiledSensorPlan plan = compile_tiled(system, in, options, {.threads = 2, .side = 96});
+        split += plan.report().every > 0 ? 1 : 0;
+        const SensorPlan all = compile_sensor(system, in, options);
+        const ImageView<const float> view = scene.view();
+        const double rms = rms_between(tiled(plan, scene, 2.0), all.run(std::span(&view, 1), 2.0, 1).front());
+        EXPECT_LE(rms / options.scene->std, plan.report().predicted_error + all.predicted_error)
+            << kBorderNames[static_cast<std::size_t>(border)] << " " << tolerance << " " << plan.report().reason;
+        EXPECT_LE(plan.report().predicted_error, tolerance);
+      }
+  EXPECT_GE(split, 8);
+}
+
+TEST(Tiles, a_region_is_that_part_of_the_whole_image) {
+  const System<double> system = mwir();
+  const SampleGrid in{900, 800, 3.75, 3.75};
+  const Image scene = two_halves(in.width, in.height);
+  const PlanOptions options = options_for(scene, Border::reflect, 1e-3);
+  const SensorPlan all = compile_sensor(system, in, options);
+  const ImageView<const float> view = scene.view();
+  const Image expected = std::move(all.run(std::span(&view, 1), 0.0, 1).front());
+  for (const Region region : {Region{0, 0, 1, 1}, Region{101, 67, 33, 20}, Region{200, 180, 25, 20}}) {
+    const TiledSensorPlan plan = compile_tiled(system, in, options, {.threads = 1, .region = region});
+    EXPECT_FALSE(plan.report().whole) << plan.report().reason;
+    const Image out = tiled(plan, scene, 0.0);
+    ASSERT_EQ(out.width(), region.width);
+    for (std::int64_t y = 0; y < out.height(); ++y)
+      for (std::int64_t x = 0; x < out.width(); ++x)
+        EXPECT_NEAR(out.at(x, y), expected.at(region.x + x, region.y + y), 2e-3 * options.scene->std);
+  }
+  for (const Region region : {Region{-1, 0, 5, 5}, Region{220, 0, 6, 1}, Region{0, 0, 0, 4}})
+    EXPECT_THROW(compile_tiled(system, in, options, {.region = region}), UsageError);
+}
+
+TEST(Tiles, same_bits_for_any_threads) {
+  System<double> system = mwir();
+  system.add(Stage::postsample, fir({{0, -0.25, 0}, {-0.25, 2.0, -0.25}, {0, -0.25, 0}}));
+  const SampleGrid in{700, 640, 3.75, 3.75};
+  const Image scene = two_halves(in.width, in.height);
+  const PlanOptions options = options_for(scene, Border::replicate, 1e-3);
+  const Image one = tiled(compile_tiled(system, in, options, {.threads = 1, .side = 40}), scene, 0.0);
+  const Image four = tiled(compile_tiled(system, in, options, {.threads = 4, .side = 40}), scene, 0.0);
+  EXPECT_TRUE(same_bits(one, four));
+}
+
+TEST(Tiles, flat_tiles_are_not_computed) {
+  const System<double> system = with(bare(15.0, 15.0), {gaussian(8.0)});
+  const SampleGrid in{4096, 2048, 3.75, 3.75};
+  Image scene = random_image(in.width, in.height, 3, 4.0, 1.0);
+  for (std::int64_t y = 0; y < in.height; ++y)
+    for (std::int64_t x = in.width / 4; x < in.width; ++x) scene.at(x, y) = 7.25F;
+  const PlanOptions options = options_for(scene, Border::reflect, 1e-3);
+  const ImageView<const float> view = scene.view();
+  const auto plan = worth_tiling(system, in, std::span(&view, 1), 0.0, options);
+  ASSERT_TRUE(plan.has_value());
+  TileTally tally;
+  const Image out = tiled(*plan, scene, 0.0, &tally);
+  EXPECT_GE(tally.flat, plan->report().count / 3);
+  EXPECT_EQ(tally.flat + tally.computed, plan->report().count);
+  EXPECT_DOUBLE_EQ(plan->flat_share(std::span(&view, 1), 0.0),
+                   static_cast<double>(tally.flat) / static_cast<double>(plan->report().count));
+  EXPECT_EQ(out.at(out.width() - 1, out.height() - 1), 7.25F);
+  const Image noise = random_image(in.width, in.height, 3);
+  const ImageView<const float> busy = noise.view();
+  EXPECT_FALSE(worth_tiling(system, in, std::span(&busy, 1), 0.0, options).has_value());
+}
+
+TEST(Tiles, too_little_memory_names_what_is_enough) {
+  const System<double> system = mwir();
+  const SampleGrid in{16384, 16384, 3.75, 3.75};
+  PlanOptions options;
+  options.scene = SceneSummary{1.0, 5.0, 2.0};
+  try {
+    compile_tiled(system, in, options, {.memory = 16 << 20, .row_bytes = 65536, .threads = 1});
+    FAIL() << "16 MiB cannot be enough";
+  } catch (const UsageError& e) {
+    const std::string what = e.what();
+    const auto at = what.find("one tile needs ");
+    ASSERT_NE(at, std::string::npos) << what;
+    const std::int64_t least = std::strtoll(what.c_str() + at + 15, nullptr, 10);
+    const TiledSensorPlan plan =
+        compile_tiled(system, in, options, {.memory = least << 20, .row_bytes = 65536, .threads = 1});
+    EXPECT_FALSE(plan.report().whole);
+    EXPECT_LE(plan.report().bytes, least << 20);
+  }
+}
+
+TEST(Tiles, ratios_that_are_none_of_small_numbers_take_the_whole_image) {
+  const System<double> system = with(bare(15.0, 15.0), {gaussian(9.0)});
+  const SampleGrid in{120, 100, 15.0 / 3.14159, 15.0 / 3.14159};
+  const Image scene = two_halves(in.width, in.height);
+  const PlanOptions options = options_for(scene, Border::reflect, 1e-3);
+  const TiledSensorPlan plan = compile_tiled(system, in, options, {.threads = 1, .side = 8});
+  EXPECT_TRUE(plan.report().whole);
+  const auto expected = reference_image(scene, in, plan.out(), otf_of(system, Stage::presample), Border::reflect);
+  EXPECT_LE(rms_distance(tiled(plan, scene, 0.0), expected) / options.scene->std, 1e-3);
+}
+
+TEST(Tiles, pixels_that_are_not_finite_are_refused_with_their_place) {
+  const System<double> system = mwir();
+  const SampleGrid in{640, 600, 3.75, 3.75};
+  Image scene = two_halves(in.width, in.height);
+  const PlanOptions options = options_for(scene, Border::reflect, 1e-3);
+  scene.at(500, 30) = std::numeric_limits<float>::quiet_NaN();
+  scene.at(7, 31) = std::numeric_limits<float>::infinity();
+  const TiledSensorPlan plan = compile_tiled(system, in, options, {.threads = 1, .side = 64});
+  try {
+    tiled(plan, scene, 0.0);
+    FAIL();
+  } catch (const RuntimeError& e) {
+    EXPECT_NE(std::string(e.what()).find("2 pixels are NaN or infinite, the first at column 500, row 30"),
+              std::string::npos)
+        << e.what();
+  }
+}
+
+TEST(Survey, equals_the_statistics_of_the_image_in_memory) {
+  for (const double offset : {0.0, 1e6})
+    for (const Border border : kBorders) {
+      const Image scene = random_image(301, 97, 4, offset, 2.0);
+      const ImageView<const float> view = scene.view();
+      const Survey s = survey(windows_of(std::span(&view, 1)), 0, {301, 97, 1.0, 1.0},
+                              {.border = border, .border_value = 3.0, .band_rows = 10, .threads = 2});
+      const Statistics expected = statistics(scene.view());
+      EXPECT_NEAR(s.statistics.mean, expected.mean, 1e-12 * (1.0 + offset));
+      EXPECT_NEAR(s.statistics.std, expected.std, 1e-12 * expected.std);
+      EXPECT_EQ(s.statistics.min, expected.min);
+      EXPECT_EQ(s.statistics.max, expected.max);
+      const double norm = canvas_norm(scene.view(), border, 3.0, expected.mean);
+      EXPECT_NEAR(s.canvas_norm, norm, 1e-9 * norm);
+    }
+}
+
+}  // namespace
+}  // namespace mtf::test
