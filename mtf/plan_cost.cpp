@@ -69,7 +69,7 @@ double separable_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t rank) 
   const double width = whole_vectors(x.outputs);
   double rows = 0.0;
   const double load = load_ns(x, y, tile_rows, rows);
-  const double across = rows * count(rank) * (0.25 + 0.030 * count(x.count));
+  const double across = rows * count(rank) * (0.18 + 0.030 * count(x.count));
   const double down = count(y.outputs) * (0.2 + 0.025 * count(rank * y.count));
   return 1e-6 * (load + width * (across + down)) + 1e-3;
 }
