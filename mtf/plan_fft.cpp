@@ -91,15 +91,20 @@ double cut_frequencies(const OtfSampler& sampler, Axis axis, double allowed, Axi
   return largest;
 }
 
-// Largest |H| of each axis' own frequencies in the cells that meet at a corner of the scene's spectrum.
+// Largest |H| about each corner of the scene's spectrum: there, and at the axis' own frequencies in both cells beside
+// it.
 std::vector<double> bounds_about_corners(const OtfSampler& sampler, Axis axis, const AxisJob& job) {
-  constexpr std::int64_t kCells = SceneSpectrum::kCells;
-  std::vector<double> bounds(static_cast<std::size_t>(kCells + 1), 0.0);
-  const std::int64_t count = job.frequency.half_count();
-  for (std::int64_t k = 0; k < count; ++k) {
-    const double bound = sampler.axis_bound(axis, job.frequency.cy_mm(k));
-    const std::int64_t cell = std::min(kCells - 1, k * kCells / std::max<std::int64_t>(count - 1, 1));
-    for (const std::int64_t corner : {cell, cell + 1}) {
+  constexpr int kCells = SceneSpectrum::kCells;
+  std::vector<double> bounds;
+  for (int i = 0; i <= kCells; ++i)
+    bounds.push_back(sampler.axis_bound(axis, SceneSpectrum::corner_cy_mm(i, job.frequency.nyquist_cy_mm())));
+  for (std::int64_t k = 0; k < job.frequency.half_count(); ++k) {
+    const double f = job.frequency.cy_mm(k), bound = sampler.axis_bound(axis, f);
+    // A frequency on a corner belongs to both of its cells, whatever rounding says.
+    const double place = f / job.frequency.nyquist_cy_mm() * kCells;
+    const int first = std::clamp(static_cast<int>(std::floor(place - 1e-6)), 0, kCells);
+    const int last = std::clamp(static_cast<int>(std::floor(place + 1e-6)) + 1, 0, kCells);
+    for (int corner = first; corner <= last; ++corner) {
       double& largest = bounds[static_cast<std::size_t>(corner)];
       largest = std::max(largest, bound);
     }

@@ -176,7 +176,8 @@ Draft exact_separable(const Work& work) {
                                       [&](std::int64_t r) { return cost(none, y.error(y.taps(r))); });
   const std::string too_wide =
       "the point spread is wider than " + std::to_string(2 * AxisResponse::kReach) + " samples at this tolerance";
-  if (!reach_x || !reach_y) return impossible(method, too_wide);
+  if (!reach_x || !reach_y || !holds_most_of_spread(x.share(*reach_x)) || !holds_most_of_spread(y.share(*reach_y)))
+    return impossible(method, too_wide);
   std::vector<double> x_taps = x.taps(*reach_x), y_taps = y.taps(*reach_y);
   const std::vector<double> error_x = x.error(x_taps), error_y = y.error(y_taps);
   if (!work.judge.negligible(std::abs(dc) * (x.excess(x_taps, error_x) + y.excess(y_taps, error_y))))
@@ -186,11 +187,12 @@ Draft exact_separable(const Work& work) {
   return separable_draft(work, method, {x_taps}, {y_taps}, kernel);
 }
 
-// Keeps the gain of the mean, so that slow contrast comes out exactly.
+// Keeps the gain of the mean, so that slow contrast comes out exactly. A kernel that holds but a part of the point
+// spread is no kernel: it becomes zero.
 void normalise(TapBox& box, double dc) {
   const double sum = box.sum();
-  if (std::abs(sum) > 0.25 * std::abs(dc) && dc != 0.0)
-    for (double& tap : box.value) tap *= dc / sum;
+  const double factor = holds_most_of_spread(sum / dc) ? dc / sum : 0.0;
+  for (double& tap : box.value) tap *= factor;
 }
 
 Draft low_rank(const Work& work, const PointResponse& response, double limit_ms) {
@@ -208,6 +210,7 @@ Draft low_rank(const Work& work, const PointResponse& response, double limit_ms)
       "the point spread is wider than " + std::to_string(2 * PointResponse::kReach) + " samples at this tolerance";
   if (!reach) return impossible(method, too_wide);
   const TapBox box = normalised(*reach);
+  if (box.sum() == 0.0) return impossible(method, too_wide);
   const SeparableTerms terms = separable_terms(box, kLargestRank);
   for (std::size_t rank = 1; rank <= terms.along_x.size(); ++rank) {
     if (separable_cost_ms(work.x(terms.along_x.front().size()), work.y(terms.along_y.front().size()),
@@ -252,6 +255,7 @@ Draft direct(const Work& work, const PointResponse& response, Method method, dou
   const std::string too_wide = "needs more than " + std::to_string(2 * most) + " samples across at this tolerance";
   if (!reach) return impossible(method, too_wide);
   const TapBox box = taps(*reach);
+  if (box.sum() == 0.0) return impossible(method, too_wide);
   const auto used = std::count_if(box.value.begin(), box.value.end(), [](double tap) { return tap != 0.0; });
   const bool mirrored = work.task.sampler.is_real() && work.task.sampler.is_even_x() && work.task.sampler.is_even_y();
   const TapAxis x = work.x(static_cast<std::size_t>(box.columns)), y = work.y(static_cast<std::size_t>(box.rows));

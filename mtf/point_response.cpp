@@ -223,12 +223,21 @@ AxisResponse::AxisResponse(const OtfSampler& sampler, Axis axis, double step_um,
   }
 }
 
-std::vector<double> AxisResponse::taps(std::int64_t reach) const {
+std::vector<double> AxisResponse::raw_taps(std::int64_t reach) const {
   const std::int64_t count = taps_within(reach, half_);
   const std::int64_t first = (static_cast<std::int64_t>(taps_.size()) - count) / 2;
-  std::vector<double> taps(taps_.begin() + first, taps_.begin() + first + count);
-  const double sum = std::accumulate(taps.begin(), taps.end(), 0.0);
-  if (std::abs(sum) > 0.25)
+  return {taps_.begin() + first, taps_.begin() + first + count};
+}
+
+double AxisResponse::share(std::int64_t reach) const {
+  const std::vector<double> taps = raw_taps(reach);
+  return std::accumulate(taps.begin(), taps.end(), 0.0);
+}
+
+std::vector<double> AxisResponse::taps(std::int64_t reach) const {
+  std::vector<double> taps = raw_taps(reach);
+  const double sum = share(reach);
+  if (holds_most_of_spread(sum))
     for (double& tap : taps) tap /= sum;
   return taps;
 }

@@ -26,6 +26,10 @@ struct TapBox {
   double sum() const;
 };
 
+/// Whether taps with that share of the whole sum hold the point spread: at most a tenth lies beyond. Taps of a much
+/// wider one look compact, because corners do not show what turns between them.
+inline bool holds_most_of_spread(double share) { return share >= 0.9 && share <= 1.1; }
+
 class PointResponse {
  public:
   static constexpr std::int64_t kReach = 24;  ///< samples to each side
@@ -61,6 +65,8 @@ class AxisResponse {
 
   /// Taps at distances up to `reach`, of unit sum.
   std::vector<double> taps(std::int64_t reach) const;
+  /// Their sum before that.
+  double share(std::int64_t reach) const;
   /// Largest |sum K exp - H| and largest |H| about each of the corners 0 .. kCells.
   std::vector<double> error(const std::vector<double>& taps) const;
   std::vector<double> modulus() const;
@@ -68,6 +74,8 @@ class AxisResponse {
   double excess(const std::vector<double>& taps, std::span<const double> error) const;
 
  private:
+  std::vector<double> raw_taps(std::int64_t reach) const;
+
   double half_;
   std::vector<Complex<double>> otf_;  ///< in transform order
   std::vector<double> probe_;

@@ -85,7 +85,7 @@ void compare(const char* what, const Size& size, double ratio, const System<doub
          cv::dft(spectrum, filtered, cv::DFT_INVERSE | cv::DFT_REAL_OUTPUT | cv::DFT_SCALE);
        }},
       21);
-  const bench::Timing& floor = t[1].min_ms < t[2].min_ms ? t[1] : t[2];
+  const apps::Timing& floor = t[1].min_ms < t[2].min_ms ? t[1] : t[2];
   const auto& kept = plan.report().kept;
   std::printf(
       "%-28s %4lldx%-4lld kept %4lldx%-4lld plan %7.2f %7.2f | FFTW %7.2f %7.2f | cv::dft %7.2f %7.2f | plan/FFTW "
