@@ -2,6 +2,7 @@
 #include "mtf/io/atomic_file.h"
 
 #include <fcntl.h>
+#include <pthread.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,8 +11,10 @@
 #include <atomic>
 #include <cerrno>
 #include <climits>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <memory>
 #include <system_error>
 
@@ -44,6 +47,41 @@ int register_temporary(const std::string& name) {
   }
   return -1;  // more than 32 files at once: still removed on failure, only not on a signal
 }
+
+// Once a stop is under way no file may come into being behind its back.
+std::atomic<bool>& stopping() {
+  static constinit std::atomic<bool> value{false};
+  return value;
+}
+std::atomic<int>& creating() {
+  static constinit std::atomic<int> count{0};
+  return count;
+}
+
+// Held while a temporary is created. The signals of a stop wait until then on this thread, the handler on another
+// thread waits for it; a thread that comes later than the stop waits for the end of the process.
+class Creation {
+ public:
+  Creation() {
+    sigset_t stops;
+    sigemptyset(&stops);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&stops, signal);
+    pthread_sigmask(SIG_BLOCK, &stops, &before_);
+    ++creating();
+    if (!stopping()) return;
+    --creating();
+    for (;;) ::pause();
+  }
+  ~Creation() {
+    --creating();
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  Creation(const Creation&) = delete;
+  Creation& operator=(const Creation&) = delete;
+
+ private:
+  sigset_t before_{};
+};
 
 void unregister_temporary(int slot) {
   if (slot >= 0) slots()[static_cast<std::size_t>(slot)].state = slot_free;
@@ -124,7 +162,7 @@ AtomicFile::AtomicFile(const std::string& path) : shown_(path), target_(path) {
   temporary_ = stem;
   // Another thread may be writing the same target, or a crashed process with the same id left its file behind.
   for (int attempt = 1; attempt <= 100; ++attempt) {
-    // Registered first: a signal between the two would otherwise leave the file behind.
+    const Creation creation;
     slot_ = register_temporary(temporary_);
     descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ >= 0) break;
@@ -207,6 +245,9 @@ void write_text_file(const std::string& path, std::string_view text) {
 
 void remove_temporaries() noexcept {
   const int saved = errno;
+  stopping() = true;
+  const timespec moment{0, 1'000'000};
+  for (int waited = 0; creating() > 0 && waited < 200; ++waited) ::nanosleep(&moment, nullptr);
   for (Slot& slot : slots())
     if (slot.state == slot_active) ::unlink(slot.name.data());
   errno = saved;

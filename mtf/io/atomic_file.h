@@ -52,7 +52,8 @@ class AtomicFile {
 /// Writes a whole text file in one go. A device or pipe such as /dev/stdout is written directly. Throws RuntimeError.
 void write_text_file(const std::string& path, std::string_view text);
 
-/// Unlinks every temporary of this process. Async-signal-safe: meant for the SIGINT handler of a command.
+/// Unlinks every temporary of this process; files that other threads create afterwards wait for its end.
+/// Async-signal-safe: meant for the SIGINT handler of a command, right before it ends the process.
 void remove_temporaries() noexcept;
 
 }  // namespace mtf::io
