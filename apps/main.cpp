@@ -208,7 +208,9 @@ void add_simulate(CLI::App& root, SimulateOptions& options) {
   app.add_flag("--explain", options.explain, "show what the plan left out, merged and chose");
   add_choice(app, "--rigor", "RIGOR", "estimate (default, reproducible) or measure (times candidates first)", kRigor,
              options.measure);
-  add_text(app, "--wisdom", "FILE", "what measuring has learnt: read before, written after",
+  add_text(app, "--wisdom", "FILE",
+           "what measuring has learnt: read before, written after; default:\na file in ~/.cache/mtfkit, which may be "
+           "deleted at any time",
            [&](const std::string& text) { options.wisdom = text; });
   add_word(app, "--frames", "RANGE", "START:STOP[:STEP], both ends; default: all frames, or those of the schedule",
            [&](const std::string& text) { options.frames = frame_range("--frames", text); });
@@ -278,7 +280,7 @@ void add_bench(CLI::App& root, BenchOptions& options) {
     if (!(options.seconds >= 0.1 && options.seconds <= 1e6))
       throw mtf::UsageError("--seconds: " + text + " is outside 0.1 to 1e6");
   });
-  add_choice(app, "--rigor", "RIGOR", "of plans and of bare FFTW: estimate (default) or measure", kRigor,
+  add_choice(app, "--rigor", "RIGOR", "of plans: estimate (default) or measure; bare FFTW is always measured", kRigor,
              options.measure);
   add_choice(app, "--format", "FORMAT", "of standard output: table (default), csv or json", kFormats, options.format);
   app.add_flag("--force", options.force, "write into a folder that is not empty");

@@ -2,6 +2,7 @@
 
 // `mtf simulate SENSOR SCENE -o OUT`: read, compile, run, write, report.
 
+#include <algorithm>
 #include <chrono>
 
 #include "apps/measured_file.h"
@@ -64,6 +65,10 @@ void print_summary(const RunReport& report, const std::vector<mtf::Image>& image
   std::string text = one_line(report.out_path) + "  " + std::to_string(out.width) + "x" + std::to_string(out.height) +
                      "  " + std::string(mtf::io::quantity_name(report.scene->quantity)) + " [" +
                      std::string(mtf::io::quantity_unit(report.scene->quantity)) + "]\n";
+  const mtf::PlanReport& plan = report.plan->presample.report();
+  if (out.width < plan.whole_pitches_x || out.height < plan.whole_pitches_y)
+    text += "the scene holds " + std::to_string(plan.whole_pitches_x) + "x" + std::to_string(plan.whole_pitches_y) +
+            " whole pixels; frame.format takes the first of them\n";
   TextTable table({"channel", "min", "mean", "max", "std"});
   for (std::size_t c = 0; c < images.size(); ++c) {
     const mtf::Statistics s = mtf::statistics(images[c].view());
@@ -115,7 +120,9 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   plan_options.threads = global.threads;
   read_measured(options, global);
   const std::optional<mtf::TiledSensorPlan> tiles = flat_tiles(config, scene, masks, plan_options, report);
-  if (!tiles) plan_options.spectrum = spectrum_of_all(scene, config.scene.border, global.threads);
+  // What a bad pixel reaches is asked of the plan: it has to hold for more than this scene.
+  const bool spreads = std::any_of(masks.begin(), masks.end(), [](const mtf::Image& mask) { return mask.size() > 0; });
+  if (!tiles && !spreads) plan_options.spectrum = spectrum_of_all(scene, config.scene.border, global.threads);
   const mtf::SensorPlan plan =
       tiles ? tiles->inner()
             : compile_plan(config.system, scene.grid, options.tolerance.has_value(), plan_options, report);
@@ -131,6 +138,10 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   for (std::size_t c = 0; c < masks.size(); ++c)
     if (masks[c].size() > 0)
       mtf::propagate_bad_pixels(plan, masks[c], plan_options.tolerance, global.threads, images[c].view());
+  for (std::size_t c = 0; c < images.size(); ++c)
+    if (masks[c].size() == 0 && mtf::statistics(images[c].view()).not_finite > 0)
+      throw mtf::RuntimeError("channel " + scene.names[c] +
+                              ": filtered values exceed what float32 holds (3.4e38); scale the scene with scene.gain");
   watch.lap("run", report.timing_ms);
 
   const std::vector<std::string> names = output_names(scene.names);

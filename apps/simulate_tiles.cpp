@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulate_tiles.h"
 
+#include <malloc.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,6 +12,7 @@
 #include "apps/measured_file.h"
 #include "apps/output.h"
 #include "apps/progress_line.h"
+#include "apps/sensor_file.h"
 #include "apps/sensor_image.h"
 #include "apps/simulate_parts.h"
 #include "apps/text_table.h"
@@ -24,6 +26,14 @@ namespace apps {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// The C library keeps freed blocks of tiles for later ones of other sizes, beyond what the limit allows.
+void return_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 256 << 10);
+  mallopt(M_TRIM_THRESHOLD, 1 << 20);
+#endif
+}
 
 constexpr std::int64_t kBandRows = 128, kReadAhead = 384;
 constexpr std::size_t kHeaderBytes = 65536;  // of a scene file, for telling it from another
@@ -134,6 +144,12 @@ std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& 
                     std::to_string(status.st_size) + " " + std::to_string(status.st_mtim.tv_sec) + "." +
                     std::to_string(status.st_mtim.tv_nsec) + " " + mtf::format_double(r.tolerance) + " " +
                     (options.measure ? "measure" : "estimate");
+  for (const std::string& file : files_of(config)) {  // curves that the sensor file names
+    struct stat part {};
+    static_cast<void>(::stat(file.c_str(), &part));
+    key += " " + std::to_string(part.st_size) + " " + std::to_string(part.st_mtim.tv_sec) + "." +
+           std::to_string(part.st_mtim.tv_nsec);
+  }
   for (const std::string& name : source.scene.names) key += " [" + name + "]";
   if (options.region)
     for (const std::int64_t n : *options.region) key += " " + std::to_string(n);
@@ -257,6 +273,7 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   Source source;
   std::vector<mtf::Image> masks;
   if (streamed) {
+    if (options.memory) return_freed_memory();
     open_windows(options, global, config, source);
   } else {
     source.scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});

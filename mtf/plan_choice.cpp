@@ -29,7 +29,8 @@ std::vector<Draft> identity_drafts(const PlanTask& task) {
   const bool same_grid = in.step_x_um == out.step_x_um && in.step_y_um == out.step_y_um;
   // A gain may be dropped for the contrast, not for the mean.
   const bool unit_mean = std::abs(task.sampler.dc() - 1.0) < 1e-12;
-  if (!same_grid || !unit_mean || task.options.aperture.kind != SceneAperture::Kind::point) return {};
+  const bool alone = task.options.split.is_whole() && task.options.aperture.kind == SceneAperture::Kind::point;
+  if (!same_grid || !unit_mean || !alone) return {};
   Draft draft;
   draft.candidate.method = Method::identity;
   draft.candidate.detail = "samples as they are";

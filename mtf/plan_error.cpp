@@ -54,10 +54,15 @@ bool keeps_tolerance(const Draft& draft, const PlanOptions& options) {
   return !options.scene && draft.axes && predicted.table == 0.0 && predicted.arithmetic <= options.tolerance;
 }
 
-// The other parts scale with the tolerance, or are none where radial factors are exact; arithmetic is fixed.
-double reachable_tolerance(double arithmetic, double band) {
-  const double fixed = arithmetic / (1.0 - kDropShare - kCutShare - kWrapShare - kBandShare);
-  return 1.01 * std::max(fixed, (arithmetic + band) / (1.0 - kDropShare - kCutShare - kWrapShare));
+// The other parts scale with the tolerance, or are none where radial factors are exact and nothing is cut; arithmetic
+// is fixed.
+double reachable_tolerance(double arithmetic, double band, double wrap_share) {
+  const double shares = kDropShare + wrap_share;
+  double least = 1.001 * (arithmetic + band) / (1.0 - shares);
+  if (band > 0.0) least = std::max(least, 1.001 * arithmetic / (1.0 - shares - kBandShare));
+  if (!(least > 0.0) || !std::isfinite(least)) return least;
+  const double digit = std::pow(10.0, std::floor(std::log10(least)) - 2.0);
+  return std::ceil(least / digit) * digit;
 }
 
 UnreachableTolerance unreachable_tolerance(double asked, double reachable, const std::optional<SceneSummary>& scene,

@@ -13,6 +13,7 @@
 namespace mtf {
 namespace {
 
+constexpr double kCutShare = 0.25;
 constexpr double kDoubleCost = 2.2;  // half the samples a vector, twice the memory
 
 struct Layout {
@@ -154,6 +155,24 @@ double cut_by_spectrum(const PlanTask& task, double budget, double gathered, Axi
   return cost(from_x, from_y);
 }
 
+// Leaves out the frequencies that cost at most `budget`: those that no component lets through, or those that this scene
+// does not miss, whichever are more. Returns what they cost.
+double cut(const PlanTask& task, double budget, double gathering, bool full_canvas, bool symmetric, AxisJob& x,
+           AxisJob& y) {
+  AxisJob worst_x = x, worst_y = y, scene_x = x, scene_y = y;
+  const double spread = gathering * std::sqrt(aliases(x) * aliases(y));
+  const double largest = std::max(cut_frequencies(task.sampler, Axis::x, budget / spread, worst_x),
+                                  cut_frequencies(task.sampler, Axis::y, budget / spread, worst_y));
+  // The spectrum is that of the defined canvas.
+  double cost = 0.0;
+  if (task.options.spectrum && full_canvas)
+    cost = cut_by_spectrum(task, budget, task.gathered / (symmetric ? 2.0 : 1.0), scene_x, scene_y);
+  const bool by_scene = cost > 0.0 && scene_x.keep * scene_y.keep < worst_x.keep * worst_y.keep;
+  x = by_scene ? scene_x : worst_x;
+  y = by_scene ? scene_y : worst_y;
+  return by_scene ? cost : largest * spread;
+}
+
 }  // namespace
 
 std::string axis_text(const AxisJob& job) {
@@ -174,50 +193,45 @@ std::vector<Draft> fft_drafts(const PlanTask& task) {
   // inside.
   const double symmetric = std::sqrt((x_cosine ? 2.0 : 1.0) * (y_cosine ? 2.0 : 1.0));
   const double gathering = task.norm / symmetric;
-  const double allowed = kCutShare * options.tolerance / (task.alias * gathering);
   const double samples =
       static_cast<double>(layout.x.frequency.length) * static_cast<double>(layout.y.frequency.length);
   const double image_area = static_cast<double>(task.in.width) * static_cast<double>(task.in.height);
   const double canvas_rms = task.canvas_norm * std::sqrt(image_area / (samples * symmetric * symmetric));
 
+  const auto defined = [](const AxisJob& job) {
+    return job.frequency.basis == Basis::cosine || job.frequency.length == canvas_length(job.border, job.samples);
+  };
+  const bool full_canvas = defined(layout.x) && defined(layout.y);
+  const double dropped = dropped_error(sampler), quadrature = sampler.quadrature_error();
+  const double wrap_share = x_cosine && y_cosine ? 0.0 : kWrapShare;
+
   const auto draft = [&](Method method) {
-    AxisJob x = layout.x, y = layout.y;
-    double cut_error = 0.0;
     const bool in_double = method == Method::fft_double;
-    if (method != Method::fft_float) {
-      const double largest =
-          std::max(cut_frequencies(sampler, Axis::x, allowed, x), cut_frequencies(sampler, Axis::y, allowed, y));
-      cut_error = largest * gathering * std::sqrt(aliases(x) * aliases(y));
-      // The spectrum is that of the defined canvas.
-      if (options.spectrum && layout.wrap == 0.0) {
-        AxisJob narrow_x = layout.x, narrow_y = layout.y;
-        const double error = cut_by_spectrum(task, kCutShare * options.tolerance,
-                                             task.gathered / (symmetric > 1.5 ? 2.0 : 1.0), narrow_x, narrow_y);
-        if (error > 0.0 && narrow_x.keep * narrow_y.keep < x.keep * y.keep)
-          x = narrow_x, y = narrow_y, cut_error = error;
-      }
-    }
-    const double spread = gathering * std::sqrt(aliases(x) * aliases(y));
-    const double dropped = dropped_error(sampler), quadrature = sampler.quadrature_error();
+    AxisJob x = layout.x, y = layout.y;
     Draft d;
     d.candidate.method = method;
-    d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
     PredictedError& predicted = d.candidate.predicted;
-    predicted.dropped = dropped * spread;
+    const double spread = gathering * std::sqrt(aliases(x) * aliases(y));
+    predicted.dropped = dropped * gathering * task.alias;
     predicted.table = (sampler.error() - dropped - quadrature) * spread;
     predicted.band = quadrature * spread;
-    predicted.cut = cut_error;
     predicted.wrap = layout.wrap;
     const auto rounding = [&](double rms) {
       if (in_double) return sampler.gain() * storage_error(options) * (1.0 + 1e-6);
       return arithmetic_error(x, y, rms, sampler.gain(), options);
     };
     predicted.arithmetic = rounding(canvas_rms);
+    d.reachable = reachable_tolerance(rounding(task.canvas_norm / symmetric), predicted.band, wrap_share);
+    if (method == Method::fft_cut) {
+      // Of what the other parts leave of the tolerance. More would save little, and the bound is a loose one.
+      const double budget = std::min(kCutShare * options.tolerance, 0.9 * (options.tolerance - predicted.total()));
+      if (budget > 0.0) predicted.cut = cut(task, budget, gathering, full_canvas, symmetric > 1.5, x, y);
+    }
+    d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
     d.candidate.cost_ms = (in_double ? kDoubleCost : 1.0) * fft_cost_ms(x, y, !sampler.is_real());
     d.candidate.bytes = static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(x, y, sampler.is_real()));
-    d.reachable = reachable_tolerance(rounding(task.canvas_norm / symmetric), in_double ? predicted.band : 0.0);
     d.axes = {x, y};
-    d.error_per_otf = spread;
+    d.error_per_otf = gathering * task.alias;
     const Precision precision = in_double ? Precision::double_precision : Precision::single_precision;
     d.make = [&sampler, x, y, precision, bytes = static_cast<double>(d.candidate.bytes), rigor = options.rigor,
               threads = options.threads, out = task.out](const Engine* relative) {

@@ -14,7 +14,7 @@
 namespace mtf {
 
 // How the tolerance is shared out; what is left over is for arithmetic.
-inline constexpr double kDropShare = 0.05, kTableShare = 0.02, kCutShare = 0.1, kWrapShare = 0.25, kBandShare = 0.05;
+inline constexpr double kDropShare = 0.05, kTableShare = 0.02, kWrapShare = 0.25, kBandShare = 0.05;
 
 /// What all ways of doing one plan's work share.
 struct PlanTask {
@@ -77,9 +77,9 @@ double storage_error(const PlanOptions& options);
 /// rms rounding of float32 relative to the scene's std. `canvas_rms`: of the canvas about the mean, in units of std.
 double arithmetic_error(const AxisJob& x, const AxisJob& y, double canvas_rms, double gain, const PlanOptions& options);
 
-/// The least tolerance that leaves room for a given rounding, and for an error of the band average that cannot be made
-/// less.
-double reachable_tolerance(double arithmetic, double band);
+/// The least tolerance, rounded up to three digits, that leaves room for a given rounding, for an error of the band
+/// average that cannot be made less, and for the share of a shortened canvas.
+double reachable_tolerance(double arithmetic, double band, double wrap_share);
 
 /// Throws UsageError, before anything is allocated, when that and one output plane exceed the machine's memory.
 void require_memory(double bytes, const SampleGrid& out);

@@ -2,6 +2,7 @@
 #include "mtf/scene_spectrum.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "mtf/engines/fftw.h"
@@ -15,14 +16,25 @@ namespace {
 
 constexpr int kCells = SceneSpectrum::kCells, kColumns = SceneSpectrum::kColumns, kRows = SceneSpectrum::kRows;
 
-// Alias zone of a frequency between corners i and i + 1, |i| < kCells, for `ratio` samples a pitch: frequencies up to
-// half the detector's sampling frequency are zone 0.
-int zone_of(int i, double ratio) {
-  const double middle = (static_cast<double>(i) + 0.5) / (2.0 * kCells);  // cycles a sample
-  return static_cast<int>(std::floor(middle * ratio + 0.5));
+// Alias zone of a frequency in cells, for `ratio` samples a pitch: up to half the detector's sampling frequency is zone
+// 0.
+int zone_at(double place, double ratio) { return static_cast<int>(std::floor(place / (2.0 * kCells) * ratio + 0.5)); }
+
+// The zones that the cell between corners i and i + 1 lies in: two where a boundary crosses it.
+std::array<int, 2> zones_of(int i, double ratio) {
+  constexpr double kInside = 1e-9;
+  return {zone_at(i + kInside, ratio), zone_at(i + 1.0 - kInside, ratio)};
 }
 
-int zones(double ratio) { return 2 * (zone_of(kCells - 1, ratio) + 1) + 1; }
+int zones(double ratio) { return 2 * (zones_of(kCells - 1, ratio)[1] + 1) + 1; }
+
+// visit(zx, zy) for every pair of zones that a cell lies in, once.
+template <class Visit>
+void for_each_zone(int i, int j, double ratio_x, double ratio_y, const Visit& visit) {
+  const auto across = zones_of(i, ratio_x), down = zones_of(j, ratio_y);
+  for (int zx = across[0]; zx <= across[1]; ++zx)
+    for (int zy = down[0]; zy <= down[1]; ++zy) visit(zx, zy);
+}
 
 // Sum over alias zones of the rms of each. A cell of x > 0 stands for its mirror image too, which lies in the zones
 // mirrored: both have half of its power.
@@ -33,9 +45,10 @@ class ZoneSum {
     squares_.assign(static_cast<std::size_t>(across_ * down_), 0.0);
   }
   void add(int i, int j, double square) {
-    const int zx = zone_of(i, ratio_x_), zy = zone_of(j, ratio_y_);
-    at(zx, zy) += 0.5 * square;
-    at(-zx, -zy) += 0.5 * square;
+    for_each_zone(i, j, ratio_x_, ratio_y_, [&](int zx, int zy) {
+      at(zx, zy) += 0.5 * square;
+      at(-zx, -zy) += 0.5 * square;
+    });
   }
   double sum() const {
     double sum = 0.0;
@@ -182,11 +195,12 @@ double SceneSpectrum::worst_error(std::span<const double> error, double ratio_x,
     for (int i = 0; i < kCells; ++i) {
       const double* corner = error.data() + j * kColumns + i;
       const double d = std::max({corner[0], corner[1], corner[kColumns], corner[kColumns + 1]});
-      const int zx = zone_of(i, ratio_x), zy = zone_of(j - kCells, ratio_y);
-      for (const int sign : {1, -1}) {
-        double& zone = largest[static_cast<std::size_t>((sign * zy + down / 2) * across + sign * zx + across / 2)];
-        zone = std::max(zone, kBetween * d);
-      }
+      for_each_zone(i, j - kCells, ratio_x, ratio_y, [&](int zx, int zy) {
+        for (const int sign : {1, -1}) {
+          double& zone = largest[static_cast<std::size_t>((sign * zy + down / 2) * across + sign * zx + across / 2)];
+          zone = std::max(zone, kBetween * d);
+        }
+      });
     }
   double squares = 0.0;
   for (const double zone : largest) squares += zone * zone;

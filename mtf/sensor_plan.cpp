@@ -71,6 +71,7 @@ SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene,
   PlanOptions half = options;
   half.tolerance = 0.5 * options.tolerance;
   half.aperture = {};
+  half.spectrum = nullptr;  // of the scene, not of what the detector has sampled
   if (options.scene) half.scene = behind_sampling(*options.scene, options, scene, detector);
   // A refusal speaks of the whole tolerance, not of the share that one step was given, and of what all steps can keep.
   const auto in_share = [&](double share, const auto& compile_step) {

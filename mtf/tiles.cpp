@@ -250,6 +250,26 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
   return plan;
 }
 
+namespace {
+
+// The least memory, within a quarter, with which the scene goes through: in tiles, else whole.
+std::int64_t least_memory(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
+                          const TileOptions& tiles, double whole) {
+  std::string reason;
+  for (double memory = 1.25 * static_cast<double>(tiles.memory); memory < whole; memory *= 1.25) {
+    TileOptions larger = tiles;
+    larger.memory = static_cast<std::int64_t>(memory);
+    for (const std::int64_t every : {std::int64_t{0}, coarse_every(scene, options.border, larger.memory)}) try {
+        if (cut_into_tiles(system, scene, options, larger, every, reason)) return larger.memory;
+      } catch (const UnreachableTolerance&) {  // nor will more memory help
+        break;
+      }
+  }
+  return static_cast<std::int64_t>(whole);
+}
+
+}  // namespace
+
 TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
                               const TileOptions& tiles) {
   const SampleGrid detector = detector_grid(system, scene);
@@ -282,8 +302,9 @@ TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& sc
   if (bytes > limit && best) return std::move(*best);
   if (bytes > limit)
     throw UsageError("the scene does not go through " + mib(limit) + " of memory: " + reason +
-                     ", and all of it at once needs " + mib(bytes) + "; allow that (--memory " + mib(bytes) +
-                     ") or a larger tolerance");
+                     ", and all of it at once needs " + mib(bytes) + "; allow " +
+                     mib(count(least_memory(system, scene, options, tiles, bytes))) +
+                     " or more, or a larger tolerance");
   TiledSensorPlan plan;
   plan.in_ = scene;
   plan.detector_ = detector;

@@ -91,6 +91,13 @@ MTFKIT_CLONES void deinterleave(const float* __restrict in, std::int64_t ratio, 
     for (std::int64_t i = 0; i < n; ++i) out[p * stride + i] = in[i * ratio + p];
 }
 
+// Without a way out inside of the loop: a row of a tile is short, and whole vectors are compared.
+MTFKIT_CLONES bool all_equal(const float* p, std::int64_t n, float level) {
+  int different = 0;
+  for (std::int64_t i = 0; i < n; ++i) different |= p[i] != level ? 1 : 0;
+  return different == 0;
+}
+
 // Parts of a row of the canvas: positions 0 .. left - 1 and right .. n - 1 lie outside of the image.
 struct RowParts {
   std::int64_t begin = 0, n = 0, left = 0, right = 0;
@@ -143,8 +150,10 @@ std::optional<float> flat_level(const Channel& channel, const TapAxis& x, const 
     const RowParts p = row_parts(channel, x, y, border, first + r, x0, columns);
     for (std::int64_t i = 0; i < p.left; ++i)
       if (!same(outside(p, channel, x, border, i))) return std::nullopt;
-    for (std::int64_t i = p.left; i < p.right; ++i)
-      if (!same(p.row[p.begin + i])) return std::nullopt;
+    if (p.right > p.left) {
+      const float* inside = p.row + p.begin + p.left;
+      if (!same(*inside) || !all_equal(inside, p.right - p.left, *inside)) return std::nullopt;
+    }
     for (std::int64_t i = p.right; i < p.n; ++i)
       if (!same(outside(p, channel, x, border, i))) return std::nullopt;
   }
