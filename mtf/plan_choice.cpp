@@ -35,7 +35,7 @@ std::vector<Draft> identity_drafts(const PlanTask& task) {
   draft.candidate.method = Method::identity;
   draft.candidate.detail = "samples as they are";
   draft.candidate.predicted.dropped = task.sampler.identity_error() * task.norm;
-  draft.candidate.cost_ms = 1e-6 * 0.1 * static_cast<double>(in.width) * static_cast<double>(in.height);
+  draft.candidate.cost_ms = 1e-6 * 0.5 * static_cast<double>(in.width) * static_cast<double>(in.height);
   draft.reachable = 1.0001 * draft.candidate.predicted.total();
   std::vector<Draft> drafts;
   drafts.push_back(std::move(draft));

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kCutShare = 0.25;
 constexpr double kDoubleCost = 2.2;  // half the samples a vector, twice the memory
+constexpr double kCutCost = 1.06;    // frequencies that end anywhere
 
 struct Layout {
   AxisJob x, y;
@@ -228,7 +229,8 @@ std::vector<Draft> fft_drafts(const PlanTask& task) {
       if (budget > 0.0) predicted.cut = cut(task, budget, gathering, full_canvas, symmetric > 1.5, x, y);
     }
     d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
-    d.candidate.cost_ms = (in_double ? kDoubleCost : 1.0) * fft_cost_ms(x, y, !sampler.is_real());
+    const double dearer = in_double ? kDoubleCost : method == Method::fft_cut ? kCutCost : 1.0;
+    d.candidate.cost_ms = dearer * fft_cost_ms(x, y, !sampler.is_real());
     d.candidate.bytes = static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(x, y, sampler.is_real()));
     d.axes = {x, y};
     d.error_per_otf = gathering * task.alias;
