@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "apps/bench_ladder.h"
 #include "apps/bench_report.h"
@@ -163,6 +165,9 @@ int run_bench(const BenchOptions& options, const Global& global) {
     progress.update("exact image", 0.0);
     job.exact = check::reference_sensor_image(job.system, job.scene.view(), job.in, job.options.aperture,
                                               job.options.border, job.border_value, global.threads);
+    if (std::any_of(job.exact.begin(), job.exact.end(),
+                    [](double v) { return !(std::abs(v) <= std::numeric_limits<float>::max()); }))
+      throw mtf::RuntimeError("filtered values exceed what float32 holds (3.4e38); scale the scene with scene.gain");
     mtf::Image out(job.out.width, job.out.height);
     const Ladder ladder = climb(job, out.view(), 1e3 * options.seconds / 60.0, progress);
     report.notes.insert(report.notes.end(), ladder.notes.begin(), ladder.notes.end());

@@ -102,6 +102,9 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   std::vector<std::string> inputs = files_of(config);
   inputs.push_back(options.scene);
   require_writable(outputs_of(options), inputs);
+  if (wants_tiles(options))
+    for (const char* suffix : {".part", ".part.tiles"})  // where finished tiles are kept
+      for (const std::string& input : inputs) require_different(input, options.out + suffix);
   if (wants_tiles(options)) return simulate_tiles(options, global, config);
   mtf::io::Scene scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
   report.warnings = scene.warnings;

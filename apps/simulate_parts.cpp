@@ -29,6 +29,8 @@ void require_writable(const std::vector<std::string>& outputs, const std::vector
         throw mtf::UsageError(one_line(outputs[i]) + " is named for two outputs; give each its own name");
     const std::filesystem::path folder = std::filesystem::path(outputs[i]).parent_path();
     std::error_code error;
+    if (std::filesystem::is_directory(outputs[i], error))
+      throw mtf::RuntimeError("cannot write " + one_line(outputs[i]) + ": it is a folder; name a file in it");
     if (!folder.empty() && !std::filesystem::is_directory(folder, error))
       throw mtf::RuntimeError("cannot write " + one_line(outputs[i]) + ": there is no folder " +
                               one_line(folder.string()) + "; create it first");

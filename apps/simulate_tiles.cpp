@@ -131,7 +131,7 @@ std::array<std::int64_t, 2> whole_pixels(const mtf::io::SensorConfig& config, co
 
 // All that the pixels depend on.
 std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& config, const Source& source,
-                   const mtf::TiledSensorPlan& plan) {
+                   const std::vector<mtf::Survey>& surveys, const mtf::TiledSensorPlan& plan) {
   struct stat status {};
   static_cast<void>(::stat(options.scene.c_str(), &status));
   std::string header(kHeaderBytes, '\0');
@@ -151,10 +151,7 @@ std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& 
            std::to_string(part.st_mtim.tv_nsec);
   }
   for (const std::string& name : source.scene.names) key += " [" + name + "]";
-  if (options.region)
-    for (const std::int64_t n : *options.region) key += " " + std::to_string(n);
-  for (const auto& pair : {r.side, r.halo, r.post_halo})
-    for (const std::int64_t n : pair) key += " " + std::to_string(n);
+  for (const mtf::Survey& survey : surveys) key += " " + std::to_string(survey.fingerprint);
   return key + " " + std::to_string(r.every) + " " + header;
 }
 
@@ -334,8 +331,8 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   std::vector<mtf::Statistics> statistics;
   if (streamed) {
     mtf::io::TileStore store(options.out,
-                             {key_of(options, config, source, plan), plan.out().width, plan.out().height, names.size(),
-                              plan.report().count, [&](std::int64_t i) { return plan.tile(i).region; }},
+                             {key_of(options, config, source, surveys, plan), plan.out().width, plan.out().height,
+                              names.size(), plan.report().count, [&](std::int64_t i) { return plan.tile(i).region; }},
                              options.resume);
     if (!store.note().empty()) note(global, "note: " + one_line(store.note()));
     if (store.resumed() > 0)

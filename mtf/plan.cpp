@@ -83,6 +83,8 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
                      " is larger than the scene, which holds " + std::to_string(report.whole_pitches_x) + "x" +
                      std::to_string(report.whole_pitches_y) + " whole pixels; use detector_grid()");
 
+  if (options.spectrum && !options.spectrum->is_of(in.width, in.height, options.border))
+    throw UsageError("PlanOptions::spectrum is of a scene of another size or border; make it from this one");
   // Without a scene: that of a canvas whose parts are as contrasty as the image.
   const double parts = std::sqrt(static_cast<double>(canvas_length(options.border, in.width) / in.width) *
                                  static_cast<double>(canvas_length(options.border, in.height) / in.height));
@@ -126,7 +128,8 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
     refuse(drafts, options);
   }
   if (chosen->make) impl->engine = chosen->make(how.relative != nullptr ? how.relative->engine.get() : nullptr);
-  impl->cost_ms = chosen->candidate.cost_ms;
+  impl->cost_ms = chosen->predicted_ms;
+  impl->looked_ms = how.same_way ? how.relative->looked_ms : impl->cost_ms;
   describe(*chosen, drafts, impl->engine.get(), task, report);
   for (Draft& draft : drafts) report.candidates.push_back(std::move(draft.candidate));
   Plan plan;
@@ -150,7 +153,7 @@ Plan Plan::with(const System<double>& system) const {
   if (impl_->options.method) return compiled(false);
   try {
     Plan plan = compiled(true);
-    if (plan.impl_->cost_ms <= kDearer * impl_->cost_ms) return plan;
+    if (plan.impl_->cost_ms <= kDearer * impl_->looked_ms) return plan;
   } catch (const UnreachableTolerance&) {  // another way may reach it
   }
   return compiled(false);

@@ -152,7 +152,8 @@ class Plan {
 
   /// Filters one plane. Sizes have to be those of in() and out() (UsageError). NaN or infinite pixels: RuntimeError
   /// with their number and first position. A plane of zero contrast comes out as dc x value, exactly. `out` may lie in
-  /// the memory of `in`, from its start: all of an input is read before any of its output is written.
+  /// the memory of `in`, from its start: all of an input is read before any of its output is written. A plan made with
+  /// a scene's spectrum keeps its promise for that scene.
   void run(ImageView<const float> in, ImageView<float> out, double border_value = 0.0, int threads = 0) const;
   /// All planes in one pass over the OTF.
   void run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value = 0.0,

@@ -111,6 +111,7 @@ Draft* choose(std::vector<Draft>& drafts, const PlanTask& task, bool measure) {
   std::vector<Draft*> possible;
   for (Draft& draft : drafts) {
     Candidate& candidate = draft.candidate;
+    draft.predicted_ms = candidate.cost_ms;
     candidate.possible = candidate.reason.empty() && keeps_tolerance(draft, options);
     if (!candidate.possible && candidate.reason.empty()) candidate.reason = "does not keep the tolerance";
     if (candidate.possible && (!options.method || *options.method == candidate.method)) possible.push_back(&draft);

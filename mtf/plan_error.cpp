@@ -2,7 +2,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 
 #include "mtf/error.h"
@@ -61,8 +64,9 @@ double reachable_tolerance(double arithmetic, double band, double wrap_share) {
   double least = 1.001 * (arithmetic + band) / (1.0 - shares);
   if (band > 0.0) least = std::max(least, 1.001 * arithmetic / (1.0 - shares - kBandShare));
   if (!(least > 0.0) || !std::isfinite(least)) return least;
-  const double digit = std::pow(10.0, std::floor(std::log10(least)) - 2.0);
-  return std::ceil(least / digit) * digit;
+  std::array<char, 32> text;
+  std::snprintf(text.data(), text.size(), "%.2e", least * (1.0 + 5e-3));  // to the nearest of what is half a digit more
+  return std::strtod(text.data(), nullptr);
 }
 
 UnreachableTolerance unreachable_tolerance(double asked, double reachable, const std::optional<SceneSummary>& scene,

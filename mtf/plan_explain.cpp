@@ -46,6 +46,7 @@ std::string Plan::explain() const {
               (c.measured ? " ms measured" : " ms");
     text += (c.reason.empty() ? "" : "; " + c.reason) + "\n";
   }
+  if (impl_->options.spectrum) text += "for       this very scene: errors are weighed by its spectrum\n";
   const PredictedError& e = r.predicted;
   text += "error     predicted <= " + short_number(e.total()) + " of the scene's std, tolerance " +
           short_number(r.tolerance) + " (dropped " + short_number(e.dropped) + ", table " + short_number(e.table) +

@@ -224,7 +224,7 @@ std::vector<Draft> fft_drafts(const PlanTask& task) {
     predicted.arithmetic = rounding(canvas_rms);
     d.reachable = reachable_tolerance(rounding(task.canvas_norm / symmetric), predicted.band, wrap_share);
     if (method == Method::fft_cut) {
-      // Of what the other parts leave of the tolerance. More would save little, and the bound is a loose one.
+      // Of what the other parts leave of the tolerance: a bound that is looser than the others.
       const double budget = std::min(kCutShare * options.tolerance, 0.9 * (options.tolerance - predicted.total()));
       if (budget > 0.0) predicted.cut = cut(task, budget, gathering, full_canvas, symmetric > 1.5, x, y);
     }

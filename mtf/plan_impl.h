@@ -15,6 +15,7 @@ struct Plan::Impl {
   PlanReport report;
   double dc = 1.0;
   double cost_ms = 0.0;                  ///< predicted, of the chosen draft
+  double looked_ms = 0.0;                ///< the same when all ways were last looked at
   std::shared_ptr<const Engine> engine;  ///< null for the identity
 };
 

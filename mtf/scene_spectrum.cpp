@@ -83,6 +83,14 @@ int cell(std::int64_t k, double per_cell) {
   return std::min(kCells - 1, static_cast<int>(static_cast<double>(k) / per_cell));
 }
 
+// First frequency of cell i, of `count` frequencies.
+std::int64_t first_of_cell(std::int64_t i, std::int64_t count, double per_cell) {
+  if (i >= kCells) return count;
+  std::int64_t k = std::max<std::int64_t>(0, static_cast<std::int64_t>(static_cast<double>(i) * per_cell) - 1);
+  while (k < count && cell(k, per_cell) < i) ++k;
+  return k;
+}
+
 // Power of the cosine transform of the half-sample mirror: coefficients c_k of sum c_k cos(pi k (i + 1/2) / n).
 std::vector<double> cosine_power(ImageView<const float> scene, const Statistics& s, int threads) {
   const std::int64_t w = scene.width, h = scene.height;
@@ -103,12 +111,13 @@ std::vector<double> cosine_power(ImageView<const float> scene, const Statistics&
         columns.at(y, k) = c[static_cast<std::size_t>((y - begin) * (w + 16) + k)];
   });
   const double area = static_cast<double>(w) * static_cast<double>(h);
-  std::vector<std::vector<double>> parts(static_cast<std::size_t>(w));  // one list of rows a column: a fixed order
-  parallel_for(w, 16, threads, [&](std::int64_t begin, std::int64_t end) {
+  // Each cell of x adds its own columns, in order: the same sums for any number of threads.
+  std::vector<double> parts(static_cast<std::size_t>(kCells * kCells), 0.0);
+  parallel_for(kCells, 1, threads, [&](std::int64_t i, std::int64_t) {
     const AlignedBuffer<float> row(padded(h)), half(padded(h)), c(padded(h));
-    for (std::int64_t k = begin; k < end; ++k) {
-      std::vector<double>& part = parts[static_cast<std::size_t>(k)];
-      part.assign(kCells, 0.0);
+    double* part = parts.data() + i * kCells;
+    for (std::int64_t k = first_of_cell(i, w, static_cast<double>(w) / kCells);
+         k < first_of_cell(i + 1, w, static_cast<double>(w) / kCells); ++k) {
       kernels::center_ordered(columns.view().row(k), h, 0.0, 1.0, row.data());
       forward_y.execute(row.data(), half.data());
       kernels::cosine_from_half(half.data(), turn_y.data(), h, c.data());
@@ -116,15 +125,14 @@ std::vector<double> cosine_power(ImageView<const float> scene, const Statistics&
         // Mean square of c cos cos: each cosine that is not constant contributes one half.
         const double v = c[static_cast<std::size_t>(l)];
         const double weight = (k == 0 ? 1.0 : 2.0) * (l == 0 ? 1.0 : 2.0) / (area * area);
-        part[static_cast<std::size_t>(cell(l, static_cast<double>(h) / kCells))] += weight * v * v;
+        part[cell(l, static_cast<double>(h) / kCells)] += weight * v * v;
       }
     }
   });
   std::vector<double> power(static_cast<std::size_t>(2 * kCells * kCells), 0.0);
-  for (std::int64_t k = 0; k < w; ++k)
+  for (int i = 0; i < kCells; ++i)
     for (int j = 0; j < kCells; ++j) {
-      const double half = 0.5 * parts[static_cast<std::size_t>(k)][static_cast<std::size_t>(j)];
-      const int i = cell(k, static_cast<double>(w) / kCells);
+      const double half = 0.5 * parts[static_cast<std::size_t>(i * kCells + j)];
       power[static_cast<std::size_t>((kCells + j) * kCells + i)] += half;
       power[static_cast<std::size_t>((kCells - 1 - j) * kCells + i)] += half;
     }
@@ -148,12 +156,11 @@ std::vector<double> fourier_power(ImageView<const float> scene, const Statistics
     }
   });
   const double area = static_cast<double>(w) * static_cast<double>(h);
-  std::vector<std::vector<double>> parts(static_cast<std::size_t>(half_w));
-  parallel_for(half_w, 8, threads, [&](std::int64_t begin, std::int64_t end) {
+  std::vector<double> power(static_cast<std::size_t>(2 * kCells * kCells), 0.0);
+  const double per_cell = 0.5 * static_cast<double>(w) / kCells;
+  parallel_for(kCells, 1, threads, [&](std::int64_t i, std::int64_t) {
     const AlignedBuffer<float> c(static_cast<std::size_t>(2 * h));
-    for (std::int64_t k = begin; k < end; ++k) {
-      std::vector<double>& part = parts[static_cast<std::size_t>(k)];
-      part.assign(static_cast<std::size_t>(2 * kCells), 0.0);
+    for (std::int64_t k = first_of_cell(i, half_w, per_cell); k < first_of_cell(i + 1, half_w, per_cell); ++k) {
       std::copy_n(columns.view().row(k), 2 * h, c.data());
       forward_y.forward(c.data(), c.data() + 1);
       for (std::int64_t r = k == 0 ? 1 : 0; r < h; ++r) {
@@ -161,15 +168,11 @@ std::vector<double> fourier_power(ImageView<const float> scene, const Statistics
         const double weight = (k == 0 || 2 * k == w ? 1.0 : 2.0) / (area * area);
         const std::int64_t l = r <= h / 2 ? r : r - h;
         const int j = cell(std::abs(l), 0.5 * static_cast<double>(h) / kCells);
-        part[static_cast<std::size_t>(l < 0 ? kCells - 1 - j : kCells + j)] += weight * (re * re + im * im);
+        power[static_cast<std::size_t>((l < 0 ? kCells - 1 - j : kCells + j) * kCells + i)] +=
+            weight * (re * re + im * im);
       }
     }
   });
-  std::vector<double> power(static_cast<std::size_t>(2 * kCells * kCells), 0.0);
-  for (std::int64_t k = 0; k < half_w; ++k)
-    for (int j = 0; j < 2 * kCells; ++j)
-      power[static_cast<std::size_t>(j * kCells + cell(k, 0.5 * static_cast<double>(w) / kCells))] +=
-          parts[static_cast<std::size_t>(k)][static_cast<std::size_t>(j)];
   return power;
 }
 
@@ -213,7 +216,7 @@ std::shared_ptr<const SceneSpectrum> scene_spectrum(ImageView<const float> scene
   if (s.not_finite > 0 || s.std == 0.0) return nullptr;
   std::vector<double> power =
       border == Border::reflect ? cosine_power(scene, s, threads) : fourier_power(scene, s, threads);
-  return std::make_shared<SceneSpectrum>(std::move(power));
+  return std::make_shared<SceneSpectrum>(scene.width, scene.height, border, std::move(power));
 }
 
 std::shared_ptr<const SceneSpectrum> largest_of(std::span<const std::shared_ptr<const SceneSpectrum>> spectra) {
@@ -222,7 +225,7 @@ std::shared_ptr<const SceneSpectrum> largest_of(std::span<const std::shared_ptr<
     if (!spectrum) return nullptr;
     for (std::size_t i = 0; i < power.size(); ++i) power[i] = std::max(power[i], spectrum->power()[i]);
   }
-  return spectra.empty() ? nullptr : std::make_shared<SceneSpectrum>(std::move(power));
+  return spectra.empty() ? nullptr : std::make_shared<SceneSpectrum>(spectra.front()->with_power(std::move(power)));
 }
 
 }  // namespace mtf

@@ -23,7 +23,14 @@ class SceneSpectrum {
   static constexpr int kColumns = kCells + 1, kRows = 2 * kCells + 1;  ///< corners: fx = 0 .. N, fy = -N .. N
 
   /// Power of every cell, relative to the variance of the image: [row][column], 2 kCells x kCells.
-  explicit SceneSpectrum(std::vector<double> power) : power_(std::move(power)) {}
+  SceneSpectrum(std::int64_t width, std::int64_t height, Border border, std::vector<double> power)
+      : width_(width), height_(height), border_(border), power_(std::move(power)) {}
+
+  /// Whether it can be that of a scene of this size and border.
+  bool is_of(std::int64_t width, std::int64_t height, Border border) const {
+    return width == width_ && height == height_ && border == border_;
+  }
+  SceneSpectrum with_power(std::vector<double> power) const { return {width_, height_, border_, std::move(power)}; }
 
   /// Corner i of an axis in cycles/mm.
   static double corner_cy_mm(int i, double nyquist_cy_mm) { return nyquist_cy_mm * static_cast<double>(i) / kCells; }
@@ -38,6 +45,8 @@ class SceneSpectrum {
   static double worst_error(std::span<const double> error, double ratio_x, double ratio_y);
 
  private:
+  std::int64_t width_, height_;
+  Border border_;
   std::vector<double> power_;
 };
 

@@ -35,9 +35,10 @@ struct SurveyOptions {
 
 struct Survey {
   Statistics statistics;
-  double canvas_norm = 0.0;  ///< as canvas_norm of mtf/statistics.h
-  double shift = 0.0;        ///< the coarse image is about this level
-  Image coarse;              ///< on coarse_grid(); empty when not asked for or where pixels are not finite
+  double canvas_norm = 0.0;       ///< as canvas_norm of mtf/statistics.h
+  double shift = 0.0;             ///< the coarse image is about this level
+  std::uint64_t fingerprint = 0;  ///< of all samples in their order: tells one scene from another
+  Image coarse;                   ///< on coarse_grid(); empty when not asked for or where pixels are not finite
 
   /// As summarise() of mtf/plan.h.
   std::optional<SceneSummary> summary(Border border, double border_value) const;

@@ -21,6 +21,7 @@ constexpr std::int64_t kLongestSide = 4096;       // samples of a tile's canvas:
 constexpr std::int64_t kFixedBytes = 80LL << 20;  // program, libraries, tables
 constexpr std::int64_t kSlackRows = 512;          // that a reader holds beside those of a tile
 constexpr std::array<std::int64_t, 2> kEvery{8, 16};
+constexpr int kPlannedInFlight = 4;  // tiles that memory should hold at once
 
 std::int64_t machine_bytes() {
   return static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::int64_t>(sysconf(_SC_PAGESIZE));
@@ -166,7 +167,6 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
   // The largest canvas that memory allows, by halves of powers of two.
   const double limit = count(tiles.memory > 0 ? tiles.memory : machine_bytes());
   const double fixed = count(kFixedBytes) + (plan.coarse_ ? count(coarse_bytes(*plan.coarse_)) : 0.0);
-  const int threads = threads_of(tiles.threads);
   const double pixels_per_sample =
       1.0 / (count(rx->samples) / count(rx->pixels) * count(ry->samples) / count(ry->pixels));
   const auto needed = [&](double samples_x, double samples_y, int in_flight) {
@@ -175,8 +175,9 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
   };
   double least = 0.0;
   bool fits = false;
-  // All threads at work are worth some overlap; what fits no other way runs one tile at a time.
-  for (int in_flight = threads; in_flight >= 1 && !fits; in_flight /= 2)
+  // Several tiles at work at once are worth some overlap; what fits no other way runs one at a time. The number of
+  // threads has no part in the layout: the same tiles, and so the same bits, for any.
+  for (int in_flight = kPlannedInFlight; in_flight >= 1 && !fits; in_flight /= 2)
     for (std::int64_t side = kLongestSide; side >= 32; side = side * 7 / 8) {
       const auto axis = [&](const PitchRatio& ratio, bool x) {
         const std::size_t i = x ? 0 : 1;
@@ -192,12 +193,16 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
       fits = true;
       plan.x_ = *x;
       plan.y_ = *y;
-      plan.report_.in_flight = in_flight;
-      plan.report_.bytes = static_cast<std::int64_t>(least);
+      const double each = needed(count(x->canvas_samples()), count(y->canvas_samples()), 1) -
+                          needed(count(x->canvas_samples()), count(y->canvas_samples()), 0);
+      const double room = in_flight + (limit - least) / each;
+      const int threads = threads_of(tiles.threads);
+      plan.report_.in_flight = room >= threads ? threads : static_cast<int>(room);
+      plan.report_.bytes = static_cast<std::int64_t>(least + each * (plan.report_.in_flight - in_flight));
       break;
     }
   if (!fits) {
-    reason = least > 0.0 ? "one tile needs " + mib(least) : "the halo is longer than a tile";
+    reason = least > 0.0 ? "a tile with its halo needs more" : "the halo is longer than a tile";
     return std::nullopt;
   }
   const double overlap = plan.x_.overlap() * plan.y_.overlap();
@@ -256,13 +261,14 @@ namespace {
 std::int64_t least_memory(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
                           const TileOptions& tiles, double whole) {
   std::string reason;
-  for (double memory = 1.25 * static_cast<double>(tiles.memory); memory < whole; memory *= 1.25) {
+  for (double memory = 1.25 * static_cast<double>(tiles.memory > 0 ? tiles.memory : machine_bytes()); memory < whole;
+       memory *= 1.25) {
     TileOptions larger = tiles;
     larger.memory = static_cast<std::int64_t>(memory);
     for (const std::int64_t every : {std::int64_t{0}, coarse_every(scene, options.border, larger.memory)}) try {
         if (cut_into_tiles(system, scene, options, larger, every, reason)) return larger.memory;
       } catch (const UnreachableTolerance&) {  // nor will more memory help
-        break;
+        return static_cast<std::int64_t>(whole);
       }
   }
   return static_cast<std::int64_t>(whole);

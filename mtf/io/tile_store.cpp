@@ -6,9 +6,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 #include <system_error>
 
 #include "mtf/error.h"
@@ -66,8 +68,26 @@ std::int64_t position(const TileStoreLayout& layout, std::size_t plane, std::int
   return (static_cast<std::int64_t>(plane) * layout.height + y) * layout.width + x;
 }
 
+constexpr std::string_view kMagic = "mtfkit tiles 1 ";
+
+// What a stopped run left is used up; a file of the same name that it did not write is somebody's.
+void require_ours(const std::string& pixels, const std::string& journal) {
+  struct stat status {};
+  const bool has_pixels = ::stat(pixels.c_str(), &status) == 0 && status.st_size > 0;
+  const bool has_journal = ::stat(journal.c_str(), &status) == 0 && status.st_size > 0;
+  std::string found(kMagic.size(), '\0');
+  if (const int file = ::open(journal.c_str(), O_RDONLY | O_CLOEXEC); file >= 0) {
+    const ssize_t length = ::pread(file, found.data(), found.size(), 0);
+    found.resize(static_cast<std::size_t>(std::max<ssize_t>(length, 0)));
+    ::close(file);
+  }
+  if (has_journal ? found != kMagic : has_pixels)
+    throw UsageError((has_journal ? journal : pixels) +
+                     " is in the way and not of a stopped run; move it, or name another output");
+}
+
 std::string header_of(const TileStoreLayout& layout) {
-  return "mtfkit tiles 1 " +
+  return std::string(kMagic) +
          sha256_hex(layout.key + " " + std::to_string(layout.width) + "x" + std::to_string(layout.height) + "x" +
                     std::to_string(layout.planes) + " in " + std::to_string(layout.tiles)) +
          "\n";
@@ -80,17 +100,18 @@ TileStore::TileStore(const std::string& out, TileStoreLayout layout, bool resume
   done_.assign(static_cast<std::size_t>(layout_.tiles), 0);
   for (const std::string& path : {pixels_path_, journal_path_}) {
     struct stat status {};
-    if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
+    if (::lstat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
       throw RuntimeError("cannot write " + path + ": it is no ordinary file; remove it or name another output");
   }
-  journal_ = ::open(journal_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_APPEND, 0666);
+  require_ours(pixels_path_, journal_path_);
+  journal_ = ::open(journal_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_APPEND | O_NOFOLLOW, 0666);
   if (journal_ < 0) fail(journal_path_, errno);
   if (::flock(journal_, LOCK_EX | LOCK_NB) != 0) {
     ::close(journal_);
     journal_ = -1;
     throw RuntimeError(journal_path_ + ": another run is writing it; wait for that, or name another output");
   }
-  pixels_ = ::open(pixels_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  pixels_ = ::open(pixels_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (pixels_ < 0) {
     const int error_number = errno;
     ::close(journal_);
