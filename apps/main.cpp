@@ -328,7 +328,8 @@ std::string parse_complaint(const CLI::App& root, const CLI::ParseError& error) 
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App root("OTF models of electro-optical and infrared sensors: simulate, measure, fit.", "mtf");
+  CLI::App root("OTF models of electro-optical and infrared sensors: curves, sensor images, error against run time.",
+                "mtf");
   root.get_formatter()->column_width(28);
   root.require_subcommand(1, 1);
   root.set_version_flag("--version", version_text, "version, commit, compiler and FFT library");
