@@ -295,7 +295,7 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   tile_options.memory = options.memory.value_or(0);
   tile_options.threads = global.threads;
   tile_options.row_bytes = source.file ? source.file->row_bytes() : 0;
-  if (!streamed) read_measured(options, global);
+  read_measured(options, global);
   if (options.region) {
     const auto [x, y, width, height] = *options.region;
     tile_options.region = mtf::Region{x, y, width, height};
@@ -327,7 +327,15 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   run.progress = [&](std::int64_t done, std::int64_t of) {
     progress->update("tiles", static_cast<double>(done) / static_cast<double>(of));
   };
-  const mtf::io::Metadata metadata = provenance(config, scene, plan.inner(), plan_options.tolerance);
+  write_measured(options, global);
+  mtf::io::Metadata metadata = provenance(config, scene, plan.inner(), plan_options.tolerance);
+  if (options.region) {
+    const auto& [x, y, width, height] = *options.region;
+    metadata.text["mtf:region"] = std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(width) + " " +
+                                  std::to_string(height) + " pixels of the whole image";
+  }
+  if (options.measure)
+    note(global, "note: --rigor measure chose methods and FFT plans by timing; results may differ between runs");
   std::vector<mtf::Statistics> statistics;
   if (streamed) {
     mtf::io::TileStore store(options.out,
@@ -373,7 +381,6 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
       report.integer_scaling =
           "value = gain x file + offset, in " + std::string(mtf::io::quantity_unit(scene.quantity));
     }
-    write_measured(options, global);
     for (const mtf::Image& image : images) statistics.push_back(mtf::statistics(image.view()));
   }
   progress.reset();

@@ -30,13 +30,15 @@ std::vector<Draft> identity_drafts(const PlanTask& task) {
   // A gain may be dropped for the contrast, not for the mean.
   const bool unit_mean = std::abs(task.sampler.dc() - 1.0) < 1e-12;
   const bool alone = task.options.split.is_whole() && task.options.aperture.kind == SceneAperture::Kind::point;
-  if (!same_grid || !unit_mean || !alone) return {};
   Draft draft;
   draft.candidate.method = Method::identity;
+  if (!same_grid) draft.candidate.reason = "samples and pixels differ";
+  if (!unit_mean) draft.candidate.reason = "the mean does not pass as it is";
+  if (!alone) draft.candidate.reason = "the samples' own blur is corrected, or this is a part of a split OTF";
   draft.candidate.detail = "samples as they are";
   draft.candidate.predicted.dropped = task.sampler.identity_error() * task.norm;
   draft.candidate.cost_ms = 1e-6 * 0.5 * static_cast<double>(in.width) * static_cast<double>(in.height);
-  draft.reachable = 1.0001 * draft.candidate.predicted.total();
+  if (draft.candidate.reason.empty()) draft.reachable = 1.0001 * draft.candidate.predicted.total();
   std::vector<Draft> drafts;
   drafts.push_back(std::move(draft));
   return drafts;
@@ -73,7 +75,8 @@ std::string work_of(const Draft& draft, const PlanTask& task) {
     return std::to_string(grid.width) + "x" + std::to_string(grid.height);
   };
   return std::string(name_of(draft.candidate.method)) + " " + size(task.in) + " to " + size(task.out) + ", " +
-         draft.candidate.detail + (task.sampler.is_real() ? "" : ", complex");
+         draft.candidate.detail + (task.sampler.is_real() ? "" : ", complex") +
+         (task.sampler.is_even_x() && task.sampler.is_even_y() ? "" : ", not mirrored");
 }
 
 // Times the ways that might be the cheapest. Their predictions are worth a factor of two or so.

@@ -298,7 +298,8 @@ std::vector<Draft> tap_drafts(const PlanTask& task, double fft_ms) {
     return drafts;
   };
   if (!ratio_x || !ratio_y) return none("the pitch is not 1 to " + std::to_string(kLargestRatio) + " whole samples");
-  if (task.sampler.dc() == 0.0) return none("the mean does not pass");
+  if (task.sampler.dc() == 0.0)
+    return none("the mean does not pass (the near part of a split OTF takes it from the far part)");
   const Judge judge(task, *ratio_x, *ratio_y);
   if (!(judge.budget(judge.arithmetic(1.0, 1.0)) > 0.0)) return none("float sums do not keep the tolerance");
   const Work work{task, judge, *ratio_x, *ratio_y};

@@ -6,11 +6,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <string_view>
 #include <system_error>
 
 #include "mtf/error.h"
@@ -68,26 +66,17 @@ std::int64_t position(const TileStoreLayout& layout, std::size_t plane, std::int
   return (static_cast<std::int64_t>(plane) * layout.height + y) * layout.width + x;
 }
 
-constexpr std::string_view kMagic = "mtfkit tiles 1 ";
-
-// What a stopped run left is used up; a file of the same name that it did not write is somebody's.
+// What a stopped run left is used up, damaged or not; pixels without a journal are somebody else's file.
 void require_ours(const std::string& pixels, const std::string& journal) {
   struct stat status {};
   const bool has_pixels = ::stat(pixels.c_str(), &status) == 0 && status.st_size > 0;
   const bool has_journal = ::stat(journal.c_str(), &status) == 0 && status.st_size > 0;
-  std::string found(kMagic.size(), '\0');
-  if (const int file = ::open(journal.c_str(), O_RDONLY | O_CLOEXEC); file >= 0) {
-    const ssize_t length = ::pread(file, found.data(), found.size(), 0);
-    found.resize(static_cast<std::size_t>(std::max<ssize_t>(length, 0)));
-    ::close(file);
-  }
-  if (has_journal ? found != kMagic : has_pixels)
-    throw UsageError((has_journal ? journal : pixels) +
-                     " is in the way and not of a stopped run; move it, or name another output");
+  if (has_pixels && !has_journal)
+    throw UsageError(pixels + " is in the way and not of a stopped run; move it, or name another output");
 }
 
 std::string header_of(const TileStoreLayout& layout) {
-  return std::string(kMagic) +
+  return "mtfkit tiles 1 " +
          sha256_hex(layout.key + " " + std::to_string(layout.width) + "x" + std::to_string(layout.height) + "x" +
                     std::to_string(layout.planes) + " in " + std::to_string(layout.tiles)) +
          "\n";
@@ -206,8 +195,13 @@ void TileStore::write(std::int64_t tile, std::span<const ImageView<const float>>
   // One append a record: they neither mix nor come before their pixels.
   std::array<char, sizeof(Record)> bytes{};
   std::memcpy(bytes.data(), &record, sizeof record);
-  if (::write(journal_, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size()))
-    fail(journal_path_, errno != 0 ? errno : ENOSPC);
+  const std::scoped_lock lock(journal_lock_);
+  const off_t before = ::lseek(journal_, 0, SEEK_END);
+  if (::write(journal_, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) {
+    const int error_number = errno != 0 ? errno : ENOSPC;
+    static_cast<void>(::ftruncate(journal_, before));  // half a record would put those behind it out of step
+    fail(journal_path_, error_number);
+  }
   done_[static_cast<std::size_t>(tile)] = 1;
 }
 

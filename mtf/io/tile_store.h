@@ -53,6 +53,7 @@ class TileStore {
   TileStoreLayout layout_;
   std::vector<char> done_;  // not bits: tiles are marked by several threads
   std::int64_t resumed_ = 0;
+  std::mutex journal_lock_;
   int pixels_ = -1, journal_ = -1;
 };
 
