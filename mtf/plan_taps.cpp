@@ -306,6 +306,14 @@ std::vector<Draft> tap_drafts(const PlanTask& task, double fft_ms) {
   drafts.push_back(exact_separable(work));
   // What is several times slower than another way is of no use to anyone; finding it would cost more than it is worth.
   const double limit_ms = 4.0 * std::min(fft_ms, drafts.front().make ? drafts.front().candidate.cost_ms : fft_ms);
+  // A kernel of a slow OTF costs more frequencies to design than a small image has.
+  constexpr std::int64_t kCorners = std::int64_t{SceneSpectrum::kRows} * SceneSpectrum::kColumns;
+  if (task.sampler.is_slow() && task.in.width * task.in.height < 4 * kCorners) {
+    drafts.push_back(impossible(Method::low_rank, "designing a kernel of this OTF costs more than the image"));
+    for (const Method method : direct_methods)
+      drafts.push_back(impossible(method, "designing a kernel of this OTF costs more than the image"));
+    return drafts;
+  }
   const PointResponse response(task.sampler, task.in, *ratio_x, *ratio_y);
   drafts.push_back(low_rank(work, response, limit_ms));
   for (const Method method : direct_methods) drafts.push_back(direct(work, response, method, limit_ms));

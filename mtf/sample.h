@@ -75,6 +75,8 @@ class OtfSampler {
   bool is_even_y() const { return even_y_; }
   /// H(fx, fy) H(0, 0) = H(fx, 0) H(0, fy): nothing but vectors along the axes.
   bool is_separable() const { return !table_ && lines_.empty() && !has_general(); }
+  /// Some factor is evaluated at every frequency: no table or vector holds it.
+  bool is_slow() const { return has_general(); }
   bool is_identity() const {
     return entries_.empty() && aperture_.kind == SceneAperture::Kind::point && options_.split.is_whole();
   }
