@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
+#include "apps/machine.h"
 #include "apps/output.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
@@ -20,13 +20,8 @@ constexpr std::size_t kLargest = std::size_t{16} << 20;
 
 // Plans of one processor mislead on another: home folders are shared between machines.
 std::string processor_name() {
-  std::ifstream info("/proc/cpuinfo");
-  std::string name = "unknown";
-  for (std::string line; std::getline(info, line);)
-    if (line.starts_with("model name") && line.find(": ") != std::string::npos) {
-      name = line.substr(line.find(": ") + 2);
-      break;
-    }
+  std::string name = this_machine().cpu;
+  if (name.empty()) name = "unknown";
   for (char& c : name)
     if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
   return name;

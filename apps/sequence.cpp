@@ -159,9 +159,6 @@ bool is_sequence(const SimulateOptions& options) {
 }
 
 int run_sequence(const SimulateOptions& options, const Global& global) {
-  if (options.memory || options.region)
-    throw mtf::UsageError(std::string(options.memory ? "--memory" : "--roi") +
-                          " is for single scenes; frames of a sequence are computed whole");
   const mtf::io::SensorConfig sensor = load_sensor(options.sensor, global);
   SequenceNames names;
   names.scenes = FrameNames::parse(options.scene);

@@ -9,6 +9,7 @@
 #include "apps/options.h"
 #include "apps/output.h"
 #include "apps/run_report.h"
+#include "apps/run_summary.h"
 #include "apps/sensor_file.h"
 #include "apps/sensor_image.h"
 #include "apps/sequence.h"
@@ -44,48 +45,15 @@ class StopWatch {
   Clock::time_point last_ = Clock::now();
 };
 
-// The plan for the tolerance asked for; without one, for the default or, where that is out of reach, for what can be
-// kept.
-mtf::SensorPlan compile_plan(const mtf::System<double>& system, const mtf::SampleGrid& grid, bool asked,
-                             mtf::PlanOptions& plan_options, RunReport& report) {
-  try {
-    return mtf::compile_sensor(system, grid, plan_options);
-  } catch (const mtf::UnreachableTolerance& e) {
-    if (asked || !(e.reachable() < 1.0)) throw;
-    report.warnings.push_back("the default tolerance " + mtf::format_double(plan_options.tolerance) +
-                              " cannot be kept for this scene; " + significant(e.reachable(), 2) + " is used");
-    plan_options.tolerance = e.reachable();
-  }
-  return mtf::compile_sensor(system, grid, plan_options);
-}
-
-void print_summary(const RunReport& report, const std::vector<mtf::Image>& images,
-                   const std::vector<std::string>& names) {
+void print_summary(const RunReport& report, const std::vector<std::string>& names,
+                   const std::vector<mtf::Statistics>& statistics) {
   const mtf::SampleGrid& out = report.tiles ? report.tiles->out : report.plan->out();
-  std::string text = one_line(report.out_path) + "  " + std::to_string(out.width) + "x" + std::to_string(out.height) +
-                     "  " + std::string(mtf::io::quantity_name(report.scene->quantity)) + " [" +
-                     std::string(mtf::io::quantity_unit(report.scene->quantity)) + "]\n";
+  std::string text = summary_head(report, out);
   const mtf::PlanReport& plan = report.plan->presample.report();
   if (out.width < plan.whole_pitches_x || out.height < plan.whole_pitches_y)
     text += "the scene holds " + std::to_string(plan.whole_pitches_x) + "x" + std::to_string(plan.whole_pitches_y) +
             " whole pixels; frame.format takes the first of them\n";
-  TextTable table({"channel", "min", "mean", "max", "std"});
-  for (std::size_t c = 0; c < images.size(); ++c) {
-    const mtf::Statistics s = mtf::statistics(images[c].view());
-    table.add({one_line(names[c]), significant(s.min, 6), significant(s.mean, 6), significant(s.max, 6),
-               significant(s.std, 6)});
-  }
-  text += table.aligned({Align::left, Align::right, Align::right, Align::right, Align::right});
-  double total = 0.0;
-  std::string times;
-  for (const auto& [name, ms] : report.timing_ms) {
-    times += (times.empty() ? "" : ", ") + name + " " + fixed(ms, 1);
-    total += ms;
-  }
-  text += "predicted error " + significant(report.plan->predicted_error, 2) + " of the scene's std (tolerance " +
-          mtf::format_double(report.tolerance) + ")\n";
-  text += "time " + fixed(total, 1) + " ms (" + times + ")\n";
-  print(text);
+  print(text + summary_channels(names, statistics) + summary_costs(report) + "\n");
 }
 
 }  // namespace
@@ -127,8 +95,9 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   const bool spreads = std::any_of(masks.begin(), masks.end(), [](const mtf::Image& mask) { return mask.size() > 0; });
   if (!tiles && !spreads) plan_options.spectrum = spectrum_of_all(scene, config.scene.border, global.threads);
   const mtf::SensorPlan plan =
-      tiles ? tiles->inner()
-            : compile_plan(config.system, scene.grid, options.tolerance.has_value(), plan_options, report);
+      tiles ? tiles->inner() : compile_reachable(options.tolerance.has_value(), plan_options, report.warnings, [&] {
+        return mtf::compile_sensor(config.system, scene.grid, plan_options);
+      });
   for (const std::string& text : plan.presample.report().notes) report.warnings.push_back(text);
   for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
   if (options.measure)
@@ -141,10 +110,13 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   for (std::size_t c = 0; c < masks.size(); ++c)
     if (masks[c].size() > 0)
       mtf::propagate_bad_pixels(plan, masks[c], plan_options.tolerance, global.threads, images[c].view());
-  for (std::size_t c = 0; c < images.size(); ++c)
-    if (masks[c].size() == 0 && mtf::statistics(images[c].view()).not_finite > 0)
+  std::vector<mtf::Statistics> statistics;
+  for (std::size_t c = 0; c < images.size(); ++c) {
+    statistics.push_back(mtf::statistics(images[c].view()));
+    if (masks[c].size() == 0 && statistics.back().not_finite > 0)
       throw mtf::RuntimeError("channel " + scene.names[c] +
                               ": filtered values exceed what float32 holds (3.4e38); scale the scene with scene.gain");
+  }
   watch.lap("run", report.timing_ms);
 
   const std::vector<std::string> names = output_names(scene.names);
@@ -176,7 +148,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
     if (plan.post) text += "after sampling\n" + plan.post->explain();
     print(text);
   }
-  print_summary(report, images, names);
+  print_summary(report, names, statistics);
   return 0;
 }
 

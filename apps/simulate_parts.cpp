@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "apps/output.h"
+#include "apps/text_table.h"
 #include "mtf/bad_pixels.h"
 #include "mtf/error.h"
 #include "mtf/scene_spectrum.h"
@@ -57,16 +58,26 @@ std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy
   return masks;
 }
 
+std::optional<mtf::SceneSummary> harder_of(std::optional<mtf::SceneSummary> a,
+                                           const std::optional<mtf::SceneSummary>& b) {
+  if (!a || !b) return a ? a : b;
+  a->largest = std::max(a->largest, b->largest / b->std * a->std);
+  a->canvas_norm = std::max(a->canvas_norm, b->canvas_norm / b->std * a->std);
+  return a;
+}
+
 std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults) {
   std::optional<mtf::SceneSummary> worst;
-  for (const mtf::Image& plane : scene.planes) {
-    const auto s = mtf::summarise(plane.view(), defaults.border, defaults.border_value);
-    if (!s) continue;
-    if (!worst) worst = s;
-    worst->largest = std::max(worst->largest, s->largest / s->std * worst->std);
-    worst->canvas_norm = std::max(worst->canvas_norm, s->canvas_norm / s->std * worst->std);
-  }
+  for (const mtf::Image& plane : scene.planes)
+    worst = harder_of(worst, mtf::summarise(plane.view(), defaults.border, defaults.border_value));
   return worst;
+}
+
+void loosen_default(const mtf::UnreachableTolerance& refusal, mtf::PlanOptions& options,
+                    std::vector<std::string>& warnings) {
+  warnings.push_back("the default tolerance " + mtf::format_double(options.tolerance) +
+                     " cannot be kept for this scene; " + significant(refusal.reachable(), 2) + " is used");
+  options.tolerance = refusal.reachable();
 }
 
 std::shared_ptr<const mtf::SceneSpectrum> spectrum_of_all(const mtf::io::Scene& scene, mtf::Border border,
@@ -75,8 +86,7 @@ std::shared_ptr<const mtf::SceneSpectrum> spectrum_of_all(const mtf::io::Scene& 
   std::vector<std::shared_ptr<const mtf::SceneSpectrum>> spectra;
   for (const mtf::Image& plane : scene.planes) {
     if (plane.size() > kWorthIt) return nullptr;
-    const mtf::Statistics s = mtf::statistics(plane.view());
-    if (s.std > 0.0) spectra.push_back(mtf::scene_spectrum(plane.view(), border, threads));
+    if (auto spectrum = mtf::scene_spectrum(plane.view(), border, threads)) spectra.push_back(std::move(spectrum));
   }
   return mtf::largest_of(spectra);
 }

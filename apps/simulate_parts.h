@@ -23,6 +23,28 @@ void require_writable(const std::vector<std::string>& outputs, const std::vector
 /// RuntimeError when the policy is to refuse.
 std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary);
 
+/// The parts of two channels that make the promise harder to keep, on the scale of the first; a flat one has none.
+std::optional<mtf::SceneSummary> harder_of(std::optional<mtf::SceneSummary> a,
+                                           const std::optional<mtf::SceneSummary>& b);
+
+/// Takes what can be kept for the tolerance, and says so.
+void loosen_default(const mtf::UnreachableTolerance& refusal, mtf::PlanOptions& options,
+                    std::vector<std::string>& warnings);
+
+/// compile() for the tolerance asked for; without one, for the default or, where that is out of reach, for what can be
+/// kept. `compile` uses `options`.
+template <class Compile>
+auto compile_reachable(bool asked, mtf::PlanOptions& options, std::vector<std::string>& warnings,
+                       const Compile& compile) {
+  try {
+    return compile();
+  } catch (const mtf::UnreachableTolerance& refusal) {
+    if (asked || !(refusal.reachable() < 1.0)) throw;
+    loosen_default(refusal, options, warnings);
+  }
+  return compile();
+}
+
 /// One summary for all channels: the parts that make the promise hardest to keep, on the scale of one of them. Nothing
 /// when all are flat.
 std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults);

@@ -12,6 +12,7 @@
 #include "apps/measured_file.h"
 #include "apps/output.h"
 #include "apps/progress_line.h"
+#include "apps/run_summary.h"
 #include "apps/sensor_file.h"
 #include "apps/sensor_image.h"
 #include "apps/simulate_parts.h"
@@ -94,31 +95,12 @@ std::vector<mtf::Survey> survey_all(const Source& source, const mtf::io::SceneDe
   return surveys;
 }
 
-// The parts of all channels that make the promise hardest to keep, on the scale of one of them.
 std::optional<mtf::SceneSummary> worst_of(const std::vector<mtf::Survey>& surveys,
                                           const mtf::io::SceneDefaults& defaults) {
   std::optional<mtf::SceneSummary> worst;
-  for (const mtf::Survey& survey : surveys) {
-    const auto s = survey.summary(defaults.border, defaults.border_value);
-    if (!s) continue;
-    if (!worst) worst = s;
-    worst->largest = std::max(worst->largest, s->largest / s->std * worst->std);
-    worst->canvas_norm = std::max(worst->canvas_norm, s->canvas_norm / s->std * worst->std);
-  }
+  for (const mtf::Survey& survey : surveys)
+    worst = harder_of(worst, survey.summary(defaults.border, defaults.border_value));
   return worst;
-}
-
-mtf::TiledSensorPlan compile_plan(const mtf::System<double>& system, const mtf::SampleGrid& grid, bool asked,
-                                  mtf::PlanOptions& plan_options, const mtf::TileOptions& tiles, RunReport& report) {
-  try {
-    return mtf::compile_tiled(system, grid, plan_options, tiles);
-  } catch (const mtf::UnreachableTolerance& e) {
-    if (asked || !(e.reachable() < 1.0)) throw;
-    report.warnings.push_back("the default tolerance " + mtf::format_double(plan_options.tolerance) +
-                              " cannot be kept for this scene; " + significant(e.reachable(), 2) + " is used");
-    plan_options.tolerance = e.reachable();
-  }
-  return mtf::compile_tiled(system, grid, plan_options, tiles);
 }
 
 // That the scene holds, whatever format the sensor has.
@@ -199,30 +181,14 @@ std::string summary_text(const RunReport& report, const std::vector<std::string>
   const auto by = [](const std::array<std::int64_t, 2>& n) {
     return std::to_string(n[0]) + "x" + std::to_string(n[1]);
   };
-  std::string text = one_line(report.out_path) + "  " + std::to_string(tiles.out.width) + "x" +
-                     std::to_string(tiles.out.height) + "  " +
-                     std::string(mtf::io::quantity_name(report.scene->quantity)) + " [" +
-                     std::string(mtf::io::quantity_unit(report.scene->quantity)) + "]\n";
-  TextTable table({"channel", "min", "mean", "max", "std"});
-  for (std::size_t c = 0; c < statistics.size(); ++c)
-    table.add({one_line(names[c]), significant(statistics[c].min, 6), significant(statistics[c].mean, 6),
-               significant(statistics[c].max, 6), significant(statistics[c].std, 6)});
-  text += table.aligned({Align::left, Align::right, Align::right, Align::right, Align::right});
+  std::string text = summary_head(report, tiles.out) + summary_channels(names, statistics);
   if (tiles.plan.whole)
     text += "one tile: " + tiles.plan.reason + "\n";
   else
     text += std::to_string(tiles.plan.count) + " tiles of " + by(tiles.plan.side) + " px, halo " + by(tiles.plan.halo) +
             " samples; " + std::to_string(tiles.tally.flat) + " flat, " + std::to_string(tiles.tally.resumed) +
             " from a stopped run\n";
-  double total = 0.0;
-  std::string times;
-  for (const auto& [name, ms] : report.timing_ms) {
-    times += (times.empty() ? "" : ", ") + name + " " + fixed(ms, 1);
-    total += ms;
-  }
-  return text + "predicted error " + significant(report.plan->predicted_error, 2) + " of the scene's std (tolerance " +
-         mtf::format_double(report.tolerance) + ")\ntime " + fixed(total, 1) + " ms (" + times + "), peak memory " +
-         fixed(peak_rss_mib(), 0) + " MiB\n";
+  return text + summary_costs(report) + ", peak memory " + fixed(peak_rss_mib(), 0) + " MiB\n";
 }
 
 }  // namespace
@@ -305,7 +271,8 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   plan_options.scene = worst_of(surveys, config.scene);
   lap("survey");
   const mtf::TiledSensorPlan plan =
-      compile_plan(config.system, scene.grid, options.tolerance.has_value(), plan_options, tile_options, report);
+      compile_reachable(options.tolerance.has_value(), plan_options, report.warnings,
+                        [&] { return mtf::compile_tiled(config.system, scene.grid, plan_options, tile_options); });
   if (source.file) source.file->keep_rows(plan.report().whole ? 0 : plan.inner().presample.in().height + kReadAhead);
   progress.reset();
   for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The lines that `mtf simulate` ends with, for whole images and for tiles.
+
+#include <string>
+#include <vector>
+
+#include "apps/run_report.h"
+#include "mtf/statistics.h"
+
+namespace apps {
+
+/// "out.exr  256x256  radiance [W.m^-2.sr^-1]".
+std::string summary_head(const RunReport& report, const mtf::SampleGrid& out);
+
+/// A line a channel: extremes, mean and standard deviation.
+std::string summary_channels(const std::vector<std::string>& names, const std::vector<mtf::Statistics>& statistics);
+
+/// Predicted error, and the time in its parts; the last line is not ended.
+std::string summary_costs(const RunReport& report);
+
+}  // namespace apps
