@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Where an edge runs, and how far a pixel is from it.
+// Pixel (i, j) has its centre at (i + 0.5, j + 0.5), in pixels, x right, y down, of the whole image. Around the
+// reference point p0 with the unit normal n, which points to the brighter side, and the tangent t = (-n.y, n.x), a
+// point p has the coordinates
+//   s = t.(p - p0) along the edge,  u = n.(p - p0) across it.
+// The edge is the curve u = g(s). Straight: g = 0. Polynomial: g = sum of c_k (s / half_length)^k for k = 2 .. 5, in
+// pixels (offset and slope are in p0 and n). Circle: curvature kappa in 1/px, positive when the centre lies on the
+// brighter side. The distance that an edge spread function is a function of is the signed distance to the curve,
+// positive on the brighter side; blur that is small against the radius of curvature makes it so.
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+namespace calib {
+
+/// A rectangle of pixels.
+struct Roi {
+  bool operator==(const Roi&) const = default;
+  std::int64_t x = 0, y = 0;
+  std::int64_t width = 0, height = 0;
+};
+
+struct Point {
+  double x = 0.0, y = 0.0;
+};
+
+struct EdgeCurve {
+  enum class Shape { line, polynomial, circle };
+
+  Shape shape = Shape::line;
+  Point origin;                     ///< p0, pixels of the whole image
+  double angle_rad = 0.0;           ///< of n, from +x towards +y, in (-pi, pi]
+  double half_length_px = 1.0;      ///< scale of s in the polynomial
+  std::vector<double> coefficient;  ///< c_2 .. c_order in px; empty unless a polynomial
+  double curvature_per_px = 0.0;    ///< of the circle
+
+  Point normal() const { return {std::cos(angle_rad), std::sin(angle_rad)}; }
+  int order() const { return shape == Shape::polynomial ? static_cast<int>(coefficient.size()) + 1 : 1; }
+};
+
+/// A point in the coordinates of the edge.
+struct EdgePoint {
+  double distance_px = 0.0;  ///< signed, to the curve, positive on the brighter side
+  double along_px = 0.0;     ///< s of its foot on the curve
+};
+
+/// Coordinates of a point of the image. Error of the foot point of a polynomial below 1e-9 px where the radius of
+/// curvature is above twice the distance.
+EdgePoint locate(const EdgeCurve& curve, Point p);
+
+}  // namespace calib
