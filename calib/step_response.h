@@ -41,16 +41,18 @@ class StepResponse {
   double at(double d_px, std::span<double> values) const;
 
  private:
-  struct Knot;  // value and slope x step of the odd and the even part
   struct Zone {
     double start = 0.0, step = 0.0;
     std::size_t first = 0, intervals = 0;
   };
+  /// Numbers a knot: value and slope x step of the odd part, then of the even part unless all H are real.
+  std::size_t knot_width() const { return count_ * (symmetric_ ? 2 : 4); }
 
   std::size_t count_ = 0;
   double reach_px_ = 0.0;
   std::vector<Zone> zones_;
-  std::vector<double> knots_;  // [knot][function][odd value, odd slope, even value, even slope]
+  std::vector<double> knots_;
+  bool symmetric_ = true;
 };
 
 }  // namespace calib
