@@ -50,14 +50,17 @@ std::string quoted(std::string_view text) {
   return literal + "'";
 }
 
-std::string terminal(Medium medium, int columns, int rows) {
+std::string terminal(Medium medium, int columns, int rows, int panels) {
+  // Panels side by side are narrower than a figure alone.
+  const int percent = panels == 1 ? 100 : 75 * panels;
+  const auto wide = [&](int width) { return std::to_string(width * percent / 100); };
   switch (medium) {
     case Medium::svg:
-      return "svg size 960,560 noenhanced font 'DejaVu Sans,Arial,sans-serif,15' background '#ffffff'";
+      return "svg size " + wide(960) + ",560 noenhanced font 'DejaVu Sans,Arial,sans-serif,15' background '#ffffff'";
     case Medium::pdf:
-      return "pdfcairo size 20cm,11.7cm noenhanced font 'DejaVu Sans,11' background '#ffffff'";
+      return "pdfcairo size " + wide(20) + "cm,11.7cm noenhanced font 'DejaVu Sans,11' background '#ffffff'";
     case Medium::png:
-      return "pngcairo size 1200,700 noenhanced font 'DejaVu Sans,14' background '#ffffff'";
+      return "pngcairo size " + wide(1200) + ",700 noenhanced font 'DejaVu Sans,14' background '#ffffff'";
     case Medium::characters:
       break;
   }
@@ -83,15 +86,22 @@ std::array<double, 2> x_range(const Figure& figure) {
   return {low - margin, high + margin};
 }
 
-std::string data_block(const Figure& figure, std::size_t index) {
+/// Name of a series' data in the script: panel and place.
+std::string block_name(std::size_t panel, std::size_t index) {
+  return "$d" + std::to_string(panel) + "_" + std::to_string(index);
+}
+
+std::string data_block(const Figure& figure, std::size_t panel, std::size_t index) {
   const Series& series = figure.series[index];
-  std::string text = "$d" + std::to_string(index) + " << END_OF_DATA\n";
+  const bool band = !series.low.empty();
+  std::string text = block_name(panel, index) + " << END_OF_DATA\n";
   const std::size_t count = series.x.size();
   const std::size_t shown = std::min(count, kMaxPoints);
   for (std::size_t k = 0; k < shown; ++k) {
     const std::size_t i = shown < 2 ? 0 : k * (count - 1) / (shown - 1);
     if (drawable(figure, series.x[i], series.y[i]))
-      text += mtf::format_double(series.x[i]) + " " + mtf::format_double(series.y[i]) + "\n";
+      text += mtf::format_double(series.x[i]) + " " + mtf::format_double(series.y[i]) +
+              (band ? " " + mtf::format_double(series.low[i]) + " " + mtf::format_double(series.high[i]) : "") + "\n";
     else
       text += "\n";
   }
@@ -142,11 +152,10 @@ std::string style(const Series& series, std::size_t index, Medium medium) {
          (index >= kColours.size() && series.x.size() > 1 ? " dt (8,3)" : "");
 }
 
-std::string script(const Figure& figure, Medium medium, int columns, int rows) {
+std::string plot_commands(const Figure& figure, std::size_t panel, Medium medium, bool narrow) {
   const std::array<double, 2> range = x_range(figure);
   const bool characters = medium == Medium::characters;
-  std::string text = "set encoding utf8\nset terminal " + terminal(medium, columns, rows) + "\n";
-  for (std::size_t i = 0; i < figure.series.size(); ++i) text += data_block(figure, i);
+  std::string text = "unset arrow\nunset label\nunset logscale\n";
   if (!figure.title.empty()) text += "set title " + quoted(figure.title) + (characters ? "\n" : " offset 0,1.3\n");
   text += "set xlabel " + quoted(figure.x_label) + "\nset ylabel " + quoted(figure.y_label) + "\n";
   text += "set xrange [" + mtf::format_double(range[0]) + ":" + mtf::format_double(range[1]) + "]\n";
@@ -155,23 +164,43 @@ std::string script(const Figure& figure, Medium medium, int columns, int rows) {
   if (figure.log_x) text += "set logscale x\n";
   if (figure.log_y) text += "set logscale y\nset format y '%.0e'\n";
   text += vertical_lines(figure, range, medium);
-  if (characters)
-    text += "set key outside bottom center horizontal\n";
-  else
+  text += characters || narrow ? "set key outside bottom center horizontal\n"
+                               : "set key outside right center Left reverse samplen 2 spacing 1.25\n";
+  if (!characters)
     text +=
-        "set tmargin 4.5\nset key outside right center Left reverse samplen 2 spacing 1.25\n"
-        "set border 3 lc rgb '#404040'\nset tics nomirror out scale 0.6\n"
+        "set tmargin 4.5\nset border 3 lc rgb '#404040'\nset tics nomirror out scale 0.6\n"
         "set grid lc rgb '#e4e4e4' lt 1 lw 0.8\n";
   std::string plots;
   std::size_t thin = 0;
   for (std::size_t i = 0; i < figure.series.size(); ++i)
-    plots += std::string(plots.empty() ? "plot " : ", ") + "$d" + std::to_string(i) + " using 1:2 title " +
+    if (!figure.series[i].low.empty() && !characters)
+      plots += std::string(plots.empty() ? "plot " : ", ") + block_name(panel, i) +
+               " using 1:3:4 notitle with filledcurves fc rgb '#b8d4ea' fs solid noborder";
+  for (std::size_t i = 0; i < figure.series.size(); ++i)
+    plots += std::string(plots.empty() ? "plot " : ", ") + block_name(panel, i) + " using 1:2 title " +
              quoted(figure.series[i].name) + " with " +
              style(figure.series[i], figure.series[i].emphasised ? 0 : thin++, medium);
   return text + plots + "\n";
 }
 
+std::string script(std::span<const Figure> figures, Medium medium, int columns, int rows) {
+  const int panels = static_cast<int>(figures.size());
+  std::string text = "set encoding utf8\nset terminal " + terminal(medium, columns, rows, panels) + "\n";
+  for (std::size_t panel = 0; panel < figures.size(); ++panel)
+    for (std::size_t i = 0; i < figures[panel].series.size(); ++i) text += data_block(figures[panel], panel, i);
+  if (panels > 1) text += "set multiplot layout 1," + std::to_string(panels) + "\n";
+  for (std::size_t panel = 0; panel < figures.size(); ++panel)
+    text += plot_commands(figures[panel], panel, medium, panels > 1);
+  return text;
+}
+
 std::string csv_number(double value) { return std::isfinite(value) ? mtf::format_double(value) : ""; }
+
+bool draw(const std::string& path, std::span<const Figure> figures) {
+  const auto drawing = run_gnuplot(script(figures, medium_of(path), 0, 0));
+  if (drawing) mtf::io::write_text_file(path, *drawing);
+  return drawing.has_value();
+}
 
 }  // namespace
 
@@ -188,14 +217,26 @@ bool write_figure(const std::string& path, const Figure& figure) {
   return draw_figure(path, figure);
 }
 
-bool draw_figure(const std::string& path, const Figure& figure) {
-  const auto drawing = run_gnuplot(script(figure, medium_of(path), 0, 0));
-  if (drawing) mtf::io::write_text_file(path, *drawing);
-  return drawing.has_value();
+bool write_figures(const std::string& path, std::span<const Figure> figures) {
+  check_figure_path(path);
+  std::string text = "figure,series,x,y,low,high\n";
+  for (const Figure& figure : figures) {
+    static_cast<void>(x_range(figure));
+    for (const Series& series : figure.series)
+      for (std::size_t i = 0; i < series.x.size(); ++i) {
+        text += csv_field(figure.y_label) + "," + csv_field(series.name) + "," + csv_number(series.x[i]) + "," +
+                csv_number(series.y[i]);
+        text += series.low.empty() ? ",,\n" : "," + csv_number(series.low[i]) + "," + csv_number(series.high[i]) + "\n";
+      }
+  }
+  mtf::io::write_text_file(figure_data_path(path), text);
+  return draw(path, figures);
 }
 
+bool draw_figure(const std::string& path, const Figure& figure) { return draw(path, {&figure, 1}); }
+
 std::optional<std::string> ascii_figure(const Figure& figure, int columns, int rows) {
-  auto drawing = run_gnuplot(script(figure, Medium::characters, columns, rows));
+  auto drawing = run_gnuplot(script({&figure, 1}, Medium::characters, columns, rows));
   if (!drawing) return std::nullopt;
   std::string text;
   for (std::size_t at = drawing->find_first_not_of("\f\n"); at < drawing->size();) {

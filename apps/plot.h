@@ -6,6 +6,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ struct Series {
   std::vector<double> x, y;  ///< of one length; what is not finite (or not positive on a log axis) leaves a gap
   bool emphasised = false;   ///< a thick black line or ring instead of a thin coloured one
   Mark mark = Mark::line;
+  std::vector<double> low{}, high{};  ///< a band around the line, shaded; empty or of the same length
 };
 
 struct VerticalLine {
@@ -45,6 +47,9 @@ void check_figure_path(const std::string& path);
 /// Writes the data as CSV (17 digits) beside `path`, then the figure, each whole or not at all. False when there is no
 /// gnuplot: the CSV is there, the figure is not. Throws UsageError (extension) and RuntimeError.
 bool write_figure(const std::string& path, const Figure& figure);
+
+/// Several figures side by side in one file, one to four; the data have a column for the figure.
+bool write_figures(const std::string& path, std::span<const Figure> figures);
 
 /// The figure alone, for data that have a file of their own. False when there is no gnuplot.
 bool draw_figure(const std::string& path, const Figure& figure);

@@ -12,11 +12,12 @@
 #include <vector>
 
 #include "mtf/image.h"
+#include "mtf/io/drawing.h"
 #include "mtf/io/opencv_filters.h"
 
 namespace mtf::io {
 
-inline constexpr int codecs_version = 2;
+inline constexpr int codecs_version = 3;
 
 /// A PNG or TIFF as its header describes it, sizes already checked against the file.
 struct RasterHeader {
@@ -49,6 +50,8 @@ struct Codecs {
   int (*encode_png)(int descriptor, const RasterData& data);
   int (*encode_tiff)(int descriptor, const RasterData& data);
   OpenCvFilter (*opencv_filter)(const OpenCvJob& job);
+  /// The picture, enlarged and drawn upon; `data` has 3 colours of 8 bits.
+  RasterData (*draw)(const RasterData& data, const Drawing& drawing);
 };
 
 /// Name of the function that the module exports: `const Codecs* mtfkit_codecs()`.

@@ -19,6 +19,7 @@ std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& head
 int encode_png(int descriptor, const RasterData& data);
 int encode_tiff(int descriptor, const RasterData& data);
 OpenCvFilter make_filter(const OpenCvJob& job);
+RasterData draw(const RasterData& data, const Drawing& drawing);
 
 /// Stops libtiff from writing to stderr; its messages are replaced by ours.
 void silence_tiff();

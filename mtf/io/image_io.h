@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "mtf/image.h"
+#include "mtf/io/drawing.h"
 
 namespace mtf::io {
 
@@ -115,7 +116,11 @@ IntegerScaling full_range_scaling(const std::vector<NamedPlane>& planes);
 std::int64_t write_integer(const std::string& path, const std::vector<NamedPlane>& planes,
                            const IntegerScaling& scaling, const Metadata& metadata);
 
-/// 8-bit grey or RGB preview: values mapped linearly from [low, high] to 0..255. PNG only.
+/// 8-bit grey or RGB preview: values mapped linearly from [low, high] to 0..255, NaN to 0. PNG only.
 void write_preview_png(const std::string& path, const std::vector<NamedPlane>& planes, double low, double high);
+
+/// The same in grey, drawn upon. Throws UsageError for pictures above 2^28 pixels.
+void write_annotated_png(const std::string& path, ImageView<const float> plane, double low, double high,
+                         const Drawing& drawing);
 
 }  // namespace mtf::io

@@ -93,6 +93,15 @@ std::pair<double, double> finite_range(const std::vector<NamedPlane>& planes) {
   return {low, high};
 }
 
+RasterData preview(const std::string& path, const std::vector<NamedPlane>& planes, double low, double high) {
+  if (format_from_extension(path) != Format::png) throw UsageError(path + ": previews are PNG; end the name in .png");
+  if (!std::isfinite(low) || !std::isfinite(high))
+    throw UsageError(path + ": the display range must be two finite numbers");
+  check_colours(path, planes);
+  std::int64_t clamped = 0;
+  return quantise(planes, {high != low ? (high - low) / 255.0 : 1.0, low}, 8, clamped);
+}
+
 }  // namespace
 
 void check_planes(const std::string& path, const std::vector<NamedPlane>& planes) {
@@ -132,13 +141,18 @@ std::int64_t write_integer(const std::string& path, const std::vector<NamedPlane
 }
 
 void write_preview_png(const std::string& path, const std::vector<NamedPlane>& planes, double low, double high) {
-  if (format_from_extension(path) != Format::png) throw UsageError(path + ": previews are PNG; end the name in .png");
-  if (!std::isfinite(low) || !std::isfinite(high))
-    throw UsageError(path + ": the display range must be two finite numbers");
-  check_colours(path, planes);
-  std::int64_t clamped = 0;
-  const IntegerScaling scaling{high != low ? (high - low) / 255.0 : 1.0, low};
-  write_raster(path, Format::png, quantise(planes, scaling, 8, clamped));
+  write_raster(path, Format::png, preview(path, planes, low, high));
+}
+
+void write_annotated_png(const std::string& path, ImageView<const float> plane, double low, double high,
+                         const Drawing& drawing) {
+  constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
+  const std::int64_t area = static_cast<std::int64_t>(drawing.zoom) * drawing.zoom;
+  if (drawing.zoom < 1 || drawing.zoom > 16 || plane.width * plane.height > max_pixels / area)
+    throw UsageError(path + ": " + std::to_string(plane.width) + " x " + std::to_string(plane.height) +
+                     " pixels are too many to draw upon; choose a region");
+  const std::vector<NamedPlane> grey(3, NamedPlane{"", plane});
+  write_raster(path, Format::png, codecs().draw(preview(path, grey, low, high), drawing));
 }
 
 }  // namespace mtf::io

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a command takes, as plain data: each command describes itself (commands.h), main.cpp hands that to CLI11 and is
+// the only file that sees it. Values are read by functions of ours (arguments.h): CLI11's own messages name neither the
+// option nor the remedy.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/arguments.h"
+#include "apps/options.h"
+
+namespace apps {
+
+using Setter = std::function<void(const std::string&)>;
+
+/// An option ("--freq", "-o,--out") or an argument ("sensor").
+struct OptionSpec {
+  std::string names, type, doc;
+  Setter set;  ///< called with every value; a flag is set by being there, with ""
+  bool required = false;
+  bool repeats = false;  ///< may be given more than once, or as several words for an argument
+  bool flag = false;
+};
+
+struct Command {
+  std::string name, doc, details, examples;
+  std::vector<OptionSpec> options{};
+  std::vector<Command> commands{};  ///< one of them has to follow; then `run` is that one's
+  std::function<int(const Global&)> run{};
+};
+
+/// An option whose word is read by `set`.
+OptionSpec& add_word(Command& command, const std::string& names, const std::string& type, const std::string& doc,
+                     const Setter& set);
+
+/// Text that may not be empty.
+OptionSpec& add_text(Command& command, const std::string& names, const std::string& type, const std::string& doc,
+                     const Setter& set);
+OptionSpec& add_text(Command& command, const std::string& names, const std::string& type, const std::string& doc,
+                     std::string& target);
+
+/// A file that has to be named.
+OptionSpec& add_file(Command& command, const std::string& name, const std::string& doc, std::string& target);
+
+void add_flag(Command& command, const std::string& names, const std::string& doc, bool& target);
+
+template <class T, std::size_t N>
+void add_choice(Command& command, const std::string& name, const std::string& type, const std::string& doc,
+                const std::array<std::pair<std::string_view, T>, N>& words, T& target) {
+  add_word(command, name, type, doc,
+           [&words, &target, name](const std::string& text) { target = choice(name, text, words); });
+}
+
+// Options that several commands have.
+inline constexpr std::array kFormats{std::pair{std::string_view("table"), Format::table},
+                                     std::pair{std::string_view("csv"), Format::csv},
+                                     std::pair{std::string_view("json"), Format::json}};
+void add_format(Command& command, const std::string& doc, Format& format);
+void add_force(Command& command, bool& force);
+void add_channel(Command& command, std::optional<std::string>& channel);
+/// --channel, --layer and --part.
+void add_channel_choice(Command& command, std::optional<std::string>& channel, std::optional<std::string>& layer,
+                        std::optional<int>& part);
+
+}  // namespace apps

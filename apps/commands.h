@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The subcommands, each with its options bound to a struct of options.h.
+
+#include "apps/command_line.h"
+
+namespace apps {
+
+Command curve_command();
+Command info_command();
+Command config_command();
+Command check_command();
+Command demo_command();
+Command simulate_command();
+Command bench_command();
+
+}  // namespace apps

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What the commands that make images take.
+
+#include "apps/command_line.h"
+#include "apps/commands.h"
+
+namespace apps {
+namespace {
+
+constexpr std::array kNan{std::pair{std::string_view("refuse"), NanPolicy::refuse},
+                          std::pair{std::string_view("fill"), NanPolicy::fill},
+                          std::pair{std::string_view("propagate"), NanPolicy::propagate}};
+constexpr std::array kRigor{std::pair{std::string_view("estimate"), false},
+                            std::pair{std::string_view("measure"), true}};
+constexpr std::array kResume{std::pair{std::string_view("auto"), true}, std::pair{std::string_view("no"), false}};
+
+Setter set_tolerance(std::optional<double>& tolerance) {
+  return [&tolerance](const std::string& text) {
+    tolerance = number("--tolerance", text);
+    if (!(*tolerance > 0.0 && *tolerance < 1.0)) throw mtf::UsageError("--tolerance: " + text + " is outside (0, 1)");
+  };
+}
+
+}  // namespace
+
+Command demo_command() {
+  const auto shared = std::make_shared<DemoOptions>();
+  DemoOptions& options = *shared;
+  Command app{"demo", "the whole chain on an example, with proof, in seconds",
+              "Writes a folder with sensor file, scene, simulated image, previews and MTF plot.",
+              "  mtf demo\n"
+              "  mtf demo -o my-demo --tolerance 1e-5"};
+  add_text(app, "-o,--out", "FOLDER", "folder to create; default mtf-demo", options.out);
+  add_word(app, "--tolerance", "X", "rms error allowed; default 1e-4", set_tolerance(options.tolerance));
+  add_force(app, options.force);
+  app.run = [shared](const Global& global) { return run_demo(*shared, global); };
+  return app;
+}
+
+Command simulate_command() {
+  const auto shared = std::make_shared<SimulateOptions>();
+  SimulateOptions& options = *shared;
+  Command app{"simulate", "a radiance image through the sensor",
+              "Scenes: OpenEXR, PNG, TIFF. Output by extension: .exr (float), .png or .tif (16 bits).\n"
+              "The tolerance is the rms error over the output pixels, relative to the scene's standard deviation.\n"
+              "A number in a name, as in frame.%04d.exr, makes it a sequence: its frames run in parallel. A schedule\n"
+              "has the header frame,parameter,value and lines such as 20,jitter.rms,8 urad: from frame 20 on the\n"
+              "component labelled jitter has that rms, as if the sensor file said so. With a schedule the scene may\n"
+              "be one image; there is an output for every frame that the schedule names, or those of --frames.",
+              "  mtf simulate sensor.toml scene.exr -o out.exr\n"
+              "  mtf simulate sensor.toml frame.%04d.exr -o out.%04d.exr --tolerance 1e-3 --report run.json"};
+  add_file(app, "sensor", "sensor file (TOML)", options.sensor);
+  add_file(app, "scene", "image of the scene, or frame.%04d.exr for a sequence", options.scene);
+  add_text(app, "-o,--out", "FILE", "image to write; of a sequence out.%04d.exr", options.out).required = true;
+  add_text(app, "--report", "FILE", "what was done, how exactly and how fast, as JSON", options.report);
+  add_channel_choice(app, options.channel, options.layer, options.part);
+  add_word(app, "--tolerance", "X", "rms error allowed; default 1e-4", set_tolerance(options.tolerance));
+  add_choice(app, "--nan", "POLICY", "NaN and infinite pixels: refuse (default), fill or propagate", kNan, options.nan);
+  add_flag(app, "--explain", "show what the plan left out, merged and chose", options.explain);
+  add_choice(app, "--rigor", "RIGOR", "estimate (default, reproducible) or measure (times candidates first)", kRigor,
+             options.measure);
+  add_text(app, "--wisdom", "FILE",
+           "what measuring has learnt: read before, written after; default:\na file in ~/.cache/mtfkit, which may be "
+           "deleted at any time",
+           options.wisdom);
+  add_word(app, "--frames", "RANGE", "START:STOP[:STEP], both ends; default: all frames, or those of the schedule",
+           [&](const std::string& text) { options.frames = frame_range("--frames", text); });
+  add_text(app, "--schedule", "FILE", "parameters that change over frames: CSV with frame,parameter,value",
+           options.schedule);
+  add_word(app, "--memory", "SIZE",
+           "most memory to use, such as 512MiB or 2GB: the scene (OpenEXR) goes through in tiles.\n"
+           "Without it that is done only where the whole image does not fit the machine",
+           [&](const std::string& text) { options.memory = byte_count("--memory", text); });
+  add_word(app, "--roi", "X,Y,W,H", "pixels of the output that are wanted; only what they need is computed",
+           [&](const std::string& text) { options.region = rectangle("--roi", text); });
+  add_choice(app, "--resume", "MODE", "a stopped run in tiles: auto (default) goes on with it, no starts over", kResume,
+             options.resume);
+  add_word(app, "--range", "LOW:HIGH", "values at 0 and 65535 of 16-bit output; default: extremes of the image",
+           [&](const std::string& text) {
+             const auto range = number_range("--range", text);
+             options.range_low = range[0];
+             options.range_high = range[1];
+           });
+  app.run = [shared](const Global& global) { return run_simulate(*shared, global); };
+  return app;
+}
+
+Command bench_command() {
+  const auto shared = std::make_shared<BenchOptions>();
+  BenchOptions& options = *shared;
+  Command app{
+      "bench", "what each tolerance costs: promised and realised error beside run time",
+      "For every decade of tolerance from 1e-1 to 1e-7: the plan that is chosen, every other way that keeps the\n"
+      "tolerance, and plain OpenCV, each held against the exact image in double and timed in interleaved rounds with\n"
+      "bare FFTW. Writes bench.csv, bench.json, bench.svg and bench.png. Exit code 3 when an error is above its\n"
+      "promise. A tolerance that cannot be kept has a row `refused` with the one that can.",
+      "  mtf bench sensor.toml scene.exr -o bench --rounds 3 --seconds 5\n"
+      "  mtf bench sensor.toml scene.exr -o bench-1 --threads 1 --rounds 3 --seconds 5 --format csv"};
+  add_file(app, "sensor", "sensor file (TOML)", options.sensor);
+  add_file(app, "scene", "image of the scene", options.scene);
+  add_text(app, "-o,--out", "FOLDER", "folder to create", options.out).required = true;
+  add_channel_choice(app, options.channel, options.layer, options.part);
+  add_word(app, "--rounds", "N", "runs of each way; default 15, fewer of slow ones",
+           [&](const std::string& text) { options.rounds = whole_number("--rounds", text, 1, 10000); });
+  add_word(app, "--seconds", "S", "time for the whole, about; default 60", [&](const std::string& text) {
+    options.seconds = number("--seconds", text);
+    if (!(options.seconds >= 0.1 && options.seconds <= 1e6))
+      throw mtf::UsageError("--seconds: " + text + " is outside 0.1 to 1e6");
+  });
+  add_choice(app, "--rigor", "RIGOR", "of plans: estimate (default) or measure; bare FFTW is always measured", kRigor,
+             options.measure);
+  add_format(app, "of standard output: table (default), csv or json", options.format);
+  add_force(app, options.force);
+  app.run = [shared](const Global& global) { return run_bench(*shared, global); };
+  return app;
+}
+
+}  // namespace apps

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What the commands about sensors and files take.
+
+#include "apps/command_line.h"
+#include "apps/commands.h"
+
+namespace apps {
+namespace {
+
+constexpr std::array kTableOrJson{kFormats[0], kFormats[2]};
+constexpr std::array kTableOrMarkdown{std::pair{std::string_view("table"), false},
+                                      std::pair{std::string_view("markdown"), true}};
+constexpr std::array kUnits{std::pair{std::string_view("cy/mm"), 0}, std::pair{std::string_view("cy/mrad"), 1},
+                            std::pair{std::string_view("cy/px"), 2}};
+
+}  // namespace
+
+Command curve_command() {
+  const auto shared = std::make_shared<CurveOptions>();
+  CurveOptions& options = *shared;
+  Command app{
+      "curve", "OTF of every component, of each list and of the system",
+      "Tables show MTF = |OTF|; csv has one column a component and product, or NAME_re and NAME_im where the OTF is\n"
+      "not real; json has real and imaginary parts of all. Both have 17 digits. A component that depends on\n"
+      "wavelength is shown averaged over the band by itself; products are averaged as a whole.\n"
+      "A figure writes its data beside it as CSV.",
+      "  mtf curve sensor.toml --freq 0:60:13 --unit cy/mm\n"
+      "  mtf curve sensor.toml --format csv -o curve.csv --plot mtf.svg"};
+  add_file(app, "sensor", "sensor file (TOML)", options.sensor);
+  add_text(app, "--freq", "LIST", "START:STOP:COUNT (both ends) or a comma list; default: 61 up to the cutoff",
+           options.frequencies);
+  add_word(app, "--unit", "UNIT", "of the frequencies: cy/mm (default), cy/mrad or cy/px",
+           [&](const std::string& text) { options.unit = kUnits[choice("--unit", text, kUnits)].first; });
+  add_word(app, "--angle", "DEG",
+           "direction in the focal plane, from +x (right) to +y (down); default 0.\n"
+           "With cy/px the vector is in pixels of each axis: 0.5 is Nyquist along both",
+           [&](const std::string& text) { options.angle_deg = number("--angle", text); });
+  add_format(app, "table (default), csv or json", options.format);
+  add_text(app, "--plot", "FILE", "figure: a .svg, .pdf or .png file, or ascii for the terminal", options.plot);
+  add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);
+  app.run = [shared](const Global& global) { return run_curve(*shared, global); };
+  return app;
+}
+
+Command info_command() {
+  const auto shared = std::make_shared<InfoOptions>();
+  InfoOptions& options = *shared;
+  Command app{"info", "what a file holds, and the command to run next",
+              "Reads OpenEXR, PNG and TIFF images and sensor files (.toml).",
+              "  mtf info scene.exr\n"
+              "  mtf info scene.exr --format json"};
+  add_file(app, "file", "image or sensor file", options.file);
+  add_channel_choice(app, options.channel, options.layer, options.part);
+  add_format(app, "table (default), csv (of the channels) or json", options.format);
+  app.run = [shared](const Global& global) { return run_info(*shared, global); };
+  return app;
+}
+
+Command config_command() {
+  const auto shared = std::make_shared<ConfigOptions>();
+  ConfigOptions& options = *shared;
+  const auto action = [&](ConfigOptions::Action chosen) {
+    return [shared, chosen](const Global& global) {
+      shared->action = chosen;
+      return run_config(*shared, global);
+    };
+  };
+  Command app{"config", "write, check and explain sensor files", "",
+              "  mtf config check sensor.toml\n"
+              "  mtf config explain sensor.toml"};
+  Command init{"init", "a commented sensor file to start from", "",
+               "  mtf config init -o my-sensor.toml\n"
+               "  mtf config init > another.toml"};
+  add_text(init, "-o,--out,file", "FILE", "file to write; default: standard output", options.file);
+  add_flag(init, "--force", "replace an existing file", options.force);
+  init.run = action(ConfigOptions::Action::init);
+
+  Command check{"check", "all errors of a sensor file in one pass", "",
+                "  mtf config check sensor.toml\n"
+                "  mtf config check sensor.toml --format json"};
+  add_file(check, "file", "sensor file (TOML)", options.file);
+  add_choice(check, "--format", "FORMAT", "table (default) or json", kTableOrJson, options.format);
+  check.run = action(ConfigOptions::Action::check);
+
+  Command explain{"explain", "what every number becomes after units and defaults", "",
+                  "  mtf config explain sensor.toml\n"
+                  "  mtf config explain sensor.toml > explained.txt"};
+  add_file(explain, "file", "sensor file (TOML)", options.file);
+  explain.run = action(ConfigOptions::Action::explain);
+
+  Command kinds{"kinds", "every component: formula, validity, source, and each parameter",
+                "mtf/components/README.md is the output of --format markdown.",
+                "  mtf config kinds\n"
+                "  mtf config kinds jitter"};
+  add_text(kinds, "kind", "KIND", "one component; default: all", options.file);
+  add_choice(kinds, "--format", "FORMAT", "table (default) or markdown", kTableOrMarkdown, options.markdown);
+  kinds.run = action(ConfigOptions::Action::kinds);
+  app.commands = {init, check, explain, kinds};
+  return app;
+}
+
+Command check_command() {
+  const auto shared = std::make_shared<CheckOptions>();
+  CheckOptions& options = *shared;
+  Command app{
+      "check", "the accuracy promised, verified on this machine and build",
+      "Compares the kernels with tables of high precision (built in), and images filtered at the extremes of size,\n"
+      "scale, contrast and OTF with slow sums in double. Exit code 3 when a promise is not kept.\n"
+      "Absolute and relative errors are the worst found; each value has to keep its own allowance.",
+      "  mtf check\n"
+      "  mtf check --format json -o check.json"};
+  add_text(app, "--reference", "FOLDER", "check against your own tables: CSV files named and laid out as the built-in",
+           options.reference);
+  add_format(app, "table (default), csv or json", options.format);
+  add_text(app, "-o,--out", "FILE", "write the results here instead of standard output", options.out);
+  app.run = [shared](const Global& global) { return run_check(*shared, global); };
+  return app;
+}
+
+}  // namespace apps

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What is drawn over the preview of an image: lines and words, by OpenCV in the module of the codecs.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mtf::io {
+
+using Colour = std::array<std::uint8_t, 3>;  ///< red, green, blue
+
+/// A line through points in pixels of the image, (0, 0) its outer corner.
+struct Stroke {
+  std::vector<std::array<double, 2>> points;
+  Colour colour{};
+};
+
+/// Words in ASCII; (x, y) is the left end of their base line, in pixels of the image.
+struct Caption {
+  double x = 0.0, y = 0.0;
+  std::string text;
+  Colour colour{};
+};
+
+struct Drawing {
+  int zoom = 1;  ///< the picture is this many times the image a side, 1 to 16
+  std::vector<Stroke> strokes;
+  std::vector<Caption> captions;
+};
+
+}  // namespace mtf::io
