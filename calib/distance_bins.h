@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Bins of the distance from an edge, fine where an edge spread function is steep. They are where the model is tabulated
+// (a cubic a bin) and where pixels' residuals are summed; no pixel's value is ever replaced by that of its bin.
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace calib {
+
+/// Distances from 0 to kReach_px in zones whose step doubles; the other side mirrors them.
+inline constexpr double kReach_px = 96.0;
+inline constexpr int kFinest = 32;  ///< bins a pixel next to the edge
+struct DistanceZone {
+  double end_px, step_px;
+};
+inline constexpr std::array<DistanceZone, 6> kDistanceZones{
+    {{2.0, 1.0 / 32}, {6.0, 1.0 / 16}, {12.0, 1.0 / 8}, {24.0, 1.0 / 2}, {48.0, 1.0}, {96.0, 2.0}}};
+inline constexpr int kSideBins = 64 + 64 + 48 + 24 + 24 + 24;
+inline constexpr int kBins = 2 * kSideBins;  ///< rising distance: the dark side's first
+
+class DistanceBins {
+ public:
+  /// The one layout there is.
+  static const DistanceBins& get();
+
+  /// The bin of a distance, |d| < kReach_px.
+  int index(double d_px) const {
+    const int side = side_[static_cast<int>(std::abs(d_px) * kFinest)];
+    return d_px < 0.0 ? kSideBins - 1 - side : kSideBins + side;
+  }
+  double knot(int i) const { return knot_[static_cast<std::size_t>(i)]; }  ///< lower end of bin i, i <= kBins
+  double centre(int i) const { return 0.5 * (knot(i) + knot(i + 1)); }
+
+ private:
+  DistanceBins();
+  std::vector<std::int16_t> side_;
+  std::vector<double> knot_;
+};
+
+}  // namespace calib

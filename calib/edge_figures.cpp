@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/edge_figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace calib {
+namespace {
+
+constexpr int kEsfSamples = 257;
+
+// The curves of frequency. Variances vary slowly (the response is a few pixels wide): every fourth is computed.
+void curves_of_frequency(const EdgeResponse& response, EdgeMeasurement& out) {
+  for (auto* list : {&out.frequency_cy_px, &out.mtf, &out.mtf_sd, &out.otf_re, &out.otf_im})
+    list->resize(kCurveSamples);
+  for (std::size_t i = 0; i < kCurveSamples; ++i) {
+    const double f = static_cast<double>(i) * kCurveStep_cy_px;
+    const EdgeResponse::Otf otf = response.otf(f);
+    out.frequency_cy_px[i] = f;
+    out.otf_re[i] = otf.re;
+    out.otf_im[i] = otf.im;
+    out.mtf[i] = otf.mtf();
+    out.mtf_sd[i] = otf.mtf_sd();
+  }
+}
+
+void curves_of_distance(const EdgeResponse& response, double reach_px, EdgeMeasurement& out) {
+  for (auto* list : {&out.distance_px, &out.esf, &out.esf_sd, &out.lsf}) list->resize(kEsfSamples);
+  for (std::size_t i = 0; i < kEsfSamples; ++i) {
+    const double d = reach_px * (2.0 * static_cast<double>(i) / (kEsfSamples - 1) - 1.0);
+    out.distance_px[i] = d;
+    out.esf[i] = response.esf(d);
+    out.esf_sd[i] = std::sqrt(std::max(0.0, response.variance(response.esf_row(d))));
+    out.lsf[i] = response.lsf(d);
+  }
+}
+
+// The frequency at which the MTF first falls to `contrast`, with its sd = sd of the MTF / slope.
+std::optional<Estimate> crossing(const EdgeResponse& response, const EdgeMeasurement& out, double contrast) {
+  std::size_t i = 1;
+  while (i < out.mtf.size() && out.mtf[i] > contrast) ++i;
+  if (i == out.mtf.size()) return std::nullopt;
+  double low = out.frequency_cy_px[i - 1], high = out.frequency_cy_px[i];
+  double at_low = out.mtf[i - 1] - contrast, at_high = out.mtf[i] - contrast;
+  for (int round = 0; round < 6 && high - low > 1e-9; ++round) {  // regula falsi with halved ends (Illinois)
+    const double middle = low + (high - low) * at_low / (at_low - at_high);
+    const double value = response.otf(middle).mtf() - contrast;
+    if (value > 0.0) {
+      low = middle;
+      at_low = value;
+      at_high *= 0.5;
+    } else {
+      high = middle;
+      at_high = value;
+      at_low *= 0.5;
+    }
+    if (std::abs(value) < 1e-9) {
+      low = high = middle;
+      break;
+    }
+  }
+  const double f = 0.5 * (low + high);
+  constexpr double kStep = 2e-3;
+  const double slope =
+      (response.otf(f + kStep).mtf() - response.otf(std::max(0.0, f - kStep)).mtf()) / (kStep + std::min(f, kStep));
+  const double sd = response.otf(f).mtf_sd();
+  return Estimate{f, slope < 0.0 ? sd / -slope : 0.0};
+}
+
+Estimate linear(const EdgeResponse& response, double value, const EdgeResponse::Row& row) {
+  return {value, std::sqrt(std::max(0.0, response.variance(row)))};
+}
+
+Estimate area_of_mtf(const EdgeResponse& response, const EdgeMeasurement& out) {
+  constexpr int kEvery = 4, kNyquist = 100;  // Simpson's rule on samples 0 .. 100, the variance on every fourth
+  double sum = 0.0;
+  for (int i = 0; i <= kNyquist; ++i)
+    sum += (i == 0 || i == kNyquist ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) * out.mtf[static_cast<std::size_t>(i)];
+  EdgeResponse::Row row = response.mtf_row(0.0) * 0.5;
+  for (int i = kEvery; i <= kNyquist; i += kEvery)
+    row += response.mtf_row(i * kCurveStep_cy_px) * (i == kNyquist ? 0.5 : 1.0);
+  return linear(response, 2.0 * kCurveStep_cy_px / 3.0 * sum, 2.0 * kEvery * kCurveStep_cy_px * row);
+}
+
+// Where the line spread falls to half of its largest value on one side of the peak.
+double half_height(const EdgeResponse& response, const EdgeMeasurement& out, std::size_t peak, int direction) {
+  const double half = 0.5 * out.lsf[peak];
+  auto i = static_cast<std::ptrdiff_t>(peak);
+  const auto last = static_cast<std::ptrdiff_t>(out.lsf.size()) - 1;
+  while (i > 0 && i < last && out.lsf[static_cast<std::size_t>(i)] > half) i += direction;
+  double a = out.distance_px[static_cast<std::size_t>(i - direction)], b = out.distance_px[static_cast<std::size_t>(i)];
+  if (out.lsf[static_cast<std::size_t>(i)] > half) return NAN;
+  for (int round = 0; round < 24; ++round) {
+    const double middle = 0.5 * (a + b);
+    (response.lsf(middle) > half ? a : b) = middle;
+  }
+  return 0.5 * (a + b);
+}
+
+std::optional<Estimate> full_width(const EdgeResponse& response, const EdgeMeasurement& out) {
+  const auto peak = static_cast<std::size_t>(std::max_element(out.lsf.begin(), out.lsf.end()) - out.lsf.begin());
+  if (peak == 0 || peak + 1 == out.lsf.size() || !(out.lsf[peak] > 0.0)) return std::nullopt;
+  const double right = half_height(response, out, peak, 1), left = half_height(response, out, peak, -1);
+  if (std::isnan(left) || std::isnan(right)) return std::nullopt;
+  // The width moves by (half of the peak's change - change there) / slope on either side.
+  constexpr double kStep_px = 0.02;
+  const EdgeResponse::Row top = 0.5 * response.lsf_row(out.distance_px[peak]);
+  const auto side = [&](double at) {
+    const double slope = (response.lsf(at + kStep_px) - response.lsf(at - kStep_px)) / (2.0 * kStep_px);
+    return EdgeResponse::Row((top - response.lsf_row(at)) / (slope == 0.0 ? 1.0 : slope));
+  };
+  return linear(response, right - left, side(right) - side(left));
+}
+
+Estimate overshoot(const EdgeResponse& response) {
+  double at = 1.0;
+  for (double d = 1.0; d <= 3.0; d += 0.0625)
+    if (response.esf(d) > response.esf(at)) at = d;
+  return linear(response, response.esf(at) - 1.0, response.esf_row(at));
+}
+
+}  // namespace
+
+void describe(const EdgeResponse& response, EdgeMeasurement& out) {
+  curves_of_frequency(response, out);
+  const double width_px = 1.0 / std::max(1e-3, response.lsf(0.0));
+  curves_of_distance(response, std::clamp(4.0 * width_px, 8.0, 64.0), out);
+  const auto find = [&](double contrast, const char* name, std::optional<Estimate>& place) {
+    place = crossing(response, out, contrast);
+    if (!place)
+      out.absent.emplace_back(
+          name, "the MTF stays above " + std::to_string(std::lround(100.0 * contrast)) + " % up to 1 cycle per pixel");
+  };
+  find(0.1, "mtf10", out.mtf10);
+  find(0.3, "mtf30", out.mtf30);
+  find(0.5, "mtf50", out.mtf50);
+  constexpr std::size_t kNyquist = 100;
+  out.nyquist = Estimate{out.mtf[kNyquist], out.mtf_sd[kNyquist]};
+  out.rer = linear(response, response.esf(0.5) - response.esf(-0.5), response.esf_row(0.5) - response.esf_row(-0.5));
+  out.overshoot = overshoot(response);
+  out.fwhm_px = full_width(response, out);
+  if (!out.fwhm_px)
+    out.absent.emplace_back("fwhm", "the line spread function has no peak of half height on both sides");
+  out.mtfa = area_of_mtf(response, out);
+  if (out.mtf10)
+    out.sampling_efficiency = Estimate{2.0 * out.mtf10->value, 2.0 * out.mtf10->sd};
+  else
+    out.absent.emplace_back("sampling_efficiency", "the MTF stays above 10 % up to 1 cycle per pixel");
+}
+
+}  // namespace calib

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/edge_fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace calib {
+namespace {
+
+// Bounds of a step.
+struct Box {
+  Vector low = Vector::Constant(-INFINITY), high = Vector::Constant(INFINITY);
+  bool holds(const Vector& step) const { return (step.array() >= low.array() && step.array() <= high.array()).all(); }
+};
+
+Box parameter_bounds(const ReferenceShape& shape) {
+  constexpr double kMostFootprint_px2 = 64.0;
+  Box box;
+  box.low.tail<kShapes>() << -shape.s_px, kLeastVariance_px2 - shape.v_px2, -shape.q_px2;
+  box.high[kFirstShape + 2] = kMostFootprint_px2 - shape.q_px2;
+  return box;
+}
+
+// Steps that the linear model can be trusted for, in parts of the whole blur.
+Box trusted(const ReferenceShape& shape) {
+  const double blur_px2 = shape.v_px2 + shape.q_px2 / 12.0 + 0.1 * shape.s_px * shape.s_px;
+  const double blur_px = std::sqrt(blur_px2);
+  Box box;
+  box.high.segment<kHighestOrder + 1>(kFirstShift).setConstant(2.0 + 3.0 * blur_px);
+  box.high.tail<kShapes>() << 0.2 + blur_px, 0.05 + 1.5 * blur_px2, 0.5 + 6.0 * blur_px2;
+  box.low = -box.high;
+  box.low[kFirstShape + 1] = -0.7 * blur_px2;
+  return box;
+}
+
+// Damped least squares within bounds: the unknown that would leave them furthest is put on its wall and the others are
+// solved again.
+Vector solve_within(const NormalEquations& normal, const Unknowns& unknowns, const Box& box, double damping) {
+  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kUnknowns, kUnknowns>;
+  using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kUnknowns, 1>;
+  Vector step = Vector::Zero();
+  Unknowns free = unknowns;
+  while (free.any()) {
+    std::array<int, kUnknowns> list{};
+    int n = 0;
+    for (int a = 0; a < kUnknowns; ++a)
+      if (free[static_cast<std::size_t>(a)]) list[static_cast<std::size_t>(n++)] = a;
+    Small m(n, n);
+    SmallVector r(n), scale(n);
+    const Vector rest = normal.gradient - normal.matrix * step;  // of the unknowns on walls
+    for (int i = 0; i < n; ++i) {
+      const double diagonal = normal.matrix(list[i], list[i]);
+      scale[i] = diagonal > 0.0 ? 1.0 / std::sqrt(diagonal) : 0.0;
+      r[i] = scale[i] * rest[list[i]];
+      for (int j = 0; j <= i; ++j) m(i, j) = m(j, i) = scale[i] * scale[j] * normal.matrix(list[i], list[j]);
+      m(i, i) += 1e-13 + (list[i] >= kFirstShift ? damping : 0.0);
+    }
+    const SmallVector x = m.ldlt().solve(r);
+    int worst = -1;
+    double excess = 0.0, wall = 0.0;
+    for (int i = 0; i < n; ++i) {
+      const double value = std::isfinite(x[i]) ? x[i] * scale[i] : 0.0;
+      const double inside = std::clamp(value, box.low[list[i]], box.high[list[i]]);
+      if (const double beyond = std::abs(value - inside) / std::max(scale[i], 1e-300); beyond > excess)
+        excess = beyond, worst = list[i], wall = inside;
+    }
+    if (worst < 0) {
+      for (int i = 0; i < n; ++i) step[list[i]] = std::isfinite(x[i]) ? x[i] * scale[i] : 0.0;
+      break;
+    }
+    step[worst] = wall;
+    free.reset(static_cast<std::size_t>(worst));
+  }
+  return step;
+}
+
+// The least damped step that can be trusted.
+Vector next_step(const NormalEquations& normal, const EdgeModel& model, const Unknowns& unknowns, double& damping) {
+  const Box bounds = parameter_bounds(model.shape), trust = trusted(model.shape);
+  for (;; damping = std::max(1e-6, 10.0 * damping)) {
+    const Vector step = solve_within(normal, unknowns, bounds, damping);
+    if (damping > 1e6 || (trust.holds(step) && normal.gradient.dot(step) >= 0.0)) return step;
+  }
+}
+
+double chi2(const FitState& state, const NoiseModel& noise) {
+  double sum = 0.0;
+  for (int i = 0; i < kBins; ++i)
+    if (state.sums.count(i) > 0.0)
+      sum += state.sums.square(i) / noise.at(state.profile.esf[static_cast<std::size_t>(i)]);
+  return sum;
+}
+
+}  // namespace
+
+void move(EdgeModel& model, const Vector& step) {
+  for (int a = 0; a < kLevels; ++a) model.level[static_cast<std::size_t>(a)] += step[a];
+  EdgeCurve& curve = model.curve;
+  const Point n = curve.normal();
+  curve.origin.x += n.x * step[kFirstShift];
+  curve.origin.y += n.y * step[kFirstShift];
+  // A curve that gains u = c t has its normal turned towards -t.
+  curve.angle_rad =
+      std::remainder(curve.angle_rad - std::atan(step[kFirstShift + 1] / curve.half_length_px), 2.0 * std::numbers::pi);
+  if (curve.shape == EdgeCurve::Shape::circle)
+    curve.curvature_per_px += 2.0 * step[kFirstShift + 2] / (curve.half_length_px * curve.half_length_px);
+  for (std::size_t k = 0; k < curve.coefficient.size(); ++k)
+    curve.coefficient[k] += step[kFirstShift + 2 + static_cast<int>(k)];
+  model.shape.s_px = std::max(0.0, model.shape.s_px + step[kFirstShape]);
+  model.shape.v_px2 = std::max(kLeastVariance_px2, model.shape.v_px2 + step[kFirstShape + 1]);
+  model.shape.q_px2 = std::max(0.0, model.shape.q_px2 + step[kFirstShape + 2]);
+}
+
+int basis_power(int a) {
+  if (a < kFirstShift) return a / 4;
+  return a < kFirstShape ? a - kFirstShift : 0;
+}
+
+double basis_value(int a, const StepProfile& profile, int bin, double contrast) {
+  const auto i = static_cast<std::size_t>(bin);
+  if (a >= kFirstShape) return contrast * profile.slope[static_cast<std::size_t>(a - kFirstShape)][i];
+  if (a >= kFirstShift) return -contrast * profile.lsf[i];
+  const double side = a % 2 == 0 ? 1.0 - profile.esf[i] : profile.esf[i];
+  return a / 2 == 1 ? side * DistanceBins::get().centre(bin) : side;
+}
+
+NormalEquations assemble(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile,
+                         const NoiseModel& noise, const Unknowns& unknowns) {
+  NormalEquations normal;
+  std::array<int, kUnknowns> list{}, power{};
+  std::size_t n = 0;
+  for (int a = 0; a < kUnknowns; ++a)
+    if (unknowns[static_cast<std::size_t>(a)]) power[n] = basis_power(a), list[n++] = a;
+  std::array<double, kUnknowns> phi{};
+  for (int i = 0; i < kBins; ++i) {
+    if (sums.count(i) == 0.0) continue;
+    const double weight = 1.0 / noise.at(profile.esf[static_cast<std::size_t>(i)]);
+    normal.chi2 += weight * sums.square(i);
+    normal.count += sums.count(i);
+    for (std::size_t k = 0; k < n; ++k) phi[k] = basis_value(list[k], profile, i, model.contrast());
+    const double* bin = sums.bin(i);
+    const double* residual = bin + 2 * sums.order + 1;
+    for (std::size_t k = 0; k < n; ++k) {
+      const double w = weight * phi[k];
+      normal.gradient[list[k]] += w * residual[power[k]];
+      for (std::size_t l = 0; l <= k; ++l) normal.matrix(list[k], list[l]) += w * phi[l] * bin[power[k] + power[l]];
+    }
+  }
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t l = 0; l < k; ++l) normal.matrix(list[l], list[k]) = normal.matrix(list[k], list[l]);
+  return normal;
+}
+
+void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns) {
+  constexpr double kMean_px2 = 1.0, kSd_px2 = 0.5;
+  constexpr int q = kFirstShape + 2;
+  if (!unknowns[q]) return;
+  normal.matrix(q, q) += 1.0 / (kSd_px2 * kSd_px2);
+  normal.gradient[q] += (kMean_px2 - shape.q_px2) / (kSd_px2 * kSd_px2);
+}
+
+FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRounds& rounds) {
+  FitState state;
+  state.profile = make_profile(tabulate(model.shape, model.curve.angle_rad));
+  const bool curved = (rounds.unknowns >> (kFirstShift + 2)).to_ulong() % 16 != 0;
+  state.sums = accumulate(pixels, model, state.profile, curved ? kHighestOrder : 1, rounds.step);
+  if (rounds.variance)
+    state.noise = {.dark = *rounds.variance, .bright = *rounds.variance};
+  else
+    state.noise = estimate_noise(state.sums, state.profile, rounds.least_variance);
+  state.normal = assemble(state.sums, model, state.profile, state.noise, rounds.unknowns);
+  return state;
+}
+
+FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds) {
+  constexpr double kSmallGain = 0.02;  // in chi2
+  FitState state = evaluate(pixels, model, rounds);
+  double damping = 0.0;
+  for (int round = 1; round <= rounds.rounds; ++round) {
+    NormalEquations normal = state.normal;
+    add_prior(normal, model.shape, rounds.unknowns);
+    const Vector step = next_step(normal, model, rounds.unknowns, damping);
+    state.converged = normal.gradient.dot(step) < kSmallGain;
+    if (state.converged || round == rounds.rounds) {
+      state.step = step;
+      break;
+    }
+    EdgeModel next = model;
+    move(next, step);
+    FitState tried = evaluate(pixels, next, rounds);
+    const bool better = chi2(tried, state.noise) <= chi2(state, state.noise) + 2.0;
+    damping = better ? 0.1 * damping : std::max(1e-4, 30.0 * damping);
+    if (damping < 1e-6) damping = 0.0;
+    if (better) model = next, state = std::move(tried);
+  }
+  return state;
+}
+
+}  // namespace calib

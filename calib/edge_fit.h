@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Levels, geometry and the shape of the reference step, by Gauss-Newton steps over the pixels' residuals.
+
+#include <Eigen/Core>
+#include <array>
+#include <bitset>
+#include <optional>
+
+#include "calib/edge_noise.h"
+#include "calib/edge_sums.h"
+
+namespace calib {
+
+/// The unknowns in their order: the levels; the coefficients of t^k that move the curve towards the bright side, in px,
+/// k = 0 .. 5; S, v, q.
+inline constexpr int kHighestOrder = 5;
+inline constexpr int kFirstShift = kLevels;
+inline constexpr int kFirstShape = kFirstShift + kHighestOrder + 1;
+inline constexpr int kUnknowns = kFirstShape + kShapes;
+using Unknowns = std::bitset<kUnknowns>;
+using Vector = Eigen::Matrix<double, kUnknowns, 1>;
+using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+/// J^T W J and J^T W r, weights 1 / variance; chi2 of the residuals as they are.
+struct NormalEquations {
+  Matrix matrix = Matrix::Zero();
+  Vector gradient = Vector::Zero();
+  double chi2 = 0.0, count = 0.0;
+};
+
+/// Function of d in the derivative by unknown `a`, and the power of t that goes with it.
+double basis_value(int a, const StepProfile& profile, int bin, double contrast);
+int basis_power(int a);
+
+NormalEquations assemble(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile,
+                         const NoiseModel& noise, const Unknowns& unknowns);
+/// What the reference's shapes usually are: a footprint of about a pixel. Weak: one edge seldom tells S, v and q apart.
+void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns);
+
+struct FitRounds {
+  Unknowns unknowns{};
+  int rounds = 8;                    ///< at most
+  std::size_t step = 1;              ///< every step-th pixel
+  double least_variance = 4e-12;     ///< of a pixel
+  std::optional<double> variance{};  ///< of a pixel, when known
+};
+/// What is known at a model: profile, residuals, noise, equations.
+struct FitState {
+  NoiseModel noise;
+  StepProfile profile;
+  EdgeSums sums{1};
+  NormalEquations normal;
+  Vector step = Vector::Zero();  ///< the last one, not taken: what is left to the best fit
+  bool converged = false;
+};
+/// Damped Gauss-Newton steps; `model` is where the returned state was taken, `step` short of the best fit.
+FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds);
+/// Takes a step.
+void move(EdgeModel& model, const Vector& step);
+
+/// The state at the model as it is.
+FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRounds& rounds);
+
+}  // namespace calib

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/edge_outcome.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace calib {
+namespace {
+
+constexpr std::int64_t kFewestPixels = 24;
+constexpr double kClippedShare = 0.05;
+constexpr double kLeastLength_px = 8.0;
+constexpr double kLeastCnr = 1.5, kLeastSignificance = 8.0;
+constexpr double kOtherEdge = 0.25, kStructure = 0.10, kTexture = 0.03;  // of the contrast
+
+std::string number(double value, const char* form = "%.3g") {
+  std::array<char, 32> text{};
+  static_cast<void>(std::snprintf(text.data(), text.size(), form, value));
+  return text.data();
+}
+
+// Rms of the plateaus beyond what neighbours differ by.
+double structure(const EdgeFacts& facts) {
+  const double excess = facts.plateau_sd * facts.plateau_sd - 1.5 * facts.local_noise_sd * facts.local_noise_sd;
+  return std::sqrt(std::max(0.0, excess)) / std::max(facts.contrast, 1e-300);
+}
+
+}  // namespace
+
+Outcome judge_region(const RegionFacts& facts, const Roi& roi, const MeasureOptions& options) {
+  if (facts.finite < kFewestPixels)
+    return {Trouble::no_data, "only " + std::to_string(facts.finite) + " of " + std::to_string(roi.width * roi.height) +
+                                  " pixels hold data: take a larger region or one outside the mask"};
+  if (static_cast<double>(facts.clipped) > kClippedShare * static_cast<double>(facts.finite))
+    return {Trouble::clipped, number(100.0 * static_cast<double>(facts.clipped) / static_cast<double>(facts.finite)) +
+                                  " % of the pixels are clipped: expose so that both sides stay between the floor and "
+                                  "the saturation"};
+  if (facts.finite - facts.clipped < kFewestPixels)
+    return {Trouble::no_data, "too few pixels between the floor and the saturation: take a larger region"};
+  if (!(facts.high - facts.low > options.quantum))
+    return {Trouble::no_edge, "all pixels have the same value: move the region onto an edge"};
+  return {};
+}
+
+double local_noise(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts) {
+  constexpr std::int64_t kPairs = 2000;
+  std::vector<double> differences;
+  const std::int64_t step = std::max<std::int64_t>(1, roi.width * roi.height / kPairs) | 1;
+  for (const std::int64_t apart : {1, 2}) {  // a Bayer plane has data in every other column
+    for (std::int64_t k = 0; k < roi.width * roi.height; k += step) {
+      const std::int64_t i = k % roi.width, j = k / roi.width;
+      if (i + apart >= roi.width) continue;
+      const float* at = image.row(roi.y + j) + roi.x + i;
+      const double difference = (static_cast<double>(at[apart]) - static_cast<double>(at[0])) / facts.scale;
+      if (std::isfinite(difference)) differences.push_back(std::abs(difference));
+    }
+    if (differences.size() > 16) break;
+  }
+  if (differences.empty()) return 0.0;
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  return *middle / (0.6745 * std::sqrt(2.0));
+}
+
+EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model) {
+  const DistanceBins& bins = DistanceBins::get();
+  EdgeFacts facts{.length_px = 2.0 * model.curve.half_length_px};
+  facts.width_px = 1.0 / std::max(1e-3, state.profile.lsf[kSideBins]);
+  facts.contrast = model.contrast();
+  facts.noise_sd = std::sqrt(state.noise.at(0.5));
+  double dark = 0.0, bright = 0.0, plateau = 0.0, squares = 0.0;
+  std::array<double, 2> side_error{}, side_dof{};
+  for (int i = 0; i < kBins; ++i) {
+    const double n = state.sums.count(i), d = bins.centre(i);
+    (d < 0.0 ? dark : bright) += n;
+    if (std::abs(d) < 2.0 * facts.width_px) continue;
+    plateau += n;
+    squares += state.sums.square(i);
+    side_error[d < 0.0 ? 0 : 1] += state.sums.pure_error(i);
+    side_dof[d < 0.0 ? 0 : 1] += std::max(0.0, n - 1.0);
+  }
+  const double share = static_cast<double>(pixels.size()) / std::max(1.0, dark + bright);
+  facts.reach_dark_px = share * dark / facts.length_px;
+  facts.reach_bright_px = share * bright / facts.length_px;
+  facts.plateau_sd = std::sqrt(squares / std::max(1.0, plateau));
+  const double sides = dark * bright / std::max(1.0, dark + bright);
+  facts.significance = facts.contrast / std::max(1e-300, facts.noise_sd) * std::sqrt(std::max(0.0, sides));
+  const double a = side_error[0] / std::max(1.0, side_dof[0]), b = side_error[1] / std::max(1.0, side_dof[1]);
+  facts.straight_on_one_value = std::min(side_dof[0], side_dof[1]) > 50.0 && std::min(a, b) < 1e-10 &&
+                                std::max(a, b) > 1e-5 * facts.contrast * facts.contrast;
+  constexpr int kHalf_px = 2, kPerPixel = 8, kMerged = kFinest / kPerPixel;
+  int filled = 0;
+  for (int k = -kHalf_px * kPerPixel; k < kHalf_px * kPerPixel; ++k) {
+    double n = 0.0;
+    for (int m = 0; m < kMerged; ++m) n += state.sums.count(kSideBins + k * kMerged + m);
+    filled += n > 0.0;
+  }
+  facts.oversampling = static_cast<double>(filled) / (2.0 * kHalf_px);
+  return facts;
+}
+
+Outcome judge_edge(const EdgeFacts& facts) {
+  const double cnr = facts.contrast / std::max(1e-300, facts.noise_sd);
+  if (!(facts.contrast > 0.0) || facts.significance < kLeastSignificance || cnr < kLeastCnr)
+    return {Trouble::no_edge, "the contrast of the best line is " + number(std::max(0.0, cnr)) +
+                                  " times the noise of a pixel, at least " + number(kLeastCnr) +
+                                  " is needed: average frames or choose an edge of more contrast"};
+  if (!(facts.length_px >= kLeastLength_px))
+    return {Trouble::too_short, "the edge is " + number(facts.length_px) + " px long inside the region, at least " +
+                                    number(kLeastLength_px) + " are needed: take a region along the edge"};
+  const double shorter = std::min(facts.reach_dark_px, facts.reach_bright_px);
+  const char* side = facts.reach_dark_px < facts.reach_bright_px ? "dark" : "bright";
+  if (structure(facts) > kOtherEdge)
+    return {Trouble::several_edges, "beside the strongest edge the region has structure of " +
+                                        number(100.0 * structure(facts)) +
+                                        " % of its contrast: draw the region around one edge"};
+  const double needed = std::max(2.0, 1.25 * facts.width_px);
+  if (facts.width_px > 48.0 || facts.width_px > 0.7 * (facts.reach_dark_px + facts.reach_bright_px))
+    return {Trouble::no_edge,
+            "the region holds a ramp rather than an edge between two levels: take a larger region, or "
+            "one on an edge"};
+  if (shorter < needed)
+    return {Trouble::off_region, "only " + number(shorter) + " px of the " + side + " side are inside the region, " +
+                                     number(needed) + " are needed for its level: centre the region on the edge"};
+  if (structure(facts) > kStructure)
+    return {Trouble::contaminated, "structure of " + number(100.0 * structure(facts)) +
+                                       " % of the contrast lies beside the edge: narrow the region to even sides"};
+  if (facts.straight_on_one_value)
+    return {Trouble::clipped,
+            "one side has a single value while the other one has noise, as clipped sides do: expose so "
+            "that both sides stay between the floor and the saturation"};
+  return {};
+}
+
+void warn(const EdgeFacts& facts, EdgeMeasurement& out) {
+  if (structure(facts) > kTexture)
+    out.warnings.push_back("the sides are uneven by " + number(100.0 * structure(facts)) +
+                           " % of the contrast: the MTF below 0.1 cycles per pixel may be off by as much");
+  if (facts.oversampling < 4.0)
+    out.warnings.push_back(
+        "the edge runs so close to the pixels' grid that only " + number(facts.oversampling) +
+        " distances a pixel occur: fine structure of the MTF cannot be seen, tilt the edge by 2 to 10 "
+        "degrees");
+  if (out.chi2_per_dof > 2.0)
+    out.warnings.push_back("the pixels lie " + number(std::sqrt(out.chi2_per_dof)) +
+                           " times further from the model than their noise: something else is in the region");
+  const double shorter = std::min(facts.reach_dark_px, facts.reach_bright_px);
+  if (shorter < 4.0 * facts.width_px)
+    out.warnings.push_back("only " + number(shorter) +
+                           " px of one side are inside the region: tails of the blur may count as its level");
+  if (out.clipped_share > 0.0)
+    out.warnings.push_back(number(100.0 * out.clipped_share) + " % of the pixels are clipped and left out");
+}
+
+}  // namespace calib

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Whether a region holds one edge that can be measured, and if not, what to change.
+
+#include <optional>
+#include <string>
+
+#include "calib/edge_fit.h"
+#include "calib/edge_pixels.h"
+#include "calib/measure.h"
+
+namespace calib {
+
+struct Outcome {
+  Trouble trouble = Trouble::none;
+  std::string reason;
+};
+
+/// Before anything is fitted: pixels, clipping, contrast at all.
+Outcome judge_region(const RegionFacts& facts, const Roi& roi, const MeasureOptions& options);
+
+/// What the fit says of the region.
+struct EdgeFacts {
+  double length_px = 0.0;
+  double width_px = 0.0;                              ///< equivalent width of the line spread
+  double reach_dark_px = 0.0, reach_bright_px = 0.0;  ///< mean extent of the pixels on both sides
+  double contrast = 0.0;                              ///< in units of EdgePixels::value, as the next three
+  double noise_sd = 0.0;
+  double local_noise_sd = 0.0;         ///< from neighbours
+  double plateau_sd = 0.0;             ///< of the pixels of the plateaus about the model
+  double significance = 0.0;           ///< contrast / its sd
+  bool straight_on_one_value = false;  ///< one plateau has a single value, the other one has noise
+  double oversampling = 0.0;
+};
+EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model);
+Outcome judge_edge(const EdgeFacts& facts);
+/// What is worth knowing though there is a result.
+void warn(const EdgeFacts& facts, EdgeMeasurement& out);
+
+/// Noise from differences of neighbours, half of which may lie on structure.
+double local_noise(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts);
+
+}  // namespace calib

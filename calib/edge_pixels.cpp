@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/edge_pixels.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace calib {
+
+RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const ValueLimits& limits) {
+  RegionFacts facts{.middle = {static_cast<double>(roi.x) + 0.5 * static_cast<double>(roi.width),
+                               static_cast<double>(roi.y) + 0.5 * static_cast<double>(roi.height)}};
+  double low = INFINITY, high = -INFINITY;
+  for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j) {
+    const float* row = image.row(j);
+    for (std::int64_t i = roi.x; i < roi.x + roi.width; ++i) {
+      const double value = static_cast<double>(row[i]);
+      if (!std::isfinite(value)) continue;
+      ++facts.finite;
+      if (limits.clipped(value)) ++facts.clipped;
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  }
+  if (facts.finite == 0) return facts;
+  facts.low = low;
+  facts.high = high;
+  facts.offset = 0.5 * low + 0.5 * high;
+  facts.scale = high > low ? high - low : 1.0;
+  return facts;
+}
+
+EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
+                         const ValueLimits& limits, std::int64_t& block_px) {
+  constexpr std::int64_t kMostBlocks = 48;
+  const std::int64_t shorter = std::min(roi.width, roi.height), longer = std::max(roi.width, roi.height);
+  block_px = std::max<std::int64_t>({1, (longer + kMostBlocks - 1) / kMostBlocks, shorter >= 24 ? 2 : 1});
+  EdgePixels blocks;
+  for (std::int64_t top = 0; top < roi.height; top += block_px) {
+    for (std::int64_t left = 0; left < roi.width; left += block_px) {
+      double sum = 0.0, x = 0.0, y = 0.0;
+      std::int64_t count = 0;
+      for (std::int64_t j = top; j < std::min(top + block_px, roi.height); ++j) {
+        const float* row = image.row(roi.y + j) + roi.x;
+        for (std::int64_t i = left; i < std::min(left + block_px, roi.width); ++i) {
+          const double value = static_cast<double>(row[i]);
+          if (!std::isfinite(value) || limits.clipped(value)) continue;
+          sum += (value - facts.offset) / facts.scale;
+          x += static_cast<double>(i);
+          y += static_cast<double>(j);
+          ++count;
+        }
+      }
+      if (count == 0) continue;
+      const double n = static_cast<double>(count);
+      blocks.x.push_back(x / n + 0.5 - 0.5 * static_cast<double>(roi.width));
+      blocks.y.push_back(y / n + 0.5 - 0.5 * static_cast<double>(roi.height));
+      blocks.value.push_back(sum / n);
+    }
+  }
+  return blocks;
+}
+
+EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
+                         const ValueLimits& limits, const EdgeCurve& curve, double reach_px) {
+  const Point n = curve.normal();
+  const double scale = 1.0 / facts.scale;
+  EdgePixels pixels;
+  const auto room = static_cast<std::size_t>(std::min(
+      static_cast<double>(facts.finite), 3.0 * reach_px * static_cast<double>(std::max(roi.width, roi.height)) + 64.0));
+  for (auto* list : {&pixels.x, &pixels.y, &pixels.value}) list->reserve(room);
+  for (std::int64_t j = 0; j < roi.height; ++j) {
+    const float* row = image.row(roi.y + j) + roi.x;
+    const double y = static_cast<double>(j) + 0.5 - 0.5 * static_cast<double>(roi.height);
+    const double u0 = n.y * (y - curve.origin.y) - n.x * (curve.origin.x + 0.5 * static_cast<double>(roi.width) - 0.5);
+    // |u0 + n.x i| < reach
+    double first = 0.0, end = static_cast<double>(roi.width);
+    if (std::abs(n.x) * end > 1e-9) {
+      const double a = (-reach_px - u0) / n.x, b = (reach_px - u0) / n.x;
+      first = std::clamp(std::ceil(std::min(a, b)), 0.0, end);
+      end = std::clamp(std::floor(std::max(a, b)) + 1.0, first, end);
+    } else if (std::abs(u0) >= reach_px) {
+      continue;
+    }
+    for (auto i = static_cast<std::int64_t>(first); i < static_cast<std::int64_t>(end); ++i) {
+      const double value = static_cast<double>(row[i]);
+      if (!std::isfinite(value) || limits.clipped(value)) continue;
+      pixels.x.push_back(static_cast<double>(i) + 0.5 - 0.5 * static_cast<double>(roi.width));
+      pixels.y.push_back(y);
+      pixels.value.push_back((value - facts.offset) * scale);
+    }
+  }
+  return pixels;
+}
+
+}  // namespace calib

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The pixels that an edge is measured from, as lists.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "calib/edge_curve.h"
+#include "mtf/image.h"
+
+namespace calib {
+
+/// Positions in pixels from the middle of the region, values less `offset` over `scale`, so that sums of squares
+/// neither overflow nor lose their digits.
+struct EdgePixels {
+  std::vector<double> x, y;
+  std::vector<double> value;
+  std::size_t size() const { return value.size(); }
+};
+
+/// What is in a region before anything is known of its edge.
+struct RegionFacts {
+  Point middle;              ///< of the region, pixels of the image
+  std::int64_t finite = 0;   ///< pixels with data
+  std::int64_t clipped = 0;  ///< of these, at the saturation or floor
+  double low = 0.0, high = 0.0;
+  double offset = 0.0, scale = 1.0;  ///< value = offset + scale x EdgePixels::value
+};
+
+/// Values that mean no data or are clipped (NaN, infinite, at the limits) are left out of the lists.
+struct ValueLimits {
+  std::optional<double> saturation, floor;
+  bool clipped(double value) const { return (saturation && value >= *saturation) || (floor && value <= *floor); }
+};
+
+RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const ValueLimits& limits);
+
+/// Means of square blocks, at most about 48 x 48 of them; `block_px` is set to their side.
+EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
+                         const ValueLimits& limits, std::int64_t& block_px);
+
+/// All pixels within `reach_px` of the curve's tangent at its origin.
+EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
+                         const ValueLimits& limits, const EdgeCurve& curve, double reach_px);
+
+}  // namespace calib

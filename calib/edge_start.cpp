@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/edge_start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "calib/edge_fit.h"
+
+namespace calib {
+namespace {
+
+constexpr int kDirections = 16;
+constexpr int kStrips = 96;  // across the largest extent of the blocks
+constexpr std::size_t kMostSamples = 1200;
+
+struct Division {
+  double score = -1.0;  // sum of squares that the two means explain
+  double angle_rad = 0.0, offset = 0.0;
+  double below = 0.0, above = 0.0;
+};
+
+Division divide(const EdgePixels& blocks, double angle_rad, double radius) {
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad), per_strip = 0.5 * kStrips / radius;
+  std::array<double, kStrips> count{}, sum{};
+  const std::size_t step = (blocks.size() + kMostSamples - 1) / kMostSamples;
+  double n = 0.0, total = 0.0;
+  for (std::size_t i = 0; i < blocks.size(); i += step) {
+    const double strip = (c * blocks.x[i] + s * blocks.y[i] + radius) * per_strip;
+    const auto k = static_cast<std::size_t>(std::clamp(strip, 0.0, kStrips - 1.0));
+    count[k] += 1.0;
+    sum[k] += blocks.value[i];
+    n += 1.0;
+    total += blocks.value[i];
+  }
+  Division best{.angle_rad = angle_rad};
+  double n1 = 0.0, sum1 = 0.0;
+  for (std::size_t k = 0; k + 1 < kStrips; ++k) {
+    n1 += count[k];
+    sum1 += sum[k];
+    if (count[k] == 0.0 || n1 == n) continue;
+    const double a = sum1 / n1, b = (total - sum1) / (n - n1);
+    const double score = n1 * (n - n1) / n * (b - a) * (b - a);
+    if (score > best.score) best = {score, angle_rad, (static_cast<double>(k) + 1.0) / per_strip - radius, a, b};
+  }
+  return best;
+}
+
+Division best_division(const EdgePixels& blocks) {
+  double radius = 1.0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) radius = std::max(radius, std::hypot(blocks.x[i], blocks.y[i]));
+  Division best;
+  for (int k = 0; k < kDirections; ++k) {
+    const Division one = divide(blocks, std::numbers::pi * k / kDirections, radius);
+    if (one.score > best.score) best = one;
+  }
+  return best;
+}
+
+}  // namespace
+
+double centre_on_region(EdgeCurve& curve, double width_px, double height_px) {
+  const Point n = curve.normal();
+  double low = -INFINITY, high = INFINITY;
+  const auto cut = [&](double origin, double direction, double half) {
+    if (std::abs(direction) < 1e-12) {
+      if (std::abs(origin) > half) high = -INFINITY;
+      return;
+    }
+    const double a = (-half - origin) / direction, b = (half - origin) / direction;
+    low = std::max(low, std::min(a, b));
+    high = std::min(high, std::max(a, b));
+  };
+  cut(curve.origin.x, -n.y, 0.5 * width_px);
+  cut(curve.origin.y, n.x, 0.5 * height_px);
+  if (!(high > low)) return 0.0;
+  const double middle = 0.5 * (low + high);
+  curve.origin.x += -n.y * middle;
+  curve.origin.y += n.x * middle;
+  return 0.5 * (high - low);
+}
+
+EdgeModel start_edge(const EdgePixels& blocks, double block_px, double width_px, double height_px) {
+  // Lengths in blocks, so that any region fits the reach of the tables.
+  EdgePixels scaled = blocks;
+  for (std::size_t i = 0; i < scaled.size(); ++i) {
+    scaled.x[i] /= block_px;
+    scaled.y[i] /= block_px;
+  }
+  const Division division = best_division(scaled);
+  EdgeModel model;
+  const bool turned = division.above < division.below;  // the normal points to the brighter side
+  model.curve.angle_rad = division.angle_rad - (turned ? std::numbers::pi : 0.0);
+  model.curve.origin = {division.offset * std::cos(division.angle_rad), division.offset * std::sin(division.angle_rad)};
+  model.level = {std::min(division.below, division.above), std::max(division.below, division.above)};
+  const double width = width_px / block_px, height = height_px / block_px;
+  model.curve.half_length_px = std::max(1.0, centre_on_region(model.curve, width, height));
+  model.shape.v_px2 = 1.0 + 0.004 * model.curve.half_length_px * model.curve.half_length_px;
+
+  FitRounds rounds{.rounds = 8, .step = std::max<std::size_t>(1, scaled.size() / kMostSamples)};
+  for (const int a : {0, 1, kFirstShift, kFirstShift + 1, kFirstShape + 1})
+    rounds.unknowns.set(static_cast<std::size_t>(a));
+  fit_reference(scaled, model, rounds);
+
+  model.curve.origin.x *= block_px;
+  model.curve.origin.y *= block_px;
+  model.shape.v_px2 = std::max(kLeastVariance_px2, (model.shape.v_px2 - 1.0 / 12.0) * block_px * block_px);
+  if (model.level[1] < model.level[0]) {
+    std::swap(model.level[0], model.level[1]);
+    model.curve.angle_rad = std::remainder(model.curve.angle_rad + std::numbers::pi, 2.0 * std::numbers::pi);
+  }
+  model.curve.half_length_px = centre_on_region(model.curve, width_px, height_px);
+  return model;
+}
+
+}  // namespace calib

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/edge_sums.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace calib {
+namespace {
+
+constexpr std::size_t kChunk = 256;
+
+struct Chunk {
+  std::array<double, kChunk> distance, along, value;
+  std::size_t size = 0;
+};
+
+void place(const EdgePixels& pixels, const EdgeCurve& curve, std::size_t first, std::size_t step, Chunk& chunk) {
+  const Point n = curve.normal();
+  const double per_length = 1.0 / curve.half_length_px;
+  const bool straight = curve.shape == EdgeCurve::Shape::line;
+  chunk.size = std::min(kChunk, (pixels.size() - first + step - 1) / step);
+  for (std::size_t k = 0; k < chunk.size; ++k) {
+    const std::size_t i = first + k * step;
+    const double x = pixels.x[i] - curve.origin.x, y = pixels.y[i] - curve.origin.y;
+    chunk.distance[k] = n.x * x + n.y * y;
+    chunk.along[k] = (n.x * y - n.y * x) * per_length;
+    chunk.value[k] = pixels.value[i];
+  }
+  if (straight) return;
+  for (std::size_t k = 0; k < chunk.size; ++k) {
+    const std::size_t i = first + k * step;
+    const EdgePoint at = locate(curve, {pixels.x[i], pixels.y[i]});
+    chunk.distance[k] = at.distance_px;
+    chunk.along[k] = at.along_px * per_length;
+  }
+}
+
+template <int Order>
+void add(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
+  const DistanceBins& bins = DistanceBins::get();
+  const auto& level = model.level;
+  for (std::size_t k = 0; k < chunk.size; ++k) {
+    const double d = chunk.distance[k], t = chunk.along[k];
+    if (!(std::abs(d) < kReach_px)) continue;
+    const int i = bins.index(d);
+    const auto& c = profile.cubic[static_cast<std::size_t>(i)];
+    const double x = d - bins.centre(i);
+    const double e = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
+    const double dark = level[0] + level[2] * d + level[4] * t, bright = level[1] + level[3] * d + level[5] * t;
+    const double r = chunk.value[k] - (dark + (bright - dark) * e);
+    double* s = sums + i * (3 * Order + 3);
+    double power = 1.0;
+    for (int m = 0; m <= 2 * Order; ++m, power *= t) s[m] += power;
+    power = r;
+    for (int m = 0; m <= Order; ++m, power *= t) s[2 * Order + 1 + m] += power;
+    s[3 * Order + 2] += r * r;
+  }
+}
+
+}  // namespace
+
+double EdgeSums::pure_error(int i) const {
+  const double n = count(i);
+  return n > 1.0 ? std::max(0.0, square(i) - residual(i, 0) * residual(i, 0) / n) : 0.0;
+}
+
+StepProfile make_profile(const ReferenceTable& table) {
+  const DistanceBins& bins = DistanceBins::get();
+  StepProfile profile;
+  for (int side = 0; side < kSideBins; ++side) {
+    const auto a = static_cast<std::size_t>(side);
+    const double h = bins.knot(kSideBins + side + 1) - bins.knot(kSideBins + side);
+    // The cubic through values and slopes at both ends, about the middle.
+    const double mean = 0.5 * (table.odd[a] + table.odd[a + 1]), rise = (table.odd[a + 1] - table.odd[a]) / h;
+    const double bend = (table.lsf[a + 1] - table.lsf[a]) / h, slope = 0.5 * (table.lsf[a] + table.lsf[a + 1]);
+    const double c0 = mean - h * h * bend / 8.0, c1 = 1.5 * rise - 0.5 * slope;
+    const double c2 = 0.5 * bend, c3 = 2.0 / (h * h) * (slope - rise);
+    const auto bright = static_cast<std::size_t>(kSideBins + side),
+               dark = static_cast<std::size_t>(kSideBins - 1 - side);
+    profile.cubic[bright] = {0.5 + c0, c1, c2, c3};
+    profile.cubic[dark] = {0.5 - c0, c1, -c2, c3};
+    for (const auto i : {bright, dark}) {
+      profile.esf[i] = profile.cubic[i][0];
+      profile.lsf[i] = c1;
+    }
+    for (std::size_t k = 0; k < kShapes; ++k) {
+      profile.slope[k][bright] = 0.5 * (table.slope[k][a] + table.slope[k][a + 1]);
+      profile.slope[k][dark] = -profile.slope[k][bright];
+    }
+  }
+  return profile;
+}
+
+EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, int order,
+                    std::size_t step) {
+  EdgeSums sums(order);
+  Chunk chunk;
+  for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
+    place(pixels, model.curve, first, step, chunk);
+    if (sums.order == 1)
+      add<1>(chunk, model, profile, sums.sums.data());
+    else
+      add<5>(chunk, model, profile, sums.sums.data());
+  }
+  return sums;
+}
+
+}  // namespace calib

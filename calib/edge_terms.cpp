@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/edge_terms.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace calib {
+namespace {
+
+struct Gain {
+  double chi2 = 0.0;
+  Vector step = Vector::Zero();
+};
+
+// What a linear step in these unknowns takes off chi2.
+Gain gain_of(const NormalEquations& normal, const Unknowns& unknowns) {
+  std::vector<int> list;
+  for (int a = 0; a < kUnknowns; ++a)
+    if (unknowns[static_cast<std::size_t>(a)] && normal.matrix(a, a) > 0.0) list.push_back(a);
+  const auto n = static_cast<Eigen::Index>(list.size());
+  Eigen::MatrixXd m(n, n);
+  Eigen::VectorXd r(n), scale(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int a = list[static_cast<std::size_t>(i)];
+    scale[i] = 1.0 / std::sqrt(normal.matrix(a, a));
+    r[i] = normal.gradient[a] * scale[i];
+    for (Eigen::Index j = 0; j <= i; ++j)
+      m(i, j) = m(j, i) = normal.matrix(a, list[static_cast<std::size_t>(j)]) * scale[i] * scale[j];
+    m(i, i) += 1e-12;
+  }
+  const Eigen::VectorXd x = m.ldlt().solve(r);
+  Gain gain{.chi2 = x.dot(r)};
+  for (Eigen::Index i = 0; i < n; ++i) gain.step[list[static_cast<std::size_t>(i)]] = x[i] * scale[i];
+  return gain;
+}
+
+}  // namespace
+
+Unknowns basic_unknowns() {
+  Unknowns unknowns;
+  for (const int a : {0, 1, kFirstShift, kFirstShift + 1}) unknowns.set(static_cast<std::size_t>(a));
+  for (int k = 0; k < kShapes; ++k) unknowns.set(static_cast<std::size_t>(kFirstShape + k));
+  return unknowns;
+}
+
+Unknowns with_order(Unknowns unknowns, int order) {
+  for (int k = 2; k <= order; ++k) unknowns.set(static_cast<std::size_t>(kFirstShift + k));
+  return unknowns;
+}
+
+Unknowns with_gradients(Unknowns unknowns) {
+  for (std::size_t a = 2; a < kLevels; ++a) unknowns.set(a);
+  return unknowns;
+}
+
+Unknowns without_bounds(Unknowns unknowns, const EdgeModel& model) {
+  if (model.shape.s_px < 1e-9) unknowns.reset(kFirstShape);
+  if (model.shape.v_px2 <= kLeastVariance_px2 * 1.0001) unknowns.reset(kFirstShape + 1);
+  if (model.shape.q_px2 < 1e-9) unknowns.reset(kFirstShape + 2);
+  return unknowns;
+}
+
+Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_px, const MeasureOptions& options) {
+  constexpr double kSureGradient = 8.0, kSureBend = 12.0;  // F: once in 10^5 and in 2000 straight, even edges
+  constexpr double kLeastGradient = 2e-3;                  // of the contrast, at the end of the reach
+  const Unknowns base = without_bounds(basic_unknowns(), model);
+  const Gain all = gain_of(state.normal, with_gradients(with_order(base, kHighestOrder)));
+  const double unit = std::max(1.0, (state.normal.chi2 - all.chi2) / std::max(1.0, state.normal.count - kUnknowns));
+  Terms terms;
+  const int tested = options.order || options.circle ? options.order.value_or(2) : 1;
+  const Gain flat = gain_of(state.normal, with_order(base, tested));
+  const Gain tilted = gain_of(state.normal, with_gradients(with_order(base, tested)));
+  const double across = std::max(std::abs(tilted.step[2]), std::abs(tilted.step[3])) * reach_px;
+  const double along = std::max(std::abs(tilted.step[4]), std::abs(tilted.step[5]));
+  terms.gradients = (tilted.chi2 - flat.chi2) / 4.0 > kSureGradient * unit &&
+                    std::max(across, along) > kLeastGradient * std::abs(model.contrast());
+  if (options.circle || options.order) {
+    terms.order = options.circle ? 2 : *options.order;
+    return terms;
+  }
+  const Unknowns rest = terms.gradients ? with_gradients(base) : base;
+  double reached = gain_of(state.normal, rest).chi2;
+  for (int order = 2; order <= kHighestOrder; ++order) {
+    const double chi2 = gain_of(state.normal, with_order(rest, order)).chi2;
+    if ((chi2 - reached) / (order - terms.order) <= kSureBend * unit) continue;
+    terms.order = order;
+    reached = chi2;
+  }
+  return terms;
+}
+
+void set_order(EdgeCurve& curve, int order, bool circle) {
+  if (circle) {
+    curve.shape = EdgeCurve::Shape::circle;
+  } else if (order > 1) {
+    curve.shape = EdgeCurve::Shape::polynomial;
+    curve.coefficient.resize(static_cast<std::size_t>(order - 1));
+  }
+}
+
+}  // namespace calib

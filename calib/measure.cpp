@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "calib/edge_figures.h"
+#include "calib/edge_outcome.h"
+#include "calib/edge_start.h"
+#include "calib/edge_terms.h"
+#include "mtf/error.h"
+
+namespace calib {
+namespace {
+
+void check(mtf::ImageView<const float> image, const Roi& roi, const MeasureOptions& options) {
+  if (roi.width < 1 || roi.height < 1)
+    throw mtf::UsageError("edge: the region is empty: width and height must be at least 1");
+  if (roi.x < 0 || roi.y < 0 || roi.width > image.width || roi.height > image.height ||
+      roi.x > image.width - roi.width || roi.y > image.height - roi.height)
+    throw mtf::UsageError("edge: the region reaches outside the image of " + std::to_string(image.width) + " x " +
+                          std::to_string(image.height) + " pixels");
+  if (options.order && (*options.order < 1 || *options.order > kHighestOrder))
+    throw mtf::UsageError("edge: the order of the curve must be 1 to 5");
+  if (options.order && options.circle) throw mtf::UsageError("edge: choose a circle or an order, not both");
+  if (options.noise_sd && !(*options.noise_sd > 0.0 && std::isfinite(*options.noise_sd)))
+    throw mtf::UsageError("edge: the noise must be above 0");
+  if (!(options.quantum >= 0.0 && std::isfinite(options.quantum)))
+    throw mtf::UsageError("edge: the step between values must not be negative");
+  if (options.saturation && options.floor && !(*options.saturation > *options.floor))
+    throw mtf::UsageError("edge: the saturation must be above the floor");
+}
+
+// The shape to start from: half of a Gaussian's variance is taken for a footprint, some of the rest for diffraction.
+void split_blur(ReferenceShape& shape) {
+  const double variance = shape.v_px2;
+  shape.q_px2 = std::min(1.0, 6.0 * variance);
+  shape.v_px2 = std::max(2.0 * kLeastVariance_px2, variance - shape.q_px2 / 12.0);
+  shape.s_px = 0.3 * std::sqrt(variance);
+}
+
+struct Fit {
+  EdgeModel model;
+  FitState state;
+  Unknowns unknowns;
+};
+
+// From the start to the best reference: first on some of the pixels, then on all.
+Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const MeasureOptions& options,
+             double reach_px) {
+  constexpr std::size_t kSome = 2600;
+  Fit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns()};
+  split_blur(fit.model.shape);
+  rounds.step = std::max<std::size_t>(1, pixels.size() / kSome);
+  rounds.unknowns = fit.unknowns;
+  rounds.rounds = 25;
+  fit_reference(pixels, fit.model, rounds);
+
+  rounds.step = std::max<std::size_t>(1, pixels.size() / (2 * kSome));
+  rounds.unknowns = with_gradients(with_order(fit.unknowns, kHighestOrder));
+  const Terms terms = choose_terms(evaluate(pixels, fit.model, rounds), fit.model, reach_px, options);
+  if (terms.gradients) fit.unknowns = with_gradients(fit.unknowns);
+  fit.unknowns = with_order(fit.unknowns, terms.order);
+  set_order(fit.model.curve, terms.order, options.circle);
+  rounds.unknowns = fit.unknowns;
+  if (terms.gradients || terms.order > 1) {
+    rounds.rounds = 12;
+    fit_reference(pixels, fit.model, rounds);
+  }
+  rounds.step = 1;
+  rounds.rounds = 4;
+  fit.state = fit_reference(pixels, fit.model, rounds);
+  return fit;
+}
+
+double sagitta(const EdgeCurve& curve) {
+  constexpr int kSteps = 64;
+  const double half = curve.half_length_px;
+  if (curve.shape == EdgeCurve::Shape::circle) {
+    const double k = curve.curvature_per_px * half;
+    return std::abs(k) >= 1.0 ? 1.0 / std::abs(curve.curvature_per_px)
+                              : half * std::abs(k) / (1.0 + std::sqrt(1.0 - k * k));
+  }
+  const auto height = [&](double t) {
+    double g = 0.0;
+    for (auto k = curve.coefficient.size(); k-- > 0;) g = g * t + curve.coefficient[k];
+    return g * t * t;
+  };
+  double most = 0.0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double t = 2.0 * i / kSteps - 1.0;
+    most = std::max(most, std::abs(height(t) - 0.5 * (height(1.0) * (1.0 + t) + height(-1.0) * (1.0 - t))));
+  }
+  return most;
+}
+
+void geometry(const EdgeModel& model, const JointFit& joint, const RegionFacts& facts, EdgeMeasurement& out) {
+  out.curve = model.curve;
+  out.curve.origin.x += facts.middle.x;
+  out.curve.origin.y += facts.middle.y;
+  out.length_px = 2.0 * model.curve.half_length_px;
+  out.sagitta_px = sagitta(model.curve);
+  double angle_deg = std::remainder(model.curve.angle_rad * 180.0 / std::numbers::pi, 180.0);
+  if (angle_deg <= -90.0) angle_deg += 180.0;
+  out.angle_deg.value = angle_deg;
+  for (std::size_t i = 0; i < joint.unknowns.size(); ++i) {
+    if (joint.unknowns[i] != kFirstShift + 1) continue;
+    const auto at = static_cast<Eigen::Index>(i);
+    out.angle_deg.sd =
+        std::sqrt(std::max(0.0, joint.covariance(at, at))) / model.curve.half_length_px * 180.0 / std::numbers::pi;
+  }
+}
+
+void levels(const EdgeModel& model, const NoiseModel& noise, const RegionFacts& facts, EdgeMeasurement& out) {
+  out.dark = facts.offset + facts.scale * model.level[0];
+  out.bright = facts.offset + facts.scale * model.level[1];
+  out.noise_sd = facts.scale * std::sqrt(noise.at(0.5));
+  if (noise.bright != noise.dark)
+    out.noise_gain = facts.scale * (noise.bright - noise.dark) / std::max(1e-300, model.contrast());
+  out.cnr = (out.bright - out.dark) / out.noise_sd;
+}
+
+}  // namespace
+
+std::string_view trouble_name(Trouble trouble) {
+  switch (trouble) {
+    case Trouble::none:
+      return "none";
+    case Trouble::no_data:
+      return "no_data";
+    case Trouble::no_edge:
+      return "no_edge";
+    case Trouble::several_edges:
+      return "several_edges";
+    case Trouble::too_short:
+      return "too_short";
+    case Trouble::off_region:
+      return "off_region";
+    case Trouble::clipped:
+      return "clipped";
+    case Trouble::contaminated:
+      return "contaminated";
+  }
+  return "unknown";
+}
+
+EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, const MeasureOptions& options) {
+  check(image, roi, options);
+  EdgeMeasurement out;
+  out.roi = roi;
+  const auto stop = [&out](const Outcome& outcome) {
+    out.trouble = outcome.trouble;
+    out.reason = outcome.reason;
+    return outcome.trouble != Trouble::none;
+  };
+  const ValueLimits limits{options.saturation, options.floor};
+  const RegionFacts region = survey(image, roi, limits);
+  if (region.finite > 0) out.clipped_share = static_cast<double>(region.clipped) / static_cast<double>(region.finite);
+  if (stop(judge_region(region, roi, options))) return out;
+
+  const auto width = static_cast<double>(roi.width), height = static_cast<double>(roi.height);
+  std::int64_t block_px = 1;
+  const EdgePixels blocks = gather_blocks(image, roi, region, limits, block_px);
+  const EdgeModel start = start_edge(blocks, static_cast<double>(block_px), width, height);
+  if (!(start.curve.half_length_px > 0.0)) {
+    stop({Trouble::no_edge, "no line divides the region into a dark and a bright side: move the region onto an edge"});
+    return out;
+  }
+  const EdgePixels pixels = gather_pixels(image, roi, region, limits, start.curve, kReach_px);
+  FitRounds rounds;
+  const double quantum = options.quantum / region.scale;
+  rounds.least_variance = std::max(rounds.least_variance, quantum * quantum / 12.0);
+  if (options.noise_sd) {
+    const double sd = *options.noise_sd / region.scale;
+    rounds.variance = std::max(rounds.least_variance, sd * sd);
+  }
+  const double reach_px = 0.5 * static_cast<double>(pixels.size()) / (2.0 * start.curve.half_length_px);
+  Fit fit = fit_edge(pixels, start, rounds, options, reach_px);
+  EdgeFacts facts = facts_of(pixels, fit.state, fit.model);
+  facts.local_noise_sd = local_noise(image, roi, region);
+  levels(fit.model, fit.state.noise, region, out);
+  out.oversampling = facts.oversampling;
+  if (stop(judge_edge(facts))) return out;
+
+  const JointFit joint = solve_jointly(fit.state, fit.model, without_bounds(fit.unknowns, fit.model), facts.width_px,
+                                       std::min(facts.reach_dark_px, facts.reach_bright_px));
+  const EdgeResponse response(fit.model, joint);
+  describe(response, out);
+  Vector change = Vector::Zero();
+  for (std::size_t i = 0; i < joint.unknowns.size(); ++i)
+    if (joint.unknowns[i] < kFirstShape) change[joint.unknowns[i]] = joint.value[static_cast<Eigen::Index>(i)];
+  move(fit.model, change);
+  levels(fit.model, fit.state.noise, region, out);
+  geometry(fit.model, joint, region, out);
+  out.chi2_per_dof = joint.chi2_per_dof;
+  warn(facts, out);
+  return out;
+}
+
+}  // namespace calib

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bias, scatter, reported standard deviation and time of measure_edge over realisations of noise and sub-pixel phase.
+//   bench_edges [draws = 200] [seed = 1]
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "calib/measure.h"
+#include "tests/calib/made_edges.h"
+
+namespace {
+
+struct Case {
+  const char* name;
+  made::Step step;
+  made::Scene scene;
+};
+
+std::vector<Case> cases() {
+  constexpr double kContrast = 0.6;
+  const auto scene = [](double angle_deg, double cnr, std::int64_t height, double sagitta_px = 0.0) {
+    return made::Scene{.height = height,
+                       .angle_deg = angle_deg,
+                       .x = {},
+                       .y = {},
+                       .sagitta_px = sagitta_px,
+                       .half_length_px = 0.5 * static_cast<double>(height),
+                       .noise_sd = kContrast / cnr};
+  };
+  const auto camera = [](double f_number, double angle_deg, double w020 = 0.0, double olpf = 0.0) {
+    made::Camera camera = made::camera_of(f_number);
+    camera.w020 = w020;
+    camera.olpf = olpf;
+    return made::camera_step(camera, angle_deg);
+  };
+  const made::Step gaussian = made::Step::gaussian(0.3);
+  std::vector<Case> all;
+  all.push_back({"Gauss 0.30 CNR 60", gaussian, scene(5.0, 60.0, 100)});
+  all.push_back({"Gauss 0.30 CNR 12", gaussian, scene(5.0, 12.0, 100)});
+  all.push_back({"Gauss 0.30 CNR 60 32 px", gaussian, scene(5.0, 60.0, 32)});
+  all.push_back({"Gauss 0.30 CNR 60 bent 1.5 px", gaussian, scene(5.0, 60.0, 100, 1.5)});
+  all.push_back({"Gauss 0.30 CNR 60 26.57 deg", gaussian, scene(26.565, 60.0, 100)});
+  all.push_back({"Gauss 0.30 CNR 60 45 deg", gaussian, scene(45.0, 60.0, 100)});
+  all.push_back({"Gauss 0.30 CNR 60 0 deg", gaussian, scene(0.0, 60.0, 100)});
+  all.push_back({"Gauss 0.30 CNR 4", gaussian, scene(5.0, 4.0, 100)});
+  all.push_back({"Gauss 0.08 CNR 60", made::Step::gaussian(0.08), scene(-10.0, 60.0, 100)});
+  all.push_back({"Gauss 0.50 CNR 60", made::Step::gaussian(0.5), scene(15.0, 60.0, 100)});
+  all.push_back({"Airy f/8 CNR 60", camera(8.0, 5.0), scene(5.0, 60.0, 100)});
+  all.push_back({"Airy f/8 CNR 12", camera(8.0, 5.0), scene(5.0, 12.0, 100)});
+  all.push_back({"Airy f/8 CNR 60 32 px", camera(8.0, 5.0), scene(5.0, 60.0, 32)});
+  all.push_back({"Airy f/2.8 CNR 60", camera(2.8, 20.0), scene(20.0, 60.0, 100)});
+  all.push_back({"Airy f/16 CNR 60", camera(16.0, 8.0), scene(8.0, 60.0, 100)});
+  all.push_back({"Airy f/5.6 OLPF CNR 60", camera(5.6, 4.0, 0.0, 0.25), scene(4.0, 60.0, 100)});
+  all.push_back({"Airy f/8 W020 0.3 CNR 60", camera(8.0, 5.0, 0.3), scene(5.0, 60.0, 100)});
+  all.push_back({"Airy f/8 W020 0.7 CNR 60", camera(8.0, 5.0, 0.7), scene(5.0, 60.0, 100)});
+  all.push_back({"Airy f/8 W020 0.7 CNR 1000", camera(8.0, 5.0, 0.7), scene(5.0, 1000.0, 100)});
+  return all;
+}
+
+struct Moments {
+  double sum = 0.0, squares = 0.0;
+  int count = 0;
+  void add(double x) { sum += x, squares += x * x, ++count; }
+  double mean() const { return count ? sum / count : NAN; }
+  double sd() const { return std::sqrt((squares - sum * mean()) / (count - 1)); }
+};
+
+void run(Case& one, int draws, std::uint64_t seed) {
+  const double truth = one.step.crossing(0.5);
+  std::mt19937_64 bits(seed);
+  std::uniform_real_distribution<double> phase(-0.5, 0.5);
+  Moments error, reported, rms, nyquist, nyquist_sd, ms;
+  int failures = 0;
+  for (int draw = 0; draw < draws; ++draw) {
+    one.scene.x = 0.5 * static_cast<double>(one.scene.width) + phase(bits);
+    one.scene.y = 0.5 * static_cast<double>(one.scene.height) + phase(bits);
+    one.scene.seed = bits();
+    const mtf::Image image = made::make(one.step, one.scene);
+    const auto before = std::chrono::steady_clock::now();
+    const calib::EdgeMeasurement found = calib::measure_edge(image.view(), {0, 0, image.width(), image.height()});
+    ms.add(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count());
+    if (found.trouble != calib::Trouble::none || !found.mtf50 || std::abs(found.mtf50->value / truth - 1.0) > 0.6) {
+      if (failures++ == 0) std::printf("  %s: %s\n", one.name, found.reason.c_str());
+      continue;
+    }
+    error.add(100.0 * (found.mtf50->value / truth - 1.0));
+    reported.add(100.0 * found.mtf50->sd / truth);
+    double squares = 0.0;
+    for (std::size_t i = 0; i <= 100; ++i)
+      squares += std::pow(found.mtf[i] - std::abs(one.step.mtf(found.frequency_cy_px[i])), 2);
+    rms.add(1e3 * std::sqrt(squares / 101.0));
+    nyquist.add(1e3 * (found.mtf[100] - std::abs(one.step.mtf(0.5))));
+    nyquist_sd.add(1e3 * found.mtf_sd[100]);
+  }
+  std::printf("%-30s %+7.2f %6.2f %6.2f  %5.2f | %+7.1f %6.1f %6.1f | %4d  %5.2f\n", one.name, error.mean(), error.sd(),
+              reported.mean(), rms.mean(), nyquist.mean(), nyquist.sd(), nyquist_sd.mean(), failures, ms.mean());
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int draws = argc > 1 ? std::atoi(argv[1]) : 200;
+  const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
+  if (draws < 2) return 2;
+  std::printf("%-30s %7s %6s %6s  %5s | %7s %6s %6s | %4s  %5s\n", "case, 128 columns", "bias %", "sd %", "said %",
+              "RMS", "Nyquist", "sd", "said", "fail", "ms");
+  std::printf("%-30s %29s | %22s |\n", "", "MTF50; mean RMS dMTF, 1e-3", "1e-3");
+  for (Case& one : cases()) run(one, draws, seed);
+  return 0;
+}
