@@ -21,7 +21,7 @@ constexpr std::array<float, 5> kBinomial{1.0F / 16, 4.0F / 16, 6.0F / 16, 4.0F /
 constexpr double kGradientNoise = 0.1498;
 /// Standard deviations of a gradient's component that noise does not reach in millions of cells.
 constexpr double kNoiseMargin = 6.0;
-/// Of the range: steps this small are nothing, whatever the noise (rounding of float32).
+/// Of the range of values: steps this small are nothing, whatever the noise (rounding of float32).
 constexpr double kSmallest = 1e-5;
 
 double valid_share(mtf::ImageView<const float> image) {
@@ -119,6 +119,9 @@ Cells make_cells(mtf::ImageView<const float> image) {
   if (known > 0) {
     cells.range = static_cast<double>(high) - static_cast<double>(low);
     cells.pixels_a_cell = pixels / static_cast<double>(known);
+    if (cells.range > 0.0)
+      for (float& v : cells.value)
+        v = static_cast<float>((static_cast<double>(v) - static_cast<double>(low)) / cells.range);
     cells.noise_sd = noise_of(cells);
   }
   return cells;
@@ -131,7 +134,7 @@ Gradients make_gradients(const Cells& cells) {
   gradients.height = cells.height;
   gradients.magnitude.assign(value.size(), 0.0F);
   gradients.direction.assign(value.size(), 0);
-  gradients.threshold = std::max(kNoiseMargin * kGradientNoise * cells.noise_sd, kSmallest * cells.range);
+  gradients.threshold = std::max(kNoiseMargin * kGradientNoise * cells.noise_sd, kSmallest);
   for (std::int64_t y = 1; y + 1 < cells.height; ++y)
     for (std::int64_t x = 1; x + 1 < cells.width; ++x) {
       const auto i = static_cast<std::size_t>(y * cells.width + x);

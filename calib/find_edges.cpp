@@ -80,74 +80,87 @@ Roi in_pixels(const find::Region& region, int size, mtf::ImageView<const float> 
   return roi;
 }
 
+struct Search {
+  mtf::ImageView<const float> image;
+  const FindOptions& options;
+  Cells cells;
+  Gradients gradients;
+  FoundEdges found;
+  Passed passed;  ///< by the last share that was tried
+
+  double in_cells(double px) const { return px / cells.size_px; }
+};
+
+/// Regions for the segments that have room by this share; those are taken off the list. True when the image turns out
+/// to be crossed by one edge, which is then all that was found.
+bool place_regions(Search& search, double share, std::vector<Segment>& segments) {
+  const Gradients& gradients = search.gradients;
+  const FindOptions& options = search.options;
+  const double half_px = options.half_width_px > 0.0 ? options.half_width_px : kWidestHalf_px;
+  const find::RegionLimits limits{search.in_cells(options.min_length_px), search.in_cells(options.half_width_px)};
+  struct Candidate {
+    Segment segment;
+    Surroundings beside;
+  };
+  // An integral image serves all edges of one level, the threshold x 2^key.
+  std::map<int, std::vector<Candidate>, std::greater<>> by_level;
+  std::vector<Segment> left;
+  search.passed = {};
+  for (const Segment& segment : segments) {
+    const double times = share * segment.peak / gradients.threshold;
+    const int level = times > 1.0 ? std::ilogb(times) : 0;
+    const double floor = std::ldexp(gradients.threshold, level);
+    const auto beside = find::survey(search.cells, gradients, segment, floor, search.in_cells(half_px));
+    if (beside && beside->contrast >= options.min_cnr * beside->noise_sd) {
+      by_level[level].push_back({segment, *beside});
+    } else {
+      ++(beside ? search.passed.faint : search.passed.blurred);
+      left.push_back(segment);
+    }
+  }
+  for (const auto& [level, candidates] : by_level) {
+    const double floor = std::ldexp(gradients.threshold, level);
+    const find::Structure structure(gradients, floor);
+    for (const auto& [segment, beside] : candidates) {
+      const auto region = find::place_region(gradients, structure, floor, segment, beside, limits);
+      // The whole image is one edge's only when it has no other.
+      if (!region || (region->whole && !search.found.edges.empty())) {
+        ++search.passed.crowded;
+        left.push_back(segment);
+        continue;
+      }
+      const double score = score_of(*region, beside, search.cells.size_px) * kStructureShares.front() / share;
+      const FoundEdge edge{in_pixels(*region, search.cells.size_px, search.image), score};
+      search.found.edges.push_back(edge);
+      if (region->whole) return true;
+    }
+  }
+  segments = std::move(left);
+  return false;
+}
+
 }  // namespace
 
 FoundEdges find_edges(mtf::ImageView<const float> image, const FindOptions& options) {
   check(options);
-  FoundEdges found;
-  const auto none = [&](std::string reason) {
-    found.reason = std::move(reason);
-    return found;
-  };
+  const auto none = [](std::string reason) { return FoundEdges{{}, std::move(reason)}; };
   if (image.width < 1 || image.height < 1) return none("the image is empty");
-  const Cells cells = find::make_cells(image);
-  if (cells.valid == 0.0) return none("all pixels are masked or no numbers; use another mask or channel");
-  if (cells.range == 0.0) return none("all pixels have the same value; is it the right file and channel?");
+  Search search{image, options, find::make_cells(image), {}, {}, {}};
+  if (search.cells.valid == 0.0) return none("all pixels are masked or no numbers; use another mask or channel");
+  if (search.cells.range == 0.0) return none("all pixels have the same value; is it the right file and channel?");
 
-  const double size = cells.size_px;
-  const Gradients gradients = find::make_gradients(cells);
-  const find::RegionLimits limits{options.min_length_px / size, options.half_width_px / size};
-  const double farthest = (options.half_width_px > 0.0 ? options.half_width_px : kWidestHalf_px) / size;
-  // A margin for what regions lose at corners is not asked for here: at the border nothing is lost.
-  const std::vector<Segment> segments =
-      find::make_segments(gradients, std::max(kMinLength_cells, limits.min_length - 3.0));
+  search.gradients = find::make_gradients(search.cells);
+  // The length that regions lose at corners is not lost at the image's border.
+  const double least = std::max(kMinLength_cells, search.in_cells(options.min_length_px) - 3.0);
+  std::vector<Segment> segments = find::make_segments(search.gradients, least);
+  for (const double share : kStructureShares)
+    if (place_regions(search, share, segments)) return search.found;
 
-  Passed passed;
-  std::vector<Segment> left = segments;
-  for (const double share : kStructureShares) {
-    passed = {};
-    struct Candidate {
-      Segment segment;
-      Surroundings surroundings;
-    };
-    std::map<int, std::vector<Candidate>, std::greater<>> by_level;  // level = threshold x 2^key
-    std::vector<Segment> refused;
-    for (const Segment& segment : left) {
-      const double times = share * segment.peak / gradients.threshold;
-      const int level = times > 1.0 ? std::ilogb(times) : 0;
-      const auto beside = find::survey(cells, gradients, segment, std::ldexp(gradients.threshold, level), farthest);
-      if (beside && beside->contrast >= options.min_cnr * beside->noise_sd) {
-        by_level[level].push_back({segment, *beside});
-        continue;
-      }
-      ++(beside ? passed.faint : passed.blurred);
-      refused.push_back(segment);
-    }
-    for (const auto& [level, candidates] : by_level) {
-      const double floor = std::ldexp(gradients.threshold, level);
-      const find::Structure structure(gradients, floor);
-      for (const auto& [segment, beside] : candidates) {
-        const auto region = find::place_region(gradients, structure, floor, segment, beside, limits);
-        if (!region) {
-          ++passed.crowded;
-          refused.push_back(segment);
-          continue;
-        }
-        const FoundEdge edge{in_pixels(*region, cells.size_px, image),
-                             score_of(*region, beside, size) * kStructureShares.front() / share};
-        if (region->whole && found.edges.empty()) {
-          found.edges = {edge};
-          return found;
-        }
-        found.edges.push_back(edge);
-      }
-    }
-    left = std::move(refused);
-  }
+  FoundEdges& found = search.found;
   std::stable_sort(found.edges.begin(), found.edges.end(),
                    [](const FoundEdge& a, const FoundEdge& b) { return a.score > b.score; });
   if (found.edges.size() > options.most) found.edges.resize(options.most);
-  if (found.edges.empty()) found.reason = no_usable(passed, options);
+  if (found.edges.empty()) found.reason = no_usable(search.passed, options);
   return found;
 }
 

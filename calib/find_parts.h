@@ -18,10 +18,10 @@ namespace calib::find {
 struct Cells {
   std::int64_t width = 0, height = 0;
   int size_px = 1;
-  std::vector<float> value;
-  double valid = 0.0;     ///< share of cells with a value
-  double range = 0.0;     ///< largest - smallest value
-  double noise_sd = 0.0;  ///< of a cell, robust against structure in less than half of them
+  std::vector<float> value;  ///< from 0, the smallest, to 1, the largest
+  double valid = 0.0;        ///< share of cells with a value
+  double range = 0.0;        ///< largest - smallest value in the image's unit
+  double noise_sd = 0.0;     ///< of a cell, from 0 to 1 as `value`; robust against structure in less than half of them
   double pixels_a_cell = 1.0;
 
   float at(std::int64_t x, std::int64_t y) const { return value[static_cast<std::size_t>(y * width + x)]; }
@@ -31,7 +31,7 @@ Cells make_cells(mtf::ImageView<const float> image);
 /// Gradients of the cells smoothed by binomials (sd of one cell); masked cells are left out of the averages.
 struct Gradients {
   std::int64_t width = 0, height = 0;
-  std::vector<float> magnitude;         ///< value per cell; 0 where unknown
+  std::vector<float> magnitude;         ///< of `value` per cell; 0 where unknown
   std::vector<std::uint8_t> direction;  ///< towards brighter, 256 parts of a turn from +x towards +y
   double threshold = 0.0;               ///< noise stays below
 
@@ -65,7 +65,7 @@ std::vector<Segment> make_segments(const Gradients& gradients, double min_length
 struct Surroundings {
   double reach = 0.0;     ///< of the edge's own blur
   double free = 0.0;      ///< distance on both sides up to which nothing else is seen
-  double contrast = 0.0;  ///< of the levels just beyond the blur
+  double contrast = 0.0;  ///< of the levels just beyond the blur, of the image's range
   double noise_sd = 0.0;  ///< of a pixel there, no less than the image's
 };
 /// Absent when the gradient does not fall to `floor` on both sides: no edge by itself, or a side without data.

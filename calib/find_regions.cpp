@@ -150,7 +150,8 @@ Lines trace(const Gradients& g, double level, const Segment& segment, double rea
       const double middle_of_line = static_cast<double>(line) + 0.5;
       return lines.steep ? Point{at, middle_of_line} : Point{middle_of_line, at};
     };
-    for (int k = 0; k < 4; ++k) place -= segment.across(point(place)) / normal;
+    const double most = 2.0 * static_cast<double>(places);  // where the curve never meets the line
+    for (int k = 0; k < 4; ++k) place = std::clamp(place - segment.across(point(place)) / normal, -most, most);
     lines.place.push_back(place);
     std::int64_t own = 0;
     const double span = reach * lines.slant + 2.0;
