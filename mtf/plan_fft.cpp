@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The FFT methods of a plan: basis and length of each axis, the frequencies in use, predicted error and cost.
+// The FFT methods of a plan: the frequencies in use, predicted error and cost.
 
 #include <algorithm>
 #include <cmath>
 
-#include "mtf/padding.h"
+#include "mtf/engines/spectral.h"
 #include "mtf/plan_cost.h"
 #include "mtf/plan_parts.h"
 #include "mtf/plan_spectral.h"
@@ -16,71 +16,6 @@ namespace {
 constexpr double kCutShare = 0.25;
 constexpr double kDoubleCost = 2.2;  // half the samples a vector, twice the memory
 constexpr double kCutCost = 1.06;    // frequencies that end anywhere
-
-struct Layout {
-  AxisJob x, y;
-  double wrap = 0.0;
-};
-
-AxisJob make_axis(const OtfSampler& sampler, const CanvasRequest& request, Basis basis, std::int64_t outputs,
-                  double& wrap) {
-  AxisJob job;
-  job.border = request.border;
-  job.samples = request.samples;
-  job.outputs = outputs;
-  job.pitch_um = request.pitch_um;
-  CanvasLength canvas{request.samples, 0.0};
-  if (basis == Basis::fourier) canvas = choose_canvas(sampler, request);
-  wrap += canvas.bound;
-  job.frequency = {basis, canvas.length, request.step_um};
-  const double pitches = static_cast<double>(canvas.length) * request.step_um / request.pitch_um;
-  job.resampling = is_whole(pitches) ? Resampling::fold : Resampling::chirp;
-  if (job.resampling == Resampling::fold) job.out_length = std::llround(pitches);
-  job.keep = job.frequency.half_count();
-  return job;
-}
-
-Layout make_layout(const PlanTask& task, Basis basis_x, Basis basis_y) {
-  const SampleGrid &in = task.in, &out = task.out;
-  const double density = std::sqrt(std::max(1.0, out.step_x_um / in.step_x_um * (out.step_y_um / in.step_y_um)));
-  CanvasRequest request{Axis::x,
-                        task.options.border,
-                        in.width,
-                        in.step_x_um,
-                        500.0 / in.step_y_um,
-                        out.step_x_um,
-                        task.norm * density,
-                        0.5 * kWrapShare * task.options.tolerance};
-  Layout layout;
-  layout.x = make_axis(task.sampler, request, basis_x, out.width, layout.wrap);
-  request = {Axis::y,       task.options.border, in.height,     in.step_y_um, 500.0 / in.step_x_um,
-             out.step_y_um, task.norm * density, request.budget};
-  layout.y = make_axis(task.sampler, request, basis_y, out.height, layout.wrap);
-  return layout;
-}
-
-// A cosine axis is exact without padding; where its length is awkward (a large prime, not a whole number of pitches) a
-// padded canvas may be cheaper all the same.
-Layout cheapest_layout(const PlanTask& task) {
-  const OtfSampler& sampler = task.sampler;
-  // A half-sample mirror passes unchanged through an OTF that is even along that axis: no padding at all. Cosines along
-  // x are pairs of real columns, which a complex OTF would mix.
-  const bool y_cosine = task.options.border == Border::reflect && sampler.is_even_y();
-  const bool x_cosine = y_cosine && sampler.is_real() && sampler.is_even_x();
-  Layout best = make_layout(task, x_cosine ? Basis::cosine : Basis::fourier, y_cosine ? Basis::cosine : Basis::fourier);
-  const auto awkward = [](const AxisJob& job) {
-    return job.frequency.basis == Basis::cosine &&
-           (job.resampling == Resampling::chirp || !is_smooth(job.frequency.length));
-  };
-  const bool try_x = awkward(best.x), try_y = awkward(best.y);
-  const auto consider = [&](Basis x, Basis y) {
-    Layout other = make_layout(task, x, y);
-    if (fft_cost_ms(other.x, other.y, false) < fft_cost_ms(best.x, best.y, false)) best = std::move(other);
-  };
-  if (try_x) consider(Basis::fourier, Basis::cosine);
-  if (try_y) consider(Basis::fourier, Basis::fourier);
-  return best;
-}
 
 // Leaves out the frequencies from the far end that no component lets through. Returns the largest |H| among them.
 double cut_frequencies(const OtfSampler& sampler, Axis axis, double allowed, AxisJob& job) {
@@ -178,7 +113,8 @@ double cut(const PlanTask& task, double budget, double gathering, bool full_canv
 
 std::string axis_text(const AxisJob& job) {
   const bool cosine = job.frequency.basis == Basis::cosine;
-  std::string text = (cosine ? "cosine " : "fourier ") + std::to_string(job.frequency.length);
+  std::string text =
+      (cosine ? job.odd ? "cosine-sine " : "cosine " : "fourier ") + std::to_string(job.frequency.length);
   if (job.keep < job.frequency.half_count()) text += ", " + std::to_string(job.keep) + " kept";
   if (job.resampling == Resampling::chirp) return text + ", chirp to " + std::to_string(job.outputs);
   if (job.out_length == job.frequency.length) return text;
@@ -190,14 +126,14 @@ std::vector<Draft> fft_drafts(const PlanTask& task) {
   const PlanOptions& options = task.options;
   const Layout layout = cheapest_layout(task);
   const bool x_cosine = layout.x.frequency.basis == Basis::cosine, y_cosine = layout.y.frequency.basis == Basis::cosine;
-  // Along a cosine axis error and canvas have the same mirror symmetry: nothing of the canvas's energy can gather
-  // inside.
-  const double symmetric = std::sqrt((x_cosine ? 2.0 : 1.0) * (y_cosine ? 2.0 : 1.0));
+  // Where only cosines come of cosines, error and canvas have the same mirror symmetry: nothing of the canvas's energy
+  // can gather inside.
+  const double symmetric = std::sqrt((x_cosine && !layout.x.odd ? 2.0 : 1.0) * (y_cosine && !layout.y.odd ? 2.0 : 1.0));
   const double gathering = task.norm / symmetric;
-  const double samples =
-      static_cast<double>(layout.x.frequency.length) * static_cast<double>(layout.y.frequency.length);
+  const double samples = (x_cosine ? 2.0 : 1.0) * static_cast<double>(layout.x.frequency.length) *
+                         (y_cosine ? 2.0 : 1.0) * static_cast<double>(layout.y.frequency.length);
   const double image_area = static_cast<double>(task.in.width) * static_cast<double>(task.in.height);
-  const double canvas_rms = task.canvas_norm * std::sqrt(image_area / (samples * symmetric * symmetric));
+  const double canvas_rms = task.canvas_norm * std::sqrt(image_area / samples);
 
   const auto defined = [](const AxisJob& job) {
     return job.frequency.basis == Basis::cosine || job.frequency.length == canvas_length(job.border, job.samples);
@@ -229,8 +165,10 @@ std::vector<Draft> fft_drafts(const PlanTask& task) {
       if (budget > 0.0) predicted.cut = cut(task, budget, gathering, full_canvas, symmetric > 1.5, x, y);
     }
     d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
+    if (const std::size_t parts = otf_parts(x, y, sampler.is_real()).size(); parts > 1)
+      d.candidate.detail += "; " + std::to_string(parts) + " parities";
     const double dearer = in_double ? kDoubleCost : method == Method::fft_cut ? kCutCost : 1.0;
-    d.candidate.cost_ms = dearer * fft_cost_ms(x, y, !sampler.is_real());
+    d.candidate.cost_ms = dearer * fft_cost_ms(x, y, sampler.is_real());
     d.candidate.bytes = static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(x, y, sampler.is_real()));
     d.axes = {x, y};
     d.error_per_otf = gathering * task.alias;
