@@ -42,7 +42,8 @@ double fft_cost_ms(const AxisJob& x, const AxisJob& y, bool real_otf) {
       transform_ns(x.frequency.length) + 5.7 * (count(x.samples) + count(x.frequency.length) + coefficients);
   const double backward = inverse_ns(x) + 5.7 * (coefficients + x_terms + count(inverse_length(x) + x.outputs));
   const double product = 0.77 * terms * (real_otf || x_cosine ? 1.0 : 2.0);
-  const double column = transform_ns(y.frequency.length) + parts * (inverse_ns(y) + product);
+  const double column = transform_ns(y.frequency.length) + parts * (inverse_ns(y) + product) +
+                        (parts - planes) * 9.0 * count(y.outputs);  // what is added to another part
   const double images = (count(x.samples) * count(y.samples) + count(x.outputs) * count(y.outputs)) / kRow;
   const double rows = blocks * (planes * count(std::max(y.samples, y.outputs)) + parts * terms) + images;
   const double far = std::max(0.0, rows - 12000.0);

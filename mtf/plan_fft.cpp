@@ -121,68 +121,99 @@ std::string axis_text(const AxisJob& job) {
   return text + ", fold to " + std::to_string(job.out_length);
 }
 
-std::vector<Draft> fft_drafts(const PlanTask& task) {
+namespace {
+
+/// A layout as the prediction of errors sees it.
+struct Judged {
+  explicit Judged(const PlanTask& task, const Layout& l) : layout(l) {
+    double mirrors = 1.0;
+    const auto canvas = [&](const AxisJob& job) {
+      const bool cosine = job.frequency.basis == Basis::cosine;
+      defined = defined && (cosine || job.frequency.length == canvas_length(job.border, job.samples));
+      // Where only cosines come of cosines, error and canvas have the same mirror symmetry: nothing of the canvas's
+      // energy can gather inside.
+      if (cosine && !job.odd) mirrors *= 2.0;
+      return static_cast<double>(job.frequency.length) * (cosine ? 2.0 : 1.0);
+    };
+    const double samples = canvas(l.x) * canvas(l.y);
+    const double image_area = static_cast<double>(task.in.width) * static_cast<double>(task.in.height);
+    canvas_rms = task.canvas_norm * std::sqrt(image_area / samples);
+    symmetric = std::sqrt(mirrors);
+    gathering = task.norm / symmetric;
+    spread = gathering * std::sqrt(aliases(l.x) * aliases(l.y));
+  }
+  Layout layout;
+  bool defined = true;     ///< the canvas is the defined one
+  double symmetric = 1.0;  ///< norm of the canvas over that of the part in which an error may gather
+  double canvas_rms = 0.0;
+  double gathering = 0.0;  ///< rms error over the scene's std that an OTF error of 1 may become in a single alias zone
+  double spread = 0.0;     ///< and in all of them
+};
+
+double rounding(const PlanTask& task, bool in_double, const Judged& judged, double canvas_rms) {
+  const double gain = task.sampler.gain();
+  if (in_double) return gain * storage_error(task.options) * (1.0 + 1e-6);
+  return arithmetic_error(judged.layout.x, judged.layout.y, canvas_rms, gain, task.options);
+}
+
+Draft make_draft(const PlanTask& task, Method method, const Judged& judged) {
   const OtfSampler& sampler = task.sampler;
   const PlanOptions& options = task.options;
-  const Layout layout = cheapest_layout(task);
-  const bool x_cosine = layout.x.frequency.basis == Basis::cosine, y_cosine = layout.y.frequency.basis == Basis::cosine;
-  // Where only cosines come of cosines, error and canvas have the same mirror symmetry: nothing of the canvas's energy
-  // can gather inside.
-  const double symmetric = std::sqrt((x_cosine && !layout.x.odd ? 2.0 : 1.0) * (y_cosine && !layout.y.odd ? 2.0 : 1.0));
-  const double gathering = task.norm / symmetric;
-  const double samples = (x_cosine ? 2.0 : 1.0) * static_cast<double>(layout.x.frequency.length) *
-                         (y_cosine ? 2.0 : 1.0) * static_cast<double>(layout.y.frequency.length);
-  const double image_area = static_cast<double>(task.in.width) * static_cast<double>(task.in.height);
-  const double canvas_rms = task.canvas_norm * std::sqrt(image_area / samples);
-
-  const auto defined = [](const AxisJob& job) {
-    return job.frequency.basis == Basis::cosine || job.frequency.length == canvas_length(job.border, job.samples);
+  const bool in_double = method == Method::fft_double;
+  const double dropped = dropped_error(sampler);
+  AxisJob x = judged.layout.x, y = judged.layout.y;
+  Draft d;
+  d.candidate.method = method;
+  PredictedError& predicted = d.candidate.predicted;
+  predicted.dropped = dropped * judged.gathering * task.alias;
+  predicted.table = (sampler.error() - dropped - sampler.quadrature_error()) * judged.spread;
+  predicted.band = sampler.quadrature_error() * judged.spread;
+  predicted.wrap = judged.layout.wrap;
+  predicted.arithmetic = rounding(task, in_double, judged, judged.canvas_rms);
+  if (method == Method::fft_cut) {
+    // Of what the other parts leave of the tolerance: a bound that is looser than the others.
+    const double budget = std::min(kCutShare * options.tolerance, 0.9 * (options.tolerance - predicted.total()));
+    if (budget > 0.0) predicted.cut = cut(task, budget, judged.gathering, judged.defined, judged.symmetric > 1.5, x, y);
+  }
+  d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
+  if (const std::size_t parts = otf_parts(x, y, sampler.is_real()).size(); parts > 1)
+    d.candidate.detail += "; " + std::to_string(parts) + " parities";
+  const double dearer = in_double ? kDoubleCost : method == Method::fft_cut ? kCutCost : 1.0;
+  d.candidate.cost_ms = dearer * fft_cost_ms(x, y, sampler.is_real());
+  d.candidate.bytes = static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(x, y, sampler.is_real()));
+  d.axes = {x, y};
+  d.error_per_otf = judged.gathering * task.alias;
+  const Precision precision = in_double ? Precision::double_precision : Precision::single_precision;
+  d.make = [&sampler, x, y, precision, bytes = static_cast<double>(d.candidate.bytes), rigor = options.rigor,
+            threads = options.threads, out = task.out](const Engine* relative) {
+    require_memory(bytes, out);
+    return make_spectral_filter(sampler, x, y, precision, rigor, threads, relative);
   };
-  const bool full_canvas = defined(layout.x) && defined(layout.y);
-  const double dropped = dropped_error(sampler), quadrature = sampler.quadrature_error();
-  const double wrap_share = x_cosine && y_cosine ? 0.0 : kWrapShare;
+  return d;
+}
 
+}  // namespace
+
+std::vector<Draft> fft_drafts(const PlanTask& task) {
+  std::vector<Judged> layouts;
+  for (const Layout& layout : fft_layouts(task)) layouts.emplace_back(task, layout);
+  // The last one keeps what any of them can. With cosines alone its canvas is the same at any tolerance.
+  const Judged& last = layouts.back();
+  const bool cosines = last.layout.x.frequency.basis == Basis::cosine && last.layout.y.frequency.basis == Basis::cosine;
   const auto draft = [&](Method method) {
-    const bool in_double = method == Method::fft_double;
-    AxisJob x = layout.x, y = layout.y;
-    Draft d;
-    d.candidate.method = method;
-    PredictedError& predicted = d.candidate.predicted;
-    const double spread = gathering * std::sqrt(aliases(x) * aliases(y));
-    predicted.dropped = dropped * gathering * task.alias;
-    predicted.table = (sampler.error() - dropped - quadrature) * spread;
-    predicted.band = quadrature * spread;
-    predicted.wrap = layout.wrap;
-    const auto rounding = [&](double rms) {
-      if (in_double) return sampler.gain() * storage_error(options) * (1.0 + 1e-6);
-      return arithmetic_error(x, y, rms, sampler.gain(), options);
-    };
-    predicted.arithmetic = rounding(canvas_rms);
-    d.reachable = reachable_tolerance(rounding(task.canvas_norm / symmetric), predicted.band, wrap_share);
-    if (method == Method::fft_cut) {
-      // Of what the other parts leave of the tolerance: a bound that is looser than the others.
-      const double budget = std::min(kCutShare * options.tolerance, 0.9 * (options.tolerance - predicted.total()));
-      if (budget > 0.0) predicted.cut = cut(task, budget, gathering, full_canvas, symmetric > 1.5, x, y);
-    }
-    d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
-    if (const std::size_t parts = otf_parts(x, y, sampler.is_real()).size(); parts > 1)
-      d.candidate.detail += "; " + std::to_string(parts) + " parities";
-    const double dearer = in_double ? kDoubleCost : method == Method::fft_cut ? kCutCost : 1.0;
-    d.candidate.cost_ms = dearer * fft_cost_ms(x, y, sampler.is_real());
-    d.candidate.bytes = static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(x, y, sampler.is_real()));
-    d.axes = {x, y};
-    d.error_per_otf = gathering * task.alias;
-    const Precision precision = in_double ? Precision::double_precision : Precision::single_precision;
-    d.make = [&sampler, x, y, precision, bytes = static_cast<double>(d.candidate.bytes), rigor = options.rigor,
-              threads = options.threads, out = task.out](const Engine* relative) {
-      require_memory(bytes, out);
-      return make_spectral_filter(sampler, x, y, precision, rigor, threads, relative);
-    };
+    Draft d = make_draft(task, method, layouts.front());
+    for (std::size_t i = 1; i < layouts.size() && !keeps_tolerance(d, task.options); ++i)
+      d = make_draft(task, method, layouts[i]);
+    const double least = rounding(task, method == Method::fft_double, last,
+                                  cosines ? last.canvas_rms : task.canvas_norm / last.symmetric);
+    const double band = task.sampler.quadrature_error() * last.spread;
+    d.reachable = reachable_tolerance(least, band, cosines ? 0.0 : kWrapShare);
     return d;
   };
   std::vector<Draft> drafts{draft(Method::fft_float)};
   Draft cut = draft(Method::fft_cut);
-  if ((*cut.axes)[0].keep < layout.x.keep || (*cut.axes)[1].keep < layout.y.keep) drafts.push_back(std::move(cut));
+  const auto cuts = [](const AxisJob& job) { return job.keep < job.frequency.half_count(); };
+  if (cuts((*cut.axes)[0]) || cuts((*cut.axes)[1])) drafts.push_back(std::move(cut));
   drafts.push_back(draft(Method::fft_double));
   return drafts;
 }

@@ -92,25 +92,28 @@ class Layouts {
 
 // Cosines are exact without padding. Where they are many series (an OTF that is not even) or of an awkward length (a
 // large prime, not a whole number of pitches) a padded canvas may be cheaper all the same.
-Layout cheapest_layout(const PlanTask& task) {
+std::vector<Layout> fft_layouts(const PlanTask& task) {
   const OtfSampler& sampler = task.sampler;
   constexpr Expansion fourier{Basis::fourier, false}, cosine{Basis::cosine, false};
   const Layouts layouts(task);
-  if (task.options.border != Border::reflect) return *layouts.make(fourier, fourier);
+  if (task.options.border != Border::reflect) return {*layouts.make(fourier, fourier)};
   // An OTF that is real and even along one axis is even along both.
   const bool even = sampler.is_real() && (sampler.is_even_x() || sampler.is_even_y());
   const bool odd_x = !even && !sampler.is_even_x(), odd_y = !even && !sampler.is_even_y();
-  Layout best = *layouts.make({Basis::cosine, odd_x}, {Basis::cosine, odd_y});
+  std::vector<Layout> list{*layouts.make({Basis::cosine, odd_x}, {Basis::cosine, odd_y})};
   const auto dear = [](const AxisJob& job) {
     return job.odd || job.resampling == Resampling::chirp || !is_smooth(job.frequency.length);
   };
-  const bool try_x = dear(best.x), try_y = dear(best.y);
+  const bool try_x = dear(list[0].x), try_y = dear(list[0].y);
   const auto consider = [&](Expansion x, Expansion y) {
-    if (std::optional<Layout> other = layouts.make(x, y, layouts.cost_ms(best.x, best.y))) best = *other;
+    const std::optional<Layout> other = layouts.make(x, y, layouts.cost_ms(list[0].x, list[0].y));
+    if (!other) return;
+    if (list.size() > 1) list.erase(list.begin());
+    list.insert(list.begin(), *other);
   };
   if (try_x && !odd_y) consider(fourier, cosine);
   if (try_y) consider(fourier, fourier);
-  return best;
+  return list;
 }
 
 }  // namespace mtf

@@ -46,8 +46,9 @@ struct Layout {
   double wrap = 0.0;  ///< error of canvases shorter than the defined ones
 };
 
-/// The cheapest basis and canvas of each axis.
-Layout cheapest_layout(const PlanTask& task);
+/// Basis and canvas of each axis: the cheapest, and behind it the one that has no wrap-around at any tolerance where
+/// that is dearer.
+std::vector<Layout> fft_layouts(const PlanTask& task);
 
 std::vector<Draft> fft_drafts(const PlanTask& task);
 /// `fft_ms`: cost of the cheapest FFT method; what is far slower is not worked out.

@@ -10,19 +10,19 @@
 namespace mtf {
 namespace {
 
-// One row of an OTF, in the order of the blocks: blocks x kRow numbers of each part. Values beyond those that are kept
-// are zero.
+// Rows of an OTF on their way to its blocks. Values beyond those that are kept are zero.
 template <class S>
 class OtfRow {
  public:
-  OtfRow(const OtfSampler& sampler, const OtfSampler::Grid& grid, const SpectralEngine<S>& engine)
+  OtfRow(const OtfSampler& sampler, const OtfSampler::Grid& grid, const SpectralEngine<S>& engine,
+         const OtfBlocks<S>& otf)
       : grid_(&grid),
-        engine_(&engine),
-        real_(sampler.is_real()),
+        otf_(&otf),
+        cosine_(engine.columns_per_block() == kRow),
         keep_(static_cast<std::size_t>(engine.x().keep)),
         scale_(static_cast<S>(engine.otf_scale())) {
     const auto count = static_cast<std::size_t>(engine.blocks() * engine.columns_per_block());
-    if (real_) {
+    if (sampler.is_real()) {
       up_.resize(count);
       down_.resize(count);
     } else {
@@ -31,100 +31,98 @@ class OtfRow {
     }
   }
 
-  /// Row j of part p to to[p].
-  void write(std::size_t j, std::span<S* const> to) {
-    const bool cosine = engine_->columns_per_block() == kRow;
-    if (real_)
-      cosine ? real_parts(j, to) : real_exponentials(j, to[0]);
+  void write(std::int64_t j) {
+    if (complex_up_.empty())
+      cosine_ ? real_parts(j) : real_exponentials(j);
     else
-      cosine ? complex_parts(j, to) : complex_exponentials(j, to[0]);
+      cosine_ ? complex_parts(j) : complex_exponentials(j);
   }
 
  private:
   // Both real columns that pass as one complex one are multiplied alike.
-  void real_exponentials(std::size_t j, S* to) {
-    grid_->real_row(j, std::span(up_).first(keep_));
-    for (std::size_t i = 0; i < up_.size(); i += kLanes, to += kRow)
-      for (std::size_t l = 0; l < kLanes; ++l) to[l] = to[kLanes + l] = scale_ * up_[i + l];
+  void real_exponentials(std::int64_t j) {
+    real_row(j);
+    const S* h = up_.data();
+    for (std::int64_t b = 0; b < otf_->blocks; ++b, h += kLanes) {
+      S* to = otf_->row(0, b, j);
+      for (int l = 0; l < kLanes; ++l) to[l] = to[kLanes + l] = scale_ * h[l];
+    }
   }
 
-  void complex_exponentials(std::size_t j, S* to) {
-    grid_->complex_row(j, std::span(complex_up_).first(keep_));
-    for (std::size_t i = 0; i < complex_up_.size(); i += kLanes, to += kRow)
-      for (std::size_t l = 0; l < kLanes; ++l) {
-        to[l] = scale_ * complex_up_[i + l].re;
-        to[kLanes + l] = scale_ * complex_up_[i + l].im;
+  void complex_exponentials(std::int64_t j) {
+    complex_row(j);
+    const Complex<S>* h = complex_up_.data();
+    for (std::int64_t b = 0; b < otf_->blocks; ++b, h += kLanes) {
+      S* to = otf_->row(0, b, j);
+      for (int l = 0; l < kLanes; ++l) {
+        to[l] = scale_ * h[l].re;
+        to[kLanes + l] = scale_ * h[l].im;
       }
+    }
   }
 
   // What is odd along y in a real OTF is odd along x too.
-  void real_parts(std::size_t j, std::span<S* const> to) {
-    if (to.size() == 1) {
-      grid_->real_row(j, std::span(up_).first(keep_));
-      for (std::size_t i = 0; i < up_.size(); ++i) to[0][i] = scale_ * up_[i];
-      return;
+  void real_parts(std::int64_t j) {
+    if (otf_->parts.size() == 1) {
+      real_row(j);
+      return put(0, j, [&](std::size_t i) { return scale_ * up_[i]; });
     }
-    grid_->real_rows(j, std::span(up_).first(keep_), std::span(down_).first(keep_));
-    for (std::size_t i = 0; i < up_.size(); ++i) {
-      to[0][i] = S(0.5) * scale_ * (up_[i] + down_[i]);
-      to[1][i] = S(0.5) * scale_ * (down_[i] - up_[i]);
-    }
+    grid_->real_rows(static_cast<std::size_t>(j), std::span(up_).first(keep_), std::span(down_).first(keep_));
+    const S half = S(0.5) * scale_;
+    put(0, j, [&](std::size_t i) { return half * (up_[i] + down_[i]); });
+    put(1, j, [&](std::size_t i) { return half * (down_[i] - up_[i]); });
   }
 
   // What is odd along one axis only is imaginary.
-  void complex_parts(std::size_t j, std::span<S* const> to) {
-    grid_->complex_row(j, std::span(complex_up_).first(keep_));
-    if (to.size() < 4) {
-      for (std::size_t i = 0; i < complex_up_.size(); ++i) to[0][i] = scale_ * complex_up_[i].re;
-      for (std::size_t i = 0; to.size() > 1 && i < complex_up_.size(); ++i) to[1][i] = -scale_ * complex_up_[i].im;
+  void complex_parts(std::int64_t j) {
+    complex_row(j);
+    const auto& up = complex_up_;
+    const auto& down = complex_down_;
+    if (otf_->parts.size() < 4) {
+      put(0, j, [&](std::size_t i) { return scale_ * up[i].re; });
+      if (otf_->parts.size() > 1) put(1, j, [&](std::size_t i) { return -scale_ * up[i].im; });
       return;
     }
-    grid_->complex_row(j, std::span(complex_down_).first(keep_), true);
+    grid_->complex_row(static_cast<std::size_t>(j), std::span(complex_down_).first(keep_), true);
     const S half = S(0.5) * scale_;
-    for (std::size_t i = 0; i < complex_up_.size(); ++i) {
-      const Complex<S> up = complex_up_[i], down = complex_down_[i];
-      to[0][i] = half * (up.re + down.re);   // even along both axes
-      to[1][i] = half * (down.im - up.im);   // odd along y
-      to[2][i] = -half * (up.im + down.im);  // odd along x
-      to[3][i] = half * (down.re - up.re);
+    put(0, j, [&](std::size_t i) { return half * (up[i].re + down[i].re); });   // even along both axes
+    put(1, j, [&](std::size_t i) { return half * (down[i].im - up[i].im); });   // odd along y
+    put(2, j, [&](std::size_t i) { return -half * (up[i].im + down[i].im); });  // odd along x
+    put(3, j, [&](std::size_t i) { return half * (down[i].re - up[i].re); });
+  }
+
+  void real_row(std::int64_t j) { grid_->real_row(static_cast<std::size_t>(j), std::span(up_).first(keep_)); }
+  void complex_row(std::int64_t j) {
+    grid_->complex_row(static_cast<std::size_t>(j), std::span(complex_up_).first(keep_));
+  }
+  void put(std::size_t part, std::int64_t j, const auto& value) const {
+    for (std::int64_t b = 0; b < otf_->blocks; ++b) {
+      S* to = otf_->row(part, b, j);
+      const auto first = static_cast<std::size_t>(b * kRow);
+      for (std::size_t l = 0; l < kRow; ++l) to[l] = value(first + l);
     }
   }
 
   const OtfSampler::Grid* grid_;
-  const SpectralEngine<S>* engine_;
-  bool real_;
+  const OtfBlocks<S>* otf_;
+  bool cosine_;
   std::size_t keep_;
   S scale_;
   std::vector<S> up_, down_;  // at fy and -fy
   std::vector<Complex<S>> complex_up_, complex_down_;
 };
 
-// H on the engine's frequencies, times its scale. Some rows at a time go to the blocks, which lie far apart.
+// H on the engine's frequencies, times its scale.
 template <class S>
 OtfBlocks<S> make_otf(const OtfSampler& sampler, const SpectralEngine<S>& engine, int threads) {
-  constexpr std::int64_t kTogether = 8;
   OtfBlocks<S> otf = engine.make_blocks(sampler.is_real());
   std::vector<double> fx, fy;
   for (std::int64_t k = 0; k < engine.x().keep; ++k) fx.push_back(engine.x().frequency.cy_mm(k));
   for (const std::int64_t k : otf_frequencies(engine.y())) fy.push_back(engine.y().frequency.cy_mm(k));
   const OtfSampler::Grid grid(sampler, std::move(fx), std::move(fy));
-
-  parallel_for(otf.rows, kTogether, threads, [&](std::int64_t begin, std::int64_t end) {
-    OtfRow<S> row(sampler, grid, engine);
-    const std::int64_t numbers = otf.blocks * kRow;
-    const auto parts = static_cast<std::int64_t>(otf.parts.size());
-    const AlignedBuffer<S> strip(static_cast<std::size_t>(parts * kTogether * numbers));
-    const auto strip_row = [&](std::size_t p, std::int64_t j) {
-      return strip.data() + (static_cast<std::int64_t>(p) * kTogether + j - begin) * numbers;
-    };
-    std::vector<S*> to(otf.parts.size());
-    for (std::int64_t j = begin; j < end; ++j) {
-      for (std::size_t p = 0; p < to.size(); ++p) to[p] = strip_row(p, j);
-      row.write(static_cast<std::size_t>(j), to);
-    }
-    for (std::size_t p = 0; p < to.size(); ++p)
-      for (std::int64_t b = 0; b < otf.blocks; ++b)
-        for (std::int64_t j = begin; j < end; ++j) std::copy_n(strip_row(p, j) + b * kRow, kRow, otf.row(p, b, j));
+  parallel_for(otf.rows, 8, threads, [&](std::int64_t begin, std::int64_t end) {
+    OtfRow<S> row(sampler, grid, engine, otf);
+    for (std::int64_t j = begin; j < end; ++j) row.write(j);
   });
   return otf;
 }
