@@ -141,27 +141,36 @@ class Filter final : public SpectralFilter {
   }
   std::int64_t filter_bytes() const override { return otf_.size() * static_cast<std::int64_t>(sizeof(S)); }
   double largest_gain() const override {
-    double squares = 0.0;
+    S square = 0;
     for (std::int64_t b = 0; b < otf_.blocks; ++b)
-      for (std::int64_t r = 0; r < otf_.rows; ++r)
-        for (std::int64_t l = 0; l < kRow; ++l) squares = std::max(squares, square(b, r, l));
-    return std::sqrt(squares) / transforms_->otf_scale();
+      for (std::int64_t r = 0; r < otf_.rows; ++r) square = std::max(square, largest_square(b, r));
+    return std::sqrt(static_cast<double>(square)) / transforms_->otf_scale();
   }
   const std::shared_ptr<const SpectralEngine<S>>& transforms() const { return transforms_; }
 
  private:
-  // |H|^2 of one number of a row; of H(fx, fy) and H(fx, -fy) the larger one.
-  double square(std::int64_t block, std::int64_t row, std::int64_t lane) const {
-    const S* first = otf_.row(0, block, row);
-    if (otf_.complex) return lane < kLanes ? std::pow(first[lane], 2.0) + std::pow(first[lane + kLanes], 2.0) : 0.0;
-    double re = 0.0, im = 0.0, mirrored_re = 0.0, mirrored_im = 0.0;
+  // Of |H|^2 in a row of a block; of H(fx, fy) and H(fx, -fy) where the parts tell them apart.
+  S largest_square(std::int64_t block, std::int64_t row) const {
+    S largest = 0;
+    if (otf_.complex) {
+      const S* h = otf_.row(0, block, row);
+      for (int l = 0; l < kLanes; ++l) largest = std::max(largest, h[l] * h[l] + h[kLanes + l] * h[kLanes + l]);
+      return largest;
+    }
+    static constexpr std::array<S, kRow> kNone{};
+    const S *even = kNone.data(), *odd_x = even, *odd_y = even, *odd = even;
     for (std::size_t p = 0; p < otf_.parts.size(); ++p) {
       const auto [x, y] = otf_.parts[p];
-      const double h = p == 0 ? first[lane] : -otf_.row(p, block, row)[lane];
-      (x == y ? re : im) += h;
-      (x == y ? mirrored_re : mirrored_im) += y == Parity::even ? h : -h;
+      (x == Parity::even   ? y == Parity::even ? even : odd_y
+       : y == Parity::even ? odd_x
+                           : odd) = otf_.row(p, block, row);
     }
-    return std::max(re * re + im * im, mirrored_re * mirrored_re + mirrored_im * mirrored_im);
+    for (int l = 0; l < kRow; ++l) {
+      const S re = even[l] - odd[l], im = odd_x[l] + odd_y[l], mirrored_re = even[l] + odd[l],
+              mirrored_im = odd_x[l] - odd_y[l];
+      largest = std::max({largest, re * re + im * im, mirrored_re * mirrored_re + mirrored_im * mirrored_im});
+    }
+    return largest;
   }
 
   std::shared_ptr<const SpectralEngine<S>> transforms_;

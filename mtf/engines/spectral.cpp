@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::int64_t round_up(std::int64_t n, std::int64_t step) { return (n + step - 1) / step * step; }
 
-// Sums of real and imaginary lanes alike.
 template <class S>
 void add(const S* __restrict from, std::int64_t count, S* __restrict to) {
   for (std::int64_t i = 0; i < count; ++i) to[i] += from[i];
