@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "mtf/padding.h"
 #include "mtf/plan_cost.h"

@@ -2,6 +2,7 @@
 #include "mtf/plan_spectral.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "mtf/engines/spectral.h"

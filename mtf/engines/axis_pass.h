@@ -3,8 +3,8 @@
 
 // One axis of the spectral engine at work on kLanes lines at once: samples -> frequencies, and filtered frequencies ->
 // detector samples. Real lines come in pairs, as the real and imaginary parts of one lane; where everything is
-// real-linear with real factors (the cosine basis with a real OTF) they pass through as they are, else `coefficients`
-// takes them apart.
+// real-linear with real factors (the cosine basis, where the parts of an OTF are real) they pass through as they are,
+// else `coefficients` takes them apart.
 
 #include <span>
 #include <vector>

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
+#include <optional>
 
 #include "mtf/engines/kernels.h"
 #include "mtf/parallel.h"

@@ -22,7 +22,7 @@
 //
 // Images are float32; S is the type of everything between them.
 
-#include <optional>
+#include <array>
 #include <vector>
 
 #include "mtf/engines/axis_pass.h"
@@ -44,7 +44,7 @@ std::vector<OtfPart> otf_parts(const AxisJob& x, const AxisJob& y, bool real);
 /// but the first have the sign of the sum above.
 template <class S>
 struct OtfBlocks {
-  bool complex = false;
+  bool complex = false;  ///< multiplies lane by lane (fourier basis along x); else number by number
   std::vector<OtfPart> parts;
   std::int64_t blocks = 0;
   std::int64_t rows = 0;  ///< y frequencies
