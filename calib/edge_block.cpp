@@ -18,13 +18,20 @@ struct Place {
   double scale = 1.0;  ///< cos(phi)
 };
 
-/// Powers of s / half_length from the first on; beyond the ends they go on along their tangents (edge_curve.h).
-struct Powers {
-  double t, beyond;
-  explicit Powers(const EdgeCurve& curve, double s)
-      : t(std::clamp(s / curve.half_length_px, -1.0, 1.0)), beyond(s / curve.half_length_px - t) {}
-  double value(std::size_t k) const { return std::pow(t, k) + slope(k) * beyond; }
-  double slope(std::size_t k) const { return static_cast<double>(k) * std::pow(t, k - 1); }
+/// t^k of t = s / half_length for k = 2, 3, ..; beyond the ends they go on along their tangents (edge_curve.h).
+class Powers {
+ public:
+  Powers(const EdgeCurve& curve, double s)
+      : t_(std::clamp(s / curve.half_length_px, -1.0, 1.0)), beyond_(s / curve.half_length_px - t_), slope_(2.0 * t_) {}
+  double value() const { return slope_ * (t_ / k_ + beyond_); }
+  double slope() const { return slope_; }  ///< by t
+  void advance() {
+    slope_ *= t_ * (k_ + 1.0) / k_;
+    k_ += 1.0;
+  }
+
+ private:
+  double t_, beyond_, slope_, k_ = 2.0;
 };
 
 struct Height {
@@ -36,30 +43,27 @@ Height height(const EdgeCurve& curve, double s) {
     return {k * s * s / (1.0 + root), x / root};
   }
   Height g;
-  const Powers powers(curve, s);
-  for (std::size_t k = 0; k < curve.coefficient.size(); ++k) {
-    g.value += curve.coefficient[k] * powers.value(k + 2);
-    g.slope += curve.coefficient[k] * powers.slope(k + 2) / curve.half_length_px;
+  Powers power(curve, s);
+  for (const double c : curve.coefficient) {
+    g.value += c * power.value();
+    g.slope += c * power.slope() / curve.half_length_px;
+    power.advance();
   }
   return g;
 }
 
-Place place_of(const EdgeCurve& curve, Point normal, double x, double y) {
-  const double px = x - curve.origin.x, py = y - curve.origin.y;
-  Place place{.distance = normal.x * px + normal.y * py, .along = normal.x * py - normal.y * px};
-  place.across = place.distance;
-  if (curve.shape == EdgeCurve::Shape::line) {
-    place.by_turn = place.along;
-    return place;
-  }
+Place on_curve(const EdgeCurve& curve, double x, double y, double across) {
   const EdgePoint foot = locate(curve, {x, y});
   const auto [g, rise] = height(curve, foot.along_px);
-  place.distance = foot.distance_px;
-  place.along = foot.along_px;
-  place.scale = 1.0 / std::sqrt(1.0 + rise * rise);
-  place.by_offset = -place.scale;
-  place.by_turn = place.scale * (foot.along_px + g * rise);
-  return place;
+  const double scale = 1.0 / std::sqrt(1.0 + rise * rise);
+  return {foot.distance_px, foot.along_px, across, -scale, scale * (foot.along_px + g * rise), scale};
+}
+
+inline Place place_of(const EdgeCurve& curve, Point normal, double x, double y) {
+  const double px = x - curve.origin.x, py = y - curve.origin.y;
+  const double across = normal.x * px + normal.y * py, along = normal.x * py - normal.y * px;
+  if (curve.shape != EdgeCurve::Shape::line) return on_curve(curve, x, y, across);
+  return {across, along, across, -1.0, along, 1.0};
 }
 
 }  // namespace
@@ -152,7 +156,8 @@ NormalMatrix EdgeBlock::accumulate(const Sensors& sensors, std::span<const doubl
   std::array<double, 4> g{};
   if (own.size() > levels + 2) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
   std::vector<double> e(step.count());
-  for (const Pixel& pixel : pixels_) {
+  for (std::size_t p = 0; p < pixels_.size(); p += every_) {
+    const Pixel& pixel = pixels_[p];
     const Place at = place_of(edge, normal, pixel.x + 0.5, pixel.y + 0.5);
     const double spread = step.at(at.distance, e);
     const double s = at.along / length, u = at.across / length;
@@ -166,8 +171,8 @@ NormalMatrix EdgeBlock::accumulate(const Sensors& sensors, std::span<const doubl
     if (edge.shape == EdgeCurve::Shape::circle) {
       row[2] = -by_distance * at.scale * 0.5 * at.along * at.along;  // of a small curvature
     } else if (bends > 0) {
-      const Powers powers(edge, at.along);
-      for (std::size_t k = 0; k < bends; ++k) row[2 + k] = -by_distance * at.scale * powers.value(k + 2);
+      Powers power(edge, at.along);
+      for (std::size_t k = 0; k < bends; ++k, power.advance()) row[2 + k] = -by_distance * at.scale * power.value();
     }
     row[levels] = weight;
     row[levels + 1] = weight * e[0];
@@ -191,7 +196,8 @@ NormalMatrix EdgeBlock::normal_with_gradients(const Sensors& sensors, std::span<
   return accumulate(sensors, own, true);
 }
 
-std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<const double> own) const {
+std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<const double> own,
+                                           std::size_t every) const {
   const EdgeCurve edge = curve(own);
   const Point normal = edge.normal();
   const StepResponse& step = response(sensors, edge);
@@ -201,8 +207,9 @@ std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<con
   if (gradients_) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
   std::vector<double> e(step.count());
   std::vector<Residual> all;
-  all.reserve(pixels_.size());
-  for (const Pixel& pixel : pixels_) {
+  all.reserve(pixels_.size() / every + 1);
+  for (std::size_t p = 0; p < pixels_.size(); p += every) {
+    const Pixel& pixel = pixels_[p];
     const Place at = place_of(edge, normal, pixel.x + 0.5, pixel.y + 0.5);
     step.at(at.distance, e);
     const double s = at.along / length, u = at.across / length;

@@ -26,6 +26,8 @@ class EdgeBlock {
   bool gradients() const { return gradients_; }
   void use_gradients() { gradients_ = true; }
   void set_robust(bool robust) { robust_ = robust; }
+  /// Every so many pixels count in normal(): enough to come close.
+  void thin_out(std::size_t every) { every_ = every; }
   /// All noise variances are multiplied.
   void scale_noise(double factor);
   /// Variance in use / variance given.
@@ -43,7 +45,7 @@ class EdgeBlock {
   /// The same with the gradients, whether they are in use or not; `own` without them.
   NormalMatrix normal_with_gradients(const Sensors& sensors, std::span<const double> own) const;
   /// For adequacy: unbent. `own` as normal() takes it.
-  std::vector<Residual> residuals(const Sensors& sensors, std::span<const double> own) const;
+  std::vector<Residual> residuals(const Sensors& sensors, std::span<const double> own, std::size_t every = 1) const;
   /// Noise from the fitted levels, where the variance follows the signal.
   void update_noise(const Sensors& sensors, std::span<const double> own);
 
@@ -60,6 +62,7 @@ class EdgeBlock {
 
   const EdgeData* data_;
   bool robust_ = false;
+  std::size_t every_ = 1;
   bool gradients_ = false;
   double noise_factor_ = 1.0;  // of the sd
   double reach_px_ = 0.0;

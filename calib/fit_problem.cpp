@@ -137,28 +137,25 @@ class Asks final : public ceres::IterationCallback {
 
 }  // namespace
 
-std::vector<Eigen::MatrixXd> FitProblem::normals() const {
+std::vector<Eigen::MatrixXd> FitProblem::normals(bool gradients) const {
   std::vector<Eigen::MatrixXd> all(blocks.size());
+  const auto normal_of = [&](std::size_t b) {
+    if (const auto* edge = std::get_if<EdgeBlock>(&blocks[b]); edge != nullptr && gradients)
+      return edge->normal_with_gradients(*sensors, own[b]).matrix();
+    return std::visit([&](const auto& block) { return block.normal(*sensors, own[b]).matrix(); }, blocks[b]);
+  };
   mtf::parallel_for(static_cast<std::int64_t>(blocks.size()), 1, threads, [&](std::int64_t first, std::int64_t last) {
     for (auto b = static_cast<std::size_t>(first); b < static_cast<std::size_t>(last); ++b) {
-      all[b] = std::visit([&](const auto& block) { return block.normal(*sensors, own[b]).matrix(); }, blocks[b]);
-      const auto mine = static_cast<Eigen::Index>(own[b].size());
+      all[b] = normal_of(b);
       for (std::size_t i = 0; i < variables.size(); ++i) {
+        const Eigen::Index column = all[b].cols() - 1 - static_cast<Eigen::Index>(variables.size() - i);
         const double slope = variables[i].slope(x[i]);
-        all[b].row(mine + static_cast<Eigen::Index>(i)) *= slope;
-        all[b].col(mine + static_cast<Eigen::Index>(i)) *= slope;
+        all[b].row(column) *= slope;
+        all[b].col(column) *= slope;
       }
     }
   });
   return all;
-}
-
-double FitProblem::cost(std::span<const Eigen::MatrixXd> normals) const {
-  double sum = 0.0;
-  for (const Eigen::MatrixXd& normal : normals) sum += normal(normal.rows() - 1, normal.cols() - 1);
-  for (std::size_t i = 0; i < variables.size(); ++i)
-    if (priors[i]) sum += std::pow((variables[i].value(x[i]) - (*priors[i])[0]) / (*priors[i])[1], 2);
-  return 0.5 * sum;
 }
 
 Solution solve(FitProblem& problem, const SolveOptions& asked) {

@@ -48,4 +48,9 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
 /// Of the parameters' values; NaN where the data do not depend on one at all.
 std::vector<std::vector<double>> correlations(const Solved& solved);
 
+/// Residuals of every set of data; `block_of`: its block, or none when it was left out. Sets chi-square, whiteness,
+/// warnings, and the status of a model that does not fit.
+void report_data(const FitData& data, std::span<const std::optional<std::size_t>> block_of, const Solved& solved,
+                 FitResult& result);
+
 }  // namespace calib
