@@ -110,7 +110,8 @@ Adequacy judge_edge(std::span<const Residual> residuals, std::size_t fitted, dou
     const double z = variance > 0.0 ? mean / std::sqrt(variance) : 0.0;
     between += z * z;
     excess += c.n * (mean * mean - variance);
-    neighbours += z * previous;
+    // What rounding leaves in one mean it leaves in the next.
+    neighbours += z * previous - (variance > 0.0 ? c.bias2 / c.n / variance : 0.0);
     previous = z;
     a.bins.push_back({c.distance / c.n, 0.0, mean, variance});
   }

@@ -59,7 +59,7 @@ void report_profiles(FitProblem& problem, const Solved& solved, double cost, Pro
   double factor = 0.0, weight = 0.0;
   const std::vector<std::size_t> counts = counts_of(problem);
   for (std::size_t b = 0; b < counts.size(); ++b) {
-    factor += solved.noise_factor[b] * static_cast<double>(counts[b]);
+    factor += trusted_noise(solved.noise_factor[b]) * static_cast<double>(counts[b]);
     weight += static_cast<double>(counts[b]);
   }
   factor /= weight;

@@ -72,7 +72,7 @@ void report_data(const FitData& data, std::span<const std::optional<std::size_t>
       const auto k = static_cast<Eigen::Index>(edge->contrast_index());
       const Eigen::MatrixXd& normal = solved.normals[b];
       const Eigen::Index own = static_cast<Eigen::Index>(problem.own[b].size());
-      const double information = normal.topLeftCorner(own, own).inverse()(k, k) * solved.noise_factor[b];
+      const double information = normal.topLeftCorner(own, own).inverse()(k, k) * trusted_noise(solved.noise_factor[b]);
       out.contrast = {problem.own[b][edge->contrast_index()], std::sqrt(std::max(0.0, information))};
       out.residual = residual_image(edge->data().roi, residuals);
       matters = kStructureMatters * std::abs(out.contrast.value) / edge->middle_sd();

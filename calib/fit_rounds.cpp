@@ -65,7 +65,7 @@ std::vector<std::size_t> examine(FitProblem& problem, std::span<const std::size_
   solved.noise_factor = noise_factors(problem, solved.normals, counts);
   std::erase_if(candidates, [&](std::size_t b) {
     const double gain = gain_of_gradients(extended[b], std::ssize(problem.own[b]));
-    return gain < kGradientChi2 * std::max(1e-12, solved.noise_factor[b]);
+    return gain < kGradientChi2 * trusted_noise(solved.noise_factor[b]);
   });
   return candidates;
 }
@@ -83,8 +83,9 @@ bool update_weights(FitProblem& problem, std::span<const double> noise) {
     const bool relative = problem.blocks.size() > 1 || std::any_of(problem.priors.begin(), problem.priors.end(),
                                                                    [](auto& p) { return p.has_value(); });
     const bool own_noise = !std::holds_alternative<CurveBlock>(problem.blocks[b]);
-    if (!relative || !own_noise || (noise[b] > 0.8 && noise[b] < 1.25) || !(noise[b] > 0.0)) continue;
-    std::visit([&](auto& block) { block.scale_noise(noise[b]); }, problem.blocks[b]);
+    const double factor = trusted_noise(noise[b]);
+    if (!relative || !own_noise || (factor > 0.8 && factor < 1.25)) continue;
+    std::visit([&](auto& block) { block.scale_noise(factor); }, problem.blocks[b]);
     any = true;
   }
   return any;
