@@ -101,6 +101,9 @@ void settle_noise(FitProblem& problem) {
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
     const double scale = *middle / 0.6744897501960817;
+    // Residuals within half a step of the image's values are rounding.
+    const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]);
+    if (edge != nullptr && *middle * edge->middle_sd() < 0.6 * edge->data().quantum) continue;
     if (scale > 1.25) std::visit([&](auto& block) { block.scale_noise(scale * scale); }, problem.blocks[b]);
   }
 }
