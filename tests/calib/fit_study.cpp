@@ -21,8 +21,28 @@ using made::Step;
 constexpr double kAngle_deg = 5.0;
 
 Step step_of(const Case& one, double value) {
-  return one.gaussian ? Step::gaussian(std::sqrt(0.5 * std::numbers::ln2) / (std::numbers::pi * value))
-                      : made::camera_step(made::camera_of(value), kAngle_deg);
+  if (one.model == Model::gaussian)
+    return Step::gaussian(std::sqrt(0.5 * std::numbers::ln2) / (std::numbers::pi * value));
+  made::Camera camera = made::camera_of(one.model == Model::camera ? value : 8.0);
+  if (one.model != Model::camera) camera.w020 = value;
+  return made::camera_step(camera, kAngle_deg);
+}
+
+double truth_of(const Case& one) {
+  return one.model == Model::gaussian ? fit_cases::sigma_of(0.3) : one.model == Model::camera ? 8.0 : 0.3;
+}
+
+/// A sensor that starts off the truth, and the path of what is fitted.
+std::pair<mtf::System<double>, std::string> sensor_of(const Case& one) {
+  const double start = 1.2 * truth_of(one);
+  if (one.model == Model::gaussian) return {fit_cases::gaussian(start), "presample[0].sigma"};
+  if (one.model == Model::camera) return {fit_cases::camera(start), "optics.f_number"};
+  mtf::System<double> sensor = fit_cases::camera(8.0);
+  const bool defocus = one.model == Model::defocus;
+  auto pupil = mtf::Component<double>::make(defocus ? "defocus" : "wavefront");
+  mtf::test::set(pupil, defocus ? "waves" : "w020", start);
+  sensor.stages[0][0].component = pupil;
+  return {std::move(sensor), defocus ? "presample[0].waves" : "presample[0].w020"};
 }
 
 Scene scene_of(const Case& one) {
@@ -91,20 +111,27 @@ struct Tally {
 }  // namespace
 
 std::vector<Case> cases() {
-  return {{"gauss30 cnr60 L100", true, 100, 60.0},        {"gauss30 cnr12 L100", true, 100, 12.0},
-          {"gauss30 cnr60 L32", true, 32, 60.0},          {"airy f8 cnr60 L100", false, 100, 60.0},
-          {"airy f8 cnr12 L100", false, 100, 12.0},       {"airy f8 cnr60 L32", false, 32, 60.0},
-          {"gauss30 cnr60 curved", true, 100, 60.0, 1.5}, {"gauss30 cnr60 8 bit", true, 100, 60.0, 0.0, 1.0 / 255.0}};
+  using enum Model;
+  return {{"gauss30 cnr60 L100", gaussian, 100, 60.0},
+          {"gauss30 cnr12 L100", gaussian, 100, 12.0},
+          {"gauss30 cnr60 L32", gaussian, 32, 60.0},
+          {"airy f8 cnr60 L100", camera, 100, 60.0},
+          {"airy f8 cnr12 L100", camera, 100, 12.0},
+          {"airy f8 cnr60 L32", camera, 32, 60.0},
+          {"gauss30 cnr60 curved", gaussian, 100, 60.0, 1.5},
+          {"gauss30 cnr60 8 bit", gaussian, 100, 60.0, 0.0, 1.0 / 255.0},
+          {"defocus f8 cnr60", defocus, 100, 60.0},
+          {"wavefront f8 cnr60", wavefront, 100, 60.0}};
 }
 
 Outcome run(const Case& one, int draws, std::uint64_t seed) {
-  const double truth = one.gaussian ? fit_cases::sigma_of(0.3) : 8.0;
+  const double truth = truth_of(one);
   const Step step = step_of(one, truth);
   const double mtf50 = step.crossing(0.5);
   std::mt19937_64 bits(seed);
   std::uniform_real_distribution<double> phase(-0.5, 0.5);
-  const std::vector<FitParameter> parameters{
-      fit_cases::parameter(one.gaussian ? "presample[0].sigma" : "optics.f_number")};
+  const auto [sensor, path] = sensor_of(one);
+  const std::vector<FitParameter> parameters{fit_cases::parameter(path)};
   calib::FitOptions options;
   options.threads = 1;
   Outcome out;
@@ -124,8 +151,7 @@ Outcome run(const Case& one, int draws, std::uint64_t seed) {
                          .condition = 0,
                          .start = calib::measure_edge(image.view(), {0, 0, image.width(), image.height()}),
                          .quantum = one.quantum};
-    auto sensor = one.gaussian ? fit_cases::gaussian(1.2 * truth) : fit_cases::camera(1.2 * truth);
-    const calib::FitData data = fit_cases::data_of(std::move(sensor), std::move(edge));
+    const calib::FitData data = fit_cases::data_of(sensor, std::move(edge));
     const std::clock_t begin = std::clock();
     const calib::FitResult result = calib::fit(data, parameters, options);
     times.push_back(1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);

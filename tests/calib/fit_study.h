@@ -14,9 +14,13 @@
 
 namespace fit_study {
 
+/// Gaussian of MTF50 0.30, sigma unknown; or diffraction f/8 and a square pixel, with the f-number unknown, or out of
+/// focus by 0.3 waves, unknown, as `defocus` or as `wavefront` has it.
+enum class Model { gaussian, camera, defocus, wavefront };
+
 struct Case {
   std::string name;
-  bool gaussian = true;     ///< MTF50 0.30; otherwise diffraction f/8 and a square pixel, with the f-number unknown
+  Model model = Model::gaussian;
   std::int64_t rows = 100;  ///< length of the edge
   double cnr = 60.0;
   double sagitta_px = 0.0;
