@@ -38,10 +38,10 @@ EdgePoint locate_polynomial(const EdgeCurve& curve, double s0, double u0) {
     const double step = pull / std::max(stiffness, 0.25);
     s -= step;
     g = polynomial(curve, s);
-    if (std::abs(step) < 1e-7) break;  // the error of the distance is its square
+    if (std::abs(step) < 1e-4) break;  // the next would be its square, the error of the distance the square of that
   }
   const double away = u0 - g.value;
-  return {std::copysign(std::hypot(s - s0, away), away), s};
+  return {std::copysign(std::sqrt((s - s0) * (s - s0) + away * away), away), s};
 }
 
 EdgePoint locate_circle(double curvature_per_px, double s0, double u0) {
@@ -52,6 +52,13 @@ EdgePoint locate_circle(double curvature_per_px, double s0, double u0) {
 }
 
 }  // namespace
+
+double offset_at(const EdgeCurve& curve, double along_px) {
+  if (curve.shape == EdgeCurve::Shape::line) return 0.0;
+  if (curve.shape == EdgeCurve::Shape::polynomial) return polynomial(curve, along_px).value;
+  const double turn = curve.curvature_per_px * along_px;
+  return turn * along_px / (1.0 + std::sqrt(std::max(0.0, 1.0 - turn * turn)));
+}
 
 EdgePoint locate(const EdgeCurve& curve, Point p) {
   const Point n = curve.normal();
