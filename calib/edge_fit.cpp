@@ -154,7 +154,7 @@ NormalEquations assemble(const EdgeSums& sums, const EdgeModel& model, const Ste
 }
 
 void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns) {
-  constexpr double kMean_px2 = 1.0, kSd_px2 = 0.5;
+  constexpr double kMean_px2 = 0.7, kSd_px2 = 0.5;
   constexpr int q = kFirstShape + 2;
   if (!unknowns[q]) return;
   normal.matrix(q, q) += 1.0 / (kSd_px2 * kSd_px2);
@@ -175,14 +175,16 @@ FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRou
 }
 
 FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds) {
-  constexpr double kSmallGain = 0.02;  // in chi2
-  FitState state = evaluate(pixels, model, rounds);
+  return fit_reference(pixels, model, rounds, evaluate(pixels, model, rounds));
+}
+
+FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds, FitState state) {
   double damping = 0.0;
   for (int round = 1; round <= rounds.rounds; ++round) {
     NormalEquations normal = state.normal;
     add_prior(normal, model.shape, rounds.unknowns);
     const Vector step = next_step(normal, model, rounds.unknowns, damping);
-    state.converged = normal.gradient.dot(step) < kSmallGain;
+    state.converged = normal.gradient.dot(step) < rounds.enough;
     if (state.converged || round == rounds.rounds) {
       state.step = step;
       break;

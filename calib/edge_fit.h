@@ -42,6 +42,7 @@ void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unkno
 struct FitRounds {
   Unknowns unknowns{};
   int rounds = 8;                    ///< at most
+  double enough = 0.3;               ///< ends when no more of chi2 is to be gained
   std::size_t step = 1;              ///< every step-th pixel
   double least_variance = 4e-12;     ///< of a pixel
   std::optional<double> variance{};  ///< of a pixel, when known
@@ -56,6 +57,8 @@ struct FitState {
   bool converged = false;
 };
 /// Damped Gauss-Newton steps; `model` is where the returned state was taken, `step` short of the best fit.
+/// `state` is that of the model at the start.
+FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds, FitState state);
 FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds);
 /// Takes a step.
 void move(EdgeModel& model, const Vector& step);

@@ -97,7 +97,7 @@ EdgeModel start_edge(const EdgePixels& blocks, double block_px, double width_px,
   model.curve.half_length_px = std::max(1.0, centre_on_region(model.curve, width, height));
   model.shape.v_px2 = 1.0 + 0.004 * model.curve.half_length_px * model.curve.half_length_px;
 
-  FitRounds rounds{.rounds = 8, .step = std::max<std::size_t>(1, scaled.size() / kMostSamples)};
+  FitRounds rounds{.rounds = 8, .enough = 3.0, .step = std::max<std::size_t>(1, scaled.size() / kMostSamples)};
   for (const int a : {0, 1, kFirstShift, kFirstShift + 1, kFirstShape + 1})
     rounds.unknowns.set(static_cast<std::size_t>(a));
   fit_reference(scaled, model, rounds);

@@ -28,8 +28,7 @@ void place(const EdgePixels& pixels, const EdgeCurve& curve, std::size_t first, 
   }
   if (straight) return;
   for (std::size_t k = 0; k < chunk.size; ++k) {
-    const std::size_t i = first + k * step;
-    const EdgePoint at = locate(curve, {pixels.x[i], pixels.y[i]});
+    const EdgePoint at = bend(curve, chunk.distance[k], chunk.along[k] * curve.half_length_px);
     chunk.distance[k] = at.distance_px;
     chunk.along[k] = at.along_px * per_length;
   }

@@ -140,12 +140,12 @@ double pair_slope(const SplinePair& pair, double d_px) {
   return pair.odd ? near - far : near + far;
 }
 
-JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, double width_px,
-                       double reach_px) {
+JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, bool distances_seen,
+                       double width_px, double reach_px) {
   JointFit joint;
   for (int a = 0; a < kUnknowns; ++a)
     if (unknowns[static_cast<std::size_t>(a)]) joint.unknowns.push_back(a);
-  const std::vector<SplinePair> pairs = place_splines(width_px, reach_px);
+  const std::vector<SplinePair> pairs = distances_seen ? place_splines(width_px, reach_px) : std::vector<SplinePair>();
   const SplineEquations splines = assemble_splines(state, model, pairs, joint.unknowns);
 
   NormalEquations normal = state.normal;
