@@ -15,7 +15,6 @@ namespace calib {
 
 /// The unknowns in their order: the levels; the coefficients of t^k that move the curve towards the bright side, in px,
 /// k = 0 .. 5; S, v, q.
-inline constexpr int kHighestOrder = 5;
 inline constexpr int kFirstShift = kLevels;
 inline constexpr int kFirstShape = kFirstShift + kHighestOrder + 1;
 inline constexpr int kUnknowns = kFirstShape + kShapes;
@@ -30,8 +29,8 @@ struct NormalEquations {
   double chi2 = 0.0, count = 0.0;
 };
 
-/// Function of d in the derivative by unknown `a`, and the power of t that goes with it.
-double basis_value(int a, const StepProfile& profile, int bin, double contrast);
+/// The derivative by unknown `a` is a function of d, here at the middle of each bin, times a power of t.
+Eigen::ArrayXd basis_values(int a, const StepProfile& profile, double contrast);
 int basis_power(int a);
 
 NormalEquations assemble(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile,
