@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mtf/engines/clones.h"
+
 namespace calib {
 namespace {
 
@@ -21,24 +23,26 @@ void place(const EdgePixels& pixels, const EdgeCurve& curve, std::size_t first, 
   chunk.size = std::min(kChunk, (pixels.size() - first + step - 1) / step);
   for (std::size_t k = 0; k < chunk.size; ++k) {
     const std::size_t i = first + k * step;
-    const double x = pixels.x[i] - curve.origin.x, y = pixels.y[i] - curve.origin.y;
+    const double x = static_cast<double>(pixels.x[i]) - curve.origin.x;
+    const double y = static_cast<double>(pixels.y[i]) - curve.origin.y;
     chunk.distance[k] = n.x * x + n.y * y;
     chunk.along[k] = (n.x * y - n.y * x) * per_length;
-    chunk.value[k] = pixels.value[i];
+    chunk.value[k] = static_cast<double>(pixels.value[i]);
   }
   if (straight) return;
   for (std::size_t k = 0; k < chunk.size; ++k) {
-    const std::size_t i = first + k * step;
-    const EdgePoint at = locate(curve, {pixels.x[i], pixels.y[i]});
+    const EdgePoint at = bend(curve, chunk.distance[k], chunk.along[k] * curve.half_length_px);
     chunk.distance[k] = at.distance_px;
     chunk.along[k] = at.along_px * per_length;
   }
 }
 
 template <int Order>
-void add(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
+[[gnu::always_inline]] inline void add(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile,
+                                       double* sums) {
+  constexpr int kStride = 3 * Order + 3;
   const DistanceBins& bins = DistanceBins::get();
-  const auto& level = model.level;
+  const auto level = model.level;
   for (std::size_t k = 0; k < chunk.size; ++k) {
     const double d = chunk.distance[k], t = chunk.along[k];
     if (!(std::abs(d) < kReach_px)) continue;
@@ -48,13 +52,22 @@ void add(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile,
     const double e = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
     const double dark = level[0] + level[2] * d + level[4] * t, bright = level[1] + level[3] * d + level[5] * t;
     const double r = chunk.value[k] - (dark + (bright - dark) * e);
-    double* s = sums + i * (3 * Order + 3);
-    double power = 1.0;
-    for (int m = 0; m <= 2 * Order; ++m, power *= t) s[m] += power;
-    power = r;
-    for (int m = 0; m <= Order; ++m, power *= t) s[2 * Order + 1 + m] += power;
-    s[3 * Order + 2] += r * r;
+    std::array<double, kStride> term;
+    term[0] = 1.0;
+    term[1] = t;
+    for (std::size_t m = 2; m <= 2 * Order; ++m) term[m] = term[m / 2] * term[m - m / 2];
+    for (std::size_t m = 0; m <= Order; ++m) term[2 * Order + 1 + m] = r * term[m];
+    term[kStride - 1] = r * r;
+    double* s = sums + i * kStride;
+    for (std::size_t m = 0; m < kStride; ++m) s[m] += term[m];
   }
+}
+
+MTFKIT_CLONES void add_straight(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
+  add<1>(chunk, model, profile, sums);
+}
+MTFKIT_CLONES void add_bent(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
+  add<kHighestOrder>(chunk, model, profile, sums);
 }
 
 }  // namespace
@@ -67,6 +80,9 @@ double EdgeSums::pure_error(int i) const {
 StepProfile make_profile(const ReferenceTable& table) {
   const DistanceBins& bins = DistanceBins::get();
   StepProfile profile;
+  profile.cubic.resize(kBins);
+  for (auto* list : {&profile.esf, &profile.lsf, &profile.slope[0], &profile.slope[1], &profile.slope[2]})
+    list->resize(kBins);
   for (int side = 0; side < kSideBins; ++side) {
     const auto a = static_cast<std::size_t>(side);
     const double h = bins.knot(kSideBins + side + 1) - bins.knot(kSideBins + side);
@@ -97,10 +113,7 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
   Chunk chunk;
   for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
     place(pixels, model.curve, first, step, chunk);
-    if (sums.order == 1)
-      add<1>(chunk, model, profile, sums.sums.data());
-    else
-      add<5>(chunk, model, profile, sums.sums.data());
+    (sums.order == 1 ? add_straight : add_bent)(chunk, model, profile, sums.sums.data());
   }
   return sums;
 }

@@ -63,6 +63,9 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
   };
   std::vector<Active> active;
   VectorXd column(fixed);
+  MatrixXd basis(fixed, kBins);
+  for (Eigen::Index k = 0; k < fixed; ++k)
+    basis.row(k) = basis_values(unknowns[static_cast<std::size_t>(k)], state.profile, model.contrast()).matrix();
   for (int side = 0; side < kSideBins; ++side) {
     const double d = bins.centre(kSideBins + side);
     active.clear();
@@ -74,10 +77,8 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
       const double* bin = state.sums.bin(i);
       if (bin[0] == 0.0) continue;
       const double weight = 1.0 / state.noise.at(state.profile.esf[static_cast<std::size_t>(i)]);
-      for (Eigen::Index k = 0; k < fixed; ++k) {
-        const int a = unknowns[static_cast<std::size_t>(k)];
-        column[k] = weight * basis_value(a, state.profile, i, model.contrast()) * bin[basis_power(a)];
-      }
+      for (Eigen::Index k = 0; k < fixed; ++k)
+        column[k] = weight * basis(k, i) * bin[basis_power(unknowns[static_cast<std::size_t>(k)])];
       const double residual = weight * state.sums.residual(i, 0);
       const bool dark = i < kSideBins;
       for (std::size_t j = 0; j < active.size(); ++j) {
@@ -140,12 +141,12 @@ double pair_slope(const SplinePair& pair, double d_px) {
   return pair.odd ? near - far : near + far;
 }
 
-JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, double width_px,
-                       double reach_px) {
+JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, bool distances_seen,
+                       double width_px, double reach_px) {
   JointFit joint;
   for (int a = 0; a < kUnknowns; ++a)
     if (unknowns[static_cast<std::size_t>(a)]) joint.unknowns.push_back(a);
-  const std::vector<SplinePair> pairs = place_splines(width_px, reach_px);
+  const std::vector<SplinePair> pairs = distances_seen ? place_splines(width_px, reach_px) : std::vector<SplinePair>();
   const SplineEquations splines = assemble_splines(state, model, pairs, joint.unknowns);
 
   NormalEquations normal = state.normal;

@@ -49,28 +49,42 @@ struct Fit {
 // From the start to the best reference: first on some of the pixels, then on all.
 Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const MeasureOptions& options,
              double reach_px) {
-  constexpr std::size_t kSome = 2600;
+  constexpr std::size_t kSome = 2000;
+  const std::size_t step = std::max<std::size_t>(1, pixels.size() / kSome);
   Fit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns()};
   split_blur(fit.model.shape);
-  rounds.step = std::max<std::size_t>(1, pixels.size() / kSome);
-  rounds.unknowns = fit.unknowns;
-  rounds.rounds = 25;
-  fit_reference(pixels, fit.model, rounds);
+  const auto refine = [&](std::size_t every, int most_rounds, double enough) {
+    rounds.unknowns = fit.unknowns;
+    rounds.step = every;
+    rounds.rounds = most_rounds;
+    rounds.enough = enough;
+    return fit_reference(pixels, fit.model, rounds);
+  };
+  refine(step, 25, 1.0);
 
-  rounds.step = std::max<std::size_t>(1, pixels.size() / (2 * kSome));
+  rounds.step = 1;
   rounds.unknowns = with_gradients(with_order(fit.unknowns, kHighestOrder));
-  const Terms terms = choose_terms(evaluate(pixels, fit.model, rounds), fit.model, reach_px, options);
+  fit.state = evaluate(pixels, fit.model, rounds);
+  const Terms terms = choose_terms(fit.state, fit.model, reach_px, options);
   if (terms.gradients) fit.unknowns = with_gradients(fit.unknowns);
   fit.unknowns = with_order(fit.unknowns, terms.order);
   set_order(fit.model.curve, terms.order, options.circle);
-  rounds.unknowns = fit.unknowns;
+  constexpr int kRounds = 5;
+  constexpr double kEnough = 0.3;
   if (terms.gradients || terms.order > 1) {
-    rounds.rounds = 12;
-    fit_reference(pixels, fit.model, rounds);
+    refine(step, 12, 1.0);
+    fit.state = refine(1, kRounds, kEnough);
+  } else {
+    rounds.unknowns = fit.unknowns;
+    rounds.rounds = kRounds;
+    rounds.enough = kEnough;
+    fit.state = fit_reference(pixels, fit.model, rounds, std::move(fit.state));
   }
-  rounds.step = 1;
-  rounds.rounds = 4;
-  fit.state = fit_reference(pixels, fit.model, rounds);
+  if (fit.model.shape.s_px > 0.0 && !shows_diffraction(fit.state, fit.model, fit.unknowns)) {
+    fit.unknowns.reset(kFirstShape);
+    fit.model.shape.s_px = 0.0;
+    fit.state = refine(1, kRounds, kEnough);
+  }
   return fit;
 }
 
@@ -183,8 +197,9 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   out.oversampling = facts.oversampling;
   if (stop(judge_edge(facts))) return out;
 
-  const JointFit joint = solve_jointly(fit.state, fit.model, without_bounds(fit.unknowns, fit.model), facts.width_px,
-                                       std::min(facts.reach_dark_px, facts.reach_bright_px));
+  const JointFit joint =
+      solve_jointly(fit.state, fit.model, without_bounds(fit.unknowns, fit.model), facts.oversampling >= 3.0,
+                    facts.width_px, std::min(facts.reach_dark_px, facts.reach_bright_px));
   const EdgeResponse response(fit.model, joint);
   describe(response, out);
   Vector change = Vector::Zero();
