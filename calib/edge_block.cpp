@@ -52,8 +52,8 @@ Height height(const EdgeCurve& curve, double s) {
   return g;
 }
 
-Place on_curve(const EdgeCurve& curve, double x, double y, double across) {
-  const EdgePoint foot = locate(curve, {x, y});
+Place on_curve(const EdgeCurve& curve, double across, double along) {
+  const EdgePoint foot = bend(curve, across, along);
   const auto [g, rise] = height(curve, foot.along_px);
   const double scale = 1.0 / std::sqrt(1.0 + rise * rise);
   return {foot.distance_px, foot.along_px, across, -scale, scale * (foot.along_px + g * rise), scale};
@@ -62,7 +62,7 @@ Place on_curve(const EdgeCurve& curve, double x, double y, double across) {
 inline Place place_of(const EdgeCurve& curve, Point normal, double x, double y) {
   const double px = x - curve.origin.x, py = y - curve.origin.y;
   const double across = normal.x * px + normal.y * py, along = normal.x * py - normal.y * px;
-  if (curve.shape != EdgeCurve::Shape::line) return on_curve(curve, x, y, across);
+  if (curve.shape != EdgeCurve::Shape::line) return on_curve(curve, across, along);
   return {across, along, across, -1.0, along, 1.0};
 }
 
@@ -162,7 +162,7 @@ NormalMatrix EdgeBlock::accumulate(const Sensors& sensors, std::span<const doubl
     const double spread = step.at(at.distance, e);
     const double s = at.along / length, u = at.across / length;
     const double low = dark + g[0] * s + g[1] * u, rise = contrast + (g[2] - g[0]) * s + (g[3] - g[1]) * u;
-    const BentResidual r = bend((pixel.value - low - rise * e[0]) / pixel.sd, robust_);
+    const BentResidual r = bent((pixel.value - low - rise * e[0]) / pixel.sd, robust_);
     const double weight = -r.slope / pixel.sd, by_distance = weight * rise * spread;
 
     const std::span<double> row = all.next();

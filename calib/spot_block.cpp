@@ -143,7 +143,7 @@ NormalMatrix SpotBlock::normal(const Sensors& sensors, std::span<const double> o
     for (std::int64_t x = 0; x < data_->roi.width; ++x, ++i) {
       const double value = data_->image.at(data_->roi.x + x, data_->roi.y + y);
       if (!std::isfinite(value)) continue;
-      const BentResidual r = bend((value - background - flux * psf[0][i]) / sd_, robust_);
+      const BentResidual r = bent((value - background - flux * psf[0][i]) / sd_, robust_);
       const double weight = -r.slope / sd_;
       const std::span<double> row = all.next();
       row[0] = weight * flux * psf[1][i];
