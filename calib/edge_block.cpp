@@ -11,13 +11,6 @@ namespace {
 /// needs no more than that.
 constexpr double kTurns = 0.05;
 
-/// How d at a pixel follows the curve's unknowns: times cos(phi), see the header.
-struct Place {
-  double distance = 0.0, along = 0.0, across = 0.0;
-  double by_offset = -1.0, by_turn = 0.0;
-  double scale = 1.0;  ///< cos(phi)
-};
-
 /// t^k of t = s / half_length for k = 2, 3, ..; beyond the ends they go on along their tangents (edge_curve.h).
 class Powers {
  public:
@@ -52,21 +45,32 @@ Height height(const EdgeCurve& curve, double s) {
   return g;
 }
 
-Place on_curve(const EdgeCurve& curve, double across, double along) {
+}  // namespace
+
+EdgeBlock::Place EdgeBlock::on_curve(const EdgeCurve& curve, double across, double along) {
   const EdgePoint foot = bend(curve, across, along);
   const auto [g, rise] = height(curve, foot.along_px);
   const double scale = 1.0 / std::sqrt(1.0 + rise * rise);
   return {foot.distance_px, foot.along_px, across, -scale, scale * (foot.along_px + g * rise), scale};
 }
 
-inline Place place_of(const EdgeCurve& curve, Point normal, double x, double y) {
-  const double px = x - curve.origin.x, py = y - curve.origin.y;
+inline EdgeBlock::Place EdgeBlock::place_of(const EdgeCurve& curve, Point normal, const Pixel& pixel) {
+  const double px = pixel.x + 0.5 - curve.origin.x, py = pixel.y + 0.5 - curve.origin.y;
   const double across = normal.x * px + normal.y * py, along = normal.x * py - normal.y * px;
-  if (curve.shape != EdgeCurve::Shape::line) return on_curve(curve, across, along);
-  return {across, along, across, -1.0, along, 1.0};
+  if (curve.shape == EdgeCurve::Shape::line) return {across, along, across, -1.0, along, 1.0};
+  return on_curve(curve, across, along);
 }
 
-}  // namespace
+const std::vector<EdgeBlock::Place>& EdgeBlock::places(std::span<const double> own) const {
+  const std::span<const double> shape = own.first(2 + curve_unknowns());
+  if (std::equal(shape.begin(), shape.end(), placed_for_.begin(), placed_for_.end())) return places_;
+  placed_for_.assign(shape.begin(), shape.end());
+  const EdgeCurve edge = curve(own);
+  const Point normal = edge.normal();
+  places_.clear();
+  for (const Pixel& pixel : pixels_) places_.push_back(place_of(edge, normal, pixel));
+  return places_;
+}
 
 EdgeBlock::EdgeBlock(const EdgeData& data) : data_(&data) {
   const Roi& roi = data.roi;
@@ -75,11 +79,12 @@ EdgeBlock::EdgeBlock(const EdgeData& data) : data_(&data) {
     for (std::int64_t x = roi.x; x < roi.x + roi.width; ++x) {
       const double value = data.image.at(x, y);
       if (!std::isfinite(value)) continue;
-      const Place place =
-          place_of(data.start.curve, normal, static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
+      Pixel pixel{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), value, 1.0};
+      const Place place = place_of(data.start.curve, normal, pixel);
       reach_px_ = std::max(reach_px_, std::abs(place.distance));
       const double level = place.distance < 0.0 ? data.start.dark : data.start.bright;
-      pixels_.push_back({static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), value, sd_at(level)});
+      pixel.sd = sd_at(level);
+      pixels_.push_back(pixel);
     }
   reach_px_ += 2.0;
 }
@@ -156,9 +161,10 @@ NormalMatrix EdgeBlock::accumulate(const Sensors& sensors, std::span<const doubl
   std::array<double, 4> g{};
   if (own.size() > levels + 2) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
   std::vector<double> e(step.count());
+  const std::vector<Place>* const kept = edge.shape != EdgeCurve::Shape::line && every_ == 1 ? &places(own) : nullptr;
   for (std::size_t p = 0; p < pixels_.size(); p += every_) {
     const Pixel& pixel = pixels_[p];
-    const Place at = place_of(edge, normal, pixel.x + 0.5, pixel.y + 0.5);
+    const Place at = kept != nullptr ? (*kept)[p] : place_of(edge, normal, pixel);
     const double spread = step.at(at.distance, e);
     const double s = at.along / length, u = at.across / length;
     const double low = dark + g[0] * s + g[1] * u, rise = contrast + (g[2] - g[0]) * s + (g[3] - g[1]) * u;
@@ -206,11 +212,12 @@ std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<con
   std::array<double, 4> g{};
   if (gradients_) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
   std::vector<double> e(step.count());
+  const std::vector<Place>* const kept = edge.shape != EdgeCurve::Shape::line && every == 1 ? &places(own) : nullptr;
   std::vector<Residual> all;
   all.reserve(pixels_.size() / every + 1);
   for (std::size_t p = 0; p < pixels_.size(); p += every) {
     const Pixel& pixel = pixels_[p];
-    const Place at = place_of(edge, normal, pixel.x + 0.5, pixel.y + 0.5);
+    const Place at = kept != nullptr ? (*kept)[p] : place_of(edge, normal, pixel);
     step.at(at.distance, e);
     const double s = at.along / length, u = at.across / length;
     const double low = dark + g[0] * s + g[1] * u, rise = contrast + (g[2] - g[0]) * s + (g[3] - g[1]) * u;

@@ -55,6 +55,16 @@ class EdgeBlock {
     double value = 0.0;
     double sd = 1.0;
   };
+  /// How d at a pixel follows the curve's unknowns: times cos(phi), see above.
+  struct Place {
+    double distance = 0.0, along = 0.0, across = 0.0;
+    double by_offset = -1.0, by_turn = 0.0;
+    double scale = 1.0;  ///< cos(phi)
+  };
+  static Place place_of(const EdgeCurve& curve, Point normal, const Pixel& pixel);
+  static Place on_curve(const EdgeCurve& curve, double across, double along);
+  /// Of all pixels on a curve that is not straight: worth keeping for the next pass at the same point.
+  const std::vector<Place>& places(std::span<const double> own) const;
   std::size_t curve_unknowns() const;
   const StepResponse& response(const Sensors& sensors, const EdgeCurve& curve) const;
   NormalMatrix accumulate(const Sensors& sensors, std::span<const double> own, bool gradients) const;
@@ -77,6 +87,8 @@ class EdgeBlock {
     std::optional<StepResponse> step;
   };
   mutable Kept kept_;
+  mutable std::vector<double> placed_for_;
+  mutable std::vector<Place> places_;
 };
 
 }  // namespace calib
