@@ -133,7 +133,8 @@ std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInpu
   if (input.channel == "all" || input.channel == "luminance") read.channel.reset();
   const mtf::io::Encoding encoding = mtf::io::parse_encoding(input.encoding);
   mtf::io::ImageFile file = mtf::io::read_image(image, read);
-  for (Image& plane : file.planes) mtf::io::decode(encoding, plane.view(), mtf::io::full_scale(file.info));
+  std::int64_t outside = 0;
+  for (Image& plane : file.planes) outside += mtf::io::decode(encoding, plane.view(), mtf::io::full_scale(file.info));
 
   mtf::io::ImageFile header;
   header.integer = file.integer;
@@ -144,6 +145,9 @@ std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInpu
   for (NamedImage& named : planes) {
     EdgePlane& plane = result.emplace_back();
     plane.image = image;
+    if (outside > 0)
+      plane.warning = one_line(image) + ": " + std::to_string(outside) + " samples lie outside the table " +
+                      one_line(encoding.name) + " and are taken as no data";
     plane.channel = named.name;
     plane.regions = given_regions(image, input, named.plane);
     plane.options = options_of(header, encoding, input, named.plane);

@@ -64,6 +64,7 @@ calib::CurveData load_curve(const std::string& word, double sd, const mtf::Syste
 }
 
 void add_edges(LoadedData& loaded, const EdgePlane& plane, std::size_t condition, int threads) {
+  if (!plane.warning.empty()) loaded.warnings.push_back(plane.warning);
   if (plane.regions.empty()) loaded.warnings.push_back(one_line(plane.image) + ": " + plane.reason);
   std::vector<MeasuredEdge> measured(plane.regions.size());
   mtf::parallel_for(std::ssize(measured), 1, threads, [&](std::int64_t begin, std::int64_t end) {

@@ -153,6 +153,7 @@ int run_measure(const MeasureOptions& options, const Global& global) {
     try {
       bool first = i == 0;
       for (const EdgePlane& plane : load_edge_planes(images[i], options.input)) {
+        if (!plane.warning.empty()) note(global, "mtf: warning: " + plane.warning);
         std::vector<MeasuredEdge> edges = measure_all(plane, options, global.threads);
         if (edges.empty()) edges.push_back(nothing_found(plane));
         if (first && !options.annotate.empty()) annotate(options.annotate, plane, edges);

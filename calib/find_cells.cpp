@@ -21,9 +21,6 @@ constexpr std::array<float, 5> kBinomial{1.0F / 16, 4.0F / 16, 6.0F / 16, 4.0F /
 constexpr double kGradientNoise = 0.1498;
 /// Standard deviations of a gradient's component that noise does not reach in millions of cells.
 constexpr double kNoiseMargin = 6.0;
-/// Of the range of values: steps this small are nothing, whatever the noise (rounding of float32).
-constexpr double kSmallest = 1e-5;
-
 double valid_share(mtf::ImageView<const float> image) {
   std::int64_t valid = 0;
   for (std::int64_t y = 0; y < image.height; ++y)
@@ -119,6 +116,8 @@ Cells make_cells(mtf::ImageView<const float> image) {
   if (known > 0) {
     cells.range = static_cast<double>(high) - static_cast<double>(low);
     cells.pixels_a_cell = pixels / static_cast<double>(known);
+    const double largest = std::max(std::abs(static_cast<double>(low)), std::abs(static_cast<double>(high)));
+    cells.rounding = std::numeric_limits<float>::epsilon() * std::max(1.0, largest / cells.range);
     if (cells.range > 0.0)
       for (float& v : cells.value)
         v = static_cast<float>((static_cast<double>(v) - static_cast<double>(low)) / cells.range);
@@ -134,7 +133,7 @@ Gradients make_gradients(const Cells& cells) {
   gradients.height = cells.height;
   gradients.magnitude.assign(value.size(), 0.0F);
   gradients.direction.assign(value.size(), 0);
-  gradients.threshold = std::max(kNoiseMargin * kGradientNoise * cells.noise_sd, kSmallest);
+  gradients.threshold = std::max(kNoiseMargin * kGradientNoise * cells.noise_sd, cells.rounding);
   for (std::int64_t y = 1; y + 1 < cells.height; ++y)
     for (std::int64_t x = 1; x + 1 < cells.width; ++x) {
       const auto i = static_cast<std::size_t>(y * cells.width + x);

@@ -111,10 +111,10 @@ bool place_regions(Search& search, double share, std::vector<Segment>& segments)
     const int level = times > 1.0 ? std::ilogb(times) : 0;
     const double floor = std::ldexp(gradients.threshold, level);
     const auto beside = find::survey(search.cells, gradients, segment, floor, search.in_cells(half_px));
-    if (beside && beside->contrast >= options.min_cnr * beside->noise_sd) {
+    if (beside) {
       by_level[level].push_back({segment, *beside});
     } else {
-      ++(beside ? search.passed.faint : search.passed.blurred);
+      ++search.passed.blurred;
       left.push_back(segment);
     }
   }
@@ -123,9 +123,11 @@ bool place_regions(Search& search, double share, std::vector<Segment>& segments)
     const find::Structure structure(gradients, floor);
     for (const auto& [segment, beside] : candidates) {
       const auto region = find::place_region(gradients, structure, floor, segment, beside, limits);
-      // The whole image is one edge's only when it has no other.
-      if (!region || (region->whole && !search.found.edges.empty())) {
-        ++search.passed.crowded;
+      // The whole image is one edge's only when it has no other. There is no other choice then, however faint it is.
+      const bool crowded = !region || (region->whole && !search.found.edges.empty());
+      const bool faint = beside.contrast < options.min_cnr * beside.noise_sd && !(region && region->whole);
+      if (crowded || faint) {
+        ++(faint ? search.passed.faint : search.passed.crowded);
         left.push_back(segment);
         continue;
       }

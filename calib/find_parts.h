@@ -22,6 +22,7 @@ struct Cells {
   double valid = 0.0;        ///< share of cells with a value
   double range = 0.0;        ///< largest - smallest value in the image's unit
   double noise_sd = 0.0;     ///< of a cell, from 0 to 1 as `value`; robust against structure in less than half of them
+  double rounding = 0.0;     ///< of float32, likewise: steps this small are nothing, whatever the noise
   double pixels_a_cell = 1.0;
 
   float at(std::int64_t x, std::int64_t y) const { return value[static_cast<std::size_t>(y * width + x)]; }

@@ -231,7 +231,8 @@ std::int64_t Structure::count(std::int64_t x0, std::int64_t y0, std::int64_t x1,
 
 std::optional<Region> place_region(const Gradients& g, const Structure& structure, double level, const Segment& segment,
                                    const Surroundings& surroundings, const RegionLimits& limits) {
-  const double reach = surroundings.reach + 2.0;
+  // Noise lifts cells above the level a little beyond the reach of the medians.
+  const double reach = 1.3 * surroundings.reach + 2.0;
   const Lines lines = trace(g, level, segment, reach);
   if (lines.place.empty()) return std::nullopt;
   const auto own = [&](std::int64_t first, std::int64_t end) {

@@ -15,7 +15,7 @@ namespace {
 /// (2012).
 constexpr int kDirectionSpread = 16;
 constexpr float kGrowthShare = 0.25F;
-/// A ridge is smooth when it lies this close to a parabola, in cells.
+/// A ridge is smooth when it lies this close to a parabola, in its own standard deviations across, at least in cells.
 constexpr double kSmoothRms = 0.35, kSmoothMax = 1.0;
 constexpr double kWidestGap = 3.0;  // along a ridge, in cells
 constexpr std::size_t kMostSegments = 4096;
@@ -90,9 +90,10 @@ void grow(const Gradients& g, std::uint32_t seed, std::vector<bool>& taken, Blob
 struct RidgePoint {
   double s = 0.0, u = 0.0;
   double magnitude = 0.0;
+  double sd = 0.0;  ///< across, weighted by the gradient
 };
 
-/// One point a cell along the blob: the mean place across, weighted by the gradient, and the largest gradient.
+/// One point a cell along the blob: place and width across, weighted by the gradient, and the largest gradient.
 std::vector<RidgePoint> ridge_of(const Gradients& g, const Blob& blob, const Segment& frame) {
   double low = 0.0, high = 0.0;
   const auto centre = [&](std::uint32_t i) {
@@ -104,21 +105,25 @@ std::vector<RidgePoint> ridge_of(const Gradients& g, const Blob& blob, const Seg
     high = std::max(high, s);
   }
   struct Sum {
-    double weight = 0.0, s = 0.0, u = 0.0, top = 0.0;
+    double weight = 0.0, s = 0.0, u = 0.0, square = 0.0, top = 0.0;
   };
   std::vector<Sum> bins(static_cast<std::size_t>(high - low) + 1);
   for (const std::uint32_t i : blob.cells) {
     const Point p = centre(i);
-    const double s = frame.along(p), m = g.magnitude[i];
+    const double s = frame.along(p), u = frame.across(p), m = g.magnitude[i];
     Sum& bin = bins[static_cast<std::size_t>(s - low)];
     bin.weight += m;
     bin.s += m * s;
-    bin.u += m * frame.across(p);
+    bin.u += m * u;
+    bin.square += m * u * u;
     bin.top = std::max(bin.top, m);
   }
   std::vector<RidgePoint> ridge;
-  for (const Sum& bin : bins)
-    if (bin.weight > 0.0) ridge.push_back({bin.s / bin.weight, bin.u / bin.weight, bin.top});
+  for (const Sum& bin : bins) {
+    if (bin.weight <= 0.0) continue;
+    const double u = bin.u / bin.weight;
+    ridge.push_back({bin.s / bin.weight, u, bin.top, std::sqrt(std::max(0.0, bin.square / bin.weight - u * u))});
+  }
   return ridge;
 }
 
@@ -146,15 +151,17 @@ void add_pieces(std::span<const RidgePoint> points, const Segment& frame, double
     Segment piece = frame;
     piece.coefficient = parabola(points);
     std::size_t worst = 0;
-    double largest = 0.0, squares = 0.0, magnitude = 0.0;
+    double largest = 0.0, squares = 0.0, magnitude = 0.0, sd = 0.0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double e = std::abs(points[i].u - piece.offset(points[i].s));
       squares += e * e;
       magnitude += points[i].magnitude;
+      sd += points[i].sd;
       if (e > largest) largest = e, worst = i;
     }
     const double count = static_cast<double>(points.size());
-    if (std::sqrt(squares / count) <= kSmoothRms && largest <= kSmoothMax) {
+    const double width = std::max(1.0, sd / count);
+    if (std::sqrt(squares / count) <= kSmoothRms * width && largest <= kSmoothMax * width) {
       piece.s0 = points.front().s;
       piece.s1 = points.back().s;
       piece.peak = magnitude / count;

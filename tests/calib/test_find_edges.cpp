@@ -80,26 +80,70 @@ TEST(FindEdges, CheckerboardOfAnyTurn) {
   }
 }
 
-mtf::Image single_edge(std::int64_t width, std::int64_t height, double angle_deg, double noise_sd) {
+mtf::Image single_edge(std::int64_t width, std::int64_t height, double angle_deg, double noise_sd,
+                       double blur_px = 0.7) {
   const double angle = angle_deg * std::numbers::pi / 180.0;
   const Point centre{0.5 * static_cast<double>(width) - 1e4 * std::cos(angle),
                      0.5 * static_cast<double>(height) - 1e4 * std::sin(angle)};
-  return made_scene(width, height, {{centre, 1e4, angle_deg, 0.6}}, noise_sd, 0.2);
+  return made_scene(width, height, {{centre, 1e4, angle_deg, 0.6}}, noise_sd, 0.2, blur_px);
 }
 
 TEST(FindEdges, AnImageCrossedByOneEdgeIsTakenWhole) {
-  for (double angle = 0.0; angle < 360.0; angle += 9.5)
-    for (const double noise : {0.0, 0.01, 0.05}) {
-      const mtf::Image image = single_edge(128, 100, angle, noise);
+  struct Case {
+    std::int64_t width, height;
+    double noise, blur;
+  };
+  for (const Case& c : {Case{128, 100, 0.0, 0.7},
+                        {128, 100, 0.01, 0.3},
+                        {128, 100, 0.05, 0.7},
+                        {128, 100, 0.1, 0.7},
+                        {128, 100, 0.01, 5.0},
+                        {128, 32, 0.01, 0.7},
+                        {24, 24, 0.0, 0.7},
+                        {200, 200, 0.01, 8.0}})
+    for (double angle = 0.0; angle < 360.0; angle += 9.5) {
+      const mtf::Image image = single_edge(c.width, c.height, angle, c.noise, c.blur);
       const FoundEdges found = find_edges(image.view());
-      ASSERT_EQ(found.edges.size(), 1U) << angle << " " << noise << " " << found.reason;
-      EXPECT_EQ(found.edges[0].roi, (Roi{0, 0, 128, 100})) << angle << " " << noise;
+      SCOPED_TRACE(testing::Message() << angle << " degrees, noise " << c.noise << ", blur " << c.blur);
+      ASSERT_EQ(found.edges.size(), 1U) << found.reason;
+      EXPECT_EQ(found.edges[0].roi, (Roi{0, 0, c.width, c.height}));
     }
+}
+
+TEST(FindEdges, MaskedOrCurvedItIsStillOneEdge) {
+  std::mt19937 random(5);
+  for (double angle = 0.0; angle < 360.0; angle += 9.5) {
+    for (const int keep : {0, 1, 2}) {
+      mtf::Image image = single_edge(128, 100, angle, 0.02);
+      for (std::int64_t y = 0; y < 100; ++y)
+        for (std::int64_t x = 0; x < 128; ++x) {
+          const bool masks[] = {x % 2 == 1 && y % 2 == 0, (x + y) % 2 == 0, random() % 2 == 0};
+          if (!masks[keep]) image.at(x, y) = kNone;
+        }
+      const FoundEdges found = find_edges(image.view());
+      ASSERT_EQ(found.edges.size(), 1U) << angle << " " << keep << found.reason;
+      EXPECT_EQ(found.edges[0].roi, (Roi{0, 0, 128, 100})) << angle << " " << keep;
+    }
+    mtf::Image curved(128, 100);
+    const double radius = 300.0, turn = angle * std::numbers::pi / 180.0;
+    for (std::int64_t y = 0; y < 100; ++y)
+      for (std::int64_t x = 0; x < 128; ++x) {
+        const double d = std::hypot(static_cast<double>(x) - 64.0 - radius * std::cos(turn),
+                                    static_cast<double>(y) - 50.0 - radius * std::sin(turn)) -
+                         radius;
+        curved.at(x, y) = static_cast<float>(0.2 + 0.3 * std::erfc(-d));
+      }
+    const FoundEdges found = find_edges(curved.view());
+    ASSERT_EQ(found.edges.size(), 1U) << angle << found.reason;
+    EXPECT_EQ(found.edges[0].roi, (Roi{0, 0, 128, 100})) << angle;
+  }
 }
 
 TEST(FindEdges, TheSharedEdgesAreTakenWhole) {
   if (test::shared_data().empty()) GTEST_SKIP() << "no shared data";
-  for (const auto& edge : test::shared_json("edges/truth.json").at("cases")) {
+  const nlohmann::json cases = test::shared_json("edges/truth.json").at("cases");
+  EXPECT_EQ(cases.size(), 19U);
+  for (const auto& edge : cases) {
     const std::string file = edge.at("file");
     const mtf::Image image = test::linear_image(test::shared_data() / "edges" / file);
     const FoundEdges found = find_edges(image.view());
@@ -241,7 +285,9 @@ TEST(FindEdges, LargeImages) {
 TEST(FindEdges, ThermalImages) {
   if (test::shared_data().empty()) GTEST_SKIP() << "no shared data";
   const std::map<std::string, std::size_t> wanted{{"tower.png", 1}, {"water_pipe.png", 3}, {"moving_mercedes.png", 1}};
-  for (const auto& entry : test::shared_json("thermal/manifest.json")) {
+  const nlohmann::json manifest = test::shared_json("thermal/manifest.json");
+  EXPECT_EQ(manifest.size(), 8U);
+  for (const auto& entry : manifest) {
     const std::string file = entry.at("file");
     SCOPED_TRACE(file);
     const mtf::Image image = test::linear_image(test::shared_data() / "thermal" / file);
