@@ -70,7 +70,27 @@ MTFKIT_CLONES void add_bent(const Chunk& chunk, const EdgeModel& model, const St
   add<kHighestOrder>(chunk, model, profile, sums);
 }
 
+// An odd function halfway between knots: by the cubic through four where they are evenly spaced.
+double middle(const std::array<double, kSideBins + 1>& values, std::size_t i) {
+  const DistanceBins& bins = DistanceBins::get();
+  const auto width = [&](std::size_t k) {
+    const int at = kSideBins + static_cast<int>(k);
+    return bins.knot(at + 1) - bins.knot(at);
+  };
+  const double mean = 0.5 * (values[i] + values[i + 1]);
+  const bool even = i + 2 <= kSideBins && width(i + 1) == width(i) && (i == 0 || width(i - 1) == width(i));
+  if (!even) return mean;
+  const double before = i == 0 ? -values[1] : values[i - 1];
+  return 1.125 * mean - 0.0625 * (before + values[i + 2]);
+}
+
 }  // namespace
+
+void EdgeSums::add_to_residual(int i, double more) {
+  double* bin = sums.data() + static_cast<std::size_t>(i) * stride();
+  bin[3 * order + 2] += more * (2.0 * residual(i, 0) + more * count(i));
+  for (int k = 0; k <= order; ++k) bin[2 * order + 1 + k] += more * bin[k];
+}
 
 double EdgeSums::pure_error(int i) const {
   const double n = count(i);
@@ -100,7 +120,7 @@ StepProfile make_profile(const ReferenceTable& table) {
       profile.lsf[i] = c1;
     }
     for (std::size_t k = 0; k < kShapes; ++k) {
-      profile.slope[k][bright] = 0.5 * (table.slope[k][a] + table.slope[k][a + 1]);
+      profile.slope[k][bright] = middle(table.slope[k], a);
       profile.slope[k][dark] = -profile.slope[k][bright];
     }
   }

@@ -48,6 +48,8 @@ struct EdgeSums {
   double moment(int i, int k) const { return bin(i)[k]; }                    ///< sum of t^k
   double residual(int i, int k) const { return bin(i)[2 * order + 1 + k]; }  ///< sum of r t^k
   double square(int i) const { return bin(i)[3 * order + 2]; }               ///< sum of r^2
+  /// As if each pixel's residual in the bin were larger by `more`.
+  void add_to_residual(int i, double more);
   double pure_error(int i) const;  ///< sum of r^2 about the bin's own mean, count - 1 degrees of freedom
 };
 

@@ -53,6 +53,19 @@ Gain gain_of(const NormalEquations& normal, const Unknowns& unknowns) {
   return gain;
 }
 
+// Largest height of the terms t^first .. t^last over the edge.
+double largest_bend(const Vector& step, int first, int last) {
+  constexpr int kSteps = 20;
+  double most = 0.0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double t = 2.0 * i / kSteps - 1.0;
+    double height = 0.0;
+    for (int k = last; k >= first; --k) height = (height + step[kFirstShift + k]) * t;
+    most = std::max(most, std::abs(height * std::pow(t, first - 1)));
+  }
+  return most;
+}
+
 }  // namespace
 
 Unknowns basic_unknowns() {
@@ -103,8 +116,7 @@ Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_p
   for (int order = 2; order <= kHighestOrder; ++order) {
     const Gain bent = gain_of(state.normal, with_order(rest, order));
     if ((bent.chi2 - reached) / (order - terms.order) <= kSureBend * unit) continue;
-    if (bent.step.segment(kFirstShift + terms.order + 1, order - terms.order).cwiseAbs().maxCoeff() < kLeastBend_px)
-      continue;
+    if (largest_bend(bent.step, terms.order + 1, order) < kLeastBend_px) continue;
     terms.order = order;
     reached = bent.chi2;
   }

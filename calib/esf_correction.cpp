@@ -22,7 +22,7 @@ double spline(double x) {
 double spline_slope(double x) {
   const double a = std::abs(x), b = 2.0 - a;
   if (a >= 2.0) return 0.0;
-  return std::copysign(a < 1.0 ? a * (1.5 * a - 2.0) : -0.5 * b * b, x);
+  return (x < 0.0 ? -1.0 : 1.0) * (a < 1.0 ? a * (1.5 * a - 2.0) : -0.5 * b * b);
 }
 
 std::vector<SplinePair> place_splines(double width_px, double reach_px) {
@@ -224,10 +224,11 @@ JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unkn
   const VectorXd solution = whole.solve(right);
   const MatrixXd inverse = whole.solve(MatrixXd::Identity(total, total));
   joint.value = full_scale.cwiseProduct(solution);
-  joint.covariance = full_scale.asDiagonal() * inverse * full_scale.asDiagonal();
   const double spent = static_cast<double>(total) - penalty.dot(inverse.diagonal());
   const double left = state.normal.chi2 - 2.0 * solution.dot(right) + solution.dot(all * solution);
   joint.chi2_per_dof = std::max(0.0, left) / std::max(1.0, state.normal.count - spent);
+  // A model that stays further from the pixels than their noise is known no better than that.
+  joint.covariance = std::max(1.0, joint.chi2_per_dof) * (full_scale.asDiagonal() * inverse * full_scale.asDiagonal());
   return joint;
 }
 
