@@ -61,6 +61,11 @@ inline EdgeBlock::Place EdgeBlock::place_of(const EdgeCurve& curve, Point normal
   return on_curve(curve, across, along);
 }
 
+bool EdgeBlock::keeps_places() const {
+  constexpr std::size_t kMostKept = 500000;  // of 48 bytes
+  return data_->start.curve.shape != EdgeCurve::Shape::line && pixels_.size() <= kMostKept;
+}
+
 const std::vector<EdgeBlock::Place>& EdgeBlock::places(std::span<const double> own) const {
   const std::span<const double> shape = own.first(2 + curve_unknowns());
   if (std::equal(shape.begin(), shape.end(), placed_for_.begin(), placed_for_.end())) return places_;
@@ -161,7 +166,7 @@ NormalMatrix EdgeBlock::accumulate(const Sensors& sensors, std::span<const doubl
   std::array<double, 4> g{};
   if (own.size() > levels + 2) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
   std::vector<double> e(step.count());
-  const std::vector<Place>* const kept = edge.shape != EdgeCurve::Shape::line && every_ == 1 ? &places(own) : nullptr;
+  const std::vector<Place>* const kept = keeps_places() && every_ == 1 ? &places(own) : nullptr;
   for (std::size_t p = 0; p < pixels_.size(); p += every_) {
     const Pixel& pixel = pixels_[p];
     const Place at = kept != nullptr ? (*kept)[p] : place_of(edge, normal, pixel);
@@ -212,7 +217,7 @@ std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<con
   std::array<double, 4> g{};
   if (gradients_) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
   std::vector<double> e(step.count());
-  const std::vector<Place>* const kept = edge.shape != EdgeCurve::Shape::line && every == 1 ? &places(own) : nullptr;
+  const std::vector<Place>* const kept = keeps_places() && every == 1 ? &places(own) : nullptr;
   std::vector<Residual> all;
   all.reserve(pixels_.size() / every + 1);
   for (std::size_t p = 0; p < pixels_.size(); p += every) {

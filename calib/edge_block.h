@@ -65,6 +65,7 @@ class EdgeBlock {
   static Place on_curve(const EdgeCurve& curve, double across, double along);
   /// Of all pixels on a curve that is not straight: worth keeping for the next pass at the same point.
   const std::vector<Place>& places(std::span<const double> own) const;
+  bool keeps_places() const;
   std::size_t curve_unknowns() const;
   const StepResponse& response(const Sensors& sensors, const EdgeCurve& curve) const;
   NormalMatrix accumulate(const Sensors& sensors, std::span<const double> own, bool gradients) const;

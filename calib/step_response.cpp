@@ -164,7 +164,8 @@ StepResponse::StepResponse(const SliceNodes& nodes, std::span<const std::vector<
 
 double StepResponse::at(double d_px, std::span<double> values) const {
   assert(values.size() >= count_);
-  const double distance = std::min(std::abs(d_px), reach_px_), sign = d_px < 0.0 ? -1.0 : 1.0;
+  // Not a number lies beyond the reach, too.
+  const double distance = std::abs(d_px) < reach_px_ ? std::abs(d_px) : reach_px_, sign = d_px < 0.0 ? -1.0 : 1.0;
   const Zone& zone = zones_.size() > 1 && distance >= zones_[1].start ? zones_[1] : zones_[0];
   const double at = (distance - zone.start) * zone.steps_per_px;
   const std::size_t i = std::min(static_cast<std::size_t>(at), zone.intervals - 1);
@@ -187,7 +188,7 @@ double StepResponse::at(double d_px, std::span<double> values) const {
   }
   if (count_ == 0) return 0.0;
   values[0] += 0.5;
-  if (std::abs(d_px) > reach_px_) return 0.0;
+  if (!(std::abs(d_px) <= reach_px_)) return 0.0;
   const double* const b0 = a0 + width;
   const auto slope = [&](std::size_t j) {
     return (6.0 * t * u * (b0[j] - a0[j]) + u * (1.0 - 3.0 * t) * a0[j + 1] + t * (3.0 * t - 2.0) * b0[j + 1]) *

@@ -145,10 +145,12 @@ TEST(FitRefusals, EdgesWithTroubleAreLeftOut) {
 
 TEST(FitRefusals, MaskedFlatAndTinyEdges) {
   const Made made;
-  for (const int fault : {0, 1, 2, 3}) {
+  for (const int fault : {0, 1, 2, 3, 4, 5}) {
     FitData data = made.data();
     mtf::Image image = made.image.clone();
     data.edges[0].image = image.view();
+    if (fault == 4) data.edges[0].start.curve.half_length_px = 0.0;
+    if (fault == 5) data.edges[0].start.curve.coefficient = {kNan};
     if (fault == 0) std::fill_n(image.data(), image.size(), std::numeric_limits<float>::quiet_NaN());
     if (fault == 1) data.edges[0].roi = {64, 50, 1, 1};
     if (fault == 2) data.edges[0].start.bright = data.edges[0].start.dark;
@@ -181,6 +183,22 @@ TEST(FitRefusals, ImagesOfOtherThingsEndInSomeOutcome) {
     const FitResult result = fit(data, kSigma);
     EXPECT_FALSE(status_name(result.status).empty());
     EXPECT_TRUE(std::isfinite(result.parameters.at(0).value));
+  }
+}
+
+TEST(FitRefusals, AbsurdGeometryEndsInSomeOutcome) {
+  const Made made;
+  for (const int fault : {0, 1, 2, 3, 4}) {
+    FitData data = made.data();
+    EdgeMeasurement& start = data.edges[0].start;
+    if (fault == 0) start.curve.coefficient = {1e200, -1e300}, start.curve.shape = EdgeCurve::Shape::polynomial;
+    if (fault == 1) start.curve.coefficient = {40.0}, start.curve.shape = EdgeCurve::Shape::polynomial;
+    if (fault == 2) start.curve.curvature_per_px = 1e9, start.curve.shape = EdgeCurve::Shape::circle;
+    if (fault == 3) start.dark = 1e30, start.bright = -1e30;
+    if (fault == 4) start.noise_sd = 1e200, start.noise_gain = -1e200;
+    const FitResult result = fit(data, kSigma);
+    EXPECT_TRUE(std::isfinite(result.parameters.at(0).value)) << fault;
+    for (const double m : result.mtf) ASSERT_TRUE(std::isfinite(m)) << fault;
   }
 }
 
