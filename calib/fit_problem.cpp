@@ -3,6 +3,9 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "mtf/parallel.h"
 
 namespace calib {
@@ -25,11 +28,16 @@ class Unknowns {
   }
   double* own(std::size_t block) const { return own_[block]; }
   double* x() const { return x_; }
-  /// What Ceres has written goes to the problem.
-  void give_back() const {
-    for (std::size_t b = 0; b < own_.size(); ++b)
-      std::copy_n(own_[b], problem_->own[b].size(), problem_->own[b].begin());
-    std::copy_n(x_, problem_->x.size(), problem_->x.begin());
+  /// What Ceres has written goes to the problem; false when it is there already.
+  bool give_back() const {
+    bool any = false;
+    const auto give = [&](const double* from, std::vector<double>& to) {
+      any = any || !std::equal(to.begin(), to.end(), from);
+      std::copy_n(from, to.size(), to.begin());
+    };
+    for (std::size_t b = 0; b < own_.size(); ++b) give(own_[b], problem_->own[b]);
+    give(x_, problem_->x);
+    return any;
   }
 
  private:
@@ -46,9 +54,8 @@ class Evaluator final : public ceres::EvaluationCallback {
       : problem_(&problem), unknowns_(&unknowns), factors_(problem.blocks.size()) {}
 
   void PrepareForEvaluation(bool /*evaluate_jacobians*/, bool new_point) override {
-    if (!new_point && prepared_) return;
+    if ((!new_point || !unknowns_->give_back()) && prepared_) return;
     prepared_ = true;
-    unknowns_->give_back();
     allowed_ = problem_->apply();
     if (!allowed_) return;
     const std::vector<Eigen::MatrixXd> normals = problem_->normals();
@@ -202,6 +209,12 @@ Solution solve(FitProblem& problem, const SolveOptions& asked) {
   options.update_state_every_iteration = false;
   Asks asks(asked.go_on);
   options.callbacks.push_back(&asks);
+  evaluator.PrepareForEvaluation(true, true);
+  if (!evaluator.allowed()) {  // nowhere to start from
+    Solution none;
+    none.cost = std::numeric_limits<double>::infinity();
+    return none;
+  }
   ceres::Solver::Summary summary;
   ceres::Solve(options, &ceres_problem, &summary);
   unknowns.give_back();
