@@ -30,7 +30,7 @@ std::vector<Cell> cells_of(std::span<const Residual> residuals, double contrast,
   std::vector<Cell> fine(count);
   for (const Residual& r : residuals) {
     const auto i = std::min(count - 1, static_cast<std::size_t>((r.distance_px - lo) / kFineBin_px));
-    const double value = bend(r.value, true).value;
+    const double value = bent(r.value, true).value;
     // Rounding of values whose noise is small against the step is no noise: what is left of its mean.
     const double step = quantum / r.sd, before = std::max(0.0, 1.0 - step * step / 12.0);
     const double rounding =
@@ -56,8 +56,8 @@ Adequacy sums(std::span<const Residual> residuals) {
   Adequacy a;
   double beyond = 0.0;
   for (const Residual& r : residuals) {
-    const double bent = bend(r.value, true).value;
-    a.chi2 += bent * bent;
+    const double size = bent(r.value, true).value;
+    a.chi2 += size * size;
     beyond += std::abs(r.value) > kOutlierSd;
   }
   if (!residuals.empty()) a.outlier_share = beyond / static_cast<double>(residuals.size());
@@ -110,7 +110,8 @@ Adequacy judge_edge(std::span<const Residual> residuals, std::size_t fitted, dou
     const double z = variance > 0.0 ? mean / std::sqrt(variance) : 0.0;
     between += z * z;
     excess += c.n * (mean * mean - variance);
-    neighbours += z * previous;
+    // What rounding leaves in one mean it leaves in the next.
+    neighbours += z * previous - (variance > 0.0 ? c.bias2 / c.n / variance : 0.0);
     previous = z;
     a.bins.push_back({c.distance / c.n, 0.0, mean, variance});
   }
@@ -131,7 +132,7 @@ Adequacy judge_sequence(std::span<const Residual> residuals) {
   double neighbours = 0.0;
   for (std::size_t i = 1; i < residuals.size(); ++i)
     if (residuals[i].y == residuals[i - 1].y)
-      neighbours += bend(residuals[i].value, true).value * bend(residuals[i - 1].value, true).value;
+      neighbours += bent(residuals[i].value, true).value * bent(residuals[i - 1].value, true).value;
   const double mean_square = a.chi2 / std::max<double>(1.0, static_cast<double>(residuals.size()));
   if (residuals.size() >= 8 && mean_square > 0.0)
     a.whiteness_p = normal_tail(neighbours / mean_square / std::sqrt(static_cast<double>(residuals.size())));

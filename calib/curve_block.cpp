@@ -43,7 +43,7 @@ NormalMatrix CurveBlock::normal(const Sensors& sensors, std::span<const double>)
   for (std::size_t i = 0; i < f_.size(); ++i) {
     const auto [re, im] = h[0][i];
     const double size = std::hypot(re, im);
-    const BentResidual r = bend((data_->mtf[i] - (signed_ ? re : size)) / sd(i), robust_);
+    const BentResidual r = bent((data_->mtf[i] - (signed_ ? re : size)) / sd(i), robust_);
     const std::span<double> row = all.next();
     for (std::size_t k = 0; k < n; ++k) {
       const auto [d_re, d_im] = h[1 + k][i];

@@ -21,7 +21,7 @@ inline constexpr double kHuberSd = 3.0;
 struct BentResidual {
   double value = 0.0, slope = 1.0;
 };
-inline BentResidual bend(double r, bool robust) {
+inline BentResidual bent(double r, bool robust) {
   const double size = std::abs(r);
   if (!robust || size <= kHuberSd) return {r, 1.0};
   const double value = std::sqrt(kHuberSd * (2.0 * size - kHuberSd));

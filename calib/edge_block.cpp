@@ -11,20 +11,20 @@ namespace {
 /// needs no more than that.
 constexpr double kTurns = 0.05;
 
-/// How d at a pixel follows the curve's unknowns: times cos(phi), see the header.
-struct Place {
-  double distance = 0.0, along = 0.0, across = 0.0;
-  double by_offset = -1.0, by_turn = 0.0;
-  double scale = 1.0;  ///< cos(phi)
-};
+/// t^k of t = s / half_length for k = 2, 3, ..; beyond the ends they go on along their tangents (edge_curve.h).
+class Powers {
+ public:
+  Powers(const EdgeCurve& curve, double s)
+      : t_(std::clamp(s / curve.half_length_px, -1.0, 1.0)), beyond_(s / curve.half_length_px - t_), slope_(2.0 * t_) {}
+  double value() const { return slope_ * (t_ / k_ + beyond_); }
+  double slope() const { return slope_; }  ///< by t
+  void advance() {
+    slope_ *= t_ * (k_ + 1.0) / k_;
+    k_ += 1.0;
+  }
 
-/// Powers of s / half_length from the first on; beyond the ends they go on along their tangents (edge_curve.h).
-struct Powers {
-  double t, beyond;
-  explicit Powers(const EdgeCurve& curve, double s)
-      : t(std::clamp(s / curve.half_length_px, -1.0, 1.0)), beyond(s / curve.half_length_px - t) {}
-  double value(std::size_t k) const { return std::pow(t, k) + slope(k) * beyond; }
-  double slope(std::size_t k) const { return static_cast<double>(k) * std::pow(t, k - 1); }
+ private:
+  double t_, beyond_, slope_, k_ = 2.0;
 };
 
 struct Height {
@@ -36,33 +36,46 @@ Height height(const EdgeCurve& curve, double s) {
     return {k * s * s / (1.0 + root), x / root};
   }
   Height g;
-  const Powers powers(curve, s);
-  for (std::size_t k = 0; k < curve.coefficient.size(); ++k) {
-    g.value += curve.coefficient[k] * powers.value(k + 2);
-    g.slope += curve.coefficient[k] * powers.slope(k + 2) / curve.half_length_px;
+  Powers power(curve, s);
+  for (const double c : curve.coefficient) {
+    g.value += c * power.value();
+    g.slope += c * power.slope() / curve.half_length_px;
+    power.advance();
   }
   return g;
 }
 
-Place place_of(const EdgeCurve& curve, Point normal, double x, double y) {
-  const double px = x - curve.origin.x, py = y - curve.origin.y;
-  Place place{.distance = normal.x * px + normal.y * py, .along = normal.x * py - normal.y * px};
-  place.across = place.distance;
-  if (curve.shape == EdgeCurve::Shape::line) {
-    place.by_turn = place.along;
-    return place;
-  }
-  const EdgePoint foot = locate(curve, {x, y});
+}  // namespace
+
+EdgeBlock::Place EdgeBlock::on_curve(const EdgeCurve& curve, double across, double along) {
+  const EdgePoint foot = bend(curve, across, along);
   const auto [g, rise] = height(curve, foot.along_px);
-  place.distance = foot.distance_px;
-  place.along = foot.along_px;
-  place.scale = 1.0 / std::sqrt(1.0 + rise * rise);
-  place.by_offset = -place.scale;
-  place.by_turn = place.scale * (foot.along_px + g * rise);
-  return place;
+  const double scale = 1.0 / std::sqrt(1.0 + rise * rise);
+  return {foot.distance_px, foot.along_px, across, -scale, scale * (foot.along_px + g * rise), scale};
 }
 
-}  // namespace
+inline EdgeBlock::Place EdgeBlock::place_of(const EdgeCurve& curve, Point normal, const Pixel& pixel) {
+  const double px = pixel.x + 0.5 - curve.origin.x, py = pixel.y + 0.5 - curve.origin.y;
+  const double across = normal.x * px + normal.y * py, along = normal.x * py - normal.y * px;
+  if (curve.shape == EdgeCurve::Shape::line) return {across, along, across, -1.0, along, 1.0};
+  return on_curve(curve, across, along);
+}
+
+bool EdgeBlock::keeps_places() const {
+  constexpr std::size_t kMostKept = 500000;  // of 48 bytes
+  return data_->start.curve.shape != EdgeCurve::Shape::line && pixels_.size() <= kMostKept;
+}
+
+const std::vector<EdgeBlock::Place>& EdgeBlock::places(std::span<const double> own) const {
+  const std::span<const double> shape = own.first(2 + curve_unknowns());
+  if (std::equal(shape.begin(), shape.end(), placed_for_.begin(), placed_for_.end())) return places_;
+  placed_for_.assign(shape.begin(), shape.end());
+  const EdgeCurve edge = curve(own);
+  const Point normal = edge.normal();
+  places_.clear();
+  for (const Pixel& pixel : pixels_) places_.push_back(place_of(edge, normal, pixel));
+  return places_;
+}
 
 EdgeBlock::EdgeBlock(const EdgeData& data) : data_(&data) {
   const Roi& roi = data.roi;
@@ -71,11 +84,12 @@ EdgeBlock::EdgeBlock(const EdgeData& data) : data_(&data) {
     for (std::int64_t x = roi.x; x < roi.x + roi.width; ++x) {
       const double value = data.image.at(x, y);
       if (!std::isfinite(value)) continue;
-      const Place place =
-          place_of(data.start.curve, normal, static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
+      Pixel pixel{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), value, 1.0};
+      const Place place = place_of(data.start.curve, normal, pixel);
       reach_px_ = std::max(reach_px_, std::abs(place.distance));
       const double level = place.distance < 0.0 ? data.start.dark : data.start.bright;
-      pixels_.push_back({static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), value, sd_at(level)});
+      pixel.sd = sd_at(level);
+      pixels_.push_back(pixel);
     }
   reach_px_ += 2.0;
 }
@@ -152,12 +166,14 @@ NormalMatrix EdgeBlock::accumulate(const Sensors& sensors, std::span<const doubl
   std::array<double, 4> g{};
   if (own.size() > levels + 2) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
   std::vector<double> e(step.count());
-  for (const Pixel& pixel : pixels_) {
-    const Place at = place_of(edge, normal, pixel.x + 0.5, pixel.y + 0.5);
+  const std::vector<Place>* const kept = keeps_places() && every_ == 1 ? &places(own) : nullptr;
+  for (std::size_t p = 0; p < pixels_.size(); p += every_) {
+    const Pixel& pixel = pixels_[p];
+    const Place at = kept != nullptr ? (*kept)[p] : place_of(edge, normal, pixel);
     const double spread = step.at(at.distance, e);
     const double s = at.along / length, u = at.across / length;
     const double low = dark + g[0] * s + g[1] * u, rise = contrast + (g[2] - g[0]) * s + (g[3] - g[1]) * u;
-    const BentResidual r = bend((pixel.value - low - rise * e[0]) / pixel.sd, robust_);
+    const BentResidual r = bent((pixel.value - low - rise * e[0]) / pixel.sd, robust_);
     const double weight = -r.slope / pixel.sd, by_distance = weight * rise * spread;
 
     const std::span<double> row = all.next();
@@ -166,8 +182,8 @@ NormalMatrix EdgeBlock::accumulate(const Sensors& sensors, std::span<const doubl
     if (edge.shape == EdgeCurve::Shape::circle) {
       row[2] = -by_distance * at.scale * 0.5 * at.along * at.along;  // of a small curvature
     } else if (bends > 0) {
-      const Powers powers(edge, at.along);
-      for (std::size_t k = 0; k < bends; ++k) row[2 + k] = -by_distance * at.scale * powers.value(k + 2);
+      Powers power(edge, at.along);
+      for (std::size_t k = 0; k < bends; ++k, power.advance()) row[2 + k] = -by_distance * at.scale * power.value();
     }
     row[levels] = weight;
     row[levels + 1] = weight * e[0];
@@ -191,7 +207,8 @@ NormalMatrix EdgeBlock::normal_with_gradients(const Sensors& sensors, std::span<
   return accumulate(sensors, own, true);
 }
 
-std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<const double> own) const {
+std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<const double> own,
+                                           std::size_t every) const {
   const EdgeCurve edge = curve(own);
   const Point normal = edge.normal();
   const StepResponse& step = response(sensors, edge);
@@ -200,10 +217,12 @@ std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<con
   std::array<double, 4> g{};
   if (gradients_) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
   std::vector<double> e(step.count());
+  const std::vector<Place>* const kept = keeps_places() && every == 1 ? &places(own) : nullptr;
   std::vector<Residual> all;
-  all.reserve(pixels_.size());
-  for (const Pixel& pixel : pixels_) {
-    const Place at = place_of(edge, normal, pixel.x + 0.5, pixel.y + 0.5);
+  all.reserve(pixels_.size() / every + 1);
+  for (std::size_t p = 0; p < pixels_.size(); p += every) {
+    const Pixel& pixel = pixels_[p];
+    const Place at = kept != nullptr ? (*kept)[p] : place_of(edge, normal, pixel);
     step.at(at.distance, e);
     const double s = at.along / length, u = at.across / length;
     const double low = dark + g[0] * s + g[1] * u, rise = contrast + (g[2] - g[0]) * s + (g[3] - g[1]) * u;

@@ -26,6 +26,8 @@ class EdgeBlock {
   bool gradients() const { return gradients_; }
   void use_gradients() { gradients_ = true; }
   void set_robust(bool robust) { robust_ = robust; }
+  /// Every so many pixels count in normal(): enough to come close.
+  void thin_out(std::size_t every) { every_ = every; }
   /// All noise variances are multiplied.
   void scale_noise(double factor);
   /// Variance in use / variance given.
@@ -43,7 +45,7 @@ class EdgeBlock {
   /// The same with the gradients, whether they are in use or not; `own` without them.
   NormalMatrix normal_with_gradients(const Sensors& sensors, std::span<const double> own) const;
   /// For adequacy: unbent. `own` as normal() takes it.
-  std::vector<Residual> residuals(const Sensors& sensors, std::span<const double> own) const;
+  std::vector<Residual> residuals(const Sensors& sensors, std::span<const double> own, std::size_t every = 1) const;
   /// Noise from the fitted levels, where the variance follows the signal.
   void update_noise(const Sensors& sensors, std::span<const double> own);
 
@@ -53,6 +55,17 @@ class EdgeBlock {
     double value = 0.0;
     double sd = 1.0;
   };
+  /// How d at a pixel follows the curve's unknowns: times cos(phi), see above.
+  struct Place {
+    double distance = 0.0, along = 0.0, across = 0.0;
+    double by_offset = -1.0, by_turn = 0.0;
+    double scale = 1.0;  ///< cos(phi)
+  };
+  static Place place_of(const EdgeCurve& curve, Point normal, const Pixel& pixel);
+  static Place on_curve(const EdgeCurve& curve, double across, double along);
+  /// Of all pixels on a curve that is not straight: worth keeping for the next pass at the same point.
+  const std::vector<Place>& places(std::span<const double> own) const;
+  bool keeps_places() const;
   std::size_t curve_unknowns() const;
   const StepResponse& response(const Sensors& sensors, const EdgeCurve& curve) const;
   NormalMatrix accumulate(const Sensors& sensors, std::span<const double> own, bool gradients) const;
@@ -60,6 +73,7 @@ class EdgeBlock {
 
   const EdgeData* data_;
   bool robust_ = false;
+  std::size_t every_ = 1;
   bool gradients_ = false;
   double noise_factor_ = 1.0;  // of the sd
   double reach_px_ = 0.0;
@@ -74,6 +88,8 @@ class EdgeBlock {
     std::optional<StepResponse> step;
   };
   mutable Kept kept_;
+  mutable std::vector<double> placed_for_;
+  mutable std::vector<Place> places_;
 };
 
 }  // namespace calib

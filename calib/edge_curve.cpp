@@ -6,6 +6,8 @@
 namespace calib {
 namespace {
 
+constexpr double kSmallStep_px = 1e-4;  // of the foot; what is left of the distance is below 1e-9
+
 struct Height {
   double value = 0.0, slope = 0.0, bend = 0.0;  // g, g', g''
 };
@@ -27,21 +29,22 @@ Height polynomial(const EdgeCurve& curve, double s) {
   return {value + slope * per_px * beyond, slope * per_px, beyond == 0.0 ? bend * per_px * per_px : 0.0};
 }
 
-// The foot of a point: s with (s - s0) + g'(s) (g(s) - u0) = 0, by Newton's method on the half of the derivative that
-// stays positive where the curve bends less than a circle through the point.
+// The foot of a point: s with (s - s0) + g'(s) (g(s) - u0) = 0, by Newton's method, its derivative kept positive. The
+// first steps come from the tangent, which is close where the curve is nearly straight; the error of the distance is
+// the square of that of the foot.
 EdgePoint locate_polynomial(const EdgeCurve& curve, double s0, double u0) {
   double s = s0;
   Height g = polynomial(curve, s);
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 40; ++i) {
     const double pull = (s - s0) + g.slope * (g.value - u0);
-    const double stiffness = 1.0 + g.slope * g.slope + g.bend * (g.value - u0);
-    const double step = pull / std::max(stiffness, 0.25);
+    const double step = pull / std::max(1.0 + g.slope * g.slope + g.bend * (g.value - u0), 0.25);
     s -= step;
+    g.value -= step * (g.slope - 0.5 * step * g.bend);
+    if (std::abs(step) < kSmallStep_px) break;
     g = polynomial(curve, s);
-    if (std::abs(step) < 1e-7) break;  // the error of the distance is its square
   }
-  const double away = u0 - g.value;
-  return {std::copysign(std::hypot(s - s0, away), away), s};
+  const double away = u0 - g.value, along = s - s0;
+  return {std::copysign(std::sqrt(along * along + away * away), away), s};
 }
 
 EdgePoint locate_circle(double curvature_per_px, double s0, double u0) {
@@ -63,16 +66,19 @@ double offset_at(const EdgeCurve& curve, double along_px) {
 EdgePoint locate(const EdgeCurve& curve, Point p) {
   const Point n = curve.normal();
   const double x = p.x - curve.origin.x, y = p.y - curve.origin.y;
-  const double u = n.x * x + n.y * y, s = n.x * y - n.y * x;
+  return bend(curve, n.x * x + n.y * y, n.x * y - n.y * x);
+}
+
+EdgePoint bend(const EdgeCurve& curve, double u_px, double s_px) {
   switch (curve.shape) {
     case EdgeCurve::Shape::polynomial:
-      return locate_polynomial(curve, s, u);
+      return locate_polynomial(curve, s_px, u_px);
     case EdgeCurve::Shape::circle:
-      return locate_circle(curve.curvature_per_px, s, u);
+      return locate_circle(curve.curvature_per_px, s_px, u_px);
     case EdgeCurve::Shape::line:
       break;
   }
-  return {u, s};
+  return {u_px, s_px};
 }
 
 }  // namespace calib

@@ -7,9 +7,10 @@
 // point p has the coordinates
 //   s = t.(p - p0) along the edge,  u = n.(p - p0) across it.
 // The edge is the curve u = g(s). Straight: g = 0. Polynomial: g = sum of c_k (s / half_length)^k for k = 2 .. 5, in
-// pixels (offset and slope are in p0 and n). Circle: curvature kappa in 1/px, positive when the centre lies on the
-// brighter side. The distance that an edge spread function is a function of is the signed distance to the curve,
-// positive on the brighter side; blur that is small against the radius of curvature makes it so.
+// pixels (offset and slope are in p0 and n); beyond |s| = half_length it goes on along its tangents. Circle: curvature
+// kappa in 1/px, positive when the centre lies on the brighter side. The distance that an edge spread function is a
+// function of is the signed distance to the curve, positive on the brighter side; blur that is small against the radius
+// of curvature makes it so.
 
 #include <cmath>
 #include <cstdint>
@@ -55,5 +56,7 @@ double offset_at(const EdgeCurve& curve, double along_px);
 /// Coordinates of a point of the image. Error of the foot point of a polynomial below 1e-9 px where the radius of
 /// curvature is above twice the distance.
 EdgePoint locate(const EdgeCurve& curve, Point p);
+/// The same from u across and s along the tangent at p0.
+EdgePoint bend(const EdgeCurve& curve, double u_px, double s_px);
 
 }  // namespace calib

@@ -8,7 +8,7 @@
 namespace calib {
 namespace {
 
-constexpr int kEsfSamples = 257;
+constexpr int kEsfSamples = 129;
 
 // The curves of frequency. Variances vary slowly (the response is a few pixels wide): every fourth is computed.
 void curves_of_frequency(const EdgeResponse& response, EdgeMeasurement& out) {

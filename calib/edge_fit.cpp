@@ -118,43 +118,47 @@ int basis_power(int a) {
   return a < kFirstShape ? a - kFirstShift : 0;
 }
 
-double basis_value(int a, const StepProfile& profile, int bin, double contrast) {
-  const auto i = static_cast<std::size_t>(bin);
-  if (a >= kFirstShape) return contrast * profile.slope[static_cast<std::size_t>(a - kFirstShape)][i];
-  if (a >= kFirstShift) return -contrast * profile.lsf[i];
-  const double side = a % 2 == 0 ? 1.0 - profile.esf[i] : profile.esf[i];
-  return a / 2 == 1 ? side * DistanceBins::get().centre(bin) : side;
+Eigen::ArrayXd basis_values(int a, const StepProfile& profile, double contrast) {
+  const auto list = [](const std::vector<double>& values) {
+    return Eigen::Map<const Eigen::ArrayXd>(values.data(), kBins);
+  };
+  if (a >= kFirstShape) return contrast * list(profile.slope[static_cast<std::size_t>(a - kFirstShape)]);
+  if (a >= kFirstShift) return -contrast * list(profile.lsf);
+  Eigen::ArrayXd side = list(profile.esf);
+  if (a % 2 == 0) side = 1.0 - side;
+  if (a / 2 == 1)
+    for (int i = 0; i < kBins; ++i) side[i] *= DistanceBins::get().centre(i);
+  return side;
 }
 
 NormalEquations assemble(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile,
                          const NoiseModel& noise, const Unknowns& unknowns) {
   NormalEquations normal;
-  std::array<int, kUnknowns> list{}, power{};
-  std::size_t n = 0;
-  for (int a = 0; a < kUnknowns; ++a)
-    if (unknowns[static_cast<std::size_t>(a)]) power[n] = basis_power(a), list[n++] = a;
-  std::array<double, kUnknowns> phi{};
-  for (int i = 0; i < kBins; ++i) {
-    if (sums.count(i) == 0.0) continue;
-    const double weight = 1.0 / noise.at(profile.esf[static_cast<std::size_t>(i)]);
-    normal.chi2 += weight * sums.square(i);
-    normal.count += sums.count(i);
-    for (std::size_t k = 0; k < n; ++k) phi[k] = basis_value(list[k], profile, i, model.contrast());
-    const double* bin = sums.bin(i);
-    const double* residual = bin + 2 * sums.order + 1;
-    for (std::size_t k = 0; k < n; ++k) {
-      const double w = weight * phi[k];
-      normal.gradient[list[k]] += w * residual[power[k]];
-      for (std::size_t l = 0; l <= k; ++l) normal.matrix(list[k], list[l]) += w * phi[l] * bin[power[k] + power[l]];
-    }
+  const auto stride = static_cast<Eigen::Index>(sums.stride());
+  // One column of sums a power: t^0 .., r t^0 .., weighted.
+  Eigen::ArrayXXd weighted = Eigen::Map<const Eigen::ArrayXXd>(sums.sums.data(), stride, kBins).transpose();
+  normal.count = weighted.col(0).sum();
+  Eigen::ArrayXd weight(kBins);
+  for (int i = 0; i < kBins; ++i) weight[i] = 1.0 / noise.at(profile.esf[static_cast<std::size_t>(i)]);
+  weighted.colwise() *= weight;
+  normal.chi2 = weighted.col(stride - 1).sum();
+  std::vector<int> list;
+  std::vector<Eigen::ArrayXd> basis;
+  for (int a = 0; a < kUnknowns; ++a) {
+    if (!unknowns[static_cast<std::size_t>(a)]) continue;
+    list.push_back(a);
+    basis.push_back(basis_values(a, profile, model.contrast()));
+    const int p = basis_power(a);
+    normal.gradient[a] = (basis.back() * weighted.col(2 * sums.order + 1 + p)).sum();
+    for (std::size_t k = 0; k < list.size(); ++k)
+      normal.matrix(a, list[k]) = normal.matrix(list[k], a) =
+          (basis.back() * basis[k] * weighted.col(p + basis_power(list[k]))).sum();
   }
-  for (std::size_t k = 0; k < n; ++k)
-    for (std::size_t l = 0; l < k; ++l) normal.matrix(list[l], list[k]) = normal.matrix(list[k], list[l]);
   return normal;
 }
 
 void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns) {
-  constexpr double kMean_px2 = 1.0, kSd_px2 = 0.5;
+  constexpr double kMean_px2 = 0.7, kSd_px2 = 0.5;
   constexpr int q = kFirstShape + 2;
   if (!unknowns[q]) return;
   normal.matrix(q, q) += 1.0 / (kSd_px2 * kSd_px2);
@@ -175,14 +179,16 @@ FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRou
 }
 
 FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds) {
-  constexpr double kSmallGain = 0.02;  // in chi2
-  FitState state = evaluate(pixels, model, rounds);
+  return fit_reference(pixels, model, rounds, evaluate(pixels, model, rounds));
+}
+
+FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds, FitState state) {
   double damping = 0.0;
   for (int round = 1; round <= rounds.rounds; ++round) {
     NormalEquations normal = state.normal;
     add_prior(normal, model.shape, rounds.unknowns);
     const Vector step = next_step(normal, model, rounds.unknowns, damping);
-    state.converged = normal.gradient.dot(step) < kSmallGain;
+    state.converged = normal.gradient.dot(step) < rounds.enough;
     if (state.converged || round == rounds.rounds) {
       state.step = step;
       break;

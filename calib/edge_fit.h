@@ -15,7 +15,6 @@ namespace calib {
 
 /// The unknowns in their order: the levels; the coefficients of t^k that move the curve towards the bright side, in px,
 /// k = 0 .. 5; S, v, q.
-inline constexpr int kHighestOrder = 5;
 inline constexpr int kFirstShift = kLevels;
 inline constexpr int kFirstShape = kFirstShift + kHighestOrder + 1;
 inline constexpr int kUnknowns = kFirstShape + kShapes;
@@ -30,8 +29,8 @@ struct NormalEquations {
   double chi2 = 0.0, count = 0.0;
 };
 
-/// Function of d in the derivative by unknown `a`, and the power of t that goes with it.
-double basis_value(int a, const StepProfile& profile, int bin, double contrast);
+/// The derivative by unknown `a` is a function of d, here at the middle of each bin, times a power of t.
+Eigen::ArrayXd basis_values(int a, const StepProfile& profile, double contrast);
 int basis_power(int a);
 
 NormalEquations assemble(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile,
@@ -42,6 +41,7 @@ void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unkno
 struct FitRounds {
   Unknowns unknowns{};
   int rounds = 8;                    ///< at most
+  double enough = 0.3;               ///< ends when no more of chi2 is to be gained
   std::size_t step = 1;              ///< every step-th pixel
   double least_variance = 4e-12;     ///< of a pixel
   std::optional<double> variance{};  ///< of a pixel, when known
@@ -56,6 +56,8 @@ struct FitState {
   bool converged = false;
 };
 /// Damped Gauss-Newton steps; `model` is where the returned state was taken, `step` short of the best fit.
+/// `state` is that of the model at the start.
+FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds, FitState state);
 FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds);
 /// Takes a step.
 void move(EdgeModel& model, const Vector& step);

@@ -20,9 +20,11 @@ std::string number(double value, const char* form = "%.3g") {
   return text.data();
 }
 
-// Rms of the plateaus beyond what neighbours differ by.
+// What pixels of the plateaus differ by from their level, and pixels at equal distances from each other, beyond what
+// neighbours differ by; in parts of the contrast.
 double structure(const EdgeFacts& facts) {
-  const double excess = facts.plateau_sd * facts.plateau_sd - 1.5 * facts.local_noise_sd * facts.local_noise_sd;
+  const double seen = std::max(facts.plateau_sd, facts.noise_sd);
+  const double excess = seen * seen - 1.5 * facts.local_noise_sd * facts.local_noise_sd;
   return std::sqrt(std::max(0.0, excess)) / std::max(facts.contrast, 1e-300);
 }
 
@@ -47,7 +49,7 @@ double local_noise(mtf::ImageView<const float> image, const Roi& roi, const Regi
   constexpr std::int64_t kPairs = 2000;
   std::vector<double> differences;
   const std::int64_t step = std::max<std::int64_t>(1, roi.width * roi.height / kPairs) | 1;
-  for (const std::int64_t apart : {1, 2}) {  // a Bayer plane has data in every other column
+  for (const std::int64_t apart : {3, 4}) {  // beyond correlations; a Bayer plane has data in every other column
     for (std::int64_t k = 0; k < roi.width * roi.height; k += step) {
       const std::int64_t i = k % roi.width, j = k / roi.width;
       if (i + apart >= roi.width) continue;
@@ -63,9 +65,9 @@ double local_noise(mtf::ImageView<const float> image, const Roi& roi, const Regi
   return *middle / (0.6745 * std::sqrt(2.0));
 }
 
-EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model) {
+EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model, double local_noise_sd) {
   const DistanceBins& bins = DistanceBins::get();
-  EdgeFacts facts{.length_px = 2.0 * model.curve.half_length_px};
+  EdgeFacts facts{.length_px = 2.0 * model.curve.half_length_px, .local_noise_sd = local_noise_sd};
   facts.width_px = 1.0 / std::max(1e-3, state.profile.lsf[kSideBins]);
   facts.contrast = model.contrast();
   facts.noise_sd = std::sqrt(state.noise.at(0.5));
@@ -80,6 +82,8 @@ EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeMo
     side_error[d < 0.0 ? 0 : 1] += state.sums.pure_error(i);
     side_dof[d < 0.0 ? 0 : 1] += std::max(0.0, n - 1.0);
   }
+  const float largest = *std::max_element(pixels.value.begin(), pixels.value.end());
+  const auto at_largest = static_cast<double>(std::count(pixels.value.begin(), pixels.value.end(), largest));
   const double share = static_cast<double>(pixels.size()) / std::max(1.0, dark + bright);
   facts.reach_dark_px = share * dark / facts.length_px;
   facts.reach_bright_px = share * bright / facts.length_px;
@@ -87,8 +91,10 @@ EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeMo
   const double sides = dark * bright / std::max(1.0, dark + bright);
   facts.significance = facts.contrast / std::max(1e-300, facts.noise_sd) * std::sqrt(std::max(0.0, sides));
   const double a = side_error[0] / std::max(1.0, side_dof[0]), b = side_error[1] / std::max(1.0, side_dof[1]);
-  facts.straight_on_one_value = std::min(side_dof[0], side_dof[1]) > 50.0 && std::min(a, b) < 1e-10 &&
-                                std::max(a, b) > 1e-5 * facts.contrast * facts.contrast;
+  const bool enough = std::min(side_dof[0], side_dof[1]) > 50.0;
+  const double visible = 1e-5 * facts.contrast * facts.contrast;
+  facts.bright_is_flat = enough && a > visible && (b < 1e-10 || at_largest > 0.2 * bright);
+  facts.dark_is_flat = enough && b > visible && a < 1e-10;
   constexpr int kHalf_px = 2, kPerPixel = 8, kMerged = kFinest / kPerPixel;
   int filled = 0;
   for (int k = -kHalf_px * kPerPixel; k < kHalf_px * kPerPixel; ++k) {
@@ -100,12 +106,43 @@ EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeMo
   return facts;
 }
 
+bool suspects_outliers(const EdgeFacts& facts) {
+  return std::max(facts.plateau_sd, facts.noise_sd) > 2.0 * facts.local_noise_sd && structure(facts) > 0.5 * kTexture;
+}
+
+std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
+                            const EdgeFacts& facts) {
+  constexpr double kMostShare = 0.02;
+  const DistanceBins& bins = DistanceBins::get();
+  const double limit = std::max(8.0 * facts.local_noise_sd, 0.25 * model.contrast());
+  EdgePixels kept;
+  for (auto* list : {&kept.x, &kept.y, &kept.value}) list->reserve(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const double d =
+        locate(model.curve, {static_cast<double>(pixels.x[i]), static_cast<double>(pixels.y[i])}).distance_px;
+    const double esf = std::abs(d) < kReach_px ? profile.esf[static_cast<std::size_t>(bins.index(d))] : d > 0.0;
+    const double expected = model.level[0] + model.contrast() * esf;
+    if (std::abs(static_cast<double>(pixels.value[i]) - expected) > limit) continue;
+    kept.x.push_back(pixels.x[i]);
+    kept.y.push_back(pixels.y[i]);
+    kept.value.push_back(pixels.value[i]);
+  }
+  const std::size_t removed = pixels.size() - kept.size();
+  if (removed == 0 || static_cast<double>(removed) > kMostShare * static_cast<double>(pixels.size())) return 0;
+  pixels = std::move(kept);
+  return removed;
+}
+
 Outcome judge_edge(const EdgeFacts& facts) {
   const double cnr = facts.contrast / std::max(1e-300, facts.noise_sd);
-  if (!(facts.contrast > 0.0) || facts.significance < kLeastSignificance || cnr < kLeastCnr)
+  if (!(facts.contrast > 0.0) || cnr < kLeastCnr)
     return {Trouble::no_edge, "the contrast of the best line is " + number(std::max(0.0, cnr)) +
                                   " times the noise of a pixel, at least " + number(kLeastCnr) +
                                   " is needed: average frames or choose an edge of more contrast"};
+  if (facts.significance < kLeastSignificance)
+    return {Trouble::no_edge, "the contrast of the best line is " + number(facts.significance) +
+                                  " times its own standard deviation, at least " + number(kLeastSignificance) +
+                                  " is needed: take a larger region on an edge"};
   if (!(facts.length_px >= kLeastLength_px))
     return {Trouble::too_short, "the edge is " + number(facts.length_px) + " px long inside the region, at least " +
                                     number(kLeastLength_px) + " are needed: take a region along the edge"};
@@ -126,10 +163,10 @@ Outcome judge_edge(const EdgeFacts& facts) {
   if (structure(facts) > kStructure)
     return {Trouble::contaminated, "structure of " + number(100.0 * structure(facts)) +
                                        " % of the contrast lies beside the edge: narrow the region to even sides"};
-  if (facts.straight_on_one_value)
+  if (facts.bright_is_flat)
     return {Trouble::clipped,
-            "one side has a single value while the other one has noise, as clipped sides do: expose so "
-            "that both sides stay between the floor and the saturation"};
+            "many pixels of the bright side have the largest value of all while the dark side has "
+            "noise, as saturated sides do: expose so that both sides stay below the saturation"};
   return {};
 }
 
@@ -142,13 +179,20 @@ void warn(const EdgeFacts& facts, EdgeMeasurement& out) {
         "the edge runs so close to the pixels' grid that only " + number(facts.oversampling) +
         " distances a pixel occur: fine structure of the MTF cannot be seen, tilt the edge by 2 to 10 "
         "degrees");
-  if (out.chi2_per_dof > 2.0)
+  constexpr double kVisibleMisfit = 3e-3;  // of the contrast
+  if (out.chi2_per_dof > 2.0 && std::sqrt(out.chi2_per_dof) > kVisibleMisfit * out.cnr)
     out.warnings.push_back("the pixels lie " + number(std::sqrt(out.chi2_per_dof)) +
                            " times further from the model than their noise: something else is in the region");
   const double shorter = std::min(facts.reach_dark_px, facts.reach_bright_px);
   if (shorter < 4.0 * facts.width_px)
     out.warnings.push_back("only " + number(shorter) +
                            " px of one side are inside the region: tails of the blur may count as its level");
+  if (facts.dark_is_flat)
+    out.warnings.emplace_back(
+        "the dark side has a single value while the bright one has noise: if it is cut off at the "
+        "floor, its level and so the MTF are off");
+  if (facts.outliers > 0)
+    out.warnings.push_back(std::to_string(facts.outliers) + " single pixels far from the model are left out");
   if (out.clipped_share > 0.0)
     out.warnings.push_back(number(100.0 * out.clipped_share) + " % of the pixels are clipped and left out");
 }

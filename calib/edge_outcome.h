@@ -27,14 +27,23 @@ struct EdgeFacts {
   double reach_dark_px = 0.0, reach_bright_px = 0.0;  ///< mean extent of the pixels on both sides
   double contrast = 0.0;                              ///< in units of EdgePixels::value, as the next three
   double noise_sd = 0.0;
-  double local_noise_sd = 0.0;         ///< from neighbours
-  double plateau_sd = 0.0;             ///< of the pixels of the plateaus about the model
-  double significance = 0.0;           ///< contrast / its sd
-  bool straight_on_one_value = false;  ///< one plateau has a single value, the other one has noise
+  double local_noise_sd = 0.0;  ///< from neighbours
+  double plateau_sd = 0.0;      ///< of the pixels of the plateaus about the model
+  double significance = 0.0;    ///< contrast / its sd
+  bool bright_is_flat = false;  ///< many pixels at the largest value, though the dark side has noise
+  bool dark_is_flat = false;    ///< one value, though the bright side has noise
+  std::size_t outliers = 0;     ///< pixels left out
   double oversampling = 0.0;
 };
-EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model);
+EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model, double local_noise_sd);
 Outcome judge_edge(const EdgeFacts& facts);
+
+/// Removes hot and dead pixels and the like, if there are few; returns how many.
+std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
+                            const EdgeFacts& facts);
+/// Whether outliers may be why pixels are further from the model than neighbours from each other.
+bool suspects_outliers(const EdgeFacts& facts);
+
 /// What is worth knowing though there is a result.
 void warn(const EdgeFacts& facts, EdgeMeasurement& out);
 

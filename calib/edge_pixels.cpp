@@ -52,9 +52,9 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
       }
       if (count == 0) continue;
       const double n = static_cast<double>(count);
-      blocks.x.push_back(x / n + 0.5 - 0.5 * static_cast<double>(roi.width));
-      blocks.y.push_back(y / n + 0.5 - 0.5 * static_cast<double>(roi.height));
-      blocks.value.push_back(sum / n);
+      blocks.x.push_back(static_cast<float>(x / n + 0.5 - 0.5 * static_cast<double>(roi.width)));
+      blocks.y.push_back(static_cast<float>(y / n + 0.5 - 0.5 * static_cast<double>(roi.height)));
+      blocks.value.push_back(static_cast<float>(sum / n));
     }
   }
   return blocks;
@@ -65,9 +65,7 @@ EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, cons
   const Point n = curve.normal();
   const double scale = 1.0 / facts.scale;
   EdgePixels pixels;
-  const auto room = static_cast<std::size_t>(std::min(
-      static_cast<double>(facts.finite), 3.0 * reach_px * static_cast<double>(std::max(roi.width, roi.height)) + 64.0));
-  for (auto* list : {&pixels.x, &pixels.y, &pixels.value}) list->reserve(room);
+  std::size_t count = 0;
   for (std::int64_t j = 0; j < roi.height; ++j) {
     const float* row = image.row(roi.y + j) + roi.x;
     const double y = static_cast<double>(j) + 0.5 - 0.5 * static_cast<double>(roi.height);
@@ -81,14 +79,19 @@ EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, cons
     } else if (std::abs(u0) >= reach_px) {
       continue;
     }
+    const auto room = count + static_cast<std::size_t>(end - first);
+    for (auto* list : {&pixels.x, &pixels.y, &pixels.value})
+      if (list->size() < room)
+        list->resize(count + static_cast<std::size_t>(end - first) * static_cast<std::size_t>(roi.height - j));
     for (auto i = static_cast<std::int64_t>(first); i < static_cast<std::int64_t>(end); ++i) {
       const double value = static_cast<double>(row[i]);
       if (!std::isfinite(value) || limits.clipped(value)) continue;
-      pixels.x.push_back(static_cast<double>(i) + 0.5 - 0.5 * static_cast<double>(roi.width));
-      pixels.y.push_back(y);
-      pixels.value.push_back((value - facts.offset) * scale);
+      pixels.x[count] = static_cast<float>(static_cast<double>(i) + 0.5 - 0.5 * static_cast<double>(roi.width));
+      pixels.y[count] = static_cast<float>(y);
+      pixels.value[count++] = static_cast<float>((value - facts.offset) * scale);
     }
   }
+  for (auto* list : {&pixels.x, &pixels.y, &pixels.value}) list->resize(count);
   return pixels;
 }
 

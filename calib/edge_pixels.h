@@ -12,11 +12,10 @@
 
 namespace calib {
 
-/// Positions in pixels from the middle of the region, values less `offset` over `scale`, so that sums of squares
-/// neither overflow nor lose their digits.
+/// Positions in pixels from the middle of the region (multiples of a half: exact in float), values less `offset` over
+/// `scale`, so that sums of squares neither overflow nor lose their digits.
 struct EdgePixels {
-  std::vector<double> x, y;
-  std::vector<double> value;
+  std::vector<float> x, y, value;
   std::size_t size() const { return value.size(); }
 };
 

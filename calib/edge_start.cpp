@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kDirections = 16;
 constexpr int kStrips = 96;  // across the largest extent of the blocks
-constexpr std::size_t kMostSamples = 1200;
+constexpr std::size_t kMostSamples = 700;
 
 struct Division {
   double score = -1.0;  // sum of squares that the two means explain
@@ -26,12 +26,13 @@ Division divide(const EdgePixels& blocks, double angle_rad, double radius) {
   const std::size_t step = (blocks.size() + kMostSamples - 1) / kMostSamples;
   double n = 0.0, total = 0.0;
   for (std::size_t i = 0; i < blocks.size(); i += step) {
-    const double strip = (c * blocks.x[i] + s * blocks.y[i] + radius) * per_strip;
+    const double x = static_cast<double>(blocks.x[i]), y = static_cast<double>(blocks.y[i]);
+    const double strip = (c * x + s * y + radius) * per_strip;
     const auto k = static_cast<std::size_t>(std::clamp(strip, 0.0, kStrips - 1.0));
     count[k] += 1.0;
-    sum[k] += blocks.value[i];
+    sum[k] += static_cast<double>(blocks.value[i]);
     n += 1.0;
-    total += blocks.value[i];
+    total += static_cast<double>(blocks.value[i]);
   }
   Division best{.angle_rad = angle_rad};
   double n1 = 0.0, sum1 = 0.0;
@@ -48,7 +49,8 @@ Division divide(const EdgePixels& blocks, double angle_rad, double radius) {
 
 Division best_division(const EdgePixels& blocks) {
   double radius = 1.0;
-  for (std::size_t i = 0; i < blocks.size(); ++i) radius = std::max(radius, std::hypot(blocks.x[i], blocks.y[i]));
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    radius = std::max(radius, std::hypot(static_cast<double>(blocks.x[i]), static_cast<double>(blocks.y[i])));
   Division best;
   for (int k = 0; k < kDirections; ++k) {
     const Division one = divide(blocks, std::numbers::pi * k / kDirections, radius);
@@ -84,8 +86,8 @@ EdgeModel start_edge(const EdgePixels& blocks, double block_px, double width_px,
   // Lengths in blocks, so that any region fits the reach of the tables.
   EdgePixels scaled = blocks;
   for (std::size_t i = 0; i < scaled.size(); ++i) {
-    scaled.x[i] /= block_px;
-    scaled.y[i] /= block_px;
+    scaled.x[i] /= static_cast<float>(block_px);
+    scaled.y[i] /= static_cast<float>(block_px);
   }
   const Division division = best_division(scaled);
   EdgeModel model;
@@ -97,7 +99,10 @@ EdgeModel start_edge(const EdgePixels& blocks, double block_px, double width_px,
   model.curve.half_length_px = std::max(1.0, centre_on_region(model.curve, width, height));
   model.shape.v_px2 = 1.0 + 0.004 * model.curve.half_length_px * model.curve.half_length_px;
 
-  FitRounds rounds{.rounds = 8, .step = std::max<std::size_t>(1, scaled.size() / kMostSamples)};
+  FitRounds rounds{.rounds = 8,
+                   .enough = 3.0,
+                   .step = std::max<std::size_t>(1, scaled.size() / kMostSamples),
+                   .least_variance = 1e-4};
   for (const int a : {0, 1, kFirstShift, kFirstShift + 1, kFirstShape + 1})
     rounds.unknowns.set(static_cast<std::size_t>(a));
   fit_reference(scaled, model, rounds);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mtf/engines/clones.h"
+
 namespace calib {
 namespace {
 
@@ -21,24 +23,26 @@ void place(const EdgePixels& pixels, const EdgeCurve& curve, std::size_t first, 
   chunk.size = std::min(kChunk, (pixels.size() - first + step - 1) / step);
   for (std::size_t k = 0; k < chunk.size; ++k) {
     const std::size_t i = first + k * step;
-    const double x = pixels.x[i] - curve.origin.x, y = pixels.y[i] - curve.origin.y;
+    const double x = static_cast<double>(pixels.x[i]) - curve.origin.x;
+    const double y = static_cast<double>(pixels.y[i]) - curve.origin.y;
     chunk.distance[k] = n.x * x + n.y * y;
     chunk.along[k] = (n.x * y - n.y * x) * per_length;
-    chunk.value[k] = pixels.value[i];
+    chunk.value[k] = static_cast<double>(pixels.value[i]);
   }
   if (straight) return;
   for (std::size_t k = 0; k < chunk.size; ++k) {
-    const std::size_t i = first + k * step;
-    const EdgePoint at = locate(curve, {pixels.x[i], pixels.y[i]});
+    const EdgePoint at = bend(curve, chunk.distance[k], chunk.along[k] * curve.half_length_px);
     chunk.distance[k] = at.distance_px;
     chunk.along[k] = at.along_px * per_length;
   }
 }
 
 template <int Order>
-void add(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
+[[gnu::always_inline]] inline void add(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile,
+                                       double* sums) {
+  constexpr int kStride = 3 * Order + 3;
   const DistanceBins& bins = DistanceBins::get();
-  const auto& level = model.level;
+  const auto level = model.level;
   for (std::size_t k = 0; k < chunk.size; ++k) {
     const double d = chunk.distance[k], t = chunk.along[k];
     if (!(std::abs(d) < kReach_px)) continue;
@@ -48,16 +52,45 @@ void add(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile,
     const double e = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
     const double dark = level[0] + level[2] * d + level[4] * t, bright = level[1] + level[3] * d + level[5] * t;
     const double r = chunk.value[k] - (dark + (bright - dark) * e);
-    double* s = sums + i * (3 * Order + 3);
-    double power = 1.0;
-    for (int m = 0; m <= 2 * Order; ++m, power *= t) s[m] += power;
-    power = r;
-    for (int m = 0; m <= Order; ++m, power *= t) s[2 * Order + 1 + m] += power;
-    s[3 * Order + 2] += r * r;
+    std::array<double, kStride> term;
+    term[0] = 1.0;
+    term[1] = t;
+    for (std::size_t m = 2; m <= 2 * Order; ++m) term[m] = term[m / 2] * term[m - m / 2];
+    for (std::size_t m = 0; m <= Order; ++m) term[2 * Order + 1 + m] = r * term[m];
+    term[kStride - 1] = r * r;
+    double* s = sums + i * kStride;
+    for (std::size_t m = 0; m < kStride; ++m) s[m] += term[m];
   }
 }
 
+MTFKIT_CLONES void add_straight(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
+  add<1>(chunk, model, profile, sums);
+}
+MTFKIT_CLONES void add_bent(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
+  add<kHighestOrder>(chunk, model, profile, sums);
+}
+
+// An odd function halfway between knots: by the cubic through four where they are evenly spaced.
+double middle(const std::array<double, kSideBins + 1>& values, std::size_t i) {
+  const DistanceBins& bins = DistanceBins::get();
+  const auto width = [&](std::size_t k) {
+    const int at = kSideBins + static_cast<int>(k);
+    return bins.knot(at + 1) - bins.knot(at);
+  };
+  const double mean = 0.5 * (values[i] + values[i + 1]);
+  const bool even = i + 2 <= kSideBins && width(i + 1) == width(i) && (i == 0 || width(i - 1) == width(i));
+  if (!even) return mean;
+  const double before = i == 0 ? -values[1] : values[i - 1];
+  return 1.125 * mean - 0.0625 * (before + values[i + 2]);
+}
+
 }  // namespace
+
+void EdgeSums::add_to_residual(int i, double more) {
+  double* bin = sums.data() + static_cast<std::size_t>(i) * stride();
+  bin[3 * order + 2] += more * (2.0 * residual(i, 0) + more * count(i));
+  for (int k = 0; k <= order; ++k) bin[2 * order + 1 + k] += more * bin[k];
+}
 
 double EdgeSums::pure_error(int i) const {
   const double n = count(i);
@@ -67,6 +100,9 @@ double EdgeSums::pure_error(int i) const {
 StepProfile make_profile(const ReferenceTable& table) {
   const DistanceBins& bins = DistanceBins::get();
   StepProfile profile;
+  profile.cubic.resize(kBins);
+  for (auto* list : {&profile.esf, &profile.lsf, &profile.slope[0], &profile.slope[1], &profile.slope[2]})
+    list->resize(kBins);
   for (int side = 0; side < kSideBins; ++side) {
     const auto a = static_cast<std::size_t>(side);
     const double h = bins.knot(kSideBins + side + 1) - bins.knot(kSideBins + side);
@@ -84,7 +120,7 @@ StepProfile make_profile(const ReferenceTable& table) {
       profile.lsf[i] = c1;
     }
     for (std::size_t k = 0; k < kShapes; ++k) {
-      profile.slope[k][bright] = 0.5 * (table.slope[k][a] + table.slope[k][a + 1]);
+      profile.slope[k][bright] = middle(table.slope[k], a);
       profile.slope[k][dark] = -profile.slope[k][bright];
     }
   }
@@ -97,10 +133,7 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
   Chunk chunk;
   for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
     place(pixels, model.curve, first, step, chunk);
-    if (sums.order == 1)
-      add<1>(chunk, model, profile, sums.sums.data());
-    else
-      add<5>(chunk, model, profile, sums.sums.data());
+    (sums.order == 1 ? add_straight : add_bent)(chunk, model, profile, sums.sums.data());
   }
   return sums;
 }

@@ -20,6 +20,7 @@
 namespace calib {
 
 inline constexpr int kLevels = 6;
+inline constexpr int kHighestOrder = 5;
 
 struct EdgeModel {
   EdgeCurve curve;  ///< in the coordinates of EdgePixels
@@ -30,9 +31,9 @@ struct EdgeModel {
 
 /// E(d) as a cubic a bin, and at the middle of each bin E, the line spread and the derivatives by the shape.
 struct StepProfile {
-  std::array<std::array<double, 4>, kBins> cubic;  ///< in d - centre
-  std::array<double, kBins> esf, lsf;
-  std::array<std::array<double, kBins>, kShapes> slope;
+  std::vector<std::array<double, 4>> cubic;  ///< in d - centre
+  std::vector<double> esf, lsf;
+  std::array<std::vector<double>, kShapes> slope;
 };
 StepProfile make_profile(const ReferenceTable& table);
 
@@ -40,13 +41,15 @@ struct EdgeSums {
   int order = 1;  ///< powers of t: t^0 .. t^(2 order) alone, t^0 .. t^order with the residual
   std::vector<double> sums;
 
-  explicit EdgeSums(int order_of_curve) : order(order_of_curve > 1 ? 5 : 1), sums(kBins * stride()) {}
+  explicit EdgeSums(int order_of_curve) : order(order_of_curve > 1 ? kHighestOrder : 1), sums(kBins * stride()) {}
   std::size_t stride() const { return static_cast<std::size_t>(3 * order + 3); }
   const double* bin(int i) const { return sums.data() + static_cast<std::size_t>(i) * stride(); }
   double count(int i) const { return bin(i)[0]; }
   double moment(int i, int k) const { return bin(i)[k]; }                    ///< sum of t^k
   double residual(int i, int k) const { return bin(i)[2 * order + 1 + k]; }  ///< sum of r t^k
   double square(int i) const { return bin(i)[3 * order + 2]; }               ///< sum of r^2
+  /// As if each pixel's residual in the bin were larger by `more`.
+  void add_to_residual(int i, double more);
   double pure_error(int i) const;  ///< sum of r^2 about the bin's own mean, count - 1 degrees of freedom
 };
 

@@ -9,6 +9,33 @@
 namespace calib {
 namespace {
 
+// The equations of some unknowns, scaled to a unit diagonal.
+struct Selection {
+  std::vector<int> list;
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd gradient, scale;
+};
+
+Selection select(const NormalEquations& normal, const Unknowns& unknowns) {
+  Selection all;
+  for (int a = 0; a < kUnknowns; ++a)
+    if (unknowns[static_cast<std::size_t>(a)] && normal.matrix(a, a) > 0.0) all.list.push_back(a);
+  const auto n = static_cast<Eigen::Index>(all.list.size());
+  all.matrix.resize(n, n);
+  all.gradient.resize(n);
+  all.scale.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int a = all.list[static_cast<std::size_t>(i)];
+    all.scale[i] = 1.0 / std::sqrt(normal.matrix(a, a));
+    all.gradient[i] = normal.gradient[a] * all.scale[i];
+    for (Eigen::Index j = 0; j <= i; ++j)
+      all.matrix(i, j) = all.matrix(j, i) =
+          normal.matrix(a, all.list[static_cast<std::size_t>(j)]) * all.scale[i] * all.scale[j];
+    all.matrix(i, i) += 1e-12;
+  }
+  return all;
+}
+
 struct Gain {
   double chi2 = 0.0;
   Vector step = Vector::Zero();
@@ -16,24 +43,27 @@ struct Gain {
 
 // What a linear step in these unknowns takes off chi2.
 Gain gain_of(const NormalEquations& normal, const Unknowns& unknowns) {
-  std::vector<int> list;
-  for (int a = 0; a < kUnknowns; ++a)
-    if (unknowns[static_cast<std::size_t>(a)] && normal.matrix(a, a) > 0.0) list.push_back(a);
-  const auto n = static_cast<Eigen::Index>(list.size());
-  Eigen::MatrixXd m(n, n);
-  Eigen::VectorXd r(n), scale(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const int a = list[static_cast<std::size_t>(i)];
-    scale[i] = 1.0 / std::sqrt(normal.matrix(a, a));
-    r[i] = normal.gradient[a] * scale[i];
-    for (Eigen::Index j = 0; j <= i; ++j)
-      m(i, j) = m(j, i) = normal.matrix(a, list[static_cast<std::size_t>(j)]) * scale[i] * scale[j];
-    m(i, i) += 1e-12;
+  const Selection all = select(normal, unknowns);
+  const Eigen::VectorXd x = all.matrix.ldlt().solve(all.gradient);
+  Gain gain{.chi2 = x.dot(all.gradient)};
+  for (std::size_t i = 0; i < all.list.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    gain.step[all.list[i]] = x[k] * all.scale[k];
   }
-  const Eigen::VectorXd x = m.ldlt().solve(r);
-  Gain gain{.chi2 = x.dot(r)};
-  for (Eigen::Index i = 0; i < n; ++i) gain.step[list[static_cast<std::size_t>(i)]] = x[i] * scale[i];
   return gain;
+}
+
+// Largest height of the terms t^first .. t^last over the edge.
+double largest_bend(const Vector& step, int first, int last) {
+  constexpr int kSteps = 20;
+  double most = 0.0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double t = 2.0 * i / kSteps - 1.0;
+    double height = 0.0;
+    for (int k = last; k >= first; --k) height = (height + step[kFirstShift + k]) * t;
+    most = std::max(most, std::abs(height * std::pow(t, first - 1)));
+  }
+  return most;
 }
 
 }  // namespace
@@ -65,6 +95,7 @@ Unknowns without_bounds(Unknowns unknowns, const EdgeModel& model) {
 Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_px, const MeasureOptions& options) {
   constexpr double kSureGradient = 8.0, kSureBend = 12.0;  // F: once in 10^5 and in 2000 straight, even edges
   constexpr double kLeastGradient = 2e-3;                  // of the contrast, at the end of the reach
+  constexpr double kLeastBend_px = 3e-3;                   // changes no MTF by more than 1e-4
   const Unknowns base = without_bounds(basic_unknowns(), model);
   const Gain all = gain_of(state.normal, with_gradients(with_order(base, kHighestOrder)));
   const double unit = std::max(1.0, (state.normal.chi2 - all.chi2) / std::max(1.0, state.normal.count - kUnknowns));
@@ -83,12 +114,28 @@ Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_p
   const Unknowns rest = terms.gradients ? with_gradients(base) : base;
   double reached = gain_of(state.normal, rest).chi2;
   for (int order = 2; order <= kHighestOrder; ++order) {
-    const double chi2 = gain_of(state.normal, with_order(rest, order)).chi2;
-    if ((chi2 - reached) / (order - terms.order) <= kSureBend * unit) continue;
+    const Gain bent = gain_of(state.normal, with_order(rest, order));
+    if ((bent.chi2 - reached) / (order - terms.order) <= kSureBend * unit) continue;
+    if (largest_bend(bent.step, terms.order + 1, order) < kLeastBend_px) continue;
     terms.order = order;
-    reached = chi2;
+    reached = bent.chi2;
   }
   return terms;
+}
+
+bool shows_diffraction(const FitState& state, const EdgeModel& model, const Unknowns& unknowns) {
+  constexpr double kSure = 4.0;  // chi2: once in 40 blurs without diffraction
+  NormalEquations normal = state.normal;
+  add_prior(normal, model.shape, unknowns);
+  const Selection all = select(normal, without_bounds(unknowns, model));
+  for (std::size_t i = 0; i < all.list.size(); ++i) {
+    if (all.list[i] != kFirstShape) continue;
+    const auto k = static_cast<Eigen::Index>(i);
+    const Eigen::VectorXd column = all.matrix.ldlt().solve(Eigen::VectorXd::Unit(all.matrix.rows(), k));
+    const double variance = column[k] * all.scale[k] * all.scale[k];
+    return model.shape.s_px * model.shape.s_px > kSure * variance;
+  }
+  return false;
 }
 
 void set_order(EdgeCurve& curve, int order, bool circle) {

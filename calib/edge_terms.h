@@ -25,6 +25,10 @@ struct Terms {
 /// the options leave it open.
 Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_px, const MeasureOptions& options);
 
+/// Whether the cusp of diffraction, S, is there beyond doubt. S >= 0 alone would make blurs without one sharper on
+/// average than they are.
+bool shows_diffraction(const FitState& state, const EdgeModel& model, const Unknowns& unknowns);
+
 /// Gives the curve room for the coefficients of an order.
 void set_order(EdgeCurve& curve, int order, bool circle);
 

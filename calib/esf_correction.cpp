@@ -22,7 +22,7 @@ double spline(double x) {
 double spline_slope(double x) {
   const double a = std::abs(x), b = 2.0 - a;
   if (a >= 2.0) return 0.0;
-  return std::copysign(a < 1.0 ? a * (1.5 * a - 2.0) : -0.5 * b * b, x);
+  return (x < 0.0 ? -1.0 : 1.0) * (a < 1.0 ? a * (1.5 * a - 2.0) : -0.5 * b * b);
 }
 
 std::vector<SplinePair> place_splines(double width_px, double reach_px) {
@@ -63,6 +63,9 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
   };
   std::vector<Active> active;
   VectorXd column(fixed);
+  MatrixXd basis(fixed, kBins);
+  for (Eigen::Index k = 0; k < fixed; ++k)
+    basis.row(k) = basis_values(unknowns[static_cast<std::size_t>(k)], state.profile, model.contrast()).matrix();
   for (int side = 0; side < kSideBins; ++side) {
     const double d = bins.centre(kSideBins + side);
     active.clear();
@@ -74,10 +77,8 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
       const double* bin = state.sums.bin(i);
       if (bin[0] == 0.0) continue;
       const double weight = 1.0 / state.noise.at(state.profile.esf[static_cast<std::size_t>(i)]);
-      for (Eigen::Index k = 0; k < fixed; ++k) {
-        const int a = unknowns[static_cast<std::size_t>(k)];
-        column[k] = weight * basis_value(a, state.profile, i, model.contrast()) * bin[basis_power(a)];
-      }
+      for (Eigen::Index k = 0; k < fixed; ++k)
+        column[k] = weight * basis(k, i) * bin[basis_power(unknowns[static_cast<std::size_t>(k)])];
       const double residual = weight * state.sums.residual(i, 0);
       const bool dark = i < kSideBins;
       for (std::size_t j = 0; j < active.size(); ++j) {
@@ -140,12 +141,12 @@ double pair_slope(const SplinePair& pair, double d_px) {
   return pair.odd ? near - far : near + far;
 }
 
-JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, double width_px,
-                       double reach_px) {
+JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, bool distances_seen,
+                       double width_px, double reach_px) {
   JointFit joint;
   for (int a = 0; a < kUnknowns; ++a)
     if (unknowns[static_cast<std::size_t>(a)]) joint.unknowns.push_back(a);
-  const std::vector<SplinePair> pairs = place_splines(width_px, reach_px);
+  const std::vector<SplinePair> pairs = distances_seen ? place_splines(width_px, reach_px) : std::vector<SplinePair>();
   const SplineEquations splines = assemble_splines(state, model, pairs, joint.unknowns);
 
   NormalEquations normal = state.normal;
@@ -223,10 +224,11 @@ JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unkn
   const VectorXd solution = whole.solve(right);
   const MatrixXd inverse = whole.solve(MatrixXd::Identity(total, total));
   joint.value = full_scale.cwiseProduct(solution);
-  joint.covariance = full_scale.asDiagonal() * inverse * full_scale.asDiagonal();
   const double spent = static_cast<double>(total) - penalty.dot(inverse.diagonal());
   const double left = state.normal.chi2 - 2.0 * solution.dot(right) + solution.dot(all * solution);
   joint.chi2_per_dof = std::max(0.0, left) / std::max(1.0, state.normal.count - spent);
+  // A model that stays further from the pixels than their noise is known no better than that.
+  joint.covariance = std::max(1.0, joint.chi2_per_dof) * (full_scale.asDiagonal() * inverse * full_scale.asDiagonal());
   return joint;
 }
 

@@ -35,8 +35,9 @@ struct JointFit {
   double tau_odd = 0.0, tau_even = 0.0;
 };
 
-/// `width_px`: equivalent width of the line spread; `reach_px`: distance on both sides of the edge that pixels cover.
-JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, double width_px,
-                       double reach_px);
+/// `distances_seen`: enough distances a pixel occur for a correction to be told from aliases. `width_px`: equivalent
+/// width of the line spread; `reach_px`: distance on both sides of the edge that pixels cover.
+JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, bool distances_seen,
+                       double width_px, double reach_px);
 
 }  // namespace calib

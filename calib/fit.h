@@ -95,6 +95,7 @@ struct FittedParameter {
   double start = 0.0;
   double value = 0.0;                    ///< best fit; to be shown only when determined or at_bound
   std::optional<double> stderr_value{};  ///< one standard deviation, when determined
+  double linear_sd = 0.0;  ///< what the covariance says, also when not determined: then only how little is known
   std::optional<std::array<double, 2>> interval68{}, interval95{};  ///< profile likelihood, when asked for
   std::optional<double> limit95{};                                  ///< when at a bound: 95 % limit on the free side
 };

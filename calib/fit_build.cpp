@@ -74,8 +74,13 @@ std::string trouble_of(const EdgeData& edge) {
   const EdgeMeasurement& start = edge.start;
   if (start.trouble != Trouble::none) return start.reason.empty() ? "its measurement failed" : start.reason;
   const double contrast = start.bright - start.dark;
-  if (!(std::isfinite(contrast) && std::isfinite(start.curve.angle_rad) && std::isfinite(start.noise_sd)))
-    return "its measurement is not finite";
+  const EdgeCurve& curve = start.curve;
+  bool finite = curve.half_length_px > 0.0;
+  for (const double number : {contrast, curve.angle_rad, curve.origin.x, curve.origin.y, curve.half_length_px,
+                              curve.curvature_per_px, start.noise_sd, start.noise_gain})
+    finite = finite && std::isfinite(number);
+  for (const double c : curve.coefficient) finite = finite && std::isfinite(c);
+  if (!finite) return "its measurement is not finite";
   return contrast == 0.0 ? "there is no contrast" : "";
 }
 

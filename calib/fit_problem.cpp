@@ -3,6 +3,9 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "mtf/parallel.h"
 
 namespace calib {
@@ -25,11 +28,16 @@ class Unknowns {
   }
   double* own(std::size_t block) const { return own_[block]; }
   double* x() const { return x_; }
-  /// What Ceres has written goes to the problem.
-  void give_back() const {
-    for (std::size_t b = 0; b < own_.size(); ++b)
-      std::copy_n(own_[b], problem_->own[b].size(), problem_->own[b].begin());
-    std::copy_n(x_, problem_->x.size(), problem_->x.begin());
+  /// What Ceres has written goes to the problem; false when it is there already.
+  bool give_back() const {
+    bool any = false;
+    const auto give = [&](const double* from, std::vector<double>& to) {
+      any = any || !std::equal(to.begin(), to.end(), from);
+      std::copy_n(from, to.size(), to.begin());
+    };
+    for (std::size_t b = 0; b < own_.size(); ++b) give(own_[b], problem_->own[b]);
+    give(x_, problem_->x);
+    return any;
   }
 
  private:
@@ -46,9 +54,8 @@ class Evaluator final : public ceres::EvaluationCallback {
       : problem_(&problem), unknowns_(&unknowns), factors_(problem.blocks.size()) {}
 
   void PrepareForEvaluation(bool /*evaluate_jacobians*/, bool new_point) override {
-    if (!new_point && prepared_) return;
+    if ((!new_point || !unknowns_->give_back()) && prepared_) return;
     prepared_ = true;
-    unknowns_->give_back();
     allowed_ = problem_->apply();
     if (!allowed_) return;
     const std::vector<Eigen::MatrixXd> normals = problem_->normals();
@@ -137,28 +144,25 @@ class Asks final : public ceres::IterationCallback {
 
 }  // namespace
 
-std::vector<Eigen::MatrixXd> FitProblem::normals() const {
+std::vector<Eigen::MatrixXd> FitProblem::normals(bool gradients) const {
   std::vector<Eigen::MatrixXd> all(blocks.size());
+  const auto normal_of = [&](std::size_t b) {
+    if (const auto* edge = std::get_if<EdgeBlock>(&blocks[b]); edge != nullptr && gradients)
+      return edge->normal_with_gradients(*sensors, own[b]).matrix();
+    return std::visit([&](const auto& block) { return block.normal(*sensors, own[b]).matrix(); }, blocks[b]);
+  };
   mtf::parallel_for(static_cast<std::int64_t>(blocks.size()), 1, threads, [&](std::int64_t first, std::int64_t last) {
     for (auto b = static_cast<std::size_t>(first); b < static_cast<std::size_t>(last); ++b) {
-      all[b] = std::visit([&](const auto& block) { return block.normal(*sensors, own[b]).matrix(); }, blocks[b]);
-      const auto mine = static_cast<Eigen::Index>(own[b].size());
+      all[b] = normal_of(b);
       for (std::size_t i = 0; i < variables.size(); ++i) {
+        const Eigen::Index column = all[b].cols() - 1 - static_cast<Eigen::Index>(variables.size() - i);
         const double slope = variables[i].slope(x[i]);
-        all[b].row(mine + static_cast<Eigen::Index>(i)) *= slope;
-        all[b].col(mine + static_cast<Eigen::Index>(i)) *= slope;
+        all[b].row(column) *= slope;
+        all[b].col(column) *= slope;
       }
     }
   });
   return all;
-}
-
-double FitProblem::cost(std::span<const Eigen::MatrixXd> normals) const {
-  double sum = 0.0;
-  for (const Eigen::MatrixXd& normal : normals) sum += normal(normal.rows() - 1, normal.cols() - 1);
-  for (std::size_t i = 0; i < variables.size(); ++i)
-    if (priors[i]) sum += std::pow((variables[i].value(x[i]) - (*priors[i])[0]) / (*priors[i])[1], 2);
-  return 0.5 * sum;
 }
 
 Solution solve(FitProblem& problem, const SolveOptions& asked) {
@@ -205,6 +209,12 @@ Solution solve(FitProblem& problem, const SolveOptions& asked) {
   options.update_state_every_iteration = false;
   Asks asks(asked.go_on);
   options.callbacks.push_back(&asks);
+  evaluator.PrepareForEvaluation(true, true);
+  if (!evaluator.allowed()) {  // nowhere to start from
+    Solution none;
+    none.cost = std::numeric_limits<double>::infinity();
+    return none;
+  }
   ceres::Solver::Summary summary;
   ceres::Solve(options, &ceres_problem, &summary);
   unknowns.give_back();

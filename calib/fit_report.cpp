@@ -29,7 +29,7 @@ void judge(Solved& solved, std::span<const FitParameter> parameters) {
   solved.information = Eigen::MatrixXd::Zero(n, n);
   for (std::size_t b = 0; b < problem.blocks.size(); ++b)
     solved.information += project_out(solved.normals[b], problem.own[b].size(), problem.variables.size()) /
-                          std::max(1e-12, solved.noise_factor[b]);
+                          trusted_noise(solved.noise_factor[b]);
   solved.reference.clear();
   for (std::size_t i = 0; i < problem.variables.size(); ++i) {
     const Variable& v = problem.variables[i];
@@ -102,12 +102,13 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
     FittedParameter p{.parameter = parameters[i], .start = start[i]};
     const bool at_zero = v.squared && x <= 1e-8;
     p.value = at_zero ? 0.0 : v.value(x);
+    p.linear_sd = std::abs(sd * v.slope(x));
     const bool near_lo = x - v.lo < sd, near_hi = v.hi - x < sd;
     if (!solved.identified.determined[i]) {
       p.knowledge = Knowledge::not_determined;
-    } else if (problem.priors[i] && sd * v.slope(x) > 0.9 * (*problem.priors[i])[1]) {
+    } else if (problem.priors[i] && p.linear_sd > 0.9 * (*problem.priors[i])[1]) {
       p.knowledge = Knowledge::prior_only;
-      p.stderr_value = std::abs(sd * v.slope(x));
+      p.stderr_value = p.linear_sd;
     } else if (near_lo || near_hi) {
       // The minimum may press against the bound: its gradient, the others at their best, is the first term of the
       // profile g t + t^2 / (2 sd^2), which reaches the 95 % point of one side at t.
@@ -116,7 +117,7 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
       for (std::size_t b = 0; b < solved.normals.size(); ++b) {
         const Eigen::MatrixXd& normal = solved.normals[b];
         gradient += normal(static_cast<Eigen::Index>(problem.own[b].size()) + index, normal.cols() - 1) /
-                    std::max(1e-12, solved.noise_factor[b]);
+                    trusted_noise(solved.noise_factor[b]);
       }
       if (problem.priors[i]) {
         const auto [mean, width] = *problem.priors[i];
@@ -127,7 +128,7 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
       p.limit95 = v.value(near_lo ? std::min(v.hi, x + t) : std::max(v.lo, x - t));
     } else {
       p.knowledge = Knowledge::determined;
-      p.stderr_value = std::abs(sd * v.slope(x));
+      p.stderr_value = p.linear_sd;
     }
     all.push_back(std::move(p));
   }

@@ -26,6 +26,10 @@ struct Solved {
   std::vector<double> normals_rad{};  ///< directions of all edges
 };
 
+/// The factor on noise variances that residuals of this chi-square per degree of freedom stand for. Far below 1 they
+/// are those of an image without noise, or of one that rounding has cleaned: then the noise that was given counts.
+inline double trusted_noise(double chi2_per_dof) { return chi2_per_dof > 0.7 ? chi2_per_dof : 1.0; }
+
 /// Information and what it determines, from the problem at its solution.
 void judge(Solved& solved, std::span<const FitParameter> parameters);
 
@@ -47,5 +51,10 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
 
 /// Of the parameters' values; NaN where the data do not depend on one at all.
 std::vector<std::vector<double>> correlations(const Solved& solved);
+
+/// Residuals of every set of data; `block_of`: its block, or none when it was left out. Sets chi-square, whiteness,
+/// warnings, and the status of a model that does not fit.
+void report_data(const FitData& data, std::span<const std::optional<std::size_t>> block_of, const Solved& solved,
+                 FitResult& result);
 
 }  // namespace calib

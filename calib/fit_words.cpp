@@ -37,9 +37,9 @@ const EdgeBlock* largest_edge(const FitProblem& problem, std::size_t& index) {
   return most;
 }
 
-/// Information of an edge as good as the largest one, at right angles to it: what its pixels would tell after offset
+/// Information of one more edge as good as the largest one, turned by an angle: what its pixels would tell after offset
 /// and levels are projected out.
-Eigen::MatrixXd across(const Solved& solved) {
+Eigen::MatrixXd one_more(const Solved& solved, double turn_rad) {
   const FitProblem& problem = *solved.problem;
   const std::size_t n = problem.variables.size();
   Eigen::MatrixXd none = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
@@ -47,12 +47,12 @@ Eigen::MatrixXd across(const Solved& solved) {
   const EdgeBlock* const edge = largest_edge(problem, b);
   if (edge == nullptr) return none;
   constexpr double kReach_px = 24.0, kStep_px = 0.125;
-  const double angle = edge->curve(problem.own[b]).angle_rad + 0.5 * std::numbers::pi;
+  const double angle = edge->curve(problem.own[b]).angle_rad + turn_rad;
   const SliceNodes nodes = problem.sensors->slice(edge->condition(), angle, kReach_px);
   const StepResponse step(nodes, problem.sensors->otf(edge->condition(), along(angle, nodes.f_cy_px)));
   const double cnr = std::abs(problem.own[b][edge->contrast_index()]) / edge->middle_sd();
   const double length = std::max(1.0, edge->data().start.length_px);
-  const double weight = cnr * std::sqrt(length * kStep_px / std::max(1e-12, solved.noise_factor[b]));
+  const double weight = cnr * std::sqrt(length * kStep_px / trusted_noise(solved.noise_factor[b]));
   NormalMatrix normal(3 + n);
   std::vector<double> e(step.count());
   for (double d = -kReach_px; d <= kReach_px; d += kStep_px) {
@@ -99,12 +99,17 @@ std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& so
                                            std::span<const FitParameter> parameters) {
   std::vector<NullDirection> all;
   if (solved.identified.weak.empty()) return all;
-  const Identified with_across = identify(solved.information + across(solved), solved.reference);
+  // More of the same helps a little; an edge across is worth advising only where it does what that does not.
+  const Identified with_across =
+      identify(solved.information + one_more(solved, 0.5 * std::numbers::pi), solved.reference);
+  const Identified with_same = identify(solved.information + one_more(solved, 0.0), solved.reference);
   const bool single = one_direction(solved.normals_rad);
   for (const WeakDirection& weak : solved.identified.weak) {
-    const bool helped =
-        single && !solved.normals_rad.empty() &&
-        std::all_of(weak.members.begin(), weak.members.end(), [&](std::size_t i) { return with_across.determined[i]; });
+    const auto lead = static_cast<Eigen::Index>(weak.members.front());
+    const bool helped = single && !solved.normals_rad.empty() &&
+                        std::all_of(weak.members.begin(), weak.members.end(),
+                                    [&](std::size_t i) { return with_across.determined[i]; }) &&
+                        with_across.covariance(lead, lead) < 0.25 * with_same.covariance(lead, lead);
     const std::string names = list_of(weak.members, parameters);
     std::string text;
     if (weak.members.size() == 1) {

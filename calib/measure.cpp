@@ -9,6 +9,7 @@
 #include "calib/edge_outcome.h"
 #include "calib/edge_start.h"
 #include "calib/edge_terms.h"
+#include "calib/esf_refine.h"
 #include "mtf/error.h"
 
 namespace calib {
@@ -40,6 +41,23 @@ void split_blur(ReferenceShape& shape) {
   shape.s_px = 0.3 * std::sqrt(variance);
 }
 
+// Blocks of a large region know the place of the edge to a fraction of a block: a Gaussian step, from a blur as wide as
+// that, leads to the pixels.
+constexpr std::int64_t kFineBlocks_px = 4;
+void sharpen_start(const EdgePixels& pixels, EdgeModel& start, double block_px, FitRounds rounds) {
+  constexpr std::size_t kSome = 6000;
+  start.shape.v_px2 = std::min(0.1 * block_px * block_px, 200.0);
+  rounds.unknowns = basic_unknowns();
+  rounds.unknowns.reset(kFirstShape).reset(kFirstShape + 2);
+  rounds.rounds = 40;
+  rounds.enough = 3.0;
+  rounds.step = std::max<std::size_t>(1, pixels.size() / kSome);
+  rounds.least_variance = std::max(rounds.least_variance, 1e-4);
+  fit_reference(pixels, start, rounds);
+}
+
+constexpr int kLooks = 1;  // at the pixels again, where there is a correction
+
 struct Fit {
   EdgeModel model;
   FitState state;
@@ -49,28 +67,42 @@ struct Fit {
 // From the start to the best reference: first on some of the pixels, then on all.
 Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const MeasureOptions& options,
              double reach_px) {
-  constexpr std::size_t kSome = 2600;
+  constexpr std::size_t kSome = 2000;
+  const std::size_t step = std::max<std::size_t>(1, pixels.size() / kSome);
   Fit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns()};
   split_blur(fit.model.shape);
-  rounds.step = std::max<std::size_t>(1, pixels.size() / kSome);
-  rounds.unknowns = fit.unknowns;
-  rounds.rounds = 25;
-  fit_reference(pixels, fit.model, rounds);
+  const auto refine = [&](std::size_t every, int most_rounds, double enough) {
+    rounds.unknowns = fit.unknowns;
+    rounds.step = every;
+    rounds.rounds = most_rounds;
+    rounds.enough = enough;
+    return fit_reference(pixels, fit.model, rounds);
+  };
+  refine(step, 25, 1.0);
 
-  rounds.step = std::max<std::size_t>(1, pixels.size() / (2 * kSome));
+  rounds.step = 1;
   rounds.unknowns = with_gradients(with_order(fit.unknowns, kHighestOrder));
-  const Terms terms = choose_terms(evaluate(pixels, fit.model, rounds), fit.model, reach_px, options);
+  fit.state = evaluate(pixels, fit.model, rounds);
+  const Terms terms = choose_terms(fit.state, fit.model, reach_px, options);
   if (terms.gradients) fit.unknowns = with_gradients(fit.unknowns);
   fit.unknowns = with_order(fit.unknowns, terms.order);
   set_order(fit.model.curve, terms.order, options.circle);
-  rounds.unknowns = fit.unknowns;
+  constexpr int kRounds = 5;
+  constexpr double kEnough = 0.3;
   if (terms.gradients || terms.order > 1) {
-    rounds.rounds = 12;
-    fit_reference(pixels, fit.model, rounds);
+    refine(step, 12, 1.0);
+    fit.state = refine(1, kRounds, kEnough);
+  } else {
+    rounds.unknowns = fit.unknowns;
+    rounds.rounds = kRounds;
+    rounds.enough = kEnough;
+    fit.state = fit_reference(pixels, fit.model, rounds, std::move(fit.state));
   }
-  rounds.step = 1;
-  rounds.rounds = 4;
-  fit.state = fit_reference(pixels, fit.model, rounds);
+  if (fit.model.shape.s_px > 0.0 && !shows_diffraction(fit.state, fit.model, fit.unknowns)) {
+    fit.unknowns.reset(kFirstShape);
+    fit.model.shape.s_px = 0.0;
+    fit.state = refine(1, kRounds, kEnough);
+  }
   return fit;
 }
 
@@ -162,12 +194,12 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   const auto width = static_cast<double>(roi.width), height = static_cast<double>(roi.height);
   std::int64_t block_px = 1;
   const EdgePixels blocks = gather_blocks(image, roi, region, limits, block_px);
-  const EdgeModel start = start_edge(blocks, static_cast<double>(block_px), width, height);
+  EdgeModel start = start_edge(blocks, static_cast<double>(block_px), width, height);
   if (!(start.curve.half_length_px > 0.0)) {
     stop({Trouble::no_edge, "no line divides the region into a dark and a bright side: move the region onto an edge"});
     return out;
   }
-  const EdgePixels pixels = gather_pixels(image, roi, region, limits, start.curve, kReach_px);
+  EdgePixels pixels = gather_pixels(image, roi, region, limits, start.curve, kReach_px);
   FitRounds rounds;
   const double quantum = options.quantum / region.scale;
   rounds.least_variance = std::max(rounds.least_variance, quantum * quantum / 12.0);
@@ -176,21 +208,33 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
     rounds.variance = std::max(rounds.least_variance, sd * sd);
   }
   const double reach_px = 0.5 * static_cast<double>(pixels.size()) / (2.0 * start.curve.half_length_px);
+  if (block_px > kFineBlocks_px) sharpen_start(pixels, start, static_cast<double>(block_px), rounds);
+  const double local_noise_sd = local_noise(image, roi, region);
   Fit fit = fit_edge(pixels, start, rounds, options, reach_px);
-  EdgeFacts facts = facts_of(pixels, fit.state, fit.model);
-  facts.local_noise_sd = local_noise(image, roi, region);
+  EdgeFacts facts = facts_of(pixels, fit.state, fit.model, local_noise_sd);
+  if (suspects_outliers(facts)) {
+    if (const std::size_t removed = remove_outliers(pixels, fit.model, fit.state.profile, facts); removed > 0) {
+      fit = fit_edge(pixels, start, rounds, options, reach_px);
+      facts = facts_of(pixels, fit.state, fit.model, local_noise_sd);
+      facts.outliers = removed;
+    }
+  }
   levels(fit.model, fit.state.noise, region, out);
   out.oversampling = facts.oversampling;
   if (stop(judge_edge(facts))) return out;
 
-  const JointFit joint = solve_jointly(fit.state, fit.model, without_bounds(fit.unknowns, fit.model), facts.width_px,
-                                       std::min(facts.reach_dark_px, facts.reach_bright_px));
-  const EdgeResponse response(fit.model, joint);
-  describe(response, out);
-  Vector change = Vector::Zero();
-  for (std::size_t i = 0; i < joint.unknowns.size(); ++i)
-    if (joint.unknowns[i] < kFirstShape) change[joint.unknowns[i]] = joint.value[static_cast<Eigen::Index>(i)];
-  move(fit.model, change);
+  const auto solve = [&] {
+    return solve_jointly(fit.state, fit.model, without_bounds(fit.unknowns, fit.model), facts.oversampling >= 3.0,
+                         facts.width_px, std::min(facts.reach_dark_px, facts.reach_bright_px));
+  };
+  JointFit joint = solve();
+  rounds.unknowns = fit.unknowns;
+  for (int look = 0; look < kLooks && joint.tau_odd + joint.tau_even > 0.0; ++look) {
+    fit.state = refine(pixels, fit.model, fit.state, joint, rounds);
+    joint = solve();
+  }
+  describe(EdgeResponse(fit.model, joint), out);
+  move(fit.model, movement(joint));
   levels(fit.model, fit.state.noise, region, out);
   geometry(fit.model, joint, region, out);
   out.chi2_per_dof = joint.chi2_per_dof;

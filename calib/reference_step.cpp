@@ -23,72 +23,72 @@ mtf::ValueSlope footprint(double fc, double q_px2) {
   return {sinc, fc * fc * (std::cos(angle) - sinc) / (2.0 * x2)};
 }
 
-struct Nodes {
-  std::vector<double> cos, sin, step_cos, step_sin;  // of 2 pi f d and of 2 pi f x step
-  std::array<std::vector<double>, kSums> weight;
+constexpr int kLanes = 8;  // knots that are summed together; every zone is a multiple of them
+
+// One frequency: its weights in E, the line spread and the derivatives, and the rotation by the finest step.
+struct Node {
+  std::array<double, kSums> weight{};
+  double cos = 1.0, sin = 0.0;
 };
 
-// All sums at the present distance: the even ones (the line spread) take cos, the odd ones sin.
-MTFKIT_CLONES void sum_up(const Nodes& nodes, std::array<double, kSums>& sums) {
-  const std::size_t n = nodes.cos.size();
-  const double *c = nodes.cos.data(), *s = nodes.sin.data();
-  const double *w0 = nodes.weight[0].data(), *w1 = nodes.weight[1].data(), *w2 = nodes.weight[2].data(),
-               *w3 = nodes.weight[3].data(), *w4 = nodes.weight[4].data();
-  std::array<double, 4> a{}, b{}, d{}, e{}, g{};  // n is a multiple of four
-  for (std::size_t i = 0; i < n; i += 4) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      a[k] += w0[i + k] * s[i + k];
-      b[k] += w1[i + k] * c[i + k];
-      d[k] += w2[i + k] * s[i + k];
-      e[k] += w3[i + k] * s[i + k];
-      g[k] += w4[i + k] * s[i + k];
+// Sums over the knots of a zone, `blocks` x kLanes of them. c and s are cos and sin of 2 pi f d at its first knot and
+// are moved to its end; (dc, ds) is the rotation of one step.
+struct Phase {
+  double c = 1.0, s = 0.0, dc = 1.0, ds = 0.0;
+};
+MTFKIT_CLONES void add_zone(const std::array<double, kSums>& weight, Phase& phase, int blocks, double* __restrict odd,
+                            double* __restrict lsf, double* __restrict by_s, double* __restrict by_v,
+                            double* __restrict by_q) {
+  std::array<double, kLanes> c, s;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    c[k] = phase.c;
+    s[k] = phase.s;
+    const double next = phase.c * phase.dc - phase.s * phase.ds;
+    phase.s = phase.s * phase.dc + phase.c * phase.ds;
+    phase.c = next;
+  }
+  // Rotation of a whole block, by three doublings.
+  double bc = phase.dc, bs = phase.ds;
+  for (int k = 1; k < kLanes; k *= 2) {
+    const double next = bc * bc - bs * bs;
+    bs = 2.0 * bc * bs;
+    bc = next;
+  }
+  for (int block = 0; block < blocks; ++block) {
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      odd[k] += weight[0] * s[k];
+      lsf[k] += weight[1] * c[k];
+      by_s[k] += weight[2] * s[k];
+      by_v[k] += weight[3] * s[k];
+      by_q[k] += weight[4] * s[k];
+      const double next = c[k] * bc - s[k] * bs;
+      s[k] = s[k] * bc + c[k] * bs;
+      c[k] = next;
     }
+    odd += kLanes, lsf += kLanes, by_s += kLanes, by_v += kLanes, by_q += kLanes;
   }
-  const auto total = [](const std::array<double, 4>& x) { return (x[0] + x[1]) + (x[2] + x[3]); };
-  sums = {total(a), total(b), total(d), total(e), total(g)};
-}
-
-MTFKIT_CLONES void advance(Nodes& nodes) {
-  const std::size_t n = nodes.cos.size();
-  double *c = nodes.cos.data(), *s = nodes.sin.data();
-  const double *dc = nodes.step_cos.data(), *ds = nodes.step_sin.data();
-  for (std::size_t i = 0; i < n; ++i) {
-    const double next = c[i] * dc[i] - s[i] * ds[i];
-    s[i] = s[i] * dc[i] + c[i] * ds[i];
-    c[i] = next;
-  }
-}
-
-// The rotation of twice the step.
-void double_step(Nodes& nodes) {
-  for (std::size_t i = 0; i < nodes.cos.size(); ++i) {
-    const double c = nodes.step_cos[i], s = nodes.step_sin[i];
-    nodes.step_cos[i] = c * c - s * s;
-    nodes.step_sin[i] = 2.0 * c * s;
-  }
+  phase.c = c[0];
+  phase.s = s[0];
 }
 
 // A Gauss-Legendre rule in t, f = top t (2 - t): smooth at the cutoff, where D ends with the power 3/2.
-Nodes make_nodes(const ReferenceShape& shape, double angle_rad, double top_cy_px, double reach_px) {
+std::vector<Node> make_nodes(const ReferenceShape& shape, double angle_rad, double top_cy_px, double reach_px) {
   const double phase = 2.0 * kPi * top_cy_px * reach_px;
   const int wanted = static_cast<int>(0.5 * phase + 2.0 * std::cbrt(phase)) + 14;
   const int n = std::min((wanted + 7) / 8 * 8, mtf::kMostGaussNodes);
   const mtf::GaussRule& rule = mtf::gauss_legendre(n);
-  Nodes nodes;
-  nodes.cos.assign(static_cast<std::size_t>(n), 1.0);
-  nodes.sin.assign(static_cast<std::size_t>(n), 0.0);
-  for (auto* list : {&nodes.step_cos, &nodes.step_sin}) list->resize(static_cast<std::size_t>(n));
-  for (auto& list : nodes.weight) list.resize(static_cast<std::size_t>(n));
-  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+  std::vector<Node> nodes(static_cast<std::size_t>(n));
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
     const double t = 0.5 * (rule.node[i] + 1.0);
     const double f = top_cy_px * t * (2.0 - t);
     const double df = rule.weight[i] * top_cy_px * (1.0 - t);
     const ReferenceOtf h = reference_otf(shape, angle_rad, f);
-    nodes.weight[0][i] = df * h.value / (kPi * f);
-    nodes.weight[1][i] = df * h.value * 2.0;
-    for (std::size_t k = 0; k < kShapes; ++k) nodes.weight[2 + k][i] = df * h.slope[k] / (kPi * f);
-    nodes.step_cos[i] = std::cos(2.0 * kPi * f / kFinest);
-    nodes.step_sin[i] = std::sin(2.0 * kPi * f / kFinest);
+    Node& node = nodes[i];
+    node.weight[0] = df * h.value / (kPi * f);
+    node.weight[1] = df * h.value * 2.0;
+    for (std::size_t k = 0; k < kShapes; ++k) node.weight[2 + k] = df * h.slope[k] / (kPi * f);
+    node.cos = std::cos(2.0 * kPi * f / kFinest);
+    node.sin = std::sin(2.0 * kPi * f / kFinest);
   }
   return nodes;
 }
@@ -118,29 +118,32 @@ ReferenceTable tabulate(const ReferenceShape& shape, double angle_rad) {
   const double s = shape.s_px, sigma = std::sqrt(shape.v_px2);
   const double top = s > 0.0 ? std::min(1.0 / s, 1.15 / sigma) : 1.15 / sigma;  // exp(-2 pi^2 1.15^2) = 5e-12
   const double reach = std::min(kReach_px, 10.0 * s + 1.5 * std::sqrt(shape.q_px2) + 6.5 * sigma);
-  Nodes nodes = make_nodes(shape, angle_rad, top, reach);
   ReferenceTable table;
-  std::size_t i = 0;
-  double d = 0.0, step = 1.0 / kFinest;
-  for (const DistanceZone& zone : kDistanceZones) {
-    while (step < zone.step_px) {
-      double_step(nodes);
-      step *= 2.0;
+  std::size_t summed = 0;
+  for (const Node& node : make_nodes(shape, angle_rad, top, reach)) {
+    Phase phase{.c = 1.0, .s = 0.0, .dc = node.cos, .ds = node.sin};
+    double start = 0.0, step = 1.0 / kFinest;
+    std::size_t first = 0;
+    for (const DistanceZone& zone : kDistanceZones) {
+      for (; step < zone.step_px; step *= 2.0) {
+        const double next = phase.dc * phase.dc - phase.ds * phase.ds;
+        phase.ds = 2.0 * phase.dc * phase.ds;
+        phase.dc = next;
+      }
+      const double end = std::min(zone.end_px, reach);
+      if (end <= start) break;
+      const int blocks = static_cast<int>(std::ceil((end - start) / (step * kLanes)));
+      add_zone(node.weight, phase, blocks, &table.odd[first], &table.lsf[first], &table.slope[0][first],
+               &table.slope[1][first], &table.slope[2][first]);
+      first += static_cast<std::size_t>(blocks * kLanes);
+      start = zone.end_px;
     }
-    for (; d < zone.end_px && d <= reach; ++i, d += step) {
-      std::array<double, kSums> sums{};
-      sum_up(nodes, sums);
-      table.odd[i] = sums[0];
-      table.lsf[i] = sums[1];
-      for (std::size_t k = 0; k < kShapes; ++k) table.slope[k][i] = sums[2 + k];
-      advance(nodes);
-    }
-    if (d > reach) break;
+    summed = first;
   }
   const double b = 2.0 * kPi * kPi * shape.v_px2 + kPi * kPi * shape.q_px2 / 6.0;
   const double c = (2.0 / 3.0 * s * s * s + 4.0 * s * b) / kPi;
-  for (; i <= kSideBins; ++i) {
-    d = DistanceBins::get().knot(kSideBins + static_cast<int>(i));
+  for (std::size_t i = summed; i <= kSideBins; ++i) {
+    const double d = DistanceBins::get().knot(kSideBins + static_cast<int>(i));
     const double near = 2.0 / (kPi * kPi * kPi * d), far = 2.0 / (kPi * std::pow(2.0 * kPi * d, 3));
     table.odd[i] = 0.5 - near * s - far * c;
     table.lsf[i] = (near * s + 3.0 * far * c) / d;

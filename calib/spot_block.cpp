@@ -20,6 +20,30 @@ double middle_of(std::vector<double> values) {
   return *middle;
 }
 
+/// exp(2 pi i f d) for pixels at d, d + 1, .. and f = (first + j) / period.
+class PhaseTable {
+ public:
+  PhaseTable(double d, std::size_t pixels, std::int64_t first, std::size_t frequencies, double period)
+      : first_(static_cast<double>(first)), turn_(2.0 * std::numbers::pi / period), columns_(frequencies) {
+    for (std::size_t p = 0; p < pixels; ++p)
+      for (std::size_t j = 0; j < frequencies; ++j) {
+        const double angle = turn_ * (first_ + static_cast<double>(j)) * (d + static_cast<double>(p));
+        phases_.push_back({std::cos(angle), std::sin(angle)});
+      }
+  }
+  const mtf::Complex<double>& at(std::size_t pixel, std::size_t j) const { return phases_[pixel * columns_ + j]; }
+  /// By a shift of the source: times -2 pi i f.
+  mtf::Complex<double> slope(std::size_t pixel, std::size_t j) const {
+    const double factor = turn_ * (first_ + static_cast<double>(j));
+    return {factor * at(pixel, j).im, -factor * at(pixel, j).re};
+  }
+
+ private:
+  double first_, turn_;
+  std::size_t columns_;
+  std::vector<mtf::Complex<double>> phases_;
+};
+
 }  // namespace
 
 SpotBlock::SpotBlock(const SpotData& data) : data_(&data) {
@@ -84,31 +108,22 @@ std::vector<std::vector<double>> SpotBlock::images(const Sensors& sensors, doubl
   const auto width = static_cast<std::size_t>(roi.width), height = static_cast<std::size_t>(roi.height);
   const std::size_t columns = static_cast<std::size_t>(mx) + 1, rows = 2 * static_cast<std::size_t>(my) + 1;
   std::vector<std::vector<double>> images(sensors.parameters() + 3, std::vector<double>(width * height));
+  const PhaseTable across(static_cast<double>(roi.x) + 0.5 - x0, width, 0, columns, period);
+  const PhaseTable down(static_cast<double>(roi.y) + 0.5 - y0, height, -my, rows, period);
   std::vector<mtf::Complex<double>> line(columns);
-  const auto phase = [&](double turns) {
-    const double angle = 2.0 * std::numbers::pi * turns / period;
-    return mtf::Complex<double>{std::cos(angle), std::sin(angle)};
-  };
-  const double pi2 = 2.0 * std::numbers::pi / period;
   for (std::size_t k = 0; k < images.size(); ++k) {
     // 0 the PSF, 1 and 2 its slopes by x0 and y0, then the parameters.
     const std::vector<mtf::Complex<double>>& spectrum = k < 3 ? h[0] : h[k - 2];
     for (std::size_t y = 0; y < height; ++y) {
-      const double dy = static_cast<double>(roi.y) + static_cast<double>(y) + 0.5 - y0;
       std::fill(line.begin(), line.end(), mtf::Complex<double>{});
       for (std::size_t j = 0; j < rows; ++j) {
-        const double fy = static_cast<double>(j) - static_cast<double>(my);
-        mtf::Complex<double> turn = phase(fy * dy);
-        if (k == 2) turn = {pi2 * fy * turn.im, -pi2 * fy * turn.re};  // times -2 pi i fy
+        const mtf::Complex<double> turn = k == 2 ? down.slope(y, j) : down.at(y, j);
         for (std::size_t i = 0; i < columns; ++i) line[i] = line[i] + spectrum[j * columns + i] * turn;
       }
       for (std::size_t x = 0; x < width; ++x) {
-        const double dx = static_cast<double>(roi.x) + static_cast<double>(x) + 0.5 - x0;
         double sum = 0.0;
         for (std::size_t i = 0; i < columns; ++i) {
-          const double fx = static_cast<double>(i);
-          mtf::Complex<double> turn = phase(fx * dx);
-          if (k == 1) turn = {pi2 * fx * turn.im, -pi2 * fx * turn.re};
+          const mtf::Complex<double> turn = k == 1 ? across.slope(x, i) : across.at(x, i);
           sum += (i == 0 ? 1.0 : 2.0) * (line[i].re * turn.re - line[i].im * turn.im);
         }
         images[k][y * width + x] = sum / (period * period);
@@ -128,7 +143,7 @@ NormalMatrix SpotBlock::normal(const Sensors& sensors, std::span<const double> o
     for (std::int64_t x = 0; x < data_->roi.width; ++x, ++i) {
       const double value = data_->image.at(data_->roi.x + x, data_->roi.y + y);
       if (!std::isfinite(value)) continue;
-      const BentResidual r = bend((value - background - flux * psf[0][i]) / sd_, robust_);
+      const BentResidual r = bent((value - background - flux * psf[0][i]) / sd_, robust_);
       const double weight = -r.slope / sd_;
       const std::span<double> row = all.next();
       row[0] = weight * flux * psf[1][i];

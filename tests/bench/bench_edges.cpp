@@ -33,10 +33,10 @@ std::vector<Case> cases() {
                        .noise_sd = kContrast / cnr};
   };
   const auto camera = [](double f_number, double angle_deg, double w020 = 0.0, double olpf = 0.0) {
-    made::Camera camera = made::camera_of(f_number);
-    camera.w020 = w020;
-    camera.olpf = olpf;
-    return made::camera_step(camera, angle_deg);
+    made::Camera one = made::camera_of(f_number);
+    one.w020 = w020;
+    one.olpf = olpf;
+    return made::camera_step(one, angle_deg);
   };
   const made::Step gaussian = made::Step::gaussian(0.3);
   std::vector<Case> all;
