@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 #include "mtf/error.h"
+#include "mtf/parallel.h"
 #include "mtf/tile_halo.h"
 
 namespace mtf {
@@ -25,10 +25,6 @@ constexpr int kPlannedInFlight = 4;  // tiles that memory should hold at once
 
 std::int64_t machine_bytes() {
   return static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::int64_t>(sysconf(_SC_PAGESIZE));
-}
-
-int threads_of(int asked) {
-  return asked > 0 ? asked : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 }
 
 double count(std::int64_t n) { return static_cast<double>(n); }

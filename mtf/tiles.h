@@ -91,8 +91,10 @@ class TiledSensorPlan {
                                        const TileOptions&);
   friend std::optional<TiledSensorPlan> cut_into_tiles(const System<double>&, const SampleGrid&, const PlanOptions&,
                                                        const TileOptions&, std::int64_t, std::string&);
-  bool run_tile(const ReadWindow& read, std::size_t channel, std::int64_t index, double border_value, const Image* far,
-                double far_level, Image& out) const;
+  struct Workspace;
+  int helpers() const;
+  bool run_tile(std::int64_t index, double border_value, const Image* far, double far_level, Workspace& memory,
+                Image& out) const;
   void read_canvas(const ReadWindow& read, std::size_t channel, std::int64_t index, double border_value,
                    Image& canvas) const;
   void filter_behind_sampling(std::int64_t index, double border_value, Image& pixels) const;
