@@ -36,7 +36,6 @@ void return_freed_memory() {
 #endif
 }
 
-constexpr std::int64_t kBandRows = 128, kReadAhead = 384;
 constexpr std::size_t kHeaderBytes = 65536;  // of a scene file, for telling it from another
 
 // A scene in memory or, where memory is limited, as windows of its file.
@@ -47,8 +46,7 @@ struct Source {
   mtf::ReadWindow read;
 };
 
-void open_windows(const SimulateOptions& options, const Global& global, const mtf::io::SensorConfig& config,
-                  Source& source) {
+void open_windows(const SimulateOptions& options, const mtf::io::SensorConfig& config, Source& source) {
   if (mtf::io::detect_format(options.scene) != mtf::io::Format::exr)
     throw mtf::UsageError("--memory: " + one_line(options.scene) +
                           " is no OpenEXR file, which is the format that can be read in pieces; convert it");
@@ -59,8 +57,7 @@ void open_windows(const SimulateOptions& options, const Global& global, const mt
         "--nan: fill and propagate look at the whole image; leave out --memory, or replace such "
         "pixels before");
   if (!options.wisdom.empty()) throw mtf::UsageError("--wisdom is for whole images; leave it out with --memory");
-  source.file.emplace(options.scene, mtf::io::ReadOptions{options.channel, options.layer, options.part},
-                      global.threads);
+  source.file.emplace(options.scene, mtf::io::ReadOptions{options.channel, options.layer, options.part});
   source.scene = mtf::io::describe_scene(config, options.scene, source.file->file());
   source.read = [&source](std::size_t channel, std::int64_t x, std::int64_t y, mtf::ImageView<float> out) {
     source.file->read(channel, x, y, out);
@@ -73,17 +70,16 @@ std::vector<mtf::Survey> survey_all(const Source& source, const mtf::io::SceneDe
   std::vector<mtf::Survey> surveys;
   const double channels = static_cast<double>(source.scene.names.size());
   for (std::size_t c = 0; c < source.scene.names.size(); ++c) {
-    const auto read = [&](std::size_t channel, std::int64_t x, std::int64_t y, mtf::ImageView<float> out) {
-      source.read(channel, x, y, out);
-      const double share = static_cast<double>(y) / static_cast<double>(source.scene.grid.height);
-      progress.update("survey", (static_cast<double>(channel) + share) / channels);
+    const auto seen = [&](std::int64_t row) {
+      const double share = static_cast<double>(row) / static_cast<double>(source.scene.grid.height);
+      progress.update("survey", (static_cast<double>(c) + share) / channels);
     };
-    surveys.push_back(mtf::survey(read, c, source.scene.grid,
+    surveys.push_back(mtf::survey(source.read, c, source.scene.grid,
                                   {.border = defaults.border,
                                    .border_value = defaults.border_value,
                                    .every = every,
-                                   .band_rows = kBandRows,
-                                   .threads = global.threads}));
+                                   .threads = global.threads,
+                                   .progress = seen}));
     const mtf::Statistics& s = surveys.back().statistics;
     if (s.not_finite > 0)
       throw mtf::RuntimeError("channel " + one_line(source.scene.names[c]) + ": " + std::to_string(s.not_finite) +
@@ -237,7 +233,7 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   std::vector<mtf::Image> masks;
   if (streamed) {
     if (options.memory) return_freed_memory();
-    open_windows(options, global, config, source);
+    open_windows(options, config, source);
   } else {
     source.scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
     masks = treat_bad_pixels(source.scene, options.nan, report.bad_pixels);
@@ -273,7 +269,7 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   const mtf::TiledSensorPlan plan =
       compile_reachable(options.tolerance.has_value(), plan_options, report.warnings,
                         [&] { return mtf::compile_tiled(config.system, scene.grid, plan_options, tile_options); });
-  if (source.file) source.file->keep_rows(plan.report().whole ? 0 : plan.inner().presample.in().height + kReadAhead);
+  if (source.file) source.file->keep_rows(plan.report().whole ? 0 : plan.inner().presample.in().height);
   progress.reset();
   for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
   lap("plan");

@@ -148,22 +148,33 @@ std::optional<SceneSummary> Survey::summary(Border border, double border_value) 
 }
 
 Survey survey(const ReadWindow& read, std::size_t channel, const SampleGrid& scene, const SurveyOptions& options) {
+  const std::int64_t width = scene.width;
   std::vector<Row> rows(static_cast<std::size_t>(scene.height));
   std::optional<CoarseScene> coarse;
-  Image band(scene.width, std::min(options.band_rows, scene.height));
+  Image along;
+  if (options.every > 0) {
+    Image first(width, 1);
+    read(channel, 0, 0, first.view());
+    const CoarseGrid grid = coarse_grid(scene, options.border, options.every);
+    coarse.emplace(grid,
+                   options.border == Border::constant ? options.border_value : row_moments(first.data(), width).mean);
+    along = Image(grid.x.count, std::min(options.band_rows, scene.height));
+  }
   for (std::int64_t first = 0; first < scene.height; first += options.band_rows) {
+    if (options.progress) options.progress(first);
     const std::int64_t count = std::min(options.band_rows, scene.height - first);
-    const ImageView<float> view{band.data(), scene.width, count, scene.width};
-    read(channel, 0, first, view);
-    parallel_for(count, 8, options.threads, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t y = begin; y < end; ++y)
-        rows[static_cast<std::size_t>(first + y)] = row_moments(view.row(y), scene.width);
+    // All that is to be done with a row while it is in the caches.
+    parallel_for(count, 16, options.threads, [&](std::int64_t begin, std::int64_t end) {
+      Image row(width, 1);
+      for (std::int64_t y = begin; y < end; ++y) {
+        read(channel, 0, first + y, row.view());
+        rows[static_cast<std::size_t>(first + y)] = row_moments(row.data(), width);
+        if (coarse)
+          coarse->sum_along_x({row.data(), static_cast<std::size_t>(width)},
+                              {along.view().row(y), static_cast<std::size_t>(along.width())});
+      }
     });
-    if (options.every == 0) continue;
-    if (first == 0)
-      coarse.emplace(coarse_grid(scene, options.border, options.every),
-                     options.border == Border::constant ? options.border_value : rows.front().mean);
-    coarse->add(first, view, options.threads);
+    if (coarse) coarse->add(first, {along.data(), along.width(), count, along.width()}, options.threads);
   }
   Survey result;
   result.statistics = statistics_of(rows, scene.width);

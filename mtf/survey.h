@@ -28,9 +28,10 @@ ReadWindow windows_of(std::span<const ImageView<const float>> planes);
 struct SurveyOptions {
   Border border = Border::reflect;
   double border_value = 0.0;
-  std::int64_t every = 0;       ///< scene samples for one of the coarse image; 0: no coarse image
-  std::int64_t band_rows = 64;  ///< that are held at once
+  std::int64_t every = 0;        ///< scene samples for one of the coarse image; 0: no coarse image
+  std::int64_t band_rows = 512;  ///< that are looked at together
   int threads = 0;
+  std::function<void(std::int64_t row)> progress = nullptr;  ///< called with the first row of a band that begins
 };
 
 struct Survey {
