@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstring>
 
+#include "apps/interrupt.h"
 #include "apps/measured_file.h"
 #include "apps/output.h"
 #include "apps/progress_line.h"
@@ -318,6 +319,9 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
         run);
     lap("run");
     progress.emplace(global);
+    const InterruptNote kept(
+        options.resume ? "mtf: finished tiles are kept; the same command goes on from them\n"
+                       : "mtf: finished tiles are kept; the same command without --resume no goes on from them\n");
     mtf::io::write_tiled_exr(
         options.out, names, plan.out().width, plan.out().height,
         [&](std::int64_t first, std::span<const mtf::ImageView<float>> planes) {

@@ -139,6 +139,7 @@ TEST_F(SimulateTiles, FullDiskIsSaid) {
 }
 
 TEST_F(SimulateTiles, Refusals) {
+  EXPECT_NE(stopped.err.find("the same command goes on"), std::string::npos) << stopped.err;
   expect_refused("mtf simulate sensor.toml scene.exr -o out.exr --memory 2MiB", 2, "MiB");
   expect_refused("mtf simulate sensor.toml scene.exr -o out.exr --memory 0", 2, "--memory");
   expect_refused("mtf simulate sensor.toml scene.exr -o out.exr --memory lots", 2, "512MiB");
