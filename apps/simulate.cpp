@@ -143,11 +143,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   }
   if (!options.report.empty()) emit(options.report, to_json(report));
   if (options.report == "-") return 0;  // standard output is the report
-  if (options.explain) {
-    std::string text = plan.presample.explain();
-    if (plan.post) text += "after sampling\n" + plan.post->explain();
-    print(text);
-  }
+  if (options.explain) print(tiles ? explain_tiles(plan, report.tiles->plan) : explain_text(plan));
   print_summary(report, names, statistics);
   return 0;
 }

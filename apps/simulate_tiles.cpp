@@ -354,11 +354,7 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   lap("write");
   if (!options.report.empty()) emit(options.report, to_json(report));
   if (options.report == "-") return 0;  // standard output is the report
-  if (options.explain) {
-    std::string text = plan.inner().presample.explain();
-    if (plan.inner().post) text += "after sampling\n" + plan.inner().post->explain();
-    print(text);
-  }
+  if (options.explain) print(explain_tiles(plan.inner(), plan.report()));
   print(summary_text(report, names, statistics));
   return 0;
 }
