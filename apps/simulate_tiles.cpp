@@ -22,6 +22,7 @@
 #include "mtf/error.h"
 #include "mtf/io/exr_windows.h"
 #include "mtf/io/tile_store.h"
+#include "mtf/statistics.h"
 #include "mtf/version.h"
 
 namespace apps {
@@ -134,6 +135,13 @@ std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& 
   return key + " " + std::to_string(r.every) + " " + header;
 }
 
+// The first channel with values beyond float32.
+std::optional<std::size_t> overflowing(std::span<const mtf::ImageView<const float>> planes) {
+  for (std::size_t c = 0; c < planes.size(); ++c)
+    if (!mtf::all_finite(planes[c])) return c;
+  return std::nullopt;
+}
+
 // Pixels that are NaN where bad samples reach them need the whole image and its plan.
 std::vector<mtf::Image> run_whole(const mtf::io::SensorConfig& config, Source& source,
                                   const std::vector<mtf::Image>& masks, const mtf::PlanOptions& options,
@@ -163,6 +171,7 @@ std::vector<mtf::Image> run_in_memory(const mtf::io::SensorConfig& config, Sourc
   report.tiles->tally = plan.run(
       source.read, surveys,
       [&](const mtf::Tile& tile, std::span<const mtf::ImageView<const float>> planes) {
+        if (const auto c = overflowing(planes)) refuse_overflow(source.scene.names[*c]);
         for (std::size_t c = 0; c < planes.size(); ++c)
           for (std::int64_t y = 0; y < tile.region.height; ++y)
             std::memcpy(images[c].view().row(tile.region.y + y) + tile.region.x, planes[c].row(y),
@@ -310,18 +319,22 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
     if (store.resumed() > 0)
       note(global, "note: " + std::to_string(store.resumed()) + " of " + std::to_string(plan.report().count) +
                        " tiles are there from a stopped run");
+    const InterruptNote kept(
+        options.resume ? "mtf: finished tiles are kept; the same command goes on from them\n"
+                       : "mtf: finished tiles are kept; the same command without --resume no goes on from them\n");
     run.done = [&](std::int64_t i) { return store.done(i); };
     report.tiles->tally = plan.run(
         source.read, surveys,
         [&](const mtf::Tile& tile, std::span<const mtf::ImageView<const float>> planes) {
+          if (const auto c = overflowing(planes)) {
+            store.remove();  // the same command will not do better
+            refuse_overflow(scene.names[*c]);
+          }
           store.write(tile.index, planes);
         },
         run);
     lap("run");
     progress.emplace(global);
-    const InterruptNote kept(
-        options.resume ? "mtf: finished tiles are kept; the same command goes on from them\n"
-                       : "mtf: finished tiles are kept; the same command without --resume no goes on from them\n");
     mtf::io::write_tiled_exr(
         options.out, names, plan.out().width, plan.out().height,
         [&](std::int64_t first, std::span<const mtf::ImageView<float>> planes) {

@@ -51,7 +51,8 @@ struct Tile {
   Region region;
 };
 
-/// Takes a finished tile, one plane a channel. Called from several threads at once.
+/// Takes a finished tile, one plane a channel. Called from several threads at once. Where values are beyond what
+/// float32 holds, some pixels are not finite.
 using WriteTile = std::function<void(const Tile& tile, std::span<const ImageView<const float>> planes)>;
 
 struct TileRunOptions {

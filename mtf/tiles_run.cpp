@@ -7,6 +7,7 @@
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
+#include "mtf/statistics.h"
 #include "mtf/tile_turns.h"
 #include "mtf/tiles.h"
 
@@ -157,7 +158,8 @@ bool TiledSensorPlan::run_tile(std::int64_t index, double border_value, const Im
                      centre(y_, index / x_.count(), out_.step_y_um), out_.step_x_um, out_.step_y_um, far_level,
                      pixels.view());
   }
-  if (inner_->post) filter_behind_sampling(index, border_value, pixels);
+  // What is beyond float32 stays what it is, for the receiver of the tile to see.
+  if (inner_->post && all_finite(pixels.view())) filter_behind_sampling(index, border_value, pixels);
   const Region region = tile(index).region;
   out = Image(region.width, region.height);
   const std::int64_t skip_x = region.x + x_.skipped - index % x_.count() * x_.tile + x_.post;
