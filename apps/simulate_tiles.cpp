@@ -38,6 +38,7 @@ void return_freed_memory() {
 #endif
 }
 
+constexpr std::int64_t kSurveyShare = 8;     // of the memory that rows may take while the scene is surveyed
 constexpr std::size_t kHeaderBytes = 65536;  // of a scene file, for telling it from another
 
 // A scene in memory or, where memory is limited, as windows of its file.
@@ -67,21 +68,26 @@ void open_windows(const SimulateOptions& options, const mtf::io::SensorConfig& c
   };
 }
 
-std::vector<mtf::Survey> survey_all(const Source& source, const mtf::io::SceneDefaults& defaults, std::int64_t every,
+std::vector<mtf::Survey> survey_all(Source& source, const mtf::io::SceneDefaults& defaults, std::int64_t memory,
                                     const Global& global, ProgressLine& progress) {
+  mtf::SurveyOptions survey_options{.border = defaults.border,
+                                    .border_value = defaults.border_value,
+                                    .every = mtf::coarse_every(source.scene.grid, defaults.border, memory),
+                                    .threads = global.threads};
+  if (source.file) {
+    if (memory > 0)
+      survey_options.band_rows =
+          std::clamp<std::int64_t>(memory / kSurveyShare / source.file->row_bytes(), 1, survey_options.band_rows);
+    source.file->keep_rows(survey_options.band_rows);
+  }
   std::vector<mtf::Survey> surveys;
   const double channels = static_cast<double>(source.scene.names.size());
   for (std::size_t c = 0; c < source.scene.names.size(); ++c) {
-    const auto seen = [&](std::int64_t row) {
+    survey_options.progress = [&](std::int64_t row) {
       const double share = static_cast<double>(row) / static_cast<double>(source.scene.grid.height);
       progress.update("survey", (static_cast<double>(c) + share) / channels);
     };
-    surveys.push_back(mtf::survey(source.read, c, source.scene.grid,
-                                  {.border = defaults.border,
-                                   .border_value = defaults.border_value,
-                                   .every = every,
-                                   .threads = global.threads,
-                                   .progress = seen}));
+    surveys.push_back(mtf::survey(source.read, c, source.scene.grid, survey_options));
     const mtf::Statistics& s = surveys.back().statistics;
     if (s.not_finite > 0)
       throw mtf::RuntimeError("channel " + one_line(source.scene.names[c]) + ": " + std::to_string(s.not_finite) +
@@ -266,20 +272,23 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   mtf::TileOptions tile_options;
   tile_options.memory = options.memory.value_or(0);
   tile_options.threads = global.threads;
-  tile_options.row_bytes = source.file ? source.file->row_bytes() : 0;
+  if (source.file) {
+    tile_options.row_bytes = source.file->row_bytes();
+    tile_options.more_rows = source.file->more_rows();
+  }
+  tile_options.channels = static_cast<std::int64_t>(scene.names.size());
   read_measured(options, global);
   if (options.region) {
     const auto [x, y, width, height] = *options.region;
     tile_options.region = mtf::Region{x, y, width, height};
   }
-  const std::vector<mtf::Survey> surveys = survey_all(
-      source, config.scene, mtf::coarse_every(scene.grid, config.scene.border, tile_options.memory), global, *progress);
+  const std::vector<mtf::Survey> surveys = survey_all(source, config.scene, tile_options.memory, global, *progress);
   plan_options.scene = worst_of(surveys, config.scene);
   lap("survey");
   const mtf::TiledSensorPlan plan =
       compile_reachable(options.tolerance.has_value(), plan_options, report.warnings,
                         [&] { return mtf::compile_tiled(config.system, scene.grid, plan_options, tile_options); });
-  if (source.file) source.file->keep_rows(plan.report().whole ? 0 : plan.inner().presample.in().height);
+  if (source.file && !plan.report().whole) source.file->keep_rows(plan.inner().presample.in().height);
   progress.reset();
   for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
   lap("plan");

@@ -26,6 +26,8 @@ namespace mtf {
 struct TileOptions {
   std::int64_t memory = 0;     ///< bytes that may be in use, 0 = those of the machine
   std::int64_t row_bytes = 0;  ///< that the reader holds for each row of the scene within reach of a tile
+  std::int64_t more_rows = 0;  ///< that the reader holds besides
+  std::int64_t channels = 1;   ///< of the scene
   int threads = 0;             ///< 0 = all cores
   std::optional<Region> region = std::nullopt;  ///< detector pixels that are wanted
   std::int64_t side = 0;                        ///< of a tile in pixels, 0 = by cost

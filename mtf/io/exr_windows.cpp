@@ -12,7 +12,6 @@ namespace mtf::io {
 namespace {
 
 constexpr std::int64_t kRowsTogether = 32, kBytesTogether = 256 << 10;  // of a band, at least
-constexpr std::int64_t kFewestRows = 512;
 
 struct Opened : OpenedExr {
   Opened(const std::string& path, const ReadOptions& options) : OpenedExr(path, options), source(file, part) {}
@@ -83,7 +82,6 @@ ExrWindows::ExrWindows(const std::string& path, const ReadOptions& options) : im
                        [impl = impl_.get()](std::int64_t index, Band& band) {
                          guarded(impl->path, [&] { impl->decode(index, band); });
                        });
-  keep_rows(0);
 }
 
 ExrWindows::~ExrWindows() = default;
@@ -96,8 +94,10 @@ std::int64_t ExrWindows::row_bytes() const {
 
 void ExrWindows::keep_rows(std::int64_t rows) {
   // Bands that so many rows may touch.
-  impl_->bands->keep((std::max(rows, kFewestRows) + impl_->band_rows - 2) / impl_->band_rows + 1);
+  impl_->bands->keep((std::max<std::int64_t>(rows, 1) + impl_->band_rows - 2) / impl_->band_rows + 1);
 }
+
+std::int64_t ExrWindows::more_rows() const { return 2 * impl_->band_rows; }
 
 void ExrWindows::read(std::size_t channel, std::int64_t x, std::int64_t y, ImageView<float> out) const {
   const Window &data = impl_->exr->data, &display = impl_->exr->display;
