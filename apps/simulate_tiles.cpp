@@ -288,7 +288,8 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   const mtf::TiledSensorPlan plan =
       compile_reachable(options.tolerance.has_value(), plan_options, report.warnings,
                         [&] { return mtf::compile_tiled(config.system, scene.grid, plan_options, tile_options); });
-  if (source.file && !plan.report().whole) source.file->keep_rows(plan.inner().presample.in().height);
+  if (source.file)
+    source.file->keep_rows(plan.report().whole ? source.file->more_rows() : plan.inner().presample.in().height);
   progress.reset();
   for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
   lap("plan");

@@ -42,7 +42,7 @@ inline constexpr double kMostOverlap = 4.0;
 inline constexpr std::int64_t kLongestSide = 4096;
 
 /// Program, libraries, tables.
-inline constexpr std::int64_t kFixedBytes = 48LL << 20;
+inline constexpr std::int64_t kFixedBytes = 40LL << 20;
 
 /// The number of threads has no part in the layout: the same tiles, and so the same bits, for any. Nothing, and the
 /// reason, where no tile fits.

@@ -26,15 +26,16 @@ std::int64_t machine_bytes() {
 
 double count(std::int64_t n) { return static_cast<double>(n); }
 
+double area(const SampleGrid& grid) { return count(grid.width) * count(grid.height); }
+
 double coarse_samples(const CoarseGrid& grid) { return count(grid.x.count) * count(grid.y.count); }
 
 // The coarse image of each channel, before and after its filter.
 TileNeeds needs_of(const Plan& near, const std::optional<Plan>& far, double channels) {
-  const auto samples = [](const Plan& plan) { return count(plan.in().width) * count(plan.in().height); };
   TileNeeds needs;
-  needs.otf = count(near.report().otf_bytes) / samples(near);
-  needs.buffers = count(near.report().run_bytes) / samples(near);
-  if (far) needs.coarse = 8.0 * channels + count(far->report().otf_bytes + far->report().run_bytes) / samples(*far);
+  needs.otf = count(near.report().otf_bytes) / area(near.in());
+  needs.buffers = count(near.report().run_bytes) / area(near.in());
+  if (far) needs.coarse = 8.0 * channels + count(far->report().otf_bytes + far->report().run_bytes) / area(far->in());
   return needs;
 }
 
@@ -67,12 +68,14 @@ void require_region(const Region& region, const SampleGrid& detector) {
                    std::to_string(detector.height) + " pixels; give x,y,width,height in pixels within it");
 }
 
-// What the whole image needs at once: planes, transforms, OTF; other borders than the mirror are written out.
-double whole_bytes(const SampleGrid& in, const PlanOptions& options, const TileOptions& tiles) {
-  const double planes = std::max(4.0, count(tiles.row_bytes) / count(in.width));
-  return count(in.width) * count(in.height) * (planes + (options.border == Border::reflect ? 9.0 : 22.0)) +
-         count(kFixedBytes);
+// What the whole image needs at once, one channel after the other, beside the bytes of the plans.
+double whole_bytes(const SampleGrid& in, const SampleGrid& out, const TileOptions& tiles, double plans) {
+  const double pixels = tiles.region ? count(tiles.region->width) * count(tiles.region->height) : area(out);
+  return count(kFixedBytes) + 4.0 * area(in) + 4.0 * area(out) + 4.0 * count(tiles.channels) * pixels +
+         2.0 * count(tiles.row_bytes) * count(tiles.more_rows) + plans;
 }
+
+double plan_bytes(const Plan& plan) { return count(plan.report().otf_bytes + plan.report().run_bytes); }
 
 }  // namespace
 
@@ -298,13 +301,17 @@ TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& sc
   const bool useful = best && (tiles.side > 0 || work(*best) <= kMostOverlap * all);
   if (useful) return std::move(*best);
 
-  const double bytes = whole_bytes(scene, options, tiles);
+  const auto require_room = [&](double bytes) {
+    if (bytes > limit)
+      throw UsageError("the scene does not go through " + mib(limit) + " of memory: " + reason +
+                       ", and all of it at once needs " + mib(bytes) + "; allow " +
+                       mib(count(least_memory(system, scene, options, tiles, bytes))) +
+                       " or more, or a larger tolerance");
+  };
+  const TileNeeds least;  // before there is a plan, which is worth no time where even this is too much
+  double bytes = whole_bytes(scene, detector, tiles, (least.otf + least.buffers) * area(scene));
   if (bytes > limit && best) return std::move(*best);
-  if (bytes > limit)
-    throw UsageError("the scene does not go through " + mib(limit) + " of memory: " + reason +
-                     ", and all of it at once needs " + mib(bytes) + "; allow " +
-                     mib(count(least_memory(system, scene, options, tiles, bytes))) +
-                     " or more, or a larger tolerance");
+  require_room(bytes);
   TiledSensorPlan plan;
   plan.in_ = scene;
   plan.detector_ = detector;
@@ -315,6 +322,11 @@ TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& sc
   plan.out_.width = plan.region_.width;
   plan.out_.height = plan.region_.height;
   plan.inner_ = compile_sensor(system, scene, options);
+  const SensorPlan& whole = *plan.inner_;
+  bytes =
+      whole_bytes(scene, detector, tiles, plan_bytes(whole.presample) + (whole.post ? plan_bytes(*whole.post) : 0.0));
+  if (bytes > limit && best) return std::move(*best);
+  require_room(bytes);
   TileReport& report = plan.report_;
   report.whole = true;
   report.reason = best ? "tiles with their halos are more work" : reason;

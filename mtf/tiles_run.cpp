@@ -51,6 +51,15 @@ ImageView<float> part(Image& image, std::int64_t x, std::int64_t y, std::int64_t
   return {image.view().row(y) + x, width, height, image.width()};
 }
 
+// One thread reads all at once, several share the rows.
+void read_rows(const ReadWindow& read, std::size_t channel, std::int64_t x, std::int64_t y, ImageView<float> to,
+               int threads) {
+  parallel_for(to.height, threads == 1 ? to.height : kRowsForAThread, threads,
+               [&](std::int64_t begin, std::int64_t end) {
+                 read(channel, x, y + begin, {to.row(begin), to.width, end - begin, to.stride});
+               });
+}
+
 }  // namespace
 
 Tile TiledSensorPlan::tile(std::int64_t index) const {
@@ -91,11 +100,7 @@ void TiledSensorPlan::read_canvas(const ReadWindow& read, std::size_t channel, s
       const auto low = [](const Run& run) { return run.step < 0 ? run.source - (run.count - 1) : run.source; };
       const auto distinct = [](const Run& run) { return run.step == 0 ? 1 : run.count; };
       if (x.step == 1 && y.step == 1) {
-        const int threads = report_.in_flight == 1 ? helpers() : 1;
-        parallel_for(y.count, threads > 1 ? kRowsForAThread : y.count, threads,
-                     [&](std::int64_t begin, std::int64_t end) {
-                       read(channel, x.source, y.source + begin, {to.row(begin), to.width, end - begin, to.stride});
-                     });
+        read_rows(read, channel, x.source, y.source, to, report_.in_flight == 1 ? helpers() : 1);
         continue;
       }
       Image window(distinct(x), distinct(y));
@@ -178,13 +183,17 @@ TileTally TiledSensorPlan::run_whole(const ReadWindow& read, std::size_t channel
     return tally;
   }
   std::vector<Image> planes;
-  for (std::size_t c = 0; c < channels; ++c) {
-    planes.emplace_back(in_.width, in_.height);
-    read(c, 0, 0, planes.back().view());
-  }
-  planes = inner_->run(std::move(planes), options.border_value, threads_);
   std::vector<ImageView<const float>> views;
-  for (Image& plane : planes) views.push_back(part(plane, region_.x, region_.y, region_.width, region_.height));
+  for (std::size_t c = 0; c < channels; ++c) {
+    std::vector<Image> scene;
+    scene.emplace_back(in_.width, in_.height);
+    read_rows(read, c, 0, 0, scene[0].view(), threads_);
+    std::vector<Image> filtered = inner_->run(std::move(scene), options.border_value, threads_);
+    const ImageView<const float> wanted = part(filtered[0], region_.x, region_.y, region_.width, region_.height);
+    planes.emplace_back(region_.width, region_.height);
+    for (std::int64_t y = 0; y < wanted.height; ++y) std::copy_n(wanted.row(y), wanted.width, planes[c].view().row(y));
+    views.push_back(planes[c].view());
+  }
   write(tile(0), views);
   tally.computed = 1;
   if (options.progress) options.progress(1, 1);

@@ -60,6 +60,10 @@ TEST_F(SimulateTiles, EqualTheWholeImageWithinTheTolerance) {
   EXPECT_LT(rms_between("out.exr", "all.exr"), 1e-4);
   EXPECT_GT(report()["tiles"]["count"].get<int>(), 1) << report()["tiles"];
   EXPECT_EQ(report()["scene_size"][0], 1700);
+  EXPECT_LE(report()["tiles"]["bytes"].get<double>(), 105.0 * (1 << 20));
+#ifndef __SANITIZE_ADDRESS__
+  EXPECT_LE(report()["peak_rss_mib"].get<double>(), 105.0);
+#endif
   EXPECT_EQ(report()["out_size"][0], 425);
   const auto out = mtf::io::read_image((scratch / "out.exr").string());
   EXPECT_NE(out.info.storage.find("tiled"), std::string::npos);

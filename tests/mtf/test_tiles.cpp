@@ -147,6 +147,27 @@ TEST(Tiles, too_little_memory_names_what_is_enough) {
   }
 }
 
+// A complex OTF takes twice the memory of a real one, or four times.
+TEST(Tiles, memory_holds_what_the_plans_take) {
+  System<double> complex = mwir();
+  complex.add(Stage::postsample, fir({{0, 0, 0}, {0, 0.7, 0.2}, {0, 0.1, 0}}));
+  complex.add(Stage::presample, rc(60.0, 0));
+  const SampleGrid in{16384, 16384, 3.75, 3.75};
+  PlanOptions options;
+  options.scene = SceneSummary{1.0, 5.0, 2.0};
+  for (const System<double>& system : {mwir(), complex})
+    for (const std::int64_t memory : {400 << 20, 800 << 20}) {
+      const TiledSensorPlan plan =
+          compile_tiled(system, in, options, {.memory = memory, .row_bytes = 65536, .more_rows = 64, .threads = 2});
+      const PlanReport& near = plan.inner().presample.report();
+      const auto canvas = static_cast<double>(near.in.width * near.in.height);
+      EXPECT_LE(plan.report().bytes, memory);
+      EXPECT_GE(static_cast<double>(plan.report().bytes),
+                static_cast<double>(near.otf_bytes) + 65536.0 * static_cast<double>(near.in.height) +
+                    plan.report().in_flight * (static_cast<double>(near.run_bytes) + 4.0 * canvas));
+    }
+}
+
 TEST(Tiles, ratios_that_are_none_of_small_numbers_take_the_whole_image) {
   const System<double> system = with(bare(15.0, 15.0), {gaussian(9.0)});
   const SampleGrid in{120, 100, 15.0 / 3.14159, 15.0 / 3.14159};
