@@ -38,8 +38,9 @@ void return_freed_memory() {
 #endif
 }
 
-constexpr std::int64_t kSurveyShare = 8;     // of the memory that rows may take while the scene is surveyed
-constexpr std::size_t kHeaderBytes = 65536;  // of a scene file, for telling it from another
+constexpr std::int64_t kSurveyShare = 8;      // of the memory that rows may take while the scene is surveyed
+constexpr std::size_t kChannelsTogether = 4;  // in one pass: each has running sums of its coarse image
+constexpr std::size_t kHeaderBytes = 65536;   // of a scene file, for telling it from another
 
 // A scene in memory or, where memory is limited, as windows of its file.
 struct Source {
@@ -80,15 +81,20 @@ std::vector<mtf::Survey> survey_all(Source& source, const mtf::io::SceneDefaults
           std::clamp<std::int64_t>(memory / kSurveyShare / source.file->row_bytes(), 1, survey_options.band_rows);
     source.file->keep_rows(survey_options.band_rows);
   }
+  const std::size_t channels = source.scene.names.size();
   std::vector<mtf::Survey> surveys;
-  const double channels = static_cast<double>(source.scene.names.size());
-  for (std::size_t c = 0; c < source.scene.names.size(); ++c) {
+  for (std::size_t first = 0; first < channels; first += kChannelsTogether) {
+    const std::size_t count = std::min(kChannelsTogether, channels - first);
     survey_options.progress = [&](std::int64_t row) {
       const double share = static_cast<double>(row) / static_cast<double>(source.scene.grid.height);
-      progress.update("survey", (static_cast<double>(c) + share) / channels);
+      progress.update(
+          "survey", (static_cast<double>(first) + share * static_cast<double>(count)) / static_cast<double>(channels));
     };
-    surveys.push_back(mtf::survey(source.read, c, source.scene.grid, survey_options));
-    const mtf::Statistics& s = surveys.back().statistics;
+    for (mtf::Survey& survey : mtf::survey_channels(source.read, first, count, source.scene.grid, survey_options))
+      surveys.push_back(std::move(survey));
+  }
+  for (std::size_t c = 0; c < channels; ++c) {
+    const mtf::Statistics& s = surveys[c].statistics;
     if (s.not_finite > 0)
       throw mtf::RuntimeError("channel " + one_line(source.scene.names[c]) + ": " + std::to_string(s.not_finite) +
                               " pixels are NaN or infinite, the first at column " + std::to_string(s.first_x) +

@@ -48,4 +48,9 @@ struct Survey {
 /// The same numbers for any number of threads and rows a band, up to rounding those of mtf/statistics.h.
 Survey survey(const ReadWindow& read, std::size_t channel, const SampleGrid& scene, const SurveyOptions& options);
 
+/// The same for the channels first .. first + count - 1 in one pass: a file is decoded once for all of them. Each needs
+/// running sums of its coarse image meanwhile, 8 bytes a coarse sample.
+std::vector<Survey> survey_channels(const ReadWindow& read, std::size_t first, std::size_t count,
+                                    const SampleGrid& scene, const SurveyOptions& options);
+
 }  // namespace mtf

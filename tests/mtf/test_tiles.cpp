@@ -214,5 +214,23 @@ TEST(Survey, equals_the_statistics_of_the_image_in_memory) {
     }
 }
 
+TEST(Survey, of_several_channels_is_that_of_each) {
+  const Image a = random_image(301, 297, 5), b = random_image(301, 297, 6, 40.0, 3.0);
+  const std::array<ImageView<const float>, 2> planes{a.view(), b.view()};
+  const SampleGrid scene{301, 297, 1.0, 1.0};
+  const std::vector<Survey> both =
+      survey_channels(windows_of(planes), 0, 2, scene, {.every = 8, .band_rows = 40, .threads = 2});
+  ASSERT_EQ(both.size(), 2U);
+  for (std::size_t c = 0; c < 2; ++c) {
+    const Survey one = survey(windows_of(planes), c, scene, {.every = 8, .band_rows = 512, .threads = 1});
+    EXPECT_EQ(both[c].fingerprint, one.fingerprint);
+    EXPECT_EQ(both[c].statistics.std, one.statistics.std);
+    EXPECT_EQ(both[c].shift, one.shift);
+    ASSERT_EQ(both[c].coarse.size(), one.coarse.size());
+    for (std::int64_t i = 0; i < one.coarse.size(); ++i) ASSERT_EQ(both[c].coarse.data()[i], one.coarse.data()[i]);
+  }
+  EXPECT_NE(both[0].fingerprint, both[1].fingerprint);
+}
+
 }  // namespace
 }  // namespace mtf::test
