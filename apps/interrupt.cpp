@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <string_view>
 
@@ -12,15 +13,25 @@
 namespace apps {
 namespace {
 
+std::atomic<const char*> note = nullptr;  // a handler has nowhere else to look
+static_assert(std::atomic<const char*>::is_always_lock_free);
+
+void say(std::string_view text) {
+  if (::write(STDERR_FILENO, text.data(), text.size()) < 0) ::_exit(130);
+}
+
 // Only async-signal-safe calls. Handlers of these signals block each other.
 extern "C" void stop(int) {
   mtf::io::remove_temporaries();
-  constexpr std::string_view text = "mtf: interrupted\n";
-  if (::write(STDERR_FILENO, text.data(), text.size()) < 0) ::_exit(130);
+  say("mtf: interrupted\n");
+  if (const char* text = note) say(text);
   ::_exit(130);
 }
 
 }  // namespace
+
+InterruptNote::InterruptNote(const char* text) { note = text; }
+InterruptNote::~InterruptNote() { note = nullptr; }
 
 void prepare_process() {
   // A standard stream that is closed would give its number to the next file that is opened, which results or messages

@@ -9,4 +9,13 @@ namespace apps {
 /// reader that goes away shows as a failed write instead of a signal. Call it first thing in main.
 void prepare_process();
 
+/// While it lives, an interrupted process says `text` too: a literal that ends with a new line. One at a time.
+class InterruptNote {
+ public:
+  explicit InterruptNote(const char* text);
+  ~InterruptNote();
+  InterruptNote(const InterruptNote&) = delete;
+  InterruptNote& operator=(const InterruptNote&) = delete;
+};
+
 }  // namespace apps

@@ -84,7 +84,8 @@ void add_tiles(Json& json, const TilesReport& tiles) {
                    {"resumed", tiles.tally.resumed},    {"size", tiles.plan.side},
                    {"halo", tiles.plan.halo},           {"post_halo", tiles.plan.post_halo},
                    {"coarse_every", tiles.plan.every},  {"halo_error", tiles.plan.halo_error},
-                   {"in_flight", tiles.plan.in_flight}, {"saved_ms", tiles.tally.saved_ms}};
+                   {"in_flight", tiles.plan.in_flight}, {"saved_ms", tiles.tally.saved_ms},
+                   {"bytes", tiles.plan.bytes}};
   if (tiles.plan.whole) json["tiles"]["whole"] = tiles.plan.reason;
 }
 

@@ -34,4 +34,22 @@ std::string summary_costs(const RunReport& report) {
          mtf::format_double(report.tolerance) + ")\ntime " + fixed(total, 1) + " ms (" + times + ")";
 }
 
+std::string explain_text(const mtf::SensorPlan& plan) {
+  return plan.presample.explain() + (plan.post ? "after sampling\n" + plan.post->explain() : "");
+}
+
+std::string explain_tiles(const mtf::SensorPlan& plan, const mtf::TileReport& tiles) {
+  if (tiles.whole) return explain_text(plan);
+  const mtf::SampleGrid& canvas = plan.presample.in();
+  std::string head = "plan of one tile with its halo, " + std::to_string(canvas.width) + "x" +
+                     std::to_string(canvas.height) + " samples of the scene; all " + std::to_string(tiles.count) +
+                     " tiles share it\n";
+  if (tiles.every > 0)
+    head +=
+        "it holds the near part of the point spread; the far part goes through a coarse image of the whole scene, a "
+        "sample for " +
+        std::to_string(tiles.every) + " x " + std::to_string(tiles.every) + "\n";
+  return head + explain_text(plan);
+}
+
 }  // namespace apps

@@ -20,4 +20,10 @@ std::string summary_channels(const std::vector<std::string>& names, const std::v
 /// Predicted error, and the time in its parts; the last line is not ended.
 std::string summary_costs(const RunReport& report);
 
+/// What --explain prints of a plan.
+std::string explain_text(const mtf::SensorPlan& plan);
+
+/// The same of a run in tiles, behind lines that say so; nothing else where the scene is one tile.
+std::string explain_tiles(const mtf::SensorPlan& plan, const mtf::TileReport& tiles);
+
 }  // namespace apps

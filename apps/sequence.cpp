@@ -13,6 +13,7 @@
 #include "apps/output.h"
 #include "apps/progress_line.h"
 #include "apps/run_report.h"
+#include "apps/run_summary.h"
 #include "apps/sensor_file.h"
 #include "apps/sequence_frames.h"
 #include "apps/simulate_parts.h"
@@ -202,11 +203,10 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
   report.sequence = facts;
   if (!options.report.empty()) emit(options.report, to_json(report));
   if (options.report == "-") return 0;  // standard output is the report
-  if (options.explain) {
-    const mtf::SensorPlan& plan = frames.first_plan();
-    print("frame " + std::to_string(facts.first) + "\n" + plan.presample.explain() +
-          (plan.post ? "after sampling\n" + plan.post->explain() : ""));
-  }
+  if (options.explain)
+    print("plan of frame " + std::to_string(facts.first) + ", the first of " + plural(facts.frames, "frame") +
+          "; those after it have it too, with what the schedule changes, or one of their own\n" +
+          explain_text(frames.first_plan()));
   print_summary(report, facts);
   return 0;
 }

@@ -11,6 +11,7 @@
 #include "apps/simulate_parts.h"
 #include "mtf/bad_pixels.h"
 #include "mtf/error.h"
+#include "mtf/statistics.h"
 
 namespace apps {
 namespace {
@@ -194,6 +195,8 @@ void SequenceFrames::run(Frame& frame) {
       if (input.masks[c].size() > 0)
         mtf::propagate_bad_pixels(*frame.plan, input.masks[c], frame.plan->options.tolerance, threads_,
                                   images[c].view());
+      else if (!mtf::all_finite(images[c].view()))
+        refuse_overflow(input.scene.names[c]);
   });
   attempt(frame, frame.write_ms, [&] {
     const mtf::io::Scene& scene = frame.input->scene;

@@ -113,9 +113,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   std::vector<mtf::Statistics> statistics;
   for (std::size_t c = 0; c < images.size(); ++c) {
     statistics.push_back(mtf::statistics(images[c].view()));
-    if (masks[c].size() == 0 && statistics.back().not_finite > 0)
-      throw mtf::RuntimeError("channel " + scene.names[c] +
-                              ": filtered values exceed what float32 holds (3.4e38); scale the scene with scene.gain");
+    if (masks[c].size() == 0 && statistics.back().not_finite > 0) refuse_overflow(scene.names[c]);
   }
   watch.lap("run", report.timing_ms);
 
@@ -143,11 +141,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   }
   if (!options.report.empty()) emit(options.report, to_json(report));
   if (options.report == "-") return 0;  // standard output is the report
-  if (options.explain) {
-    std::string text = plan.presample.explain();
-    if (plan.post) text += "after sampling\n" + plan.post->explain();
-    print(text);
-  }
+  if (options.explain) print(tiles ? explain_tiles(plan, report.tiles->plan) : explain_text(plan));
   print_summary(report, names, statistics);
   return 0;
 }

@@ -38,6 +38,11 @@ void require_writable(const std::vector<std::string>& outputs, const std::vector
   }
 }
 
+void refuse_overflow(const std::string& channel) {
+  throw mtf::RuntimeError("channel " + one_line(channel) +
+                          ": filtered values exceed what float32 holds (3.4e38); scale the scene with scene.gain");
+}
+
 std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary) {
   std::vector<mtf::Image> masks(scene.planes.size());
   std::int64_t total = 0;

@@ -23,6 +23,9 @@ void require_writable(const std::vector<std::string>& outputs, const std::vector
 /// RuntimeError when the policy is to refuse.
 std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary);
 
+/// Throws RuntimeError: a channel of this name has filtered values beyond what float32 holds.
+[[noreturn]] void refuse_overflow(const std::string& channel);
+
 /// The parts of two channels that make the promise harder to keep, on the scale of the first; a flat one has none.
 std::optional<mtf::SceneSummary> harder_of(std::optional<mtf::SceneSummary> a,
                                            const std::optional<mtf::SceneSummary>& b);

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstring>
 
+#include "apps/interrupt.h"
 #include "apps/measured_file.h"
 #include "apps/output.h"
 #include "apps/progress_line.h"
@@ -21,6 +22,7 @@
 #include "mtf/error.h"
 #include "mtf/io/exr_windows.h"
 #include "mtf/io/tile_store.h"
+#include "mtf/statistics.h"
 #include "mtf/version.h"
 
 namespace apps {
@@ -36,8 +38,9 @@ void return_freed_memory() {
 #endif
 }
 
-constexpr std::int64_t kBandRows = 128, kReadAhead = 384;
-constexpr std::size_t kHeaderBytes = 65536;  // of a scene file, for telling it from another
+constexpr std::int64_t kSurveyShare = 8;      // of the memory that rows may take while the scene is surveyed
+constexpr std::size_t kChannelsTogether = 4;  // in one pass: each has running sums of its coarse image
+constexpr std::size_t kHeaderBytes = 65536;   // of a scene file, for telling it from another
 
 // A scene in memory or, where memory is limited, as windows of its file.
 struct Source {
@@ -47,8 +50,7 @@ struct Source {
   mtf::ReadWindow read;
 };
 
-void open_windows(const SimulateOptions& options, const Global& global, const mtf::io::SensorConfig& config,
-                  Source& source) {
+void open_windows(const SimulateOptions& options, const mtf::io::SensorConfig& config, Source& source) {
   if (mtf::io::detect_format(options.scene) != mtf::io::Format::exr)
     throw mtf::UsageError("--memory: " + one_line(options.scene) +
                           " is no OpenEXR file, which is the format that can be read in pieces; convert it");
@@ -59,8 +61,7 @@ void open_windows(const SimulateOptions& options, const Global& global, const mt
         "--nan: fill and propagate look at the whole image; leave out --memory, or replace such "
         "pixels before");
   if (!options.wisdom.empty()) throw mtf::UsageError("--wisdom is for whole images; leave it out with --memory");
-  source.file.emplace(options.scene, mtf::io::ReadOptions{options.channel, options.layer, options.part},
-                      global.threads);
+  source.file.emplace(options.scene, mtf::io::ReadOptions{options.channel, options.layer, options.part});
   source.scene = mtf::io::describe_scene(config, options.scene, source.file->file());
   source.read = [&source](std::size_t channel, std::int64_t x, std::int64_t y, mtf::ImageView<float> out) {
     source.file->read(channel, x, y, out);
@@ -68,23 +69,32 @@ void open_windows(const SimulateOptions& options, const Global& global, const mt
   };
 }
 
-std::vector<mtf::Survey> survey_all(const Source& source, const mtf::io::SceneDefaults& defaults, std::int64_t every,
+std::vector<mtf::Survey> survey_all(Source& source, const mtf::io::SceneDefaults& defaults, std::int64_t memory,
                                     const Global& global, ProgressLine& progress) {
+  mtf::SurveyOptions survey_options{.border = defaults.border,
+                                    .border_value = defaults.border_value,
+                                    .every = mtf::coarse_every(source.scene.grid, defaults.border, memory),
+                                    .threads = global.threads};
+  if (source.file) {
+    if (memory > 0)
+      survey_options.band_rows =
+          std::clamp<std::int64_t>(memory / kSurveyShare / source.file->row_bytes(), 1, survey_options.band_rows);
+    source.file->keep_rows(survey_options.band_rows);
+  }
+  const std::size_t channels = source.scene.names.size();
   std::vector<mtf::Survey> surveys;
-  const double channels = static_cast<double>(source.scene.names.size());
-  for (std::size_t c = 0; c < source.scene.names.size(); ++c) {
-    const auto read = [&](std::size_t channel, std::int64_t x, std::int64_t y, mtf::ImageView<float> out) {
-      source.read(channel, x, y, out);
-      const double share = static_cast<double>(y) / static_cast<double>(source.scene.grid.height);
-      progress.update("survey", (static_cast<double>(channel) + share) / channels);
+  for (std::size_t first = 0; first < channels; first += kChannelsTogether) {
+    const std::size_t count = std::min(kChannelsTogether, channels - first);
+    survey_options.progress = [&](std::int64_t row) {
+      const double share = static_cast<double>(row) / static_cast<double>(source.scene.grid.height);
+      progress.update(
+          "survey", (static_cast<double>(first) + share * static_cast<double>(count)) / static_cast<double>(channels));
     };
-    surveys.push_back(mtf::survey(read, c, source.scene.grid,
-                                  {.border = defaults.border,
-                                   .border_value = defaults.border_value,
-                                   .every = every,
-                                   .band_rows = kBandRows,
-                                   .threads = global.threads}));
-    const mtf::Statistics& s = surveys.back().statistics;
+    for (mtf::Survey& survey : mtf::survey_channels(source.read, first, count, source.scene.grid, survey_options))
+      surveys.push_back(std::move(survey));
+  }
+  for (std::size_t c = 0; c < channels; ++c) {
+    const mtf::Statistics& s = surveys[c].statistics;
     if (s.not_finite > 0)
       throw mtf::RuntimeError("channel " + one_line(source.scene.names[c]) + ": " + std::to_string(s.not_finite) +
                               " pixels are NaN or infinite, the first at column " + std::to_string(s.first_x) +
@@ -137,6 +147,13 @@ std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& 
   return key + " " + std::to_string(r.every) + " " + header;
 }
 
+// The first channel with values beyond float32.
+std::optional<std::size_t> overflowing(std::span<const mtf::ImageView<const float>> planes) {
+  for (std::size_t c = 0; c < planes.size(); ++c)
+    if (!mtf::all_finite(planes[c])) return c;
+  return std::nullopt;
+}
+
 // Pixels that are NaN where bad samples reach them need the whole image and its plan.
 std::vector<mtf::Image> run_whole(const mtf::io::SensorConfig& config, Source& source,
                                   const std::vector<mtf::Image>& masks, const mtf::PlanOptions& options,
@@ -166,6 +183,7 @@ std::vector<mtf::Image> run_in_memory(const mtf::io::SensorConfig& config, Sourc
   report.tiles->tally = plan.run(
       source.read, surveys,
       [&](const mtf::Tile& tile, std::span<const mtf::ImageView<const float>> planes) {
+        if (const auto c = overflowing(planes)) refuse_overflow(source.scene.names[*c]);
         for (std::size_t c = 0; c < planes.size(); ++c)
           for (std::int64_t y = 0; y < tile.region.height; ++y)
             std::memcpy(images[c].view().row(tile.region.y + y) + tile.region.x, planes[c].row(y),
@@ -237,7 +255,7 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   std::vector<mtf::Image> masks;
   if (streamed) {
     if (options.memory) return_freed_memory();
-    open_windows(options, global, config, source);
+    open_windows(options, config, source);
   } else {
     source.scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
     masks = treat_bad_pixels(source.scene, options.nan, report.bad_pixels);
@@ -260,20 +278,24 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   mtf::TileOptions tile_options;
   tile_options.memory = options.memory.value_or(0);
   tile_options.threads = global.threads;
-  tile_options.row_bytes = source.file ? source.file->row_bytes() : 0;
+  if (source.file) {
+    tile_options.row_bytes = source.file->row_bytes();
+    tile_options.more_rows = source.file->more_rows();
+  }
+  tile_options.channels = static_cast<std::int64_t>(scene.names.size());
   read_measured(options, global);
   if (options.region) {
     const auto [x, y, width, height] = *options.region;
     tile_options.region = mtf::Region{x, y, width, height};
   }
-  const std::vector<mtf::Survey> surveys = survey_all(
-      source, config.scene, mtf::coarse_every(scene.grid, config.scene.border, tile_options.memory), global, *progress);
+  const std::vector<mtf::Survey> surveys = survey_all(source, config.scene, tile_options.memory, global, *progress);
   plan_options.scene = worst_of(surveys, config.scene);
   lap("survey");
   const mtf::TiledSensorPlan plan =
       compile_reachable(options.tolerance.has_value(), plan_options, report.warnings,
                         [&] { return mtf::compile_tiled(config.system, scene.grid, plan_options, tile_options); });
-  if (source.file) source.file->keep_rows(plan.report().whole ? 0 : plan.inner().presample.in().height + kReadAhead);
+  if (source.file)
+    source.file->keep_rows(plan.report().whole ? source.file->more_rows() : plan.inner().presample.in().height);
   progress.reset();
   for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
   lap("plan");
@@ -313,10 +335,17 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
     if (store.resumed() > 0)
       note(global, "note: " + std::to_string(store.resumed()) + " of " + std::to_string(plan.report().count) +
                        " tiles are there from a stopped run");
+    const InterruptNote kept(
+        options.resume ? "mtf: finished tiles are kept; the same command goes on from them\n"
+                       : "mtf: finished tiles are kept; the same command without --resume no goes on from them\n");
     run.done = [&](std::int64_t i) { return store.done(i); };
     report.tiles->tally = plan.run(
         source.read, surveys,
         [&](const mtf::Tile& tile, std::span<const mtf::ImageView<const float>> planes) {
+          if (const auto c = overflowing(planes)) {
+            store.remove();  // the same command will not do better
+            refuse_overflow(scene.names[*c]);
+          }
           store.write(tile.index, planes);
         },
         run);
@@ -354,11 +383,7 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   lap("write");
   if (!options.report.empty()) emit(options.report, to_json(report));
   if (options.report == "-") return 0;  // standard output is the report
-  if (options.explain) {
-    std::string text = plan.inner().presample.explain();
-    if (plan.inner().post) text += "after sampling\n" + plan.inner().post->explain();
-    print(text);
-  }
+  if (options.explain) print(explain_tiles(plan.inner(), plan.report()));
   print(summary_text(report, names, statistics));
   return 0;
 }

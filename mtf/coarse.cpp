@@ -98,29 +98,26 @@ CoarseScene::CoarseScene(const CoarseGrid& grid, double shift)
       y_(analysis(grid.y)),
       sum_(static_cast<std::size_t>(grid.x.count * grid.y.count)) {}
 
-void CoarseScene::add(std::int64_t first, ImageView<const float> rows, int threads) {
+void CoarseScene::sum_along_x(std::span<const float> row, std::span<float> along) const {
+  std::vector<float> centred(row.size());
+  for (std::size_t x = 0; x < row.size(); ++x) centred[x] = static_cast<float>(row[x] - shift_);
+  for (std::size_t j = 0; j < along.size(); ++j) {
+    const Stencil& s = x_[j];
+    along[j] = dot(centred.data() + s.first, s.weight.data(), static_cast<std::int64_t>(s.weight.size()));
+  }
+}
+
+void CoarseScene::add(std::int64_t first, ImageView<const float> along, int threads) {
   const std::int64_t width = grid_.x.count;
-  Image along(width, rows.height);
-  parallel_for(rows.height, 8, threads, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<float> row(static_cast<std::size_t>(rows.width));
-    for (std::int64_t y = begin; y < end; ++y) {
-      for (std::int64_t x = 0; x < rows.width; ++x)
-        row[static_cast<std::size_t>(x)] = static_cast<float>(rows.at(x, y) - shift_);
-      for (std::int64_t j = 0; j < width; ++j) {
-        const Stencil& s = x_[static_cast<std::size_t>(j)];
-        along.at(j, y) = dot(row.data() + s.first, s.weight.data(), static_cast<std::int64_t>(s.weight.size()));
-      }
-    }
-  });
   parallel_for(grid_.y.count, 16, threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t j = begin; j < end; ++j) {
       const Stencil& s = y_[static_cast<std::size_t>(j)];
       const std::int64_t from = std::max(first, s.first);
-      const std::int64_t to = std::min(first + rows.height, s.first + static_cast<std::int64_t>(s.weight.size()));
+      const std::int64_t to = std::min(first + along.height, s.first + static_cast<std::int64_t>(s.weight.size()));
       double* sums = sum_.data() + j * width;
       for (std::int64_t y = from; y < to; ++y) {
         const double w = s.weight[static_cast<std::size_t>(y - s.first)];
-        const float* row = along.view().row(y - first);
+        const float* row = along.row(y - first);
         for (std::int64_t x = 0; x < width; ++x) sums[x] += w * row[x];
       }
     }

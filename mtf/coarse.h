@@ -7,6 +7,7 @@
 // scene's contrast: at the coarse Nyquist frequency g^ is exp(-2 (pi 1.6 / 2)^2) = 3e-6, applied twice.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "mtf/border.h"
@@ -45,13 +46,15 @@ struct Stencil {
   std::vector<float> weight;
 };
 
-/// Gathers c while the scene passes by in bands of rows. Values are taken about `shift` (the level of a constant
-/// border, where there is one, else any value of the scene).
+/// Gathers c while the scene passes by in rows. Values are taken about `shift` (the level of a constant border, where
+/// there is one, else any value of the scene).
 class CoarseScene {
  public:
   CoarseScene(const CoarseGrid& grid, double shift);
-  /// Rows first .. first + rows.height - 1 of the scene, whole rows; bands may come in any order, each row once.
-  void add(std::int64_t first, ImageView<const float> rows, int threads);
+  /// The sums of one row of the scene along x, as many as the coarse image is wide. From any thread.
+  void sum_along_x(std::span<const float> row, std::span<float> along) const;
+  /// Takes such sums of the rows first .. first + along.height - 1; they may come in any order, each row once.
+  void add(std::int64_t first, ImageView<const float> along, int threads);
   double shift() const { return shift_; }
   /// c about the shift.
   Image image() const;

@@ -6,8 +6,13 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <thread>
 
 namespace mtf {
+
+int threads_of(int asked) {
+  return asked > 0 ? asked : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
 
 void parallel_for(std::int64_t count, std::int64_t chunk, int threads,
                   const std::function<void(std::int64_t, std::int64_t)>& work) {

@@ -6,6 +6,9 @@
 
 namespace mtf {
 
+/// The number of threads that is meant: `asked`, or all cores where that is 0.
+int threads_of(int asked);
+
 /// Calls `work(begin, end)` over pieces of [0, count) of at most `chunk` on up to `threads` threads (0 = all cores).
 /// Results may not depend on how the range is cut. With one thread the pieces run in order on the calling thread.
 void parallel_for(std::int64_t count, std::int64_t chunk, int threads,

@@ -133,7 +133,7 @@ struct PlanReport {
   PredictedError predicted;
   double tolerance = 0.0;
   double largest_gain = 1.0;                  ///< of |otf| over the frequencies in use
-  std::int64_t otf_bytes = 0, run_bytes = 0;  ///< run_bytes: one channel, besides input and output
+  std::int64_t otf_bytes = 0, run_bytes = 0;  ///< run_bytes: one channel and thread, besides input and output
 };
 
 /// Detector grid of a system over a scene: min(format, whole pitches in the scene) from the shared corner. Throws

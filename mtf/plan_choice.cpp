@@ -186,7 +186,7 @@ void describe(const Draft& chosen, const std::vector<Draft>& drafts, const Engin
   list_omissions(chosen, drafts, task, report);
   if (engine == nullptr) return;
   report.otf_bytes = engine->filter_bytes();
-  report.run_bytes = engine->run_bytes(1, task.options.threads);
+  report.run_bytes = engine->run_bytes(1, 1);
   report.largest_gain = chosen.largest_gain;
   if (!chosen.axes) return;
   const auto& [x, y] = *chosen.axes;

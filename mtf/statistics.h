@@ -20,6 +20,9 @@ struct Statistics {
 
 Statistics statistics(ImageView<const float> image);
 
+/// False when a pixel is NaN or infinite; all that statistics() is not needed for.
+bool all_finite(ImageView<const float> image);
+
 /// rms of the canvas about `mean`, times sqrt(canvas area / image area), where the canvas is the image with its border
 /// (mtf/border.h): what a filter error is scaled by. Equal to 2 std for a reflect border.
 double canvas_norm(ImageView<const float> image, Border border, double border_value, double mean);

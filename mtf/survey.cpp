@@ -131,6 +131,48 @@ double canvas_norm_of(const std::vector<Row>& rows, std::int64_t width, const Su
   return std::sqrt(sum / area);
 }
 
+// What is gathered of one channel.
+class Gathered {
+ public:
+  Gathered(const ReadWindow& read, std::size_t channel, const SampleGrid& scene, const SurveyOptions& options)
+      : width_(scene.width), rows_(static_cast<std::size_t>(scene.height)) {
+    if (options.every == 0) return;
+    Image first(width_, 1);
+    read(channel, 0, 0, first.view());
+    const CoarseGrid grid = coarse_grid(scene, options.border, options.every);
+    coarse_.emplace(grid,
+                    options.border == Border::constant ? options.border_value : row_moments(first.data(), width_).mean);
+    along_ = Image(grid.x.count, std::min(options.band_rows, scene.height));
+  }
+  // Row `y` of the band that begins at row `first`. From several threads.
+  void add_row(std::int64_t first, std::int64_t y, const float* row) {
+    rows_[static_cast<std::size_t>(first + y)] = row_moments(row, width_);
+    if (coarse_)
+      coarse_->sum_along_x({row, static_cast<std::size_t>(width_)},
+                           {along_.view().row(y), static_cast<std::size_t>(along_.width())});
+  }
+  void end_band(std::int64_t first, std::int64_t count, int threads) {
+    if (coarse_) coarse_->add(first, {along_.data(), along_.width(), count, along_.width()}, threads);
+  }
+  Survey survey(const SurveyOptions& options) const {
+    Survey result;
+    result.statistics = statistics_of(rows_, width_);
+    for (const Row& row : rows_) result.fingerprint = mixed(result.fingerprint, row.fingerprint);
+    result.canvas_norm = canvas_norm_of(rows_, width_, options, result.statistics.mean);
+    if (coarse_ && result.statistics.not_finite == 0) {
+      result.shift = coarse_->shift();
+      result.coarse = coarse_->image();
+    }
+    return result;
+  }
+
+ private:
+  std::int64_t width_;
+  std::vector<Row> rows_;
+  std::optional<CoarseScene> coarse_;
+  Image along_;
+};
+
 }  // namespace
 
 ReadWindow windows_of(std::span<const ImageView<const float>> planes) {
@@ -148,32 +190,30 @@ std::optional<SceneSummary> Survey::summary(Border border, double border_value) 
 }
 
 Survey survey(const ReadWindow& read, std::size_t channel, const SampleGrid& scene, const SurveyOptions& options) {
-  std::vector<Row> rows(static_cast<std::size_t>(scene.height));
-  std::optional<CoarseScene> coarse;
-  Image band(scene.width, std::min(options.band_rows, scene.height));
-  for (std::int64_t first = 0; first < scene.height; first += options.band_rows) {
-    const std::int64_t count = std::min(options.band_rows, scene.height - first);
-    const ImageView<float> view{band.data(), scene.width, count, scene.width};
-    read(channel, 0, first, view);
-    parallel_for(count, 8, options.threads, [&](std::int64_t begin, std::int64_t end) {
+  return std::move(survey_channels(read, channel, 1, scene, options).front());
+}
+
+std::vector<Survey> survey_channels(const ReadWindow& read, std::size_t first, std::size_t count,
+                                    const SampleGrid& scene, const SurveyOptions& options) {
+  std::vector<Gathered> channels;
+  for (std::size_t c = 0; c < count; ++c) channels.emplace_back(read, first + c, scene, options);
+  for (std::int64_t top = 0; top < scene.height; top += options.band_rows) {
+    if (options.progress) options.progress(top);
+    const std::int64_t rows = std::min(options.band_rows, scene.height - top);
+    // All that is to be done with a row while it is in the caches.
+    parallel_for(rows, 16, options.threads, [&](std::int64_t begin, std::int64_t end) {
+      Image row(scene.width, 1);
       for (std::int64_t y = begin; y < end; ++y)
-        rows[static_cast<std::size_t>(first + y)] = row_moments(view.row(y), scene.width);
+        for (std::size_t c = 0; c < count; ++c) {
+          read(first + c, 0, top + y, row.view());
+          channels[c].add_row(top, y, row.data());
+        }
     });
-    if (options.every == 0) continue;
-    if (first == 0)
-      coarse.emplace(coarse_grid(scene, options.border, options.every),
-                     options.border == Border::constant ? options.border_value : rows.front().mean);
-    coarse->add(first, view, options.threads);
+    for (Gathered& channel : channels) channel.end_band(top, rows, options.threads);
   }
-  Survey result;
-  result.statistics = statistics_of(rows, scene.width);
-  for (const Row& row : rows) result.fingerprint = mixed(result.fingerprint, row.fingerprint);
-  result.canvas_norm = canvas_norm_of(rows, scene.width, options, result.statistics.mean);
-  if (coarse && result.statistics.not_finite == 0) {
-    result.shift = coarse->shift();
-    result.coarse = coarse->image();
-  }
-  return result;
+  std::vector<Survey> surveys;
+  for (const Gathered& channel : channels) surveys.push_back(channel.survey(options));
+  return surveys;
 }
 
 }  // namespace mtf

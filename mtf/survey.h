@@ -28,9 +28,10 @@ ReadWindow windows_of(std::span<const ImageView<const float>> planes);
 struct SurveyOptions {
   Border border = Border::reflect;
   double border_value = 0.0;
-  std::int64_t every = 0;       ///< scene samples for one of the coarse image; 0: no coarse image
-  std::int64_t band_rows = 64;  ///< that are held at once
+  std::int64_t every = 0;        ///< scene samples for one of the coarse image; 0: no coarse image
+  std::int64_t band_rows = 512;  ///< that are looked at together
   int threads = 0;
+  std::function<void(std::int64_t row)> progress = nullptr;  ///< called with the first row of a band that begins
 };
 
 struct Survey {
@@ -46,5 +47,10 @@ struct Survey {
 
 /// The same numbers for any number of threads and rows a band, up to rounding those of mtf/statistics.h.
 Survey survey(const ReadWindow& read, std::size_t channel, const SampleGrid& scene, const SurveyOptions& options);
+
+/// The same for the channels first .. first + count - 1 in one pass: a file is decoded once for all of them. Each needs
+/// running sums of its coarse image meanwhile, 8 bytes a coarse sample.
+std::vector<Survey> survey_channels(const ReadWindow& read, std::size_t first, std::size_t count,
+                                    const SampleGrid& scene, const SurveyOptions& options);
 
 }  // namespace mtf

@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 
 #include "mtf/error.h"
+#include "mtf/parallel.h"
+#include "mtf/tile_fit.h"
 #include "mtf/tile_halo.h"
 
 namespace mtf {
@@ -15,32 +16,37 @@ namespace {
 
 // Shares of the tolerance that the presample steps are given; near and far also hold the rounding.
 constexpr double kHaloShare = 0.25, kFarShare = 0.15, kNearShare = 0.55;
-constexpr double kMostOverlap = 4.0;              // canvas of a tile against the tile, in area
-constexpr double kParallelOverlap = 2.0;          // beyond which fewer threads on longer tiles are better
-constexpr std::int64_t kLongestSide = 4096;       // samples of a tile's canvas: longer ones leave the caches
-constexpr std::int64_t kFixedBytes = 80LL << 20;  // program, libraries, tables
-constexpr std::int64_t kSlackRows = 512;          // that a reader holds beside those of a tile
 constexpr std::array<std::int64_t, 2> kEvery{8, 16};
-constexpr int kPlannedInFlight = 4;  // tiles that memory should hold at once
+constexpr double kCoarseBytes = 28.0;  // coarse image, its running sums, and plan: what is set aside for a sample
+constexpr int kAttempts = 4;           // at tiles that fit
 
 std::int64_t machine_bytes() {
   return static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::int64_t>(sysconf(_SC_PAGESIZE));
 }
 
-int threads_of(int asked) {
-  return asked > 0 ? asked : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
-}
-
 double count(std::int64_t n) { return static_cast<double>(n); }
 
-// Coarse image, its running sums, and plan: what stays for the whole run.
-std::int64_t coarse_bytes(const CoarseGrid& grid) { return 28 * grid.x.count * grid.y.count; }
+double area(const SampleGrid& grid) { return count(grid.width) * count(grid.height); }
 
-// Two planes, transforms and OTF of one tile of this canvas, about; a complex OTF doubles the last two.
-struct TileBytes {
-  double shared = 0.0, each = 0.0;
-};
-TileBytes tile_bytes(double samples, double pixels) { return {8.0 * samples, 16.0 * samples + 12.0 * pixels}; }
+double coarse_samples(const CoarseGrid& grid) { return count(grid.x.count) * count(grid.y.count); }
+
+// The coarse image of each channel, before and after its filter.
+TileNeeds needs_of(const Plan& near, const std::optional<Plan>& far, double channels) {
+  TileNeeds needs;
+  needs.otf = count(near.report().otf_bytes) / area(near.in());
+  needs.buffers = count(near.report().run_bytes) / area(near.in());
+  if (far) needs.coarse = 8.0 * channels + count(far->report().otf_bytes + far->report().run_bytes) / area(far->in());
+  return needs;
+}
+
+// True when something is needed beyond what was thought, which it then is.
+bool raise(TileNeeds& thought, const TileNeeds& found) {
+  constexpr double slack = 1.02;  // lengths that are rounded up
+  bool raised = false;
+  for (double TileNeeds::*part : {&TileNeeds::otf, &TileNeeds::buffers, &TileNeeds::coarse})
+    if (found.*part > slack * thought.*part) thought.*part = found.*part, raised = true;
+  return raised;
+}
 
 std::string mib(double bytes) {
   return std::to_string(static_cast<std::int64_t>(std::ceil(bytes / 1048576.0))) + "MiB";
@@ -62,23 +68,25 @@ void require_region(const Region& region, const SampleGrid& detector) {
                    std::to_string(detector.height) + " pixels; give x,y,width,height in pixels within it");
 }
 
-// What the whole image needs at once: planes, transforms, OTF; other borders than the mirror are written out.
-double whole_bytes(const SampleGrid& in, const PlanOptions& options, const TileOptions& tiles) {
-  const double planes = std::max(4.0, count(tiles.row_bytes) / count(in.width));
-  return count(in.width) * count(in.height) * (planes + (options.border == Border::reflect ? 9.0 : 22.0)) +
-         count(kFixedBytes);
+// What the whole image needs at once, one channel after the other, beside the bytes of the plans.
+double whole_bytes(const SampleGrid& in, const SampleGrid& out, const TileOptions& tiles, double plans) {
+  const double pixels = tiles.region ? count(tiles.region->width) * count(tiles.region->height) : area(out);
+  return count(kFixedBytes) + 4.0 * area(in) + 4.0 * area(out) + 4.0 * count(tiles.channels) * pixels +
+         2.0 * count(tiles.row_bytes) * count(tiles.more_rows) + plans;
 }
+
+double plan_bytes(const Plan& plan) { return count(plan.report().otf_bytes + plan.report().run_bytes); }
 
 }  // namespace
 
 std::int64_t coarse_every(const SampleGrid& scene, Border border, std::int64_t memory) {
-  const std::int64_t limit = (memory > 0 ? memory : machine_bytes()) / 5;
+  const double limit = count(memory > 0 ? memory : machine_bytes()) / 5.0;
   for (const std::int64_t every : kEvery) {
     if (std::min(scene.width, scene.height) < 32 * every) return 0;  // a tile would be the scene
-    if (coarse_bytes(coarse_grid(scene, border, every)) <= limit) return every;
+    if (kCoarseBytes * coarse_samples(coarse_grid(scene, border, every)) <= limit) return every;
   }
   std::int64_t every = 2 * kEvery.back();
-  while (coarse_bytes(coarse_grid(scene, border, every)) > limit) every *= 2;
+  while (kCoarseBytes * coarse_samples(coarse_grid(scene, border, every)) > limit) every *= 2;
   return every;
 }
 
@@ -136,16 +144,19 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
     }
     post_halo = *found;
   }
+  TileNeeds needs;
   // Their gain has to be known before the tolerance of the tile is; it is that of the OTF wherever it is looked at.
   double gain = 1.0;
   if (has_post) {
     PlanOptions probe = post_options;
     probe.border = Border::reflect;
-    gain = std::max(1.0,
-                    compile_post(system, {256, 256, plan.detector_.step_x_um, plan.detector_.step_y_um}, behind, probe)
-                        .report()
-                        .largest_gain);
+    constexpr std::int64_t side = 256;
+    const Plan post =
+        compile_post(system, {side, side, plan.detector_.step_x_um, plan.detector_.step_y_um}, behind, probe);
+    gain = std::max(1.0, post.report().largest_gain);
     gain *= gain > 1.0 ? 1.05 : 1.0;  // between the frequencies looked at
+    needs.post_otf = count(post.report().otf_bytes) / count(side * side);
+    needs.post_buffers = count(post.report().run_bytes) / count(side * side);
   }
 
   PlanOptions near_options = options;
@@ -156,6 +167,18 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
     plan.coarse_ = coarse_grid(scene, options.border, every);
     near_options.split = {ScaleSplit::Part::near, plan.coarse_->split_sigma_um()};
   }
+  const double gather =
+      plan.coarse_ ? std::sqrt(std::max(1.0, plan.coarse_->grid().area_um2() / plan.detector_.area_um2())) : 1.0;
+  const auto compile_far = [&] {
+    const SampleGrid coarse = plan.coarse_->grid();
+    PlanOptions far = near_options;
+    far.border = plan.coarse_->x.coarse_border();
+    far.split.part = ScaleSplit::Part::far;
+    far.method = {};
+    far.tolerance = std::min(0.9, kFarShare * share / gather);
+    if (far.scene) far.scene->canvas_norm *= std::sqrt(std::min(1.0, scene.area_um2() / coarse.area_um2()));
+    return compile(system, coarse, coarse, far);
+  };
   const auto halo =
       find_halo(system, presample, near_options,
                 {scene, plan.detector_, (1.0 + std::sqrt(kMostOverlap)) * norm, kHaloShare * share, longest});
@@ -164,69 +187,43 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
     return std::nullopt;
   }
 
-  // The largest canvas that memory allows, by halves of powers of two.
-  const double limit = count(tiles.memory > 0 ? tiles.memory : machine_bytes());
-  const double fixed = count(kFixedBytes) + (plan.coarse_ ? count(coarse_bytes(*plan.coarse_)) : 0.0);
-  const double pixels_per_sample =
-      1.0 / (count(rx->samples) / count(rx->pixels) * count(ry->samples) / count(ry->pixels));
-  const auto needed = [&](double samples_x, double samples_y, int in_flight) {
-    const TileBytes bytes = tile_bytes(samples_x * samples_y, samples_x * samples_y * pixels_per_sample);
-    return fixed + bytes.shared + in_flight * bytes.each + count(tiles.row_bytes) * (samples_y + count(kSlackRows));
-  };
-  double least = 0.0;
-  bool fits = false;
-  // Several tiles at work at once are worth some overlap; what fits no other way runs one at a time. The number of
-  // threads has no part in the layout: the same tiles, and so the same bits, for any.
-  for (int in_flight = kPlannedInFlight; in_flight >= 1 && !fits; in_flight /= 2)
-    for (std::int64_t side = kLongestSide; side >= 32; side = side * 7 / 8) {
-      const auto axis = [&](const PitchRatio& ratio, bool x) {
-        const std::size_t i = x ? 0 : 1;
-        return tile_axis({ratio, x ? plan.region_.x : plan.region_.y, x ? plan.region_.width : plan.region_.height,
-                          halo->samples[i], has_post ? post_halo.samples[i] : 0, side, tiles.side});
-      };
-      const auto x = axis(*rx, true), y = axis(*ry, false);
-      if (!x || !y) break;
-      const double overlap = x->overlap() * y->overlap();
-      if (tiles.side == 0 && least > 0.0 && overlap > (in_flight > 1 ? kParallelOverlap : kMostOverlap)) break;
-      least = needed(count(x->canvas_samples()), count(y->canvas_samples()), in_flight);
-      if (least > limit) continue;
-      fits = true;
-      plan.x_ = *x;
-      plan.y_ = *y;
-      const double each = needed(count(x->canvas_samples()), count(y->canvas_samples()), 1) -
-                          needed(count(x->canvas_samples()), count(y->canvas_samples()), 0);
-      const double room = in_flight + (limit - least) / each;
-      const int threads = threads_of(tiles.threads);
-      plan.report_.in_flight = room >= threads ? threads : static_cast<int>(room);
-      plan.report_.bytes = static_cast<std::int64_t>(least + each * (plan.report_.in_flight - in_flight));
-      break;
-    }
-  if (!fits) {
-    reason = least > 0.0 ? "a tile with its halo needs more" : "the halo is longer than a tile";
-    return std::nullopt;
+  FitRequest request;
+  request.x = {*rx, plan.region_.x, plan.region_.width, halo->samples[0], post_halo.samples[0], 0, tiles.side};
+  request.y = {*ry, plan.region_.y, plan.region_.height, halo->samples[1], post_halo.samples[1], 0, tiles.side};
+  request.limit = count(tiles.memory > 0 ? tiles.memory : machine_bytes());
+  request.row_bytes = count(tiles.row_bytes);
+  request.more_rows = count(tiles.more_rows);
+  request.channels = count(tiles.channels);
+  request.threads = threads_of(tiles.threads);
+  if (plan.coarse_) request.coarse_samples = coarse_samples(*plan.coarse_);
+  needs.coarse = 8.5 + 8.0 * request.channels;
+  request.needs = needs;
+  // What the plans need is known when there are plans; more than was thought, and they are made for smaller tiles.
+  std::optional<Plan> near;
+  std::optional<Fit> fit;
+  double overlap = 0.0;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    fit = fit_tiles(request, reason);
+    if (!fit) return std::nullopt;
+    overlap = fit->overlap();
+    PlanOptions inner = near_options;
+    inner.border = Border::reflect;
+    inner.tolerance = (every > 0 ? kNearShare : kNearShare + kFarShare) * share;
+    if (inner.scene) inner.scene->canvas_norm = norm * inner.scene->std * std::sqrt(std::max(1.0, overlap));
+    const SampleGrid canvas{fit->x.canvas_samples(), fit->y.canvas_samples(), scene.step_x_um, scene.step_y_um};
+    const SampleGrid wide{fit->x.canvas_pixels(), fit->y.canvas_pixels(), plan.detector_.step_x_um,
+                          plan.detector_.step_y_um};
+    near = compile(system, canvas, wide, inner);
+    if (every > 0 && !plan.far_) plan.far_ = compile_far();
+    if (!raise(request.needs, needs_of(*near, plan.far_, request.channels))) break;
   }
-  const double overlap = plan.x_.overlap() * plan.y_.overlap();
-
-  PlanOptions inner = near_options;
-  inner.border = Border::reflect;
-  inner.tolerance = (every > 0 ? kNearShare : kNearShare + kFarShare) * share;
-  if (inner.scene) inner.scene->canvas_norm = norm * inner.scene->std * std::sqrt(std::max(1.0, overlap));
-  const SampleGrid canvas{plan.x_.canvas_samples(), plan.y_.canvas_samples(), scene.step_x_um, scene.step_y_um};
-  const SampleGrid wide{plan.x_.canvas_pixels(), plan.y_.canvas_pixels(), plan.detector_.step_x_um,
-                        plan.detector_.step_y_um};
-  Plan near = compile(system, canvas, wide, inner);
-  double predicted = near.report().predicted.total() + halo->bound;
-  plan.dc_ = near.dc();
-  if (every > 0) {
-    const SampleGrid coarse = plan.coarse_->grid();
-    const double gather = std::sqrt(std::max(1.0, coarse.area_um2() / plan.detector_.area_um2()));
-    PlanOptions far = near_options;
-    far.border = plan.coarse_->x.coarse_border();
-    far.split.part = ScaleSplit::Part::far;
-    far.method = {};
-    far.tolerance = std::min(0.9, kFarShare * share / gather);
-    if (far.scene) far.scene->canvas_norm *= std::sqrt(std::min(1.0, scene.area_um2() / coarse.area_um2()));
-    plan.far_ = compile(system, coarse, coarse, far);
+  plan.x_ = fit->x;
+  plan.y_ = fit->y;
+  plan.report_.in_flight = fit->in_flight;
+  plan.report_.bytes = static_cast<std::int64_t>(fit->bytes);
+  plan.dc_ = near->dc();
+  double predicted = near->report().predicted.total() + halo->bound;
+  if (plan.far_) {
     plan.dc_ = plan.far_->dc();
     predicted += plan.far_->report().predicted.total() * gather + kCoarseError * norm;
   }
@@ -242,7 +239,7 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
                         behind, behind_options);
     predicted = predicted * gain + post->report().predicted.total() + post_halo.bound;
   }
-  plan.inner_ = SensorPlan{std::move(near), std::move(post), predicted, system, options};
+  plan.inner_ = SensorPlan{std::move(*near), std::move(post), predicted, system, options};
   TileReport& report = plan.report_;
   report.count = plan.x_.count() * plan.y_.count();
   report.side = {plan.x_.tile, plan.y_.tile};
@@ -304,13 +301,17 @@ TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& sc
   const bool useful = best && (tiles.side > 0 || work(*best) <= kMostOverlap * all);
   if (useful) return std::move(*best);
 
-  const double bytes = whole_bytes(scene, options, tiles);
+  const auto require_room = [&](double bytes) {
+    if (bytes > limit)
+      throw UsageError("the scene does not go through " + mib(limit) + " of memory: " + reason +
+                       ", and all of it at once needs " + mib(bytes) + "; allow " +
+                       mib(count(least_memory(system, scene, options, tiles, bytes))) +
+                       " or more, or a larger tolerance");
+  };
+  const TileNeeds least;  // before there is a plan, which is worth no time where even this is too much
+  double bytes = whole_bytes(scene, detector, tiles, (least.otf + least.buffers) * area(scene));
   if (bytes > limit && best) return std::move(*best);
-  if (bytes > limit)
-    throw UsageError("the scene does not go through " + mib(limit) + " of memory: " + reason +
-                     ", and all of it at once needs " + mib(bytes) + "; allow " +
-                     mib(count(least_memory(system, scene, options, tiles, bytes))) +
-                     " or more, or a larger tolerance");
+  require_room(bytes);
   TiledSensorPlan plan;
   plan.in_ = scene;
   plan.detector_ = detector;
@@ -321,6 +322,11 @@ TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& sc
   plan.out_.width = plan.region_.width;
   plan.out_.height = plan.region_.height;
   plan.inner_ = compile_sensor(system, scene, options);
+  const SensorPlan& whole = *plan.inner_;
+  bytes =
+      whole_bytes(scene, detector, tiles, plan_bytes(whole.presample) + (whole.post ? plan_bytes(*whole.post) : 0.0));
+  if (bytes > limit && best) return std::move(*best);
+  require_room(bytes);
   TileReport& report = plan.report_;
   report.whole = true;
   report.reason = best ? "tiles with their halos are more work" : reason;

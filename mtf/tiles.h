@@ -26,6 +26,8 @@ namespace mtf {
 struct TileOptions {
   std::int64_t memory = 0;     ///< bytes that may be in use, 0 = those of the machine
   std::int64_t row_bytes = 0;  ///< that the reader holds for each row of the scene within reach of a tile
+  std::int64_t more_rows = 0;  ///< that the reader holds besides
+  std::int64_t channels = 1;   ///< of the scene
   int threads = 0;             ///< 0 = all cores
   std::optional<Region> region = std::nullopt;  ///< detector pixels that are wanted
   std::int64_t side = 0;                        ///< of a tile in pixels, 0 = by cost
@@ -51,7 +53,8 @@ struct Tile {
   Region region;
 };
 
-/// Takes a finished tile, one plane a channel. Called from several threads at once.
+/// Takes a finished tile, one plane a channel. Called from several threads at once. Where values are beyond what
+/// float32 holds, some pixels are not finite.
 using WriteTile = std::function<void(const Tile& tile, std::span<const ImageView<const float>> planes)>;
 
 struct TileRunOptions {
@@ -91,8 +94,10 @@ class TiledSensorPlan {
                                        const TileOptions&);
   friend std::optional<TiledSensorPlan> cut_into_tiles(const System<double>&, const SampleGrid&, const PlanOptions&,
                                                        const TileOptions&, std::int64_t, std::string&);
-  bool run_tile(const ReadWindow& read, std::size_t channel, std::int64_t index, double border_value, const Image* far,
-                double far_level, Image& out) const;
+  struct Workspace;
+  int helpers() const;
+  bool run_tile(std::int64_t index, double border_value, const Image* far, double far_level, Workspace& memory,
+                Image& out) const;
   void read_canvas(const ReadWindow& read, std::size_t channel, std::int64_t index, double border_value,
                    Image& canvas) const;
   void filter_behind_sampling(std::int64_t index, double border_value, Image& pixels) const;

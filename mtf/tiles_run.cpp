@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -8,10 +7,14 @@
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
+#include "mtf/statistics.h"
+#include "mtf/tile_turns.h"
 #include "mtf/tiles.h"
 
 namespace mtf {
 namespace {
+
+constexpr std::int64_t kRowsForAThread = 256;
 
 // Neighbouring positions of a canvas whose samples are neighbours too: forwards, mirrored, or one sample held.
 struct Run {
@@ -48,19 +51,13 @@ ImageView<float> part(Image& image, std::int64_t x, std::int64_t y, std::int64_t
   return {image.view().row(y) + x, width, height, image.width()};
 }
 
-// Tiles handed out in order, so that those at work together read the same rows; a failure ends all.
-template <class Work>
-void in_order(std::int64_t count, int in_flight, Work&& work) {
-  std::atomic<std::int64_t> next{0};
-  parallel_for(in_flight, 1, in_flight, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t worker = begin; worker < end; ++worker)
-      for (std::int64_t i = next++; i < count; i = next++) try {
-          work(i);
-        } catch (...) {
-          next = count;
-          throw;
-        }
-  });
+// One thread reads all at once, several share the rows.
+void read_rows(const ReadWindow& read, std::size_t channel, std::int64_t x, std::int64_t y, ImageView<float> to,
+               int threads) {
+  parallel_for(to.height, threads == 1 ? to.height : kRowsForAThread, threads,
+               [&](std::int64_t begin, std::int64_t end) {
+                 read(channel, x, y + begin, {to.row(begin), to.width, end - begin, to.stride});
+               });
 }
 
 }  // namespace
@@ -77,6 +74,18 @@ Tile TiledSensorPlan::tile(std::int64_t index) const {
   return {index, {x, y, width, height}};
 }
 
+// What a worker needs for a tile, and for the next one again: fresh pages cost more than much of the work on them.
+struct TiledSensorPlan::Workspace {
+  explicit Workspace(const TiledSensorPlan& plan)
+      : canvas(plan.x_.canvas_samples(), plan.y_.canvas_samples()),
+        wide(plan.x_.canvas_pixels(), plan.y_.canvas_pixels()),
+        pixels(plan.x_.tile + 2 * plan.x_.post, plan.y_.tile + 2 * plan.y_.post) {}
+  Image canvas, wide, pixels;
+};
+
+// A single tile at work leaves the other threads to help it.
+int TiledSensorPlan::helpers() const { return std::max(1, threads_of(threads_) / report_.in_flight); }
+
 void TiledSensorPlan::read_canvas(const ReadWindow& read, std::size_t channel, std::int64_t index, double border_value,
                                   Image& canvas) const {
   const auto xs = runs_of(border_, x_.first_sample(index % x_.count()), canvas.width(), in_.width);
@@ -91,7 +100,7 @@ void TiledSensorPlan::read_canvas(const ReadWindow& read, std::size_t channel, s
       const auto low = [](const Run& run) { return run.step < 0 ? run.source - (run.count - 1) : run.source; };
       const auto distinct = [](const Run& run) { return run.step == 0 ? 1 : run.count; };
       if (x.step == 1 && y.step == 1) {
-        read(channel, x.source, y.source, to);
+        read_rows(read, channel, x.source, y.source, to, report_.in_flight == 1 ? helpers() : 1);
         continue;
       }
       Image window(distinct(x), distinct(y));
@@ -129,23 +138,19 @@ void TiledSensorPlan::filter_behind_sampling(std::int64_t index, double border_v
         std::memcpy(row, pixels.view().row(s), static_cast<std::size_t>(pixels.width()) * sizeof(float));
     }
   }
-  inner_->post->run(pixels.view(), pixels.view(), 0.0, 1);
+  inner_->post->run(pixels.view(), pixels.view(), 0.0, helpers());
 }
 
-// True when the canvas of the tile has one value.
-bool TiledSensorPlan::run_tile(const ReadWindow& read, std::size_t channel, std::int64_t index, double border_value,
-                               const Image* far, double far_level, Image& out) const {
-  Image canvas(x_.canvas_samples(), y_.canvas_samples());
-  read_canvas(read, channel, index, border_value, canvas);
+// Of the canvas that is there. True when it has one value.
+bool TiledSensorPlan::run_tile(std::int64_t index, double border_value, const Image* far, double far_level,
+                               Workspace& memory, Image& out) const {
+  auto& [canvas, wide, pixels] = memory;
   const Plan& near = inner_->presample;
   const bool flat = is_flat(canvas);
-  Image pixels(x_.tile + 2 * x_.post, y_.tile + 2 * y_.post);
   if (flat) {
     std::fill_n(pixels.data(), pixels.size(), static_cast<float>(near.dc() * canvas.data()[0]));
   } else {
-    Image wide(x_.canvas_pixels(), y_.canvas_pixels());
-    near.run(canvas.view(), wide.view(), 0.0, 1);
-    canvas = Image();
+    near.run(canvas.view(), wide.view(), 0.0, helpers());
     for (std::int64_t y = 0; y < pixels.height(); ++y)
       std::memcpy(pixels.view().row(y), wide.view().row(y + y_.margin - y_.post) + x_.margin - x_.post,
                   static_cast<std::size_t>(pixels.width()) * sizeof(float));
@@ -158,7 +163,8 @@ bool TiledSensorPlan::run_tile(const ReadWindow& read, std::size_t channel, std:
                      centre(y_, index / x_.count(), out_.step_y_um), out_.step_x_um, out_.step_y_um, far_level,
                      pixels.view());
   }
-  if (inner_->post) filter_behind_sampling(index, border_value, pixels);
+  // What is beyond float32 stays what it is, for the receiver of the tile to see.
+  if (inner_->post && all_finite(pixels.view())) filter_behind_sampling(index, border_value, pixels);
   const Region region = tile(index).region;
   out = Image(region.width, region.height);
   const std::int64_t skip_x = region.x + x_.skipped - index % x_.count() * x_.tile + x_.post;
@@ -177,13 +183,17 @@ TileTally TiledSensorPlan::run_whole(const ReadWindow& read, std::size_t channel
     return tally;
   }
   std::vector<Image> planes;
-  for (std::size_t c = 0; c < channels; ++c) {
-    planes.emplace_back(in_.width, in_.height);
-    read(c, 0, 0, planes.back().view());
-  }
-  planes = inner_->run(std::move(planes), options.border_value, threads_);
   std::vector<ImageView<const float>> views;
-  for (Image& plane : planes) views.push_back(part(plane, region_.x, region_.y, region_.width, region_.height));
+  for (std::size_t c = 0; c < channels; ++c) {
+    std::vector<Image> scene;
+    scene.emplace_back(in_.width, in_.height);
+    read_rows(read, c, 0, 0, scene[0].view(), threads_);
+    std::vector<Image> filtered = inner_->run(std::move(scene), options.border_value, threads_);
+    const ImageView<const float> wanted = part(filtered[0], region_.x, region_.y, region_.width, region_.height);
+    planes.emplace_back(region_.width, region_.height);
+    for (std::int64_t y = 0; y < wanted.height; ++y) std::copy_n(wanted.row(y), wanted.width, planes[c].view().row(y));
+    views.push_back(planes[c].view());
+  }
   write(tile(0), views);
   tally.computed = 1;
   if (options.progress) options.progress(1, 1);
@@ -211,22 +221,24 @@ TileTally TiledSensorPlan::run(const ReadWindow& read, std::span<const Survey> s
   TileTally tally;
   std::mutex lock;
   double busy_ms = 0.0;
+  Turns turns(report_.count, x_.count());
   std::int64_t finished = 0;
-  in_order(report_.count, report_.in_flight, [&](std::int64_t index) {
+  const auto work = [&](Workspace& memory, std::int64_t index) {
     const bool there = options.done && options.done(index);
     const auto start = std::chrono::steady_clock::now();
     bool flat = true;
-    if (!there) {
-      std::vector<Image> planes(surveys.size());
-      std::vector<ImageView<const float>> views;
-      for (std::size_t c = 0; c < planes.size(); ++c) {
-        flat = run_tile(read, c, index, options.border_value, far_ ? &far[c] : nullptr,
-                        far_ ? dc_ * surveys[c].shift : 0.0, planes[c]) &&
-               flat;
-        views.push_back(planes[c].view());
-      }
-      write(tile(index), views);
+    std::vector<Image> planes(there ? 0 : surveys.size());
+    std::vector<ImageView<const float>> views;
+    for (std::size_t c = 0; c < planes.size(); ++c) {
+      read_canvas(read, c, index, options.border_value, memory.canvas);
+      if (c + 1 == planes.size()) turns.was_read();
+      flat = run_tile(index, options.border_value, far_ ? &far[c] : nullptr, far_ ? dc_ * surveys[c].shift : 0.0,
+                      memory, planes[c]) &&
+             flat;
+      views.push_back(planes[c].view());
     }
+    if (planes.empty()) turns.was_read();
+    if (!there) write(tile(index), views);
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     const std::scoped_lock guard(lock);
     tally.resumed += there ? 1 : 0;
@@ -235,6 +247,15 @@ TileTally TiledSensorPlan::run(const ReadWindow& read, std::span<const Survey> s
     busy_ms += there ? 0.0 : flat ? -ms : 0.0;
     tally.saved_ms += there || flat ? 0.0 : ms;
     if (options.progress) options.progress(++finished, report_.count);
+  };
+  parallel_for(report_.in_flight, 1, report_.in_flight, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t worker = begin; worker < end; ++worker) try {
+        Workspace memory(*this);
+        for (std::int64_t i = turns.next(); i < report_.count; i = turns.next()) work(memory, i);
+      } catch (...) {
+        turns.stop();  // a failure ends all
+        throw;
+      }
   });
   // Mean of the tiles that were computed, for each that was not, less what it took all the same.
   const double mean = tally.computed > 0 ? tally.saved_ms / static_cast<double>(tally.computed) : 0.0;

@@ -2,76 +2,86 @@
 #include "mtf/io/exr_windows.h"
 
 #include <algorithm>
-#include <list>
+#include <array>
 #include <mutex>
 
+#include "mtf/io/band_cache.h"
 #include "mtf/io/exr_pixels.h"
-#include "mtf/io/exr_threads.h"
 
 namespace mtf::io {
 namespace {
 
-constexpr std::int64_t kRowsTogether = 128;  // chunks enough for several threads to decode
-constexpr std::int64_t kFewestRows = 4 * kRowsTogether;
-
-// Decoded rows of the data window, all channels.
-struct Band {
-  std::int64_t first = 0, last = -1;  // rows of the file, both included
-  std::vector<Image> planes;
-};
+constexpr std::int64_t kRowsTogether = 32, kBytesTogether = 256 << 10;  // of a band, at least
 
 struct Opened : OpenedExr {
   Opened(const std::string& path, const ReadOptions& options) : OpenedExr(path, options), source(file, part) {}
   PixelSource source;
 };
 
+bool same_layout(const Opened& a, const Opened& b) {
+  const auto window = [](const Window& w) { return std::array{w.x0, w.y0, w.x1, w.y1}; };
+  return window(a.data) == window(b.data) && a.channels == b.channels && a.part == b.part &&
+         a.source.tiled() == b.source.tiled() && a.source.band_rows() == b.source.band_rows();
+}
+
 }  // namespace
 
+// The library decodes one call at a time for each open file: every thread that decodes has a file of its own.
 struct ExrWindows::Impl {
   std::string path;
-  std::optional<Opened> exr;
-  std::int64_t rows_kept = kFewestRows;
+  ReadOptions options;
+  std::unique_ptr<Opened> exr;
   std::int64_t band_rows = 1;
-  mutable std::mutex lock;
-  mutable std::list<std::shared_ptr<const Band>> bands;  // the one used last in front
+  std::mutex lock;
+  std::vector<std::unique_ptr<Opened>> idle;
+  std::optional<BandCache> bands;
 
-  // The band that holds a row of the file, decoded now if need be.
-  std::shared_ptr<const Band> band_of(std::int64_t row) const {
-    const std::scoped_lock guard(lock);
-    for (auto it = bands.begin(); it != bands.end(); ++it)
-      if (row >= (*it)->first && row <= (*it)->last) {
-        bands.splice(bands.begin(), bands, it);
-        return bands.front();
+  std::unique_ptr<Opened> take() {
+    {
+      const std::scoped_lock guard(lock);
+      if (!idle.empty()) {
+        std::unique_ptr<Opened> file = std::move(idle.back());
+        idle.pop_back();
+        return file;
       }
-    while (!bands.empty() && static_cast<std::int64_t>(bands.size() + 1) * band_rows > rows_kept) bands.pop_back();
-    auto band = std::make_shared<Band>();
-    band->first = exr->data.y0 + (row - exr->data.y0) / band_rows * band_rows;
-    band->last = std::min(band->first + band_rows - 1, exr->data.y1);
-    guarded(path, [&] { decode(*band); });
-    bands.push_front(std::move(band));
-    return bands.front();
+    }
+    auto file = std::make_unique<Opened>(path, options);
+    if (!same_layout(*file, *exr))
+      throw RuntimeError("cannot read " + path + ": another file has taken its place; run the command again");
+    return file;
   }
 
-  void decode(Band& band) const {
+  std::int64_t band_of(std::int64_t row) const { return (row - exr->data.y0) / band_rows; }
+  std::int64_t first_row(std::int64_t band) const { return exr->data.y0 + band * band_rows; }
+
+  // What fails is not used again: its state is unknown.
+  void decode(std::int64_t index, Band& band) {
+    std::unique_ptr<Opened> file = take();
+    const std::int64_t first = first_row(index), last = std::min(first + band_rows - 1, exr->data.y1);
     std::vector<float*> planes;
     for (std::size_t i = 0; i < exr->channels.size(); ++i)
-      planes.push_back(band.planes.emplace_back(exr->data.width(), band.last - band.first + 1).data());
-    const Imf::FrameBuffer buffer = frame_buffer(exr->channels, planes, exr->data.x0, band.first, exr->data.width());
-    auto& source = const_cast<PixelSource&>(exr->source);  // reading moves only the library's own state, locked here
+      planes.push_back((i < band.size() ? band[i] : band.emplace_back(exr->data.width(), band_rows)).data());
+    const Imf::FrameBuffer buffer = frame_buffer(exr->channels, planes, exr->data.x0, first, exr->data.width());
     // Tiles come a row of them at a time, scan lines all at once.
-    const std::int64_t step = source.tiled() ? source.band_rows() : band_rows;
-    for (std::int64_t first = band.first; first <= band.last; first += step)
-      source.read(buffer, first, std::min(first + step - 1, band.last));
+    const std::int64_t step = file->source.tiled() ? file->source.band_rows() : band_rows;
+    for (std::int64_t row = first; row <= last; row += step)
+      file->source.read(buffer, row, std::min(row + step - 1, last));
+    const std::scoped_lock guard(lock);
+    idle.push_back(std::move(file));
   }
 };
 
-ExrWindows::ExrWindows(const std::string& path, const ReadOptions& options, int threads)
-    : impl_(std::make_unique<Impl>()) {
-  use_exr_threads(threads);
+ExrWindows::ExrWindows(const std::string& path, const ReadOptions& options) : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
-  guarded(path, [&] { impl_->exr.emplace(path, options); });
+  impl_->options = options;
+  guarded(path, [&] { impl_->exr = std::make_unique<Opened>(path, options); });
   const std::int64_t together = impl_->exr->source.band_rows();
-  impl_->band_rows = std::max<std::int64_t>(1, kRowsTogether / together) * together;
+  const std::int64_t wanted = std::max(kRowsTogether, kBytesTogether / row_bytes());
+  impl_->band_rows = std::max<std::int64_t>(1, wanted / together) * together;
+  impl_->bands.emplace(impl_->band_of(impl_->exr->data.y1) + 1, 1,
+                       [impl = impl_.get()](std::int64_t index, Band& band) {
+                         guarded(impl->path, [&] { impl->decode(index, band); });
+                       });
 }
 
 ExrWindows::~ExrWindows() = default;
@@ -82,26 +92,35 @@ std::int64_t ExrWindows::row_bytes() const {
   return impl_->exr->data.width() * static_cast<std::int64_t>(impl_->exr->channels.size() * sizeof(float));
 }
 
-void ExrWindows::keep_rows(std::int64_t rows) { impl_->rows_kept = std::max(rows, kFewestRows); }
+void ExrWindows::keep_rows(std::int64_t rows) {
+  // Bands that so many rows may touch.
+  impl_->bands->keep((std::max<std::int64_t>(rows, 1) + impl_->band_rows - 2) / impl_->band_rows + 1);
+}
+
+std::int64_t ExrWindows::more_rows() const { return 2 * impl_->band_rows; }
 
 void ExrWindows::read(std::size_t channel, std::int64_t x, std::int64_t y, ImageView<float> out) const {
   const Window &data = impl_->exr->data, &display = impl_->exr->display;
   const std::int64_t left = std::clamp<std::int64_t>(data.x0 - display.x0 - x, 0, out.width);
   const std::int64_t right = std::clamp<std::int64_t>(data.x1 + 1 - display.x0 - x, left, out.width);
-  std::shared_ptr<const Band> band;
-  for (std::int64_t j = 0; j < out.height; ++j) {
-    const std::int64_t row = display.y0 + y + j;
-    float* to = out.row(j);
-    if (row < data.y0 || row > data.y1 || right == left) {
-      std::fill_n(to, out.width, 0.0F);
-      continue;
+  const std::int64_t row = display.y0 + y;  // of the file, that of the first of `out`
+  const std::int64_t top = right == left ? out.height : std::clamp<std::int64_t>(data.y0 - row, 0, out.height);
+  const std::int64_t bottom = std::clamp<std::int64_t>(data.y1 + 1 - row, top, out.height);
+  for (std::int64_t j = 0; j < out.height; ++j)
+    if (j < top || j >= bottom) std::fill_n(out.row(j), out.width, 0.0F);
+  // As many rows at a time as stay decoded.
+  for (std::int64_t j = top; j < bottom;) {
+    const std::int64_t first = impl_->band_of(row + j);
+    const std::int64_t last = std::min(impl_->band_of(row + bottom - 1), first + impl_->bands->kept() - 1);
+    const BandCache::Pinned pinned(*impl_->bands, first, last);
+    for (; j < bottom && row + j < impl_->first_row(last + 1); ++j) {
+      const std::int64_t band = impl_->band_of(row + j);
+      const float* from = pinned[band][channel].view().row(row + j - impl_->first_row(band));
+      float* to = out.row(j);
+      std::fill_n(to, left, 0.0F);
+      std::copy_n(from + (display.x0 + x + left - data.x0), right - left, to + left);
+      std::fill_n(to + right, out.width - right, 0.0F);
     }
-    if (!band || row > band->last) band = impl_->band_of(row);
-    const Image& plane = band->planes[channel];
-    const float* from = plane.view().row(row - band->first) + (display.x0 + x + left - data.x0);
-    std::fill_n(to, left, 0.0F);
-    std::copy_n(from, right - left, to + left);
-    std::fill_n(to + right, out.width - right, 0.0F);
   }
 }
 

@@ -12,20 +12,21 @@ namespace mtf::io {
 class ExrWindows {
  public:
   /// Opens and checks; reads no pixels. Errors as read_image, but for the memory that whole planes would need.
-  /// `threads` decode together, 0 = all cores.
-  ExrWindows(const std::string& path, const ReadOptions& options, int threads);
+  ExrWindows(const std::string& path, const ReadOptions& options);
   ~ExrWindows();
   ExrWindows(const ExrWindows&) = delete;
   ExrWindows& operator=(const ExrWindows&) = delete;
 
   /// As read_image has it, without planes.
   const ImageFile& file() const;
-  /// Bytes of one row of all chosen channels, and how many rows may stay decoded: those of one row of tiles at least,
-  /// or neighbouring tiles decode the same rows again.
+  /// Bytes of one row of all chosen channels.
   std::int64_t row_bytes() const;
+  /// How many rows stay decoded: those of one row of tiles, or neighbouring tiles decode the same rows again. At most
+  /// more_rows() others that share a band with them stay too.
   void keep_rows(std::int64_t rows);
+  std::int64_t more_rows() const;
   /// Pixels of the chosen channel `channel` from (x, y) of the display window; 0 where the file has none. From any
-  /// thread. Throws RuntimeError for damaged pixels.
+  /// thread, and each decodes on its own. Throws RuntimeError for damaged pixels.
   void read(std::size_t channel, std::int64_t x, std::int64_t y, ImageView<float> out) const;
 
  private:

@@ -60,6 +60,10 @@ TEST_F(SimulateTiles, EqualTheWholeImageWithinTheTolerance) {
   EXPECT_LT(rms_between("out.exr", "all.exr"), 1e-4);
   EXPECT_GT(report()["tiles"]["count"].get<int>(), 1) << report()["tiles"];
   EXPECT_EQ(report()["scene_size"][0], 1700);
+  EXPECT_LE(report()["tiles"]["bytes"].get<double>(), 105.0 * (1 << 20));
+#ifndef __SANITIZE_ADDRESS__
+  EXPECT_LE(report()["peak_rss_mib"].get<double>(), 105.0);
+#endif
   EXPECT_EQ(report()["out_size"][0], 425);
   const auto out = mtf::io::read_image((scratch / "out.exr").string());
   EXPECT_NE(out.info.storage.find("tiled"), std::string::npos);
@@ -105,6 +109,30 @@ TEST_F(SimulateTiles, BadPixels) {
   }
 }
 
+TEST_F(SimulateTiles, ValuesBeyondFloatAreRefusedByEveryRoute) {
+  Image plane(1700, 1700);
+  for (std::int64_t i = 0; i < plane.size(); ++i) plane.data()[i] = i % 1700 / 64 % 2 == 0 ? 3e38F : -3e38F;
+  mtf::io::write_exr((scratch / "huge.exr").string(), {{"Y", plane.view()}}, {});
+  write_file(scratch / "sharp.toml", read_file(scratch / "sensor.toml") +
+                                         "\n[[postsample]]\nkind = \"fir\"\ntaps = [[0, -1, 0], [-1, 5, -1], [0, -1, "
+                                         "0]]\n");
+  for (const std::string more : {"", " --memory 120MiB", " --roi 0,0,50,50"})
+    expect_refused("mtf simulate sharp.toml huge.exr -o out.exr --tolerance 1e-3" + more, 1, "3.4e38");
+  EXPECT_FALSE(fs::exists(scratch / "out.exr.part"));
+  const Result r = scratch.run("cp huge.exr s.1.exr; mtf simulate sharp.toml s.%d.exr -o t.%d.exr --tolerance 1e-3");
+  EXPECT_EQ(r.status, 1) << r.err;
+  EXPECT_NE(r.err.find("frame 1: channel Y: filtered values exceed"), std::string::npos) << r.err;
+  EXPECT_FALSE(fs::exists(scratch / "t.1.exr"));
+}
+
+TEST_F(SimulateTiles, ExplainSaysWhoseThePlanIs) {
+  const Result r = scratch.run(tiled + " --explain");
+  ASSERT_EQ(r.status, 0) << r.err;
+  EXPECT_EQ(r.out.find("plan of one tile with its halo"), 0U) << r.out;
+  const std::string all = scratch.run("mtf simulate sensor.toml scene.exr -o all.exr --explain").out;
+  EXPECT_EQ(all.find("tile"), std::string::npos) << all;
+}
+
 TEST_F(SimulateTiles, AStoppedRunGoesOn) {
   ASSERT_EQ(scratch.run(tiled + " && mv out.exr first.exr").status, 0);
   write_scene("scene.exr", 1700);  // the same pixels, a new file
@@ -115,6 +143,7 @@ TEST_F(SimulateTiles, AStoppedRunGoesOn) {
       "  if [ $size -gt 90 ]; then kill -INT $pid; break; fi\ndone\nwait $pid\n");
   if (stopped.status == 0) GTEST_SKIP() << "too fast to be stopped";
   EXPECT_EQ(stopped.status, 130) << stopped.err;
+  EXPECT_NE(stopped.err.find("the same command goes on"), std::string::npos) << stopped.err;
   EXPECT_FALSE(fs::exists(scratch / "out.exr"));
   ASSERT_TRUE(fs::exists(scratch / "out.exr.part.tiles"));
   const Result again = scratch.run(tiled);

@@ -147,6 +147,27 @@ TEST(Tiles, too_little_memory_names_what_is_enough) {
   }
 }
 
+// A complex OTF takes twice the memory of a real one, or four times.
+TEST(Tiles, memory_holds_what_the_plans_take) {
+  System<double> complex = mwir();
+  complex.add(Stage::postsample, fir({{0, 0, 0}, {0, 0.7, 0.2}, {0, 0.1, 0}}));
+  complex.add(Stage::presample, rc(60.0, 0));
+  const SampleGrid in{16384, 16384, 3.75, 3.75};
+  PlanOptions options;
+  options.scene = SceneSummary{1.0, 5.0, 2.0};
+  for (const System<double>& system : {mwir(), complex})
+    for (const std::int64_t memory : {400 << 20, 800 << 20}) {
+      const TiledSensorPlan plan =
+          compile_tiled(system, in, options, {.memory = memory, .row_bytes = 65536, .more_rows = 64, .threads = 2});
+      const PlanReport& near = plan.inner().presample.report();
+      const auto canvas = static_cast<double>(near.in.width * near.in.height);
+      EXPECT_LE(plan.report().bytes, memory);
+      EXPECT_GE(static_cast<double>(plan.report().bytes),
+                static_cast<double>(near.otf_bytes) + 65536.0 * static_cast<double>(near.in.height) +
+                    plan.report().in_flight * (static_cast<double>(near.run_bytes) + 4.0 * canvas));
+    }
+}
+
 TEST(Tiles, ratios_that_are_none_of_small_numbers_take_the_whole_image) {
   const System<double> system = with(bare(15.0, 15.0), {gaussian(9.0)});
   const SampleGrid in{120, 100, 15.0 / 3.14159, 15.0 / 3.14159};
@@ -191,6 +212,24 @@ TEST(Survey, equals_the_statistics_of_the_image_in_memory) {
       const double norm = canvas_norm(scene.view(), border, 3.0, expected.mean);
       EXPECT_NEAR(s.canvas_norm, norm, 1e-9 * norm);
     }
+}
+
+TEST(Survey, of_several_channels_is_that_of_each) {
+  const Image a = random_image(301, 297, 5), b = random_image(301, 297, 6, 40.0, 3.0);
+  const std::array<ImageView<const float>, 2> planes{a.view(), b.view()};
+  const SampleGrid scene{301, 297, 1.0, 1.0};
+  const std::vector<Survey> both =
+      survey_channels(windows_of(planes), 0, 2, scene, {.every = 8, .band_rows = 40, .threads = 2});
+  ASSERT_EQ(both.size(), 2U);
+  for (std::size_t c = 0; c < 2; ++c) {
+    const Survey one = survey(windows_of(planes), c, scene, {.every = 8, .band_rows = 512, .threads = 1});
+    EXPECT_EQ(both[c].fingerprint, one.fingerprint);
+    EXPECT_EQ(both[c].statistics.std, one.statistics.std);
+    EXPECT_EQ(both[c].shift, one.shift);
+    ASSERT_EQ(both[c].coarse.size(), one.coarse.size());
+    for (std::int64_t i = 0; i < one.coarse.size(); ++i) ASSERT_EQ(both[c].coarse.data()[i], one.coarse.data()[i]);
+  }
+  EXPECT_NE(both[0].fingerprint, both[1].fingerprint);
 }
 
 }  // namespace

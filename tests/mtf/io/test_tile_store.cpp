@@ -26,7 +26,7 @@ Image pattern(std::int64_t width, std::int64_t height, float shift = 0.0F) {
 
 void expect_windows_of_the_image(const std::string& path) {
   const mtf::io::ImageFile whole = mtf::io::read_image(path);
-  const mtf::io::ExrWindows windows(path, {}, 2);
+  const mtf::io::ExrWindows windows(path, {});
   const std::int64_t width = whole.planes[0].width(), height = whole.planes[0].height();
   for (const Region w : {Region{0, 0, width, height}, Region{3, 5, 7, 9}, Region{width - 4, height - 2, 4, 2}})
     for (std::size_t c = 0; c < whole.planes.size(); ++c) {
