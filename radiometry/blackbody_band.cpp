@@ -66,12 +66,10 @@ double scaled_integral(int p, bool derivative, double x, double width) {
 bool is_band(double lo_um, double hi_um) { return lo_um >= 0.0 && hi_um >= lo_um && lo_um < kInf && hi_um > 0.0; }
 
 struct Law {
-  double factor;  // 2 k^4 / (h^3 c^2) or 2 k^3 / (h^3 c^2)
-  int p;          // of Bp; the radiance goes as T^(p + 1)
+  double factor;
+  int p;  // of Bp; the radiance goes as T^(p + 1)
 };
-Law law_of(Flux flux) {
-  return flux == Flux::watts ? Law{2.779416505426625384960e-9, 3} : Law{2.013123180059975696183e14, 2};
-}
+Law law_of(Flux flux) { return {band_factor(flux), flux == Flux::watts ? 3 : 2}; }
 
 double radiance(Flux flux, bool derivative, double lo_um, double hi_um, double temperature_k) {
   if (!is_band(lo_um, hi_um)) return std::nan("");

@@ -33,6 +33,11 @@ inline double times_exp(double factor, const Exponent& x) {
 /// x / (1 - e^-x), which is d log L / d log T.
 inline double log_slope(double x) { return x == 0.0 ? 1.0 : x / -std::expm1(-x); }
 
+/// 2 k^4 / (h^3 c^2) in W m^-2 sr^-1 K^-4, or 2 k^3 / (h^3 c^2) in s^-1 m^-2 sr^-1 K^-3.
+inline double band_factor(Flux flux) {
+  return flux == Flux::watts ? 2.779416505426625384960e-9 : 2.013123180059975696183e14;
+}
+
 /// T > 0 and not NaN; at 0 K all is 0, below it NaN.
 inline bool radiates(double temperature_k) { return temperature_k > 0.0; }
 inline double no_radiance(double temperature_k) { return temperature_k == 0.0 ? 0.0 : std::nan(""); }
