@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "radiometry/blackbody.h"
+#include "radiometry/sensitivity.h"
 
 // One body for double and Jet: values are equal, derivatives those of the double functions.
 
@@ -28,6 +29,35 @@ TEST(RadiometryJets, blackbody) {
     EXPECT_NEAR(back.v[0], 0.0, 1e-12);
     EXPECT_NEAR(back.v[1], 1.0, 1e-14);
   }
+}
+
+/// NETD of a camera as a function of f-number, integration time and temperature.
+template <class S>
+S netd(const S& f_number, const S& integration_s, const S& temperature_k) {
+  Camera<S> camera{.f_number = f_number, .transmission = S(0.85)};
+  Pixel<S> pixel{.width_um = S(15),
+                 .height_um = S(15),
+                 .quantum_efficiency = S(0.7),
+                 .integration_s = integration_s,
+                 .dark_e_s = S(1e5),
+                 .full_well_e = S(1e7)};
+  const S lo(3.0), hi(5.0);
+  BandRadiances<S> radiances{.scene = band_radiance(Flux::photons, lo, hi, temperature_k)};
+  const S slope = electrons_per_radiance(camera, pixel) * band_derivative(Flux::photons, lo, hi, temperature_k);
+  NoiseTerms<S> noise{.read_e = S(300)};
+  return make_budget(pixel, signal(camera, pixel, radiances), noise, slope).netd_k;
+}
+
+TEST(RadiometryJets, netd_against_differences) {
+  const Jet n(2.5, 0), t(0.01, 1), k(300.0, 2);
+  const Jet value = netd(n, t, k);
+  EXPECT_EQ(value.a, netd(2.5, 0.01, 300.0));
+  const double h = 1e-5;
+  EXPECT_NEAR(value.v[0] * 2.5, (netd(2.5 * (1 + h), 0.01, 300.0) - netd(2.5 * (1 - h), 0.01, 300.0)) / (2 * h), 1e-9);
+  EXPECT_NEAR(value.v[1] * 0.01, (netd(2.5, 0.01 * (1 + h), 300.0) - netd(2.5, 0.01 * (1 - h), 300.0)) / (2 * h), 1e-9);
+  EXPECT_NEAR(value.v[2] * 300, (netd(2.5, 0.01, 300.0 * (1 + h)) - netd(2.5, 0.01, 300.0 * (1 - h))) / (2 * h), 1e-8);
+  EXPECT_GT(value.v[0], 0.0);
+  EXPECT_LT(value.v[1], 0.0);
 }
 
 }  // namespace
