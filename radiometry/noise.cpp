@@ -16,13 +16,6 @@ namespace {
 constexpr std::int64_t kMostPixels = std::int64_t{1} << 32;
 constexpr std::int64_t kRowsAtOnce = 16;
 
-void require_on_detector(Origin origin, std::int64_t width, std::int64_t height) {
-  if (origin.x < 0 || origin.y < 0 || origin.x > kMostPixels - width || origin.y > kMostPixels - height)
-    throw mtf::UsageError("noise: a region of " + std::to_string(width) + " x " + std::to_string(height) +
-                          " pixels from column " + std::to_string(origin.x) + ", row " + std::to_string(origin.y) +
-                          "; columns and rows are counted from 0 to below 2^32");
-}
-
 /// Calls work(half column, offset, first, count) for the blocks of lanes that cover columns [x, x + width): the
 /// `count` lanes from `offset` on are the columns from x + first on.
 template <class Work>
@@ -47,6 +40,13 @@ void for_each_row(mtf::ImageView<float> image, const NoiseKey& key, Stream strea
 }
 
 }  // namespace
+
+void require_on_detector(Origin origin, std::int64_t width, std::int64_t height) {
+  if (origin.x < 0 || origin.y < 0 || origin.x > kMostPixels - width || origin.y > kMostPixels - height)
+    throw mtf::UsageError("noise: a region of " + std::to_string(width) + " x " + std::to_string(height) +
+                          " pixels from column " + std::to_string(origin.x) + ", row " + std::to_string(origin.y) +
+                          "; columns and rows are counted from 0 to below 2^32");
+}
 
 void gaussian_row(const RandomRow& row, std::int64_t x, std::int64_t count, float* out) {
   require_on_detector({x, 0}, count, 1);

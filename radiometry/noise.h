@@ -15,6 +15,9 @@ struct Origin {
   std::int64_t y = 0;
 };
 
+/// Throws UsageError for a region that does not lie on such a detector.
+void require_on_detector(Origin origin, std::int64_t width, std::int64_t height);
+
 /// image += sigma x standard normal numbers. sigma >= 0 and finite; 0 leaves the image as it is, untouched.
 /// Throws UsageError for others and for an origin out of its range.
 void add_gaussian(mtf::ImageView<float> image, double sigma, const NoiseKey& key, Stream stream, Origin origin = {},

@@ -9,6 +9,7 @@
 #include "radiometry/noise.h"
 #include "radiometry/poisson.h"
 #include "tests/radiometry/expect_refused.h"
+#include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"
 
 namespace radiometry {
@@ -16,17 +17,11 @@ namespace {
 
 using test::chi_square_sigmas;
 using test::correlation_sigmas;
+using test::flat;
 using test::kMostSigmas;
 using test::moments;
+using test::samples;
 
-mtf::Image flat(std::int64_t width, std::int64_t height, float value) {
-  mtf::Image image(width, height);
-  std::fill_n(image.data(), image.size(), value);
-  return image;
-}
-std::span<const float> samples(const mtf::Image& image) {
-  return {image.data(), static_cast<std::size_t>(image.size())};
-}
 mtf::Image gaussian_frame(const NoiseKey& key, Stream stream, std::int64_t width = 1024, std::int64_t height = 1024) {
   mtf::Image image = flat(width, height, 0.0F);
   add_gaussian(image.view(), 1.0, key, stream);
