@@ -76,8 +76,8 @@ Tables::Tables(const std::string& folder) {
       throw mtf::UsageError(file.path().string() + ": no check reads a table of this name" +
                             (meant ? "; did you mean " + *meant + "?" : ""));
     }
-    // Gradients, exponents and blackbodies are references of the test suite, not of these checks.
-    if (name == "gradients.csv" || name == "kolmogorov.csv" || name.starts_with("planck"))
+    // Gradients and exponents are references of the test suite, not of these checks.
+    if (name == "gradients.csv" || name == "kolmogorov.csv")
       throw mtf::UsageError(file.path().string() + ": no check reads this table; remove it from the folder");
     constexpr std::uintmax_t kMostBytes = std::uintmax_t{64} << 20;
     if (!file.is_regular_file(failed)) throw mtf::UsageError(file.path().string() + ": not an ordinary file");
