@@ -59,7 +59,7 @@ double BandResponse::integral() const {
 double BandResponse::planck_integral(Flux flux, double temperature_k, bool derivative) const {
   if (!radiates(temperature_k)) return no_radiance(temperature_k);
   const int p = flux == Flux::watts ? 3 : 2;
-  if (exponent(range_.hi_um, temperature_k).x == 0.0) return std::numeric_limits<double>::infinity();
+  if (temperature_k > kHottest_k) return std::numeric_limits<double>::infinity();
   // From the longest wavelength down; the sum is scaled by e^(x of the first piece that adds to it).
   double sum = 0.0;
   Exponent first{};

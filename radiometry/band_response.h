@@ -47,8 +47,8 @@ class BandResponse {
   /// n wavelengths and weights such that the weighted sum is the mean of a function over the electrons that a blackbody
   /// of `temperature_k` gives, the response being that per photon; without a temperature the photon radiance is the
   /// same at all wavelengths. A Gauss rule: exact for polynomials of degree 2n - 1 in the wavelength, weights positive
-  /// with sum 1, wavelengths rising. To be used in place of mtf::wavelength_nodes. 1 <= n <= 256. Throws UsageError
-  /// when there are no electrons.
+  /// with sum 1, wavelengths rising. To be used in place of mtf::wavelength_nodes. 1 <= n <= 256. Fewer
+  /// than n where the rate is a double at fewer points. Throws UsageError when there are no electrons.
   mtf::WavelengthNodes electron_nodes(int n, std::optional<double> temperature_k) const;
 
  private:

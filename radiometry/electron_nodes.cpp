@@ -51,9 +51,9 @@ mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> t
   if (n < 1 || n > kMostNodes)
     throw mtf::UsageError("electron_nodes: " + std::to_string(n) + " wavelengths; give 1 to " +
                           std::to_string(kMostNodes));
-  if (temperature_k && !(*temperature_k > 0.0 && std::isfinite(*temperature_k)))
-    throw mtf::UsageError("electron_nodes: a source of " + std::to_string(*temperature_k) +
-                          " K; the temperature has to be above 0");
+  if (temperature_k && !(*temperature_k > 0.0 && *temperature_k <= kHottest_k))
+    throw mtf::UsageError("electron_nodes: a source of " + mtf::format_double(*temperature_k) +
+                          " K; the temperature has to be above 0, at most " + mtf::format_double(kHottest_k) + " K");
   // Points of the weight, per piece as many as a polynomial of degree 2n times the response needs, the points of narrow
   // pieces fewer; relative to the largest rate, whose logarithm may lie far below that of a double.
   std::vector<double> node, log_rate, weight;
@@ -65,7 +65,10 @@ mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> t
     for (double panel = 0.0; panel < panels; ++panel) {
       const double lo = piece.lo_um + width * panel / panels, step = width / panels;
       const int degree = static_cast<int>(std::ceil(n * std::min(1.0, 4.0 * step / whole)));
-      const mtf::GaussRule rule = mtf::mean_rule(lo, lo + step, degree + (panels > 1.0 || step > 0.02 * lo ? 32 : 12));
+      const mtf::GaussRule rule = mtf::mean_rule(lo, lo + step,
+                                                 degree + (panels > 1.0 || step > 0.02 * lo ? 32
+                                                           : step > 1e-3 * lo               ? 12
+                                                                                            : 6));
       for (std::size_t i = 0; i < rule.node.size(); ++i) {
         const double response = piece_value(piece, rule.node[i]);
         if (!(response > 0.0)) continue;
@@ -75,15 +78,15 @@ mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> t
       }
     }
   }
-  if (node.empty())
-    throw mtf::UsageError("electron_nodes: the product of the curves is 0 over " + describe(range_) +
-                          "; there are no electrons to weigh wavelengths by");
-  const double largest = *std::max_element(log_rate.begin(), log_rate.end());
+  const double largest = log_rate.empty() ? 0.0 : *std::max_element(log_rate.begin(), log_rate.end());
   Jacobi jacobi{.diagonal = {}, .square = {}, .most = static_cast<std::size_t>(n)};
   for (std::size_t i = 0; i < node.size(); ++i) {
     const double rate = weight[i] * std::exp(log_rate[i] - largest);
     if (rate > 0.0) jacobi.add(node[i], rate);
   }
+  if (jacobi.points == 0)
+    throw mtf::UsageError("electron_nodes: no light, or a product of curves that is 0, over " + describe(range_) +
+                          "; there are no electrons to weigh wavelengths by");
   const auto size = static_cast<Eigen::Index>(jacobi.diagonal.size());
   Eigen::VectorXd diagonal(size), side(std::max<Eigen::Index>(size - 1, 0));
   for (Eigen::Index k = 0; k < size; ++k) diagonal[k] = jacobi.diagonal[static_cast<std::size_t>(k)];

@@ -11,6 +11,9 @@
 
 namespace radiometry {
 
+/// Above it T^4 is no double.
+inline constexpr double kHottest_k = 1e77;
+
 struct Exponent {
   double x = 0.0, rest = 0.0;  ///< c2 / (lambda T) = x + rest
 };

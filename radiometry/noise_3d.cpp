@@ -21,6 +21,7 @@ double Noise3d::total() const { return std::sqrt(t * t + v * v + h * h + tv * tv
 
 void add_noise_3d(mtf::ImageView<float> image, const Noise3d& noise, const NoiseKey& key, Origin origin, int threads) {
   require_valid("noise", noise);
+  require_on_detector(origin, image.width, image.height);
   const NoiseKey fixed{key.seed, 0};
   if (noise.t > 0.0) {
     float number = 0.0F;

@@ -12,18 +12,16 @@ namespace radiometry {
 using mtf::format_double;
 using mtf::UsageError;
 
-Path no_path() { return constant_path(1.0, 0.0); }
-
 Path constant_path(double transmission, double radiance) {
-  return {constant_spectrum("transmission of the path", transmission, 1.0),
-          constant_spectrum("radiance of the path", radiance), constant_spectrum("emissivity of the path", 0.0), 0.0};
+  return {.transmission = constant_spectrum("transmission of the path", transmission, 1.0),
+          .radiance = constant_spectrum("radiance of the path", radiance)};
 }
 
 Path absorbing_path(const Spectrum& transmission, double air_temperature_k) {
   if (!(air_temperature_k >= 0.0) || !std::isfinite(air_temperature_k))
     throw UsageError(transmission.source + ": air of " + format_double(air_temperature_k) +
                      " K; the temperature has to be 0 or above");
-  return {transmission, constant_spectrum("radiance of the path", 0.0), complement(transmission), air_temperature_k};
+  return {.transmission = transmission, .emissivity = complement(transmission), .air_temperature_k = air_temperature_k};
 }
 
 Spectrum complement(const Spectrum& spectrum) {
@@ -70,9 +68,8 @@ Path PathTable::at(double range_m) const {
     transmission.push_back(beer ? tau0 * std::pow(tau1 / tau0, t) : tau0 * (1.0 - t) + tau1 * t);
     radiance.push_back(added0 * (1.0 - t) + added1 * t);
   }
-  return {Spectrum{source_ + ", transmission", wavelength_um_, std::move(transmission)},
-          Spectrum{source_ + ", radiance", wavelength_um_, std::move(radiance)},
-          constant_spectrum("emissivity of the path", 0.0), 0.0};
+  return {.transmission = {source_ + ", transmission", wavelength_um_, std::move(transmission)},
+          .radiance = {source_ + ", radiance", wavelength_um_, std::move(radiance)}};
 }
 
 }  // namespace radiometry

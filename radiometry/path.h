@@ -12,15 +12,14 @@
 
 namespace radiometry {
 
+/// Takes and adds nothing unless told so.
 struct Path {
-  Spectrum transmission;
-  Spectrum radiance;    ///< W m^-2 sr^-1 um^-1
-  Spectrum emissivity;  ///< of the air, thermal emission
+  Spectrum transmission = constant_spectrum("transmission of the path", 1.0);
+  Spectrum radiance = constant_spectrum("radiance of the path", 0.0);      ///< W m^-2 sr^-1 um^-1
+  Spectrum emissivity = constant_spectrum("emissivity of the path", 0.0);  ///< of the air, thermal emission
   double air_temperature_k = 0.0;
 };
 
-/// Takes nothing, adds nothing.
-Path no_path();
 /// The same at all wavelengths. transmission in [0, 1], radiance in W m^-2 sr^-1 um^-1, >= 0.
 Path constant_path(double transmission, double radiance);
 /// Absorbing air of one temperature: emissivity 1 - transmission.

@@ -21,7 +21,7 @@ struct SpectralCamera {
 /// A surface: emissivity x Planck(temperature) + (1 - emissivity) x Planck(surroundings).
 struct Surface {
   double temperature_k = 300.0;
-  Spectrum emissivity;  ///< up to 1
+  Spectrum emissivity = constant_spectrum("blackbody", 1.0);  ///< up to 1
   double surroundings_k = 0.0;
 };
 

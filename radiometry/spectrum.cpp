@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "mtf/error.h"
 #include "mtf/units.h"
@@ -13,11 +14,22 @@ namespace {
 using mtf::format_double;
 using mtf::UsageError;
 
+constexpr double kShortest_um = 1e-6, kLongest_um = 1e12;
+
+/// The samples of the curve and the points of the new grid, over the new grid.
+std::vector<double> common_points(const Spectrum& spectrum, std::span<const double> grid) {
+  std::vector<double> points = union_grid({grid.front(), grid.back()}, {&spectrum, 1});
+  std::vector<double> all;
+  std::set_union(points.begin(), points.end(), grid.begin(), grid.end(), std::back_inserter(all));
+  return all;
+}
+
 void require_rising(const std::string& source, std::span<const double> wavelength_um) {
   for (std::size_t i = 0; i < wavelength_um.size(); ++i) {
     const std::string where = source + ": sample " + std::to_string(i + 1) + ": ";
-    if (!std::isfinite(wavelength_um[i]) || !(wavelength_um[i] > 0.0))
-      throw UsageError(where + "wavelength " + format_double(wavelength_um[i]) + " um; it has to be above 0");
+    if (!(wavelength_um[i] >= kShortest_um && wavelength_um[i] <= kLongest_um))
+      throw UsageError(where + "wavelength " + format_double(wavelength_um[i]) + " um; it has to be above 0, from " +
+                       format_double(kShortest_um) + " um to " + format_double(kLongest_um) + " um");
     if (i > 0 && wavelength_um[i] <= wavelength_um[i - 1])
       throw UsageError(where + "wavelength " + format_double(wavelength_um[i]) + " um after " +
                        format_double(wavelength_um[i - 1]) + " um; sort the samples so that wavelengths increase");
@@ -75,10 +87,13 @@ double evaluate(const Spectrum& spectrum, double wavelength_um) {
 }
 
 Interval common_range(const Interval& band, std::span<const Spectrum> factors) {
-  if (!(band.lo_um > 0.0) || !(band.hi_um > band.lo_um) || !std::isfinite(band.hi_um))
+  if (!(band.lo_um >= kShortest_um) || !(band.hi_um > band.lo_um) || !(band.hi_um <= kLongest_um))
     throw UsageError("band " + describe(band) + ": it has to go from above 0 to a longer wavelength");
   Interval common = band;
   for (const Spectrum& factor : factors) {
+    if (factor.value.empty() || factor.value.size() != factor.wavelength_um.size())
+      throw UsageError(factor.source + ": not a curve: " + std::to_string(factor.wavelength_um.size()) +
+                       " wavelengths and " + std::to_string(factor.value.size()) + " values; use make_spectrum");
     const Interval own = range_of(factor);
     const Interval next{std::max(common.lo_um, own.lo_um), std::min(common.hi_um, own.hi_um)};
     if (!(next.hi_um > next.lo_um))
@@ -110,8 +125,7 @@ Spectrum product(std::string source, std::span<const Spectrum> factors) {
   const bool constant =
       std::all_of(factors.begin(), factors.end(), [](const Spectrum& factor) { return factor.value.size() == 1; });
   if (constant) return constant_spectrum(std::move(source), value_at(1.0));
-  const Interval any{std::numeric_limits<double>::min(), std::numeric_limits<double>::max()};
-  std::vector<double> grid = union_grid(common_range(any, factors), factors), value;
+  std::vector<double> grid = union_grid(common_range({kShortest_um, kLongest_um}, factors), factors), value;
   for (const double w : grid) value.push_back(value_at(w));
   return make_spectrum(std::move(source), std::move(grid), std::move(value));
 }
@@ -125,22 +139,20 @@ Spectrum resample(const Spectrum& spectrum, std::span<const double> wavelength_u
     return make_spectrum(spectrum.source, to, value);
   }
   std::vector<double> sum(to.size(), 0.0);
-  for (std::size_t j = 0; j + 1 < to.size(); ++j) {
-    const double width = to[j + 1] - to[j];
-    const std::vector<double> grid = union_grid({to[j], to[j + 1]}, {&spectrum, 1});
-    for (std::size_t i = 0; i + 1 < grid.size(); ++i) {
-      // Line times line: Simpson's rule is exact.
-      const double a = grid[i], b = grid[i + 1], middle = 0.5 * (a + b);
-      const double at_a = evaluate(spectrum, a), at_b = evaluate(spectrum, b);
-      const auto share = [&](double w, double value, double weight) {
-        const double right = (w - to[j]) / width;
-        sum[j] += weight * value * (1.0 - right);
-        sum[j + 1] += weight * value * right;
-      };
-      share(a, at_a, (b - a) / 6.0);
-      share(middle, 0.5 * (at_a + at_b), (b - a) * (2.0 / 3.0));
-      share(b, at_b, (b - a) / 6.0);
-    }
+  const std::vector<double> points = common_points(spectrum, to);
+  for (std::size_t i = 0, j = 0; i + 1 < points.size(); ++i) {
+    const double a = points[i], b = points[i + 1], middle = 0.5 * (a + b);
+    while (to[j + 1] <= a) ++j;
+    const double at_a = evaluate(spectrum, a), at_b = evaluate(spectrum, b);
+    const auto share = [&](double w, double value, double weight) {
+      const double right = (w - to[j]) / (to[j + 1] - to[j]);
+      sum[j] += weight * value * (1.0 - right);
+      sum[j + 1] += weight * value * right;
+    };
+    // Line times line: Simpson's rule is exact.
+    share(a, at_a, (b - a) / 6.0);
+    share(middle, 0.5 * (at_a + at_b), (b - a) * (2.0 / 3.0));
+    share(b, at_b, (b - a) / 6.0);
   }
   for (std::size_t j = 0; j < to.size(); ++j)
     sum[j] /= 0.5 * (to[std::min(j + 1, to.size() - 1)] - to[j == 0 ? 0 : j - 1]);
@@ -150,14 +162,13 @@ Spectrum resample(const Spectrum& spectrum, std::span<const double> wavelength_u
 std::vector<double> bin_means(const Spectrum& spectrum, std::span<const double> edge_um) {
   if (edge_um.size() < 2) throw UsageError(spectrum.source + ": bins need at least two edges");
   require_inside(spectrum, edge_um);
-  std::vector<double> means;
-  for (std::size_t j = 0; j + 1 < edge_um.size(); ++j) {
-    const std::vector<double> grid = union_grid({edge_um[j], edge_um[j + 1]}, {&spectrum, 1});
-    double sum = 0.0;
-    for (std::size_t i = 0; i + 1 < grid.size(); ++i)
-      sum += 0.5 * (grid[i + 1] - grid[i]) * (evaluate(spectrum, grid[i]) + evaluate(spectrum, grid[i + 1]));
-    means.push_back(sum / (edge_um[j + 1] - edge_um[j]));
+  std::vector<double> means(edge_um.size() - 1, 0.0);
+  const std::vector<double> points = common_points(spectrum, edge_um);
+  for (std::size_t i = 0, j = 0; i + 1 < points.size(); ++i) {
+    while (edge_um[j + 1] <= points[i]) ++j;
+    means[j] += 0.5 * (points[i + 1] - points[i]) * (evaluate(spectrum, points[i]) + evaluate(spectrum, points[i + 1]));
   }
+  for (std::size_t j = 0; j < means.size(); ++j) means[j] /= edge_um[j + 1] - edge_um[j];
   return means;
 }
 

@@ -20,13 +20,13 @@ struct Interval {
 
 struct Spectrum {
   std::string source;                 ///< where it came from, for messages
-  std::vector<double> wavelength_um;  ///< strictly rising, above 0
+  std::vector<double> wavelength_um;  ///< strictly rising, 1e-6 to 1e12
   std::vector<double> value;          ///< >= 0
 };
 
-/// A curve ready for use. Throws UsageError (with `source`) for no samples, sizes that differ, wavelengths that are not
-/// positive or do not rise, values that are negative, not finite, or above `most` (1 for efficiencies, transmissions
-/// and emissivities).
+/// A curve ready for use. Throws UsageError (with `source`) for no samples, sizes that differ, wavelengths that do not
+/// rise or are not from 1e-6 to 1e12 um, values that are negative, not finite, or above `most` (1 for efficiencies,
+/// transmissions and emissivities).
 Spectrum make_spectrum(std::string source, std::vector<double> wavelength_um, std::vector<double> value,
                        double most = std::numeric_limits<double>::max());
 /// The same value at every wavelength.
@@ -39,7 +39,7 @@ Interval range_of(const Spectrum& spectrum);
 double evaluate(const Spectrum& spectrum, double wavelength_um);
 
 /// What the band and the ranges of all curves have in common. Throws UsageError with both ranges when that is nothing,
-/// and for a band that is not 0 < lo < hi < infinity.
+/// for a band that does not rise, and for curves that make_spectrum would refuse for their sizes.
 Interval common_range(const Interval& band, std::span<const Spectrum> factors);
 
 /// The ends of the interval and the samples of all curves inside it, rising.

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "mtf/quadrature.h"
@@ -153,6 +154,22 @@ TEST(ElectronNodes, dense_curves_and_cold_sources) {
     EXPECT_LE(nodes.wavelength_um.back(), 12.0);
   }
   EXPECT_GT(response.electron_nodes(12, 1.0).wavelength_um.front(), 10.0);
+}
+
+TEST(BandResponse, the_ends_of_what_is_allowed_come_back) {
+  for (const Interval& band : {Interval{1e-6, 1e12}, {1e-6, 1.0001e-6}, {1e11, 1e12}})
+    for (const double t : {1e-300, 1e-3, 300.0, 1e70, 1e300}) {
+      const double radiance = BandResponse(band, {}).radiance(Flux::photons, t);
+      EXPECT_TRUE(radiance >= 0.0) << band.lo_um << " " << t;
+      // Weights that sum to 1, or the refusal where all rates are below the smallest double.
+      try {
+        const mtf::WavelengthNodes nodes = BandResponse(band, {}).electron_nodes(3, t);
+        EXPECT_NEAR(std::accumulate(nodes.weight.begin(), nodes.weight.end(), 0.0), 1.0, 1e-13)
+            << band.lo_um << " " << t;
+      } catch (const mtf::UsageError&) {
+        EXPECT_TRUE(t < 1e-200 || t > 1e200 || band.hi_um < 1.0) << band.lo_um << " " << t;
+      }
+    }
 }
 
 TEST(ElectronNodes, refusals) {

@@ -12,7 +12,7 @@ namespace {
 using test::expect_refused;
 
 TEST(Path, constants_and_absorbing_air) {
-  const Path clear = no_path();
+  const Path clear = Path{};
   EXPECT_EQ(evaluate(clear.transmission, 4.0), 1.0);
   EXPECT_EQ(evaluate(clear.radiance, 4.0), 0.0);
   const Path haze = absorbing_path(make_spectrum("tau", {3.0, 5.0}, {0.8, 0.6}), 290.0);

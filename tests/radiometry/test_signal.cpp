@@ -90,7 +90,7 @@ TEST(Signal, photon_and_watt_routes_agree) {
 TEST(Signal, given_path_radiance_and_plain_numbers_equal_flat_curves) {
   SpectralCamera curves{
       .band = {8.0, 12.0}, .optics = {constant_spectrum("lens", 0.85)}, .cold_filter = {}, .quantum_efficiency = {}};
-  const Surface black{.temperature_k = 300.0, .emissivity = constant_spectrum("black", 1.0)};
+  const Surface black{.temperature_k = 300.0};
   const BandRadiances<double> r = band_radiances(curves, black, constant_path(0.7, 2.0), {290.0, 77.0});
   const double scene = 0.85 * 0.7 * band_radiance(Flux::photons, 8.0, 12.0, 300.0);
   EXPECT_NEAR(r.scene, scene, 1e-14 * scene);
@@ -105,8 +105,8 @@ TEST(Signal, given_path_radiance_and_plain_numbers_equal_flat_curves) {
 // The stop shines on the detector past the filter: all that the quantum efficiency covers.
 TEST(Signal, no_filter_stands_before_the_stop) {
   const SpectralCamera curves = mwir_curves();
-  const Surface black{.temperature_k = 300.0, .emissivity = constant_spectrum("black", 1.0)};
-  const BandRadiances<double> r = band_radiances(curves, black, no_path(), {0.0, 150.0});
+  const Surface black{.temperature_k = 300.0};
+  const BandRadiances<double> r = band_radiances(curves, black, Path{}, {0.0, 150.0});
   const double stop = BandResponse({1.0, 5.2}, curves.quantum_efficiency).radiance(Flux::photons, 150.0);
   EXPECT_NEAR(r.stop, stop, 1e-14 * stop);
   EXPECT_EQ(r.optics, 0.0);
@@ -148,14 +148,14 @@ TEST(Signal, fields_are_checked_all_at_once) {
   pixel.quantum_efficiency = 1.2;
   expect_refused({"detector.width = 0 um", "above 0", "integration_time = nan s", "quantum_efficiency = 1.2"},
                  [&] { require_valid("detector", pixel); });
-  const Surface cold{.temperature_k = -5.0, .emissivity = constant_spectrum("black", 1.0)};
-  expect_refused({"surface of -5 K"}, [&] { band_radiances(mwir_curves(), cold, no_path(), {}); });
+  const Surface cold{.temperature_k = -5.0};
+  expect_refused({"surface of -5 K"}, [&] { band_radiances(mwir_curves(), cold, Path{}, {}); });
   SpectralCamera apart = mwir_curves();
   apart.band = {8.0, 12.0};
-  const Surface warm{.temperature_k = 300.0, .emissivity = constant_spectrum("black", 1.0)};
+  const Surface warm{.temperature_k = 300.0};
   expect_refused({"3.3 um to 4.9 um", "8 um to 12 um"}, [&] {
     apart.optics.clear();
-    band_radiances(apart, warm, no_path(), {});
+    band_radiances(apart, warm, Path{}, {});
   });
 }
 

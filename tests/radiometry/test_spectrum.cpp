@@ -79,6 +79,16 @@ TEST(Spectrum, resampling_conserves_the_integral) {
   EXPECT_EQ(resample(make_spectrum("s", {1.0, 2.0}, {0.0, 1.0}), std::vector{1.25}).value[0], 0.25);
 }
 
+TEST(Spectrum, a_million_samples_take_no_time) {
+  std::vector<double> w, v;
+  for (int i = 0; i < 1'000'000; ++i) w.push_back(3.0 + 1e-6 * i), v.push_back(0.5 + 0.5 * std::sin(1e-3 * i));
+  const Spectrum s = make_spectrum("laser scan", w, v, 1.0);
+  const std::vector<double> to(w.begin() + 1, w.end() - 1);
+  const double exact = trapezoid(s, to.front(), to.back());
+  EXPECT_NEAR(trapezoid(resample(s, to), to.front(), to.back()), exact, 1e-10 * exact);
+  EXPECT_EQ(bin_means(s, to).size(), to.size() - 1);
+}
+
 TEST(Spectrum, refusals_say_where_and_what) {
   expect_refused({"qe.csv", "3 wavelengths and 2 values"}, [] { make_spectrum("qe.csv", {1, 2, 3}, {1, 2}); });
   expect_refused({"qe.csv", "no samples"}, [] { make_spectrum("qe.csv", {}, {}); });
@@ -89,6 +99,9 @@ TEST(Spectrum, refusals_say_where_and_what) {
   expect_refused({"sample 2"}, [] { make_spectrum("qe.csv", {1, kNan}, {0, 0}); });
   expect_refused({"sample 1", "-0.5", "negative"}, [] { make_spectrum("qe.csv", {1, 2}, {-0.5, 0}); });
   expect_refused({"sample 2", "above 1", "percent"}, [] { make_spectrum("qe.csv", {1, 2}, {0.5, 75}, 1.0); });
+  expect_refused({"sample 1", "1e+300"}, [] { make_spectrum("qe.csv", {1e300}, {0}); });
+  const Spectrum hollow{.source = "hollow", .wavelength_um = {}, .value = {}};
+  expect_refused({"hollow", "0 values", "make_spectrum"}, [&] { common_range({3, 5}, {&hollow, 1}); });
   const Spectrum s = make_spectrum("qe.csv", {3, 5}, {1, 1});
   expect_refused({"qe.csv", "3 um to 5 um", "8 um to 12 um"}, [&] { common_range({8, 12}, {&s, 1}); });
   expect_refused({"band 12 um to 8 um"}, [&] { common_range({12, 8}, {&s, 1}); });
