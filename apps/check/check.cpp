@@ -42,6 +42,9 @@ std::vector<Check> all_checks() {
   for (const auto family : {special_checks, pupil_checks, aberration_checks, turbulence_checks, motion_checks,
                             component_checks, engine_checks})
     for (Check& check : family()) all.push_back(std::move(check));
+#ifdef MTFKIT_WITH_RADIOMETRY
+  for (Check& check : radiometry_checks()) all.push_back(std::move(check));
+#endif
   return all;
 }
 

@@ -18,5 +18,8 @@ execute_process(COMMAND "${CMAKE_COMMAND}" --build "${WORK_DIR}/build" --config 
   COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND "${WORK_DIR}/build/consumer" "${WITH_CODECS}"
   WORKING_DIRECTORY "${WORK_DIR}" COMMAND_ERROR_IS_FATAL ANY)
+if(EXISTS "${WORK_DIR}/build/consumer_radiometry")
+  execute_process(COMMAND "${WORK_DIR}/build/consumer_radiometry" COMMAND_ERROR_IS_FATAL ANY)
+endif()
 execute_process(COMMAND "${prefix}/bin/mtf" --version
   WORKING_DIRECTORY "${WORK_DIR}" COMMAND_ERROR_IS_FATAL ANY)

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// From electrons to digital numbers.
+//   count = clamp(round(electrons / electrons_per_count + offset), 0, 2^bits - 1)
+// before it the well: electrons = min(electrons, full well). Counts stay in float images, which hold every whole number
+// up to 24 bits and the nearest float above; `digitise_to` gives all of 32.
+
+#include <cstdint>
+
+#include "mtf/image.h"
+#include "radiometry/fields.h"
+
+namespace radiometry {
+
+enum class Rounding {
+  nearest,  ///< halves upwards
+  down      ///< truncation: half a count below on average
+};
+
+struct Adc {
+  double electrons_per_count = 1.0;
+  double offset_counts = 0.0;
+  int bits = 14;
+  Rounding rounding = Rounding::nearest;
+
+  double most_counts() const;  ///< 2^bits - 1
+
+  static constexpr auto fields() {
+    return std::tuple{
+        Field{FieldInfo{.name = "electrons_per_count",
+                        .unit = "e-",
+                        .lo = 1e-30,
+                        .hi = 1e30,
+                        .example = "420",
+                        .doc = "electrons of one count"},
+              &Adc::electrons_per_count},
+        Field{FieldInfo{.name = "offset",
+                        .lo = -1e10,
+                        .hi = 1e10,
+                        .presence = mtf::Presence::optional,
+                        .example = "200",
+                        .doc = "counts without electrons"},
+              &Adc::offset_counts},
+        Field{FieldInfo{.name = "bits", .lo = 1, .hi = 32, .example = "14", .doc = "bits of a count"}, &Adc::bits}};
+  }
+};
+
+/// The converter whose range is the full well.
+Adc adc_for_well(double full_well_e, int bits);
+
+/// How many pixels were held at an end of the range.
+struct Clipped {
+  std::int64_t low = 0, high = 0;
+};
+
+/// image = min(image, full_well_e); NaN stays. Returns what was above. Throws UsageError for a well that is not above
+/// 0.
+Clipped fill_well(mtf::ImageView<float> image, double full_well_e, int threads = 1);
+
+/// Electrons become counts in place. NaN stays NaN, infinities are at the ends. Throws UsageError for an Adc out of its
+/// bounds.
+Clipped digitise(mtf::ImageView<float> image, const Adc& adc, int threads = 1);
+
+/// The same into integers, which hold 32 bits; NaN becomes 0. Both images have one size (UsageError for others).
+Clipped digitise_to(mtf::ImageView<const float> electrons, const Adc& adc, mtf::ImageView<std::uint32_t> counts,
+                    int threads = 1);
+
+}  // namespace radiometry

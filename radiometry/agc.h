@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Automatic gain: the curve from counts to display levels, found from one frame and applied to it or to the next.
+//   linear   a straight line between two quantiles of the frame
+//   plateau  the cumulated histogram between them, each bin counted with at most `plateau` of the pixels: large and
+//            even areas take no more levels than that, few distinct values get theirs (1: histogram equalisation;
+//            towards 0: linear over the values that occur) (Vickers, Opt. Eng. 35, 1921 (1996))
+// Display levels are linear numbers from 0 to the largest; rounding to integers is left to the file that is written.
+
+#include <cstdint>
+#include <vector>
+
+#include "mtf/image.h"
+#include "radiometry/fields.h"
+
+namespace radiometry {
+
+enum class GainMethod { linear, plateau };
+
+struct AutomaticGain {
+  GainMethod method = GainMethod::linear;
+  double clip = 0.005;     ///< part of the pixels below the lower and above the upper end
+  double plateau = 0.002;  ///< largest part of the pixels that counts in one bin
+  int bins = 4096;
+  double most_level = 255.0;
+
+  static constexpr auto fields() {
+    const auto row = [](std::string_view name, double lo, double hi, bool lo_open, std::string_view doc, auto member) {
+      return Field{
+          FieldInfo{
+              .name = name, .lo = lo, .hi = hi, .lo_open = lo_open, .presence = mtf::Presence::optional, .doc = doc},
+          member};
+    };
+    return std::tuple{row("clip", 0.0, 0.49, false, "part of the pixels cut at each end", &AutomaticGain::clip),
+                      row("plateau", 0.0, 1.0, true, "largest part of the pixels in one bin", &AutomaticGain::plateau),
+                      row("bins", 2, 65536, false, "bins of the histogram", &AutomaticGain::bins),
+                      row("most_level", 0.0, 1e9, true, "largest display level", &AutomaticGain::most_level)};
+  }
+};
+
+/// Levels at evenly spaced values from `low` to `high`, rising, straight between them, constant outside.
+struct ToneCurve {
+  double low = 0.0, high = 1.0;
+  std::vector<float> level;
+
+  /// NaN for NaN.
+  float at(float value) const;
+};
+
+/// The curve of a frame; NaN pixels do not count. A frame of one value gets the middle level. Throws UsageError for
+/// settings out of bounds and a frame without a finite pixel.
+ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gain);
+
+/// image = curve(image).
+void apply(mtf::ImageView<float> image, const ToneCurve& curve, int threads = 1);
+
+/// White for black: image = most_level - image.
+void invert_polarity(mtf::ImageView<float> image, double most_level);
+
+}  // namespace radiometry

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Gauss rule of a weight given by many points: its Jacobi matrix by the rational QR steps of Gragg and Harwood (Numer.
+// Math. 44, 317 (1984)), which add one point at a time and never lose orthogonality, then nodes and weights from its
+// eigenvectors (Golub and Welsch, Math. Comp. 23, 221 (1969)).
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/error.h"
+#include "mtf/quadrature.h"
+#include "radiometry/band_response.h"
+#include "radiometry/exponent.h"
+
+namespace radiometry {
+namespace {
+
+constexpr int kMostNodes = 256;
+constexpr double kMostPanels = 1e4;
+
+struct Jacobi {
+  std::vector<double> diagonal, square;  // of the side diagonal; square[0] is the total weight
+  std::size_t points = 0;
+  std::size_t most;
+
+  void add(double node, double weight) {
+    if (points < most) {
+      diagonal.push_back(node);
+      square.push_back(points == 0 ? weight : 0.0);
+    }
+    ++points;
+    if (points == 1) return;
+    double cosine = 1.0, sine = 0.0, shift = 0.0, entering = weight;
+    for (std::size_t k = 0; k < diagonal.size(); ++k) {
+      const double total = square[k] + entering, kept = cosine * total, sine_before = sine;
+      cosine = total > 0.0 ? square[k] / total : 1.0;
+      sine = total > 0.0 ? entering / total : 0.0;
+      const double next = sine * (diagonal[k] - node) - cosine * shift;
+      diagonal[k] -= next - shift;
+      shift = next;
+      entering = sine > 0.0 ? shift * shift / sine : sine_before * square[k];
+      square[k] = kept;
+    }
+  }
+};
+
+}  // namespace
+
+mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> temperature_k) const {
+  if (n < 1 || n > kMostNodes)
+    throw mtf::UsageError("electron_nodes: " + std::to_string(n) + " wavelengths; give 1 to " +
+                          std::to_string(kMostNodes));
+  if (temperature_k && !(*temperature_k > 0.0 && *temperature_k <= kHottest_k))
+    throw mtf::UsageError("electron_nodes: a source of " + mtf::format_double(*temperature_k) +
+                          " K; the temperature has to be above 0, at most " + mtf::format_double(kHottest_k) + " K");
+  // Points of the weight, per piece as many as a polynomial of degree 2n times the response needs, the points of narrow
+  // pieces fewer; relative to the largest rate, whose logarithm may lie far below that of a double.
+  std::vector<double> node, log_rate, weight;
+  const double whole = range_.hi_um - range_.lo_um;
+  for (const Piece& piece : pieces_) {
+    const double width = piece.hi_um - piece.lo_um;
+    const double depth = temperature_k ? width / piece.lo_um * exponent(piece.hi_um, *temperature_k).x : 0.0;
+    const double panels = std::ceil(std::min(kMostPanels, 8.0 * std::log(piece.hi_um / piece.lo_um) + depth / 20.0));
+    for (double panel = 0.0; panel < panels; ++panel) {
+      const double lo = piece.lo_um + width * panel / panels, step = width / panels;
+      const int degree = static_cast<int>(std::ceil(n * std::min(1.0, 4.0 * step / whole)));
+      const mtf::GaussRule rule = mtf::mean_rule(lo, lo + step,
+                                                 degree + (panels > 1.0 || step > 0.02 * lo ? 32
+                                                           : step > 1e-3 * lo               ? 12
+                                                                                            : 6));
+      for (std::size_t i = 0; i < rule.node.size(); ++i) {
+        const double response = piece_value(piece, rule.node[i]);
+        if (!(response > 0.0)) continue;
+        node.push_back(rule.node[i]);
+        weight.push_back(rule.weight[i] * step * response);
+        log_rate.push_back(temperature_k ? log_planck(Flux::photons, rule.node[i], *temperature_k) : 0.0);
+      }
+    }
+  }
+  const double largest = log_rate.empty() ? 0.0 : *std::max_element(log_rate.begin(), log_rate.end());
+  Jacobi jacobi{.diagonal = {}, .square = {}, .most = static_cast<std::size_t>(n)};
+  for (std::size_t i = 0; i < node.size(); ++i) {
+    const double rate = weight[i] * std::exp(log_rate[i] - largest);
+    if (rate > 0.0) jacobi.add(node[i], rate);
+  }
+  if (jacobi.points == 0)
+    throw mtf::UsageError("electron_nodes: no light, or a product of curves that is 0, over " + describe(range_) +
+                          "; there are no electrons to weigh wavelengths by");
+  const auto size = static_cast<Eigen::Index>(jacobi.diagonal.size());
+  Eigen::VectorXd diagonal(size), side(std::max<Eigen::Index>(size - 1, 0));
+  for (Eigen::Index k = 0; k < size; ++k) diagonal[k] = jacobi.diagonal[static_cast<std::size_t>(k)];
+  for (Eigen::Index k = 0; k + 1 < size; ++k) side[k] = std::sqrt(jacobi.square[static_cast<std::size_t>(k + 1)]);
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
+  solver.computeFromTridiagonal(diagonal, side);
+  mtf::WavelengthNodes nodes;
+  for (Eigen::Index k = 0; k < size; ++k) {
+    nodes.wavelength_um.push_back(std::clamp(solver.eigenvalues()[k], range_.lo_um, range_.hi_um));
+    const double root = solver.eigenvectors()(0, k);
+    nodes.weight.push_back(root * root);
+  }
+  return nodes;
+}
+
+}  // namespace radiometry

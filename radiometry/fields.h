@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Field tables of the value types here, one row a field as for the components of a system (mtf::FieldInfo): what
+// checks, messages, documentation and files go by. A type takes part with `static constexpr auto fields()`, a tuple of
+// Field{FieldInfo, pointer to member}. Units that mtf/units.h has no dimension for stand in FieldInfo::unit alone.
+
+#include <cmath>
+#include <string>
+#include <tuple>
+#include <type_traits>
+
+#include "mtf/component.h"
+#include "mtf/error.h"
+#include "mtf/special.h"
+
+namespace radiometry {
+
+using mtf::FieldInfo;
+
+template <class Member>
+struct Field {
+  FieldInfo info;
+  Member member;
+};
+template <class Member>
+Field(FieldInfo, Member) -> Field<Member>;
+
+/// Calls visit(info, value) for every field.
+template <class T, class Visit>
+void for_each_field(T& object, Visit visit) {
+  std::apply([&](const auto&... field) { (visit(field.info, object.*field.member), ...); },
+             std::remove_const_t<T>::fields());
+}
+
+/// Throws UsageError naming every field outside its bounds; `where` is the table it stands in ("camera").
+template <class T>
+void require_valid(const std::string& where, const T& object) {
+  std::string text;
+  for_each_field(object, [&](const FieldInfo& info, const auto& field) {
+    if constexpr (!std::is_same_v<std::decay_t<decltype(field)>, bool>) {
+      const double value = mtf::value_of(field);
+      const bool above = info.lo_open ? value > info.lo : value >= info.lo;
+      const bool below = info.hi_open ? value < info.hi : value <= info.hi;
+      if (above && below) return;
+      const std::string unit = info.unit.empty() ? "" : " " + std::string(info.unit);
+      text += (text.empty() ? "" : "\n") + where + "." + std::string(info.name) + " = " + mtf::format_double(value) +
+              unit + ": " + std::string(info.doc) + ", " + (info.lo_open ? "above " : "from ") +
+              mtf::format_double(info.lo) + (info.hi_open ? " to below " : " to ") + mtf::format_double(info.hi) + unit;
+    }
+  });
+  if (!text.empty()) throw mtf::UsageError(text);
+}
+
+}  // namespace radiometry

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Noise of a pixel and what it lets one see, in closed form. Temporal terms, electrons rms:
+//   shot       sqrt(electrons), of scene and path, of the background (optics, stop), of the dark current
+//   read, kTC  as given; kTC = sqrt(k T C) / q for a capacitance that is reset
+//   quantisation   step / sqrt(12), for a step of one count in electrons (values spread over several counts)
+// Spatial terms: responsivity (PRNU x electrons of light), offset (DSNU), both after correction.
+//   NETD  temporal noise / (d electrons / dT)
+//   NEI   noise / (QE A t), photons s^-1 m^-2 at the detector
+//   D*    sqrt(A df) / NEP, df = 1/(2 t), NEP = noise h c / (lambda QE t)
+//   NETD from D* = sqrt(df) / (pi/(1 + 4 N^2) tau sqrt(A) integral of D* dL/dT dlambda)
+// (Lloyd, Thermal Imaging Systems, ch. 5, with 4 N^2 there in place of 1 + 4 N^2.)
+
+#include <string>
+#include <vector>
+
+#include "radiometry/constants.h"
+#include "radiometry/signal.h"
+
+namespace radiometry {
+
+/// Noise sources beside shot noise, rms electrons but for prnu.
+template <class S>
+struct NoiseTerms {
+  S read_e{};
+  S reset_e{};  ///< kTC
+  S other_e{};  ///< further temporal noise
+  S step_e{};   ///< electrons per count of the ADC; 0: no quantisation
+  S prnu{};     ///< residual, fraction of the electrons of light
+  S dsnu_e{};   ///< residual offset
+
+  static constexpr auto fields() {
+    constexpr auto rms = [](std::string_view name, std::string_view unit, double hi, std::string_view doc,
+                            auto member) {
+      return Field{
+          FieldInfo{.name = name, .unit = unit, .lo = 0.0, .hi = hi, .presence = mtf::Presence::optional, .doc = doc},
+          member};
+    };
+    return std::tuple{rms("read", "e-", 1e15, "read noise, rms", &NoiseTerms::read_e),
+                      rms("reset", "e-", 1e15, "kTC noise, rms", &NoiseTerms::reset_e),
+                      rms("other", "e-", 1e15, "further temporal noise, rms", &NoiseTerms::other_e),
+                      rms("step", "e-", 1e15, "electrons per count", &NoiseTerms::step_e),
+                      rms("prnu", "", 1.0, "responsivity non-uniformity, rms fraction", &NoiseTerms::prnu),
+                      rms("dsnu", "e-", 1e15, "offset non-uniformity, rms", &NoiseTerms::dsnu_e)};
+  }
+};
+
+namespace detail {
+template <class S>
+S root(const S& x) {
+  using std::sqrt;
+  return mtf::value_of(x) > 0.0 ? S(sqrt(x)) : S(0);
+}
+}  // namespace detail
+
+/// sqrt(k T C) / q: rms electrons on a capacitance in farad at a temperature in K.
+template <class S>
+S reset_noise_e(const S& capacitance_f, const S& temperature_k) {
+  return detail::root(S(kBoltzmann_j_k * temperature_k * capacitance_f)) / S(kElementaryCharge_c);
+}
+
+/// Every term of signal and noise, and the figures they give.
+template <class S>
+struct Budget {
+  Signal<S> signal;
+  S well_fill{};
+  S signal_per_k{};  ///< d electrons / dT
+  // Temporal noise, e- rms.
+  S scene_shot_e{}, background_shot_e{}, dark_shot_e{}, read_e{}, reset_e{}, other_e{}, quantisation_e{};
+  S temporal_e{};  ///< their root sum of squares
+  S floor_e{};     ///< without light: dark, read, reset, other, quantisation
+  // Spatial noise, e- rms.
+  S prnu_e{}, dsnu_e{}, spatial_e{};
+  // Figures.
+  S snr{};             ///< electrons of the scene / temporal noise
+  S shot_netd_k{};     ///< from the shot noise of all light alone
+  S netd_k{};          ///< from the temporal noise
+  S spatial_netd_k{};  ///< from the spatial noise
+  S nei_ph{};          ///< photons s^-1 m^-2 at the detector
+  S dynamic_range{};   ///< full well / floor, a ratio
+};
+
+/// `signal_per_k` in electrons per K: electrons_per_radiance x scene_derivative, or a difference of signals.
+template <class S>
+Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const NoiseTerms<S>& noise,
+                      const S& signal_per_k) {
+  using detail::root;
+  Budget<S> b;
+  b.signal = signal;
+  b.well_fill = radiometry::well_fill(signal, pixel);
+  b.signal_per_k = signal_per_k;
+  const S scene = signal.scene_e + signal.path_e, background = signal.optics_e + signal.stop_e;
+  b.scene_shot_e = root(scene);
+  b.background_shot_e = root(background);
+  b.dark_shot_e = root(signal.dark_e);
+  b.read_e = noise.read_e;
+  b.reset_e = noise.reset_e;
+  b.other_e = noise.other_e;
+  b.quantisation_e = noise.step_e * S(0.28867513459481288225);  // 1 / sqrt(12)
+  const S floor2 = signal.dark_e + b.read_e * b.read_e + b.reset_e * b.reset_e + b.other_e * b.other_e +
+                   b.quantisation_e * b.quantisation_e;
+  b.floor_e = root(floor2);
+  b.temporal_e = root(S(scene + background + floor2));
+  b.prnu_e = noise.prnu * (scene + background);
+  b.dsnu_e = noise.dsnu_e;
+  b.spatial_e = root(S(b.prnu_e * b.prnu_e + b.dsnu_e * b.dsnu_e));
+  b.snr = signal.scene_e / b.temporal_e;
+  b.shot_netd_k = root(S(scene + background)) / signal_per_k;
+  b.netd_k = b.temporal_e / signal_per_k;
+  b.spatial_netd_k = b.spatial_e / signal_per_k;
+  b.nei_ph = b.temporal_e / (pixel.quantum_efficiency * pixel.area_m2() * pixel.integration_s);
+  b.dynamic_range = pixel.full_well_e / b.floor_e;
+  return b;
+}
+
+/// One line of a printed budget.
+struct BudgetRow {
+  std::string name, unit;
+  double value = 0.0;
+  std::string doc;
+};
+/// All of the budget in the order of the physics; the NETDs in mK, the dynamic range in dB.
+std::vector<BudgetRow> rows(const Budget<double>& budget);
+
+/// D* in cm sqrt(Hz) / W at a wavelength, of a pixel with that temporal noise.
+template <class S>
+S dstar_jones(const Pixel<S>& pixel, const S& noise_e, const S& wavelength_um) {
+  const S area_cm2 = pixel.area_m2() * S(1e4);
+  const S electrons_per_joule = pixel.quantum_efficiency * wavelength_um / S(kPhotonEnergy_j_um);
+  return electrons_per_joule * detail::root(S(area_cm2 * pixel.integration_s * S(0.5))) / noise_e;
+}
+
+/// NETD in K from D*: `weighted` is the integral of D* dL/dT over the band, in cm sqrt(Hz) W^-1 x W m^-2 sr^-1 K^-1.
+template <class S>
+S netd_from_dstar_k(const Camera<S>& camera, const Pixel<S>& pixel, const S& weighted) {
+  const S bandwidth_hz = S(0.5) / pixel.integration_s;
+  const S per_metre = weighted * S(1e-2);  // D* in m sqrt(Hz) / W
+  return detail::root(bandwidth_hz) / (irradiance(camera, per_metre) * detail::root(pixel.area_m2()));
+}
+
+}  // namespace radiometry

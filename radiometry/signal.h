@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The camera equation: from radiance to electrons in a pixel.
+//   irradiance of a lens       E = pi L tau (1 - eta^2) / (1 + 4 N^2)
+//   its own emission           eps_optics L_bb(T_optics) pi / (1 + 4 N^2), and of what obscures it, seen from behind,
+//                              eps_obscuration L_bb(T_optics) pi eta^2 / (1 + 4 N^2)
+//   around the cone of light   eps_stop L_bb(T_stop) pi 4 N^2 / (1 + 4 N^2), the rest of the hemisphere
+//   electrons                  (cold transmission x (lens + its emission) + stop) QE x area x time + dark current x
+//   time
+// Radiances here are photons per second, m^-2 sr^-1, in the band. N is the f-number at the image, eta the linear
+// obscuration. On the axis; cos^4 and vignetting come on top. (LeMaster and Eismann, Proc. SPIE 10204, 1020405 (2017);
+// the 4 N^2 + 1 is exact for an aplanatic lens in air.)
+// Templates over the scalar S, so that fits and sensitivities differentiate through every number.
+
+#include <limits>
+
+#include "radiometry/fields.h"
+
+namespace radiometry {
+
+template <class S>
+struct Camera {
+  S f_number{};
+  S obscuration{};         ///< linear, inner / outer diameter
+  S transmission{1};       ///< of the warm optics
+  S cold_transmission{1};  ///< of filter and window behind the cold stop, at the detector's temperature
+  S optics_emissivity{};   ///< of the warm optics
+  S obscuration_emissivity{};
+  S stop_emissivity{1};
+
+  static constexpr auto fields() {
+    constexpr auto fraction = [](std::string_view name, std::string_view doc, auto member) {
+      return Field{FieldInfo{.name = name, .lo = 0.0, .hi = 1.0, .presence = mtf::Presence::optional, .doc = doc},
+                   member};
+    };
+    return std::tuple{
+        Field{FieldInfo{.name = "f_number", .lo = 0.1, .hi = 1e4, .example = "2.0", .doc = "f-number at the image"},
+              &Camera::f_number},
+        Field{FieldInfo{.name = "obscuration",
+                        .lo = 0.0,
+                        .hi = 1.0,
+                        .hi_open = true,
+                        .presence = mtf::Presence::optional,
+                        .doc = "linear obscuration"},
+              &Camera::obscuration},
+        fraction("transmission", "transmission of the warm optics", &Camera::transmission),
+        fraction("cold_transmission", "transmission of the cold filter", &Camera::cold_transmission),
+        fraction("optics_emissivity", "emissivity of the warm optics", &Camera::optics_emissivity),
+        fraction("obscuration_emissivity", "emissivity of the obscuration", &Camera::obscuration_emissivity),
+        fraction("stop_emissivity", "emissivity of what surrounds the cone of light", &Camera::stop_emissivity)};
+  }
+};
+
+template <class S>
+struct Pixel {
+  S width_um{};  ///< of the active area
+  S height_um{};
+  S quantum_efficiency{1};
+  S integration_s{};
+  S dark_e_s{};  ///< dark current, electrons per second
+  S full_well_e{std::numeric_limits<double>::infinity()};
+
+  S area_m2() const { return width_um * height_um * S(1e-12); }
+
+  static constexpr auto fields() {
+    constexpr auto positive = [](std::string_view name, std::string_view unit, double hi, std::string_view example,
+                                 std::string_view doc, auto member) {
+      return Field{
+          FieldInfo{.name = name, .unit = unit, .lo = 0.0, .hi = hi, .lo_open = true, .example = example, .doc = doc},
+          member};
+    };
+    return std::tuple{positive("width", "um", 1e6, "\"15 um\"", "width of the active area", &Pixel::width_um),
+                      positive("height", "um", 1e6, "\"15 um\"", "height of the active area", &Pixel::height_um),
+                      Field{FieldInfo{.name = "quantum_efficiency",
+                                      .lo = 0.0,
+                                      .hi = 1.0,
+                                      .presence = mtf::Presence::optional,
+                                      .example = "0.75",
+                                      .doc = "electrons per photon"},
+                            &Pixel::quantum_efficiency},
+                      positive("integration_time", "s", 1e9, "\"10 ms\"", "integration time", &Pixel::integration_s),
+                      Field{FieldInfo{.name = "dark_current",
+                                      .unit = "e-/s",
+                                      .lo = 0.0,
+                                      .hi = 1e30,
+                                      .presence = mtf::Presence::optional,
+                                      .example = "1e5",
+                                      .doc = "dark current"},
+                            &Pixel::dark_e_s},
+                      positive("full_well", "e-", std::numeric_limits<double>::infinity(), "1e7",
+                               "electrons a pixel can hold", &Pixel::full_well_e)};
+  }
+};
+
+/// pi / (1 + 4 N^2), sr: the projected solid angle of the cone of light.
+template <class S>
+S cone_sr(const S& f_number) {
+  return S(mtf::kPi) / (S(1) + S(4) * f_number * f_number);
+}
+/// The rest of the hemisphere, pi minus the cone, without cancellation.
+template <class S>
+S around_cone_sr(const S& f_number) {
+  return cone_sr(f_number) * S(4) * f_number * f_number;
+}
+
+/// Irradiance at the focal plane for a radiance at the aperture: W m^-2, or photons per second and m^2, as the
+/// radiance.
+template <class S>
+S irradiance(const Camera<S>& camera, const S& radiance) {
+  return radiance * camera.transmission * camera.cold_transmission * cone_sr(camera.f_number) *
+         (S(1) - camera.obscuration * camera.obscuration);
+}
+
+/// Band radiances in photons, s^-1 m^-2 sr^-1: of the scene and the path at the aperture, of blackbodies at the
+/// temperatures of optics and stop. Weighted by what the camera's plain numbers do not hold (band_response.h).
+template <class S>
+struct BandRadiances {
+  S scene{}, path{}, optics{}, stop{};
+};
+
+/// Mean electrons in a pixel by where they come from; everything but `scene` is background.
+template <class S>
+struct Signal {
+  S scene_e{}, path_e{}, optics_e{}, stop_e{}, dark_e{};
+
+  S total_e() const { return scene_e + path_e + optics_e + stop_e + dark_e; }
+};
+
+/// Electrons for one unit of radiance at the aperture: the slope of the signal, e- per (photons s^-1 m^-2 sr^-1).
+template <class S>
+S electrons_per_radiance(const Camera<S>& camera, const Pixel<S>& pixel) {
+  return irradiance(camera, S(1)) * pixel.quantum_efficiency * pixel.area_m2() * pixel.integration_s;
+}
+
+template <class S>
+Signal<S> signal(const Camera<S>& camera, const Pixel<S>& pixel, const BandRadiances<S>& radiances) {
+  const S gain = electrons_per_radiance(camera, pixel);
+  const S pixel_gain = pixel.quantum_efficiency * pixel.area_m2() * pixel.integration_s;
+  const S obscured = camera.obscuration * camera.obscuration;
+  const S warm = camera.optics_emissivity * (S(1) - obscured) + camera.obscuration_emissivity * obscured;
+  return {gain * radiances.scene, gain * radiances.path,
+          pixel_gain * camera.cold_transmission * cone_sr(camera.f_number) * warm * radiances.optics,
+          pixel_gain * around_cone_sr(camera.f_number) * camera.stop_emissivity * radiances.stop,
+          pixel.dark_e_s * pixel.integration_s};
+}
+
+/// Part of the full well that is filled; above 1 the pixel saturates.
+template <class S>
+S well_fill(const Signal<S>& signal, const Pixel<S>& pixel) {
+  return signal.total_e() / pixel.full_well_e;
+}
+
+/// The integration time in s at which the same flux fills that part of the well.
+template <class S>
+S integration_for_fill(const Signal<S>& signal, const Pixel<S>& pixel, const S& fill) {
+  return pixel.integration_s * fill * pixel.full_well_e / signal.total_e();
+}
+
+}  // namespace radiometry
