@@ -50,7 +50,7 @@ EdgePoint locate_polynomial(const EdgeCurve& curve, double s0, double u0) {
 EdgePoint locate_circle(double curvature_per_px, double s0, double u0) {
   const double k = curvature_per_px;
   const double square = s0 * s0 + u0 * u0;
-  const double root = std::sqrt(std::max(0.0, 1.0 - 2.0 * k * u0 + k * k * square));  // distance from the centre x k
+  const double root = std::hypot(k * s0, 1.0 - k * u0);  // distance from the centre x k
   return {(2.0 * u0 - k * square) / (1.0 + root), root > 0.0 ? s0 / root : 0.0};
 }
 

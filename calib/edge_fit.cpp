@@ -158,22 +158,29 @@ NormalEquations assemble(const EdgeSums& sums, const EdgeModel& model, const Ste
 }
 
 void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns) {
-  constexpr double kMean_px2 = 0.7, kSd_px2 = 0.5;
+  constexpr double kMean_px2 = 0.85, kSd_px2 = 0.5;
   constexpr int q = kFirstShape + 2;
   if (!unknowns[q]) return;
   normal.matrix(q, q) += 1.0 / (kSd_px2 * kSd_px2);
   normal.gradient[q] += (kMean_px2 - shape.q_px2) / (kSd_px2 * kSd_px2);
 }
 
+int highest_power(const Unknowns& unknowns) {
+  for (int k = kHighestOrder; k > 1; --k)
+    if (unknowns[static_cast<std::size_t>(kFirstShift + k)]) return kHighestOrder;
+  return 1;
+}
+
+NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitRounds& rounds) {
+  if (rounds.variance) return {.dark = *rounds.variance, .bright = *rounds.variance};
+  return estimate_noise(sums, profile, rounds.least_variance);
+}
+
 FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRounds& rounds) {
   FitState state;
   state.profile = make_profile(tabulate(model.shape, model.curve.angle_rad));
-  const bool curved = (rounds.unknowns >> (kFirstShift + 2)).to_ulong() % 16 != 0;
-  state.sums = accumulate(pixels, model, state.profile, curved ? kHighestOrder : 1, rounds.step);
-  if (rounds.variance)
-    state.noise = {.dark = *rounds.variance, .bright = *rounds.variance};
-  else
-    state.noise = estimate_noise(state.sums, state.profile, rounds.least_variance);
+  state.sums = accumulate(pixels, model, state.profile, highest_power(rounds.unknowns), rounds.step);
+  state.noise = noise_of(state.sums, state.profile, rounds);
   state.normal = assemble(state.sums, model, state.profile, state.noise, rounds.unknowns);
   return state;
 }

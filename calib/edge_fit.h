@@ -46,6 +46,10 @@ struct FitRounds {
   double least_variance = 4e-12;     ///< of a pixel
   std::optional<double> variance{};  ///< of a pixel, when known
 };
+/// Powers of t that the sums need.
+int highest_power(const Unknowns& unknowns);
+NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitRounds& rounds);
+
 /// What is known at a model: profile, residuals, noise, equations.
 struct FitState {
   NoiseModel noise;

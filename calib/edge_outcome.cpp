@@ -161,8 +161,10 @@ Outcome judge_edge(const EdgeFacts& facts) {
     return {Trouble::off_region, "only " + number(shorter) + " px of the " + side + " side are inside the region, " +
                                      number(needed) + " are needed for its level: centre the region on the edge"};
   if (structure(facts) > kStructure)
-    return {Trouble::contaminated, "structure of " + number(100.0 * structure(facts)) +
-                                       " % of the contrast lies beside the edge: narrow the region to even sides"};
+    return {Trouble::contaminated,
+            "structure of " + number(100.0 * structure(facts)) +
+                " % of the contrast lies beside the edge, or the edge is bent more than its curve can be: narrow the "
+                "region to even sides, or allow a higher order"};
   if (facts.bright_is_flat)
     return {Trouble::clipped,
             "many pixels of the bright side have the largest value of all while the dark side has "

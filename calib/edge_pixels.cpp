@@ -16,7 +16,7 @@ RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const Valu
       const double value = static_cast<double>(row[i]);
       if (!std::isfinite(value)) continue;
       ++facts.finite;
-      if (limits.clipped(value)) ++facts.clipped;
+      if (limits.clipped(row[i])) ++facts.clipped;
       low = std::min(low, value);
       high = std::max(high, value);
     }
@@ -43,7 +43,7 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
         const float* row = image.row(roi.y + j) + roi.x;
         for (std::int64_t i = left; i < std::min(left + block_px, roi.width); ++i) {
           const double value = static_cast<double>(row[i]);
-          if (!std::isfinite(value) || limits.clipped(value)) continue;
+          if (!std::isfinite(value) || limits.clipped(row[i])) continue;
           sum += (value - facts.offset) / facts.scale;
           x += static_cast<double>(i);
           y += static_cast<double>(j);
@@ -85,7 +85,7 @@ EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, cons
         list->resize(count + static_cast<std::size_t>(end - first) * static_cast<std::size_t>(roi.height - j));
     for (auto i = static_cast<std::int64_t>(first); i < static_cast<std::int64_t>(end); ++i) {
       const double value = static_cast<double>(row[i]);
-      if (!std::isfinite(value) || limits.clipped(value)) continue;
+      if (!std::isfinite(value) || limits.clipped(row[i])) continue;
       pixels.x[count] = static_cast<float>(static_cast<double>(i) + 0.5 - 0.5 * static_cast<double>(roi.width));
       pixels.y[count] = static_cast<float>(y);
       pixels.value[count++] = static_cast<float>((value - facts.offset) * scale);

@@ -31,7 +31,10 @@ struct RegionFacts {
 /// Values that mean no data or are clipped (NaN, infinite, at the limits) are left out of the lists.
 struct ValueLimits {
   std::optional<double> saturation, floor;
-  bool clipped(double value) const { return (saturation && value >= *saturation) || (floor && value <= *floor); }
+  /// Limits as the pixels' float32 holds them.
+  bool clipped(float value) const {
+    return (saturation && value >= static_cast<float>(*saturation)) || (floor && value <= static_cast<float>(*floor));
+  }
 };
 
 RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const ValueLimits& limits);

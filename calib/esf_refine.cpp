@@ -43,7 +43,7 @@ Change change_of(const StepProfile& reference, const JointFit& joint) {
 Vector movement(const JointFit& joint) {
   Vector step = Vector::Zero();
   for (std::size_t i = 0; i < joint.unknowns.size(); ++i)
-    if (joint.unknowns[i] < kFirstShape) step[joint.unknowns[i]] = joint.value[static_cast<Eigen::Index>(i)];
+    step[joint.unknowns[i]] = joint.value[static_cast<Eigen::Index>(i)];
   return step;
 }
 
@@ -63,18 +63,19 @@ StepProfile corrected_profile(const StepProfile& reference, const JointFit& join
   return profile;
 }
 
-FitState refine(const EdgePixels& pixels, EdgeModel& model, const FitState& state, const JointFit& joint,
+FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& reference, const JointFit& joint,
                 const FitRounds& rounds) {
   move(model, movement(joint));
   FitState next;
-  next.profile = corrected_profile(state.profile, joint);
-  next.sums = accumulate(pixels, model, next.profile, state.sums.order);
-  next.noise = rounds.variance ? state.noise : estimate_noise(next.sums, next.profile, rounds.least_variance);
+  next.profile = corrected_profile(reference, joint);
+  next.sums = accumulate(pixels, model, next.profile, highest_power(rounds.unknowns));
+  next.noise = noise_of(next.sums, next.profile, rounds);
+  reference = make_profile(tabulate(model.shape, model.curve.angle_rad));
   for (std::size_t i = 0; i < kBins; ++i)
-    next.sums.add_to_residual(static_cast<int>(i), model.contrast() * (next.profile.esf[i] - state.profile.esf[i]));
-  next.profile.slope = state.profile.slope;
+    next.sums.add_to_residual(static_cast<int>(i), model.contrast() * (next.profile.esf[i] - reference.esf[i]));
+  next.profile.slope = reference.slope;
   next.normal = assemble(next.sums, model, next.profile, next.noise, rounds.unknowns);
-  next.converged = state.converged;
+  next.converged = true;
   return next;
 }
 

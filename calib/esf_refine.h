@@ -12,12 +12,13 @@ namespace calib {
 /// The step with the joint fit's changes of shape and its splines.
 StepProfile corrected_profile(const StepProfile& reference, const JointFit& joint);
 
-/// The state of the model moved by the joint fit; its equations are again about the reference `state.profile`, so that
-/// solve_jointly() starts over from it. Moves the model's levels and geometry.
-FitState refine(const EdgePixels& pixels, EdgeModel& model, const FitState& state, const JointFit& joint,
+/// The state of the model moved by the joint fit, in levels, geometry and shape: residuals and noise are those about
+/// the corrected step, the equations are about the reference of the new shape, so that solve_jointly() starts over from
+/// it. `reference` is that of the model and becomes that of the moved one.
+FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& reference, const JointFit& joint,
                 const FitRounds& rounds);
 
-/// The part of a joint fit that moves levels and geometry.
+/// What a joint fit moves the model by.
 Vector movement(const JointFit& joint);
 
 }  // namespace calib

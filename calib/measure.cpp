@@ -56,8 +56,6 @@ void sharpen_start(const EdgePixels& pixels, EdgeModel& start, double block_px, 
   fit_reference(pixels, start, rounds);
 }
 
-constexpr int kLooks = 1;  // at the pixels again, where there is a correction
-
 struct Fit {
   EdgeModel model;
   FitState state;
@@ -229,8 +227,12 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   };
   JointFit joint = solve();
   rounds.unknowns = fit.unknowns;
-  for (int look = 0; look < kLooks && joint.tau_odd + joint.tau_even > 0.0; ++look) {
-    fit.state = refine(pixels, fit.model, fit.state, joint, rounds);
+  rounds.step = 1;
+  StepProfile reference = fit.state.profile;
+  constexpr int kLooks = 2;
+  const auto mistook = [](double chi2_per_dof) { return std::abs(chi2_per_dof - 1.0) > 0.2; };
+  for (int look = 0; look < kLooks && joint.tau_odd + joint.tau_even > 0.0 && mistook(joint.chi2_per_dof); ++look) {
+    fit.state = refine(pixels, fit.model, reference, joint, rounds);
     joint = solve();
   }
   describe(EdgeResponse(fit.model, joint), out);

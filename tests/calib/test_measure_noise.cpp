@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bias, scatter and stated standard deviation over realisations of noise and sub-pixel phase, fixed seeds. The short
+// runs have room for what so few draws scatter by; tests/bench/bench_edges.cpp prints the same for more cases.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "calib/measure.h"
+#include "tests/calib/made_edges.h"
+
+namespace {
+
+struct Bars {
+  double sd_percent, bias_percent, rms;
+};
+
+struct Moments {
+  double sum = 0.0, squares = 0.0, count = 0.0;
+  void add(double x) { sum += x, squares += x * x, count += 1.0; }
+  double mean() const { return sum / count; }
+  double sd() const { return std::sqrt((squares - sum * mean()) / (count - 1.0)); }
+};
+
+void expect_within(const made::Step& step, made::Scene scene, int draws, const Bars& bars) {
+  const double truth = step.crossing(0.5);
+  std::mt19937_64 bits(20);
+  std::uniform_real_distribution<double> phase(-0.5, 0.5);
+  Moments error, stated, rms;
+  for (int draw = 0; draw < draws; ++draw) {
+    scene.x = 0.5 * static_cast<double>(scene.width) + phase(bits);
+    scene.y = 0.5 * static_cast<double>(scene.height) + phase(bits);
+    scene.seed = bits();
+    const mtf::Image image = made::make(step, scene);
+    const auto found = calib::measure_edge(image.view(), {0, 0, image.width(), image.height()});
+    ASSERT_EQ(found.trouble, calib::Trouble::none) << found.reason;
+    ASSERT_TRUE(found.mtf50.has_value());
+    error.add(100.0 * (found.mtf50->value / truth - 1.0));
+    stated.add(100.0 * found.mtf50->sd / truth);
+    double squares = 0.0;
+    for (std::size_t i = 0; i <= 100; ++i)
+      squares += std::pow(found.mtf[i] - std::abs(step.mtf(found.frequency_cy_px[i])), 2);
+    rms.add(std::sqrt(squares / 101.0));
+  }
+  const double few = 1.0 + 2.5 / std::sqrt(2.0 * draws);  // scatter of a standard deviation
+  EXPECT_LE(error.sd(), bars.sd_percent * (draws < 200 ? few : 1.0));
+  EXPECT_LE(std::abs(error.mean()), bars.bias_percent + (draws < 200 ? 2.5 * error.sd() / std::sqrt(draws) : 0.0));
+  EXPECT_LE(rms.mean(), bars.rms);
+  EXPECT_NEAR(stated.mean() / error.sd(), 1.0, 0.15 + (few - 1.0));
+}
+
+made::Scene scene_of(double cnr, std::int64_t height = 100) {
+  made::Scene scene;
+  scene.height = height;
+  scene.noise_sd = 0.6 / cnr;
+  return scene;
+}
+
+void run(int draws) {
+  const made::Step gaussian = made::Step::gaussian(0.3);
+  const made::Step airy = made::camera_step(made::camera_of(8.0), 5.0);
+  {
+    SCOPED_TRACE("Gaussian");
+    expect_within(gaussian, scene_of(60.0), draws, {0.75, 0.2, 4.5e-3});
+  }
+  {
+    SCOPED_TRACE("Gaussian, CNR 12");
+    expect_within(gaussian, scene_of(12.0), draws, {3.4, 0.5, 2e-2});
+  }
+  {
+    SCOPED_TRACE("Gaussian, 32 px");
+    expect_within(gaussian, scene_of(60.0, 32), draws, {1.3, 0.4, 8e-3});
+  }
+  {
+    SCOPED_TRACE("Gaussian, bent");
+    made::Scene scene = scene_of(60.0);
+    scene.sagitta_px = 1.5;
+    expect_within(gaussian, scene, draws, {0.80, 0.25, 4.5e-3});
+  }
+  {
+    SCOPED_TRACE("Airy");
+    expect_within(airy, scene_of(60.0), draws, {1.15, 0.3, 6e-3});
+  }
+  {
+    SCOPED_TRACE("Airy, CNR 12");
+    expect_within(airy, scene_of(12.0), draws, {5.0, 1.0, 2.5e-2});
+  }
+  {
+    SCOPED_TRACE("Airy, 32 px");
+    expect_within(airy, scene_of(60.0, 32), draws, {1.8, 0.6, 1e-2});
+  }
+}
+
+}  // namespace
+
+TEST(MeasureNoise, AFewDraws) { run(40); }
+TEST(MeasureNoiseLong, TwoHundredDraws) { run(200); }

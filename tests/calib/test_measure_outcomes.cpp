@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is not an edge, half an edge or a damaged image: each a named outcome, never a crash, a hang or a NaN.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "calib/measure.h"
+#include "mtf/error.h"
+#include "tests/calib/made_edges.h"
+
+namespace {
+
+using calib::EdgeMeasurement;
+using calib::Trouble;
+
+mtf::Image draw(std::int64_t width, std::int64_t height, const std::function<double(double, double)>& value) {
+  mtf::Image image(width, height);
+  for (std::int64_t j = 0; j < height; ++j)
+    for (std::int64_t i = 0; i < width; ++i)
+      image.at(i, j) = static_cast<float>(value(static_cast<double>(i), static_cast<double>(j)));
+  return image;
+}
+
+// Everything that a result shows is a number.
+EdgeMeasurement measure(const mtf::Image& image, const calib::MeasureOptions& options = {}) {
+  const auto found = calib::measure_edge(image.view(), {0, 0, image.width(), image.height()}, options);
+  for (const auto* list :
+       {&found.mtf, &found.mtf_sd, &found.otf_re, &found.otf_im, &found.esf, &found.esf_sd, &found.lsf})
+    for (const double value : *list) EXPECT_TRUE(std::isfinite(value));
+  for (const auto* one : {&found.mtf10, &found.mtf30, &found.mtf50, &found.nyquist, &found.rer, &found.overshoot,
+                          &found.fwhm_px, &found.mtfa, &found.sampling_efficiency})
+    EXPECT_TRUE(!*one || (std::isfinite((*one)->value) && std::isfinite((*one)->sd)));
+  for (const double value : {found.dark, found.bright, found.noise_sd, found.noise_gain, found.cnr, found.oversampling,
+                             found.chi2_per_dof, found.angle_deg.value, found.angle_deg.sd, found.length_px})
+    EXPECT_TRUE(std::isfinite(value));
+  EXPECT_EQ(found.reason.empty(), found.trouble == Trouble::none) << found.reason;
+  return found;
+}
+
+mtf::Image usual(double noise_sd = 0.01) {
+  made::Scene scene;
+  scene.noise_sd = noise_sd;
+  return made::make(made::Step::gaussian(0.3), scene);
+}
+
+template <class Change>
+mtf::Image changed(const mtf::Image& image, Change change) {
+  mtf::Image copy = image.clone();
+  for (std::int64_t j = 0; j < copy.height(); ++j)
+    for (std::int64_t i = 0; i < copy.width(); ++i) copy.at(i, j) = change(copy.at(i, j), i, j);
+  return copy;
+}
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+}  // namespace
+
+TEST(MeasureOutcomes, NoData) {
+  for (const std::int64_t size : {1, 2, 3, 4})
+    EXPECT_EQ(measure(draw(size, size, [](double i, double) { return i; })).trouble, Trouble::no_data);
+  EXPECT_EQ(measure(draw(64, 64, [](double, double) { return NAN; })).trouble, Trouble::no_data);
+  EXPECT_EQ(measure(draw(64, 64, [](double i, double) { return i < 32.0 ? INFINITY : -INFINITY; })).trouble,
+            Trouble::no_data);
+}
+
+TEST(MeasureOutcomes, NoEdge) {
+  std::mt19937_64 bits(3);
+  std::normal_distribution<double> normal;
+  EXPECT_EQ(measure(draw(64, 64, [](double, double) { return 5.0; })).trouble, Trouble::no_edge);
+  for (const std::int64_t size : {10, 20, 100})
+    EXPECT_EQ(measure(draw(size, size, [&](double, double) { return normal(bits); })).trouble, Trouble::no_edge);
+  EXPECT_EQ(measure(draw(128, 100, [&](double i, double) { return i + normal(bits); })).trouble, Trouble::no_edge);
+  EXPECT_EQ(measure(draw(128, 100, [](double i, double) { return i; })).trouble, Trouble::no_edge);
+}
+
+TEST(MeasureOutcomes, SeveralEdgesAndOtherStructure) {
+  const auto parity = [](double a) { return std::fmod(std::floor(a), 2.0) != 0.0; };
+  EXPECT_EQ(measure(draw(128, 100, [&](double i, double j) { return parity(i / 32.0) != parity(j / 32.0); })).trouble,
+            Trouble::several_edges);
+  EXPECT_EQ(measure(draw(128, 100, [&](double i, double) { return parity(i / 8.0); })).trouble, Trouble::several_edges);
+  EXPECT_EQ(measure(draw(128, 100, [](double i, double j) { return i > 60.0 && j > 50.0; })).trouble,
+            Trouble::several_edges);
+  const mtf::Image spotted = changed(usual(), [](float v, std::int64_t i, std::int64_t j) {
+    return (i - 100) * (i - 100) + (j - 50) * (j - 50) < 200 ? 0.45F : v;
+  });
+  EXPECT_EQ(measure(spotted).trouble, Trouble::contaminated);
+}
+
+TEST(MeasureOutcomes, TooShortOrOffTheRegion) {
+  for (const std::int64_t height : {1, 2, 6})
+    EXPECT_EQ(measure(draw(100, height, [](double i, double j) { return 1.0 / (1.0 + std::exp(50.0 - i - 0.2 * j)); }))
+                  .trouble,
+              Trouble::too_short);
+  made::Scene scene;
+  scene.noise_sd = 0.01;
+  scene.width = 5;
+  EXPECT_EQ(measure(made::make(made::Step::gaussian(0.1), scene)).trouble, Trouble::off_region);
+}
+
+TEST(MeasureOutcomes, Clipped) {
+  const mtf::Image cut = changed(usual(), [](float v, std::int64_t, std::int64_t) { return std::min(v, 0.7F); });
+  EXPECT_EQ(measure(cut).trouble, Trouble::clipped) << "found without being told";
+  calib::MeasureOptions options;
+  options.saturation = 0.7;
+  const EdgeMeasurement told = measure(cut, options);
+  EXPECT_EQ(told.trouble, Trouble::clipped);
+  EXPECT_GT(told.clipped_share, 0.3);
+  options.saturation = 0.83;
+  const EdgeMeasurement few = measure(usual(), options);
+  EXPECT_EQ(few.trouble, Trouble::none) << few.reason;
+  EXPECT_FALSE(few.warnings.empty());
+}
+
+TEST(MeasureOutcomes, AnyScaleOfValues) {
+  const mtf::Image image = usual();
+  const double expected = measure(image).mtf50->value;
+  for (const float factor : {1e30F, 3e38F, -1.0F, 1e-30F}) {
+    const EdgeMeasurement found =
+        measure(changed(image, [factor](float v, std::int64_t, std::int64_t) { return v * factor; }));
+    ASSERT_EQ(found.trouble, Trouble::none) << factor << ' ' << found.reason;
+    EXPECT_NEAR(found.mtf50->value, expected, 1e-4) << factor;
+    EXPECT_LT(found.dark, found.bright);
+  }
+}
+
+TEST(MeasureOutcomes, MasksAndBayerPlanes) {
+  const mtf::Image image = usual();
+  const std::vector<std::function<bool(std::int64_t, std::int64_t)>> masks{
+      [](std::int64_t i, std::int64_t j) { return i % 2 == 0 && j % 2 == 0; },
+      [](std::int64_t i, std::int64_t j) { return i % 2 == 1 && j % 2 == 0; },
+      [](std::int64_t i, std::int64_t j) { return (i + j) % 2 == 1; },
+      [](std::int64_t i, std::int64_t j) { return (i * 7 + j * 13) % 5 < 2; },
+      [](std::int64_t, std::int64_t j) { return j < 40 || j > 60; }};
+  for (const auto& kept : masks) {
+    const EdgeMeasurement found =
+        measure(changed(image, [&kept](float v, std::int64_t i, std::int64_t j) { return kept(i, j) ? v : kNone; }));
+    ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+    EXPECT_NEAR(found.mtf50->value, 0.3, 4.0 * found.mtf50->sd);
+  }
+}
+
+TEST(MeasureOutcomes, HotPixelsAreLeftOut) {
+  std::mt19937_64 bits(3);
+  mtf::Image image = usual();
+  for (int k = 0; k < 60; ++k)
+    image.at(static_cast<std::int64_t>(bits() % 128), static_cast<std::int64_t>(bits() % 100)) = 5.0F;
+  const EdgeMeasurement found = measure(image);
+  ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+  EXPECT_NEAR(found.mtf50->value, 0.3, 4.0 * found.mtf50->sd);
+  EXPECT_FALSE(found.warnings.empty());
+}
+
+TEST(MeasureOutcomes, FewBitsDivideByNothing) {
+  made::Scene scene;
+  for (const double quantum : {1.0 / 255.0, 1.0 / 15.0, 0.3}) {
+    scene.quantum = quantum;
+    const mtf::Image image = made::make(made::Step::gaussian(0.3), scene);
+    calib::MeasureOptions options;
+    options.quantum = quantum;
+    EXPECT_GT(measure(image, options).noise_sd, 0.2 * quantum);
+    measure(image);
+  }
+}
+
+TEST(MeasureOutcomes, LargeRegions) {
+  made::Scene scene;
+  scene.width = scene.height = 1500;
+  scene.noise_sd = 0.01;
+  for (const double angle_deg : {5.0, 60.0}) {
+    scene.angle_deg = angle_deg;
+    const EdgeMeasurement found = measure(made::make(made::Step::gaussian(0.3), scene));
+    ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+    EXPECT_NEAR(found.mtf50->value, 0.3, 1.5e-3);
+  }
+}
+
+TEST(MeasureOutcomes, PhotonNoiseIsSeen) {
+  made::Scene scene;
+  scene.noise_sd = 2e-3;
+  scene.noise_gain = 4e-4;
+  const EdgeMeasurement found = measure(made::make(made::Step::gaussian(0.3), scene));
+  ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+  EXPECT_NEAR(found.noise_gain, 4e-4, 1e-4);
+  EXPECT_NEAR(found.noise_sd, std::sqrt(4e-6 + 4e-4 * 0.5), 1e-3);
+}
+
+TEST(MeasureOutcomes, MisuseIsRefused) {
+  const mtf::Image image = usual();
+  EXPECT_THROW(calib::measure_edge(image.view(), {0, 0, 0, 10}), mtf::UsageError);
+  EXPECT_THROW(calib::measure_edge(image.view(), {100, 0, 50, 10}), mtf::UsageError);
+  EXPECT_THROW(calib::measure_edge(image.view(), {-1, 0, 50, 10}), mtf::UsageError);
+  calib::MeasureOptions options;
+  options.order = 6;
+  EXPECT_THROW(calib::measure_edge(image.view(), {0, 0, 64, 64}, options), mtf::UsageError);
+  options = {};
+  options.noise_sd = -1.0;
+  EXPECT_THROW(calib::measure_edge(image.view(), {0, 0, 64, 64}, options), mtf::UsageError);
+}

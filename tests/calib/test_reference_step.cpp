@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// The reference step's table against images' own quadrature, its derivatives against differences.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "calib/reference_step.h"
+#include "tests/calib/made_edges.h"
+
+namespace {
+
+constexpr double kAngle_deg = 20.0, kAngle_rad = kAngle_deg * std::numbers::pi / 180.0;
+
+double knot(std::size_t i) { return calib::DistanceBins::get().knot(calib::kSideBins + static_cast<int>(i)); }
+
+}  // namespace
+
+TEST(ReferenceStep, BinsHoldTheirDistances) {
+  const calib::DistanceBins& bins = calib::DistanceBins::get();
+  EXPECT_EQ(bins.knot(0), -calib::kReach_px);
+  EXPECT_EQ(bins.knot(calib::kBins), calib::kReach_px);
+  for (int i = 0; i < calib::kBins; ++i) {
+    EXPECT_EQ(bins.index(bins.centre(i)), i);
+    const double inside = bins.knot(i) + 1e-9 * (bins.knot(i + 1) - bins.knot(i));
+    EXPECT_EQ(bins.index(inside), i);
+  }
+}
+
+TEST(ReferenceStep, IsTheStepOfItsOtf) {
+  for (const calib::ReferenceShape shape :
+       {calib::ReferenceShape{0.93, 0.02, 1.0}, calib::ReferenceShape{0.33, 0.01, 1.0},
+        calib::ReferenceShape{1.86, 0.01, 1.0}, calib::ReferenceShape{0.0, 0.39, 0.0},
+        calib::ReferenceShape{0.0, 0.0036, 1.0}, calib::ReferenceShape{3.0, 4.0, 9.0}}) {
+    const made::Camera camera{.s = shape.s_px, .pixel = std::sqrt(shape.q_px2), .variance = shape.v_px2};
+    const made::Step step = made::camera_step(camera, kAngle_deg, 100.0);
+    const calib::ReferenceTable table = calib::tabulate(shape, kAngle_rad);
+    for (std::size_t i = 0; i <= calib::kSideBins; ++i)
+      EXPECT_NEAR(table.odd[i] + 0.5, step.at(knot(i)), 1e-5) << shape.s_px << ' ' << shape.v_px2 << " at " << knot(i);
+    for (double f = 0.0; f < 1.2; f += 0.07)
+      EXPECT_NEAR(calib::reference_otf(shape, kAngle_rad, f).value, step.mtf(f), 1e-12);
+  }
+}
+
+TEST(ReferenceStep, KnowsItsDerivatives) {
+  const calib::ReferenceShape shape{0.93, 0.1, 1.0};
+  constexpr double kStep = 1e-5;
+  const calib::ReferenceTable table = calib::tabulate(shape, kAngle_rad);
+  for (std::size_t k = 0; k < calib::kShapes; ++k) {
+    calib::ReferenceShape more = shape, less = shape;
+    const auto field = [k](calib::ReferenceShape& s) -> double& {
+      return k == 0 ? s.s_px : k == 1 ? s.v_px2 : s.q_px2;
+    };
+    field(more) += kStep;
+    field(less) -= kStep;
+    const calib::ReferenceTable above = calib::tabulate(more, kAngle_rad), below = calib::tabulate(less, kAngle_rad);
+    for (std::size_t i = 0; i <= calib::kSideBins; ++i)
+      EXPECT_NEAR(table.slope[k][i], (above.odd[i] - below.odd[i]) / (2.0 * kStep), 2e-5) << k << " at " << knot(i);
+    for (double f = 0.05; f < 1.0; f += 0.05)
+      EXPECT_NEAR(calib::reference_otf(shape, kAngle_rad, f).slope[k],
+                  (calib::reference_otf(more, kAngle_rad, f).value - calib::reference_otf(less, kAngle_rad, f).value) /
+                      (2.0 * kStep),
+                  1e-8);
+  }
+}
