@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace calib {
 namespace {
@@ -231,11 +232,35 @@ std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<con
   return all;
 }
 
+// Rounding errors of noise below half a step repeat among the pixels that round alike: those whose values differ by
+// less than a step, `run` of them along d. Together they tell no more than one: a plateau is known to half a step,
+// however many pixels it has.
 void EdgeBlock::update_noise(const Sensors& sensors, std::span<const double> own) {
-  if (data_->start.noise_gain == 0.0) return;
   const std::vector<Residual> all = residuals(sensors, own);
-  for (std::size_t i = 0; i < pixels_.size(); ++i)
-    pixels_[i].sd = sd_at(pixels_[i].value - all[i].value * pixels_[i].sd);
+  const StepResponse& step = response(sensors, curve(own));
+  const double quantum = data_->quantum, rounding = quantum * quantum / 12.0;
+  const double contrast = std::abs(own[contrast_index()]),
+               per_px = static_cast<double>(pixels_.size()) / (2.0 * reach_px_);
+  std::vector<double> e(step.count());
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    const double level = pixels_[i].value - all[i].value * pixels_[i].sd, sd = sd_at(level);
+    double variance = sd * sd;
+    if (rounds_coarsely()) {
+      const double before = std::max(0.0, variance - rounding);
+      const double alike = std::exp(-4.0 * std::numbers::pi * std::numbers::pi * before / (quantum * quantum));
+      const double slope = contrast * std::abs(step.at(all[i].distance_px, e));
+      const double run = per_px * std::min(reach_px_, quantum / std::max(slope, 1e-300));
+      variance += rounding * alike * std::max(0.0, run - 1.0);
+    }
+    pixels_[i].sd = std::sqrt(variance);
+  }
 }
+
+bool EdgeBlock::rounds_coarsely() const {
+  const EdgeMeasurement& start = data_->start;
+  return data_->quantum > 1e-3 * std::abs(start.bright - start.dark) && start.noise_sd < 0.6 * data_->quantum;
+}
+
+bool EdgeBlock::noise_follows() const { return data_->start.noise_gain != 0.0 || rounds_coarsely(); }
 
 }  // namespace calib

@@ -46,7 +46,9 @@ class EdgeBlock {
   NormalMatrix normal_with_gradients(const Sensors& sensors, std::span<const double> own) const;
   /// For adequacy: unbent. `own` as normal() takes it.
   std::vector<Residual> residuals(const Sensors& sensors, std::span<const double> own, std::size_t every = 1) const;
-  /// Noise from the fitted levels, where the variance follows the signal.
+  /// Whether weights follow from the fit: noise that grows with the signal, or rounding that is coarse against it.
+  bool noise_follows() const;
+  /// Weights from the fitted levels and slopes.
   void update_noise(const Sensors& sensors, std::span<const double> own);
 
  private:
@@ -67,6 +69,7 @@ class EdgeBlock {
   const std::vector<Place>& places(std::span<const double> own) const;
   bool keeps_places() const;
   std::size_t curve_unknowns() const;
+  bool rounds_coarsely() const;
   const StepResponse& response(const Sensors& sensors, const EdgeCurve& curve) const;
   NormalMatrix accumulate(const Sensors& sensors, std::span<const double> own, bool gradients) const;
   double sd_at(double level) const;

@@ -74,8 +74,7 @@ std::vector<std::size_t> examine(FitProblem& problem, std::span<const std::size_
 bool update_weights(FitProblem& problem, std::span<const double> noise) {
   bool any = false;
   for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
-    if (auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]);
-        edge != nullptr && edge->data().start.noise_gain != 0.0) {
+    if (auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]); edge != nullptr && edge->noise_follows()) {
       edge->update_noise(*problem.sensors, problem.own[b]);
       any = true;
     }

@@ -154,6 +154,28 @@ TEST(Fit, OutliersCountLittle) {
   EXPECT_NEAR(result.data.front().outlier_share, 1.0 / 211.0, 5e-4);
 }
 
+TEST(Fit, CoarseRoundingIsKnownForWhatItIs) {
+  // 8 bits without noise: a plateau may be off by half a step, however many pixels it has.
+  const made::Step step = made::Step::gaussian(0.3);
+  int within = 0, all = 0;
+  for (const double dark : {0.2, 0.2008, 0.2017, 0.2031})
+    for (const double bright : {0.8, 0.7989, 0.8023}) {
+      made::Scene scene;
+      scene.quantum = 1.0 / 255.0;
+      scene.dark = dark, scene.bright = bright;
+      const mtf::Image image = made::make(step, scene);
+      const FitResult result =
+          fit(data_of(fit_cases::gaussian(0.8), edge_of(image, scene)), std::vector{parameter("presample[0].sigma")});
+      ASSERT_TRUE(result.mtf50.has_value());
+      EXPECT_EQ(result.status, FitStatus::converged) << result.reason;
+      EXPECT_NEAR(result.mtf50->value, 0.3, 0.007 * 0.3) << dark << " " << bright;
+      EXPECT_LT(result.mtf50->sd, 0.0025 * 0.3);
+      within += std::abs(result.mtf50->value - 0.3) < 2.0 * result.mtf50->sd;
+      ++all;
+    }
+  EXPECT_GE(within, all - 1);
+}
+
 TEST(Fit, SameBitsForAnyNumberOfThreads) {
   made::Scene scene = scene16(5.0);
   scene.noise_sd = 0.01;
