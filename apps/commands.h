@@ -14,5 +14,8 @@ Command check_command();
 Command demo_command();
 Command simulate_command();
 Command bench_command();
+// Where calib is built.
+Command measure_command();
+Command fit_command();
 
 }  // namespace apps

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "apps/curve_figure.h"
+#include "apps/demo_edge.h"
 #include "apps/demo_scene.h"
 #include "apps/options.h"
 #include "apps/output.h"
@@ -123,6 +124,9 @@ int run_demo(const DemoOptions& options, const Global& global) {
   mtf::io::write_exr(path("sensor.exr"), {{"Y", images[0].view()}}, metadata);
   mtf::io::write_exr(path("targets_sensor.exr"), {{"Y", images[1].view()}},
                      provenance(config, scene, targets_plan, plan_options.tolerance));
+  const mtf::Image edge = demo_edge(config, global.threads);
+  mtf::io::write_exr(path("edge.exr"), {{"Y", edge.view()}}, scene_metadata(plan.out()));
+  mtf::io::write_text_file(path("fit.toml"), demo_fit_config(config));
   const mtf::Statistics s = mtf::statistics(landscape.view());
   const double low = s.mean - 1.7 * s.std, high = s.mean + 2.3 * s.std;
   mtf::io::write_preview_png(path("preview.png"), {{"Y", side_by_side(landscape, images[0]).view()}}, low, high);
@@ -152,9 +156,13 @@ int run_demo(const DemoOptions& options, const Global& global) {
   text += std::string(pass ? "PASS" : "FAIL") + "  largest difference " + significant(worst, 2) + ", allowed " +
           significant(allowed, 2) + "\n\nwritten to " + one_line(folder.string()) +
           "/: sensor.toml scene.exr sensor.exr preview.png mtf.svg mtf.png mtf.csv targets.exr targets_sensor.exr "
-          "targets.png\nnext: edit " +
+          "targets.png edge.exr fit.toml\nnext: edit " +
           one_line(path("sensor.toml")) + ", then  mtf simulate " + shell_word(path("sensor.toml")) + " " +
           shell_word(path("scene.exr")) + " -o out.exr\n";
+#ifdef MTFKIT_HAVE_CALIB
+  text += "      or  mtf measure " + shell_word(path("edge.exr")) + "  and  mtf fit " + shell_word(path("fit.toml")) +
+          " " + shell_word(path("edge.exr")) + " -o fitted.toml\n";
+#endif
   print(text);
   return pass ? 0 : 3;
 }

@@ -116,6 +116,9 @@ int run(int argc, char** argv) {
   for (const Command& command : {demo_command(), info_command(), config_command(), curve_command(), simulate_command(),
                                  bench_command(), check_command()})
     add_command(root, command, chosen);
+#ifdef MTFKIT_HAVE_CALIB
+  for (const Command& command : {measure_command(), fit_command()}) add_command(root, command, chosen);
+#endif
   try {
     root.parse(argc, argv);
   } catch (const CLI::CallForVersion& version) {

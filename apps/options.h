@@ -89,6 +89,55 @@ struct BenchOptions {
   bool force = false;
 };
 
+/// Images of edges, and which of their values are taken for light.
+struct EdgeInput {
+  std::vector<std::string> images;
+  std::optional<std::string> channel;  ///< a full name, "luminance", or "all": each colour for itself
+  std::optional<std::string> layer;
+  std::optional<int> part;
+  std::string encoding = "linear";  ///< linear, srgb, gamma:2.2, or a CSV file of stored and linear values
+  std::string bayer;                ///< "", or the colours to take of a mosaic: r, gr, gb, b, g, all
+  std::string pattern = "rggb";
+  std::string mask;                                  ///< image that is 0 where there are no data; "" = none
+  std::vector<std::array<std::int64_t, 4>> regions;  ///< x, y, width, height; none: found
+  std::string region_file;
+  int most = 64;                     ///< edges found in an image
+  std::optional<double> noise_sd;    ///< of a pixel, in linear units
+  std::optional<double> saturation;  ///< stored values from here on are clipped
+};
+
+struct MeasureOptions {
+  EdgeInput input;
+  std::optional<int> order;  ///< of the edge curve
+  bool circle = false;
+  bool iso12233 = false;
+  Format format = Format::table;
+  std::string out;       ///< "" = stdout
+  std::string curves;    ///< CSV of all curves; "" = none, as the others below
+  std::string plot;      ///< figure of the best edge's ESF, LSF and MTF
+  std::string map;       ///< figure of MTF50 over the field
+  std::string annotate;  ///< PNG of the image with the edges drawn
+};
+
+struct FitOptions {
+  std::string sensor;
+  EdgeInput input;                  ///< images of edges, none or more
+  std::vector<std::string> curves;  ///< FILE or FILE@DEGREES
+  double curve_sd = 0.01;           ///< of the values of a curve
+  std::vector<std::string> spots;   ///< images of point sources
+  std::string conditions;           ///< CSV of what differs between images; "" = nothing
+  bool robust = true;
+  int starts = 1;
+  bool profile = false;
+  bool residual_otf = false;
+  Format format = Format::table;  ///< of standard output: table or json
+  std::string out;                ///< fitted sensor file; "" = none, as the others below
+  std::string report;             ///< JSON
+  std::string plot;               ///< figure of the fitted and the measured MTF
+  std::string residuals;          ///< folder of residual images
+  bool force = false;
+};
+
 struct CheckOptions {
   std::string reference;  ///< folder of tables to use in place of the built-in ones; "" = none
   Format format = Format::table;
@@ -101,6 +150,8 @@ int run_config(const ConfigOptions& options, const Global& global);
 int run_simulate(const SimulateOptions& options, const Global& global);
 int run_bench(const BenchOptions& options, const Global& global);
 int run_demo(const DemoOptions& options, const Global& global);
+int run_measure(const MeasureOptions& options, const Global& global);
+int run_fit(const FitOptions& options, const Global& global);
 int run_check(const CheckOptions& options, const Global& global);
 
 }  // namespace apps

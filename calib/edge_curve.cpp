@@ -56,6 +56,13 @@ EdgePoint locate_circle(double curvature_per_px, double s0, double u0) {
 
 }  // namespace
 
+double offset_at(const EdgeCurve& curve, double along_px) {
+  if (curve.shape == EdgeCurve::Shape::line) return 0.0;
+  if (curve.shape == EdgeCurve::Shape::polynomial) return polynomial(curve, along_px).value;
+  const double turn = curve.curvature_per_px * along_px;
+  return turn * along_px / (1.0 + std::sqrt(std::max(0.0, 1.0 - turn * turn)));
+}
+
 EdgePoint locate(const EdgeCurve& curve, Point p) {
   const Point n = curve.normal();
   const double x = p.x - curve.origin.x, y = p.y - curve.origin.y;

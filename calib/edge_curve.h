@@ -50,6 +50,9 @@ struct EdgePoint {
   double along_px = 0.0;     ///< s of its foot on the curve
 };
 
+/// u of the curve at s.
+double offset_at(const EdgeCurve& curve, double along_px);
+
 /// Coordinates of a point of the image. Error of the foot point of a polynomial below 1e-9 px where the radius of
 /// curvature is above twice the distance.
 EdgePoint locate(const EdgeCurve& curve, Point p);

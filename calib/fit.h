@@ -42,6 +42,7 @@ struct EdgeData {
   Roi roi;
   std::size_t condition = 0;  ///< index of the sensor it was taken with
   EdgeMeasurement start;      ///< of measure_edge: geometry, levels, noise
+  double quantum = 0.0;       ///< step between neighbouring values of the image (1 for counts); 0 = none
 };
 
 /// An MTF curve of another instrument, along one direction.
@@ -76,7 +77,7 @@ struct FitOptions {
   bool residual_otf = false;  ///< the shrunk OTF of the residuals as an estimate of the systematic error
   int threads = 0;            ///< 0 = all cores
   /// Called now and then with the share of the work done; returning false stops the fit.
-  std::function<bool(double share)> progress;
+  std::function<bool(double share)> progress{};
 };
 
 /// How much the data say of a parameter.
@@ -92,10 +93,11 @@ struct FittedParameter {
   FitParameter parameter;
   Knowledge knowledge = Knowledge::not_determined;
   double start = 0.0;
-  double value = 0.0;                  ///< best fit; to be shown only when determined or at_bound
-  std::optional<double> stderr_value;  ///< one standard deviation, when determined
-  std::optional<std::array<double, 2>> interval68, interval95;  ///< profile likelihood, when asked for
-  std::optional<double> limit95;                                ///< when at a bound: 95 % limit on the free side
+  double value = 0.0;                    ///< best fit; to be shown only when determined or at_bound
+  std::optional<double> stderr_value{};  ///< one standard deviation, when determined
+  double linear_sd = 0.0;  ///< what the covariance says, also when not determined: then only how little is known
+  std::optional<std::array<double, 2>> interval68{}, interval95{};  ///< profile likelihood, when asked for
+  std::optional<double> limit95{};                                  ///< when at a bound: 95 % limit on the free side
 };
 
 /// A combination of parameters that the data do not determine.
@@ -131,7 +133,8 @@ struct FitResult {
   std::string reason;  ///< one sentence; "" when converged
   std::vector<std::string> warnings;
   std::vector<FittedParameter> parameters;
-  std::vector<std::vector<double>> correlation;  ///< of the parameters, in their order; NaN where not determined
+  std::vector<std::vector<double>> correlation;  ///< of the parameters, in their order; NaN where the data
+                                                 ///< do not depend on one at all
   std::vector<NullDirection> not_separable;
   /// Second moment of the blur along x and y in px^2, what one edge always determines: -H''(0) / (4 pi^2) beyond the
   /// linear term of diffraction, with its standard deviation.

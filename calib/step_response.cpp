@@ -20,12 +20,12 @@ using std::numbers::pi;
 
 constexpr std::size_t kLanes = 8;
 constexpr std::size_t kMostNodes = 65536;
-/// Knots a period of the highest frequency where all of it matters, and the error of the cubics there: (2 pi / 20)^4 /
-/// 384 = 2.5e-5 of what stands at that frequency, which is the smallest part of E.
-constexpr double kKnotsPerPeriod = 20.0;
+/// Knots a period of the highest frequency where all of it matters, and the error of the cubics there: (2 pi / 16)^4 /
+/// 384 = 6e-5 of what stands at that frequency, which is the smallest part of E.
+constexpr double kKnotsPerPeriod = 16.0;
 /// From here on only tails and the ripple of sharp cutoffs are left: wider knots will do.
 constexpr double kNear_px = 8.0;
-constexpr double kFarRatio = 4.0;
+constexpr double kFarRatio = 6.0;
 
 /// Nodes for f(x) exp(i K x) with f smooth: mtf/quadrature.h, rounded up so that few rules are ever made.
 int rule_size(double width_cy_px, double reach_px) {
@@ -134,7 +134,8 @@ StepResponse::StepResponse(const SliceNodes& nodes, std::span<const std::vector<
   const auto add_zone = [&](double start, double end, double wanted) {
     const double intervals = std::ceil((end - start) / wanted);
     const std::size_t first = zones_.empty() ? 0 : zones_.back().first + zones_.back().intervals + 1;
-    zones_.push_back({start, (end - start) / intervals, first, static_cast<std::size_t>(intervals)});
+    zones_.push_back(
+        {start, (end - start) / intervals, intervals / (end - start), first, static_cast<std::size_t>(intervals)});
   };
   add_zone(0.0, near, step);
   if (reach_px_ > near) add_zone(near, reach_px_, kFarRatio * step);
@@ -163,9 +164,10 @@ StepResponse::StepResponse(const SliceNodes& nodes, std::span<const std::vector<
 
 double StepResponse::at(double d_px, std::span<double> values) const {
   assert(values.size() >= count_);
-  const double distance = std::min(std::abs(d_px), reach_px_), sign = d_px < 0.0 ? -1.0 : 1.0;
+  // Not a number lies beyond the reach, too.
+  const double distance = std::abs(d_px) < reach_px_ ? std::abs(d_px) : reach_px_, sign = d_px < 0.0 ? -1.0 : 1.0;
   const Zone& zone = zones_.size() > 1 && distance >= zones_[1].start ? zones_[1] : zones_[0];
-  const double at = (distance - zone.start) / zone.step;
+  const double at = (distance - zone.start) * zone.steps_per_px;
   const std::size_t i = std::min(static_cast<std::size_t>(at), zone.intervals - 1);
   const double t = at - static_cast<double>(i), u = 1.0 - t;
   // Cubic Hermite basis in value and slope x step.
@@ -186,11 +188,11 @@ double StepResponse::at(double d_px, std::span<double> values) const {
   }
   if (count_ == 0) return 0.0;
   values[0] += 0.5;
-  if (std::abs(d_px) > reach_px_) return 0.0;
+  if (!(std::abs(d_px) <= reach_px_)) return 0.0;
   const double* const b0 = a0 + width;
   const auto slope = [&](std::size_t j) {
-    return (6.0 * t * u * (b0[j] - a0[j]) + u * (1.0 - 3.0 * t) * a0[j + 1] + t * (3.0 * t - 2.0) * b0[j + 1]) /
-           zone.step;
+    return (6.0 * t * u * (b0[j] - a0[j]) + u * (1.0 - 3.0 * t) * a0[j + 1] + t * (3.0 * t - 2.0) * b0[j + 1]) *
+           zone.steps_per_px;
   };
   return slope(0) + (symmetric_ ? 0.0 : sign * slope(2));
 }

@@ -42,7 +42,7 @@ class StepResponse {
 
  private:
   struct Zone {
-    double start = 0.0, step = 0.0;
+    double start = 0.0, step = 0.0, steps_per_px = 0.0;
     std::size_t first = 0, intervals = 0;
   };
   /// Numbers a knot: value and slope x step of the odd part, then of the even part unless all H are real.

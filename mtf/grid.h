@@ -61,11 +61,6 @@ struct FrequencyAxis {
   }
 };
 
-struct FrequencyGrid {
-  FrequencyAxis x;
-  FrequencyAxis y;
-};
-
 /// Smallest 2^a 3^b 5^c 7^d >= n, n >= 1.
 std::int64_t next_smooth(std::int64_t n);
 bool is_smooth(std::int64_t n);

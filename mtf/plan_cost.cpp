@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "mtf/engines/spectral.h"
+
 namespace mtf {
 namespace {
 
@@ -30,7 +32,8 @@ double inverse_ns(const AxisJob& job) {
 
 // Everything is counted in rows of kRow numbers: 5.7 ns each time one is rearranged on its way through an axis, and as
 // much again and more where image, buffer and OTF together exceed the second-level cache.
-double fft_cost_ms(const AxisJob& x, const AxisJob& y, bool complex_otf) {
+double fft_cost_ms(const AxisJob& x, const AxisJob& y, bool real_otf) {
+  const double parts = count(static_cast<std::int64_t>(otf_parts(x, y, real_otf).size())), planes = x.odd ? 2.0 : 1.0;
   const bool x_cosine = x.frequency.basis == Basis::cosine, y_cosine = y.frequency.basis == Basis::cosine;
   const double blocks = groups(x.keep, x_cosine ? kRow : kLanes), coefficients = blocks * kRow;
   const double terms = count(y_cosine ? y.keep : 2 * y.keep - 1);
@@ -38,12 +41,14 @@ double fft_cost_ms(const AxisJob& x, const AxisJob& y, bool complex_otf) {
   const double forward =
       transform_ns(x.frequency.length) + 5.7 * (count(x.samples) + count(x.frequency.length) + coefficients);
   const double backward = inverse_ns(x) + 5.7 * (coefficients + x_terms + count(inverse_length(x) + x.outputs));
-  const double column = transform_ns(y.frequency.length) + inverse_ns(y) + 0.77 * terms * (complex_otf ? 2.0 : 1.0);
+  const double product = 0.77 * terms * (real_otf || x_cosine ? 1.0 : 2.0);
+  const double column = transform_ns(y.frequency.length) + parts * (inverse_ns(y) + product) +
+                        (parts - planes) * 9.0 * count(y.outputs);  // what is added to another part
   const double images = (count(x.samples) * count(y.samples) + count(x.outputs) * count(y.outputs)) / kRow;
-  const double rows = blocks * (count(std::max(y.samples, y.outputs)) + terms) + images;
+  const double rows = blocks * (planes * count(std::max(y.samples, y.outputs)) + parts * terms) + images;
   const double far = std::max(0.0, rows - 12000.0);
-  return 1e-6 *
-         (groups(y.samples, kRow) * forward + groups(y.outputs, kRow) * backward + blocks * column + 7.3 * far + 700.0);
+  return 1e-6 * (groups(y.samples, kRow) * forward + planes * groups(y.outputs, kRow) * backward + blocks * column +
+                 7.3 * far + 700.0);
 }
 
 namespace {

@@ -10,7 +10,7 @@
 namespace mtf {
 
 /// Milliseconds of an FFT method.
-double fft_cost_ms(const AxisJob& x, const AxisJob& y, bool complex_otf);
+double fft_cost_ms(const AxisJob& x, const AxisJob& y, bool real_otf);
 
 /// Milliseconds of separable taps of a rank, and of `used` taps of a direct kernel.
 double separable_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t rank);

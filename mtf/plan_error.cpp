@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "mtf/engines/spectral.h"
 #include "mtf/error.h"
 #include "mtf/plan_parts.h"
 
@@ -87,12 +88,13 @@ UnreachableTolerance unreachable_tolerance(double asked, double reachable, const
           std::numeric_limits<double>::infinity()};
 }
 
-double spectral_bytes(const AxisJob& x, const AxisJob& y, bool real) {
+double spectral_bytes(const AxisJob& x, const AxisJob& y, bool real_otf) {
   const auto count = [](std::int64_t n) { return static_cast<double>(n); };
   const double columns = count(x.keep) * (x.frequency.basis == Basis::cosine ? 1.0 : 2.0);
   const double terms = count(std::min(2 * y.keep, y.frequency.length + 1));
-  const double otf = columns * (y.frequency.basis == Basis::cosine && real ? count(y.keep) : terms);
-  const double buffer = columns * count(std::max(y.samples, y.outputs));
+  const double parts = count(static_cast<std::int64_t>(otf_parts(x, y, real_otf).size()));
+  const double otf = parts * columns * (y.frequency.basis == Basis::cosine ? count(y.keep) : terms);
+  const double buffer = (x.odd ? 2.0 : 1.0) * columns * count(std::max(y.samples, y.outputs));
   // Per frequency of an axis: up to five work areas of a row of lanes each, and tables.
   double axes = 0.0;
   for (const AxisJob* job : {&x, &y})

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The FFT methods of a plan: basis and length of each axis, the frequencies in use, predicted error and cost.
+// The FFT methods of a plan: the frequencies in use, predicted error and cost.
 
 #include <algorithm>
 #include <cmath>
 
-#include "mtf/padding.h"
+#include "mtf/engines/spectral.h"
 #include "mtf/plan_cost.h"
 #include "mtf/plan_parts.h"
 #include "mtf/plan_spectral.h"
@@ -16,71 +16,6 @@ namespace {
 constexpr double kCutShare = 0.25;
 constexpr double kDoubleCost = 2.2;  // half the samples a vector, twice the memory
 constexpr double kCutCost = 1.06;    // frequencies that end anywhere
-
-struct Layout {
-  AxisJob x, y;
-  double wrap = 0.0;
-};
-
-AxisJob make_axis(const OtfSampler& sampler, const CanvasRequest& request, Basis basis, std::int64_t outputs,
-                  double& wrap) {
-  AxisJob job;
-  job.border = request.border;
-  job.samples = request.samples;
-  job.outputs = outputs;
-  job.pitch_um = request.pitch_um;
-  CanvasLength canvas{request.samples, 0.0};
-  if (basis == Basis::fourier) canvas = choose_canvas(sampler, request);
-  wrap += canvas.bound;
-  job.frequency = {basis, canvas.length, request.step_um};
-  const double pitches = static_cast<double>(canvas.length) * request.step_um / request.pitch_um;
-  job.resampling = is_whole(pitches) ? Resampling::fold : Resampling::chirp;
-  if (job.resampling == Resampling::fold) job.out_length = std::llround(pitches);
-  job.keep = job.frequency.half_count();
-  return job;
-}
-
-Layout make_layout(const PlanTask& task, Basis basis_x, Basis basis_y) {
-  const SampleGrid &in = task.in, &out = task.out;
-  const double density = std::sqrt(std::max(1.0, out.step_x_um / in.step_x_um * (out.step_y_um / in.step_y_um)));
-  CanvasRequest request{Axis::x,
-                        task.options.border,
-                        in.width,
-                        in.step_x_um,
-                        500.0 / in.step_y_um,
-                        out.step_x_um,
-                        task.norm * density,
-                        0.5 * kWrapShare * task.options.tolerance};
-  Layout layout;
-  layout.x = make_axis(task.sampler, request, basis_x, out.width, layout.wrap);
-  request = {Axis::y,       task.options.border, in.height,     in.step_y_um, 500.0 / in.step_x_um,
-             out.step_y_um, task.norm * density, request.budget};
-  layout.y = make_axis(task.sampler, request, basis_y, out.height, layout.wrap);
-  return layout;
-}
-
-// A cosine axis is exact without padding; where its length is awkward (a large prime, not a whole number of pitches) a
-// padded canvas may be cheaper all the same.
-Layout cheapest_layout(const PlanTask& task) {
-  const OtfSampler& sampler = task.sampler;
-  // A half-sample mirror passes unchanged through an OTF that is even along that axis: no padding at all. Cosines along
-  // x are pairs of real columns, which a complex OTF would mix.
-  const bool y_cosine = task.options.border == Border::reflect && sampler.is_even_y();
-  const bool x_cosine = y_cosine && sampler.is_real() && sampler.is_even_x();
-  Layout best = make_layout(task, x_cosine ? Basis::cosine : Basis::fourier, y_cosine ? Basis::cosine : Basis::fourier);
-  const auto awkward = [](const AxisJob& job) {
-    return job.frequency.basis == Basis::cosine &&
-           (job.resampling == Resampling::chirp || !is_smooth(job.frequency.length));
-  };
-  const bool try_x = awkward(best.x), try_y = awkward(best.y);
-  const auto consider = [&](Basis x, Basis y) {
-    Layout other = make_layout(task, x, y);
-    if (fft_cost_ms(other.x, other.y, false) < fft_cost_ms(best.x, best.y, false)) best = std::move(other);
-  };
-  if (try_x) consider(Basis::fourier, Basis::cosine);
-  if (try_y) consider(Basis::fourier, Basis::fourier);
-  return best;
-}
 
 // Leaves out the frequencies from the far end that no component lets through. Returns the largest |H| among them.
 double cut_frequencies(const OtfSampler& sampler, Axis axis, double allowed, AxisJob& job) {
@@ -178,73 +113,107 @@ double cut(const PlanTask& task, double budget, double gathering, bool full_canv
 
 std::string axis_text(const AxisJob& job) {
   const bool cosine = job.frequency.basis == Basis::cosine;
-  std::string text = (cosine ? "cosine " : "fourier ") + std::to_string(job.frequency.length);
+  std::string text =
+      (cosine ? job.odd ? "cosine-sine " : "cosine " : "fourier ") + std::to_string(job.frequency.length);
   if (job.keep < job.frequency.half_count()) text += ", " + std::to_string(job.keep) + " kept";
   if (job.resampling == Resampling::chirp) return text + ", chirp to " + std::to_string(job.outputs);
   if (job.out_length == job.frequency.length) return text;
   return text + ", fold to " + std::to_string(job.out_length);
 }
 
-std::vector<Draft> fft_drafts(const PlanTask& task) {
+namespace {
+
+/// A layout as the prediction of errors sees it.
+struct Judged {
+  explicit Judged(const PlanTask& task, const Layout& l) : layout(l) {
+    double mirrors = 1.0;
+    const auto canvas = [&](const AxisJob& job) {
+      const bool cosine = job.frequency.basis == Basis::cosine;
+      defined = defined && (cosine || job.frequency.length == canvas_length(job.border, job.samples));
+      // Where only cosines come of cosines, error and canvas have the same mirror symmetry: nothing of the canvas's
+      // energy can gather inside.
+      if (cosine && !job.odd) mirrors *= 2.0;
+      return static_cast<double>(job.frequency.length) * (cosine ? 2.0 : 1.0);
+    };
+    const double samples = canvas(l.x) * canvas(l.y);
+    const double image_area = static_cast<double>(task.in.width) * static_cast<double>(task.in.height);
+    canvas_rms = task.canvas_norm * std::sqrt(image_area / samples);
+    symmetric = std::sqrt(mirrors);
+    gathering = task.norm / symmetric;
+    spread = gathering * std::sqrt(aliases(l.x) * aliases(l.y));
+  }
+  Layout layout;
+  bool defined = true;     ///< the canvas is the defined one
+  double symmetric = 1.0;  ///< norm of the canvas over that of the part in which an error may gather
+  double canvas_rms = 0.0;
+  double gathering = 0.0;  ///< rms error over the scene's std that an OTF error of 1 may become in a single alias zone
+  double spread = 0.0;     ///< and in all of them
+};
+
+double rounding(const PlanTask& task, bool in_double, const Judged& judged, double canvas_rms) {
+  const double gain = task.sampler.gain();
+  if (in_double) return gain * storage_error(task.options) * (1.0 + 1e-6);
+  return arithmetic_error(judged.layout.x, judged.layout.y, canvas_rms, gain, task.options);
+}
+
+Draft make_draft(const PlanTask& task, Method method, const Judged& judged) {
   const OtfSampler& sampler = task.sampler;
   const PlanOptions& options = task.options;
-  const Layout layout = cheapest_layout(task);
-  const bool x_cosine = layout.x.frequency.basis == Basis::cosine, y_cosine = layout.y.frequency.basis == Basis::cosine;
-  // Along a cosine axis error and canvas have the same mirror symmetry: nothing of the canvas's energy can gather
-  // inside.
-  const double symmetric = std::sqrt((x_cosine ? 2.0 : 1.0) * (y_cosine ? 2.0 : 1.0));
-  const double gathering = task.norm / symmetric;
-  const double samples =
-      static_cast<double>(layout.x.frequency.length) * static_cast<double>(layout.y.frequency.length);
-  const double image_area = static_cast<double>(task.in.width) * static_cast<double>(task.in.height);
-  const double canvas_rms = task.canvas_norm * std::sqrt(image_area / (samples * symmetric * symmetric));
-
-  const auto defined = [](const AxisJob& job) {
-    return job.frequency.basis == Basis::cosine || job.frequency.length == canvas_length(job.border, job.samples);
+  const bool in_double = method == Method::fft_double;
+  const double dropped = dropped_error(sampler);
+  AxisJob x = judged.layout.x, y = judged.layout.y;
+  Draft d;
+  d.candidate.method = method;
+  PredictedError& predicted = d.candidate.predicted;
+  predicted.dropped = dropped * judged.gathering * task.alias;
+  predicted.table = (sampler.error() - dropped - sampler.quadrature_error()) * judged.spread;
+  predicted.band = sampler.quadrature_error() * judged.spread;
+  predicted.wrap = judged.layout.wrap;
+  predicted.arithmetic = rounding(task, in_double, judged, judged.canvas_rms);
+  if (method == Method::fft_cut) {
+    // Of what the other parts leave of the tolerance: a bound that is looser than the others.
+    const double budget = std::min(kCutShare * options.tolerance, 0.9 * (options.tolerance - predicted.total()));
+    if (budget > 0.0) predicted.cut = cut(task, budget, judged.gathering, judged.defined, judged.symmetric > 1.5, x, y);
+  }
+  d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
+  if (const std::size_t parts = otf_parts(x, y, sampler.is_real()).size(); parts > 1)
+    d.candidate.detail += "; " + std::to_string(parts) + " parities";
+  const double dearer = in_double ? kDoubleCost : method == Method::fft_cut ? kCutCost : 1.0;
+  d.candidate.cost_ms = dearer * fft_cost_ms(x, y, sampler.is_real());
+  d.candidate.bytes = static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(x, y, sampler.is_real()));
+  d.axes = {x, y};
+  d.error_per_otf = judged.gathering * task.alias;
+  const Precision precision = in_double ? Precision::double_precision : Precision::single_precision;
+  d.make = [&sampler, x, y, precision, bytes = static_cast<double>(d.candidate.bytes), rigor = options.rigor,
+            threads = options.threads, out = task.out](const Engine* relative) {
+    require_memory(bytes, out);
+    return make_spectral_filter(sampler, x, y, precision, rigor, threads, relative);
   };
-  const bool full_canvas = defined(layout.x) && defined(layout.y);
-  const double dropped = dropped_error(sampler), quadrature = sampler.quadrature_error();
-  const double wrap_share = x_cosine && y_cosine ? 0.0 : kWrapShare;
+  return d;
+}
 
+}  // namespace
+
+std::vector<Draft> fft_drafts(const PlanTask& task) {
+  std::vector<Judged> layouts;
+  for (const Layout& layout : fft_layouts(task)) layouts.emplace_back(task, layout);
+  // The last one keeps what any of them can. With cosines alone its canvas is the same at any tolerance.
+  const Judged& last = layouts.back();
+  const bool cosines = last.layout.x.frequency.basis == Basis::cosine && last.layout.y.frequency.basis == Basis::cosine;
   const auto draft = [&](Method method) {
-    const bool in_double = method == Method::fft_double;
-    AxisJob x = layout.x, y = layout.y;
-    Draft d;
-    d.candidate.method = method;
-    PredictedError& predicted = d.candidate.predicted;
-    const double spread = gathering * std::sqrt(aliases(x) * aliases(y));
-    predicted.dropped = dropped * gathering * task.alias;
-    predicted.table = (sampler.error() - dropped - quadrature) * spread;
-    predicted.band = quadrature * spread;
-    predicted.wrap = layout.wrap;
-    const auto rounding = [&](double rms) {
-      if (in_double) return sampler.gain() * storage_error(options) * (1.0 + 1e-6);
-      return arithmetic_error(x, y, rms, sampler.gain(), options);
-    };
-    predicted.arithmetic = rounding(canvas_rms);
-    d.reachable = reachable_tolerance(rounding(task.canvas_norm / symmetric), predicted.band, wrap_share);
-    if (method == Method::fft_cut) {
-      // Of what the other parts leave of the tolerance: a bound that is looser than the others.
-      const double budget = std::min(kCutShare * options.tolerance, 0.9 * (options.tolerance - predicted.total()));
-      if (budget > 0.0) predicted.cut = cut(task, budget, gathering, full_canvas, symmetric > 1.5, x, y);
-    }
-    d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
-    const double dearer = in_double ? kDoubleCost : method == Method::fft_cut ? kCutCost : 1.0;
-    d.candidate.cost_ms = dearer * fft_cost_ms(x, y, !sampler.is_real());
-    d.candidate.bytes = static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(x, y, sampler.is_real()));
-    d.axes = {x, y};
-    d.error_per_otf = gathering * task.alias;
-    const Precision precision = in_double ? Precision::double_precision : Precision::single_precision;
-    d.make = [&sampler, x, y, precision, bytes = static_cast<double>(d.candidate.bytes), rigor = options.rigor,
-              threads = options.threads, out = task.out](const Engine* relative) {
-      require_memory(bytes, out);
-      return make_spectral_filter(sampler, x, y, precision, rigor, threads, relative);
-    };
+    Draft d = make_draft(task, method, layouts.front());
+    for (std::size_t i = 1; i < layouts.size() && !keeps_tolerance(d, task.options); ++i)
+      d = make_draft(task, method, layouts[i]);
+    const double least = rounding(task, method == Method::fft_double, last,
+                                  cosines ? last.canvas_rms : task.canvas_norm / last.symmetric);
+    const double band = task.sampler.quadrature_error() * last.spread;
+    d.reachable = reachable_tolerance(least, band, cosines ? 0.0 : kWrapShare);
     return d;
   };
   std::vector<Draft> drafts{draft(Method::fft_float)};
   Draft cut = draft(Method::fft_cut);
-  if ((*cut.axes)[0].keep < layout.x.keep || (*cut.axes)[1].keep < layout.y.keep) drafts.push_back(std::move(cut));
+  const auto cuts = [](const AxisJob& job) { return job.keep < job.frequency.half_count(); };
+  if (cuts((*cut.axes)[0]) || cuts((*cut.axes)[1])) drafts.push_back(std::move(cut));
   drafts.push_back(draft(Method::fft_double));
   return drafts;
 }

@@ -40,6 +40,16 @@ struct Draft {
   double error_per_otf = 0.0;                  ///< rms error relative to std that an OTF error of 1 may become
 };
 
+/// Both axes of an FFT method, all frequencies in use.
+struct Layout {
+  AxisJob x, y;
+  double wrap = 0.0;  ///< error of canvases shorter than the defined ones
+};
+
+/// Basis and canvas of each axis: the cheapest, and behind it the one that has no wrap-around at any tolerance where
+/// that is dearer.
+std::vector<Layout> fft_layouts(const PlanTask& task);
+
 std::vector<Draft> fft_drafts(const PlanTask& task);
 /// `fft_ms`: cost of the cheapest FFT method; what is far slower is not worked out.
 std::vector<Draft> tap_drafts(const PlanTask& task, double fft_ms);
@@ -86,6 +96,6 @@ double reachable_tolerance(double arithmetic, double band, double wrap_share);
 void require_memory(double bytes, const SampleGrid& out);
 
 /// Bytes of OTF and buffers of an FFT method.
-double spectral_bytes(const AxisJob& x, const AxisJob& y, bool real);
+double spectral_bytes(const AxisJob& x, const AxisJob& y, bool real_otf);
 
 }  // namespace mtf

@@ -2,6 +2,7 @@
 #include "mtf/plan_spectral.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "mtf/engines/spectral.h"
@@ -10,49 +11,119 @@
 namespace mtf {
 namespace {
 
+// Rows of an OTF on their way to its blocks. Values beyond those that are kept are zero.
+template <class S>
+class OtfRow {
+ public:
+  OtfRow(const OtfSampler& sampler, const OtfSampler::Grid& grid, const SpectralEngine<S>& engine,
+         const OtfBlocks<S>& otf)
+      : grid_(&grid),
+        otf_(&otf),
+        cosine_(engine.columns_per_block() == kRow),
+        keep_(static_cast<std::size_t>(engine.x().keep)),
+        scale_(static_cast<S>(engine.otf_scale())) {
+    const auto count = static_cast<std::size_t>(engine.blocks() * engine.columns_per_block());
+    if (sampler.is_real()) {
+      up_.resize(count);
+      down_.resize(count);
+    } else {
+      complex_up_.resize(count);
+      complex_down_.resize(count);
+    }
+  }
+
+  void write(std::int64_t j) {
+    if (complex_up_.empty())
+      cosine_ ? real_parts(j) : real_exponentials(j);
+    else
+      cosine_ ? complex_parts(j) : complex_exponentials(j);
+  }
+
+ private:
+  // Both real columns that pass as one complex one are multiplied alike.
+  void real_exponentials(std::int64_t j) {
+    real_row(j);
+    const S* h = up_.data();
+    for (std::int64_t b = 0; b < otf_->blocks; ++b, h += kLanes) {
+      S* to = otf_->row(0, b, j);
+      for (int l = 0; l < kLanes; ++l) to[l] = to[kLanes + l] = scale_ * h[l];
+    }
+  }
+
+  void complex_exponentials(std::int64_t j) {
+    complex_row(j);
+    const Complex<S>* h = complex_up_.data();
+    for (std::int64_t b = 0; b < otf_->blocks; ++b, h += kLanes) {
+      S* to = otf_->row(0, b, j);
+      for (int l = 0; l < kLanes; ++l) {
+        to[l] = scale_ * h[l].re;
+        to[kLanes + l] = scale_ * h[l].im;
+      }
+    }
+  }
+
+  // What is odd along y in a real OTF is odd along x too.
+  void real_parts(std::int64_t j) {
+    if (otf_->parts.size() == 1) {
+      real_row(j);
+      return put(0, j, [&](std::size_t i) { return scale_ * up_[i]; });
+    }
+    grid_->real_rows(static_cast<std::size_t>(j), std::span(up_).first(keep_), std::span(down_).first(keep_));
+    const S half = S(0.5) * scale_;
+    put(0, j, [&](std::size_t i) { return half * (up_[i] + down_[i]); });
+    put(1, j, [&](std::size_t i) { return half * (down_[i] - up_[i]); });
+  }
+
+  // What is odd along one axis only is imaginary.
+  void complex_parts(std::int64_t j) {
+    complex_row(j);
+    const auto& up = complex_up_;
+    const auto& down = complex_down_;
+    if (otf_->parts.size() < 4) {
+      put(0, j, [&](std::size_t i) { return scale_ * up[i].re; });
+      if (otf_->parts.size() > 1) put(1, j, [&](std::size_t i) { return -scale_ * up[i].im; });
+      return;
+    }
+    grid_->complex_row(static_cast<std::size_t>(j), std::span(complex_down_).first(keep_), true);
+    const S half = S(0.5) * scale_;
+    put(0, j, [&](std::size_t i) { return half * (up[i].re + down[i].re); });   // even along both axes
+    put(1, j, [&](std::size_t i) { return half * (down[i].im - up[i].im); });   // odd along y
+    put(2, j, [&](std::size_t i) { return -half * (up[i].im + down[i].im); });  // odd along x
+    put(3, j, [&](std::size_t i) { return half * (down[i].re - up[i].re); });
+  }
+
+  void real_row(std::int64_t j) { grid_->real_row(static_cast<std::size_t>(j), std::span(up_).first(keep_)); }
+  void complex_row(std::int64_t j) {
+    grid_->complex_row(static_cast<std::size_t>(j), std::span(complex_up_).first(keep_));
+  }
+  void put(std::size_t part, std::int64_t j, const auto& value) const {
+    for (std::int64_t b = 0; b < otf_->blocks; ++b) {
+      S* to = otf_->row(part, b, j);
+      const auto first = static_cast<std::size_t>(b * kRow);
+      for (std::size_t l = 0; l < kRow; ++l) to[l] = value(first + l);
+    }
+  }
+
+  const OtfSampler::Grid* grid_;
+  const OtfBlocks<S>* otf_;
+  bool cosine_;
+  std::size_t keep_;
+  S scale_;
+  std::vector<S> up_, down_;  // at fy and -fy
+  std::vector<Complex<S>> complex_up_, complex_down_;
+};
+
 // H on the engine's frequencies, times its scale.
 template <class S>
 OtfBlocks<S> make_otf(const OtfSampler& sampler, const SpectralEngine<S>& engine, int threads) {
-  const std::int64_t per_block = engine.columns_per_block(), keep = engine.x().keep;
-  const auto& terms = engine.y_terms();
-  const FrequencyGrid frequencies = engine.frequencies();
-  OtfBlocks<S> otf;
-  otf.complex = !sampler.is_real();
-  otf.blocks = engine.blocks();
-  otf.rows = static_cast<std::int64_t>(terms.size());
-  otf.data = AlignedBuffer<S>(static_cast<std::size_t>(otf.blocks * otf.rows * kRow));
-  std::vector<double> fx(static_cast<std::size_t>(otf.blocks * per_block)), fy(terms.size());
-  for (std::size_t i = 0; i < fx.size(); ++i) fx[i] = frequencies.x.cy_mm(static_cast<std::int64_t>(i));
-  for (std::size_t j = 0; j < fy.size(); ++j) fy[j] = frequencies.y.cy_mm(terms[j].k);
-  const OtfSampler::Grid grid(sampler, fx, fy);
-  const S scale = static_cast<S>(engine.otf_scale());
-  const bool paired = per_block == kRow;
-
+  OtfBlocks<S> otf = engine.make_blocks(sampler.is_real());
+  std::vector<double> fx, fy;
+  for (std::int64_t k = 0; k < engine.x().keep; ++k) fx.push_back(engine.x().frequency.cy_mm(k));
+  for (const std::int64_t k : otf_frequencies(engine.y())) fy.push_back(engine.y().frequency.cy_mm(k));
+  const OtfSampler::Grid grid(sampler, std::move(fx), std::move(fy));
   parallel_for(otf.rows, 8, threads, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<S> real(fx.size());
-    std::vector<Complex<S>> values(otf.complex ? fx.size() : 0);
-    for (std::int64_t j = begin; j < end; ++j) {
-      if (otf.complex) {
-        grid.complex_row(static_cast<std::size_t>(j), std::span(values));
-        std::fill(values.begin() + keep, values.end(), Complex<S>{});
-      } else {
-        grid.real_row(static_cast<std::size_t>(j), std::span(real));
-        std::fill(real.begin() + keep, real.end(), S(0));
-      }
-      for (std::int64_t b = 0; b < otf.blocks; ++b) {
-        S* row = otf.row(b, j);
-        const auto first = static_cast<std::size_t>(b * per_block);
-        if (otf.complex)
-          for (std::size_t l = 0; l < kLanes; ++l) {
-            row[l] = values[first + l].re * scale;
-            row[kLanes + l] = values[first + l].im * scale;
-          }
-        else if (paired)
-          for (std::size_t l = 0; l < kRow; ++l) row[l] = real[first + l] * scale;
-        else
-          for (std::size_t l = 0; l < kLanes; ++l) row[l] = row[kLanes + l] = real[first + l] * scale;
-      }
-    }
+    OtfRow<S> row(sampler, grid, engine, otf);
+    for (std::int64_t j = begin; j < end; ++j) row.write(j);
   });
   return otf;
 }
@@ -69,21 +140,42 @@ class Filter final : public SpectralFilter {
   std::int64_t run_bytes(std::int64_t channels, int threads) const override {
     return transforms_->run_bytes(channels, threads);
   }
-  std::int64_t filter_bytes() const override { return static_cast<std::int64_t>(otf_.data.size() * sizeof(S)); }
+  std::int64_t filter_bytes() const override { return otf_.size() * static_cast<std::int64_t>(sizeof(S)); }
   double largest_gain() const override {
-    double squares = 0.0;
-    for (std::int64_t r = 0; r < otf_.blocks * otf_.rows; ++r)
-      for (std::int64_t l = 0; l < kLanes; ++l) {
-        const double re = otf_.row(0, r)[l], im = otf_.row(0, r)[kLanes + l];
-        squares = std::max(squares, otf_.complex ? re * re + im * im : std::max(re * re, im * im));
-      }
-    return std::sqrt(squares) / transforms_->otf_scale();
+    S square = 0;
+    for (std::int64_t b = 0; b < otf_.blocks; ++b)
+      for (std::int64_t r = 0; r < otf_.rows; ++r) square = std::max(square, largest_square(b, r));
+    return std::sqrt(static_cast<double>(square)) / transforms_->otf_scale();
   }
   const std::shared_ptr<const SpectralEngine<S>>& transforms() const { return transforms_; }
 
  private:
+  // Of |H|^2 in a row of a block; of H(fx, fy) and H(fx, -fy) where the parts tell them apart.
+  S largest_square(std::int64_t block, std::int64_t row) const {
+    S largest = 0;
+    if (otf_.complex) {
+      const S* h = otf_.row(0, block, row);
+      for (int l = 0; l < kLanes; ++l) largest = std::max(largest, h[l] * h[l] + h[kLanes + l] * h[kLanes + l]);
+      return largest;
+    }
+    static constexpr std::array<S, kRow> kNone{};
+    const S *even = kNone.data(), *odd_x = even, *odd_y = even, *odd = even;
+    for (std::size_t p = 0; p < otf_.parts.size(); ++p) {
+      const auto [x, y] = otf_.parts[p];
+      (x == Parity::even   ? y == Parity::even ? even : odd_y
+       : y == Parity::even ? odd_x
+                           : odd) = otf_.row(p, block, row);
+    }
+    for (int l = 0; l < kRow; ++l) {
+      const S re = even[l] - odd[l], im = odd_x[l] + odd_y[l], mirrored_re = even[l] + odd[l],
+              mirrored_im = odd_x[l] - odd_y[l];
+      largest = std::max({largest, re * re + im * im, mirrored_re * mirrored_re + mirrored_im * mirrored_im});
+    }
+    return largest;
+  }
+
   std::shared_ptr<const SpectralEngine<S>> transforms_;
-  OtfBlocks<S> otf_;
+  OtfBlocks<S> otf_;  // on loan from the transforms
 };
 
 template <class S>

@@ -21,8 +21,8 @@ class SpectralFilter : public Engine {
 };
 
 /// The filter of a sampler's OTF, which for double_precision should have no tables (table_share = 0). x in the cosine
-/// basis needs y in it and a real OTF. Shares the transforms of `relative` (may be null) where that one has the same
-/// axes and precision.
+/// basis needs y in it, and both `odd` where the OTF is not even along them. Shares the transforms of `relative` (may
+/// be null) where that one has the same axes and precision.
 std::shared_ptr<const SpectralFilter> make_spectral_filter(const OtfSampler& sampler, const AxisJob& x,
                                                            const AxisJob& y, Precision precision, fft::Rigor rigor,
                                                            int threads, const Engine* relative);

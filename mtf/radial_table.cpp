@@ -56,11 +56,12 @@ RadialTable::RadialTable(const Function& f, double end, double target, std::int6
   while (refine * n < kDense &&
          curvature / (8.0 * static_cast<double>(refine) * static_cast<double>(refine)) > 0.25 * target)
     refine *= 2;
-  knots_.resize(refine * n + 2);
+  knots_.resize(refine * n + 1);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < refine; ++j)
-      knots_[i * refine + j] = static_cast<float>(cubic(v, i, static_cast<double>(j) / static_cast<double>(refine)));
-  knots_[refine * n] = knots_[refine * n + 1] = static_cast<float>(v[n]);
+      knots_[i * refine + j][0] = static_cast<float>(cubic(v, i, static_cast<double>(j) / static_cast<double>(refine)));
+  knots_[refine * n][0] = static_cast<float>(v[n]);
+  for (std::size_t i = 0; i < refine * n; ++i) knots_[i][1] = knots_[i + 1][0] - knots_[i][0];
   error_ = 2.0 * (error_ + curvature / (8.0 * static_cast<double>(refine * refine))) + 1.2e-7;
   between_ = curvature / 8.0;
   for (std::size_t i = 0; i < n; ++i)
@@ -98,16 +99,13 @@ RadialTable::RadialTable(const Function& f, double end, double target, std::int6
 }
 
 void RadialTable::multiply(std::span<const float> x2, float y2, std::span<float> value) const {
-  // The last knot is repeated, so that a radius at or beyond the end reads inside the table.
-  const auto intervals = static_cast<float>(knots_.size() - 2);
-  kernels::multiply_by_table(knots_.data(), intervals, intervals, x2.data(), y2,
+  kernels::multiply_by_table(knots_.data(), static_cast<float>(knots_.size() - 1), x2.data(), y2,
                              static_cast<std::int64_t>(value.size()), value.data());
 }
 
 void RadialTable::multiply_line(std::span<const float> x, float y, std::span<float> value) const {
-  const auto intervals = static_cast<float>(knots_.size() - 2);
-  kernels::multiply_by_line_table(knots_.data(), intervals, x.data(), y, static_cast<std::int64_t>(value.size()),
-                                  value.data());
+  kernels::multiply_by_line_table(knots_.data(), static_cast<float>(knots_.size() - 1), x.data(), y,
+                                  static_cast<std::int64_t>(value.size()), value.data());
 }
 
 double RadialTable::bound_from(double r) const {

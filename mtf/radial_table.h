@@ -5,6 +5,7 @@
 // The function is sampled exactly on a coarse grid that is doubled until cubic interpolation reproduces the new
 // midpoints within the target; the dense knots come from those cubics.
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -36,7 +37,7 @@ class RadialTable {
   double bound_from(double r) const;
 
  private:
-  std::vector<float> knots_;  // last one repeated
+  std::vector<std::array<float, 2>> knots_;  // value, and rise to the next
   std::vector<double> suffix_max_;
   double end_ = 0.0;
   double error_ = 0.0;

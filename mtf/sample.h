@@ -110,17 +110,25 @@ class OtfSampler {
     Grid(const OtfSampler& sampler, std::vector<double> fx, std::vector<double> fy);
     Grid(const Grid&) = delete;  // its rows look at its own frequencies
     Grid& operator=(const Grid&) = delete;
-    /// value[i] = H(fx[i], fy[j]), real systems only. `value` may be shorter than fx.
-    void real_row(std::size_t j, std::span<float> value) const;
-    void complex_row(std::size_t j, std::span<Complex<float>> value) const;
+    /// value[i] = H(fx[i], fy[j]), or H(fx[i], -fy[j]) where mirrored; `value` may be shorter than fx. real_row: real
+    /// systems only.
+    void real_row(std::size_t j, std::span<float> value, bool mirrored = false) const;
+    void complex_row(std::size_t j, std::span<Complex<float>> value, bool mirrored = false) const;
     /// The same in double, throughout where the sampler has no tables (table_share = 0).
-    void real_row(std::size_t j, std::span<double> value) const;
-    void complex_row(std::size_t j, std::span<Complex<double>> value) const;
+    void real_row(std::size_t j, std::span<double> value, bool mirrored = false) const;
+    void complex_row(std::size_t j, std::span<Complex<double>> value, bool mirrored = false) const;
+    /// real_row and its mirror image, which have most factors in common.
+    void real_rows(std::size_t j, std::span<float> value, std::span<float> mirrored) const;
+    void real_rows(std::size_t j, std::span<double> value, std::span<double> mirrored) const;
 
    private:
-    void multiply_tables(std::size_t j, std::span<float> value) const;
+    /// Factors of a real system that are even along y, and the others.
+    void even_row(std::size_t j, std::span<float> value) const;
+    void multiply_uneven(std::size_t j, std::span<float> value, bool mirrored) const;
+    void multiply_radial(std::size_t j, std::span<float> value) const;
+    void multiply_lines(std::size_t j, std::span<float> value, bool mirrored) const;
     /// What no table or vector holds, at fy[j].
-    std::vector<Complex<double>> general_row(std::size_t j, std::size_t count) const;
+    std::vector<Complex<double>> general_row(std::size_t j, std::size_t count, bool mirrored) const;
 
     const OtfSampler* sampler_;
     std::vector<double> fx_, fy_;

@@ -41,21 +41,27 @@ OtfSampler::Grid::Grid(const OtfSampler& sampler, std::vector<double> fx, std::v
   for (const Entry<double>* entry : sampler.general_) rows_.push_back(entry->component.rows(fx_, ctx));
 }
 
-void OtfSampler::Grid::multiply_tables(std::size_t j, std::span<float> value) const {
+void OtfSampler::Grid::multiply_radial(std::size_t j, std::span<float> value) const {
   if (sampler_->table_) sampler_->table_->multiply(std::span(fx2_).first(value.size()), fy2_[j], value);
-  for (std::size_t k = 0; k < line_x_.size(); ++k)
-    sampler_->lines_[k].table.multiply_line(std::span(line_x_[k]).first(value.size()), line_y_[k][j], value);
 }
 
-std::vector<Complex<double>> OtfSampler::Grid::general_row(std::size_t j, std::size_t count) const {
+void OtfSampler::Grid::multiply_lines(std::size_t j, std::span<float> value, bool mirrored) const {
+  for (std::size_t k = 0; k < line_x_.size(); ++k) {
+    const float y = mirrored ? -line_y_[k][j] : line_y_[k][j];
+    sampler_->lines_[k].table.multiply_line(std::span(line_x_[k]).first(value.size()), y, value);
+  }
+}
+
+std::vector<Complex<double>> OtfSampler::Grid::general_row(std::size_t j, std::size_t count, bool mirrored) const {
+  const double fy = mirrored ? -fy_[j] : fy_[j];
   std::vector<Complex<double>> product(count, {1.0, 0.0});
   if (sampler_->radial_per_sample_)
-    for (std::size_t i = 0; i < count; ++i) product[i].re = sampler_->radial_product(std::hypot(fx_[i], fy_[j]));
-  for (const auto& multiply : rows_) multiply(fy_[j], product);
-  for (const PolarTable& table : sampler_->polar_) table.multiply(fx_, fy_[j], product);
+    for (std::size_t i = 0; i < count; ++i) product[i].re = sampler_->radial_product(std::hypot(fx_[i], fy));
+  for (const auto& multiply : rows_) multiply(fy, product);
+  for (const PolarTable& table : sampler_->polar_) table.multiply(fx_, fy, product);
   if (sampler_->chromatic_general_.empty()) return product;
   std::vector<Freq<double>> f(count);
-  for (std::size_t i = 0; i < count; ++i) f[i] = {fx_[i], fy_[j]};
+  for (std::size_t i = 0; i < count; ++i) f[i] = {fx_[i], fy};
   std::vector<Complex<double>> mean(count), node(count);
   const WavelengthNodes& nodes = sampler_->nodes_;
   for (std::size_t w = 0; w < nodes.weight.size(); ++w) {
@@ -68,38 +74,64 @@ std::vector<Complex<double>> OtfSampler::Grid::general_row(std::size_t j, std::s
   return product;
 }
 
-void OtfSampler::Grid::real_row(std::size_t j, std::span<float> value) const {
+void OtfSampler::Grid::even_row(std::size_t j, std::span<float> value) const {
   const float y = narrow_y_[j].re;
   for (std::size_t i = 0; i < value.size(); ++i) value[i] = narrow_x_[i].re * y;
-  multiply_tables(j, value);
+  multiply_radial(j, value);
+}
+
+void OtfSampler::Grid::multiply_uneven(std::size_t j, std::span<float> value, bool mirrored) const {
+  multiply_lines(j, value, mirrored);
   if (!sampler_->has_general()) return;
-  const std::vector<Complex<double>> general = general_row(j, value.size());
+  const std::vector<Complex<double>> general = general_row(j, value.size(), mirrored);
   for (std::size_t i = 0; i < value.size(); ++i) value[i] *= static_cast<float>(general[i].re);
 }
 
-void OtfSampler::Grid::complex_row(std::size_t j, std::span<Complex<float>> value) const {
-  std::vector<float> tables(value.size(), 1.0F);
-  multiply_tables(j, tables);
-  for (std::size_t i = 0; i < value.size(); ++i) value[i] = narrow_x_[i] * narrow_y_[j];
-  if (sampler_->has_general()) {
-    const std::vector<Complex<double>> general = general_row(j, value.size());
-    for (std::size_t i = 0; i < value.size(); ++i) value[i] = value[i] * narrow(general[i]);
-  }
-  for (std::size_t i = 0; i < value.size(); ++i) value[i] = {value[i].re * tables[i], value[i].im * tables[i]};
+void OtfSampler::Grid::real_row(std::size_t j, std::span<float> value, bool mirrored) const {
+  even_row(j, value);
+  multiply_uneven(j, value, mirrored);
 }
 
-void OtfSampler::Grid::real_row(std::size_t j, std::span<double> value) const {
+void OtfSampler::Grid::real_rows(std::size_t j, std::span<float> value, std::span<float> mirrored) const {
+  even_row(j, value);
+  std::copy(value.begin(), value.end(), mirrored.begin());
+  multiply_uneven(j, value, false);
+  multiply_uneven(j, mirrored, true);
+}
+
+void OtfSampler::Grid::complex_row(std::size_t j, std::span<Complex<float>> value, bool mirrored) const {
+  std::vector<float> tables(value.size(), 1.0F);
+  multiply_radial(j, tables);
+  multiply_lines(j, tables, mirrored);
+  const Complex<float> y{narrow_y_[j].re, mirrored ? -narrow_y_[j].im : narrow_y_[j].im};
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const Complex<float> h = narrow_x_[i] * y;
+    value[i] = {h.re * tables[i], h.im * tables[i]};
+  }
+  if (!sampler_->has_general()) return;
+  const std::vector<Complex<double>> general = general_row(j, value.size(), mirrored);
+  for (std::size_t i = 0; i < value.size(); ++i) value[i] = value[i] * narrow(general[i]);
+}
+
+void OtfSampler::Grid::real_row(std::size_t j, std::span<double> value, bool mirrored) const {
   std::vector<Complex<double>> h(value.size());
-  complex_row(j, std::span(h));
+  complex_row(j, std::span(h), mirrored);
   for (std::size_t i = 0; i < value.size(); ++i) value[i] = h[i].re;
 }
 
-void OtfSampler::Grid::complex_row(std::size_t j, std::span<Complex<double>> value) const {
+void OtfSampler::Grid::real_rows(std::size_t j, std::span<double> value, std::span<double> mirrored) const {
+  real_row(j, value);
+  real_row(j, mirrored, true);
+}
+
+void OtfSampler::Grid::complex_row(std::size_t j, std::span<Complex<double>> value, bool mirrored) const {
   std::vector<float> tables(value.size(), 1.0F);
-  multiply_tables(j, tables);
-  const std::vector<Complex<double>> general = general_row(j, value.size());
+  multiply_radial(j, tables);
+  multiply_lines(j, tables, mirrored);
+  const std::vector<Complex<double>> general = general_row(j, value.size(), mirrored);
+  const Complex<double> y{y_[j].re, mirrored ? -y_[j].im : y_[j].im};
   for (std::size_t i = 0; i < value.size(); ++i) {
-    const Complex<double> h = x_[i] * y_[j] * general[i];
+    const Complex<double> h = x_[i] * y * general[i];
     value[i] = {h.re * tables[i], h.im * tables[i]};
   }
 }

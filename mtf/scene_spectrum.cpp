@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 
+#include "mtf/engines/axis.h"
 #include "mtf/engines/fftw.h"
 #include "mtf/engines/kernels.h"
 #include "mtf/parallel.h"
-#include "mtf/special.h"
 #include "mtf/statistics.h"
 
 namespace mtf {
@@ -68,16 +68,6 @@ class ZoneSum {
 // D may be somewhat larger between the corners.
 constexpr double kBetween = 1.1;
 
-std::vector<float> twiddles(std::int64_t n) {
-  std::vector<float> t(2 * static_cast<std::size_t>(n));
-  for (std::int64_t k = 0; k < n; ++k) {
-    const double half_turns = static_cast<double>(k) / (2.0 * static_cast<double>(n));
-    t[2 * static_cast<std::size_t>(k)] = static_cast<float>(cos_pi(half_turns));
-    t[2 * static_cast<std::size_t>(k) + 1] = static_cast<float>(-sin_pi(half_turns));
-  }
-  return t;
-}
-
 // Frequency k of n cosines, or of n exponentials, as a cell of its axis: the zeroth has none, its error is the mean's.
 int cell(std::int64_t k, double per_cell) {
   return std::min(kCells - 1, static_cast<int>(static_cast<double>(k) / per_cell));
@@ -95,7 +85,7 @@ std::int64_t first_of_cell(std::int64_t i, std::int64_t count, double per_cell) 
 std::vector<double> cosine_power(ImageView<const float> scene, const Statistics& s, int threads) {
   const std::int64_t w = scene.width, h = scene.height;
   const fft::RealForward forward_x(w, fft::Rigor::estimate), forward_y(h, fft::Rigor::estimate);
-  const std::vector<float> turn_x = twiddles(w), turn_y = twiddles(h);
+  const std::vector<float> turn_x = cosine_twiddles<float>(w), turn_y = cosine_twiddles<float>(h);
   Image columns(h, w);  // transposed: row k holds coefficient k of every image row
   const auto padded = [](std::int64_t n) { return static_cast<std::size_t>(n + 16); };
   constexpr std::int64_t kTogether = 16;  // rows that are written to the transpose at once

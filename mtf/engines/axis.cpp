@@ -18,19 +18,25 @@ Complex<double> chirp(std::int64_t k, double turns, double sign) {
   return rotation(static_cast<long double>(sign) * 0.5L * square * static_cast<long double>(turns));
 }
 
-Term term(std::int64_t k, std::int64_t source, std::int64_t target, Complex<double> factor) {
-  return {static_cast<std::int32_t>(k), static_cast<std::int32_t>(source), static_cast<std::int32_t>(target), factor.re,
+Term term(std::int64_t k, std::int64_t source, std::int64_t target, std::size_t otf, Complex<double> factor) {
+  return {static_cast<std::int32_t>(k),
+          static_cast<std::int32_t>(source),
+          static_cast<std::int32_t>(target),
+          static_cast<std::int32_t>(otf),
+          factor.re,
           factor.im};
 }
 
-// cos(pi k (j + 1/2) / n) for any k is +-cos of some k' < n, or zero at k = n, 3n, ...
+// cos(pi k (j + 1/2) / n) for any k is +-cos of some k' < n, or zero at k = n, 3n, ...; sin(pi k (j + 1/2) / n) is
+// +-(-1)^j cos of some k' < n, or zero at k = 0, 2n, ...
 struct Folded {
   std::int64_t target;
   double sign;
 };
-Folded fold_cosine(std::int64_t k, std::int64_t n) {
+Folded fold(Parity parity, std::int64_t k, std::int64_t n) {
   const std::int64_t turns = k / (2 * n), m = k % (2 * n);
   const double sign = turns % 2 == 0 ? 1.0 : -1.0;
+  if (parity == Parity::odd) return m == 0 ? Folded{0, 0.0} : Folded{std::abs(n - m), sign};
   if (m == n) return {0, 0.0};
   return m < n ? Folded{m, sign} : Folded{2 * n - m, -sign};
 }
@@ -52,7 +58,17 @@ std::int64_t inverse_length(const AxisJob& job) {
   return job.resampling == Resampling::fold ? job.out_length : next_smooth(2 * job.keep - 1 + job.outputs - 1);
 }
 
-std::vector<Term> column_terms(const AxisJob& job) {
+std::vector<std::int64_t> otf_frequencies(const AxisJob& job) {
+  std::vector<std::int64_t> frequencies;
+  const std::int64_t length = job.frequency.length;
+  const bool cosine = job.frequency.basis == Basis::cosine;
+  const std::int64_t rows = cosine ? job.keep : length + (length % 2 == 0 ? 1 : 0);
+  for (std::int64_t r = 0; r < rows; ++r)
+    if (const std::int64_t k = job.frequency.signed_index(r); std::abs(k) < job.keep) frequencies.push_back(k);
+  return frequencies;
+}
+
+std::vector<Term> axis_terms(const AxisJob& job, Parity parity) {
   std::vector<Term> terms;
   const std::int64_t length = job.frequency.length;
   const auto chirped = [&](std::int64_t k, double weight) {
@@ -61,36 +77,50 @@ std::vector<Term> column_terms(const AxisJob& job) {
     const Complex<double> c = start * chirp(k, job.turns_per_output(), 1.0);
     return Complex<double>{weight * c.re, weight * c.im};
   };
-  if (job.frequency.basis == Basis::cosine) {
-    for (std::int64_t k = 0; k < job.keep; ++k) {
+  const std::vector<std::int64_t> frequencies = otf_frequencies(job);
+  for (std::size_t row = 0; row < frequencies.size(); ++row) {
+    const std::int64_t k = frequencies[row];
+    if (job.frequency.basis == Basis::fourier) {
+      const double weight = length % 2 == 0 && std::abs(k) == length / 2 ? 0.5 : 1.0;
+      const std::int64_t source = modulo(k, length);
       if (job.resampling == Resampling::chirp) {
-        for (const std::int64_t signed_k : {k, -k}) {
-          terms.push_back(term(k, k, signed_k + job.keep - 1, chirped(signed_k, 1.0)));
-          if (k == 0) break;
-        }
-        continue;
+        terms.push_back(term(k, source, k + job.keep - 1, row, chirped(k, weight)));
+      } else {
+        const Complex<double> c =
+            rotation(static_cast<long double>(k) * static_cast<long double>(job.turns_at_first()));
+        terms.push_back(term(k, source, modulo(k, job.out_length), row, {weight * c.re, weight * c.im}));
       }
-      const auto [target, sign] = fold_cosine(k, job.out_length);
+    } else if (job.resampling == Resampling::fold) {
+      const auto [target, sign] = fold(parity, k, job.out_length);
       // The inverse doubles every frequency but the zeroth, where an alias therefore counts twice.
-      if (sign != 0.0) terms.push_back(term(k, k, target, {k != 0 && target == 0 ? 2.0 * sign : sign, 0.0}));
-    }
-    return terms;
-  }
-  const std::int64_t rows = length + (length % 2 == 0 ? 1 : 0);
-  for (std::int64_t r = 0; r < rows; ++r) {
-    const std::int64_t k = job.frequency.signed_index(r);
-    if (std::abs(k) >= job.keep) continue;
-    const double weight = length % 2 == 0 && std::abs(k) == length / 2 ? 0.5 : 1.0;
-    const std::int64_t source = r == length ? length / 2 : r;
-    if (job.resampling == Resampling::chirp) {
-      terms.push_back(term(k, source, k + job.keep - 1, chirped(k, weight)));
+      if (sign != 0.0) terms.push_back(term(k, k, target, row, {k != 0 && target == 0 ? 2.0 * sign : sign, 0.0}));
+    } else if (k == 0) {
+      if (parity == Parity::even) terms.push_back(term(0, 0, job.keep - 1, row, {1.0, 0.0}));
     } else {
-      const Complex<double> c = rotation(static_cast<long double>(k) * static_cast<long double>(job.turns_at_first()));
-      terms.push_back(term(k, source, modulo(k, job.out_length), {weight * c.re, weight * c.im}));
+      // Doubled as well: 2 cos t = exp(i t) + exp(-i t), 2 sin t = -i exp(i t) + i exp(-i t).
+      const auto exponential = [&](std::int64_t signed_k, Complex<double> odd) {
+        const Complex<double> factor = parity == Parity::even ? Complex<double>{1.0, 0.0} : odd;
+        terms.push_back(term(k, k, signed_k + job.keep - 1, row, factor * chirped(signed_k, 1.0)));
+      };
+      exponential(k, {0.0, -1.0});
+      exponential(-k, {0.0, 1.0});
     }
   }
   return terms;
 }
+
+template <class S>
+std::vector<S> cosine_twiddles(std::int64_t n) {
+  std::vector<S> t(2 * static_cast<std::size_t>(n));
+  for (std::int64_t k = 0; k < n; ++k) {
+    const double half_turns = static_cast<double>(k) / (2.0 * static_cast<double>(n));
+    t[2 * static_cast<std::size_t>(k)] = static_cast<S>(cos_pi(half_turns));
+    t[2 * static_cast<std::size_t>(k) + 1] = static_cast<S>(-sin_pi(half_turns));
+  }
+  return t;
+}
+template std::vector<float> cosine_twiddles<float>(std::int64_t);
+template std::vector<double> cosine_twiddles<double>(std::int64_t);
 
 template <class S>
 Chirp<S>::Chirp(const AxisJob& job, fft::Rigor rigor)

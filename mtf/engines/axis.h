@@ -19,6 +19,9 @@ namespace mtf {
 
 enum class Resampling { fold, chirp };
 
+/// Of a part of an OTF along one axis.
+enum class Parity { even, odd };
+
 struct AxisJob {
   bool operator==(const AxisJob&) const = default;
   FrequencyAxis frequency;  ///< basis, canvas length, scene step
@@ -29,22 +32,29 @@ struct AxisJob {
   Resampling resampling{};
   std::int64_t out_length = 0;  ///< fold: length of the detector transform
   std::int64_t keep = 0;        ///< frequencies with |k| < keep are used, the others are zero
+  bool odd = false;             ///< cosine: the OTF has parts that are odd along this axis and make cosines sines
 
   /// Phase advance of frequency 1 per detector sample, and at detector sample 0, in turns.
   double turns_per_output() const { return pitch_um / frequency.period_um(); }
   double turns_at_first() const;
 };
 
-/// Contribution of one frequency to the input of the inverse transform: target += factor x otf row x source.
+/// Contribution of one frequency to the input of the inverse transform: target += factor x OTF x source.
 struct Term {
   std::int32_t k = 0;       ///< signed frequency
   std::int32_t source = 0;  ///< transform row (fourier) or k (cosine)
   std::int32_t target = 0;
+  std::int32_t otf = 0;  ///< row of the OTF
   double re = 1.0, im = 0.0;
 };
 
-/// All terms of a column axis (every signed frequency kept). The OTF has one row a term, in this order.
-std::vector<Term> column_terms(const AxisJob& job);
+/// Signed frequencies k of the rows of an OTF: those that are kept; in the cosine basis those that are not negative.
+std::vector<std::int64_t> otf_frequencies(const AxisJob& job);
+
+/// All terms of an axis, of a part of the OTF. A sine is a cosine whose frequency counts from the far end, with
+/// alternating signs: sin(pi k (j + 1/2) / n) = (-1)^j cos(pi (n - k) (j + 1/2) / n). The terms of the odd parity make
+/// those cosines where they fold, and the sines themselves where they chirp.
+std::vector<Term> axis_terms(const AxisJob& job, Parity parity);
 
 /// Length of the transform that `target` counts in: out_length for fold, the chirp's convolution length else.
 std::int64_t inverse_length(const AxisJob& job);
@@ -69,5 +79,10 @@ extern template class Chirp<double>;
 
 /// Rotation exp(2 pi i turns), the argument reduced first.
 Complex<double> rotation(long double turns);
+
+/// exp(-i pi k / 2n), k = 0 .. n-1, real and imaginary part: between the transform of n samples in Makhoul's order and
+/// their cosines.
+template <class S>
+std::vector<S> cosine_twiddles(std::int64_t n);
 
 }  // namespace mtf

@@ -2,22 +2,10 @@
 #include "mtf/engines/axis_pass.h"
 
 #include <algorithm>
-
-#include "mtf/special.h"
+#include <cassert>
 
 namespace mtf {
 namespace {
-
-template <class S>
-std::vector<S> cosine_twiddles(std::int64_t n) {
-  std::vector<S> t(2 * static_cast<std::size_t>(n));
-  for (std::int64_t k = 0; k < n; ++k) {
-    const double half_turns = static_cast<double>(k) / (2.0 * static_cast<double>(n));
-    t[2 * static_cast<std::size_t>(k)] = static_cast<S>(cos_pi(half_turns));
-    t[2 * static_cast<std::size_t>(k) + 1] = static_cast<S>(-sin_pi(half_turns));
-  }
-  return t;
-}
 
 // Rows of the first `count` of n samples: in order, or in Makhoul's order, even ones up, odd ones down.
 std::vector<std::int32_t> sample_rows(std::int64_t count, std::int64_t n, bool makhoul) {
@@ -31,7 +19,8 @@ std::vector<std::int32_t> sample_rows(std::int64_t count, std::int64_t n, bool m
 
 template <class S>
 AxisPass<S>::AxisPass(const AxisJob& job, bool apart, fft::Rigor rigor)
-    : job_(job), terms_(column_terms(job)), forward_(job.frequency.length, rigor) {
+    : job_(job), forward_(job.frequency.length, rigor) {
+  assert(cosine() || !job.odd);
   const std::int64_t length = job.frequency.length, n = job.samples;
   if (cosine()) twiddles_ = cosine_twiddles<S>(length);
   if (cosine()) {
@@ -61,8 +50,20 @@ AxisPass<S>::AxisPass(const AxisJob& job, bool apart, fft::Rigor rigor)
 
   source_ = apart ? (cosine() ? lanes::Source::plain : lanes::Source::pairs)
                   : (cosine() ? lanes::Source::cosine : lanes::Source::plain);
-  std::vector<bool> reached(static_cast<std::size_t>(inverse_length(job)));
-  for (const Term& term : terms_) {
+  even_ = ways(Parity::even, apart);
+  if (job.odd) odd_ = ways(Parity::odd, apart);
+  if (!apart) return;
+  for (std::int64_t k = 0; k < job.keep; ++k) {
+    coefficients_.push_back(source_of(k));
+    coefficients_.back().target = static_cast<std::int32_t>(k);
+  }
+}
+
+template <class S>
+auto AxisPass<S>::ways(Parity parity, bool apart) const -> Ways {
+  Ways ways;
+  std::vector<bool> reached(static_cast<std::size_t>(inverse_length(job_)));
+  for (const Term& term : axis_terms(job_, parity)) {
     lanes::Route<S> route;
     if (!apart) {
       route = source_of(term.source);
@@ -74,21 +75,18 @@ AxisPass<S>::AxisPass(const AxisJob& job, bool apart, fft::Rigor rigor)
       route.sin = term.k < 0 ? S(-1) : S(1);
     }
     // The chirp and the unfolding take their input in order, a transform at its places.
-    const bool in_order = job.resampling == Resampling::chirp || cosine();
+    const bool in_order = job_.resampling == Resampling::chirp || cosine();
     route.target = in_order ? term.target : inverse_.place(term.target);
+    route.otf = term.otf;
     route.re = static_cast<S>(term.re);
     route.im = static_cast<S>(term.im);
     route.first = !reached[static_cast<std::size_t>(route.target)];
     reached[static_cast<std::size_t>(route.target)] = true;
-    routes_.push_back(route);
+    ways.routes.push_back(route);
   }
   for (std::size_t r = 0; r < reached.size(); ++r)
-    if (!reached[r]) zeros_.push_back(static_cast<std::int32_t>(r));
-  if (!apart) return;
-  for (std::int64_t k = 0; k < job.keep; ++k) {
-    coefficients_.push_back(source_of(k));
-    coefficients_.back().target = static_cast<std::int32_t>(k);
-  }
+    if (!reached[r]) ways.zeros.push_back(static_cast<std::int32_t>(r));
+  return ways;
 }
 
 // Where the transform leaves frequency k, and the one it is combined with.
@@ -113,11 +111,12 @@ void AxisPass<S>::coefficients(const S* work, S* to) const {
 }
 
 template <class S>
-S* AxisPass<S>::inverse(const S* from, const S* otf, bool complex_otf, S* target, S* work) const {
+S* AxisPass<S>::inverse(Parity parity, const S* from, const S* otf, bool complex_otf, S* target, S* work) const {
   using lanes::Factor;
-  for (const std::int32_t row : zeros_) std::fill_n(target + std::int64_t{row} * kRow, kRow, S(0));
+  const Ways& ways = parity == Parity::even ? even_ : odd_;
+  for (const std::int32_t row : ways.zeros) std::fill_n(target + std::int64_t{row} * kRow, kRow, S(0));
   const Factor factor = otf == nullptr ? Factor::none : complex_otf ? Factor::complex : Factor::real;
-  lanes::spread<S>(source_, factor, routes_, from, otf, target);
+  lanes::spread<S>(source_, factor, ways.routes, from, otf, target);
   if (job_.resampling == Resampling::chirp) {
     chirp_.run(target);
     return target;
@@ -128,6 +127,11 @@ S* AxisPass<S>::inverse(const S* from, const S* otf, bool complex_otf, S* target
   }
   lanes::unfold_cosine<S>(target, out_twiddles_.data(), out_place_, work);
   inverse_.inverse(work);
+  if (parity == Parity::odd) {
+    // The signs alternate; the samples of odd number stand behind the even ones.
+    S* const odd = work + (job_.out_length + 1) / 2 * kRow;
+    std::transform(odd, odd + job_.out_length / 2 * kRow, odd, [](S v) { return -v; });
+  }
   return work;
 }
 

@@ -3,8 +3,8 @@
 
 // One axis of the spectral engine at work on kLanes lines at once: samples -> frequencies, and filtered frequencies ->
 // detector samples. Real lines come in pairs, as the real and imaginary parts of one lane; where everything is
-// real-linear with real factors (the cosine basis with a real OTF) they pass through as they are, else `coefficients`
-// takes them apart.
+// real-linear with real factors (the cosine basis, where the parts of an OTF are real) they pass through as they are,
+// else `coefficients` takes them apart.
 
 #include <span>
 #include <vector>
@@ -22,7 +22,6 @@ class AxisPass {
   AxisPass(const AxisJob& job, bool apart, fft::Rigor rigor);
 
   const AxisJob& job() const { return job_; }
-  const std::vector<Term>& terms() const { return terms_; }
   /// Rows of a work area.
   std::int64_t rows() const { return std::max(job_.frequency.length, inverse_length(job_)); }
   /// Rows of the coefficients of one frequency: a line's real coefficient, or a complex one each of both lines.
@@ -34,23 +33,30 @@ class AxisPass {
   /// Coefficients of k = 0 .. keep-1 from what `forward` left.
   void coefficients(const S* work, S* to) const;
 
-  /// From what `forward` left, or from coefficients, through the OTF (one row a term; null for none) to samples. Uses
-  /// both work areas and returns the one that holds sample j in row out_rows()[j]. `from` may be `work`.
-  S* inverse(const S* from, const S* otf, bool complex_otf, S* target, S* work) const;
+  /// From what `forward` left, or from coefficients, through a part of the OTF (null for none) to samples: those of
+  /// the odd parity only where the job has it. Uses both work areas and returns the one that holds sample j in row
+  /// out_rows()[j]. `from` may be `work`.
+  S* inverse(Parity parity, const S* from, const S* otf, bool complex_otf, S* target, S* work) const;
   std::span<const std::int32_t> out_rows() const { return out_rows_; }
 
  private:
   bool cosine() const { return job_.frequency.basis == Basis::cosine; }
   lanes::Route<S> source_of(std::int64_t k) const;
 
+  /// The way of all frequencies to the inverse transform.
+  struct Ways {
+    std::vector<lanes::Route<S>> routes;
+    std::vector<std::int32_t> zeros;  ///< target rows that no term reaches
+  };
+  Ways ways(Parity parity, bool apart) const;
+
   AxisJob job_;
-  std::vector<Term> terms_;
   std::vector<S> twiddles_, out_twiddles_;  ///< exp(-i pi k / 2n), cosine basis
   std::vector<std::int32_t> canvas_;        ///< sample at each position, n = the level
   std::vector<std::int32_t> out_rows_;      ///< by output
   std::vector<std::int32_t> out_place_;     ///< cosine: rows of the inverse's frequencies
-  std::vector<std::int32_t> zeros_;         ///< target rows that no term reaches
-  std::vector<lanes::Route<S>> routes_, coefficients_;
+  Ways even_, odd_;
+  std::vector<lanes::Route<S>> coefficients_;
   lanes::Source source_{};
   LaneTransform<S> forward_, inverse_;
   Chirp<S> chirp_;

@@ -2,8 +2,10 @@
 #include "mtf/engines/kernels.h"
 
 #include <algorithm>
+#include <array>
 
 #include "mtf/engines/clones.h"
+#include "mtf/engines/simd.h"
 
 namespace mtf::kernels {
 
@@ -77,29 +79,40 @@ MTFKIT_CLONES RowSummary summarise_row(const float* in, std::int64_t n) {
   return result;
 }
 
-// Plain int, restrict and the float builtin: with anything else GCC 12 does not turn this into gathers.
-MTFKIT_CLONES void multiply_by_table(const float* __restrict knots, float intervals, float per_unit,
-                                     const float* __restrict x2, float y2, std::int64_t n, float* __restrict out) {
-  const int count = static_cast<int>(n);
-  for (int i = 0; i < count; ++i) {
-    const float r = __builtin_sqrtf(x2[i] + y2) * per_unit;
-    const float t = r < intervals ? r : intervals;
-    const int knot = static_cast<int>(t);
-    const float a = knots[knot], b = knots[knot + 1];
-    out[i] *= a + (t - static_cast<float>(knot)) * (b - a);
+namespace {
+
+// Vectors of places, then single loads of the knots there, then vectors again: faster than a gather instruction, and
+// than what GCC 12 makes of one loop.
+template <class Place>
+MTFKIT_INLINE void multiply_at(const Knot* __restrict knots, float intervals, std::int64_t n, float* __restrict out,
+                               const Place& place) {
+  constexpr int kTogether = 256;
+  alignas(64) std::array<int, kTogether> index;
+  alignas(64) std::array<float, kTogether> rest;
+  alignas(64) std::array<Knot, kTogether> knot;
+  for (std::int64_t first = 0; first < n; first += kTogether) {
+    const int count = static_cast<int>(std::min<std::int64_t>(kTogether, n - first));
+    for (int i = 0; i < count; ++i) {
+      const float r = place(first + i) * intervals;
+      const float t = r < intervals ? r : intervals;
+      index[i] = static_cast<int>(t);
+      rest[i] = t - static_cast<float>(index[i]);
+    }
+    for (int i = 0; i < count; ++i) knot[i] = knots[index[i]];
+    for (int i = 0; i < count; ++i) out[first + i] *= knot[i][0] + rest[i] * knot[i][1];
   }
 }
 
-MTFKIT_CLONES void multiply_by_line_table(const float* __restrict knots, float intervals, const float* __restrict x,
-                                          float y, std::int64_t n, float* __restrict out) {
-  const int count = static_cast<int>(n);
-  for (int i = 0; i < count; ++i) {
-    const float r = __builtin_fabsf(x[i] + y) * intervals;
-    const float t = r < intervals ? r : intervals;
-    const int knot = static_cast<int>(t);
-    const float a = knots[knot], b = knots[knot + 1];
-    out[i] *= a + (t - static_cast<float>(knot)) * (b - a);
-  }
+}  // namespace
+
+MTFKIT_CLONES void multiply_by_table(const Knot* knots, float intervals, const float* __restrict x2, float y2,
+                                     std::int64_t n, float* __restrict out) {
+  multiply_at(knots, intervals, n, out, [=](std::int64_t i) { return __builtin_sqrtf(x2[i] + y2); });
+}
+
+MTFKIT_CLONES void multiply_by_line_table(const Knot* knots, float intervals, const float* __restrict x, float y,
+                                          std::int64_t n, float* __restrict out) {
+  multiply_at(knots, intervals, n, out, [=](std::int64_t i) { return __builtin_fabsf(x[i] + y); });
 }
 
 }  // namespace mtf::kernels

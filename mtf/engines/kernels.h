@@ -3,6 +3,7 @@
 
 // Hot loops on plain arrays, compiled for several instruction sets in one binary (run-time dispatch).
 
+#include <array>
 #include <cstdint>
 
 namespace mtf::kernels {
@@ -21,12 +22,14 @@ void restore(const double* in, std::int64_t n, double mean, double scale, float*
 /// C_{n-k} = -Im(t_k V_k), t_k = exp(-i pi k / 2n).
 void cosine_from_half(const float* half, const float* twiddles, std::int64_t n, float* coefficients);
 
-/// out[i] *= linear interpolation of `knots` at min(sqrt(x2[i] + y2) x per_unit, intervals); intervals + 2 knots.
-void multiply_by_table(const float* knots, float intervals, float per_unit, const float* x2, float y2, std::int64_t n,
-                       float* out);
+/// Of a table to be interpolated linearly: its value, and how much the next one is above it.
+using Knot = std::array<float, 2>;
 
-/// out[i] *= linear interpolation of `knots` at min(|x[i] + y| x intervals, intervals); intervals + 2 knots.
-void multiply_by_line_table(const float* knots, float intervals, const float* x, float y, std::int64_t n, float* out);
+/// out[i] *= the table at min(sqrt(x2[i] + y2) x intervals, intervals); intervals + 1 knots.
+void multiply_by_table(const Knot* knots, float intervals, const float* x2, float y2, std::int64_t n, float* out);
+
+/// out[i] *= the table at min(|x[i] + y| x intervals, intervals); intervals + 1 knots.
+void multiply_by_line_table(const Knot* knots, float intervals, const float* x, float y, std::int64_t n, float* out);
 
 struct RowSummary {
   double sum = 0.0;

@@ -35,7 +35,7 @@ struct Spread {
             v = {v.re - w.im * route.sin, v.im * route.sin + w.re};
         }
         if constexpr (factor != Factor::none) {
-          const P h = row_at<S, Bytes>(otf, i, lane);
+          const P h = row_at<S, Bytes>(otf, route.otf, lane);
           if constexpr (factor == Factor::real)
             v = {v.re * h.re, v.im * h.im};
           else

@@ -31,12 +31,13 @@ enum class Factor {
 template <class S>
 struct Route {
   std::int32_t up = 0, down = 0, target = 0;
-  bool first = true;   ///< nothing is in the target yet
-  S cos = 0, sin = 0;  ///< cosine: t / 2; pairs: sin is +1, or -1 for the conjugates
-  S re = 1, im = 0;    ///< factor
+  std::int32_t otf = 0;  ///< row of the OTF
+  bool first = true;     ///< nothing is in the target yet
+  S cos = 0, sin = 0;    ///< cosine: t / 2; pairs: sin is +1, or -1 for the conjugates
+  S re = 1, im = 0;      ///< factor
 };
 
-/// target[route.target] += factor x otf[i] x source over the routes i.
+/// target[route.target] += factor x otf[route.otf] x source over the routes.
 template <class S>
 void spread(Source source, Factor factor, std::span<const Route<S>> routes, const S* from, const S* otf, S* target);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstring>
+#include <optional>
 
 #include "mtf/engines/kernels.h"
 #include "mtf/parallel.h"
@@ -13,12 +14,34 @@ namespace {
 
 constexpr std::int64_t round_up(std::int64_t n, std::int64_t step) { return (n + step - 1) / step * step; }
 
+template <class S>
+void add(const S* __restrict from, std::int64_t count, S* __restrict to) {
+  for (std::int64_t i = 0; i < count; ++i) to[i] += from[i];
+}
+
 }  // namespace
+
+std::vector<OtfPart> otf_parts(const AxisJob& x, const AxisJob& y, bool real) {
+  std::vector<OtfPart> parts{{Parity::even, Parity::even}};
+  if (y.odd && !real) parts.push_back({Parity::even, Parity::odd});
+  if (x.odd && !real) parts.push_back({Parity::odd, Parity::even});
+  if (x.odd && y.odd) parts.push_back({Parity::odd, Parity::odd});
+  return parts;
+}
 
 template <class S>
 SpectralEngine<S>::SpectralEngine(const AxisJob& x, const AxisJob& y, fft::Rigor rigor)
     : x_(x, true, rigor), y_(y, false, rigor) {
-  assert(x.frequency.basis == Basis::fourier || y.frequency.basis == Basis::cosine);
+  assert(x.frequency.basis == Basis::fourier ? !y.odd : y.frequency.basis == Basis::cosine);
+}
+
+template <class S>
+OtfBlocks<S> SpectralEngine<S>::make_blocks(bool real) const {
+  const std::vector<OtfPart> parts = otf_parts(x(), y(), real);
+  const auto rows = static_cast<std::int64_t>(otf_frequencies(y()).size());
+  const auto count = static_cast<std::int64_t>(parts.size()) * blocks() * rows * kRow;
+  return {!real && x().frequency.basis == Basis::fourier, parts, blocks(), rows,
+          BufferPool::Loan<S>(pool_, static_cast<std::size_t>(count))};
 }
 
 template <class S>
@@ -45,19 +68,24 @@ std::int64_t SpectralEngine<S>::line_stride() const {
 
 template <class S>
 std::int64_t SpectralEngine<S>::run_bytes(std::int64_t channels, int threads) const {
-  const std::int64_t rows = coefficient_rows() + line_stride() + x().samples + 1 + 2 * std::max(x_.rows(), y_.rows());
-  const std::int64_t numbers = channels * blocks() * block_rows() + std::int64_t{std::max(threads, 1)} * rows;
+  const std::int64_t planes = x().odd ? 2 : 1, areas = x().odd || y().odd ? 3 : 2;
+  const std::int64_t rows =
+      coefficient_rows() + line_stride() + x().samples + 1 + areas * std::max(x_.rows(), y_.rows());
+  const std::int64_t numbers = planes * channels * blocks() * block_rows() + std::int64_t{std::max(threads, 1)} * rows;
   return numbers * kRow * static_cast<std::int64_t>(sizeof(S));
 }
 
 template <class S>
 void SpectralEngine<S>::run(const std::vector<Channel>& channels, const OtfBlocks<S>& otf, int threads) const {
   std::vector<BufferPool::Loan<S>> loans;
-  std::vector<S*> buffers;
-  for (const Channel& channel : channels) {
+  const auto buffer = [&] {
     loans.emplace_back(pool_, static_cast<std::size_t>(blocks() * block_rows() * kRow));
-    buffers.push_back(loans.back().data());
-    rows_forward(channel, buffers.back(), threads);
+    return loans.back().data();
+  };
+  std::vector<Buffers> buffers;
+  for (const Channel& channel : channels) {
+    buffers.push_back({buffer(), x().odd ? buffer() : nullptr});
+    rows_forward(channel, buffers.back().even, threads);
   }
   columns(channels, buffers, otf, threads);
   for (std::size_t c = 0; c < channels.size(); ++c) rows_inverse(channels[c], buffers[c], threads);
@@ -104,45 +132,68 @@ void SpectralEngine<S>::rows_forward(const Channel& channel, S* buffer, int thre
 }
 
 template <class S>
-void SpectralEngine<S>::columns(const std::vector<Channel>& channels, const std::vector<S*>& buffers,
+void SpectralEngine<S>::columns(const std::vector<Channel>& channels, const std::vector<Buffers>& buffers,
                                 const OtfBlocks<S>& otf, int threads) const {
   parallel_for(blocks(), 1, threads, [&](std::int64_t b, std::int64_t) {
     const auto area = static_cast<std::size_t>(y_.rows() * kRow);
     const BufferPool::Loan<S> work(pool_, area), target(pool_, area);
-    for (std::size_t c = 0; c < channels.size(); ++c)
-      column_block(channels[c], otf, b, buffers[c] + b * block_rows() * kRow, work.data(), target.data());
+    std::optional<BufferPool::Loan<S>> other;
+    if (otf.parts.size() > 1) other.emplace(pool_, area);
+    const std::int64_t first = b * block_rows() * kRow;
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+      const auto [even, odd] = buffers[c];
+      column_block(channels[c], otf, b, {even + first, odd == nullptr ? nullptr : odd + first},
+                   {work.data(), target.data(), other ? other->data() : nullptr});
+    }
   });
 }
 
 template <class S>
-void SpectralEngine<S>::column_block(const Channel& channel, const OtfBlocks<S>& otf, std::int64_t block, S* data,
-                                     S* work, S* target) const {
+void SpectralEngine<S>::column_block(const Channel& channel, const OtfBlocks<S>& otf, std::int64_t block,
+                                     const Buffers& data, const std::array<S*, 3>& areas) const {
+  const auto [work, target, other] = areas;
   // A row of the constant level has one coefficient only: that of frequency zero.
-  S* level_row = data + y().samples * kRow;
+  S* level_row = data.even + y().samples * kRow;
   std::fill_n(level_row, kRow, S(0));
   if (block == 0) level_row[0] = level(channel) * static_cast<S>(x().frequency.length);
-  y_.forward(data, work);
-  const S* samples = y_.inverse(work, otf.row(block, 0), otf.complex, target, work);
-  for (const std::int32_t row : y_.out_rows()) {
-    std::memcpy(data, samples + std::int64_t{row} * kRow, kRow * sizeof(S));
-    data += kRow;
+  y_.forward(data.even, work);
+  for (std::size_t p = 0; p < otf.parts.size(); ++p) {
+    const auto [along_x, along_y] = otf.parts[p];
+    const bool last = p + 1 == otf.parts.size(), more = p > 0 && otf.parts[p - 1].x == along_x;
+    const S* samples = y_.inverse(along_y, work, otf.row(p, block, 0), otf.complex, target, last ? work : other);
+    S* to = along_x == Parity::even ? data.even : data.odd;
+    for (const std::int32_t row : y_.out_rows()) {
+      const S* sample = samples + std::int64_t{row} * kRow;
+      if (more)
+        add(sample, kRow, to);
+      else
+        std::memcpy(to, sample, kRow * sizeof(S));
+      to += kRow;
+    }
+    // Lines come in pairs: what has no partner is one of zeros.
+    std::fill_n(to, (round_up(y().outputs, kRow) - y().outputs) * kRow, S(0));
   }
-  // Lines come in pairs: what has no partner is one of zeros.
-  std::fill_n(data, (round_up(y().outputs, kRow) - y().outputs) * kRow, S(0));
 }
 
 template <class S>
-void SpectralEngine<S>::rows_inverse(const Channel& channel, const S* buffer, int threads) const {
-  const std::int64_t stride = line_stride();
+void SpectralEngine<S>::rows_inverse(const Channel& channel, const Buffers& buffers, int threads) const {
+  const std::int64_t stride = line_stride(), step = kRow * x_.rows_per_coefficient();
   const double unscale = 1.0 / channel.scale;
   parallel_for(y().outputs, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
     const auto area = static_cast<std::size_t>(x_.rows() * kRow);
     const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride)), work(pool_, area),
         target(pool_, area), coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));
-    const std::int64_t step = kRow * x_.rows_per_coefficient();
-    for_tiles(coefficients.data(), buffer, begin,
-              [&](S* to, const S* from) { lanes::transpose(from, kRow, to, step); });
-    const S* samples = x_.inverse(coefficients.data(), nullptr, false, target.data(), work.data());
+    const auto samples_of = [&](Parity parity, const S* buffer, S* a, S* b) {
+      for_tiles(coefficients.data(), buffer, begin,
+                [&](S* to, const S* from) { lanes::transpose(from, kRow, to, step); });
+      return x_.inverse(parity, coefficients.data(), nullptr, false, a, b);
+    };
+    S* samples = samples_of(Parity::even, buffers.even, target.data(), work.data());
+    if (buffers.odd != nullptr) {
+      const BufferPool::Loan<S> other(pool_, area);
+      S* spare = samples == work.data() ? target.data() : work.data();
+      add(samples_of(Parity::odd, buffers.odd, spare, other.data()), inverse_length(x()) * kRow, samples);
+    }
     lanes::lanes_to_lines<S>(samples, x_.out_rows(), lines.data(), stride);
     for (std::int64_t i = begin; i < end; ++i)
       kernels::restore(lines.data() + (i - begin) * stride, x().outputs, channel.out_mean, unscale, channel.out.row(i));

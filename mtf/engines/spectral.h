@@ -14,8 +14,15 @@
 // exact because everything there is real-linear with real factors); in the fourier basis kLanes complex ones, real
 // parts first.
 //
+// A mirrored scene is a sum of C cos(a) cos(b), a and b the phases of an x and a y frequency. With the OTF in its parts
+// by parity along x and y, H = ee + oo + i (eo + oe) (real because psf is: H(-f) = conj H(f)), it comes out as
+//   sum C (ee cos(a) cos(b) - eo cos(a) sin(b) - oe sin(a) cos(b) - oo sin(a) sin(b)).
+// So columns are transformed once and come back once a part; of the x frequencies the cosines and the sines, in a
+// buffer each, once a row.
+//
 // Images are float32; S is the type of everything between them.
 
+#include <array>
 #include <vector>
 
 #include "mtf/engines/axis_pass.h"
@@ -25,49 +32,67 @@
 
 namespace mtf {
 
-/// OTF values in the engine's layout, times 1/(transform lengths).
+/// A part of an OTF.
+struct OtfPart {
+  Parity x = Parity::even, y = Parity::even;
+};
+
+/// The parts of an OTF that these axes take, those even along x first; a single one where x is in the fourier basis.
+std::vector<OtfPart> otf_parts(const AxisJob& x, const AxisJob& y, bool real);
+
+/// OTF values in the engine's layout, times 1/(transform lengths): numbers [part][block][row][kRow], where the parts
+/// but the first have the sign of the sum above.
 template <class S>
 struct OtfBlocks {
-  bool complex = false;
+  bool complex = false;  ///< multiplies lane by lane (fourier basis along x); else number by number
+  std::vector<OtfPart> parts;
   std::int64_t blocks = 0;
-  std::int64_t rows = 0;  ///< terms of the y axis
-  AlignedBuffer<S> data;
+  std::int64_t rows = 0;  ///< y frequencies
+  BufferPool::Loan<S> data;
 
-  S* row(std::int64_t block, std::int64_t r) const { return data.data() + (block * rows + r) * kRow; }
+  std::int64_t size() const { return static_cast<std::int64_t>(parts.size()) * blocks * rows * kRow; }
+  S* row(std::size_t part, std::int64_t block, std::int64_t r) const {
+    return data.data() + ((static_cast<std::int64_t>(part) * blocks + block) * rows + r) * kRow;
+  }
 };
 
 template <class S>
 class SpectralEngine {
  public:
-  /// x.basis cosine needs y.basis cosine and a real OTF.
+  /// x.basis cosine needs y.basis cosine, y.odd needs x.basis cosine.
   SpectralEngine(const AxisJob& x, const AxisJob& y, fft::Rigor rigor);
 
-  FrequencyGrid frequencies() const { return {x().frequency, y().frequency}; }
   const AxisJob& x() const { return x_.job(); }
   const AxisJob& y() const { return y_.job(); }
   /// x frequencies per block: kRow cosines or kLanes complex exponentials.
   std::int64_t columns_per_block() const { return kRow / x_.rows_per_coefficient(); }
   std::int64_t blocks() const { return (x().keep + columns_per_block() - 1) / columns_per_block(); }
-  const std::vector<Term>& y_terms() const { return y_.terms(); }
+  /// Memory for an OTF, uninitialised; the engine has to outlive it.
+  OtfBlocks<S> make_blocks(bool real) const;
   /// Factor that the OTF has to carry: the inverse of what the unnormalised transforms multiply.
   double otf_scale() const;
-  /// Bytes of buffers that one run of `channels` planes takes.
+  /// Bytes of buffers that one run of `channels` planes takes, at most.
   std::int64_t run_bytes(std::int64_t channels, int threads) const;
 
   /// Filters all channels with one OTF, read once. Const and re-entrant.
   void run(const std::vector<Channel>& channels, const OtfBlocks<S>& otf, int threads) const;
 
  private:
+  /// Coefficients of one plane: of the cosines along x (or the exponentials), and of the sines where there are any.
+  struct Buffers {
+    S* even = nullptr;
+    S* odd = nullptr;
+  };
   void rows_forward(const Channel& channel, S* buffer, int threads) const;
-  void columns(const std::vector<Channel>& channels, const std::vector<S*>& buffers, const OtfBlocks<S>& otf,
+  void columns(const std::vector<Channel>& channels, const std::vector<Buffers>& buffers, const OtfBlocks<S>& otf,
                int threads) const;
-  void rows_inverse(const Channel& channel, const S* buffer, int threads) const;
-  void column_block(const Channel& channel, const OtfBlocks<S>& otf, std::int64_t block, S* data, S* work,
-                    S* target) const;
+  void rows_inverse(const Channel& channel, const Buffers& buffers, int threads) const;
+  void column_block(const Channel& channel, const OtfBlocks<S>& otf, std::int64_t block, const Buffers& data,
+                    const std::array<S*, 3>& areas) const;
   /// Calls tile(coefficients of kLanes lines, rows in the buffer) for all kLanes lines x kLanes numbers of a group.
   void for_tiles(auto* coefficients, auto* buffer, std::int64_t first_row, const auto& tile) const;
 
-  std::int64_t block_rows() const;        ///< rows of one block of the buffer
+  std::int64_t block_rows() const;        ///< rows of one block of a buffer
   std::int64_t coefficient_rows() const;  ///< rows of the coefficients of one group of lines
   std::int64_t line_stride() const;
   S level(const Channel& channel) const {

@@ -44,6 +44,7 @@ struct SceneDefaults {
 struct FitSpec {
   std::string path;
   bool fit = false;
+  std::string unit{};  ///< that the numbers are in, "" for plain ones
   std::optional<double> min, max, stderr_value;
   std::optional<std::array<double, 2>> prior;  ///< mean, sd
 };

@@ -5,7 +5,6 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "mtf/error.h"
+#include "mtf/io/csv_cells.h"
 #include "mtf/io/file_checks.h"
 
 namespace mtf::io {
@@ -24,34 +24,6 @@ constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
 constexpr std::size_t kMaxRows = 1'000'000;
 constexpr std::size_t kMaxColumns = 64;
 constexpr std::string_view kRemedy = "write the first line like this: frequency_cy_mm,mtf (or _cy_mrad, _cy_px)";
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r";
-  const std::size_t begin = text.find_first_not_of(blanks);
-  if (begin == std::string_view::npos) return {};
-  text = text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
-  return text;
-}
-
-std::vector<std::string_view> split(std::string_view line, char separator) {
-  std::vector<std::string_view> cells;
-  for (std::size_t at = 0; cells.size() <= kMaxColumns;) {
-    const std::size_t end = line.find(separator, at);
-    cells.push_back(trimmed(line.substr(at, end - at)));
-    if (end == std::string_view::npos) break;
-    at = end + 1;
-  }
-  return cells;
-}
-
-std::optional<double> number(std::string_view cell) {
-  if (cell.starts_with('+')) cell.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, status] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (status != std::errc{} || end != cell.data() + cell.size()) return std::nullopt;
-  return value;
-}
 
 /// "frequency (cy/mm)" -> "frequency_cy_mm": words in lower case.
 std::string plain_name(std::string_view cell) {
@@ -101,11 +73,10 @@ struct Columns {
 Columns read_header(std::string_view line, const std::string& where) {
   const auto fail = [&](const std::string& why) { return UsageError(where + why + "; " + std::string(kRemedy)); };
   Columns columns;
-  for (const char c : {';', '\t'})
-    if (line.find(c) != std::string_view::npos) columns.separator = c;
-  const auto cells = split(line, columns.separator);
+  columns.separator = separator_of(line);
+  const auto cells = split_cells(line, columns.separator, kMaxColumns);
   columns.count = cells.size();
-  if (number(cells.front())) throw fail("the header is missing");
+  if (cell_number(cells.front())) throw fail("the header is missing");
   if (cells.size() < 2) throw fail("one column only, two are needed (separator: comma, semicolon or tab)");
   if (cells.size() > kMaxColumns) throw UsageError(where + "more than " + std::to_string(kMaxColumns) + " columns");
   std::vector<std::size_t> frequencies, values;
@@ -158,26 +129,24 @@ std::string read_text_file(const std::string& path, std::size_t limit) {
 }
 
 Curve parse_curve_csv(std::string_view text, const std::string& source) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  text = without_mark(text);
   std::optional<Columns> columns;
   std::vector<double> frequency, value;
   for (std::size_t line = 1; !text.empty(); ++line) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view row = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (trimmed(row).empty() || trimmed(row).starts_with('#')) continue;
+    const std::string_view row = take_text_line(text);
+    if (is_comment(row)) continue;
     const std::string where = source + ":" + std::to_string(line) + ": ";
     if (!columns) {
       columns = read_header(row, where);
       continue;
     }
     const auto fail = [&](const std::string& why) { return UsageError(where + why); };
-    const auto cells = split(row, columns->separator);
+    const auto cells = split_cells(row, columns->separator, kMaxColumns);
     if (cells.size() != columns->count)
       throw fail(std::to_string(cells.size()) + " values where the header has " + std::to_string(columns->count) +
                  "; numbers have a decimal point, not a comma");
     const auto cell = [&](std::size_t i) {
-      const auto number_there = number(cells[i]);
+      const auto number_there = cell_number(cells[i]);
       if (!number_there || !std::isfinite(*number_there))
         throw fail("\"" + printable(cells[i], 40) + "\" is no finite number; write it like 0.93");
       return *number_there;

@@ -4,6 +4,9 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <fstream>
+
+#include "mtf/error.h"
 
 namespace mtf::io {
 namespace {
@@ -66,22 +69,55 @@ void add_block(std::array<std::uint32_t, 8>& state, const unsigned char* block) 
   for (std::size_t i = 0; i < 8; ++i) state[i] += sum[i];
 }
 
+/// Bytes come in pieces; whole blocks are worked off at once.
+class Digest {
+ public:
+  void add(std::string_view bytes) {
+    length_ += bytes.size();
+    rest_ += bytes;
+    const std::size_t whole = rest_.size() / kBlock * kBlock;
+    for (std::size_t i = 0; i < whole; i += kBlock)
+      add_block(state_, reinterpret_cast<const unsigned char*>(rest_.data()) + i);
+    rest_.erase(0, whole);
+  }
+
+  std::string hex() {
+    const std::uint64_t bits = length_ * 8;
+    std::string padding = "\x80";
+    padding.append((2 * kBlock - 8 - (rest_.size() + 1) % kBlock) % kBlock, '\0');
+    for (int shift = 56; shift >= 0; shift -= 8) padding += static_cast<char>(bits >> shift & 0xff);
+    add(padding);
+    std::string text;
+    for (const std::uint32_t word : state_)
+      for (int shift = 28; shift >= 0; shift -= 4) text += "0123456789abcdef"[word >> shift & 0xf];
+    return text;
+  }
+
+ private:
+  static constexpr std::size_t kBlock = 64;
+  std::array<std::uint32_t, 8> state_ = root_fractions<8>(2);
+  std::string rest_;
+  std::uint64_t length_ = 0;
+};
+
 }  // namespace
 
 std::string sha256_hex(std::string_view bytes) {
-  std::string padded(bytes);
-  padded += '\x80';
-  padded.append((120 - padded.size() % 64) % 64, '\0');
-  const std::uint64_t bits = std::uint64_t{bytes.size()} * 8;
-  for (int shift = 56; shift >= 0; shift -= 8) padded += static_cast<char>(bits >> shift & 0xff);
+  Digest digest;
+  digest.add(bytes);
+  return digest.hex();
+}
 
-  auto state = root_fractions<8>(2);
-  for (std::size_t i = 0; i < padded.size(); i += 64)
-    add_block(state, reinterpret_cast<const unsigned char*>(padded.data()) + i);
-  std::string hex;
-  for (const std::uint32_t word : state)
-    for (int shift = 28; shift >= 0; shift -= 4) hex += "0123456789abcdef"[word >> shift & 0xf];
-  return hex;
+std::string sha256_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string piece(std::size_t{1} << 20, '\0');
+  Digest digest;
+  while (file.good()) {
+    file.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    digest.add(std::string_view(piece).substr(0, static_cast<std::size_t>(file.gcount())));
+  }
+  if (!file.eof()) throw RuntimeError("cannot read " + path + "; check the path and its permissions");
+  return digest.hex();
 }
 
 }  // namespace mtf::io

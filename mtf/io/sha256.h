@@ -11,4 +11,7 @@ namespace mtf::io {
 /// 64 lower-case hex digits.
 std::string sha256_hex(std::string_view bytes);
 
+/// The same of a file, read in pieces. Throws RuntimeError when it cannot be read.
+std::string sha256_file(const std::string& path);
+
 }  // namespace mtf::io

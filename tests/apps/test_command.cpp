@@ -36,12 +36,22 @@ std::vector<std::string> examples_of(const std::string& help) {
   return commands;
 }
 
+/// edge.png, and sensor.toml with its jitter to be fitted.
+void add_edge(const Scratch& scratch) {
+  const Result demo = scratch.run("mtf demo -o demo --tolerance 1e-3");
+  const mtf::io::ImageFile edge = mtf::io::read_image((scratch / "demo/edge.exr").string());
+  mtf::io::write_integer((scratch / "edge.png").string(), {{"Y", edge.planes.front().view()}}, {2e-4, 0.0}, {});
+  std::filesystem::copy_file(scratch / "demo/fit.toml", scratch / "sensor.toml",
+                             std::filesystem::copy_options::overwrite_existing);
+}
+
 class HelpOf : public testing::TestWithParam<const char*> {};
 
 TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
   const Scratch scratch;
   scratch.add_sensor();
   add_scene(scratch);
+  if (GetParam() == std::string("measure") || GetParam() == std::string("fit")) add_edge(scratch);
   const Result help = scratch.run(std::string("mtf ") + GetParam() + " --help");
   ASSERT_EQ(help.status, 0);
   EXPECT_EQ(help.err, "");
@@ -54,14 +64,19 @@ TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
   }
 }
 
+std::string test_name(const testing::TestParamInfo<const char*>& parameter) {
+  std::string name = std::string("mtf ") + parameter.param;
+  for (char& c : name) c = c == ' ' ? '_' : c;
+  return name;
+}
+
 INSTANTIATE_TEST_SUITE_P(Every, HelpOf,
                          testing::Values("", "demo", "info", "config", "config init", "config check", "config explain",
                                          "config kinds", "curve", "simulate", "bench", "check"),
-                         [](const auto& parameter) {
-                           std::string name = std::string("mtf ") + parameter.param;
-                           for (char& c : name) c = c == ' ' ? '_' : c;
-                           return name;
-                         });
+                         test_name);
+#ifdef MTFKIT_HAVE_CALIB
+INSTANTIATE_TEST_SUITE_P(Calib, HelpOf, testing::Values("measure", "fit"), test_name);
+#endif
 
 TEST(Command, VersionNamesTheFftLibraryAndItsLicence) {
   const Scratch scratch;

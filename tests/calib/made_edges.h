@@ -57,8 +57,8 @@ Step camera_step(const Camera& camera, double angle_deg, double reach_px = 120.0
 struct Scene {
   std::int64_t width = 128, height = 100;
   double angle_deg = 5.0;
-  std::optional<double> x, y;  ///< a point of the edge; the middle of the image when not given
-  double sagitta_px = 0.0;     ///< parabola, at half_length_px from its vertex
+  std::optional<double> x{}, y{};  ///< a point of the edge; the middle of the image when not given
+  double sagitta_px = 0.0;         ///< parabola, at half_length_px from its vertex
   double half_length_px = 50.0;
   double dark = 0.2, bright = 0.8;
   double gradient_dark = 0.0, gradient_bright = 0.0;  ///< added to the level, per px away from the edge

@@ -40,7 +40,7 @@ TEST(EngineAxis, chirp_evaluates_the_polynomial_at_every_output) {
       const std::size_t lane = 11;
       std::vector<C> expected(static_cast<std::size_t>(j.outputs));
       double energy = 0.0;
-      for (const Term& term : column_terms(j)) {
+      for (const Term& term : axis_terms(j, Parity::even)) {
         const C g(normal(generator), normal(generator)), in = g * C(term.re, term.im);
         const std::size_t row = static_cast<std::size_t>(term.target) * kRow;
         data[row + lane] += static_cast<float>(in.real());
@@ -66,7 +66,7 @@ TEST(EngineAxis, fold_adds_every_frequency_to_its_alias) {
     for (const std::int64_t ratio : {1, 2, 3, 4, 6})
       for (const std::int64_t length : {12, 24, 60}) {
         const AxisJob j = job(basis, length, static_cast<double>(ratio), length / ratio, length);
-        for (const Term& term : column_terms(j))
+        for (const Term& term : axis_terms(j, Parity::even))
           for (std::int64_t o = 0; o < j.outputs; ++o) {
             const double at = static_cast<double>(o), out = static_cast<double>(j.out_length);
             const double x = (at + 0.5) * static_cast<double>(ratio), n = static_cast<double>(length);
@@ -83,6 +83,28 @@ TEST(EngineAxis, fold_adds_every_frequency_to_its_alias) {
             }
           }
       }
+}
+
+TEST(EngineAxis, a_sine_folds_to_a_cosine_of_alternating_sign) {
+  for (const std::int64_t ratio : {1, 2, 3, 4, 6})
+    for (const std::int64_t length : {12, 24, 60}) {
+      const AxisJob j = job(Basis::cosine, length, static_cast<double>(ratio), length / ratio, length);
+      std::vector<bool> seen(static_cast<std::size_t>(length));
+      for (const Term& term : axis_terms(j, Parity::odd)) {
+        seen[static_cast<std::size_t>(term.k)] = true;
+        ASSERT_EQ(term.otf, term.k);
+        for (std::int64_t o = 0; o < j.outputs; ++o) {
+          const double at = static_cast<double>(o) + 0.5, out = static_cast<double>(j.out_length);
+          const double scene =
+              2.0 * std::sin(M_PI * term.k * at * static_cast<double>(ratio) / static_cast<double>(length));
+          const double doubled = term.target == 0 ? 1.0 : 2.0, sign = o % 2 == 0 ? 1.0 : -1.0;
+          ASSERT_NEAR(scene, sign * doubled * term.re * std::cos(M_PI * term.target * at / out), 1e-6);
+        }
+      }
+      // What has no term is no sine on the detector's samples.
+      for (std::int64_t k = 0; k < length; ++k)
+        ASSERT_EQ(seen[static_cast<std::size_t>(k)], k % (2 * j.out_length) != 0);
+    }
 }
 
 TEST(EngineAxis, rotation_keeps_its_accuracy_for_many_turns) {

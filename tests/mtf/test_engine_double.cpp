@@ -29,12 +29,15 @@ struct Case {
   bool cosine_x, cosine_y;
   Border border;
   double ratio_x, ratio_y;
+  bool odd_x = false, odd_y = false;
 };
 
 std::vector<Case> cases() {
   const auto even = with(bare(), {Component<double>::make("diffraction"), motion(9.0, 0.0)});
   const auto uneven = with(bare(), {Component<double>::make("diffraction"), rc(40.0, 0)});
   const auto slanted = with(bare(), {Component<double>::make("diffraction"), motion(9.0, 30.0)});
+  const auto down = with(bare(), {Component<double>::make("diffraction"), rc(40.0, 1)});
+  const auto any = with(bare(), {Component<double>::make("diffraction"), rc(40.0, 0), rc(20.0, 1), motion(9.0, 30.0)});
   std::vector<Case> list;
   for (const auto& [x, y] : {std::pair{1.0, 1.0}, {2.0, 4.0}, {3.7, M_PI}, {2.0, 2.3}}) {
     for (const Border border : kBorders)
@@ -42,6 +45,11 @@ std::vector<Case> cases() {
     list.push_back({even, true, true, Border::reflect, x, y});
     list.push_back({even, false, true, Border::reflect, x, y});
     list.push_back({uneven, false, true, Border::reflect, x, y});
+    // Cosines and sines: what is odd along x, along y, along both together, and all of it.
+    list.push_back({uneven, true, true, Border::reflect, x, y, true, false});
+    list.push_back({down, true, true, Border::reflect, x, y, false, true});
+    list.push_back({slanted, true, true, Border::reflect, x, y, true, true});
+    list.push_back({any, true, true, Border::reflect, x, y, true, true});
   }
   return list;
 }
@@ -50,10 +58,12 @@ constexpr double kLevel = 8.5;
 
 std::shared_ptr<const SpectralFilter> filter_of(const Case& c, const SampleGrid& in, const SampleGrid& out,
                                                 Precision precision, const Engine* relative = nullptr) {
-  const AxisJob x =
+  AxisJob x =
       axis_job(c.cosine_x ? Basis::cosine : Basis::fourier, c.border, in.width, in.step_x_um, out.width, out.step_x_um);
-  const AxisJob y = axis_job(c.cosine_y ? Basis::cosine : Basis::fourier, c.border, in.height, in.step_y_um, out.height,
-                             out.step_y_um);
+  AxisJob y = axis_job(c.cosine_y ? Basis::cosine : Basis::fourier, c.border, in.height, in.step_y_um, out.height,
+                       out.step_y_um);
+  x.odd = c.odd_x;
+  y.odd = c.odd_y;
   constexpr std::array stages{Stage::presample};
   const OtfSampler sampler(c.system, stages, {}, {.fx_max = 500.0 / in.step_x_um, .fy_max = 500.0 / in.step_y_um});
   return make_spectral_filter(sampler, x, y, precision, fft::Rigor::estimate, 1, relative);

@@ -17,9 +17,11 @@ struct Bench {
 std::vector<Bench> setups() {
   const auto even = with(bare(), {Component<double>::make("diffraction"), footprint(12.0)});
   const auto uneven = with(bare(), {Component<double>::make("diffraction"), rc(40.0, 0)});
+  const auto slanted = with(uneven, {rc(20.0, 1), motion(20.0, 40.0)});
   return {{even, scene_grid(even, 260, 203, 2.0, 3.7), Border::reflect},
           {uneven, scene_grid(uneven, 131, 240, 3.7, 2.0), Border::reflect},
           {uneven, scene_grid(uneven, 128, 96, 1.0, 1.0), Border::replicate},
+          {slanted, scene_grid(slanted, 160, 131, 2.0, 1.0), Border::reflect},
           {even, scene_grid(even, 200, 150, 4.0, M_PI), Border::constant}};
 }
 

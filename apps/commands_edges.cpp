@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What the commands about edges take.
+
+#include "apps/command_line.h"
+#include "apps/commands.h"
+
+namespace apps {
+namespace {
+
+constexpr std::array kMethods{std::pair{std::string_view("regression"), false},
+                              std::pair{std::string_view("iso12233"), true}};
+constexpr std::array kLoss{std::pair{std::string_view("huber"), true}, std::pair{std::string_view("squares"), false}};
+constexpr std::array kTableOrJson{kFormats[0], kFormats[2]};
+constexpr std::array kBayer{std::pair{std::string_view("r"), 0},  std::pair{std::string_view("gr"), 1},
+                            std::pair{std::string_view("gb"), 2}, std::pair{std::string_view("b"), 3},
+                            std::pair{std::string_view("g"), 4},  std::pair{std::string_view("all"), 5}};
+constexpr std::array kPatterns{std::pair{std::string_view("rggb"), 0}, std::pair{std::string_view("grbg"), 1},
+                               std::pair{std::string_view("gbrg"), 2}, std::pair{std::string_view("bggr"), 3}};
+
+double positive(const std::string& option, const std::string& text) {
+  const double value = number(option, text);
+  if (!(value > 0.0)) throw mtf::UsageError(option + ": " + text + " has to be above 0");
+  return value;
+}
+
+void add_edge_input(Command& app, EdgeInput& input) {
+  add_word(app, "--roi", "X,Y,W,H", "region with one edge, in pixels; may be given again; default: edges are found",
+           [&](const std::string& text) { input.regions.push_back(rectangle("--roi", text)); })
+      .repeats = true;
+  add_text(app, "--roi-file", "FILE", "regions from a CSV file: x,y,width,height[,name] a line", input.region_file);
+  add_word(app, "--edges", "N", "most edges found in an image; default 64",
+           [&](const std::string& text) { input.most = whole_number("--edges", text, 1, 100'000); });
+  add_text(app, "--encoding", "CODE",
+           "of stored values: linear (default), srgb, gamma:G, or a CSV file with\nstored and linear values (OECF)",
+           input.encoding);
+  add_channel_choice(app, input.channel, input.layer, input.part);
+  add_word(app, "--bayer", "COLOUR", "of a mosaic, without interpolation: r, gr, gb, b, g (both greens) or all",
+           [&](const std::string& text) { input.bayer = kBayer[choice("--bayer", text, kBayer)].first; });
+  add_word(app, "--cfa-pattern", "PATTERN", "of the mosaic's first four pixels: rggb (default), grbg, gbrg or bggr",
+           [&](const std::string& text) { input.pattern = kPatterns[choice("--cfa-pattern", text, kPatterns)].first; });
+  add_text(app, "--mask", "FILE", "image of the same size that is 0 where there are no data", input.mask);
+  add_word(app, "--noise", "SD", "of a pixel, in linear units; default: estimated",
+           [&](const std::string& text) { input.noise_sd = positive("--noise", text); });
+  add_word(app, "--saturation", "VALUE", "stored values from here on are clipped; default: the end of the scale",
+           [&](const std::string& text) { input.saturation = number("--saturation", text); });
+}
+
+}  // namespace
+
+Command measure_command() {
+  const auto shared = std::make_shared<MeasureOptions>();
+  MeasureOptions& options = *shared;
+  Command app{
+      "measure", "the MTF from images of edges, with error bands",
+      "Finds the edges, or takes those of --roi, and gives MTF and figures of merit of each in cycles per pixel\n"
+      "along its normal, with standard deviations. No model of the sensor is needed. What cannot be determined\n"
+      "is said with its reason, in json as null. Channels besides a full name: luminance, or all (each for\n"
+      "itself). --plot and --annotate write the figures of the best edge and of the first image.",
+      "  mtf measure edge.png\n"
+      "  mtf measure edge.png --roi 10,12,80,96 --format json -o edge.json --plot edge.svg"};
+  OptionSpec& images = add_text(app, "images", "IMAGE...", "OpenEXR, PNG or TIFF",
+                                [&](const std::string& text) { options.input.images.push_back(text); });
+  images.required = images.repeats = true;
+  add_edge_input(app, options.input);
+  add_word(app, "--order", "N", "of the polynomial that the edge follows, 1 to 5; default: by an F-test",
+           [&](const std::string& text) { options.order = whole_number("--order", text, 1, 5); });
+  add_flag(app, "--circle", "the edge follows a circle", options.circle);
+  add_choice(app, "--method", "METHOD", "regression (default), or iso12233 to compare with other programs", kMethods,
+             options.iso12233);
+  add_format(app, "table (default), csv (a line an edge) or json", options.format);
+  add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);
+  add_text(app, "--curves", "FILE", "MTF, OTF, ESF and LSF of all edges as CSV", options.curves);
+  add_text(app, "--plot", "FILE", "figure of ESF, LSF and MTF with error band: .svg, .pdf or .png", options.plot);
+  add_text(app, "--map", "FILE", "figure of MTF50 over the field, sagittal and tangential", options.map);
+  add_text(app, "--annotate", "FILE", "PNG of the image with the edges drawn", options.annotate);
+  app.run = [shared](const Global& global) { return run_measure(*shared, global); };
+  return app;
+}
+
+Command fit_command() {
+  const auto shared = std::make_shared<FitOptions>();
+  FitOptions& options = *shared;
+  Command app{
+      "fit", "the sensor's parameters from what it measured, with what the data cannot tell",
+      "Fits every number of the sensor file that is written { value = ..., fit = true } to the pixels of edges, to\n"
+      "MTF curves of other instruments and to images of point sources, all together. min, max and prior = { mean, sd "
+      "}\n"
+      "in the same table are used. Parameters that the data do not determine are said, never given a value as if they\n"
+      "were. Where exposure, focus or band differ between images, a conditions file (frame,parameter,value; the frame\n"
+      "is the number of the image on the command line, from 1) says how, as a schedule does for simulate.\n"
+      "The status is converged_model_wrong where the residuals have structure that noise does not explain.",
+      "  mtf fit sensor.toml edge.png -o fitted.toml\n"
+      "  mtf fit sensor.toml edge.png --format json --report fit.json --plot fit.svg"};
+  add_file(app, "sensor", "sensor file (TOML) with numbers to fit", options.sensor);
+  add_text(app, "images", "IMAGE...", "images of edges: OpenEXR, PNG or TIFF", [&](const std::string& text) {
+    options.input.images.push_back(text);
+  }).repeats = true;
+  add_edge_input(app, options.input);
+  add_text(app, "--curve", "FILE[@DEG]", "MTF curve (CSV) along a direction, default 0; may be given again",
+           [&](const std::string& text) { options.curves.push_back(text); })
+      .repeats = true;
+  add_word(app, "--curve-sd", "SD", "of the values of curves; default 0.01",
+           [&](const std::string& text) { options.curve_sd = positive("--curve-sd", text); });
+  add_text(app, "--spot", "IMAGE", "image of a point source, the whole of it; may be given again",
+           [&](const std::string& text) { options.spots.push_back(text); })
+      .repeats = true;
+  add_text(app, "--conditions", "FILE", "what differs between the images: CSV with frame,parameter,value",
+           options.conditions);
+  add_choice(app, "--loss", "LOSS", "huber (default: outliers count less) or squares", kLoss, options.robust);
+  add_word(app, "--starts", "N", "runs from different starting values; default 1",
+           [&](const std::string& text) { options.starts = whole_number("--starts", text, 1, 1000); });
+  add_flag(app, "--profile", "profile-likelihood intervals of every parameter", options.profile);
+  add_flag(app, "--residual-otf", "OTF of the residuals as an estimate of the systematic error", options.residual_otf);
+  add_choice(app, "--format", "FORMAT", "table (default) or json", kTableOrJson, options.format);
+  add_text(app, "-o,--out", "FILE", "the sensor file with fitted values and standard errors", options.out);
+  add_text(app, "--report", "FILE", "everything that was found, as JSON", options.report);
+  add_text(app, "--plot", "FILE", "figure of the fitted and the measured MTF: .svg, .pdf or .png", options.plot);
+  add_text(app, "--residuals", "FOLDER", "residual images in standard deviations, an OpenEXR file an edge",
+           options.residuals);
+  add_force(app, options.force);
+  app.run = [shared](const Global& global) { return run_fit(*shared, global); };
+  return app;
+}
+
+}  // namespace apps

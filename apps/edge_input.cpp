@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/edge_input.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "apps/output.h"
+#include "calib/bayer.h"
+#include "calib/find_edges.h"
+#include "calib/mask.h"
+#include "calib/roi_file.h"
+#include "mtf/error.h"
+#include "mtf/io/curve_csv.h"
+#include "mtf/io/encoding.h"
+
+namespace apps {
+namespace {
+
+using mtf::Image;
+
+/// Luminance of linear R, G, B with the primaries of ITU-R BT.709.
+constexpr std::array kLuminance{0.2126F, 0.7152F, 0.0722F};
+
+/// Of a file of regions.
+constexpr std::size_t kMostRegionBytes = std::size_t{16} << 20;
+
+struct NamedImage {
+  std::string name;
+  Image plane;
+};
+
+bool same(const Image& a, const Image& b) { return std::equal(a.data(), a.data() + a.size(), b.data()); }
+
+std::vector<NamedImage> chosen_planes(mtf::io::ImageFile&& file, const std::string& image, const EdgeInput& input) {
+  std::vector<NamedImage> planes;
+  if (file.planes.size() == 1) {
+    planes.push_back({"", std::move(file.planes.front())});
+    return planes;
+  }
+  const bool all = input.channel == "all", luminance = input.channel == "luminance";
+  const bool grey =
+      file.planes.size() == 3 && same(file.planes[0], file.planes[1]) && same(file.planes[0], file.planes[2]);
+  if (grey && !all) {
+    planes.push_back({"", std::move(file.planes.front())});
+  } else if (all) {
+    for (std::size_t i = 0; i < file.planes.size(); ++i) planes.push_back({file.names[i], std::move(file.planes[i])});
+  } else if (luminance && file.planes.size() == 3) {
+    Image sum(file.planes[0].width(), file.planes[0].height());
+    for (std::int64_t i = 0; i < sum.size(); ++i)
+      sum.data()[i] = kLuminance[0] * file.planes[0].data()[i] + kLuminance[1] * file.planes[1].data()[i] +
+                      kLuminance[2] * file.planes[2].data()[i];
+    planes.push_back({"luminance", std::move(sum)});
+  } else {
+    std::string names;
+    for (const std::string& name : file.names) names += (names.empty() ? "" : ", ") + one_line(name);
+    throw mtf::UsageError(one_line(image) + ": has the channels " + names +
+                          "; an edge is measured in one: --channel NAME, or luminance, or all for each by itself");
+  }
+  return planes;
+}
+
+std::vector<NamedImage> mosaic_planes(std::vector<NamedImage>&& planes, const std::string& image,
+                                      const EdgeInput& input) {
+  if (input.bayer.empty()) return std::move(planes);
+  if (planes.size() != 1)
+    throw mtf::UsageError(one_line(image) + ": a mosaic has one channel, this image " + std::to_string(planes.size()) +
+                          "; choose one with --channel, or leave out --bayer");
+  static const std::vector<std::string> kAll{"r", "gr", "gb", "b"};
+  std::vector<NamedImage> colours;
+  for (const std::string& colour : input.bayer == "all" ? kAll : std::vector{input.bayer})
+    colours.push_back({colour, calib::bayer_plane(planes.front().plane.view(), input.pattern, colour)});
+  return colours;
+}
+
+void hide_masked(const std::string& file, const std::string& image, std::vector<NamedImage>& planes) {
+  if (file.empty()) return;
+  const mtf::io::ImageFile mask = mtf::io::read_image(file);
+  for (NamedImage& plane : planes) {
+    try {
+      calib::apply_mask(plane.plane.view(), mask.planes.front().view());
+    } catch (const mtf::UsageError& error) {
+      throw mtf::UsageError("mask " + one_line(file) + " for " + one_line(image) + ": " + error.what());
+    }
+  }
+}
+
+/// What the file's numbers say of the values: their step at mid level, and where they end.
+calib::MeasureOptions options_of(const mtf::io::ImageFile& file, const mtf::io::Encoding& encoding,
+                                 const EdgeInput& input, const Image& plane) {
+  calib::MeasureOptions options;
+  options.noise_sd = input.noise_sd;
+  const double full = mtf::io::full_scale(file.info);
+  if (input.saturation) options.saturation = mtf::io::decode(encoding, *input.saturation, full);
+  if (!file.integer) return options;
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (std::int64_t i = 0; i < plane.size(); ++i) {
+    low = std::fmin(low, plane.data()[i]);  // passes over NaN
+    high = std::fmax(high, plane.data()[i]);
+  }
+  options.quantum = mtf::io::quantum_at(encoding, 0.5 * (static_cast<double>(low) + high), full);
+  const double end = mtf::io::decode(encoding, full, full), start = mtf::io::decode(encoding, 0.0, full);
+  if (!options.saturation && std::isfinite(end)) options.saturation = end;
+  if (std::isfinite(start)) options.floor = start;
+  return options;
+}
+
+std::vector<EdgeRegion> given_regions(const std::string& image, const EdgeInput& input, const Image& plane) {
+  std::vector<EdgeRegion> regions;
+  for (const auto& [x, y, width, height] : input.regions) regions.push_back({{x, y, width, height}, ""});
+  if (!input.region_file.empty())
+    for (const calib::NamedRoi& named :
+         calib::parse_roi_file(mtf::io::read_text_file(input.region_file, kMostRegionBytes), input.region_file))
+      regions.push_back({named.roi, named.name});
+  for (const EdgeRegion& region : regions) {
+    const calib::Roi& r = region.roi;
+    if (r.x >= 0 && r.y >= 0 && r.width <= plane.width() && r.height <= plane.height() &&
+        r.x <= plane.width() - r.width && r.y <= plane.height() - r.height)
+      continue;
+    throw mtf::UsageError(one_line(image) + ": the region " + std::to_string(r.x) + "," + std::to_string(r.y) + "," +
+                          std::to_string(r.width) + "," + std::to_string(r.height) + " leaves the image of " +
+                          std::to_string(plane.width()) + " x " + std::to_string(plane.height()) +
+                          " pixels; give a region inside");
+  }
+  return regions;
+}
+
+}  // namespace
+
+std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInput& input) {
+  mtf::io::ReadOptions read{.channel = input.channel, .layer = input.layer, .part = input.part};
+  if (input.channel == "all" || input.channel == "luminance") read.channel.reset();
+  const mtf::io::Encoding encoding = mtf::io::parse_encoding(input.encoding);
+  mtf::io::ImageFile file = mtf::io::read_image(image, read);
+  std::int64_t outside = 0;
+  for (Image& plane : file.planes) outside += mtf::io::decode(encoding, plane.view(), mtf::io::full_scale(file.info));
+
+  mtf::io::ImageFile header;
+  header.integer = file.integer;
+  header.info = file.info;
+  std::vector<NamedImage> planes = mosaic_planes(chosen_planes(std::move(file), image, input), image, input);
+  hide_masked(input.mask, image, planes);
+  std::vector<EdgePlane> result;
+  for (NamedImage& named : planes) {
+    EdgePlane& plane = result.emplace_back();
+    plane.image = image;
+    if (outside > 0)
+      plane.warning = one_line(image) + ": " + std::to_string(outside) + " samples lie outside the table " +
+                      one_line(encoding.name) + " and are taken as no data";
+    plane.channel = named.name;
+    plane.regions = given_regions(image, input, named.plane);
+    plane.options = options_of(header, encoding, input, named.plane);
+    if (plane.regions.empty()) {
+      calib::FindOptions find;
+      find.most = static_cast<std::size_t>(input.most);
+      calib::FoundEdges found = calib::find_edges(named.plane.view(), find);
+      for (const calib::FoundEdge& edge : found.edges) plane.regions.push_back({edge.roi, ""});
+      plane.reason = std::move(found.reason);
+    }
+    plane.plane = std::move(named.plane);
+  }
+  return result;
+}
+
+std::vector<std::string> files_of(const EdgeInput& input) {
+  std::vector<std::string> files = input.images;
+  for (const std::string& file : {input.mask, input.region_file, input.encoding})
+    if (!file.empty()) files.push_back(file);
+  return files;
+}
+
+}  // namespace apps

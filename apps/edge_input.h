@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Images of edges as the command line describes them: linear planes, no data as NaN, and the regions to look at.
+
+#include <string>
+#include <vector>
+
+#include "apps/options.h"
+#include "calib/measure.h"
+
+namespace apps {
+
+struct EdgeRegion {
+  calib::Roi roi;
+  std::string name;  ///< of a region file; "" = none
+};
+
+struct EdgePlane {
+  std::string image;    ///< the file
+  std::string channel;  ///< "" when there is only one
+  mtf::Image plane;
+  std::vector<EdgeRegion> regions;  ///< given or found; empty: `reason`
+  std::string reason;
+  std::string warning;  ///< "" = none
+  calib::MeasureOptions options;  ///< noise, quantum and clipping of these values
+};
+
+/// The planes of one image. Throws UsageError for colour without a choice, a mosaic or mask that does not fit, regions
+/// outside the image; RuntimeError for files that cannot be read.
+std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInput& input);
+
+/// Every file that the input names, for outputs not to replace.
+std::vector<std::string> files_of(const EdgeInput& input);
+
+}  // namespace apps

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf fit`: the sensor's parameters from images of edges, curves and spots.
+
+#include <cmath>
+#include <filesystem>
+
+#include "apps/fit_data.h"
+#include "apps/fit_report.h"
+#include "apps/output.h"
+#include "apps/output_folder.h"
+#include "apps/progress_line.h"
+#include "apps/sensor_file.h"
+#include "apps/simulate_parts.h"
+#include "mtf/error.h"
+#include "mtf/io/image_io.h"
+
+namespace apps {
+namespace {
+
+std::vector<std::string> outputs_of(const FitOptions& options) {
+  std::vector<std::string> outputs{options.out, options.report};
+  if (!options.plot.empty()) {
+    check_figure_path(options.plot);
+    outputs.push_back(options.plot);
+    outputs.push_back(figure_data_path(options.plot));
+  }
+  std::erase(outputs, "");
+  return outputs;
+}
+
+std::vector<std::string> inputs_of(const FitOptions& options, const mtf::io::SensorConfig& sensor) {
+  std::vector<std::string> inputs = files_of(sensor);
+  for (const std::string& file : files_of(options.input)) inputs.push_back(file);
+  inputs.insert(inputs.end(), options.spots.begin(), options.spots.end());
+  if (!options.conditions.empty()) inputs.push_back(options.conditions);
+  for (const std::string& curve : options.curves) inputs.push_back(curve.substr(0, curve.rfind('@')));
+  return inputs;
+}
+
+/// One file an edge or spot, in standard deviations of a pixel.
+void write_residuals(const std::string& folder, const calib::FitResult& result) {
+  int number = 0;
+  for (const calib::FitResiduals& data : result.data) {
+    if (data.residual.size() == 0) continue;
+    mtf::io::Metadata metadata;
+    metadata.text["mtf:quantity"] = "residual / sd";
+    metadata.history = {"mtf fit: " + one_line(data.name)};
+    const std::string file = "residual-" + std::to_string(++number) + ".exr";
+    mtf::io::write_exr((std::filesystem::path(folder) / file).string(), {{"Y", data.residual.view()}}, metadata);
+  }
+}
+
+}  // namespace
+
+int run_fit(const FitOptions& options, const Global& global) {
+  const mtf::io::SensorConfig sensor = load_sensor(options.sensor, global);
+  require_writable(outputs_of(options), inputs_of(options, sensor));
+  if (!options.residuals.empty()) check_folder(options.residuals, options.force);
+  if (options.input.images.empty() && options.curves.empty() && options.spots.empty())
+    throw mtf::UsageError("fit: no data; name images of edges, or give --curve or --spot");
+  const std::vector<calib::FitParameter> parameters = fit_parameters(sensor);
+
+  calib::FitResult result;
+  LoadedData loaded;
+  {
+    ProgressLine progress(global);
+    progress.update("measuring", 0.0);
+    loaded = load_fit_data(options, sensor, global.threads);
+    const calib::FitOptions how{.robust = options.robust,
+                                .starts = options.starts,
+                                .profile = options.profile,
+                                .residual_otf = options.residual_otf,
+                                .threads = global.threads,
+                                .progress = [&](double share) {
+                                  progress.update("fitting", share);
+                                  return true;
+                                }};
+    result = calib::fit(loaded.data, parameters, how);
+  }
+  result.warnings.insert(result.warnings.begin(), loaded.warnings.begin(), loaded.warnings.end());
+
+  const bool fitted =
+      result.status == calib::FitStatus::converged || result.status == calib::FitStatus::converged_model_wrong;
+  const std::string json = fit_json(result, sensor, loaded.files);
+  if (!options.report.empty()) emit(options.report, json);
+  if (fitted) {
+    if (!options.plot.empty() && !write_figures(options.plot, fit_figures(result, loaded.measured)))
+      note(global, "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
+                       one_line(figure_data_path(options.plot)));
+    if (!options.residuals.empty()) {
+      prepare_folder(options.residuals, options.force);
+      write_residuals(options.residuals, result);
+    }
+    if (!options.out.empty()) emit(options.out, fitted_config(result, sensor, loaded.files, options.out));
+  } else if (!options.out.empty()) {
+    note(global, "mtf: note: not fitted: " + one_line(options.out) + " is not written");
+  }
+  print(options.format == Format::json ? json : fit_table(result));
+  return fitted ? 0 : 1;
+}
+
+}  // namespace apps

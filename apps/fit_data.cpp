@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/fit_data.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "apps/arguments.h"
+#include "apps/output.h"
+#include "mtf/error.h"
+#include "mtf/io/curve_csv.h"
+#include "mtf/io/schedule.h"
+#include "mtf/parallel.h"
+
+namespace apps {
+namespace {
+
+using mtf::io::SensorConfig;
+
+/// The sensor of one image after the other; a new one only where a line of the conditions says so.
+class Conditions {
+ public:
+  Conditions(const std::string& file, const SensorConfig& sensor) : systems_{sensor.system} {
+    if (!file.empty()) scheduled_.emplace(sensor, mtf::io::read_schedule(file, sensor));
+  }
+  /// Index of the sensor of the next image.
+  std::size_t next() {
+    if (scheduled_ && scheduled_->advance(++image_)) systems_.push_back(scheduled_->sensor().system);
+    return systems_.size() - 1;
+  }
+  std::vector<mtf::System<double>> take() { return std::move(systems_); }
+
+ private:
+  std::vector<mtf::System<double>> systems_;
+  std::optional<mtf::io::ScheduledSensor> scheduled_;
+  std::int64_t image_ = 0;
+};
+
+/// "jitter.rms" for "presample[1].rms": components by their labels.
+std::string readable_name(const mtf::System<double>& system, const std::string& path) {
+  for (const mtf::Stage stage : mtf::kStages)
+    for (std::size_t i = 0; i < system.list(stage).size(); ++i) {
+      const std::string owner = std::string(stage_name(stage)) + "[" + std::to_string(i) + "].";
+      if (path.starts_with(owner)) return system.list(stage)[i].label + "." + path.substr(owner.size());
+    }
+  return path;
+}
+
+/// "FILE@DEGREES" or "FILE".
+calib::CurveData load_curve(const std::string& word, double sd, const mtf::System<double>& system) {
+  calib::CurveData data;
+  const std::size_t at = word.rfind('@');
+  std::string file = word;
+  if (at != std::string::npos && word.find('/', at) == std::string::npos) {
+    file = word.substr(0, at);
+    data.angle_deg = number("--curve " + one_line(word) + ": the angle", word.substr(at + 1));
+  }
+  const mtf::Curve curve = mtf::io::read_curve_csv(file);
+  data.name = file;
+  data.mtf = curve.value;
+  data.sd = {sd};
+  for (const double f : curve.frequency)
+    data.frequency_cy_mm.push_back(mtf::SpatialFrequency<double>{f, curve.unit}.cy_mm(system.frame, mtf::Axis::x));
+  return data;
+}
+
+void add_edges(LoadedData& loaded, const EdgePlane& plane, std::size_t condition, int threads) {
+  if (!plane.warning.empty()) loaded.warnings.push_back(plane.warning);
+  if (plane.regions.empty()) loaded.warnings.push_back(one_line(plane.image) + ": " + plane.reason);
+  std::vector<MeasuredEdge> measured(plane.regions.size());
+  mtf::parallel_for(std::ssize(measured), 1, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      measured[i] = {
+          .image = plane.image, .channel = plane.channel, .name = plane.regions[i].name, .edge = {}, .place = {}};
+      measured[i].edge = calib::measure_edge(plane.plane.view(), plane.regions[i].roi, plane.options);
+    }
+  });
+  for (MeasuredEdge& edge : measured) {
+    const calib::Roi& roi = edge.edge.roi;
+    loaded.data.edges.push_back({.name = one_line(plane.image) + (plane.channel.empty() ? "" : " " + plane.channel) +
+                                         " " + std::to_string(roi.x) + "," + std::to_string(roi.y) + "," +
+                                         std::to_string(roi.width) + "," + std::to_string(roi.height),
+                                 .image = plane.plane.view(),
+                                 .roi = roi,
+                                 .condition = condition,
+                                 .start = edge.edge,
+                                 .quantum = plane.options.quantum});
+    loaded.measured.push_back(std::move(edge));
+  }
+}
+
+}  // namespace
+
+std::vector<calib::FitParameter> fit_parameters(const SensorConfig& sensor) {
+  std::vector<calib::FitParameter> parameters;
+  for (const mtf::io::FitSpec& spec : sensor.fits)
+    if (spec.fit)
+      parameters.push_back({.path = spec.path,
+                            .name = readable_name(sensor.system, spec.path),
+                            .unit = spec.unit,
+                            .min = spec.min,
+                            .max = spec.max,
+                            .prior = spec.prior});
+  if (parameters.empty())
+    throw mtf::UsageError(one_line(sensor.file) +
+                          ": nothing to fit: write a number of a component as a table, such as\n"
+                          "  rms = { value = \"8 urad\", fit = true, min = \"0 urad\", max = \"50 urad\" }");
+  return parameters;
+}
+
+LoadedData load_fit_data(const FitOptions& options, const SensorConfig& sensor, int threads) {
+  LoadedData loaded;
+  Conditions conditions(options.conditions, sensor);
+  const std::size_t images = options.input.images.size() + options.spots.size();
+  for (const std::string& image : options.input.images) {
+    const std::size_t condition = conditions.next();
+    try {
+      for (EdgePlane& plane : load_edge_planes(image, options.input))
+        add_edges(loaded, loaded.planes.emplace_back(std::move(plane)), condition, threads);
+      loaded.files.push_back(image);
+    } catch (const mtf::Error& error) {
+      if (images == 1) throw;
+      loaded.warnings.push_back(std::string(error.what()) + " (left out)");
+    }
+  }
+  EdgeInput whole = options.input;
+  whole.regions = {{0, 0, 1, 1}};  // the spot's region is the image: none is looked for
+  whole.region_file.clear();
+  for (const std::string& image : options.spots) {
+    const std::size_t condition = conditions.next();
+    for (EdgePlane& made : load_edge_planes(image, whole)) {
+      const EdgePlane& plane = loaded.planes.emplace_back(std::move(made));
+      loaded.data.spots.push_back({.name = one_line(image),
+                                   .image = plane.plane.view(),
+                                   .roi = {0, 0, plane.plane.width(), plane.plane.height()},
+                                   .condition = condition});
+    }
+    loaded.files.push_back(image);
+  }
+  for (const std::string& word : options.curves) {
+    loaded.data.curves.push_back(load_curve(word, options.curve_sd, sensor.system));
+    loaded.files.push_back(loaded.data.curves.back().name);
+  }
+  loaded.data.conditions = conditions.take();
+  return loaded;
+}
+
+}  // namespace apps

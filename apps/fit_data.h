@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What `mtf fit` is given, loaded: images and their measured edges, curves, spots, and the sensor of each.
+
+#include <list>
+#include <string>
+#include <vector>
+
+#include "apps/edge_input.h"
+#include "apps/measure_report.h"
+#include "calib/fit.h"
+#include "mtf/io/config.h"
+
+namespace apps {
+
+struct LoadedData {
+  calib::FitData data;                 ///< refers to `planes`
+  std::list<EdgePlane> planes;         ///< stay where they are
+  std::vector<MeasuredEdge> measured;  ///< one for each edge of `data`
+  std::vector<std::string> files;      ///< that hold the data, for provenance
+  std::vector<std::string> warnings;   ///< images left out of a batch, and why
+};
+
+/// Numbers that the sensor file marks fit = true. Throws UsageError when there is none.
+std::vector<calib::FitParameter> fit_parameters(const mtf::io::SensorConfig& sensor);
+
+/// Loads and measures. An image of several that cannot be used is left out with a warning. Throws as load_edge_planes.
+LoadedData load_fit_data(const FitOptions& options, const mtf::io::SensorConfig& sensor, int threads);
+
+}  // namespace apps

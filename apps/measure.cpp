@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf measure`: MTF and figures of merit of the edges in images.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apps/edge_input.h"
+#include "apps/measure_report.h"
+#include "apps/output.h"
+#include "apps/progress_line.h"
+#include "apps/simulate_parts.h"
+#include "calib/iso12233.h"
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/io/image_io.h"
+#include "mtf/parallel.h"
+
+namespace apps {
+namespace {
+
+constexpr double kNoDeviation = std::numeric_limits<double>::quiet_NaN();
+
+/// The same fields as of the regression; what that method does not know stays empty.
+calib::EdgeMeasurement as_measurement(const calib::Iso12233Result& result, const calib::Roi& roi) {
+  calib::EdgeMeasurement edge;
+  edge.roi = roi;
+  edge.trouble = result.trouble;
+  edge.reason = result.reason;
+  edge.warnings = result.warnings;
+  edge.curve.origin = {static_cast<double>(roi.x) + 0.5 * static_cast<double>(roi.width),
+                       static_cast<double>(roi.y) + 0.5 * static_cast<double>(roi.height)};
+  edge.curve.angle_rad = result.angle_deg * std::numbers::pi / 180.0;
+  edge.angle_deg = {result.angle_deg, kNoDeviation};
+  edge.frequency_cy_px = result.frequency_cy_px;
+  edge.mtf = result.sfr;
+  const auto figure = [&](const char* name, const std::optional<double>& value, const char* why) {
+    if (!value && result.trouble == calib::Trouble::none) edge.absent.emplace_back(name, why);
+    return value ? std::optional(calib::Estimate{*value, kNoDeviation}) : std::nullopt;
+  };
+  edge.mtf50 = figure("mtf50", result.mtf50, "the curve does not fall to 50 %");
+  edge.mtf10 = figure("mtf10", result.mtf10, "the curve does not fall to 10 %");
+  edge.nyquist = figure("nyquist", result.nyquist, "the curve ends before 0.5 cycles/pixel");
+  edge.sampling_efficiency =
+      figure("sampling_efficiency", result.sampling_efficiency, "the curve does not fall to 10 %");
+  return edge;
+}
+
+MeasuredEdge measure(const EdgePlane& plane, const EdgeRegion& region, const MeasureOptions& options) {
+  MeasuredEdge measured{.image = plane.image, .channel = plane.channel, .name = region.name, .edge = {}, .place = {}};
+  if (options.iso12233) {
+    measured.edge = as_measurement(
+        calib::measure_iso12233(plane.plane.view(), region.roi, {.order = options.order.value_or(5)}), region.roi);
+  } else {
+    calib::MeasureOptions how = plane.options;
+    how.order = options.order;
+    how.circle = options.circle;
+    measured.edge = calib::measure_edge(plane.plane.view(), region.roi, how);
+  }
+  if (measured.edge.trouble == calib::Trouble::none)
+    measured.place = field_place(measured.edge, plane.plane.width(), plane.plane.height());
+  return measured;
+}
+
+/// All edges of one plane, several at once.
+std::vector<MeasuredEdge> measure_all(const EdgePlane& plane, const MeasureOptions& options, int threads) {
+  std::vector<MeasuredEdge> edges(plane.regions.size());
+  mtf::parallel_for(std::ssize(edges), 1, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      edges[i] = measure(plane, plane.regions[i], options);
+  });
+  return edges;
+}
+
+/// A region where no edge was found: the image as a whole, with the finder's reason.
+MeasuredEdge nothing_found(const EdgePlane& plane) {
+  MeasuredEdge measured{.image = plane.image, .channel = plane.channel, .name = "", .edge = {}, .place = {}};
+  measured.edge.roi = {0, 0, plane.plane.width(), plane.plane.height()};
+  measured.edge.trouble = calib::Trouble::no_edge;
+  measured.edge.reason = plane.reason;
+  return measured;
+}
+
+void annotate(const std::string& path, const EdgePlane& plane, std::span<const MeasuredEdge> edges) {
+  const mtf::Image& image = plane.plane;
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (std::int64_t i = 0; i < image.size(); ++i) {
+    if (!std::isfinite(image.data()[i])) continue;
+    low = std::min(low, image.data()[i]);
+    high = std::max(high, image.data()[i]);
+  }
+  if (!(low <= high)) low = high = 0.0F;
+  mtf::io::write_annotated_png(path, image.view(), low, high, edge_drawing(edges, image.width(), image.height()));
+}
+
+std::vector<std::string> outputs_of(const MeasureOptions& options) {
+  std::vector<std::string> outputs;
+  if (options.out != "-") outputs.push_back(options.out);
+  outputs.push_back(options.curves);
+  for (const std::string& figure : {options.plot, options.map}) {
+    if (figure.empty()) continue;
+    check_figure_path(figure);
+    outputs.push_back(figure);
+    outputs.push_back(figure_data_path(figure));
+  }
+  outputs.push_back(options.annotate);
+  std::erase(outputs, "");
+  if (!options.annotate.empty() && mtf::io::format_from_extension(options.annotate) != mtf::io::Format::png)
+    throw mtf::UsageError(options.annotate + ": annotated images are PNG; end the name in .png");
+  return outputs;
+}
+
+void write_figures_of(const MeasureOptions& options, const MeasureReport& report, const Global& global) {
+  const auto drawn = [&](bool made, const std::string& path) {
+    note(global, made ? "wrote " + one_line(path)
+                      : "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
+                            one_line(figure_data_path(path)));
+  };
+  if (!options.plot.empty()) {
+    const auto best = std::find_if(report.edges.begin(), report.edges.end(),
+                                   [](const MeasuredEdge& e) { return e.edge.trouble == calib::Trouble::none; });
+    if (best == report.edges.end())
+      note(global, "mtf: note: no edge was measured: no figure " + one_line(options.plot));
+    else
+      drawn(write_figures(options.plot, edge_figures(*best)), options.plot);
+  }
+  if (!options.map.empty()) {
+    const auto map = field_map(report.edges);
+    if (!map)
+      note(global, "mtf: note: no edge has an MTF50: no map " + one_line(options.map));
+    else
+      drawn(write_figure(options.map, *map), options.map);
+  }
+}
+
+std::string formatted(const MeasureReport& report, Format format) {
+  if (format == Format::csv) return measure_csv(report);
+  return format == Format::json ? measure_json(report) : measure_table(report);
+}
+
+}  // namespace
+
+int run_measure(const MeasureOptions& options, const Global& global) {
+  require_writable(outputs_of(options), files_of(options.input));
+  if (options.iso12233 && options.circle)
+    throw mtf::UsageError("--circle: --method iso12233 knows polynomials only; leave out one of the two");
+  MeasureReport report{.method = options.iso12233 ? "iso12233" : "regression", .edges = {}, .failed = {}};
+  const std::vector<std::string>& images = options.input.images;
+  ProgressLine progress(global);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    progress.update("measuring", static_cast<double>(i) / static_cast<double>(images.size()));
+    try {
+      bool first = i == 0;
+      for (const EdgePlane& plane : load_edge_planes(images[i], options.input)) {
+        if (!plane.warning.empty()) note(global, "mtf: warning: " + plane.warning);
+        std::vector<MeasuredEdge> edges = measure_all(plane, options, global.threads);
+        if (edges.empty()) edges.push_back(nothing_found(plane));
+        if (first && !options.annotate.empty()) annotate(options.annotate, plane, edges);
+        first = false;
+        std::move(edges.begin(), edges.end(), std::back_inserter(report.edges));
+      }
+    } catch (const mtf::Error& error) {
+      if (images.size() == 1) throw;
+      report.failed.push_back({images[i], error.what()});
+    }
+  }
+  progress.update("measuring", 1.0);
+  write_figures_of(options, report, global);
+  if (!options.curves.empty()) emit(options.curves, curves_csv(report));
+  emit(options.out, formatted(report, options.format));
+
+  const auto measured = std::count_if(report.edges.begin(), report.edges.end(),
+                                      [](const MeasuredEdge& e) { return e.edge.trouble == calib::Trouble::none; });
+  if (images.size() > 1)
+    note(global, "measured " + std::to_string(measured) + " of " + std::to_string(report.edges.size()) + " edges in " +
+                     std::to_string(images.size() - report.failed.size()) + " of " + std::to_string(images.size()) +
+                     " images");
+  return measured > 0 && report.failed.empty() ? 0 : 1;
+}
+
+}  // namespace apps

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/edge_block.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace calib {
+namespace {
+
+/// |dH / d angle| from which the turn of the blur counts: an angle is known to a milliradian, and the step of a fit
+/// needs no more than that.
+constexpr double kTurns = 0.05;
+
+/// t^k of t = s / half_length for k = 2, 3, ..; beyond the ends they go on along their tangents (edge_curve.h).
+class Powers {
+ public:
+  Powers(const EdgeCurve& curve, double s)
+      : t_(std::clamp(s / curve.half_length_px, -1.0, 1.0)), beyond_(s / curve.half_length_px - t_), slope_(2.0 * t_) {}
+  double value() const { return slope_ * (t_ / k_ + beyond_); }
+  double slope() const { return slope_; }  ///< by t
+  void advance() {
+    slope_ *= t_ * (k_ + 1.0) / k_;
+    k_ += 1.0;
+  }
+
+ private:
+  double t_, beyond_, slope_, k_ = 2.0;
+};
+
+struct Height {
+  double value = 0.0, slope = 0.0;
+};
+Height height(const EdgeCurve& curve, double s) {
+  if (curve.shape == EdgeCurve::Shape::circle) {
+    const double k = curve.curvature_per_px, x = k * s, root = std::sqrt(std::max(1e-6, 1.0 - x * x));
+    return {k * s * s / (1.0 + root), x / root};
+  }
+  Height g;
+  Powers power(curve, s);
+  for (const double c : curve.coefficient) {
+    g.value += c * power.value();
+    g.slope += c * power.slope() / curve.half_length_px;
+    power.advance();
+  }
+  return g;
+}
+
+}  // namespace
+
+EdgeBlock::Place EdgeBlock::on_curve(const EdgeCurve& curve, double across, double along) {
+  const EdgePoint foot = bend(curve, across, along);
+  const auto [g, rise] = height(curve, foot.along_px);
+  const double scale = 1.0 / std::sqrt(1.0 + rise * rise);
+  return {foot.distance_px, foot.along_px, across, -scale, scale * (foot.along_px + g * rise), scale};
+}
+
+inline EdgeBlock::Place EdgeBlock::place_of(const EdgeCurve& curve, Point normal, const Pixel& pixel) {
+  const double px = pixel.x + 0.5 - curve.origin.x, py = pixel.y + 0.5 - curve.origin.y;
+  const double across = normal.x * px + normal.y * py, along = normal.x * py - normal.y * px;
+  if (curve.shape == EdgeCurve::Shape::line) return {across, along, across, -1.0, along, 1.0};
+  return on_curve(curve, across, along);
+}
+
+bool EdgeBlock::keeps_places() const {
+  constexpr std::size_t kMostKept = 500000;  // of 48 bytes
+  return data_->start.curve.shape != EdgeCurve::Shape::line && pixels_.size() <= kMostKept;
+}
+
+const std::vector<EdgeBlock::Place>& EdgeBlock::places(std::span<const double> own) const {
+  const std::span<const double> shape = own.first(2 + curve_unknowns());
+  if (std::equal(shape.begin(), shape.end(), placed_for_.begin(), placed_for_.end())) return places_;
+  placed_for_.assign(shape.begin(), shape.end());
+  const EdgeCurve edge = curve(own);
+  const Point normal = edge.normal();
+  places_.clear();
+  for (const Pixel& pixel : pixels_) places_.push_back(place_of(edge, normal, pixel));
+  return places_;
+}
+
+EdgeBlock::EdgeBlock(const EdgeData& data) : data_(&data) {
+  const Roi& roi = data.roi;
+  const Point normal = data.start.curve.normal();
+  for (std::int64_t y = roi.y; y < roi.y + roi.height; ++y)
+    for (std::int64_t x = roi.x; x < roi.x + roi.width; ++x) {
+      const double value = data.image.at(x, y);
+      if (!std::isfinite(value)) continue;
+      Pixel pixel{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), value, 1.0};
+      const Place place = place_of(data.start.curve, normal, pixel);
+      reach_px_ = std::max(reach_px_, std::abs(place.distance));
+      const double level = place.distance < 0.0 ? data.start.dark : data.start.bright;
+      pixel.sd = sd_at(level);
+      pixels_.push_back(pixel);
+    }
+  reach_px_ += 2.0;
+}
+
+// What rounding adds: half a step of the image's values, and of the float that holds them.
+double EdgeBlock::sd_at(double level) const {
+  const EdgeMeasurement& start = data_->start;
+  const double size = std::max(std::abs(start.dark), std::abs(start.bright));
+  const double rounding = std::max(data_->quantum / std::sqrt(12.0), size * 3e-8);
+  const double middle = 0.5 * (start.dark + start.bright);
+  const double variance = start.noise_sd * start.noise_sd + start.noise_gain * (level - middle);
+  // A gain that leaves no variance on one side was estimated too large.
+  const double floor = 0.01 * start.noise_sd * start.noise_sd;
+  return noise_factor_ * std::sqrt(std::max({variance, floor, rounding * rounding}));
+}
+
+void EdgeBlock::scale_noise(double factor) {
+  noise_factor_ *= std::sqrt(factor);
+  for (Pixel& pixel : pixels_) pixel.sd *= std::sqrt(factor);
+}
+
+std::size_t EdgeBlock::curve_unknowns() const {
+  const EdgeCurve& curve = data_->start.curve;
+  return curve.shape == EdgeCurve::Shape::circle       ? 1
+         : curve.shape == EdgeCurve::Shape::polynomial ? curve.coefficient.size()
+                                                       : 0;
+}
+
+std::vector<double> EdgeBlock::start() const {
+  const EdgeMeasurement& measured = data_->start;
+  std::vector<double> own{0.0, 0.0};
+  if (measured.curve.shape == EdgeCurve::Shape::circle) own.push_back(measured.curve.curvature_per_px);
+  if (measured.curve.shape == EdgeCurve::Shape::polynomial)
+    own.insert(own.end(), measured.curve.coefficient.begin(), measured.curve.coefficient.end());
+  own.push_back(measured.dark);
+  own.push_back(measured.bright - measured.dark);
+  if (gradients_) own.resize(own.size() + 4, 0.0);
+  return own;
+}
+
+EdgeCurve EdgeBlock::curve(std::span<const double> own) const {
+  EdgeCurve curve = data_->start.curve;
+  const Point normal = curve.normal();
+  curve.origin = {curve.origin.x + own[0] * normal.x, curve.origin.y + own[0] * normal.y};
+  curve.angle_rad += own[1];
+  if (curve.shape == EdgeCurve::Shape::circle) curve.curvature_per_px = own[2];
+  if (curve.shape == EdgeCurve::Shape::polynomial)
+    for (std::size_t k = 0; k < curve.coefficient.size(); ++k) curve.coefficient[k] = own[2 + k];
+  return curve;
+}
+
+const StepResponse& EdgeBlock::response(const Sensors& sensors, const EdgeCurve& curve) const {
+  if (kept_.sensors == &sensors && kept_.version == sensors.version() && kept_.angle_rad == curve.angle_rad)
+    return *kept_.step;
+  const SliceNodes nodes = sensors.slice(data_->condition, curve.angle_rad, reach_px_);
+  OtfTable h = sensors.otf(data_->condition, along(curve.angle_rad, nodes.f_cy_px));
+  double most = 0.0;
+  for (const auto& by_angle : h.back()) most = std::max(most, std::hypot(by_angle.re, by_angle.im));
+  const bool turns = most > kTurns;
+  if (!turns) h.pop_back();
+  kept_ = {&sensors, sensors.version(), curve.angle_rad, turns, StepResponse(nodes, h)};
+  return *kept_.step;
+}
+
+NormalMatrix EdgeBlock::accumulate(const Sensors& sensors, std::span<const double> own, bool gradients) const {
+  const EdgeCurve edge = curve(own);
+  const Point normal = edge.normal();
+  const StepResponse& step = response(sensors, edge);
+  const std::size_t bends = curve_unknowns(), levels = 2 + bends, parameters = sensors.parameters();
+  const std::size_t first_parameter = levels + (gradients ? 6 : 2);
+  NormalMatrix all(first_parameter + parameters);
+
+  const double length = edge.half_length_px, dark = own[levels], contrast = own[levels + 1];
+  std::array<double, 4> g{};
+  if (own.size() > levels + 2) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
+  std::vector<double> e(step.count());
+  const std::vector<Place>* const kept = keeps_places() && every_ == 1 ? &places(own) : nullptr;
+  for (std::size_t p = 0; p < pixels_.size(); p += every_) {
+    const Pixel& pixel = pixels_[p];
+    const Place at = kept != nullptr ? (*kept)[p] : place_of(edge, normal, pixel);
+    const double spread = step.at(at.distance, e);
+    const double s = at.along / length, u = at.across / length;
+    const double low = dark + g[0] * s + g[1] * u, rise = contrast + (g[2] - g[0]) * s + (g[3] - g[1]) * u;
+    const BentResidual r = bent((pixel.value - low - rise * e[0]) / pixel.sd, robust_);
+    const double weight = -r.slope / pixel.sd, by_distance = weight * rise * spread;
+
+    const std::span<double> row = all.next();
+    row[0] = by_distance * at.by_offset;
+    row[1] = by_distance * at.by_turn + (kept_.turns ? weight * rise * e[parameters + 1] : 0.0);
+    if (edge.shape == EdgeCurve::Shape::circle) {
+      row[2] = -by_distance * at.scale * 0.5 * at.along * at.along;  // of a small curvature
+    } else if (bends > 0) {
+      Powers power(edge, at.along);
+      for (std::size_t k = 0; k < bends; ++k, power.advance()) row[2 + k] = -by_distance * at.scale * power.value();
+    }
+    row[levels] = weight;
+    row[levels + 1] = weight * e[0];
+    if (gradients) {
+      row[levels + 2] = weight * s * (1.0 - e[0]);
+      row[levels + 3] = weight * u * (1.0 - e[0]);
+      row[levels + 4] = weight * s * e[0];
+      row[levels + 5] = weight * u * e[0];
+    }
+    for (std::size_t i = 0; i < parameters; ++i) row[first_parameter + i] = weight * rise * e[1 + i];
+    row[first_parameter + parameters] = r.value;
+    all.add();
+  }
+  return all;
+}
+
+NormalMatrix EdgeBlock::normal(const Sensors& sensors, std::span<const double> own) const {
+  return accumulate(sensors, own, gradients_);
+}
+NormalMatrix EdgeBlock::normal_with_gradients(const Sensors& sensors, std::span<const double> own) const {
+  return accumulate(sensors, own, true);
+}
+
+std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<const double> own,
+                                           std::size_t every) const {
+  const EdgeCurve edge = curve(own);
+  const Point normal = edge.normal();
+  const StepResponse& step = response(sensors, edge);
+  const std::size_t levels = 2 + curve_unknowns();
+  const double length = edge.half_length_px, dark = own[levels], contrast = own[levels + 1];
+  std::array<double, 4> g{};
+  if (gradients_) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
+  std::vector<double> e(step.count());
+  const std::vector<Place>* const kept = keeps_places() && every == 1 ? &places(own) : nullptr;
+  std::vector<Residual> all;
+  all.reserve(pixels_.size() / every + 1);
+  for (std::size_t p = 0; p < pixels_.size(); p += every) {
+    const Pixel& pixel = pixels_[p];
+    const Place at = kept != nullptr ? (*kept)[p] : place_of(edge, normal, pixel);
+    step.at(at.distance, e);
+    const double s = at.along / length, u = at.across / length;
+    const double low = dark + g[0] * s + g[1] * u, rise = contrast + (g[2] - g[0]) * s + (g[3] - g[1]) * u;
+    all.push_back({pixel.x, pixel.y, (pixel.value - low - rise * e[0]) / pixel.sd, at.distance, pixel.sd});
+  }
+  return all;
+}
+
+void EdgeBlock::update_noise(const Sensors& sensors, std::span<const double> own) {
+  if (data_->start.noise_gain == 0.0) return;
+  const std::vector<Residual> all = residuals(sensors, own);
+  for (std::size_t i = 0; i < pixels_.size(); ++i)
+    pixels_[i].sd = sd_at(pixels_[i].value - all[i].value * pixels_[i].sd);
+}
+
+}  // namespace calib

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calib/fit_build.h"
+#include "calib/fit_rounds.h"
+#include "calib/profile.h"
+
+namespace calib {
+namespace {
+
+/// Tells the caller how far the work is, about: in steps of the minimiser.
+class Progress {
+ public:
+  Progress(const FitOptions& options, double steps) : options_(&options), steps_(steps) {}
+  bool stopped() const { return stopped_; }
+  std::function<bool()> asks() {
+    if (!options_->progress) return {};
+    return [this] {
+      stopped_ = stopped_ || !options_->progress(std::min(0.99, ++done_ / steps_));
+      return !stopped_;
+    };
+  }
+
+ private:
+  const FitOptions* options_;
+  double steps_ = 1.0, done_ = 0.0;
+  bool stopped_ = false;
+};
+
+void report_mtf(const Solved& solved, FitResult& result) {
+  for (int i = 0; i < kCurveSamples; ++i) result.frequency_cy_px.push_back(i * kCurveStep_cy_px);
+  const std::vector<Functional> h = mtf_of(solved, result.frequency_cy_px);
+  for (const Functional& m : h) {
+    result.mtf.push_back(m.value);
+    result.mtf_sd.push_back(sd_of(solved, m));
+  }
+  const Functional variance = equivalent_variance(solved);
+  result.equivalent_variance_px2 = {variance.value, sd_of(solved, variance)};
+  for (std::size_t k = 1; k < h.size(); ++k) {
+    if (!(h[k - 1].value >= 0.5 && h[k].value < 0.5)) continue;
+    // The secant, refined on the curve itself.
+    double lo = result.frequency_cy_px[k - 1], hi = result.frequency_cy_px[k];
+    for (int i = 0; i < 40; ++i) {
+      const double middle = 0.5 * (lo + hi);
+      const std::vector<PixelFreq> at = along(solved.angle_rad, {&middle, 1});
+      (solved.problem->sensors->modulus(solved.condition, at).front() >= 0.5 ? lo : hi) = middle;
+    }
+    const Functional at = mtf_of(solved, {&lo, 1}).front();
+    const double slope = (h[k].value - h[k - 1].value) / kCurveStep_cy_px;
+    result.mtf50 = {lo, sd_of(solved, at) / std::abs(slope)};
+    return;
+  }
+}
+
+void report_profiles(FitProblem& problem, const Solved& solved, double cost, Progress& progress, FitResult& result) {
+  double factor = 0.0, weight = 0.0;
+  const std::vector<std::size_t> counts = counts_of(problem);
+  for (std::size_t b = 0; b < counts.size(); ++b) {
+    factor += trusted_noise(solved.noise_factor[b]) * static_cast<double>(counts[b]);
+    weight += static_cast<double>(counts[b]);
+  }
+  factor /= weight;
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    FittedParameter& p = result.parameters[i];
+    if (p.knowledge == Knowledge::not_determined) continue;
+    const auto index = static_cast<Eigen::Index>(i);
+    const double sd = std::sqrt(solved.identified.covariance(index, index));
+    const auto ends = profile(problem, i, sd, cost, factor, progress.asks());
+    if (!ends) return;
+    p.interval68 = ends->interval68;
+    p.interval95 = ends->interval95;
+    const Variable& v = problem.variables[i];
+    if (p.limit95) p.limit95 = problem.x[i] - v.lo < v.hi - problem.x[i] ? ends->upper95 : ends->lower95;
+  }
+}
+
+}  // namespace
+
+std::string_view knowledge_name(Knowledge knowledge) {
+  constexpr std::array<std::string_view, 4> kNames{"determined", "at_bound", "prior_only", "not_determined"};
+  return kNames[static_cast<std::size_t>(knowledge)];
+}
+std::string_view status_name(FitStatus status) {
+  constexpr std::array<std::string_view, 5> kNames{"converged", "converged_model_wrong", "not_converged", "no_data",
+                                                   "stopped"};
+  return kNames[static_cast<std::size_t>(status)];
+}
+
+FitResult fit(const FitData& data, std::span<const FitParameter> parameters, const FitOptions& options) {
+  FitSetup setup = make_setup(data, parameters, options);
+  FitProblem& problem = setup.problem;
+  FitResult result;
+  result.warnings = setup.warnings;
+  if (problem.blocks.empty()) {
+    result.status = FitStatus::no_data;
+    result.reason = setup.warnings.empty() ? "no edges, curves or spots were given" : setup.warnings.front();
+    for (std::size_t i = 0; i < parameters.size(); ++i)
+      result.parameters.push_back({.parameter = parameters[i], .start = setup.start[i], .value = setup.start[i]});
+    result.system = data.conditions.front();
+    return result;
+  }
+
+  const int starts = std::max(1, options.starts);
+  constexpr double kSteps = 8.0, kProfileSteps = 120.0;  // of a run, of a profile
+  Progress progress(options, kSteps * (starts + 1) +
+                                 (options.profile ? kProfileSteps * static_cast<double>(parameters.size()) : 0.0));
+  Solved solved{.problem = &problem};
+  const Solution solution = minimise(problem, solved, {options.robust, starts, progress.asks()});
+  result.iterations = solution.iterations;
+  result.starts_agreeing = solution.agreeing;
+  result.status = solution.stopped     ? FitStatus::stopped
+                  : solution.converged ? FitStatus::converged
+                                       : FitStatus::not_converged;
+  if (solution.stopped)
+    result.reason = "stopped before the fit had converged; the values are those of the last step";
+  else if (!solution.converged)
+    result.reason = "no minimum was found within the allowed steps; start closer, set bounds, or ask for more starts";
+
+  for (std::size_t b = 0; b < problem.blocks.size(); ++b)
+    if (const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b])) {
+      if (solved.normals_rad.empty()) {
+        solved.condition = edge->condition();
+        solved.angle_rad = edge->curve(problem.own[b]).angle_rad;
+      }
+      solved.normals_rad.push_back(edge->curve(problem.own[b]).angle_rad);
+    }
+  judge(solved, parameters);
+  result.not_separable = null_directions(problem, solved, parameters);
+  result.parameters = fitted_parameters(solved, parameters, setup.start);
+  result.correlation = correlations(solved);
+  report_mtf(solved, result);
+  if (options.residual_otf) result.residual_otf.assign(result.frequency_cy_px.size(), 0.0);
+  report_data(data, setup.block_of, solved, result);
+  if (options.profile && solution.converged) report_profiles(problem, solved, solution.cost, progress, result);
+  if (progress.stopped() && result.status != FitStatus::stopped) {
+    result.status = FitStatus::stopped;
+    result.reason = "stopped; what had been finished is given";
+  }
+  // The system last: it shares its components with the sensors, which are not changed any more. Bounds at zero are
+  // meant exactly.
+  std::vector<double> values;
+  for (const FittedParameter& p : result.parameters) values.push_back(p.value);
+  setup.sensors->set(values);
+  result.system = setup.sensors->system(0);
+  result.system.band_nodes = data.conditions.front().band_nodes;
+  return result;
+}
+
+}  // namespace calib

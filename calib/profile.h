@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Profile likelihood: how far a parameter can move, everything else fitted anew, until chi-square has risen by
+// a quantile. Right where the likelihood is not a parabola; costs a few fits an end.
+
+#include "calib/fit_problem.h"
+
+namespace calib {
+
+struct ProfileEnds {
+  std::array<double, 2> interval68{}, interval95{};  ///< values; a bound where chi-square does not rise that far
+  double lower95 = 0.0, upper95 = 0.0;               ///< one-sided limits
+};
+
+/// Of variable i around the minimum, where the problem stands, and stands again afterwards. `sd`: of x. `noise_factor`:
+/// chi-square per degree of freedom, by which rises are divided. Nothing when stopped.
+std::optional<ProfileEnds> profile(FitProblem& problem, std::size_t i, double sd, double cost, double noise_factor,
+                                   const std::function<bool()>& go_on);
+
+}  // namespace calib

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// From the values that an image file stores back to light. Measuring needs values proportional to light; many files
+// hold an encoded version of them. With the full scale W of the file (255, 65535, 1 for floating point) and v = stored
+// / W,
+//   linear     L = stored
+//   srgb       L = W v / 12.92                      for v <= 0.04045
+//              L = W ((v + 0.055) / 1.055)^2.4      above      (IEC 61966-2-1, 5.2)
+//   gamma:g    L = W sign(v) |v|^g
+//   a file     L by straight lines through a measured table of stored and linear values (an inverse OECF, ISO 14524)
+// so that 0 and the full scale stay what they are; only a table has units of its own.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mtf/image.h"
+#include "mtf/io/image_io.h"
+
+namespace mtf::io {
+
+struct Encoding {
+  enum class Kind { linear, srgb, gamma, table };
+
+  Kind kind = Kind::linear;
+  double gamma = 1.0;                  ///< of Kind::gamma
+  std::vector<double> stored, linear;  ///< of Kind::table: stored rises; linear rises or falls, flat parts allowed
+  std::string name = "linear";         ///< as reports call it
+};
+
+/// "linear", "srgb", "gamma:2.2" (0.1 to 10) or the path of a table. Throws UsageError that lists these for any other
+/// word, RuntimeError for a file that cannot be read.
+Encoding parse_encoding(const std::string& text);
+
+/// A table of two columns, stored and linear value, separated by comma, semicolon or tab; a first line without numbers
+/// is a header, `#` starts a comment line. 2 to a million rows. Throws UsageError "file:line: ...".
+Encoding parse_oecf(std::string_view text, const std::string& source);
+
+/// Largest value that the file's samples can store; 1 for floating point.
+double full_scale(const FileInfo& info);
+
+/// The linear value; NaN outside a table.
+double decode(const Encoding& encoding, double stored, double full_scale);
+
+/// All samples in place. Returns how many became NaN because they lie outside the table.
+std::int64_t decode(const Encoding& encoding, ImageView<float> image, double full_scale);
+
+/// The step in linear values that one `step` of stored values makes where the linear value is `level`: what rounding to
+/// whole counts is worth there. 0 where nothing is stored at that level.
+double quantum_at(const Encoding& encoding, double level, double full_scale, double step = 1.0);
+
+}  // namespace mtf::io

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf fit`: the loop simulate -> measure -> fit -> simulate, and what programs rely on.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "mtf/io/config.h"
+#include "mtf/io/image_io.h"
+#include "tests/apps/command.h"
+#include "tests/calib/made_edges.h"
+
+namespace {
+
+using apps_test::read_file;
+using apps_test::Result;
+using apps_test::Scratch;
+using apps_test::write_file;
+using Json = nlohmann::json;
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+// The demo's edge went through the FFT plan; its jitter of 2 um is found again, and the fitted file gives the curve
+// that the sensor has.
+TEST(FitCommand, FindsTheSensorOfTheDemo) {
+  const Scratch scratch;
+  ASSERT_EQ(scratch.run("mtf demo -o demo").status, 0);
+  const Result fit = scratch.run("mtf fit demo/fit.toml demo/edge.exr -o fitted.toml --format json");
+  ASSERT_EQ(fit.status, 0) << fit.err;
+  const Json json = Json::parse(fit.out);
+  EXPECT_EQ(json.at("status"), "converged") << json.at("reason") << json.at("warnings");
+  ASSERT_EQ(json.at("parameters").size(), 1U);
+  const Json& jitter = json.at("parameters")[0];
+  EXPECT_EQ(jitter.at("name"), "jitter.rms");
+  EXPECT_EQ(jitter.at("unit"), "um");
+  EXPECT_EQ(jitter.at("start").get<double>(), 4.0);
+  // Four standard errors of a seeded draw; 0.2 % of the contrast is its noise.
+  const double standard_error = jitter.at("stderr").get<double>();
+  EXPECT_NEAR(jitter.at("value").get<double>(), 2.0, 4.0 * standard_error);
+  EXPECT_LT(standard_error, 0.06);
+  const auto at_nyquist = [&](const std::string& sensor) {
+    const Result curve = scratch.run("mtf curve " + sensor + " --freq 0.5 --unit cy/px --format json");
+    return Json::parse(curve.out).at("system").at("re")[0].get<double>();
+  };
+  EXPECT_NEAR(at_nyquist("fitted.toml"), at_nyquist("demo/sensor.toml"), 2e-3);
+  EXPECT_EQ(scratch.run("mtf config check fitted.toml").status, 0);
+  EXPECT_NE(read_file(scratch / "fitted.toml").find("stderr = "), std::string::npos);
+  EXPECT_TRUE(read_file(scratch / "fitted.toml").starts_with("# demo/fit.toml"));
+
+  const Json measured = Json::parse(scratch.run("mtf measure demo/edge.exr --format json").out).at("edges")[0];
+  const Json& nyquist = measured.at("nyquist");
+  EXPECT_NEAR(nyquist.at("value").get<double>(), at_nyquist("demo/sensor.toml --angle -5"),
+              4.0 * nyquist.at("sd").get<double>());
+}
+
+TEST(FitCommand, EveryOutputIsWritten) {
+  const Scratch scratch;
+  ASSERT_EQ(scratch.run("mtf demo -o demo").status, 0);
+  const Result fit = scratch.run(
+      "mtf fit demo/fit.toml demo/edge.exr -o fitted.toml --report fit.json --plot fit.svg --residuals residuals "
+      "--profile --residual-otf");
+  ASSERT_EQ(fit.status, 0) << fit.err;
+  EXPECT_NE(fit.out.find("jitter.rms"), std::string::npos);
+  const Json json = Json::parse(read_file(scratch / "fit.json"));
+  EXPECT_TRUE(json.at("parameters")[0].at("interval95").is_array());
+  EXPECT_TRUE(json.at("residual_otf").is_array());
+  EXPECT_EQ(json.at("correlation").size(), 1U);
+  EXPECT_NE(read_file(scratch / "fit.csv"), "");
+  const mtf::io::ImageFile residual = mtf::io::read_image((scratch / "residuals" / "residual-1.exr").string());
+  EXPECT_EQ(residual.planes.front().width(), 128);
+}
+
+// Jitter and smear along one direction have the same second moment: one edge cannot tell them apart.
+TEST(FitCommand, SaysWhatOneEdgeCannotTell) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const std::string fit_jitter =
+      "rms = { value = \"2 um\", fit = true, min = \"0 um\", max = \"20 um\" }\n"
+      "[[presample]]\nkind = \"linear_motion\"\n"
+      "travel = { value = \"5 um\", fit = true, min = \"0 um\", max = \"40 um\" }";
+  write_file(scratch / "fit.toml", replaced(read_file(scratch / "sensor.toml"), "rms = \"2 um\"", fit_jitter));
+  const double s = 4.0 * 2.0 / 15.0;
+  const made::Step step = made::camera_step({.s = s, .pixel = 1.0, .variance = 0.06}, 5.0);
+  mtf::io::write_exr((scratch / "edge.exr").string(), {{"Y", made::make(step, {.noise_sd = 0.01}).view()}}, {});
+  const Result fit = scratch.run("mtf fit fit.toml edge.exr -o fitted.toml --format json");
+  ASSERT_EQ(fit.status, 0) << fit.err;
+  const Json json = Json::parse(fit.out);
+  ASSERT_EQ(json.at("not_separable").size(), 1U) << json;
+  EXPECT_NE(json.at("not_separable")[0].at("text").get<std::string>().find("jitter.rms"), std::string::npos);
+  for (const Json& parameter : json.at("parameters")) {
+    EXPECT_TRUE(parameter.at("value").is_null()) << parameter;
+    EXPECT_TRUE(parameter.at("stderr").is_null()) << parameter;
+  }
+  EXPECT_EQ(read_file(scratch / "fitted.toml").find("stderr"), std::string::npos);
+  EXPECT_EQ(scratch.run("mtf config check fitted.toml").status, 0);
+}
+
+TEST(FitCommand, BadRequests) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  ASSERT_EQ(scratch.run("mtf demo -o demo").status, 0);
+  const auto refused = [&](const std::string& arguments, const std::string& word, int status = 2) {
+    const Result result = scratch.run("mtf fit " + arguments);
+    EXPECT_EQ(result.status, status) << arguments << result.out;
+    EXPECT_NE((result.err + result.out).find(word), std::string::npos) << result.err << result.out;
+    EXPECT_FALSE(std::filesystem::exists(scratch / "fitted.toml")) << arguments;
+  };
+  refused("sensor.toml demo/edge.exr -o fitted.toml", "nothing to fit");
+  refused("demo/fit.toml -o fitted.toml", "no data");
+  refused("demo/fit.toml demo/edge.exr -o demo/fit.toml", "demo/fit.toml");
+  refused("demo/fit.toml demo/edge.exr --curve missing.csv", "missing.csv", 1);
+  write_file(scratch / "curve.csv", "frequency_cy_px,mtf\n0.1,nan\n0.2,0.5\n");
+  refused("demo/fit.toml --curve curve.csv -o fitted.toml", "curve.csv");
+}
+
+}  // namespace

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf measure`: shapes that programs rely on, edges of known MTF through files, and what is said of bad ones.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "mtf/io/image_io.h"
+#include "tests/apps/command.h"
+#include "tests/calib/made_edges.h"
+
+namespace {
+
+using apps_test::lines;
+using apps_test::read_file;
+using apps_test::Result;
+using apps_test::Scratch;
+using apps_test::write_file;
+using Json = nlohmann::json;
+
+/// An EXR of an edge with a Gaussian point spread, MTF50 at 0.3 cycles/pixel.
+void add_edge(const Scratch& scratch, const char* name, const made::Scene& scene) {
+  static const made::Step step = made::Step::gaussian(0.3);
+  mtf::io::write_exr((scratch / name).string(), {{"Y", made::make(step, scene).view()}}, {});
+}
+
+Json measure(const Scratch& scratch, const std::string& arguments, int status = 0) {
+  const Result result = scratch.run("mtf measure " + arguments + " --format json");
+  EXPECT_EQ(result.status, status) << result.err;
+  return Json::parse(result.out);
+}
+
+double value(const Json& edge, const char* name) { return edge.at(name).at("value").get<double>(); }
+
+TEST(Measure, OneEdgeWithItsCurves) {
+  const Scratch scratch;
+  add_edge(scratch, "edge.exr", {.noise_sd = 0.01});
+  const Json json = measure(scratch, "edge.exr");
+  ASSERT_EQ(json.at("edges").size(), 1U);
+  EXPECT_EQ(json.at("unit"), "cycles/pixel");
+  const Json& edge = json.at("edges")[0];
+  EXPECT_EQ(edge.at("roi"), Json({0, 0, 128, 100}));
+  EXPECT_TRUE(edge.at("reason").is_null()) << edge.at("reason");
+  EXPECT_NEAR(edge.at("angle_deg").get<double>(), 5.0, 0.1);
+  // Within five of its own standard deviations, which are those of the noise: 0.6 to 0.75 % (calib/README.md).
+  EXPECT_NEAR(value(edge, "mtf50"), 0.3, 5.0 * edge.at("mtf50").at("sd").get<double>());
+  EXPECT_LT(edge.at("mtf50").at("sd").get<double>(), 0.004);
+  const auto frequency = edge.at("mtf").at("frequency").get<std::vector<double>>();
+  const auto mtf = edge.at("mtf").at("value").get<std::vector<double>>();
+  const auto sd = edge.at("mtf").at("sd").get<std::vector<double>>();
+  ASSERT_EQ(frequency.size(), mtf.size());
+  ASSERT_EQ(frequency.size(), sd.size());
+  EXPECT_EQ(frequency.front(), 0.0);
+  EXPECT_EQ(frequency.back(), 1.0);
+  EXPECT_NEAR(mtf.front(), 1.0, 1e-9);
+  for (std::size_t i = 0; i < mtf.size(); ++i)
+    EXPECT_NEAR(mtf[i], std::exp2(-std::pow(frequency[i] / 0.3, 2)), 6.0 * sd[i] + 1e-4) << frequency[i];
+  EXPECT_EQ(edge.at("esf").at("distance_px").size(), edge.at("esf").at("value").size());
+}
+
+TEST(Measure, EveryOutputIsWritten) {
+  const Scratch scratch;
+  add_edge(scratch, "edge.exr", {.noise_sd = 0.01});
+  const Result result = scratch.run(
+      "mtf measure edge.exr --format csv -o edge.csv --curves curves.csv --plot plot.svg --map map.svg "
+      "--annotate edges.png");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(lines(read_file(scratch / "edge.csv")), 2U);
+  const std::string curves = read_file(scratch / "curves.csv");
+  EXPECT_TRUE(curves.starts_with("edge,curve,x,value,sd\n"));
+  for (const char* curve : {"mtf", "otf_re", "otf_im", "esf", "lsf"})
+    EXPECT_NE(curves.find("\n1," + std::string(curve) + ","), std::string::npos) << curve;
+  EXPECT_NE(read_file(scratch / "plot.csv"), "");
+  EXPECT_NE(read_file(scratch / "map.csv"), "");
+  const mtf::io::FileInfo picture = mtf::io::read_info((scratch / "edges.png").string());
+  EXPECT_EQ(picture.width % 128, 0);
+  EXPECT_EQ(picture.channels.size(), 3U);
+  const Result table = scratch.run("mtf measure edge.exr");
+  EXPECT_NE(table.out.find("MTF50 [cy/px]"), std::string::npos);
+  EXPECT_NE(table.out.find("0.3"), std::string::npos);
+}
+
+TEST(Measure, Iso12233IsLowAndSaysSo) {
+  const Scratch scratch;
+  add_edge(scratch, "edge.exr", {});
+  const Json json = measure(scratch, "edge.exr --method iso12233");
+  const Json& edge = json.at("edges")[0];
+  EXPECT_EQ(json.at("method"), "iso12233");
+  EXPECT_TRUE(edge.at("mtf50").at("sd").is_null());
+  // sfrmat5 measures 0.29837 on the public edge of this kind (edges of MTF50 0.3 at 5 degrees).
+  EXPECT_NEAR(value(edge, "mtf50"), 0.2984, 5e-4);
+  EXPECT_FALSE(edge.at("warnings").empty());
+}
+
+TEST(Measure, EncodedMosaicAndMaskedImages) {
+  const Scratch scratch;
+  static const made::Step step = made::Step::gaussian(0.3);
+  mtf::Image image = made::make(step, {.width = 160, .height = 160});
+  // A 16-bit PNG through the sRGB curve.
+  mtf::Image coded = image.clone();
+  for (std::int64_t i = 0; i < coded.size(); ++i) {
+    const double l = coded.data()[i];
+    coded.data()[i] = static_cast<float>(l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1.0 / 2.4) - 0.055);
+  }
+  mtf::io::write_integer((scratch / "srgb.png").string(), {{"Y", coded.view()}}, {1.0 / 65535.0, 0.0}, {});
+  EXPECT_NEAR(value(measure(scratch, "srgb.png --encoding srgb").at("edges")[0], "mtf50"), 0.3, 0.0005);
+  EXPECT_GT(std::abs(value(measure(scratch, "srgb.png").at("edges")[0], "mtf50") - 0.3), 0.001);
+
+  mtf::io::write_exr((scratch / "mosaic.exr").string(), {{"Y", image.view()}}, {});
+  const Json mosaic = measure(scratch, "mosaic.exr --roi 0,0,160,160 --bayer all");
+  ASSERT_EQ(mosaic.at("edges").size(), 4U);
+  for (const Json& edge : mosaic.at("edges")) EXPECT_NEAR(value(edge, "mtf50"), 0.3, 0.002) << edge.at("channel");
+
+  mtf::Image mask(160, 160);
+  for (std::int64_t y = 0; y < 160; ++y)
+    for (std::int64_t x = 0; x < 160; ++x) {
+      const bool hidden = x > 100 && y > 60 && y < 100;
+      mask.at(x, y) = hidden ? 0.0F : 1.0F;
+      if (hidden) image.at(x, y) = 5.0F;
+    }
+  mtf::io::write_exr((scratch / "stain.exr").string(), {{"Y", image.view()}}, {});
+  mtf::io::write_exr((scratch / "mask.exr").string(), {{"Y", mask.view()}}, {});
+  const Json masked = measure(scratch, "stain.exr --mask mask.exr --roi 0,0,160,160");
+  EXPECT_NEAR(value(masked.at("edges")[0], "mtf50"), 0.3, 0.001);
+}
+
+TEST(Measure, ColourAsksForAChannel) {
+  const Scratch scratch;
+  static const made::Step step = made::Step::gaussian(0.3);
+  const mtf::Image red = made::make(step, {}), green = made::make(step, {.bright = 0.9});
+  mtf::io::write_exr((scratch / "colour.exr").string(), {{"R", red.view()}, {"G", green.view()}, {"B", red.view()}},
+                     {});
+  const Result refused = scratch.run("mtf measure colour.exr");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("--channel"), std::string::npos) << refused.err;
+  EXPECT_EQ(measure(scratch, "colour.exr --channel all").at("edges").size(), 3U);
+  EXPECT_EQ(measure(scratch, "colour.exr --channel luminance").at("edges")[0].at("channel"), "luminance");
+  mtf::io::write_exr((scratch / "grey.exr").string(), {{"R", red.view()}, {"G", red.view()}, {"B", red.view()}}, {});
+  EXPECT_EQ(measure(scratch, "grey.exr").at("edges").size(), 1U);
+}
+
+TEST(Measure, WhatCannotBeMeasuredIsNullWithAReason) {
+  const Scratch scratch;
+  const auto write = [&](const char* name, const mtf::Image& image) {
+    mtf::io::write_exr((scratch / name).string(), {{"Y", image.view()}}, {});
+  };
+  mtf::Image flat(64, 64), none(64, 64), dot(1, 1);
+  for (std::int64_t i = 0; i < flat.size(); ++i) {
+    flat.data()[i] = 0.5F;
+    none.data()[i] = std::numeric_limits<float>::quiet_NaN();
+  }
+  dot.data()[0] = 1.0F;
+  write("flat.exr", flat);
+  write("none.exr", none);
+  write("dot.exr", dot);
+  for (const std::string name : {"flat.exr", "none.exr", "dot.exr"})
+    for (const std::string region : {"", " --roi 0,0,1,1"}) {
+      const Json json = measure(scratch, name + region, 1);
+      ASSERT_EQ(json.at("edges").size(), 1U) << name;
+      const Json& edge = json.at("edges")[0];
+      EXPECT_TRUE(edge.at("mtf50").is_null()) << name;
+      EXPECT_TRUE(edge.at("mtf").is_null()) << name;
+      EXPECT_TRUE(edge.at("reason").is_string()) << name;
+      EXPECT_NE(edge.at("outcome"), "measured") << name;
+    }
+  const Result outside = scratch.run("mtf measure flat.exr --roi 60,0,10,10");
+  EXPECT_EQ(outside.status, 2);
+  EXPECT_NE(outside.err.find("60,0,10,10"), std::string::npos) << outside.err;
+}
+
+TEST(Measure, ABatchGoesOnWithTheOthers) {
+  const Scratch scratch;
+  add_edge(scratch, "edge.exr", {});
+  write_file(scratch / "broken.png", "no image");
+  const Result result = scratch.run("mtf measure broken.png edge.exr --format json -o all.json");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(result.err.find("1 of 2"), std::string::npos) << result.err;
+  const Json json = Json::parse(read_file(scratch / "all.json"));
+  EXPECT_EQ(json.at("edges").size(), 1U);
+  ASSERT_EQ(json.at("failed").size(), 1U);
+  EXPECT_EQ(json.at("failed")[0].at("image"), "broken.png");
+}
+
+}  // namespace

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/find_edges.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <map>
+#include <set>
+
+#include "calib/iso12233.h"
+#include "edge_truth.h"
+#include "made_scenes.h"
+#include "mtf/error.h"
+
+namespace calib {
+namespace {
+
+using test::made_scene;
+using test::Side;
+using test::Square;
+
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+bool inside(const mtf::Image& image, const Roi& roi) {
+  return roi.width > 0 && roi.height > 0 && roi.x >= 0 && roi.y >= 0 && roi.x + roi.width <= image.width() &&
+         roi.y + roi.height <= image.height();
+}
+
+/// Every region holds one side, of at least `least` pixels; returns the sides that were found.
+std::set<std::size_t> expect_single_sides(const mtf::Image& image, const FoundEdges& found,
+                                          const std::vector<Side>& sides, double least = 15.0) {
+  std::set<std::size_t> seen;
+  for (const FoundEdge& edge : found.edges) {
+    EXPECT_TRUE(inside(image, edge.roi));
+    int held = 0;
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      const double length = test::length_inside(sides[i], edge.roi);
+      if (length <= 0.5) continue;
+      ++held;
+      EXPECT_GE(length, least) << "side " << i;
+      seen.insert(i);
+    }
+    EXPECT_EQ(held, 1) << "region " << edge.roi.x << "," << edge.roi.y << "," << edge.roi.width << ","
+                       << edge.roi.height;
+  }
+  for (std::size_t i = 1; i < found.edges.size(); ++i) EXPECT_GE(found.edges[i - 1].score, found.edges[i].score);
+  return seen;
+}
+
+std::vector<Square> chart(double step) {
+  std::vector<Square> squares;
+  const double angles[] = {0.0, 3.0, 12.0, 26.565, 45.0, 60.0, 78.0, 87.0};
+  for (int k = 0; k < 8; ++k)
+    squares.push_back({{90.0 + 170.3 * (k % 4), 90.0 + 170.7 * (k / 4)}, 42.0, angles[k], step});
+  return squares;
+}
+
+TEST(FindEdges, SidesOfTiltedSquaresInNoise) {
+  for (const double step : {-0.6, 0.6})
+    for (const double noise : {0.0, 0.01, 0.05}) {
+      SCOPED_TRACE(noise);
+      const mtf::Image image = made_scene(690, 350, chart(step), noise, step < 0.0 ? 0.8 : 0.2);
+      const FoundEdges found = find_edges(image.view());
+      EXPECT_EQ(expect_single_sides(image, found, test::sides_of(chart(step))).size(), 32U) << found.reason;
+      EXPECT_EQ(found.edges.size(), 32U);
+    }
+}
+
+TEST(FindEdges, CheckerboardOfAnyTurn) {
+  for (const double angle : {4.0, 20.0, 45.0}) {
+    std::vector<Square> squares;
+    const double c = std::cos(angle * std::numbers::pi / 180.0), s = std::sin(angle * std::numbers::pi / 180.0);
+    for (int j = -8; j <= 8; ++j)
+      for (int i = -8; i <= 8; ++i)
+        if ((i + j) % 2 == 0)
+          squares.push_back({{250.0 + 70.0 * (i * c - j * s), 250.0 + 70.0 * (i * s + j * c)}, 35.0, angle, -0.6});
+    const mtf::Image image = made_scene(500, 500, squares, 0.01);
+    const FoundEdges found = find_edges(image.view());
+    EXPECT_GE(expect_single_sides(image, found, test::sides_of(squares)).size(), 50U) << angle << found.reason;
+  }
+}
+
+mtf::Image single_edge(std::int64_t width, std::int64_t height, double angle_deg, double noise_sd,
+                       double blur_px = 0.7) {
+  const double angle = angle_deg * std::numbers::pi / 180.0;
+  const Point centre{0.5 * static_cast<double>(width) - 1e4 * std::cos(angle),
+                     0.5 * static_cast<double>(height) - 1e4 * std::sin(angle)};
+  return made_scene(width, height, {{centre, 1e4, angle_deg, 0.6}}, noise_sd, 0.2, blur_px);
+}
+
+TEST(FindEdges, AnImageCrossedByOneEdgeIsTakenWhole) {
+  struct Case {
+    std::int64_t width, height;
+    double noise, blur;
+  };
+  for (const Case& c : {Case{128, 100, 0.0, 0.7},
+                        {128, 100, 0.01, 0.3},
+                        {128, 100, 0.05, 0.7},
+                        {128, 100, 0.1, 0.7},
+                        {128, 100, 0.01, 5.0},
+                        {128, 32, 0.01, 0.7},
+                        {24, 24, 0.0, 0.7},
+                        {200, 200, 0.01, 8.0}})
+    for (double angle = 0.0; angle < 360.0; angle += 9.5) {
+      const mtf::Image image = single_edge(c.width, c.height, angle, c.noise, c.blur);
+      const FoundEdges found = find_edges(image.view());
+      SCOPED_TRACE(testing::Message() << angle << " degrees, noise " << c.noise << ", blur " << c.blur);
+      ASSERT_EQ(found.edges.size(), 1U) << found.reason;
+      EXPECT_EQ(found.edges[0].roi, (Roi{0, 0, c.width, c.height}));
+    }
+}
+
+TEST(FindEdges, MaskedOrCurvedItIsStillOneEdge) {
+  std::mt19937 random(5);
+  for (double angle = 0.0; angle < 360.0; angle += 9.5) {
+    for (const int keep : {0, 1, 2}) {
+      mtf::Image image = single_edge(128, 100, angle, 0.02);
+      for (std::int64_t y = 0; y < 100; ++y)
+        for (std::int64_t x = 0; x < 128; ++x) {
+          const bool masks[] = {x % 2 == 1 && y % 2 == 0, (x + y) % 2 == 0, random() % 2 == 0};
+          if (!masks[keep]) image.at(x, y) = kNone;
+        }
+      const FoundEdges found = find_edges(image.view());
+      ASSERT_EQ(found.edges.size(), 1U) << angle << " " << keep << found.reason;
+      EXPECT_EQ(found.edges[0].roi, (Roi{0, 0, 128, 100})) << angle << " " << keep;
+    }
+    mtf::Image curved(128, 100);
+    const double radius = 300.0, turn = angle * std::numbers::pi / 180.0;
+    for (std::int64_t y = 0; y < 100; ++y)
+      for (std::int64_t x = 0; x < 128; ++x) {
+        const double d = std::hypot(static_cast<double>(x) - 64.0 - radius * std::cos(turn),
+                                    static_cast<double>(y) - 50.0 - radius * std::sin(turn)) -
+                         radius;
+        curved.at(x, y) = static_cast<float>(0.2 + 0.3 * std::erfc(-d));
+      }
+    const FoundEdges found = find_edges(curved.view());
+    ASSERT_EQ(found.edges.size(), 1U) << angle << found.reason;
+    EXPECT_EQ(found.edges[0].roi, (Roi{0, 0, 128, 100})) << angle;
+  }
+}
+
+TEST(FindEdges, TheSharedEdgesAreTakenWhole) {
+  if (test::shared_data().empty()) GTEST_SKIP() << "no shared data";
+  const nlohmann::json cases = test::shared_json("edges/truth.json").at("cases");
+  EXPECT_EQ(cases.size(), 19U);
+  for (const auto& edge : cases) {
+    const std::string file = edge.at("file");
+    const mtf::Image image = test::linear_image(test::shared_data() / "edges" / file);
+    const FoundEdges found = find_edges(image.view());
+    ASSERT_EQ(found.edges.size(), 1U) << file << found.reason;
+    EXPECT_EQ(found.edges[0].roi, (Roi{0, 0, image.width(), image.height()})) << file;
+  }
+}
+
+TEST(FindEdges, MaskedPixelsAreNoData) {
+  const std::vector<Square> squares = chart(-0.6);
+  const std::vector<Side> sides = test::sides_of(squares);
+  const auto masked = [&](auto keep) {
+    mtf::Image image = made_scene(690, 350, squares, 0.01);
+    for (std::int64_t y = 0; y < image.height(); ++y)
+      for (std::int64_t x = 0; x < image.width(); ++x)
+        if (!keep(x, y)) image.at(x, y) = kNone;
+    return image;
+  };
+  const mtf::Image red = masked([](std::int64_t x, std::int64_t y) { return x % 2 == 0 && y % 2 == 0; });
+  EXPECT_GE(expect_single_sides(red, find_edges(red.view()), sides).size(), 28U);
+  const mtf::Image green = masked([](std::int64_t x, std::int64_t y) { return (x + y) % 2 == 0; });
+  EXPECT_GE(expect_single_sides(green, find_edges(green.view()), sides).size(), 28U);
+  std::mt19937 random(3);
+  const mtf::Image dead = masked([&](std::int64_t, std::int64_t) { return random() % 5 != 0; });
+  EXPECT_GE(expect_single_sides(dead, find_edges(dead.view()), sides).size(), 28U);
+  // The right half masked: squares left of it, and the mask's border is no edge.
+  const mtf::Image half = masked([](std::int64_t x, std::int64_t) { return x < 345; });
+  const FoundEdges found = find_edges(half.view());
+  EXPECT_EQ(expect_single_sides(half, found, sides).size(), 16U);
+}
+
+TEST(FindEdges, CurvedEdgesAndDisks) {
+  mtf::Image image(500, 500);
+  for (std::int64_t y = 0; y < 500; ++y)
+    for (std::int64_t x = 0; x < 500; ++x) {
+      const double d = std::hypot(static_cast<double>(x) - 249.5, static_cast<double>(y) - 249.5) - 160.0;
+      image.at(x, y) = static_cast<float>(0.2 + 0.3 * std::erfc(-d / 1.2));
+    }
+  const FoundEdges found = find_edges(image.view());
+  EXPECT_GE(found.edges.size(), 6U) << found.reason;
+  for (const FoundEdge& edge : found.edges) {
+    EXPECT_TRUE(inside(image, edge.roi));
+    EXPECT_LT(edge.roi.width * edge.roi.height, 250 * 250);
+  }
+}
+
+TEST(FindEdges, HalfWidthIsKeptWhereItFits) {
+  const mtf::Image image = made_scene(690, 350, chart(-0.6), 0.01);
+  FindOptions options;
+  options.half_width_px = 16.0;
+  const FoundEdges found = find_edges(image.view(), options);
+  EXPECT_EQ(expect_single_sides(image, found, test::sides_of(chart(-0.6))).size(), 32U);
+  // Sides along an axis are wanted width x 2 wide, and a little for the drift of the edge.
+  for (const FoundEdge& edge : found.edges) EXPECT_GE(std::min(edge.roi.width, edge.roi.height), 24);
+  options.most = 5;
+  EXPECT_EQ(find_edges(image.view(), options).edges.size(), 5U);
+}
+
+TEST(FindEdges, FaintEdgesNeedTheContrastAskedFor) {
+  const double noise = 0.05;
+  const mtf::Image image = made_scene(300, 300, {{{150.0, 150.0}, 80.0, 6.0, -10.0 * noise}}, noise);
+  EXPECT_EQ(find_edges(image.view()).edges.size(), 4U);
+  FindOptions options;
+  options.min_cnr = 20.0;
+  const FoundEdges none = find_edges(image.view(), options);
+  EXPECT_TRUE(none.edges.empty());
+  EXPECT_NE(none.reason.find("contrast/noise"), std::string::npos) << none.reason;
+}
+
+TEST(FindEdges, NothingToFindIsSaid) {
+  const auto reason = [](const mtf::Image& image) {
+    const FoundEdges found = find_edges(image.view());
+    EXPECT_TRUE(found.edges.empty());
+    EXPECT_FALSE(found.reason.empty());
+    return found.reason;
+  };
+  EXPECT_NE(reason(made_scene(300, 200, {}, 0.05)).find("above the noise"), std::string::npos);
+  EXPECT_NE(reason(made_scene(300, 200, {})).find("same value"), std::string::npos);
+  EXPECT_NE(reason(made_scene(1, 1, {})).find("same value"), std::string::npos);
+  for (const auto& [width, height] : {std::pair{1, 7}, {2, 2}, {3, 3}, {1000, 1}, {5, 4}}) {
+    const mtf::Image small = made_scene(width, height, {}, 0.1);
+    EXPECT_TRUE(find_edges(small.view()).edges.empty()) << width << " x " << height;
+  }
+  mtf::Image masked(40, 30);
+  std::fill_n(masked.data(), masked.size(), kNone);
+  EXPECT_NE(reason(masked).find("masked"), std::string::npos);
+  masked.at(3, 3) = 1.0F;
+  reason(masked);
+  std::fill_n(masked.data(), masked.size(), std::numeric_limits<float>::infinity());
+  reason(masked);
+  EXPECT_NE(find_edges({}).reason.find("empty"), std::string::npos);
+  // Stripes too close to each other for a level between them.
+  mtf::Image stripes(200, 200);
+  for (std::int64_t i = 0; i < stripes.size(); ++i) stripes.data()[i] = static_cast<float>((i % 200) / 6 % 2);
+  EXPECT_NE(reason(stripes).find("level on both sides"), std::string::npos);
+}
+
+TEST(FindEdges, ExtremeNumbersAreNoDanger) {
+  mtf::Image image = single_edge(128, 100, 5.0, 0.01);
+  for (const float scale : {1e-30F, 1e30F, 3e38F}) {
+    mtf::Image scaled = image.clone();
+    for (std::int64_t i = 0; i < scaled.size(); ++i) scaled.data()[i] *= scale;
+    const FoundEdges found = find_edges(scaled.view());
+    for (const FoundEdge& edge : found.edges) EXPECT_TRUE(inside(scaled, edge.roi));
+  }
+  image.at(60, 50) = 1e38F;
+  image.at(61, 50) = -1e38F;
+  const FoundEdges found = find_edges(image.view());
+  for (const FoundEdge& edge : found.edges) EXPECT_TRUE(inside(image, edge.roi));
+}
+
+TEST(FindEdges, RefusesMisuse) {
+  const mtf::Image image = single_edge(60, 50, 5.0, 0.0);
+  const auto refused = [&](auto change) {
+    FindOptions options;
+    change(options);
+    EXPECT_THROW(static_cast<void>(find_edges(image.view(), options)), mtf::UsageError);
+  };
+  refused([](FindOptions& o) { o.most = 0; });
+  refused([](FindOptions& o) { o.min_length_px = 0.0; });
+  refused([](FindOptions& o) { o.min_cnr = -1.0; });
+  refused([](FindOptions& o) { o.min_cnr = std::numeric_limits<double>::quiet_NaN(); });
+  refused([](FindOptions& o) { o.half_width_px = -1.0; });
+  refused([](FindOptions& o) { o.half_width_px = std::numeric_limits<double>::infinity(); });
+}
+
+/// More pixels than cells are held: the same squares, eight times as large.
+TEST(FindEdges, LargeImages) {
+  std::vector<Square> squares = chart(-0.6);
+  for (Square& square : squares)
+    square = {{8.0 * square.centre.x, 8.0 * square.centre.y}, 330.0, square.angle_deg, -0.6};
+  const mtf::Image image = made_scene(5500, 3200, squares, 0.01);
+  const FoundEdges found = find_edges(image.view());
+  EXPECT_EQ(expect_single_sides(image, found, test::sides_of(squares), 200.0).size(), 32U);
+}
+
+/// Real scenes: outlines of a tower, a hot bowl and a car are smooth edges with room beside them; the rest is crowded,
+/// and that is said. What is found is one smooth edge by another method.
+TEST(FindEdges, ThermalImages) {
+  if (test::shared_data().empty()) GTEST_SKIP() << "no shared data";
+  const std::map<std::string, std::size_t> wanted{{"tower.png", 1}, {"water_pipe.png", 3}, {"moving_mercedes.png", 1}};
+  const nlohmann::json manifest = test::shared_json("thermal/manifest.json");
+  EXPECT_EQ(manifest.size(), 8U);
+  for (const auto& entry : manifest) {
+    const std::string file = entry.at("file");
+    SCOPED_TRACE(file);
+    const mtf::Image image = test::linear_image(test::shared_data() / "thermal" / file);
+    const FoundEdges found = find_edges(image.view());
+    EXPECT_EQ(found.edges.empty(), !found.reason.empty());
+    const auto least = wanted.find(file);
+    EXPECT_GE(found.edges.size(), least == wanted.end() ? 0U : least->second);
+    for (const FoundEdge& edge : found.edges) {
+      ASSERT_TRUE(inside(image, edge.roi));
+      const Iso12233Result result = measure_iso12233(image.view(), edge.roi);
+      EXPECT_EQ(result.trouble, Trouble::none) << result.reason;
+      EXPECT_LT(result.edge_rms_px, 1.0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace calib
