@@ -10,6 +10,7 @@ namespace calib {
 namespace {
 
 constexpr std::size_t kChunk = 256;
+constexpr double kNear_px = 16.0, kNearStep_px = 0.01, kFarStep_px = 0.5;  // the step is steep only near the edge
 
 struct Chunk {
   std::array<double, kChunk> distance, along, value;
@@ -31,7 +32,9 @@ void place(const EdgePixels& pixels, const EdgeCurve& curve, std::size_t first, 
   }
   if (straight) return;
   for (std::size_t k = 0; k < chunk.size; ++k) {
-    const EdgePoint at = bend(curve, chunk.distance[k], chunk.along[k] * curve.half_length_px);
+    const bool near = std::abs(chunk.distance[k]) < kNear_px;
+    const EdgePoint at =
+        bend(curve, chunk.distance[k], chunk.along[k] * curve.half_length_px, near ? kNearStep_px : kFarStep_px);
     chunk.distance[k] = at.distance_px;
     chunk.along[k] = at.along_px * per_length;
   }
