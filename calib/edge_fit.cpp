@@ -167,7 +167,7 @@ void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unkno
 
 int highest_power(const Unknowns& unknowns) {
   for (int k = kHighestOrder; k > 1; --k)
-    if (unknowns[static_cast<std::size_t>(kFirstShift + k)]) return kHighestOrder;
+    if (unknowns[static_cast<std::size_t>(kFirstShift + k)]) return k;
   return 1;
 }
 

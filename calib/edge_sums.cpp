@@ -69,6 +69,9 @@ template <int Order>
 MTFKIT_CLONES void add_straight(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
   add<1>(chunk, model, profile, sums);
 }
+MTFKIT_CLONES void add_parabola(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
+  add<2>(chunk, model, profile, sums);
+}
 MTFKIT_CLONES void add_bent(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
   add<kHighestOrder>(chunk, model, profile, sums);
 }
@@ -136,7 +139,9 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
   Chunk chunk;
   for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
     place(pixels, model.curve, first, step, chunk);
-    (sums.order == 1 ? add_straight : add_bent)(chunk, model, profile, sums.sums.data());
+    (sums.order == 1   ? add_straight
+     : sums.order == 2 ? add_parabola
+                       : add_bent)(chunk, model, profile, sums.sums.data());
   }
   return sums;
 }
