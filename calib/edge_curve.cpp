@@ -6,8 +6,6 @@
 namespace calib {
 namespace {
 
-constexpr double kSmallStep_px = 1e-4;  // of the foot; what is left of the distance is below 1e-9
-
 struct Height {
   double value = 0.0, slope = 0.0, bend = 0.0;  // g, g', g''
 };
@@ -32,7 +30,7 @@ Height polynomial(const EdgeCurve& curve, double s) {
 // The foot of a point: s with (s - s0) + g'(s) (g(s) - u0) = 0, by Newton's method, its derivative kept positive. The
 // first steps come from the tangent, which is close where the curve is nearly straight; the error of the distance is
 // the square of that of the foot.
-EdgePoint locate_polynomial(const EdgeCurve& curve, double s0, double u0) {
+EdgePoint locate_polynomial(const EdgeCurve& curve, double s0, double u0, double small_step_px) {
   double s = s0;
   Height g = polynomial(curve, s);
   for (int i = 0; i < 40; ++i) {
@@ -40,7 +38,7 @@ EdgePoint locate_polynomial(const EdgeCurve& curve, double s0, double u0) {
     const double step = pull / std::max(1.0 + g.slope * g.slope + g.bend * (g.value - u0), 0.25);
     s -= step;
     g.value -= step * (g.slope - 0.5 * step * g.bend);
-    if (std::abs(step) < kSmallStep_px) break;
+    if (std::abs(step) < small_step_px) break;
     g = polynomial(curve, s);
   }
   const double away = u0 - g.value, along = s - s0;
@@ -69,10 +67,10 @@ EdgePoint locate(const EdgeCurve& curve, Point p) {
   return bend(curve, n.x * x + n.y * y, n.x * y - n.y * x);
 }
 
-EdgePoint bend(const EdgeCurve& curve, double u_px, double s_px) {
+EdgePoint bend(const EdgeCurve& curve, double u_px, double s_px, double small_step_px) {
   switch (curve.shape) {
     case EdgeCurve::Shape::polynomial:
-      return locate_polynomial(curve, s_px, u_px);
+      return locate_polynomial(curve, s_px, u_px, small_step_px);
     case EdgeCurve::Shape::circle:
       return locate_circle(curve.curvature_per_px, s_px, u_px);
     case EdgeCurve::Shape::line:

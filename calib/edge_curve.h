@@ -56,7 +56,8 @@ double offset_at(const EdgeCurve& curve, double along_px);
 /// Coordinates of a point of the image. Error of the foot point of a polynomial below 1e-9 px where the radius of
 /// curvature is above twice the distance.
 EdgePoint locate(const EdgeCurve& curve, Point p);
-/// The same from u across and s along the tangent at p0.
-EdgePoint bend(const EdgeCurve& curve, double u_px, double s_px);
+/// The same from u across and s along the tangent at p0. `small_step_px`: the search of the foot ends with a step
+/// below; the error of the distance is of its third order.
+EdgePoint bend(const EdgeCurve& curve, double u_px, double s_px, double small_step_px = 1e-4);
 
 }  // namespace calib

@@ -158,7 +158,7 @@ NormalEquations assemble(const EdgeSums& sums, const EdgeModel& model, const Ste
 }
 
 void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns) {
-  constexpr double kMean_px2 = 0.85, kSd_px2 = 0.5;
+  constexpr double kMean_px2 = 0.75, kSd_px2 = 0.5;
   constexpr int q = kFirstShape + 2;
   if (!unknowns[q]) return;
   normal.matrix(q, q) += 1.0 / (kSd_px2 * kSd_px2);
@@ -167,7 +167,7 @@ void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unkno
 
 int highest_power(const Unknowns& unknowns) {
   for (int k = kHighestOrder; k > 1; --k)
-    if (unknowns[static_cast<std::size_t>(kFirstShift + k)]) return kHighestOrder;
+    if (unknowns[static_cast<std::size_t>(kFirstShift + k)]) return k;
   return 1;
 }
 

@@ -30,7 +30,8 @@ class EdgeResponse {
   Row mtf_row(double f_cy_px) const;
   Row esf_row(double d_px) const;
   Row lsf_row(double d_px) const;
-  double variance(const Row& row) const { return row.dot(covariance_ * row); }
+  double variance(const Row& row) const { return covariance(row, row); }
+  double covariance(const Row& a, const Row& b) const { return a.dot(covariance_ * b); }
 
  private:
   void fill_real(double f_cy_px, const ReferenceOtf& reference, Row& row) const;

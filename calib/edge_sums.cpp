@@ -10,6 +10,7 @@ namespace calib {
 namespace {
 
 constexpr std::size_t kChunk = 256;
+constexpr double kNear_px = 16.0, kNearStep_px = 0.01, kFarStep_px = 0.5;  // the step is steep only near the edge
 
 struct Chunk {
   std::array<double, kChunk> distance, along, value;
@@ -31,7 +32,9 @@ void place(const EdgePixels& pixels, const EdgeCurve& curve, std::size_t first, 
   }
   if (straight) return;
   for (std::size_t k = 0; k < chunk.size; ++k) {
-    const EdgePoint at = bend(curve, chunk.distance[k], chunk.along[k] * curve.half_length_px);
+    const bool near = std::abs(chunk.distance[k]) < kNear_px;
+    const EdgePoint at =
+        bend(curve, chunk.distance[k], chunk.along[k] * curve.half_length_px, near ? kNearStep_px : kFarStep_px);
     chunk.distance[k] = at.distance_px;
     chunk.along[k] = at.along_px * per_length;
   }
@@ -65,6 +68,9 @@ template <int Order>
 
 MTFKIT_CLONES void add_straight(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
   add<1>(chunk, model, profile, sums);
+}
+MTFKIT_CLONES void add_parabola(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
+  add<2>(chunk, model, profile, sums);
 }
 MTFKIT_CLONES void add_bent(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
   add<kHighestOrder>(chunk, model, profile, sums);
@@ -133,7 +139,9 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
   Chunk chunk;
   for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
     place(pixels, model.curve, first, step, chunk);
-    (sums.order == 1 ? add_straight : add_bent)(chunk, model, profile, sums.sums.data());
+    (sums.order == 1   ? add_straight
+     : sums.order == 2 ? add_parabola
+                       : add_bent)(chunk, model, profile, sums.sums.data());
   }
   return sums;
 }

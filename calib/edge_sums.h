@@ -41,7 +41,8 @@ struct EdgeSums {
   int order = 1;  ///< powers of t: t^0 .. t^(2 order) alone, t^0 .. t^order with the residual
   std::vector<double> sums;
 
-  explicit EdgeSums(int order_of_curve) : order(order_of_curve > 1 ? kHighestOrder : 1), sums(kBins * stride()) {}
+  explicit EdgeSums(int order_of_curve)
+      : order(order_of_curve > 2 ? kHighestOrder : order_of_curve), sums(kBins * stride()) {}
   std::size_t stride() const { return static_cast<std::size_t>(3 * order + 3); }
   const double* bin(int i) const { return sums.data() + static_cast<std::size_t>(i) * stride(); }
   double count(int i) const { return bin(i)[0]; }

@@ -124,7 +124,7 @@ Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_p
 }
 
 bool shows_diffraction(const FitState& state, const EdgeModel& model, const Unknowns& unknowns) {
-  constexpr double kSure = 4.0;  // chi2: once in 40 blurs without diffraction
+  constexpr double kSure = 6.0;  // chi2: once in 140 blurs without diffraction
   NormalEquations normal = state.normal;
   add_prior(normal, model.shape, unknowns);
   const Selection all = select(normal, without_bounds(unknowns, model));

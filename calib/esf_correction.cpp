@@ -25,11 +25,14 @@ double spline_slope(double x) {
   return (x < 0.0 ? -1.0 : 1.0) * (a < 1.0 ? a * (1.5 * a - 2.0) : -0.5 * b * b);
 }
 
-std::vector<SplinePair> place_splines(double width_px, double reach_px) {
+std::vector<SplinePair> place_splines(double width_px, double reach_px, Detail detail) {
+  const bool fine = detail == Detail::fine;
   std::vector<SplinePair> pairs;
-  const double end = std::min(reach_px, std::clamp(4.0 * width_px, 8.0, 24.0));
+  const double end =
+      std::min(reach_px, fine ? std::clamp(6.0 * width_px, 16.0, 32.0) : std::clamp(4.0 * width_px, 8.0, 24.0));
   for (const bool odd : {true, false}) {
-    double h = std::clamp(width_px / 8.0, 0.25, 1.5), zone_end = std::max(2.5, 1.25 * width_px);
+    double h = std::clamp(width_px / 8.0, 0.25, 1.5),
+           zone_end = fine ? std::max(4.0, 2.0 * width_px) : std::max(2.5, 1.25 * width_px);
     double x = odd ? h : 0.0;
     while (x + 2.0 * h < end) {
       const double away = x / (1.0 + width_px);
@@ -141,12 +144,13 @@ double pair_slope(const SplinePair& pair, double d_px) {
   return pair.odd ? near - far : near + far;
 }
 
-JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, bool distances_seen,
+JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, Detail detail,
                        double width_px, double reach_px) {
   JointFit joint;
   for (int a = 0; a < kUnknowns; ++a)
     if (unknowns[static_cast<std::size_t>(a)]) joint.unknowns.push_back(a);
-  const std::vector<SplinePair> pairs = distances_seen ? place_splines(width_px, reach_px) : std::vector<SplinePair>();
+  const std::vector<SplinePair> pairs =
+      detail == Detail::none ? std::vector<SplinePair>() : place_splines(width_px, reach_px, detail);
   const SplineEquations splines = assemble_splines(state, model, pairs, joint.unknowns);
 
   NormalEquations normal = state.normal;

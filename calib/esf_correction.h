@@ -35,9 +35,12 @@ struct JointFit {
   double tau_odd = 0.0, tau_even = 0.0;
 };
 
-/// `distances_seen`: enough distances a pixel occur for a correction to be told from aliases. `width_px`: equivalent
-/// width of the line spread; `reach_px`: distance on both sides of the edge that pixels cover.
-JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, bool distances_seen,
+/// How many splines: none where too few distances a pixel occur to tell a correction from aliases; more of them, and
+/// further out, for pixels that show more.
+enum class Detail { none, coarse, fine };
+
+/// `width_px`: equivalent width of the line spread; `reach_px`: distance on both sides of the edge that pixels cover.
+JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, Detail detail,
                        double width_px, double reach_px);
 
 }  // namespace calib

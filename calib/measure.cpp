@@ -104,6 +104,9 @@ Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const 
   return fit;
 }
 
+// Variance of the pixels about the model at mid level.
+double misfit(const JointFit& joint, const FitState& state) { return joint.chi2_per_dof * state.noise.at(0.5); }
+
 double sagitta(const EdgeCurve& curve) {
   constexpr int kSteps = 64;
   const double half = curve.half_length_px;
@@ -221,19 +224,27 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   out.oversampling = facts.oversampling;
   if (stop(judge_edge(facts))) return out;
 
-  const auto solve = [&] {
-    return solve_jointly(fit.state, fit.model, without_bounds(fit.unknowns, fit.model), facts.oversampling >= 3.0,
-                         facts.width_px, std::min(facts.reach_dark_px, facts.reach_bright_px));
+  constexpr double kFewestDistances = 3.0;
+  const auto solve = [&](Detail detail) {
+    if (facts.oversampling < kFewestDistances) detail = Detail::none;
+    return solve_jointly(fit.state, fit.model, without_bounds(fit.unknowns, fit.model), detail, facts.width_px,
+                         std::min(facts.reach_dark_px, facts.reach_bright_px));
   };
-  JointFit joint = solve();
+  JointFit joint = solve(Detail::coarse);
   rounds.unknowns = fit.unknowns;
   rounds.step = 1;
   StepProfile reference = fit.state.profile;
   constexpr int kLooks = 2;
   const auto mistook = [](double chi2_per_dof) { return std::abs(chi2_per_dof - 1.0) > 0.2; };
   for (int look = 0; look < kLooks && joint.tau_odd + joint.tau_even > 0.0 && mistook(joint.chi2_per_dof); ++look) {
+    Fit before = fit;
+    const JointFit earlier = joint;
     fit.state = refine(pixels, fit.model, reference, joint, rounds);
-    joint = solve();
+    joint = solve(Detail::fine);
+    if (misfit(joint, fit.state) <= misfit(earlier, before.state)) continue;
+    fit = std::move(before);
+    joint = earlier;
+    break;
   }
   describe(EdgeResponse(fit.model, joint), out);
   move(fit.model, movement(joint));
