@@ -22,7 +22,7 @@ struct EdgePlane {
   mtf::Image plane;
   std::vector<EdgeRegion> regions;  ///< given or found; empty: `reason`
   std::string reason;
-  std::string warning;  ///< "" = none
+  std::string warning;            ///< "" = none
   calib::MeasureOptions options;  ///< noise, quantum and clipping of these values
 };
 

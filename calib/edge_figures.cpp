@@ -2,6 +2,7 @@
 #include "calib/edge_figures.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -9,8 +10,26 @@ namespace calib {
 namespace {
 
 constexpr int kEsfSamples = 129;
+constexpr double kEsfStep_px = 0.125;  // at the edge
 
-// The curves of frequency. Variances vary slowly (the response is a few pixels wide): every fourth is computed.
+// Distances from -reach to reach, kEsfStep_px apart at the edge and wider in the tails: d = a sinh(b t), t in [-1, 1].
+std::array<double, kEsfSamples> distances(double reach_px) {
+  constexpr int kHalf = kEsfSamples / 2;
+  const double stretch = reach_px / (kEsfStep_px * kHalf);  // = sinh(b) / b
+  double b = 0.0;
+  if (stretch > 1.0) {
+    b = std::log(2.0 * stretch) + 1.0;
+    for (int round = 0; round < 50; ++round)  // Newton's method from above
+      b -= (std::sinh(b) - stretch * b) / (std::cosh(b) - stretch);
+  }
+  std::array<double, kEsfSamples> d{};
+  for (int i = 0; i < kEsfSamples; ++i) {
+    const double t = static_cast<double>(i - kHalf) / kHalf;
+    d[static_cast<std::size_t>(i)] = reach_px * (b > 1e-3 ? std::sinh(b * t) / std::sinh(b) : t);
+  }
+  return d;
+}
+
 void curves_of_frequency(const EdgeResponse& response, EdgeMeasurement& out) {
   for (auto* list : {&out.frequency_cy_px, &out.mtf, &out.mtf_sd, &out.otf_re, &out.otf_im})
     list->resize(kCurveSamples);
@@ -27,8 +46,9 @@ void curves_of_frequency(const EdgeResponse& response, EdgeMeasurement& out) {
 
 void curves_of_distance(const EdgeResponse& response, double reach_px, EdgeMeasurement& out) {
   for (auto* list : {&out.distance_px, &out.esf, &out.esf_sd, &out.lsf}) list->resize(kEsfSamples);
+  const auto at = distances(reach_px);
   for (std::size_t i = 0; i < kEsfSamples; ++i) {
-    const double d = reach_px * (2.0 * static_cast<double>(i) / (kEsfSamples - 1) - 1.0);
+    const double d = at[i];
     out.distance_px[i] = d;
     out.esf[i] = response.esf(d);
     out.esf_sd[i] = std::sqrt(std::max(0.0, response.variance(response.esf_row(d))));

@@ -6,6 +6,7 @@
 #include "mtf/components/accelerated_motion.h"
 #include "mtf/components/aerosol.h"
 #include "mtf/components/binning.h"
+#include "mtf/components/birefringent_filter.h"
 #include "mtf/components/bolometer.h"
 #include "mtf/components/boost.h"
 #include "mtf/components/charge_transfer.h"
@@ -41,10 +42,11 @@ namespace mtf {
 template <class S>
 struct ComponentVariant {
   std::variant<Diffraction<S>, Defocus<S>, Wavefront<S>, RmsWavefront<S>, RandomWavefront<S>, Gaussian<S>,
-               Turbulence<S>, Aerosol<S>, Footprint<S>, CircularFootprint<S>, PolygonFootprint<S>, Binning<S>,
-               Diffusion<S>, Crosstalk<S>, Tdi<S>, Bolometer<S>, Jitter<S>, LinearMotion<S>, AcceleratedMotion<S>,
-               Vibration<S>, RcLowpass<S>, RcHighpass<S>, Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>,
-               Boost<S>, SampleAndHold<S>, Unsharp<S>, Interpolation<S>, DisplayCrt<S>, DisplayFlatPanel<S>, Eye<S>>
+               BirefringentFilter<S>, Turbulence<S>, Aerosol<S>, Footprint<S>, CircularFootprint<S>,
+               PolygonFootprint<S>, Binning<S>, Diffusion<S>, Crosstalk<S>, Tdi<S>, Bolometer<S>, Jitter<S>,
+               LinearMotion<S>, AcceleratedMotion<S>, Vibration<S>, RcLowpass<S>, RcHighpass<S>, Butterworth<S>,
+               CurveOtf<S>, ChargeTransfer<S>, Fir<S>, Boost<S>, SampleAndHold<S>, Unsharp<S>, Interpolation<S>,
+               DisplayCrt<S>, DisplayFlatPanel<S>, Eye<S>>
       value;
 };
 

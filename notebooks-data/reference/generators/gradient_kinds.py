@@ -120,6 +120,15 @@ kind("footprint",
      Case({"fill_factor": 1e-9, **SQUARE}, TYPICAL))(rectangle)
 
 
+@kind("birefringent_filter",
+      Case({"separation": (8.5, "um")}, TYPICAL + around(500 / 8.5)),
+      Case({"separation_x": (0.5, "px"), "separation_y": (60.0, "urad"), **OBLONG, **FOCAL}, TYPICAL),
+      Case({"separation": (0.0, "um")}, TYPICAL),
+      Case({"separation": (1e9, "um")}, ZERO + [(1e-6, 0.0), (1e-7, 2e-7)]))
+def birefringent_filter(p):
+    return mp.cos(mp.pi * p.length_mm("separation", "x") * p["fx"]) * mp.cos(mp.pi * p.length_mm("separation", "y") * p["fy"])
+
+
 @kind("circular_footprint",
       Case({"diameter": (15.0, "um")}, TYPICAL + around(0.1 / math.pi / 0.015) + around(1.2196698912665045 / 0.015)),
       Case({"diameter_x": (0.9, "px"), "diameter_y": (120.0, "urad"), **OBLONG, **FOCAL}, TYPICAL),
