@@ -31,8 +31,13 @@ void add_edge_input(Command& app, EdgeInput& input) {
   add_text(app, "--roi-file", "FILE", "regions from a CSV file: x,y,width,height[,name] a line", input.region_file);
   add_word(app, "--edges", "N", "most edges found in an image; default 64",
            [&](const std::string& text) { input.most = whole_number("--edges", text, 1, 100'000); });
+  add_word(app, "--min-length", "PX", "of edges that are found; default 20",
+           [&](const std::string& text) { input.min_length_px = positive("--min-length", text); });
+  add_word(app, "--min-cnr", "X", "contrast / noise of a pixel of edges that are found; default 8",
+           [&](const std::string& text) { input.min_cnr = positive("--min-cnr", text); });
   add_text(app, "--encoding", "CODE",
-           "of stored values: linear (default), srgb, gamma:G, or a CSV file with\nstored and linear values (OECF)",
+           "of stored values: linear (default), srgb, gamma (2.2), gamma:G, or a CSV file with\nstored and linear "
+           "values (OECF)",
            input.encoding);
   add_channel_choice(app, input.channel, input.layer, input.part);
   add_word(app, "--bayer", "COLOUR", "of a mosaic, without interpolation: r, gr, gb, b, g (both greens) or all",
@@ -40,7 +45,7 @@ void add_edge_input(Command& app, EdgeInput& input) {
   add_word(app, "--cfa-pattern", "PATTERN", "of the mosaic's first four pixels: rggb (default), grbg, gbrg or bggr",
            [&](const std::string& text) { input.pattern = kPatterns[choice("--cfa-pattern", text, kPatterns)].first; });
   add_text(app, "--mask", "FILE", "image of the same size that is 0 where there are no data", input.mask);
-  add_word(app, "--noise", "SD", "of a pixel, in linear units; default: estimated",
+  add_word(app, "--noise", "SD", "of a pixel, in linear units (counts of an integer image); default: estimated",
            [&](const std::string& text) { input.noise_sd = positive("--noise", text); });
   add_word(app, "--saturation", "VALUE", "stored values from here on are clipped; default: the end of the scale",
            [&](const std::string& text) { input.saturation = number("--saturation", text); });
@@ -54,8 +59,9 @@ Command measure_command() {
   Command app{
       "measure", "the MTF from images of edges, with error bands",
       "Finds the edges, or takes those of --roi, and gives MTF and figures of merit of each in cycles per pixel\n"
-      "along its normal, with standard deviations. No model of the sensor is needed. What cannot be determined\n"
-      "is said with its reason, in json as null. Channels besides a full name: luminance, or all (each for\n"
+      "along its normal, with standard deviations. No model of the sensor is needed. Angles are of the edge's\n"
+      "normal, from +x (right) towards +y (down), as of mtf curve. What cannot be determined is said with its\n"
+      "reason, in json as null. Channels besides a full name: luminance, or all (each for\n"
       "itself). --plot and --annotate write the figures of the best edge and of the first image.",
       "  mtf measure edge.png\n"
       "  mtf measure edge.png --roi 10,12,80,96 --format json -o edge.json --plot edge.svg"};
@@ -71,8 +77,10 @@ Command measure_command() {
   add_format(app, "table (default), csv (a line an edge) or json", options.format);
   add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);
   add_text(app, "--curves", "FILE", "MTF, OTF, ESF and LSF of all edges as CSV", options.curves);
-  add_text(app, "--plot", "FILE", "figure of ESF, LSF and MTF with error band: .svg, .pdf or .png", options.plot);
-  add_text(app, "--map", "FILE", "figure of MTF50 over the field, sagittal and tangential", options.map);
+  add_text(app, "--plot", "FILE",
+           "figure of ESF, LSF and MTF with error band: .svg, .pdf or .png; its data beside it as .csv", options.plot);
+  add_text(app, "--map", "FILE", "figure of MTF50 over the field, sagittal and tangential; its data beside it as .csv",
+           options.map);
   add_text(app, "--annotate", "FILE", "PNG of the image with the edges drawn", options.annotate);
   app.run = [shared](const Global& global) { return run_measure(*shared, global); };
   return app;
@@ -115,7 +123,8 @@ Command fit_command() {
   add_choice(app, "--format", "FORMAT", "table (default) or json", kTableOrJson, options.format);
   add_text(app, "-o,--out", "FILE", "the sensor file with fitted values and standard errors", options.out);
   add_text(app, "--report", "FILE", "everything that was found, as JSON", options.report);
-  add_text(app, "--plot", "FILE", "figure of the fitted and the measured MTF: .svg, .pdf or .png", options.plot);
+  add_text(app, "--plot", "FILE",
+           "figure of the fitted and the measured MTF: .svg, .pdf or .png; its data beside it as .csv", options.plot);
   add_text(app, "--residuals", "FOLDER", "residual images in standard deviations, an OpenEXR file an edge",
            options.residuals);
   add_force(app, options.force);

@@ -33,7 +33,9 @@ struct NamedImage {
 
 bool same(const Image& a, const Image& b) { return std::equal(a.data(), a.data() + a.size(), b.data()); }
 
-std::vector<NamedImage> chosen_planes(mtf::io::ImageFile&& file, const std::string& image, const EdgeInput& input) {
+/// `clipped_from`: linear value at the end of the scale.
+std::vector<NamedImage> chosen_planes(mtf::io::ImageFile&& file, double clipped_from, const std::string& image,
+                                      const EdgeInput& input) {
   std::vector<NamedImage> planes;
   if (file.planes.size() == 1) {
     planes.push_back({"", std::move(file.planes.front())});
@@ -48,9 +50,14 @@ std::vector<NamedImage> chosen_planes(mtf::io::ImageFile&& file, const std::stri
     for (std::size_t i = 0; i < file.planes.size(); ++i) planes.push_back({file.names[i], std::move(file.planes[i])});
   } else if (luminance && file.planes.size() == 3) {
     Image sum(file.planes[0].width(), file.planes[0].height());
+    const float clipped = file.integer ? static_cast<float>(clipped_from) : std::numeric_limits<float>::infinity();
     for (std::int64_t i = 0; i < sum.size(); ++i)
-      sum.data()[i] = kLuminance[0] * file.planes[0].data()[i] + kLuminance[1] * file.planes[1].data()[i] +
-                      kLuminance[2] * file.planes[2].data()[i];
+      // A pixel with one clipped colour has no luminance.
+      sum.data()[i] =
+          std::max({file.planes[0].data()[i], file.planes[1].data()[i], file.planes[2].data()[i]}) >= clipped
+              ? std::numeric_limits<float>::quiet_NaN()
+              : kLuminance[0] * file.planes[0].data()[i] + kLuminance[1] * file.planes[1].data()[i] +
+                    kLuminance[2] * file.planes[2].data()[i];
     planes.push_back({"luminance", std::move(sum)});
   } else {
     std::string names;
@@ -63,14 +70,17 @@ std::vector<NamedImage> chosen_planes(mtf::io::ImageFile&& file, const std::stri
 
 std::vector<NamedImage> mosaic_planes(std::vector<NamedImage>&& planes, const std::string& image,
                                       const EdgeInput& input) {
+  if (input.bayer.empty() && !input.pattern.empty())
+    throw mtf::UsageError("--cfa-pattern: say with --bayer which colours of the mosaic to measure");
   if (input.bayer.empty()) return std::move(planes);
-  if (planes.size() != 1)
+  if (planes.size() != 1 || planes.front().name == "luminance")
     throw mtf::UsageError(one_line(image) + ": a mosaic has one channel, this image " + std::to_string(planes.size()) +
                           "; choose one with --channel, or leave out --bayer");
   static const std::vector<std::string> kAll{"r", "gr", "gb", "b"};
   std::vector<NamedImage> colours;
   for (const std::string& colour : input.bayer == "all" ? kAll : std::vector{input.bayer})
-    colours.push_back({colour, calib::bayer_plane(planes.front().plane.view(), input.pattern, colour)});
+    colours.push_back({colour, calib::bayer_plane(planes.front().plane.view(),
+                                                  input.pattern.empty() ? "rggb" : input.pattern, colour)});
   return colours;
 }
 
@@ -92,7 +102,12 @@ calib::MeasureOptions options_of(const mtf::io::ImageFile& file, const mtf::io::
   calib::MeasureOptions options;
   options.noise_sd = input.noise_sd;
   const double full = mtf::io::full_scale(file.info);
-  if (input.saturation) options.saturation = mtf::io::decode(encoding, *input.saturation, full);
+  if (input.saturation) {
+    options.saturation = mtf::io::decode(encoding, *input.saturation, full);
+    if (!std::isfinite(*options.saturation))
+      throw mtf::UsageError(
+          "--saturation: the encoding has no linear value for it; give a stored value inside the table");
+  }
   if (!file.integer) return options;
   float low = std::numeric_limits<float>::infinity(), high = -low;
   for (std::int64_t i = 0; i < plane.size(); ++i) {
@@ -100,29 +115,21 @@ calib::MeasureOptions options_of(const mtf::io::ImageFile& file, const mtf::io::
     high = std::fmax(high, plane.data()[i]);
   }
   options.quantum = mtf::io::quantum_at(encoding, 0.5 * (static_cast<double>(low) + high), full);
-  const double end = mtf::io::decode(encoding, full, full), start = mtf::io::decode(encoding, 0.0, full);
-  if (!options.saturation && std::isfinite(end)) options.saturation = end;
-  if (std::isfinite(start)) options.floor = start;
+  // A table may fall: the end of the scale is then the floor.
+  const double ends[]{mtf::io::decode(encoding, 0.0, full), mtf::io::decode(encoding, full, full)};
+  const double least = std::min(ends[0], ends[1]), most = std::max(ends[0], ends[1]);
+  if (!options.saturation && std::isfinite(most)) options.saturation = most;
+  if (std::isfinite(least)) options.floor = least;
   return options;
 }
 
-std::vector<EdgeRegion> given_regions(const std::string& image, const EdgeInput& input, const Image& plane) {
+std::vector<EdgeRegion> given_regions(const EdgeInput& input) {
   std::vector<EdgeRegion> regions;
   for (const auto& [x, y, width, height] : input.regions) regions.push_back({{x, y, width, height}, ""});
   if (!input.region_file.empty())
     for (const calib::NamedRoi& named :
          calib::parse_roi_file(mtf::io::read_text_file(input.region_file, kMostRegionBytes), input.region_file))
       regions.push_back({named.roi, named.name});
-  for (const EdgeRegion& region : regions) {
-    const calib::Roi& r = region.roi;
-    if (r.x >= 0 && r.y >= 0 && r.width <= plane.width() && r.height <= plane.height() &&
-        r.x <= plane.width() - r.width && r.y <= plane.height() - r.height)
-      continue;
-    throw mtf::UsageError(one_line(image) + ": the region " + std::to_string(r.x) + "," + std::to_string(r.y) + "," +
-                          std::to_string(r.width) + "," + std::to_string(r.height) + " leaves the image of " +
-                          std::to_string(plane.width()) + " x " + std::to_string(plane.height()) +
-                          " pixels; give a region inside");
-  }
   return regions;
 }
 
@@ -139,7 +146,9 @@ std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInpu
   mtf::io::ImageFile header;
   header.integer = file.integer;
   header.info = file.info;
-  std::vector<NamedImage> planes = mosaic_planes(chosen_planes(std::move(file), image, input), image, input);
+  const double full = mtf::io::full_scale(file.info);
+  const double end = std::max(mtf::io::decode(encoding, 0.0, full), mtf::io::decode(encoding, full, full));
+  std::vector<NamedImage> planes = mosaic_planes(chosen_planes(std::move(file), end, image, input), image, input);
   hide_masked(input.mask, image, planes);
   std::vector<EdgePlane> result;
   for (NamedImage& named : planes) {
@@ -149,11 +158,11 @@ std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInpu
       plane.warning = one_line(image) + ": " + std::to_string(outside) + " samples lie outside the table " +
                       one_line(encoding.name) + " and are taken as no data";
     plane.channel = named.name;
-    plane.regions = given_regions(image, input, named.plane);
+    plane.regions = given_regions(input);
     plane.options = options_of(header, encoding, input, named.plane);
     if (plane.regions.empty()) {
-      calib::FindOptions find;
-      find.most = static_cast<std::size_t>(input.most);
+      const calib::FindOptions find{
+          .most = static_cast<std::size_t>(input.most), .min_length_px = input.min_length_px, .min_cnr = input.min_cnr};
       calib::FoundEdges found = calib::find_edges(named.plane.view(), find);
       for (const calib::FoundEdge& edge : found.edges) plane.regions.push_back({edge.roi, ""});
       plane.reason = std::move(found.reason);

@@ -26,8 +26,8 @@ struct EdgePlane {
   calib::MeasureOptions options;  ///< noise, quantum and clipping of these values
 };
 
-/// The planes of one image. Throws UsageError for colour without a choice, a mosaic or mask that does not fit, regions
-/// outside the image; RuntimeError for files that cannot be read.
+/// The planes of one image. Throws UsageError for colour without a choice and a mosaic or mask that does not fit,
+/// RuntimeError for files that cannot be read. Given regions may leave the image.
 std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInput& input);
 
 /// Every file that the input names, for outputs not to replace.

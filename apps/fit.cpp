@@ -34,20 +34,23 @@ std::vector<std::string> inputs_of(const FitOptions& options, const mtf::io::Sen
   for (const std::string& file : files_of(options.input)) inputs.push_back(file);
   inputs.insert(inputs.end(), options.spots.begin(), options.spots.end());
   if (!options.conditions.empty()) inputs.push_back(options.conditions);
-  for (const std::string& curve : options.curves) inputs.push_back(curve.substr(0, curve.rfind('@')));
+  for (const std::string& curve : options.curves) inputs.push_back(curve_word(curve).file);
   return inputs;
 }
 
 /// One file an edge or spot, in standard deviations of a pixel.
-void write_residuals(const std::string& folder, const calib::FitResult& result) {
+void write_residuals(const std::string& folder, const std::vector<std::string>& inputs,
+                     const calib::FitResult& result) {
   int number = 0;
   for (const calib::FitResiduals& data : result.data) {
     if (data.residual.size() == 0) continue;
     mtf::io::Metadata metadata;
     metadata.text["mtf:quantity"] = "residual / sd";
     metadata.history = {"mtf fit: " + one_line(data.name)};
-    const std::string file = "residual-" + std::to_string(++number) + ".exr";
-    mtf::io::write_exr((std::filesystem::path(folder) / file).string(), {{"Y", data.residual.view()}}, metadata);
+    const std::filesystem::path file =
+        std::filesystem::path(folder) / ("residual-" + std::to_string(++number) + ".exr");
+    for (const std::string& input : inputs) require_different(input, file.string());
+    mtf::io::write_exr(file.string(), {{"Y", data.residual.view()}}, metadata);
   }
 }
 
@@ -85,19 +88,21 @@ int run_fit(const FitOptions& options, const Global& global) {
   const std::string json = fit_json(result, sensor, loaded.files);
   if (!options.report.empty()) emit(options.report, json);
   if (fitted) {
-    if (!options.plot.empty() && !write_figures(options.plot, fit_figures(result, loaded.measured)))
+    if (!options.plot.empty() && write_figures(options.plot, fit_figures(result, loaded.measured)))
+      note(global, "wrote " + one_line(options.plot) + " and its data " + one_line(figure_data_path(options.plot)));
+    else if (!options.plot.empty())
       note(global, "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
                        one_line(figure_data_path(options.plot)));
     if (!options.residuals.empty()) {
       prepare_folder(options.residuals, options.force);
-      write_residuals(options.residuals, result);
+      write_residuals(options.residuals, inputs_of(options, sensor), result);
     }
     if (!options.out.empty()) emit(options.out, fitted_config(result, sensor, loaded.files, options.out));
   } else if (!options.out.empty()) {
     note(global, "mtf: note: not fitted: " + one_line(options.out) + " is not written");
   }
   print(options.format == Format::json ? json : fit_table(result));
-  return fitted ? 0 : 1;
+  return fitted && loaded.left_out == 0 ? 0 : 1;
 }
 
 }  // namespace apps

@@ -5,11 +5,11 @@
 #include <charconv>
 
 #include "apps/arguments.h"
+#include "apps/edge_measure.h"
 #include "apps/output.h"
 #include "mtf/error.h"
 #include "mtf/io/curve_csv.h"
 #include "mtf/io/schedule.h"
-#include "mtf/parallel.h"
 
 namespace apps {
 namespace {
@@ -20,7 +20,16 @@ using mtf::io::SensorConfig;
 class Conditions {
  public:
   Conditions(const std::string& file, const SensorConfig& sensor) : systems_{sensor.system} {
-    if (!file.empty()) scheduled_.emplace(sensor, mtf::io::read_schedule(file, sensor));
+    if (file.empty()) return;
+    mtf::io::Schedule schedule = mtf::io::read_schedule(file, sensor);
+    if (!schedule.settings.empty()) last_ = schedule.settings.back().frame;
+    scheduled_.emplace(sensor, std::move(schedule));
+  }
+  /// Throws UsageError when a line is for an image that there is not.
+  void require_within(std::size_t images, const std::string& file) const {
+    if (last_ > static_cast<std::int64_t>(images))
+      throw mtf::UsageError(one_line(file) + ": has a line for image " + std::to_string(last_) + ", there are " +
+                            std::to_string(images) + "; frames count the images of the command line from 1");
   }
   /// Index of the sensor of the next image.
   std::size_t next() {
@@ -32,7 +41,7 @@ class Conditions {
  private:
   std::vector<mtf::System<double>> systems_;
   std::optional<mtf::io::ScheduledSensor> scheduled_;
-  std::int64_t image_ = 0;
+  std::int64_t image_ = 0, last_ = 0;
 };
 
 /// "jitter.rms" for "presample[1].rms": components by their labels.
@@ -45,15 +54,11 @@ std::string readable_name(const mtf::System<double>& system, const std::string& 
   return path;
 }
 
-/// "FILE@DEGREES" or "FILE".
 calib::CurveData load_curve(const std::string& word, double sd, const mtf::System<double>& system) {
   calib::CurveData data;
-  const std::size_t at = word.rfind('@');
-  std::string file = word;
-  if (at != std::string::npos && word.find('/', at) == std::string::npos) {
-    file = word.substr(0, at);
-    data.angle_deg = number("--curve " + one_line(word) + ": the angle", word.substr(at + 1));
-  }
+  const CurveWord parts = curve_word(word);
+  const std::string& file = parts.file;
+  data.angle_deg = parts.angle_deg;
   const mtf::Curve curve = mtf::io::read_curve_csv(file);
   data.name = file;
   data.mtf = curve.value;
@@ -65,15 +70,7 @@ calib::CurveData load_curve(const std::string& word, double sd, const mtf::Syste
 
 void add_edges(LoadedData& loaded, const EdgePlane& plane, std::size_t condition, int threads) {
   if (!plane.warning.empty()) loaded.warnings.push_back(plane.warning);
-  if (plane.regions.empty()) loaded.warnings.push_back(one_line(plane.image) + ": " + plane.reason);
-  std::vector<MeasuredEdge> measured(plane.regions.size());
-  mtf::parallel_for(std::ssize(measured), 1, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      measured[i] = {
-          .image = plane.image, .channel = plane.channel, .name = plane.regions[i].name, .edge = {}, .place = {}};
-      measured[i].edge = calib::measure_edge(plane.plane.view(), plane.regions[i].roi, plane.options);
-    }
-  });
+  std::vector<MeasuredEdge> measured = measure_plane(plane, {}, threads);
   for (MeasuredEdge& edge : measured) {
     const calib::Roi& roi = edge.edge.roi;
     loaded.data.edges.push_back({.name = one_line(plane.image) + (plane.channel.empty() ? "" : " " + plane.channel) +
@@ -88,7 +85,25 @@ void add_edges(LoadedData& loaded, const EdgePlane& plane, std::size_t condition
   }
 }
 
+/// A single set of data that cannot be read is an error; of several it is left out, and said.
+template <class Load>
+void load_or_leave_out(LoadedData& loaded, std::size_t sets, const Load& load) {
+  try {
+    load();
+  } catch (const mtf::Error& error) {
+    if (sets == 1) throw;
+    loaded.warnings.push_back(std::string(error.what()) + " (left out)");
+    ++loaded.left_out;
+  }
+}
+
 }  // namespace
+
+CurveWord curve_word(const std::string& word) {
+  const std::size_t at = word.rfind('@');
+  if (at == std::string::npos || word.find('/', at) != std::string::npos) return {word, 0.0};
+  return {word.substr(0, at), number("--curve " + one_line(word) + ": the angle", word.substr(at + 1))};
+}
 
 std::vector<calib::FitParameter> fit_parameters(const SensorConfig& sensor) {
   std::vector<calib::FitParameter> parameters;
@@ -111,35 +126,39 @@ LoadedData load_fit_data(const FitOptions& options, const SensorConfig& sensor, 
   LoadedData loaded;
   Conditions conditions(options.conditions, sensor);
   const std::size_t images = options.input.images.size() + options.spots.size();
+  const std::size_t sets = images + options.curves.size();
+  conditions.require_within(images, options.conditions);
   for (const std::string& image : options.input.images) {
     const std::size_t condition = conditions.next();
-    try {
+    if (std::find(loaded.files.begin(), loaded.files.end(), image) != loaded.files.end())
+      loaded.warnings.push_back(one_line(image) + " is given twice: its noise counts as independent");
+    load_or_leave_out(loaded, sets, [&] {
       for (EdgePlane& plane : load_edge_planes(image, options.input))
         add_edges(loaded, loaded.planes.emplace_back(std::move(plane)), condition, threads);
       loaded.files.push_back(image);
-    } catch (const mtf::Error& error) {
-      if (images == 1) throw;
-      loaded.warnings.push_back(std::string(error.what()) + " (left out)");
-    }
+    });
   }
   EdgeInput whole = options.input;
   whole.regions = {{0, 0, 1, 1}};  // the spot's region is the image: none is looked for
   whole.region_file.clear();
   for (const std::string& image : options.spots) {
     const std::size_t condition = conditions.next();
-    for (EdgePlane& made : load_edge_planes(image, whole)) {
-      const EdgePlane& plane = loaded.planes.emplace_back(std::move(made));
-      loaded.data.spots.push_back({.name = one_line(image),
-                                   .image = plane.plane.view(),
-                                   .roi = {0, 0, plane.plane.width(), plane.plane.height()},
-                                   .condition = condition});
-    }
-    loaded.files.push_back(image);
+    load_or_leave_out(loaded, sets, [&] {
+      for (EdgePlane& made : load_edge_planes(image, whole)) {
+        const EdgePlane& plane = loaded.planes.emplace_back(std::move(made));
+        loaded.data.spots.push_back({.name = one_line(image),
+                                     .image = plane.plane.view(),
+                                     .roi = {0, 0, plane.plane.width(), plane.plane.height()},
+                                     .condition = condition});
+      }
+      loaded.files.push_back(image);
+    });
   }
-  for (const std::string& word : options.curves) {
-    loaded.data.curves.push_back(load_curve(word, options.curve_sd, sensor.system));
-    loaded.files.push_back(loaded.data.curves.back().name);
-  }
+  for (const std::string& word : options.curves)
+    load_or_leave_out(loaded, sets, [&] {
+      loaded.data.curves.push_back(load_curve(word, options.curve_sd, sensor.system));
+      loaded.files.push_back(loaded.data.curves.back().name);
+    });
   loaded.data.conditions = conditions.take();
   return loaded;
 }

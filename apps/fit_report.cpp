@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "apps/output.h"
 #include "apps/text_table.h"
@@ -79,8 +80,19 @@ Json parameter_json(const FittedParameter& p) {
           {"start", p.start},
           {"limit95", optional_json(p.limit95)},
           {"interval68", optional_json(p.interval68)},
-          {"interval95", optional_json(p.interval95)},
-          {"best_fit", p.value}};
+          {"interval95", optional_json(p.interval95)}};
+}
+
+/// The direction of FitResult::mtf.
+double direction_deg(const FitResult& result) {
+  for (const calib::FitResiduals& data : result.data)
+    if (data.contrast.value != 0.0) return std::remainder(data.curve.angle_rad * 180.0 / std::numbers::pi, 180.0);
+  return 0.0;
+}
+std::string direction_of(const FitResult& result) {
+  const bool edge = std::any_of(result.data.begin(), result.data.end(),
+                                [](const calib::FitResiduals& data) { return data.contrast.value != 0.0; });
+  return edge ? "the first edge's normal (" + fixed(direction_deg(result), 2) + " deg)" : "x";
 }
 
 Json provenance(const mtf::io::SensorConfig& sensor, const std::vector<std::string>& inputs) {
@@ -111,7 +123,8 @@ std::string fit_table(const FitResult& result) {
   for (const calib::NullDirection& direction : result.not_separable) text += "\n" + direction.text + "\n";
   if (result.parameters.size() > 1 && !result.correlation.empty()) text += "\n" + correlation_table(result);
   text += "\n";
-  if (result.mtf50) text += "MTF50                " + shown(*result.mtf50) + " cy/px\n";
+  if (result.mtf50)
+    text += "MTF50                " + shown(*result.mtf50) + " cy/px along " + direction_of(result) + "\n";
   if (result.equivalent_variance_px2)
     text += "equivalent variance  " + shown(*result.equivalent_variance_px2) + " px^2\n";
   text += "chi2 per dof         " + significant(result.chi2_per_dof, 4) + "\n";
@@ -141,9 +154,13 @@ std::string fit_json(const FitResult& result, const mtf::io::SensorConfig& senso
   json["equivalent_variance_px2"] = optional_json(result.equivalent_variance_px2);
   json["chi2_per_dof"] = result.chi2_per_dof;
   json["whiteness_p"] = result.whiteness_p;
+  json["unit"] = "cycles/pixel";
+  json["angle_deg"] = direction_deg(result);
   json["mtf"] = {{"frequency", result.frequency_cy_px}, {"value", result.mtf}, {"sd", result.mtf_sd}};
   json["mtf50"] = optional_json(result.mtf50);
-  json["residual_otf"] = result.residual_otf.empty() ? Json() : Json(result.residual_otf);
+  json["residual_otf"] = result.residual_otf.empty()
+                             ? Json()
+                             : Json{{"frequency", result.frequency_cy_px}, {"value", result.residual_otf}};
   json["data"] = Json::array();
   for (const calib::FitResiduals& data : result.data)
     json["data"].push_back({{"name", data.name},
@@ -160,6 +177,7 @@ std::string fit_json(const FitResult& result, const mtf::io::SensorConfig& senso
 
 std::vector<Figure> fit_figures(const FitResult& result, const std::vector<MeasuredEdge>& measured) {
   constexpr std::size_t kMost = 5;  // more lines would hide each other
+  constexpr double kSameDirection_deg = 5.0;
   Figure mtf, difference;
   mtf.title = "fitted MTF" + (result.mtf50 ? ", MTF50 " + fixed(result.mtf50->value, 4) + " cy/px" : std::string());
   mtf.x_label = difference.x_label = "spatial frequency [cycles/pixel]";
@@ -176,9 +194,10 @@ std::vector<Figure> fit_figures(const FitResult& result, const std::vector<Measu
   for (std::size_t i = 0; i < measured.size() && mtf.series.size() <= kMost; ++i) {
     const calib::EdgeMeasurement& edge = measured[i].edge;
     if (edge.trouble != calib::Trouble::none || edge.mtf.size() != result.mtf.size()) continue;
+    // The fitted curve is of the first edge's direction: others differ from it by right.
+    if (std::abs(std::remainder(edge.angle_deg.value - direction_deg(result), 180.0)) > kSameDirection_deg) continue;
     const std::string name = "edge " + std::to_string(i + 1);
     mtf.series.push_back({.name = name, .x = edge.frequency_cy_px, .y = edge.mtf});
-    // The fitted curve is of the first edge's direction: others differ from it by right.
     if (!difference.series.empty()) continue;
     Series series{.name = name, .x = edge.frequency_cy_px, .y = {}};
     for (std::size_t k = 0; k < edge.mtf.size(); ++k) {

@@ -5,82 +5,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
-#include "apps/edge_input.h"
+#include "apps/edge_measure.h"
 #include "apps/measure_report.h"
 #include "apps/output.h"
 #include "apps/progress_line.h"
 #include "apps/simulate_parts.h"
-#include "calib/iso12233.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/image_io.h"
-#include "mtf/parallel.h"
 
 namespace apps {
 namespace {
-
-constexpr double kNoDeviation = std::numeric_limits<double>::quiet_NaN();
-
-/// The same fields as of the regression; what that method does not know stays empty.
-calib::EdgeMeasurement as_measurement(const calib::Iso12233Result& result, const calib::Roi& roi) {
-  calib::EdgeMeasurement edge;
-  edge.roi = roi;
-  edge.trouble = result.trouble;
-  edge.reason = result.reason;
-  edge.warnings = result.warnings;
-  edge.curve.origin = {static_cast<double>(roi.x) + 0.5 * static_cast<double>(roi.width),
-                       static_cast<double>(roi.y) + 0.5 * static_cast<double>(roi.height)};
-  edge.curve.angle_rad = result.angle_deg * std::numbers::pi / 180.0;
-  edge.angle_deg = {result.angle_deg, kNoDeviation};
-  edge.frequency_cy_px = result.frequency_cy_px;
-  edge.mtf = result.sfr;
-  const auto figure = [&](const char* name, const std::optional<double>& value, const char* why) {
-    if (!value && result.trouble == calib::Trouble::none) edge.absent.emplace_back(name, why);
-    return value ? std::optional(calib::Estimate{*value, kNoDeviation}) : std::nullopt;
-  };
-  edge.mtf50 = figure("mtf50", result.mtf50, "the curve does not fall to 50 %");
-  edge.mtf10 = figure("mtf10", result.mtf10, "the curve does not fall to 10 %");
-  edge.nyquist = figure("nyquist", result.nyquist, "the curve ends before 0.5 cycles/pixel");
-  edge.sampling_efficiency =
-      figure("sampling_efficiency", result.sampling_efficiency, "the curve does not fall to 10 %");
-  return edge;
-}
-
-MeasuredEdge measure(const EdgePlane& plane, const EdgeRegion& region, const MeasureOptions& options) {
-  MeasuredEdge measured{.image = plane.image, .channel = plane.channel, .name = region.name, .edge = {}, .place = {}};
-  if (options.iso12233) {
-    measured.edge = as_measurement(
-        calib::measure_iso12233(plane.plane.view(), region.roi, {.order = options.order.value_or(5)}), region.roi);
-  } else {
-    calib::MeasureOptions how = plane.options;
-    how.order = options.order;
-    how.circle = options.circle;
-    measured.edge = calib::measure_edge(plane.plane.view(), region.roi, how);
-  }
-  if (measured.edge.trouble == calib::Trouble::none)
-    measured.place = field_place(measured.edge, plane.plane.width(), plane.plane.height());
-  return measured;
-}
-
-/// All edges of one plane, several at once.
-std::vector<MeasuredEdge> measure_all(const EdgePlane& plane, const MeasureOptions& options, int threads) {
-  std::vector<MeasuredEdge> edges(plane.regions.size());
-  mtf::parallel_for(std::ssize(edges), 1, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-      edges[i] = measure(plane, plane.regions[i], options);
-  });
-  return edges;
-}
-
-/// A region where no edge was found: the image as a whole, with the finder's reason.
-MeasuredEdge nothing_found(const EdgePlane& plane) {
-  MeasuredEdge measured{.image = plane.image, .channel = plane.channel, .name = "", .edge = {}, .place = {}};
-  measured.edge.roi = {0, 0, plane.plane.width(), plane.plane.height()};
-  measured.edge.trouble = calib::Trouble::no_edge;
-  measured.edge.reason = plane.reason;
-  return measured;
-}
 
 void annotate(const std::string& path, const EdgePlane& plane, std::span<const MeasuredEdge> edges) {
   const mtf::Image& image = plane.plane;
@@ -113,7 +50,7 @@ std::vector<std::string> outputs_of(const MeasureOptions& options) {
 
 void write_figures_of(const MeasureOptions& options, const MeasureReport& report, const Global& global) {
   const auto drawn = [&](bool made, const std::string& path) {
-    note(global, made ? "wrote " + one_line(path)
+    note(global, made ? "wrote " + one_line(path) + " and its data " + one_line(figure_data_path(path))
                       : "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
                             one_line(figure_data_path(path)));
   };
@@ -154,8 +91,8 @@ int run_measure(const MeasureOptions& options, const Global& global) {
       bool first = i == 0;
       for (const EdgePlane& plane : load_edge_planes(images[i], options.input)) {
         if (!plane.warning.empty()) note(global, "mtf: warning: " + plane.warning);
-        std::vector<MeasuredEdge> edges = measure_all(plane, options, global.threads);
-        if (edges.empty()) edges.push_back(nothing_found(plane));
+        const EdgeMethod method{.order = options.order, .circle = options.circle, .iso12233 = options.iso12233};
+        std::vector<MeasuredEdge> edges = measure_plane(plane, method, global.threads);
         if (first && !options.annotate.empty()) annotate(options.annotate, plane, edges);
         first = false;
         std::move(edges.begin(), edges.end(), std::back_inserter(report.edges));
@@ -172,10 +109,13 @@ int run_measure(const MeasureOptions& options, const Global& global) {
 
   const auto measured = std::count_if(report.edges.begin(), report.edges.end(),
                                       [](const MeasuredEdge& e) { return e.edge.trouble == calib::Trouble::none; });
-  if (images.size() > 1)
-    note(global, "measured " + std::to_string(measured) + " of " + std::to_string(report.edges.size()) + " edges in " +
-                     std::to_string(images.size() - report.failed.size()) + " of " + std::to_string(images.size()) +
-                     " images");
+  if (images.size() > 1) {
+    std::set<std::string> with_edges;
+    for (const MeasuredEdge& edge : report.edges)
+      if (edge.edge.trouble == calib::Trouble::none) with_edges.insert(edge.image);
+    note(global, "measured " + std::to_string(measured) + " edges in " + std::to_string(with_edges.size()) + " of " +
+                     std::to_string(images.size()) + " images");
+  }
   return measured > 0 && report.failed.empty() ? 0 : 1;
 }
 

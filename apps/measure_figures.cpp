@@ -40,7 +40,8 @@ std::vector<Figure> edge_figures(const MeasuredEdge& measured) {
   mtf.title = "MTF50 " + mtf50_text(edge) + " cy/px";
   mtf.x_label = "spatial frequency [cycles/pixel]";
   mtf.y_label = "MTF";
-  mtf.series.push_back(with_band("MTF, 2 sd", edge.frequency_cy_px, edge.mtf, edge.mtf_sd));
+  mtf.series.push_back(
+      with_band(edge.mtf_sd.empty() ? "MTF" : "MTF, 2 sd", edge.frequency_cy_px, edge.mtf, edge.mtf_sd));
   mtf.vertical_lines.push_back({0.5, "Nyquist"});
   if (edge.mtf50) mtf.vertical_lines.push_back({edge.mtf50->value, "MTF50"});
   mtf.y_low = 0.0;
@@ -82,8 +83,10 @@ mtf::io::Drawing edge_drawing(std::span<const MeasuredEdge> edges, std::int64_t 
   mtf::io::Drawing drawing;
   // Small images are enlarged so that words can be read.
   drawing.zoom = static_cast<int>(std::clamp<std::int64_t>(800 / std::max<std::int64_t>({width, height, 1}), 1, 8));
+  int number = 0;
   for (const MeasuredEdge& measured : edges) {
     const EdgeMeasurement& edge = measured.edge;
+    const std::string label = std::to_string(++number) + ": ";
     const bool good = edge.trouble == Trouble::none;
     const auto x0 = static_cast<double>(edge.roi.x), y0 = static_cast<double>(edge.roi.y);
     const double x1 = x0 + static_cast<double>(edge.roi.width), y1 = y0 + static_cast<double>(edge.roi.height);
@@ -91,7 +94,8 @@ mtf::io::Drawing edge_drawing(std::span<const MeasuredEdge> edges, std::int64_t 
     drawing.strokes.push_back({{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}, {x0, y0}}, colour});
     const double margin = 4.0 / drawing.zoom, line = 14.0 / drawing.zoom;
     if (!good) {
-      drawing.captions.push_back({x0 + margin, y0 + line, std::string(trouble_name(edge.trouble)), kTroubleColour});
+      drawing.captions.push_back(
+          {x0 + margin, y0 + line, label + std::string(trouble_name(edge.trouble)), kTroubleColour});
       continue;
     }
     const calib::Point n = edge.curve.normal();
@@ -102,7 +106,7 @@ mtf::io::Drawing edge_drawing(std::span<const MeasuredEdge> edges, std::int64_t 
       stroke.points.push_back({edge.curve.origin.x - s * n.y + u * n.x, edge.curve.origin.y + s * n.x + u * n.y});
     }
     drawing.strokes.push_back(std::move(stroke));
-    drawing.captions.push_back({x0 + margin, y0 + line, "MTF50 " + mtf50_text(edge), kEdgeColour});
+    drawing.captions.push_back({x0 + margin, y0 + line, label + "MTF50 " + mtf50_text(edge), kEdgeColour});
   }
   return drawing;
 }

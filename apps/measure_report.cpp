@@ -36,7 +36,7 @@ constexpr std::array kMerits{Merit{"mtf50", &EdgeMeasurement::mtf50},
 std::string shown(const std::optional<Estimate>& estimate) {
   if (!estimate) return "-";
   if (!(estimate->sd > 0.0)) return fixed(estimate->value, 4);
-  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(estimate->sd))), 2, 6);
+  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(estimate->sd))), 2, 12);
   return fixed(estimate->value, digits) + " +- " + fixed(estimate->sd, digits);
 }
 
@@ -69,7 +69,7 @@ Json geometry(const EdgeMeasurement& edge) {
   return {{"shape", kShapes[static_cast<std::size_t>(edge.curve.shape)]},
           {"order", edge.curve.order()},
           {"origin", {edge.curve.origin.x, edge.curve.origin.y}},
-          {"normal_deg", edge.curve.angle_rad * 180.0 / std::numbers::pi},
+          {"bright_side_deg", edge.curve.angle_rad * 180.0 / std::numbers::pi},
           {"half_length_px", edge.curve.half_length_px},
           {"coefficient_px", edge.curve.coefficient},
           {"curvature_per_px", edge.curve.curvature_per_px}};
@@ -115,6 +115,12 @@ Json as_json(const MeasuredEdge& measured) {
   return json;
 }
 
+std::string joined(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& warning : warnings) text += (text.empty() ? "" : "; ") + warning;
+  return text;
+}
+
 std::string csv_number(double value) { return std::isfinite(value) ? mtf::format_double(value) : ""; }
 
 }  // namespace
@@ -132,7 +138,8 @@ FieldPlace field_place(const EdgeMeasurement& edge, std::int64_t width, std::int
 }
 
 std::string measure_table(const MeasureReport& report) {
-  TextTable table({"edge", "region", "angle", "MTF50 [cy/px]", "MTF at 0.5", "FWHM [px]", "RER", "CNR", "length"});
+  TextTable table(
+      {"edge", "region", "normal [deg]", "MTF50 [cy/px]", "MTF at 0.5", "FWHM [px]", "RER", "CNR", "length"});
   std::string notes;
   bool any = false;
   for (std::size_t i = 0; i < report.edges.size(); ++i) {
@@ -146,36 +153,38 @@ std::string measure_table(const MeasureReport& report) {
     }
     any = true;
     table.add({number, region_text(edge.roi), fixed(edge.angle_deg.value, 2), shown(edge.mtf50), shown(edge.nyquist),
-               shown(edge.fwhm_px), shown(edge.rer), significant(edge.cnr, 3), fixed(edge.length_px, 0)});
+               shown(edge.fwhm_px), shown(edge.rer), std::isfinite(edge.cnr) ? significant(edge.cnr, 3) : "-",
+               std::isfinite(edge.length_px) ? fixed(edge.length_px, 0) : "-"});
     for (const auto& [name, why] : edge.absent) notes += number + "  " + name + ": " + why + "\n";
     for (const std::string& warning : edge.warnings) notes += number + "  " + warning + "\n";
   }
   std::string text;
-  std::string image;
-  for (std::size_t i = 0; i < report.edges.size(); ++i)
-    if (const std::string label = label_of(report.edges[i]); i == 0 || label != image) {
-      text += "from " + std::to_string(i + 1) + "  " + label + "\n";
-      image = label;
-    }
+  for (std::size_t i = 0; i < report.edges.size();) {
+    std::size_t last = i;
+    while (last + 1 < report.edges.size() && label_of(report.edges[last + 1]) == label_of(report.edges[i])) ++last;
+    text += (last == i ? "edge " : "edges ") + std::to_string(i + 1) +
+            (last == i ? "" : "-" + std::to_string(last + 1)) + ": " + label_of(report.edges[i]) + "\n";
+    i = last + 1;
+  }
   if (any) text += "\n" + table.aligned({Align::right, Align::left, Align::right});
   if (any)
-    text +=
-        "\nMTF and frequencies along the normal of the edge, in cycles per pixel; +- is one standard deviation; "
-        "method " +
-        report.method + "\n";
+    text += std::string("\nMTF and frequencies along the normal of the edge, in cycles per pixel; ") +
+            (report.method == "iso12233" ? "" : "+- is one standard deviation; ") + "method " + report.method + "\n";
   for (const FailedImage& failed : report.failed) notes += one_line(failed.image) + ": " + failed.reason + "\n";
   return text + (notes.empty() ? "" : (text.empty() ? "" : "\n") + notes);
 }
 
 std::string measure_csv(const MeasureReport& report) {
-  std::string text = "image,channel,name,x,y,width,height,outcome,angle_deg";
+  std::string text = "edge,image,channel,name,x,y,width,height,outcome,angle_deg";
   for (const Merit& figure : kMerits) text += "," + std::string(figure.name) + "," + figure.name + "_sd";
-  text += ",cnr,length_px,sagitta_px,order,oversampling,chi2_per_dof,field_radius_px,direction,reason\n";
+  text += ",cnr,length_px,sagitta_px,order,oversampling,chi2_per_dof,field_radius_px,direction,reason,warnings\n";
+  std::size_t number = 0;
   for (const MeasuredEdge& measured : report.edges) {
     const EdgeMeasurement& edge = measured.edge;
     const bool measured_it = edge.trouble == calib::Trouble::none;
-    text += csv_field(measured.image) + "," + csv_field(measured.channel) + "," + csv_field(measured.name) + "," +
-            region_text(edge.roi) + "," + (measured_it ? "measured" : std::string(trouble_name(edge.trouble))) + "," +
+    text += std::to_string(++number) + "," + csv_field(measured.image) + "," + csv_field(measured.channel) + "," +
+            csv_field(measured.name) + "," + region_text(edge.roi) + "," +
+            (measured_it ? "measured" : std::string(trouble_name(edge.trouble))) + "," +
             (measured_it ? csv_number(edge.angle_deg.value) : "");
     for (const Merit& figure : kMerits) {
       const auto& estimate = edge.*figure.value;
@@ -187,7 +196,8 @@ std::string measure_csv(const MeasureReport& report) {
         text += "," + csv_number(value);
     else
       text += ",,,,,,,";
-    text += "," + measured.place.direction + "," + csv_field(reason_of(edge)) + "\n";
+    text += "," + measured.place.direction + "," + csv_field(reason_of(edge)) + "," + csv_field(joined(edge.warnings)) +
+            "\n";
   }
   return text;
 }

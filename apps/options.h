@@ -97,13 +97,14 @@ struct EdgeInput {
   std::optional<int> part;
   std::string encoding = "linear";  ///< linear, srgb, gamma:2.2, or a CSV file of stored and linear values
   std::string bayer;                ///< "", or the colours to take of a mosaic: r, gr, gb, b, g, all
-  std::string pattern = "rggb";
-  std::string mask;                                  ///< image that is 0 where there are no data; "" = none
+  std::string pattern;              ///< of the mosaic; "" = rggb
+  std::string mask;                 ///< image that is 0 where there are no data; "" = none
   std::vector<std::array<std::int64_t, 4>> regions;  ///< x, y, width, height; none: found
   std::string region_file;
-  int most = 64;                     ///< edges found in an image
-  std::optional<double> noise_sd;    ///< of a pixel, in linear units
-  std::optional<double> saturation;  ///< stored values from here on are clipped
+  int most = 64;                               ///< edges found in an image
+  double min_length_px = 20.0, min_cnr = 8.0;  ///< of edges that are found
+  std::optional<double> noise_sd;              ///< of a pixel, in linear units
+  std::optional<double> saturation;            ///< stored values from here on are clipped
 };
 
 struct MeasureOptions {

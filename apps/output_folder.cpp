@@ -19,10 +19,10 @@ void check_folder(const fs::path& folder, bool force) {
     throw mtf::RuntimeError("cannot create " + one_line(folder.string()) + ": there is no folder " +
                             one_line(parent.string()));
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
-    throw mtf::UsageError(one_line(folder.string()) + " exists and is not a folder; choose another -o");
+    throw mtf::UsageError(one_line(folder.string()) + " exists and is not a folder; choose another name");
   if (fs::is_directory(folder, error) && !fs::is_empty(folder, error) && !force)
     throw mtf::UsageError(one_line(folder.string()) +
-                          " is not empty; choose another -o, or --force to replace files in it");
+                          " is not empty; choose another folder, or --force to replace files in it");
 }
 
 void prepare_folder(const fs::path& folder, bool force) {

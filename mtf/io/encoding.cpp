@@ -17,7 +17,7 @@ constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
 constexpr std::size_t kMaxRows = 1'000'000;
 constexpr double kMinGamma = 0.1, kMaxGamma = 10.0;
 constexpr std::string_view kKnown =
-    "linear, srgb, gamma:2.2 or the path of a table (columns: stored value, linear value)";
+    "linear, srgb, gamma (2.2), gamma:1.8 or the path of a table (columns: stored value, linear value)";
 
 double srgb_to_linear(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
 double linear_to_srgb(double l) { return l <= 0.04045 / 12.92 ? 12.92 * l : 1.055 * std::pow(l, 1.0 / 2.4) - 0.055; }
@@ -103,7 +103,9 @@ Encoding parse_encoding(const std::string& text) {
   if (text == "linear") return {};
   if (text == "srgb") return {.kind = Encoding::Kind::srgb, .gamma = 1.0, .stored = {}, .linear = {}, .name = text};
   if (text.starts_with("gamma")) {
-    const auto value = text.starts_with("gamma:") ? cell_number(text.substr(6)) : std::nullopt;
+    const auto value = text == "gamma"              ? std::optional(2.2)
+                       : text.starts_with("gamma:") ? cell_number(text.substr(6))
+                                                    : std::nullopt;
     if (!value || !(*value >= kMinGamma && *value <= kMaxGamma))
       throw UsageError("encoding \"" + printable(text, 60) +
                        "\": gamma takes a number from 0.1 to 10, as in gamma:2.2");

@@ -30,8 +30,8 @@ struct Encoding {
   std::string name = "linear";         ///< as reports call it
 };
 
-/// "linear", "srgb", "gamma:2.2" (0.1 to 10) or the path of a table. Throws UsageError that lists these for any other
-/// word, RuntimeError for a file that cannot be read.
+/// "linear", "srgb", "gamma" (2.2), "gamma:1.8" (0.1 to 10) or the path of a table. Throws UsageError that lists these
+/// for any other word, RuntimeError for a file that cannot be read.
 Encoding parse_encoding(const std::string& text);
 
 /// A table of two columns, stored and linear value, separated by comma, semicolon or tab; a first line without numbers

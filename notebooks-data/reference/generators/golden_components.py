@@ -86,6 +86,7 @@ BY_DEFINITION = [
     ("random_wavefront", "rms = 0.1; wavelength_reference = 3.39 um; correlation_length = 8 mm"),
     ("aerosol", "scattering = 0.1; path_length = 5 km"),
     ("aerosol", "scattering = 0.1; path_length = 5 km; mode = blur; cutoff = 2 cy/mrad"),
+    ("birefringent_filter", "separation = 8.5 um"),
     ("circular_footprint", "diameter = 15 um"),
     ("polygon_footprint",
      "vertices = -0.5|-0.5/0.5|-0.5/0.5|0.1/0.1|0.1/0.1|0.5/-0.5|0.5; unit_length = 15 um"),

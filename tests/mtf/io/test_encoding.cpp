@@ -47,6 +47,7 @@ TEST(Encoding, GammaKeepsEndsAndSigns) {
   EXPECT_DOUBLE_EQ(decode(gamma, -0.25, 1.0), -std::pow(0.25, 2.2));
   EXPECT_EQ(decode(gamma, 0.0, 1.0), 0.0);
   EXPECT_DOUBLE_EQ(decode(parse_encoding("gamma:1"), 77.0, 255.0), 77.0);
+  EXPECT_DOUBLE_EQ(decode(parse_encoding("gamma"), 0.25, 1.0), std::pow(0.25, 2.2));
 }
 
 TEST(Encoding, TablesAreInterpolated) {
@@ -118,10 +119,10 @@ TEST(Encoding, FullScaleComesFromTheFile) {
 }
 
 TEST(Encoding, RefusesWhatItDoesNotKnow) {
-  expect_refused([] { static_cast<void>(parse_encoding("sRGB")); }, {"sRGB", "linear, srgb, gamma:2.2"});
+  expect_refused([] { static_cast<void>(parse_encoding("sRGB")); }, {"sRGB", "linear, srgb, gamma (2.2)"});
   expect_refused([] { static_cast<void>(parse_encoding("")); }, {"linear, srgb"});
   for (const char* wrong :
-       {"gamma", "gamma:", "gamma:x", "gamma:0", "gamma:-2", "gamma:nan", "gamma:inf", "gamma:2,2", "gamma:11"})
+       {"gamma:", "gamma:x", "gamma:0", "gamma:-2", "gamma:nan", "gamma:inf", "gamma:2,2", "gamma:11"})
     expect_refused([&] { static_cast<void>(parse_encoding(wrong)); }, {wrong, "gamma:2.2"});
   expect_refused<RuntimeError>([] { static_cast<void>(parse_encoding("missing/oecf.csv")); }, {"missing/oecf.csv"});
   const io_test::TempFolder folder;
