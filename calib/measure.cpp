@@ -234,20 +234,27 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   rounds.unknowns = fit.unknowns;
   rounds.step = 1;
   StepProfile reference = fit.state.profile;
-  constexpr int kLooks = 2;
+  constexpr int kLooks = 4;
+  constexpr double kFar_px = 0.1;
   const auto mistook = [](double chi2_per_dof) { return std::abs(chi2_per_dof - 1.0) > 0.2; };
-  for (int look = 0; look < kLooks && joint.tau_odd + joint.tau_even > 0.0 && mistook(joint.chi2_per_dof); ++look) {
+  const auto moved_far = [&fit](const JointFit& one) {
+    return one.tau_even > 0.0 && std::abs(EdgeResponse(fit.model, one).shift_px()) > kFar_px;
+  };
+  for (int look = 0; look < kLooks && joint.tau_odd + joint.tau_even > 0.0; ++look) {
+    const bool fine = mistook(joint.chi2_per_dof);
+    if (!fine && !moved_far(joint)) break;
     Fit before = fit;
     const JointFit earlier = joint;
     fit.state = refine(pixels, fit.model, reference, joint, rounds);
-    joint = solve(Detail::fine);
+    joint = solve(fine ? Detail::fine : Detail::coarse);
     if (misfit(joint, fit.state) <= misfit(earlier, before.state)) continue;
     fit = std::move(before);
     joint = earlier;
     break;
   }
-  describe(EdgeResponse(fit.model, joint), out);
-  move(fit.model, movement(joint));
+  const EdgeResponse response(fit.model, joint);
+  describe(response, out);
+  move(fit.model, movement(joint, response.shift_px()));
   levels(fit.model, fit.state.noise, region, out);
   geometry(fit.model, joint, region, out);
   out.chi2_per_dof = joint.chi2_per_dof;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <string>
 
 #include "calib/measure.h"
@@ -189,5 +190,45 @@ TEST(MeasureTruth, PhasesOfLopsidedBlurs) {
     const double f = found.frequency_cy_px[i], turn = 4.0 * std::numbers::pi * f;
     const double truth = step.mtf(f) * std::hypot(0.8 + 0.2 * std::cos(turn), 0.2 * std::sin(turn));
     EXPECT_NEAR(found.mtf[i], truth, 2e-3) << f;
+  }
+}
+
+// A Gaussian and a charge that decays, an RC stage or a phosphor: the line spread has one tail alone.
+TEST(MeasureTruth, OneSidedTails) {
+  struct Case {
+    double sigma_px, tail_px, percent;
+  };
+  for (const Case& one : {Case{0.4, 0.3, 0.05}, Case{0.6, 0.6, 0.1}, Case{0.4, 1.5, 1.0}}) {
+    SCOPED_TRACE(one.tail_px);
+    const auto mtf = [&one](double f) {
+      return std::exp(-2.0 * std::pow(std::numbers::pi * one.sigma_px * f, 2)) /
+             std::hypot(1.0, 2.0 * std::numbers::pi * one.tail_px * f);
+    };
+    double low = 0.0, high = 2.0;
+    for (int round = 0; round < 60; ++round) {
+      const double middle = 0.5 * (low + high);
+      (mtf(middle) > 0.5 ? low : high) = middle;
+    }
+    const auto phi = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
+    const made::Scene scene = scene_at(5.0);
+    for (const double noise_sd : {0.0, 6e-4, 1e-2}) {
+      std::mt19937_64 bits(5);
+      std::normal_distribution<double> normal;
+      mtf::Image image(scene.width, scene.height);
+      for (std::int64_t j = 0; j < image.height(); ++j) {
+        for (std::int64_t i = 0; i < image.width(); ++i) {
+          const double d = made::distance(scene, static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5);
+          const double z = d / one.sigma_px, k = one.sigma_px / one.tail_px;
+          const double tail = z - k < -30.0 ? 0.0 : std::exp(0.5 * k * k - d / one.tail_px) * phi(z - k);
+          image.at(i, j) = static_cast<float>(0.2 + 0.6 * (phi(z) - tail) + noise_sd * normal(bits));
+        }
+      }
+      const EdgeMeasurement found = measure(image);
+      ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+      const double bar = noise_sd > 0.0 ? 5.0 * found.mtf50->sd : 0.01 * one.percent * high;
+      EXPECT_NEAR(found.mtf50->value, high, bar);
+      for (std::size_t i = 0; i <= 100; ++i)
+        EXPECT_NEAR(found.mtf[i], mtf(found.frequency_cy_px[i]), noise_sd > 0.0 ? 0.05 : 0.015);
+    }
   }
 }
