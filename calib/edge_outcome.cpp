@@ -193,6 +193,14 @@ void warn(const EdgeFacts& facts, EdgeMeasurement& out) {
     out.warnings.emplace_back(
         "the dark side has a single value while the bright one has noise: if it is cut off at the "
         "floor, its level and so the MTF are off");
+  if (facts.narrowed_px > 0.0)
+    out.warnings.push_back(
+        "the levels bend with the distance from the edge, as under uneven light: pixels further than " +
+        number(facts.narrowed_px) + " px from it are left out");
+  if (facts.levels_bend)
+    out.warnings.emplace_back(
+        "the levels bend next to the edge too: the MTF at low frequencies may be off by more than its "
+        "standard deviation");
   if (facts.outliers > 0)
     out.warnings.push_back(std::to_string(facts.outliers) + " single pixels far from the model are left out");
   if (out.clipped_share > 0.0)

@@ -34,6 +34,8 @@ struct EdgeFacts {
   bool dark_is_flat = false;    ///< one value, though the bright side has noise
   std::size_t outliers = 0;     ///< pixels left out
   double oversampling = 0.0;
+  double narrowed_px = 0.0;  ///< pixels further from the edge are left out: the levels bend there; 0 = none
+  bool levels_bend = false;  ///< those near the edge too
 };
 EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model, double local_noise_sd);
 Outcome judge_edge(const EdgeFacts& facts);

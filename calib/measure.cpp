@@ -56,6 +56,8 @@ void sharpen_start(const EdgePixels& pixels, EdgeModel& start, double block_px, 
   fit_reference(pixels, start, rounds);
 }
 
+constexpr double kLeastReach_px = 8.0, kLeastWidths = 5.0;  // how near uneven light may bring the pixels' reach
+
 struct Fit {
   EdgeModel model;
   FitState state;
@@ -102,6 +104,19 @@ Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const 
     fit.state = refine(1, kRounds, kEnough);
   }
   return fit;
+}
+
+// The pixels within a distance of the curve.
+EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double reach_px) {
+  EdgePixels near;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const Point at{static_cast<double>(pixels.x[i]), static_cast<double>(pixels.y[i])};
+    if (!(std::abs(locate(curve, at).distance_px) <= reach_px)) continue;
+    near.x.push_back(pixels.x[i]);
+    near.y.push_back(pixels.y[i]);
+    near.value.push_back(pixels.value[i]);
+  }
+  return near;
 }
 
 // Variance of the pixels about the model at mid level.
@@ -219,6 +234,21 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
       facts = facts_of(pixels, fit.state, fit.model, local_noise_sd);
       facts.outliers = removed;
     }
+  }
+  // Where the levels bend, only pixels so near the edge that a straight line follows them are taken.
+  const auto reach_of = [](const EdgeFacts& one) { return std::min(one.reach_dark_px, one.reach_bright_px); };
+  const auto bends = [&] { return levels_bend(fit.state, fit.model, facts.width_px, reach_of(facts)); };
+  double narrowed_px = reach_of(facts);
+  for (facts.levels_bend = bends(); facts.levels_bend;) {
+    narrowed_px *= 0.6;
+    if (narrowed_px < std::max(kLeastReach_px, kLeastWidths * facts.width_px)) break;
+    pixels = within(pixels, fit.model.curve, narrowed_px);
+    fit = fit_edge(pixels, start, rounds, options, narrowed_px);
+    const std::size_t outliers = facts.outliers;
+    facts = facts_of(pixels, fit.state, fit.model, local_noise_sd);
+    facts.outliers = outliers;
+    facts.narrowed_px = narrowed_px;
+    facts.levels_bend = bends();
   }
   levels(fit.model, fit.state.noise, region, out);
   out.oversampling = facts.oversampling;

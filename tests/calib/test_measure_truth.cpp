@@ -152,6 +152,28 @@ TEST(MeasureTruth, UnevenLightIsTakenOut) {
   EXPECT_NEAR(found.bright, 0.8, 1e-4);
 }
 
+// Vignetting: no straight line follows it, and the correction must not take it for blur.
+TEST(MeasureTruth, ShadingIsNotBlur) {
+  const made::Step step = made::Step::gaussian(0.3748);
+  for (const double cnr : {20.0, 60.0, 200.0}) {
+    for (const double shading : {0.01, 0.03, 0.1, 0.3, 0.5}) {
+      SCOPED_TRACE(std::to_string(cnr) + ", " + std::to_string(shading));
+      made::Scene scene = scene_at(5.0);
+      scene.noise_sd = 0.6 / cnr;
+      mtf::Image image = made::make(step, scene);
+      for (std::int64_t j = 0; j < image.height(); ++j)
+        for (std::int64_t i = 0; i < image.width(); ++i)
+          image.at(i, j) *= static_cast<float>(1.0 - shading * std::pow((static_cast<double>(i) - 64.0) / 64.0, 2));
+      const EdgeMeasurement found = measure(image);
+      ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+      EXPECT_NEAR(found.mtf50->value, 0.3748, 5.0 * found.mtf50->sd);
+      EXPECT_NEAR(std::abs(found.angle_deg.value), 5.0, 0.2);
+      EXPECT_GT(found.mtf50->sd, 1e-4);
+      EXPECT_TRUE(shading < 0.02 || cnr < 60.0 || !found.warnings.empty());
+    }
+  }
+}
+
 TEST(MeasureTruth, FiguresOfAGaussian) {
   const double mtf50 = 0.25, sigma_px = std::sqrt(0.5 * std::numbers::ln2) / (std::numbers::pi * mtf50);
   const made::Step step = made::Step::gaussian(mtf50);
