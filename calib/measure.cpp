@@ -119,6 +119,32 @@ EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double reach
   return near;
 }
 
+// Where few distances occur the pixels do not tell a footprint from a Gaussian, and which of them it is decides between
+// the distances: what the result would be without a footprint and with that of a whole pixel, if these fit, is part of
+// its standard deviation.
+void hold_shapes(const EdgePixels& pixels, const Fit& fit, const FitRounds& fitted, const EdgeFacts& facts,
+                 EdgeMeasurement& out) {
+  constexpr double kWorse = 9.0;  // chi2
+  const ReferenceShape& shape = fit.model.shape;
+  const double variance = shape.v_px2 + shape.q_px2 / 12.0 + 0.1 * shape.s_px * shape.s_px;
+  for (const double q_px2 : {0.0, 1.0}) {
+    Fit other = fit;
+    other.model.shape = {.v_px2 = std::max(kLeastVariance_px2, variance - q_px2 / 12.0), .q_px2 = q_px2};
+    other.unknowns.reset(kFirstShape).reset(kFirstShape + 2);
+    FitRounds rounds = fitted;
+    rounds.unknowns = other.unknowns;
+    rounds.rounds = 12;
+    rounds.enough = 0.1;
+    other.state = fit_reference(pixels, other.model, rounds);
+    if (other.state.normal.chi2 > fit.state.normal.chi2 + kWorse) continue;
+    const JointFit joint = solve_jointly(other.state, other.model, without_bounds(other.unknowns, other.model),
+                                         Detail::none, facts.width_px, kLeastReach_px);
+    EdgeMeasurement described;
+    describe(EdgeResponse(other.model, joint), described);
+    hold_difference(described, out);
+  }
+}
+
 // Variance of the pixels about the model at mid level.
 double misfit(const JointFit& joint, const FitState& state) { return joint.chi2_per_dof * state.noise.at(0.5); }
 
@@ -206,6 +232,7 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   const RegionFacts region = survey(image, roi, limits);
   if (region.finite > 0) out.clipped_share = static_cast<double>(region.clipped) / static_cast<double>(region.finite);
   if (stop(judge_region(region, roi, options))) return out;
+  const auto wild = static_cast<std::size_t>(region.wild);
 
   const auto width = static_cast<double>(roi.width), height = static_cast<double>(roi.height);
   std::int64_t block_px = 1;
@@ -221,7 +248,8 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   rounds.least_variance = std::max(rounds.least_variance, quantum * quantum / 12.0);
   if (options.noise_sd) {
     const double sd = *options.noise_sd / region.scale;
-    rounds.variance = std::max(rounds.least_variance, sd * sd);
+    constexpr double kMost = 1e3;  // of the range of values: no edge is seen in it
+    rounds.variance = std::max(rounds.least_variance, std::min(sd, kMost) * std::min(sd, kMost));
   }
   const double reach_px = 0.5 * static_cast<double>(pixels.size()) / (2.0 * start.curve.half_length_px);
   if (block_px > kFineBlocks_px) sharpen_start(pixels, start, static_cast<double>(block_px), rounds);
@@ -284,10 +312,22 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   }
   const EdgeResponse response(fit.model, joint);
   describe(response, out);
+  if (facts.oversampling < kFewestDistances) hold_shapes(pixels, fit, rounds, facts, out);
+  if (const Outcome outcome = judge_response(out); outcome.trouble != Trouble::none) {
+    EdgeMeasurement refused;
+    refused.roi = roi;
+    refused.clipped_share = out.clipped_share;
+    refused.oversampling = out.oversampling;
+    levels(fit.model, fit.state.noise, region, refused);
+    refused.trouble = outcome.trouble;
+    refused.reason = outcome.reason;
+    return refused;
+  }
   move(fit.model, movement(joint, response.shift_px()));
   levels(fit.model, fit.state.noise, region, out);
   geometry(fit.model, joint, region, out);
   out.chi2_per_dof = joint.chi2_per_dof;
+  facts.outliers += wild;
   warn(facts, out);
   return out;
 }

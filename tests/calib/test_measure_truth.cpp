@@ -80,6 +80,39 @@ TEST(MeasureTruth, GaussiansOfAnyWidthAndDirection) {
   }
 }
 
+// Angles at which the pixels' distances repeat, and blurs narrower than the gaps between them.
+TEST(MeasureTruth, ResonantAngles) {
+  for (const double mtf50 : {0.6246, 0.937}) {
+    const made::Step step = made::Step::gaussian(mtf50);
+    for (const double angle_deg : {14.0362, 18.4349, 26.565, 33.69, 33.6901}) {
+      for (const double phase_px : {0.0, 0.13, 0.3, 0.5}) {
+        SCOPED_TRACE(std::to_string(mtf50) + " at " + std::to_string(angle_deg) + ", " + std::to_string(phase_px));
+        const EdgeMeasurement found = measure(made::make(step, scene_at(angle_deg, phase_px)));
+        // Two distances a pixel may be too few for a blur of a fifth of one; then it is said.
+        if (mtf50 > 0.9 && found.oversampling < 3.0 && found.trouble != Trouble::none) continue;
+        ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+        ASSERT_TRUE(found.mtf50.has_value());
+        EXPECT_NEAR(found.mtf50->value, mtf50, std::max(1e-3 * mtf50, 5.0 * found.mtf50->sd));
+      }
+    }
+  }
+}
+
+// At 45 degrees one distance and a half a pixel is all there is: the standard deviation says so.
+TEST(MeasureTruth, FewDistancesAreUncertain) {
+  const made::Step step = made::Step::gaussian(0.6246);
+  for (int k = 0; k < 24; ++k) {
+    made::Scene scene = scene_at(k % 2 == 0 ? 45.0 : 0.0, k / 24.0);
+    scene.noise_sd = k % 3 == 0 ? 0.002 : 0.01;
+    scene.seed = static_cast<std::uint64_t>(k) + 1;
+    const EdgeMeasurement found = measure(made::make(step, scene));
+    ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+    EXPECT_FALSE(found.warnings.empty());
+    EXPECT_TRUE(!found.mtf50 || std::abs(found.mtf50->value - 0.6246) < 5.0 * found.mtf50->sd)
+        << k << ' ' << found.mtf50->value << ' ' << found.mtf50->sd;
+  }
+}
+
 TEST(MeasureTruth, Cameras) {
   for (const double f_number : {2.8, 4.0, 8.0, 11.0, 16.0}) {
     for (const double angle_deg : {4.0, 17.0, 30.0, -40.0}) {
