@@ -159,7 +159,12 @@ std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const St
 Outcome judge_response(const EdgeMeasurement& out) {
   // Sharpening lifts the MTF with the square of the frequency and overshoots by parts of the step.
   constexpr double kLow_cy_px = 0.05, kMostLow = 1.2, kMost = 2.0, kOvershoot = 0.6, kSure = 4.0;
-  const auto because = [](const std::string& what) {
+  constexpr double kFewDistances = 3.0;  // a pixel
+  const auto because = [&out](const std::string& what) {
+    if (out.oversampling < kFewDistances)
+      return Outcome{Trouble::too_short, "only " + number(out.oversampling) +
+                                             " distances a pixel occur, too few for so sharp an edge (" + what +
+                                             "): tilt the edge by 2 to 10 degrees or take a longer one"};
     return Outcome{Trouble::contaminated, what +
                                               ": a ridge, a glow or another edge is in the region, not a step "
                                               "between two levels; draw the region around one edge"};
