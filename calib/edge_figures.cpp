@@ -178,4 +178,23 @@ void describe(const EdgeResponse& response, EdgeMeasurement& out) {
     out.absent.emplace_back("sampling_efficiency", "the MTF stays above 10 % up to 1 cycle per pixel");
 }
 
+void hold_difference(const EdgeMeasurement& other, EdgeMeasurement& out) {
+  for (std::size_t i = 0; i < out.mtf.size(); ++i) out.mtf_sd[i] = std::hypot(out.mtf_sd[i], out.mtf[i] - other.mtf[i]);
+  for (std::size_t i = 0; i < out.esf.size(); ++i) {
+    const bool same = i < other.distance_px.size() && other.distance_px[i] == out.distance_px[i];
+    if (same) out.esf_sd[i] = std::hypot(out.esf_sd[i], out.esf[i] - other.esf[i]);
+  }
+  for (auto figure : {&EdgeMeasurement::mtf10, &EdgeMeasurement::mtf30, &EdgeMeasurement::mtf50,
+                      &EdgeMeasurement::nyquist, &EdgeMeasurement::rer, &EdgeMeasurement::overshoot,
+                      &EdgeMeasurement::fwhm_px, &EdgeMeasurement::mtfa, &EdgeMeasurement::sampling_efficiency}) {
+    std::optional<Estimate>& one = out.*figure;
+    if (!one) continue;
+    // A frequency that the other does not reach is beyond the curves.
+    const bool frequency =
+        figure == &EdgeMeasurement::mtf10 || figure == &EdgeMeasurement::mtf30 || figure == &EdgeMeasurement::mtf50;
+    const double beyond = frequency ? 1.0 : one->value;
+    one->sd = std::hypot(one->sd, (other.*figure ? (other.*figure)->value : beyond) - one->value);
+  }
+}
+
 }  // namespace calib

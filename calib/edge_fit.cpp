@@ -203,7 +203,10 @@ FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRoun
     EdgeModel next = model;
     move(next, step);
     FitState tried = evaluate(pixels, next, rounds);
-    const bool better = chi2(tried, state.noise) <= chi2(state, state.noise) + 2.0;
+    // Pixels out of reach leave chi2: an edge that runs away from them is no better.
+    constexpr double kKept = 0.7;
+    const bool better =
+        chi2(tried, state.noise) <= chi2(state, state.noise) + 2.0 && tried.normal.count >= kKept * state.normal.count;
     damping = better ? 0.1 * damping : std::max(1e-4, 30.0 * damping);
     if (damping < 1e-6) damping = 0.0;
     if (better) model = next, state = std::move(tried);

@@ -28,6 +28,25 @@ double structure(const EdgeFacts& facts) {
   return std::sqrt(std::max(0.0, excess)) / std::max(facts.contrast, 1e-300);
 }
 
+// The smallest and the largest value, how many pixels have them and how far the next value is.
+struct Ends {
+  std::ptrdiff_t at_low = 0, at_high = 0;
+  double low_step = 0.0, high_step = 0.0;
+};
+
+Ends ends_of(const std::vector<float>& values) {
+  const auto [lowest, highest] = std::minmax_element(values.begin(), values.end());
+  const float low = *lowest, high = *highest;
+  float above = high, below = low;
+  for (const float value : values) {
+    if (value > low) above = std::min(above, value);
+    if (value < high) below = std::max(below, value);
+  }
+  return {std::count(values.begin(), values.end(), low), std::count(values.begin(), values.end(), high),
+          static_cast<double>(above) - static_cast<double>(low),
+          static_cast<double>(high) - static_cast<double>(below)};
+}
+
 }  // namespace
 
 Outcome judge_region(const RegionFacts& facts, const Roi& roi, const MeasureOptions& options) {
@@ -82,8 +101,7 @@ EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeMo
     side_error[d < 0.0 ? 0 : 1] += state.sums.pure_error(i);
     side_dof[d < 0.0 ? 0 : 1] += std::max(0.0, n - 1.0);
   }
-  const float largest = *std::max_element(pixels.value.begin(), pixels.value.end());
-  const auto at_largest = static_cast<double>(std::count(pixels.value.begin(), pixels.value.end(), largest));
+  const Ends ends = ends_of(pixels.value);
   const double share = static_cast<double>(pixels.size()) / std::max(1.0, dark + bright);
   facts.reach_dark_px = share * dark / facts.length_px;
   facts.reach_bright_px = share * bright / facts.length_px;
@@ -93,8 +111,13 @@ EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeMo
   const double a = side_error[0] / std::max(1.0, side_dof[0]), b = side_error[1] / std::max(1.0, side_dof[1]);
   const bool enough = std::min(side_dof[0], side_dof[1]) > 50.0;
   const double visible = 1e-5 * facts.contrast * facts.contrast;
-  facts.bright_is_flat = enough && a > visible && (b < 1e-10 || at_largest > 0.2 * bright);
-  facts.dark_is_flat = enough && b > visible && a < 1e-10;
+  // A side whose noise is below the step between values lies on one or two of them without being cut off.
+  const auto fine = [](double variance, double step) { return variance > 0.36 * step * step; };
+  constexpr double kHeaped = 0.2;  // of a side's pixels
+  facts.bright_is_flat = enough && a > visible && fine(a, ends.high_step) &&
+                         (b < 1e-10 || static_cast<double>(ends.at_high) > kHeaped * bright);
+  facts.dark_is_flat = enough && b > visible && fine(b, ends.low_step) &&
+                       (a < 1e-10 || static_cast<double>(ends.at_low) > kHeaped * dark);
   constexpr int kHalf_px = 2, kPerPixel = 8, kMerged = kFinest / kPerPixel;
   int filled = 0;
   for (int k = -kHalf_px * kPerPixel; k < kHalf_px * kPerPixel; ++k) {
@@ -133,12 +156,43 @@ std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const St
   return removed;
 }
 
+Outcome judge_response(const EdgeMeasurement& out) {
+  // Sharpening lifts the MTF with the square of the frequency and overshoots by parts of the step.
+  constexpr double kLow_cy_px = 0.05, kMostLow = 1.2, kMost = 2.0, kOvershoot = 0.6, kSure = 4.0;
+  constexpr double kFewDistances = 3.0;  // a pixel
+  const auto because = [&out](const std::string& what) {
+    if (out.oversampling < kFewDistances)
+      return Outcome{Trouble::too_short, "only " + number(out.oversampling) +
+                                             " distances a pixel occur, too few for so sharp an edge (" + what +
+                                             "): tilt the edge by 2 to 10 degrees or take a longer one"};
+    return Outcome{Trouble::contaminated, what +
+                                              ": a ridge, a glow or another edge is in the region, not a step "
+                                              "between two levels; draw the region around one edge"};
+  };
+  for (std::size_t i = 0; i < out.mtf.size(); ++i) {
+    if (!std::isfinite(out.mtf[i]) || !std::isfinite(out.mtf_sd[i]))
+      return {Trouble::no_edge, "the pixels do not determine a response: take a larger region on an edge"};
+    const double most = out.frequency_cy_px[i] <= kLow_cy_px ? kMostLow : kMost;
+    if (out.mtf[i] > most + kSure * out.mtf_sd[i])
+      return because("the MTF rises to " + number(out.mtf[i]) + " at " + number(out.frequency_cy_px[i]) +
+                     " cycles per pixel");
+  }
+  for (std::size_t i = 0; i < out.esf.size(); ++i) {
+    const double beyond = std::max(out.esf[i] - 1.0, -out.esf[i]);
+    if (beyond > kOvershoot + kSure * out.esf_sd[i])
+      return because("the edge spread function leaves the range of its levels by " + number(100.0 * beyond) + " %");
+  }
+  return {};
+}
+
 Outcome judge_edge(const EdgeFacts& facts) {
   const double cnr = facts.contrast / std::max(1e-300, facts.noise_sd);
   if (!(facts.contrast > 0.0) || cnr < kLeastCnr)
-    return {Trouble::no_edge, "the contrast of the best line is " + number(std::max(0.0, cnr)) +
-                                  " times the noise of a pixel, at least " + number(kLeastCnr) +
-                                  " is needed: average frames or choose an edge of more contrast"};
+    return {Trouble::no_edge,
+            "the contrast of the best line is " + number(std::max(0.0, cnr)) +
+                " times the noise of a pixel, at least " + number(kLeastCnr) +
+                " is needed: average frames, or choose an edge of more contrast, straight and alone in "
+                "its region"};
   if (facts.significance < kLeastSignificance)
     return {Trouble::no_edge, "the contrast of the best line is " + number(facts.significance) +
                                   " times its own standard deviation, at least " + number(kLeastSignificance) +
@@ -169,6 +223,10 @@ Outcome judge_edge(const EdgeFacts& facts) {
     return {Trouble::clipped,
             "many pixels of the bright side have the largest value of all while the dark side has "
             "noise, as saturated sides do: expose so that both sides stay below the saturation"};
+  if (facts.dark_is_flat)
+    return {Trouble::clipped,
+            "many pixels of the dark side have the smallest value of all while the bright side has noise, as sides at "
+            "the floor do: expose more, or add an offset, so that both sides stay above the floor"};
   return {};
 }
 
@@ -189,12 +247,17 @@ void warn(const EdgeFacts& facts, EdgeMeasurement& out) {
   if (shorter < 4.0 * facts.width_px)
     out.warnings.push_back("only " + number(shorter) +
                            " px of one side are inside the region: tails of the blur may count as its level");
-  if (facts.dark_is_flat)
+  if (facts.narrowed_px > 0.0)
+    out.warnings.push_back(
+        "the levels bend with the distance from the edge, as under uneven light: pixels further than " +
+        number(facts.narrowed_px) + " px from it are left out");
+  if (facts.levels_bend)
     out.warnings.emplace_back(
-        "the dark side has a single value while the bright one has noise: if it is cut off at the "
-        "floor, its level and so the MTF are off");
+        "the levels bend next to the edge too: the MTF at low frequencies may be off by more than its "
+        "standard deviation");
   if (facts.outliers > 0)
-    out.warnings.push_back(std::to_string(facts.outliers) + " single pixels far from the model are left out");
+    out.warnings.push_back(std::to_string(facts.outliers) + (facts.outliers == 1 ? " single pixel" : " single pixels") +
+                           " far from the model left out");
   if (out.clipped_share > 0.0)
     out.warnings.push_back(number(100.0 * out.clipped_share) + " % of the pixels are clipped and left out");
 }

@@ -31,12 +31,16 @@ struct EdgeFacts {
   double plateau_sd = 0.0;      ///< of the pixels of the plateaus about the model
   double significance = 0.0;    ///< contrast / its sd
   bool bright_is_flat = false;  ///< many pixels at the largest value, though the dark side has noise
-  bool dark_is_flat = false;    ///< one value, though the bright side has noise
+  bool dark_is_flat = false;    ///< many at the smallest, though the bright side has noise
   std::size_t outliers = 0;     ///< pixels left out
   double oversampling = 0.0;
+  double narrowed_px = 0.0;  ///< pixels further from the edge are left out: the levels bend there; 0 = none
+  bool levels_bend = false;  ///< those near the edge too
 };
 EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model, double local_noise_sd);
 Outcome judge_edge(const EdgeFacts& facts);
+/// Of the result: whether it can be that of a step.
+Outcome judge_response(const EdgeMeasurement& out);
 
 /// Removes hot and dead pixels and the like, if there are few; returns how many.
 std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,

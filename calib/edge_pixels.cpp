@@ -6,9 +6,36 @@
 
 namespace calib {
 
+namespace {
+
+// Where all but a few of a region's values are, several times as wide: one hot pixel must not set the scale of all.
+struct Range {
+  double low = -INFINITY, high = INFINITY;
+};
+Range usual_range(mtf::ImageView<const float> image, const Roi& roi) {
+  constexpr std::int64_t kSome = 20000;
+  constexpr double kOutside = 0.005, kTimes = 20.0;
+  const std::int64_t step = std::max<std::int64_t>(1, roi.width * roi.height / kSome) | 1;
+  std::vector<float> values;
+  for (std::int64_t k = 0; k < roi.width * roi.height; k += step)
+    if (const float value = image.row(roi.y + k / roi.width)[roi.x + k % roi.width]; std::isfinite(value))
+      values.push_back(value);
+  const auto outside = static_cast<std::ptrdiff_t>(kOutside * static_cast<double>(values.size()));
+  if (outside < 1) return {};
+  std::nth_element(values.begin(), values.begin() + outside, values.end());
+  const double low = static_cast<double>(values[static_cast<std::size_t>(outside)]);
+  std::nth_element(values.begin(), values.end() - 1 - outside, values.end());
+  const double high = static_cast<double>(*(values.end() - 1 - outside));
+  if (!(high > low)) return {};
+  return {low - kTimes * (high - low), high + kTimes * (high - low)};
+}
+
+}  // namespace
+
 RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const ValueLimits& limits) {
   RegionFacts facts{.middle = {static_cast<double>(roi.x) + 0.5 * static_cast<double>(roi.width),
                                static_cast<double>(roi.y) + 0.5 * static_cast<double>(roi.height)}};
+  const Range usual = usual_range(image, roi);
   double low = INFINITY, high = -INFINITY;
   for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j) {
     const float* row = image.row(j);
@@ -16,6 +43,10 @@ RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const Valu
       const double value = static_cast<double>(row[i]);
       if (!std::isfinite(value)) continue;
       ++facts.finite;
+      if (value < usual.low || value > usual.high) {
+        ++facts.wild;
+        continue;
+      }
       if (limits.clipped(row[i])) ++facts.clipped;
       low = std::min(low, value);
       high = std::max(high, value);
@@ -43,7 +74,7 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
         const float* row = image.row(roi.y + j) + roi.x;
         for (std::int64_t i = left; i < std::min(left + block_px, roi.width); ++i) {
           const double value = static_cast<double>(row[i]);
-          if (!std::isfinite(value) || limits.clipped(row[i])) continue;
+          if (!facts.holds(value) || limits.clipped(row[i])) continue;
           sum += (value - facts.offset) / facts.scale;
           x += static_cast<double>(i);
           y += static_cast<double>(j);
@@ -85,7 +116,7 @@ EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, cons
         list->resize(count + static_cast<std::size_t>(end - first) * static_cast<std::size_t>(roi.height - j));
     for (auto i = static_cast<std::int64_t>(first); i < static_cast<std::int64_t>(end); ++i) {
       const double value = static_cast<double>(row[i]);
-      if (!std::isfinite(value) || limits.clipped(row[i])) continue;
+      if (!facts.holds(value) || limits.clipped(row[i])) continue;
       pixels.x[count] = static_cast<float>(static_cast<double>(i) + 0.5 - 0.5 * static_cast<double>(roi.width));
       pixels.y[count] = static_cast<float>(y);
       pixels.value[count++] = static_cast<float>((value - facts.offset) * scale);

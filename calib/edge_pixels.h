@@ -21,14 +21,16 @@ struct EdgePixels {
 
 /// What is in a region before anything is known of its edge.
 struct RegionFacts {
-  Point middle;              ///< of the region, pixels of the image
-  std::int64_t finite = 0;   ///< pixels with data
-  std::int64_t clipped = 0;  ///< of these, at the saturation or floor
-  double low = 0.0, high = 0.0;
+  Point middle;                      ///< of the region, pixels of the image
+  std::int64_t finite = 0;           ///< pixels with data
+  std::int64_t clipped = 0;          ///< of these, at the saturation or floor
+  double low = 0.0, high = 0.0;      ///< of the pixels that are not wild
+  std::int64_t wild = 0;             ///< pixels further from nearly all others than these from each other, many times
   double offset = 0.0, scale = 1.0;  ///< value = offset + scale x EdgePixels::value
+  bool holds(double value) const { return value >= low && value <= high; }  ///< neither wild nor no number
 };
 
-/// Values that mean no data or are clipped (NaN, infinite, at the limits) are left out of the lists.
+/// Values that mean no data, are clipped or wild (NaN, infinite, at the limits) are left out of the lists.
 struct ValueLimits {
   std::optional<double> saturation, floor;
   /// Limits as the pixels' float32 holds them.

@@ -25,74 +25,108 @@ double pair_otf(const SplinePair& pair, double f_cy_px) {
 EdgeResponse::EdgeResponse(const EdgeModel& model, const JointFit& joint)
     : shape_(model.shape), angle_rad_(model.curve.angle_rad), table_(tabulate(model.shape, model.curve.angle_rad)) {
   std::vector<Eigen::Index> from;
+  Eigen::Index offset = 0;
   for (std::size_t i = 0; i < joint.unknowns.size(); ++i) {
+    if (joint.unknowns[i] == kFirstShift) offset = static_cast<Eigen::Index>(i);
     if (joint.unknowns[i] < kFirstShape) continue;
     shapes_.push_back(static_cast<std::size_t>(joint.unknowns[i] - kFirstShape));
     from.push_back(static_cast<Eigen::Index>(i));
   }
+  const auto add = [&](bool odd) {
+    for (std::size_t j = 0; j < joint.splines.size(); ++j) {
+      if (joint.splines[j].odd != odd) continue;
+      splines_.push_back(joint.splines[j]);
+      from.push_back(static_cast<Eigen::Index>(joint.unknowns.size() + j));
+    }
+  };
+  add(true);
   real_ = static_cast<Eigen::Index>(from.size());
-  for (std::size_t j = 0; j < joint.splines.size(); ++j) {  // odd ones come first
-    splines_.push_back(joint.splines[j]);
-    if (joint.splines[j].odd) ++real_;
-    from.push_back(static_cast<Eigen::Index>(joint.unknowns.size() + j));
-  }
+  from.push_back(offset);
+  add(false);
   const auto size = static_cast<Eigen::Index>(from.size());
   value_.resize(size);
   covariance_.resize(size, size);
   for (Eigen::Index i = 0; i < size; ++i) {
-    value_[i] = joint.value[from[static_cast<std::size_t>(i)]];
+    value_[i] = joint.contrast_ratio * joint.value[from[static_cast<std::size_t>(i)]];
     for (Eigen::Index j = 0; j < size; ++j)
       covariance_(i, j) = joint.covariance(from[static_cast<std::size_t>(i)], from[static_cast<std::size_t>(j)]);
   }
+  locate();
 }
 
-void EdgeResponse::fill_real(double f_cy_px, const ReferenceOtf& reference, Row& row) const {
+EdgeResponse::Parts EdgeResponse::parts(double f_cy_px) const {
+  Parts parts{.real = Row::Zero(value_.size()), .imaginary = Row::Zero(value_.size())};
+  const ReferenceOtf reference = reference_otf(shape_, angle_rad_, f_cy_px);
   const auto shapes = static_cast<Eigen::Index>(shapes_.size());
-  for (Eigen::Index i = 0; i < shapes; ++i) row[i] = reference.slope[shapes_[static_cast<std::size_t>(i)]];
+  for (Eigen::Index i = 0; i < shapes; ++i) parts.real[i] = reference.slope[shapes_[static_cast<std::size_t>(i)]];
   for (Eigen::Index i = shapes; i < real_; ++i)
-    row[i] = pair_otf(splines_[static_cast<std::size_t>(i - shapes)], f_cy_px);
+    parts.real[i] = pair_otf(splines_[static_cast<std::size_t>(i - shapes)], f_cy_px);
+  parts.imaginary[real_] = -2.0 * kPi * f_cy_px * reference.value;
+  for (Eigen::Index i = real_ + 1; i < value_.size(); ++i)
+    parts.imaginary[i] = pair_otf(splines_[static_cast<std::size_t>(i - 1 - shapes)], f_cy_px);
+  parts.re = reference.value + parts.real.dot(value_);
+  parts.im = parts.imaginary.dot(value_);
+  return parts;
 }
 
-void EdgeResponse::fill_imaginary(double f_cy_px, Row& row) const {
-  const auto shapes = static_cast<Eigen::Index>(shapes_.size());
-  for (Eigen::Index i = real_; i < row.size(); ++i)
-    row[i] = pair_otf(splines_[static_cast<std::size_t>(i - shapes)], f_cy_px);
+EdgeResponse::Row EdgeResponse::Parts::along() const {
+  const double most = modulus();
+  if (most == 0.0) return real;
+  return (re / most) * real + (im / most) * imaginary;
+}
+
+EdgeResponse::Row EdgeResponse::Parts::across() const {
+  const double most = modulus();
+  if (most == 0.0) return imaginary;
+  return (re / most) * imaginary - (im / most) * real;
+}
+
+// Newton's method for the least phase.
+void EdgeResponse::locate() {
+  constexpr int kFrequencies = 64, kRounds = 8;
+  constexpr double kTop_cy_px = 0.8;
+  std::vector<Parts> all;
+  double weight = 0.0;
+  shift_row_ = Row::Zero(value_.size());
+  for (int i = 1; i <= kFrequencies; ++i) {
+    all.push_back(parts(kTop_cy_px * i / kFrequencies));
+    const double turn = 2.0 * kPi * kTop_cy_px * i / kFrequencies * all.back().modulus();
+    weight += turn * turn;
+    shift_row_ -= turn * all.back().across();
+  }
+  if (!(weight > 0.0)) return;
+  shift_row_ /= weight;
+  for (int round = 0; round < kRounds; ++round) {
+    double sum = 0.0;
+    for (int i = 1; i <= kFrequencies; ++i) {
+      const Parts& at = all[static_cast<std::size_t>(i - 1)];
+      const double turn = 2.0 * kPi * kTop_cy_px * i / kFrequencies;
+      sum += turn * at.modulus() * (at.im * std::cos(turn * shift_px_) + at.re * std::sin(turn * shift_px_));
+    }
+    shift_px_ -= sum / weight;
+  }
+  if (!(std::abs(shift_px_) < kReach_px)) shift_px_ = 0.0;
 }
 
 EdgeResponse::Otf EdgeResponse::otf(double f_cy_px) const {
-  Row row = Row::Zero(value_.size());
-  const ReferenceOtf reference = reference_otf(shape_, angle_rad_, f_cy_px);
-  fill_real(f_cy_px, reference, row);
-  fill_imaginary(f_cy_px, row);
-  const Eigen::Index rest = value_.size() - real_;
-  Otf otf{.re = reference.value + row.head(real_).dot(value_.head(real_)), .im = row.tail(rest).dot(value_.tail(rest))};
-  otf.var_re = row.head(real_).dot(covariance_.topLeftCorner(real_, real_) * row.head(real_));
-  otf.var_im = row.tail(rest).dot(covariance_.bottomRightCorner(rest, rest) * row.tail(rest));
-  return otf;
+  const Parts at = parts(f_cy_px);
+  const double turn = 2.0 * kPi * f_cy_px, c = std::cos(turn * shift_px_), s = std::sin(turn * shift_px_);
+  const Row across = at.across() + turn * at.modulus() * shift_row_;
+  return {.re = at.re * c - at.im * s,
+          .im = at.im * c + at.re * s,
+          .var_along = std::max(0.0, variance(at.along())),
+          .var_across = std::max(0.0, variance(across))};
 }
 
-double EdgeResponse::Otf::mtf() const {
-  const double square = re * re + im * im;
-  const double across = square > 0.0 ? (im * im * var_re + re * re * var_im) / square : 0.0;
-  return std::sqrt(std::max(0.0, square - across));
-}
+double EdgeResponse::Otf::mtf() const { return std::sqrt(std::max(0.0, re * re + im * im - var_across)); }
 
 double EdgeResponse::Otf::mtf_sd() const {
   const double square = re * re + im * im;
-  return std::sqrt(std::max(0.0, square > 0.0 ? (re * re * var_re + im * im * var_im) / square : var_re));
+  // Where the modulus is within its noise, its direction is not known, and either part may be the one along it.
+  return std::sqrt(square > var_across ? var_along : std::max(var_along, var_across));
 }
 
-EdgeResponse::Row EdgeResponse::mtf_row(double f_cy_px) const {
-  Row row = Row::Zero(value_.size());
-  fill_real(f_cy_px, reference_otf(shape_, angle_rad_, f_cy_px), row);
-  fill_imaginary(f_cy_px, row);
-  const Otf at = otf(f_cy_px);
-  const double modulus = std::hypot(at.re, at.im);
-  if (modulus == 0.0) return row;
-  row.head(real_) *= at.re / modulus;
-  row.tail(row.size() - real_) *= at.im / modulus;
-  return row;
-}
+EdgeResponse::Row EdgeResponse::mtf_row(double f_cy_px) const { return parts(f_cy_px).along(); }
 
 double EdgeResponse::at_knots(const std::array<double, kSideBins + 1>& values, double d_px) const {
   const DistanceBins& bins = DistanceBins::get();
@@ -103,38 +137,56 @@ double EdgeResponse::at_knots(const std::array<double, kSideBins + 1>& values, d
   return values[side] + t * (values[side + 1] - values[side]);
 }
 
-EdgeResponse::Row EdgeResponse::esf_row(double d_px) const {
+EdgeResponse::Row EdgeResponse::change_row(double d_px) const {
   Row row(value_.size());
   const double sign = d_px < 0.0 ? -1.0 : 1.0;
   const auto shapes = static_cast<Eigen::Index>(shapes_.size());
   for (Eigen::Index i = 0; i < shapes; ++i)
     row[i] = sign * at_knots(table_.slope[shapes_[static_cast<std::size_t>(i)]], d_px);
-  for (Eigen::Index i = shapes; i < row.size(); ++i)
-    row[i] = (i < real_ ? sign : 1.0) * pair_value(splines_[static_cast<std::size_t>(i - shapes)], std::abs(d_px));
+  for (Eigen::Index i = shapes; i < real_; ++i)
+    row[i] = sign * pair_value(splines_[static_cast<std::size_t>(i - shapes)], std::abs(d_px));
+  row[real_] = -at_knots(table_.lsf, d_px);
+  for (Eigen::Index i = real_ + 1; i < row.size(); ++i)
+    row[i] = pair_value(splines_[static_cast<std::size_t>(i - 1 - shapes)], std::abs(d_px));
   return row;
+}
+
+EdgeResponse::Row EdgeResponse::slope_row(double d_px) const {
+  constexpr double kStep_px = 1.0 / kFinest;
+  Row row = (change_row(d_px + kStep_px) - change_row(d_px - kStep_px)) / (2.0 * kStep_px);
+  const double sign = d_px < 0.0 ? -1.0 : 1.0;
+  const auto shapes = static_cast<Eigen::Index>(shapes_.size());
+  for (Eigen::Index i = shapes; i < real_; ++i)
+    row[i] = pair_slope(splines_[static_cast<std::size_t>(i - shapes)], std::abs(d_px));
+  for (Eigen::Index i = real_ + 1; i < row.size(); ++i)
+    row[i] = sign * pair_slope(splines_[static_cast<std::size_t>(i - 1 - shapes)], std::abs(d_px));
+  return row;
+}
+
+EdgeResponse::Row EdgeResponse::esf_row(double d_px) const {
+  return change_row(d_px + shift_px_) + lsf(d_px) * shift_row_;
 }
 
 EdgeResponse::Row EdgeResponse::lsf_row(double d_px) const {
   constexpr double kStep_px = 1.0 / kFinest;
-  Row row = (esf_row(d_px + kStep_px) - esf_row(d_px - kStep_px)) / (2.0 * kStep_px);
-  const double sign = d_px < 0.0 ? -1.0 : 1.0;
-  const auto shapes = static_cast<Eigen::Index>(shapes_.size());
-  for (Eigen::Index i = shapes; i < row.size(); ++i)
-    row[i] = (i < real_ ? 1.0 : sign) * pair_slope(splines_[static_cast<std::size_t>(i - shapes)], std::abs(d_px));
-  return row;
+  const double bend = (lsf(d_px + kStep_px) - lsf(d_px - kStep_px)) / (2.0 * kStep_px);
+  return slope_row(d_px + shift_px_) + bend * shift_row_;
 }
 
 double EdgeResponse::esf(double d_px) const {
   const DistanceBins& bins = DistanceBins::get();
-  const double d = std::min(std::abs(d_px), kReach_px * (1.0 - 1e-12));
+  const double at = d_px + shift_px_, d = std::min(std::abs(at), kReach_px * (1.0 - 1e-12));
   const int i = bins.index(d);
   const auto side = static_cast<std::size_t>(i - kSideBins);
   const double h = bins.knot(i + 1) - bins.knot(i), t = (d - bins.knot(i)) / h, u = 1.0 - t;
   const double odd = u * u * ((1.0 + 2.0 * t) * table_.odd[side] + t * h * table_.lsf[side]) +
                      t * t * ((1.0 + 2.0 * u) * table_.odd[side + 1] - u * h * table_.lsf[side + 1]);
-  return 0.5 + std::copysign(odd, d_px) + esf_row(d_px).dot(value_);
+  return 0.5 + std::copysign(odd, at) + change_row(at).dot(value_);
 }
 
-double EdgeResponse::lsf(double d_px) const { return at_knots(table_.lsf, d_px) + lsf_row(d_px).dot(value_); }
+double EdgeResponse::lsf(double d_px) const {
+  const double at = d_px + shift_px_;
+  return at_knots(table_.lsf, at) + slope_row(at).dot(value_);
+}
 
 }  // namespace calib

@@ -3,8 +3,14 @@
 
 // The response that a joint fit found, reference + its change + correction, as OTF and as edge spread function about
 // the edge's location. Everything is linear in the fit's unknowns, so variances are quadratic forms of its covariance.
+//
+// The offset of the edge is one of them: the line spread is its derivative, and the even splines span that too, so that
+// only the sum of both is known where they act. The location is that of the sum, at which its phase is least,
+//   sum over f of 2 pi f |H| Im H(f) = 0,
+// and what noise moves together with the location does not count as noise of the response about it.
 
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "calib/esf_correction.h"
@@ -17,10 +23,12 @@ class EdgeResponse {
 
   struct Otf {
     double re = 1.0, im = 0.0;
-    double var_re = 0.0, var_im = 0.0;
-    double mtf() const;  ///< |OTF| less what the noise across its phase adds on average
+    double var_along = 0.0, var_across = 0.0;  ///< of the modulus; of the part at right angles to it
+    double mtf() const;                        ///< |OTF| less what the noise across its phase adds on average
     double mtf_sd() const;
   };
+  /// Of the location from where the joint fit's equations were taken, towards the bright side.
+  double shift_px() const { return shift_px_; }
   Otf otf(double f_cy_px) const;
   double esf(double d_px) const;
   double lsf(double d_px) const;
@@ -34,8 +42,18 @@ class EdgeResponse {
   double covariance(const Row& a, const Row& b) const { return a.dot(covariance_ * b); }
 
  private:
-  void fill_real(double f_cy_px, const ReferenceOtf& reference, Row& row) const;
-  void fill_imaginary(double f_cy_px, Row& row) const;
+  // OTF and the derivatives of its two parts, about where the equations were taken.
+  struct Parts {
+    double re = 1.0, im = 0.0;
+    Row real, imaginary;
+    double modulus() const { return std::hypot(re, im); }
+    Row along() const;
+    Row across() const;
+  };
+  Parts parts(double f_cy_px) const;
+  void locate();
+  Row change_row(double d_px) const;  // of E, about where the equations were taken
+  Row slope_row(double d_px) const;
   double at_knots(const std::array<double, kSideBins + 1>& values, double d_px) const;
 
   ReferenceShape shape_;
@@ -43,8 +61,10 @@ class EdgeResponse {
   ReferenceTable table_;
   std::vector<std::size_t> shapes_;  // which of S, v, q are free
   std::vector<SplinePair> splines_;
-  Eigen::Index real_ = 0;  // the first so many unknowns make the real part
+  Eigen::Index real_ = 0;  // so many unknowns make the real part; the offset follows, then even splines
   Eigen::VectorXd value_;
+  double shift_px_ = 0.0;
+  Row shift_row_;  // derivatives of the location
   Eigen::MatrixXd covariance_;
 };
 

@@ -123,6 +123,34 @@ Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_p
   return terms;
 }
 
+bool levels_bend(const FitState& state, const EdgeModel& model, double width_px, double reach_px) {
+  constexpr double kSure = 15.0;     // chi2: once in 10^4 straight sides
+  constexpr double kLeast = 1.5e-3;  // of the contrast: the bend's height over the part
+  const DistanceBins& bins = DistanceBins::get();
+  const double from = std::max(3.0 * width_px, 0.3 * reach_px);
+  for (const int sign : {-1, 1}) {
+    Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    double end = 0.0;
+    for (int i = 0; i < kBins; ++i) {
+      const double d = sign * bins.centre(i), n = state.sums.count(i);
+      if (d < from || n == 0.0) continue;
+      const double weight = 1.0 / state.noise.at(state.profile.esf[static_cast<std::size_t>(i)]), x = d / reach_px;
+      const Eigen::Vector3d row(1.0, x, x * x);
+      matrix += weight * n * row * row.transpose();
+      right += weight * state.sums.residual(i, 0) * row;
+      end = std::max(end, x);
+    }
+    const Eigen::LDLT<Eigen::Matrix3d> factor(matrix);
+    if (!(matrix(2, 2) > 0.0) || factor.rcond() < 1e-12) continue;
+    const double bend = factor.solve(right)[2];
+    const double variance = factor.solve(Eigen::Vector3d::Unit(2))[2];
+    const double half = 0.5 * (end - from / reach_px);
+    if (bend * bend > kSure * variance && std::abs(bend) * half * half > kLeast * model.contrast()) return true;
+  }
+  return false;
+}
+
 bool shows_diffraction(const FitState& state, const EdgeModel& model, const Unknowns& unknowns) {
   constexpr double kSure = 6.0;  // chi2: once in 140 blurs without diffraction
   NormalEquations normal = state.normal;

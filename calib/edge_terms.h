@@ -25,6 +25,10 @@ struct Terms {
 /// the options leave it open.
 Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_px, const MeasureOptions& options);
 
+/// Whether a side's level bends with the distance from the edge, as uneven light makes it: told from the outer part of
+/// the pixels, where the tails of a blur are all but straight. Neither gradients nor a correction may take the bend.
+bool levels_bend(const FitState& state, const EdgeModel& model, double width_px, double reach_px);
+
 /// Whether the cusp of diffraction, S, is there beyond doubt. S >= 0 alone would make blurs without one sharper on
 /// average than they are.
 bool shows_diffraction(const FitState& state, const EdgeModel& model, const Unknowns& unknowns);

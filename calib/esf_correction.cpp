@@ -228,6 +228,8 @@ JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unkn
   const VectorXd solution = whole.solve(right);
   const MatrixXd inverse = whole.solve(MatrixXd::Identity(total, total));
   joint.value = full_scale.cwiseProduct(solution);
+  const double contrast = model.contrast() + joint.value[1] - joint.value[0];  // the levels are always unknowns
+  if (contrast > 0.5 * model.contrast()) joint.contrast_ratio = std::min(2.0, model.contrast() / contrast);
   const double spent = static_cast<double>(total) - penalty.dot(inverse.diagonal());
   const double left = state.normal.chi2 - 2.0 * solution.dot(right) + solution.dot(all * solution);
   joint.chi2_per_dof = std::max(0.0, left) / std::max(1.0, state.normal.count - spent);

@@ -33,6 +33,7 @@ struct JointFit {
   Eigen::MatrixXd covariance;
   double chi2_per_dof = 0.0;
   double tau_odd = 0.0, tau_even = 0.0;
+  double contrast_ratio = 1.0;  ///< old / new: changes of E are in parts of the old contrast
 };
 
 /// How many splines: none where too few distances a pixel occur to tell a correction from aliases; more of them, and

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/esf_refine.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "calib/edge_response.h"
 
 namespace calib {
 namespace {
@@ -11,13 +14,17 @@ struct Change {
   std::vector<double> esf, lsf;
 };
 
-Change change_of(const StepProfile& reference, const JointFit& joint) {
+// `taken`: how much of the changes the model moves by; the rest stays with the step.
+Change change_of(const StepProfile& reference, const JointFit& joint, const Vector& taken) {
   const DistanceBins& bins = DistanceBins::get();
   Change change{std::vector<double>(kBins), std::vector<double>(kBins)};
   for (std::size_t i = 0; i < joint.unknowns.size(); ++i) {
-    if (joint.unknowns[i] < kFirstShape) continue;
-    const auto& slope = reference.slope[static_cast<std::size_t>(joint.unknowns[i] - kFirstShape)];
-    const double value = joint.value[static_cast<Eigen::Index>(i)];
+    const int a = joint.unknowns[i];
+    if (a < kFirstShape && a != kFirstShift) continue;
+    const double left = joint.contrast_ratio * joint.value[static_cast<Eigen::Index>(i)] - taken[a];
+    const bool offset = a == kFirstShift;
+    const auto& slope = offset ? reference.lsf : reference.slope[static_cast<std::size_t>(a - kFirstShape)];
+    const double value = offset ? -left : left;
     for (int b = 0; b < kBins; ++b) {
       const auto at = static_cast<std::size_t>(b), before = at - (b > 0), after = at + (b + 1 < kBins);
       change.esf[at] += value * slope[at];
@@ -27,7 +34,7 @@ Change change_of(const StepProfile& reference, const JointFit& joint) {
   }
   for (std::size_t j = 0; j < joint.splines.size(); ++j) {
     const SplinePair& pair = joint.splines[j];
-    const double value = joint.value[static_cast<Eigen::Index>(joint.unknowns.size() + j)];
+    const double value = joint.contrast_ratio * joint.value[static_cast<Eigen::Index>(joint.unknowns.size() + j)];
     for (int b = 0; b < kBins; ++b) {
       const double d = bins.centre(b), sign = d < 0.0 ? -1.0 : 1.0;
       const double e = pair_value(pair, std::abs(d)), slope = pair_slope(pair, std::abs(d));
@@ -38,17 +45,27 @@ Change change_of(const StepProfile& reference, const JointFit& joint) {
   return change;
 }
 
+// The splines can take the place of the shape's changes, so that these may be far larger than they are linear: at most
+// a factor of two in the Gaussian, half a blur in the others.
+double trusted_part(const ReferenceShape& shape, const Eigen::Vector3d& step) {
+  const double blur_px2 = shape.v_px2 + shape.q_px2 / 12.0 + 0.1 * shape.s_px * shape.s_px;
+  const double most = std::max({std::abs(step[0]) / std::sqrt(blur_px2), 2.0 * std::abs(step[1]) / blur_px2,
+                                std::abs(step[2]) / (6.0 * blur_px2)});
+  return most > 1.0 ? 1.0 / most : 1.0;
+}
+
 }  // namespace
 
-Vector movement(const JointFit& joint) {
+Vector movement(const JointFit& joint, double shift_px) {
   Vector step = Vector::Zero();
   for (std::size_t i = 0; i < joint.unknowns.size(); ++i)
     step[joint.unknowns[i]] = joint.value[static_cast<Eigen::Index>(i)];
+  step[kFirstShift] = shift_px;
   return step;
 }
 
-StepProfile corrected_profile(const StepProfile& reference, const JointFit& joint) {
-  const Change change = change_of(reference, joint);
+StepProfile corrected_profile(const StepProfile& reference, const JointFit& joint, const Vector& taken) {
+  const Change change = change_of(reference, joint, taken);
   const DistanceBins& bins = DistanceBins::get();
   StepProfile profile = reference;
   for (std::size_t i = 0; i < kBins; ++i) {
@@ -65,9 +82,11 @@ StepProfile corrected_profile(const StepProfile& reference, const JointFit& join
 
 FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& reference, const JointFit& joint,
                 const FitRounds& rounds) {
-  move(model, movement(joint));
+  Vector step = movement(joint, EdgeResponse(model, joint).shift_px());
+  step.tail<kShapes>() *= trusted_part(model.shape, step.tail<kShapes>());
+  move(model, step);
   FitState next;
-  next.profile = corrected_profile(reference, joint);
+  next.profile = corrected_profile(reference, joint, step);
   next.sums = accumulate(pixels, model, next.profile, highest_power(rounds.unknowns));
   next.noise = noise_of(next.sums, next.profile, rounds);
   reference = make_profile(tabulate(model.shape, model.curve.angle_rad));

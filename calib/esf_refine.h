@@ -9,8 +9,8 @@
 
 namespace calib {
 
-/// The step with the joint fit's changes of shape and its splines.
-StepProfile corrected_profile(const StepProfile& reference, const JointFit& joint);
+/// The step with the joint fit's changes of shape and its splines, less what a move of the model by `taken` does.
+StepProfile corrected_profile(const StepProfile& reference, const JointFit& joint, const Vector& taken);
 
 /// The state of the model moved by the joint fit, in levels, geometry and shape: residuals and noise are those about
 /// the corrected step, the equations are about the reference of the new shape, so that solve_jointly() starts over from
@@ -18,7 +18,7 @@ StepProfile corrected_profile(const StepProfile& reference, const JointFit& join
 FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& reference, const JointFit& joint,
                 const FitRounds& rounds);
 
-/// What a joint fit moves the model by.
-Vector movement(const JointFit& joint);
+/// What a joint fit moves the model by; `shift_px`: the location of its response (EdgeResponse).
+Vector movement(const JointFit& joint, double shift_px);
 
 }  // namespace calib

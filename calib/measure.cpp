@@ -56,6 +56,8 @@ void sharpen_start(const EdgePixels& pixels, EdgeModel& start, double block_px, 
   fit_reference(pixels, start, rounds);
 }
 
+constexpr double kLeastReach_px = 8.0, kLeastWidths = 5.0;  // how near uneven light may bring the pixels' reach
+
 struct Fit {
   EdgeModel model;
   FitState state;
@@ -102,6 +104,45 @@ Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const 
     fit.state = refine(1, kRounds, kEnough);
   }
   return fit;
+}
+
+// The pixels within a distance of the curve.
+EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double reach_px) {
+  EdgePixels near;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const Point at{static_cast<double>(pixels.x[i]), static_cast<double>(pixels.y[i])};
+    if (!(std::abs(locate(curve, at).distance_px) <= reach_px)) continue;
+    near.x.push_back(pixels.x[i]);
+    near.y.push_back(pixels.y[i]);
+    near.value.push_back(pixels.value[i]);
+  }
+  return near;
+}
+
+// Where few distances occur the pixels do not tell a footprint from a Gaussian, and which of them it is decides between
+// the distances: what the result would be without a footprint and with that of a whole pixel, if these fit, is part of
+// its standard deviation.
+void hold_shapes(const EdgePixels& pixels, const Fit& fit, const FitRounds& fitted, const EdgeFacts& facts,
+                 EdgeMeasurement& out) {
+  constexpr double kWorse = 9.0;  // chi2
+  const ReferenceShape& shape = fit.model.shape;
+  const double variance = shape.v_px2 + shape.q_px2 / 12.0 + 0.1 * shape.s_px * shape.s_px;
+  for (const double q_px2 : {0.0, 1.0}) {
+    Fit other = fit;
+    other.model.shape = {.v_px2 = std::max(kLeastVariance_px2, variance - q_px2 / 12.0), .q_px2 = q_px2};
+    other.unknowns.reset(kFirstShape).reset(kFirstShape + 2);
+    FitRounds rounds = fitted;
+    rounds.unknowns = other.unknowns;
+    rounds.rounds = 12;
+    rounds.enough = 0.1;
+    other.state = fit_reference(pixels, other.model, rounds);
+    if (other.state.normal.chi2 > fit.state.normal.chi2 + kWorse) continue;
+    const JointFit joint = solve_jointly(other.state, other.model, without_bounds(other.unknowns, other.model),
+                                         Detail::none, facts.width_px, kLeastReach_px);
+    EdgeMeasurement described;
+    describe(EdgeResponse(other.model, joint), described);
+    hold_difference(described, out);
+  }
 }
 
 // Variance of the pixels about the model at mid level.
@@ -191,6 +232,7 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   const RegionFacts region = survey(image, roi, limits);
   if (region.finite > 0) out.clipped_share = static_cast<double>(region.clipped) / static_cast<double>(region.finite);
   if (stop(judge_region(region, roi, options))) return out;
+  const auto wild = static_cast<std::size_t>(region.wild);
 
   const auto width = static_cast<double>(roi.width), height = static_cast<double>(roi.height);
   std::int64_t block_px = 1;
@@ -206,7 +248,8 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   rounds.least_variance = std::max(rounds.least_variance, quantum * quantum / 12.0);
   if (options.noise_sd) {
     const double sd = *options.noise_sd / region.scale;
-    rounds.variance = std::max(rounds.least_variance, sd * sd);
+    constexpr double kMost = 1e3;  // of the range of values: no edge is seen in it
+    rounds.variance = std::max(rounds.least_variance, std::min(sd, kMost) * std::min(sd, kMost));
   }
   const double reach_px = 0.5 * static_cast<double>(pixels.size()) / (2.0 * start.curve.half_length_px);
   if (block_px > kFineBlocks_px) sharpen_start(pixels, start, static_cast<double>(block_px), rounds);
@@ -219,6 +262,21 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
       facts = facts_of(pixels, fit.state, fit.model, local_noise_sd);
       facts.outliers = removed;
     }
+  }
+  // Where the levels bend, only pixels so near the edge that a straight line follows them are taken.
+  const auto reach_of = [](const EdgeFacts& one) { return std::min(one.reach_dark_px, one.reach_bright_px); };
+  const auto bends = [&] { return levels_bend(fit.state, fit.model, facts.width_px, reach_of(facts)); };
+  double narrowed_px = reach_of(facts);
+  for (facts.levels_bend = bends(); facts.levels_bend;) {
+    narrowed_px *= 0.6;
+    if (narrowed_px < std::max(kLeastReach_px, kLeastWidths * facts.width_px)) break;
+    pixels = within(pixels, fit.model.curve, narrowed_px);
+    fit = fit_edge(pixels, start, rounds, options, narrowed_px);
+    const std::size_t outliers = facts.outliers;
+    facts = facts_of(pixels, fit.state, fit.model, local_noise_sd);
+    facts.outliers = outliers;
+    facts.narrowed_px = narrowed_px;
+    facts.levels_bend = bends();
   }
   levels(fit.model, fit.state.noise, region, out);
   out.oversampling = facts.oversampling;
@@ -234,23 +292,42 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   rounds.unknowns = fit.unknowns;
   rounds.step = 1;
   StepProfile reference = fit.state.profile;
-  constexpr int kLooks = 2;
+  constexpr int kLooks = 4;
+  constexpr double kFar_px = 0.1;
   const auto mistook = [](double chi2_per_dof) { return std::abs(chi2_per_dof - 1.0) > 0.2; };
-  for (int look = 0; look < kLooks && joint.tau_odd + joint.tau_even > 0.0 && mistook(joint.chi2_per_dof); ++look) {
+  const auto moved_far = [&fit](const JointFit& one) {
+    return one.tau_even > 0.0 && std::abs(EdgeResponse(fit.model, one).shift_px()) > kFar_px;
+  };
+  for (int look = 0; look < kLooks && joint.tau_odd + joint.tau_even > 0.0; ++look) {
+    const bool fine = mistook(joint.chi2_per_dof);
+    if (!fine && !moved_far(joint)) break;
     Fit before = fit;
     const JointFit earlier = joint;
     fit.state = refine(pixels, fit.model, reference, joint, rounds);
-    joint = solve(Detail::fine);
+    joint = solve(fine ? Detail::fine : Detail::coarse);
     if (misfit(joint, fit.state) <= misfit(earlier, before.state)) continue;
     fit = std::move(before);
     joint = earlier;
     break;
   }
-  describe(EdgeResponse(fit.model, joint), out);
-  move(fit.model, movement(joint));
+  const EdgeResponse response(fit.model, joint);
+  describe(response, out);
+  if (facts.oversampling < kFewestDistances) hold_shapes(pixels, fit, rounds, facts, out);
+  if (const Outcome outcome = judge_response(out); outcome.trouble != Trouble::none) {
+    EdgeMeasurement refused;
+    refused.roi = roi;
+    refused.clipped_share = out.clipped_share;
+    refused.oversampling = out.oversampling;
+    levels(fit.model, fit.state.noise, region, refused);
+    refused.trouble = outcome.trouble;
+    refused.reason = outcome.reason;
+    return refused;
+  }
+  move(fit.model, movement(joint, response.shift_px()));
   levels(fit.model, fit.state.noise, region, out);
   geometry(fit.model, joint, region, out);
   out.chi2_per_dof = joint.chi2_per_dof;
+  facts.outliers += wild;
   warn(facts, out);
   return out;
 }

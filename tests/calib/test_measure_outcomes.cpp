@@ -201,3 +201,69 @@ TEST(MeasureOutcomes, MisuseIsRefused) {
   options.noise_sd = -1.0;
   EXPECT_THROW(calib::measure_edge(image.view(), {0, 0, 64, 64}, options), mtf::UsageError);
 }
+
+// Cut off at the floor as at the saturation; plateaus of one or two of the values there are are not.
+TEST(MeasureOutcomes, CutOffOrCoarselyQuantised) {
+  const mtf::Image floor = changed(usual(), [](float v, std::int64_t, std::int64_t) { return std::max(v, 0.3F); });
+  EXPECT_EQ(measure(floor).trouble, Trouble::clipped);
+  made::Scene scene;
+  scene.dark = 100.3;
+  scene.bright = 130.45;
+  scene.noise_sd = 0.25;
+  scene.quantum = 1.0;
+  calib::MeasureOptions options;
+  options.quantum = 1.0;
+  const EdgeMeasurement found = measure(made::make(made::Step::gaussian(0.3), scene), options);
+  ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+  EXPECT_NEAR(found.mtf50->value, 0.3, 5.0 * found.mtf50->sd);
+}
+
+TEST(MeasureOutcomes, OneHugePixelIsLeftOut) {
+  for (const float hot : {1e4F, 1e10F, -1e30F}) {
+    mtf::Image image = usual();
+    image.at(20, 20) = hot;
+    const EdgeMeasurement found = measure(image);
+    ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+    EXPECT_NEAR(found.mtf50->value, 0.3, 4.0 * found.mtf50->sd);
+    EXPECT_FALSE(found.warnings.empty());
+  }
+}
+
+TEST(MeasureOutcomes, NoiseBeyondAnyEdge) {
+  calib::MeasureOptions options;
+  for (const double sd : {1e3, 1e200, 1e300}) {
+    options.noise_sd = sd;
+    EXPECT_EQ(measure(usual(), options).trouble, Trouble::no_edge);
+  }
+}
+
+// One column of pixels alone sees the step: the fit must not send the edge out of the pixels' reach.
+TEST(MeasureOutcomes, UprightSharpEdgesStay) {
+  made::Scene scene;
+  scene.width = scene.height = 120;
+  scene.angle_deg = 0.0;
+  scene.noise_sd = 0.002;
+  for (int k = 0; k < 20; ++k) {
+    scene.x = 60.0 + 0.05 * k;
+    scene.seed = static_cast<std::uint64_t>(k) + 1;
+    const EdgeMeasurement found = measure(made::make(made::Step::gaussian(0.6246), scene));
+    ASSERT_EQ(found.trouble, Trouble::none) << found.reason << k;
+    EXPECT_FALSE(found.warnings.empty());
+    EXPECT_TRUE(!found.mtf50 || std::abs(found.mtf50->value - 0.6246) < 5.0 * found.mtf50->sd) << k;
+  }
+}
+
+// A glowing line beside a weak step rises above both levels: no edge between two levels.
+TEST(MeasureOutcomes, RidgesAreNotSteps) {
+  made::Scene scene;
+  scene.noise_sd = 0.005;
+  mtf::Image image = made::make(made::Step::gaussian(0.2), scene);
+  for (std::int64_t j = 0; j < image.height(); ++j)
+    for (std::int64_t i = 0; i < image.width(); ++i) {
+      const double d = made::distance(scene, static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5);
+      image.at(i, j) += static_cast<float>(1.2 * std::exp(-0.02 * (d - 4.0) * (d - 4.0)));
+    }
+  const EdgeMeasurement found = measure(image);
+  EXPECT_EQ(found.trouble, Trouble::contaminated) << found.reason;
+  EXPECT_NE(found.reason.find("the MTF rises"), std::string::npos) << found.reason;
+}
