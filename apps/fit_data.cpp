@@ -46,7 +46,7 @@ std::string readable_name(const mtf::System<double>& system, const std::string& 
 }
 
 /// "FILE@DEGREES" or "FILE".
-calib::CurveData load_curve(const std::string& word, double sd, const mtf::System<double>& system) {
+calib::CurveData load_curve(const std::string& word, double sd) {
   calib::CurveData data;
   const std::size_t at = word.rfind('@');
   std::string file = word;
@@ -58,8 +58,8 @@ calib::CurveData load_curve(const std::string& word, double sd, const mtf::Syste
   data.name = file;
   data.mtf = curve.value;
   data.sd = {sd};
-  for (const double f : curve.frequency)
-    data.frequency_cy_mm.push_back(mtf::SpatialFrequency<double>{f, curve.unit}.cy_mm(system.frame, mtf::Axis::x));
+  data.frequency = curve.frequency;
+  data.unit = curve.unit;
   return data;
 }
 
@@ -137,7 +137,7 @@ LoadedData load_fit_data(const FitOptions& options, const SensorConfig& sensor, 
     loaded.files.push_back(image);
   }
   for (const std::string& word : options.curves) {
-    loaded.data.curves.push_back(load_curve(word, options.curve_sd, sensor.system));
+    loaded.data.curves.push_back(load_curve(word, options.curve_sd));
     loaded.files.push_back(loaded.data.curves.back().name);
   }
   loaded.data.conditions = conditions.take();

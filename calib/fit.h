@@ -43,14 +43,16 @@ struct EdgeData {
   std::size_t condition = 0;  ///< index of the sensor it was taken with
   EdgeMeasurement start;      ///< of measure_edge: geometry, levels, noise
   double quantum = 0.0;       ///< step between neighbouring values of the image (1 for counts); 0 = none
+  std::optional<double> saturation{}, floor{};  ///< pixels at or beyond them are clipped and do not count
 };
 
 /// An MTF curve of another instrument, along one direction.
 struct CurveData {
   std::string name;
   std::size_t condition = 0;
-  double angle_deg = 0.0;  ///< of the frequency, from +x towards +y
-  std::vector<double> frequency_cy_mm, mtf;
+  double angle_deg = 0.0;           ///< of the frequency, from +x towards +y, in the plane of its unit
+  const mtf::Unit* unit = nullptr;  ///< cy/mm, cy/mrad or cy/px; the fitted focal length and pitch convert them
+  std::vector<double> frequency, mtf;
   std::vector<double> sd;  ///< one value, or one a frequency
 };
 
@@ -160,5 +162,8 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
 /// "presample[0].zernike[3]". A field that falls back to [optics] is given a value of its own by the first call.
 template <class S>
 S* parameter_at(mtf::System<S>& system, std::string_view path);
+
+/// Sets all numbers that the path stands for: "frame.pitch" is that of both axes. False when there is none.
+bool set_parameter(mtf::System<double>& system, std::string_view path, double value);
 
 }  // namespace calib

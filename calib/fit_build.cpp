@@ -84,18 +84,29 @@ std::string trouble_of(const EdgeData& edge) {
   return contrast == 0.0 ? "there is no contrast" : "";
 }
 
+/// Whether the step response of the starting sensor can be computed over the edge's pixels.
+std::string not_modelled(const EdgeBlock& block, const Sensors& sensors) {
+  try {
+    sensors.slice(block.condition(), block.data().start.curve.angle_rad, block.reach_px());
+  } catch (const mtf::Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
 std::vector<Probe> probes_of(std::span<const Block> blocks) {
   std::vector<Probe> probes;
   std::vector<double> f;
   for (int i = 1; i <= 12; ++i) f.push_back(0.05 * i);
   const auto add_direction = [&](std::size_t condition, double angle) {
-    if (probes.size() < kMostProbes) probes.push_back({condition, along(angle, f)});
+    if (probes.size() < kMostProbes) probes.push_back({condition, along(angle, f), nullptr});
   };
   for (const Block& block : blocks) {
     if (const auto* edge = std::get_if<EdgeBlock>(&block))
       add_direction(edge->condition(), edge->data().start.curve.angle_rad);
     if (const auto* curve = std::get_if<CurveBlock>(&block))
-      probes.push_back({curve->condition(), {curve->frequencies().begin(), curve->frequencies().end()}});
+      probes.push_back(
+          {curve->condition(), {curve->frequencies().begin(), curve->frequencies().end()}, curve->data().unit});
     if (const auto* spot = std::get_if<SpotBlock>(&block))
       for (const double angle : {0.0, 0.25 * std::numbers::pi, 0.5 * std::numbers::pi})
         add_direction(spot->condition(), angle);
@@ -157,12 +168,19 @@ FitSetup make_setup(const FitData& data, std::span<const FitParameter> parameter
       continue;
     }
     EdgeBlock block(edge);
+    if (const std::string why = not_modelled(block, *setup.sensors); !why.empty()) {
+      leave_out(edge.name, why);
+      continue;
+    }
+    if (block.thinned())
+      setup.warnings.push_back(edge.name + ": of its many pixels a part is fitted, spread evenly; cut regions along " +
+                               "the edge to use all");
     if (block.pixels() < 4 * (block.start().size() + parameters.size()))
       leave_out(edge.name, "only " + std::to_string(block.pixels()) + " pixels have a value");
     else
       take(std::move(block));
   }
-  for (const CurveData& curve : data.curves) take(CurveBlock(curve, data.conditions[curve.condition].frame));
+  for (const CurveData& curve : data.curves) take(CurveBlock(curve));
   for (const SpotData& spot : data.spots) {
     SpotBlock block(spot);
     if (!block.reason().empty())

@@ -19,7 +19,7 @@ struct Response {
 Response response(const Sensors& sensors, std::span<const Probe> probes, std::size_t i) {
   Response all;
   for (const Probe& probe : probes) {
-    const OtfTable table = sensors.otf(probe.condition, probe.f);
+    const OtfTable table = sensors.otf(probe.condition, probe.f, probe.unit);
     for (std::size_t k = 0; k < probe.f.size(); ++k)
       for (const auto part : {&mtf::Complex<double>::re, &mtf::Complex<double>::im}) {
         all.h.push_back(table[0][k].*part);

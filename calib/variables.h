@@ -36,6 +36,7 @@ struct Variable {
 struct Probe {
   std::size_t condition = 0;
   std::vector<PixelFreq> f;
+  const mtf::Unit* unit = nullptr;  ///< of f, where that is not cy/px
 };
 
 /// Finds steps and squares at the present values. Leaves the sensors at the starting values. Throws UsageError for
