@@ -40,7 +40,7 @@ void report_mtf(const Solved& solved, FitResult& result) {
   }
   const Functional variance = equivalent_variance(solved);
   // What another polynomial makes of it tells how exact it is.
-  const double numerical = std::abs(variance.value - equivalent_variance(solved, 5).value);
+  const double numerical = std::abs(variance.value - equivalent_variance(solved, 6).value);
   result.equivalent_variance_px2 = {variance.value, std::hypot(sd_of(solved, variance), numerical)};
   for (std::size_t k = 1; k < h.size(); ++k) {
     if (!(h[k - 1].value >= 0.5 && h[k].value < 0.5)) continue;

@@ -68,13 +68,13 @@ std::vector<Functional> mtf_of(const Solved& solved, std::span<const double> f_c
 
 // |H| at a few small frequencies, and the second coefficient of the polynomial through them and 1 at f = 0.
 Functional equivalent_variance(const Solved& solved, int nodes) {
-  // As far as the modulus has fallen to 0.8.
+  // As far as the modulus has fallen to 0.9.
   const Sensors& sensors = *solved.problem->sensors;
   double top = 0.25 * sensors.top_cy_px(solved.condition, solved.angle_rad);
   const auto modulus = [&](double f) {
     return sensors.modulus(solved.condition, along(solved.angle_rad, {&f, 1})).front();
   };
-  while (top > 1e-6 && modulus(top) < 0.8) top *= 0.8;
+  while (top > 1e-6 && modulus(top) < 0.9) top *= 0.8;
   std::vector<double> f;
   Eigen::MatrixXd powers(nodes, nodes);
   for (int k = 0; k < nodes; ++k) {
