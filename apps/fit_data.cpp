@@ -54,7 +54,7 @@ std::string readable_name(const mtf::System<double>& system, const std::string& 
   return path;
 }
 
-calib::CurveData load_curve(const std::string& word, double sd, const mtf::System<double>& system) {
+calib::CurveData load_curve(const std::string& word, double sd) {
   calib::CurveData data;
   const CurveWord parts = curve_word(word);
   const std::string& file = parts.file;
@@ -63,8 +63,8 @@ calib::CurveData load_curve(const std::string& word, double sd, const mtf::Syste
   data.name = file;
   data.mtf = curve.value;
   data.sd = {sd};
-  for (const double f : curve.frequency)
-    data.frequency_cy_mm.push_back(mtf::SpatialFrequency<double>{f, curve.unit}.cy_mm(system.frame, mtf::Axis::x));
+  data.frequency = curve.frequency;
+  data.unit = curve.unit;
   return data;
 }
 
@@ -156,7 +156,7 @@ LoadedData load_fit_data(const FitOptions& options, const SensorConfig& sensor, 
   }
   for (const std::string& word : options.curves)
     load_or_leave_out(loaded, sets, [&] {
-      loaded.data.curves.push_back(load_curve(word, options.curve_sd, sensor.system));
+      loaded.data.curves.push_back(load_curve(word, options.curve_sd));
       loaded.files.push_back(loaded.data.curves.back().name);
     });
   loaded.data.conditions = conditions.take();

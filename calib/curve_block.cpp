@@ -11,14 +11,16 @@ namespace {
 
 void check(const CurveData& data) {
   const auto fail = [&](const std::string& why) { throw mtf::UsageError(data.name + ": " + why); };
-  const std::size_t n = data.frequency_cy_mm.size();
+  const std::size_t n = data.frequency.size();
   if (n == 0) fail("the curve has no samples");
+  if (data.unit == nullptr || data.unit->dimension != mtf::Dimension::frequency)
+    fail("the frequencies of a curve are in cy/mm, cy/mrad or cy/px");
   if (data.mtf.size() != n) fail("frequency and MTF differ in length");
   if (data.sd.size() != 1 && data.sd.size() != n) fail("give one sd, or one a sample");
   for (std::size_t i = 0; i < n; ++i) {
     const std::string where = "sample " + std::to_string(i + 1);
-    if (!std::isfinite(data.frequency_cy_mm[i]) || !std::isfinite(data.mtf[i])) fail(where + " is not finite");
-    if (data.frequency_cy_mm[i] < 0.0) fail(where + ": negative frequency");
+    if (!std::isfinite(data.frequency[i]) || !std::isfinite(data.mtf[i])) fail(where + " is not finite");
+    if (data.frequency[i] < 0.0) fail(where + ": negative frequency");
   }
   for (const double sd : data.sd)
     if (!(sd > 0.0 && std::isfinite(sd))) fail("the standard deviation of an MTF is above 0");
@@ -27,17 +29,15 @@ void check(const CurveData& data) {
 
 }  // namespace
 
-CurveBlock::CurveBlock(const CurveData& data, const mtf::Frame<double>& frame) : data_(&data) {
+CurveBlock::CurveBlock(const CurveData& data) : data_(&data) {
   check(data);
   signed_ = std::any_of(data.mtf.begin(), data.mtf.end(), [](double m) { return m < 0.0; });
   const double angle = data.angle_deg * std::numbers::pi / 180.0;
-  for (const double f : data.frequency_cy_mm)
-    f_.push_back({frame.cy_per_px(f * std::cos(angle), mtf::Axis::x),
-                  frame.cy_per_px(f * std::sin(angle), mtf::Axis::y), 0.0, 0.0});
+  for (const double f : data.frequency) f_.push_back({f * std::cos(angle), f * std::sin(angle), 0.0, 0.0});
 }
 
 NormalMatrix CurveBlock::normal(const Sensors& sensors, std::span<const double>) const {
-  const OtfTable h = sensors.otf(condition(), f_);
+  const OtfTable h = sensors.otf(condition(), f_, data_->unit);
   const std::size_t n = sensors.parameters();
   NormalMatrix all(n);
   for (std::size_t i = 0; i < f_.size(); ++i) {
@@ -57,7 +57,7 @@ NormalMatrix CurveBlock::normal(const Sensors& sensors, std::span<const double>)
 }
 
 std::vector<Residual> CurveBlock::residuals(const Sensors& sensors, std::span<const double>) const {
-  const OtfTable h = sensors.otf(condition(), f_);
+  const OtfTable h = sensors.otf(condition(), f_, data_->unit);
   std::vector<Residual> all;
   for (std::size_t i = 0; i < f_.size(); ++i) {
     const double model = signed_ ? h[0][i].re : std::hypot(h[0][i].re, h[0][i].im);

@@ -12,10 +12,11 @@ namespace calib {
 class CurveBlock {
  public:
   /// Throws UsageError for sizes that differ, numbers that are not finite, negative frequencies, sd not above 0.
-  CurveBlock(const CurveData& data, const mtf::Frame<double>& frame);
+  explicit CurveBlock(const CurveData& data);
 
   std::size_t condition() const { return data_->condition; }
   const CurveData& data() const { return *data_; }
+  /// In the curve's unit.
   std::span<const PixelFreq> frequencies() const { return f_; }
   void set_robust(bool robust) { robust_ = robust; }
   void scale_noise(double factor) { noise_factor_ *= std::sqrt(factor); }

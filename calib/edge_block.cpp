@@ -5,12 +5,19 @@
 #include <cmath>
 #include <numbers>
 
+#include "calib/edge_pixels.h"
+
 namespace calib {
 namespace {
 
 /// |dH / d angle| from which the turn of the blur counts: an angle is known to a milliradian, and the step of a fit
 /// needs no more than that.
 constexpr double kTurns = 0.05;
+
+/// Pixels farther from the starting curve tell of the levels only, as in measure_edge.
+constexpr double kReach_px = 96.0;
+/// Of 32 bytes.
+constexpr std::size_t kMostPixels = 1000000;
 
 /// t^k of t = s / half_length for k = 2, 3, ..; beyond the ends they go on along their tangents (edge_curve.h).
 class Powers {
@@ -80,18 +87,47 @@ const std::vector<EdgeBlock::Place>& EdgeBlock::places(std::span<const double> o
 
 EdgeBlock::EdgeBlock(const EdgeData& data) : data_(&data) {
   const Roi& roi = data.roi;
-  const Point normal = data.start.curve.normal();
-  for (std::int64_t y = roi.y; y < roi.y + roi.height; ++y)
-    for (std::int64_t x = roi.x; x < roi.x + roi.width; ++x) {
-      const double value = data.image.at(x, y);
-      if (!std::isfinite(value)) continue;
-      Pixel pixel{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), value, 1.0};
-      const Place place = place_of(data.start.curve, normal, pixel);
-      reach_px_ = std::max(reach_px_, std::abs(place.distance));
-      const double level = place.distance < 0.0 ? data.start.dark : data.start.bright;
-      pixel.sd = sd_at(level);
-      pixels_.push_back(pixel);
-    }
+  const EdgeCurve& curve = data.start.curve;
+  const Point normal = curve.normal();
+  const ValueLimits limits{data.saturation, data.floor};
+  // The curve stays this near its tangent, over the region and some more.
+  double rises = 0.0;
+  const double longest = std::hypot(static_cast<double>(roi.width), static_cast<double>(roi.height));
+  for (int i = -64; i <= 64; ++i) rises = std::max(rises, std::abs(height(curve, longest * i / 64.0).value));
+
+  const auto visit = [&](const auto& take) {
+    for (std::int64_t y = roi.y; y < roi.y + roi.height; ++y)
+      for (std::int64_t x = roi.x; x < roi.x + roi.width; ++x) {
+        const double px = static_cast<double>(x) + 0.5 - curve.origin.x,
+                     py = static_cast<double>(y) + 0.5 - curve.origin.y;
+        if (std::abs(normal.x * px + normal.y * py) > kReach_px + 2.0 * rises) continue;
+        const float value = data.image.at(x, y);
+        if (!std::isfinite(value) || limits.clipped(value)) continue;
+        const Pixel pixel{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<double>(value), 1.0};
+        const double distance = place_of(curve, normal, pixel).distance;
+        if (!(std::abs(distance) > kReach_px)) take(pixel, distance);
+      }
+  };
+  // Scattered, as rows or columns left out would leave out phases of the edge.
+  const auto scatter = [](const Pixel& pixel) {
+    std::uint64_t h = (static_cast<std::uint64_t>(pixel.x) << 32) ^ static_cast<std::uint64_t>(pixel.y);
+    h = (h ^ (h >> 31)) * 0x9E3779B97F4A7C15U;
+    h = (h ^ (h >> 29)) * 0xBF58476D1CE4E5B9U;
+    return static_cast<double>(h >> 11) * 0x1p-53;
+  };
+  double share = 1.0;
+  if (static_cast<std::size_t>(roi.width) > kMostPixels / static_cast<std::size_t>(roi.height)) {
+    std::size_t count = 0;
+    visit([&](const Pixel&, double) { ++count; });
+    thinned_ = count > kMostPixels;
+    if (thinned_) share = static_cast<double>(kMostPixels) / static_cast<double>(count);
+  }
+  visit([&](Pixel pixel, double distance) {
+    if (thinned_ && scatter(pixel) >= share) return;
+    reach_px_ = std::max(reach_px_, std::abs(distance));
+    pixel.sd = sd_at(distance < 0.0 ? data.start.dark : data.start.bright);
+    pixels_.push_back(pixel);
+  });
   reach_px_ += 2.0;
 }
 

@@ -23,6 +23,9 @@ class EdgeBlock {
   std::size_t condition() const { return data_->condition; }
   const EdgeData& data() const { return *data_; }
   std::size_t pixels() const { return pixels_.size(); }
+  /// A part of the pixels, so that no region takes unbounded memory.
+  bool thinned() const { return thinned_; }
+  double reach_px() const { return reach_px_; }
   bool gradients() const { return gradients_; }
   void use_gradients() { gradients_ = true; }
   void set_robust(bool robust) { robust_ = robust; }
@@ -80,6 +83,7 @@ class EdgeBlock {
   bool gradients_ = false;
   double noise_factor_ = 1.0;  // of the sd
   double reach_px_ = 0.0;
+  bool thinned_ = false;
   std::vector<Pixel> pixels_;
 
   // The last table, for the next pass over the pixels at the same point. A block belongs to one thread at a time.

@@ -7,6 +7,7 @@
 #include "calib/fit_build.h"
 #include "calib/fit_rounds.h"
 #include "calib/profile.h"
+#include "mtf/units.h"
 
 namespace calib {
 namespace {
@@ -38,7 +39,9 @@ void report_mtf(const Solved& solved, FitResult& result) {
     result.mtf_sd.push_back(sd_of(solved, m));
   }
   const Functional variance = equivalent_variance(solved);
-  result.equivalent_variance_px2 = {variance.value, sd_of(solved, variance)};
+  // What another polynomial makes of it tells how exact it is.
+  const double numerical = std::abs(variance.value - equivalent_variance(solved, 6).value);
+  result.equivalent_variance_px2 = {variance.value, std::hypot(sd_of(solved, variance), numerical)};
   for (std::size_t k = 1; k < h.size(); ++k) {
     if (!(h[k - 1].value >= 0.5 && h[k].value < 0.5)) continue;
     // The secant, refined on the curve itself.
@@ -53,6 +56,39 @@ void report_mtf(const Solved& solved, FitResult& result) {
     result.mtf50 = {lo, sd_of(solved, at) / std::abs(slope)};
     return;
   }
+}
+
+std::string name_of(const FitParameter& parameter) { return parameter.name.empty() ? parameter.path : parameter.name; }
+
+std::string rounded(double value) { return mtf::format_double(std::round(10.0 * value) / 10.0); }
+
+/// What holds the fit off the minimum of the data: bounds, priors, a start from which nothing can be seen.
+void report_obstacles(FitResult& result) {
+  constexpr double kClearly_sd = 4.0, kFar_chi2 = 4.0, kNoContrast = 0.02;
+  constexpr std::size_t kLow = 20;  // 0.1 cycles/px
+  std::string held;
+  for (const FittedParameter& p : result.parameters) {
+    if (p.knowledge == Knowledge::at_bound && p.pressed_sd > kClearly_sd)
+      held = "the " + std::string(p.limit_is_upper ? "lower" : "upper") + " bound of " + name_of(p.parameter) +
+             " keeps the fit from its minimum: the data want " + (p.limit_is_upper ? "less" : "more");
+    if (p.parameter.prior && p.knowledge != Knowledge::not_determined) {
+      const auto [mean, width] = *p.parameter.prior;
+      const double free = width * width - p.linear_sd * p.linear_sd;
+      const double off = std::abs(p.value - mean) / std::sqrt(std::max(free, 1e-6 * width * width));
+      if (off > kClearly_sd)
+        held = "the prior of " + name_of(p.parameter) + " contradicts the data by " + rounded(off) + " sd";
+    }
+    if (held.empty()) continue;
+    result.warnings.push_back(held);
+    if (result.status == FitStatus::converged_model_wrong) result.reason = held + "; " + result.reason;
+    held.clear();
+  }
+  const bool unknown = std::all_of(result.parameters.begin(), result.parameters.end(),
+                                   [](const FittedParameter& p) { return p.knowledge == Knowledge::not_determined; });
+  const bool done = result.status == FitStatus::converged || result.status == FitStatus::converged_model_wrong;
+  if (!done || !unknown || result.chi2_per_dof < kFar_chi2 || result.mtf[kLow] > kNoContrast) return;
+  result.status = FitStatus::not_converged;
+  result.reason = "the starting values blur everything, so that nothing leads away from them; start closer";
 }
 
 void report_profiles(FitProblem& problem, const Solved& solved, double cost, Progress& progress, FitResult& result) {
@@ -134,6 +170,7 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
   report_mtf(solved, result);
   if (options.residual_otf) result.residual_otf.assign(result.frequency_cy_px.size(), 0.0);
   report_data(data, setup.block_of, solved, result);
+  report_obstacles(result);
   if (options.profile && solution.converged) report_profiles(problem, solved, solution.cost, progress, result);
   if (progress.stopped() && result.status != FitStatus::stopped) {
     result.status = FitStatus::stopped;

@@ -43,14 +43,16 @@ struct EdgeData {
   std::size_t condition = 0;  ///< index of the sensor it was taken with
   EdgeMeasurement start;      ///< of measure_edge: geometry, levels, noise
   double quantum = 0.0;       ///< step between neighbouring values of the image (1 for counts); 0 = none
+  std::optional<double> saturation{}, floor{};  ///< pixels at or beyond them are clipped and do not count
 };
 
 /// An MTF curve of another instrument, along one direction.
 struct CurveData {
   std::string name;
   std::size_t condition = 0;
-  double angle_deg = 0.0;  ///< of the frequency, from +x towards +y
-  std::vector<double> frequency_cy_mm, mtf;
+  double angle_deg = 0.0;           ///< of the frequency, from +x towards +y, in the plane of its unit
+  const mtf::Unit* unit = nullptr;  ///< cy/mm, cy/mrad or cy/px; the fitted focal length and pitch convert them
+  std::vector<double> frequency, mtf;
   std::vector<double> sd;  ///< one value, or one a frequency
 };
 
@@ -97,7 +99,10 @@ struct FittedParameter {
   std::optional<double> stderr_value{};  ///< one standard deviation, when determined
   double linear_sd = 0.0;  ///< what the covariance says, also when not determined: then only how little is known
   std::optional<std::array<double, 2>> interval68{}, interval95{};  ///< profile likelihood, when asked for
-  std::optional<double> limit95{};                                  ///< when at a bound: 95 % limit on the free side
+  /// When at a bound, which is the value then: the 95 % limit on the free side, and whether it is the upper one.
+  std::optional<double> limit95{};
+  bool limit_is_upper = true;
+  double pressed_sd = 0.0;  ///< when at a bound: by how many sd of the data the minimum lies beyond it
 };
 
 /// A combination of parameters that the data do not determine.
@@ -116,7 +121,8 @@ struct FitResiduals {
   double whiteness_p = 1.0;    ///< probability of residuals at least as structured along d, were they noise
   EdgeCurve curve;             ///< edges: geometry as fitted
   Estimate contrast;           ///< edges: bright - dark
-  mtf::Image residual;         ///< edges and spots: (pixel - model) / sd, NaN where not used
+  mtf::Image residual;         ///< edges and spots: (pixel - model) / sd, NaN where not used; of a large spot region
+                               ///< the part around the peak
 };
 
 enum class FitStatus {
@@ -137,7 +143,8 @@ struct FitResult {
                                                  ///< do not depend on one at all
   std::vector<NullDirection> not_separable;
   /// Second moment of the blur along x and y in px^2, what one edge always determines: -H''(0) / (4 pi^2) beyond the
-  /// linear term of diffraction, with its standard deviation.
+  /// linear term of diffraction (what a lens adds by it is not in here), with its standard deviation, which holds the
+  /// numerical error of the extraction.
   std::optional<Estimate> equivalent_variance_px2;
   double chi2_per_dof = 0.0;
   double whiteness_p = 1.0;
@@ -160,5 +167,8 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
 /// "presample[0].zernike[3]". A field that falls back to [optics] is given a value of its own by the first call.
 template <class S>
 S* parameter_at(mtf::System<S>& system, std::string_view path);
+
+/// Sets all numbers that the path stands for: "frame.pitch" is that of both axes. False when there is none.
+bool set_parameter(mtf::System<double>& system, std::string_view path, double value);
 
 }  // namespace calib

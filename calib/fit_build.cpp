@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "calib/parameter_site.h"
@@ -84,23 +85,95 @@ std::string trouble_of(const EdgeData& edge) {
   return contrast == 0.0 ? "there is no contrast" : "";
 }
 
+/// Whether the step response of the starting sensor can be computed over the edge's pixels.
+std::string not_modelled(const EdgeBlock& block, const Sensors& sensors) {
+  try {
+    sensors.slice(block.condition(), block.data().start.curve.angle_rad, block.reach_px());
+  } catch (const mtf::Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
 std::vector<Probe> probes_of(std::span<const Block> blocks) {
   std::vector<Probe> probes;
   std::vector<double> f;
   for (int i = 1; i <= 12; ++i) f.push_back(0.05 * i);
   const auto add_direction = [&](std::size_t condition, double angle) {
-    if (probes.size() < kMostProbes) probes.push_back({condition, along(angle, f)});
+    if (probes.size() < kMostProbes) probes.push_back({condition, along(angle, f), nullptr});
   };
   for (const Block& block : blocks) {
     if (const auto* edge = std::get_if<EdgeBlock>(&block))
       add_direction(edge->condition(), edge->data().start.curve.angle_rad);
     if (const auto* curve = std::get_if<CurveBlock>(&block))
-      probes.push_back({curve->condition(), {curve->frequencies().begin(), curve->frequencies().end()}});
+      probes.push_back(
+          {curve->condition(), {curve->frequencies().begin(), curve->frequencies().end()}, curve->data().unit});
     if (const auto* spot = std::get_if<SpotBlock>(&block))
       for (const double angle : {0.0, 0.25 * std::numbers::pi, 0.5 * std::numbers::pi})
         add_direction(spot->condition(), angle);
   }
   return probes;
+}
+
+/// A frequency at which the MTF of the data is about one half.
+struct HalfContrast {
+  std::size_t condition = 0;
+  PixelFreq f;
+};
+
+std::vector<HalfContrast> half_contrasts(std::span<const Block> blocks) {
+  constexpr double kOfGaussian = 0.18739;  // f sigma at half contrast
+  std::vector<HalfContrast> all;
+  for (const Block& block : blocks) {
+    if (const auto* edge = std::get_if<EdgeBlock>(&block)) {
+      const EdgeMeasurement& start = edge->data().start;
+      if (start.mtf50 && start.mtf50->value > 1e-4 && start.mtf50->value < 4.0)
+        all.push_back({edge->condition(), along(start.curve.angle_rad, {&start.mtf50->value, 1}).front()});
+    }
+    if (const auto* spot = std::get_if<SpotBlock>(&block))
+      all.push_back({spot->condition(), {kOfGaussian / spot->width_px(), 0.0, 0.0, 0.0}});
+  }
+  return all;
+}
+
+/// Whether a parameter is a size that blurs.
+bool is_width(const Variable& variable, const mtf::FieldInfo& info) {
+  using mtf::Dimension;
+  const bool size =
+      info.dimension == Dimension::length || info.dimension == Dimension::extent || info.dimension == Dimension::angle;
+  return variable.squared || (size && info.lo == 0.0);
+}
+
+// Widths far off leave no slope to follow: where the model's contrast is a tenth or nine tenths and that of the data
+// one half, all widths are multiplied by what makes it one half, too. Values to start from.
+std::vector<double> near_values(FitProblem& problem, std::span<const double> start,
+                                std::span<const mtf::FieldInfo* const> infos) {
+  const std::vector<HalfContrast> halves = half_contrasts(problem.blocks);
+  const std::vector<double> given(start.begin(), start.end());
+  std::vector<double> values;
+  const auto contrast = [&](double factor) {
+    values = given;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const Variable& v = problem.variables[i];
+      if (problem.priors[i] || !is_width(v, *infos[i])) continue;
+      const double a = v.value(v.lo), b = v.value(v.hi);
+      values[i] = std::clamp(values[i] * factor, std::min(a, b), std::max(a, b));
+    }
+    if (!problem.sensors->set(values)) return std::numeric_limits<double>::quiet_NaN();
+    double sum = 0.0;
+    for (const HalfContrast& half : halves) sum += problem.sensors->modulus(half.condition, {&half.f, 1}).front();
+    return sum / static_cast<double>(halves.size());
+  };
+  if (halves.empty()) return given;
+  const double here = contrast(1.0);
+  if (!(here < 0.1 || here > 0.9)) return given;
+  double lo = here < 0.5 ? -30.0 : 0.0, hi = here < 0.5 ? 0.0 : 30.0;  // log of the factor
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (lo + hi), value = contrast(std::exp(middle));
+    if (!std::isfinite(value)) return given;
+    (value > 0.5 ? lo : hi) = middle;
+  }
+  return std::abs(contrast(std::exp(lo)) - 0.5) < 0.2 ? values : given;  // or no width does it
 }
 
 void check_level(const Sensors& sensors, std::size_t conditions) {
@@ -157,25 +230,38 @@ FitSetup make_setup(const FitData& data, std::span<const FitParameter> parameter
       continue;
     }
     EdgeBlock block(edge);
+    if (const std::string why = not_modelled(block, *setup.sensors); !why.empty()) {
+      leave_out(edge.name, why);
+      continue;
+    }
+    if (block.thinned())
+      setup.warnings.push_back(edge.name + ": of its many pixels a part is fitted, spread evenly; cut regions along " +
+                               "the edge to use all");
     if (block.pixels() < 4 * (block.start().size() + parameters.size()))
       leave_out(edge.name, "only " + std::to_string(block.pixels()) + " pixels have a value");
     else
       take(std::move(block));
   }
-  for (const CurveData& curve : data.curves) take(CurveBlock(curve, data.conditions[curve.condition].frame));
+  for (const CurveData& curve : data.curves) take(CurveBlock(curve));
   for (const SpotData& spot : data.spots) {
     SpotBlock block(spot);
     if (!block.reason().empty())
       leave_out(spot.name, block.reason());
-    else
+    else {
+      if (block.cut())
+        setup.warnings.push_back(spot.name + ": of its region the " + std::to_string(block.roi().width) + " x " +
+                                 std::to_string(block.roi().height) + " pixels around the peak are fitted");
       take(std::move(block));
+    }
   }
 
-  problem.variables = make_variables(*setup.sensors, parameters, setup.start, infos, probes_of(problem.blocks));
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    problem.priors.push_back(parameters[i].prior);
-    problem.x.push_back(problem.variables[i].start);
-  }
+  for (const FitParameter& parameter : parameters) problem.priors.push_back(parameter.prior);
+  const std::vector<Probe> probes = probes_of(problem.blocks);
+  problem.variables = make_variables(*setup.sensors, parameters, setup.start, infos, probes);
+  if (const std::vector<double> near = near_values(problem, setup.start, infos); near != setup.start)
+    problem.variables = make_variables(*setup.sensors, parameters, near, infos, probes);
+  for (const Variable& variable : problem.variables) problem.x.push_back(variable.start);
+  problem.apply();
   for (const Block& block : problem.blocks)
     problem.own.push_back(std::visit([](const auto& b) { return b.start(); }, block));
   return setup;

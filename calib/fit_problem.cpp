@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "mtf/error.h"
 #include "mtf/parallel.h"
 
 namespace calib {
@@ -153,7 +154,15 @@ std::vector<Eigen::MatrixXd> FitProblem::normals(bool gradients) const {
   };
   mtf::parallel_for(static_cast<std::int64_t>(blocks.size()), 1, threads, [&](std::int64_t first, std::int64_t last) {
     for (auto b = static_cast<std::size_t>(first); b < static_cast<std::size_t>(last); ++b) {
-      all[b] = normal_of(b);
+      try {
+        all[b] = normal_of(b);
+      } catch (const mtf::Error&) {  // data that cannot be modelled there: the step is not allowed
+        const auto* edge = std::get_if<EdgeBlock>(&blocks[b]);
+        const std::size_t added = edge != nullptr && gradients && !edge->gradients() ? 4 : 0;
+        const auto columns = static_cast<Eigen::Index>(own[b].size() + variables.size() + 1 + added);
+        all[b] = Eigen::MatrixXd::Constant(columns, columns, std::numeric_limits<double>::quiet_NaN());
+        continue;
+      }
       for (std::size_t i = 0; i < variables.size(); ++i) {
         const Eigen::Index column = all[b].cols() - 1 - static_cast<Eigen::Index>(variables.size() - i);
         const double slope = variables[i].slope(x[i]);
@@ -218,6 +227,8 @@ Solution solve(FitProblem& problem, const SolveOptions& asked) {
   ceres::Solver::Summary summary;
   ceres::Solve(options, &ceres_problem, &summary);
   unknowns.give_back();
+  for (std::size_t i = 0; i < n; ++i)  // back from rounds
+    if (const Variable& v = problem.variables[i]; v.period > 0.0) problem.x[i] = v.value(problem.x[i]) / v.step;
   problem.apply();
   return {.converged = summary.termination_type == ceres::CONVERGENCE,
           .stopped = summary.termination_type == ceres::USER_FAILURE,

@@ -11,10 +11,12 @@ namespace calib {
 namespace {
 
 constexpr double kOneSided95 = 1.6448536269514722;
+constexpr double kRadian_deg = 180.0 / std::numbers::pi;
 constexpr double kUnseen = 1e18;  // variance of an x that nothing in the data depends on
 
 /// The size against which an error of x counts as large, see identifiability.h.
 double reference_of(const Variable& v, double x, const FitParameter& parameter) {
+  if (v.period > 0.0) return kRadian_deg / v.step;
   double reference = std::max(std::abs(x), 1.0);
   // A size that is known to a fraction of itself; one near zero by what it does.
   if (parameter.min || parameter.max) reference = std::min(reference, v.hi - v.lo);
@@ -65,26 +67,25 @@ std::vector<Functional> mtf_of(const Solved& solved, std::span<const double> f_c
 }
 
 // |H| at a few small frequencies, and the second coefficient of the polynomial through them and 1 at f = 0.
-Functional equivalent_variance(const Solved& solved) {
-  constexpr int kNodes = 6;
-  // As far as the modulus has fallen to 0.8.
+Functional equivalent_variance(const Solved& solved, int nodes) {
+  // As far as the modulus has fallen to 0.9.
   const Sensors& sensors = *solved.problem->sensors;
   double top = 0.25 * sensors.top_cy_px(solved.condition, solved.angle_rad);
   const auto modulus = [&](double f) {
     return sensors.modulus(solved.condition, along(solved.angle_rad, {&f, 1})).front();
   };
-  while (top > 1e-6 && modulus(top) < 0.8) top *= 0.8;
+  while (top > 1e-6 && modulus(top) < 0.9) top *= 0.8;
   std::vector<double> f;
-  Eigen::MatrixXd powers(kNodes, kNodes);
-  for (int k = 0; k < kNodes; ++k) {
-    f.push_back(top * 0.5 * (1.0 - std::cos(std::numbers::pi * (k + 1.0) / kNodes)));
-    for (int p = 0; p < kNodes; ++p) powers(k, p) = std::pow(f.back() / top, p + 1);
+  Eigen::MatrixXd powers(nodes, nodes);
+  for (int k = 0; k < nodes; ++k) {
+    f.push_back(top * 0.5 * (1.0 - std::cos(std::numbers::pi * (k + 1.0) / nodes)));
+    for (int p = 0; p < nodes; ++p) powers(k, p) = std::pow(f.back() / top, p + 1);
   }
-  const Eigen::VectorXd weight = powers.transpose().fullPivLu().solve(Eigen::VectorXd::Unit(kNodes, 1));
+  const Eigen::VectorXd weight = powers.transpose().fullPivLu().solve(Eigen::VectorXd::Unit(nodes, 1));
   const std::vector<Functional> h = mtf_of(solved, f);
   const double scale = -2.0 / (4.0 * std::numbers::pi * std::numbers::pi * top * top);
   Functional v{0.0, Eigen::VectorXd::Zero(h[0].gradient.size())};
-  for (int k = 0; k < kNodes; ++k) {
+  for (int k = 0; k < nodes; ++k) {
     v.value += scale * weight[k] * (h[static_cast<std::size_t>(k)].value - 1.0);
     v.gradient += scale * weight[k] * h[static_cast<std::size_t>(k)].gradient;
   }
@@ -126,6 +127,10 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
       const double push = std::max(0.0, near_lo ? gradient : -gradient), variance = sd * sd;
       const double t = variance * (std::sqrt(push * push + kOneSided95 * kOneSided95 / variance) - push);
       p.limit95 = v.value(near_lo ? std::min(v.hi, x + t) : std::max(v.lo, x - t));
+      const double bound = near_lo ? v.lo : v.hi;
+      p.value = v.squared && bound <= 1e-8 ? 0.0 : v.value(bound);
+      p.limit_is_upper = *p.limit95 > p.value;
+      p.pressed_sd = push * sd;
     } else {
       p.knowledge = Knowledge::determined;
       p.stderr_value = p.linear_sd;

@@ -38,8 +38,8 @@ double sd_of(const Solved& solved, const Functional& functional);
 /// |H| at each frequency along the normal.
 std::vector<Functional> mtf_of(const Solved& solved, std::span<const double> f_cy_px);
 
-/// -|H|''(0) / (4 pi^2) in px^2, the linear term of diffraction apart.
-Functional equivalent_variance(const Solved& solved);
+/// -|H|''(0) / (4 pi^2) in px^2, the linear term of diffraction apart, by a polynomial through `nodes` samples of |H|.
+Functional equivalent_variance(const Solved& solved, int nodes = 7);
 
 /// One sentence a weak direction, with the way out.
 std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& solved,

@@ -139,6 +139,12 @@ S* parameter_at(System<S>& system, std::string_view path) {
   return site.numbers.empty() ? nullptr : site.numbers.front();
 }
 
+bool set_parameter(System<double>& system, std::string_view path, double value) {
+  const ParameterSite<double> site = parameter_site(system, path);
+  for (double* number : site.numbers) *number = value;
+  return !site.numbers.empty();
+}
+
 template ParameterSite<double> parameter_site(System<double>&, std::string_view);
 template ParameterSite<Jet4> parameter_site(System<Jet4>&, std::string_view);
 template double* parameter_at(System<double>&, std::string_view);

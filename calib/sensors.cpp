@@ -31,6 +31,13 @@ std::vector<Complex<S>> product(const System<S>& system, std::span<const Freq<S>
   return h;
 }
 
+template <class S>
+Freq<S> to_focal_plane(const mtf::Frame<S>& frame, const S& x, const S& y, const mtf::Unit* unit) {
+  if (unit == nullptr) return {frame.cy_mm_from_px(x, mtf::Axis::x), frame.cy_mm_from_px(y, mtf::Axis::y)};
+  return {mtf::SpatialFrequency<S>{x, unit}.cy_mm(frame, mtf::Axis::x),
+          mtf::SpatialFrequency<S>{y, unit}.cy_mm(frame, mtf::Axis::y)};
+}
+
 std::vector<Freq<double>> to_focal_plane(const System<double>& system, std::span<const PixelFreq> f) {
   std::vector<Freq<double>> all;
   all.reserve(f.size());
@@ -123,7 +130,7 @@ bool Sensors::set(std::span<const double> values) {
   return allowed_;
 }
 
-OtfTable Sensors::otf(std::size_t condition, std::span<const PixelFreq> f) const {
+OtfTable Sensors::otf(std::size_t condition, std::span<const PixelFreq> f, const mtf::Unit* unit) const {
   const std::size_t n = f.size();
   OtfTable table(count_ + 2, std::vector<Complex<double>>(n));
   std::vector<Freq<Jet4>> at(n + 1);
@@ -137,7 +144,7 @@ OtfTable Sensors::otf(std::size_t condition, std::span<const PixelFreq> f) const
         x.v[static_cast<Eigen::Index>(count_ - first)] = f[i].dx;
         y.v[static_cast<Eigen::Index>(count_ - first)] = f[i].dy;
       }
-      at[i + 1] = {system.frame.cy_mm_from_px(x, mtf::Axis::x), system.frame.cy_mm_from_px(y, mtf::Axis::y)};
+      at[i + 1] = to_focal_plane(system.frame, x, y, unit);
     }
     const std::vector<Complex<Jet4>> h = product<Jet4>(system, at);
     const Jet4 level = h[0].re;
@@ -196,7 +203,8 @@ SliceNodes Sensors::slice(std::size_t condition, double angle_rad, double reach_
         if (const double e = obscuration_of(entry.component, context); e > 0.0)
           for (const double nu : {0.5 * (1.0 - e), e, 0.5 * (1.0 + e)}) breaks.push_back(nu * cutoff / scale);
       }
-  return slice_nodes(top_cy_px(condition, angle_rad), reach_px, breaks);
+  constexpr double kLeastTop_cy_px = 1e-6;  // a sensor that passes nothing is no error here
+  return slice_nodes(std::max(kLeastTop_cy_px, top_cy_px(condition, angle_rad)), reach_px, breaks);
 }
 
 }  // namespace calib

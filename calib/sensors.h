@@ -36,7 +36,8 @@ class Sensors {
   std::size_t version() const { return version_; }
   const mtf::System<double>& system(std::size_t condition) const { return systems_[condition]; }
 
-  OtfTable otf(std::size_t condition, std::span<const PixelFreq> f) const;
+  /// `unit`: of f, where that is not cy/px; the present frame converts it, and its numbers may be parameters.
+  OtfTable otf(std::size_t condition, std::span<const PixelFreq> f, const mtf::Unit* unit = nullptr) const;
   /// |H| only.
   std::vector<double> modulus(std::size_t condition, std::span<const PixelFreq> f) const;
 

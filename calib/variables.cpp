@@ -9,6 +9,10 @@
 namespace calib {
 namespace {
 
+/// Narrower, of the value itself, a prior is beyond what arithmetic resolves beside the data.
+constexpr double kLeastPrior = 1e-9;
+/// Directions go round freely, a first step perhaps many times.
+constexpr double kFarRound_deg = 1e6 + 77.0;
 constexpr double kSmallestSquare = 1e-8;  // the value is 1e-4 steps there, and its slope still exact
 
 /// H of all probes, and its derivatives by parameter i, real and imaginary parts in one list.
@@ -19,7 +23,7 @@ struct Response {
 Response response(const Sensors& sensors, std::span<const Probe> probes, std::size_t i) {
   Response all;
   for (const Probe& probe : probes) {
-    const OtfTable table = sensors.otf(probe.condition, probe.f);
+    const OtfTable table = sensors.otf(probe.condition, probe.f, probe.unit);
     for (std::size_t k = 0; k < probe.f.size(); ++k)
       for (const auto part : {&mtf::Complex<double>::re, &mtf::Complex<double>::im}) {
         all.h.push_back(table[0][k].*part);
@@ -72,6 +76,9 @@ double square_at(const Prober& prober, std::size_t i, const mtf::FieldInfo& info
   return 0.0;
 }
 
+/// In degrees, over whole turns.
+bool is_direction(const mtf::FieldInfo& info) { return info.unit == "deg" && info.lo <= -360.0 && info.hi >= 360.0; }
+
 [[noreturn]] void refuse(const FitParameter& parameter, const std::string& why) {
   throw mtf::UsageError(parameter.path + ": " + why);
 }
@@ -80,7 +87,12 @@ void check_numbers(const FitParameter& p, const mtf::FieldInfo& info, double sta
   for (const double number : {start, p.min.value_or(0.0), p.max.value_or(0.0), p.prior ? (*p.prior)[0] : 0.0})
     if (!std::isfinite(number)) refuse(p, "value, bounds and prior have to be finite");
   if (p.prior && !((*p.prior)[1] > 0.0 && std::isfinite((*p.prior)[1]))) refuse(p, "the sd of a prior is above 0");
+  if (p.prior && !((*p.prior)[1] > kLeastPrior * std::max(std::abs((*p.prior)[0]), std::abs(start))))
+    refuse(p, "a prior this narrow leaves nothing to fit; give the number as fixed");
   const double lo = std::max(info.lo, p.min.value_or(info.lo)), hi = std::min(info.hi, p.max.value_or(info.hi));
+  if (p.prior && !((*p.prior)[0] >= info.lo && (*p.prior)[0] <= info.hi))
+    refuse(p, "the mean of the prior is outside of what the field allows, " + mtf::format_double(info.lo) + " to " +
+                  mtf::format_double(info.hi));
   if (!(lo < hi))
     refuse(p, "nothing is left between the bounds " + mtf::format_double(lo) + " and " + mtf::format_double(hi) +
                   "; the field itself allows " + mtf::format_double(info.lo) + " to " + mtf::format_double(info.hi));
@@ -89,7 +101,8 @@ void check_numbers(const FitParameter& p, const mtf::FieldInfo& info, double sta
 }  // namespace
 
 double Variable::value(double x) const {
-  return squared ? sign * step * std::sqrt(std::max(x, kSmallestSquare)) : step * x;
+  if (squared) return sign * step * std::sqrt(std::max(x, kSmallestSquare));
+  return period > 0.0 ? step * x - period * std::round(step * x / period) : step * x;
 }
 double Variable::slope(double x) const {
   return squared ? 0.5 * sign * step / std::sqrt(std::max(x, kSmallestSquare)) : step;
@@ -137,6 +150,13 @@ std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParame
       v.step = std::min(v.step, 1e3 * std::max(1.0, std::abs(value)));
       v.lo = lo / v.step;
       v.hi = hi / v.step;
+      if (is_direction(info) && !parameters[i].min && !parameters[i].max && !parameters[i].prior) {
+        const Response here = prober.at(i, 0.0), across = prober.at(i, 90.0), turned = prober.at(i, 180.0);
+        const bool seen = largest_difference(here.h, across.h) > 1e-6;
+        v.period = seen && largest_difference(here.h, turned.h) < 1e-9 ? 180.0 : 360.0;
+        v.hi = kFarRound_deg / v.step;
+        v.lo = -v.hi;
+      }
     }
     v.start = std::clamp(v.x_of(value), v.lo, v.hi);
     all.push_back(v);

@@ -4,6 +4,7 @@
 // The variables of the fit: what the parameters become for the minimiser.
 //   value = step x                        in general
 //   value = +- step sqrt(x), x >= 0       where H depends on the square of the parameter
+//   value = step x modulo the period      of a direction, which has no bounds then
 // `step` is such that x = 1 changes the OTF by about 0.05: then sizes, trust regions and directions mean something.
 // Squares: the likelihood of an rms, a width, a defocus is flat at zero, in its square it is not.
 
@@ -24,6 +25,7 @@ struct Variable {
   double step = 1.0;
   double lo = 0.0, hi = 0.0;  ///< of x
   double start = 0.0;         ///< x
+  double period = 0.0;        ///< of a direction's value: it is given within half of it from 0; 0 = none
   bool positive = false;      ///< the parameter cannot be negative: its size is its own scale
 
   double value(double x) const;
@@ -36,6 +38,7 @@ struct Variable {
 struct Probe {
   std::size_t condition = 0;
   std::vector<PixelFreq> f;
+  const mtf::Unit* unit = nullptr;  ///< of f, where that is not cy/px
 };
 
 /// Finds steps and squares at the present values. Leaves the sensors at the starting values. Throws UsageError for

@@ -29,13 +29,18 @@ made::Scene noisy(std::uint64_t seed, double noise_sd = 0.01) {
 }
 
 CurveData curve_of(const System<double>& system, double angle_deg, double sd, std::uint64_t seed) {
-  CurveData curve{
-      .name = "curve", .condition = 0, .angle_deg = angle_deg, .frequency_cy_mm = {}, .mtf = {}, .sd = {sd}};
+  CurveData curve{.name = "curve",
+                  .condition = 0,
+                  .angle_deg = angle_deg,
+                  .unit = mtf::find_unit("cy/mm"),
+                  .frequency = {},
+                  .mtf = {},
+                  .sd = {sd}};
   std::mt19937_64 bits(seed);
   std::normal_distribution<double> normal(0.0, sd);
   for (int i = 1; i <= 40; ++i) {
     const double f_px = 0.02 * i;
-    curve.frequency_cy_mm.push_back(system.frame.cy_mm_from_px(f_px, mtf::Axis::x));
+    curve.frequency.push_back(system.frame.cy_mm_from_px(f_px, mtf::Axis::x));
     curve.mtf.push_back(fit_cases::mtf_along(system, angle_deg, f_px) + normal(bits));
   }
   return curve;

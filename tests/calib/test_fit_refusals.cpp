@@ -103,18 +103,20 @@ TEST(FitRefusals, Curves) {
   const CurveData good{.name = "bench.csv",
                        .condition = 0,
                        .angle_deg = 0.0,
-                       .frequency_cy_mm = {10.0, 20.0},
+                       .unit = mtf::find_unit("cy/mm"),
+                       .frequency = {10.0, 20.0},
                        .mtf = {0.9, 0.8},
                        .sd = {0.01}};
-  for (const int fault : {0, 1, 2, 3, 4, 5}) {
+  for (const int fault : {0, 1, 2, 3, 4, 5, 6}) {
     data.curves = {good};
     CurveData& curve = data.curves[0];
     if (fault == 0) curve.mtf[1] = kNan;
-    if (fault == 1) curve.frequency_cy_mm[0] = -1.0;
+    if (fault == 1) curve.frequency[0] = -1.0;
     if (fault == 2) curve.mtf.pop_back();
     if (fault == 3) curve.sd = {0.01, 0.0};
     if (fault == 4) curve.sd.clear();
     if (fault == 5) curve.angle_deg = kNan;
+    if (fault == 6) curve.unit = nullptr;
     EXPECT_NE(refusal(data, kSigma).find("bench.csv"), std::string::npos) << fault;
   }
 }
