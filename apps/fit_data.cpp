@@ -80,7 +80,9 @@ void add_edges(LoadedData& loaded, const EdgePlane& plane, std::size_t condition
                                  .roi = roi,
                                  .condition = condition,
                                  .start = edge.edge,
-                                 .quantum = plane.options.quantum});
+                                 .quantum = plane.options.quantum,
+                                 .saturation = plane.options.saturation,
+                                 .floor = plane.options.floor});
     loaded.measured.push_back(std::move(edge));
   }
 }

@@ -41,7 +41,10 @@ std::string value_text(const FittedParameter& p) {
   const std::string unit = p.parameter.unit.empty() ? "" : " " + p.parameter.unit;
   if (p.knowledge == Knowledge::at_bound)
     return significant(p.value, 6) + unit + " (at its bound" +
-           (p.limit95 ? "; 95 % limit " + significant(*p.limit95, 4) + unit : "") + ")";
+           (p.limit95 ? std::string("; 95 %: at ") + (p.limit_is_upper ? "most " : "least ") +
+                            significant(*p.limit95, 4) + unit
+                      : std::string()) +
+           ")";
   if (p.knowledge != Knowledge::determined) return std::string(knowledge_name(p.knowledge));
   return (p.stderr_value ? shown({p.value, *p.stderr_value}) : significant(p.value, 8)) + unit;
 }
@@ -79,6 +82,7 @@ Json parameter_json(const FittedParameter& p) {
           {"knowledge", knowledge_name(p.knowledge)},
           {"start", p.start},
           {"limit95", optional_json(p.limit95)},
+          {"limit_is", p.limit95 ? Json(p.limit_is_upper ? "upper" : "lower") : Json()},
           {"interval68", optional_json(p.interval68)},
           {"interval95", optional_json(p.interval95)}};
 }
@@ -222,7 +226,7 @@ std::string fitted_config(const FitResult& result, const mtf::io::SensorConfig& 
     head += "# to " + one_line(input) + " (sha256 " + mtf::io::sha256_file(input).substr(0, 16) + ")\n";
   for (const calib::NullDirection& direction : result.not_separable) head += "# " + one_line(direction.text) + "\n";
   for (const FittedParameter& p : result.parameters) {
-    if (double* value = calib::parameter_at(fitted.system, p.parameter.path)) *value = p.value;
+    calib::set_parameter(fitted.system, p.parameter.path, p.value);
     const auto spec = std::find_if(fitted.fits.begin(), fitted.fits.end(),
                                    [&](const mtf::io::FitSpec& fit) { return fit.path == p.parameter.path; });
     if (spec == fitted.fits.end()) continue;
