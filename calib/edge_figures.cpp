@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kEsfSamples = 129;
 constexpr double kEsfStep_px = 0.125;  // at the edge
+constexpr double kMethod = 1e-4;       // how well curves without noise are known: the bars of test_measure_truth.cpp
 
 // Distances from -reach to reach, kEsfStep_px apart at the edge and wider in the tails: d = a sinh(b t), t in [-1, 1].
 std::array<double, kEsfSamples> distances(double reach_px) {
@@ -40,7 +41,7 @@ void curves_of_frequency(const EdgeResponse& response, EdgeMeasurement& out) {
     out.otf_re[i] = otf.re;
     out.otf_im[i] = otf.im;
     out.mtf[i] = otf.mtf();
-    out.mtf_sd[i] = otf.mtf_sd();
+    out.mtf_sd[i] = f > 0.0 ? std::hypot(otf.mtf_sd(), kMethod) : 0.0;
   }
 }
 
@@ -93,7 +94,7 @@ std::optional<Estimate> crossing(const EdgeResponse& response, const EdgeMeasure
   const double variance = response.variance(row);
   const double shift =
       response.covariance(row, slope_row) / (slope * slope) - bend * variance / (2.0 * slope * slope * slope);
-  const double sd = std::sqrt(std::max(0.0, variance)) / -slope;
+  const double sd = std::hypot(std::sqrt(std::max(0.0, variance)), kMethod) / -slope;
   return Estimate{f - std::clamp(shift, -0.2 * sd, 0.2 * sd), sd};
 }
 
