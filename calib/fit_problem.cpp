@@ -4,6 +4,7 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "mtf/error.h"
@@ -14,12 +15,20 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// All unknowns in one piece of memory: Ceres orders them by their addresses.
+/// All unknowns in one piece of memory: Ceres orders them by their addresses. Vast levels are held in a power of two of
+/// their size, as steps are judged by the length of all unknowns.
 class Unknowns {
  public:
   explicit Unknowns(FitProblem& problem) : problem_(&problem) {
     for (const auto& own : problem.own) all_.insert(all_.end(), own.begin(), own.end());
     all_.insert(all_.end(), problem.x.begin(), problem.x.end());
+    const auto levels = all_.end() - std::ssize(problem.x);
+    for (auto value = all_.begin(); value != all_.end(); ++value) {
+      constexpr double kVast = 1e6;
+      const bool vast = value < levels && std::abs(*value) > kVast && std::isfinite(*value);
+      scale_.push_back(vast ? std::exp2(std::ilogb(*value)) : 1.0);
+      *value /= scale_.back();
+    }
     double* place = all_.data();
     for (const auto& own : problem.own) {
       own_.push_back(place);
@@ -29,12 +38,19 @@ class Unknowns {
   }
   double* own(std::size_t block) const { return own_[block]; }
   double* x() const { return x_; }
+  double scale(std::size_t block, Eigen::Index i) const {
+    return scale_[static_cast<std::size_t>(own_[block] - all_.data() + i)];
+  }
   /// What Ceres has written goes to the problem; false when it is there already.
   bool give_back() const {
     bool any = false;
     const auto give = [&](const double* from, std::vector<double>& to) {
-      any = any || !std::equal(to.begin(), to.end(), from);
-      std::copy_n(from, to.size(), to.begin());
+      const double* scale = scale_.data() + (from - all_.data());
+      for (double& number : to) {
+        const double value = *from++ * *scale++;
+        any = any || number != value;
+        number = value;
+      }
     };
     for (std::size_t b = 0; b < own_.size(); ++b) give(own_[b], problem_->own[b]);
     give(x_, problem_->x);
@@ -43,7 +59,7 @@ class Unknowns {
 
  private:
   FitProblem* problem_;
-  std::vector<double> all_;
+  std::vector<double> all_, scale_;
   std::vector<double*> own_;
   double* x_ = nullptr;
 };
@@ -67,6 +83,7 @@ class Evaluator final : public ceres::EvaluationCallback {
   }
   bool allowed() const { return allowed_; }
   const Eigen::MatrixXd& factor(std::size_t block) const { return factors_[block]; }
+  const Unknowns& unknowns() const { return *unknowns_; }
 
  private:
   FitProblem* problem_;
@@ -91,8 +108,13 @@ class BlockCost final : public ceres::CostFunction {
     Eigen::Index first = 0;
     for (std::size_t p = 0; p < parameter_block_sizes().size(); ++p) {
       const Eigen::Index size = parameter_block_sizes()[p];
-      if (jacobians != nullptr && jacobians[p] != nullptr)
-        Eigen::Map<RowMajor>(jacobians[p], factor.rows(), size) = factor.middleCols(first, size);
+      if (jacobians != nullptr && jacobians[p] != nullptr) {
+        Eigen::Map<RowMajor> by(jacobians[p], factor.rows(), size);
+        by = factor.middleCols(first, size);
+        if (p + 1 < parameter_block_sizes().size())  // the block's own
+          for (Eigen::Index i = 0; i < size; ++i)
+            if (const double scale = evaluator_->unknowns().scale(block_, i); scale != 1.0) by.col(i) *= scale;
+      }
       first += size;
     }
     return true;

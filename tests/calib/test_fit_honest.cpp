@@ -109,6 +109,18 @@ TEST(FitHonest, ClippedPixelsDoNotCount) {
   EXPECT_EQ(fit(data, kSigma).data[0].count, all - clipped);
 }
 
+TEST(FitHonest, EdgesOfAnyLevel) {
+  Edge edge;
+  const FittedParameter plain = fit(edge.data(), kSigma).parameters[0];
+  for (std::int64_t i = 0; i < edge.image.size(); ++i) edge.image.data()[i] *= 1e20F;
+  FitData data = edge.data();
+  EdgeMeasurement& start = data.edges[0].start;
+  for (double* number : {&start.dark, &start.bright, &start.noise_sd}) *number *= 1e20;
+  const FitResult vast = fit(data, kSigma);
+  EXPECT_EQ(vast.status, FitStatus::converged) << vast.reason;
+  EXPECT_NEAR(vast.parameters[0].value, plain.value, 0.05 * plain.stderr_value.value());
+}
+
 TEST(FitHonest, ALongReachIsCutAndManyPixelsAreThinned) {
   const Edge edge(0.02, 700, 6000);
   FitData data = edge.data(0.1);  // sharp: 32 cycles/px over 700 px would be too many frequencies
