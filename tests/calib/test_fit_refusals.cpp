@@ -192,6 +192,7 @@ TEST(FitRefusals, AbsurdGeometryEndsInSomeOutcome) {
   const Made made;
   for (const int fault : {0, 1, 2, 3, 4}) {
     FitData data = made.data();
+    data.edges[0].roi = {44, 30, 40, 40};  // each of these goes on for as many rounds as are allowed
     EdgeMeasurement& start = data.edges[0].start;
     if (fault == 0) start.curve.coefficient = {1e200, -1e300}, start.curve.shape = EdgeCurve::Shape::polynomial;
     if (fault == 1) start.curve.coefficient = {40.0}, start.curve.shape = EdgeCurve::Shape::polynomial;
