@@ -60,6 +60,7 @@ void add_choice(Command& command, const std::string& name, const std::string& ty
 inline constexpr std::array kFormats{std::pair{std::string_view("table"), Format::table},
                                      std::pair{std::string_view("csv"), Format::csv},
                                      std::pair{std::string_view("json"), Format::json}};
+inline constexpr std::array kTableOrJson{kFormats[0], kFormats[2]};
 void add_format(Command& command, const std::string& doc, Format& format);
 void add_force(Command& command, bool& force);
 void add_channel(Command& command, std::optional<std::string>& channel);

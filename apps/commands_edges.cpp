@@ -11,7 +11,6 @@ namespace {
 constexpr std::array kMethods{std::pair{std::string_view("regression"), false},
                               std::pair{std::string_view("iso12233"), true}};
 constexpr std::array kLoss{std::pair{std::string_view("huber"), true}, std::pair{std::string_view("squares"), false}};
-constexpr std::array kTableOrJson{kFormats[0], kFormats[2]};
 constexpr std::array kBayer{std::pair{std::string_view("r"), 0},  std::pair{std::string_view("gr"), 1},
                             std::pair{std::string_view("gb"), 2}, std::pair{std::string_view("b"), 3},
                             std::pair{std::string_view("g"), 4},  std::pair{std::string_view("all"), 5}};

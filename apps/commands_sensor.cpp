@@ -8,7 +8,6 @@
 namespace apps {
 namespace {
 
-constexpr std::array kTableOrJson{kFormats[0], kFormats[2]};
 constexpr std::array kTableOrMarkdown{std::pair{std::string_view("table"), false},
                                       std::pair{std::string_view("markdown"), true}};
 constexpr std::array kUnits{std::pair{std::string_view("cy/mm"), 0}, std::pair{std::string_view("cy/mrad"), 1},

@@ -33,8 +33,8 @@ struct NamedImage {
 
 bool same(const Image& a, const Image& b) { return std::equal(a.data(), a.data() + a.size(), b.data()); }
 
-/// `clipped_from`: linear value at the end of the scale.
-std::vector<NamedImage> chosen_planes(mtf::io::ImageFile&& file, double clipped_from, const std::string& image,
+/// Takes the planes out of the file. `clipped_from`: linear value at the end of the scale.
+std::vector<NamedImage> chosen_planes(mtf::io::ImageFile& file, double clipped_from, const std::string& image,
                                       const EdgeInput& input) {
   std::vector<NamedImage> planes;
   if (file.planes.size() == 1) {
@@ -96,9 +96,16 @@ void hide_masked(const std::string& file, const std::string& image, std::vector<
   }
 }
 
+/// Least and largest linear value of the file's scale; a table may fall, and then its end is the least.
+std::array<double, 2> linear_scale(const mtf::io::ImageFile& file, const mtf::io::Encoding& encoding) {
+  const double full = mtf::io::full_scale(file.info);
+  const double start = mtf::io::decode(encoding, 0.0, full), end = mtf::io::decode(encoding, full, full);
+  return {std::min(start, end), std::max(start, end)};
+}
+
 /// What the file's numbers say of the values: their step at mid level, and where they end.
 calib::MeasureOptions options_of(const mtf::io::ImageFile& file, const mtf::io::Encoding& encoding,
-                                 const EdgeInput& input, const Image& plane) {
+                                 const std::array<double, 2>& scale, const EdgeInput& input, const Image& plane) {
   calib::MeasureOptions options;
   options.noise_sd = input.noise_sd;
   const double full = mtf::io::full_scale(file.info);
@@ -115,11 +122,8 @@ calib::MeasureOptions options_of(const mtf::io::ImageFile& file, const mtf::io::
     high = std::fmax(high, plane.data()[i]);
   }
   options.quantum = mtf::io::quantum_at(encoding, 0.5 * (static_cast<double>(low) + high), full);
-  // A table may fall: the end of the scale is then the floor.
-  const double ends[]{mtf::io::decode(encoding, 0.0, full), mtf::io::decode(encoding, full, full)};
-  const double least = std::min(ends[0], ends[1]), most = std::max(ends[0], ends[1]);
-  if (!options.saturation && std::isfinite(most)) options.saturation = most;
-  if (std::isfinite(least)) options.floor = least;
+  if (!options.saturation && std::isfinite(scale[1])) options.saturation = scale[1];
+  if (std::isfinite(scale[0])) options.floor = scale[0];
   return options;
 }
 
@@ -135,7 +139,7 @@ std::vector<EdgeRegion> given_regions(const EdgeInput& input) {
 
 }  // namespace
 
-std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInput& input) {
+std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInput& input, Regions regions) {
   mtf::io::ReadOptions read{.channel = input.channel, .layer = input.layer, .part = input.part};
   if (input.channel == "all" || input.channel == "luminance") read.channel.reset();
   const mtf::io::Encoding encoding = mtf::io::parse_encoding(input.encoding);
@@ -143,12 +147,8 @@ std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInpu
   std::int64_t outside = 0;
   for (Image& plane : file.planes) outside += mtf::io::decode(encoding, plane.view(), mtf::io::full_scale(file.info));
 
-  mtf::io::ImageFile header;
-  header.integer = file.integer;
-  header.info = file.info;
-  const double full = mtf::io::full_scale(file.info);
-  const double end = std::max(mtf::io::decode(encoding, 0.0, full), mtf::io::decode(encoding, full, full));
-  std::vector<NamedImage> planes = mosaic_planes(chosen_planes(std::move(file), end, image, input), image, input);
+  const std::array<double, 2> scale = linear_scale(file, encoding);
+  std::vector<NamedImage> planes = mosaic_planes(chosen_planes(file, scale[1], image, input), image, input);
   hide_masked(input.mask, image, planes);
   std::vector<EdgePlane> result;
   for (NamedImage& named : planes) {
@@ -158,9 +158,9 @@ std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInpu
       plane.warning = one_line(image) + ": " + std::to_string(outside) + " samples lie outside the table " +
                       one_line(encoding.name) + " and are taken as no data";
     plane.channel = named.name;
-    plane.regions = given_regions(input);
-    plane.options = options_of(header, encoding, input, named.plane);
-    if (plane.regions.empty()) {
+    if (regions == Regions::wanted) plane.regions = given_regions(input);
+    plane.options = options_of(file, encoding, scale, input, named.plane);
+    if (regions == Regions::wanted && plane.regions.empty()) {
       const calib::FindOptions find{
           .most = static_cast<std::size_t>(input.most), .min_length_px = input.min_length_px, .min_cnr = input.min_cnr};
       calib::FoundEdges found = calib::find_edges(named.plane.view(), find);

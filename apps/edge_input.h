@@ -26,9 +26,13 @@ struct EdgePlane {
   calib::MeasureOptions options;  ///< noise, quantum and clipping of these values
 };
 
+/// Whether regions are taken from the command line or looked for; a point source is its whole image.
+enum class Regions { wanted, none };
+
 /// The planes of one image. Throws UsageError for colour without a choice and a mosaic or mask that does not fit,
 /// RuntimeError for files that cannot be read. Given regions may leave the image.
-std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInput& input);
+std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInput& input,
+                                        Regions regions = Regions::wanted);
 
 /// Every file that the input names, for outputs not to replace.
 std::vector<std::string> files_of(const EdgeInput& input);

@@ -58,7 +58,8 @@ void write_residuals(const std::string& folder, const std::vector<std::string>& 
 
 int run_fit(const FitOptions& options, const Global& global) {
   const mtf::io::SensorConfig sensor = load_sensor(options.sensor, global);
-  require_writable(outputs_of(options), inputs_of(options, sensor));
+  const std::vector<std::string> inputs = inputs_of(options, sensor);
+  require_writable(outputs_of(options), inputs);
   if (!options.residuals.empty()) check_folder(options.residuals, options.force);
   if (options.input.images.empty() && options.curves.empty() && options.spots.empty())
     throw mtf::UsageError("fit: no data; name images of edges, or give --curve or --spot");
@@ -95,7 +96,7 @@ int run_fit(const FitOptions& options, const Global& global) {
                        one_line(figure_data_path(options.plot)));
     if (!options.residuals.empty()) {
       prepare_folder(options.residuals, options.force);
-      write_residuals(options.residuals, inputs_of(options, sensor), result);
+      write_residuals(options.residuals, inputs, result);
     }
     if (!options.out.empty()) emit(options.out, fitted_config(result, sensor, loaded.files, options.out));
   } else if (!options.out.empty()) {

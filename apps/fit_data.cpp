@@ -140,13 +140,10 @@ LoadedData load_fit_data(const FitOptions& options, const SensorConfig& sensor, 
       loaded.files.push_back(image);
     });
   }
-  EdgeInput whole = options.input;
-  whole.regions = {{0, 0, 1, 1}};  // the spot's region is the image: none is looked for
-  whole.region_file.clear();
   for (const std::string& image : options.spots) {
     const std::size_t condition = conditions.next();
     load_or_leave_out(loaded, sets, [&] {
-      for (EdgePlane& made : load_edge_planes(image, whole)) {
+      for (EdgePlane& made : load_edge_planes(image, options.input, Regions::none)) {
         const EdgePlane& plane = loaded.planes.emplace_back(std::move(made));
         loaded.data.spots.push_back({.name = one_line(image),
                                      .image = plane.plane.view(),

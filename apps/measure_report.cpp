@@ -121,8 +121,6 @@ std::string joined(const std::vector<std::string>& warnings) {
   return text;
 }
 
-std::string csv_number(double value) { return std::isfinite(value) ? mtf::format_double(value) : ""; }
-
 }  // namespace
 
 FieldPlace field_place(const EdgeMeasurement& edge, std::int64_t width, std::int64_t height) {

@@ -194,8 +194,6 @@ std::string script(std::span<const Figure> figures, Medium medium, int columns, 
   return text;
 }
 
-std::string csv_number(double value) { return std::isfinite(value) ? mtf::format_double(value) : ""; }
-
 bool draw(const std::string& path, std::span<const Figure> figures) {
   const auto drawing = run_gnuplot(script(figures, medium_of(path), 0, 0));
   if (drawing) mtf::io::write_text_file(path, *drawing);

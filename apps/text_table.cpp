@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
+
+#include "mtf/units.h"
 
 namespace apps {
 namespace {
@@ -53,6 +56,8 @@ std::string csv_field(std::string_view text) {
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + "\"";
 }
+
+std::string csv_number(double value) { return std::isfinite(value) ? mtf::format_double(value) : ""; }
 
 std::string fixed(double value, int decimals) { return formatted("%.*f", decimals, value); }
 

@@ -29,6 +29,9 @@ class TextTable {
 /// A CSV field, quoted where it has to be.
 std::string csv_field(std::string_view text);
 
+/// A number of a CSV field with 17 digits, nothing where it is not finite.
+std::string csv_number(double value);
+
 /// printf's %.*f and %.*g, the latter with trailing zeros ("125.0") when `zeros`.
 std::string fixed(double value, int decimals);
 std::string significant(double value, int digits, bool zeros = false);

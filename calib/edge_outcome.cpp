@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "calib/median.h"
+
 namespace calib {
 namespace {
 
@@ -79,9 +81,7 @@ double local_noise(mtf::ImageView<const float> image, const Roi& roi, const Regi
     if (differences.size() > 16) break;
   }
   if (differences.empty()) return 0.0;
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  return *middle / (0.6745 * std::sqrt(2.0));
+  return median(differences) / (0.6745 * std::sqrt(2.0));
 }
 
 EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model, double local_noise_sd) {

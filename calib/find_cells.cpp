@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "calib/median.h"
+
 #include "calib/find_parts.h"
 
 namespace calib::find {
@@ -43,9 +45,7 @@ double noise_of(const Cells& cells) {
     if (std::isfinite(second)) sample.push_back(std::abs(second));
   }
   if (sample.empty()) return 0.0;
-  const auto middle = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() / 2);
-  std::nth_element(sample.begin(), middle, sample.end());
-  return static_cast<double>(*middle) / (0.6745 * 6.0);
+  return static_cast<double>(median(sample)) / (0.6745 * 6.0);
 }
 
 /// Weighted mean of five neighbours, `step` elements apart, of those that are numbers; `at` of `count` is the middle

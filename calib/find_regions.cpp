@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/median.h"
+
 #include "calib/find_parts.h"
 
 namespace calib::find {
@@ -16,12 +18,6 @@ constexpr std::int64_t kNearBorder = 2;  // cells
 constexpr double kRise = 1.3;            // of the gradient on the way out: another edge
 constexpr double kStray = 1e-4;          // share of cells above the level that is taken as chance
 constexpr std::array<double, 9> kWidths{1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.22, 0.16, 0.12};
-
-double median(std::vector<double>& v) {
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
 
 /// What is seen at one distance from the segment.
 struct Strip {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "calib/fit_build.h"
+#include "calib/median.h"
 
 namespace calib {
 namespace {
@@ -97,12 +98,10 @@ void settle_noise(FitProblem& problem) {
     if (std::holds_alternative<CurveBlock>(problem.blocks[b])) continue;
     std::vector<double> sizes;
     for (const Residual& r : residuals_of(problem, b, kSomePixels)) sizes.push_back(std::abs(r.value));
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    const double scale = *middle / 0.6744897501960817;
+    const double middle = median(sizes), scale = middle / 0.6744897501960817;
     // Residuals within half a step of the image's values are rounding.
     const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]);
-    if (edge != nullptr && *middle * edge->middle_sd() < 0.6 * edge->data().quantum) continue;
+    if (edge != nullptr && middle * edge->middle_sd() < 0.6 * edge->data().quantum) continue;
     if (scale > 1.25) std::visit([&](auto& block) { block.scale_noise(scale * scale); }, problem.blocks[b]);
   }
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "calib/median.h"
+
 namespace calib {
 namespace {
 
@@ -13,12 +15,6 @@ using mtf::Complex;
 constexpr std::int64_t kLeastSide = 32, kMostSide = 64;  // of what is left of a larger region
 constexpr std::size_t kFewestPixels = 16;
 constexpr double kMostFrequencies = 1024.0;  // of one axis, either way
-
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Calls take(x, y, value) for every pixel with a value.
 template <class Take>
@@ -73,7 +69,7 @@ void SpotBlock::find_peak() {
     reason_ = "fewer than " + std::to_string(kFewestPixels) + " pixels with a value; take a larger region";
     return;
   }
-  const double background = middle_of(rim);
+  const double background = median(rim);
   Roi around = roi_;
   shorten(around.x, around.width, peak_x_, kMostSide);
   shorten(around.y, around.height, peak_y_, kMostSide);
@@ -111,10 +107,10 @@ void SpotBlock::measure_rim() {
     reason_ = "too few pixels around its peak have a value";
     return;
   }
-  const double background = middle_of(rim);
+  const double background = median(rim);
   for (const double value : rim) off.push_back(std::abs(value - background));
   // A rim without any noise still has rounding.
-  const double sd = std::max(1.4826 * middle_of(off), 1e-6 * std::max(std::abs(largest), std::abs(background)));
+  const double sd = std::max(1.4826 * median(off), 1e-6 * std::max(std::abs(largest), std::abs(background)));
   if (!(largest - background > 5.0 * sd)) {
     reason_ = "no point source: the brightest pixel is within the noise of the background";
     return;

@@ -10,21 +10,14 @@
 #include <tuple>
 #include <type_traits>
 
-#include "mtf/component.h"
+#include "mtf/components/field.h"
 #include "mtf/error.h"
 #include "mtf/special.h"
 
 namespace radiometry {
 
+using mtf::Field;
 using mtf::FieldInfo;
-
-template <class Member>
-struct Field {
-  FieldInfo info;
-  Member member;
-};
-template <class Member>
-Field(FieldInfo, Member) -> Field<Member>;
 
 /// Calls visit(info, value) for every field.
 template <class T, class Visit>
