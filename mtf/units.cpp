@@ -15,6 +15,7 @@ namespace mtf {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0 * 1e6;  // urad
+constexpr double kAmpere = 1.0 / 1.602176634e-19;           // electrons per second (exact in the SI)
 
 constexpr std::array kUnits{
     Unit{"nm", Dimension::length, 1e-3},
@@ -59,6 +60,21 @@ constexpr std::array kUnits{
     Unit{"mrad/s^2", Dimension::angular_acceleration, 1e3},
     Unit{"rad/s^2", Dimension::angular_acceleration, 1e6},
     Unit{"deg/s^2", Dimension::angular_acceleration, kDegree},
+    Unit{"mK", Dimension::temperature, 1e-3},
+    Unit{"K", Dimension::temperature, 1.0},
+    Unit{"e-", Dimension::electrons, 1.0},
+    Unit{"ke-", Dimension::electrons, 1e3},
+    Unit{"Me-", Dimension::electrons, 1e6},
+    Unit{"e-/s", Dimension::current, 1.0},
+    Unit{"ke-/s", Dimension::current, 1e3},
+    Unit{"Me-/s", Dimension::current, 1e6},
+    Unit{"aA", Dimension::current, kAmpere * 1e-18},
+    Unit{"fA", Dimension::current, kAmpere * 1e-15},
+    Unit{"pA", Dimension::current, kAmpere * 1e-12},
+    Unit{"nA", Dimension::current, kAmpere * 1e-9},
+    Unit{"fF", Dimension::capacitance, 1e-15},
+    Unit{"pF", Dimension::capacitance, 1e-12},
+    Unit{"F", Dimension::capacitance, 1.0},
 };
 
 std::string ascii_micro(std::string_view name) {
@@ -161,6 +177,14 @@ std::string_view describe(Dimension dimension) {
       return "pixels such as \"0.5 px\"";
     case Dimension::luminance:
       return "a luminance such as \"100 cd/m^2\"";
+    case Dimension::temperature:
+      return "an absolute temperature such as \"300 K\"";
+    case Dimension::electrons:
+      return "a charge such as \"50 e-\" or \"7 Me-\"";
+    case Dimension::current:
+      return "a current such as \"1e5 e-/s\" or \"16 fA\"";
+    case Dimension::capacitance:
+      return "a capacitance such as \"100 fF\"";
   }
   return "";
 }

@@ -27,7 +27,11 @@ enum class Dimension {
   /// focal-plane length per second squared, base um/s^2
   acceleration,
   /// object angle per second squared, base urad/s^2
-  angular_acceleration
+  angular_acceleration,
+  temperature,  ///< absolute, base K
+  electrons,    ///< charge of a pixel, base e-
+  current,      ///< electrons per second, base e-/s
+  capacitance   ///< base F
 };
 
 struct Unit {
