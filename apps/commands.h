@@ -10,6 +10,7 @@ namespace apps {
 Command curve_command();
 Command info_command();
 Command config_command();
+Command budget_command();
 Command check_command();
 Command demo_command();
 Command simulate_command();

@@ -4,6 +4,7 @@
 
 #include "apps/command_line.h"
 #include "apps/commands.h"
+#include "mtf/error.h"
 
 namespace apps {
 namespace {
@@ -39,6 +40,28 @@ Command curve_command() {
   add_text(app, "--plot", "FILE", "figure: a .svg, .pdf or .png file, or ascii for the terminal", options.plot);
   add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);
   app.run = [shared](const Global& global) { return run_curve(*shared, global); };
+  return app;
+}
+
+Command budget_command() {
+  const auto shared = std::make_shared<BudgetOptions>();
+  BudgetOptions& options = *shared;
+  Command app{
+      "budget", "electrons, noise and sensitivity of a pixel",
+      "For a pixel on the axis that looks at a surface of one temperature: electrons by where they come from, every\n"
+      "noise term, SNR, NETD, NEI, D*, dynamic range. All that [detector], [nonuniformity], [noise], [noise_3d] and\n"
+      "[adc] of the sensor file say.",
+      "  mtf budget sensor.toml\n"
+      "  mtf budget sensor.toml --temperature 310 --format json"};
+  add_file(app, "sensor", "sensor file (TOML)", options.sensor);
+  add_word(app, "--temperature", "K", "of the surface; default 300", [&](const std::string& text) {
+    options.temperature_k = number("--temperature", text);
+    if (!(options.temperature_k >= 0.0))
+      throw mtf::UsageError("--temperature " + text + ": a temperature in K is 0 or above");
+  });
+  add_format(app, "table (default), csv or json", options.format);
+  add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);
+  app.run = [shared](const Global& global) { return run_budget(*shared, global); };
   return app;
 }
 

@@ -13,6 +13,7 @@
 #include "mtf/io/config.h"
 #include "mtf/io/config_tree.h"
 #include "mtf/io/curve_csv.h"
+#include "radiometry/sensor_settings.h"
 
 namespace apps {
 namespace {
@@ -64,7 +65,7 @@ int explain(const ConfigOptions& options, const Global& global) {
 
 mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global) {
   std::vector<mtf::io::Diagnostic> warnings;
-  mtf::io::SensorConfig config = mtf::io::load_config(file, &warnings);
+  mtf::io::SensorConfig config = mtf::io::load_config(file, &warnings, radiometry::sensor_tables());
   for (const auto& warning : warnings) note(global, one_line(mtf::io::format_diagnostic(warning, file)));
   return config;
 }
@@ -79,12 +80,17 @@ std::vector<std::string> files_of(const mtf::io::SensorConfig& config) {
       for (const auto& field : entry.component.fields())
         if (const auto* curve = std::get_if<std::shared_ptr<const mtf::Curve>*>(&field.value)) add(**curve);
   add(config.scene.aperture_curve);
+  for (const mtf::TableInfo& info : config.schema)
+    for (const mtf::SettingInfo& row : info.settings)
+      if (const mtf::SettingsTable* table = find_table(config.tables, info.name))
+        if (const mtf::SettingValue* value = table->find(row.info.name); value != nullptr && names_file(row))
+          if (const auto* path = std::get_if<std::string>(value)) files.push_back(*path);
   return files;
 }
 
 int check_sensor(const std::string& file, Format format) {
   const mtf::io::ConfigResult result =
-      mtf::io::parse_config(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file);
+      mtf::io::parse_config(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file, radiometry::sensor_tables());
   const bool json = format == Format::json;
   if (json) print(as_json(result, file));
   if (!json && result.ok()) print("ok: " + one_line(file) + ": " + summary(result.config.system) + "\n");

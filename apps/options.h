@@ -72,6 +72,13 @@ struct SimulateOptions {
   bool resume = true;                                 ///< go on from what a stopped run left
 };
 
+struct BudgetOptions {
+  std::string sensor;
+  double temperature_k = 300.0;  ///< of the surface that is looked at
+  Format format = Format::table;
+  std::string out;  ///< "" = stdout
+};
+
 struct DemoOptions {
   std::string out = "mtf-demo";
   std::optional<double> tolerance;
@@ -151,6 +158,7 @@ int run_config(const ConfigOptions& options, const Global& global);
 int run_simulate(const SimulateOptions& options, const Global& global);
 int run_bench(const BenchOptions& options, const Global& global);
 int run_demo(const DemoOptions& options, const Global& global);
+int run_budget(const BudgetOptions& options, const Global& global);
 int run_measure(const MeasureOptions& options, const Global& global);
 int run_fit(const FitOptions& options, const Global& global);
 int run_check(const CheckOptions& options, const Global& global);

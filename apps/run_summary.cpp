@@ -35,7 +35,8 @@ std::string summary_costs(const RunReport& report) {
 }
 
 std::string explain_text(const mtf::SensorPlan& plan) {
-  return plan.presample.explain() + (plan.post ? "after sampling\n" + plan.post->explain() : "");
+  return plan.presample.explain() + (plan.readout ? "readout\n" + plan.readout->explain() : "") +
+         (plan.post ? "after sampling\n" + plan.post->explain() : "");
 }
 
 std::string explain_tiles(const mtf::SensorPlan& plan, const mtf::TileReport& tiles) {

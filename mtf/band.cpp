@@ -7,6 +7,7 @@
 namespace mtf {
 
 WavelengthNodes wavelength_nodes(const Band& band, int n) {
+  if (band.rate) return (*band.rate)(n);
   GaussRule rule = mean_rule(band.lo_um, band.hi_um, n);
   return {std::move(rule.node), std::move(rule.weight)};
 }

@@ -82,6 +82,7 @@ struct PlanOptions {
   ScaleSplit split = {};                          ///< the near or far part only (mtf/tiles.h)
   std::shared_ptr<const SceneSpectrum> spectrum;  ///< of this very scene: what an omission costs it, not any scene
   int threads = 0;                                ///< for making the OTF; 0 = all cores
+  bool separate_readout = false;  ///< noise comes between readout and postsample filters: a plan for each (SensorPlan)
 };
 
 /// Predicted error, each part as rms relative to the scene's std; the parts add linearly.

@@ -7,8 +7,6 @@
 #include "mtf/same_list.h"
 
 namespace mtf {
-namespace {
-
 // Plan::run has read all input before it writes any output; where the output is no larger it takes the input's place.
 std::vector<Image> run_in_place(const Plan& plan, std::vector<Image> images, double border_value, int threads) {
   const std::int64_t width = plan.out().width, height = plan.out().height;
@@ -31,8 +29,6 @@ std::vector<Image> run_in_place(const Plan& plan, std::vector<Image> images, dou
   return images;
 }
 
-}  // namespace
-
 SceneSummary behind_sampling(SceneSummary scene, const PlanOptions& options, const SampleGrid& in,
                              const SampleGrid& out) {
   const double correction = options.aperture.kind == SceneAperture::Kind::point ? 1.0 : options.aperture.gain_limit;
@@ -51,62 +47,74 @@ bool has_filters(const System<double>& system) {
   return !system.list(Stage::readout).empty() || !system.list(Stage::postsample).empty();
 }
 
-double largest_gain(const Plan& post) { return std::max(1.0, post.report().largest_gain); }
+double largest_gain(const std::optional<Plan>& filter) {
+  return filter ? std::max(1.0, filter->report().largest_gain) : 1.0;
+}
 
-// What the sampled image errs by passes through the filters behind it.
-double predict(const Plan& presample, const std::optional<Plan>& post) {
-  const double sampled = presample.report().predicted.total();
-  return post ? sampled * largest_gain(*post) + post->report().predicted.total() : sampled;
+double error_of(const std::optional<Plan>& filter) { return filter ? filter->report().predicted.total() : 0.0; }
+
+// What a step errs by passes through the filters behind it.
+double predict(const Plan& presample, const std::optional<Plan>& readout, const std::optional<Plan>& post) {
+  const double sampled = presample.report().predicted.total() * largest_gain(readout) + error_of(readout);
+  return sampled * largest_gain(post) + error_of(post);
 }
 
 }  // namespace
 
 SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene, const PlanOptions& options) {
   const SampleGrid detector = detector_grid(system, scene);
-  if (!has_filters(system)) {
-    const Plan plan = compile(system, scene, detector, options);
-    return {plan, std::nullopt, predict(plan, std::nullopt), system, options};
-  }
-  constexpr std::array stages{Stage::readout, Stage::postsample};
-  PlanOptions half = options;
-  half.tolerance = 0.5 * options.tolerance;
-  half.aperture = {};
-  half.spectrum = nullptr;  // of the scene, not of what the detector has sampled
-  if (options.scene) half.scene = behind_sampling(*options.scene, options, scene, detector);
+  const auto listed = [&](Stage stage) { return !system.list(stage).empty(); };
+  const bool separate = options.separate_readout && listed(Stage::readout);
+  const bool filters = separate ? listed(Stage::postsample) : has_filters(system);
+  const double share = 1.0 / (1.0 + (separate ? 1.0 : 0.0) + (filters ? 1.0 : 0.0));
+  PlanOptions behind = options;
+  behind.aperture = {};
+  behind.spectrum = nullptr;  // of the scene, not of what the detector has sampled
+  if (options.scene) behind.scene = behind_sampling(*options.scene, options, scene, detector);
   // A refusal speaks of the whole tolerance, not of the share that one step was given, and of what all steps can keep.
-  const auto in_share = [&](double share, const auto& compile_step) {
+  const auto in_share = [&](PlanOptions own, double part, const auto& compile_step) {
+    own.tolerance = part * options.tolerance;
     try {
-      return compile_step();
+      return compile_step(own);
     } catch (const UnreachableTolerance& e) {
       PlanOptions looser = options;
-      looser.tolerance = e.reachable() / share;
-      if (looser.tolerance < 1.0) try {
+      looser.tolerance = e.reachable() / part;
+      if (part < 1.0 && looser.tolerance < 1.0) try {
           compile_sensor(system, scene, looser);
         } catch (const UnreachableTolerance& later) {
           looser.tolerance = later.reachable();
         }
+      if (part == 1.0) throw;
       throw unreachable_tolerance(options.tolerance, looser.tolerance, options.scene);
     }
   };
-  const Plan post = in_share(0.5, [&] { return compile_post(system, detector, stages, half); });
-  const double gain = largest_gain(post);
-  PlanOptions first = options;
-  first.tolerance = half.tolerance / gain;
-  const Plan presample = in_share(0.5 / gain, [&] { return compile(system, scene, detector, first); });
-  return {presample, post, predict(presample, post), system, options};
+  const auto filter = [&](std::span<const Stage> stages, double part) {
+    return in_share(behind, part, [&](const PlanOptions& own) { return compile_post(system, detector, stages, own); });
+  };
+  constexpr std::array both{Stage::readout, Stage::postsample};
+  std::optional<Plan> post, readout;
+  if (filters) post = filter(std::span(both).subspan(separate ? 1 : 0), share);
+  if (separate) readout = filter(std::span(both).first(1), share / largest_gain(post));
+  const double first = share / (largest_gain(post) * largest_gain(readout));
+  const Plan presample =
+      in_share(options, first, [&](const PlanOptions& own) { return compile(system, scene, detector, own); });
+  return {presample, readout, post, predict(presample, readout, post), system, options};
 }
 
 SensorPlan SensorPlan::with(const System<double>& other) const {
-  if (detector_grid(other, in()) != out() || has_filters(other) != post.has_value())
-    return compile_sensor(other, in(), options);
+  const auto kept = [&](Stage stage) { return system.list(stage).empty() == other.list(stage).empty(); };
+  const bool filters = has_filters(system) == has_filters(other) &&
+                       (!options.separate_readout || (kept(Stage::readout) && kept(Stage::postsample)));
+  if (detector_grid(other, in()) != out() || !filters) return compile_sensor(other, in(), options);
   const auto same = [&](Stage stage) { return same_list(system, other, stage); };
   try {
     SensorPlan plan = *this;
     plan.system = other;
     plan.updated = true;
     if (!same(Stage::presample)) plan.presample = presample.with(other);
-    if (post && !(same(Stage::readout) && same(Stage::postsample))) plan.post = post->with(other);
-    plan.predicted_error = predict(plan.presample, plan.post);
+    if (readout && !same(Stage::readout)) plan.readout = readout->with(other);
+    if (post && !((readout || same(Stage::readout)) && same(Stage::postsample))) plan.post = post->with(other);
+    plan.predicted_error = predict(plan.presample, plan.readout, plan.post);
     if (plan.predicted_error <= options.tolerance) return plan;
   } catch (const UnreachableTolerance&) {  // of a share: other shares may do
   }
@@ -120,12 +128,21 @@ std::vector<Image> SensorPlan::run(std::span<const ImageView<const float>> scene
   for (std::size_t i = 0; i < scene.size(); ++i) sampled.emplace_back(out().width, out().height);
   for (Image& image : sampled) views.push_back(image.view());
   presample.run(scene, views, border_value, threads);
-  return post ? run_in_place(*post, std::move(sampled), presample.dc() * border_value, threads) : std::move(sampled);
+  return run_filters(std::move(sampled), border_value, threads);
 }
 
 std::vector<Image> SensorPlan::run(std::vector<Image>&& scene, double border_value, int threads) const {
-  std::vector<Image> sampled = run_in_place(presample, std::move(scene), border_value, threads);
-  return post ? run_in_place(*post, std::move(sampled), presample.dc() * border_value, threads) : std::move(sampled);
+  return run_filters(run_in_place(presample, std::move(scene), border_value, threads), border_value, threads);
+}
+
+std::vector<Image> SensorPlan::run_filters(std::vector<Image> sampled, double border_value, int threads) const {
+  double border = presample.dc() * border_value;
+  for (const std::optional<Plan>* filter : {&readout, &post}) {
+    if (!*filter) continue;
+    sampled = run_in_place(**filter, std::move(sampled), border, threads);
+    border *= (*filter)->dc();
+  }
+  return sampled;
 }
 
 }  // namespace mtf

@@ -2,7 +2,7 @@
 #pragma once
 
 // The linear chain of a sensor without noise: presample OTF and sampling, then readout and postsample filters on the
-// detector grid, one tolerance for both.
+// detector grid, one tolerance for all.
 
 #include <optional>
 #include <span>
@@ -14,7 +14,8 @@ namespace mtf {
 
 struct SensorPlan {
   Plan presample;
-  std::optional<Plan> post;  ///< none when readout and postsample change nothing
+  std::optional<Plan> readout;  ///< with PlanOptions::separate_readout; else it is in `post`
+  std::optional<Plan> post;     ///< none when readout and postsample change nothing
   double predicted_error = 0.0;
   System<double> system;  ///< that it was made for, and how
   PlanOptions options;
@@ -32,14 +33,22 @@ struct SensorPlan {
   /// that has is remade for its old share of the tolerance. Everything is compiled anew where that cannot be: another
   /// detector grid, filters that come or go, or shares that no longer fit. Errors as compile_sensor.
   SensorPlan with(const System<double>& other) const;
+
+  /// The filters behind the sampling alone; `border_value` is the scene's.
+  std::vector<Image> run_filters(std::vector<Image> sampled, double border_value = 0.0, int threads = 0) const;
 };
+
+/// Filtered planes in the memory of the given ones where they fit there. Throws UsageError for a plane of another size
+/// than plan.in().
+std::vector<Image> run_in_place(const Plan& plan, std::vector<Image> images, double border_value = 0.0,
+                                int threads = 0);
 
 /// What the filters behind the sampling may meet: all contrast of the scene's canvas may lie in the part that the
 /// detector sees, aliases may add, and the correction of the scene's own blur amplifies.
 SceneSummary behind_sampling(SceneSummary scene, const PlanOptions& options, const SampleGrid& in,
                              const SampleGrid& out);
 
-/// Splits the tolerance: the presample error passes through the filters behind it, so it may use half of the tolerance
+/// Splits the tolerance into equal shares; what a step errs by passes through the filters behind it, so its share is
 /// divided by their largest gain.
 SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene, const PlanOptions& options);
 

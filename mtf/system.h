@@ -7,6 +7,8 @@
 // multiplied by the rest (averaging each on its own is wrong).
 
 #include <array>
+#include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,18 +17,23 @@
 
 namespace mtf {
 
-/// Wavelength interval with electron-rate weights. Until spectra are given the rate per wavelength is taken as
-/// constant.
-struct Band {
-  double lo_um = 0.0;
-  double hi_um = 0.0;  ///< hi > lo
-};
-
-/// Gauss-Legendre nodes of a band; weights sum to 1. n is 1 to kMostGaussNodes.
+/// Wavelengths and weights that stand for a band; the weights are positive and sum to 1.
 struct WavelengthNodes {
   std::vector<double> wavelength_um;
   std::vector<double> weight;
 };
+
+/// The Gauss rule of n nodes whose weight is the electron rate over the band (radiometry/band_response.h).
+using ElectronRate = std::function<WavelengthNodes(int n)>;
+
+/// Wavelength interval with electron-rate weights.
+struct Band {
+  double lo_um = 0.0;
+  double hi_um = 0.0;                                  ///< hi > lo
+  std::shared_ptr<const ElectronRate> rate = nullptr;  ///< none: the same rate at every wavelength
+};
+
+/// Gauss nodes of a band, inside it. n is 1 to kMostGaussNodes.
 WavelengthNodes wavelength_nodes(const Band& band, int n);
 
 /// A listed component. The label is what reports call it: unique, the kind by default ("jitter", "jitter_2").

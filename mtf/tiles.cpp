@@ -239,7 +239,7 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
                         behind, behind_options);
     predicted = predicted * gain + post->report().predicted.total() + post_halo.bound;
   }
-  plan.inner_ = SensorPlan{std::move(*near), std::move(post), predicted, system, options};
+  plan.inner_ = SensorPlan{std::move(*near), std::nullopt, std::move(post), predicted, system, options};
   TileReport& report = plan.report_;
   report.count = plan.x_.count() * plan.y_.count();
   report.side = {plan.x_.tile, plan.y_.tile};

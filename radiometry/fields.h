@@ -3,21 +3,57 @@
 
 // Field tables of the value types here, one row a field as for the components of a system (mtf::FieldInfo): what
 // checks, messages, documentation and files go by. A type takes part with `static constexpr auto fields()`, a tuple of
-// Field{FieldInfo, pointer to member}. Units that mtf/units.h has no dimension for stand in FieldInfo::unit alone.
+// Field{FieldInfo, pointer to member}. The type of the member says how it stands in a sensor file: double (or optional)
+// a number with unit, int a whole number, bool, std::string the name of a file, ChannelName a text, NumberOrFile
+// either, an enum one of words(Enum), which stands beside it.
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <type_traits>
 
 #include "mtf/components/field.h"
 #include "mtf/error.h"
+#include "mtf/settings.h"
 #include "mtf/special.h"
 
 namespace radiometry {
 
 using mtf::Field;
 using mtf::FieldInfo;
+
+/// A number, or the file of a curve in its place.
+struct NumberOrFile {
+  double number = 0.0;
+  std::string file{};
+};
+
+/// The name of a plane of an image file.
+struct ChannelName {
+  std::string name{};
+};
+
+/// A row that need not be given, of a number from lo to hi in a unit of that dimension.
+constexpr FieldInfo optional_row(std::string_view name, mtf::Dimension dimension, std::string_view unit, double lo,
+                                 double hi, std::string_view example, std::string_view doc) {
+  return {.name = name,
+          .dimension = dimension,
+          .unit = unit,
+          .lo = lo,
+          .hi = hi,
+          .presence = mtf::Presence::optional,
+          .example = example,
+          .doc = doc};
+}
+constexpr FieldInfo optional_row(std::string_view name, double lo, double hi, std::string_view example,
+                                 std::string_view doc) {
+  return optional_row(name, mtf::Dimension::none, "", lo, hi, example, doc);
+}
+/// A row of a text or file that need not be given.
+constexpr FieldInfo optional_row(std::string_view name, std::string_view example, std::string_view doc) {
+  return optional_row(name, 0.0, 0.0, example, doc);
+}
 
 /// Calls visit(info, value) for every field.
 template <class T, class Visit>
@@ -26,13 +62,95 @@ void for_each_field(T& object, Visit visit) {
              std::remove_const_t<T>::fields());
 }
 
+namespace detail {
+template <class T>
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
+
+template <class T>
+inline constexpr bool has_bounds = !std::is_same_v<T, bool> && !std::is_enum_v<T> && !std::is_same_v<T, std::string> &&
+                                   !std::is_same_v<T, ChannelName>;
+
+/// The number that has to lie in the bounds of the row, where there is one.
+template <class T>
+std::optional<double> bounded(const T& field) {
+  if constexpr (is_optional<T>)
+    return field ? std::optional<double>(mtf::value_of(*field)) : std::nullopt;
+  else if constexpr (std::is_same_v<T, NumberOrFile>)
+    return field.file.empty() ? std::optional<double>(field.number) : std::nullopt;
+  else
+    return mtf::value_of(field);
+}
+
+template <class T>
+mtf::SettingInfo row_of(const FieldInfo& info) {
+  using mtf::SettingType;
+  if constexpr (std::is_enum_v<T>)
+    return {info, SettingType::word, words(T{})};
+  else if constexpr (std::is_same_v<T, bool>)
+    return {info, SettingType::flag};
+  else if constexpr (std::is_same_v<T, int>)
+    return {info, SettingType::whole};
+  else if constexpr (std::is_same_v<T, std::string>)
+    return {info, SettingType::file};
+  else if constexpr (std::is_same_v<T, ChannelName>)
+    return {info, SettingType::text};
+  else if constexpr (std::is_same_v<T, NumberOrFile>)
+    return {info, SettingType::number_or_file};
+  else
+    return {info, SettingType::number};
+}
+
+template <class T>
+void assign(T& member, const mtf::SettingValue& value) {
+  if constexpr (std::is_enum_v<T>) {
+    member = static_cast<T>(std::get<int>(value));
+  } else if constexpr (std::is_same_v<T, ChannelName>) {
+    member.name = std::get<std::string>(value);
+  } else if constexpr (std::is_same_v<T, NumberOrFile>) {
+    if (const auto* number = std::get_if<double>(&value))
+      member = {.number = *number, .file = {}};
+    else
+      member.file = std::get<std::string>(value);
+  } else if constexpr (is_optional<T>) {
+    member = std::get<typename T::value_type>(value);
+  } else {
+    member = std::get<T>(value);
+  }
+}
+}  // namespace detail
+
+/// The type as a table of a sensor file.
+template <class T>
+mtf::TableInfo table_info(std::string_view name, std::string_view doc) {
+  mtf::TableInfo table{name, doc, {}};
+  T prototype{};
+  for_each_field(prototype, [&](const FieldInfo& info, const auto& member) {
+    table.settings.push_back(detail::row_of<std::decay_t<decltype(member)>>(info));
+  });
+  return table;
+}
+
+/// The type with what is given in its table.
+template <class T>
+T from_table(const mtf::SettingsTable& table) {
+  T result{};
+  for_each_field(result, [&](const FieldInfo& info, auto& member) {
+    if (const mtf::SettingValue* value = table.find(info.name)) detail::assign(member, *value);
+  });
+  return result;
+}
+
 /// Throws UsageError naming every field outside its bounds; `where` is the table it stands in ("camera").
 template <class T>
 void require_valid(const std::string& where, const T& object) {
   std::string text;
   for_each_field(object, [&](const FieldInfo& info, const auto& field) {
-    if constexpr (!std::is_same_v<std::decay_t<decltype(field)>, bool>) {
-      const double value = mtf::value_of(field);
+    if constexpr (detail::has_bounds<std::decay_t<decltype(field)>>) {
+      const std::optional<double> given = detail::bounded(field);
+      if (!given) return;
+      const double value = *given;
       const bool above = info.lo_open ? value > info.lo : value >= info.lo;
       const bool below = info.hi_open ? value < info.hi : value <= info.hi;
       if (above && below) return;

@@ -40,11 +40,8 @@ void Tally::error(long double error, long double scale, long double allowed, std
 std::vector<Check> all_checks() {
   std::vector<Check> all;
   for (const auto family : {special_checks, pupil_checks, aberration_checks, turbulence_checks, motion_checks,
-                            component_checks, engine_checks})
+                            component_checks, engine_checks, radiometry_checks})
     for (Check& check : family()) all.push_back(std::move(check));
-#ifdef MTFKIT_WITH_RADIOMETRY
-  for (Check& check : radiometry_checks()) all.push_back(std::move(check));
-#endif
   return all;
 }
 

@@ -89,13 +89,19 @@ bool ConfigResult::ok() const {
 namespace cfg {
 
 void interpret(const Node& tree, ConfigResult& result) {
-  Reader reader{.folder = folder_of(result.config.file), .diagnostics = {}, .positions = {}, .failed = {}, .fits = {}};
+  Reader reader{.folder = folder_of(result.config.file),
+                .schema = result.config.schema,
+                .diagnostics = {},
+                .positions = {},
+                .failed = {},
+                .fits = {}};
   const Section root{reader, tree, "", ""};
   if (read_schema(root)) {
     System<double>& system = result.config.system;
-    check_keys(root, kTopKeys, kLaterTopKeys);
+    check_keys(root, known_tables(reader.schema));
     read_name(root, system);
     read_sections(root, result.config);
+    result.config.tables = read_settings(root);
     const Origin origin = read_components(root, system);
     check_system(reader, system, origin);
     if (reader.failed.empty()) note_what_is_missing(reader, system);
@@ -107,10 +113,11 @@ void interpret(const Node& tree, ConfigResult& result) {
 
 }  // namespace cfg
 
-ConfigResult parse_config(const std::string& text, const std::string& file) {
+ConfigResult parse_config(const std::string& text, const std::string& file, std::vector<TableInfo> schema) {
   ConfigResult result;
   result.config.file = file;
   result.config.text = text;
+  result.config.schema = std::move(schema);
   result.config.sha256 = sha256_hex(text);
   const cfg::Tree tree = cfg::read_tree(text);
   if (tree.error)
@@ -128,8 +135,8 @@ std::string format_diagnostic(const Diagnostic& diagnostic, const std::string& f
   return line + (diagnostic.path.empty() ? "" : diagnostic.path + ": ") + diagnostic.text;
 }
 
-SensorConfig load_config(const std::string& file, std::vector<Diagnostic>* warnings) {
-  ConfigResult result = parse_config(read_text_file(file, cfg::kMaxBytes), file);
+SensorConfig load_config(const std::string& file, std::vector<Diagnostic>* warnings, std::vector<TableInfo> schema) {
+  ConfigResult result = parse_config(read_text_file(file, cfg::kMaxBytes), file, std::move(schema));
   std::string errors;
   for (Diagnostic& diagnostic : result.diagnostics) {
     if (diagnostic.error)

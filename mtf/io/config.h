@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "mtf/border.h"
+#include "mtf/settings.h"
 #include "mtf/system.h"
 
 namespace mtf::io {
@@ -67,9 +68,11 @@ struct SensorConfig {
   System<double> system;
   SceneDefaults scene;
   std::vector<FitSpec> fits;
-  std::string file;    ///< as given by the user
-  std::string text;    ///< the whole source
-  std::string sha256;  ///< of the source, 64 hex digits
+  std::vector<TableInfo> schema;      ///< tables beyond those of the system that the reader was told of
+  std::vector<SettingsTable> tables;  ///< those of them that are in the file, in the order of the schema
+  std::string file;                   ///< as given by the user
+  std::string text;                   ///< the whole source
+  std::string sha256;                 ///< of the source, 64 hex digits
 };
 
 struct ConfigResult {
@@ -78,12 +81,14 @@ struct ConfigResult {
   bool ok() const;
 };
 
-/// Reads and checks; never throws for what is in the text. Relative curve files are looked up beside the sensor file.
-ConfigResult parse_config(const std::string& text, const std::string& file);
+/// Reads and checks; never throws for what is in the text. Relative names of files are looked up beside the sensor
+/// file. `schema`: tables beyond those of the system (mtf/settings.h), an error where they are not told of.
+ConfigResult parse_config(const std::string& text, const std::string& file, std::vector<TableInfo> schema = {});
 
 /// Reads a file. Throws RuntimeError when it cannot be read, UsageError with every error as "file:line:col: error: …"
 /// lines when it is wrong. Warnings go to `warnings` when given.
-SensorConfig load_config(const std::string& file, std::vector<Diagnostic>* warnings = nullptr);
+SensorConfig load_config(const std::string& file, std::vector<Diagnostic>* warnings = nullptr,
+                         std::vector<TableInfo> schema = {});
 
 /// "file:line:col: error: presample[1].rms: …", likewise "warning" and "note".
 std::string format_diagnostic(const Diagnostic& diagnostic, const std::string& file);

@@ -64,17 +64,12 @@ std::string suggestion(std::string_view word, std::span<const std::string_view> 
   return text + (text.find("(known: ") != std::string::npos ? ")" : "");
 }
 
-void check_keys(const Section& section, std::span<const std::string_view> known,
-                std::span<const std::string_view> later) {
+void check_keys(const Section& section, std::span<const std::string_view> known) {
   for (const Member& member : section.table.members) {
     if (section.reader.diagnostics.size() >= kMaxDiagnostics) return;  // nothing more would be shown
     const std::string path = section.at(printable(member.key, kMaxGuess));
     const auto is = [&](std::string_view key) { return key == member.key; };
     if (std::any_of(known.begin(), known.end(), is)) continue;
-    if (std::any_of(later.begin(), later.end(), is)) {
-      section.reader.error(member.position, path, "not implemented in this version; remove it");
-      continue;
-    }
     section.reader.error(
         member.position, path,
         "unknown key" + (section.title.empty() ? "" : " in " + section.title) + suggestion(member.key, known));

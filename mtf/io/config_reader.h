@@ -15,7 +15,8 @@
 namespace mtf::io::cfg {
 
 struct Reader {
-  std::string folder;  ///< of the sensor file, with a final slash; "" for the current one
+  std::string folder;                 ///< of the sensor file, with a final slash; "" for the current one
+  std::span<const TableInfo> schema;  ///< tables beyond those of the system
   std::vector<Diagnostic> diagnostics;
   std::map<std::string, Position, std::less<>> positions;  ///< of values, by path
   std::set<std::string, std::less<>> failed;               ///< paths that were reported already
@@ -42,9 +43,8 @@ struct Section {
   void error(std::string_view key, std::string text) const;
 };
 
-/// Reports every key that is not known (nearest and known keys named) or that a later version implements.
-void check_keys(const Section& section, std::span<const std::string_view> known,
-                std::span<const std::string_view> later = {});
+/// Reports every key that is not known, with the nearest and the known ones.
+void check_keys(const Section& section, std::span<const std::string_view> known);
 
 /// The table under `key` of `parent`; null when absent, and when it is no table (reported).
 const Node* find_table(const Section& parent, std::string_view key);
@@ -99,6 +99,14 @@ Origin read_components(const Section& root, System<double>& system);
 /// The whole tree of a sensor file into system, scene and fits of `result`, with everything that is wrong in it; the
 /// file's name has to be there already. In config.cpp.
 void interpret(const Node& tree, ConfigResult& result);
+
+/// Names of all tables; `keys` with the rows that the schema adds to a table. In config_settings.cpp.
+std::vector<std::string_view> known_tables(std::span<const TableInfo> schema);
+std::vector<std::string_view> with_rows(std::span<const std::string_view> keys, std::span<const TableInfo> schema,
+                                        std::string_view table);
+
+/// The tables of the schema that are in the file. In config_settings.cpp.
+std::vector<SettingsTable> read_settings(const Section& root);
 
 /// Labels of a list of components, explicit where given: the kind, numbered from the second one.
 std::vector<std::string> complete_labels(const std::vector<std::string>& kinds,

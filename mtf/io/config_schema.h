@@ -15,8 +15,6 @@ namespace mtf::io::cfg {
 inline constexpr int kSchema = 1;
 inline constexpr std::array<std::string_view, 9> kTopKeys{"schema", "name",      "frame",   "scene",     "optics",
                                                           "band",   "presample", "readout", "postsample"};
-inline constexpr std::array<std::string_view, 3> kLaterTopKeys{"detector", "adc", "noise"};
-inline constexpr std::array<std::string_view, 1> kLaterOpticsKeys{"transmission"};
 
 // [frame]
 inline constexpr FieldInfo kFocalLength{.name = "focal_length",

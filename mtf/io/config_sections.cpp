@@ -63,7 +63,7 @@ void read_optics(const Section& root, Optics<double>& optics) {
   const Node* table = find_table(root, "optics");
   if (table == nullptr) return;
   const Section section{root.reader, *table, "optics", "[optics]"};
-  check_keys(section, kOpticsKeys, kLaterOpticsKeys);
+  check_keys(section, with_rows(kOpticsKeys, root.reader.schema, "optics"));
   const auto read = [&](const FieldInfo& info, std::optional<double>& value) {
     if (const auto scalar = read_scalar(section, info, info.name)) value = scalar->value;
   };
@@ -168,7 +168,7 @@ void read_scene(const Section& root, const Frame<double>& frame, SceneDefaults& 
   const Node* table = find_table(root, "scene");
   if (table == nullptr) return;
   const Section section{root.reader, *table, "scene", "[scene]"};
-  check_keys(section, kSceneKeys);
+  check_keys(section, with_rows(kSceneKeys, root.reader.schema, "scene"));
   read_sample(section, frame, scene);
   if (const auto word = read_word(section, "quantity", kQuantityNames)) scene.quantity = static_cast<Quantity>(*word);
   scene.gain = read_number(section, kGain, "gain");

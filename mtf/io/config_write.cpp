@@ -81,15 +81,17 @@ class Writer {
     if (pair.split) extent(key + "_y", pair.y);
   }
   void curve(std::string_view key, const std::shared_ptr<const Curve>& curve) {
-    if (curve) raw(key, toml_string(curve_path(curve->source)));
+    if (curve) raw(key, toml_string(path_of(curve->source)));
   }
   void field(const FieldRef<double>& field);
+  /// What is given in a table of the schema, below the header that the caller wrote.
+  void settings(std::string_view table);
 
  private:
   std::vector<FitSpec>::const_iterator find_fit(const std::string& path) const {
     return std::find_if(config_.fits.begin(), config_.fits.end(), [&](const FitSpec& fit) { return fit.path == path; });
   }
-  std::string curve_path(const std::string& source) const {
+  std::string path_of(const std::string& source) const {
     namespace fs = std::filesystem;
     std::error_code error;
     const fs::path file = fs::absolute(source, error).lexically_normal();
@@ -141,6 +143,26 @@ void Writer::field(const FieldRef<double>& field) {
       field.value);
 }
 
+void Writer::settings(std::string_view table) {
+  const SettingsTable* given = find_table(config_.tables, table);
+  if (given == nullptr) return;
+  for (const TableInfo& info : config_.schema)
+    for (const SettingInfo& row : info.settings) {
+      const SettingValue* value = info.name == table ? given->find(row.info.name) : nullptr;
+      if (value == nullptr) continue;
+      if (const auto* number_value = std::get_if<double>(value))
+        number(row.info, *number_value);
+      else if (const auto* whole = std::get_if<int>(value))
+        raw(row.info.name, row.type == SettingType::word ? toml_string(row.words[static_cast<std::size_t>(*whole)])
+                                                         : std::to_string(*whole));
+      else if (const auto* flag = std::get_if<bool>(value))
+        raw(row.info.name, *flag ? "true" : "false");
+      else
+        raw(row.info.name,
+            toml_string(names_file(row) ? path_of(std::get<std::string>(*value)) : std::get<std::string>(*value)));
+    }
+}
+
 void write_frame(Writer& out, const Frame<double>& frame, bool split) {
   out.table("[frame]", "frame");
   out.number(cfg::kFocalLength, frame.focal_length_mm);
@@ -171,6 +193,7 @@ void write_scene(Writer& out, const SceneDefaults& scene) {
   out.number(cfg::kOffset, scene.offset);
   out.raw("border", toml_string(kBorderNames[static_cast<std::size_t>(scene.border)]));
   if (scene.border == Border::constant) out.number(cfg::kBorderValue, scene.border_value);
+  out.settings("scene");
   out.raw("aperture", toml_string(cfg::kApertureNames[static_cast<std::size_t>(scene.aperture)]));
   if (scene.aperture == Aperture::point) return;
   if (scene.aperture != Aperture::curve) out.pair("aperture_size", scene.aperture_size);
@@ -178,13 +201,14 @@ void write_scene(Writer& out, const SceneDefaults& scene) {
   out.number(cfg::kApertureGainLimit, scene.aperture_gain_limit);
 }
 
-void write_optics(Writer& out, const Optics<double>& optics) {
-  if (!optics.f_number && !optics.aperture_mm && !optics.obscuration && !optics.wavelength_um) return;
+void write_optics(Writer& out, const Optics<double>& optics, bool settings) {
+  if (!optics.f_number && !optics.aperture_mm && !optics.obscuration && !optics.wavelength_um && !settings) return;
   out.table("[optics]", "optics");
   out.number(cfg::kFNumber, optics.f_number);
   out.number(cfg::kApertureDiameter, optics.aperture_mm);
   out.number(cfg::kObscuration, optics.obscuration);
   out.number(cfg::kWavelength, optics.wavelength_um);
+  out.settings("optics");
 }
 
 /// Labels to write: none for those that reading would give by itself.
@@ -214,11 +238,17 @@ std::string write_config(const SensorConfig& config, const std::string& destinat
                                  [](const FitSpec& f) { return f.path.starts_with("frame.pitch_"); });
   write_frame(out, system.frame, split);
   write_scene(out, config.scene);
-  write_optics(out, system.optics);
+  write_optics(out, system.optics, find_table(config.tables, "optics") != nullptr);
   if (system.band) {
     const auto um = [](double value) { return "\"" + format_double(value) + " um\""; };
     out.table("[band]", "band");
     out.raw("wavelength", "[" + um(system.band->lo_um) + ", " + um(system.band->hi_um) + "]");
+  }
+  for (const SettingsTable& table : config.tables) {
+    if (table.name == "scene" || table.name == "optics") continue;
+    const std::string name(table.name);
+    out.table("[" + name + "]", name);
+    out.settings(name);
   }
   const auto labels = labels_to_write(system);
   std::size_t n = 0;

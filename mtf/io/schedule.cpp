@@ -37,7 +37,8 @@ struct Target {
 };
 
 /// Every parameter that a schedule may name, but for elements of lists.
-std::map<std::string, Target, std::less<>> targets_of(const System<double>& system) {
+std::map<std::string, Target, std::less<>> targets_of(const SensorConfig& sensor) {
+  const System<double>& system = sensor.system;
   std::map<std::string, Target, std::less<>> targets;
   const auto add = [&](const std::string& owner, Target target, std::string_view key) {
     target.key = key;
@@ -47,6 +48,9 @@ std::map<std::string, Target, std::less<>> targets_of(const System<double>& syst
   for (const std::string_view key : cfg::kFrameKeys)
     if (key != "format") add("frame", frame, key);
   for (const std::string_view key : cfg::kOpticsKeys) add("optics", optics, key);
+  for (const TableInfo& info : sensor.schema)
+    if (const std::string name(info.name); find_table(sensor.tables, name) != nullptr)
+      for (const SettingInfo& row : info.settings) add(name, {.table = name, .key = {}, .element = {}}, row.info.name);
   for (const Stage stage : kStages)
     for (std::size_t i = 0; i < system.list(stage).size(); ++i) {
       const Entry<double>& entry = system.list(stage)[i];
@@ -188,7 +192,7 @@ ScheduledSensor::ScheduledSensor(const SensorConfig& sensor, Schedule schedule)
     : state_(std::make_unique<State>(State{.sensor = sensor,
                                            .schedule = std::move(schedule),
                                            .root = cfg::read_tree(sensor.text).root,
-                                           .targets = targets_of(sensor.system),
+                                           .targets = targets_of(sensor),
                                            .last = {}})) {}
 ScheduledSensor::~ScheduledSensor() = default;
 ScheduledSensor::ScheduledSensor(ScheduledSensor&&) noexcept = default;
@@ -230,6 +234,7 @@ bool ScheduledSensor::advance(std::int64_t frame) {
   ConfigResult result;
   result.config.file = s.sensor.file;
   result.config.text = s.sensor.text;
+  result.config.schema = s.sensor.schema;
   result.config.sha256 = s.sensor.sha256;
   cfg::interpret(s.root, result);
   for (const Diagnostic& diagnostic : result.diagnostics) {
@@ -250,7 +255,7 @@ Schedule parse_schedule(std::string_view text, const std::string& file, const Se
   schedule.settings = read_settings(text, file, errors);
   std::stable_sort(schedule.settings.begin(), schedule.settings.end(),
                    [](const Setting& a, const Setting& b) { return a.frame < b.frame; });
-  const auto targets = targets_of(sensor.system);
+  const auto targets = targets_of(sensor);
   std::map<std::pair<std::int64_t, std::string>, int> seen;
   for (const Setting& setting : schedule.settings) {
     if (errors.size() >= kMaxErrors) break;

@@ -125,14 +125,6 @@ TEST(ConfigErrors, StructureOfTheFile) {
       << "name inside [optics] is the one error; dots in comments and strings are none";
 }
 
-TEST(ConfigErrors, LaterTablesAreRefused) {
-  for (const std::string later : {"detector", "adc", "noise"})
-    expect_one(kHead + "[" + later + "]\nbits = 14\n",
-               "s.toml:9:2: error: " + later + ": not implemented in this version; remove it");
-  expect_one(kHead.substr(0, kHead.size() - 1) + "transmission = 0.9\n",
-             "s.toml:8:1: error: optics.transmission: not implemented in this version");
-}
-
 TEST(ConfigErrors, Pairs) {
   expect_one(head_with("pitch", "pitch_x"), "s.toml:4:11: error: frame.pitch_x: given without pitch_y");
   expect_one(head_with("[optics]", "pitch_y = \"15 um\"\n[optics]"),

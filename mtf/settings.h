@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Tables of a sensor file that say nothing about the OTF: detector, converter, noise and what else a library beside
+// this one brings. The library describes its tables by rows of fields, as components do; reading a file gives the
+// values that are there, checked by the rows; the library makes its own types of them. So files know no radiometry, and
+// a build without it has no such tables.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "mtf/component.h"
+
+namespace mtf {
+
+enum class SettingType {
+  number,         ///< with the unit of its row
+  whole,          ///< a whole number
+  flag,           ///< true or false
+  word,           ///< one of `words`
+  text,           ///< free text: the name of a channel
+  file,           ///< name of a file, read by whoever needs it
+  number_or_file  ///< one number, or the file of a curve
+};
+
+struct SettingInfo {
+  FieldInfo info;
+  SettingType type = SettingType::number;
+  std::span<const std::string_view> words{};
+};
+
+inline bool names_file(const SettingInfo& row) {
+  return row.type == SettingType::file || row.type == SettingType::number_or_file;
+}
+
+struct TableInfo {
+  std::string_view name;  ///< "detector"; the name of a table of the System ("optics") adds rows to that one
+  std::string_view doc{};
+  std::vector<SettingInfo> settings;
+};
+
+/// A value as given: a number in FieldInfo::unit; a whole number or the index of a word; true or false; a text or the
+/// path of a file.
+using SettingValue = std::variant<double, int, bool, std::string>;
+
+struct GivenSetting {
+  std::string_view name;  ///< of the row
+  SettingValue value;
+};
+
+/// A table that is in the file, with what is given in it.
+struct SettingsTable {
+  std::string_view name;
+  std::vector<GivenSetting> settings;
+
+  const SettingValue* find(std::string_view key) const {
+    for (const GivenSetting& setting : settings)
+      if (setting.name == key) return &setting.value;
+    return nullptr;
+  }
+};
+
+/// The table of that name; null when it is not in the file.
+inline const SettingsTable* find_table(const std::vector<SettingsTable>& tables, std::string_view name) {
+  for (const SettingsTable& table : tables)
+    if (table.name == name) return &table;
+  return nullptr;
+}
+
+}  // namespace mtf

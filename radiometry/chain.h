@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The whole sensor, in the order of the physics (DESIGN section 2):
+//   scene radiance, photons s^-1 m^-2 sr^-1 at the aperture, weighted by the camera's curves (scene_radiance.h)
+//     -> presample OTF, sampling at the pitch                                tap `radiance`
+//     -> cone of light, transmission                                         tap `irradiance`
+//     -> mean electrons of light + warm optics + stop, x responsivity, + dark current, defects
+//     -> shot noise -> full well -> readout OTF -> read, row, column, 3-D noise, offsets      tap `electrons`
+//     -> gain, offset, rounding, saturation                                  tap `dn`
+//     -> postsample filters -> automatic gain                                tap `display`
+// Each stage is a free function on one frame, called here and nowhere else in this order. A stage whose table is not in
+// the sensor file is not called; nothing after the tap is.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mtf/sensor_plan.h"
+#include "radiometry/sensitivity.h"
+#include "radiometry/sensor_settings.h"
+#include "radiometry/spectral_signal.h"
+
+namespace radiometry {
+
+/// A place in the chain whose image is wanted.
+enum class Tap { radiance, irradiance, electrons, dn, display };
+inline constexpr std::array<std::string_view, 5> kTapNames{"radiance", "irradiance", "electrons", "dn", "display"};
+constexpr std::span<const std::string_view> words(Tap) { return kTapNames; }
+/// A sensor with all that the files named in its settings hold.
+struct Sensor {
+  SensorSettings settings;
+  SpectralCamera curves;                                      ///< band, and the curves that were given as files
+  Path path;                                                  ///< between scene and aperture
+  Spectrum emissivity = constant_spectrum("blackbody", 1.0);  ///< of a scene of temperatures
+  /// Maps of the whole detector in place of random ones, where they are given.
+  std::shared_ptr<const mtf::Image> responsivity, offset;
+};
+
+/// Camera and pixel of a sensor as the camera equation takes them. What a curve gives is 1 there. Throws UsageError for
+/// what is missing: an f-number, an integration time, [detector].
+Camera<double> camera_of(const mtf::System<double>& system, const Sensor& sensor);
+Pixel<double> pixel_of(const mtf::System<double>& system, const Sensor& sensor);
+/// Converter of a sensor with [adc]. Throws UsageError when it has neither electrons_per_count nor a full well.
+Adc adc_of(const Sensor& sensor);
+
+/// One stage as a sensor file gives it, for people.
+struct ChainStage {
+  std::string name;
+  bool on = false;
+  std::string what;  ///< with numbers; for a stage that is off the table that would switch it on
+};
+
+/// One frame that came out.
+struct ChainFrame {
+  mtf::Image image;
+  Clipped well, adc;                                           ///< pixels held at the ends
+  std::vector<std::pair<std::string_view, double>> timing_ms;  ///< of the stages that ran, in their order
+};
+
+/// A sensor ready for frames of one size: what is the same in all of them is made once. Copies share; run() is const
+/// and re-entrant.
+class Chain {
+ public:
+  /// `plan`: of the sensor's system for scenes of weighted radiance, with PlanOptions::separate_readout. `origin`: the
+  /// first pixel of the image on the detector. Throws UsageError for a sensor without [detector], and for maps that do
+  /// not cover the image.
+  Chain(const mtf::SensorPlan& plan, const Sensor& sensor, Origin origin = {}, int threads = 0);
+
+  /// The last place that this sensor has: display where anything follows the converter, dn with [adc], else electrons.
+  Tap last() const;
+  /// Unit of the image at a tap: "ph.s^-1.m^-2.sr^-1", "ph.s^-1.m^-2", "e-", "counts", "levels".
+  std::string_view unit(Tap tap) const;
+  /// The image at a tap of frame number `frame`. `radiance` is used up. Throws UsageError for a tap beyond last() and a
+  /// plane of another size, RuntimeError as Plan::run.
+  ChainFrame run(mtf::Image radiance, std::uint32_t frame, Tap tap, double border_value = 0.0, int threads = 0) const;
+
+  /// Electrons for one unit of weighted radiance, on the axis.
+  double electrons_per_radiance() const;
+  /// Mean electrons without light of the scene: warm optics, stop, dark current.
+  const Signal<double>& background() const;
+
+ private:
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// The budget of a pixel on the axis that looks at a surface of that temperature (and of the emissivity that [scene]
+/// gives, its surroundings reflected) through the path: all that [detector], [nonuniformity], [noise], [noise_3d] and
+/// [adc] say, whether or not it is simulated. Row, column and 3-D noise count as other and offset noise. Throws
+/// UsageError as camera_of, pixel_of and band_radiances.
+Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor, double temperature_k);
+
+/// Every stage in its order, those that are off with the table that would switch them on.
+std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Sensor& sensor);
+
+/// The tolerance that a converter asks for: a tenth of a count, relative to a scene of standard deviation `std` in
+/// weighted radiance, at most 1e-2; nothing without [adc] or contrast. A tolerance is the rms error of the mean image.
+std::optional<double> adc_tolerance(const mtf::System<double>& system, const Sensor& sensor, double std);
+
+}  // namespace radiometry

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a sensor file says of everything but the OTF: one value type for each of its tables, in the order in which the
+// physics takes them. A table that is not there is a stage that is not there.
+
+#include <optional>
+#include <vector>
+
+#include "radiometry/adc.h"
+#include "radiometry/agc.h"
+#include "radiometry/fixed_pattern.h"
+#include "radiometry/noise_3d.h"
+#include "radiometry/signal.h"
+
+namespace radiometry {
+
+/// Rows added to [scene]: what its values stand for.
+struct SceneSettings {
+  NumberOrFile emissivity{1.0};
+  std::optional<double> surroundings_k{};        ///< reflected by what does not emit
+  std::optional<double> source_temperature_k{};  ///< whose spectrum a scene given in a band has; else even in photons
+  ChannelName emissivity_channel{}, depth_channel{};
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{optional_row("emissivity", 0.0, 1.0, "0.95",
+                           "emissivity of a scene in K: a number or the CSV file of a curve"),
+              &SceneSettings::emissivity},
+        Field{optional_row("surroundings", temperature, "K", 0.0, 1e9, "\"293 K\"",
+                           "what a scene in K reflects where it does not emit"),
+              &SceneSettings::surroundings_k},
+        Field{optional_row("source_temperature", temperature, "K", 0.0, 1e9, "\"300 K\"",
+                           "whose spectrum a radiance in the band has; else even in photons"),
+              &SceneSettings::source_temperature_k},
+        Field{optional_row("emissivity_channel", "\"emissivity\"",
+                           "channel of the scene with the emissivity of each pixel"),
+              &SceneSettings::emissivity_channel},
+        Field{optional_row("depth_channel", "\"Z\"", "channel of the scene with the range of each pixel in m"),
+              &SceneSettings::depth_channel}};
+  }
+};
+
+/// Constants of a camera that wrote raw counts: T = B / ln(R1 / (R2 (counts + O)) + F).
+struct CountsSettings {
+  double r1 = 0.0, b = 0.0, f = 1.0, o = 0.0, r2 = 1.0;
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{
+            FieldInfo{
+                .name = "r1", .lo = 0.0, .hi = 1e12, .lo_open = true, .example = "16327.7", .doc = "R1 of the camera"},
+            &CountsSettings::r1},
+        Field{FieldInfo{
+                  .name = "b", .lo = 0.0, .hi = 1e9, .lo_open = true, .example = "1424.8", .doc = "B of the camera, K"},
+              &CountsSettings::b},
+        Field{FieldInfo{.name = "f", .lo = -1e6, .hi = 1e6, .example = "1.35", .doc = "F of the camera"},
+              &CountsSettings::f},
+        Field{FieldInfo{.name = "o", .lo = -1e9, .hi = 1e9, .example = "-6872.0", .doc = "O of the camera, counts"},
+              &CountsSettings::o},
+        Field{
+            FieldInfo{
+                .name = "r2", .lo = 0.0, .hi = 1e12, .lo_open = true, .example = "0.02316", .doc = "R2 of the camera"},
+            &CountsSettings::r2}};
+  }
+};
+
+/// The path between scene and aperture: numbers, curves of the wavelength, or a table over the range.
+struct PathSettings {
+  NumberOrFile transmission{1.0};
+  NumberOrFile radiance{0.0};               ///< W m^-2 sr^-1 um^-1
+  std::optional<double> air_temperature_k{};  ///< of air that only absorbs: it emits what it takes
+  std::string table{};                        ///< over range and wavelength
+  std::optional<double> range_m{};            ///< of the whole scene
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{optional_row("transmission", 0.0, 1.0, "0.8", "of the path: a number or the CSV file of a curve"),
+              &PathSettings::transmission},
+        Field{optional_row("radiance", 0.0, 1e30, "0.02",
+                           "of the path, W m^-2 sr^-1 um^-1: a number or the CSV file of a curve"),
+              &PathSettings::radiance},
+        Field{optional_row("air_temperature", temperature, "K", 0.0, 1e9, "\"288 K\"",
+                           "of air that absorbs: it emits 1 - transmission of a blackbody"),
+              &PathSettings::air_temperature_k},
+        Field{optional_row("table", "\"path.csv\"",
+                           "CSV file of transmission and radiance over range and wavelength, or a tape7"),
+              &PathSettings::table},
+        Field{
+            optional_row("range", length, "m", 0.0, 1e9, "\"2 km\"", "of the whole scene, where its table has several"),
+            &PathSettings::range_m}};
+  }
+};
+
+/// Rows added to [optics].
+struct OpticsSettings {
+  NumberOrFile transmission{1.0};
+  NumberOrFile cold_transmission{1.0};  ///< of what lies behind the cold stop
+  double emissivity = 0.0;              ///< of the warm optics
+  double obscuration_emissivity = 0.0;
+  double temperature_k = 0.0;
+  double stop_emissivity = 1.0;
+  double stop_temperature_k = 0.0;
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{optional_row("transmission", 0.0, 1.0, "0.85", "of the warm optics: a number or the CSV file of a curve"),
+              &OpticsSettings::transmission},
+        Field{optional_row("cold_transmission", 0.0, 1.0, "0.9",
+                           "of the cold filter: a number or the CSV file of a curve"),
+              &OpticsSettings::cold_transmission},
+        Field{optional_row("emissivity", 0.0, 1.0, "0.1", "of the warm optics"), &OpticsSettings::emissivity},
+        Field{optional_row("obscuration_emissivity", 0.0, 1.0, "0.9", "of the back of the obscuration"),
+              &OpticsSettings::obscuration_emissivity},
+        Field{optional_row("temperature", temperature, "K", 0.0, 1e9, "\"293 K\"",
+                           "of the warm optics; without it they do not glow"),
+              &OpticsSettings::temperature_k},
+        Field{optional_row("stop_emissivity", 0.0, 1.0, "1.0", "of what surrounds the cone of light"),
+              &OpticsSettings::stop_emissivity},
+        Field{optional_row("stop_temperature", temperature, "K", 0.0, 1e9, "\"77 K\"",
+                           "of what surrounds the cone of light"),
+              &OpticsSettings::stop_temperature_k}};
+  }
+};
+
+struct DetectorSettings {
+  std::optional<double> width_um{}, height_um{};  ///< of the active area; else the pitch
+  NumberOrFile quantum_efficiency{1.0};
+  double full_well_e = std::numeric_limits<double>::infinity();
+  double dark_e_s = 0.0;
+  double read_e = 0.0;
+  double reset_e = 0.0;
+  double other_e = 0.0;
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{optional_row("width", length, "um", 1e-3, 1e6, "\"14 um\"", "of the active area; else the pitch"),
+              &DetectorSettings::width_um},
+        Field{optional_row("height", length, "um", 1e-3, 1e6, "\"14 um\"", "of the active area; else the pitch"),
+              &DetectorSettings::height_um},
+        Field{optional_row("quantum_efficiency", 0.0, 1.0, "0.75",
+                           "electrons per photon: a number or the CSV file of a curve"),
+              &DetectorSettings::quantum_efficiency},
+        Field{optional_row("full_well", electrons, "e-", 1e-3, mtf::kInfinity, "\"7 Me-\"",
+                           "electrons that a pixel can hold"),
+              &DetectorSettings::full_well_e},
+        Field{optional_row("dark_current", current, "e-/s", 0.0, 1e30, "\"1e5 e-/s\"", "of a pixel"),
+              &DetectorSettings::dark_e_s},
+        Field{optional_row("read_noise", electrons, "e-", 0.0, 1e15, "\"300 e-\"", "rms"), &DetectorSettings::read_e},
+        Field{optional_row("reset_noise", electrons, "e-", 0.0, 1e15, "\"100 e-\"", "kTC noise, rms"),
+              &DetectorSettings::reset_e},
+        Field{optional_row("other_noise", electrons, "e-", 0.0, 1e15, "\"50 e-\"", "further temporal noise, rms"),
+              &DetectorSettings::other_e}};
+  }
+};
+
+struct NonuniformitySettings {
+  double prnu = 0.0;
+  double dsnu_e = 0.0;
+  std::string responsivity{};  ///< map of factors
+  std::string offset{};        ///< map of electrons
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{optional_row("prnu", 0.0, 1.0, "0.01", "responsivity from pixel to pixel, rms fraction"),
+              &NonuniformitySettings::prnu},
+        Field{optional_row("dsnu", electrons, "e-", 0.0, 1e15, "\"200 e-\"", "offset from pixel to pixel, rms"),
+              &NonuniformitySettings::dsnu_e},
+        Field{optional_row("responsivity", "\"gain.exr\"", "map of factors in place of prnu"),
+              &NonuniformitySettings::responsivity},
+        Field{optional_row("offset", "\"offset.exr\"", "map of electrons in place of dsnu"),
+              &NonuniformitySettings::offset}};
+  }
+};
+
+struct NoiseSettings {
+  int seed = 0;
+  bool shot = true;
+  double row_e = 0.0, column_e = 0.0, fixed_row_e = 0.0, fixed_column_e = 0.0;
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{optional_row("seed", 0.0, 2147483647.0, "1", "of all random numbers"), &NoiseSettings::seed},
+        Field{optional_row("shot", "true", "shot noise of light and dark current"), &NoiseSettings::shot},
+        Field{optional_row("row", electrons, "e-", 0.0, 1e15, "\"20 e-\"", "of whole rows, new in every frame, rms"),
+              &NoiseSettings::row_e},
+        Field{optional_row("column", electrons, "e-", 0.0, 1e15, "\"20 e-\"",
+                           "of whole columns, new in every frame, rms"),
+              &NoiseSettings::column_e},
+        Field{optional_row("fixed_row", electrons, "e-", 0.0, 1e15, "\"20 e-\"",
+                           "of whole rows, the same in all frames, rms"),
+              &NoiseSettings::fixed_row_e},
+        Field{optional_row("fixed_column", electrons, "e-", 0.0, 1e15, "\"20 e-\"",
+                           "of whole columns, the same in all frames, rms"),
+              &NoiseSettings::fixed_column_e}};
+  }
+};
+
+struct AdcSettings {
+  int bits = 14;
+  std::optional<double> electrons_per_count{};  ///< else the full well fills the range
+  double offset_counts = 0.0;
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{FieldInfo{.name = "bits", .lo = 1, .hi = 32, .example = "14", .doc = "bits of a count"},
+              &AdcSettings::bits},
+        Field{optional_row("electrons_per_count", electrons, "e-", 1e-30, 1e30, "\"420 e-\"",
+                           "else the full well fills the range"),
+              &AdcSettings::electrons_per_count},
+        Field{optional_row("offset", -1e10, 1e10, "200.0", "counts without electrons"), &AdcSettings::offset_counts}};
+  }
+};
+
+struct SensorSettings {
+  std::optional<SceneSettings> scene;
+  std::optional<CountsSettings> counts;
+  std::optional<PathSettings> path;
+  std::optional<OpticsSettings> optics;
+  std::optional<DetectorSettings> detector;
+  std::optional<NonuniformitySettings> nonuniformity;
+  std::optional<Defects> defects;
+  std::optional<NoiseSettings> noise;
+  std::optional<Noise3d> noise_3d;
+  std::optional<AdcSettings> adc;
+  std::optional<AutomaticGain> agc;
+};
+
+/// The tables that a sensor file may hold, for mtf::io::load_config.
+std::vector<mtf::TableInfo> sensor_tables();
+
+/// The tables that one does hold.
+SensorSettings sensor_settings(const std::vector<mtf::SettingsTable>& tables);
+
+}  // namespace radiometry

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "radiometry/blackbody.h"
+#include "radiometry/noise_3d.h"
+#include "tests/radiometry/chain_cases.h"
+#include "tests/radiometry/expect_refused.h"
+#include "tests/radiometry/statistics.h"
+
+namespace radiometry {
+namespace {
+
+using test::flat;
+using test::kMostSigmas;
+using test::make_chain;
+using test::mwir_sensor;
+using test::mwir_system;
+using test::noisy_sensor;
+using test::samples;
+
+double radiance_of(double temperature_k) { return band_radiance(Flux::photons, 3.0, 5.0, temperature_k); }
+
+double sum_of(const mtf::Image& image) {
+  double sum = 0.0;
+  for (const float v : samples(image)) sum += static_cast<double>(v);
+  return sum;
+}
+
+TEST(Chain, AFlatSceneGivesTheElectronsOfTheBudget) {
+  Sensor sensor = mwir_sensor();
+  sensor.settings.detector->dark_e_s = 5e6;
+  sensor.settings.optics->emissivity = 0.1;
+  sensor.settings.optics->temperature_k = 290.0;
+  sensor.settings.optics->stop_temperature_k = 120.0;
+  const Chain chain = make_chain(mwir_system(), sensor, 96, 64, 7.5);
+  for (const double t : {200.0, 300.0, 340.0}) {
+    const ChainFrame frame = chain.run(flat(96, 64, static_cast<float>(radiance_of(t))), 0, Tap::electrons);
+    const double expected = budget_of(mwir_system(), sensor, t).signal.total_e();
+    ASSERT_EQ(frame.image.width(), 48);
+    for (const float v : samples(frame.image)) EXPECT_NEAR(v / expected, 1.0, 1e-6) << t;
+  }
+}
+
+// Row, column and pixel noise of many frames against the root sum of squares of the budget: the variance of one pixel
+// over the frames, its mean over pixels. 400 frames of 24 x 24; the line noise is shared by a row or column, so the
+// estimate has few degrees of freedom of it; its share is small.
+TEST(Chain, AFlatSceneHasTheVarianceOfTheBudget) {
+  Sensor sensor = noisy_sensor();
+  sensor.settings.noise->row_e = sensor.settings.noise->column_e = 0.0;
+  const Chain chain = make_chain(mwir_system(), sensor, 24, 24, 15.0);
+  const Budget<double> budget = budget_of(mwir_system(), sensor, 300.0);
+  const auto radiance = static_cast<float>(radiance_of(300.0));
+  constexpr int frames = 400;
+  std::vector<double> sum(24 * 24), squares(24 * 24);
+  for (int n = 0; n < frames; ++n) {
+    const ChainFrame frame = chain.run(flat(24, 24, radiance), static_cast<std::uint32_t>(n), Tap::dn);
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+      const double electrons = (static_cast<double>(frame.image.data()[i]) - 100.0) * 450.0;
+      sum[i] += electrons;
+      squares[i] += electrons * electrons;
+    }
+  }
+  double chi2 = 0.0, spatial = 0.0, mean = 0.0;
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    chi2 += (squares[i] - sum[i] * sum[i] / frames) / (budget.temporal_e * budget.temporal_e);
+    mean += sum[i] / frames / static_cast<double>(sum.size());
+  }
+  for (const double s : sum) spatial += std::pow(s / frames - mean, 2) / static_cast<double>(sum.size() - 1);
+  const double dof = (frames - 1.0) * static_cast<double>(sum.size());
+  EXPECT_LT(std::abs(chi2 / dof - 1.0), kMostSigmas * std::sqrt(2.0 / dof));
+  // What stays of the temporal noise in a mean of frames is known; 575 pixels.
+  const double expected = std::pow(budget.spatial_e, 2) + std::pow(budget.temporal_e, 2) / frames;
+  EXPECT_LT(std::abs(spatial / expected - 1.0), kMostSigmas * std::sqrt(2.0 / 575.0));
+  EXPECT_LT(std::abs(mean - budget.signal.total_e()), kMostSigmas * std::sqrt(expected / 576.0));
+}
+
+// All pixels are active and a scene sample's light falls on them whole: the sum over pixels is the source times the
+// electrons per radiance times the part of a pixel that a sample is.
+TEST(Chain, KeepsTheEnergyOfAnIsolatedSource) {
+  for (const mtf::Border border : {mtf::Border::reflect, mtf::Border::periodic})
+    for (const int ratio : {1, 2, 4}) {
+      const std::int64_t side = 48 * ratio;
+      const Chain chain = make_chain(mwir_system(), mwir_sensor(), side, side, 15.0 / ratio, {}, border, 1e-5);
+      mtf::Image scene = flat(side, side, 0.0F);
+      scene.at(side / 2 + 1, side / 3) = 1e20F;
+      const double expected = chain.electrons_per_radiance() * 1e20 / (ratio * ratio);
+      const ChainFrame frame = chain.run(std::move(scene), 0, Tap::electrons);
+      EXPECT_NEAR(sum_of(frame.image) / expected, 1.0, 1e-5) << ratio;
+    }
+}
+
+TEST(Chain, TapsAreWhatTheySay) {
+  const Sensor sensor = noisy_sensor();
+  const Chain chain = make_chain(mwir_system(), sensor, 32, 32, 15.0);
+  const double radiance = radiance_of(300.0);
+  const auto at = [&](Tap tap) { return chain.run(flat(32, 32, static_cast<float>(radiance)), 3, tap); };
+  EXPECT_NEAR(at(Tap::radiance).image.at(5, 5) / radiance, 1.0, 1e-6);
+  const double cone = 3.14159265358979 / (1.0 + 4.0 * 2.5 * 2.5) * 0.85;
+  EXPECT_NEAR(at(Tap::irradiance).image.at(5, 5) / (radiance * cone), 1.0, 1e-6);
+  const mtf::Image electrons = at(Tap::electrons).image, counts = at(Tap::dn).image;
+  for (std::int64_t i = 0; i < counts.size(); ++i)
+    EXPECT_EQ(counts.data()[i], std::floor(electrons.data()[i] / 450.0F + 100.0F + 0.5F));
+  EXPECT_EQ(chain.last(), Tap::dn);
+  EXPECT_EQ(chain.unit(Tap::dn), "counts");
+  test::expect_refused({"display", "dn"}, [&] { at(Tap::display); });
+}
+
+TEST(Chain, StagesThatAreOffDoNotRun) {
+  const auto stages = [](const Chain& chain, Tap tap) {
+    std::string names;
+    for (const auto& [name, ms] : chain.run(flat(16, 16, 1e18F), 0, tap).timing_ms) names += std::string(name) + ";";
+    return names;
+  };
+  Sensor bare = mwir_sensor();
+  bare.settings.detector->full_well_e = mtf::kInfinity;
+  EXPECT_EQ(stages(make_chain(mwir_system(), bare, 16, 16, 15.0), Tap::electrons), "presample;collect;");
+  const Chain all = make_chain(mwir_system(), noisy_sensor(), 16, 16, 15.0);
+  EXPECT_EQ(stages(all, Tap::radiance), "presample;");
+  EXPECT_EQ(stages(all, Tap::dn), "presample;collect;shot;full well;offset;read;rows and columns;adc;");
+}
+
+TEST(Chain, SameBitsForAnyThreadsAndSameNoiseForAnyRegion) {
+  mtf::System<double> system = mwir_system();
+  const Sensor sensor = noisy_sensor();
+  const Chain chain = make_chain(system, sensor, 150, 70, 15.0);
+  const auto radiance = static_cast<float>(radiance_of(300.0));
+  const mtf::Image one = chain.run(flat(150, 70, radiance), 5, Tap::dn, 0.0, 1).image;
+  const mtf::Image two = chain.run(flat(150, 70, radiance), 5, Tap::dn, 0.0, 2).image;
+  EXPECT_TRUE(std::equal(one.data(), one.data() + one.size(), two.data()));
+  const Chain part = make_chain(system, sensor, 40, 30, 15.0, {37, 21});
+  const mtf::Image region = part.run(flat(40, 30, radiance), 5, Tap::dn).image;
+  for (std::int64_t y = 0; y < 30; ++y)
+    for (std::int64_t x = 0; x < 40; ++x) ASSERT_EQ(region.at(x, y), one.at(x + 37, y + 21));
+  const mtf::Image next = chain.run(flat(150, 70, radiance), 6, Tap::dn).image;
+  EXPECT_FALSE(std::equal(one.data(), one.data() + one.size(), next.data()));
+}
+
+// Readout filters shape the signal and its shot noise, not the read noise behind them.
+TEST(Chain, ReadoutFiltersShotNoiseButNotReadNoise) {
+  mtf::System<double> system = mwir_system();
+  auto crosstalk = mtf::Component<double>::make("crosstalk");
+  mtf::test::set(crosstalk, "side", 0.05);
+  system.add(mtf::Stage::readout, crosstalk);
+  const auto variance = [&](double read_e, bool shot) {
+    Sensor sensor = mwir_sensor();
+    sensor.settings.noise = NoiseSettings{.seed = 3, .shot = shot};
+    sensor.settings.detector->read_e = read_e;
+    const Chain chain = make_chain(system, sensor, 128, 128, 15.0, {}, mtf::Border::periodic);
+    const mtf::Image image = chain.run(flat(128, 128, 1e19F), 0, Tap::electrons).image;
+    return test::moments(samples(image)).variance;
+  };
+  const double electrons = make_chain(system, mwir_sensor(), 16, 16, 15.0).electrons_per_radiance() * 1e19;
+  // 0.8 at the centre and 0.05 on four sides, less the cross terms of none: the sum of squared taps.
+  const double taps = 0.8 * 0.8 + 4 * 0.05 * 0.05, relative = kMostSigmas * std::sqrt(2.0 / (128.0 * 128.0));
+  EXPECT_NEAR(variance(0.0, true) / (taps * electrons), 1.0, 1.5 * relative);
+  EXPECT_NEAR(variance(500.0, false) / 250000.0, 1.0, relative);
+}
+
+TEST(Chain, The3dNoiseThatIsPutInIsMeasured) {
+  Sensor sensor = mwir_sensor();
+  const Noise3d put{.t = 5.0, .v = 20.0, .h = 25.0, .tv = 15.0, .th = 18.0, .vh = 40.0, .tvh = 60.0};
+  sensor.settings.noise = NoiseSettings{.seed = 4, .shot = false};
+  sensor.settings.noise_3d = put;
+  const Chain chain = make_chain(mwir_system(), sensor, 160, 120, 15.0);
+  Noise3dEstimator estimator(160, 120);
+  for (std::uint32_t n = 0; n < 60; ++n)
+    estimator.add(chain.run(flat(160, 120, 1e18F), n, Tap::electrons).image.view());
+  const Noise3d found = estimator.estimate();
+  EXPECT_NEAR(found.tvh, put.tvh, 0.1);
+  EXPECT_NEAR(found.vh, put.vh, 0.01 * put.vh);
+  EXPECT_NEAR(found.tv, put.tv, 0.03 * put.tv);
+  EXPECT_NEAR(found.th, put.th, 0.03 * put.th);
+}
+
+// Two flat scenes 1 K apart: the step of the mean over the noise is what the budget calls NETD.
+TEST(Chain, TheNetdThatIsMeasuredIsThatOfTheBudget) {
+  Sensor sensor = noisy_sensor();
+  sensor.settings.nonuniformity.reset();
+  sensor.settings.noise->row_e = sensor.settings.noise->column_e = 0.0;
+  const Chain chain = make_chain(mwir_system(), sensor, 256, 256, 15.0);
+  const auto moments_at = [&](double t) {
+    const mtf::Image image = chain.run(flat(256, 256, static_cast<float>(radiance_of(t))), 1, Tap::dn).image;
+    return test::moments(samples(image));
+  };
+  const test::Moments low = moments_at(299.5), high = moments_at(300.5);
+  const double netd = std::sqrt(0.5 * (low.variance + high.variance)) / (high.mean - low.mean);
+  const double expected = budget_of(mwir_system(), sensor, 300.0).netd_k;
+  // sd of a standard deviation of 2 x 65536 pixels: 0.2 %; of the step, same random numbers in both: less.
+  EXPECT_NEAR(netd / expected, 1.0, kMostSigmas * 0.002 + 1e-3);
+}
+
+TEST(Chain, ExtremesAreFiniteMonotoneAndSaturate) {
+  for (const double well : {1.0, 1e4, 1e12})
+    for (const int bits : {1, 8, 32})
+      for (const double seconds : {1e-9, 1e-2, 1e3}) {
+        mtf::System<double> system = mwir_system();
+        system.frame.integration_time_s = seconds;
+        Sensor sensor = mwir_sensor();
+        sensor.settings.noise = NoiseSettings{.seed = 1};
+        sensor.settings.detector->full_well_e = well;
+        sensor.settings.adc = AdcSettings{.bits = bits};
+        const Chain chain = make_chain(system, sensor, 8, 8, 15.0);
+        float before = -1.0F;
+        for (const double radiance : {0.0, 1e7, 1e19, radiance_of(300.0), radiance_of(6000.0), 1e31}) {
+          const ChainFrame frame = chain.run(flat(8, 8, static_cast<float>(radiance)), 0, Tap::dn);
+          const float v = frame.image.at(3, 3);
+          EXPECT_TRUE(std::isfinite(v));
+          EXPECT_GE(v, before);
+          before = v;
+        }
+        if (chain.electrons_per_radiance() * 1e31 > 2.0 * well) {
+          EXPECT_EQ(before, static_cast<float>(std::ldexp(1.0, bits) - 1.0));
+        }
+      }
+}
+
+TEST(Chain, SaysWhatIsMissing) {
+  const auto build = [](const mtf::System<double>& system, const Sensor& sensor) {
+    return [=] { make_chain(system, sensor, 16, 16, 15.0); };
+  };
+  Sensor sensor = mwir_sensor();
+  sensor.settings.detector.reset();
+  test::expect_refused({"[detector]"}, build(mwir_system(), sensor));
+  mtf::System<double> system = mwir_system();
+  system.frame.integration_time_s = 0.0;
+  test::expect_refused({"integration_time"}, build(system, mwir_sensor()));
+  sensor = mwir_sensor();
+  sensor.settings.detector->full_well_e = mtf::kInfinity;
+  sensor.settings.adc = AdcSettings{};
+  test::expect_refused({"electrons_per_count", "full_well"}, build(mwir_system(), sensor));
+  sensor = mwir_sensor();
+  sensor.settings.nonuniformity = NonuniformitySettings{.responsivity = "map.exr"};
+  sensor.responsivity = std::make_shared<const mtf::Image>(flat(15, 16, 1.0F));
+  test::expect_refused({"responsivity", "15x16", "16x16"}, build(mwir_system(), sensor));
+}
+
+TEST(Chain, ATableOfTheFileIsAStageInWords) {
+  const auto on = [](const Sensor& sensor) {
+    std::string names;
+    for (const ChainStage& stage : chain_stages(mwir_system(), sensor))
+      if (stage.on) names += stage.name + ";";
+    return names;
+  };
+  EXPECT_EQ(on(mwir_sensor()), "presample;light;full well;");
+  EXPECT_EQ(on(noisy_sensor()),
+            "presample;light;responsivity;dark current;shot noise;full well;offsets;read noise;row and column "
+            "noise;adc;");
+}
+
+}  // namespace
+}  // namespace radiometry
