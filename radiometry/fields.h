@@ -4,9 +4,15 @@
 // Field tables of the value types here, one row a field as for the components of a system (mtf::FieldInfo): what
 // checks, messages, documentation and files go by. A type takes part with `static constexpr auto fields()`, a tuple of
 // Field{FieldInfo, pointer to member}. Units that mtf/units.h has no dimension for stand in FieldInfo::unit alone.
+// Members are numbers, bools, enumerations, or the names of files. The words of an enumeration, in the order of its
+// values, are `words(value)`, found beside it:
+//   constexpr std::span<const std::string_view> words(Rounding);
 
+#include <array>
 #include <cmath>
+#include <span>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <type_traits>
 
@@ -31,7 +37,8 @@ template <class T>
 void require_valid(const std::string& where, const T& object) {
   std::string text;
   for_each_field(object, [&](const FieldInfo& info, const auto& field) {
-    if constexpr (!std::is_same_v<std::decay_t<decltype(field)>, bool>) {
+    using Value = std::decay_t<decltype(field)>;
+    if constexpr (!std::is_same_v<Value, bool> && !std::is_enum_v<Value> && !std::is_same_v<Value, std::string>) {
       const double value = mtf::value_of(field);
       const bool above = info.lo_open ? value > info.lo : value >= info.lo;
       const bool below = info.hi_open ? value < info.hi : value <= info.hi;
