@@ -6,7 +6,10 @@
 // before it the well: electrons = min(electrons, full well). Counts stay in float images, which hold every whole number
 // up to 24 bits and the nearest float above; `digitise_to` gives all of 32.
 
+#include <array>
 #include <cstdint>
+#include <span>
+#include <string_view>
 
 #include "mtf/image.h"
 #include "radiometry/fields.h"
@@ -17,6 +20,8 @@ enum class Rounding {
   nearest,  ///< halves upwards
   down      ///< truncation: half a count below on average
 };
+inline constexpr std::array<std::string_view, 2> kRoundingNames{"nearest", "down"};
+constexpr std::span<const std::string_view> words(Rounding) { return kRoundingNames; }
 
 struct Adc {
   double electrons_per_count = 1.0;
@@ -29,10 +34,11 @@ struct Adc {
   static constexpr auto fields() {
     return std::tuple{
         Field{FieldInfo{.name = "electrons_per_count",
+                        .dimension = mtf::Dimension::electrons,
                         .unit = "e-",
                         .lo = 1e-30,
                         .hi = 1e30,
-                        .example = "420",
+                        .example = "\"420 e-\"",
                         .doc = "electrons of one count"},
               &Adc::electrons_per_count},
         Field{FieldInfo{.name = "offset",
@@ -42,7 +48,12 @@ struct Adc {
                         .example = "200",
                         .doc = "counts without electrons"},
               &Adc::offset_counts},
-        Field{FieldInfo{.name = "bits", .lo = 1, .hi = 32, .example = "14", .doc = "bits of a count"}, &Adc::bits}};
+        Field{FieldInfo{.name = "bits", .lo = 1, .hi = 32, .example = "14", .doc = "bits of a count"}, &Adc::bits},
+        Field{FieldInfo{.name = "rounding",
+                        .presence = mtf::Presence::optional,
+                        .example = "\"down\"",
+                        .doc = "nearest (halves upwards), or down"},
+              &Adc::rounding}};
   }
 };
 

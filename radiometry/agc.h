@@ -8,7 +8,10 @@
 //            towards 0: linear over the values that occur) (Vickers, Opt. Eng. 35, 1921 (1996))
 // Display levels are linear numbers from 0 to the largest; rounding to integers is left to the file that is written.
 
+#include <array>
 #include <cstdint>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "mtf/image.h"
@@ -17,6 +20,13 @@
 namespace radiometry {
 
 enum class GainMethod { linear, plateau };
+inline constexpr std::array<std::string_view, 2> kGainMethodNames{"linear", "plateau"};
+constexpr std::span<const std::string_view> words(GainMethod) { return kGainMethodNames; }
+
+/// Which end of the signal is bright.
+enum class Polarity { white_hot, black_hot };
+inline constexpr std::array<std::string_view, 2> kPolarityNames{"white_hot", "black_hot"};
+constexpr std::span<const std::string_view> words(Polarity) { return kPolarityNames; }
 
 struct AutomaticGain {
   GainMethod method = GainMethod::linear;
@@ -24,6 +34,7 @@ struct AutomaticGain {
   double plateau = 0.002;  ///< largest part of the pixels that counts in one bin
   int bins = 4096;
   double most_level = 255.0;
+  Polarity polarity = Polarity::white_hot;
 
   static constexpr auto fields() {
     const auto row = [](std::string_view name, double lo, double hi, bool lo_open, std::string_view doc, auto member) {
@@ -32,10 +43,17 @@ struct AutomaticGain {
               .name = name, .lo = lo, .hi = hi, .lo_open = lo_open, .presence = mtf::Presence::optional, .doc = doc},
           member};
     };
-    return std::tuple{row("clip", 0.0, 0.49, false, "part of the pixels cut at each end", &AutomaticGain::clip),
+    constexpr auto choice = [](std::string_view name, std::string_view example, std::string_view doc, auto member) {
+      return Field{FieldInfo{.name = name, .presence = mtf::Presence::optional, .example = example, .doc = doc},
+                   member};
+    };
+    return std::tuple{choice("method", "\"plateau\"", "linear, or plateau (histogram)", &AutomaticGain::method),
+                      row("clip", 0.0, 0.49, false, "part of the pixels cut at each end", &AutomaticGain::clip),
                       row("plateau", 0.0, 1.0, true, "largest part of the pixels in one bin", &AutomaticGain::plateau),
                       row("bins", 2, 65536, false, "bins of the histogram", &AutomaticGain::bins),
-                      row("most_level", 0.0, 1e9, true, "largest display level", &AutomaticGain::most_level)};
+                      row("most_level", 0.0, 1e9, true, "largest display level", &AutomaticGain::most_level),
+                      choice("polarity", "\"black_hot\"", "which end of the signal is bright: white_hot, black_hot",
+                             &AutomaticGain::polarity)};
   }
 };
 
@@ -55,7 +73,7 @@ ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gai
 /// image = curve(image).
 void apply(mtf::ImageView<float> image, const ToneCurve& curve, int threads = 1);
 
-/// White for black: image = most_level - image.
+/// White for black, for Polarity::black_hot: image = most_level - image.
 void invert_polarity(mtf::ImageView<float> image, double most_level);
 
 }  // namespace radiometry

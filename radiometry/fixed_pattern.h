@@ -34,15 +34,23 @@ struct Defects {
   double hot_e = 0.0;  ///< mean excess electrons of a hot pixel in a frame; each has its own, exponentially distributed
 
   static constexpr auto fields() {
-    constexpr auto row = [](std::string_view name, std::string_view unit, double hi, std::string_view doc,
-                            auto member) {
+    constexpr auto part = [](std::string_view name, std::string_view doc, auto member) {
       return Field{
-          FieldInfo{.name = name, .unit = unit, .lo = 0.0, .hi = hi, .presence = mtf::Presence::optional, .doc = doc},
+          FieldInfo{
+              .name = name, .lo = 0.0, .hi = 1.0, .presence = mtf::Presence::optional, .example = "0.001", .doc = doc},
           member};
     };
-    return std::tuple{row("dead_fraction", "", 1.0, "part of the pixels that are dead", &Defects::dead_fraction),
-                      row("hot_fraction", "", 1.0, "part of the pixels that are hot", &Defects::hot_fraction),
-                      row("hot", "e-", 1e30, "mean excess of a hot pixel", &Defects::hot_e)};
+    return std::tuple{part("dead_fraction", "part of the pixels that are dead", &Defects::dead_fraction),
+                      part("hot_fraction", "part of the pixels that are hot", &Defects::hot_fraction),
+                      Field{FieldInfo{.name = "hot",
+                                      .dimension = mtf::Dimension::electrons,
+                                      .unit = "e-",
+                                      .lo = 0.0,
+                                      .hi = 1e30,
+                                      .presence = mtf::Presence::optional,
+                                      .example = "\"5000 e-\"",
+                                      .doc = "mean excess of a hot pixel in a frame"},
+                            &Defects::hot_e}};
   }
 };
 

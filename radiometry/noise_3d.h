@@ -15,7 +15,7 @@
 
 namespace radiometry {
 
-/// rms of each component, in the unit of the image.
+/// rms of each component, in the unit of the image; electrons, where it comes from a sensor file.
 struct Noise3d {
   double t = 0.0, v = 0.0, h = 0.0, tv = 0.0, th = 0.0, vh = 0.0, tvh = 0.0;
 
@@ -23,7 +23,14 @@ struct Noise3d {
 
   static constexpr auto fields() {
     constexpr auto row = [](std::string_view name, std::string_view doc, double Noise3d::*member) {
-      return Field{FieldInfo{.name = name, .lo = 0.0, .hi = 1e30, .presence = mtf::Presence::optional, .doc = doc},
+      return Field{FieldInfo{.name = name,
+                             .dimension = mtf::Dimension::electrons,
+                             .unit = "e-",
+                             .lo = 0.0,
+                             .hi = 1e30,
+                             .presence = mtf::Presence::optional,
+                             .example = "\"20 e-\"",
+                             .doc = doc},
                    member};
     };
     return std::tuple{row("t", "flicker of whole frames, rms", &Noise3d::t),

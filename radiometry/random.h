@@ -41,7 +41,8 @@ enum class Stream : std::uint32_t {
   frame = 10,  ///< one number a frame
   temporal_pixel = 11,
   fixed_pixel = 12,
-  blinking = 13,
+  blinking = 13,  ///< + 2^8 i: further numbers of a pixel
+  flicker = 14,   ///< + 2^8 i: octave i
 };
 
 /// A seed and the number of a frame. Fixed patterns take frame 0.

@@ -31,18 +31,29 @@ struct NoiseTerms {
   S dsnu_e{};   ///< residual offset
 
   static constexpr auto fields() {
-    constexpr auto rms = [](std::string_view name, std::string_view unit, double hi, std::string_view doc,
-                            auto member) {
-      return Field{
-          FieldInfo{.name = name, .unit = unit, .lo = 0.0, .hi = hi, .presence = mtf::Presence::optional, .doc = doc},
-          member};
+    constexpr auto electrons = [](std::string_view name, std::string_view doc, auto member) {
+      return Field{FieldInfo{.name = name,
+                             .dimension = mtf::Dimension::electrons,
+                             .unit = "e-",
+                             .lo = 0.0,
+                             .hi = 1e15,
+                             .presence = mtf::Presence::optional,
+                             .example = "\"30 e-\"",
+                             .doc = doc},
+                   member};
     };
-    return std::tuple{rms("read", "e-", 1e15, "read noise, rms", &NoiseTerms::read_e),
-                      rms("reset", "e-", 1e15, "kTC noise, rms", &NoiseTerms::reset_e),
-                      rms("other", "e-", 1e15, "further temporal noise, rms", &NoiseTerms::other_e),
-                      rms("step", "e-", 1e15, "electrons per count", &NoiseTerms::step_e),
-                      rms("prnu", "", 1.0, "responsivity non-uniformity, rms fraction", &NoiseTerms::prnu),
-                      rms("dsnu", "e-", 1e15, "offset non-uniformity, rms", &NoiseTerms::dsnu_e)};
+    return std::tuple{electrons("read", "read noise, rms", &NoiseTerms::read_e),
+                      electrons("reset", "kTC noise, rms", &NoiseTerms::reset_e),
+                      electrons("other", "further temporal noise, rms", &NoiseTerms::other_e),
+                      electrons("step", "electrons per count", &NoiseTerms::step_e),
+                      Field{FieldInfo{.name = "prnu",
+                                      .lo = 0.0,
+                                      .hi = 1.0,
+                                      .presence = mtf::Presence::optional,
+                                      .example = "0.01",
+                                      .doc = "responsivity non-uniformity, rms fraction"},
+                            &NoiseTerms::prnu},
+                      electrons("dsnu", "offset non-uniformity, rms", &NoiseTerms::dsnu_e)};
   }
 };
 
@@ -59,6 +70,28 @@ template <class S>
 S reset_noise_e(const S& capacitance_f, const S& temperature_k) {
   return detail::root(S(kBoltzmann_j_k * temperature_k * capacitance_f)) / S(kElementaryCharge_c);
 }
+
+/// What is reset, for the kTC noise of NoiseTerms::reset_e.
+struct ResetNoise {
+  double capacitance_f = 0.0;
+  double temperature_k = 0.0;
+
+  double rms_e() const { return reset_noise_e(capacitance_f, temperature_k); }
+
+  static constexpr auto fields() {
+    constexpr auto row = [](std::string_view name, mtf::Dimension dimension, std::string_view unit,
+                            std::string_view example, std::string_view doc, double ResetNoise::*member) {
+      return Field{
+          FieldInfo{
+              .name = name, .dimension = dimension, .unit = unit, .lo = 0.0, .hi = 1e6, .example = example, .doc = doc},
+          member};
+    };
+    return std::tuple{row("capacitance", mtf::Dimension::capacitance, "F", "\"50 fF\"",
+                          "capacitance that is reset before each integration", &ResetNoise::capacitance_f),
+                      row("temperature", mtf::Dimension::temperature, "K", "\"77 K\"",
+                          "temperature of the circuit that resets it", &ResetNoise::temperature_k)};
+  }
+};
 
 /// Every term of signal and noise, and the figures they give.
 template <class S>

@@ -64,32 +64,42 @@ struct Pixel {
   S area_m2() const { return width_um * height_um * S(1e-12); }
 
   static constexpr auto fields() {
-    constexpr auto positive = [](std::string_view name, std::string_view unit, double hi, std::string_view example,
-                                 std::string_view doc, auto member) {
-      return Field{
-          FieldInfo{.name = name, .unit = unit, .lo = 0.0, .hi = hi, .lo_open = true, .example = example, .doc = doc},
-          member};
+    constexpr auto positive = [](std::string_view name, mtf::Dimension dimension, std::string_view unit, double hi,
+                                 std::string_view example, std::string_view doc, auto member) {
+      return Field{FieldInfo{.name = name,
+                             .dimension = dimension,
+                             .unit = unit,
+                             .lo = 0.0,
+                             .hi = hi,
+                             .lo_open = true,
+                             .example = example,
+                             .doc = doc},
+                   member};
     };
-    return std::tuple{positive("width", "um", 1e6, "\"15 um\"", "width of the active area", &Pixel::width_um),
-                      positive("height", "um", 1e6, "\"15 um\"", "height of the active area", &Pixel::height_um),
-                      Field{FieldInfo{.name = "quantum_efficiency",
-                                      .lo = 0.0,
-                                      .hi = 1.0,
-                                      .presence = mtf::Presence::optional,
-                                      .example = "0.75",
-                                      .doc = "electrons per photon"},
-                            &Pixel::quantum_efficiency},
-                      positive("integration_time", "s", 1e9, "\"10 ms\"", "integration time", &Pixel::integration_s),
-                      Field{FieldInfo{.name = "dark_current",
-                                      .unit = "e-/s",
-                                      .lo = 0.0,
-                                      .hi = 1e30,
-                                      .presence = mtf::Presence::optional,
-                                      .example = "1e5",
-                                      .doc = "dark current"},
-                            &Pixel::dark_e_s},
-                      positive("full_well", "e-", std::numeric_limits<double>::infinity(), "1e7",
-                               "electrons a pixel can hold", &Pixel::full_well_e)};
+    return std::tuple{
+        positive("width", mtf::Dimension::length, "um", 1e6, "\"15 um\"", "width of the active area", &Pixel::width_um),
+        positive("height", mtf::Dimension::length, "um", 1e6, "\"15 um\"", "height of the active area",
+                 &Pixel::height_um),
+        Field{FieldInfo{.name = "quantum_efficiency",
+                        .lo = 0.0,
+                        .hi = 1.0,
+                        .presence = mtf::Presence::optional,
+                        .example = "0.75",
+                        .doc = "electrons per photon"},
+              &Pixel::quantum_efficiency},
+        positive("integration_time", mtf::Dimension::time, "s", 1e9, "\"10 ms\"", "integration time",
+                 &Pixel::integration_s),
+        Field{FieldInfo{.name = "dark_current",
+                        .dimension = mtf::Dimension::current,
+                        .unit = "e-/s",
+                        .lo = 0.0,
+                        .hi = 1e30,
+                        .presence = mtf::Presence::optional,
+                        .example = "\"1e5 e-/s\"",
+                        .doc = "dark current"},
+              &Pixel::dark_e_s},
+        positive("full_well", mtf::Dimension::electrons, "e-", std::numeric_limits<double>::infinity(), "\"1e7 e-\"",
+                 "electrons a pixel can hold", &Pixel::full_well_e)};
   }
 };
 

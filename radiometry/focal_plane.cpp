@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/focal_plane.h"
+
+namespace radiometry {
+
+FocalPlane focal_plane(std::int64_t columns, std::int64_t rows, double pitch_x_um, double pitch_y_um,
+                       const OpticalAxis& axis) {
+  require_valid("optical_axis", axis);
+  const FocalPlane plane{.columns = columns,
+                         .rows = rows,
+                         .step_x_um = pitch_x_um,
+                         .step_y_um = pitch_y_um,
+                         .axis_x_um = axis.x_px * pitch_x_um,
+                         .axis_y_um = axis.y_px * pitch_y_um};
+  require_region(plane, {}, 0, 0);
+  return plane;
+}
+
+void require_region(const FocalPlane& plane, Origin origin, std::int64_t width, std::int64_t height) {
+  const auto is_step = [](double step_um) { return step_um > 0.0 && std::isfinite(step_um); };
+  if (plane.columns < 1 || plane.rows < 1 || !is_step(plane.step_x_um) || !is_step(plane.step_y_um) ||
+      !std::isfinite(plane.axis_x_um) || !std::isfinite(plane.axis_y_um))
+    throw mtf::UsageError("focal plane of " + std::to_string(plane.columns) + " x " + std::to_string(plane.rows) +
+                          " samples, " + mtf::format_double(plane.step_x_um) + " x " +
+                          mtf::format_double(plane.step_y_um) +
+                          " um apart; it needs a sample at least, steps above 0 and an axis at a finite place");
+  if (origin.x < 0 || origin.y < 0 || width > plane.columns || height > plane.rows ||
+      origin.x > plane.columns - width || origin.y > plane.rows - height)
+    throw mtf::UsageError("a region of " + std::to_string(width) + " x " + std::to_string(height) +
+                          " samples from column " + std::to_string(origin.x) + ", row " + std::to_string(origin.y) +
+                          " is outside a focal plane of " + std::to_string(plane.columns) + " x " +
+                          std::to_string(plane.rows));
+}
+
+}  // namespace radiometry

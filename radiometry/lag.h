@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Thermal time constant of a bolometer over a sequence of frames.
+//   y_n = y_(n-1) + (x_n - y_(n-1)) (1 - exp(-T / tau))
+// x = what the pixel would show settled, T = time from frame to frame, tau = time constant. Exact for a scene that
+// stays as it is for each frame time: a step is followed as 1 - exp(-t / tau). The first frame is settled. Motion
+// within a frame is the `bolometer` component of the system; here is what one frame leaves to the next. (Kruse,
+// Uncooled Thermal Imaging, ch. 2.)
+
+#include <cstdint>
+#include <vector>
+
+#include "mtf/image.h"
+#include "radiometry/fields.h"
+
+namespace radiometry {
+
+struct Lag {
+  double time_constant_s = 0.01;
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "time_constant",
+                                      .dimension = mtf::Dimension::time,
+                                      .unit = "s",
+                                      .lo = 0.0,
+                                      .hi = 1e6,
+                                      .lo_open = true,
+                                      .example = "\"10 ms\"",
+                                      .doc = "thermal time constant of a pixel"},
+                            &Lag::time_constant_s}};
+  }
+};
+
+/// What the pixels of one region remember; starts without a frame. In double, so that slow pixels creep on.
+struct LagState {
+  std::int64_t width = 0, height = 0;
+  std::vector<double> level;
+};
+
+/// Replaces a frame by what the pixels show of it and remembers that. A pixel that was NaN starts anew. Throws
+/// UsageError for values out of their bounds, a frame time that is not above 0, and a frame of another size than those
+/// before.
+void apply_lag(mtf::ImageView<float> frame, const Lag& lag, double frame_time_s, LagState& state);
+
+}  // namespace radiometry

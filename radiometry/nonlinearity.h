@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Response of a pixel that is not proportional to its charge.
+//   e' = e (1 + a2 u + a3 u^2),   u = e / full well
+// For e from 0 to the full well; below 0 (noise about a dark level) e' = e, above the full well it goes on along the
+// last slope, so that it rises everywhere. The inverse is the correction. (EMVA 1288, release 4, on linearity;
+// Janesick, Photon Transfer, ch. 7.)
+
+#include "mtf/image.h"
+#include "radiometry/fields.h"
+
+namespace radiometry {
+
+struct Nonlinearity {
+  double a2 = 0.0, a3 = 0.0;
+
+  static constexpr auto fields() {
+    constexpr auto row = [](std::string_view name, std::string_view doc, double Nonlinearity::*member) {
+      return Field{FieldInfo{.name = name,
+                             .lo = -10.0,
+                             .hi = 10.0,
+                             .presence = mtf::Presence::optional,
+                             .example = "-0.02",
+                             .doc = doc},
+                   member};
+    };
+    return std::tuple{
+        row("a2", "relative change of the response at full well, growing with the charge", &Nonlinearity::a2),
+        row("a3", "the same, growing with the square of the charge", &Nonlinearity::a3)};
+  }
+};
+
+/// A response ready for use. Throws UsageError for coefficients out of bounds or with which it does not rise all the
+/// way to full well, and for a full well that is not above 0 and finite.
+class Response {
+ public:
+  Response(const Nonlinearity& nonlinearity, double full_well_e);
+
+  double operator()(double electrons) const;
+  double inverse(double response_e) const;
+
+ private:
+  double a2_, a3_, full_well_e_, at_full_, slope_at_full_;
+};
+
+/// image = response(image), NaN stays NaN.
+void apply_response(mtf::ImageView<float> image, const Response& response, int threads = 1);
+/// The electrons that gave this response.
+void linearise(mtf::ImageView<float> image, const Response& response, int threads = 1);
+
+}  // namespace radiometry
