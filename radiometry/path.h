@@ -41,6 +41,13 @@ class PathTable {
   /// The path of that length. Throws UsageError beyond the last range, below 0 and for NaN.
   Path at(double range_m) const;
 
+  const std::string& source() const { return source_; }
+  const std::vector<double>& range_m() const { return range_m_; }
+  const std::vector<double>& wavelength_um() const { return wavelength_um_; }
+  /// One curve per range.
+  const std::vector<std::vector<double>>& transmission() const { return transmission_; }
+  const std::vector<std::vector<double>>& radiance() const { return radiance_; }
+
  private:
   std::string source_;
   std::vector<double> range_m_;
