@@ -9,10 +9,6 @@
 namespace radiometry {
 namespace {
 
-std::uint64_t seed_of(const SensorSettings& settings) {
-  return settings.noise ? static_cast<std::uint64_t>(settings.noise->seed) : 0;
-}
-
 /// The part of a map of the whole detector that an image at `origin` has.
 mtf::Image crop(const mtf::Image& map, const char* what, Origin origin, std::int64_t width, std::int64_t height) {
   if (map.width() < origin.x + width || map.height() < origin.y + height)
@@ -26,12 +22,37 @@ mtf::Image crop(const mtf::Image& map, const char* what, Origin origin, std::int
   return part;
 }
 
-/// factor x map, as a map.
-Factor scaled(double factor, const mtf::Image& map, double added) {
-  Factor result{factor, mtf::Image(map.width(), map.height())};
+/// Multiplies the factors of the places that have their own.
+void multiply(mtf::Image& factors, mtf::Image&& map) {
+  if (map.size() == 0) return;
+  if (factors.size() == 0)
+    factors = std::move(map);
+  else
+    multiply_by(factors.view(), map.view());
+}
+
+/// number x map + added, or number + added where there is no map.
+Factor factor_of(double number, const mtf::Image& map, double added) {
+  Factor result{number + added};
+  if (map.size() == 0 || number == 0.0) return result;
+  result.map = mtf::Image(map.width(), map.height());
   for (std::int64_t i = 0; i < map.size(); ++i)
-    result.map.data()[i] = static_cast<float>(factor * static_cast<double>(map.data()[i]) + added);
+    result.map.data()[i] = static_cast<float>(number * static_cast<double>(map.data()[i]) + added);
   return result;
+}
+
+void refuse(const char* where, const std::string& why) { throw mtf::UsageError(std::string(where) + ": " + why); }
+
+/// What no table can say by itself.
+void check(const SensorSettings& s) {
+  const bool well = std::isfinite(s.detector->full_well_e);
+  if (s.nonlinearity && !well) refuse("[nonlinearity]", "needs detector.full_well, which its coefficients refer to");
+  if (s.blooming && !well) refuse("[blooming]", "needs detector.full_well, above which charge spills");
+  if (s.correction && !well) refuse("[correction]", "needs detector.full_well, of which its levels are parts");
+  if (s.detector->capacitance_f.has_value() != s.detector->temperature_k.has_value())
+    refuse("[detector]", "capacitance and temperature go together; they give the reset noise");
+  if (s.detector->capacitance_f && s.detector->reset_e > 0.0)
+    refuse("detector.reset_noise", "given beside capacitance; remove one of them");
 }
 
 }  // namespace
@@ -90,58 +111,97 @@ std::optional<double> adc_tolerance(const mtf::System<double>& system, const Sen
   return std::isfinite(tolerance) ? std::optional(std::min(tolerance, 1e-2)) : std::nullopt;
 }
 
-Chain::Chain(const mtf::SensorPlan& plan, const Sensor& sensor, Origin origin, int threads) {
-  const mtf::System<double>& system = plan.system;
-  const SensorSettings& settings = sensor.settings;
-  const Camera<double> camera = camera_of(system, sensor);
-  const Pixel<double> pixel = pixel_of(system, sensor);
-  const mtf::SampleGrid& detector = plan.out();
-  const int cores = mtf::threads_of(threads);
-  require_on_detector(origin, detector.width, detector.height);
-  const double gain = radiometry::electrons_per_radiance(camera, pixel);
-  const OpticsSettings warm = settings.optics.value_or(OpticsSettings{});
+mtf::System<double> sampled_system(const mtf::System<double>& system, const Sensor& sensor) {
+  mtf::System<double> finer = system;
+  const auto& scan = sensor.settings.microscan;
+  if (!scan) return finer;
+  require_valid("microscan", *scan);
+  if (!system.list(mtf::Stage::readout).empty())
+    refuse("[microscan]",
+           "together with [[readout]]: a readout filter acts on one frame, not on what is put together "
+           "of several; remove one of them");
+  finer.frame.pitch_x_um /= scan->steps;
+  finer.frame.pitch_y_um /= scan->steps;
+  finer.frame.columns *= scan->steps;
+  finer.frame.rows *= scan->steps;
+  return finer;
+}
+
+Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin,
+             int threads) {
+  const SensorSettings& s = sensor.settings;
+  auto impl = std::make_shared<Impl>(plan);
+  impl->camera = camera_of(system, sensor);
+  impl->pixel = pixel_of(system, sensor);
+  check(s);
+  impl->settings = s;
+  impl->seed = s.noise ? static_cast<std::uint64_t>(s.noise->seed) : 0;
+  impl->origin = origin;
+  if (s.adc) impl->adc = adc_of(sensor);
+  if (s.nonlinearity) impl->response.emplace(*s.nonlinearity, impl->pixel.full_well_e);
+  impl->frame_time_s = s.frame ? s.frame->frame_time_s.value_or(impl->pixel.integration_s) : impl->pixel.integration_s;
+  impl->read_e = std::hypot(s.detector->read_e, reset_e_of(*s.detector), s.detector->other_e);
+  impl->gain = radiometry::electrons_per_radiance(impl->camera, impl->pixel);
+
+  const int cores = mtf::threads_of(threads), steps = s.microscan ? s.microscan->steps : 1;
+  const std::int64_t width = plan.out().width / steps, height = plan.out().height / steps;
+  if (width * steps != plan.out().width || height * steps != plan.out().height)
+    refuse("[microscan]", "the image is not a whole number of " + std::to_string(steps) + " x " +
+                              std::to_string(steps) + " positions; give frame.format, or a scene of whole pitches");
+  require_on_detector(origin, width, height);
+  impl->detector = focal_plane(system.frame.columns > 0 ? system.frame.columns : origin.x + width,
+                               system.frame.rows > 0 ? system.frame.rows : origin.y + height, system.frame.pitch_x_um,
+                               system.frame.pitch_y_um, s.axis.value_or(OpticalAxis{}));
+
+  const OpticsSettings warm = s.optics.value_or(OpticsSettings{});
   const BandRadiances<double> radiances =
       band_radiances(sensor.curves, {.temperature_k = 0.0}, {}, {warm.temperature_k, warm.stop_temperature_k});
-  const Signal<double> background =
-      signal(camera, pixel, {.scene = 0.0, .path = 0.0, .optics = radiances.optics, .stop = radiances.stop});
+  impl->background = signal(impl->camera, impl->pixel,
+                            {.scene = 0.0, .path = 0.0, .optics = radiances.optics, .stop = radiances.stop});
 
-  auto impl = std::make_shared<Impl>(plan);
-  impl->settings = settings;
-  impl->origin = origin;
-  impl->camera = camera;
-  impl->pixel = pixel;
-  if (settings.adc) impl->adc = adc_of(sensor);
-  impl->background = background;
-
-  const double lit = background.optics_e + background.stop_e;
-  impl->light.number = gain;
-  impl->glow.number = lit + background.dark_e;
-  if (const auto& unequal = settings.nonuniformity) {
-    mtf::Image map;
-    if (sensor.responsivity) {
-      map = crop(*sensor.responsivity, "nonuniformity.responsivity", origin, detector.width, detector.height);
-    } else if (unequal->prnu > 0.0) {
-      map = mtf::Image(detector.width, detector.height);
-      responsivity_map(map.view(), unequal->prnu, seed_of(settings), origin, cores);
+  const auto detector_map = [&](const std::shared_ptr<const mtf::Image>& whole, const char* what) {
+    return whole ? crop(*whole, what, origin, width, height) : mtf::Image();
+  };
+  if (s.vignetting) {
+    const mtf::Image given = detector_map(sensor.vignetting, "vignetting.map");
+    impl->corners = mtf::Image(width, height);
+    vignetting_map(impl->corners.view(), *s.vignetting, impl->detector, system.frame.focal_length_mm, origin,
+                   given.view());
+  }
+  mtf::Image responsivity, offset;
+  if (const auto& unequal = s.nonuniformity) {
+    responsivity = detector_map(sensor.responsivity, "nonuniformity.responsivity");
+    if (responsivity.size() == 0 && unequal->prnu > 0.0) {
+      responsivity = mtf::Image(width, height);
+      responsivity_map(responsivity.view(), unequal->prnu, impl->seed, origin, cores);
     }
-    if (map.size() > 0) {
-      impl->light = scaled(gain, map, 0.0);
-      if (lit > 0.0) impl->glow = scaled(lit, map, background.dark_e);
-    }
-    if (sensor.offset) {
-      impl->offset = crop(*sensor.offset, "nonuniformity.offset", origin, detector.width, detector.height);
-    } else if (unequal->dsnu_e > 0.0) {
-      impl->offset = mtf::Image(detector.width, detector.height);
-      offset_map(impl->offset.view(), unequal->dsnu_e, seed_of(settings), origin, cores);
+    offset = detector_map(sensor.offset, "nonuniformity.offset");
+    if (offset.size() == 0 && unequal->dsnu_e > 0.0) {
+      offset = mtf::Image(width, height);
+      offset_map(offset.view(), unequal->dsnu_e, impl->seed, origin, cores);
     }
   }
-  if (settings.defects)
-    impl->defects = find_defects(detector.width, detector.height, *settings.defects, seed_of(settings), origin);
+  impl->offset = std::move(offset);
+
+  mtf::Image seen = impl->corners.clone(), around;
+  multiply(seen, responsivity.clone());
+  impl->light = factor_of(impl->gain, seen, 0.0);
+  if (s.narcissus) {
+    around = mtf::Image(width, height);
+    narcissus_map(around.view(), *s.narcissus, impl->detector, origin);
+    for (float& missing : std::span(around.data(), static_cast<std::size_t>(around.size()))) missing = 1.0F - missing;
+  }
+  multiply(around, std::move(responsivity));
+  impl->glow = factor_of(impl->background.optics_e + impl->background.stop_e, around, impl->background.dark_e);
+
+  if (s.defects) impl->defects = find_defects(width, height, *s.defects, impl->seed, origin);
+  if (s.blinking) impl->blinking = find_blinking(width, height, *s.blinking, impl->seed, origin);
+  if (s.correction) impl->correction = correction_of(*impl, cores);
   impl_ = std::move(impl);
 }
 
 Tap Chain::last() const {
-  if (impl_->plan.post || impl_->settings.agc) return Tap::display;
+  if (impl_->plan.post || impl_->correction || impl_->settings.agc) return Tap::display;
   return impl_->adc ? Tap::dn : Tap::electrons;
 }
 
@@ -152,7 +212,12 @@ std::string_view Chain::unit(Tap tap) const {
   return tap == Tap::electrons || !impl_->adc ? "e-" : "counts";
 }
 
-double Chain::electrons_per_radiance() const { return impl_->light.number; }
+bool Chain::remembers() const {
+  const auto& shutter = impl_->settings.shutter;
+  return impl_->settings.lag || (shutter && shutter->kind == ShutterKind::rolling);
+}
+
+double Chain::electrons_per_radiance() const { return impl_->gain; }
 const Signal<double>& Chain::background() const { return impl_->background; }
 
 }  // namespace radiometry

@@ -3,14 +3,16 @@
 
 // The whole sensor, in the order of the physics (DESIGN section 2):
 //   scene radiance, photons s^-1 m^-2 sr^-1 at the aperture, weighted by the camera's curves (scene_radiance.h)
-//     -> presample OTF, sampling at the pitch                                tap `radiance`
-//     -> cone of light, transmission                                         tap `irradiance`
-//     -> mean electrons of light + warm optics + stop, x responsivity, + dark current, defects
-//     -> shot noise -> full well -> readout OTF -> read, row, column, 3-D noise, offsets      tap `electrons`
-//     -> gain, offset, rounding, saturation                                  tap `dn`
-//     -> postsample filters -> automatic gain                                tap `display`
-// Each stage is a free function on one frame, called here and nowhere else in this order. A stage whose table is not in
-// the sensor file is not called; nothing after the tap is.
+//     -> distortion -> presample OTF, sampling at the pitch -> veiling glare, ghost          tap `radiance`
+//     -> cone of light, transmission, vignetting                                             tap `irradiance`
+//     -> shutter -> mean electrons of light + warm optics + stop (narcissus), x responsivity, + dark current -> lag
+//     -> defects, blinking -> shot noise -> full well or blooming -> readout OTF
+//     -> offsets, read, 1/f, row, column, 3-D noise -> nonlinearity                           tap `electrons`
+//     -> gain, offset, rounding, saturation                                                   tap `dn`
+//     -> two-point correction, bad pixels -> postsample filters -> automatic gain, polarity   tap `display`
+// Each stage is a free function on one frame; chain_run.cpp is where their order stands. A stage whose table is not in
+// the sensor file is not called; nothing after the tap is. With [microscan] the sampling is finer than the pitch: the
+// stages from `shutter` to the correction run for each position, and the frames are put together.
 
 #include <memory>
 #include <string>
@@ -34,7 +36,7 @@ struct Sensor {
   Path path;                                                  ///< between scene and aperture
   Spectrum emissivity = constant_spectrum("blackbody", 1.0);  ///< of a scene of temperatures
   /// Maps of the whole detector in place of random ones, where they are given.
-  std::shared_ptr<const mtf::Image> responsivity, offset;
+  std::shared_ptr<const mtf::Image> responsivity, offset, vignetting;
 };
 
 /// Camera and pixel of a sensor as the camera equation takes them. What a curve gives is 1 there. Throws UsageError for
@@ -43,6 +45,10 @@ Camera<double> camera_of(const mtf::System<double>& system, const Sensor& sensor
 Pixel<double> pixel_of(const mtf::System<double>& system, const Sensor& sensor);
 /// Converter of a sensor with [adc]. Throws UsageError when it has neither electrons_per_count nor a full well.
 Adc adc_of(const Sensor& sensor);
+
+/// The system as the filters see it: with [microscan] its pitch is divided and its format multiplied by the steps.
+/// Throws UsageError for [microscan] together with [[readout]], which acts on the pixels of one frame.
+mtf::System<double> sampled_system(const mtf::System<double>& system, const Sensor& sensor);
 
 /// One stage as a sensor file gives it, for people.
 struct ChainStage {
@@ -54,26 +60,39 @@ struct ChainStage {
 /// One frame that came out.
 struct ChainFrame {
   mtf::Image image;
+  Spilled spilled{};                                           ///< by [blooming]
   Clipped well, adc;                                           ///< pixels held at the ends
   std::vector<std::pair<std::string_view, double>> timing_ms;  ///< of the stages that ran, in their order
+};
+
+/// What one frame of a sequence leaves to the next, for a rolling shutter and lag. A state belongs to one sequence.
+struct ChainState {
+  ShutterState shutter;
+  LagState lag;
 };
 
 /// A sensor ready for frames of one size: what is the same in all of them is made once. Copies share; run() is const
 /// and re-entrant.
 class Chain {
  public:
-  /// `plan`: of the sensor's system for scenes of weighted radiance, with PlanOptions::separate_readout. `origin`: the
-  /// first pixel of the image on the detector. Throws UsageError for a sensor without [detector], and for maps that do
-  /// not cover the image.
-  Chain(const mtf::SensorPlan& plan, const Sensor& sensor, Origin origin = {}, int threads = 0);
+  /// `plan`: of sampled_system() for scenes of weighted radiance, with PlanOptions::separate_readout. `origin`: the
+  /// first pixel of the image on the detector, whose format is [frame] format, or what the image needs. Throws
+  /// UsageError for a sensor without [detector], for maps that do not cover the image, and for settings that
+  /// contradict each other.
+  Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin = {},
+        int threads = 0);
 
   /// The last place that this sensor has: display where anything follows the converter, dn with [adc], else electrons.
   Tap last() const;
   /// Unit of the image at a tap: "ph.s^-1.m^-2.sr^-1", "ph.s^-1.m^-2", "e-", "counts", "levels".
   std::string_view unit(Tap tap) const;
-  /// The image at a tap of frame number `frame`. `radiance` is used up. Throws UsageError for a tap beyond last() and a
-  /// plane of another size, RuntimeError as Plan::run.
-  ChainFrame run(mtf::Image radiance, std::uint32_t frame, Tap tap, double border_value = 0.0, int threads = 0) const;
+  /// True when a frame depends on the one before it: then frames go through one by one, with a state.
+  bool remembers() const;
+  /// The image at a tap of frame number `frame`. `radiance` is used up. `state`: of the sequence; without one a frame
+  /// stands for itself. Throws UsageError for a tap beyond last() and a plane of another size, RuntimeError as
+  /// Plan::run.
+  ChainFrame run(mtf::Image radiance, std::uint32_t frame, Tap tap, double border_value = 0.0, int threads = 0,
+                 ChainState* state = nullptr) const;
 
   /// Electrons for one unit of weighted radiance, on the axis.
   double electrons_per_radiance() const;
@@ -82,6 +101,7 @@ class Chain {
 
  private:
   struct Impl;
+  friend TwoPoint correction_of(const Impl& impl, int threads);
   std::shared_ptr<const Impl> impl_;
 };
 

@@ -22,7 +22,7 @@ NoiseTerms<double> noise_terms(const Sensor& sensor) {
   const Noise3d cube = s.noise_3d.value_or(Noise3d{});
   const NonuniformitySettings unequal = s.nonuniformity.value_or(NonuniformitySettings{});
   return {.read_e = detector.read_e,
-          .reset_e = detector.reset_e,
+          .reset_e = reset_e_of(detector),
           .other_e = root_sum({detector.other_e, lines.row_e, lines.column_e, cube.t, cube.tv, cube.th, cube.tvh}),
           .step_e = s.adc ? adc_of(sensor).electrons_per_count : 0.0,
           .prnu = unequal.prnu,

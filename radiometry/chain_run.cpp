@@ -12,50 +12,10 @@
 namespace radiometry {
 namespace {
 
-/// Notes what each stage took.
-class Laps {
- public:
-  explicit Laps(ChainFrame& frame) : frame_(frame) {}
-  void lap(std::string_view stage) {
-    const auto now = std::chrono::steady_clock::now();
-    frame_.timing_ms.emplace_back(stage, std::chrono::duration<double, std::milli>(now - last_).count());
-    last_ = now;
-  }
-
- private:
-  ChainFrame& frame_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
 void filter(const mtf::Plan& plan, mtf::Image& image, double border_value, int threads) {
   std::vector<mtf::Image> planes;
   planes.push_back(std::move(image));
   image = std::move(mtf::run_in_place(plan, std::move(planes), border_value, threads).front());
-}
-
-/// image = light x image + glow, electrons of weighted radiance.
-void collect(mtf::Image& image, const Factor& light, const Factor& glow, int threads) {
-  const std::int64_t width = image.width();
-  mtf::parallel_for(image.height(), 64, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y) {
-      float* row = image.data() + y * width;
-      const float* gains = light.uniform() ? nullptr : light.map.data() + y * width;
-      const float* offsets = glow.uniform() ? nullptr : glow.map.data() + y * width;
-      const auto gain = static_cast<float>(light.number), offset = static_cast<float>(glow.number);
-      if (gains == nullptr && offsets == nullptr)
-        for (std::int64_t x = 0; x < width; ++x) row[x] = gain * row[x] + offset;
-      else if (offsets == nullptr)
-        for (std::int64_t x = 0; x < width; ++x) row[x] = gains[x] * row[x] + offset;
-      else if (gains == nullptr)
-        for (std::int64_t x = 0; x < width; ++x) row[x] = gain * row[x] + offsets[x];
-      else
-        for (std::int64_t x = 0; x < width; ++x) row[x] = gains[x] * row[x] + offsets[x];
-    }
-  });
-}
-
-void scale(mtf::Image& image, double factor, int threads) {
-  collect(image, {.number = factor, .map = {}}, {.number = 0.0, .map = {}}, threads);
 }
 
 /// Rows and columns, those that change and those that stay.
@@ -74,86 +34,238 @@ bool has_line_noise(const NoiseSettings& noise) {
 
 }  // namespace
 
-ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, Tap tap, double border_value, int threads) const {
-  const Impl& impl = *impl_;
-  const SensorSettings& settings = impl.settings;
+void multiply_add(mtf::Image& image, const Factor& gain, const Factor& offset, int threads) {
+  const std::int64_t width = image.width();
+  mtf::parallel_for(image.height(), 64, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y) {
+      float* row = image.data() + y * width;
+      const float* gains = gain.uniform() ? nullptr : gain.map.data() + y * width;
+      const float* offsets = offset.uniform() ? nullptr : offset.map.data() + y * width;
+      const auto g = static_cast<float>(gain.number), o = static_cast<float>(offset.number);
+      if (gains == nullptr && offsets == nullptr)
+        for (std::int64_t x = 0; x < width; ++x) row[x] = g * row[x] + o;
+      else if (offsets == nullptr)
+        for (std::int64_t x = 0; x < width; ++x) row[x] = gains[x] * row[x] + o;
+      else if (gains == nullptr)
+        for (std::int64_t x = 0; x < width; ++x) row[x] = g * row[x] + offsets[x];
+      else
+        for (std::int64_t x = 0; x < width; ++x) row[x] = gains[x] * row[x] + offsets[x];
+    }
+  });
+}
+
+/// The stages of one frame, each of which notes what it took.
+struct Chain::Impl::Run {
+  const Impl& chain;
+  int threads;
+  ChainFrame frame{};
+  double border = 0.0;  ///< what a constant border is worth at this place of the chain
+  std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
+
+  /// Times of a stage that runs for several positions add up.
+  void lap(std::string_view stage) {
+    const auto now = std::chrono::steady_clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last).count();
+    last = now;
+    auto& all = frame.timing_ms;
+    const auto known = std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.first == stage; });
+    if (known == all.end())
+      all.emplace_back(stage, ms);
+    else
+      known->second += ms;
+  }
+
+  /// Scene radiance to radiance at the detector's samples.
+  void optics(mtf::Image& image) {
+    const SensorSettings& s = chain.settings;
+    if (s.distortion) {
+      const mtf::SampleGrid& grid = chain.plan.in();
+      FocalPlane scene = chain.detector;
+      scene = {.columns = grid.width,
+               .rows = grid.height,
+               .step_x_um = grid.step_x_um,
+               .step_y_um = grid.step_y_um,
+               .axis_x_um = scene.axis_x_um,
+               .axis_y_um = scene.axis_y_um};
+      mtf::Image moved(image.width(), image.height());
+      distort(image.view(), *s.distortion, scene, moved.view(), {}, chain.plan.options.border,
+              static_cast<float>(border), threads);
+      image = std::move(moved);
+      lap("distortion");
+    }
+    filter(chain.plan.presample, image, border, threads);
+    border *= chain.plan.presample.dc();
+    lap("presample");
+    if (s.glare) {
+      add_glare(image.view(), *s.glare, finite_mean(image.view()), threads);
+      lap("veiling glare");
+    }
+    if (s.ghost) {
+      FocalPlane samples = chain.detector;
+      samples.columns = image.width();
+      samples.rows = image.height();
+      samples.step_x_um = chain.plan.out().step_x_um;
+      samples.step_y_um = chain.plan.out().step_y_um;
+      const mtf::Image ghosts = ghost_image(image.view(), *s.ghost, samples);
+      add_ghost(image.view(), *s.ghost, ghosts.view(), threads);
+      lap("ghost");
+    }
+  }
+
+  /// Radiance of a frame of the detector to mean electrons.
+  void collect(mtf::Image& image, ChainState* state) {
+    const SensorSettings& s = chain.settings;
+    if (s.shutter && state != nullptr) {
+      apply_shutter(image.view(), *s.shutter, chain.frame_time_s, chain.detector.rows, state->shutter, chain.origin.y);
+      lap("shutter");
+    }
+    multiply_add(image, chain.light, chain.glow, threads);
+    border = chain.gain * border + chain.glow.number;
+    if (s.lag && state != nullptr) {
+      apply_lag(image.view(), *s.lag, chain.frame_time_s, state->lag);
+      lap("lag");
+    }
+    lap("collect");
+  }
+
+  /// Mean electrons to what the readout gives.
+  void detect(mtf::Image& image, const NoiseKey& key) {
+    const SensorSettings& s = chain.settings;
+    if (!chain.defects.empty()) apply_defects(image.view(), chain.defects);
+    if (!chain.blinking.empty()) apply_blinking(image.view(), chain.blinking, *s.blinking, key, chain.origin);
+    if (s.defects || s.blinking) lap("defects");
+    if (s.noise && s.noise->shot) {
+      shot_noise(image.view(), key, chain.origin, threads);
+      lap("shot");
+    }
+    if (s.blooming) {
+      frame.spilled = bloom(image.view(), *s.blooming, chain.pixel.full_well_e, threads);
+      lap("blooming");
+    } else if (std::isfinite(chain.pixel.full_well_e)) {
+      const Clipped held = fill_well(image.view(), chain.pixel.full_well_e, threads);
+      frame.well.high += held.high;
+      lap("full well");
+    }
+    if (chain.plan.readout) {
+      filter(*chain.plan.readout, image, border, threads);
+      border *= chain.plan.readout->dc();
+      lap("readout");
+    }
+    if (chain.offset.size() > 0) {
+      add_map(image.view(), chain.offset.view());
+      lap("offset");
+    }
+    if (s.noise && chain.read_e > 0.0) {
+      add_gaussian(image.view(), chain.read_e, key, Stream::read, chain.origin, threads);
+      lap("read");
+    }
+    if (s.flicker) {
+      add_flicker(image.view(), *s.flicker, chain.detector.columns, chain.detector.rows, key, chain.origin, threads);
+      lap("flicker");
+    }
+    if (s.noise && has_line_noise(*s.noise)) {
+      add_line_noise(image, *s.noise, key, chain.origin);
+      lap("rows and columns");
+    }
+    if (s.noise_3d) {
+      add_noise_3d(image.view(), *s.noise_3d, key, chain.origin, threads);
+      lap("3-D noise");
+    }
+    if (chain.response) {
+      apply_response(image.view(), *chain.response, threads);
+      lap("nonlinearity");
+    }
+  }
+
+  void convert(mtf::Image& image) {
+    if (!chain.adc) return;
+    const Clipped held = digitise(image.view(), *chain.adc, threads);
+    frame.adc.low += held.low;
+    frame.adc.high += held.high;
+    border = border / chain.adc->electrons_per_count + chain.adc->offset_counts;
+    lap("adc");
+  }
+
+  void correct(mtf::Image& image) {
+    if (!chain.correction) return;
+    radiometry::correct(image.view(), *chain.correction);
+    if (chain.settings.correction->replace_bad) replace_bad(image.view(), chain.correction->bad);
+    lap("correction");
+  }
+
+  /// One frame of the detector from radiance to a tap.
+  void detector(mtf::Image& image, const NoiseKey& key, Tap tap, ChainState* state) {
+    collect(image, state);
+    detect(image, key);
+    if (tap == Tap::electrons) return;
+    convert(image);
+    if (tap == Tap::display) correct(image);
+  }
+
+  void positions(mtf::Image& image, const Microscan& scan, const NoiseKey& key, Tap tap) {
+    const double border_here = border;
+    std::vector<mtf::Image> frames;
+    for (int k = 0; k < scan.positions(); ++k) {
+      frames.push_back(microscan_frame(image.view(), scan, k));
+      border = border_here;
+      lap("microscan");
+      detector(frames.back(), microscan_key(key, scan, k), tap, nullptr);
+    }
+    image = microscan_interlace(frames, scan);
+    lap("microscan");
+  }
+
+  void display(mtf::Image& image) {
+    if (chain.plan.post) {
+      filter(*chain.plan.post, image, border, threads);
+      lap("postsample");
+    }
+    if (const auto& agc = chain.settings.agc) {
+      apply(image.view(), tone_curve(image.view(), *agc), threads);
+      if (agc->polarity == Polarity::black_hot) invert_polarity(image.view(), agc->most_level);
+      lap("agc");
+    }
+  }
+};
+
+ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, Tap tap, double border_value, int threads,
+                      ChainState* state) const {
+  const auto name = [](Tap which) { return std::string(kTapNames[static_cast<std::size_t>(which)]); };
   if (tap > last())
-    throw mtf::UsageError("tap " + std::string(kTapNames[static_cast<std::size_t>(tap)]) +
-                          ": this sensor has no such stage; its last one is " +
-                          std::string(kTapNames[static_cast<std::size_t>(last())]));
-  const int cores = mtf::threads_of(threads);
-  ChainFrame frame;
-  frame.image = std::move(radiance);
-  mtf::Image& image = frame.image;
-  Laps laps(frame);
-
-  filter(impl.plan.presample, image, border_value, threads);
-  double border = impl.plan.presample.dc() * border_value;
-  laps.lap("presample");
-  if (tap == Tap::radiance) return frame;
-
+    throw mtf::UsageError("tap " + name(tap) + ": this sensor has no such stage; its last one is " + name(last()));
+  Impl::Run run{*impl_, mtf::threads_of(threads)};
+  run.border = border_value;
+  mtf::Image& image = run.frame.image;
+  image = std::move(radiance);
+  run.optics(image);
+  if (tap == Tap::radiance) return std::move(run.frame);
   if (tap == Tap::irradiance) {
-    scale(image, irradiance(impl.camera, 1.0), threads);
-    laps.lap("irradiance");
-    return frame;
+    multiply_add(image, {.number = irradiance(impl_->camera, 1.0)}, {.number = 0.0}, run.threads);
+    if (impl_->corners.size() > 0 && !impl_->settings.microscan) multiply_by(image.view(), impl_->corners.view());
+    run.lap("irradiance");
+    return std::move(run.frame);
   }
+  const NoiseKey key{impl_->seed, number};
+  if (impl_->settings.microscan)
+    run.positions(image, *impl_->settings.microscan, key, tap);
+  else
+    run.detector(image, key, tap, state);
+  if (tap == Tap::display) run.display(image);
+  return std::move(run.frame);
+}
 
-  collect(image, impl.light, impl.glow, threads);
-  border = impl.light.number * border + impl.glow.number;
-  if (!impl.defects.empty()) apply_defects(image.view(), impl.defects);
-  laps.lap("collect");
-
-  const NoiseKey key{settings.noise ? static_cast<std::uint64_t>(settings.noise->seed) : 0, number};
-  if (settings.noise && settings.noise->shot) {
-    shot_noise(image.view(), key, impl.origin, cores);
-    laps.lap("shot");
-  }
-  if (std::isfinite(impl.pixel.full_well_e)) {
-    frame.well = fill_well(image.view(), impl.pixel.full_well_e, cores);
-    laps.lap("full well");
-  }
-  if (impl.plan.readout) {
-    filter(*impl.plan.readout, image, border, threads);
-    border *= impl.plan.readout->dc();
-    laps.lap("readout");
-  }
-  if (impl.offset.size() > 0) {
-    add_map(image.view(), impl.offset.view());
-    laps.lap("offset");
-  }
-  if (settings.noise) {
-    const DetectorSettings& detector = *settings.detector;
-    if (const double rms = std::hypot(detector.read_e, detector.reset_e, detector.other_e); rms > 0.0) {
-      add_gaussian(image.view(), rms, key, Stream::read, impl.origin, cores);
-      laps.lap("read");
-    }
-    if (has_line_noise(*settings.noise)) {
-      add_line_noise(image, *settings.noise, key, impl.origin);
-      laps.lap("rows and columns");
-    }
-  }
-  if (settings.noise_3d) {
-    add_noise_3d(image.view(), *settings.noise_3d, key, impl.origin, cores);
-    laps.lap("3-D noise");
-  }
-  if (tap == Tap::electrons) return frame;
-
-  if (impl.adc) {
-    frame.adc = digitise(image.view(), *impl.adc, cores);
-    border = border / impl.adc->electrons_per_count + impl.adc->offset_counts;
-    laps.lap("adc");
-  }
-  if (tap == Tap::dn) return frame;
-
-  if (impl.plan.post) {
-    filter(*impl.plan.post, image, border, threads);
-    laps.lap("postsample");
-  }
-  if (settings.agc) {
-    apply(image.view(), tone_curve(image.view(), *settings.agc), cores);
-    laps.lap("agc");
-  }
-  return frame;
+TwoPoint correction_of(const Chain::Impl& impl, int threads) {
+  const std::int64_t steps = impl.settings.microscan ? impl.settings.microscan->steps : 1;
+  return measure_correction(impl.plan.out().width / steps, impl.plan.out().height / steps, *impl.settings.correction,
+                            [&](double fill, std::uint32_t frame, mtf::ImageView<float> out) {
+                              Chain::Impl::Run run{impl, threads};
+                              const double electrons = std::max(0.0, fill * impl.pixel.full_well_e - impl.glow.number);
+                              mtf::Image image(out.width, out.height);
+                              std::fill_n(image.data(), image.size(), static_cast<float>(electrons / impl.gain));
+                              run.detector(image, {impl.seed, frame}, Tap::dn, nullptr);
+                              for (std::int64_t y = 0; y < out.height; ++y)
+                                std::copy_n(image.data() + y * out.width, out.width, out.row(y));
+                            });
 }
 
 }  // namespace radiometry

@@ -38,44 +38,72 @@ std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Se
     const bool on = !what.empty();
     stages.push_back({std::move(name), on, on ? std::move(what) : otherwise});
   };
-  add("presample", components(system, mtf::Stage::presample), "no [[presample]]");
+  const auto list = [&](mtf::Stage stage) {
+    const std::string name(mtf::stage_name(stage));
+    add(name, components(system, stage), "no [[" + name + "]]");
+  };
   if (!s.detector) {
-    add("readout", components(system, mtf::Stage::readout), "no [[readout]]");
+    for (const mtf::Stage stage : mtf::kStages) list(stage);
     add("electrons", "", "no [detector]: the output stays in the quantity of the scene");
-    add("postsample", components(system, mtf::Stage::postsample), "no [[postsample]]");
     return stages;
   }
   const Camera<double> camera = camera_of(system, sensor);
   const Pixel<double> pixel = pixel_of(system, sensor);
+  const OpticsSettings warm = s.optics.value_or(OpticsSettings{});
+  const NonuniformitySettings unequal = s.nonuniformity.value_or(NonuniformitySettings{});
+  const std::string no_noise = s.noise ? "" : "no [noise]";
+  const auto or_else = [&](const std::string& reason) { return no_noise.empty() ? reason : no_noise; };
+
+  add("distortion",
+      s.distortion ? "k1 " + rounded(s.distortion->k1) + ", k2 " + rounded(s.distortion->k2) + ", k3 " +
+                         rounded(s.distortion->k3)
+                   : "",
+      "no [distortion]");
+  list(mtf::Stage::presample);
+  add("veiling glare", s.glare ? terms({{"spread", s.glare->fraction}, {"added", s.glare->offset}}, "of the mean") : "",
+      "no [veiling_glare]");
+  add("ghost", s.ghost ? rounded(s.ghost->fraction) + " of the light, mirrored" : "", "no [ghost]");
   add("light", rounded(electrons_per_radiance(camera, pixel)) + " e- for 1 ph s^-1 m^-2 sr^-1", "");
-  add("warm optics and stop",
-      s.optics ? terms({{"optics", s.optics->temperature_k * (s.optics->emissivity > 0.0 ? 1.0 : 0.0)},
-                        {"stop", s.optics->stop_temperature_k}},
-                       "K")
-               : "",
-      "no temperature or emissivity in [optics]");
-  add("responsivity",
-      s.nonuniformity
-          ? (sensor.responsivity ? s.nonuniformity->responsivity : terms({{"prnu", s.nonuniformity->prnu}}, "rms"))
+  add("vignetting",
+      !s.vignetting        ? ""
+      : sensor.vignetting  ? s.vignetting->map
+      : s.vignetting->cos4 ? "cos^4 of the field angle, and a polynomial"
+                           : "a polynomial",
+      "no [vignetting]");
+  add("microscan", s.microscan ? std::to_string(s.microscan->positions()) + " positions" : "", "no [microscan]");
+  add("shutter",
+      s.shutter && s.shutter->kind == ShutterKind::rolling
+          ? "rolling, " + rounded(s.shutter->line_time_s) + " s a row, over a sequence"
           : "",
+      s.shutter ? "global" : "no [shutter]: global");
+  add("warm optics", terms({{"emit at", warm.emissivity > 0.0 ? warm.temperature_k : 0.0}}, "K"),
+      "no temperature or emissivity in [optics]");
+  add("stop", terms({{"emits at", warm.stop_emissivity > 0.0 ? warm.stop_temperature_k : 0.0}}, "K"),
+      "no stop_temperature in [optics]");
+  add("narcissus", s.narcissus ? rounded(s.narcissus->depth) + " of the background" : "", "no [narcissus]");
+  add("responsivity", sensor.responsivity ? unequal.responsivity : terms({{"prnu", unequal.prnu}}, "rms"),
       "no prnu in [nonuniformity]");
   add("dark current", terms({{"mean", pixel.dark_e_s * pixel.integration_s}}, "e-"), "no dark_current in [detector]");
+  add("lag", s.lag ? rounded(s.lag->time_constant_s) + " s, over a sequence" : "", "no [lag]");
   add("defects",
       s.defects ? terms({{"dead", s.defects->dead_fraction}, {"hot", s.defects->hot_fraction}}, "of all") : "",
       "no [defects]");
-  add("shot noise", s.noise && s.noise->shot ? "Poisson" : "", s.noise ? "shot = false in [noise]" : "no [noise]");
-  add("full well", std::isfinite(pixel.full_well_e) ? rounded(pixel.full_well_e) + " e-" : "",
-      "no full_well in [detector]");
-  add("readout", components(system, mtf::Stage::readout), "no [[readout]]");
-  add("offsets",
-      s.nonuniformity ? (sensor.offset ? s.nonuniformity->offset : terms({{"dsnu", s.nonuniformity->dsnu_e}}, "e- rms"))
-                      : "",
+  add("blinking", s.blinking ? rounded(s.blinking->fraction) + " of all" : "", "no [blinking]");
+  add("shot noise", s.noise && s.noise->shot ? "Poisson" : "", or_else("shot = false in [noise]"));
+  const std::string well = std::isfinite(pixel.full_well_e) ? rounded(pixel.full_well_e) + " e-" : "";
+  add("full well", s.blooming ? "" : well, s.blooming ? "[blooming] takes its place" : "no full_well in [detector]");
+  add("blooming", s.blooming ? "above " + well : "", "no [blooming]");
+  list(mtf::Stage::readout);
+  add("offsets", sensor.offset ? unequal.offset : terms({{"dsnu", unequal.dsnu_e}}, "e- rms"),
       "no dsnu in [nonuniformity]");
   add("read noise",
-      s.noise ? terms({{"read", s.detector->read_e}, {"reset", s.detector->reset_e}, {"other", s.detector->other_e}},
-                      "e- rms")
-              : "",
-      s.noise ? "no read_noise in [detector]" : "no [noise]");
+      s.noise
+          ? terms({{"read", s.detector->read_e}, {"reset", reset_e_of(*s.detector)}, {"other", s.detector->other_e}},
+                  "e- rms")
+          : "",
+      or_else("no read_noise in [detector]"));
+  add("1/f noise", s.flicker ? "corner at " + rounded(s.flicker->corner_cy_px) + " of the pixel clock" : "",
+      "no [flicker]");
   add("row and column noise",
       s.noise ? terms({{"row", s.noise->row_e},
                        {"column", s.noise->column_e},
@@ -83,15 +111,22 @@ std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Se
                        {"fixed column", s.noise->fixed_column_e}},
                       "e- rms")
               : "",
-      s.noise ? "no row or column in [noise]" : "no [noise]");
+      or_else("no row or column in [noise]"));
   add("3-D noise", s.noise_3d ? terms({{"total", s.noise_3d->total()}}, "e- rms") : "", "no [noise_3d]");
+  add("nonlinearity", s.nonlinearity ? "a2 " + rounded(s.nonlinearity->a2) + ", a3 " + rounded(s.nonlinearity->a3) : "",
+      "no [nonlinearity]");
+  std::string converter;
   if (s.adc) {
     const Adc adc = adc_of(sensor);
-    add("adc", std::to_string(adc.bits) + " bits, " + rounded(adc.electrons_per_count) + " e- a count", "");
-  } else {
-    add("adc", "", "no [adc]");
+    converter = std::to_string(adc.bits) + " bits, " + rounded(adc.electrons_per_count) + " e- a count";
   }
-  add("postsample", components(system, mtf::Stage::postsample), "no [[postsample]]");
+  add("adc", converter, "no [adc]");
+  add("correction",
+      s.correction ? "two points, flats at " + rounded(s.correction->low) + " and " + rounded(s.correction->high) +
+                         " of full well, mean of " + std::to_string(s.correction->frames)
+                   : "",
+      "no [correction]");
+  list(mtf::Stage::postsample);
   add("agc", s.agc ? "to " + rounded(s.agc->most_level) + " levels" : "", "no [agc]");
   return stages;
 }

@@ -15,8 +15,10 @@
 // Pixels: NaN stays NaN, +infinity stays. Below 0 (temperatures in K too) they are refused, or taken as 0 when asked.
 // Whatever is refused is a UsageError with the number of pixels and the first one, thrown before a pixel is changed.
 
+#include <array>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "mtf/image.h"
@@ -43,6 +45,8 @@ enum class Negative {
   refuse,
   clamp  ///< to 0
 };
+inline constexpr std::array<std::string_view, 2> kNegativeNames{"refuse", "clamp"};
+constexpr std::span<const std::string_view> words(Negative) { return kNegativeNames; }
 
 struct PlaneOptions {
   Negative negative = Negative::refuse;

@@ -9,11 +9,37 @@
 
 #include "radiometry/adc.h"
 #include "radiometry/agc.h"
+#include "radiometry/blinking.h"
+#include "radiometry/blooming.h"
+#include "radiometry/distortion.h"
 #include "radiometry/fixed_pattern.h"
+#include "radiometry/flicker.h"
+#include "radiometry/lag.h"
+#include "radiometry/measure_correction.h"
+#include "radiometry/microscan.h"
+#include "radiometry/narcissus.h"
 #include "radiometry/noise_3d.h"
+#include "radiometry/nonlinearity.h"
+#include "radiometry/raw_counts.h"
+#include "radiometry/scene_radiance.h"
+#include "radiometry/sensitivity.h"
+#include "radiometry/shutter.h"
 #include "radiometry/signal.h"
+#include "radiometry/veiling_glare.h"
+#include "radiometry/vignetting.h"
 
 namespace radiometry {
+
+/// Rows added to [frame].
+struct FrameSettings {
+  std::optional<double> frame_time_s{};  ///< from a frame to the next; else the integration time
+
+  static constexpr auto fields() {
+    return std::tuple{Field{optional_row("frame_time", mtf::Dimension::time, "s", 1e-12, 1e9, "\"20 ms\"",
+                                         "from one frame of a sequence to the next; else the integration time"),
+                            &FrameSettings::frame_time_s}};
+  }
+};
 
 /// Rows added to [scene]: what its values stand for.
 struct SceneSettings {
@@ -21,6 +47,7 @@ struct SceneSettings {
   std::optional<double> surroundings_k{};        ///< reflected by what does not emit
   std::optional<double> source_temperature_k{};  ///< whose spectrum a scene given in a band has; else even in photons
   ChannelName emissivity_channel{}, depth_channel{};
+  Negative negative = Negative::refuse;
 
   static constexpr auto fields() {
     using enum mtf::Dimension;
@@ -38,39 +65,16 @@ struct SceneSettings {
                            "channel of the scene with the emissivity of each pixel"),
               &SceneSettings::emissivity_channel},
         Field{optional_row("depth_channel", "\"Z\"", "channel of the scene with the range of each pixel in m"),
-              &SceneSettings::depth_channel}};
-  }
-};
-
-/// Constants of a camera that wrote raw counts: T = B / ln(R1 / (R2 (counts + O)) + F).
-struct CountsSettings {
-  double r1 = 0.0, b = 0.0, f = 1.0, o = 0.0, r2 = 1.0;
-
-  static constexpr auto fields() {
-    using enum mtf::Dimension;
-    return std::tuple{
-        Field{
-            FieldInfo{
-                .name = "r1", .lo = 0.0, .hi = 1e12, .lo_open = true, .example = "16327.7", .doc = "R1 of the camera"},
-            &CountsSettings::r1},
-        Field{FieldInfo{
-                  .name = "b", .lo = 0.0, .hi = 1e9, .lo_open = true, .example = "1424.8", .doc = "B of the camera, K"},
-              &CountsSettings::b},
-        Field{FieldInfo{.name = "f", .lo = -1e6, .hi = 1e6, .example = "1.35", .doc = "F of the camera"},
-              &CountsSettings::f},
-        Field{FieldInfo{.name = "o", .lo = -1e9, .hi = 1e9, .example = "-6872.0", .doc = "O of the camera, counts"},
-              &CountsSettings::o},
-        Field{
-            FieldInfo{
-                .name = "r2", .lo = 0.0, .hi = 1e12, .lo_open = true, .example = "0.02316", .doc = "R2 of the camera"},
-            &CountsSettings::r2}};
+              &SceneSettings::depth_channel},
+        Field{optional_row("negative", "\"clamp\"", "values below 0: refuse, or clamp to 0"),
+              &SceneSettings::negative}};
   }
 };
 
 /// The path between scene and aperture: numbers, curves of the wavelength, or a table over the range.
 struct PathSettings {
   NumberOrFile transmission{1.0};
-  NumberOrFile radiance{0.0};               ///< W m^-2 sr^-1 um^-1
+  NumberOrFile radiance{0.0};                 ///< W m^-2 sr^-1 um^-1
   std::optional<double> air_temperature_k{};  ///< of air that only absorbs: it emits what it takes
   std::string table{};                        ///< over range and wavelength
   std::optional<double> range_m{};            ///< of the whole scene
@@ -135,6 +139,7 @@ struct DetectorSettings {
   double read_e = 0.0;
   double reset_e = 0.0;
   double other_e = 0.0;
+  std::optional<double> capacitance_f{}, temperature_k{};  ///< that are reset, in place of reset_e
 
   static constexpr auto fields() {
     using enum mtf::Dimension;
@@ -155,9 +160,21 @@ struct DetectorSettings {
         Field{optional_row("reset_noise", electrons, "e-", 0.0, 1e15, "\"100 e-\"", "kTC noise, rms"),
               &DetectorSettings::reset_e},
         Field{optional_row("other_noise", electrons, "e-", 0.0, 1e15, "\"50 e-\"", "further temporal noise, rms"),
-              &DetectorSettings::other_e}};
+              &DetectorSettings::other_e},
+        Field{optional_row("capacitance", capacitance, "F", 0.0, 1.0, "\"100 fF\"",
+                           "that is reset, in place of reset_noise"),
+              &DetectorSettings::capacitance_f},
+        Field{optional_row("temperature", temperature, "K", 0.0, 1e6, "\"77 K\"", "of that capacitance"),
+              &DetectorSettings::temperature_k}};
   }
 };
+
+/// Rms of the reset noise, as given or of what is reset.
+inline double reset_e_of(const DetectorSettings& detector) {
+  return detector.capacitance_f && detector.temperature_k
+             ? ResetNoise{*detector.capacitance_f, *detector.temperature_k}.rms_e()
+             : detector.reset_e;
+}
 
 struct NonuniformitySettings {
   double prnu = 0.0;
@@ -207,6 +224,7 @@ struct AdcSettings {
   int bits = 14;
   std::optional<double> electrons_per_count{};  ///< else the full well fills the range
   double offset_counts = 0.0;
+  Rounding rounding = Rounding::nearest;
 
   static constexpr auto fields() {
     using enum mtf::Dimension;
@@ -216,21 +234,38 @@ struct AdcSettings {
         Field{optional_row("electrons_per_count", electrons, "e-", 1e-30, 1e30, "\"420 e-\"",
                            "else the full well fills the range"),
               &AdcSettings::electrons_per_count},
-        Field{optional_row("offset", -1e10, 1e10, "200.0", "counts without electrons"), &AdcSettings::offset_counts}};
+        Field{optional_row("offset", -1e10, 1e10, "200.0", "counts without electrons"), &AdcSettings::offset_counts},
+        Field{optional_row("rounding", "\"down\"", "nearest (halves upwards), or down"), &AdcSettings::rounding}};
   }
 };
 
+/// In the order in which the physics takes them.
 struct SensorSettings {
+  std::optional<FrameSettings> frame;
   std::optional<SceneSettings> scene;
-  std::optional<CountsSettings> counts;
+  std::optional<CountCamera> counts;
   std::optional<PathSettings> path;
   std::optional<OpticsSettings> optics;
+  std::optional<OpticalAxis> axis;
+  std::optional<Distortion> distortion;
+  std::optional<VeilingGlare> glare;
+  std::optional<Ghost> ghost;
+  std::optional<Vignetting> vignetting;
+  std::optional<Narcissus> narcissus;
   std::optional<DetectorSettings> detector;
+  std::optional<Microscan> microscan;
+  std::optional<Shutter> shutter;
+  std::optional<Lag> lag;
   std::optional<NonuniformitySettings> nonuniformity;
   std::optional<Defects> defects;
+  std::optional<Blinking> blinking;
+  std::optional<Blooming> blooming;
   std::optional<NoiseSettings> noise;
+  std::optional<Flicker> flicker;
   std::optional<Noise3d> noise_3d;
+  std::optional<Nonlinearity> nonlinearity;
   std::optional<AdcSettings> adc;
+  std::optional<CorrectionSettings> correction;
   std::optional<AutomaticGain> agc;
 };
 

@@ -48,7 +48,7 @@ void read_frame(const Section& root, Frame<double>& frame) {
     return;
   }
   const Section section{root.reader, *table, "frame", "[frame]"};
-  check_keys(section, kFrameKeys);
+  check_keys(section, with_rows(kFrameKeys, root.reader.schema, "frame"));
   if (const auto focal_length = read_scalar(section, kFocalLength, "focal_length"))
     frame.focal_length_mm = focal_length->value;
   else if (!root.reader.has_failed("frame.focal_length"))

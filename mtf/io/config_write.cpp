@@ -177,6 +177,7 @@ void write_frame(Writer& out, const Frame<double>& frame, bool split) {
     out.raw("format", "[" + std::to_string(frame.columns) + ", " + std::to_string(frame.rows) + "]");
   if (frame.integration_time_s != 0.0 || out.is_fit("frame.integration_time"))
     out.number(cfg::kIntegrationTime, frame.integration_time_s);
+  out.settings("frame");
 }
 
 void write_scene(Writer& out, const SceneDefaults& scene) {
@@ -245,7 +246,7 @@ std::string write_config(const SensorConfig& config, const std::string& destinat
     out.raw("wavelength", "[" + um(system.band->lo_um) + ", " + um(system.band->hi_um) + "]");
   }
   for (const SettingsTable& table : config.tables) {
-    if (table.name == "scene" || table.name == "optics") continue;
+    if (table.name == "frame" || table.name == "scene" || table.name == "optics") continue;
     const std::string name(table.name);
     out.table("[" + name + "]", name);
     out.settings(name);
