@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -15,28 +14,16 @@
 
 #include "mtf/error.h"
 #include "mtf/io/csv_cells.h"
+#include "mtf/io/csv_numbers.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/io/spectral_units.h"
 
 namespace mtf::io {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
 constexpr std::size_t kMaxRows = 1'000'000;
 constexpr std::size_t kMaxColumns = 64;
 constexpr std::string_view kRemedy = "write the first line like this: frequency_cy_mm,mtf (or _cy_mrad, _cy_px)";
-
-/// "frequency (cy/mm)" -> "frequency_cy_mm": words in lower case.
-std::string plain_name(std::string_view cell) {
-  std::string name;
-  for (const char c : cell) {
-    if (std::isalnum(static_cast<unsigned char>(c)))
-      name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    else if (!name.empty() && name.back() != '_')
-      name += '_';
-  }
-  while (name.ends_with('_')) name.pop_back();
-  return name;
-}
 
 struct Frequency {
   bool is = false;
@@ -45,7 +32,7 @@ struct Frequency {
 };
 
 Frequency frequency_column(std::string_view cell) {
-  const std::string name = plain_name(cell);
+  const std::string name = plain_words(cell);
   const std::size_t end = std::min(name.find('_'), name.size());
   const std::string word = name.substr(0, end);
   if (word != "frequency" && word != "freq" && word != "f" && word != "spatial") return {};
@@ -84,7 +71,7 @@ Columns read_header(std::string_view line, const std::string& where) {
   for (std::size_t i = 0; i < cells.size(); ++i) {
     names += (i > 0 ? ", " : "") + printable(cells[i], 40);
     if (frequency_column(cells[i]).is) frequencies.push_back(i);
-    if (plain_name(cells[i]) == "mtf") values.push_back(i);
+    if (plain_words(cells[i]) == "mtf") values.push_back(i);
   }
   if (frequencies.empty()) throw fail("no column is called frequency (found: " + printable(names) + ")");
   if (frequencies.size() > 1) throw UsageError(where + "more than one frequency column; leave one");
@@ -165,13 +152,6 @@ Curve parse_curve_csv(std::string_view text, const std::string& source) {
   return make_curve(source, *columns->unit, std::move(frequency), std::move(value));
 }
 
-Curve read_curve_csv(const std::string& path) {
-  std::error_code ignored;
-  // A pipe without a writer would hang the reader of a sensor file.
-  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored) &&
-      !std::filesystem::is_directory(path, ignored))
-    throw RuntimeError("cannot read " + path + ": it is not an ordinary file");
-  return parse_curve_csv(read_text_file(path, kMaxBytes), path);
-}
+Curve read_curve_csv(const std::string& path) { return parse_curve_csv(read_table_text(path), path); }
 
 }  // namespace mtf::io
