@@ -44,7 +44,7 @@ int run_budget(const BudgetOptions& options, const Global& global) {
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
   if (!options.out.empty())
     for (const std::string& input : files_of(config)) require_different(input, options.out);
-  const radiometry::Sensor sensor = load_chain(config);
+  const radiometry::Sensor sensor = load_chain(config).sensor;
   const Rows rows = radiometry::rows(radiometry::budget_of(config.system, sensor, options.temperature_k));
   switch (options.format) {
     case Format::table:

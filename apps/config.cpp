@@ -8,6 +8,7 @@
 
 #include "apps/kinds.h"
 #include "apps/output.h"
+#include "apps/sensor_chain.h"
 #include "apps/sensor_file.h"
 #include "mtf/error.h"
 #include "mtf/io/config.h"
@@ -58,6 +59,7 @@ int explain(const ConfigOptions& options, const Global& global) {
   mtf::io::SensorConfig config = load_sensor(options.file, global);
   config.file = one_line(config.file);
   print(mtf::io::explain_config(config));
+  if (has_chain(config)) print(explain_chain(config));
   return 0;
 }
 
@@ -91,6 +93,8 @@ std::vector<std::string> files_of(const mtf::io::SensorConfig& config) {
 int check_sensor(const std::string& file, Format format) {
   const mtf::io::ConfigResult result =
       mtf::io::parse_config(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file, radiometry::sensor_tables());
+  if (result.ok())
+    if (const std::string problem = chain_problem(result.config); !problem.empty()) throw mtf::UsageError(problem);
   const bool json = format == Format::json;
   if (json) print(as_json(result, file));
   if (!json && result.ok()) print("ok: " + one_line(file) + ": " + summary(result.config.system) + "\n");

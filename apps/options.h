@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "radiometry/tap.h"
+
 namespace apps {
 
 enum class Format { table, csv, json };
@@ -64,6 +66,7 @@ struct SimulateOptions {
   bool explain = false;
   bool measure = false;                               ///< --rigor measure
   std::string wisdom;                                 ///< file with what measuring learnt; read before, written after
+  std::optional<radiometry::Tap> tap;                 ///< place in the chain; default: its end
   std::optional<double> range_low, range_high;        ///< of 16-bit output; default: extremes of the image
   std::optional<FrameRange> frames;                   ///< of a sequence; default: all on disk, or those of the schedule
   std::string schedule;                               ///< CSV of parameters that change over frames; "" = none

@@ -75,6 +75,21 @@ Json sequence_json(const SequenceReport& s) {
   return json;
 }
 
+Json chain_json(const ChainReport& chain) {
+  Json stages = Json::array(), times = Json::object();
+  for (const radiometry::ChainStage& stage : chain.stages)
+    stages.push_back({{"name", stage.name}, {"on", stage.on}, {"what", stage.what}});
+  for (const auto& [name, ms] : chain.timing_ms) times[name] = ms;
+  return {{"tap", chain.tap},
+          {"stages", stages},
+          {"timing_ms", times},
+          {"pixels_at_full_well", chain.well.high},
+          {"pixels_at_least_count", chain.adc.low},
+          {"pixels_at_most_count", chain.adc.high},
+          {"drained_e", chain.spilled.drained_e},
+          {"left_at_edges_e", chain.spilled.left_e}};
+}
+
 // The plan is that of one tile; sizes are those of the whole run.
 void add_tiles(Json& json, const TilesReport& tiles) {
   json["scene_size"] = {tiles.scene.width, tiles.scene.height};
@@ -90,6 +105,14 @@ void add_tiles(Json& json, const TilesReport& tiles) {
 }
 
 }  // namespace
+
+std::string RunReport::quantity() const {
+  return chain ? chain->quantity : std::string(mtf::io::quantity_name(scene->quantity));
+}
+
+std::string RunReport::unit() const {
+  return chain ? chain->unit : std::string(mtf::io::quantity_unit(scene->quantity));
+}
 
 double peak_rss_mib() {
   rusage usage{};
@@ -108,8 +131,8 @@ std::string to_json(const RunReport& r) {
   json["scene"] = r.scene_path;
   json["out"] = r.out_path;
   json["channels"] = r.scene->names;
-  json["quantity"] = mtf::io::quantity_name(r.scene->quantity);
-  json["units"] = mtf::io::quantity_unit(r.scene->quantity);
+  json["quantity"] = r.quantity();
+  json["units"] = r.unit();
   json["scene_size"] = {plan.in.width, plan.in.height};
   json["scene_step_um"] = {plan.in.step_x_um, plan.in.step_y_um};
   json["whole_pixels_in_scene"] = {plan.whole_pitches_x, plan.whole_pitches_y};
@@ -129,6 +152,7 @@ std::string to_json(const RunReport& r) {
   json["plan"]["tolerance"] = r.tolerance;
   json["plan"]["predicted_error"] = r.plan->predicted_error;
   for (const auto& [name, ms] : r.timing_ms) json["timing_ms"][name] = ms;
+  if (r.chain) json["chain"] = chain_json(*r.chain);
   if (r.sequence) json["sequence"] = sequence_json(*r.sequence);
   json["peak_rss_mib"] = peak_rss_mib();
   json["warnings"] = r.warnings;

@@ -11,6 +11,7 @@
 #include "mtf/io/scene.h"
 #include "mtf/sensor_plan.h"
 #include "mtf/tiles.h"
+#include "radiometry/chain.h"
 
 namespace apps {
 
@@ -35,6 +36,15 @@ struct TilesReport {
   std::array<std::int64_t, 2> whole_pixels{};  ///< that the scene holds
 };
 
+/// What was special about a run through the chain to electrons and counts.
+struct ChainReport {
+  std::string tap, quantity, unit;
+  std::vector<radiometry::ChainStage> stages;
+  std::vector<std::pair<std::string, double>> timing_ms;  ///< of the stages that ran
+  radiometry::Clipped well, adc;
+  radiometry::Spilled spilled;
+};
+
 struct RunReport {
   const mtf::io::SensorConfig* config = nullptr;
   const mtf::io::Scene* scene = nullptr;
@@ -49,6 +59,11 @@ struct RunReport {
   std::int64_t clamped = 0;
   std::optional<SequenceReport> sequence;
   std::optional<TilesReport> tiles;
+  std::optional<ChainReport> chain;
+
+  /// Quantity and unit of the output.
+  std::string quantity() const;
+  std::string unit() const;
 };
 
 std::string to_json(const RunReport& report);

@@ -9,8 +9,7 @@ namespace apps {
 
 std::string summary_head(const RunReport& report, const mtf::SampleGrid& out) {
   return one_line(report.out_path) + "  " + std::to_string(out.width) + "x" + std::to_string(out.height) + "  " +
-         std::string(mtf::io::quantity_name(report.scene->quantity)) + " [" +
-         std::string(mtf::io::quantity_unit(report.scene->quantity)) + "]\n";
+         report.quantity() + " [" + report.unit() + "]\n";
 }
 
 std::string summary_channels(const std::vector<std::string>& names, const std::vector<mtf::Statistics>& statistics) {

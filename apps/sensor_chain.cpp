@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/sensor_chain.h"
 
+#include <limits>
+
+#include "apps/output.h"
+#include "apps/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/image_io.h"
+#include "mtf/io/spectrum_csv.h"
+#include "mtf/io/tape7.h"
 #include "radiometry/band_response.h"
 
 namespace apps {
@@ -11,47 +17,104 @@ namespace {
 using radiometry::NumberOrFile;
 using radiometry::Spectrum;
 
+constexpr double kAny = std::numeric_limits<double>::max();
+
 /// Runs `read`, and says which key asked for it when it fails.
 template <class Read>
-auto at_key(const std::string& file, const char* key, const Read& read) {
+auto at_key(const char* key, const Read& read) {
   try {
     return read();
   } catch (const mtf::UsageError& error) {
-    throw mtf::UsageError(file + ": " + key + ": " + error.what());
+    throw mtf::UsageError(std::string(key) + ": " + error.what());
   }
 }
 
+/// The last part of "detector.quantum_efficiency", which is the name of the column too.
+std::string column_of(const std::string& key) { return key.substr(key.rfind('.') + 1); }
+
 Spectrum curve_of(const NumberOrFile& value, const char* key, double most) {
   if (value.file.empty()) return radiometry::constant_spectrum(key, value.number, most);
-  throw mtf::UsageError("curves are not read yet");
+  return at_key(key, [&] {
+    mtf::io::SpectrumColumns curve = mtf::io::read_spectrum_csv(value.file, {column_of(key)});
+    return radiometry::make_spectrum(value.file, std::move(curve.wavelength_um), std::move(curve.columns.front()),
+                                     most);
+  });
 }
 
 void add_curve(std::vector<Spectrum>& curves, const NumberOrFile& value, const char* key) {
   if (!value.file.empty()) curves.push_back(curve_of(value, key, 1.0));
 }
 
-radiometry::Path path_of(const radiometry::PathSettings& settings) {
-  radiometry::Path path;
-  path.transmission = curve_of(settings.transmission, "path.transmission", 1.0);
-  path.radiance = curve_of(settings.radiance, "path.radiance", std::numeric_limits<double>::max());
-  if (settings.air_temperature_k) {
-    path.emissivity = complement(path.transmission);
-    path.air_temperature_k = *settings.air_temperature_k;
+std::shared_ptr<const mtf::Image> map_of(const std::string& file, const char* key) {
+  if (file.empty()) return nullptr;
+  return at_key(key, [&] {
+    mtf::io::ImageFile image = mtf::io::read_image(file, {});
+    if (image.planes.size() != 1)
+      throw mtf::UsageError(file + ": has " + std::to_string(image.planes.size()) + " channels; a map has one");
+    if (image.integer) throw mtf::UsageError(file + ": holds whole numbers; a map is a float image (EXR)");
+    return std::make_shared<const mtf::Image>(std::move(image.planes.front()));
+  });
+}
+
+/// A tape7 of one run has the range that is given; a CSV names its own.
+radiometry::PathTable table_of(const radiometry::PathSettings& settings) {
+  return at_key("path.table", [&] {
+    const std::string& file = settings.table;
+    if (file.ends_with(".csv")) {
+      mtf::io::PathColumns c = mtf::io::read_path_csv(file);
+      return radiometry::PathTable(file, c.range_m, c.wavelength_um, c.transmission, c.radiance);
+    }
+    const std::vector<mtf::io::Tape7Run> runs = mtf::io::read_tape7(file);
+    if (runs.size() == 1 && !settings.range_m)
+      throw mtf::UsageError(file + ": a tape7 does not say how long its path is; give path.range");
+    if (runs.size() > 1)
+      throw mtf::UsageError(file + ": holds " + std::to_string(runs.size()) +
+                            " runs without their ranges; write them as a CSV with a column range_m");
+    const mtf::io::PathColumns c = mtf::io::path_columns(runs, {*settings.range_m});
+    return radiometry::PathTable(file, c.range_m, c.wavelength_um, c.transmission, c.radiance);
+  });
+}
+
+void read_path(const radiometry::SensorSettings& settings, LoadedSensor& loaded) {
+  const radiometry::PathSettings& given = *settings.path;
+  const bool by_pixel = settings.scene && !settings.scene->depth_channel.name.empty();
+  radiometry::Path& path = loaded.sensor.path;
+  if (given.table.empty()) {
+    if (by_pixel || given.range_m)
+      throw mtf::UsageError(std::string(by_pixel ? "scene.depth_channel" : "path.range") +
+                            ": needs path.table, which says what a path of that length does");
+    path.transmission = curve_of(given.transmission, "path.transmission", 1.0);
+    path.radiance = curve_of(given.radiance, "path.radiance", kAny);
+    if (!given.air_temperature_k) return;
+    path.emissivity = radiometry::complement(path.transmission);
+    path.air_temperature_k = *given.air_temperature_k;
+    return;
   }
-  return path;
+  if (given.air_temperature_k || !given.transmission.file.empty() || given.transmission.number != 1.0 ||
+      !given.radiance.file.empty() || given.radiance.number != 0.0)
+    throw mtf::UsageError("path.table: given beside transmission, radiance or air_temperature; it has both terms");
+  auto table = std::make_shared<const radiometry::PathTable>(table_of(given));
+  if (by_pixel && given.range_m)
+    throw mtf::UsageError("path.range: given beside scene.depth_channel; remove one of them");
+  if (by_pixel)
+    loaded.paths = std::move(table);
+  else if (given.range_m)
+    path = at_key("path.range", [&] { return table->at(*given.range_m); });
+  else
+    throw mtf::UsageError("path.range: missing; path.table needs it, or scene.depth_channel");
 }
 
 }  // namespace
 
 bool has_chain(const mtf::io::SensorConfig& config) { return find_table(config.tables, "detector") != nullptr; }
 
-radiometry::Sensor load_chain(const mtf::io::SensorConfig& config) {
-  radiometry::Sensor sensor;
+LoadedSensor load_chain(const mtf::io::SensorConfig& config) try {
+  LoadedSensor loaded;
+  radiometry::Sensor& sensor = loaded.sensor;
   sensor.settings = radiometry::sensor_settings(config.tables);
   const radiometry::SensorSettings& settings = sensor.settings;
   if (!config.system.band)
-    throw mtf::UsageError(config.file +
-                          ": band: missing; electrons need it: write [band] wavelength = [\"3.4 um\", \"4.8 um\"]");
+    throw mtf::UsageError("band: missing; electrons need it: write [band] wavelength = [\"3.4 um\", \"4.8 um\"]");
   sensor.curves.band = {config.system.band->lo_um, config.system.band->hi_um};
   if (settings.optics) {
     add_curve(sensor.curves.optics, settings.optics->transmission, "optics.transmission");
@@ -60,8 +123,54 @@ radiometry::Sensor load_chain(const mtf::io::SensorConfig& config) {
   if (settings.detector)
     add_curve(sensor.curves.quantum_efficiency, settings.detector->quantum_efficiency, "detector.quantum_efficiency");
   if (settings.scene) sensor.emissivity = curve_of(settings.scene->emissivity, "scene.emissivity", 1.0);
-  if (settings.path) sensor.path = path_of(*settings.path);
-  return sensor;
+  if (settings.path)
+    read_path(settings, loaded);
+  else if (settings.scene && !settings.scene->depth_channel.name.empty())
+    throw mtf::UsageError("scene.depth_channel: needs path.table, which says what a path of that length does");
+  if (settings.nonuniformity) {
+    sensor.responsivity = map_of(settings.nonuniformity->responsivity, "nonuniformity.responsivity");
+    sensor.offset = map_of(settings.nonuniformity->offset, "nonuniformity.offset");
+  }
+  if (settings.vignetting) sensor.vignetting = map_of(settings.vignetting->map, "vignetting.map");
+  return loaded;
+} catch (const mtf::UsageError& error) {
+  throw mtf::UsageError(config.file + ": " + error.what());
+}
+
+mtf::System<double> with_electron_rate(const mtf::System<double>& system, const radiometry::Sensor& sensor) {
+  const radiometry::SpectralCamera& camera = sensor.curves;
+  const auto& scene = sensor.settings.scene;
+  const std::optional<double> source_k = scene ? scene->source_temperature_k : std::nullopt;
+  if (!system.band ||
+      (camera.optics.empty() && camera.cold_filter.empty() && camera.quantum_efficiency.empty() && !source_k))
+    return system;
+  mtf::System<double> weighted = system;
+  const radiometry::SceneBand band = radiometry::scene_band(camera, sensor.path);
+  const radiometry::BandResponse response(band.band, band.curves);
+  weighted.band->rate = std::make_shared<const mtf::ElectronRate>(
+      [response, source_k](int n) { return response.electron_nodes(std::min(n, 256), source_k); });
+  return weighted;
+}
+
+std::string explain_chain(const mtf::io::SensorConfig& config) {
+  TextTable on({"stage", "what it does"}), off({"left out", "why"});
+  for (const radiometry::ChainStage& stage : chain_stages(config.system, load_chain(config).sensor))
+    (stage.on ? on : off).add({stage.name, one_line(stage.what)});
+  return "\nchain, in this order\n" + on.aligned() + "\n" + off.aligned();
+}
+
+std::string chain_problem(const mtf::io::SensorConfig& config) {
+  if (!has_chain(config)) return "";
+  try {
+    const radiometry::Sensor sensor = load_chain(config).sensor;
+    radiometry::chain_stages(config.system, sensor);
+    radiometry::require_consistent(sensor.settings);
+    static_cast<void>(radiometry::sampled_system(config.system, sensor));
+    static_cast<void>(with_electron_rate(config.system, sensor));
+  } catch (const mtf::Error& error) {
+    return error.what();
+  }
+  return "";
 }
 
 }  // namespace apps

@@ -82,8 +82,7 @@ void print_summary(const RunReport& report, const SequenceReport& s) {
   const mtf::SampleGrid& out = report.plan->out();
   std::string text = one_line(report.out_path) + "  " + plural(s.frames, "frame") + " (" + std::to_string(s.first) +
                      " to " + std::to_string(s.last) + ")  " + std::to_string(out.width) + "x" +
-                     std::to_string(out.height) + "  " + std::string(mtf::io::quantity_name(report.scene->quantity)) +
-                     " [" + std::string(mtf::io::quantity_unit(report.scene->quantity)) + "]\n";
+                     std::to_string(out.height) + "  " + report.quantity() + " [" + report.unit() + "]\n";
   text += plural(s.schedule_changes, "change") + " of parameters; " + plural(s.plans_compiled, "plan") + " compiled, " +
           std::to_string(s.plans_updated) + " updated\n";
   text += "predicted error up to " + significant(s.predicted_error, 2) + " of a frame's std (tolerance " +
@@ -124,7 +123,9 @@ void run_pipeline(SequenceFrames& frames, std::int64_t in_flight, int threads, c
                                       }) &
             tbb::make_filter<Token, Token>(tbb::filter_mode::parallel, step(&SequenceFrames::read, frames)) &
             tbb::make_filter<Token, Token>(tbb::filter_mode::serial_in_order, step(&SequenceFrames::plan, frames)) &
-            tbb::make_filter<Token, Token>(tbb::filter_mode::parallel, step(&SequenceFrames::run, frames)) &
+            tbb::make_filter<Token, Token>(
+                frames.remembers() ? tbb::filter_mode::serial_in_order : tbb::filter_mode::parallel,
+                step(&SequenceFrames::run, frames)) &
             tbb::make_filter<Token, void>(tbb::filter_mode::serial_in_order, [&](const Token& frame) {
               frames.finish(*frame);
               progress.update("frames", frames.share_done());
@@ -169,7 +170,9 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
   if (!options.schedule.empty()) schedule = mtf::io::read_schedule(options.schedule, sensor);
   names.frames = names.scenes ? names.scenes->find(options.frames) : frames_of_schedule(options, schedule);
   check_files(options, names, files_of(sensor));
-  if (mtf::io::format_from_extension(options.out) != mtf::io::Format::exr && !options.range_low)
+  std::optional<double> low = options.range_low, high = options.range_high;
+  if (const auto physical = physical_of(sensor, options)) keep_whole_numbers(*physical, low, high);
+  if (mtf::io::format_from_extension(options.out) != mtf::io::Format::exr && !low)
     throw mtf::UsageError("16-bit frames need one scale for all of them; give --range LOW:HIGH, or write .exr");
   if (!schedule.settings.empty() && schedule.settings.back().frame > names.frames.back())
     note(global, "note: " + one_line(options.schedule) + " goes on to frame " +
@@ -201,6 +204,7 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
   report.timing_ms = frames.timing_ms();
   report.warnings = frames.warnings();
   report.sequence = facts;
+  if (const Physical* physical = frames.first_physical()) report.chain = report_of(*physical);
   if (!options.report.empty()) emit(options.report, to_json(report));
   if (options.report == "-") return 0;  // standard output is the report
   if (options.explain)

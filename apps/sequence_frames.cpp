@@ -76,18 +76,24 @@ SequenceFrames::SequenceFrames(const SimulateOptions& options, const mtf::io::Se
       threads_(threads),
       schedule_(sensor, std::move(schedule)),
       planner_(options, threads),
-      sensor_(std::make_shared<const mtf::io::SensorConfig>(sensor)) {
+      sensor_(std::make_shared<const mtf::io::SensorConfig>(sensor)),
+      physical_(physical_of(sensor, options)) {
   report_.first = names.frames.front();
   report_.last = names.frames.back();
 }
 
-SceneInput SequenceFrames::load(const std::string& path, const mtf::io::SensorConfig& sensor) const {
+SceneInput SequenceFrames::load(const std::string& path, const mtf::io::SensorConfig& sensor,
+                                const Physical* physical) const {
   SceneInput input{.scene = mtf::io::load_scene(sensor, path, {options_.channel, options_.layer, options_.part}),
                    .masks = {},
                    .bad_pixels = {},
-                   .summary = {}};
+                   .summary = {},
+                   .border_value = sensor.scene.border_value};
   input.masks = treat_bad_pixels(input.scene, options_.nan, input.bad_pixels);
-  input.summary = summarise_all(input.scene, sensor.scene);
+  mtf::io::SceneDefaults defaults = sensor.scene;
+  if (physical != nullptr)
+    defaults.border_value = input.border_value = to_light(sensor, *physical, input.scene, input.masks, path, threads_);
+  input.summary = summarise_all(input.scene, defaults);
   return input;
 }
 
@@ -98,6 +104,8 @@ void SequenceFrames::prepare() {
   if (frame->error) rethrow(*frame);
   prepared_ = frame;
   first_plan_ = frame->plan;
+  first_chain_ = frame->chain;
+  first_physical_ = frame->physical;
   const mtf::io::Scene& scene = frame->input->scene;
   first_scene_.names = scene.names;
   first_scene_.grid = scene.grid;
@@ -132,15 +140,18 @@ std::shared_ptr<Frame> SequenceFrames::next() {
     if (schedule_.advance(frame->number)) {
       ++report_.schedule_changes;
       sensor_ = std::make_shared<const mtf::io::SensorConfig>(schedule_.sensor());
+      physical_ = physical_of(*sensor_, options_);
     }
   });
   frame->sensor = sensor_;
+  frame->physical = physical_;
   frame->settings = schedule_.in_force();
   if (names_.scenes) return frame;
   // The samples of a still scene may be angles, whose size follows the focal length.
   attempt(*frame, frame->read_ms, [&] {
-    if (!still_ || !same_spacing(spacing_sensor_->scene, sensor_->scene))
-      still_ = std::make_shared<const SceneInput>(load(names_.still, *sensor_));
+    if (!still_ || !same_spacing(spacing_sensor_->scene, sensor_->scene) ||
+        (physical_ && !same_light(*spacing_sensor_, *sensor_)))
+      still_ = std::make_shared<const SceneInput>(load(names_.still, *sensor_, physical_.get()));
     spacing_sensor_ = sensor_;
   });
   frame->input = still_;
@@ -150,7 +161,8 @@ std::shared_ptr<Frame> SequenceFrames::next() {
 void SequenceFrames::read(Frame& frame) {
   if (frame.input) return;
   attempt(frame, frame.read_ms, [&] {
-    frame.input = std::make_shared<const SceneInput>(load(names_.scenes->name(frame.number), *frame.sensor));
+    frame.input = std::make_shared<const SceneInput>(
+        load(names_.scenes->name(frame.number), *frame.sensor, frame.physical.get()));
   });
 }
 
@@ -180,17 +192,38 @@ void SequenceFrames::plan(Frame& frame) {
   if (frame.plan) return;
   attempt(frame, frame.plan_ms, [&] {
     if (names_.scenes) require_like_first(frame);
-    frame.plan = planner_.plan_for(*frame.sensor, *frame.input, frame.warnings);
+    frame.plan = planner_.plan_for(*frame.sensor, frame.physical.get(), *frame.input, frame.warnings);
+    if (!frame.physical) return;
+    if (chain_physical_ != frame.physical || chain_plan_ != frame.plan)
+      chain_ = std::make_shared<const radiometry::Chain>(*frame.plan, frame.physical->system,
+                                                         frame.physical->loaded.sensor, radiometry::Origin{}, threads_);
+    chain_physical_ = frame.physical;
+    chain_plan_ = frame.plan;
+    frame.chain = chain_;
   });
+}
+
+std::vector<mtf::Image> SequenceFrames::run_planes(const Frame& frame) {
+  const SceneInput& input = *frame.input;
+  if (frame.chain) {
+    radiometry::ChainState* state = remembers() ? &state_ : nullptr;
+    std::vector<mtf::Image> images;
+    images.push_back(std::move(frame.chain
+                                   ->run(input.scene.planes.front().clone(), static_cast<std::uint32_t>(frame.number),
+                                         frame.physical->tap, input.border_value, threads_, state)
+                                   .image));
+    return images;
+  }
+  std::vector<mtf::ImageView<const float>> planes;
+  for (const mtf::Image& plane : input.scene.planes) planes.push_back(plane.view());
+  return frame.plan->run(planes, input.border_value, threads_);
 }
 
 void SequenceFrames::run(Frame& frame) {
   std::vector<mtf::Image> images;
   attempt(frame, frame.run_ms, [&] {
     const SceneInput& input = *frame.input;
-    std::vector<mtf::ImageView<const float>> planes;
-    for (const mtf::Image& plane : input.scene.planes) planes.push_back(plane.view());
-    images = frame.plan->run(planes, frame.sensor->scene.border_value, threads_);
+    images = run_planes(frame);
     for (std::size_t c = 0; c < input.masks.size(); ++c)
       if (input.masks[c].size() > 0)
         mtf::propagate_bad_pixels(*frame.plan, input.masks[c], frame.plan->options.tolerance, threads_,
@@ -203,8 +236,12 @@ void SequenceFrames::run(Frame& frame) {
     mtf::io::Metadata metadata = provenance(*frame.sensor, scene, *frame.plan, frame.plan->options.tolerance);
     metadata.text["mtf:frame"] = std::to_string(frame.number);
     if (!frame.settings.empty()) metadata.text["mtf:schedule"] = frame.settings;
-    write_sensor_image(names_.out->name(frame.number), output_names(scene.names), images, metadata, options_.range_low,
-                       options_.range_high);
+    std::optional<double> low = options_.range_low, high = options_.range_high;
+    if (frame.physical) {
+      add_chain(metadata, *frame.physical, static_cast<std::uint32_t>(frame.number));
+      keep_whole_numbers(*frame.physical, low, high);
+    }
+    write_sensor_image(names_.out->name(frame.number), output_names(scene.names), images, metadata, low, high);
   });
 }
 

@@ -30,8 +30,10 @@ struct Frame {
   std::int64_t number = 0;
   std::shared_ptr<const mtf::io::SensorConfig> sensor;  ///< as it is at this frame
   std::string settings;                                 ///< what the schedule has changed so far
+  std::shared_ptr<const Physical> physical;             ///< of a sensor with a chain
   std::shared_ptr<const SceneInput> input;
   std::shared_ptr<const mtf::SensorPlan> plan;
+  std::shared_ptr<const radiometry::Chain> chain;
   std::vector<std::string> warnings;
   double read_ms = 0.0, plan_ms = 0.0, run_ms = 0.0, write_ms = 0.0;
   std::exception_ptr error;
@@ -56,6 +58,11 @@ class SequenceFrames {
   /// Counts the frame. Throws its error, its number before the message.
   void finish(const Frame& frame);
 
+  /// True when frames have to run one after another: each leaves something to the next.
+  bool remembers() const { return first_chain_ && first_chain_->remembers(); }
+  /// Of the first frame, of a sensor with a chain.
+  const Physical* first_physical() const { return first_physical_.get(); }
+
   double share_done() const { return static_cast<double>(report_.frames) / static_cast<double>(count()); }
   std::int64_t count() const { return static_cast<std::int64_t>(names_.frames.size()); }
   /// What the first frame was and how it was planned; without its planes.
@@ -70,7 +77,8 @@ class SequenceFrames {
   SequenceReport report() const;
 
  private:
-  SceneInput load(const std::string& path, const mtf::io::SensorConfig& sensor) const;
+  SceneInput load(const std::string& path, const mtf::io::SensorConfig& sensor, const Physical* physical) const;
+  std::vector<mtf::Image> run_planes(const Frame& frame);
   void require_like_first(const Frame& frame);
 
   const SimulateOptions& options_;
@@ -79,6 +87,11 @@ class SequenceFrames {
   mtf::io::ScheduledSensor schedule_;
   SequencePlanner planner_;
   std::shared_ptr<const mtf::io::SensorConfig> sensor_;
+  std::shared_ptr<const Physical> physical_, first_physical_;
+  std::shared_ptr<const radiometry::Chain> chain_, first_chain_;
+  std::shared_ptr<const Physical> chain_physical_;     ///< that chain_ was made of,
+  std::shared_ptr<const mtf::SensorPlan> chain_plan_;  ///< and this
+  radiometry::ChainState state_;
   std::shared_ptr<Frame> prepared_;  ///< the first frame, until it goes its way
   mtf::io::Scene first_scene_;
   std::shared_ptr<const SceneInput> still_;

@@ -40,6 +40,10 @@ bool same_system(const mtf::System<double>& a, const mtf::System<double>& b) {
                      [&](mtf::Stage stage) { return mtf::same_list(a, b, stage); });
 }
 
+const mtf::System<double>& system_of(const mtf::io::SensorConfig& sensor, const Physical* physical) {
+  return physical != nullptr ? physical->filters : sensor.system;
+}
+
 }  // namespace
 
 SequencePlanner::SequencePlanner(const SimulateOptions& options, int threads) : asked_(options.tolerance.has_value()) {
@@ -49,15 +53,21 @@ SequencePlanner::SequencePlanner(const SimulateOptions& options, int threads) : 
 }
 
 std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::SensorConfig& sensor,
-                                                                const SceneInput& input,
+                                                                const Physical* physical, const SceneInput& input,
                                                                 std::vector<std::string>& warnings) {
   options_.border = sensor.scene.border;
+  options_.separate_readout = physical != nullptr;
+  // Of the first frame that has contrast, for all that follow.
+  if (physical != nullptr && !asked_ && !plan_ && input.summary)
+    options_.tolerance =
+        adc_tolerance(physical->system, physical->loaded.sensor, input.summary->std).value_or(options_.tolerance);
   options_.aperture = mtf::io::scene_aperture(sensor.scene, input.scene.grid);
   if (input.summary) met_ = harder(met_, difficulty(*input.summary));
   ++compiled_;
   const auto attempt = [&](const std::optional<mtf::SceneSummary>& summary) {
     options_.scene = summary;
-    return std::make_shared<const mtf::SensorPlan>(mtf::compile_sensor(sensor.system, input.scene.grid, options_));
+    return std::make_shared<const mtf::SensorPlan>(
+        mtf::compile_sensor(system_of(sensor, physical), input.scene.grid, options_));
   };
   const double canvas = options_.border == mtf::Border::reflect ? kRounding : kRoomCanvas;
   const SceneDifficulty room{met_.storage * kRoomStorage, met_.canvas * canvas};
@@ -77,17 +87,18 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::S
 }
 
 std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::SensorConfig& sensor,
-                                                                 const SceneInput& input,
+                                                                 const Physical* physical, const SceneInput& input,
                                                                  std::vector<std::string>& warnings) {
+  const mtf::System<double>& system = system_of(sensor, physical);
   const bool fits = plan_ && plan_->in() == input.scene.grid && serves(plan_->options.scene, input.summary) &&
-                    mtf::detector_grid(sensor.system, input.scene.grid) == plan_->out();
-  if (!fits) return plan_ = compile(sensor, input, warnings);
-  if (same_system(plan_->system, sensor.system)) return plan_;
+                    mtf::detector_grid(system, input.scene.grid) == plan_->out();
+  if (!fits) return plan_ = compile(sensor, physical, input, warnings);
+  if (same_system(plan_->system, system)) return plan_;
   try {
-    plan_ = std::make_shared<const mtf::SensorPlan>(plan_->with(sensor.system));
+    plan_ = std::make_shared<const mtf::SensorPlan>(plan_->with(system));
     ++(plan_->updated ? updated_ : compiled_);
   } catch (const mtf::UnreachableTolerance&) {
-    plan_ = compile(sensor, input, warnings);
+    plan_ = compile(sensor, physical, input, warnings);
   }
   return plan_;
 }

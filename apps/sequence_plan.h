@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "apps/options.h"
+#include "apps/physical.h"
 #include "mtf/io/scene.h"
 #include "mtf/sensor_plan.h"
 
@@ -23,6 +24,7 @@ struct SceneInput {
   std::vector<mtf::Image> masks;  ///< of bad pixels, per channel
   std::string bad_pixels;         ///< what happened to them, "" = none
   std::optional<mtf::SceneSummary> summary;
+  double border_value = 0.0;  ///< in the unit of the planes
 };
 
 /// What of a scene makes a promise hard to keep, relative to its std.
@@ -36,16 +38,17 @@ class SequencePlanner {
   /// Without a tolerance asked for, the default is loosened where a frame cannot keep it, with a warning.
   SequencePlanner(const SimulateOptions& options, int threads);
 
-  /// The plan of a frame; frames come in order. `warnings` gets what should be said. Throws as compile_sensor.
-  std::shared_ptr<const mtf::SensorPlan> plan_for(const mtf::io::SensorConfig& sensor, const SceneInput& input,
-                                                  std::vector<std::string>& warnings);
+  /// The plan of a frame; frames come in order. `physical`: of a sensor with a chain, else null. `warnings` gets what
+  /// should be said. Throws as compile_sensor.
+  std::shared_ptr<const mtf::SensorPlan> plan_for(const mtf::io::SensorConfig& sensor, const Physical* physical,
+                                                  const SceneInput& input, std::vector<std::string>& warnings);
 
   int compiled() const { return compiled_; }
   int updated() const { return updated_; }
 
  private:
-  std::shared_ptr<const mtf::SensorPlan> compile(const mtf::io::SensorConfig& sensor, const SceneInput& input,
-                                                 std::vector<std::string>& warnings);
+  std::shared_ptr<const mtf::SensorPlan> compile(const mtf::io::SensorConfig& sensor, const Physical* physical,
+                                                 const SceneInput& input, std::vector<std::string>& warnings);
 
   mtf::PlanOptions options_;
   bool asked_ = false;

@@ -8,6 +8,7 @@
 #include "apps/measured_file.h"
 #include "apps/options.h"
 #include "apps/output.h"
+#include "apps/physical.h"
 #include "apps/run_report.h"
 #include "apps/run_summary.h"
 #include "apps/sensor_file.h"
@@ -56,6 +57,21 @@ void print_summary(const RunReport& report, const std::vector<std::string>& name
   print(text + summary_channels(names, statistics) + summary_costs(report) + "\n");
 }
 
+std::vector<mtf::Image> run_chain(const Physical& physical, const mtf::SensorPlan& plan, mtf::Image radiance,
+                                  double border_value, RunReport& report, int threads) {
+  const radiometry::Sensor& sensor = physical.loaded.sensor;
+  const radiometry::Chain chain(plan, physical.system, sensor, {}, threads);
+  radiometry::ChainFrame frame = chain.run(std::move(radiance), 0, physical.tap, border_value, threads);
+  report.chain = report_of(physical);
+  report.chain->timing_ms.assign(frame.timing_ms.begin(), frame.timing_ms.end());
+  report.chain->well = frame.well;
+  report.chain->adc = frame.adc;
+  report.chain->spilled = frame.spilled;
+  std::vector<mtf::Image> images;
+  images.push_back(std::move(frame.image));
+  return images;
+}
+
 }  // namespace
 
 int run_simulate(const SimulateOptions& options, const Global& global) {
@@ -70,10 +86,16 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   std::vector<std::string> inputs = files_of(config);
   inputs.push_back(options.scene);
   require_writable(outputs_of(options), inputs);
-  if (wants_tiles(options))
+  const std::shared_ptr<const Physical> physical = physical_of(config, options);
+  const bool in_tiles = !physical && wants_tiles(options);
+  if (physical && options.memory)
+    throw mtf::UsageError(
+        "--memory: tiles hold the filtered scene; a sensor with [detector] takes the whole image. "
+        "Remove --memory, or [detector] and what belongs to it");
+  if (in_tiles)
     for (const char* suffix : {".part", ".part.tiles"})  // where finished tiles are kept
       for (const std::string& input : inputs) require_different(input, options.out + suffix);
-  if (wants_tiles(options)) return simulate_tiles(options, global, config);
+  if (in_tiles) return simulate_tiles(options, global, config);
   mtf::io::Scene scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
   report.warnings = scene.warnings;
   for (std::string& warning : mtf::io::sampling_warnings(config.system, scene.grid))
@@ -81,22 +103,33 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   std::vector<mtf::Image> masks = treat_bad_pixels(scene, options.nan, report.bad_pixels);
   if (!report.bad_pixels.empty()) note(global, "note: " + report.bad_pixels);
   watch.lap("read", report.timing_ms);
+  mtf::io::SceneDefaults defaults = config.scene;
+  if (physical) {
+    defaults.border_value = to_light(config, *physical, scene, masks, options.scene, global.threads);
+    watch.lap("light", report.timing_ms);
+  }
+  const mtf::System<double>& system = physical ? physical->filters : config.system;
 
   mtf::PlanOptions plan_options;
   plan_options.tolerance = options.tolerance.value_or(plan_options.tolerance);
   plan_options.border = config.scene.border;
   plan_options.rigor = options.measure ? mtf::fft::Rigor::measure : mtf::fft::Rigor::estimate;
   plan_options.aperture = mtf::io::scene_aperture(config.scene, scene.grid);
-  plan_options.scene = summarise_all(scene, config.scene);
+  plan_options.scene = summarise_all(scene, defaults);
+  plan_options.separate_readout = physical != nullptr;
+  if (physical && !options.tolerance && plan_options.scene)
+    plan_options.tolerance = adc_tolerance(physical->system, physical->loaded.sensor, plan_options.scene->std)
+                                 .value_or(plan_options.tolerance);
   plan_options.threads = global.threads;
   read_measured(options, global);
-  const std::optional<mtf::TiledSensorPlan> tiles = flat_tiles(config, scene, masks, plan_options, report);
+  const std::optional<mtf::TiledSensorPlan> tiles =
+      physical ? std::nullopt : flat_tiles(config, scene, masks, plan_options, report);
   // What a bad pixel reaches is asked of the plan: it has to hold for more than this scene.
   const bool spreads = std::any_of(masks.begin(), masks.end(), [](const mtf::Image& mask) { return mask.size() > 0; });
   if (!tiles && !spreads) plan_options.spectrum = spectrum_of_all(scene, config.scene.border, global.threads);
   const mtf::SensorPlan plan =
       tiles ? tiles->inner() : compile_reachable(options.tolerance.has_value(), plan_options, report.warnings, [&] {
-        return mtf::compile_sensor(config.system, scene.grid, plan_options);
+        return mtf::compile_sensor(system, scene.grid, plan_options);
       });
   for (const std::string& text : plan.presample.report().notes) report.warnings.push_back(text);
   for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
@@ -105,8 +138,11 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
                      ") and its FFT plans by timing; results may differ between runs, within the tolerance");
   watch.lap("plan", report.timing_ms);
 
-  std::vector<mtf::Image> images = tiles ? run_flat_tiles(*tiles, scene, config.scene.border_value, report)
-                                         : plan.run(std::move(scene.planes), config.scene.border_value, global.threads);
+  std::vector<mtf::Image> images =
+      physical
+          ? run_chain(*physical, plan, std::move(scene.planes.front()), defaults.border_value, report, global.threads)
+      : tiles ? run_flat_tiles(*tiles, scene, config.scene.border_value, report)
+              : plan.run(std::move(scene.planes), config.scene.border_value, global.threads);
   for (std::size_t c = 0; c < masks.size(); ++c)
     if (masks[c].size() > 0)
       mtf::propagate_bad_pixels(plan, masks[c], plan_options.tolerance, global.threads, images[c].view());
@@ -118,15 +154,19 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   watch.lap("run", report.timing_ms);
 
   const std::vector<std::string> names = output_names(scene.names);
-  const Written written =
-      write_sensor_image(options.out, names, images, provenance(config, scene, plan, plan_options.tolerance),
-                         options.range_low, options.range_high);
-  write_measured(options, global);
-  watch.lap("write", report.timing_ms);
-
+  if (physical && options.region)
+    for (mtf::Image& image : images) image = cropped(image, *options.region);
+  std::optional<double> low = options.range_low, high = options.range_high;
+  if (physical) keep_whole_numbers(*physical, low, high);
   report.config = &config;
   report.scene = &scene;
   report.plan = &plan;
+  mtf::io::Metadata metadata = provenance(config, scene, plan, plan_options.tolerance);
+  if (physical) add_chain(metadata, *physical, 0);
+  const Written written = write_sensor_image(options.out, names, images, metadata, low, high);
+  write_measured(options, global);
+  watch.lap("write", report.timing_ms);
+
   report.scene_path = options.scene;
   report.out_path = options.out;
   report.tolerance = plan_options.tolerance;
@@ -134,7 +174,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
     report.gain = written.scaling->gain;
     report.offset = written.scaling->offset;
     report.clamped = written.clamped;
-    report.integer_scaling = "value = gain x file + offset, in " + std::string(mtf::io::quantity_unit(scene.quantity));
+    report.integer_scaling = "value = gain x file + offset, in " + report.unit();
     note(global, "note: 16-bit output, value = " + mtf::format_double(report.gain) + " x file + " +
                      mtf::format_double(report.offset) +
                      (report.clamped > 0 ? ", " + std::to_string(report.clamped) + " samples clamped" : ""));

@@ -142,7 +142,8 @@ Image bad_pixel_mask(ImageView<const float> image) {
 void propagate_bad_pixels(const SensorPlan& plan, const Image& mask, double tolerance, int threads,
                           ImageView<float> image) {
   Image bad = reach(plan.presample, mask, tolerance, threads);
-  if (plan.post) bad = reach(*plan.post, bad, tolerance, threads);
+  for (const std::optional<Plan>* filter : {&plan.readout, &plan.post})
+    if (*filter) bad = reach(**filter, bad, tolerance, threads);
   for (std::int64_t y = 0; y < image.height; ++y)
     for (std::int64_t x = 0; x < image.width; ++x)
       if (bad.at(x, y) != 0.0F) image.at(x, y) = std::numeric_limits<float>::quiet_NaN();

@@ -50,12 +50,16 @@ using SettingValue = std::variant<double, int, bool, std::string>;
 struct GivenSetting {
   std::string_view name;  ///< of the row
   SettingValue value;
+
+  bool operator==(const GivenSetting&) const = default;
 };
 
 /// A table that is in the file, with what is given in it.
 struct SettingsTable {
   std::string_view name;
   std::vector<GivenSetting> settings;
+
+  bool operator==(const SettingsTable&) const = default;
 
   const SettingValue* find(std::string_view key) const {
     for (const GivenSetting& setting : settings)

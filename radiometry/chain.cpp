@@ -43,8 +43,10 @@ Factor factor_of(double number, const mtf::Image& map, double added) {
 
 void refuse(const char* where, const std::string& why) { throw mtf::UsageError(std::string(where) + ": " + why); }
 
-/// What no table can say by itself.
-void check(const SensorSettings& s) {
+}  // namespace
+
+void require_consistent(const SensorSettings& s) {
+  if (!s.detector) return;
   const bool well = std::isfinite(s.detector->full_well_e);
   if (s.nonlinearity && !well) refuse("[nonlinearity]", "needs detector.full_well, which its coefficients refer to");
   if (s.blooming && !well) refuse("[blooming]", "needs detector.full_well, above which charge spills");
@@ -54,8 +56,6 @@ void check(const SensorSettings& s) {
   if (s.detector->capacitance_f && s.detector->reset_e > 0.0)
     refuse("detector.reset_noise", "given beside capacitance; remove one of them");
 }
-
-}  // namespace
 
 Camera<double> camera_of(const mtf::System<double>& system, const Sensor& sensor) {
   const mtf::Context<double> context = system.context();
@@ -111,6 +111,26 @@ std::optional<double> adc_tolerance(const mtf::System<double>& system, const Sen
   return std::isfinite(tolerance) ? std::optional(std::min(tolerance, 1e-2)) : std::nullopt;
 }
 
+Tap last_tap(const mtf::System<double>& system, const Sensor& sensor) {
+  const SensorSettings& s = sensor.settings;
+  if (!system.list(mtf::Stage::postsample).empty() || s.correction || s.agc) return Tap::display;
+  return s.adc ? Tap::dn : Tap::electrons;
+}
+
+std::string_view tap_unit(const Sensor& sensor, Tap tap) {
+  if (tap == Tap::radiance) return "ph.s^-1.m^-2.sr^-1";
+  if (tap == Tap::irradiance) return "ph.s^-1.m^-2";
+  if (tap == Tap::display && sensor.settings.agc) return "levels";
+  return tap == Tap::electrons || !sensor.settings.adc ? "e-" : "counts";
+}
+
+std::string_view tap_quantity(const Sensor& sensor, Tap tap) {
+  if (tap == Tap::radiance) return "photon_radiance";
+  if (tap == Tap::irradiance) return "photon_irradiance";
+  const std::string_view unit = tap_unit(sensor, tap);
+  return unit == "e-" ? "electrons" : unit == "levels" ? "display" : "counts";
+}
+
 mtf::System<double> sampled_system(const mtf::System<double>& system, const Sensor& sensor) {
   mtf::System<double> finer = system;
   const auto& scan = sensor.settings.microscan;
@@ -131,9 +151,10 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
              int threads) {
   const SensorSettings& s = sensor.settings;
   auto impl = std::make_shared<Impl>(plan);
+  impl->last = last_tap(system, sensor);
   impl->camera = camera_of(system, sensor);
   impl->pixel = pixel_of(system, sensor);
-  check(s);
+  require_consistent(s);
   impl->settings = s;
   impl->seed = s.noise ? static_cast<std::uint64_t>(s.noise->seed) : 0;
   impl->origin = origin;
@@ -198,18 +219,6 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
   if (s.blinking) impl->blinking = find_blinking(width, height, *s.blinking, impl->seed, origin);
   if (s.correction) impl->correction = correction_of(*impl, cores);
   impl_ = std::move(impl);
-}
-
-Tap Chain::last() const {
-  if (impl_->plan.post || impl_->correction || impl_->settings.agc) return Tap::display;
-  return impl_->adc ? Tap::dn : Tap::electrons;
-}
-
-std::string_view Chain::unit(Tap tap) const {
-  if (tap == Tap::radiance) return "ph.s^-1.m^-2.sr^-1";
-  if (tap == Tap::irradiance) return "ph.s^-1.m^-2";
-  if (tap == Tap::display && impl_->settings.agc) return "levels";
-  return tap == Tap::electrons || !impl_->adc ? "e-" : "counts";
 }
 
 bool Chain::remembers() const {

@@ -22,13 +22,10 @@
 #include "radiometry/sensitivity.h"
 #include "radiometry/sensor_settings.h"
 #include "radiometry/spectral_signal.h"
+#include "radiometry/tap.h"
 
 namespace radiometry {
 
-/// A place in the chain whose image is wanted.
-enum class Tap { radiance, irradiance, electrons, dn, display };
-inline constexpr std::array<std::string_view, 5> kTapNames{"radiance", "irradiance", "electrons", "dn", "display"};
-constexpr std::span<const std::string_view> words(Tap) { return kTapNames; }
 /// A sensor with all that the files named in its settings hold.
 struct Sensor {
   SensorSettings settings;
@@ -38,6 +35,9 @@ struct Sensor {
   /// Maps of the whole detector in place of random ones, where they are given.
   std::shared_ptr<const mtf::Image> responsivity, offset, vignetting;
 };
+
+/// Throws UsageError for settings that need or exclude each other: what no table can say by itself.
+void require_consistent(const SensorSettings& settings);
 
 /// Camera and pixel of a sensor as the camera equation takes them. What a curve gives is 1 there. Throws UsageError for
 /// what is missing: an f-number, an integration time, [detector].
@@ -49,6 +49,12 @@ Adc adc_of(const Sensor& sensor);
 /// The system as the filters see it: with [microscan] its pitch is divided and its format multiplied by the steps.
 /// Throws UsageError for [microscan] together with [[readout]], which acts on the pixels of one frame.
 mtf::System<double> sampled_system(const mtf::System<double>& system, const Sensor& sensor);
+
+/// The last place that a sensor has: display where anything follows the converter, dn with [adc], else electrons.
+Tap last_tap(const mtf::System<double>& system, const Sensor& sensor);
+/// Unit of its image at a tap: "ph.s^-1.m^-2.sr^-1", "ph.s^-1.m^-2", "e-", "counts", "levels"; and the quantity.
+std::string_view tap_unit(const Sensor& sensor, Tap tap);
+std::string_view tap_quantity(const Sensor& sensor, Tap tap);
 
 /// One stage as a sensor file gives it, for people.
 struct ChainStage {
@@ -82,14 +88,10 @@ class Chain {
   Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin = {},
         int threads = 0);
 
-  /// The last place that this sensor has: display where anything follows the converter, dn with [adc], else electrons.
-  Tap last() const;
-  /// Unit of the image at a tap: "ph.s^-1.m^-2.sr^-1", "ph.s^-1.m^-2", "e-", "counts", "levels".
-  std::string_view unit(Tap tap) const;
   /// True when a frame depends on the one before it: then frames go through one by one, with a state.
   bool remembers() const;
   /// The image at a tap of frame number `frame`. `radiance` is used up. `state`: of the sequence; without one a frame
-  /// stands for itself. Throws UsageError for a tap beyond last() and a plane of another size, RuntimeError as
+  /// stands for itself. Throws UsageError for a tap beyond last_tap() and a plane of another size, RuntimeError as
   /// Plan::run.
   ChainFrame run(mtf::Image radiance, std::uint32_t frame, Tap tap, double border_value = 0.0, int threads = 0,
                  ChainState* state = nullptr) const;

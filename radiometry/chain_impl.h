@@ -23,6 +23,7 @@ struct Chain::Impl {
 
   mtf::SensorPlan plan;
   SensorSettings settings;
+  Tap last = Tap::electrons;
   std::uint64_t seed = 0;
   Origin origin;
   FocalPlane detector;

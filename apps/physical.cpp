@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/physical.h"
+
+#include <algorithm>
+
+#include "mtf/error.h"
+
+namespace apps {
+
+std::shared_ptr<const Physical> physical_of(const mtf::io::SensorConfig& config, const SimulateOptions& options) {
+  if (!has_chain(config)) {
+    if (options.tap)
+      throw mtf::UsageError(config.file +
+                            ": --tap is for sensors with [detector]; this one gives the filtered scene only");
+    for (const mtf::SettingsTable& table : config.tables)
+      if (table.name != "frame" && table.name != "scene" && table.name != "optics")
+        throw mtf::UsageError(config.file + ": [" + std::string(table.name) +
+                              "] is a part of the chain to electrons, which needs [detector]; add it, or remove this");
+    return nullptr;
+  }
+  auto physical = std::make_shared<Physical>();
+  physical->loaded = load_chain(config);
+  const radiometry::Sensor& sensor = physical->loaded.sensor;
+  physical->system = with_electron_rate(config.system, sensor);
+  physical->filters = radiometry::sampled_system(physical->system, sensor);
+  const radiometry::Tap last = last_tap(config.system, sensor);
+  physical->tap = options.tap.value_or(last);
+  if (physical->tap <= last) return physical;
+  const auto name = [](radiometry::Tap tap) {
+    return std::string(radiometry::kTapNames[static_cast<std::size_t>(tap)]);
+  };
+  throw mtf::UsageError(config.file + ": --tap " + name(physical->tap) +
+                        ": the sensor has no such stage; its last one is " + name(last));
+}
+
+bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
+  const auto band = [](const mtf::io::SensorConfig& config) {
+    return config.system.band ? std::pair{config.system.band->lo_um, config.system.band->hi_um} : std::pair{0.0, 0.0};
+  };
+  const auto same = [&](std::string_view name) {
+    const auto *first = find_table(a.tables, name), *second = find_table(b.tables, name);
+    return first == nullptr || second == nullptr ? first == second : *first == *second;
+  };
+  return band(a) == band(b) && same("scene") && same("camera_counts") && same("path") && same("optics") &&
+         same("detector") && a.scene.border_value == b.scene.border_value && a.scene.gain == b.scene.gain &&
+         a.scene.offset == b.scene.offset;
+}
+
+double to_light(const mtf::io::SensorConfig& config, const Physical& physical, mtf::io::Scene& scene,
+                std::vector<mtf::Image>& masks, const std::string& path, int threads) {
+  mtf::Image bad;
+  for (mtf::Image& mask : masks) {
+    if (mask.size() == 0) continue;
+    if (bad.size() == 0)
+      bad = std::move(mask);
+    else
+      for (std::int64_t i = 0; i < bad.size(); ++i) bad.data()[i] = std::max(bad.data()[i], mask.data()[i]);
+  }
+  masks.clear();
+  masks.push_back(std::move(bad));
+  return to_light(config, physical.loaded, scene, path, threads);
+}
+
+ChainReport report_of(const Physical& physical) {
+  ChainReport report;
+  report.tap = radiometry::kTapNames[static_cast<std::size_t>(physical.tap)];
+  report.quantity = physical.quantity();
+  report.unit = physical.unit();
+  report.stages = chain_stages(physical.system, physical.loaded.sensor);
+  return report;
+}
+
+void add_chain(mtf::io::Metadata& metadata, const Physical& physical, std::uint32_t frame) {
+  metadata.text["mtf:quantity"] = physical.quantity();
+  metadata.text["mtf:units"] = physical.unit();
+  metadata.text["mtf:tap"] = radiometry::kTapNames[static_cast<std::size_t>(physical.tap)];
+  const auto& noise = physical.loaded.sensor.settings.noise;
+  if (noise) metadata.text["mtf:noise"] = "seed " + std::to_string(noise->seed) + ", frame " + std::to_string(frame);
+  metadata.history.back() = "mtf simulate: chain to " + metadata.text["mtf:tap"];
+}
+
+void keep_whole_numbers(const Physical& physical, std::optional<double>& low, std::optional<double>& high) {
+  const auto& adc = physical.loaded.sensor.settings.adc;
+  const bool counts = physical.unit() == "counts" && adc && adc->bits <= 16;
+  if (low || !(counts || physical.unit() == "levels")) return;
+  low = 0.0;
+  high = 65535.0;
+}
+
+mtf::Image cropped(const mtf::Image& image, const std::array<std::int64_t, 4>& region) {
+  const auto& [x, y, width, height] = region;
+  if (x < 0 || y < 0 || width < 1 || height < 1 || x + width > image.width() || y + height > image.height())
+    throw mtf::UsageError("--roi: " + std::to_string(width) + "x" + std::to_string(height) + " pixels from (" +
+                          std::to_string(x) + ", " + std::to_string(y) + ") are not all inside the image of " +
+                          std::to_string(image.width()) + "x" + std::to_string(image.height()));
+  mtf::Image part(width, height);
+  for (std::int64_t row = 0; row < height; ++row)
+    std::copy_n(image.data() + (y + row) * image.width() + x, width, part.data() + row * width);
+  return part;
+}
+
+}  // namespace apps

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What `mtf simulate` needs for a sensor file that says more than the OTF: its chain, and the place in it whose image
+// is written.
+
+#include "apps/options.h"
+#include "apps/run_report.h"
+#include "apps/scene_light.h"
+#include "mtf/sensor_plan.h"
+
+namespace apps {
+
+struct Physical {
+  LoadedSensor loaded;
+  mtf::System<double> system;   ///< with the electron rate of the band
+  mtf::System<double> filters;  ///< what plans are compiled for
+  radiometry::Tap tap{};
+
+  std::string_view quantity() const { return tap_quantity(loaded.sensor, tap); }
+  std::string_view unit() const { return tap_unit(loaded.sensor, tap); }
+};
+
+/// Nothing for a sensor file without [detector]. Throws UsageError for --tap where there is none, and as load_chain.
+std::shared_ptr<const Physical> physical_of(const mtf::io::SensorConfig& config, const SimulateOptions& options);
+
+/// True when scenes have the same light in both.
+bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
+
+/// to_light() of scene_light.h; the masks of bad pixels become one.
+double to_light(const mtf::io::SensorConfig& config, const Physical& physical, mtf::io::Scene& scene,
+                std::vector<mtf::Image>& masks, const std::string& path, int threads);
+
+/// What reports say of it before anything has run.
+ChainReport report_of(const Physical& physical);
+
+/// Says in the attributes of an image what its numbers are, and which frame of the noise it is.
+void add_chain(mtf::io::Metadata& metadata, const Physical& physical, std::uint32_t frame);
+
+/// Counts and display levels go into 16-bit files as they are, unless a range was asked for.
+void keep_whole_numbers(const Physical& physical, std::optional<double>& low, std::optional<double>& high);
+
+/// The part of an image that a region of the output wants.
+mtf::Image cropped(const mtf::Image& image, const std::array<std::int64_t, 4>& region);
+
+}  // namespace apps
