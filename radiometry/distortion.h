@@ -12,6 +12,8 @@
 // 0.9915 at the Nyquist frequency of the pixels. Where a barrel compresses the image, detail of the scene beyond its
 // own Nyquist frequency aliases as with any sampling.
 
+#include <vector>
+
 #include "mtf/border.h"
 #include "mtf/image.h"
 #include "radiometry/focal_plane.h"
@@ -49,8 +51,12 @@ class UndistortedRadius {
   double part(double distorted) const;
 
  private:
+  double solve(double distorted, double start) const;
+
   Distortion distortion_;
-  double limit_;  ///< an ideal radius that lies at `most` or beyond; below it r' rises
+  double most_;
+  double limit_;               ///< an ideal radius that lies at `most` or beyond; below it r' rises
+  std::vector<double> start_;  ///< r at evenly spaced r' up to `most`, to begin from
 };
 
 /// The region `out`, from `origin` on, of the distorted whole `scene` on `grid`. Beyond the scene stands what `border`
