@@ -107,6 +107,9 @@ double distorted_part(const Distortion& d, double r) {
 UndistortedRadius::UndistortedRadius(const Distortion& distortion, double most)
     : distortion_(distortion), most_(std::max(most, 1e-30)), limit_(most_) {
   require_valid("distortion", distortion);
+  if (!(most >= 0.0 && most <= 1e15))
+    throw UsageError("distortion: an image that reaches " + mtf::format_double(most) +
+                     " half diagonals from the axis; it has to be from 0 to 1e15");
   const double end = std::sqrt(fold(distortion));
   const auto reaches = [&](double r) { return r * distorted_part(distortion, r) >= most; };
   while (limit_ < end && limit_ < 1e15 && !reaches(limit_)) limit_ *= 2.0;

@@ -45,8 +45,8 @@ double distorted_part(const Distortion& distortion, double r);
 /// r / r' at a place r' of the image up to `most`; finds r once and again.
 class UndistortedRadius {
  public:
-  /// Throws UsageError for coefficients out of bounds, and when the polynomial folds over before it reaches `most`: two
-  /// points of the scene would fall on one place and places further out would see none.
+  /// Throws UsageError for coefficients or `most` out of bounds, and when the polynomial folds over before it reaches
+  /// `most`: two points of the scene would fall on one place and places further out would see none.
   UndistortedRadius(const Distortion& distortion, double most);
   double part(double distorted) const;
 

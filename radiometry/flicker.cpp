@@ -130,8 +130,8 @@ void add_flicker(mtf::ImageView<float> image, const Flicker& flicker, std::int64
                      " is outside a detector of " + std::to_string(columns) + " x " + std::to_string(rows));
   const double density = flicker.white_e * flicker.white_e * flicker.corner_cy_px;
   if (density == 0.0 || image.width == 0 || image.height == 0) return;
-  std::vector<Octave> sum_of;
-  for (int octave = 0; octave < octaves(columns, rows); ++octave) sum_of.emplace_back(key, octave, density);
+  std::vector<Octave> parts;
+  for (int octave = 0; octave < octaves(columns, rows); ++octave) parts.emplace_back(key, octave, density);
 
   const bool by_rows = flicker.order == ReadoutOrder::rows;
   const std::int64_t lines = by_rows ? image.height : image.width, length = by_rows ? image.width : image.height;
@@ -141,7 +141,7 @@ void add_flicker(mtf::ImageView<float> image, const Flicker& flicker, std::int64
     for (std::int64_t line = begin; line < end; ++line) {
       const std::int64_t first = by_rows ? (origin.y + line) * columns + origin.x : (origin.x + line) * rows + origin.y;
       std::fill(noise.begin(), noise.end(), 0.0F);
-      for (const Octave& octave : sum_of) octave.add(static_cast<std::uint64_t>(first), noise, numbers);
+      for (const Octave& octave : parts) octave.add(static_cast<std::uint64_t>(first), noise, numbers);
       float* out = by_rows ? image.row(line) : image.data + line;
       for (std::int64_t i = 0; i < length; ++i) out[i * step] += noise[static_cast<std::size_t>(i)];
     }
