@@ -14,6 +14,7 @@ namespace {
 using mtf::UsageError;
 
 constexpr std::int64_t kRowsAtOnce = 8;
+constexpr int kStarts = 256;
 
 /// d r' / d r at s = r^2.
 double slope(const Distortion& d, double s) { return 1.0 + s * (3.0 * d.k1 + s * (5.0 * d.k2 + s * 7.0 * d.k3)); }
@@ -47,36 +48,53 @@ std::array<double, 4> keys_taps(double t) {
           t * t * (-0.5 + 0.5 * t)};
 }
 
-struct Scene {
-  mtf::ImageView<const float> image;
-  mtf::Border border;
-  double level;
+class Scene {
+ public:
+  Scene(mtf::ImageView<const float> samples, mtf::Border rule, double beyond)
+      : image_(samples), border_(rule), level_(beyond) {}
 
-  double at(std::int64_t x, std::int64_t y) const {
-    const std::int64_t from_x = mtf::border_source(border, x, image.width);
-    const std::int64_t from_y = mtf::border_source(border, y, image.height);
-    return from_x < 0 || from_y < 0 ? level : static_cast<double>(image.at(from_x, from_y));
-  }
   /// Value at a place counted in samples, whole numbers at their centres.
   double at(double x, double y) const {
     const double left = std::floor(x), above = std::floor(y);
     const std::array<double, 4> across = keys_taps(x - left), down = keys_taps(y - above);
     const auto x0 = static_cast<std::int64_t>(left) - 1, y0 = static_cast<std::int64_t>(above) - 1;
-    const bool inside = x0 >= 0 && y0 >= 0 && x0 + 4 <= image.width && y0 + 4 <= image.height;
+    const bool inside = x0 >= 0 && y0 >= 0 && x0 + 4 <= image_.width && y0 + 4 <= image_.height;
+    if (!inside || x == left || y == above) return at_edge(across, down, x0, y0);
+    const float* row = image_.row(y0) + x0;
     double sum = 0.0;
-    for (std::size_t j = 0; j < 4; ++j) {
-      const std::int64_t y_j = y0 + static_cast<std::int64_t>(j);
-      double row = 0.0;
-      for (std::size_t i = 0; i < 4; ++i) {
-        const std::int64_t x_i = x0 + static_cast<std::int64_t>(i);
-        // A sample that takes no part is not read, so that NaN stays where it is when nothing moves.
-        if (across[i] != 0.0 && down[j] != 0.0)
-          row += across[i] * (inside ? static_cast<double>(image.at(x_i, y_j)) : at(x_i, y_j));
-      }
-      sum += down[j] * row;
+    for (const double weight : down) {
+      double value = 0.0;
+      for (std::size_t i = 0; i < 4; ++i) value += across[i] * static_cast<double>(row[i]);
+      sum += weight * value;
+      row += image_.stride;
     }
     return sum;
   }
+
+ private:
+  /// The same near an edge, and where a sample takes no part: it is not read, so that NaN stays where it is when
+  /// nothing moves.
+  double at_edge(const std::array<double, 4>& across, const std::array<double, 4>& down, std::int64_t x0,
+                 std::int64_t y0) const {
+    std::array<std::int64_t, 4> columns{};
+    for (std::size_t i = 0; i < 4; ++i)
+      columns[i] = mtf::border_source(border_, x0 + static_cast<std::int64_t>(i), image_.width);
+    double sum = 0.0;
+    for (std::size_t j = 0; j < 4; ++j) {
+      if (down[j] == 0.0) continue;
+      const std::int64_t row = mtf::border_source(border_, y0 + static_cast<std::int64_t>(j), image_.height);
+      double value = 0.0;
+      for (std::size_t i = 0; i < 4; ++i)
+        if (across[i] != 0.0)
+          value += across[i] * (row < 0 || columns[i] < 0 ? level_ : static_cast<double>(image_.at(columns[i], row)));
+      sum += down[j] * value;
+    }
+    return sum;
+  }
+
+  mtf::ImageView<const float> image_;
+  mtf::Border border_;
+  double level_;
 };
 
 }  // namespace
@@ -87,8 +105,11 @@ double distorted_part(const Distortion& d, double r) {
 }
 
 UndistortedRadius::UndistortedRadius(const Distortion& distortion, double most)
-    : distortion_(distortion), limit_(std::max(most, 1e-30)) {
+    : distortion_(distortion), most_(std::max(most, 1e-30)), limit_(most_) {
   require_valid("distortion", distortion);
+  if (!(most >= 0.0 && most <= 1e15))
+    throw UsageError("distortion: an image that reaches " + mtf::format_double(most) +
+                     " half diagonals from the axis; it has to be from 0 to 1e15");
   const double end = std::sqrt(fold(distortion));
   const auto reaches = [&](double r) { return r * distorted_part(distortion, r) >= most; };
   while (limit_ < end && limit_ < 1e15 && !reaches(limit_)) limit_ *= 2.0;
@@ -99,22 +120,30 @@ UndistortedRadius::UndistortedRadius(const Distortion& distortion, double most)
                      " fold the field over at " + mtf::format_double(limit_ * distorted_part(distortion, limit_)) +
                      " half diagonals, and the image reaches " + mtf::format_double(most) +
                      "; the radius has to rise up to there");
+  for (int i = 0; i <= kStarts; ++i) start_.push_back(solve(most_ * i / kStarts, most_ * i / kStarts));
 }
 
-double UndistortedRadius::part(double distorted) const {
-  if (distorted == 0.0) return 1.0;
+double UndistortedRadius::solve(double distorted, double start) const {
   // Newton's method between ends that always hold the root.
-  double low = 0.0, high = limit_, r = std::min(distorted, limit_);
+  double low = 0.0, high = limit_, r = std::min(start, limit_);
   for (int i = 0; i < 100; ++i) {
     const double miss = r * distorted_part(distortion_, r) - distorted;
     (miss > 0.0 ? high : low) = r;
     double next = r - miss / slope(distortion_, r * r);
     if (!(next >= low && next <= high)) next = 0.5 * (low + high);
-    const bool done = std::abs(next - r) <= 4e-16 * r;
+    const bool done = std::abs(next - r) <= 1e-15 * r;
     r = next;
     if (done) break;
   }
-  return r / distorted;
+  return r;
+}
+
+double UndistortedRadius::part(double distorted) const {
+  if (distorted == 0.0) return 1.0;
+  const double place = std::min(distorted / most_, 1.0) * kStarts;
+  const auto i = std::min(static_cast<std::size_t>(place), start_.size() - 2);
+  const double t = place - static_cast<double>(i);
+  return solve(distorted, start_[i] + t * (start_[i + 1] - start_[i])) / distorted;
 }
 
 void distort(mtf::ImageView<const float> scene, const Distortion& distortion, const FocalPlane& grid,
@@ -128,7 +157,7 @@ void distort(mtf::ImageView<const float> scene, const Distortion& distortion, co
   const double far_x = std::max(std::abs(grid.x_um(0)), std::abs(grid.x_um(grid.columns - 1)));
   const double far_y = std::max(std::abs(grid.y_um(0)), std::abs(grid.y_um(grid.rows - 1)));
   const UndistortedRadius undistorted(distortion, std::hypot(far_x, far_y) * scale);
-  const Scene source{scene, border, static_cast<double>(level)};
+  const Scene source(scene, border, static_cast<double>(level));
   mtf::parallel_for(out.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t y = begin; y < end; ++y)
       for (std::int64_t x = 0; x < out.width; ++x) {

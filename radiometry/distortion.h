@@ -12,6 +12,8 @@
 // 0.9915 at the Nyquist frequency of the pixels. Where a barrel compresses the image, detail of the scene beyond its
 // own Nyquist frequency aliases as with any sampling.
 
+#include <vector>
+
 #include "mtf/border.h"
 #include "mtf/image.h"
 #include "radiometry/focal_plane.h"
@@ -43,14 +45,18 @@ double distorted_part(const Distortion& distortion, double r);
 /// r / r' at a place r' of the image up to `most`; finds r once and again.
 class UndistortedRadius {
  public:
-  /// Throws UsageError for coefficients out of bounds, and when the polynomial folds over before it reaches `most`: two
-  /// points of the scene would fall on one place and places further out would see none.
+  /// Throws UsageError for coefficients or `most` out of bounds, and when the polynomial folds over before it reaches
+  /// `most`: two points of the scene would fall on one place and places further out would see none.
   UndistortedRadius(const Distortion& distortion, double most);
   double part(double distorted) const;
 
  private:
+  double solve(double distorted, double start) const;
+
   Distortion distortion_;
-  double limit_;  ///< an ideal radius that lies at `most` or beyond; below it r' rises
+  double most_;
+  double limit_;               ///< an ideal radius that lies at `most` or beyond; below it r' rises
+  std::vector<double> start_;  ///< r at evenly spaced r' up to `most`, to begin from
 };
 
 /// The region `out`, from `origin` on, of the distorted whole `scene` on `grid`. Beyond the scene stands what `border`

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "mtf/engines/clones.h"
 #include "mtf/parallel.h"
 
 namespace radiometry {
@@ -37,6 +38,20 @@ Stream stream_of(int octave) {
   return static_cast<Stream>(static_cast<std::uint32_t>(Stream::flicker) + (static_cast<std::uint32_t>(octave) << 8));
 }
 
+/// sum[i] += value + t rise, t = (offset + i) / 2^octave.
+MTFKIT_CLONES void add_line(float value, float rise, int octave, std::uint64_t offset, std::size_t count, float* sum) {
+  // A float holds 24 bits of t; the others are cut off.
+  const int cut = std::max(0, octave - 24);
+  const float step = 1.0F / static_cast<float>(std::int32_t{1} << (octave - cut));
+  if (cut == 0) {
+    const auto start = static_cast<std::int32_t>(offset), n = static_cast<std::int32_t>(count);
+    for (std::int32_t i = 0; i < n; ++i) sum[i] += value + static_cast<float>(start + i) * step * rise;
+  } else {
+    for (std::size_t i = 0; i < count; ++i)
+      sum[i] += value + static_cast<float>(static_cast<std::int32_t>((offset + i) >> cut)) * step * rise;
+  }
+}
+
 /// One octave in one frame: random numbers at whole multiples of 2^octave, straight lines between them.
 struct Octave {
   NoiseKey key;
@@ -66,15 +81,20 @@ struct Octave {
 
   /// sum[i] += the octave at pixel first + i of the readout.
   void add(std::uint64_t first, std::vector<float>& sum, std::vector<float>& numbers) const {
-    const std::uint64_t begin = first + shift, spacing_mask = (std::uint64_t{1} << octave) - 1;
+    const std::uint64_t begin = first + shift, spacing = std::uint64_t{1} << octave;
     const std::uint64_t knot = begin >> octave, last = (begin + sum.size() - 1) >> octave;
     draw(knot, static_cast<std::int64_t>(last - knot) + 2, numbers);
-    const auto step = static_cast<float>(std::ldexp(1.0, -octave));
-    for (std::size_t i = 0; i < sum.size(); ++i) {
-      const std::uint64_t place = begin + i;
-      const std::size_t k = static_cast<std::size_t>((place >> octave) - knot);
-      const float t = static_cast<float>(place & spacing_mask) * step;
-      sum[i] += scale * (numbers[k] + t * (numbers[k + 1] - numbers[k]));
+    if (octave == 0) {
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += scale * numbers[i];
+      return;
+    }
+    std::uint64_t offset = begin & (spacing - 1);
+    const float* number = numbers.data();
+    for (std::size_t done = 0; done < sum.size(); ++number) {
+      const std::size_t count = std::min<std::uint64_t>(spacing - offset, sum.size() - done);
+      add_line(scale * number[0], scale * (number[1] - number[0]), octave, offset, count, sum.data() + done);
+      done += count;
+      offset = 0;
     }
   }
 };
@@ -110,8 +130,8 @@ void add_flicker(mtf::ImageView<float> image, const Flicker& flicker, std::int64
                      " is outside a detector of " + std::to_string(columns) + " x " + std::to_string(rows));
   const double density = flicker.white_e * flicker.white_e * flicker.corner_cy_px;
   if (density == 0.0 || image.width == 0 || image.height == 0) return;
-  std::vector<Octave> sum_of;
-  for (int octave = 0; octave < octaves(columns, rows); ++octave) sum_of.emplace_back(key, octave, density);
+  std::vector<Octave> parts;
+  for (int octave = 0; octave < octaves(columns, rows); ++octave) parts.emplace_back(key, octave, density);
 
   const bool by_rows = flicker.order == ReadoutOrder::rows;
   const std::int64_t lines = by_rows ? image.height : image.width, length = by_rows ? image.width : image.height;
@@ -121,7 +141,7 @@ void add_flicker(mtf::ImageView<float> image, const Flicker& flicker, std::int64
     for (std::int64_t line = begin; line < end; ++line) {
       const std::int64_t first = by_rows ? (origin.y + line) * columns + origin.x : (origin.x + line) * rows + origin.y;
       std::fill(noise.begin(), noise.end(), 0.0F);
-      for (const Octave& octave : sum_of) octave.add(static_cast<std::uint64_t>(first), noise, numbers);
+      for (const Octave& octave : parts) octave.add(static_cast<std::uint64_t>(first), noise, numbers);
       float* out = by_rows ? image.row(line) : image.data + line;
       for (std::int64_t i = 0; i < length; ++i) out[i * step] += noise[static_cast<std::size_t>(i)];
     }

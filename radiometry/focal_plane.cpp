@@ -17,13 +17,13 @@ FocalPlane focal_plane(std::int64_t columns, std::int64_t rows, double pitch_x_u
 }
 
 void require_region(const FocalPlane& plane, Origin origin, std::int64_t width, std::int64_t height) {
-  const auto is_step = [](double step_um) { return step_um > 0.0 && std::isfinite(step_um); };
+  const auto is_step = [](double step_um) { return step_um >= 1e-9 && step_um <= 1e12; };
   if (plane.columns < 1 || plane.rows < 1 || !is_step(plane.step_x_um) || !is_step(plane.step_y_um) ||
       !std::isfinite(plane.axis_x_um) || !std::isfinite(plane.axis_y_um))
-    throw mtf::UsageError("focal plane of " + std::to_string(plane.columns) + " x " + std::to_string(plane.rows) +
-                          " samples, " + mtf::format_double(plane.step_x_um) + " x " +
-                          mtf::format_double(plane.step_y_um) +
-                          " um apart; it needs a sample at least, steps above 0 and an axis at a finite place");
+    throw mtf::UsageError(
+        "focal plane of " + std::to_string(plane.columns) + " x " + std::to_string(plane.rows) + " samples, " +
+        mtf::format_double(plane.step_x_um) + " x " + mtf::format_double(plane.step_y_um) +
+        " um apart; it needs a sample at least, steps from 1e-9 to 1e12 um and an axis at a finite place");
   if (origin.x < 0 || origin.y < 0 || width > plane.columns || height > plane.rows ||
       origin.x > plane.columns - width || origin.y > plane.rows - height)
     throw mtf::UsageError("a region of " + std::to_string(width) + " x " + std::to_string(height) +

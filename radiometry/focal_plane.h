@@ -56,7 +56,7 @@ struct FocalPlane {
 FocalPlane focal_plane(std::int64_t columns, std::int64_t rows, double pitch_x_um, double pitch_y_um,
                        const OpticalAxis& axis = {});
 
-/// Throws UsageError for a grid without samples, steps that are not above 0 and finite, a region outside of it.
+/// Throws UsageError for a grid without samples, steps that are not from 1e-9 to 1e12 um, a region outside of it.
 void require_region(const FocalPlane& plane, Origin origin, std::int64_t width, std::int64_t height);
 
 }  // namespace radiometry

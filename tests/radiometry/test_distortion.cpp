@@ -145,6 +145,7 @@ TEST(Distortion, refusals) {
   expect_refused({"fold"}, [] { UndistortedRadius({.k1 = -1.0, .k2 = 0.4}, 1.0); });
   EXPECT_NO_THROW(UndistortedRadius({.k1 = -1.0, .k2 = 0.4}, 0.4));
   expect_refused({"distortion.k3 = inf"}, [] { UndistortedRadius({.k3 = INFINITY}, 1.0); });
+  expect_refused({"reaches nan"}, [] { UndistortedRadius({}, std::nan("")); });
   mtf::Image scene = flat(4, 3, 1.0F), out = flat(4, 3, 1.0F);
   expect_refused({"scene of 4 x 3", "grid of 8 x 6"},
                  [&] { distort(scene.view(), {}, focal_plane(8, 6, 1.0, 1.0), out.view()); });

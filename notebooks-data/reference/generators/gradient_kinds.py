@@ -129,6 +129,24 @@ def birefringent_filter(p):
     return mp.cos(mp.pi * p.length_mm("separation", "x") * p["fx"]) * mp.cos(mp.pi * p.length_mm("separation", "y") * p["fy"])
 
 
+@kind("halo",
+      Case({"fraction": 0.05, "width": (200.0, "um"), "profile": "gaussian"}, TYPICAL + [(0.5, 1.0)]),
+      Case({"fraction": 0.05, "width": (200.0, "um"), "profile": "exponential"}, TYPICAL + [(0.5, 1.0)]),
+      Case({"fraction": 0.05, "width": (200.0, "um"), "profile": "lorentz"}, TYPICAL + [(0.5, 1.0)]),
+      Case({"fraction": 0.3, "width_x": (4.0, "px"), "width_y": (900.0, "urad"), "profile": "exponential", **OBLONG,
+            **FOCAL}, TYPICAL),
+      Case({"fraction": 1.0, "width": (2.0, "px"), "profile": "lorentz", **OBLONG}, TYPICAL),
+      Case({"fraction": 0.0, "width": (50.0, "um"), "profile": "gaussian"}, TYPICAL),
+      Case({"fraction": 0.5, "width": (1e9, "um"), "profile": "exponential"},
+           ZERO + [(1e-9, 0.0), (1e-7, 2e-7), (5.0, 3.0)]))
+def halo(p):
+    q = mp.hypot(*(p.length_mm("width", a) * p.frequency(a) for a in "xy"))
+    halo_of = {"gaussian": lambda: mp.exp(-2 * (mp.pi * q) ** 2),
+               "exponential": lambda: (1 + (2 * mp.pi * q) ** 2) ** mpf("-1.5"),
+               "lorentz": lambda: mp.exp(-2 * mp.pi * q)}
+    return 1 - p["fraction"] + p["fraction"] * halo_of[p.words.get("profile", "gaussian")]()
+
+
 @kind("circular_footprint",
       Case({"diameter": (15.0, "um")}, TYPICAL + around(0.1 / math.pi / 0.015) + around(1.2196698912665045 / 0.015)),
       Case({"diameter_x": (0.9, "px"), "diameter_y": (120.0, "urad"), **OBLONG, **FOCAL}, TYPICAL),
