@@ -10,6 +10,7 @@ from pathlib import Path
 REFERENCE = Path(__file__).resolve().parent.parent / "notebooks-data" / "reference"
 SCRIPTS = {
     "annular.py": ["annular_diffraction_mtf.csv"],
+    "camera_counts.py": ["camera_counts.csv"],
     "defocus.py": ["defocus_circular.csv", "defocus_annular.csv"],
     "elementary.py": ["elementary.csv", "kolmogorov.csv"],
     "fresnel.py": ["fresnel_integrals.csv", "accelerated_motion.csv"],

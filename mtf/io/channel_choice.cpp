@@ -8,6 +8,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/io/spectral_exr.h"
 
 namespace mtf::io {
 namespace {
@@ -158,14 +159,17 @@ ChannelChoice choose_channels(const std::string& path, const std::vector<Channel
         ") is not read; flatten the image in the renderer or compositor first; " + listed(channels));
 
   ChannelChoice choice;
+  bool spectral = false;
   if (options.channel)
     choice.indices = by_name(path, channels, flat, options);
   else if (options.layer)
     choice.indices = by_layer(path, channels, flat, *options.layer);
-  else
+  else if (choice.indices = spectral_choice(path, channels, flat); choice.indices.empty())
     choice.indices = by_default(path, channels, flat);
+  else
+    spectral = true;
 
-  const bool triple = choice.indices.size() == 3;
+  const bool triple = choice.indices.size() == 3 && !spectral;
   for (std::size_t i : choice.indices) {
     const ChannelInfo& c = channels[i];
     if (c.x_sampling != 1 || c.y_sampling != 1)

@@ -71,11 +71,12 @@ struct ImageFile {
   FileInfo info;
 };
 
-/// Reads the channels chosen by `options`. Without a choice: the only channel, or Y, or R,G,B (alpha is left out), of
-/// the channels without a layer or of the only layer; anything else is a UsageError that lists what there is and how to
-/// choose. Damaged, incomplete or impossibly large files: RuntimeError, before memory is taken. Limits: 2^31 pixels a
-/// plane (PNG, TIFF: 2^30 and 2^20 a side), the memory of the machine, what the file can hold compressed, and for
-/// display windows above 2^24 pixels a data window that covers at least 1/256.
+/// Reads the channels chosen by `options`. Without a choice: the radiance spectrum where there is one (spectral_exr.h),
+/// the only channel, or Y, or R,G,B (alpha is left out), of the channels without a layer or of the only layer; anything
+/// else is a UsageError that lists what there is and how to choose. Damaged, incomplete or impossibly large files:
+/// RuntimeError, before memory is taken. Limits: 2^31 pixels a plane (PNG, TIFF: 2^30 and 2^20 a side), the memory of
+/// the machine, what the file can hold compressed, and for display windows above 2^24 pixels a data window that covers
+/// at least 1/256.
 ImageFile read_image(const std::string& path, const ReadOptions& options = {});
 
 /// Text and numbers stored with an image. EXR: typed attributes named `mtf:...`; PNG: tEXt; TIFF: ImageDescription.

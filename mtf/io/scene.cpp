@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "mtf/error.h"
+#include "mtf/io/spectral_exr.h"
 
 namespace mtf::io {
 namespace {
@@ -71,7 +72,8 @@ Scene describe_scene(const SensorConfig& config, const std::string& path, const 
   const SceneDefaults& defaults = config.scene;
   Scene scene;
   scene.grid = grid_of(config, file, path);
-  const std::optional<Quantity> stated = stated_quantity(file);
+  const std::optional<SpectralPlanes> spectral = spectral_planes(path, file);
+  const std::optional<Quantity> stated = spectral ? Quantity::spectral_radiance : stated_quantity(file);
   const bool float_exr = file.info.format == Format::exr && !file.integer;
 
   std::string missing;
@@ -93,9 +95,15 @@ Scene describe_scene(const SensorConfig& config, const std::string& path, const 
   if (file.missing_pixels > 0)
     scene.warnings.push_back(path + ": " + std::to_string(file.missing_pixels) +
                              " pixels of the display window lie outside the data window and are 0");
+  if (spectral) {
+    scene.wavelength_um = spectral->wavelength_um;
+    scene.warnings.insert(scene.warnings.end(), spectral->warnings.begin(), spectral->warnings.end());
+  }
   if (!stated || file.integer)
     scene.scaling = {defaults.gain.value_or(1.0), defaults.offset.value_or(0.0)};
-  else if (defaults.gain || defaults.offset)
+  else if (spectral)
+    scene.scaling = {spectral->factor, 0.0};
+  if (stated && !file.integer && (defaults.gain || defaults.offset))
     scene.warnings.push_back(path + " states its own quantity; gain and offset of [scene] are for files that do not");
   const auto& [width, height, step_x, step_y] = scene.grid;
   if (defaults.sample_x_um && (*defaults.sample_x_um != step_x || *defaults.sample_y_um != step_y))

@@ -13,8 +13,9 @@
 namespace mtf::io {
 
 struct Scene {
-  std::vector<std::string> names;  ///< channels, as read
-  std::vector<Image> planes;       ///< value = gain x file + offset
+  std::vector<std::string> names;     ///< channels, as read
+  std::vector<Image> planes;          ///< value = gain x file + offset
+  std::vector<double> wavelength_um;  ///< of the planes, rising, of a spectral file (spectral_exr.h); else empty
   SampleGrid grid;
   Quantity quantity{};
   std::vector<std::string> warnings;  ///< assumptions and doubts, each with its reason
@@ -23,7 +24,8 @@ struct Scene {
 };
 
 /// Reads `path`. The sample spacing comes from the file (attribute mtf:pixelPitch) or [scene]; integer files need gain,
-/// offset and quantity, float TIFF needs quantity, EXR without a stated quantity is taken as radiance, with a warning.
+/// offset and quantity, float TIFF needs quantity, EXR without a stated quantity is taken as radiance, with a warning;
+/// spectral EXR is spectral_radiance, in W m-2 sr-1 um-1.
 /// Throws UsageError naming the key to add, RuntimeError for unreadable files.
 Scene load_scene(const SensorConfig& config, const std::string& path, const ReadOptions& options);
 

@@ -2,15 +2,22 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <limits>
 
+#include "mtf/io/image_io.h"
 #include "radiometry/raw_counts.h"
+#include "tests/mtf/reference_table.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 
 namespace radiometry {
 namespace {
 
+using mtf::test::number;
+using mtf::test::reference_table;
+using mtf::test::Row;
 using test::expect_refused;
 
 // Constants of a handheld camera, a FLIR E60.
@@ -22,6 +29,44 @@ TEST(RawCounts, there_and_back) {
     EXPECT_NEAR(kCamera.temperature_k(kCamera.count(t)), t, 1e-11 * t) << t;
   EXPECT_TRUE(std::isnan(kCamera.temperature_k(6233.0)));
   EXPECT_TRUE(std::isnan(kCamera.temperature_k(0.0)));
+}
+
+CountCamera camera_of(const Row& row) {
+  return {.r1 = number(row, "r1"),
+          .b_k = number(row, "b_k"),
+          .f = number(row, "f"),
+          .o = number(row, "o"),
+          .r2 = number(row, "r2")};
+}
+
+Reflection reflection_of(const Row& row) {
+  return {.emissivity = number(row, "emissivity"), .reflected_k = number(row, "reflected_k")};
+}
+
+TEST(RawCounts, against_40_digits) {
+  for (const Row& row : reference_table("camera_counts.csv")) {
+    const double exact = number(row, "apparent_k"), count = number(row, "count");
+    EXPECT_NEAR(camera_of(row).temperature_k(count), exact, 1e-14 * exact) << row.where;
+    EXPECT_NEAR(camera_of(row).count(exact), count, 1e-11 * count) << row.where;
+    mtf::Image plane = test::flat(1, 1, static_cast<float>(count));
+    temperature_of_counts(plane.view(), camera_of(row), reflection_of(row));
+    EXPECT_FLOAT_EQ(plane.at(0, 0), static_cast<float>(number(row, "surface_k"))) << row.where;
+  }
+}
+
+TEST(RawCounts, published_thermal_images) {
+  const char* chosen = std::getenv("MTFKIT_SHARED");
+  const std::filesystem::path shared =
+      chosen != nullptr ? chosen : std::filesystem::path(MTFKIT_SOURCE_DIR) / "../shared";
+  const std::filesystem::path folder = shared / "data" / "thermal";
+  if (!std::filesystem::exists(folder / "ducks.png")) GTEST_SKIP() << "no shared data";
+  for (const Row& row : reference_table("camera_counts.csv")) {
+    mtf::io::ImageFile file = mtf::io::read_image((folder / row.at("file")).string());
+    const auto x = static_cast<std::int64_t>(number(row, "x")), y = static_cast<std::int64_t>(number(row, "y"));
+    EXPECT_EQ(static_cast<double>(file.planes[0].at(x, y)), number(row, "count")) << row.where;
+    temperature_of_counts(file.planes[0].view(), camera_of(row), reflection_of(row), 2);
+    EXPECT_FLOAT_EQ(file.planes[0].at(x, y), static_cast<float>(number(row, "surface_k"))) << row.where;
+  }
 }
 
 TEST(RawCounts, reflection_is_taken_off) {
