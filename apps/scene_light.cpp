@@ -2,6 +2,7 @@
 #include "apps/scene_light.h"
 
 #include "mtf/error.h"
+#include "mtf/io/spectral_exr.h"
 #include "radiometry/path_planes.h"
 #include "radiometry/scene_radiance.h"
 
@@ -50,6 +51,10 @@ class Converter {
         radiance_of_temperature(image.view(), band_, {}, options_);
         break;
     }
+  }
+
+  /// What a path that is the same for all pixels adds.
+  void add_path(mtf::Image& image) const {
     if (loaded_.paths) return;
     const auto added = static_cast<float>(path_photon_radiance(loaded_.sensor.curves, loaded_.sensor.path));
     if (added == 0.0F) return;
@@ -62,6 +67,7 @@ class Converter {
   }
 
   const radiometry::SceneSettings& scene() const { return scene_; }
+  const radiometry::SceneBand& band() const { return band_; }
 
  private:
   std::string file_;
@@ -73,23 +79,25 @@ class Converter {
   radiometry::PlaneOptions options_;
 };
 
-/// Takes the plane of that name out of the scene, or reads it from the file; empty for no name.
-mtf::Image take_channel(mtf::io::Scene& scene, const std::string& path, const std::string& name, const char* key) {
+/// The plane of that name beside the scene; empty for no name.
+mtf::Image channel_of(const std::string& path, const std::string& name, const char* key) {
   if (name.empty()) return {};
-  for (std::size_t c = 0; c < scene.names.size(); ++c)
-    if (scene.names[c] == name) {
-      mtf::Image plane = std::move(scene.planes[c]);
-      scene.names.erase(scene.names.begin() + static_cast<std::ptrdiff_t>(c));
-      scene.planes.erase(scene.planes.begin() + static_cast<std::ptrdiff_t>(c));
-      return plane;
-    }
   try {
-    mtf::io::ReadOptions options;
-    options.channel = name;
-    return std::move(mtf::io::read_image(path, options).planes.front());
+    return mtf::io::read_plane(path, {name});
   } catch (const mtf::UsageError& error) {
     throw mtf::UsageError("scene." + std::string(key) + ": " + error.what());
   }
+}
+
+/// Channels of a spectrum become their sum, weighted.
+void merge_spectrum(mtf::io::Scene& scene, const Converter& convert, int threads) {
+  const radiometry::ChannelWeights weights = channel_weights(convert.band(), scene.wavelength_um);
+  std::vector<mtf::ImageView<const float>> channels;
+  for (const mtf::Image& plane : scene.planes) channels.push_back(plane.view());
+  radiometry::radiance_of_channels(channels, weights.weight, scene.planes.front().view(),
+                       {.negative = convert.scene().negative, .threads = threads});
+  scene.planes.resize(1);
+  scene.names = {"spectrum"};
 }
 
 }  // namespace
@@ -97,17 +105,19 @@ mtf::Image take_channel(mtf::io::Scene& scene, const std::string& path, const st
 double to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, mtf::io::Scene& scene,
                 const std::string& path, int threads) {
   const Converter convert(config, loaded, scene.quantity, threads);
-  const mtf::Image emissivity =
-      take_channel(scene, path, convert.scene().emissivity_channel.name, "emissivity_channel");
-  const mtf::Image range_m = take_channel(scene, path, convert.scene().depth_channel.name, "depth_channel");
-  if (scene.planes.size() != 1) {
+  const mtf::Image emissivity = channel_of(path, convert.scene().emissivity_channel.name, "emissivity_channel");
+  const mtf::Image range_m = channel_of(path, convert.scene().depth_channel.name, "depth_channel");
+  const bool spectrum = !scene.wavelength_um.empty();
+  if (!spectrum && scene.planes.size() != 1) {
     std::string names;
     for (const std::string& name : scene.names) names += (names.empty() ? "" : ", ") + name;
     throw mtf::UsageError(path + ": the sensor makes one image of one channel, the scene has " +
                           std::to_string(scene.planes.size()) + " (" + names + "); choose one with --channel");
   }
+  if (spectrum) merge_spectrum(scene, convert, threads);
   mtf::Image& plane = scene.planes.front();
-  convert.to_radiance(plane, emissivity);
+  if (!spectrum) convert.to_radiance(plane, emissivity);
+  convert.add_path(plane);
   if (loaded.paths) convert.through_paths(plane, range_m);
   if (config.scene.border != mtf::Border::constant) return 0.0;
   if (loaded.paths)
@@ -117,6 +127,7 @@ double to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
   mtf::Image border(1, 1);
   border.at(0, 0) = static_cast<float>(config.scene.border_value);
   convert.to_radiance(border, {});
+  convert.add_path(border);
   return static_cast<double>(border.at(0, 0));
 }
 
