@@ -103,6 +103,13 @@ RangeTable::RangeTable(const SceneBand& scene, const PathTable& table, std::opti
   }
 }
 
+const RangeTable::Segment& RangeTable::checked(double range_m) const {
+  if (!(range_m >= 0.0 && range_m <= longest_m()))
+    throw mtf::UsageError(source_ + ": a path of " + mtf::format_double(range_m) + " m; the table goes from 0 to " +
+                          mtf::format_double(longest_m()) + " m");
+  return segment(range_m);
+}
+
 const RangeTable::Segment& RangeTable::segment(double range_m) const {
   const auto end = std::lower_bound(range_m_.begin(), range_m_.end() - 1, range_m);
   return segments_[static_cast<std::size_t>(end - range_m_.begin())];
@@ -116,10 +123,10 @@ double RangeTable::transmission(const Segment& segment, double range_m) const {
   return cell.c0 + t * (cell.c1 + t * (cell.c2 + t * cell.c3));
 }
 
-double RangeTable::transmission(double range_m) const { return transmission(segment(range_m), range_m); }
+double RangeTable::transmission(double range_m) const { return transmission(checked(range_m), range_m); }
 
 double RangeTable::radiance(double range_m) const {
-  const Segment& s = segment(range_m);
+  const Segment& s = checked(range_m);
   return s.radiance + (range_m - s.from_m) * s.radiance_per_m;
 }
 

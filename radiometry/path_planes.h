@@ -28,7 +28,7 @@ class RangeTable {
   RangeTable(const SceneBand& scene, const PathTable& table, std::optional<double> source_k);
 
   double longest_m() const { return range_m_.back(); }
-  /// Of a range in [0, longest].
+  /// Of a range in [0, longest]; UsageError for others.
   double transmission(double range_m) const;
   double radiance(double range_m) const;  ///< photons s^-1 m^-2 sr^-1, weighted
 
@@ -46,6 +46,7 @@ class RangeTable {
     std::size_t first, count;  ///< cells
   };
   const Segment& segment(double range_m) const;
+  const Segment& checked(double range_m) const;
   double transmission(const Segment& segment, double range_m) const;
 
   std::string source_;
