@@ -12,7 +12,8 @@ namespace radiometry {
 namespace {
 
 constexpr double kError = 1e-7;
-constexpr std::size_t kMostCells = 4096;
+constexpr std::size_t kMostCells = 4096, kFewestCells = 16;
+constexpr std::size_t kMostWork = 100'000'000;  ///< cells x wavelengths between two ranges
 
 /// A mean transmission and its change over a whole segment.
 struct Node {
@@ -24,6 +25,7 @@ class Mean {
  public:
   Mean(std::span<const double> weight, std::span<const double> tau0, std::span<const double> tau1) {
     for (std::size_t j = 0; j < weight.size(); ++j) {
+      if (weight[j] == 0.0) continue;
       if (tau0[j] > 0.0 && tau1[j] > 0.0) {
         start_.push_back(weight[j] * tau0[j]);
         log_ratio_.push_back(std::log(tau1[j] / tau0[j]));
@@ -71,13 +73,14 @@ RangeTable::RangeTable(const SceneBand& scene, const PathTable& table, std::opti
   // Clear at range 0; beyond the wavelengths of the table nothing passes.
   std::vector<double> tau0(size, 1.0), radiance0(size, 0.0);
   double from_m = 0.0;
+  const std::size_t most = std::clamp(kMostWork / size, kFewestCells, kMostCells);
   for (std::size_t i = 0; i < range_m_.size(); ++i) {
     const std::vector<double>&tau1 = table.transmission()[i], &radiance1 = table.radiance()[i];
     const double length = range_m_[i] - from_m;
     const Mean mean(weight, tau0, tau1);
     std::size_t count = 2;
     std::vector<Node> nodes{mean.at(0.0), mean.at(0.5), mean.at(1.0)};
-    for (bool fine = false; !fine && count < kMostCells; count *= 2) {
+    for (bool fine = false; !fine && count < most; count *= 2) {
       std::vector<Node> twice{nodes[0]};
       fine = true;
       for (std::size_t k = 0; k < count; ++k) {

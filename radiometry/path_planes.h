@@ -10,7 +10,7 @@
 // included; for a scene of other spectra or temperatures it is an approximation: the spectrum of a pixel is gone by
 // then. Between the ranges of the table tau_j and L_j go as PathTable says; at range 0 the path is clear. tau is looked
 // up between nodes that are set so densely that cubics through value and slope are right within 1e-7 (at most 4096
-// between two ranges); the radiance of the path is exact.
+// between two ranges, fewer for more than 24000 wavelengths); the radiance of the path is exact.
 
 #include <optional>
 #include <string>
