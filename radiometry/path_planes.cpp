@@ -12,7 +12,8 @@ namespace radiometry {
 namespace {
 
 constexpr double kError = 1e-7;
-constexpr std::size_t kMostCells = 4096;
+constexpr std::size_t kMostCells = 4096, kFewestCells = 16;
+constexpr std::size_t kMostWork = 100'000'000;  ///< cells x wavelengths between two ranges
 
 /// A mean transmission and its change over a whole segment.
 struct Node {
@@ -24,6 +25,7 @@ class Mean {
  public:
   Mean(std::span<const double> weight, std::span<const double> tau0, std::span<const double> tau1) {
     for (std::size_t j = 0; j < weight.size(); ++j) {
+      if (weight[j] == 0.0) continue;
       if (tau0[j] > 0.0 && tau1[j] > 0.0) {
         start_.push_back(weight[j] * tau0[j]);
         log_ratio_.push_back(std::log(tau1[j] / tau0[j]));
@@ -71,13 +73,14 @@ RangeTable::RangeTable(const SceneBand& scene, const PathTable& table, std::opti
   // Clear at range 0; beyond the wavelengths of the table nothing passes.
   std::vector<double> tau0(size, 1.0), radiance0(size, 0.0);
   double from_m = 0.0;
+  const std::size_t most = std::clamp(kMostWork / size, kFewestCells, kMostCells);
   for (std::size_t i = 0; i < range_m_.size(); ++i) {
     const std::vector<double>&tau1 = table.transmission()[i], &radiance1 = table.radiance()[i];
     const double length = range_m_[i] - from_m;
     const Mean mean(weight, tau0, tau1);
     std::size_t count = 2;
     std::vector<Node> nodes{mean.at(0.0), mean.at(0.5), mean.at(1.0)};
-    for (bool fine = false; !fine && count < kMostCells; count *= 2) {
+    for (bool fine = false; !fine && count < most; count *= 2) {
       std::vector<Node> twice{nodes[0]};
       fine = true;
       for (std::size_t k = 0; k < count; ++k) {
@@ -103,6 +106,13 @@ RangeTable::RangeTable(const SceneBand& scene, const PathTable& table, std::opti
   }
 }
 
+const RangeTable::Segment& RangeTable::checked(double range_m) const {
+  if (!(range_m >= 0.0 && range_m <= longest_m()))
+    throw mtf::UsageError(source_ + ": a path of " + mtf::format_double(range_m) + " m; the table goes from 0 to " +
+                          mtf::format_double(longest_m()) + " m");
+  return segment(range_m);
+}
+
 const RangeTable::Segment& RangeTable::segment(double range_m) const {
   const auto end = std::lower_bound(range_m_.begin(), range_m_.end() - 1, range_m);
   return segments_[static_cast<std::size_t>(end - range_m_.begin())];
@@ -116,10 +126,10 @@ double RangeTable::transmission(const Segment& segment, double range_m) const {
   return cell.c0 + t * (cell.c1 + t * (cell.c2 + t * cell.c3));
 }
 
-double RangeTable::transmission(double range_m) const { return transmission(segment(range_m), range_m); }
+double RangeTable::transmission(double range_m) const { return transmission(checked(range_m), range_m); }
 
 double RangeTable::radiance(double range_m) const {
-  const Segment& s = segment(range_m);
+  const Segment& s = checked(range_m);
   return s.radiance + (range_m - s.from_m) * s.radiance_per_m;
 }
 

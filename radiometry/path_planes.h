@@ -10,7 +10,7 @@
 // included; for a scene of other spectra or temperatures it is an approximation: the spectrum of a pixel is gone by
 // then. Between the ranges of the table tau_j and L_j go as PathTable says; at range 0 the path is clear. tau is looked
 // up between nodes that are set so densely that cubics through value and slope are right within 1e-7 (at most 4096
-// between two ranges); the radiance of the path is exact.
+// between two ranges, fewer for more than 24000 wavelengths); the radiance of the path is exact.
 
 #include <optional>
 #include <string>
@@ -28,7 +28,7 @@ class RangeTable {
   RangeTable(const SceneBand& scene, const PathTable& table, std::optional<double> source_k);
 
   double longest_m() const { return range_m_.back(); }
-  /// Of a range in [0, longest].
+  /// Of a range in [0, longest]; UsageError for others.
   double transmission(double range_m) const;
   double radiance(double range_m) const;  ///< photons s^-1 m^-2 sr^-1, weighted
 
@@ -46,6 +46,7 @@ class RangeTable {
     std::size_t first, count;  ///< cells
   };
   const Segment& segment(double range_m) const;
+  const Segment& checked(double range_m) const;
   double transmission(const Segment& segment, double range_m) const;
 
   std::string source_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <mutex>
 
@@ -65,6 +66,20 @@ Spectrum hat(std::span<const double> wavelength_um, std::size_t i) {
   return spectrum;
 }
 
+/// The samples of a curve from the last one before the interval to the first one after it.
+Spectrum around(const Spectrum& spectrum, const Interval& interval) {
+  const std::vector<double>& w = spectrum.wavelength_um;
+  if (w.size() == 1) return spectrum;
+  const auto after = std::upper_bound(w.begin(), w.end(), interval.lo_um) - w.begin();
+  const auto last = std::lower_bound(w.begin(), w.end(), interval.hi_um) - w.begin();
+  const auto begin = std::max<std::ptrdiff_t>(after - 1, 0);
+  const auto end = std::min(last + 1, std::ssize(w));
+  return {spectrum.source,
+          {w.begin() + begin, w.begin() + end},
+          {spectrum.value.begin() + begin, spectrum.value.begin() + end}};
+}
+
+/// integral(scene around the channel, hat) for each channel: each looks at no more of the curves than it needs.
 template <class Integral>
 ChannelWeights weights_of(const SceneBand& scene, std::span<const double> wavelength_um, Integral integral) {
   const Spectrum all = make_spectrum("spectral channels", {wavelength_um.begin(), wavelength_um.end()},
@@ -73,8 +88,11 @@ ChannelWeights weights_of(const SceneBand& scene, std::span<const double> wavele
   for (std::size_t i = 0; i < wavelength_um.size(); ++i) {
     const Spectrum own = hat(wavelength_um, i);
     const Interval range = range_of(own);
-    const bool seen = range.hi_um > weights.used.lo_um && range.lo_um < weights.used.hi_um;
-    weights.weight.push_back(seen ? integral(own) : 0.0);
+    SceneBand near{{std::max(range.lo_um, weights.used.lo_um), std::min(range.hi_um, weights.used.hi_um)}, {}};
+    const bool seen = near.band.hi_um > near.band.lo_um;
+    if (seen)
+      for (const Spectrum& curve : scene.curves) near.curves.push_back(around(curve, near.band));
+    weights.weight.push_back(seen ? integral(near, own) : 0.0);
   }
   return weights;
 }
@@ -148,15 +166,15 @@ double photons_per_radiance(Flux given, const SceneBand& scene, std::optional<do
 
 ChannelWeights channel_weights(const SceneBand& scene, std::span<const double> wavelength_um) {
   const Spectrum per_joule = photons_per_joule(response_with(scene, {}).range());
-  return weights_of(scene, wavelength_um, [&](const Spectrum& hat) {
-    return response_with(scene, {hat, per_joule}).integral();
+  return weights_of(scene, wavelength_um, [&](const SceneBand& near, const Spectrum& own) {
+    return response_with(near, {own, per_joule}).integral();
   });
 }
 
 ChannelWeights shape_weights(const SceneBand& scene, std::span<const double> wavelength_um,
                              std::optional<double> source_k) {
-  return weights_of(scene, wavelength_um, [&](const Spectrum& hat) {
-    const BandResponse response = response_with(scene, {hat});
+  return weights_of(scene, wavelength_um, [&](const SceneBand& near, const Spectrum& own) {
+    const BandResponse response = response_with(near, {own});
     return source_k ? response.radiance(Flux::photons, *source_k) : response.integral();
   });
 }

@@ -14,7 +14,6 @@
 namespace mtf::io {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
 constexpr std::size_t kMaxRows = 1'000'000;
 constexpr std::size_t kMaxColumns = 64;
 
@@ -63,13 +62,13 @@ CsvNumbers read_csv_numbers(std::string_view text, const std::string& source, co
   return numbers;
 }
 
-std::string read_table_text(const std::string& path) {
+std::string read_table_text(const std::string& path, std::size_t limit) {
   std::error_code ignored;
   // A pipe without a writer would hang the reader of a sensor file.
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored) &&
       !std::filesystem::is_directory(path, ignored))
     throw RuntimeError("cannot read " + path + ": it is not an ordinary file");
-  return read_text_file(path, kMaxBytes);
+  return read_text_file(path, limit);
 }
 
 }  // namespace mtf::io

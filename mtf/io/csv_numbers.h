@@ -25,7 +25,7 @@ using ChooseColumns =
 CsvNumbers read_csv_numbers(std::string_view text, const std::string& source, const std::string& remedy,
                             const ChooseColumns& choose);
 
-/// An ordinary file of at most 64 MiB. Throws RuntimeError.
-std::string read_table_text(const std::string& path);
+/// An ordinary file of at most `limit` bytes. Throws RuntimeError.
+std::string read_table_text(const std::string& path, std::size_t limit = std::size_t{64} << 20);
 
 }  // namespace mtf::io

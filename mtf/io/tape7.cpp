@@ -9,7 +9,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/csv_cells.h"
-#include "mtf/io/curve_csv.h"
+#include "mtf/io/csv_numbers.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/units.h"
 
@@ -180,7 +180,9 @@ std::vector<Tape7Run> parse_tape7(std::string_view text, const std::string& sour
   return runs;
 }
 
-std::vector<Tape7Run> read_tape7(const std::string& path) { return parse_tape7(read_text_file(path, kMaxBytes), path); }
+std::vector<Tape7Run> read_tape7(const std::string& path) {
+  return parse_tape7(read_table_text(path, kMaxBytes), path);
+}
 
 PathColumns path_columns(const std::vector<Tape7Run>& runs, const std::vector<double>& range_m) {
   if (runs.empty()) throw UsageError("a table of paths: no runs");

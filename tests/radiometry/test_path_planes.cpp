@@ -46,6 +46,10 @@ TEST(RangeTable, is_the_camera_equation_at_every_range) {
   EXPECT_EQ(ranges.longest_m(), 5000.0);
   EXPECT_NEAR(ranges.transmission(0.0), 1.0, 1e-14);
   EXPECT_EQ(ranges.radiance(0.0), 0.0);
+  for (const double r : {-1.0, 5000.1, std::nan("")}) {
+    expect_refused({"air.csv", "from 0 to 5000 m"}, [&] { ranges.transmission(r); });
+    expect_refused({"air.csv", "from 0 to 5000 m"}, [&] { ranges.radiance(r); });
+  }
 }
 
 TEST(RangeTable, without_a_temperature_photons_are_spread_evenly) {

@@ -140,6 +140,19 @@ TEST(SceneRadiance, dense_channels_of_a_blackbody_give_its_radiance) {
   expect_close(sum, BandResponse(scene.band, scene.curves).radiance(Flux::photons, 300.0), 1e-5);
 }
 
+TEST(SceneRadiance, many_channels_and_samples_take_no_longer_than_both) {
+  std::vector<double> wavelength, ones;
+  for (int i = 0; i <= 30000; ++i) {
+    wavelength.push_back(2.9 + 8e-5 * i);
+    ones.push_back(0.5 + 0.25 * (i % 2));
+  }
+  const SceneBand scene{{3.0, 5.0}, {make_spectrum("qe", wavelength, ones)}};
+  const std::vector<double> weight = shape_weights(scene, wavelength, {}).weight;
+  double sum = 0.0;
+  for (const double w : weight) sum += w;
+  expect_close(sum, BandResponse(scene.band, scene.curves).integral(), 1e-11);
+}
+
 TEST(SceneRadiance, one_channel_is_a_constant_over_the_band) {
   const double wavelength = 4.0;
   const ChannelWeights weights = channel_weights(open_band(), {&wavelength, 1});
