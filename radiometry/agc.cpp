@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <mutex>
 
 #include "mtf/parallel.h"
 
@@ -10,20 +12,109 @@ namespace radiometry {
 namespace {
 
 constexpr std::int64_t kRowsAtOnce = 16;
+constexpr std::int64_t kRankBins = 1 << 14;
 
-/// The value that a part of the sorted values lies below; reorders them.
-double quantile(std::vector<float>& values, double part) {
-  const auto at = static_cast<std::ptrdiff_t>(std::floor(part * static_cast<double>(values.size() - 1) + 0.5));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return static_cast<double>(values[static_cast<std::size_t>(at)]);
+using Counts = std::vector<std::int64_t>;
+
+/// What the finite pixels are, at a glance.
+struct Extent {
+  std::int64_t count = 0;
+  float low = std::numeric_limits<float>::infinity(), high = -std::numeric_limits<float>::infinity();
+};
+
+/// Merges what `part(rows)` says of blocks of rows; sums of whole numbers and extremes know no order.
+template <class Result, class Part, class Merge>
+Result over_rows(std::int64_t height, int threads, Result result, const Part& part, const Merge& merge) {
+  std::mutex lock;
+  mtf::parallel_for(height, std::max<std::int64_t>(kRowsAtOnce, height / 64), threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      const Result one = part(begin, end);
+                      const std::scoped_lock guard(lock);
+                      merge(result, one);
+                    });
+  return result;
 }
 
-}  // namespace
+Extent extent_of(mtf::ImageView<const float> frame, int threads) {
+  const auto part = [&](std::int64_t begin, std::int64_t end) {
+    Extent e;
+    for (std::int64_t y = begin; y < end; ++y) {
+      const float* row = frame.row(y);
+      for (std::int64_t x = 0; x < frame.width; ++x) {
+        const bool finite = std::abs(row[x]) <= std::numeric_limits<float>::max();
+        e.count += finite ? 1 : 0;
+        e.low = finite && row[x] < e.low ? row[x] : e.low;
+        e.high = finite && row[x] > e.high ? row[x] : e.high;
+      }
+    }
+    return e;
+  };
+  return over_rows(frame.height, threads, Extent{}, part, [](Extent& all, const Extent& one) {
+    all.count += one.count;
+    all.low = std::min(all.low, one.low);
+    all.high = std::max(all.high, one.high);
+  });
+}
 
-float ToneCurve::at(float value) const {
-  if (std::isnan(value)) return value;
+/// Bin of a value among `bins` between low and high, both included; values outside and NaN have none, -1.
+struct Bins {
+  double low, scale;
+  std::int64_t bins;
+
+  Bins(double from, double to, std::int64_t count)
+      : low(from), scale(static_cast<double>(count) / (to - from)), bins(count) {}
+  std::int64_t operator()(float value) const {
+    const double place = (static_cast<double>(value) - low) * scale;
+    if (!(place >= 0.0 && place <= static_cast<double>(bins))) return -1;
+    return std::min(static_cast<std::int64_t>(place), bins - 1);
+  }
+};
+
+Counts histogram(mtf::ImageView<const float> frame, const Bins& bin, int threads) {
+  const Counts none(static_cast<std::size_t>(bin.bins), 0);
+  const auto part = [&](std::int64_t begin, std::int64_t end) {
+    Counts counts = none;
+    for (std::int64_t y = begin; y < end; ++y)
+      for (std::int64_t x = 0; x < frame.width; ++x)
+        if (const std::int64_t i = bin(frame.at(x, y)); i >= 0) ++counts[static_cast<std::size_t>(i)];
+    return counts;
+  };
+  return over_rows(frame.height, threads, none, part, [](Counts& all, const Counts& one) {
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] += one[i];
+  });
+}
+
+/// The values at two ranks of the sorted pixels: a histogram says in which bins they are, and only those are sorted.
+std::array<double, 2> values_at(mtf::ImageView<const float> frame, const Extent& extent,
+                                const std::array<std::int64_t, 2>& ranks, int threads) {
+  if (!(extent.high > extent.low)) return {static_cast<double>(extent.low), static_cast<double>(extent.low)};
+  const Bins bin(static_cast<double>(extent.low), static_cast<double>(extent.high), kRankBins);
+  const Counts counts = histogram(frame, bin, threads);
+  std::array<double, 2> found{};
+  for (std::size_t k = 0; k < ranks.size(); ++k) {
+    std::int64_t rank = ranks[k], wanted = 0;
+    while (rank >= counts[static_cast<std::size_t>(wanted)]) rank -= counts[static_cast<std::size_t>(wanted++)];
+    std::vector<float> values;
+    values.reserve(static_cast<std::size_t>(counts[static_cast<std::size_t>(wanted)]));
+    // A comparison throws out nearly all; rounding of the edges is left to `bin`.
+    const auto edge = [&](double at) { return static_cast<float>(bin.low + at / bin.scale); };
+    const float from = edge(static_cast<double>(wanted) - 0.01), to = edge(static_cast<double>(wanted) + 1.01);
+    for (std::int64_t y = 0; y < frame.height; ++y) {
+      const float* row = frame.row(y);
+      for (std::int64_t x = 0; x < frame.width; ++x)
+        if (row[x] >= from && row[x] <= to && bin(row[x]) == wanted) values.push_back(row[x]);
+    }
+    const auto at = values.begin() + rank;
+    std::nth_element(values.begin(), at, values.end());
+    found[k] = static_cast<double>(*at);
+  }
+  return found;
+}
+
+/// Level of a value that is not NaN; `scale`: intervals of the curve for one unit of value.
+float on_curve(float value, double low, double scale, const std::vector<float>& level) {
   const auto intervals = static_cast<double>(level.size() - 1);
-  const double place = (static_cast<double>(value) - low) / (high - low) * intervals;
+  const double place = (static_cast<double>(value) - low) * scale;
   if (!(place > 0.0)) return level.front();
   if (place >= intervals) return level.back();
   const auto i = static_cast<std::size_t>(place);
@@ -31,14 +122,22 @@ float ToneCurve::at(float value) const {
   return level[i] * (1.0F - t) + level[i + 1] * t;
 }
 
-ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gain) {
+}  // namespace
+
+float ToneCurve::at(float value) const {
+  if (std::isnan(value)) return value;
+  return on_curve(value, low, static_cast<double>(level.size() - 1) / (high - low), level);
+}
+
+ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gain, int threads) {
   require_valid("agc", gain);
-  std::vector<float> values;
-  for (std::int64_t y = 0; y < frame.height; ++y)
-    for (std::int64_t x = 0; x < frame.width; ++x)
-      if (std::isfinite(frame.at(x, y))) values.push_back(frame.at(x, y));
-  if (values.empty()) throw mtf::UsageError("agc: a frame without a finite pixel; there is nothing to go by");
-  ToneCurve curve{.low = quantile(values, gain.clip), .high = quantile(values, 1.0 - gain.clip), .level = {}};
+  const Extent extent = extent_of(frame, threads);
+  if (extent.count == 0) throw mtf::UsageError("agc: a frame without a finite pixel; there is nothing to go by");
+  const auto rank = [&](double part) {
+    return static_cast<std::int64_t>(std::floor(part * static_cast<double>(extent.count - 1) + 0.5));
+  };
+  const auto [low, high] = values_at(frame, extent, {rank(gain.clip), rank(1.0 - gain.clip)}, threads);
+  ToneCurve curve{.low = low, .high = high, .level = {}};
   const auto most = static_cast<float>(gain.most_level);
   if (!(curve.high > curve.low)) {
     // One value, the clipped ends aside: what is below is dark, above bright.
@@ -48,16 +147,10 @@ ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gai
   curve.level = {0.0F, most};
   if (gain.method == GainMethod::linear) return curve;
 
-  const auto bins = static_cast<std::size_t>(gain.bins);
-  std::vector<double> count(bins, 0.0);
-  const double scale = static_cast<double>(bins) / (curve.high - curve.low);
-  for (const float value : values) {
-    const double place = (static_cast<double>(value) - curve.low) * scale;
-    if (place >= 0.0 && place <= static_cast<double>(bins))
-      ++count[std::min(static_cast<std::size_t>(place), bins - 1)];
-  }
+  const Counts pixels = histogram(frame, Bins(curve.low, curve.high, gain.bins), threads);
+  std::vector<double> count(pixels.begin(), pixels.end());
   // Ends below 1 pixel would leave no levels at all.
-  const double cap = std::max(1.0, gain.plateau * static_cast<double>(values.size()));
+  const double cap = std::max(1.0, gain.plateau * static_cast<double>(extent.count));
   double total = 0.0;
   for (double& c : count) total += c = std::min(c, cap);
   curve.level.assign(1, 0.0F);
@@ -74,10 +167,12 @@ void apply(mtf::ImageView<float> image, const ToneCurve& curve, int threads) {
     throw mtf::UsageError("agc: a curve of " + std::to_string(curve.level.size()) + " levels from " +
                           mtf::format_double(curve.low) + " to " + mtf::format_double(curve.high) +
                           "; make it with tone_curve");
+  const double scale = static_cast<double>(curve.level.size() - 1) / (curve.high - curve.low);
   mtf::parallel_for(image.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t y = begin; y < end; ++y) {
       float* row = image.row(y);
-      for (std::int64_t x = 0; x < image.width; ++x) row[x] = curve.at(row[x]);
+      for (std::int64_t x = 0; x < image.width; ++x)
+        if (!std::isnan(row[x])) row[x] = on_curve(row[x], curve.low, scale, curve.level);
     }
   });
 }

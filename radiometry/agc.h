@@ -68,7 +68,7 @@ struct ToneCurve {
 
 /// The curve of a frame; NaN pixels do not count. A frame of one value gets the middle level. Throws UsageError for
 /// settings out of bounds and a frame without a finite pixel.
-ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gain);
+ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gain, int threads = 1);
 
 /// image = curve(image).
 void apply(mtf::ImageView<float> image, const ToneCurve& curve, int threads = 1);

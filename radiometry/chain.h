@@ -6,8 +6,8 @@
 //     -> distortion -> presample OTF, sampling at the pitch -> veiling glare, ghost          tap `radiance`
 //     -> cone of light, transmission, vignetting                                             tap `irradiance`
 //     -> shutter -> mean electrons of light + warm optics + stop (narcissus), x responsivity, + dark current -> lag
-//     -> defects, blinking -> shot noise -> full well or blooming -> readout OTF
-//     -> offsets, read, 1/f, row, column, 3-D noise -> nonlinearity                           tap `electrons`
+//     -> defects, blinking -> shot noise -> full well or blooming -> nonlinearity -> readout OTF
+//     -> offsets, read, 1/f, row, column, 3-D noise                                           tap `electrons`
 //     -> gain, offset, rounding, saturation                                                   tap `dn`
 //     -> two-point correction, bad pixels -> postsample filters -> automatic gain, polarity   tap `display`
 // Each stage is a free function on one frame; chain_run.cpp is where their order stands. A stage whose table is not in

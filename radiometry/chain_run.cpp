@@ -146,6 +146,10 @@ struct Chain::Impl::Run {
       frame.well.high += held.high;
       lap("full well");
     }
+    if (chain.response) {
+      apply_response(image.view(), *chain.response, threads);
+      lap("nonlinearity");
+    }
     if (chain.plan.readout) {
       filter(*chain.plan.readout, image, border, threads);
       border *= chain.plan.readout->dc();
@@ -170,10 +174,6 @@ struct Chain::Impl::Run {
     if (s.noise_3d) {
       add_noise_3d(image.view(), *s.noise_3d, key, chain.origin, threads);
       lap("3-D noise");
-    }
-    if (chain.response) {
-      apply_response(image.view(), *chain.response, threads);
-      lap("nonlinearity");
     }
   }
 
@@ -221,7 +221,7 @@ struct Chain::Impl::Run {
       lap("postsample");
     }
     if (const auto& agc = chain.settings.agc) {
-      apply(image.view(), tone_curve(image.view(), *agc), threads);
+      apply(image.view(), tone_curve(image.view(), *agc, threads), threads);
       if (agc->polarity == Polarity::black_hot) invert_polarity(image.view(), agc->most_level);
       lap("agc");
     }

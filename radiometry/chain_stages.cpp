@@ -93,6 +93,8 @@ std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Se
   const std::string well = std::isfinite(pixel.full_well_e) ? rounded(pixel.full_well_e) + " e-" : "";
   add("full well", s.blooming ? "" : well, s.blooming ? "[blooming] takes its place" : "no full_well in [detector]");
   add("blooming", s.blooming ? "above " + well : "", "no [blooming]");
+  add("nonlinearity", s.nonlinearity ? "a2 " + rounded(s.nonlinearity->a2) + ", a3 " + rounded(s.nonlinearity->a3) : "",
+      "no [nonlinearity]");
   list(mtf::Stage::readout);
   add("offsets", sensor.offset ? unequal.offset : terms({{"dsnu", unequal.dsnu_e}}, "e- rms"),
       "no dsnu in [nonuniformity]");
@@ -113,8 +115,6 @@ std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Se
               : "",
       or_else("no row or column in [noise]"));
   add("3-D noise", s.noise_3d ? terms({{"total", s.noise_3d->total()}}, "e- rms") : "", "no [noise_3d]");
-  add("nonlinearity", s.nonlinearity ? "a2 " + rounded(s.nonlinearity->a2) + ", a3 " + rounded(s.nonlinearity->a3) : "",
-      "no [nonlinearity]");
   std::string converter;
   if (s.adc) {
     const Adc adc = adc_of(sensor);
