@@ -46,15 +46,15 @@ struct FitRounds {
   double least_variance = 4e-12;     ///< of a pixel
   std::optional<double> variance{};  ///< of a pixel, when known
 };
-/// Powers of t that the sums need.
-int highest_power(const Unknowns& unknowns);
+/// Whether the sums need powers of t above those of a straight edge.
+bool asks_for_bends(const Unknowns& unknowns);
 NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitRounds& rounds);
 
 /// What is known at a model: profile, residuals, noise, equations.
 struct FitState {
   NoiseModel noise;
   StepProfile profile;
-  EdgeSums sums{1};
+  EdgeSums sums;
   NormalEquations normal;
   Vector step = Vector::Zero();  ///< the last one, not taken: what is left to the best fit
   bool converged = false;
