@@ -83,9 +83,8 @@ std::optional<Estimate> crossing(const EdgeResponse& response, const EdgeMeasure
   std::size_t i = 1;
   while (i < out.mtf.size() && out.mtf[i] > contrast) ++i;
   if (i == out.mtf.size()) return std::nullopt;
-  const double f = falls_to(
-      contrast, {out.frequency_cy_px[i - 1], out.mtf[i - 1]}, {out.frequency_cy_px[i], out.mtf[i]},
-      [&](double at) { return response.otf(at).mtf(); });
+  const double f = falls_to(contrast, {out.frequency_cy_px[i - 1], out.mtf[i - 1]},
+                            {out.frequency_cy_px[i], out.mtf[i]}, [&](double at) { return response.otf(at).mtf(); });
   // The mean of a crossing of noisy curves is off in second order of the noise: with M' and M'' the derivatives by f,
   //   <df> = cov(M, M') / M'^2 - M'' var(M) / (2 M'^3).
   const double step = std::min(2e-3, 0.5 * f);
@@ -173,7 +172,7 @@ void describe(const EdgeResponse& response, EdgeMeasurement& out) {
   out.overshoot = overshoot(response);
   out.fwhm_px = full_width(response, out);
   if (!out.fwhm_px)
-    out.absent.emplace_back("fwhm", "the line spread function has no peak of half height on both sides");
+    out.absent.emplace_back("fwhm_px", "the line spread function has no peak of half height on both sides");
   out.mtfa = area_of_mtf(response, out);
   if (out.mtf10)
     out.sampling_efficiency = Estimate{2.0 * out.mtf10->value, 2.0 * out.mtf10->sd};

@@ -87,11 +87,9 @@ Vector next_step(const NormalEquations& normal, const EdgeModel& model, const Un
   }
 }
 
-double chi2(const FitState& state, const NoiseModel& noise) {
+double chi2(const EdgeSums& sums, const std::vector<double>& weight) {
   double sum = 0.0;
-  for (int i = 0; i < kBins; ++i)
-    if (state.sums.count(i) > 0.0)
-      sum += state.sums.square(i) / noise.at(state.profile.esf[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < kBins; ++i) sum += sums.square(i) * weight[static_cast<std::size_t>(i)];
   return sum;
 }
 
@@ -151,20 +149,23 @@ Eigen::ArrayXd basis_values(int a, const StepProfile& profile, double contrast) 
   return side;
 }
 
-NormalEquations assemble(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile,
-                         const NoiseModel& noise, const Unknowns& unknowns) {
-  NormalEquations normal;
+void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) {
+  const EdgeSums& sums = state.sums;
+  const Unknowns& unknowns = rounds.unknowns;
+  NormalEquations& normal = state.normal = {};
+  state.weight = pixel_weights(sums, model, state.profile, state.noise, rounds.rounding);
   int highest = 1;
   for (int a = 0; a < kUnknowns; ++a)
     if (unknowns[static_cast<std::size_t>(a)]) highest = std::max(highest, basis_power(a));
   Eigen::ArrayXXd moment(kBins, 2 * highest + 1), residual(kBins, highest + 1);  // a column a power, weighted
   for (int i = 0; i < kBins; ++i) {
-    const double weight = 1.0 / noise.at(profile.esf[static_cast<std::size_t>(i)]);
+    const auto bin = static_cast<std::size_t>(i);
+    const double weight = state.weight[bin];
     for (int k = 0; k < 3; ++k) moment(i, k) = weight * sums.moment(i, k);
     for (int k = 0; k < 2; ++k) residual(i, k) = weight * sums.residual(i, k);
     for (int k = 3; k <= 2 * highest; ++k) moment(i, k) = weight * sums.moment(i, k);
     for (int k = 2; k <= highest; ++k) residual(i, k) = weight * sums.residual(i, k);
-    normal.count += sums.count(i);
+    normal.count += sums.count(i) * weight * state.noise.at(state.profile.esf[bin]);
     normal.chi2 += weight * sums.square(i);
   }
   std::vector<int> list;
@@ -172,7 +173,7 @@ NormalEquations assemble(const EdgeSums& sums, const EdgeModel& model, const Ste
   for (int a = 0; a < kUnknowns; ++a) {
     if (!unknowns[static_cast<std::size_t>(a)]) continue;
     list.push_back(a);
-    basis.push_back(basis_values(a, profile, model.contrast()));
+    basis.push_back(basis_values(a, state.profile, model.contrast()));
     const int p = basis_power(a);
     const double* mine = basis.back().data();
     normal.gradient[a] = (basis.back() * residual.col(p)).sum();
@@ -180,7 +181,6 @@ NormalEquations assemble(const EdgeSums& sums, const EdgeModel& model, const Ste
       normal.matrix(a, list[k]) = normal.matrix(list[k], a) =
           sum_of_products(mine, basis[k].data(), moment.col(p + basis_power(list[k])).data());
   }
-  return normal;
 }
 
 void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns) {
@@ -199,7 +199,7 @@ bool asks_for_bends(const Unknowns& unknowns) {
 
 NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitRounds& rounds) {
   if (rounds.variance) return {.dark = *rounds.variance, .bright = *rounds.variance};
-  return estimate_noise(sums, profile, rounds.least_variance);
+  return estimate_noise(sums, profile, rounds.least_variance, rounds.rounding);
 }
 
 FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRounds& rounds) {
@@ -207,7 +207,7 @@ FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRou
   state.profile = make_profile(tabulate(model.shape, model.curve.angle_rad));
   state.sums = accumulate(pixels, model, state.profile, asks_for_bends(rounds.unknowns), rounds.step);
   state.noise = noise_of(state.sums, state.profile, rounds);
-  state.normal = assemble(state.sums, model, state.profile, state.noise, rounds.unknowns);
+  assemble(state, model, rounds);
   return state;
 }
 
@@ -232,7 +232,7 @@ FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRoun
     // Pixels out of reach leave chi2: an edge that runs away from them is no better.
     constexpr double kKept = 0.7;
     const bool better =
-        chi2(tried, state.noise) <= state.normal.chi2 + 2.0 && tried.normal.count >= kKept * state.normal.count;
+        chi2(tried.sums, state.weight) <= state.normal.chi2 + 2.0 && tried.normal.count >= kKept * state.normal.count;
     damping = better ? 0.1 * damping : std::max(1e-4, 30.0 * damping);
     if (damping < 1e-6) damping = 0.0;
     if (better) model = next, state = std::move(tried);

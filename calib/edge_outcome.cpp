@@ -278,6 +278,9 @@ void warn(const EdgeFacts& facts, EdgeMeasurement& out) {
   if (facts.outliers > 0)
     out.warnings.push_back(std::to_string(facts.outliers) + (facts.outliers == 1 ? " single pixel" : " single pixels") +
                            " far from the model left out");
+  if (facts.missing > 0)
+    out.warnings.push_back(std::to_string(facts.missing) + (facts.missing == 1 ? " pixel is" : " pixels are") +
+                           " no number or infinite and left out");
   if (out.clipped_share > 0.0)
     out.warnings.push_back(number(100.0 * out.clipped_share) + " % of the pixels are clipped and left out");
 }

@@ -44,8 +44,7 @@ MTFKIT_CLONES void extend(const float* values, std::int64_t n, float from, float
 
 Extent extent_of(mtf::ImageView<const float> image, const Roi& roi, float from, float to) {
   Extent extent;
-  for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j)
-    extend(image.row(j) + roi.x, roi.width, from, to, extent);
+  for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j) extend(image.row(j) + roi.x, roi.width, from, to, extent);
   return extent;
 }
 

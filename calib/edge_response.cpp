@@ -172,8 +172,7 @@ EdgeResponse::Row EdgeResponse::slope_row(double d_px) const {
   Row row(value_.size());
   const double sign = d_px < 0.0 ? -1.0 : 1.0;
   const auto shapes = static_cast<Eigen::Index>(shapes_.size());
-  for (Eigen::Index i = 0; i < shapes; ++i)
-    row[i] = slope_of(table_.slope[shapes_[static_cast<std::size_t>(i)]], true);
+  for (Eigen::Index i = 0; i < shapes; ++i) row[i] = slope_of(table_.slope[shapes_[static_cast<std::size_t>(i)]], true);
   for (Eigen::Index i = shapes; i < real_; ++i)
     row[i] = pair_slope(splines_[static_cast<std::size_t>(i - shapes)], std::abs(d_px));
   row[real_] = -slope_of(table_.lsf, false);

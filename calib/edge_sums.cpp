@@ -82,8 +82,8 @@ MTFKIT_CLONES void add_bent(const Chunk& chunk, const StepProfile& profile, doub
   for (std::size_t k = 0; k < size; ++k) {
     if (!profile.shows_bends(chunk.bin[k])) continue;
     const double t = chunk.along[k], r = chunk.residual[k], t2 = t * t, t3 = t2 * t, t4 = t2 * t2;
-    const std::array<double, 12> term{t3,      t4,     t4 * t, t4 * t2, t4 * t3, t4 * t4, t4 * t4 * t, t4 * t4 * t2,
-                                      r * t2, r * t3, r * t4, r * t4 * t};
+    const std::array<double, 12> term{t3,          t4,           t4 * t, t4 * t2, t4 * t3, t4 * t4,
+                                      t4 * t4 * t, t4 * t4 * t2, r * t2, r * t3,  r * t4,  r * t4 * t};
     double* s = sums + 12 * static_cast<std::ptrdiff_t>(chunk.bin[k]);
     for (std::size_t m = 0; m < 12; ++m) s[m] += term[m];
   }

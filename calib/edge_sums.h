@@ -34,8 +34,8 @@ struct StepProfile {
   std::vector<std::array<double, 4>> cubic;  ///< in d - centre; one more for what is out of reach
   std::vector<double> esf, lsf;
   std::array<std::vector<double>, kShapes> slope;
-  /// The bins [first, end) outside which the line spread is below a thousandth of that at the edge: where bends of the edge are
-  /// seen. Their derivatives, the terms t^2 and higher, count as zero elsewhere.
+  /// The bins [first, end) outside which the line spread is below a thousandth of that at the edge: where bends of the
+  /// edge are seen. Their derivatives, the terms t^2 and higher, count as zero elsewhere.
   int bend_first = 0, bend_end = kBins;
   bool shows_bends(int i) const { return i >= bend_first && i < bend_end; }
 };

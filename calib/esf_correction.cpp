@@ -80,7 +80,7 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
     for (const int i : {kSideBins + side, kSideBins - 1 - side}) {
       const double n = state.sums.count(i);
       if (n == 0.0) continue;
-      const double weight = 1.0 / state.noise.at(state.profile.esf[static_cast<std::size_t>(i)]);
+      const double weight = state.weight[static_cast<std::size_t>(i)];
       for (Eigen::Index k = 0; k < fixed; ++k)
         column[k] = weight * basis(k, i) * state.sums.moment(i, basis_power(unknowns[static_cast<std::size_t>(k)]));
       const double residual = weight * state.sums.residual(i, 0);

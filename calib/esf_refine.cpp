@@ -94,7 +94,7 @@ FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& referen
   for (std::size_t i = 0; i < kBins; ++i)
     next.sums.add_to_residual(static_cast<int>(i), model.contrast() * (next.profile.esf[i] - reference.esf[i]));
   next.profile.slope = reference.slope;
-  next.normal = assemble(next.sums, model, next.profile, next.noise, rounds.unknowns);
+  assemble(next, model, rounds);
   next.converged = true;
   return next;
 }
