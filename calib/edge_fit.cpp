@@ -33,7 +33,9 @@ Box trusted(const ReferenceShape& shape) {
   box.high.segment<kHighestOrder + 1>(kFirstShift).setConstant(2.0 + 3.0 * blur_px);
   box.high.tail<kShapes>() << 0.2 + blur_px, 0.05 + 1.5 * blur_px2, 0.5 + 6.0 * blur_px2;
   box.low = -box.high;
+  // Both at once must not leave an edge so sharp that no pixel lies on it.
   box.low[kFirstShape + 1] = -0.7 * blur_px2;
+  box.low[kFirstShape + 2] = -0.5 - 0.7 * shape.q_px2;
   return box;
 }
 

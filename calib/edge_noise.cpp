@@ -66,7 +66,7 @@ std::vector<double> pixel_weights(const EdgeSums& sums, const EdgeModel& model, 
     const auto bin = [&](int k) { return bright ? kBins - 1 - k : k; };  // from the far end inwards
     const auto step_of = [&](int k) {
       const double esf = profile.esf[static_cast<std::size_t>(bin(k))];
-      return std::round(model.contrast() * (bright ? 1.0 - esf : esf) / step);
+      return std::round(2.0 * model.contrast() * (bright ? 1.0 - esf : esf) / step);
     };
     for (int first = 0, last = 0; first < kSideBins; first = last) {
       double n = 0.0, length_px = 0.0;

@@ -156,16 +156,29 @@ bool suspects_outliers(const EdgeFacts& facts) {
 std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
                             const EdgeFacts& facts) {
   constexpr double kMostShare = 0.02;
+  constexpr double kCommon = 0.3;   // of the pixels at a distance: they belong to the response, as overshoot does
+  constexpr double kWindows = 4.0;  // a pixel
+  constexpr auto kCount = static_cast<std::size_t>(2.0 * kReach_px * kWindows) + 1;
   const DistanceBins& bins = DistanceBins::get();
   const double limit = std::max(8.0 * facts.local_noise_sd, 0.25 * model.contrast());
-  EdgePixels kept;
-  for (auto* list : {&kept.x, &kept.y, &kept.value}) list->reserve(pixels.size());
+  std::vector<std::size_t> window(pixels.size());
+  std::vector<bool> far(pixels.size());
+  std::array<double, kCount> all{}, apart{};
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const double d =
         locate(model.curve, {static_cast<double>(pixels.x[i]), static_cast<double>(pixels.y[i])}).distance_px;
-    const double esf = std::abs(d) < kReach_px ? profile.esf[static_cast<std::size_t>(bins.index(d))] : d > 0.0;
+    const bool inside = std::abs(d) < kReach_px;
+    const double esf = inside ? profile.esf[static_cast<std::size_t>(bins.index(d))] : d > 0.0;
     const double expected = model.level[0] + model.contrast() * esf;
-    if (std::abs(static_cast<double>(pixels.value[i]) - expected) > limit) continue;
+    far[i] = std::abs(static_cast<double>(pixels.value[i]) - expected) > limit;
+    window[i] = inside ? static_cast<std::size_t>((d + kReach_px) * kWindows) : kCount - 1;
+    all[window[i]] += 1.0;
+    apart[window[i]] += far[i] ? 1.0 : 0.0;
+  }
+  EdgePixels kept;
+  for (auto* list : {&kept.x, &kept.y, &kept.value}) list->reserve(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (far[i] && apart[window[i]] <= kCommon * all[window[i]]) continue;
     kept.x.push_back(pixels.x[i]);
     kept.y.push_back(pixels.y[i]);
     kept.value.push_back(pixels.value[i]);

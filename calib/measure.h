@@ -35,15 +35,15 @@ inline constexpr int kCurveSamples = 201;
 inline constexpr double kCurveStep_cy_px = 0.005;
 
 struct MeasureOptions {
-  std::optional<int> order;        ///< of the edge curve, 1 to 5; chosen by an F-test when not given
-  bool circle = false;             ///< a circle instead of polynomials
-  std::optional<double> noise_sd;  ///< of a pixel, in the image's unit; estimated when not given
-  double quantum = 0.0;            ///< step between neighbouring values of the image (1 for counts); 0 = none
+  std::optional<int> order{};        ///< of the edge curve, 1 to 5; chosen by an F-test when not given
+  bool circle = false;               ///< a circle instead of polynomials
+  std::optional<double> noise_sd{};  ///< of a pixel, in the image's unit; estimated when not given
+  double quantum = 0.0;              ///< step between neighbouring values of the image (1 for counts); 0 = none
   /// The same at a level, where it depends on that as in images that were encoded; `quantum` everywhere if empty.
-  std::function<double(double level)> quantum_at;
-  std::optional<double> saturation;  ///< values at or above are clipped
-  std::optional<double> floor;       ///< values at or below are clipped
-  bool sparse = false;               ///< a Bayer plane or masked image: pixels without data are nothing to warn of
+  std::function<double(double level)> quantum_at{};
+  std::optional<double> saturation{};  ///< values at or above are clipped
+  std::optional<double> floor{};       ///< values at or below are clipped
+  bool sparse = false;                 ///< a Bayer plane or masked image: pixels without data are nothing to warn of
 };
 
 /// Why there is no result, or what to be careful with.
