@@ -190,7 +190,10 @@ std::string measure_table(const MeasureReport& report) {
   if (any)
     text += std::string("\nMTF and frequencies along the normal of the edge, in cycles per pixel; ") +
             (report.method == "iso12233" ? "" : "+- is one standard deviation; ") + "method " + report.method + "\n";
-  for (const FailedImage& failed : report.failed) notes += one_line(failed.image) + ": " + failed.reason + "\n";
+  for (const FailedImage& failed : report.failed) {
+    const bool named = failed.reason.find(one_line(failed.image)) != std::string::npos;
+    notes += (named ? "" : one_line(failed.image) + ": ") + failed.reason + "\n";
+  }
   return text + (notes.empty() ? "" : (text.empty() ? "" : "\n") + notes);
 }
 
