@@ -78,7 +78,8 @@ Command measure_command() {
   add_text(app, "--curves", "FILE", "MTF, OTF, ESF and LSF of all edges as CSV", options.curves);
   add_text(app, "--plot", "FILE",
            "figure of ESF, LSF and MTF with error band: .svg, .pdf or .png; its data beside it as .csv", options.plot);
-  add_text(app, "--map", "FILE", "figure of MTF50 over the field, sagittal and tangential; its data beside it as .csv",
+  add_text(app, "--map", "FILE",
+           "maps of MTF50 over the image, one of sagittal and one of tangential edges; their data beside as .csv",
            options.map);
   add_text(app, "--annotate", "FILE", "PNG of the image with the edges drawn", options.annotate);
   app.run = [shared](const Global& global) { return run_measure(*shared, global); };

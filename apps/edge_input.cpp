@@ -122,9 +122,25 @@ calib::MeasureOptions options_of(const mtf::io::ImageFile& file, const mtf::io::
     high = std::fmax(high, plane.data()[i]);
   }
   options.quantum = mtf::io::quantum_at(encoding, 0.5 * (static_cast<double>(low) + high), full);
+  if (encoding.kind != mtf::io::Encoding::Kind::linear)
+    options.quantum_at = [encoding, full](double level) { return mtf::io::quantum_at(encoding, level, full); };
   if (!options.saturation && std::isfinite(scale[1])) options.saturation = scale[1];
   if (std::isfinite(scale[0])) options.floor = scale[0];
   return options;
+}
+
+Linearisation linearisation_of(const mtf::io::ImageFile& file, const mtf::io::Encoding& encoding,
+                               const calib::MeasureOptions& options, const EdgeInput& input) {
+  return {.encoding = encoding.name,
+          .storage = file.info.storage,
+          .integer = file.integer,
+          .full_scale = mtf::io::full_scale(file.info),
+          .dark_end = options.floor,
+          .light_end = options.saturation,
+          .mosaic = input.bayer.empty()     ? ""
+                    : input.pattern.empty() ? "rggb"
+                                            : input.pattern,
+          .mask = input.mask};
 }
 
 std::vector<EdgeRegion> given_regions(const EdgeInput& input) {
@@ -160,6 +176,8 @@ std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInpu
     plane.channel = named.name;
     if (regions == Regions::wanted) plane.regions = given_regions(input);
     plane.options = options_of(file, encoding, scale, input, named.plane);
+    plane.options.sparse = !input.bayer.empty() || !input.mask.empty();
+    plane.linearisation = linearisation_of(file, encoding, plane.options, input);
     if (regions == Regions::wanted && plane.regions.empty()) {
       const calib::FindOptions find{
           .most = static_cast<std::size_t>(input.most), .min_length_px = input.min_length_px, .min_cnr = input.min_cnr};

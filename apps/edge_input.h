@@ -3,6 +3,7 @@
 
 // Images of edges as the command line describes them: linear planes, no data as NaN, and the regions to look at.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,17 @@ struct EdgeRegion {
   std::string name;  ///< of a region file; "" = none
 };
 
+/// What made the stored values linear, and the file's scale in linear units.
+struct Linearisation {
+  std::string encoding;                       ///< as of --encoding
+  std::string storage;                        ///< of the file, "8-bit"
+  bool integer = false;                       ///< stored as whole numbers
+  double full_scale = 1.0;                    ///< largest stored value
+  std::optional<double> dark_end, light_end;  ///< linear values where the scale ends; absent for floating point
+  std::string mosaic;                         ///< pattern of a colour filter mosaic; "" = none
+  std::string mask;                           ///< file; "" = none
+};
+
 struct EdgePlane {
   std::string image;    ///< the file
   std::string channel;  ///< "" when there is only one
@@ -24,6 +36,7 @@ struct EdgePlane {
   std::string reason;
   std::string warning;            ///< "" = none
   calib::MeasureOptions options;  ///< noise, quantum and clipping of these values
+  Linearisation linearisation;
 };
 
 /// Whether regions are taken from the command line or looked for; a point source is its whole image.

@@ -61,7 +61,13 @@ calib::EdgeMeasurement measure(const EdgePlane& plane, const calib::Roi& roi, co
 }  // namespace
 
 std::vector<MeasuredEdge> measure_plane(const EdgePlane& plane, const EdgeMethod& method, int threads) {
-  const MeasuredEdge blank{.image = plane.image, .channel = plane.channel, .name = "", .edge = {}, .place = {}};
+  const MeasuredEdge blank{.image = plane.image,
+                           .channel = plane.channel,
+                           .name = "",
+                           .linearisation = plane.linearisation,
+                           .quantum = plane.options.quantum,
+                           .edge = {},
+                           .place = {}};
   std::vector<MeasuredEdge> edges(std::max<std::size_t>(1, plane.regions.size()), blank);
   if (plane.regions.empty()) {
     edges.front().edge.roi = {0, 0, plane.plane.width(), plane.plane.height()};

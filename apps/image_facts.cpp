@@ -5,6 +5,9 @@
 #include <filesystem>
 
 #include "apps/output.h"
+#ifdef MTFKIT_HAVE_CALIB
+#include "calib/find_edges.h"
+#endif
 #include "mtf/error.h"
 #include "mtf/io/channel_choice.h"
 
@@ -89,8 +92,8 @@ void measure_exr(ImageFacts& facts, const InfoOptions& options) {
     facts.remarks.push_back(std::to_string(missing) + " pixels lie outside the data window and count as 0");
 }
 
-/// The shortest choice that reads an image from the file; "" when only channels one by one remain, which is tried last.
-std::string choice_words(const std::string& path, const FileInfo& info, const InfoOptions& options, bool& found) {
+/// The shortest choice that reads an image from the file; nothing when there is none. Channels one by one come last.
+std::optional<ReadOptions> choice_of(const std::string& path, const FileInfo& info, const InfoOptions& options) {
   const auto works = [&](const ReadOptions& read) {
     try {
       static_cast<void>(mtf::io::choose_channels(path, info.channels, read));
@@ -98,11 +101,6 @@ std::string choice_words(const std::string& path, const FileInfo& info, const In
     } catch (const mtf::UsageError&) {
       return false;
     }
-  };
-  const auto words = [](const ReadOptions& read) {
-    return (read.part ? " --part " + std::to_string(*read.part) : "") +
-           (read.layer ? " --layer " + shell_word(*read.layer) : "") +
-           (read.channel ? " --channel " + shell_word(*read.channel) : "");
   };
   std::vector<ReadOptions> tries;
   const ReadOptions asked{.channel = options.channel, .layer = options.layer, .part = options.part};
@@ -114,13 +112,32 @@ std::string choice_words(const std::string& path, const FileInfo& info, const In
     for (const ChannelInfo& c : info.channels) tries.push_back({.channel = c.name, .layer = {}, .part = c.part});
   }
   constexpr std::size_t most = 400;
-  for (std::size_t i = 0; i < std::min(tries.size(), most); ++i) {
-    if (!works(tries[i])) continue;
-    found = true;
-    return words(tries[i]);
-  }
-  found = false;
-  return "";
+  for (std::size_t i = 0; i < std::min(tries.size(), most); ++i)
+    if (works(tries[i])) return tries[i];
+  return std::nullopt;
+}
+
+/// As options of the command.
+std::string words_of(const ReadOptions& read) {
+  return (read.part ? " --part " + std::to_string(*read.part) : "") +
+         (read.layer ? " --layer " + shell_word(*read.layer) : "") +
+         (read.channel ? " --channel " + shell_word(*read.channel) : "");
+}
+
+/// An image of one channel that an edge crosses was made to be measured.
+bool shows_one_edge([[maybe_unused]] const std::string& path, [[maybe_unused]] const FileInfo& info,
+                    [[maybe_unused]] const ReadOptions& read) {
+#ifdef MTFKIT_HAVE_CALIB
+  constexpr double kMostPixels = 4e6;
+  if (static_cast<double>(info.width) * static_cast<double>(info.height) > kMostPixels) return false;
+  const mtf::io::ImageFile image = mtf::io::read_image(path, read);
+  if (image.planes.size() != 1) return false;
+  const mtf::Image& plane = image.planes.front();
+  const calib::FoundEdges found = calib::find_edges(plane.view());
+  return found.edges.size() == 1 && found.edges.front().roi == calib::Roi{0, 0, plane.width(), plane.height()};
+#else
+  return false;
+#endif
 }
 
 }  // namespace
@@ -147,11 +164,13 @@ ImageFacts image_facts(const InfoOptions& options) {
     measure_exr(facts, options);
   else
     measure_raster(facts, options);
-  bool usable = false;
-  const std::string words = choice_words(options.file, facts.info, options, usable);
-  if (usable)
-    facts.next = "mtf simulate sensor.toml " + shell_word(options.file) + words +
-                 (std::filesystem::path(options.file).filename() == "out.exr" ? " -o out2.exr" : " -o out.exr");
+  if (const std::optional<ReadOptions> read = choice_of(options.file, facts.info, options)) {
+    const std::string file = shell_word(options.file) + words_of(*read);
+    const bool taken = std::filesystem::path(options.file).filename() == "out.exr";
+    facts.next = shows_one_edge(options.file, facts.info, *read)
+                     ? "mtf measure " + file
+                     : "mtf simulate sensor.toml " + file + (taken ? " -o out2.exr" : " -o out.exr");
+  }
   return facts;
 }
 

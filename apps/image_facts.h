@@ -25,7 +25,7 @@ struct ImageFacts {
   std::vector<ChannelFacts> channels;  ///< those that were asked for, in the file's order
   std::string values;                  ///< what a value means: stated in the file, or what is assumed
   std::vector<std::string> remarks;
-  std::string next;  ///< command to run next, "" when nothing in the file can be simulated
+  std::string next;  ///< command to run next, "" when nothing in the file can be read
 };
 
 /// Reads the header and, one plane at a time, the pixels. Statistics are left out, with a remark, where they would take

@@ -63,12 +63,20 @@ void write_figures_of(const MeasureOptions& options, const MeasureReport& report
       drawn(write_figures(options.plot, edge_figures(*best)), options.plot);
   }
   if (!options.map.empty()) {
-    const auto map = field_map(report.edges);
-    if (!map)
+    const std::vector<Figure> map = field_map(report.edges);
+    if (map.empty()) {
       note(global, "mtf: note: no edge has an MTF50: no map " + one_line(options.map));
-    else
-      drawn(write_figure(options.map, *map), options.map);
+    } else {
+      mtf::io::write_text_file(figure_data_path(options.map), field_map_csv(report.edges));
+      drawn(draw_figures(options.map, map), options.map);
+    }
   }
+}
+
+/// What is wrong with a file, less its name in front.
+std::string without_name(std::string message, const std::string& file) {
+  const std::string name = one_line(file) + ": ";
+  return message.starts_with(name) ? message.substr(name.size()) : message;
 }
 
 std::string formatted(const MeasureReport& report, Format format) {
@@ -99,7 +107,7 @@ int run_measure(const MeasureOptions& options, const Global& global) {
       }
     } catch (const mtf::Error& error) {
       if (images.size() == 1) throw;
-      report.failed.push_back({images[i], error.what()});
+      report.failed.push_back({images[i], without_name(error.what(), images[i])});
     }
   }
   progress.update("measuring", 1.0);

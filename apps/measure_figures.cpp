@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "apps/measure_report.h"
 #include "apps/output.h"
@@ -61,22 +62,58 @@ std::vector<Figure> edge_figures(const MeasuredEdge& measured) {
   return figures;
 }
 
-std::optional<Figure> field_map(std::span<const MeasuredEdge> edges) {
-  Figure figure;
-  figure.title = "MTF50 over the field";
-  figure.x_label = "distance from the image's centre [pixels]";
-  figure.y_label = "MTF50 [cycles/pixel]";
+std::vector<Figure> field_map(std::span<const MeasuredEdge> edges) {
+  constexpr std::size_t kMostWords = 40;  // beside places: more would cover each other
+  std::vector<Figure> maps;
+  double low = std::numeric_limits<double>::infinity(), high = -low, width = 0.0, height = 0.0;
+  for (const MeasuredEdge& edge : edges) {
+    if (!edge.edge.mtf50) continue;
+    low = std::min(low, edge.edge.mtf50->value);
+    high = std::max(high, edge.edge.mtf50->value);
+    width = std::max(width, static_cast<double>(edge.place.width_px));
+    height = std::max(height, static_cast<double>(edge.place.height_px));
+  }
+  if (low > high) return maps;
   for (const char* direction : {"sagittal", "tangential", ""}) {
-    Series series{.name = *direction != '\0' ? direction : "between", .x = {}, .y = {}, .mark = Mark::points};
+    const bool between = *direction == '\0';
+    Series series{.name = between ? "between" : direction, .x = {}, .y = {}, .mark = Mark::large_points};
     for (const MeasuredEdge& edge : edges) {
       if (!edge.edge.mtf50 || edge.place.direction != direction) continue;
-      series.x.push_back(edge.place.radius_px);
-      series.y.push_back(edge.edge.mtf50->value);
+      series.x.push_back(edge.edge.curve.origin.x);
+      series.y.push_back(edge.edge.curve.origin.y);
+      series.value.push_back(edge.edge.mtf50->value);
     }
-    if (!series.x.empty()) figure.series.push_back(std::move(series));
+    if (between && series.x.empty()) continue;  // the two that a map is for are always there
+    if (series.x.size() <= kMostWords)
+      for (const double value : series.value) series.words.push_back(fixed(value, 3));
+    Figure& map = maps.emplace_back();
+    map.title = "MTF50, " + (between ? std::string("edges between the two") : series.name + " edges");
+    map.x_label = "x [pixels]";
+    map.y_label = "y, downwards [pixels]";
+    map.x_range = {0.0, width};
+    map.y_low = height;
+    map.y_high = 0.0;
+    map.equal_axes = true;
+    map.colour_range = {low, high > low ? high : low + 0.01};
+    map.colour_label = "MTF50 [cycles/pixel]";
+    map.series.push_back(std::move(series));
   }
-  figure.y_low = 0.0;
-  return figure.series.empty() ? std::nullopt : std::optional(figure);
+  return maps;
+}
+
+std::string field_map_csv(std::span<const MeasuredEdge> edges) {
+  std::string text = "edge,image,channel,direction,x_px,y_px,field_x_px,field_y_px,field_radius_px,mtf50,mtf50_sd\n";
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const MeasuredEdge& edge = edges[i];
+    if (!edge.edge.mtf50) continue;
+    text += std::to_string(i + 1) + "," + csv_field(edge.image) + "," + csv_field(edge.channel) + "," +
+            edge.place.direction;
+    for (const double value : {edge.edge.curve.origin.x, edge.edge.curve.origin.y, edge.place.x_px, edge.place.y_px,
+                               edge.place.radius_px, edge.edge.mtf50->value, edge.edge.mtf50->sd})
+      text += "," + csv_number(value);
+    text += "\n";
+  }
+  return text;
 }
 
 mtf::io::Drawing edge_drawing(std::span<const MeasuredEdge> edges, std::int64_t width, std::int64_t height) {

@@ -75,12 +75,28 @@ Json geometry(const EdgeMeasurement& edge) {
           {"curvature_per_px", edge.curve.curvature_per_px}};
 }
 
+/// Where the numbers come from: what was undone to make them proportional to light.
+Json provenance(const MeasuredEdge& measured) {
+  const Linearisation& from = measured.linearisation;
+  const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
+  return {{"encoding", from.encoding},
+          {"storage", from.storage},
+          {"whole_numbers", from.integer},
+          {"full_scale", from.full_scale},
+          {"step_at_mid_level", measured.quantum > 0.0 ? Json(measured.quantum) : Json()},
+          {"floor", or_null(from.dark_end)},
+          {"saturation", or_null(from.light_end)},
+          {"cfa_pattern", from.mosaic.empty() ? Json() : Json(from.mosaic)},
+          {"mask", from.mask.empty() ? Json() : Json(from.mask)}};
+}
+
 Json as_json(const MeasuredEdge& measured) {
   const EdgeMeasurement& edge = measured.edge;
   Json json{{"image", measured.image}};
   json["channel"] = measured.channel.empty() ? Json() : Json(measured.channel);
   json["name"] = measured.name.empty() ? Json() : Json(measured.name);
   json["roi"] = {edge.roi.x, edge.roi.y, edge.roi.width, edge.roi.height};
+  json["linearisation"] = provenance(measured);
   json["outcome"] = edge.trouble == calib::Trouble::none ? "measured" : trouble_name(edge.trouble);
   const std::string reason = reason_of(edge);
   json["reason"] = reason.empty() ? Json() : Json(reason);
@@ -94,6 +110,7 @@ Json as_json(const MeasuredEdge& measured) {
   }
   json["angle_sd_deg"] = edge.angle_deg.sd;
   json["edge"] = geometry(edge);
+  json["position_px"] = {edge.curve.origin.x, edge.curve.origin.y};
   json["field"] = {{"x_px", measured.place.x_px},
                    {"y_px", measured.place.y_px},
                    {"radius_px", measured.place.radius_px},
@@ -108,6 +125,7 @@ Json as_json(const MeasuredEdge& measured) {
   json["oversampling"] = edge.oversampling;
   json["chi2_per_dof"] = edge.chi2_per_dof;
   json["clipped_share"] = edge.clipped_share;
+  json["missing_pixels"] = edge.missing;
   json["mtf"] = {{"frequency", edge.frequency_cy_px}, {"value", edge.mtf}, {"sd", edge.mtf_sd}};
   json["otf"] = {{"re", edge.otf_re}, {"im", edge.otf_im}};
   json["esf"] = {{"distance_px", edge.distance_px}, {"value", edge.esf}, {"sd", edge.esf_sd}};
@@ -125,7 +143,11 @@ std::string joined(const std::vector<std::string>& warnings) {
 
 FieldPlace field_place(const EdgeMeasurement& edge, std::int64_t width, std::int64_t height) {
   FieldPlace place{edge.curve.origin.x - 0.5 * static_cast<double>(width),
-                   edge.curve.origin.y - 0.5 * static_cast<double>(height), 0.0, ""};
+                   edge.curve.origin.y - 0.5 * static_cast<double>(height),
+                   0.0,
+                   width,
+                   height,
+                   ""};
   place.radius_px = std::hypot(place.x_px, place.y_px);
   if (!(place.radius_px > 0.0)) return place;
   const calib::Point normal = edge.curve.normal();
@@ -168,14 +190,19 @@ std::string measure_table(const MeasureReport& report) {
   if (any)
     text += std::string("\nMTF and frequencies along the normal of the edge, in cycles per pixel; ") +
             (report.method == "iso12233" ? "" : "+- is one standard deviation; ") + "method " + report.method + "\n";
-  for (const FailedImage& failed : report.failed) notes += one_line(failed.image) + ": " + failed.reason + "\n";
+  for (const FailedImage& failed : report.failed) {
+    const bool named = failed.reason.find(one_line(failed.image)) != std::string::npos;
+    notes += (named ? "" : one_line(failed.image) + ": ") + failed.reason + "\n";
+  }
   return text + (notes.empty() ? "" : (text.empty() ? "" : "\n") + notes);
 }
 
 std::string measure_csv(const MeasureReport& report) {
   std::string text = "edge,image,channel,name,x,y,width,height,outcome,angle_deg";
   for (const Merit& figure : kMerits) text += "," + std::string(figure.name) + "," + figure.name + "_sd";
-  text += ",cnr,length_px,sagitta_px,order,oversampling,chi2_per_dof,field_radius_px,direction,reason,warnings\n";
+  text +=
+      ",cnr,length_px,sagitta_px,order,oversampling,chi2_per_dof,missing_pixels,field_x_px,field_y_px,field_radius_px,"
+      "direction,encoding,reason,warnings\n";
   std::size_t number = 0;
   for (const MeasuredEdge& measured : report.edges) {
     const EdgeMeasurement& edge = measured.edge;
@@ -190,12 +217,13 @@ std::string measure_csv(const MeasureReport& report) {
     }
     if (measured_it)
       for (const double value : {edge.cnr, edge.length_px, edge.sagitta_px, static_cast<double>(edge.curve.order()),
-                                 edge.oversampling, edge.chi2_per_dof, measured.place.radius_px})
+                                 edge.oversampling, edge.chi2_per_dof, static_cast<double>(edge.missing),
+                                 measured.place.x_px, measured.place.y_px, measured.place.radius_px})
         text += "," + csv_number(value);
     else
-      text += ",,,,,,,";
-    text += "," + measured.place.direction + "," + csv_field(reason_of(edge)) + "," + csv_field(joined(edge.warnings)) +
-            "\n";
+      text += ",,,,,,,,,,";
+    text += "," + measured.place.direction + "," + csv_field(measured.linearisation.encoding) + "," +
+            csv_field(reason_of(edge)) + "," + csv_field(joined(edge.warnings)) + "\n";
   }
   return text;
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/edge_input.h"
 #include "apps/plot.h"
 #include "calib/measure.h"
 #include "mtf/io/drawing.h"
@@ -18,6 +19,7 @@ namespace apps {
 struct FieldPlace {
   double x_px = 0.0, y_px = 0.0;
   double radius_px = 0.0;
+  std::int64_t width_px = 0, height_px = 0;  ///< of the image
   /// The MTF across lines along the radius is sagittal, across lines at right angles to it tangential; between 30 and
   /// 60 degrees, and at the centre, neither.
   std::string direction;
@@ -26,6 +28,8 @@ FieldPlace field_place(const calib::EdgeMeasurement& edge, std::int64_t width, s
 
 struct MeasuredEdge {
   std::string image, channel, name;
+  Linearisation linearisation;
+  double quantum = 0.0;  ///< linear step between neighbouring stored values, at mid level; 0 = none
   calib::EdgeMeasurement edge;
   FieldPlace place;
 };
@@ -50,8 +54,11 @@ std::string curves_csv(const MeasureReport& report);
 
 /// ESF, LSF and MTF of one edge, with bands of two standard deviations.
 std::vector<Figure> edge_figures(const MeasuredEdge& edge);
-/// MTF50 against the distance from the image's centre; nothing when no edge has one.
-std::optional<Figure> field_map(std::span<const MeasuredEdge> edges);
+/// Maps of the image's field: MTF50 by colour where the edges lie, a panel for sagittal ones, one for tangential ones
+/// and, where there are any, one for those between; none when no edge has an MTF50.
+std::vector<Figure> field_map(std::span<const MeasuredEdge> edges);
+/// The data of the maps: edge,image,channel,direction,x_px,y_px,field_x_px,field_y_px,field_radius_px,mtf50,mtf50_sd.
+std::string field_map_csv(std::span<const MeasuredEdge> edges);
 /// Regions, edges and their MTF50.
 mtf::io::Drawing edge_drawing(std::span<const MeasuredEdge> edges, std::int64_t width, std::int64_t height);
 

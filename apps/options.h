@@ -126,7 +126,7 @@ struct MeasureOptions {
   std::string out;       ///< "" = stdout
   std::string curves;    ///< CSV of all curves; "" = none, as the others below
   std::string plot;      ///< figure of the best edge's ESF, LSF and MTF
-  std::string map;       ///< figure of MTF50 over the field
+  std::string map;       ///< maps of MTF50 over the image
   std::string annotate;  ///< PNG of the image with the edges drawn
 };
 

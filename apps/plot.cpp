@@ -79,6 +79,7 @@ std::array<double, 2> x_range(const Figure& figure) {
       low = std::min(low, series.x[i]);
       high = std::max(high, series.x[i]);
     }
+  if (figure.equal_axes && figure.x_range) return *figure.x_range;  // a map may be empty
   if (low > high) throw mtf::UsageError("figure '" + figure.title + "' has no point that can be drawn");
   if (figure.x_range) return *figure.x_range;
   if (low < high) return {low, high};
@@ -101,7 +102,9 @@ std::string data_block(const Figure& figure, std::size_t panel, std::size_t inde
     const std::size_t i = shown < 2 ? 0 : k * (count - 1) / (shown - 1);
     if (drawable(figure, series.x[i], series.y[i]))
       text += mtf::format_double(series.x[i]) + " " + mtf::format_double(series.y[i]) +
-              (band ? " " + mtf::format_double(series.low[i]) + " " + mtf::format_double(series.high[i]) : "") + "\n";
+              (band ? " " + mtf::format_double(series.low[i]) + " " + mtf::format_double(series.high[i]) : "") +
+              (series.value.empty() ? "" : " " + mtf::format_double(series.value[i])) +
+              (series.words.empty() ? "" : " " + series.words[i]) + "\n";
     else
       text += "\n";
   }
@@ -152,6 +155,29 @@ std::string style(const Series& series, std::size_t index, Medium medium) {
          (index >= kColours.size() && series.x.size() > 1 ? " dt (8,3)" : "");
 }
 
+/// A map: points in colour, beside them their words.
+std::string map_commands(const Figure& figure, std::size_t panel) {
+  std::string text = "set size ratio -1\nunset key\nset tmargin 4.5\nset border 15 lc rgb '#404040'\n";
+  text += "set tics nomirror out scale 0.6\nset grid lc rgb '#e4e4e4' lt 1 lw 0.8\n";
+  text += "set palette defined (0 '#352a87', 1 '#0f77db', 2 '#10b1b2', 3 '#d1ba58', 4 '#f9fb0e')\n";
+  text += "set cbrange [" + mtf::format_double(figure.colour_range[0]) + ":" +
+          mtf::format_double(figure.colour_range[1]) + "]\nset cblabel " + quoted(figure.colour_label) + "\n";
+  std::string plots;
+  for (std::size_t i = 0; i < figure.series.size(); ++i) {
+    const Series& series = figure.series[i];
+    const std::string block = std::string(plots.empty() ? "plot " : ", ") + block_name(panel, i);
+    if (series.x.empty()) {
+      text += "set label 'none' at graph 0.5, graph 0.5 center tc rgb '#505050'\n";
+      plots += std::string(plots.empty() ? "plot " : ", ") + "NaN notitle";
+      continue;
+    }
+    plots += block + " using 1:2:3 notitle with points pt 7 ps 1.9 palette";
+    if (!series.words.empty())
+      plots += ", " + block_name(panel, i) + " using 1:2:4 notitle with labels offset 0,1 tc rgb '#303030'";
+  }
+  return text + plots + "\n";
+}
+
 std::string plot_commands(const Figure& figure, std::size_t panel, Medium medium, bool narrow) {
   const std::array<double, 2> range = x_range(figure);
   const bool characters = medium == Medium::characters;
@@ -163,6 +189,7 @@ std::string plot_commands(const Figure& figure, std::size_t panel, Medium medium
           (figure.y_high ? mtf::format_double(*figure.y_high) : "*") + "]\n";
   if (figure.log_x) text += "set logscale x\n";
   if (figure.log_y) text += "set logscale y\nset format y '%.0e'\n";
+  if (figure.equal_axes && !characters) return text + map_commands(figure, panel);
   text += vertical_lines(figure, range, medium);
   text += characters || narrow ? "set key outside bottom center horizontal\n"
                                : "set key outside right center Left reverse samplen 2 spacing 1.25\n";
@@ -232,6 +259,7 @@ bool write_figures(const std::string& path, std::span<const Figure> figures) {
 }
 
 bool draw_figure(const std::string& path, const Figure& figure) { return draw(path, {&figure, 1}); }
+bool draw_figures(const std::string& path, std::span<const Figure> figures) { return draw(path, figures); }
 
 std::optional<std::string> ascii_figure(const Figure& figure, int columns, int rows) {
   auto drawing = run_gnuplot(script({&figure, 1}, Medium::characters, columns, rows));

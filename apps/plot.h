@@ -21,6 +21,8 @@ struct Series {
   bool emphasised = false;   ///< a thick black line or ring instead of a thin coloured one
   Mark mark = Mark::line;
   std::vector<double> low{}, high{};  ///< a band around the line, shaded; empty or of the same length
+  std::vector<double> value{};        ///< colours of points, in Figure::colour_range; empty or of the same length
+  std::vector<std::string> words{};   ///< beside points that have colours; empty or of the same length
 };
 
 struct VerticalLine {
@@ -35,7 +37,10 @@ struct Figure {
   std::vector<VerticalLine> vertical_lines;  ///< drawn where they lie inside the x range
   bool log_x = false, log_y = false;
   std::optional<std::array<double, 2>> x_range;  ///< else from the data
-  std::optional<double> y_low, y_high;           ///< limits of the y axis, else from the data
+  std::optional<double> y_low, y_high;           ///< limits of the y axis, else from the data; it may fall
+  bool equal_axes = false;                       ///< a unit of x is as long as one of y
+  std::array<double, 2> colour_range{0.0, 1.0};
+  std::string colour_label;  ///< of the colours, with unit
 };
 
 /// "plot.svg" -> "plot.csv".
@@ -53,6 +58,7 @@ bool write_figures(const std::string& path, std::span<const Figure> figures);
 
 /// The figure alone, for data that have a file of their own. False when there is no gnuplot.
 bool draw_figure(const std::string& path, const Figure& figure);
+bool draw_figures(const std::string& path, std::span<const Figure> figures);
 
 /// The figure in characters, or nothing when there is no gnuplot. Throws RuntimeError.
 std::optional<std::string> ascii_figure(const Figure& figure, int columns, int rows);

@@ -3,21 +3,28 @@
 
 namespace calib {
 
-DistanceBins::DistanceBins() {
-  std::vector<double> side{0.0};
+constexpr DistanceBins::DistanceBins() {
+  constexpr auto kMiddle = static_cast<std::size_t>(kReach_px) * kFinest;
+  std::size_t bin = 0;
+  double from = 0.0;
   for (const DistanceZone& zone : kDistanceZones)
-    while (side.back() < zone.end_px) side.push_back(side.back() + zone.step_px);
-  for (auto i = side.size(); i-- > 1;) knot_.push_back(-side[i]);
-  knot_.insert(knot_.end(), side.begin(), side.end());
-  std::int16_t bin = 0;
-  for (int i = 0; i < static_cast<int>(kReach_px) * kFinest; ++i) {
-    while (side[static_cast<std::size_t>(bin) + 1] * kFinest <= i) ++bin;
-    side_.push_back(bin);
-  }
+    for (; from < zone.end_px; from += zone.step_px, ++bin) {
+      const double end = from + zone.step_px;
+      knot_[kSideBins + bin] = from;
+      knot_[kSideBins + bin + 1] = end;
+      knot_[kSideBins - bin - 1] = -end;
+      centre_[kSideBins + bin] = 0.5 * (from + end);
+      centre_[kSideBins - bin - 1] = -0.5 * (from + end);
+      for (auto i = static_cast<std::size_t>(from * kFinest); i < static_cast<std::size_t>(end * kFinest); ++i) {
+        at_step_[kMiddle + i] = static_cast<std::int16_t>(kSideBins + bin);
+        at_step_[kMiddle - 1 - i] = static_cast<std::int16_t>(kSideBins - 1 - bin);
+      }
+    }
+  at_step_.back() = kBins;
 }
 
 const DistanceBins& DistanceBins::get() {
-  static const DistanceBins bins;
+  static constexpr DistanceBins bins;
   return bins;
 }
 

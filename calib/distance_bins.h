@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 namespace calib {
 
@@ -28,17 +27,19 @@ class DistanceBins {
   static const DistanceBins& get();
 
   /// The bin of a distance, |d| < kReach_px.
-  int index(double d_px) const {
-    const int side = side_[static_cast<int>(std::abs(d_px) * kFinest)];
-    return d_px < 0.0 ? kSideBins - 1 - side : kSideBins + side;
-  }
-  double knot(int i) const { return knot_[static_cast<std::size_t>(i)]; }  ///< lower end of bin i, i <= kBins
-  double centre(int i) const { return 0.5 * (knot(i) + knot(i + 1)); }
+  int index(double d_px) const { return at_step(static_cast<int>(std::floor((d_px + kReach_px) * kFinest))); }
+  /// The bin `step` finest bins above -kReach_px; kBins one step behind the last.
+  int at_step(int step) const { return at_step_[static_cast<std::size_t>(step)]; }
+  double knot(int i) const { return knot_[static_cast<std::size_t>(i)]; }      ///< lower end of bin i, i <= kBins
+  double centre(int i) const { return centre_[static_cast<std::size_t>(i)]; }  ///< i <= kBins, 0 there
+  double width(int i) const { return knot(i + 1) - knot(i); }
+
+  constexpr DistanceBins();
 
  private:
-  DistanceBins();
-  std::vector<std::int16_t> side_;
-  std::vector<double> knot_;
+  std::array<std::int16_t, 2 * static_cast<std::size_t>(kReach_px) * kFinest + 1> at_step_{};
+  std::array<double, kBins + 1> knot_{};
+  std::array<double, kBins + 1> centre_{};
 };
 
 }  // namespace calib

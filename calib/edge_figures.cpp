@@ -41,7 +41,7 @@ void curves_of_frequency(const EdgeResponse& response, EdgeMeasurement& out) {
     out.otf_re[i] = otf.re;
     out.otf_im[i] = otf.im;
     out.mtf[i] = otf.mtf();
-    out.mtf_sd[i] = f > 0.0 ? std::hypot(otf.mtf_sd(), kMethod) : 0.0;
+    out.mtf_sd[i] = f > 0.0 ? std::sqrt(otf.mtf_sd() * otf.mtf_sd() + kMethod * kMethod) : 0.0;
   }
 }
 
@@ -51,10 +51,31 @@ void curves_of_distance(const EdgeResponse& response, double reach_px, EdgeMeasu
   for (std::size_t i = 0; i < kEsfSamples; ++i) {
     const double d = at[i];
     out.distance_px[i] = d;
-    out.esf[i] = response.esf(d);
-    out.esf_sd[i] = std::sqrt(std::max(0.0, response.variance(response.esf_row(d))));
-    out.lsf[i] = response.lsf(d);
+    const EdgeResponse::Step step = response.step(d);
+    out.esf[i] = step.esf;
+    out.esf_sd[i] = std::sqrt(std::max(0.0, response.variance(step.row)));
+    out.lsf[i] = step.lsf;
   }
+}
+
+struct Sample {
+  double at, value;
+};
+// Where a function falls to `level` between a place above it and one at or below: regula falsi with halved ends
+// (Illinois).
+template <class Function>
+double falls_to(double level, Sample above, Sample below, const Function& function) {
+  above.value -= level;
+  below.value -= level;
+  for (int round = 0; round < 8 && std::abs(below.at - above.at) > 1e-9; ++round) {
+    const double at = above.at + (below.at - above.at) * above.value / (above.value - below.value);
+    const double value = function(at) - level;
+    if (std::abs(value) < 1e-9) return at;
+    Sample& moved = value > 0.0 ? above : below;
+    (value > 0.0 ? below : above).value *= 0.5;
+    moved = {at, value};
+  }
+  return 0.5 * (above.at + below.at);
 }
 
 // The frequency at which the MTF first falls to `contrast`, with its sd = sd of the MTF / slope.
@@ -62,26 +83,8 @@ std::optional<Estimate> crossing(const EdgeResponse& response, const EdgeMeasure
   std::size_t i = 1;
   while (i < out.mtf.size() && out.mtf[i] > contrast) ++i;
   if (i == out.mtf.size()) return std::nullopt;
-  double low = out.frequency_cy_px[i - 1], high = out.frequency_cy_px[i];
-  double at_low = out.mtf[i - 1] - contrast, at_high = out.mtf[i] - contrast;
-  for (int round = 0; round < 6 && high - low > 1e-9; ++round) {  // regula falsi with halved ends (Illinois)
-    const double middle = low + (high - low) * at_low / (at_low - at_high);
-    const double value = response.otf(middle).mtf() - contrast;
-    if (value > 0.0) {
-      low = middle;
-      at_low = value;
-      at_high *= 0.5;
-    } else {
-      high = middle;
-      at_high = value;
-      at_low *= 0.5;
-    }
-    if (std::abs(value) < 1e-9) {
-      low = high = middle;
-      break;
-    }
-  }
-  const double f = 0.5 * (low + high);
+  const double f = falls_to(contrast, {out.frequency_cy_px[i - 1], out.mtf[i - 1]},
+                            {out.frequency_cy_px[i], out.mtf[i]}, [&](double at) { return response.otf(at).mtf(); });
   // The mean of a crossing of noisy curves is off in second order of the noise: with M' and M'' the derivatives by f,
   //   <df> = cov(M, M') / M'^2 - M'' var(M) / (2 M'^3).
   const double step = std::min(2e-3, 0.5 * f);
@@ -119,13 +122,11 @@ double half_height(const EdgeResponse& response, const EdgeMeasurement& out, std
   auto i = static_cast<std::ptrdiff_t>(peak);
   const auto last = static_cast<std::ptrdiff_t>(out.lsf.size()) - 1;
   while (i > 0 && i < last && out.lsf[static_cast<std::size_t>(i)] > half) i += direction;
-  double a = out.distance_px[static_cast<std::size_t>(i - direction)], b = out.distance_px[static_cast<std::size_t>(i)];
-  if (out.lsf[static_cast<std::size_t>(i)] > half) return NAN;
-  for (int round = 0; round < 24; ++round) {
-    const double middle = 0.5 * (a + b);
-    (response.lsf(middle) > half ? a : b) = middle;
-  }
-  return 0.5 * (a + b);
+  const auto sample = [&out](std::ptrdiff_t k) {
+    return Sample{out.distance_px[static_cast<std::size_t>(k)], out.lsf[static_cast<std::size_t>(k)]};
+  };
+  if (sample(i).value > half) return NAN;
+  return falls_to(half, sample(i - direction), sample(i), [&](double at) { return response.lsf(at); });
 }
 
 std::optional<Estimate> full_width(const EdgeResponse& response, const EdgeMeasurement& out) {
@@ -144,10 +145,10 @@ std::optional<Estimate> full_width(const EdgeResponse& response, const EdgeMeasu
 }
 
 Estimate overshoot(const EdgeResponse& response) {
-  double at = 1.0;
-  for (double d = 1.0; d <= 3.0; d += 0.0625)
-    if (response.esf(d) > response.esf(at)) at = d;
-  return linear(response, response.esf(at) - 1.0, response.esf_row(at));
+  double at = 1.0, most = response.esf(at);
+  for (double d = 1.0625; d <= 3.0; d += 0.0625)
+    if (const double esf = response.esf(d); esf > most) at = d, most = esf;
+  return linear(response, most - 1.0, response.esf_row(at));
 }
 
 }  // namespace
@@ -171,7 +172,7 @@ void describe(const EdgeResponse& response, EdgeMeasurement& out) {
   out.overshoot = overshoot(response);
   out.fwhm_px = full_width(response, out);
   if (!out.fwhm_px)
-    out.absent.emplace_back("fwhm", "the line spread function has no peak of half height on both sides");
+    out.absent.emplace_back("fwhm_px", "the line spread function has no peak of half height on both sides");
   out.mtfa = area_of_mtf(response, out);
   if (out.mtf10)
     out.sampling_efficiency = Estimate{2.0 * out.mtf10->value, 2.0 * out.mtf10->sd};

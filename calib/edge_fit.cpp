@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "mtf/engines/clones.h"
+
 namespace calib {
 namespace {
 
@@ -31,7 +33,9 @@ Box trusted(const ReferenceShape& shape) {
   box.high.segment<kHighestOrder + 1>(kFirstShift).setConstant(2.0 + 3.0 * blur_px);
   box.high.tail<kShapes>() << 0.2 + blur_px, 0.05 + 1.5 * blur_px2, 0.5 + 6.0 * blur_px2;
   box.low = -box.high;
+  // Both at once must not leave an edge so sharp that no pixel lies on it.
   box.low[kFirstShape + 1] = -0.7 * blur_px2;
+  box.low[kFirstShape + 2] = -0.5 - 0.7 * shape.q_px2;
   return box;
 }
 
@@ -85,12 +89,22 @@ Vector next_step(const NormalEquations& normal, const EdgeModel& model, const Un
   }
 }
 
-double chi2(const FitState& state, const NoiseModel& noise) {
+double chi2(const EdgeSums& sums, const std::vector<double>& weight) {
   double sum = 0.0;
-  for (int i = 0; i < kBins; ++i)
-    if (state.sums.count(i) > 0.0)
-      sum += state.sums.square(i) / noise.at(state.profile.esf[static_cast<std::size_t>(i)]);
+  for (int i = 0; i < kBins; ++i) sum += sums.square(i) * weight[static_cast<std::size_t>(i)];
   return sum;
+}
+
+// Sum of a b c over the bins.
+MTFKIT_CLONES double sum_of_products(const double* a, const double* b, const double* c) {
+  constexpr std::size_t kLanes = 16;
+  static_assert(kBins % kLanes == 0);
+  std::array<double, kLanes> sum{};
+  for (std::size_t i = 0; i < kBins; i += kLanes)
+    for (std::size_t k = 0; k < kLanes; ++k) sum[k] += a[i + k] * b[i + k] * c[i + k];
+  double total = 0.0;
+  for (const double one : sum) total += one;
+  return total;
 }
 
 }  // namespace
@@ -123,7 +137,13 @@ Eigen::ArrayXd basis_values(int a, const StepProfile& profile, double contrast) 
     return Eigen::Map<const Eigen::ArrayXd>(values.data(), kBins);
   };
   if (a >= kFirstShape) return contrast * list(profile.slope[static_cast<std::size_t>(a - kFirstShape)]);
-  if (a >= kFirstShift) return -contrast * list(profile.lsf);
+  if (a >= kFirstShift) {
+    Eigen::ArrayXd shift = -contrast * list(profile.lsf);
+    if (basis_power(a) < 2) return shift;
+    shift.head(profile.bend_first).setZero();
+    shift.tail(kBins - profile.bend_end).setZero();
+    return shift;
+  }
   Eigen::ArrayXd side = list(profile.esf);
   if (a % 2 == 0) side = 1.0 - side;
   if (a / 2 == 1)
@@ -131,30 +151,38 @@ Eigen::ArrayXd basis_values(int a, const StepProfile& profile, double contrast) 
   return side;
 }
 
-NormalEquations assemble(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile,
-                         const NoiseModel& noise, const Unknowns& unknowns) {
-  NormalEquations normal;
-  const auto stride = static_cast<Eigen::Index>(sums.stride());
-  // One column of sums a power: t^0 .., r t^0 .., weighted.
-  Eigen::ArrayXXd weighted = Eigen::Map<const Eigen::ArrayXXd>(sums.sums.data(), stride, kBins).transpose();
-  normal.count = weighted.col(0).sum();
-  Eigen::ArrayXd weight(kBins);
-  for (int i = 0; i < kBins; ++i) weight[i] = 1.0 / noise.at(profile.esf[static_cast<std::size_t>(i)]);
-  weighted.colwise() *= weight;
-  normal.chi2 = weighted.col(stride - 1).sum();
+void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) {
+  const EdgeSums& sums = state.sums;
+  const Unknowns& unknowns = rounds.unknowns;
+  NormalEquations& normal = state.normal = {};
+  state.weight = pixel_weights(sums, model, state.profile, state.noise, rounds.rounding);
+  int highest = 1;
+  for (int a = 0; a < kUnknowns; ++a)
+    if (unknowns[static_cast<std::size_t>(a)]) highest = std::max(highest, basis_power(a));
+  Eigen::ArrayXXd moment(kBins, 2 * highest + 1), residual(kBins, highest + 1);  // a column a power, weighted
+  for (int i = 0; i < kBins; ++i) {
+    const auto bin = static_cast<std::size_t>(i);
+    const double weight = state.weight[bin];
+    for (int k = 0; k < 3; ++k) moment(i, k) = weight * sums.moment(i, k);
+    for (int k = 0; k < 2; ++k) residual(i, k) = weight * sums.residual(i, k);
+    for (int k = 3; k <= 2 * highest; ++k) moment(i, k) = weight * sums.moment(i, k);
+    for (int k = 2; k <= highest; ++k) residual(i, k) = weight * sums.residual(i, k);
+    normal.count += sums.count(i) * weight * state.noise.at(state.profile.esf[bin]);
+    normal.chi2 += weight * sums.square(i);
+  }
   std::vector<int> list;
   std::vector<Eigen::ArrayXd> basis;
   for (int a = 0; a < kUnknowns; ++a) {
     if (!unknowns[static_cast<std::size_t>(a)]) continue;
     list.push_back(a);
-    basis.push_back(basis_values(a, profile, model.contrast()));
+    basis.push_back(basis_values(a, state.profile, model.contrast()));
     const int p = basis_power(a);
-    normal.gradient[a] = (basis.back() * weighted.col(2 * sums.order + 1 + p)).sum();
+    const double* mine = basis.back().data();
+    normal.gradient[a] = (basis.back() * residual.col(p)).sum();
     for (std::size_t k = 0; k < list.size(); ++k)
       normal.matrix(a, list[k]) = normal.matrix(list[k], a) =
-          (basis.back() * basis[k] * weighted.col(p + basis_power(list[k]))).sum();
+          sum_of_products(mine, basis[k].data(), moment.col(p + basis_power(list[k])).data());
   }
-  return normal;
 }
 
 void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns) {
@@ -165,23 +193,23 @@ void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unkno
   normal.gradient[q] += (kMean_px2 - shape.q_px2) / (kSd_px2 * kSd_px2);
 }
 
-int highest_power(const Unknowns& unknowns) {
-  for (int k = kHighestOrder; k > 1; --k)
-    if (unknowns[static_cast<std::size_t>(kFirstShift + k)]) return k;
-  return 1;
+bool asks_for_bends(const Unknowns& unknowns) {
+  for (int k = 2; k <= kHighestOrder; ++k)
+    if (unknowns[static_cast<std::size_t>(kFirstShift + k)]) return true;
+  return false;
 }
 
 NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitRounds& rounds) {
   if (rounds.variance) return {.dark = *rounds.variance, .bright = *rounds.variance};
-  return estimate_noise(sums, profile, rounds.least_variance);
+  return estimate_noise(sums, profile, rounds.least_variance, rounds.rounding);
 }
 
 FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRounds& rounds) {
   FitState state;
   state.profile = make_profile(tabulate(model.shape, model.curve.angle_rad));
-  state.sums = accumulate(pixels, model, state.profile, highest_power(rounds.unknowns), rounds.step);
+  state.sums = accumulate(pixels, model, state.profile, asks_for_bends(rounds.unknowns), rounds.step);
   state.noise = noise_of(state.sums, state.profile, rounds);
-  state.normal = assemble(state.sums, model, state.profile, state.noise, rounds.unknowns);
+  assemble(state, model, rounds);
   return state;
 }
 
@@ -206,7 +234,7 @@ FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRoun
     // Pixels out of reach leave chi2: an edge that runs away from them is no better.
     constexpr double kKept = 0.7;
     const bool better =
-        chi2(tried, state.noise) <= chi2(state, state.noise) + 2.0 && tried.normal.count >= kKept * state.normal.count;
+        chi2(tried.sums, state.weight) <= state.normal.chi2 + 2.0 && tried.normal.count >= kKept * state.normal.count;
     damping = better ? 0.1 * damping : std::max(1e-4, 30.0 * damping);
     if (damping < 1e-6) damping = 0.0;
     if (better) model = next, state = std::move(tried);

@@ -22,7 +22,7 @@ using Unknowns = std::bitset<kUnknowns>;
 using Vector = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
-/// J^T W J and J^T W r, weights 1 / variance; chi2 of the residuals as they are.
+/// J^T W J and J^T W r, weights 1 / variance; chi2 of the residuals as they are, and how many they count as.
 struct NormalEquations {
   Matrix matrix = Matrix::Zero();
   Vector gradient = Vector::Zero();
@@ -33,8 +33,6 @@ struct NormalEquations {
 Eigen::ArrayXd basis_values(int a, const StepProfile& profile, double contrast);
 int basis_power(int a);
 
-NormalEquations assemble(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile,
-                         const NoiseModel& noise, const Unknowns& unknowns);
 /// What the reference's shapes usually are: a footprint of about a pixel. Weak: one edge seldom tells S, v and q apart.
 void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns);
 
@@ -45,20 +43,24 @@ struct FitRounds {
   std::size_t step = 1;              ///< every step-th pixel
   double least_variance = 4e-12;     ///< of a pixel
   std::optional<double> variance{};  ///< of a pixel, when known
+  Rounding rounding{};
 };
-/// Powers of t that the sums need.
-int highest_power(const Unknowns& unknowns);
+/// Whether the sums need powers of t above those of a straight edge.
+bool asks_for_bends(const Unknowns& unknowns);
 NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitRounds& rounds);
 
 /// What is known at a model: profile, residuals, noise, equations.
 struct FitState {
   NoiseModel noise;
   StepProfile profile;
-  EdgeSums sums{1};
+  EdgeSums sums;
+  std::vector<double> weight;  ///< of a pixel, by bin
   NormalEquations normal;
   Vector step = Vector::Zero();  ///< the last one, not taken: what is left to the best fit
   bool converged = false;
 };
+/// Weights and equations of a state that has its profile, sums and noise.
+void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds);
 /// Damped Gauss-Newton steps; `model` is where the returned state was taken, `step` short of the best fit.
 /// `state` is that of the model at the start.
 FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds, FitState state);

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <numeric>
 
 #include "calib/median.h"
+#include "mtf/engines/clones.h"
 
 namespace calib {
 namespace {
@@ -36,17 +39,35 @@ struct Ends {
   double low_step = 0.0, high_step = 0.0;
 };
 
-Ends ends_of(const std::vector<float>& values) {
-  const auto [lowest, highest] = std::minmax_element(values.begin(), values.end());
-  const float low = *lowest, high = *highest;
-  float above = high, below = low;
-  for (const float value : values) {
-    if (value > low) above = std::min(above, value);
-    if (value < high) below = std::max(below, value);
-  }
-  return {std::count(values.begin(), values.end(), low), std::count(values.begin(), values.end(), high),
-          static_cast<double>(above) - static_cast<double>(low),
-          static_cast<double>(high) - static_cast<double>(below)};
+MTFKIT_CLONES Ends ends_of(const float* values, std::size_t n) {
+  constexpr std::size_t kLanes = 16;
+  std::array<float, kLanes> low, high, above, below;
+  std::array<std::int32_t, kLanes> at_low{}, at_high{};
+  low.fill(INFINITY);
+  high.fill(-INFINITY);
+  const std::size_t whole = n / kLanes * kLanes;
+  for (std::size_t i = 0; i < whole; i += kLanes)
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      low[k] = values[i + k] < low[k] ? values[i + k] : low[k];
+      high[k] = values[i + k] > high[k] ? values[i + k] : high[k];
+    }
+  float least = *std::min_element(low.begin(), low.end()), most = *std::max_element(high.begin(), high.end());
+  for (std::size_t i = whole; i < n; ++i) least = std::min(least, values[i]), most = std::max(most, values[i]);
+  above.fill(most);
+  below.fill(least);
+  const auto take = [&](std::size_t k, float value) {
+    at_low[k] += value == least ? 1 : 0;
+    at_high[k] += value == most ? 1 : 0;
+    above[k] = value > least && value < above[k] ? value : above[k];
+    below[k] = value < most && value > below[k] ? value : below[k];
+  };
+  for (std::size_t i = 0; i < whole; i += kLanes)
+    for (std::size_t k = 0; k < kLanes; ++k) take(k, values[i + k]);
+  for (std::size_t i = whole; i < n; ++i) take(0, values[i]);
+  return {std::accumulate(at_low.begin(), at_low.end(), std::ptrdiff_t{0}),
+          std::accumulate(at_high.begin(), at_high.end(), std::ptrdiff_t{0}),
+          static_cast<double>(*std::min_element(above.begin(), above.end())) - static_cast<double>(least),
+          static_cast<double>(most) - static_cast<double>(*std::max_element(below.begin(), below.end()))};
 }
 
 }  // namespace
@@ -68,20 +89,19 @@ Outcome judge_region(const RegionFacts& facts, const Roi& roi, const MeasureOpti
 
 double local_noise(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts) {
   constexpr std::int64_t kPairs = 2000;
-  std::vector<double> differences;
+  std::vector<float> differences;
   const std::int64_t step = std::max<std::int64_t>(1, roi.width * roi.height / kPairs) | 1;
   for (const std::int64_t apart : {3, 4}) {  // beyond correlations; a Bayer plane has data in every other column
-    for (std::int64_t k = 0; k < roi.width * roi.height; k += step) {
-      const std::int64_t i = k % roi.width, j = k / roi.width;
-      if (i + apart >= roi.width) continue;
-      const float* at = image.row(roi.y + j) + roi.x + i;
-      const double difference = (static_cast<double>(at[apart]) - static_cast<double>(at[0])) / facts.scale;
+    visit_some(roi, step, [&](std::int64_t x, std::int64_t y) {
+      if (x + apart >= roi.x + roi.width) return;
+      const auto difference = static_cast<float>(
+          (static_cast<double>(image.at(x + apart, y)) - static_cast<double>(image.at(x, y))) / facts.scale);
       if (std::isfinite(difference)) differences.push_back(std::abs(difference));
-    }
+    });
     if (differences.size() > 16) break;
   }
   if (differences.empty()) return 0.0;
-  return median(differences) / (0.6745 * std::sqrt(2.0));
+  return static_cast<double>(median(differences)) / (0.6745 * std::sqrt(2.0));
 }
 
 EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model, double local_noise_sd) {
@@ -101,7 +121,7 @@ EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeMo
     side_error[d < 0.0 ? 0 : 1] += state.sums.pure_error(i);
     side_dof[d < 0.0 ? 0 : 1] += std::max(0.0, n - 1.0);
   }
-  const Ends ends = ends_of(pixels.value);
+  const Ends ends = ends_of(pixels.value.data(), pixels.size());
   const double share = static_cast<double>(pixels.size()) / std::max(1.0, dark + bright);
   facts.reach_dark_px = share * dark / facts.length_px;
   facts.reach_bright_px = share * bright / facts.length_px;
@@ -136,16 +156,29 @@ bool suspects_outliers(const EdgeFacts& facts) {
 std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
                             const EdgeFacts& facts) {
   constexpr double kMostShare = 0.02;
+  constexpr double kCommon = 0.3;   // of the pixels at a distance: they belong to the response, as overshoot does
+  constexpr double kWindows = 4.0;  // a pixel
+  constexpr auto kCount = static_cast<std::size_t>(2.0 * kReach_px * kWindows) + 1;
   const DistanceBins& bins = DistanceBins::get();
   const double limit = std::max(8.0 * facts.local_noise_sd, 0.25 * model.contrast());
-  EdgePixels kept;
-  for (auto* list : {&kept.x, &kept.y, &kept.value}) list->reserve(pixels.size());
+  std::vector<std::size_t> window(pixels.size());
+  std::vector<bool> far(pixels.size());
+  std::array<double, kCount> all{}, apart{};
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const double d =
         locate(model.curve, {static_cast<double>(pixels.x[i]), static_cast<double>(pixels.y[i])}).distance_px;
-    const double esf = std::abs(d) < kReach_px ? profile.esf[static_cast<std::size_t>(bins.index(d))] : d > 0.0;
+    const bool inside = std::abs(d) < kReach_px;
+    const double esf = inside ? profile.esf[static_cast<std::size_t>(bins.index(d))] : d > 0.0;
     const double expected = model.level[0] + model.contrast() * esf;
-    if (std::abs(static_cast<double>(pixels.value[i]) - expected) > limit) continue;
+    far[i] = std::abs(static_cast<double>(pixels.value[i]) - expected) > limit;
+    window[i] = inside ? static_cast<std::size_t>((d + kReach_px) * kWindows) : kCount - 1;
+    all[window[i]] += 1.0;
+    apart[window[i]] += far[i] ? 1.0 : 0.0;
+  }
+  EdgePixels kept;
+  for (auto* list : {&kept.x, &kept.y, &kept.value}) list->reserve(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (far[i] && apart[window[i]] <= kCommon * all[window[i]]) continue;
     kept.x.push_back(pixels.x[i]);
     kept.y.push_back(pixels.y[i]);
     kept.value.push_back(pixels.value[i]);
@@ -258,6 +291,9 @@ void warn(const EdgeFacts& facts, EdgeMeasurement& out) {
   if (facts.outliers > 0)
     out.warnings.push_back(std::to_string(facts.outliers) + (facts.outliers == 1 ? " single pixel" : " single pixels") +
                            " far from the model left out");
+  if (facts.missing > 0)
+    out.warnings.push_back(std::to_string(facts.missing) + (facts.missing == 1 ? " pixel is" : " pixels are") +
+                           " no number or infinite and left out");
   if (out.clipped_share > 0.0)
     out.warnings.push_back(number(100.0 * out.clipped_share) + " % of the pixels are clipped and left out");
 }

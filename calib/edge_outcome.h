@@ -33,6 +33,7 @@ struct EdgeFacts {
   bool bright_is_flat = false;  ///< many pixels at the largest value, though the dark side has noise
   bool dark_is_flat = false;    ///< many at the smallest, though the bright side has noise
   std::size_t outliers = 0;     ///< pixels left out
+  std::int64_t missing = 0;     ///< pixels without data that are worth a word
   double oversampling = 0.0;
   double narrowed_px = 0.0;  ///< pixels further from the edge are left out: the levels bend there; 0 = none
   bool levels_bend = false;  ///< those near the edge too

@@ -2,61 +2,114 @@
 #include "calib/edge_pixels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <span>
+
+#include "mtf/engines/clones.h"
 
 namespace calib {
 
 namespace {
 
+// How many values lie between two bounds (NaN and infinite ones lie in none), the least and the largest of them.
+struct Extent {
+  std::int64_t count = 0;
+  float low = INFINITY, high = -INFINITY;
+};
+
+MTFKIT_CLONES void extend(const float* values, std::int64_t n, float from, float to, Extent& extent) {
+  constexpr std::size_t kLanes = 16;
+  std::array<float, kLanes> low, high;
+  std::array<std::int32_t, kLanes> count{};
+  low.fill(extent.low);
+  high.fill(extent.high);
+  const auto take = [&](std::size_t k, float value) {
+    const bool inside = value >= from && value <= to;
+    count[k] += inside ? 1 : 0;
+    low[k] = inside && value < low[k] ? value : low[k];
+    high[k] = inside && value > high[k] ? value : high[k];
+  };
+  std::int64_t i = 0;
+  for (; i + static_cast<std::int64_t>(kLanes) <= n; i += kLanes)
+    for (std::size_t k = 0; k < kLanes; ++k) take(k, values[static_cast<std::size_t>(i) + k]);
+  for (; i < n; ++i) take(0, values[i]);
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    extent.low = std::min(extent.low, low[k]);
+    extent.high = std::max(extent.high, high[k]);
+    extent.count += count[k];
+  }
+}
+
+Extent extent_of(mtf::ImageView<const float> image, const Roi& roi, float from, float to) {
+  Extent extent;
+  for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j) extend(image.row(j) + roi.x, roi.width, from, to, extent);
+  return extent;
+}
+
 // Where all but a few of a region's values are, several times as wide: one hot pixel must not set the scale of all.
 struct Range {
-  double low = -INFINITY, high = INFINITY;
+  double low = 0.0, high = 0.0;
+  bool holds(const Extent& extent) const {
+    return static_cast<double>(extent.low) >= low && static_cast<double>(extent.high) <= high;
+  }
 };
-Range usual_range(mtf::ImageView<const float> image, const Roi& roi) {
-  constexpr std::int64_t kSome = 20000;
-  constexpr double kOutside = 0.005, kTimes = 20.0;
-  const std::int64_t step = std::max<std::int64_t>(1, roi.width * roi.height / kSome) | 1;
+std::optional<Range> usual_range(mtf::ImageView<const float> image, const Roi& roi, std::int64_t some,
+                                 double outside_share) {
+  constexpr double kTimes = 20.0;
+  const std::int64_t step = std::max<std::int64_t>(1, roi.width * roi.height / some) | 1;
   std::vector<float> values;
-  for (std::int64_t k = 0; k < roi.width * roi.height; k += step)
-    if (const float value = image.row(roi.y + k / roi.width)[roi.x + k % roi.width]; std::isfinite(value))
-      values.push_back(value);
-  const auto outside = static_cast<std::ptrdiff_t>(kOutside * static_cast<double>(values.size()));
-  if (outside < 1) return {};
+  values.reserve(static_cast<std::size_t>(roi.width * roi.height / step + 1));
+  visit_some(roi, step, [&](std::int64_t x, std::int64_t y) {
+    if (std::isfinite(image.at(x, y))) values.push_back(image.at(x, y));
+  });
+  const auto outside = static_cast<std::ptrdiff_t>(outside_share * static_cast<double>(values.size()));
+  if (outside < 1) return std::nullopt;
   std::nth_element(values.begin(), values.begin() + outside, values.end());
   const double low = static_cast<double>(values[static_cast<std::size_t>(outside)]);
-  std::nth_element(values.begin(), values.end() - 1 - outside, values.end());
+  std::nth_element(values.begin() + outside, values.end() - 1 - outside, values.end());
   const double high = static_cast<double>(*(values.end() - 1 - outside));
-  if (!(high > low)) return {};
-  return {low - kTimes * (high - low), high + kTimes * (high - low)};
+  return Range{low - kTimes * (high - low), high + kTimes * (high - low)};
+}
+
+// The values that are taken: neither wild nor clipped; NaN is not between them.
+struct ValueBounds {
+  float low, high;
+};
+ValueBounds bounds_of(const RegionFacts& facts, const ValueLimits& limits) {
+  ValueBounds bounds{static_cast<float>(facts.low), static_cast<float>(facts.high)};
+  if (limits.saturation)
+    bounds.high = std::min(bounds.high, std::nextafter(static_cast<float>(*limits.saturation), -INFINITY));
+  if (limits.floor) bounds.low = std::max(bounds.low, std::nextafter(static_cast<float>(*limits.floor), INFINITY));
+  return bounds;
 }
 
 }  // namespace
 
 RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const ValueLimits& limits) {
+  constexpr float kLargest = std::numeric_limits<float>::max();
   RegionFacts facts{.middle = {static_cast<double>(roi.x) + 0.5 * static_cast<double>(roi.width),
                                static_cast<double>(roi.y) + 0.5 * static_cast<double>(roi.height)}};
-  const Range usual = usual_range(image, roi);
-  double low = INFINITY, high = -INFINITY;
-  for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j) {
-    const float* row = image.row(j);
-    for (std::int64_t i = roi.x; i < roi.x + roi.width; ++i) {
-      const double value = static_cast<double>(row[i]);
-      if (!std::isfinite(value)) continue;
-      ++facts.finite;
-      if (value < usual.low || value > usual.high) {
-        ++facts.wild;
-        continue;
-      }
-      if (limits.clipped(row[i])) ++facts.clipped;
-      low = std::min(low, value);
-      high = std::max(high, value);
+  Extent extent = extent_of(image, roi, -kLargest, kLargest);
+  facts.finite = extent.count;
+  if (facts.finite == 0) return facts;
+  // Where even the range of most of a few pixels, which is narrower, holds all of them, none is wild.
+  if (const auto most = usual_range(image, roi, 1000, 0.05); !most || !most->holds(extent)) {
+    const auto usual = usual_range(image, roi, 20000, 0.005);
+    if (usual && usual->high > usual->low && !usual->holds(extent)) {
+      extent = extent_of(image, roi, static_cast<float>(usual->low), static_cast<float>(usual->high));
+      facts.wild = facts.finite - extent.count;
     }
   }
-  if (facts.finite == 0) return facts;
-  facts.low = low;
-  facts.high = high;
-  facts.offset = 0.5 * low + 0.5 * high;
-  facts.scale = high > low ? high - low : 1.0;
+  facts.low = static_cast<double>(extent.low);
+  facts.high = static_cast<double>(extent.high);
+  if (limits.clipped(extent.low) || limits.clipped(extent.high))
+    for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j)
+      for (const float value : std::span(image.row(j) + roi.x, static_cast<std::size_t>(roi.width)))
+        facts.clipped += facts.holds(static_cast<double>(value)) && limits.clipped(value) ? 1 : 0;
+  facts.offset = 0.5 * facts.low + 0.5 * facts.high;
+  facts.scale = facts.high > facts.low ? facts.high - facts.low : 1.0;
   return facts;
 }
 
@@ -65,27 +118,39 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
   constexpr std::int64_t kMostBlocks = 48;
   const std::int64_t shorter = std::min(roi.width, roi.height), longer = std::max(roi.width, roi.height);
   block_px = std::max<std::int64_t>({1, (longer + kMostBlocks - 1) / kMostBlocks, shorter >= 24 ? 2 : 1});
+  const ValueBounds bounds = bounds_of(facts, limits);
+  // Of the pixels that are taken, where some are not.
+  const auto centroid = [&](std::int64_t left, std::int64_t top, std::int64_t right, std::int64_t bottom) {
+    double x = 0.0, y = 0.0, n = 0.0;
+    for (std::int64_t j = top; j < bottom; ++j)
+      for (std::int64_t i = left; i < right; ++i) {
+        const float value = image.at(roi.x + i, roi.y + j);
+        if (!(value >= bounds.low && value <= bounds.high)) continue;
+        x += static_cast<double>(i) + 0.5;
+        y += static_cast<double>(j) + 0.5;
+        n += 1.0;
+      }
+    return Point{x / n, y / n};
+  };
   EdgePixels blocks;
   for (std::int64_t top = 0; top < roi.height; top += block_px) {
     for (std::int64_t left = 0; left < roi.width; left += block_px) {
-      double sum = 0.0, x = 0.0, y = 0.0;
-      std::int64_t count = 0;
-      for (std::int64_t j = top; j < std::min(top + block_px, roi.height); ++j) {
+      const std::int64_t right = std::min(left + block_px, roi.width), bottom = std::min(top + block_px, roi.height);
+      double sum = 0.0, n = 0.0;
+      for (std::int64_t j = top; j < bottom; ++j) {
         const float* row = image.row(roi.y + j) + roi.x;
-        for (std::int64_t i = left; i < std::min(left + block_px, roi.width); ++i) {
-          const double value = static_cast<double>(row[i]);
-          if (!facts.holds(value) || limits.clipped(row[i])) continue;
-          sum += (value - facts.offset) / facts.scale;
-          x += static_cast<double>(i);
-          y += static_cast<double>(j);
-          ++count;
+        for (std::int64_t i = left; i < right; ++i) {
+          const bool taken = row[i] >= bounds.low && row[i] <= bounds.high;
+          sum += taken ? static_cast<double>(row[i]) - facts.offset : 0.0;
+          n += taken ? 1.0 : 0.0;
         }
       }
-      if (count == 0) continue;
-      const double n = static_cast<double>(count);
-      blocks.x.push_back(static_cast<float>(x / n + 0.5 - 0.5 * static_cast<double>(roi.width)));
-      blocks.y.push_back(static_cast<float>(y / n + 0.5 - 0.5 * static_cast<double>(roi.height)));
-      blocks.value.push_back(static_cast<float>(sum / n));
+      if (n == 0.0) continue;
+      Point middle{0.5 * static_cast<double>(left + right), 0.5 * static_cast<double>(top + bottom)};
+      if (n < static_cast<double>((right - left) * (bottom - top))) middle = centroid(left, top, right, bottom);
+      blocks.x.push_back(static_cast<float>(middle.x - 0.5 * static_cast<double>(roi.width)));
+      blocks.y.push_back(static_cast<float>(middle.y - 0.5 * static_cast<double>(roi.height)));
+      blocks.value.push_back(static_cast<float>(sum / n / facts.scale));
     }
   }
   return blocks;
@@ -94,7 +159,8 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
 EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
                          const ValueLimits& limits, const EdgeCurve& curve, double reach_px) {
   const Point n = curve.normal();
-  const double scale = 1.0 / facts.scale;
+  const double scale = 1.0 / facts.scale, left = 0.5 - 0.5 * static_cast<double>(roi.width);
+  const ValueBounds bounds = bounds_of(facts, limits);
   EdgePixels pixels;
   std::size_t count = 0;
   for (std::int64_t j = 0; j < roi.height; ++j) {
@@ -114,12 +180,13 @@ EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, cons
     for (auto* list : {&pixels.x, &pixels.y, &pixels.value})
       if (list->size() < room)
         list->resize(count + static_cast<std::size_t>(end - first) * static_cast<std::size_t>(roi.height - j));
+    float *const x = pixels.x.data(), *const ys = pixels.y.data(), *const values = pixels.value.data();
     for (auto i = static_cast<std::int64_t>(first); i < static_cast<std::int64_t>(end); ++i) {
-      const double value = static_cast<double>(row[i]);
-      if (!facts.holds(value) || limits.clipped(row[i])) continue;
-      pixels.x[count] = static_cast<float>(static_cast<double>(i) + 0.5 - 0.5 * static_cast<double>(roi.width));
-      pixels.y[count] = static_cast<float>(y);
-      pixels.value[count++] = static_cast<float>((value - facts.offset) * scale);
+      const float value = row[i];
+      x[count] = static_cast<float>(static_cast<double>(i) + left);
+      ys[count] = static_cast<float>(y);
+      values[count] = static_cast<float>((static_cast<double>(value) - facts.offset) * scale);
+      count += value >= bounds.low && value <= bounds.high ? 1 : 0;
     }
   }
   for (auto* list : {&pixels.x, &pixels.y, &pixels.value}) list->resize(count);

@@ -39,6 +39,19 @@ struct ValueLimits {
   }
 };
 
+/// Calls visit(x, y) for every `step`-th pixel of a region, row by row.
+template <class Visit>
+void visit_some(const Roi& roi, std::int64_t step, const Visit& visit) {
+  for (std::int64_t i = 0, j = 0;; i += step) {
+    if (i >= roi.width) {
+      j += i / roi.width;
+      i %= roi.width;
+    }
+    if (j >= roi.height) return;
+    visit(roi.x + i, roi.y + j);
+  }
+}
+
 RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const ValueLimits& limits);
 
 /// Means of square blocks, at most about 48 x 48 of them; `block_px` is set to their side.

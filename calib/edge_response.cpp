@@ -55,30 +55,41 @@ EdgeResponse::EdgeResponse(const EdgeModel& model, const JointFit& joint)
 }
 
 EdgeResponse::Parts EdgeResponse::parts(double f_cy_px) const {
-  Parts parts{.real = Row::Zero(value_.size()), .imaginary = Row::Zero(value_.size())};
+  Parts parts{.slope = Row(value_.size()), .real = real_};
   const ReferenceOtf reference = reference_otf(shape_, angle_rad_, f_cy_px);
   const auto shapes = static_cast<Eigen::Index>(shapes_.size());
-  for (Eigen::Index i = 0; i < shapes; ++i) parts.real[i] = reference.slope[shapes_[static_cast<std::size_t>(i)]];
+  for (Eigen::Index i = 0; i < shapes; ++i) parts.slope[i] = reference.slope[shapes_[static_cast<std::size_t>(i)]];
   for (Eigen::Index i = shapes; i < real_; ++i)
-    parts.real[i] = pair_otf(splines_[static_cast<std::size_t>(i - shapes)], f_cy_px);
-  parts.imaginary[real_] = -2.0 * kPi * f_cy_px * reference.value;
+    parts.slope[i] = pair_otf(splines_[static_cast<std::size_t>(i - shapes)], f_cy_px);
+  parts.slope[real_] = -2.0 * kPi * f_cy_px * reference.value;
   for (Eigen::Index i = real_ + 1; i < value_.size(); ++i)
-    parts.imaginary[i] = pair_otf(splines_[static_cast<std::size_t>(i - 1 - shapes)], f_cy_px);
-  parts.re = reference.value + parts.real.dot(value_);
-  parts.im = parts.imaginary.dot(value_);
+    parts.slope[i] = pair_otf(splines_[static_cast<std::size_t>(i - 1 - shapes)], f_cy_px);
+  const Eigen::Index rest = value_.size() - real_;
+  parts.re = reference.value + parts.slope.head(real_).dot(value_.head(real_));
+  parts.im = parts.slope.tail(rest).dot(value_.tail(rest));
   return parts;
 }
 
 EdgeResponse::Row EdgeResponse::Parts::along() const {
   const double most = modulus();
-  if (most == 0.0) return real;
-  return (re / most) * real + (im / most) * imaginary;
+  Row row = slope;
+  row.head(real) *= most > 0.0 ? re / most : 1.0;
+  row.tail(slope.size() - real) *= most > 0.0 ? im / most : 0.0;
+  return row;
 }
 
 EdgeResponse::Row EdgeResponse::Parts::across() const {
   const double most = modulus();
-  if (most == 0.0) return imaginary;
-  return (re / most) * imaginary - (im / most) * real;
+  Row row = slope;
+  row.head(real) *= most > 0.0 ? -im / most : 0.0;
+  row.tail(slope.size() - real) *= most > 0.0 ? re / most : 1.0;
+  return row;
+}
+
+double EdgeResponse::covariance(const Row& a, const Row& b) const {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < a.size(); ++i) sum += a[i] * covariance_.col(i).dot(b);
+  return sum;
 }
 
 // Newton's method for the least phase.
@@ -133,7 +144,7 @@ double EdgeResponse::at_knots(const std::array<double, kSideBins + 1>& values, d
   const double d = std::min(std::abs(d_px), kReach_px * (1.0 - 1e-12));
   const int i = bins.index(d);
   const auto side = static_cast<std::size_t>(i - kSideBins);
-  const double t = (d - bins.knot(i)) / (bins.knot(i + 1) - bins.knot(i));
+  const double t = (d - bins.knot(i)) / bins.width(i);
   return values[side] + t * (values[side + 1] - values[side]);
 }
 
@@ -153,18 +164,30 @@ EdgeResponse::Row EdgeResponse::change_row(double d_px) const {
 
 EdgeResponse::Row EdgeResponse::slope_row(double d_px) const {
   constexpr double kStep_px = 1.0 / kFinest;
-  Row row = (change_row(d_px + kStep_px) - change_row(d_px - kStep_px)) / (2.0 * kStep_px);
+  const double above = d_px + kStep_px, below = d_px - kStep_px;
+  const auto slope_of = [&](const std::array<double, kSideBins + 1>& values, bool odd) {
+    const double a = at_knots(values, above), b = at_knots(values, below);
+    return ((odd && above < 0.0 ? -a : a) - (odd && below < 0.0 ? -b : b)) / (2.0 * kStep_px);
+  };
+  Row row(value_.size());
   const double sign = d_px < 0.0 ? -1.0 : 1.0;
   const auto shapes = static_cast<Eigen::Index>(shapes_.size());
+  for (Eigen::Index i = 0; i < shapes; ++i) row[i] = slope_of(table_.slope[shapes_[static_cast<std::size_t>(i)]], true);
   for (Eigen::Index i = shapes; i < real_; ++i)
     row[i] = pair_slope(splines_[static_cast<std::size_t>(i - shapes)], std::abs(d_px));
+  row[real_] = -slope_of(table_.lsf, false);
   for (Eigen::Index i = real_ + 1; i < row.size(); ++i)
     row[i] = sign * pair_slope(splines_[static_cast<std::size_t>(i - 1 - shapes)], std::abs(d_px));
   return row;
 }
 
-EdgeResponse::Row EdgeResponse::esf_row(double d_px) const {
-  return change_row(d_px + shift_px_) + lsf(d_px) * shift_row_;
+EdgeResponse::Step EdgeResponse::step(double d_px) const {
+  const double at = d_px + shift_px_;
+  Step step{.row = change_row(at)};
+  step.esf = reference_esf(at) + step.row.dot(value_);
+  step.lsf = lsf(d_px);
+  step.row += step.lsf * shift_row_;
+  return step;
 }
 
 EdgeResponse::Row EdgeResponse::lsf_row(double d_px) const {
@@ -173,15 +196,20 @@ EdgeResponse::Row EdgeResponse::lsf_row(double d_px) const {
   return slope_row(d_px + shift_px_) + bend * shift_row_;
 }
 
-double EdgeResponse::esf(double d_px) const {
+double EdgeResponse::reference_esf(double d_px) const {
   const DistanceBins& bins = DistanceBins::get();
-  const double at = d_px + shift_px_, d = std::min(std::abs(at), kReach_px * (1.0 - 1e-12));
+  const double d = std::min(std::abs(d_px), kReach_px * (1.0 - 1e-12));
   const int i = bins.index(d);
   const auto side = static_cast<std::size_t>(i - kSideBins);
-  const double h = bins.knot(i + 1) - bins.knot(i), t = (d - bins.knot(i)) / h, u = 1.0 - t;
+  const double h = bins.width(i), t = (d - bins.knot(i)) / h, u = 1.0 - t;
   const double odd = u * u * ((1.0 + 2.0 * t) * table_.odd[side] + t * h * table_.lsf[side]) +
                      t * t * ((1.0 + 2.0 * u) * table_.odd[side + 1] - u * h * table_.lsf[side + 1]);
-  return 0.5 + std::copysign(odd, at) + change_row(at).dot(value_);
+  return 0.5 + std::copysign(odd, d_px);
+}
+
+double EdgeResponse::esf(double d_px) const {
+  const double at = d_px + shift_px_;
+  return reference_esf(at) + change_row(at).dot(value_);
 }
 
 double EdgeResponse::lsf(double d_px) const {

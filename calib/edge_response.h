@@ -35,18 +35,25 @@ class EdgeResponse {
 
   /// Derivatives by the unknowns that the response depends on.
   using Row = Eigen::VectorXd;
+  struct Step {
+    double esf = 0.0, lsf = 0.0;
+    Row row;  ///< of E
+  };
+  Step step(double d_px) const;
   Row mtf_row(double f_cy_px) const;
-  Row esf_row(double d_px) const;
+  Row esf_row(double d_px) const { return step(d_px).row; }
   Row lsf_row(double d_px) const;
   double variance(const Row& row) const { return covariance(row, row); }
-  double covariance(const Row& a, const Row& b) const { return a.dot(covariance_ * b); }
+  double covariance(const Row& a, const Row& b) const;
 
  private:
-  // OTF and the derivatives of its two parts, about where the equations were taken.
+  // OTF, about where the equations were taken, and derivatives: by the first `real` unknowns of its real part, by the
+  // others of its imaginary part.
   struct Parts {
     double re = 1.0, im = 0.0;
-    Row real, imaginary;
-    double modulus() const { return std::hypot(re, im); }
+    Row slope;
+    Eigen::Index real = 0;
+    double modulus() const { return std::sqrt(re * re + im * im); }
     Row along() const;
     Row across() const;
   };
@@ -54,6 +61,7 @@ class EdgeResponse {
   void locate();
   Row change_row(double d_px) const;  // of E, about where the equations were taken
   Row slope_row(double d_px) const;
+  double reference_esf(double d_px) const;
   double at_knots(const std::array<double, kSideBins + 1>& values, double d_px) const;
 
   ReferenceShape shape_;

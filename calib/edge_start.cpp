@@ -48,9 +48,12 @@ Division divide(const EdgePixels& blocks, double angle_rad, double radius) {
 }
 
 Division best_division(const EdgePixels& blocks) {
-  double radius = 1.0;
-  for (std::size_t i = 0; i < blocks.size(); ++i)
-    radius = std::max(radius, std::hypot(static_cast<double>(blocks.x[i]), static_cast<double>(blocks.y[i])));
+  double square = 1.0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const double x = static_cast<double>(blocks.x[i]), y = static_cast<double>(blocks.y[i]);
+    square = std::max(square, x * x + y * y);
+  }
+  const double radius = std::sqrt(square);
   Division best;
   for (int k = 0; k < kDirections; ++k) {
     const Division one = divide(blocks, std::numbers::pi * k / kDirections, radius);

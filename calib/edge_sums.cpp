@@ -3,99 +3,134 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
+#include "calib/edge_distances.h"
 #include "mtf/engines/clones.h"
 
 namespace calib {
 namespace {
 
-constexpr std::size_t kChunk = 256;
-constexpr double kNear_px = 16.0, kNearStep_px = 0.01, kFarStep_px = 0.5;  // the step is steep only near the edge
+constexpr std::size_t kChunk = 128;
 
 struct Chunk {
-  std::array<double, kChunk> distance, along, value;
+  std::array<double, kChunk> distance, along;  // px, then parts of the half length
+  std::array<double, kChunk> esf, residual;    // residual: the value, then less the model
+  std::array<std::int32_t, kChunk> bin;        // kBins for pixels out of reach
   std::size_t size = 0;
 };
 
-void place(const EdgePixels& pixels, const EdgeCurve& curve, std::size_t first, std::size_t step, Chunk& chunk) {
-  const Point n = curve.normal();
-  const double per_length = 1.0 / curve.half_length_px;
-  const bool straight = curve.shape == EdgeCurve::Shape::line;
-  chunk.size = std::min(kChunk, (pixels.size() - first + step - 1) / step);
-  for (std::size_t k = 0; k < chunk.size; ++k) {
-    const std::size_t i = first + k * step;
-    const double x = static_cast<double>(pixels.x[i]) - curve.origin.x;
-    const double y = static_cast<double>(pixels.y[i]) - curve.origin.y;
-    chunk.distance[k] = n.x * x + n.y * y;
-    chunk.along[k] = (n.x * y - n.y * x) * per_length;
-    chunk.value[k] = static_cast<double>(pixels.value[i]);
-  }
-  if (straight) return;
-  for (std::size_t k = 0; k < chunk.size; ++k) {
-    const bool near = std::abs(chunk.distance[k]) < kNear_px;
-    const EdgePoint at =
-        bend(curve, chunk.distance[k], chunk.along[k] * curve.half_length_px, near ? kNearStep_px : kFarStep_px);
-    chunk.distance[k] = at.distance_px;
-    chunk.along[k] = at.along_px * per_length;
+// Coordinates about the tangent at the curve's origin.
+MTFKIT_CLONES void place(const float* x, const float* y, const float* value, std::size_t step, Point origin, Point n,
+                         Chunk& chunk) {
+  const std::size_t size = chunk.size;
+  for (std::size_t k = 0; k < size; ++k) {
+    const double dx = static_cast<double>(x[k * step]) - origin.x, dy = static_cast<double>(y[k * step]) - origin.y;
+    chunk.distance[k] = n.x * dx + n.y * dy;
+    chunk.along[k] = n.x * dy - n.y * dx;
+    chunk.residual[k] = static_cast<double>(value[k * step]);
   }
 }
 
-template <int Order>
-[[gnu::always_inline]] inline void add(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile,
-                                       double* sums) {
-  constexpr int kStride = 3 * Order + 3;
+// Distances in units of the finest bin, from the end of the reach; those beyond it are the one after the last.
+MTFKIT_CLONES void count_steps(const double* __restrict distance, std::int32_t* __restrict steps, std::size_t size) {
+  constexpr double kMiddle = kReach_px * kFinest;
+  for (std::size_t k = 0; k < size; ++k) {
+    const double at = distance[k] * kFinest + kMiddle;
+    steps[k] = static_cast<std::int32_t>(at >= 0.0 && at < 2.0 * kMiddle ? at : 2.0 * kMiddle);
+  }
+}
+
+void look_up(const StepProfile& profile, Chunk& chunk) {
   const DistanceBins& bins = DistanceBins::get();
-  const auto level = model.level;
   for (std::size_t k = 0; k < chunk.size; ++k) {
-    const double d = chunk.distance[k], t = chunk.along[k];
-    if (!(std::abs(d) < kReach_px)) continue;
-    const int i = bins.index(d);
-    const auto& c = profile.cubic[static_cast<std::size_t>(i)];
-    const double x = d - bins.centre(i);
-    const double e = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
-    const double dark = level[0] + level[2] * d + level[4] * t, bright = level[1] + level[3] * d + level[5] * t;
-    const double r = chunk.value[k] - (dark + (bright - dark) * e);
-    std::array<double, kStride> term;
-    term[0] = 1.0;
-    term[1] = t;
-    for (std::size_t m = 2; m <= 2 * Order; ++m) term[m] = term[m / 2] * term[m - m / 2];
-    for (std::size_t m = 0; m <= Order; ++m) term[2 * Order + 1 + m] = r * term[m];
-    term[kStride - 1] = r * r;
-    double* s = sums + i * kStride;
-    for (std::size_t m = 0; m < kStride; ++m) s[m] += term[m];
+    const int i = bins.at_step(chunk.bin[k]);
+    const std::array<double, 4>& c = profile.cubic[static_cast<std::size_t>(i)];
+    const double x = chunk.distance[k] - bins.centre(i);
+    chunk.bin[k] = i;
+    chunk.esf[k] = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
   }
 }
 
-MTFKIT_CLONES void add_straight(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
-  add<1>(chunk, model, profile, sums);
-}
-MTFKIT_CLONES void add_parabola(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
-  add<2>(chunk, model, profile, sums);
-}
-MTFKIT_CLONES void add_bent(const Chunk& chunk, const EdgeModel& model, const StepProfile& profile, double* sums) {
-  add<kHighestOrder>(chunk, model, profile, sums);
+MTFKIT_CLONES void subtract_model(const std::array<double, kLevels>& level, const double* __restrict distance,
+                                  const double* __restrict along, const double* __restrict esf,
+                                  double* __restrict residual, std::size_t size) {
+  const double a0 = level[0], b0 = level[1], a_d = level[2], b_d = level[3], a_t = level[4], b_t = level[5];
+  for (std::size_t k = 0; k < size; ++k) {
+    const double d = distance[k], t = along[k];
+    const double dark = a0 + a_d * d + a_t * t, bright = b0 + b_d * d + b_t * t;
+    residual[k] -= dark + (bright - dark) * esf[k];
+  }
 }
 
-// An odd function halfway between knots: by the cubic through four where they are evenly spaced.
-double middle(const std::array<double, kSideBins + 1>& values, std::size_t i) {
-  const DistanceBins& bins = DistanceBins::get();
-  const auto width = [&](std::size_t k) {
-    const int at = kSideBins + static_cast<int>(k);
-    return bins.knot(at + 1) - bins.knot(at);
+void add_plain(const Chunk& chunk, double* sums) {
+  for (std::size_t k = 0; k < chunk.size; ++k) {
+    const double t = chunk.along[k], r = chunk.residual[k];
+    double* s = sums + 8 * static_cast<std::ptrdiff_t>(chunk.bin[k]);
+    s[0] += 1.0;
+    s[1] += t;
+    s[2] += t * t;
+    s[3] += r;
+    s[4] += r * t;
+    s[5] += r * r;
+  }
+}
+
+// t^3 .. t^10, r t^2 .. r t^5.
+MTFKIT_CLONES void add_bent(const Chunk& chunk, const StepProfile& profile, double* sums) {
+  const std::size_t size = chunk.size;
+  for (std::size_t k = 0; k < size; ++k) {
+    if (!profile.shows_bends(chunk.bin[k])) continue;
+    const double t = chunk.along[k], r = chunk.residual[k], t2 = t * t, t3 = t2 * t, t4 = t2 * t2;
+    const std::array<double, 12> term{t3,          t4,           t4 * t, t4 * t2, t4 * t3, t4 * t4,
+                                      t4 * t4 * t, t4 * t4 * t2, r * t2, r * t3,  r * t4,  r * t4 * t};
+    double* s = sums + 12 * static_cast<std::ptrdiff_t>(chunk.bin[k]);
+    for (std::size_t m = 0; m < 12; ++m) s[m] += term[m];
+  }
+}
+
+// How much of the second difference goes into the value halfway between knots: that of the cubic through four where
+// they are evenly spaced, of the straight line elsewhere.
+constexpr std::array<double, kSideBins> bulges() {
+  std::array<double, kSideBins> bulge{};
+  std::size_t i = 0;
+  double from = 0.0;
+  for (const DistanceZone& zone : kDistanceZones) {
+    const auto count = static_cast<std::size_t>((zone.end_px - from) / zone.step_px);
+    for (std::size_t k = 0; k < count; ++k) bulge[i + k] = (k > 0 || i == 0) && k + 1 < count ? 0.0625 : 0.0;
+    i += count;
+    from = zone.end_px;
+  }
+  return bulge;
+}
+
+// An odd function halfway between knots, on both sides.
+void halfway(const std::array<double, kSideBins + 1>& values, double* out) {
+  static constexpr std::array<double, kSideBins> kBulge = bulges();
+  const auto put = [&](std::size_t i, double before, double after) {
+    const double sum = values[i] + values[i + 1], value = 0.5 * sum + kBulge[i] * (sum - before - after);
+    out[kSideBins + i] = value;
+    out[kSideBins - 1 - i] = -value;
   };
-  const double mean = 0.5 * (values[i] + values[i + 1]);
-  const bool even = i + 2 <= kSideBins && width(i + 1) == width(i) && (i == 0 || width(i - 1) == width(i));
-  if (!even) return mean;
-  const double before = i == 0 ? -values[1] : values[i - 1];
-  return 1.125 * mean - 0.0625 * (before + values[i + 2]);
+  put(0, -values[1], values[2]);
+  for (std::size_t i = 1; i + 1 < kSideBins; ++i) put(i, values[i - 1], values[i + 2]);
+  put(kSideBins - 1, values[kSideBins - 2], values[kSideBins]);
 }
 
 }  // namespace
 
+EdgeSums::EdgeSums(bool bends) : plain_((kBins + 1) * kPlain) {
+  if (bends) bent_.resize((kBins + 1) * kBent);
+}
+
 void EdgeSums::add_to_residual(int i, double more) {
-  double* bin = sums.data() + static_cast<std::size_t>(i) * stride();
-  bin[3 * order + 2] += more * (2.0 * residual(i, 0) + more * count(i));
-  for (int k = 0; k <= order; ++k) bin[2 * order + 1 + k] += more * bin[k];
+  double* s = plain_.data() + static_cast<std::size_t>(i) * kPlain;
+  s[5] += more * (2.0 * s[3] + more * s[0]);
+  s[3] += more * s[0];
+  s[4] += more * s[1];
+  if (!bends()) return;
+  double* b = bent_.data() + static_cast<std::size_t>(i) * kBent;
+  for (int k = 2; k <= kHighestOrder; ++k) b[6 + k] += more * moment(i, k);
 }
 
 double EdgeSums::pure_error(int i) const {
@@ -106,12 +141,12 @@ double EdgeSums::pure_error(int i) const {
 StepProfile make_profile(const ReferenceTable& table) {
   const DistanceBins& bins = DistanceBins::get();
   StepProfile profile;
-  profile.cubic.resize(kBins);
+  profile.cubic.resize(kBins + 1);
   for (auto* list : {&profile.esf, &profile.lsf, &profile.slope[0], &profile.slope[1], &profile.slope[2]})
     list->resize(kBins);
   for (int side = 0; side < kSideBins; ++side) {
     const auto a = static_cast<std::size_t>(side);
-    const double h = bins.knot(kSideBins + side + 1) - bins.knot(kSideBins + side);
+    const double h = bins.width(kSideBins + side);
     // The cubic through values and slopes at both ends, about the middle.
     const double mean = 0.5 * (table.odd[a] + table.odd[a + 1]), rise = (table.odd[a + 1] - table.odd[a]) / h;
     const double bend = (table.lsf[a + 1] - table.lsf[a]) / h, slope = 0.5 * (table.lsf[a] + table.lsf[a + 1]);
@@ -125,23 +160,38 @@ StepProfile make_profile(const ReferenceTable& table) {
       profile.esf[i] = profile.cubic[i][0];
       profile.lsf[i] = c1;
     }
-    for (std::size_t k = 0; k < kShapes; ++k) {
-      profile.slope[k][bright] = middle(table.slope[k], a);
-      profile.slope[k][dark] = -profile.slope[k][bright];
-    }
   }
+  for (std::size_t k = 0; k < kShapes; ++k) halfway(table.slope[k], profile.slope[k].data());
+  find_bend_bins(profile);
   return profile;
 }
 
-EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, int order,
+void find_bend_bins(StepProfile& profile) {
+  const double least = 1e-3 * std::abs(profile.lsf[kSideBins]);
+  const auto seen = [least](double value) { return std::abs(value) > least; };
+  const auto first = std::find_if(profile.lsf.begin(), profile.lsf.end(), seen);
+  const auto last = std::find_if(profile.lsf.rbegin(), profile.lsf.rend(), seen);
+  profile.bend_first = static_cast<int>(first - profile.lsf.begin());
+  profile.bend_end = static_cast<int>(profile.lsf.rend() - last);
+}
+
+EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, bool bends,
                     std::size_t step) {
-  EdgeSums sums(order);
+  EdgeSums sums(bends);
+  const double per_length = 1.0 / model.curve.half_length_px;
+  const Point normal = model.curve.normal();
   Chunk chunk;
   for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
-    place(pixels, model.curve, first, step, chunk);
-    (sums.order == 1   ? add_straight
-     : sums.order == 2 ? add_parabola
-                       : add_bent)(chunk, model, profile, sums.sums.data());
+    chunk.size = std::min(kChunk, (pixels.size() - first + step - 1) / step);
+    place(&pixels.x[first], &pixels.y[first], &pixels.value[first], step, model.curve.origin, normal, chunk);
+    bend_all(model.curve, {chunk.distance.data(), chunk.size}, {chunk.along.data(), chunk.size});
+    for (std::size_t k = 0; k < chunk.size; ++k) chunk.along[k] *= per_length;
+    count_steps(chunk.distance.data(), chunk.bin.data(), chunk.size);
+    look_up(profile, chunk);
+    subtract_model(model.level, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
+                   chunk.size);
+    add_plain(chunk, sums.plain_.data());
+    if (bends) add_bent(chunk, profile, sums.bent_.data());
   }
   return sums;
 }

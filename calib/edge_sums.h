@@ -31,31 +31,44 @@ struct EdgeModel {
 
 /// E(d) as a cubic a bin, and at the middle of each bin E, the line spread and the derivatives by the shape.
 struct StepProfile {
-  std::vector<std::array<double, 4>> cubic;  ///< in d - centre
+  std::vector<std::array<double, 4>> cubic;  ///< in d - centre; one more for what is out of reach
   std::vector<double> esf, lsf;
   std::array<std::vector<double>, kShapes> slope;
+  /// The bins [first, end) outside which the line spread is below a thousandth of that at the edge: where bends of the
+  /// edge are seen. Their derivatives, the terms t^2 and higher, count as zero elsewhere.
+  int bend_first = 0, bend_end = kBins;
+  bool shows_bends(int i) const { return i >= bend_first && i < bend_end; }
 };
 StepProfile make_profile(const ReferenceTable& table);
+void find_bend_bins(StepProfile& profile);
 
-struct EdgeSums {
-  int order = 1;  ///< powers of t: t^0 .. t^(2 order) alone, t^0 .. t^order with the residual
-  std::vector<double> sums;
+/// Sums by bins of d of powers of t, up to t^2 alone and t^1 with the residual; where `bends` are asked for and seen up
+/// to t^10 and t^5.
+class EdgeSums {
+ public:
+  EdgeSums() : EdgeSums(false) {}
+  explicit EdgeSums(bool bends);
 
-  explicit EdgeSums(int order_of_curve)
-      : order(order_of_curve > 2 ? kHighestOrder : order_of_curve), sums(kBins * stride()) {}
-  std::size_t stride() const { return static_cast<std::size_t>(3 * order + 3); }
-  const double* bin(int i) const { return sums.data() + static_cast<std::size_t>(i) * stride(); }
-  double count(int i) const { return bin(i)[0]; }
-  double moment(int i, int k) const { return bin(i)[k]; }                    ///< sum of t^k
-  double residual(int i, int k) const { return bin(i)[2 * order + 1 + k]; }  ///< sum of r t^k
-  double square(int i) const { return bin(i)[3 * order + 2]; }               ///< sum of r^2
+  double count(int i) const { return plain(i)[0]; }
+  double moment(int i, int k) const { return k < 3 ? plain(i)[k] : bent(i)[k - 3]; }        ///< sum of t^k
+  double residual(int i, int k) const { return k < 2 ? plain(i)[3 + k] : bent(i)[6 + k]; }  ///< sum of r t^k
+  double square(int i) const { return plain(i)[5]; }                                        ///< sum of r^2
   /// As if each pixel's residual in the bin were larger by `more`.
   void add_to_residual(int i, double more);
   double pure_error(int i) const;  ///< sum of r^2 about the bin's own mean, count - 1 degrees of freedom
+  bool bends() const { return !bent_.empty(); }
+
+ private:
+  friend EdgeSums accumulate(const EdgePixels&, const EdgeModel&, const StepProfile&, bool, std::size_t);
+  static constexpr std::size_t kPlain = 8, kBent = 12;  // one cache line a bin; 1, t, t^2, r, r t, r^2
+  const double* plain(int i) const { return plain_.data() + static_cast<std::size_t>(i) * kPlain; }
+  const double* bent(int i) const { return bent_.data() + static_cast<std::size_t>(i) * kBent; }
+
+  std::vector<double> plain_, bent_;  // one more bin, for pixels out of reach
 };
 
 /// Takes every `step`-th pixel.
-EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, int order,
+EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, bool bends,
                     std::size_t step = 1);
 
 }  // namespace calib

@@ -135,7 +135,7 @@ bool levels_bend(const FitState& state, const EdgeModel& model, double width_px,
     for (int i = 0; i < kBins; ++i) {
       const double d = sign * bins.centre(i), n = state.sums.count(i);
       if (d < from || n == 0.0) continue;
-      const double weight = 1.0 / state.noise.at(state.profile.esf[static_cast<std::size_t>(i)]), x = d / reach_px;
+      const double weight = state.weight[static_cast<std::size_t>(i)], x = d / reach_px;
       const Eigen::Vector3d row(1.0, x, x * x);
       matrix += weight * n * row * row.transpose();
       right += weight * state.sums.residual(i, 0) * row;

@@ -73,15 +73,16 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
     const double d = bins.centre(kSideBins + side);
     active.clear();
     for (std::size_t j = 0; j < pairs.size(); ++j)
-      if (const double value = pair_value(pairs[j], d); value != 0.0)
-        active.push_back({static_cast<Eigen::Index>(j), model.contrast() * value});
+      if (std::abs(d - pairs[j].x_px) < 2.0 * pairs[j].h_px)
+        if (const double value = pair_value(pairs[j], d); value != 0.0)
+          active.push_back({static_cast<Eigen::Index>(j), model.contrast() * value});
     if (active.empty()) continue;
     for (const int i : {kSideBins + side, kSideBins - 1 - side}) {
-      const double* bin = state.sums.bin(i);
-      if (bin[0] == 0.0) continue;
-      const double weight = 1.0 / state.noise.at(state.profile.esf[static_cast<std::size_t>(i)]);
+      const double n = state.sums.count(i);
+      if (n == 0.0) continue;
+      const double weight = state.weight[static_cast<std::size_t>(i)];
       for (Eigen::Index k = 0; k < fixed; ++k)
-        column[k] = weight * basis(k, i) * bin[basis_power(unknowns[static_cast<std::size_t>(k)])];
+        column[k] = weight * basis(k, i) * state.sums.moment(i, basis_power(unknowns[static_cast<std::size_t>(k)]));
       const double residual = weight * state.sums.residual(i, 0);
       const bool dark = i < kSideBins;
       for (std::size_t j = 0; j < active.size(); ++j) {
@@ -92,7 +93,7 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
         for (std::size_t k = 0; k <= j; ++k) {
           const bool turned = dark && pairs[static_cast<std::size_t>(active[k].column)].odd;
           equations.with_each_other(active[j].column, active[k].column) +=
-              weight * bin[0] * value * (turned ? -active[k].value : active[k].value);
+              weight * n * value * (turned ? -active[k].value : active[k].value);
         }
       }
     }
@@ -114,12 +115,16 @@ double likeliest_variance(const MatrixXd& information, const VectorXd& score) {
   if (!(largest > 0.0)) return 0.0;
   const auto gain = [&](double log_variance) {
     const double t = std::exp(log_variance);
-    double sum = 0.0;
+    double sum = 0.0, product = 1.0;  // one logarithm for many factors
     for (Eigen::Index i = 0; i < z.size(); ++i) {
       const double grown = 1.0 + t * std::max(0.0, eigen.eigenvalues()[i]);
-      sum += t * z[i] * z[i] / grown - std::log(grown);
+      sum += t * z[i] * z[i] / grown;
+      product *= grown;
+      if (product < 1e150) continue;
+      sum -= std::log(product);
+      product = 1.0;
     }
-    return sum;
+    return sum - std::log(product);
   };
   double best = 0.0, best_gain = kLeastGain;
   const double first = std::log(1e-2 / largest), last = std::min(first + 60.0, std::log(100.0));

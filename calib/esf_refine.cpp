@@ -77,6 +77,7 @@ StepProfile corrected_profile(const StepProfile& reference, const JointFit& join
     profile.cubic[i][1] += change.lsf[i];
     profile.cubic[i][2] += 0.5 * (change.lsf[after] - change.lsf[before]) / apart;
   }
+  find_bend_bins(profile);
   return profile;
 }
 
@@ -87,13 +88,13 @@ FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& referen
   move(model, step);
   FitState next;
   next.profile = corrected_profile(reference, joint, step);
-  next.sums = accumulate(pixels, model, next.profile, highest_power(rounds.unknowns));
+  next.sums = accumulate(pixels, model, next.profile, asks_for_bends(rounds.unknowns));
   next.noise = noise_of(next.sums, next.profile, rounds);
   reference = make_profile(tabulate(model.shape, model.curve.angle_rad));
   for (std::size_t i = 0; i < kBins; ++i)
     next.sums.add_to_residual(static_cast<int>(i), model.contrast() * (next.profile.esf[i] - reference.esf[i]));
   next.profile.slope = reference.slope;
-  next.normal = assemble(next.sums, model, next.profile, next.noise, rounds.unknowns);
+  assemble(next, model, rounds);
   next.converged = true;
   return next;
 }

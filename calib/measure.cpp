@@ -119,18 +119,19 @@ EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double reach
   return near;
 }
 
-// Where few distances occur the pixels do not tell a footprint from a Gaussian, and which of them it is decides between
-// the distances: what the result would be without a footprint and with that of a whole pixel, if these fit, is part of
-// its standard deviation.
+// Where few distances occur the pixels do not tell diffraction, a footprint and a Gaussian from each other, and which
+// of them it is decides between the distances: what the result would be with a Gaussian alone, with the footprint of a
+// whole pixel, and with that and diffraction, if these fit, is part of its standard deviation.
 void hold_shapes(const EdgePixels& pixels, const Fit& fit, const FitRounds& fitted, const EdgeFacts& facts,
                  EdgeMeasurement& out) {
   constexpr double kWorse = 9.0;  // chi2
   const ReferenceShape& shape = fit.model.shape;
   const double variance = shape.v_px2 + shape.q_px2 / 12.0 + 0.1 * shape.s_px * shape.s_px;
-  for (const double q_px2 : {0.0, 1.0}) {
+  for (const auto& [s_px, q_px2] : {std::array{0.0, 0.0}, {0.0, 1.0}, {0.5 * std::sqrt(variance), 1.0}}) {
     Fit other = fit;
-    other.model.shape = {.v_px2 = std::max(kLeastVariance_px2, variance - q_px2 / 12.0), .q_px2 = q_px2};
-    other.unknowns.reset(kFirstShape).reset(kFirstShape + 2);
+    const double rest_px2 = variance - q_px2 / 12.0 - 0.1 * s_px * s_px;
+    other.model.shape = {.s_px = s_px, .v_px2 = std::max(2.0 * kLeastVariance_px2, rest_px2), .q_px2 = q_px2};
+    other.unknowns.set(kFirstShape, s_px > 0.0).reset(kFirstShape + 2);
     FitRounds rounds = fitted;
     rounds.unknowns = other.unknowns;
     rounds.rounds = 12;
@@ -230,6 +231,7 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   };
   const ValueLimits limits{options.saturation, options.floor};
   const RegionFacts region = survey(image, roi, limits);
+  out.missing = roi.width * roi.height - region.finite;
   if (region.finite > 0) out.clipped_share = static_cast<double>(region.clipped) / static_cast<double>(region.finite);
   if (stop(judge_region(region, roi, options))) return out;
   const auto wild = static_cast<std::size_t>(region.wild);
@@ -244,12 +246,17 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   }
   EdgePixels pixels = gather_pixels(image, roi, region, limits, start.curve, kReach_px);
   FitRounds rounds;
-  const double quantum = options.quantum / region.scale;
-  rounds.least_variance = std::max(rounds.least_variance, quantum * quantum / 12.0);
+  const auto step_at = [&](double level) {
+    const double at = region.offset + region.scale * level;
+    const double step = options.quantum_at ? options.quantum_at(at) : options.quantum;
+    return std::isfinite(step) ? std::max(0.0, step) / region.scale : 0.0;
+  };
+  rounds.rounding = {step_at(start.level[0]), step_at(start.level[1])};
   if (options.noise_sd) {
     const double sd = *options.noise_sd / region.scale;
     constexpr double kMost = 1e3;  // of the range of values: no edge is seen in it
-    rounds.variance = std::max(rounds.least_variance, std::min(sd, kMost) * std::min(sd, kMost));
+    const double step = std::max(rounds.rounding.dark, rounds.rounding.bright);
+    rounds.variance = std::max({rounds.least_variance, step * step / 12.0, std::min(sd, kMost) * std::min(sd, kMost)});
   }
   const double reach_px = 0.5 * static_cast<double>(pixels.size()) / (2.0 * start.curve.half_length_px);
   if (block_px > kFineBlocks_px) sharpen_start(pixels, start, static_cast<double>(block_px), rounds);
@@ -317,6 +324,7 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
     EdgeMeasurement refused;
     refused.roi = roi;
     refused.clipped_share = out.clipped_share;
+    refused.missing = out.missing;
     refused.oversampling = out.oversampling;
     levels(fit.model, fit.state.noise, region, refused);
     refused.trouble = outcome.trouble;
@@ -328,6 +336,7 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   geometry(fit.model, joint, region, out);
   out.chi2_per_dof = joint.chi2_per_dof;
   facts.outliers += wild;
+  facts.missing = options.sparse ? 0 : out.missing;
   warn(facts, out);
   return out;
 }

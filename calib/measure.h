@@ -13,6 +13,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,12 +35,15 @@ inline constexpr int kCurveSamples = 201;
 inline constexpr double kCurveStep_cy_px = 0.005;
 
 struct MeasureOptions {
-  std::optional<int> order;          ///< of the edge curve, 1 to 5; chosen by an F-test when not given
+  std::optional<int> order{};        ///< of the edge curve, 1 to 5; chosen by an F-test when not given
   bool circle = false;               ///< a circle instead of polynomials
-  std::optional<double> noise_sd;    ///< of a pixel, in the image's unit; estimated when not given
+  std::optional<double> noise_sd{};  ///< of a pixel, in the image's unit; estimated when not given
   double quantum = 0.0;              ///< step between neighbouring values of the image (1 for counts); 0 = none
-  std::optional<double> saturation;  ///< values at or above are clipped
-  std::optional<double> floor;       ///< values at or below are clipped
+  /// The same at a level, where it depends on that as in images that were encoded; `quantum` everywhere if empty.
+  std::function<double(double level)> quantum_at{};
+  std::optional<double> saturation{};  ///< values at or above are clipped
+  std::optional<double> floor{};       ///< values at or below are clipped
+  bool sparse = false;                 ///< a Bayer plane or masked image: pixels without data are nothing to warn of
 };
 
 /// Why there is no result, or what to be careful with.
@@ -72,6 +76,7 @@ struct EdgeMeasurement {
   double oversampling = 0.0;        ///< effective: distinct distances a pixel, at most 8 are counted
   double chi2_per_dof = 0.0;        ///< of the pixels about levels and E
   double clipped_share = 0.0;       ///< of the region's pixels
+  std::int64_t missing = 0;         ///< pixels of the region without data: NaN or infinite
 
   std::vector<double> frequency_cy_px;   ///< kCurveSamples
   std::vector<double> mtf, mtf_sd;       ///< noise bias removed

@@ -74,7 +74,7 @@ MTFKIT_CLONES void add_zone(const std::array<double, kSums>& weight, Phase& phas
 // A Gauss-Legendre rule in t, f = top t (2 - t): smooth at the cutoff, where D ends with the power 3/2.
 std::vector<Node> make_nodes(const ReferenceShape& shape, double angle_rad, double top_cy_px, double reach_px) {
   const double phase = 2.0 * kPi * top_cy_px * reach_px;
-  const int wanted = static_cast<int>(0.5 * phase + 2.0 * std::cbrt(phase)) + 14;
+  const int wanted = static_cast<int>(0.5 * phase + std::cbrt(phase)) + 10;  // 1e-8
   const int n = std::min((wanted + 7) / 8 * 8, mtf::kMostGaussNodes);
   const mtf::GaussRule& rule = mtf::gauss_legendre(n);
   std::vector<Node> nodes(static_cast<std::size_t>(n));
@@ -116,8 +116,8 @@ ReferenceOtf reference_otf(const ReferenceShape& shape, double angle_rad, double
 // footprint being 1 - b f^2.
 ReferenceTable tabulate(const ReferenceShape& shape, double angle_rad) {
   const double s = shape.s_px, sigma = std::sqrt(shape.v_px2);
-  const double top = s > 0.0 ? std::min(1.0 / s, 1.15 / sigma) : 1.15 / sigma;  // exp(-2 pi^2 1.15^2) = 5e-12
-  const double reach = std::min(kReach_px, 10.0 * s + 1.5 * std::sqrt(shape.q_px2) + 6.5 * sigma);
+  const double top = s > 0.0 ? std::min(1.0 / s, 1.0 / sigma) : 1.0 / sigma;  // exp(-2 pi^2) = 3e-9
+  const double reach = std::min(kReach_px, 10.0 * s + 1.5 * std::sqrt(shape.q_px2) + 5.5 * sigma);
   ReferenceTable table;
   std::size_t summed = 0;
   for (const Node& node : make_nodes(shape, angle_rad, top, reach)) {
@@ -142,11 +142,12 @@ ReferenceTable tabulate(const ReferenceShape& shape, double angle_rad) {
   }
   const double b = 2.0 * kPi * kPi * shape.v_px2 + kPi * kPi * shape.q_px2 / 6.0;
   const double c = (2.0 / 3.0 * s * s * s + 4.0 * s * b) / kPi;
+  constexpr double kNear = 2.0 / (kPi * kPi * kPi), kFar = 2.0 / (8.0 * kPi * kPi * kPi * kPi);
   for (std::size_t i = summed; i <= kSideBins; ++i) {
-    const double d = DistanceBins::get().knot(kSideBins + static_cast<int>(i));
-    const double near = 2.0 / (kPi * kPi * kPi * d), far = 2.0 / (kPi * std::pow(2.0 * kPi * d, 3));
+    const double per_d = 1.0 / DistanceBins::get().knot(kSideBins + static_cast<int>(i));
+    const double near = kNear * per_d, far = kFar * per_d * per_d * per_d;
     table.odd[i] = 0.5 - near * s - far * c;
-    table.lsf[i] = (near * s + 3.0 * far * c) / d;
+    table.lsf[i] = (near * s + 3.0 * far * c) * per_d;
     table.slope[0][i] = -near - far * (2.0 * s * s + 4.0 * b) / kPi;
     table.slope[1][i] = -far * 8.0 * kPi * s;
     table.slope[2][i] = -far * 2.0 * kPi * s / 3.0;

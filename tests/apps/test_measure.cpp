@@ -43,6 +43,9 @@ TEST(Measure, OneEdgeWithItsCurves) {
   EXPECT_EQ(json.at("unit"), "cycles/pixel");
   const Json& edge = json.at("edges")[0];
   EXPECT_EQ(edge.at("roi"), Json({0, 0, 128, 100}));
+  EXPECT_EQ(edge.at("linearisation").at("encoding"), "linear");
+  EXPECT_EQ(edge.at("missing_pixels"), 0);
+  EXPECT_NEAR(edge.at("position_px")[0].get<double>(), 64.0, 1.0);
   EXPECT_TRUE(edge.at("reason").is_null()) << edge.at("reason");
   EXPECT_NEAR(edge.at("angle_deg").get<double>(), 5.0, 0.1);
   // Within five of its own standard deviations, which are those of the noise: 0.6 to 0.75 % (calib/README.md).
@@ -75,7 +78,9 @@ TEST(Measure, EveryOutputIsWritten) {
   for (const char* curve : {"mtf", "otf_re", "otf_im", "esf", "lsf"})
     EXPECT_NE(curves.find("\n1," + std::string(curve) + ","), std::string::npos) << curve;
   EXPECT_NE(read_file(scratch / "plot.csv"), "");
-  EXPECT_NE(read_file(scratch / "map.csv"), "");
+  const std::string map = read_file(scratch / "map.csv");
+  EXPECT_TRUE(map.starts_with("edge,image,channel,direction,x_px,y_px,")) << map;
+  EXPECT_EQ(lines(map), 2U);
   const mtf::io::FileInfo picture = mtf::io::read_info((scratch / "edges.png").string());
   EXPECT_EQ(picture.width % 128, 0);
   EXPECT_EQ(picture.channels.size(), 3U);
@@ -190,6 +195,16 @@ TEST(Measure, ABatchGoesOnWithTheOthers) {
   EXPECT_EQ(json.at("edges").size(), 1U);
   ASSERT_EQ(json.at("failed").size(), 1U);
   EXPECT_EQ(json.at("failed")[0].at("image"), "broken.png");
+  const std::string table = scratch.run("mtf measure broken.png edge.exr").out;
+  const std::size_t named = table.find("broken.png");
+  ASSERT_NE(named, std::string::npos) << table;
+  EXPECT_EQ(table.find("broken.png", named + 1), std::string::npos) << table;
+}
+
+TEST(Measure, InfoOnAnEdgeAdvisesIt) {
+  const Scratch scratch;
+  add_edge(scratch, "edge.exr", {.noise_sd = 0.01});
+  EXPECT_NE(scratch.run("mtf info edge.exr").out.find("next: mtf measure edge.exr"), std::string::npos);
 }
 
 }  // namespace

@@ -94,5 +94,30 @@ void run(int draws) {
 
 }  // namespace
 
+// Whole plateaus round alike: their levels, and with them the curve, are known no better than that allows.
+TEST(MeasureNoise, RoundingIsPartOfTheDeviation) {
+  constexpr double kQuantum = 1.0 / 255.0;
+  const made::Step step = made::Step::gaussian(0.3);
+  std::mt19937_64 bits(5);
+  std::uniform_real_distribution<double> part(-0.5, 0.5);
+  Moments error, score;
+  for (int draw = 0; draw < 60; ++draw) {
+    made::Scene scene = scene_of(1e9);
+    scene.x = 64.0 + part(bits);
+    scene.dark = 0.2 + 0.02 * part(bits);
+    scene.bright = 0.8 + 0.02 * part(bits);
+    scene.quantum = kQuantum;
+    const mtf::Image image = made::make(step, scene);
+    const auto found = calib::measure_edge(image.view(), {0, 0, image.width(), image.height()}, {.quantum = kQuantum});
+    ASSERT_EQ(found.trouble, calib::Trouble::none) << found.reason;
+    const double off = found.mtf50->value - 0.3;
+    error.add(100.0 * off / 0.3);
+    score.add(off * off / (found.mtf50->sd * found.mtf50->sd));
+  }
+  EXPECT_LE(error.sd(), 0.4);
+  EXPECT_LE(std::abs(error.mean()), 0.2);
+  EXPECT_LE(score.mean(), 4.0);
+}
+
 TEST(MeasureNoise, AFewDraws) { run(40); }
 TEST(MeasureNoiseLong, TwoHundredDraws) { run(200); }

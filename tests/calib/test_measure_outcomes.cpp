@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <string>
 
@@ -251,6 +253,35 @@ TEST(MeasureOutcomes, UprightSharpEdgesStay) {
     EXPECT_FALSE(found.warnings.empty());
     EXPECT_TRUE(!found.mtf50 || std::abs(found.mtf50->value - 0.6246) < 5.0 * found.mtf50->sd) << k;
   }
+}
+
+// Overshoot is far from any smooth step, but all pixels at its distance share it: it is no defect of single pixels.
+TEST(MeasureOutcomes, SharpenedEdgesKeepTheirOvershoot) {
+  constexpr double kSigma2_px2 = 0.39, kRadius2_px2 = 1.0, kAmount = 3.0;
+  const auto gauss = [](double variance, double f) {
+    return std::exp(-2.0 * std::pow(std::numbers::pi * f, 2) * variance);
+  };
+  const made::Step step(
+      [&](double f) { return gauss(kSigma2_px2, f) * (1.0 + kAmount * (1.0 - gauss(kRadius2_px2, f))); }, 2.0, 120.0);
+  const EdgeMeasurement found = measure(made::make(step, {.noise_sd = 0.01}));
+  ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+  EXPECT_GT(*std::max_element(found.mtf.begin(), found.mtf.end()), 1.8);
+  EXPECT_NEAR(found.mtf50->value / step.crossing(0.5), 1.0, 5.0 * found.mtf50->sd / found.mtf50->value);
+  EXPECT_LT(found.mtf50->sd, 0.01);
+}
+
+TEST(MeasureOutcomes, PixelsWithoutDataAreCounted) {
+  mtf::Image image = made::make(made::Step::gaussian(0.3), {.noise_sd = 0.01});
+  image.at(3, 4) = std::numeric_limits<float>::quiet_NaN();
+  image.at(90, 60) = std::numeric_limits<float>::infinity();
+  const EdgeMeasurement found = measure(image);
+  ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+  EXPECT_EQ(found.missing, 2);
+  ASSERT_EQ(found.warnings.size(), 1U);
+  EXPECT_NE(found.warnings.front().find("2 pixels"), std::string::npos);
+  const EdgeMeasurement expected = calib::measure_edge(image.view(), {0, 0, 128, 100}, {.sparse = true});
+  EXPECT_EQ(expected.missing, 2);
+  EXPECT_TRUE(expected.warnings.empty());
 }
 
 // A glowing line beside a weak step rises above both levels: no edge between two levels.

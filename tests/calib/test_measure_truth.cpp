@@ -50,19 +50,22 @@ TEST(MeasureTruth, ThePublicSet) {
   for (const auto& one : all) {
     SCOPED_TRACE(one.file);
     calib::MeasureOptions options;
-    if (one.bits < 16 && one.encoding == "linear") options.quantum = 1.0 / 255.0;
+    if (one.bits < 16) options.quantum = 1.0 / 255.0;
+    if (one.encoding == "sRGB")  // dL / dv of IEC 61966-2-1, above its straight part
+      options.quantum_at = [](double light) { return 2.4 / 1.055 * std::pow(light, 1.4 / 2.4) / 255.0; };
     const EdgeMeasurement found = measure(public_edges::read(one), options);
     ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
     const bool noisy = one.noise_sigma > 0.0, gaussian = one.psf == "gaussian";
-    // Undithered 8-bit plateaus are off by up to half a step (0.65 % in the sRGB file, for every program).
-    const double bar = noisy ? 2.5 : one.encoding == "sRGB" ? 0.9 : one.bits < 16 ? 0.2 : gaussian ? 0.01 : 0.02;
+    // Undithered 8-bit plateaus are off by up to half a step: 0.2 % of MTF50 when that is reckoned with, 0.65 % in the
+    // sRGB file for programs that do not.
+    const double bar = noisy ? 2.5 : one.bits < 16 ? 0.35 : gaussian ? 0.01 : 0.02;
     EXPECT_NEAR(100.0 * (found.mtf50->value / one.mtf50 - 1.0), 0.0, bar);
     double sum = 0.0, n = 0.0;
     for (std::size_t i = 0; i < one.frequency.size() && one.frequency[i] < 0.501; ++i, n += 1.0) {
       const auto k = static_cast<std::size_t>(std::lround(one.frequency[i] / calib::kCurveStep_cy_px));
       sum += std::pow(found.mtf[k] - one.mtf[i], 2);
     }
-    EXPECT_LE(std::sqrt(sum / n), noisy ? 1e-2 : one.encoding == "sRGB" ? 6e-3 : one.bits < 16 ? 1e-3 : 4e-4);
+    EXPECT_LE(std::sqrt(sum / n), noisy ? 1e-2 : one.bits < 16 ? 1.5e-3 : 4e-4);
     EXPECT_NEAR(std::abs(found.angle_deg.value), one.angle_deg, noisy ? 0.03 : 5e-3);
     EXPECT_NEAR(found.sagitta_px, one.sagitta_px, 0.01);
     const calib::EdgePoint at = calib::locate(found.curve, {one.x, one.y});
