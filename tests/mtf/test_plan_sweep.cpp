@@ -186,10 +186,13 @@ class Sweep {
   Tightness tightness_;
 };
 
-constexpr SweepLimits kShort{16, 160}, kLong{16, 700};
+constexpr SweepLimits kShort{16, 160}, kLong{16, 700}, kShortFlat{16, 160, true}, kLongFlat{16, 700, true};
 
 TEST(PlanSweep, made_scenes) { Sweep({}).run(1, 40, kShort); }
 TEST(PlanSweepLong, made_scenes) { Sweep({}).run(10'000, 1500, kLong); }
+
+TEST(PlanSweep, flat_parts) { Sweep({}).run(1, 30, kShortFlat); }
+TEST(PlanSweepLong, flat_parts) { Sweep({}).run(30'000, 500, kLongFlat); }
 
 void photographed(std::uint64_t first, int cases, const SweepLimits& limits) {
   std::vector<Photograph> images = photographs();
