@@ -17,7 +17,7 @@ constexpr double kCutShare = 0.25;
 constexpr double kDoubleCost = 2.2;  // half the samples a vector, twice the memory
 constexpr double kCutCost = 1.06;    // frequencies that end anywhere
 constexpr double kFlatShare = 0.25, kFewFlatRows = 0.1;
-constexpr double kRowsCost = 0.5;  // of a transform is what it does row by row
+constexpr double kRowsCost = 0.25;  // of a transform is what it saves in rows that are flat (measured)
 
 // Leaves out the frequencies from the far end that no component lets through. Returns the largest |H| among them.
 double cut_frequencies(const OtfSampler& sampler, Axis axis, double allowed, AxisJob& job) {
@@ -179,7 +179,7 @@ Draft make_draft(const PlanTask& task, Method method, const Judged& judged) {
   }
   // What reaches rows of one level is left out of them, up to a share of the tolerance.
   const double flat_rows = options.scene && x.resampling == Resampling::fold ? options.scene->flat_rows : 0.0;
-  if (flat_rows >= kFewFlatRows)
+  if (flat_rows >= kFewFlatRows && flat_rows * static_cast<double>(y.outputs) >= 2.0 * kRow)  // they go in groups
     predicted.flat =
         std::max(0.0, std::min(kFlatShare * options.tolerance, 0.9 * (options.tolerance - predicted.total())));
   d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
