@@ -65,18 +65,19 @@ void check_all_ways(const System<double>& system, const Image& scene, double rat
   EXPECT_TRUE(found) << best.explain();
 }
 
+// Both ratios on every border, and with every part, but not all together.
 TEST(PlanFlatParts, every_way_keeps_the_promise) {
-  for (const Part& part : kParts)
-    for (const Border border : kBorders)
-      for (const double ratio : {1.0, 2.0}) {
-        SCOPED_TRACE(part.name);
-        const Image scene = scene_of(part.busy, 300.0, 20.0);
-        for (const double beyond : {300.0, 250.0}) {
-          check_all_ways(blur(), scene, ratio, border, beyond, 1e-3, Method::fft_float);
-          check_all_ways(separable_blur(), scene, ratio, border, beyond, 1e-3, Method::separable);
-          if (border != Border::constant) break;
-        }
+  for (std::size_t p = 0; p < kParts.size(); ++p)
+    for (const Border border : kBorders) {
+      SCOPED_TRACE(kParts[p].name);
+      const double ratio = (p + static_cast<std::size_t>(border)) % 2 == 0 ? 1.0 : 2.0;
+      const Image scene = scene_of(kParts[p].busy, 300.0, 20.0);
+      for (const double beyond : {300.0, 250.0}) {
+        check_all_ways(blur(), scene, ratio, border, beyond, 1e-3, Method::fft_float);
+        check_all_ways(separable_blur(), scene, ratio, border, beyond, 1e-3, Method::separable);
+        if (border != Border::constant) break;
       }
+    }
 }
 
 TEST(PlanFlatParts, little_contrast_on_a_large_level) {
