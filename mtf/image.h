@@ -10,6 +10,12 @@
 
 namespace mtf {
 
+/// A rectangle of samples or pixels.
+struct Region {
+  std::int64_t x = 0, y = 0, width = 0, height = 0;
+  bool operator==(const Region&) const = default;
+};
+
 /// A non-owning, row-major view of one image plane. `stride` counts elements from one row to the next, stride >= width.
 template <class T>
 struct ImageView {

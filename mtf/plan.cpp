@@ -52,12 +52,25 @@ SampleGrid detector_grid(const System<double>& system, const SampleGrid& scene) 
           side(scene.height, scene.step_y_um, frame.pitch_y_um, frame.rows, "y"), frame.pitch_x_um, frame.pitch_y_um};
 }
 
+namespace {
+
+double flat_rows(ImageView<const float> scene) {
+  std::int64_t flat = 0;
+  for (std::int64_t y = 0; y < scene.height; ++y) {
+    const float* row = scene.row(y);
+    flat += std::all_of(row, row + scene.width, [&](float v) { return v == *row; }) ? 1 : 0;
+  }
+  return static_cast<double>(flat) / static_cast<double>(scene.height);
+}
+
+}  // namespace
+
 std::optional<SceneSummary> summarise(ImageView<const float> scene, Border border, double border_value) {
   const Statistics s = statistics(scene);
   if (s.std == 0.0) return std::nullopt;
   const double level = border == Border::constant ? std::abs(border_value) : 0.0;  // shines into the image
   return SceneSummary{s.std, std::max({std::abs(s.min), std::abs(s.max), level}),
-                      canvas_norm(scene, border, border_value, s.mean)};
+                      canvas_norm(scene, border, border_value, s.mean), flat_rows(scene)};
 }
 
 Plan compile_stages(const System<double>& system, std::span<const Stage> stages, const SampleGrid& in,

@@ -33,6 +33,7 @@ struct SceneSummary {
   double std = 1.0;          ///< > 0
   double largest = 1.0;      ///< largest |value| or |constant border level|: the float32 storage error
   double canvas_norm = 2.0;  ///< canvas_norm of mtf/statistics.h, in units of value
+  double flat_rows = 0.0;    ///< share of the rows that are of one level each
 };
 
 /// Summary of a plane, or nothing when it is flat (every tolerance is met then).
@@ -93,8 +94,9 @@ struct PredictedError {
   double cut = 0.0;         ///< frequencies left out
   double wrap = 0.0;        ///< canvas shorter than the defined one
   double kernel = 0.0;      ///< taps left out
+  double flat = 0.0;        ///< contrast that reaches rows of one level, left out
   double arithmetic = 0.0;  ///< float32 transforms and storage
-  double total() const { return dropped + table + band + cut + wrap + kernel + arithmetic; }
+  double total() const { return dropped + table + band + cut + wrap + kernel + flat + arithmetic; }
 };
 
 /// One way to do the work, as the plan judged it.

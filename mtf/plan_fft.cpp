@@ -16,6 +16,8 @@ namespace {
 constexpr double kCutShare = 0.25;
 constexpr double kDoubleCost = 2.2;  // half the samples a vector, twice the memory
 constexpr double kCutCost = 1.06;    // frequencies that end anywhere
+constexpr double kFlatShare = 0.25, kFewFlatRows = 0.1;
+constexpr double kRowsCost = 0.25;  // of a transform is what it saves in rows that are flat (measured)
 
 // Leaves out the frequencies from the far end that no component lets through. Returns the largest |H| among them.
 double cut_frequencies(const OtfSampler& sampler, Axis axis, double allowed, AxisJob& job) {
@@ -175,11 +177,18 @@ Draft make_draft(const PlanTask& task, Method method, const Judged& judged) {
     const double budget = std::min(kCutShare * options.tolerance, 0.9 * (options.tolerance - predicted.total()));
     if (budget > 0.0) predicted.cut = cut(task, budget, judged.gathering, judged.defined, judged.symmetric > 1.5, x, y);
   }
+  // What reaches rows of one level is left out of them, up to a share of the tolerance.
+  const double flat_rows = options.scene && x.resampling == Resampling::fold ? options.scene->flat_rows : 0.0;
+  if (flat_rows >= kFewFlatRows && flat_rows * static_cast<double>(y.outputs) >= 2.0 * kRow)  // they go in groups
+    predicted.flat =
+        std::max(0.0, std::min(kFlatShare * options.tolerance, 0.9 * (options.tolerance - predicted.total())));
   d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
   if (const std::size_t parts = otf_parts(x, y, sampler.is_real()).size(); parts > 1)
     d.candidate.detail += "; " + std::to_string(parts) + " parities";
   const double dearer = in_double ? kDoubleCost : method == Method::fft_cut ? kCutCost : 1.0;
   d.candidate.cost_ms = dearer * fft_cost_ms(x, y, sampler.is_real());
+  if (predicted.flat > 0.0) d.rows_saved_ms = kRowsCost * flat_rows * d.candidate.cost_ms;
+  d.candidate.cost_ms -= d.rows_saved_ms;
   d.candidate.bytes = static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(x, y, sampler.is_real()));
   d.axes = {x, y};
   d.error_per_otf = judged.gathering * task.alias;

@@ -14,23 +14,50 @@ namespace mtf {
 namespace {
 
 // Mean and extremes of a plane, summed row by row in a fixed order; only a plane with bad pixels pays for their
-// details.
+// details. The same look tells where it is flat, while its rows are at hand.
 struct Level {
   double mean = 0.0;
   double deviation = 0.0;  ///< largest |value - mean|
+  double std = 0.0;        ///< where asked for
 };
 
-Level level_of(ImageView<const float> plane, int threads) {
-  std::vector<kernels::RowSummary> rows(static_cast<std::size_t>(plane.height));
+struct RowLook {
+  kernels::RowSummary summary;
+  double squares = 0.0;  ///< about a level of the plane
+};
+
+// What is flat of a row needs no sums.
+RowLook look_at(const float* row, std::int64_t width, std::int64_t y, FlatMap& flat, bool squares) {
+  if (!flat.any()) return {kernels::summarise_row(row, width)};
+  const FlatMap::Kind* kinds = flat.look(y);
+  RowLook all{{0.0, row[0], row[0]}};
+  for (std::int64_t g = 0, end = 0; g < flat.groups(); g = end) {
+    for (end = g + 1; end < flat.groups() && kinds[end] == kinds[g];) ++end;
+    const std::int64_t first = g * FlatMap::kGroup, count = std::min(end * FlatMap::kGroup, width) - first;
+    const double level = row[first], n = static_cast<double>(count), away = level - flat.level(1);
+    const kernels::RowSummary part = kinds[g] == 0 ? kernels::summarise_row(row + first, count)
+                                                   : kernels::RowSummary{n * level, row[first], row[first]};
+    all.summary = {all.summary.sum + part.sum, std::min(all.summary.min, part.min),
+                   std::max(all.summary.max, part.max)};
+    if (squares)
+      all.squares += kinds[g] == 0 ? kernels::squares_about(row + first, count, flat.level(1)) : n * away * away;
+  }
+  return all;
+}
+
+Level level_of(ImageView<const float> plane, int threads, FlatMap& flat, bool with_std) {
+  flat = FlatMap(plane);
+  std::vector<RowLook> rows(static_cast<std::size_t>(plane.height));
   parallel_for(plane.height, 64, threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t y = begin; y < end; ++y)
-      rows[static_cast<std::size_t>(y)] = kernels::summarise_row(plane.row(y), plane.width);
+      rows[static_cast<std::size_t>(y)] = look_at(plane.row(y), plane.width, y, flat, with_std);
   });
-  double sum = 0.0, low = rows.front().min, high = rows.front().max;
-  for (const kernels::RowSummary& row : rows) {
-    sum += row.sum;
-    low = std::min<double>(low, row.min);
-    high = std::max<double>(high, row.max);
+  double sum = 0.0, squares = 0.0, low = rows.front().summary.min, high = rows.front().summary.max;
+  for (const RowLook& row : rows) {
+    sum += row.summary.sum;
+    squares += row.squares;
+    low = std::min<double>(low, row.summary.min);
+    high = std::max<double>(high, row.summary.max);
   }
   if (!std::isfinite(sum)) {
     const Statistics s = statistics(plane);
@@ -40,8 +67,9 @@ Level level_of(ImageView<const float> plane, int threads) {
                          "; replace them (mtf simulate --nan fill|propagate)");
   }
   if (low == high) return {low, 0.0};
-  const double mean = sum / (static_cast<double>(plane.width) * static_cast<double>(plane.height));
-  return {mean, std::max(high - mean, mean - low)};
+  const double samples = static_cast<double>(plane.width) * static_cast<double>(plane.height), mean = sum / samples;
+  const double away = flat.any() ? mean - flat.level(1) : 0.0;
+  return {mean, std::max(high - mean, mean - low), std::sqrt(std::max(0.0, squares / samples - away * away))};
 }
 
 void check_size(std::int64_t width, std::int64_t height, const SampleGrid& grid, const char* name) {
@@ -81,12 +109,13 @@ void Plan::run(std::span<const ImageView<const float>> in, std::span<const Image
   if (constant && !std::isfinite(border_value)) throw UsageError("the border level has to be a finite number");
   std::vector<Channel> channels;
   std::vector<Image> copies;
+  std::vector<FlatMap> flat(in.size());
   const bool reads_first =
       impl_->report.method.starts_with("fft");  // transforms have all of an input before they write
   for (std::size_t c = 0; c < in.size(); ++c) {
     check_size(in[c].width, in[c].height, impl_->report.in, "input");
     check_size(out[c].width, out[c].height, impl_->report.out, "output");
-    const Level level = level_of(in[c], threads);
+    const Level level = level_of(in[c], threads, flat[c], impl_->report.predicted.flat > 0.0);
     const double step = constant ? std::abs(border_value - level.mean) : 0.0;
     const double deviation = std::max(level.deviation, step);
     if (deviation == 0.0) {
@@ -99,7 +128,8 @@ void Plan::run(std::span<const ImageView<const float>> in, std::span<const Image
       const double scale = std::ldexp(1.0, -std::ilogb(deviation));
       ImageView<const float> from = in[c];
       if (!reads_first && share_memory(in[c], out[c])) from = copies.emplace_back(copy_of(in[c])).view();
-      channels.push_back({from, out[c], level.mean, scale, impl_->dc * level.mean, border_value});
+      channels.push_back({from, out[c], level.mean, scale, impl_->dc * level.mean, border_value, &flat[c],
+                          impl_->report.predicted.flat * level.std});
     }
   }
   if (!channels.empty()) impl_->engine->run(channels, threads);

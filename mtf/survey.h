@@ -12,12 +12,6 @@
 
 namespace mtf {
 
-/// A rectangle of samples or pixels.
-struct Region {
-  std::int64_t x = 0, y = 0, width = 0, height = 0;
-  bool operator==(const Region&) const = default;
-};
-
 /// Fills `out` with the window of one channel that starts at (x, y) and has the size of `out`; it lies within the
 /// scene. Called from several threads at once.
 using ReadWindow = std::function<void(std::size_t channel, std::int64_t x, std::int64_t y, ImageView<float> out)>;

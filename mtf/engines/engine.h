@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mtf/flat_map.h"
 #include "mtf/image.h"
 
 namespace mtf {
@@ -19,6 +20,8 @@ struct Channel {
   double scale = 1.0;     ///< and this applied (a power of two)
   double out_mean = 0.0;  ///< added back at the end: H(0) x mean
   double border_value = 0.0;
+  const FlatMap* flat = nullptr;  ///< of `in`; null: nothing is known
+  double allowance = 0.0;         ///< rms contrast over `out` that may be left out of rows as a whole
 };
 
 class Engine {

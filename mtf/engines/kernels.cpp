@@ -79,6 +79,21 @@ MTFKIT_CLONES RowSummary summarise_row(const float* in, std::int64_t n) {
   return result;
 }
 
+MTFKIT_CLONES double squares_about(const float* in, std::int64_t n, float about) {
+  constexpr int kStep = 16;
+  std::array<double, kStep> sums{};
+  std::int64_t i = 0;
+  for (; i + kStep <= n; i += kStep)
+    for (int j = 0; j < kStep; ++j) {
+      const double d = static_cast<double>(in[i + j]) - about;
+      sums[j] += d * d;
+    }
+  for (; i < n; ++i) sums[0] += (static_cast<double>(in[i]) - about) * (static_cast<double>(in[i]) - about);
+  double sum = 0.0;
+  for (const double part : sums) sum += part;
+  return sum;
+}
+
 namespace {
 
 // Vectors of places, then single loads of the knots there, then vectors again: faster than a gather instruction, and

@@ -39,4 +39,7 @@ struct RowSummary {
 /// Sum in a fixed order (the same on every machine), extremes; a NaN or infinity shows in the sum.
 RowSummary summarise_row(const float* in, std::int64_t n);
 
+/// sum of (in[i] - about)^2 in a fixed order.
+double squares_about(const float* in, std::int64_t n, float about);
+
 }  // namespace mtf::kernels

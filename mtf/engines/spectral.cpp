@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstring>
+#include <numeric>
 #include <optional>
 
 #include "mtf/engines/kernels.h"
@@ -109,6 +111,7 @@ template <class S>
 void SpectralEngine<S>::rows_forward(const Channel& channel, S* buffer, int threads) const {
   const std::int64_t stride = line_stride(), used = x().keep * x_.rows_per_coefficient();
   parallel_for(y().samples, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
+    if (level_rows(channel, begin, end, buffer)) return;
     const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride)),
         samples(pool_, static_cast<std::size_t>((x().samples + 1) * kRow)),
         work(pool_, static_cast<std::size_t>(x_.rows() * kRow)),
@@ -129,6 +132,69 @@ void SpectralEngine<S>::rows_forward(const Channel& channel, S* buffer, int thre
     for_tiles(coefficients.data(), buffer, begin,
               [&](const S* from, S* to) { lanes::transpose(from, step, to, kRow); });
   });
+}
+
+// Writes the coefficients of a group of rows where each is of one level on all of its canvas.
+template <class S>
+bool SpectralEngine<S>::level_rows(const Channel& channel, std::int64_t begin, std::int64_t end, S* buffer) const {
+  if (channel.flat == nullptr || !channel.flat->any()) return false;
+  std::array<S, kRow> levels{};
+  for (std::int64_t y = begin; y < end; ++y) {
+    const FlatMap::Kind *kinds = channel.flat->row(y), *last = kinds + channel.flat->groups();
+    if (kinds[0] == 0 || std::any_of(kinds, last, [&](FlatMap::Kind kind) { return kind != kinds[0]; })) return false;
+    const float value = channel.flat->level(kinds[0]);
+    if (x().border == Border::constant && value != static_cast<float>(channel.border_value)) return false;
+    levels[static_cast<std::size_t>(y - begin)] = static_cast<S>((value - channel.mean) * channel.scale);
+  }
+  for (std::int64_t b = 0; b < blocks(); ++b) {
+    S* rows = buffer + (b * block_rows() + begin) * kRow;
+    std::fill_n(rows, kRow * kRow, S(0));
+    for (std::size_t i = 0; b == 0 && i < kRow; ++i) rows[i * kRow] = levels[i] * static_cast<S>(x().frequency.length);
+  }
+  return true;
+}
+
+// Sum of the squares of all coefficients of filtered rows but the zeroth ones; what is above `limit` need not be exact.
+template <class S>
+double SpectralEngine<S>::energy(const Buffers& buffers, std::int64_t begin, std::int64_t end, double limit) const {
+  double sum = 0.0;
+  for (const S* buffer : {static_cast<const S*>(buffers.even), static_cast<const S*>(buffers.odd)}) {
+    for (std::int64_t b = 0; buffer != nullptr && b < blocks() && sum <= limit; ++b) {
+      const S* rows = buffer + (b * block_rows() + begin) * kRow;
+      std::array<S, kRow> squares{};
+      for (std::int64_t i = 0; i < end - begin; ++i)
+        for (std::size_t l = 0; l < kRow; ++l)
+          squares[l] += rows[i * kRow + static_cast<std::int64_t>(l)] * rows[i * kRow + static_cast<std::int64_t>(l)];
+      sum += std::accumulate(squares.begin() + (b == 0 && buffer == buffers.even ? 1 : 0), squares.end(), 0.0);
+    }
+  }
+  return sum;
+}
+
+// Groups of filtered rows that are left of one level: the quietest, as many as the allowance covers. The samples of a
+// series sum c_k (1 or 2 cos, by k) have the mean square sum 2 c_k^2; where frequencies fold onto one another, or the
+// canvas is longer than the image, that much more.
+template <class S>
+std::vector<bool> SpectralEngine<S>::silent_rows(const Channel& channel, const Buffers& buffers, int threads) const {
+  const std::int64_t groups = (y().outputs + kRow - 1) / kRow;
+  std::vector<bool> silent(static_cast<std::size_t>(groups), false);
+  if (!(channel.allowance > 0.0) || x().resampling != Resampling::fold) return silent;
+  const double period = static_cast<double>(x().out_length) * (x().frequency.basis == Basis::cosine ? 2.0 : 1.0);
+  const double aliases = std::ceil((2.0 * static_cast<double>(x().keep) - 1.0) / period);
+  const double square = (aliases > 1.0 ? 4.0 * aliases : 2.0) * (buffers.odd != nullptr ? 2.0 : 1.0) *
+                        static_cast<double>(x().out_length) / static_cast<double>(x().outputs);
+  double room = std::pow(channel.allowance * channel.scale, 2) * static_cast<double>(y().outputs) / square;
+  std::vector<std::pair<double, std::int64_t>> energies(static_cast<std::size_t>(groups));
+  parallel_for(groups, 1, threads, [&](std::int64_t g, std::int64_t) {
+    energies[static_cast<std::size_t>(g)] = {energy(buffers, g * kRow, std::min(y().outputs, (g + 1) * kRow), room), g};
+  });
+  std::sort(energies.begin(), energies.end());
+  for (const auto& [sum, g] : energies) {
+    if (!(sum <= room)) break;
+    room -= sum;
+    silent[static_cast<std::size_t>(g)] = true;
+  }
+  return silent;
 }
 
 template <class S>
@@ -179,7 +245,14 @@ template <class S>
 void SpectralEngine<S>::rows_inverse(const Channel& channel, const Buffers& buffers, int threads) const {
   const std::int64_t stride = line_stride(), step = kRow * x_.rows_per_coefficient();
   const double unscale = 1.0 / channel.scale;
+  const std::vector<bool> silent = silent_rows(channel, buffers, threads);
   parallel_for(y().outputs, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
+    if (silent[static_cast<std::size_t>(begin / kRow)]) {
+      for (std::int64_t i = begin; i < end; ++i)
+        std::fill_n(channel.out.row(i), x().outputs,
+                    static_cast<float>(static_cast<double>(buffers.even[i * kRow]) * unscale + channel.out_mean));
+      return;
+    }
     const auto area = static_cast<std::size_t>(x_.rows() * kRow);
     const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride)), work(pool_, area),
         target(pool_, area), coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));

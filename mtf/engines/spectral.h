@@ -6,6 +6,8 @@
 //   2. columns           blocks of kLanes complex columns, each in cache: transform, multiply by the OTF, fold to the
 //                        detector grid, inverse transform
 //   3. rows inverse      x coefficients, folded -> detector rows
+// Rows that are of one level have one coefficient, which takes no transform; filtered rows whose other coefficients are
+// together below what may be left out (Parseval: exactly their rms) are of one level again.
 // Columns beyond the cutoff never exist, border rows are never transformed twice, and the inverse works on the detector
 // grid only. Threads share groups of rows and blocks; every result is independent of their number.
 //
@@ -87,6 +89,9 @@ class SpectralEngine {
   void columns(const std::vector<Channel>& channels, const std::vector<Buffers>& buffers, const OtfBlocks<S>& otf,
                int threads) const;
   void rows_inverse(const Channel& channel, const Buffers& buffers, int threads) const;
+  bool level_rows(const Channel& channel, std::int64_t begin, std::int64_t end, S* buffer) const;
+  double energy(const Buffers& buffers, std::int64_t begin, std::int64_t end, double limit) const;
+  std::vector<bool> silent_rows(const Channel& channel, const Buffers& buffers, int threads) const;
   void column_block(const Channel& channel, const OtfBlocks<S>& otf, std::int64_t block, const Buffers& data,
                     const std::array<S*, 3>& areas) const;
   /// Calls tile(coefficients of kLanes lines, rows in the buffer) for all kLanes lines x kLanes numbers of a group.

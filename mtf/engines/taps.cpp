@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "mtf/engines/kernels.h"
-#include "mtf/engines/taps_tile.h"
+#include "mtf/engines/taps_flat.h"
 
 namespace mtf {
 namespace {
@@ -27,6 +28,14 @@ std::vector<float> half_of(const std::vector<float>& full) {
   return half;
 }
 
+// What is not flat of a finished row of sums.
+void write_row(const Channel& channel, const TileArea& area, std::int64_t y, const TapsFlat& flat, const float* sums) {
+  float* out = channel.out.row(area.y0 + y) + area.x0;
+  for_stretches(flat.output(area.y0 + y, area.x0), area.columns, [&](std::int64_t begin, std::int64_t end, auto kind) {
+    if (kind == 0) kernels::restore(sums + begin, end - begin, channel.out_mean, 1.0 / channel.scale, out + begin);
+  });
+}
+
 }  // namespace
 
 SeparableEngine::SeparableEngine(const TapAxis& x, const TapAxis& y, Border border, double dc,
@@ -39,6 +48,7 @@ SeparableEngine::SeparableEngine(const TapAxis& x, const TapAxis& y, Border bord
       y_taps_(std::move(y_taps)),
       mirrored_x_(all_mirrored(x_taps_)),
       mirrored_y_(all_mirrored(y_taps_)) {
+  for (const auto& list : x_taps_) x_gains_.push_back(std::accumulate(list.begin(), list.end(), 0.0));
   if (mirrored_x_)
     for (auto& list : x_taps_) list = half_of(list);
   if (mirrored_y_)
@@ -47,11 +57,12 @@ SeparableEngine::SeparableEngine(const TapAxis& x, const TapAxis& y, Border bord
   tile_rows_ = std::clamp<std::int64_t>((rows - y.count) / y.ratio, std::max<std::int64_t>(16, y.count / y.ratio), 256);
 }
 
-std::int64_t SeparableEngine::run_bytes(std::int64_t /*channels*/, int threads) const {
+std::int64_t SeparableEngine::run_bytes(std::int64_t channels, int threads) const {
   const std::int64_t rows = (tile_rows_ - 1) * y_.ratio + y_.count;
   return std::int64_t{std::max(threads, 1)} * 4 *
-         (rows * kTileColumns * static_cast<std::int64_t>(x_taps_.size()) + x_.ratio * phase_stride(x_) +
-          scratch_size(x_));
+             (rows * kTileColumns * static_cast<std::int64_t>(x_taps_.size()) + x_.ratio * phase_stride(x_) +
+              scratch_size(x_)) +
+         channels * TapsFlat::bytes(x_, y_);
 }
 
 std::int64_t SeparableEngine::filter_bytes() const {
@@ -59,22 +70,22 @@ std::int64_t SeparableEngine::filter_bytes() const {
 }
 
 void SeparableEngine::run(const std::vector<Channel>& channels, int threads) const {
-  for_each_tile(channels, x_, y_, tile_rows_, threads,
-                [this](const Channel& channel, std::int64_t x0, std::int64_t y0) { tile(channel, x0, y0); });
+  for_each_tile(
+      channels, x_, y_, border_, dc_, tile_rows_, threads,
+      [this](const Channel& channel, const TapsFlat& flat, const TileArea& area) { tile(channel, flat, area); });
 }
 
-void SeparableEngine::tile(const Channel& channel, std::int64_t x0, std::int64_t y0) const {
-  const std::int64_t columns = std::min(kTileColumns, x_.outputs - x0), rows = std::min(tile_rows_, y_.outputs - y0);
-  if (const auto level = flat_level(channel, x_, y_, border_, x0, y0, columns, rows)) {
-    fill_tile(channel, x0, y0, columns, rows, static_cast<float>(dc_ * *level));
-    return;
-  }
-  const std::int64_t n = whole_vectors(columns), needed = (rows - 1) * y_.ratio + y_.count;
+void SeparableEngine::tile(const Channel& channel, const TapsFlat& flat, const TileArea& whole) const {
+  const TileArea area = flat.rest(whole);
+  if (area.rows == 0) return;
+  const std::int64_t n = whole_vectors(area.columns), needed = (area.rows - 1) * y_.ratio + y_.count;
   const std::int64_t stride = phase_stride(x_), rank = static_cast<std::int64_t>(x_taps_.size());
-  const AlignedBuffer<float> scratch(static_cast<std::size_t>(scratch_size(x_)));
-  const AlignedBuffer<float> samples(static_cast<std::size_t>(x_.ratio * stride));
-  const AlignedBuffer<float> between(static_cast<std::size_t>(rank * needed * n)), sums(static_cast<std::size_t>(n));
-  std::fill_n(samples.data(), samples.size(), 0.0F);
+  const auto floats = [this](std::int64_t count) {
+    return BufferPool::Loan<float>(pool_, static_cast<std::size_t>(count));
+  };
+  const auto scratch = floats(scratch_size(x_)), samples = floats(x_.ratio * stride),
+             between = floats(rank * needed * n), sums = floats(n);
+  std::fill_n(samples.data(), x_.ratio * stride, 0.0F);
 
   const auto tap = [&](std::int64_t t) { return samples.data() + t % x_.ratio * stride + t / x_.ratio; };
   const std::int64_t x_terms = static_cast<std::int64_t>(x_taps_.front().size());
@@ -82,14 +93,23 @@ void SeparableEngine::tile(const Channel& channel, std::int64_t x0, std::int64_t
   for (std::int64_t t = 0; t < x_terms; ++t) a.push_back(tap(t)), b.push_back(tap(x_.count - 1 - t));
 
   for (std::int64_t r = 0; r < needed; ++r) {
-    load_row(channel, x_, y_, border_, y0 * y_.ratio + y_.first + r, x0, columns, scratch.data(), samples.data());
+    const FlatMap::Kind* kinds = flat.samples(area.y0 * y_.ratio + r, area.x0);
+    if (kinds == nullptr || std::find(kinds, kinds + n / kVector, 0) != kinds + n / kVector)
+      load_row(channel, x_, y_, border_, area.y0 * y_.ratio + y_.first + r, area.x0, area.columns, scratch.data(),
+               samples.data());
     for (std::int64_t k = 0; k < rank; ++k) {
       float* out = between.data() + (k * needed + r) * n;
       const float* taps = x_taps_[static_cast<std::size_t>(k)].data();
-      if (mirrored_x_)
-        weighted_pairs(a.data(), b.data(), taps, x_terms, n, out);
-      else
-        weighted_sum(a.data(), taps, x_terms, n, out);
+      for_stretches(kinds, n, [&](std::int64_t begin, std::int64_t end, auto kind) {
+        if (kind != 0)
+          std::fill(out + begin, out + end,
+                    static_cast<float>((flat.level(kind) - channel.mean) * channel.scale *
+                                       x_gains_[static_cast<std::size_t>(k)]));
+        else if (mirrored_x_)
+          weighted_pairs(a.data(), b.data(), taps, x_terms, begin, end, out);
+        else
+          weighted_sum(a.data(), taps, x_terms, begin, end, out);
+      });
     }
   }
 
@@ -98,7 +118,7 @@ void SeparableEngine::tile(const Channel& channel, std::int64_t x0, std::int64_t
   for (const auto& list : y_taps_) weights.insert(weights.end(), list.begin(), list.end());
   a.resize(weights.size());
   b.resize(weights.size());
-  for (std::int64_t y = 0; y < rows; ++y) {
+  for (std::int64_t y = 0; y < area.rows; ++y) {
     std::size_t c = 0;
     for (std::int64_t k = 0; k < rank; ++k) {
       const float* base = between.data() + (k * needed + y * y_.ratio) * n;
@@ -107,11 +127,14 @@ void SeparableEngine::tile(const Channel& channel, std::int64_t x0, std::int64_t
         b[c] = base + (y_.count - 1 - static_cast<std::int64_t>(t)) * n;
       }
     }
-    if (mirrored_y_)
-      weighted_pairs(a.data(), b.data(), weights.data(), static_cast<std::int64_t>(c), n, sums.data());
-    else
-      weighted_sum(a.data(), weights.data(), static_cast<std::int64_t>(c), n, sums.data());
-    kernels::restore(sums.data(), columns, channel.out_mean, 1.0 / channel.scale, channel.out.row(y0 + y) + x0);
+    for_stretches(flat.output(area.y0 + y, area.x0), n, [&](std::int64_t begin, std::int64_t end, auto kind) {
+      if (kind != 0) return;
+      if (mirrored_y_)
+        weighted_pairs(a.data(), b.data(), weights.data(), static_cast<std::int64_t>(c), begin, end, sums.data());
+      else
+        weighted_sum(a.data(), weights.data(), static_cast<std::int64_t>(c), begin, end, sums.data());
+    });
+    write_row(channel, area, y, flat, sums.data());
   }
 }
 
@@ -126,35 +149,39 @@ DirectEngine::DirectEngine(const TapAxis& x, const TapAxis& y, Border border, do
     }
 }
 
-std::int64_t DirectEngine::run_bytes(std::int64_t /*channels*/, int threads) const {
+std::int64_t DirectEngine::run_bytes(std::int64_t channels, int threads) const {
   const std::int64_t rows = (kDirectRows - 1) * y_.ratio + 2 * y_.count;
-  return std::int64_t{std::max(threads, 1)} * 4 * (rows * x_.ratio * phase_stride(x_) + scratch_size(x_));
+  return std::int64_t{std::max(threads, 1)} * 4 * (rows * x_.ratio * phase_stride(x_) + scratch_size(x_)) +
+         channels * TapsFlat::bytes(x_, y_);
 }
 
 void DirectEngine::run(const std::vector<Channel>& channels, int threads) const {
-  for_each_tile(channels, x_, y_, kDirectRows, threads,
-                [this](const Channel& channel, std::int64_t x0, std::int64_t y0) { tile(channel, x0, y0); });
+  for_each_tile(
+      channels, x_, y_, border_, dc_, kDirectRows, threads,
+      [this](const Channel& channel, const TapsFlat& flat, const TileArea& area) { tile(channel, flat, area); });
 }
 
-void DirectEngine::tile(const Channel& channel, std::int64_t x0, std::int64_t y0) const {
-  const std::int64_t columns = std::min(kTileColumns, x_.outputs - x0), rows = std::min(kDirectRows, y_.outputs - y0);
-  if (const auto level = flat_level(channel, x_, y_, border_, x0, y0, columns, rows)) {
-    fill_tile(channel, x0, y0, columns, rows, static_cast<float>(dc_ * *level));
-    return;
-  }
-  const std::int64_t n = whole_vectors(columns), needed = (rows - 1) * y_.ratio + y_.count;
+void DirectEngine::tile(const Channel& channel, const TapsFlat& flat, const TileArea& whole) const {
+  const TileArea area = flat.rest(whole);
+  if (area.rows == 0) return;
+  const std::int64_t n = whole_vectors(area.columns), needed = (area.rows - 1) * y_.ratio + y_.count;
   const std::int64_t stride = phase_stride(x_), length = x_.ratio * stride, half_rows = (y_.count + 1) / 2;
-  const AlignedBuffer<float> scratch(static_cast<std::size_t>(scratch_size(x_))), sums(static_cast<std::size_t>(n));
-  const AlignedBuffer<float> samples(static_cast<std::size_t>(needed * length));
-  const AlignedBuffer<float> added(static_cast<std::size_t>(mirrored_ ? half_rows * length : 0));
-  std::fill_n(samples.data(), samples.size(), 0.0F);
+  const auto floats = [this](std::int64_t count) {
+    return BufferPool::Loan<float>(pool_, static_cast<std::size_t>(count));
+  };
+  const auto scratch = floats(scratch_size(x_)), sums = floats(kTileColumns),
+             samples = floats(((kDirectRows - 1) * y_.ratio + y_.count) * length),
+             added = floats(mirrored_ ? half_rows * length : 0);
+  std::fill_n(samples.data(), needed * length, 0.0F);
   for (std::int64_t r = 0; r < needed; ++r)
-    load_row(channel, x_, y_, border_, y0 * y_.ratio + y_.first + r, x0, columns, scratch.data(),
+    load_row(channel, x_, y_, border_, area.y0 * y_.ratio + y_.first + r, area.x0, area.columns, scratch.data(),
              samples.data() + r * length);
 
   std::vector<const float*> a, b;
   std::vector<float> weights;
-  for (std::int64_t y = 0; y < rows; ++y) {
+  for (std::int64_t y = 0; y < area.rows; ++y) {
+    const FlatMap::Kind* kinds = flat.output(area.y0 + y, area.x0);
+    const bool busy = kinds == nullptr || std::find(kinds, kinds + n / kVector, 0) != kinds + n / kVector;
     const float* base = samples.data() + y * y_.ratio * length;
     a.clear(), b.clear(), weights.clear();
     const auto take = [&](const float* row, std::int64_t t, float weight) {
@@ -162,24 +189,29 @@ void DirectEngine::tile(const Channel& channel, std::int64_t x0, std::int64_t y0
       const auto at = [&](std::int64_t i) { return row + i % x_.ratio * stride + i / x_.ratio; };
       a.push_back(at(t)), b.push_back(at(x_.count - 1 - t)), weights.push_back(weight);
     };
-    if (mirrored_) {
-      for (std::int64_t r = 0; r < half_rows; ++r) {
-        const std::int64_t other = y_.count - 1 - r;
-        float* row = added.data() + r * length;
-        add_rows(base + r * length, base + other * length, length, row);
-        for (std::int64_t t = 0; t < (x_.count + 1) / 2; ++t) {
-          const float once = (r == other ? 0.5F : 1.0F) * (2 * t + 1 == x_.count ? 0.5F : 1.0F);
-          take(row, t, once * taps_[static_cast<std::size_t>(r * x_.count + t)]);
-        }
-      }
-      weighted_pairs(a.data(), b.data(), weights.data(), static_cast<std::int64_t>(a.size()), n, sums.data());
-    } else {
-      for (std::int64_t r = 0; r < y_.count; ++r)
+    for (std::int64_t r = 0; busy && r < (mirrored_ ? half_rows : y_.count); ++r) {
+      if (!mirrored_) {
         for (std::int64_t t = 0; t < x_.count; ++t)
           take(base + r * length, t, taps_[static_cast<std::size_t>(r * x_.count + t)]);
-      weighted_sum(a.data(), weights.data(), static_cast<std::int64_t>(a.size()), n, sums.data());
+        continue;
+      }
+      const std::int64_t other = y_.count - 1 - r;
+      float* row = added.data() + r * length;
+      add_rows(base + r * length, base + other * length, length, row);
+      for (std::int64_t t = 0; t < (x_.count + 1) / 2; ++t) {
+        const float once = (r == other ? 0.5F : 1.0F) * (2 * t + 1 == x_.count ? 0.5F : 1.0F);
+        take(row, t, once * taps_[static_cast<std::size_t>(r * x_.count + t)]);
+      }
     }
-    kernels::restore(sums.data(), columns, channel.out_mean, 1.0 / channel.scale, channel.out.row(y0 + y) + x0);
+    for_stretches(kinds, n, [&](std::int64_t begin, std::int64_t end, auto kind) {
+      if (kind != 0) return;
+      if (mirrored_)
+        weighted_pairs(a.data(), b.data(), weights.data(), static_cast<std::int64_t>(a.size()), begin, end,
+                       sums.data());
+      else
+        weighted_sum(a.data(), weights.data(), static_cast<std::int64_t>(a.size()), begin, end, sums.data());
+    });
+    write_row(channel, area, y, flat, sums.data());
   }
 }
 

@@ -3,15 +3,21 @@
 
 // Filtering in the space domain, for point spreads of a few samples: detector sample j along an axis is a weighted sum
 // of the scene samples j x ratio + first + t, t = 0 .. count - 1, whole ratios only. Both engines walk over tiles of
-// the output that fit the cache; a tile whose samples, with those around that it needs, are all alike is filled with
-// H(0) x level. Taps that are mirrored bit by bit let mirrored samples be added before they are multiplied.
+// the output that fit the cache; groups of 16 outputs of a row whose samples, with those around that they need, are of
+// one level are H(0) x level. Taps that are mirrored bit by bit let mirrored samples be added before they are
+// multiplied.
 
 #include <vector>
 
 #include "mtf/border.h"
+#include "mtf/engines/buffer_pool.h"
 #include "mtf/engines/engine.h"
 
 namespace mtf {
+namespace taps {
+class TapsFlat;
+struct TileArea;
+}  // namespace taps
 
 struct TapAxis {
   std::int64_t samples = 0;  ///< of the scene
@@ -32,14 +38,16 @@ class SeparableEngine final : public Engine {
   std::int64_t filter_bytes() const override;
 
  private:
-  void tile(const Channel& channel, std::int64_t x0, std::int64_t y0) const;
+  void tile(const Channel& channel, const taps::TapsFlat& flat, const taps::TileArea& area) const;
 
   TapAxis x_, y_;
   Border border_;
   double dc_;
   std::vector<std::vector<float>> x_taps_, y_taps_;
+  std::vector<double> x_gains_;  ///< sums of the x taps
   bool mirrored_x_, mirrored_y_;
   std::int64_t tile_rows_;
+  mutable BufferPool pool_;
 };
 
 /// One two-dimensional kernel; taps that are zero cost nothing.
@@ -52,13 +60,14 @@ class DirectEngine final : public Engine {
   std::int64_t filter_bytes() const override { return static_cast<std::int64_t>(taps_.size()) * 4; }
 
  private:
-  void tile(const Channel& channel, std::int64_t x0, std::int64_t y0) const;
+  void tile(const Channel& channel, const taps::TapsFlat& flat, const taps::TileArea& area) const;
 
   TapAxis x_, y_;
   Border border_;
   double dc_;
   std::vector<float> taps_;
   bool mirrored_;  ///< along both axes
+  mutable BufferPool pool_;
 };
 
 }  // namespace mtf

@@ -3,7 +3,6 @@
 
 #include "mtf/engines/clones.h"
 #include "mtf/engines/kernels.h"
-#include "mtf/parallel.h"
 
 namespace mtf::taps {
 namespace {
@@ -17,11 +16,11 @@ MTFKIT_INLINE Wide& wide(float* p) { return *reinterpret_cast<Wide*>(p); }
 
 }  // namespace
 
-// Four vectors at a time hide the latency of the additions.
-MTFKIT_CLONES void weighted_sum(const float* const* a, const float* weights, std::int64_t count, std::int64_t n,
-                                float* out) {
-  std::int64_t i = 0;
-  for (; i + 4 * kVector <= n; i += 4 * kVector) {
+// Four vectors at a time, or two, hide the latency of the additions.
+MTFKIT_CLONES void weighted_sum(const float* const* a, const float* weights, std::int64_t count, std::int64_t first,
+                                std::int64_t last, float* out) {
+  std::int64_t i = first;
+  for (; i + 4 * kVector <= last; i += 4 * kVector) {
     Wide s0{}, s1{}, s2{}, s3{};
     for (std::int64_t c = 0; c < count; ++c) {
       const float* p = a[c] + i;
@@ -36,7 +35,17 @@ MTFKIT_CLONES void weighted_sum(const float* const* a, const float* weights, std
     wide(out + i + 2 * kVector) = s2;
     wide(out + i + 3 * kVector) = s3;
   }
-  for (; i < n; i += kVector) {
+  for (; i + 2 * kVector <= last; i += 2 * kVector) {
+    Wide s0{}, s1{};
+    for (std::int64_t c = 0; c < count; ++c) {
+      const float* p = a[c] + i;
+      s0 += weights[c] * wide(p);
+      s1 += weights[c] * wide(p + kVector);
+    }
+    wide(out + i) = s0;
+    wide(out + i + kVector) = s1;
+  }
+  for (; i < last; i += kVector) {
     Wide s{};
     for (std::int64_t c = 0; c < count; ++c) s += weights[c] * wide(a[c] + i);
     wide(out + i) = s;
@@ -44,9 +53,9 @@ MTFKIT_CLONES void weighted_sum(const float* const* a, const float* weights, std
 }
 
 MTFKIT_CLONES void weighted_pairs(const float* const* a, const float* const* b, const float* weights,
-                                  std::int64_t count, std::int64_t n, float* out) {
-  std::int64_t i = 0;
-  for (; i + 4 * kVector <= n; i += 4 * kVector) {
+                                  std::int64_t count, std::int64_t first, std::int64_t last, float* out) {
+  std::int64_t i = first;
+  for (; i + 4 * kVector <= last; i += 4 * kVector) {
     Wide s0{}, s1{}, s2{}, s3{};
     for (std::int64_t c = 0; c < count; ++c) {
       const float *p = a[c] + i, *q = b[c] + i;
@@ -61,7 +70,17 @@ MTFKIT_CLONES void weighted_pairs(const float* const* a, const float* const* b, 
     wide(out + i + 2 * kVector) = s2;
     wide(out + i + 3 * kVector) = s3;
   }
-  for (; i < n; i += kVector) {
+  for (; i + 2 * kVector <= last; i += 2 * kVector) {
+    Wide s0{}, s1{};
+    for (std::int64_t c = 0; c < count; ++c) {
+      const float *p = a[c] + i, *q = b[c] + i;
+      s0 += weights[c] * (wide(p) + wide(q));
+      s1 += weights[c] * (wide(p + kVector) + wide(q + kVector));
+    }
+    wide(out + i) = s0;
+    wide(out + i + kVector) = s1;
+  }
+  for (; i < last; i += kVector) {
     Wide s{};
     for (std::int64_t c = 0; c < count; ++c) s += weights[c] * (wide(a[c] + i) + wide(b[c] + i));
     wide(out + i) = s;
@@ -91,18 +110,7 @@ MTFKIT_CLONES void deinterleave(const float* __restrict in, std::int64_t ratio, 
     for (std::int64_t i = 0; i < n; ++i) out[p * stride + i] = in[i * ratio + p];
 }
 
-// Without a way out inside of the loop: a row of a tile is short, and whole vectors are compared.
-MTFKIT_CLONES bool all_equal(const float* p, std::int64_t n, float level) {
-  int different = 0;
-  for (std::int64_t i = 0; i < n; ++i) different |= p[i] != level ? 1 : 0;
-  return different == 0;
-}
-
-// Parts of a row of the canvas: positions 0 .. left - 1 and right .. n - 1 lie outside of the image.
-struct RowParts {
-  std::int64_t begin = 0, n = 0, left = 0, right = 0;
-  const float* row = nullptr;  ///< of the image; null where the constant level stands
-};
+}  // namespace
 
 RowParts row_parts(const Channel& channel, const TapAxis& x, const TapAxis& y_axis, Border border, std::int64_t y,
                    std::int64_t x0, std::int64_t columns) {
@@ -121,8 +129,6 @@ float outside(const RowParts& p, const Channel& channel, const TapAxis& x, Borde
   return sx < 0 ? static_cast<float>(channel.border_value) : p.row[sx];
 }
 
-}  // namespace
-
 void load_row(const Channel& channel, const TapAxis& x, const TapAxis& y_axis, Border border, std::int64_t y,
               std::int64_t x0, std::int64_t columns, float* scratch, float* out) {
   const RowParts p = row_parts(channel, x, y_axis, border, y, x0, columns);
@@ -139,41 +145,6 @@ void load_row(const Channel& channel, const TapAxis& x, const TapAxis& y_axis, B
   const std::int64_t phases = (p.n + x.ratio - 1) / x.ratio;
   std::fill(scratch + p.n, scratch + phases * x.ratio, 0.0F);
   deinterleave(scratch, x.ratio, phase_stride(x), phases, out);
-}
-
-std::optional<float> flat_level(const Channel& channel, const TapAxis& x, const TapAxis& y, Border border,
-                                std::int64_t x0, std::int64_t y0, std::int64_t columns, std::int64_t rows) {
-  std::optional<float> level;
-  const auto same = [&level](float v) { return v == level.value_or(v) && (level = v, true); };
-  const std::int64_t first = y0 * y.ratio + y.first, needed = (rows - 1) * y.ratio + y.count;
-  for (std::int64_t r = 0; r < needed; ++r) {
-    const RowParts p = row_parts(channel, x, y, border, first + r, x0, columns);
-    for (std::int64_t i = 0; i < p.left; ++i)
-      if (!same(outside(p, channel, x, border, i))) return std::nullopt;
-    if (p.right > p.left) {
-      const float* inside = p.row + p.begin + p.left;
-      if (!same(*inside) || !all_equal(inside, p.right - p.left, *inside)) return std::nullopt;
-    }
-    for (std::int64_t i = p.right; i < p.n; ++i)
-      if (!same(outside(p, channel, x, border, i))) return std::nullopt;
-  }
-  return level;
-}
-
-void for_each_tile(const std::vector<Channel>& channels, const TapAxis& x, const TapAxis& y, std::int64_t rows,
-                   int threads, const std::function<void(const Channel&, std::int64_t, std::int64_t)>& tile) {
-  const std::int64_t across = (x.outputs + kTileColumns - 1) / kTileColumns, down = (y.outputs + rows - 1) / rows;
-  const auto count = static_cast<std::int64_t>(channels.size());
-  parallel_for(count * across * down, 1, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i)
-      tile(channels[static_cast<std::size_t>(i / (across * down))], i % across * kTileColumns,
-           i / across % down * rows);
-  });
-}
-
-void fill_tile(const Channel& channel, std::int64_t x0, std::int64_t y0, std::int64_t columns, std::int64_t rows,
-               float value) {
-  for (std::int64_t y = y0; y < y0 + rows; ++y) std::fill_n(channel.out.row(y) + x0, columns, value);
 }
 
 bool mirrored(std::span<const float> taps) { return std::equal(taps.begin(), taps.end(), taps.rbegin()); }

@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <functional>
-#include <optional>
 #include <span>
 
 #include "mtf/engines/taps.h"
@@ -24,11 +22,12 @@ inline std::int64_t phase_stride(const TapAxis& x) {
   return whole_vectors(std::min(kTileColumns, x.outputs) + x.count / x.ratio + 1) + kVector;
 }
 
-/// out[i] (+)= sum over c of weights[c] x a[c][i], i < n rounded up to whole vectors.
-void weighted_sum(const float* const* a, const float* weights, std::int64_t count, std::int64_t n, float* out);
+/// out[i] = sum over c of weights[c] x a[c][i], first <= i < last, whole vectors.
+void weighted_sum(const float* const* a, const float* weights, std::int64_t count, std::int64_t first,
+                  std::int64_t last, float* out);
 /// out[i] = sum over c of weights[c] x (a[c][i] + b[c][i]).
 void weighted_pairs(const float* const* a, const float* const* b, const float* weights, std::int64_t count,
-                    std::int64_t n, float* out);
+                    std::int64_t first, std::int64_t last, float* out);
 /// out[i] = a[i] + b[i].
 void add_rows(const float* a, const float* b, std::int64_t n, float* out);
 
@@ -37,22 +36,27 @@ void add_rows(const float* a, const float* b, std::int64_t n, float* out);
 void load_row(const Channel& channel, const TapAxis& x, const TapAxis& y_axis, Border border, std::int64_t y,
               std::int64_t x0, std::int64_t columns, float* scratch, float* out);
 
-/// The one value of all samples that a tile of the output needs; nothing when they differ.
-std::optional<float> flat_level(const Channel& channel, const TapAxis& x, const TapAxis& y, Border border,
-                                std::int64_t x0, std::int64_t y0, std::int64_t columns, std::int64_t rows);
+/// Parts of a row of the canvas: positions 0 .. left - 1 and right .. n - 1 lie outside of the image.
+struct RowParts {
+  std::int64_t begin = 0, n = 0, left = 0, right = 0;
+  const float* row = nullptr;  ///< of the image; null where the constant level stands
+};
+
+/// Of canvas row `y`, what outputs x0 .. x0 + columns - 1 need.
+RowParts row_parts(const Channel& channel, const TapAxis& x, const TapAxis& y_axis, Border border, std::int64_t y,
+                   std::int64_t x0, std::int64_t columns);
+/// The sample at position `i` of parts outside of the image.
+float outside(const RowParts& p, const Channel& channel, const TapAxis& x, Border border, std::int64_t i);
 
 /// Floats of the scratch row of load_row.
 inline std::int64_t scratch_size(const TapAxis& x) {
   return std::min(kTileColumns, x.outputs) * x.ratio + x.count + x.ratio + kVector;
 }
 
-/// tile(channel, x0, y0) over all tiles of `rows` output rows of all channels, on `threads` threads.
-void for_each_tile(const std::vector<Channel>& channels, const TapAxis& x, const TapAxis& y, std::int64_t rows,
-                   int threads, const std::function<void(const Channel&, std::int64_t, std::int64_t)>& tile);
-
-/// The tile at (x0, y0) of `columns` x `rows` outputs, all `value`.
-void fill_tile(const Channel& channel, std::int64_t x0, std::int64_t y0, std::int64_t columns, std::int64_t rows,
-               float value);
+/// Outputs that are made together.
+struct TileArea {
+  std::int64_t x0 = 0, y0 = 0, columns = 0, rows = 0;
+};
 
 /// Taps that equal themselves backwards, bit by bit.
 bool mirrored(std::span<const float> taps);

@@ -224,6 +224,23 @@ Image part_of(const Image& whole, Random& random, const SampleGrid& grid) {
   return image;
 }
 
+// One level, near the mean or far from it, outside of a box.
+void flatten_around_box(Random& random, Image& scene) {
+  const Statistics s = statistics(scene.view());
+  const auto level =
+      static_cast<float>(s.mean + (random.below(2) == 0 ? 0.0 : 3.0 * s.std * random.uniform(-1.0, 1.0)));
+  const auto range = [&](std::int64_t n) {
+    const auto from = random.below(2) == 0 ? 0 : static_cast<std::int64_t>(random.uniform(0.0, static_cast<double>(n)));
+    const auto count = static_cast<std::int64_t>(random.uniform(1.0, static_cast<double>(n - from) + 1.0));
+    return std::pair{from, random.below(3) == 0 ? n : std::min(n, from + count)};
+  };
+  const auto [left, right] = range(scene.width());
+  const auto [top, bottom] = range(scene.height());
+  for (std::int64_t y = 0; y < scene.height(); ++y)
+    for (std::int64_t x = 0; x < scene.width(); ++x)
+      if (x < left || x >= right || y < top || y >= bottom) scene.at(x, y) = level;
+}
+
 fs::path shared_data() {
   const char* chosen = std::getenv("MTFKIT_SHARED");
   const fs::path shared = chosen != nullptr ? fs::path(chosen) : fs::path(MTFKIT_SOURCE_DIR) / "../shared";
@@ -278,6 +295,10 @@ SweepCase sweep_case(std::uint64_t seed, const SweepLimits& limits, std::span<co
     const Photograph& whole = photographs[random.bits() % photographs.size()];
     c.scene_kind = whole.name;
     c.scene = part_of(whole.image, random, c.in);
+  }
+  if (limits.flat_parts) {
+    flatten_around_box(random, c.scene);
+    c.scene_kind += " in a flat scene";
   }
   const Statistics s = statistics(c.scene.view());
   c.border_value = s.mean + (random.below(3) == 0 ? 20.0 * s.std * random.uniform(-1.0, 1.0) : 0.0);

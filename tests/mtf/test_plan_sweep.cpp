@@ -52,6 +52,7 @@ class Sweep {
   explicit Sweep(std::vector<Photograph> photographs) : photographs_(std::move(photographs)) {}
 
   void run(std::uint64_t first, int cases, const SweepLimits& limits) {
+    flat_parts_ = limits.flat_parts;
     if (const char* other = std::getenv("MTFKIT_SWEEP_FIRST")) first = std::strtoull(other, nullptr, 10);
     if (const char* other = std::getenv("MTFKIT_SWEEP_CASES")) cases = std::atoi(other);
     for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(cases); ++seed) {
@@ -177,19 +178,25 @@ class Sweep {
     tightness_.print();
     if (cases_ < kEnoughCases) return;
     EXPECT_GT(plans_, cases_ - cases_ / 4);
+    // What reaches flat rows is given a share of the tolerance whether it needs it or not.
+    if (flat_parts_) return;
     EXPECT_LE(tightness_.median("all, " + kAsSimulate), kLoosestMedian);
   }
 
   std::vector<Photograph> photographs_;
+  bool flat_parts_ = false;
   int cases_ = 0, plans_ = 0, ill_conditioned_ = 0, flat_ = 0, refused_ = 0, unreachable_ = 0;
   std::map<std::string, int> chosen_;
   Tightness tightness_;
 };
 
-constexpr SweepLimits kShort{16, 160}, kLong{16, 700};
+constexpr SweepLimits kShort{16, 160}, kLong{16, 700}, kShortFlat{16, 160, true}, kLongFlat{16, 700, true};
 
 TEST(PlanSweep, made_scenes) { Sweep({}).run(1, 40, kShort); }
 TEST(PlanSweepLong, made_scenes) { Sweep({}).run(10'000, 1500, kLong); }
+
+TEST(PlanSweep, flat_parts) { Sweep({}).run(1, 30, kShortFlat); }
+TEST(PlanSweepLong, flat_parts) { Sweep({}).run(30'000, 500, kLongFlat); }
 
 void photographed(std::uint64_t first, int cases, const SweepLimits& limits) {
   std::vector<Photograph> images = photographs();

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes that are flat in parts: what is left out there keeps the promise, for every method that can do the work, every
+// border, on plans for this scene and on scenes that a plan was not made for.
+#include "apps/check/reference_fft.h"
+#include "mtf/flat_map.h"
+#include "mtf/scene_spectrum.h"
+#include "tests/mtf/plan_support.h"
+
+namespace mtf::test {
+namespace {
+
+constexpr std::int64_t kWidth = 149, kHeight = 118;
+
+struct Part {
+  const char* name;
+  Region busy;
+};
+// Touching each side, none, a pixel, all.
+const std::vector<Part> kParts{
+    {"right half", {75, 0, 74, 118}}, {"left half", {0, 0, 74, 118}},   {"bottom", {0, 60, 149, 58}},
+    {"top", {0, 0, 149, 58}},         {"target", {60, 40, 30, 20}},     {"corner", {0, 90, 40, 28}},
+    {"pixel", {101, 17, 1, 1}},       {"last pixel", {148, 117, 1, 1}}, {"all", {0, 0, 149, 118}}};
+
+// `contrast` times noise within the part, `level` elsewhere.
+Image scene_of(const Region& busy, double level, double contrast, unsigned seed = 5) {
+  const Image noise = random_image(kWidth, kHeight, seed, 0.0, contrast);
+  return image_of(kWidth, kHeight, [&](std::int64_t x, std::int64_t y) {
+    const bool in = x >= busy.x && x < busy.x + busy.width && y >= busy.y && y < busy.y + busy.height;
+    return level + (in ? static_cast<double>(noise.at(x, y)) + 3.0 * contrast : 0.0);
+  });
+}
+
+std::vector<double> reference(const System<double>& system, const Image& scene, const SampleGrid& in,
+                              const SampleGrid& out, Border border, double border_value) {
+  return apps::check::reference_image_fft(scene.view(), in, out,
+                                          apps::check::exact_otf(system, {Stage::presample}, SceneAperture{}, in),
+                                          border, border_value, 1);
+}
+
+// Not separable: motion at an angle.
+System<double> blur() { return with(bare(15.0, 15.0), {gaussian(27.0), motion(20.0, 30.0)}); }
+System<double> separable_blur() { return with(bare(15.0, 15.0), {gaussian(27.0), footprint(12.0)}); }
+
+// Every way that keeps the promise for this scene does so when it runs; `needed` is among them.
+void check_all_ways(const System<double>& system, const Image& scene, double ratio, Border border, double border_value,
+                    double tolerance, Method needed) {
+  const SampleGrid in = scene_grid(system, kWidth, kHeight, ratio, ratio), out = detector_grid(system, in);
+  PlanOptions options = options_for(scene, border, tolerance, border_value);
+  ASSERT_TRUE(options.scene.has_value());
+  options.spectrum = scene_spectrum(scene.view(), border, 1);
+  const std::vector<double> expected = reference(system, scene, in, out, border, border_value);
+  const Plan best = compile(system, in, out, options);
+  bool found = false;
+  for (const Candidate& candidate : best.report().candidates) {
+    if (!candidate.possible) continue;
+    options.method = candidate.method;
+    found = found || candidate.method == needed;
+    const Plan plan = compile(system, in, out, options);
+    const Image image = run(plan, scene, border_value);
+    EXPECT_LE(rms_distance(image, expected), plan.report().predicted.total() * options.scene->std)
+        << kBorderNames[static_cast<std::size_t>(border)] << ", ratio " << ratio << "\n"
+        << plan.explain();
+    EXPECT_TRUE(same_bits(image, run(plan, scene, border_value, 2)));
+  }
+  EXPECT_TRUE(found) << best.explain();
+}
+
+// Both ratios on every border, and with every part, but not all together.
+TEST(PlanFlatParts, every_way_keeps_the_promise) {
+  for (std::size_t p = 0; p < kParts.size(); ++p)
+    for (const Border border : kBorders) {
+      SCOPED_TRACE(kParts[p].name);
+      const double ratio = (p + static_cast<std::size_t>(border)) % 2 == 0 ? 1.0 : 2.0;
+      const Image scene = scene_of(kParts[p].busy, 300.0, 20.0);
+      for (const double beyond : {300.0, 250.0}) {
+        check_all_ways(blur(), scene, ratio, border, beyond, 1e-3, Method::fft_float);
+        check_all_ways(separable_blur(), scene, ratio, border, beyond, 1e-3, Method::separable);
+        if (border != Border::constant) break;
+      }
+    }
+}
+
+TEST(PlanFlatParts, little_contrast_on_a_large_level) {
+  for (const Part& part : kParts)
+    for (const Border border : {Border::reflect, Border::replicate})
+      check_all_ways(separable_blur(), scene_of(part.busy, 1e5, 20.0), 1.0, border, 1e5, 5e-2, Method::separable);
+}
+
+// Several levels, none of them the mean; blocks that are smaller than a tile.
+TEST(PlanFlatParts, levels_of_their_own) {
+  const Image noise = random_image(kWidth, kHeight, 3);
+  const Image scene = image_of(kWidth, kHeight, [&](std::int64_t x, std::int64_t y) {
+    const std::int64_t block = (x / 37 + y / 29) % 3;
+    return block == 0 ? -4.0 : block == 1 ? 7.0 : static_cast<double>(noise.at(x, y));
+  });
+  for (const Border border : kBorders)
+    check_all_ways(separable_blur(), scene, 1.0, border, 7.0, 1e-3, Method::separable);
+}
+
+TEST(PlanFlatParts, what_is_flat_with_all_that_reaches_it_is_exact) {
+  const Image scene = scene_of({75, 0, 74, 118}, 300.0, 20.0);
+  for (const Border border : {Border::reflect, Border::replicate}) {
+    PlanOptions options = options_for(scene, border, 1e-3);
+    options.method = Method::separable;
+    const System<double> system = separable_blur();
+    const SampleGrid in = scene_grid(system, kWidth, kHeight, 1.0, 1.0);
+    const Image image = run(compile(system, in, in, options), scene);
+    for (std::int64_t y = 0; y < kHeight; ++y)
+      for (std::int64_t x = 0; x < 32; ++x) ASSERT_EQ(image.at(x, y), 300.0F);
+  }
+}
+
+// What is left out of rows is theirs on any scene that runs, whatever scene the plan was made for.
+TEST(PlanFlatParts, plan_for_one_scene_keeps_the_promise_for_others) {
+  const System<double> system = with(blur(), {Component<double>::make("diffraction")});
+  const SampleGrid in = scene_grid(system, kWidth, kHeight, 1.0, 1.0);
+  const Image scene = scene_of({0, 80, 149, 38}, 300.0, 20.0);
+  for (const Border border : kBorders) {
+    PlanOptions options = options_for(scene, border, 1e-3, 300.0);
+    options.method = Method::fft_float;
+    const Plan plan = compile(system, in, in, options);
+    EXPECT_GT(plan.report().predicted.flat, 0.0) << plan.explain();
+    EXPECT_NE(plan.explain().find("rows that are of one level"), std::string::npos);
+    for (const Image& other : {scene_of({0, 80, 149, 38}, 300.0, 20.0, 8), scene_of({0, 0, 149, 30}, -5.0, 0.5),
+                               scene_of({40, 50, 9, 9}, 0.0, 1.0), scene_of({0, 0, 149, 118}, 300.0, 20.0)}) {
+      const Image image = run(plan, other, 300.0);
+      const PlanOptions its_own = options_for(other, border, 1e-3, 300.0);
+      const double harder =
+          its_own.scene->canvas_norm / its_own.scene->std / (options.scene->canvas_norm / options.scene->std);
+      EXPECT_LE(rms_distance(image, reference(system, other, in, in, border, 300.0)),
+                1e-3 * std::max(1.0, harder) * its_own.scene->std)
+          << kBorderNames[static_cast<std::size_t>(border)];
+      EXPECT_TRUE(same_bits(image, run(plan, other, 300.0, 2)));
+    }
+    // A scene without flat parts gets all that it would get from a plan that knows of none.
+    options.scene->flat_rows = 0.0;
+    const Image noise = random_image(kWidth, kHeight, 2);
+    EXPECT_TRUE(same_bits(run(plan, noise, 300.0), run(compile(system, in, in, options), noise, 300.0)));
+  }
+}
+
+TEST(FlatMap, tells_groups_of_one_level_from_others) {
+  const Image scene = scene_of({75, 0, 74, 118}, 300.0, 20.0);
+  FlatMap map(scene.view());
+  ASSERT_TRUE(map.any());
+  ASSERT_EQ(map.groups(), 10);
+  const FlatMap::Kind* kinds = map.look(50);
+  for (std::int64_t g = 0; g < 10; ++g) EXPECT_EQ(kinds[g] != 0, g < 4) << g;
+  EXPECT_EQ(map.level(kinds[0]), 300.0F);
+  EXPECT_EQ(map.kind_of(300.0F), kinds[0]);
+  EXPECT_EQ(map.kind_of(301.0F), 0);
+  EXPECT_FALSE(FlatMap(random_image(kWidth, kHeight, 1).view()).any());
+  EXPECT_FALSE(FlatMap(Image(1, 1).view()).any());
+}
+
+}  // namespace
+}  // namespace mtf::test
