@@ -182,7 +182,6 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
   for (const FittedParameter& p : result.parameters) values.push_back(p.value);
   setup.sensors->set(values);
   result.system = setup.sensors->system(0);
-  result.system.band_nodes = data.conditions.front().band_nodes;
   return result;
 }
 
