@@ -14,12 +14,13 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr std::size_t kPoints = 16;  // of a panel
-constexpr std::size_t kFewestWavelengths = 4, kMostWavelengths = 64;
+constexpr std::size_t kPoints = 16;                                              // of a panel
+constexpr std::array<std::size_t, 8> kWavelengths{4, 6, 8, 12, 16, 24, 32, 64};  // tried in turn
+constexpr std::size_t kMostWavelengths = kWavelengths.back();
 constexpr std::size_t kMostPanels = 256;
-constexpr double kNarrowest = pi / 1024.0;  // panel
-constexpr double kError = 3e-9, kDerivativeError = 3e-7;
-constexpr double kRounding = 1e-11;  // a derivative below is none
+constexpr double kNarrowest = pi / 1024.0;                // panel
+constexpr double kError = 1e-7, kDerivativeError = 1e-5;  // of the last terms: those left out are smaller
+constexpr double kRounding = 1e-11;                       // a derivative below is none
 constexpr int kFewestNodes = 8, kMostNodes = 256;
 constexpr double kStandsStill = 1e-8;
 
@@ -119,7 +120,8 @@ void BandMean::tabulate(double most_u) {
   const auto within = [&](const Panel& panel, bool over_wavelengths) {
     return tail(panel, over_wavelengths, allowed) <= 1.0;
   };
-  for (wavelengths_ = kFewestWavelengths;; wavelengths_ *= 2) {
+  for (const std::size_t wavelengths : kWavelengths) {
+    wavelengths_ = wavelengths;
     across_band_ = Points(wavelengths_);
     coarse.clear();
     for (std::size_t piece = 1; piece < ends.size(); ++piece)
@@ -131,9 +133,7 @@ void BandMean::tabulate(double most_u) {
           largest = std::max(largest, std::abs(panel.values[i]));
       allowed[k] = k < 2 ? kError : std::max(kDerivativeError * largest, kRounding);
     }
-    if (2 * wavelengths_ > kMostWavelengths ||
-        std::all_of(coarse.begin(), coarse.end(), [&](const Panel& panel) { return within(panel, true); }))
-      break;
+    if (std::all_of(coarse.begin(), coarse.end(), [&](const Panel& panel) { return within(panel, true); })) break;
   }
   std::vector<Panel> waiting(std::make_move_iterator(coarse.rbegin()), std::make_move_iterator(coarse.rend()));
   while (!waiting.empty()) {

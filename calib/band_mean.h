@@ -29,7 +29,7 @@ class BandMean {
   BandMean(Function p, std::size_t width, double lo_um, double hi_um, std::vector<double> breaks, bool ends,
            double most_t);
 
-  /// The mean at t >= 0. Error of its first two numbers below 1e-7, about 1e-6 of their largest for the others.
+  /// The mean at t >= 0. Error of its first two numbers below 1e-7, 1e-5 of their largest for the others.
   void at(double t, std::span<double> mean) const;
 
   /// n Chebyshev points in (-1, 1), rising, and their barycentric weights.
