@@ -14,9 +14,8 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr std::size_t kPoints = 16;                                              // of a panel
-constexpr std::array<std::size_t, 8> kWavelengths{4, 6, 8, 12, 16, 24, 32, 64};  // tried in turn
-constexpr std::size_t kMostWavelengths = kWavelengths.back();
+constexpr std::size_t kPoints = 16;  // of a panel
+constexpr std::size_t kFewWavelengths = 16, kMostWavelengths = 64;
 constexpr std::size_t kMostPanels = 256;
 constexpr double kNarrowest = pi / 1024.0;                // panel
 constexpr double kError = 1e-7, kDerivativeError = 1e-5;  // of the last terms: those left out are smaller
@@ -39,6 +38,15 @@ void weights_at(const BandMean::Points& points, double x, double* weight) {
     sum += weight[k];
   }
   for (std::size_t k = 0; k < n; ++k) weight[k] /= sum;
+}
+
+/// Chebyshev coefficient of n values at the points, `stride` numbers apart.
+double coefficient(const double* values, std::size_t stride, std::size_t n, std::size_t order) {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < n; ++j)
+    sum += values[j * stride] * std::cos(pi * static_cast<double>(order) * (2.0 * static_cast<double>(j) + 1.0) /
+                                         (2.0 * static_cast<double>(n)));
+  return (order == 0 ? 1.0 : 2.0) / static_cast<double>(n) * sum;
 }
 
 MTFKIT_CLONES void add_product(std::size_t n, std::size_t width, const double* weight, const double* values,
@@ -69,6 +77,11 @@ BandMean::BandMean(Function p, std::size_t width, double lo_um, double hi_um, st
   if (most_t > 0.0) tabulate(ends_ ? std::min(most_t, breaks_.back()) : most_t);
 }
 
+double BandMean::wavelength_at(std::size_t l) const {
+  const double turn = 0.5 * (1.0 + across_band_.x[l]);
+  return 1.0 / ((1.0 - turn) / hi_um_ + turn / lo_um_);
+}
+
 BandMean::Panel BandMean::sampled(double u_begin, double u_end, double angle_begin, double angle_end) const {
   const auto u_at = [&](double angle) { return u_begin + 0.5 * (u_end - u_begin) * (1.0 - std::cos(angle)); };
   Panel panel{u_begin, u_end, angle_begin, angle_end, u_at(angle_begin), {}};
@@ -78,8 +91,7 @@ BandMean::Panel BandMean::sampled(double u_begin, double u_end, double angle_beg
     u[i] = u_at(angle_begin + 0.5 * (angle_end - angle_begin) * (1.0 + across_panel_.x[i]));
   std::vector<double> values(kPoints * width_);
   for (std::size_t l = 0; l < wavelengths_; ++l) {
-    const double turn = 0.5 * (1.0 + across_band_.x[l]);
-    const double wavelength = 1.0 / ((1.0 - turn) / hi_um_ + turn / lo_um_);
+    const double wavelength = wavelength_at(l);
     for (std::size_t i = 0; i < kPoints; ++i) t[i] = u[i] * hi_um_ / wavelength;
     p_(wavelength, t, values);
     for (std::size_t i = 0; i < kPoints; ++i)
@@ -89,24 +101,46 @@ BandMean::Panel BandMean::sampled(double u_begin, double u_end, double angle_beg
   return panel;
 }
 
-double BandMean::tail(const Panel& panel, bool over_wavelengths, std::span<const double> allowed) const {
-  const std::size_t n = over_wavelengths ? wavelengths_ : kPoints, lines = over_wavelengths ? kPoints : wavelengths_;
-  const std::size_t step = over_wavelengths ? 1 : wavelengths_, next = over_wavelengths ? wavelengths_ : 1;
-  double worst = 0.0;
-  for (const std::size_t order : {n - 2, n - 1})
-    for (std::size_t line = 0; line < lines; ++line)
-      for (std::size_t k = 0; k < width_; ++k) {
-        double sum = 0.0;
-        for (std::size_t j = 0; j < n; ++j)
-          sum += panel.values[(line * next + j * step) * width_ + k] *
-                 std::cos(pi * static_cast<double>(order) * (2.0 * static_cast<double>(j) + 1.0) /
-                          (2.0 * static_cast<double>(n)));
-        worst = std::max(worst, 2.0 / static_cast<double>(n) * std::abs(sum) / allowed[k]);
+// As many wavelengths as leave out nothing that counts, seen at a few u; and how small that is.
+std::vector<double> BandMean::choose_wavelengths(double most_u) {
+  constexpr std::array kShares{0.15, 0.35, 0.6, 0.85};
+  std::vector<double> allowed(width_);
+  for (const std::size_t trial : {kFewWavelengths, kMostWavelengths}) {
+    across_band_ = Points(trial);
+    std::vector<double> values(kShares.size() * trial * width_);
+    for (std::size_t i = 0; i < kShares.size() * trial; ++i) {
+      const double wavelength = wavelength_at(i % trial), t = kShares[i / trial] * most_u * hi_um_ / wavelength;
+      p_(wavelength, {&t, 1}, std::span(values).subspan(i * width_, width_));
+    }
+    wavelengths_ = 2;
+    for (std::size_t k = 0; k < width_; ++k) {
+      double largest = 0.0;
+      for (std::size_t i = k; i < values.size(); i += width_) largest = std::max(largest, std::abs(values[i]));
+      allowed[k] = k < 2 ? kError : std::max(kDerivativeError * largest, kRounding);
+      for (std::size_t share = 0; share < kShares.size(); ++share) {
+        double left_out = 0.0;
+        for (std::size_t order = trial; order > wavelengths_; --order) {
+          left_out += std::abs(coefficient(&values[share * trial * width_ + k], width_, trial, order - 1));
+          if (left_out > allowed[k]) wavelengths_ = order;
+        }
       }
-  return worst;
+    }
+    if (wavelengths_ + 2 < trial) break;
+  }
+  across_band_ = Points(wavelengths_);
+  return allowed;
 }
 
-// First as many wavelengths as one panel a piece asks for, then panels halved until their last terms are small.
+// Whether the last terms along the angle, at every wavelength, are within what is allowed.
+bool BandMean::resolved(const Panel& panel, std::span<const double> allowed) const {
+  const std::size_t line = wavelengths_ * width_;
+  for (std::size_t i = 0; i < line; ++i)
+    for (const std::size_t order : {kPoints - 2, kPoints - 1})
+      if (std::abs(coefficient(&panel.values[i], line, kPoints, order)) > allowed[i % width_]) return false;
+  return true;
+}
+
+// A panel a piece, halved until all are resolved.
 void BandMean::tabulate(double most_u) {
   std::vector<double> ends{0.0};
   for (const double u : breaks_)
@@ -115,33 +149,16 @@ void BandMean::tabulate(double most_u) {
   const auto beyond = std::find_if(breaks_.begin(), breaks_.end(), [&](double u) { return u >= most_u; });
   ends.push_back(beyond != breaks_.end() ? *beyond : most_u);
 
-  std::vector<double> allowed(width_);
-  std::vector<Panel> coarse;
-  const auto within = [&](const Panel& panel, bool over_wavelengths) {
-    return tail(panel, over_wavelengths, allowed) <= 1.0;
-  };
-  for (const std::size_t wavelengths : kWavelengths) {
-    wavelengths_ = wavelengths;
-    across_band_ = Points(wavelengths_);
-    coarse.clear();
-    for (std::size_t piece = 1; piece < ends.size(); ++piece)
-      coarse.push_back(sampled(ends[piece - 1], ends[piece], 0.0, pi));
-    for (std::size_t k = 0; k < width_; ++k) {
-      double largest = 0.0;
-      for (const Panel& panel : coarse)
-        for (std::size_t i = k; i < panel.values.size(); i += width_)
-          largest = std::max(largest, std::abs(panel.values[i]));
-      allowed[k] = k < 2 ? kError : std::max(kDerivativeError * largest, kRounding);
-    }
-    if (std::all_of(coarse.begin(), coarse.end(), [&](const Panel& panel) { return within(panel, true); })) break;
-  }
-  std::vector<Panel> waiting(std::make_move_iterator(coarse.rbegin()), std::make_move_iterator(coarse.rend()));
+  const std::vector<double> allowed = choose_wavelengths(most_u);
+  std::vector<Panel> waiting;
+  for (std::size_t piece = ends.size() - 1; piece > 0; --piece)
+    waiting.push_back(sampled(ends[piece - 1], ends[piece], 0.0, pi));
   while (!waiting.empty()) {
     Panel panel = std::move(waiting.back());
     waiting.pop_back();
     const double middle = 0.5 * (panel.angle_begin + panel.angle_end);
     if (middle - panel.angle_begin < kNarrowest || panels_.size() + waiting.size() >= kMostPanels ||
-        within(panel, false)) {
+        resolved(panel, allowed)) {
       panels_.push_back(std::move(panel));
       continue;
     }

@@ -48,8 +48,9 @@ class BandMean {
   };
   void tabulate(double most_u);
   Panel sampled(double u_begin, double u_end, double angle_begin, double angle_end) const;
-  /// Largest of the last coefficients over the wavelengths, or over the angle, as a part of what is allowed.
-  double tail(const Panel& panel, bool over_wavelengths, std::span<const double> allowed) const;
+  std::vector<double> choose_wavelengths(double most_u);
+  bool resolved(const Panel& panel, std::span<const double> allowed) const;
+  double wavelength_at(std::size_t l) const;
   void look_up(double u, double wavelength_um, double weight, std::span<double> sum) const;
   void add_rule(double t, double begin_um, double end_um, int nodes, std::span<double> sum) const;
 
