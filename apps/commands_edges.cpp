@@ -104,10 +104,12 @@ Command fit_command() {
     options.input.images.push_back(text);
   }).repeats = true;
   add_edge_input(app, options.input);
-  add_text(app, "--curve", "FILE[@DEG]", "MTF curve (CSV) along a direction, default 0; may be given again",
+  add_text(app, "--curve", "FILE[@DEG]",
+           "MTF curves (CSV: frequency_cy_mm,mtf[,sd], or of mtf curve, or of mtf measure --curves) along a "
+           "direction, default 0; may be given again",
            [&](const std::string& text) { options.curves.push_back(text); })
       .repeats = true;
-  add_word(app, "--curve-sd", "SD", "of the values of curves; default 0.01",
+  add_word(app, "--curve-sd", "SD", "of the values of curves that have no column sd; default 0.01",
            [&](const std::string& text) { options.curve_sd = positive("--curve-sd", text); });
   add_text(app, "--spot", "IMAGE", "image of a point source, the whole of it; may be given again",
            [&](const std::string& text) { options.spots.push_back(text); })

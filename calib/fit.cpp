@@ -91,6 +91,15 @@ void report_obstacles(FitResult& result) {
   result.reason = "the starting values blur everything, so that nothing leads away from them; start closer";
 }
 
+/// Where no minimum was found there is no value with an error.
+void withdraw_values(FitResult& result) {
+  for (FittedParameter& p : result.parameters) {
+    p.knowledge = Knowledge::not_determined;
+    p.stderr_value = p.limit95 = std::nullopt;
+    p.interval68 = p.interval95 = std::nullopt;
+  }
+}
+
 void report_profiles(FitProblem& problem, const Solved& solved, double cost, Progress& progress, FitResult& result) {
   double factor = 0.0, weight = 0.0;
   const std::vector<std::size_t> counts = counts_of(problem);
@@ -176,6 +185,8 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
     result.status = FitStatus::stopped;
     result.reason = "stopped; what had been finished is given";
   }
+  if (result.status != FitStatus::converged && result.status != FitStatus::converged_model_wrong)
+    withdraw_values(result);
   // The system last: it shares its components with the sensors, which are not changed any more. Bounds at zero are
   // meant exactly.
   std::vector<double> values;

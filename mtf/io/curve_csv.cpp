@@ -165,13 +165,15 @@ Curve parse_curve_csv(std::string_view text, const std::string& source) {
   return make_curve(source, *columns->unit, std::move(frequency), std::move(value));
 }
 
-Curve read_curve_csv(const std::string& path) {
+std::string read_curve_text(const std::string& path) {
   std::error_code ignored;
   // A pipe without a writer would hang the reader of a sensor file.
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored) &&
       !std::filesystem::is_directory(path, ignored))
     throw RuntimeError("cannot read " + path + ": it is not an ordinary file");
-  return parse_curve_csv(read_text_file(path, kMaxBytes), path);
+  return read_text_file(path, kMaxBytes);
 }
+
+Curve read_curve_csv(const std::string& path) { return parse_curve_csv(read_curve_text(path), path); }
 
 }  // namespace mtf::io

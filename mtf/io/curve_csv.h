@@ -24,6 +24,9 @@ Curve read_curve_csv(const std::string& path);
 /// The same from text; `source` is what messages and Curve::source call it.
 Curve parse_curve_csv(std::string_view text, const std::string& source);
 
+/// The text of a curve's file: an ordinary file of at most 64 MiB. Throws RuntimeError.
+std::string read_curve_text(const std::string& path);
+
 /// A whole text file of at most `limit` bytes (a pipe will do). Throws RuntimeError: missing, a folder, too large.
 std::string read_text_file(const std::string& path, std::size_t limit);
 
