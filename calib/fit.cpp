@@ -70,13 +70,15 @@ void report_obstacles(FitResult& result) {
   for (const FittedParameter& p : result.parameters) {
     if (p.knowledge == Knowledge::at_bound && p.pressed_sd > kClearly_sd)
       held = "the " + std::string(p.limit_is_upper ? "lower" : "upper") + " bound of " + name_of(p.parameter) +
-             " keeps the fit from its minimum: the data want " + (p.limit_is_upper ? "less" : "more");
+             " keeps the fit from its minimum: the data want " + (p.limit_is_upper ? "less" : "more") +
+             "; move it, or look for what the model lacks";
     if (p.parameter.prior && p.knowledge != Knowledge::not_determined) {
       const auto [mean, width] = *p.parameter.prior;
       const double free = width * width - p.linear_sd * p.linear_sd;
       const double off = std::abs(p.value - mean) / std::sqrt(std::max(free, 1e-6 * width * width));
       if (off > kClearly_sd)
-        held = "the prior of " + name_of(p.parameter) + " contradicts the data by " + rounded(off) + " sd";
+        held = "the prior of " + name_of(p.parameter) + " contradicts the data by " + rounded(off) +
+               " sd; check its mean and sd";
     }
     if (held.empty()) continue;
     result.warnings.push_back(held);
