@@ -44,9 +44,7 @@ std::string as_table(const CurveValues& values) {
 
 std::string as_csv(const CurveValues& values) {
   const auto columns = columns_of(values);
-  std::string unit = values.direction.unit;  // as curve files have it: frequency_cy_mm
-  std::replace(unit.begin(), unit.end(), '/', '_');
-  std::string text = "frequency_" + unit;
+  std::string text = "frequency";
   for (const OtfColumn* column : columns)
     text += "," + (column->real ? csv_field(column->label)
                                 : csv_field(column->label + "_re") + "," + csv_field(column->label + "_im"));

@@ -55,9 +55,9 @@ std::string readable_name(const mtf::System<double>& system, const std::string& 
 }
 
 /// All curves of a file; `sd` for those that do not say it themselves.
-void add_curves(LoadedData& loaded, const std::string& word, double sd) {
+void add_curves(LoadedData& loaded, const std::string& word, double sd, const std::string& unit) {
   const CurveWord parts = curve_word(word);
-  for (const mtf::io::CurveSamples& samples : mtf::io::read_curve_samples(parts.file)) {
+  for (const mtf::io::CurveSamples& samples : mtf::io::read_curve_samples(parts.file, mtf::find_unit(unit))) {
     calib::CurveData data;
     data.name = one_line(parts.file) + (samples.name.empty() ? "" : " " + samples.name);
     data.angle_deg = parts.angle_deg;
@@ -156,7 +156,7 @@ LoadedData load_fit_data(const FitOptions& options, const SensorConfig& sensor, 
     });
   }
   for (const std::string& word : options.curves)
-    load_or_leave_out(loaded, sets, [&] { add_curves(loaded, word, options.curve_sd); });
+    load_or_leave_out(loaded, sets, [&] { add_curves(loaded, word, options.curve_sd, options.curve_unit); });
   loaded.data.conditions = conditions.take();
   return loaded;
 }

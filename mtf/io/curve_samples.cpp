@@ -59,8 +59,15 @@ double number(const Table& table, std::size_t row, std::size_t column) {
 }
 
 /// The frequency and one or two value columns, read as a file of these alone: its rules and messages hold.
-Curve two_columns(const Table& table, std::size_t frequency, std::size_t value, const std::string& source) {
+Curve two_columns(const Table& table, std::size_t frequency, std::size_t value, const Unit* bare,
+                  const std::string& source) {
   std::string text(table.header[frequency]);
+  if (text == "frequency") {
+    if (bare == nullptr)
+      throw UsageError(source + ": the frequency has no unit; say what mtf curve was asked for: --curve-unit cy/mm, " +
+                       "cy/mrad or cy/px");
+    text += "_" + std::string(bare->name);
+  }
   text += ",mtf\n";
   for (std::size_t i = 0; i < table.rows.size(); ++i)
     text += format_double(number(table, i, frequency)) + "," + format_double(number(table, i, value)) + "\n";
@@ -109,7 +116,7 @@ std::vector<CurveSamples> measured_curves(const Table& table, std::size_t kind) 
 
 }  // namespace
 
-std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::string& source) {
+std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::string& source, const Unit* bare) {
   const Table table = split(text, source);
   std::vector<CurveSamples> curves;
   if (const auto kind = table.column("curve");
@@ -117,12 +124,12 @@ std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::
     curves = measured_curves(table, *kind);
   } else {
     const auto frequency = std::find_if(table.header.begin(), table.header.end(),
-                                        [](std::string_view cell) { return cell.starts_with("frequency_"); });
+                                        [](std::string_view cell) { return cell.starts_with("frequency"); });
     const auto re = table.column("system_re"), im = table.column("system_im"), system = table.column("system");
     Curve curve;
     if (frequency != table.header.end() && !table.column("mtf") && (system || (re && im))) {
       const auto f = static_cast<std::size_t>(frequency - table.header.begin());
-      curve = two_columns(table, f, system ? *system : *re, source);
+      curve = two_columns(table, f, system ? *system : *re, bare, source);
       for (std::size_t i = 0; i < curve.value.size() && !system; ++i)
         curve.value[i] = std::hypot(curve.value[i], number(table, i, *im));
     } else {
@@ -146,8 +153,8 @@ std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::
   return curves;
 }
 
-std::vector<CurveSamples> read_curve_samples(const std::string& path) {
-  return parse_curve_samples(read_curve_text(path), path);
+std::vector<CurveSamples> read_curve_samples(const std::string& path, const Unit* bare) {
+  return parse_curve_samples(read_curve_text(path), path, bare);
 }
 
 }  // namespace mtf::io

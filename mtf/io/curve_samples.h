@@ -3,7 +3,9 @@
 
 // MTF curves as data to fit, with their standard deviations, from any CSV that the toolkit reads or writes:
 //   frequency_cy_mm,mtf[,sd]        other instruments (mtf/io/curve_csv.h); further columns are ignored
-//   frequency_cy_px,...,system      `mtf curve --format csv`: the system's column, or system_re and system_im
+//   frequency,...,system            `mtf curve --format csv`: the system's column, or system_re and system_im; the unit
+//   of
+//                                   the frequency is not in the file
 //   edge,curve,x,value,sd           `mtf measure --curves`: one curve an edge, the rows called mtf, in cycles/pixel
 
 #include <string>
@@ -23,7 +25,9 @@ struct CurveSamples {
 
 /// Samples without an error (f = 0 of a measured curve, where every MTF is 1) and cells without a number where an sd
 /// belongs are left out. Errors as read_curve_csv; UsageError, too, where no curve is in the file.
-std::vector<CurveSamples> read_curve_samples(const std::string& path);
-std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::string& source);
+/// `bare`: the unit of a column that is called frequency and no more, beside a system's column.
+std::vector<CurveSamples> read_curve_samples(const std::string& path, const Unit* bare = nullptr);
+std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::string& source,
+                                              const Unit* bare = nullptr);
 
 }  // namespace mtf::io

@@ -159,7 +159,7 @@ TEST(Curve, CsvHasTheSameNumbers) {
   std::string line;
   std::getline(csv, line);
   EXPECT_EQ(line,
-            "frequency_cy_mm,diffraction,\"a, \"\"b\"\"\",rc_lowpass_re,rc_lowpass_im,fir,presample,readout_re,readout_im,"
+            "frequency,diffraction,\"a, \"\"b\"\"\",rc_lowpass_re,rc_lowpass_im,fir,presample,readout_re,readout_im,"
             "postsample,system_re,system_im");
   for (std::size_t i = 0; i < 5; ++i) {
     ASSERT_TRUE(std::getline(csv, line));

@@ -36,9 +36,11 @@ TEST(CurveSamples, WithAndWithoutDeviations) {
 }
 
 TEST(CurveSamples, OfTheCurveCommand) {
-  const auto real = parse_curve_samples("frequency_cy_mm,jitter,presample,system\n0,1,1,1\n10,0.9,0.9,-0.8\n", "c.csv");
+  const auto real = parse_curve_samples("frequency,jitter,presample,system\n0,1,1,1\n10,0.9,0.9,-0.8\n", "c.csv",
+                                        mtf::find_unit("cy/mm"));
   EXPECT_EQ(real.at(0).mtf, (std::vector{1.0, -0.8}));
-  const auto complex = parse_curve_samples("frequency_cy_px,system_re,system_im\n0,1,0\n0.1,0.3,-0.4\n", "c.csv");
+  const auto complex =
+      parse_curve_samples("frequency,system_re,system_im\n0,1,0\n0.1,0.3,-0.4\n", "c.csv", mtf::find_unit("cy/px"));
   EXPECT_EQ(complex.at(0).unit->name, "cy/px");
   EXPECT_NEAR(complex[0].mtf.at(1), 0.5, 1e-15);
 }
@@ -62,5 +64,6 @@ TEST(CurveSamples, WhatIsWrongIsSaid) {
   EXPECT_NE(refusal("frequency_cy_mm,mtf,sd\n1,0.9,-1\n").find("negative"), std::string::npos);
   EXPECT_NE(refusal("frequency_cy_mm,mtf,sd\n1,0.9\n").find("c.csv:2: 2 values"), std::string::npos);
   EXPECT_NE(refusal("frequency_cy_mm,mtf\n1,nan\n").find("no finite number"), std::string::npos);
+  EXPECT_NE(refusal("frequency,system\n0,1\n").find("--curve-unit"), std::string::npos);
   EXPECT_NE(refusal("").find("no header"), std::string::npos);
 }
