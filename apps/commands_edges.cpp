@@ -11,6 +11,8 @@ namespace {
 constexpr std::array kMethods{std::pair{std::string_view("regression"), false},
                               std::pair{std::string_view("iso12233"), true}};
 constexpr std::array kLoss{std::pair{std::string_view("huber"), true}, std::pair{std::string_view("squares"), false}};
+constexpr std::array kCurveUnits{std::pair{std::string_view("cy/mm"), 0}, std::pair{std::string_view("cy/mrad"), 1},
+                                 std::pair{std::string_view("cy/px"), 2}};
 constexpr std::array kBayer{std::pair{std::string_view("r"), 0},  std::pair{std::string_view("gr"), 1},
                             std::pair{std::string_view("gb"), 2}, std::pair{std::string_view("b"), 3},
                             std::pair{std::string_view("g"), 4},  std::pair{std::string_view("all"), 5}};
@@ -105,10 +107,16 @@ Command fit_command() {
     options.input.images.push_back(text);
   }).repeats = true;
   add_edge_input(app, options.input);
-  add_text(app, "--curve", "FILE[@DEG]", "MTF curve (CSV) along a direction, default 0; may be given again",
+  add_text(app, "--curve", "FILE[@DEG]",
+           "MTF curves (CSV: frequency_cy_mm,mtf[,sd], or of mtf curve, or of mtf measure --curves) along a "
+           "direction, default 0; may be given again",
            [&](const std::string& text) { options.curves.push_back(text); })
       .repeats = true;
-  add_word(app, "--curve-sd", "SD", "of the values of curves; default 0.01",
+  add_word(app, "--curve-unit", "UNIT", "of the frequencies of mtf curve --format csv: cy/mm, cy/mrad or cy/px",
+           [&](const std::string& text) {
+             options.curve_unit = kCurveUnits[choice("--curve-unit", text, kCurveUnits)].first;
+           });
+  add_word(app, "--curve-sd", "SD", "of the values of curves that have no column sd; default 0.01",
            [&](const std::string& text) { options.curve_sd = positive("--curve-sd", text); });
   add_text(app, "--spot", "IMAGE", "image of a point source, the whole of it; may be given again",
            [&](const std::string& text) { options.spots.push_back(text); })

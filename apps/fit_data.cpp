@@ -8,7 +8,7 @@
 #include "apps/edge_measure.h"
 #include "apps/output.h"
 #include "mtf/error.h"
-#include "mtf/io/curve_csv.h"
+#include "mtf/io/curve_samples.h"
 #include "mtf/io/schedule.h"
 
 namespace apps {
@@ -54,18 +54,20 @@ std::string readable_name(const mtf::System<double>& system, const std::string& 
   return path;
 }
 
-calib::CurveData load_curve(const std::string& word, double sd) {
-  calib::CurveData data;
+/// All curves of a file; `sd` for those that do not say it themselves.
+void add_curves(LoadedData& loaded, const std::string& word, double sd, const std::string& unit) {
   const CurveWord parts = curve_word(word);
-  const std::string& file = parts.file;
-  data.angle_deg = parts.angle_deg;
-  const mtf::Curve curve = mtf::io::read_curve_csv(file);
-  data.name = file;
-  data.mtf = curve.value;
-  data.sd = {sd};
-  data.frequency = curve.frequency;
-  data.unit = curve.unit;
-  return data;
+  for (const mtf::io::CurveSamples& samples : mtf::io::read_curve_samples(parts.file, mtf::find_unit(unit))) {
+    calib::CurveData data;
+    data.name = one_line(parts.file) + (samples.name.empty() ? "" : " " + samples.name);
+    data.angle_deg = parts.angle_deg;
+    data.unit = samples.unit;
+    data.frequency = samples.frequency;
+    data.mtf = samples.mtf;
+    data.sd = samples.sd.empty() ? std::vector{sd} : samples.sd;
+    loaded.data.curves.push_back(std::move(data));
+  }
+  loaded.files.push_back(parts.file);
 }
 
 void add_edges(LoadedData& loaded, const EdgePlane& plane, std::size_t condition, int threads) {
@@ -154,10 +156,7 @@ LoadedData load_fit_data(const FitOptions& options, const SensorConfig& sensor, 
     });
   }
   for (const std::string& word : options.curves)
-    load_or_leave_out(loaded, sets, [&] {
-      loaded.data.curves.push_back(load_curve(word, options.curve_sd));
-      loaded.files.push_back(loaded.data.curves.back().name);
-    });
+    load_or_leave_out(loaded, sets, [&] { add_curves(loaded, word, options.curve_sd, options.curve_unit); });
   loaded.data.conditions = conditions.take();
   return loaded;
 }

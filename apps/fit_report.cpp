@@ -106,6 +106,14 @@ Json provenance(const mtf::io::SensorConfig& sensor, const std::vector<std::stri
   return json;
 }
 
+/// Without the lines that an earlier fit has put above, up to the empty one.
+std::string without_head(const std::string& text) {
+  const std::size_t line = text.find('\n');
+  if (!text.starts_with("# ") || text.substr(0, line).find(") fitted by mtf ") == std::string::npos) return text;
+  const std::size_t end = text.find("\n\n");
+  return end == std::string::npos ? text : text.substr(end + 2);
+}
+
 }  // namespace
 
 std::string fit_table(const FitResult& result) {
@@ -225,16 +233,22 @@ std::string fitted_config(const FitResult& result, const mtf::io::SensorConfig& 
   for (const std::string& input : inputs)
     head += "# to " + one_line(input) + " (sha256 " + mtf::io::sha256_file(input).substr(0, 16) + ")\n";
   for (const calib::NullDirection& direction : result.not_separable) head += "# " + one_line(direction.text) + "\n";
+  std::vector<std::optional<double>> values(fitted.fits.size());
   for (const FittedParameter& p : result.parameters) {
     calib::set_parameter(fitted.system, p.parameter.path, p.value);
     const auto spec = std::find_if(fitted.fits.begin(), fitted.fits.end(),
                                    [&](const mtf::io::FitSpec& fit) { return fit.path == p.parameter.path; });
     if (spec == fitted.fits.end()) continue;
+    values[static_cast<std::size_t>(spec - fitted.fits.begin())] = p.value;
     spec->stderr_value = p.knowledge == Knowledge::determined ? p.stderr_value : std::nullopt;
     if (p.knowledge != Knowledge::determined)
       head += "# " + one_line(p.parameter.name) + ": " + std::string(knowledge_name(p.knowledge)) + "\n";
   }
-  return head + write_config(fitted, destination);
+  // The user's own text with the new numbers, where that says the same; curve files are named relative to it.
+  const std::string whole = write_config(fitted, destination);
+  const std::string own = without_head(splice_fits(fitted, values));
+  const mtf::io::ConfigResult read = mtf::io::parse_config(own, destination.empty() ? sensor.file : destination);
+  return head + "\n" + (read.ok() && write_config(read.config, destination) == whole ? own : whole);
 }
 
 }  // namespace apps

@@ -135,6 +135,7 @@ struct FitOptions {
   EdgeInput input;                  ///< images of edges, none or more
   std::vector<std::string> curves;  ///< FILE or FILE@DEGREES
   double curve_sd = 0.01;           ///< of the values of a curve
+  std::string curve_unit;           ///< of frequencies without one
   std::vector<std::string> spots;   ///< images of point sources
   std::string conditions;           ///< CSV of what differs between images; "" = nothing
   bool robust = true;

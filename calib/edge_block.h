@@ -67,7 +67,8 @@ class EdgeBlock {
     double scale = 1.0;  ///< cos(phi)
   };
   static Place place_of(const EdgeCurve& curve, Point normal, const Pixel& pixel);
-  static Place on_curve(const EdgeCurve& curve, double across, double along);
+  /// `near`: along, from where its foot is searched.
+  static Place on_curve(const EdgeCurve& curve, double across, double along, double near);
   /// Of all pixels on a curve that is not straight: worth keeping for the next pass at the same point.
   const std::vector<Place>& places(std::span<const double> own) const;
   bool keeps_places() const;

@@ -30,26 +30,28 @@ Height polynomial(const EdgeCurve& curve, double s) {
 // The foot of a point: s with (s - s0) + g'(s) (g(s) - u0) = 0, by Newton's method, its derivative kept positive. The
 // first steps come from the tangent, which is close where the curve is nearly straight; the error of the distance is
 // the square of that of the foot.
-EdgePoint locate_polynomial(const EdgeCurve& curve, double s0, double u0, double small_step_px) {
-  double s = s0;
+CurveFoot foot_on_polynomial(const EdgeCurve& curve, double s0, double u0, double near, double small_step_px) {
+  double s = near;
   Height g = polynomial(curve, s);
   for (int i = 0; i < 40; ++i) {
     const double pull = (s - s0) + g.slope * (g.value - u0);
     const double step = pull / std::max(1.0 + g.slope * g.slope + g.bend * (g.value - u0), 0.25);
     s -= step;
     g.value -= step * (g.slope - 0.5 * step * g.bend);
+    g.slope -= step * g.bend;
     if (std::abs(step) < small_step_px) break;
     g = polynomial(curve, s);
   }
   const double away = u0 - g.value, along = s - s0;
-  return {std::copysign(std::sqrt(along * along + away * away), away), s};
+  return {std::copysign(std::sqrt(along * along + away * away), away), s, g.value, g.slope};
 }
 
-EdgePoint locate_circle(double curvature_per_px, double s0, double u0) {
+CurveFoot foot_on_circle(double curvature_per_px, double s0, double u0) {
   const double k = curvature_per_px;
   const double square = s0 * s0 + u0 * u0;
   const double root = std::hypot(k * s0, 1.0 - k * u0);  // distance from the centre x k
-  return {(2.0 * u0 - k * square) / (1.0 + root), root > 0.0 ? s0 / root : 0.0};
+  const double s = root > 0.0 ? s0 / root : 0.0, x = k * s, cosine = std::sqrt(std::max(1e-6, 1.0 - x * x));
+  return {(2.0 * u0 - k * square) / (1.0 + root), s, x * s / (1.0 + cosine), x / cosine};
 }
 
 }  // namespace
@@ -68,15 +70,20 @@ EdgePoint locate(const EdgeCurve& curve, Point p) {
 }
 
 EdgePoint bend(const EdgeCurve& curve, double u_px, double s_px, double small_step_px) {
+  const CurveFoot foot = foot_near(curve, u_px, s_px, s_px, small_step_px);
+  return {foot.distance_px, foot.along_px};
+}
+
+CurveFoot foot_near(const EdgeCurve& curve, double u_px, double s_px, double near_px, double small_step_px) {
   switch (curve.shape) {
     case EdgeCurve::Shape::polynomial:
-      return locate_polynomial(curve, s_px, u_px, small_step_px);
+      return foot_on_polynomial(curve, s_px, u_px, near_px, small_step_px);
     case EdgeCurve::Shape::circle:
-      return locate_circle(curve.curvature_per_px, s_px, u_px);
+      return foot_on_circle(curve.curvature_per_px, s_px, u_px);
     case EdgeCurve::Shape::line:
       break;
   }
-  return {u_px, s_px};
+  return {u_px, s_px, 0.0, 0.0};
 }
 
 }  // namespace calib

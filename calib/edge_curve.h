@@ -60,4 +60,14 @@ EdgePoint locate(const EdgeCurve& curve, Point p);
 /// below; the error of the distance is of its third order.
 EdgePoint bend(const EdgeCurve& curve, double u_px, double s_px, double small_step_px = 1e-4);
 
+/// The foot of a point on the curve, and the curve there.
+struct CurveFoot {
+  double distance_px = 0.0;  ///< of the point, as in EdgePoint
+  double along_px = 0.0;     ///< s of the foot
+  double height_px = 0.0;    ///< g(s)
+  double slope = 0.0;        ///< g'(s)
+};
+/// As bend(), the search starting from `near_px` along: a foot of nearly the same curve ends it at once.
+CurveFoot foot_near(const EdgeCurve& curve, double u_px, double s_px, double near_px, double small_step_px);
+
 }  // namespace calib

@@ -70,13 +70,15 @@ void report_obstacles(FitResult& result) {
   for (const FittedParameter& p : result.parameters) {
     if (p.knowledge == Knowledge::at_bound && p.pressed_sd > kClearly_sd)
       held = "the " + std::string(p.limit_is_upper ? "lower" : "upper") + " bound of " + name_of(p.parameter) +
-             " keeps the fit from its minimum: the data want " + (p.limit_is_upper ? "less" : "more");
+             " keeps the fit from its minimum: the data want " + (p.limit_is_upper ? "less" : "more") +
+             "; move it, or look for what the model lacks";
     if (p.parameter.prior && p.knowledge != Knowledge::not_determined) {
       const auto [mean, width] = *p.parameter.prior;
       const double free = width * width - p.linear_sd * p.linear_sd;
       const double off = std::abs(p.value - mean) / std::sqrt(std::max(free, 1e-6 * width * width));
       if (off > kClearly_sd)
-        held = "the prior of " + name_of(p.parameter) + " contradicts the data by " + rounded(off) + " sd";
+        held = "the prior of " + name_of(p.parameter) + " contradicts the data by " + rounded(off) +
+               " sd; check its mean and sd";
     }
     if (held.empty()) continue;
     result.warnings.push_back(held);
@@ -89,6 +91,15 @@ void report_obstacles(FitResult& result) {
   if (!done || !unknown || result.chi2_per_dof < kFar_chi2 || result.mtf[kLow] > kNoContrast) return;
   result.status = FitStatus::not_converged;
   result.reason = "the starting values blur everything, so that nothing leads away from them; start closer";
+}
+
+/// Where no minimum was found there is no value with an error.
+void withdraw_values(FitResult& result) {
+  for (FittedParameter& p : result.parameters) {
+    p.knowledge = Knowledge::not_determined;
+    p.stderr_value = p.limit95 = std::nullopt;
+    p.interval68 = p.interval95 = std::nullopt;
+  }
 }
 
 void report_profiles(FitProblem& problem, const Solved& solved, double cost, Progress& progress, FitResult& result) {
@@ -176,13 +187,14 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
     result.status = FitStatus::stopped;
     result.reason = "stopped; what had been finished is given";
   }
+  if (result.status != FitStatus::converged && result.status != FitStatus::converged_model_wrong)
+    withdraw_values(result);
   // The system last: it shares its components with the sensors, which are not changed any more. Bounds at zero are
   // meant exactly.
   std::vector<double> values;
   for (const FittedParameter& p : result.parameters) values.push_back(p.value);
   setup.sensors->set(values);
   result.system = setup.sensors->system(0);
-  result.system.band_nodes = data.conditions.front().band_nodes;
   return result;
 }
 

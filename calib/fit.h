@@ -87,7 +87,7 @@ enum class Knowledge {
   determined,     ///< value +- stderr
   at_bound,       ///< a one-sided limit: `limit95`
   prior_only,     ///< the data add nothing to the prior
-  not_determined  ///< part of a direction that the data do not see: no value is given
+  not_determined  ///< part of a direction that the data do not see, or no minimum was found: no value is given
 };
 std::string_view knowledge_name(Knowledge knowledge);
 

@@ -8,6 +8,12 @@
 #include "calib/normal_matrix.h"
 
 namespace calib {
+namespace {
+
+/// A part of an eigenvector below is none.
+constexpr double kRounding = 1e-6;
+
+}  // namespace
 
 // The last rows of the triangular factor belong to what the columns before them cannot explain.
 Eigen::MatrixXd project_out(const Eigen::MatrixXd& normal, std::size_t own, std::size_t shared) {
@@ -33,8 +39,10 @@ Identified identify(const Eigen::MatrixXd& information, std::span<const double> 
     if (moves.col(d).cwiseAbs().maxCoeff() <= kUndetermined) continue;
     WeakDirection weak;
     for (Eigen::Index i = 0; i < n; ++i)
-      // A vast step moves everything a little; only what the direction is made of belongs to it.
-      if (std::abs(moves(i, d)) > kPartOfDirection && std::abs(eigen.eigenvectors()(i, d)) > 0.02)
+      // A vast step moves everything a little; only what the direction is made of belongs to it, and what it alone
+      // leaves open.
+      if (const double share = std::abs(eigen.eigenvectors()(i, d)), move = std::abs(moves(i, d));
+          (move > kPartOfDirection && share > 0.02) || (move > kUndetermined && share > kRounding))
         weak.members.push_back(static_cast<std::size_t>(i));
     const auto strength = [&](std::size_t i) { return eigen.eigenvectors()(static_cast<Eigen::Index>(i), d); };
     std::sort(weak.members.begin(), weak.members.end(),

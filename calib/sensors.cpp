@@ -2,8 +2,10 @@
 #include "calib/sensors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "calib/band_mean.h"
 #include "calib/parameter_site.h"
 #include "mtf/error.h"
 
@@ -11,6 +13,7 @@ namespace calib {
 namespace {
 
 using mtf::Complex;
+using mtf::Component;
 using mtf::Freq;
 using mtf::Stage;
 using mtf::System;
@@ -18,15 +21,114 @@ using mtf::System;
 constexpr std::size_t kStride = 4;
 constexpr double kNothingLeft = 1e-8;
 constexpr double kMostTop_cy_px = 32.0;
-constexpr double kBandError = 1e-7;
+
+/// Numbers of a complex value for BandMean: real and imaginary part, then their derivatives.
+template <class S>
+constexpr std::size_t kNumbers = 2;
+template <>
+constexpr std::size_t kNumbers<Jet4> = 2 + 2 * kStride;
+
+void pack(const Complex<double>& h, double* to) { to[0] = h.re, to[1] = h.im; }
+void pack(const Complex<Jet4>& h, double* to) {
+  to[0] = h.re.a, to[1] = h.im.a;
+  for (std::size_t k = 0; k < kStride; ++k) {
+    to[2 + k] = h.re.v[static_cast<Eigen::Index>(k)];
+    to[2 + kStride + k] = h.im.v[static_cast<Eigen::Index>(k)];
+  }
+}
+void unpack(const double* from, Complex<double>& h) { h = {from[0], from[1]}; }
+void unpack(const double* from, Complex<Jet4>& h) {
+  h.re.a = from[0], h.im.a = from[1];
+  for (std::size_t k = 0; k < kStride; ++k) {
+    h.re.v[static_cast<Eigen::Index>(k)] = from[2 + k];
+    h.im.v[static_cast<Eigen::Index>(k)] = from[2 + kStride + k];
+  }
+}
+
+double plain(double value) { return value; }
+double plain(const Jet4& value) { return value.a; }
+double largest_part(double value) { return std::abs(value); }
+double largest_part(const Jet4& value) { return std::max(std::abs(value.a), value.v.cwiseAbs().maxCoeff()); }
+
+/// Frequencies as multiples of one vector of unit length, where that is what they are.
+template <class S>
+struct Ray {
+  Freq<S> unit;
+  std::vector<double> t;
+};
+template <class S>
+double length(const Freq<S>& f) {
+  return std::hypot(plain(f.x), plain(f.y));
+}
+template <class S>
+Ray<S> unit_ray(const Freq<S>& f) {
+  const double t = length(f);
+  return t > 0.0 ? Ray<S>{{f.x / t, f.y / t}, {t}} : Ray<S>{{S(1), S(0)}, {0.0}};
+}
+template <class S>
+std::optional<Ray<S>> common_ray(std::span<const Freq<S>> f) {
+  constexpr double kSame = 1e-12;
+  const auto longest = std::max_element(f.begin(), f.end(), [](auto& a, auto& b) { return length(a) < length(b); });
+  Ray<S> ray{unit_ray(*longest).unit, {}};
+  const double scale = kSame * std::max({largest_part(longest->x), largest_part(longest->y), 1e-300});
+  for (const Freq<S>& one : f) {
+    const double t = length(one);
+    if (largest_part(one.x - ray.unit.x * t) > scale || largest_part(one.y - ray.unit.y * t) > scale)
+      return std::nullopt;
+    ray.t.push_back(t);
+  }
+  return ray;
+}
+
+/// Where the chromatic components of a list have their kinks, cycles/mm at the band's longest wavelength.
+struct Kinks {
+  std::vector<double> at;
+  bool ends = false;  ///< nothing is left beyond the last
+};
+
+/// The mean of the product over the band, at frequencies of one ray from f = 0.
+template <class S>
+void mean_over_band(const System<S>& system, std::span<const Component<S>* const> chromatic, const Kinks& kinks,
+                    const Ray<S>& ray, std::span<Complex<S>> h) {
+  constexpr std::size_t width = kNumbers<S>, kFew = 8;
+  std::vector<Freq<S>> f;
+  std::vector<Complex<S>> node;
+  const auto p = [&](double wavelength_um, std::span<const double> t, std::span<double> values) {
+    f.clear();
+    for (const double one : t) f.push_back({ray.unit.x * one, ray.unit.y * one});
+    node.assign(t.size(), {S(1), S(0)});
+    const mtf::Context<S> context = system.context(S(wavelength_um));
+    for (const Component<S>* component : chromatic) component->multiply(f, context, node);
+    for (std::size_t i = 0; i < t.size(); ++i) pack(node[i], &values[i * width]);
+  };
+  const double most = ray.t.size() > kFew ? *std::max_element(ray.t.begin(), ray.t.end()) : 0.0;
+  const BandMean band(p, width, system.band->lo_um, system.band->hi_um, kinks.at, kinks.ends, most);
+  std::array<double, width> mean{};
+  for (std::size_t i = 0; i < h.size(); ++i) {
+    band.at(ray.t[i], mean);
+    unpack(mean.data(), h[i]);
+  }
+}
 
 template <class S>
-std::vector<Complex<S>> product(const System<S>& system, std::span<const Freq<S>> f) {
-  std::vector<Complex<S>> h(f.size(), {S(1), S(0)});
-  for (const Stage stage : mtf::kStages) {
-    if (system.list(stage).empty()) continue;
-    const auto part = system.otf(std::span(system.list(stage)), f);
-    for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * part[i];
+std::vector<Complex<S>> product(const System<S>& system, std::span<const Kinks> kinks, std::span<const Freq<S>> f) {
+  std::vector<Complex<S>> h(f.size(), {S(1), S(0)}), mean(f.size());
+  const mtf::Context<S> middle = system.context();
+  for (std::size_t stage = 0; stage < mtf::kStages.size(); ++stage) {
+    std::vector<const Component<S>*> chromatic;
+    for (const auto& entry : system.list(mtf::kStages[stage]))
+      if (system.band && entry.component.traits(middle).chromatic)
+        chromatic.push_back(&entry.component);
+      else
+        entry.component.multiply(f, middle, h);
+    if (chromatic.empty() || f.empty()) continue;
+    if (const auto ray = common_ray(f)) {
+      mean_over_band<S>(system, chromatic, kinks[stage], *ray, mean);
+    } else {
+      for (std::size_t i = 0; i < f.size(); ++i)
+        mean_over_band<S>(system, chromatic, kinks[stage], unit_ray(f[i]), {&mean[i], 1});
+    }
+    for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * mean[i];
   }
   return h;
 }
@@ -66,6 +168,48 @@ double obscuration_of(const mtf::Component<double>& component, const mtf::Contex
   return 0.0;
 }
 
+/// Frequencies in cycles/mm between which a component is smooth, its cutoff among them.
+std::vector<double> breaks_of(const mtf::Component<double>& component, const mtf::Context<double>& context) {
+  const double cutoff = component.cutoff_cy_mm(context);
+  std::vector<double> breaks = component.breaks_cy_mm(context);
+  breaks.push_back(cutoff);
+  // Where the rims of two annular pupils begin or cease to cross.
+  if (component.is_pupil())
+    if (const double e = obscuration_of(component, context); e > 0.0)
+      for (const double nu : {0.5 * (1.0 - e), e, 0.5 * (1.0 + e)}) breaks.push_back(nu * cutoff);
+  return breaks;
+}
+
+/// Of every stage. Kinks that do not go with 1 / wavelength are left to the quadrature.
+std::vector<Kinks> kinks_of(const System<double>& system) {
+  std::vector<Kinks> all(mtf::kStages.size());
+  if (!system.band) return all;
+  constexpr double kSame = 1e-9;
+  const double lo = system.band->lo_um, hi = system.band->hi_um;
+  for (std::size_t stage = 0; stage < all.size(); ++stage) {
+    Kinks& kinks = all[stage];
+    double end = INFINITY;
+    for (const auto& entry : system.list(mtf::kStages[stage])) {
+      if (!entry.component.traits(system.context()).chromatic) continue;
+      const std::vector<double> longest = breaks_of(entry.component, system.context(hi)),
+                                shortest = breaks_of(entry.component, system.context(lo));
+      for (std::size_t i = 0; i < std::min(longest.size(), shortest.size()); ++i)
+        if (std::isfinite(longest[i]) && std::abs(shortest[i] * lo - longest[i] * hi) < kSame * longest[i] * hi)
+          kinks.at.push_back(longest[i]);
+      const double cutoff = entry.component.cutoff_cy_mm(system.context(hi));
+      if (std::find(kinks.at.begin(), kinks.at.end(), cutoff) != kinks.at.end()) end = std::min(end, cutoff);
+    }
+    kinks.ends = std::isfinite(end);
+    std::erase_if(kinks.at, [end](double f) { return !(f > 0.0 && f <= end); });
+    std::sort(kinks.at.begin(), kinks.at.end());
+    // Twice the same, or within rounding of it, is one.
+    const auto same = [](double a, double b) { return b - a < kSame * b; };
+    kinks.at.erase(std::unique(kinks.at.begin(), kinks.at.end(), same), kinks.at.end());
+    if (kinks.ends) kinks.at.back() = end;
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<PixelFreq> along(double angle_rad, std::span<const double> f_cy_px) {
@@ -81,7 +225,6 @@ Sensors::Sensors(std::span<const System<double>> conditions, std::span<const std
   for (std::size_t c = 0; c < systems_.size(); ++c) {
     auto& numbers = numbers_.emplace_back();
     for (const std::string& path : paths) numbers.push_back(parameter_site(systems_[c], path).numbers);
-    choose_band_nodes(c);
     auto& seeded = jets_.emplace_back(count_ / kStride + 1);  // the direction is one more variable
     for (std::size_t chunk = 0; chunk < seeded.size(); ++chunk) {
       seeded[chunk].system = mtf::cast<Jet4>(systems_[c]);
@@ -92,26 +235,6 @@ Sensors::Sensors(std::span<const System<double>> conditions, std::span<const std
       }
     }
   }
-}
-
-// As many as the mean over the band needs, at the values there are now: doubled until nothing changes.
-void Sensors::choose_band_nodes(std::size_t condition) {
-  System<double>& system = systems_[condition];
-  if (!system.band) return;
-  std::vector<double> f;
-  const double top = top_cy_px(condition, 0.0);
-  for (int i = 1; i < 32; ++i) f.push_back(top * i / 32.0);
-  const std::vector<Freq<double>> at = to_focal_plane(system, along(0.0, f));
-  std::vector<Complex<double>> before;
-  for (system.band_nodes = 4; system.band_nodes <= 256; system.band_nodes *= 2) {
-    const std::vector<Complex<double>> h = product<double>(system, at);
-    double change = before.empty() ? 1.0 : 0.0;
-    for (std::size_t i = 0; i < before.size(); ++i)
-      change = std::max(change, std::hypot(h[i].re - before[i].re, h[i].im - before[i].im));
-    if (change < kBandError) return;
-    before = h;
-  }
-  system.band_nodes = 256;
 }
 
 bool Sensors::set(std::span<const double> values) {
@@ -134,6 +257,7 @@ OtfTable Sensors::otf(std::size_t condition, std::span<const PixelFreq> f, const
   const std::size_t n = f.size();
   OtfTable table(count_ + 2, std::vector<Complex<double>>(n));
   std::vector<Freq<Jet4>> at(n + 1);
+  const std::vector<Kinks> kinks = kinks_of(systems_[condition]);
   for (std::size_t chunk = 0; chunk < jets_[condition].size(); ++chunk) {
     const System<Jet4>& system = jets_[condition][chunk].system;
     const std::size_t first = chunk * kStride, last = std::min(first + kStride, count_ + 1);
@@ -146,7 +270,7 @@ OtfTable Sensors::otf(std::size_t condition, std::span<const PixelFreq> f, const
       }
       at[i + 1] = to_focal_plane(system.frame, x, y, unit);
     }
-    const std::vector<Complex<Jet4>> h = product<Jet4>(system, at);
+    const std::vector<Complex<Jet4>> h = product<Jet4>(system, kinks, at);
     const Jet4 level = h[0].re;
     for (std::size_t i = 0; i < n; ++i) {
       const Jet4 re = h[i + 1].re / level, im = h[i + 1].im / level;
@@ -160,10 +284,17 @@ OtfTable Sensors::otf(std::size_t condition, std::span<const PixelFreq> f, const
   return table;
 }
 
+double Sensors::level(std::size_t condition) const {
+  const System<double>& system = systems_[condition];
+  const Freq<double> none{0.0, 0.0};
+  return product<double>(system, kinks_of(system), {&none, 1}).front().re;
+}
+
 std::vector<double> Sensors::modulus(std::size_t condition, std::span<const PixelFreq> f) const {
   std::vector<PixelFreq> with_level{{}};
   with_level.insert(with_level.end(), f.begin(), f.end());
-  const auto h = product<double>(systems_[condition], to_focal_plane(systems_[condition], with_level));
+  const System<double>& system = systems_[condition];
+  const auto h = product<double>(system, kinks_of(system), to_focal_plane(system, with_level));
   std::vector<double> all;
   for (std::size_t i = 1; i < h.size(); ++i) all.push_back(std::hypot(h[i].re, h[i].im) / std::abs(h[0].re));
   return all;
@@ -178,14 +309,23 @@ double Sensors::top_cy_px(std::size_t condition, double angle_rad) const {
       for (const auto& context : contexts(system)) cutoff = std::max(cutoff, entry.component.cutoff_cy_mm(context));
       top = std::min(top, cutoff / scale_of(system, angle_rad));
     }
-  // Where nothing cuts off, the product fades. Steps too small to fall between the zeros of one factor for long.
+  // Where nothing cuts off, the product fades. Steps too small to fall between the zeros of one factor for long. A
+  // pupil has its cutoff and is no more than 1 before; of other components at several wavelengths the largest counts.
   std::vector<double> f;
   for (double here = 0.25; here < top; here *= 1.06) f.push_back(here);
   if (f.empty()) return top;
-  const std::vector<double> h = modulus(condition, along(angle_rad, f));
-  std::size_t last = h.size();
-  while (last > 0 && h[last - 1] < kNothingLeft) --last;
-  return last < h.size() ? std::min(top, f[last] * 1.06) : top;
+  const std::vector<Freq<double>> at = to_focal_plane(system, along(angle_rad, f));
+  std::vector<double> most(f.size());
+  for (const auto& context : contexts(system)) {
+    std::vector<Complex<double>> h(f.size(), {1.0 / std::abs(level(condition)), 0.0});
+    for (const Stage stage : mtf::kStages)
+      for (const auto& entry : system.list(stage))
+        if (!entry.component.is_pupil()) entry.component.multiply(at, context, h);
+    for (std::size_t i = 0; i < f.size(); ++i) most[i] = std::max(most[i], std::hypot(h[i].re, h[i].im));
+  }
+  std::size_t last = f.size();
+  while (last > 0 && most[last - 1] < kNothingLeft) --last;
+  return last < f.size() ? std::min(top, f[last] * 1.06) : top;
 }
 
 SliceNodes Sensors::slice(std::size_t condition, double angle_rad, double reach_px) const {
@@ -194,15 +334,8 @@ SliceNodes Sensors::slice(std::size_t condition, double angle_rad, double reach_
   std::vector<double> breaks;
   for (const Stage stage : mtf::kStages)
     for (const auto& entry : system.list(stage))
-      for (const auto& context : contexts(system)) {
-        const double cutoff = entry.component.cutoff_cy_mm(context);
-        breaks.push_back(cutoff / scale);
-        for (const double f : entry.component.breaks_cy_mm(context)) breaks.push_back(f / scale);
-        if (!entry.component.is_pupil()) continue;
-        // Where the rims of two annular pupils begin or cease to cross.
-        if (const double e = obscuration_of(entry.component, context); e > 0.0)
-          for (const double nu : {0.5 * (1.0 - e), e, 0.5 * (1.0 + e)}) breaks.push_back(nu * cutoff / scale);
-      }
+      for (const auto& context : contexts(system))
+        for (const double f : breaks_of(entry.component, context)) breaks.push_back(f / scale);
   constexpr double kLeastTop_cy_px = 1e-6;  // a sensor that passes nothing is no error here
   return slice_nodes(std::max(kLeastTop_cy_px, top_cy_px(condition, angle_rad)), reach_px, breaks);
 }

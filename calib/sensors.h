@@ -38,6 +38,8 @@ class Sensors {
 
   /// `unit`: of f, where that is not cy/px; the present frame converts it, and its numbers may be parameters.
   OtfTable otf(std::size_t condition, std::span<const PixelFreq> f, const mtf::Unit* unit = nullptr) const;
+  /// H(0), to which the others are relative.
+  double level(std::size_t condition) const;
   /// |H| only.
   std::vector<double> modulus(std::size_t condition, std::span<const PixelFreq> f) const;
 
@@ -52,7 +54,6 @@ class Sensors {
     mtf::System<Jet4> system;
     std::vector<std::vector<Jet4*>> numbers;  // of every parameter
   };
-  void choose_band_nodes(std::size_t condition);
 
   std::size_t count_ = 0;
   std::size_t version_ = 0;

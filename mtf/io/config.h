@@ -7,6 +7,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,6 +40,12 @@ struct SceneDefaults {
   double aperture_gain_limit = 10.0;  ///< the division never amplifies more than this
 };
 
+/// Where a key stands in the file, for messages made later. 1-based; 0 = not in the file.
+struct Position {
+  int line = 0;
+  int column = 0;
+};
+
 /// A number written as a table { value, fit, min, max, prior, stderr }; `path` is e.g. "presample[1].rms" or
 /// "frame.focal_length". Numbers are in the unit that the System holds the value in: FieldInfo::unit of the field, or
 /// the own unit of an Extent or SpatialFrequency, which is the one `value` was written in.
@@ -48,12 +55,7 @@ struct FitSpec {
   std::string unit{};  ///< that the numbers are in, "" for plain ones
   std::optional<double> min, max, stderr_value;
   std::optional<std::array<double, 2>> prior;  ///< mean, sd
-};
-
-/// Where a key stands in the file, for messages made later. 1-based; 0 = not in the file.
-struct Position {
-  int line = 0;
-  int column = 0;
+  Position value_at{}, stderr_at{};            ///< where the file has them
 };
 
 struct Diagnostic {
@@ -97,6 +99,11 @@ std::string format_diagnostic(const Diagnostic& diagnostic, const std::string& f
 /// the text is meant for (config.file when empty): curve files in or below its folder are named relative to it, others
 /// by their absolute path. Labels that parse_config would choose itself are left out.
 std::string write_config(const SensorConfig& config, const std::string& destination = {});
+
+/// The text of the file with new values, `values[i]` of config.fits[i] in its unit, and the standard errors that the
+/// fits hold now; all else as it was written. Fit tables that are not written in one piece (value and stderr as keys of
+/// a [table]) may come out wrong: parse the text before use.
+std::string splice_fits(const SensorConfig& config, std::span<const std::optional<double>> values);
 
 /// A commented starter file (`mtf config init`): the MWIR sensor of the README, every table explained.
 std::string starter_config();

@@ -55,6 +55,8 @@ std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInf
   spec.min = read_like(section, info, "min", *value);
   spec.max = read_like(section, info, "max", *value);
   spec.stderr_value = read_like(section, info, "stderr", *value);
+  spec.value_at = value_node->position;
+  if (const Node* node = section.find("stderr")) spec.stderr_at = node->position;
   if (spec.min && spec.max && *spec.min > *spec.max)
     section.error("max", shown(*section.find("max")) + " is below min " + shown(*section.find("min")));
   else if (spec.min && value->value < *spec.min)

@@ -76,6 +76,9 @@ std::optional<Taps<double>> read_taps(const Section& section, std::string_view k
 std::optional<Coefficients<double>> read_coefficients(const Section& section, const FieldInfo& info);
 std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view key);
 
+/// A number as sensor files have it: 8.0, or "8 urad". In config_write.cpp.
+std::string toml_scalar(const Scalar& scalar);
+
 /// A fit table; the value of it when usable. In config_fit.cpp.
 std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path);
 

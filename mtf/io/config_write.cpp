@@ -12,6 +12,7 @@ namespace mtf::io {
 namespace {
 
 using cfg::Scalar;
+using cfg::toml_scalar;
 
 std::string toml_number(double value) {
   std::string text = format_double(value);
@@ -34,11 +35,6 @@ std::string toml_string(std::string_view text) {
     }
   }
   return quoted + "\"";
-}
-
-std::string toml_scalar(const Scalar& scalar) {
-  if (scalar.unit == nullptr) return toml_number(scalar.value);
-  return "\"" + format_double(scalar.value) + " " + std::string(scalar.unit->name) + "\"";
 }
 
 class Writer {
@@ -229,6 +225,11 @@ std::vector<std::optional<std::string>> labels_to_write(const System<double>& sy
 }
 
 }  // namespace
+
+std::string cfg::toml_scalar(const Scalar& scalar) {
+  if (scalar.unit == nullptr) return toml_number(scalar.value);
+  return "\"" + format_double(scalar.value) + " " + std::string(scalar.unit->name) + "\"";
+}
 
 std::string write_config(const SensorConfig& config, const std::string& destination) {
   const System<double>& system = config.system;

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The mean over a band of OTFs that cost microseconds a sample, at many frequencies of one direction.
+//   mean(t) = 1 / (hi - lo) integral over [lo, hi] of P(t, lambda) d lambda
+// t = |f|, P the product of the chromatic components. An aberrated pupil has its cutoff and its kinks where t lambda is
+// a constant: in the plane of t they run across the band, in that of u = t lambda / hi they stand still, and at one u
+// what is left to change with the wavelength (waves of aberration, a turbulent r0) is smooth in 1 / lambda. So P
+// becomes a table over u and 1 / lambda: Chebyshev points, in u on panels between the kinks, in the angle that takes
+// away the half-integer powers at their ends (as mtf/polar_table.h). A few hundred samples of P serve all frequencies.
+// The integral itself is taken by Gauss-Legendre rules between the wavelengths at which t meets a kink, doubled until
+// the mean stands still.
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace calib {
+
+class BandMean {
+ public:
+  /// values[width i + k]: number k at t[i], one wavelength. The first two are real and imaginary part of P, the others
+  /// their derivatives or whatever else is averaged with them.
+  using Function = std::function<void(double wavelength_um, std::span<const double> t, std::span<double> values)>;
+
+  /// 0 < lo < hi. `breaks`: values of u between which P is smooth, in rising order; P is 0 beyond the last one when
+  /// `ends` is set. A few frequencies are cheaper without the table: `most_t` <= 0 makes none, otherwise it reaches as
+  /// far as frequencies up to most_t need.
+  BandMean(Function p, std::size_t width, double lo_um, double hi_um, std::vector<double> breaks, bool ends,
+           double most_t);
+
+  /// The mean at t >= 0. Error of its first two numbers below 1e-7, 1e-5 of their largest for the others.
+  void at(double t, std::span<double> mean) const;
+
+  /// n Chebyshev points in (-1, 1), rising, and their barycentric weights.
+  struct Points {
+    explicit Points(std::size_t n);
+    std::vector<double> x, weight;
+  };
+
+ private:
+  /// Chebyshev points of an angle between two kinks: u = begin + (end - begin) (1 - cos angle) / 2.
+  struct Panel {
+    double u_begin = 0.0, u_end = 0.0;          ///< of its piece, between two kinks
+    double angle_begin = 0.0, angle_end = 0.0;  ///< of the panel, within [0, pi]
+    double from_u = 0.0;                        ///< where it begins
+    std::vector<double> values;                 ///< [point][wavelength][number]
+  };
+  void tabulate(double most_u);
+  Panel sampled(double u_begin, double u_end, double angle_begin, double angle_end) const;
+  std::vector<double> choose_wavelengths(double most_u);
+  bool resolved(const Panel& panel, std::span<const double> allowed) const;
+  double wavelength_at(std::size_t l) const;
+  void look_up(double u, double wavelength_um, double weight, std::span<double> sum) const;
+  void add_rule(double t, double begin_um, double end_um, int nodes, std::span<double> sum) const;
+
+  Function p_;
+  std::size_t width_ = 0;
+  double lo_um_ = 0.0, hi_um_ = 0.0;
+  std::vector<double> breaks_;
+  bool ends_ = false;
+  std::size_t wavelengths_ = 0;  ///< of the table; 0 = there is none
+  Points across_panel_, across_band_{0};
+  std::vector<Panel> panels_;  ///< in rising order
+};
+
+}  // namespace calib
