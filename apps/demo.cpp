@@ -11,6 +11,7 @@
 #include "apps/curve_figure.h"
 #include "apps/demo_edge.h"
 #include "apps/demo_scene.h"
+#include "apps/demo_thermal.h"
 #include "apps/options.h"
 #include "apps/output.h"
 #include "apps/output_folder.h"
@@ -53,6 +54,16 @@ mtf::Image side_by_side(const mtf::Image& scene, const mtf::Image& sensor) {
     for (std::int64_t x = 0; x < gap; ++x) pair.at(scene.width() + x, y) = scene.at(0, 0);
   }
   return pair;
+}
+
+/// The image on a scale of its own: 0 the mean, 1 a standard deviation.
+mtf::Image alike(mtf::ImageView<const float> image) {
+  const mtf::Statistics s = mtf::statistics(image);
+  mtf::Image scaled(image.width, image.height);
+  for (std::int64_t y = 0; y < image.height; ++y)
+    for (std::int64_t x = 0; x < image.width; ++x)
+      scaled.at(x, y) = static_cast<float>((static_cast<double>(image.at(x, y)) - s.mean) / s.std);
+  return scaled;
 }
 
 struct Target {
@@ -130,6 +141,10 @@ int run_demo(const DemoOptions& options, const Global& global) {
   const mtf::Statistics s = mtf::statistics(landscape.view());
   const double low = s.mean - 1.7 * s.std, high = s.mean + 2.3 * s.std;
   mtf::io::write_preview_png(path("preview.png"), {{"Y", side_by_side(landscape, images[0]).view()}}, low, high);
+  mtf::Image temperatures, counts;
+  const std::string thermal = demo_thermal(folder, landscape, grid.step_x_um, global.threads, temperatures, counts);
+  mtf::io::write_preview_png(path("thermal.png"),
+                             {{"Y", side_by_side(alike(temperatures.view()), alike(counts.view())).view()}}, -1.7, 2.3);
   mtf::io::write_preview_png(path("targets.png"), {{"Y", side_by_side(targets, images[1]).view()}}, 3.0, 5.0);
 
   const Direction along_x = make_direction(system.frame, "cy/mm", 0.0);
@@ -154,9 +169,9 @@ int run_demo(const DemoOptions& options, const Global& global) {
   const double allowed = std::max(kPass, plan_options.tolerance);
   const bool pass = worst <= allowed;
   text += std::string(pass ? "PASS" : "FAIL") + "  largest difference " + significant(worst, 2) + ", allowed " +
-          significant(allowed, 2) + "\n\nwritten to " + one_line(folder.string()) +
+          significant(allowed, 2) + "\n" + thermal + "\nwritten to " + one_line(folder.string()) +
           "/: sensor.toml scene.exr sensor.exr preview.png mtf.svg mtf.png mtf.csv targets.exr targets_sensor.exr "
-          "targets.png edge.exr fit.toml\nnext: edit " +
+          "targets.png edge.exr fit.toml thermal.exr camera.toml camera.exr thermal.png\nnext: edit " +
           one_line(path("sensor.toml")) + ", then  mtf simulate " + shell_word(path("sensor.toml")) + " " +
           shell_word(path("scene.exr")) + " -o out.exr\n";
 #ifdef MTFKIT_HAVE_CALIB
