@@ -2,6 +2,7 @@
 
 // `mtf budget SENSOR`: what a pixel collects, each noise term, and what that lets one see.
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "apps/options.h"
@@ -18,7 +19,8 @@ using Rows = std::vector<radiometry::BudgetRow>;
 
 std::string as_table(const Rows& rows) {
   TextTable table({"term", "value", "unit", "what it is"});
-  for (const auto& row : rows) table.add({row.name, significant(row.value, 7), row.unit, row.doc});
+  for (const auto& row : rows)
+    table.add({row.name, std::isfinite(row.value) ? significant(row.value, 7) : "-", row.unit, row.doc});
   return table.aligned({Align::left, Align::right});
 }
 
@@ -44,8 +46,12 @@ int run_budget(const BudgetOptions& options, const Global& global) {
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
   if (!options.out.empty())
     for (const std::string& input : files_of(config)) require_different(input, options.out);
-  const radiometry::Sensor sensor = load_chain(config).sensor;
-  const Rows rows = radiometry::rows(radiometry::budget_of(config.system, sensor, options.temperature_k));
+  const LoadedSensor loaded = load_chain(config);
+  if (loaded.paths) note(global, "note: the path has the range of each pixel; this budget is for none");
+  const radiometry::Budget<double> budget = budget_of(config.system, loaded.sensor, options.temperature_k);
+  Rows rows = radiometry::rows(budget);
+  rows.push_back({"dstar", "cm Hz^1/2 W^-1", dstar_of(config.system, loaded.sensor, budget),
+                  "D* at the middle of the band, temporal noise"});
   switch (options.format) {
     case Format::table:
       emit(options.out, as_table(rows));

@@ -69,6 +69,8 @@ mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global)
   std::vector<mtf::io::Diagnostic> warnings;
   mtf::io::SensorConfig config = mtf::io::load_config(file, &warnings, radiometry::sensor_tables());
   for (const auto& warning : warnings) note(global, one_line(mtf::io::format_diagnostic(warning, file)));
+  // Every command sees the OTF that electrons have.
+  if (has_chain(config) && config.system.band) config.system = with_electron_rate(config.system, load_chain(config));
   return config;
 }
 
@@ -91,10 +93,11 @@ std::vector<std::string> files_of(const mtf::io::SensorConfig& config) {
 }
 
 int check_sensor(const std::string& file, Format format) {
-  const mtf::io::ConfigResult result =
+  mtf::io::ConfigResult result =
       mtf::io::parse_config(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file, radiometry::sensor_tables());
   if (result.ok())
-    if (const std::string problem = chain_problem(result.config); !problem.empty()) throw mtf::UsageError(problem);
+    if (const std::string problem = chain_problem(result.config); !problem.empty())
+      result.diagnostics.push_back({.error = true, .position = {}, .path = {}, .text = problem});
   const bool json = format == Format::json;
   if (json) print(as_json(result, file));
   if (!json && result.ok()) print("ok: " + one_line(file) + ": " + summary(result.config.system) + "\n");

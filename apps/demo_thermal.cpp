@@ -5,6 +5,7 @@
 
 #include "apps/physical.h"
 #include "apps/sensor_image.h"
+#include "apps/simulate_parts.h"
 #include "apps/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
@@ -107,8 +108,10 @@ std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& 
   options.scene = mtf::summarise(thermal.planes[0].view(), options.border, 0.0);
   options.separate_readout = true;
   options.threads = threads;
-  options.tolerance = adc_tolerance(physical->system, physical->loaded.sensor, options.scene->std).value();
-  const mtf::SensorPlan plan = mtf::compile_sensor(physical->filters, thermal.grid, options);
+  options.tolerance = physical->tolerance(options.tolerance, options.scene->std);
+  std::vector<std::string> loosened;  // the converter may ask for more than floats hold
+  const mtf::SensorPlan plan = compile_reachable(
+      false, options, loosened, [&] { return mtf::compile_sensor(physical->system, thermal.grid, options); });
   const radiometry::Chain chain(plan, physical->system, physical->loaded.sensor, {}, threads);
   image = std::move(chain.run(std::move(thermal.planes[0]), 0, physical->tap, 0.0, threads).image);
   metadata = provenance(config, thermal, plan, options.tolerance);

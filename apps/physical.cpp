@@ -12,25 +12,27 @@ std::shared_ptr<const Physical> physical_of(const mtf::io::SensorConfig& config,
     if (options.tap)
       throw mtf::UsageError(config.file +
                             ": --tap is for sensors with [detector]; this one gives the filtered scene only");
-    for (const mtf::SettingsTable& table : config.tables)
-      if (table.name != "frame" && table.name != "scene" && table.name != "optics")
-        throw mtf::UsageError(config.file + ": [" + std::string(table.name) +
-                              "] is a part of the chain to electrons, which needs [detector]; add it, or remove this");
+    if (const std::string unused = unused_table(config); !unused.empty())
+      throw mtf::UsageError(config.file + ": " + unused);
     return nullptr;
   }
   auto physical = std::make_shared<Physical>();
   physical->loaded = load_chain(config);
   const radiometry::Sensor& sensor = physical->loaded.sensor;
-  physical->system = with_electron_rate(config.system, sensor);
-  physical->filters = radiometry::sampled_system(physical->system, sensor);
+  physical->system = with_electron_rate(config.system, physical->loaded);
   const radiometry::Tap last = last_tap(config.system, sensor);
   physical->tap = options.tap.value_or(last);
-  if (physical->tap <= last) return physical;
-  const auto name = [](radiometry::Tap tap) {
-    return std::string(radiometry::kTapNames[static_cast<std::size_t>(tap)]);
-  };
-  throw mtf::UsageError(config.file + ": --tap " + name(physical->tap) +
-                        ": the sensor has no such stage; its last one is " + name(last));
+  try {
+    require_tap(physical->tap, last, sensor.settings.adc.has_value());
+    require_consistent(config.system, sensor);
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(config.file + ": " + error.what());
+  }
+  return physical;
+}
+
+double Physical::tolerance(double otherwise, double std) const {
+  return tap < radiometry::Tap::dn ? otherwise : adc_tolerance(system, loaded.sensor, std).value_or(otherwise);
 }
 
 bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
@@ -63,7 +65,7 @@ double to_light(const mtf::io::SensorConfig& config, const Physical& physical, m
 
 ChainReport report_of(const Physical& physical) {
   ChainReport report;
-  report.tap = radiometry::kTapNames[static_cast<std::size_t>(physical.tap)];
+  report.tap = radiometry::tap_name(physical.tap);
   report.quantity = physical.quantity();
   report.unit = physical.unit();
   report.stages = chain_stages(physical.system, physical.loaded.sensor);
@@ -73,7 +75,7 @@ ChainReport report_of(const Physical& physical) {
 void add_chain(mtf::io::Metadata& metadata, const Physical& physical, std::uint32_t frame) {
   metadata.text["mtf:quantity"] = physical.quantity();
   metadata.text["mtf:units"] = physical.unit();
-  metadata.text["mtf:tap"] = radiometry::kTapNames[static_cast<std::size_t>(physical.tap)];
+  metadata.text["mtf:tap"] = radiometry::tap_name(physical.tap);
   const auto& noise = physical.loaded.sensor.settings.noise;
   if (noise) metadata.text["mtf:noise"] = "seed " + std::to_string(noise->seed) + ", frame " + std::to_string(frame);
   metadata.history.back() = "mtf simulate: chain to " + metadata.text["mtf:tap"];

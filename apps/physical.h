@@ -13,10 +13,12 @@ namespace apps {
 
 struct Physical {
   LoadedSensor loaded;
-  mtf::System<double> system;   ///< with the electron rate of the band
-  mtf::System<double> filters;  ///< what plans are compiled for
+  mtf::System<double> system;  ///< with the electron rate of the band
   radiometry::Tap tap{};
 
+  int samples_a_pitch() const { return radiometry::samples_a_pitch(loaded.sensor); }
+  /// The default tolerance for a scene of that standard deviation: a tenth of a count behind the converter.
+  double tolerance(double otherwise, double std) const;
   std::string_view quantity() const { return tap_quantity(loaded.sensor, tap); }
   std::string_view unit() const { return tap_unit(loaded.sensor, tap); }
 };

@@ -21,7 +21,24 @@ class Converter {
         band_(loaded.paths ? radiometry::scene_band(loaded.sensor.curves)
                            : radiometry::scene_band(loaded.sensor.curves, loaded.sensor.path)),
         quantity_(quantity),
-        options_{.negative = scene_.negative, .threads = threads} {}
+        options_{.negative = scene_.negative, .threads = threads} {
+    const bool surfaces = quantity == Quantity::temperature || quantity == Quantity::counts;
+    const bool finish = scene_.surroundings_k || !scene_.emissivity.file.empty() || scene_.emissivity.number != 1.0 ||
+                        !scene_.emissivity_channel.name.empty();
+    if (!surfaces && finish)
+      throw mtf::UsageError(file_ +
+                            ": scene.emissivity, emissivity_channel and surroundings are for scenes of "
+                            "temperatures or counts; this one is " +
+                            std::string(mtf::io::quantity_name(quantity)) + ": remove them");
+    if (quantity == Quantity::counts && scene_.emissivity.number < 1.0 && !scene_.surroundings_k)
+      throw mtf::UsageError(file_ +
+                            ": scene.surroundings: missing; counts of a surface with emissivity below 1 hold "
+                            "what it reflects, for example \"293 K\"");
+    if (quantity == Quantity::counts && (!scene_.emissivity.file.empty() || !scene_.emissivity_channel.name.empty()))
+      throw mtf::UsageError(file_ +
+                            ": scene.emissivity of counts is the one number that the thermometer assumes; a "
+                            "curve or channel is for scenes of temperatures");
+  }
 
   /// Values of the scene's quantity to radiance at the aperture, but for a path that differs from pixel to pixel.
   void to_radiance(mtf::Image& image, const mtf::Image& emissivity) const {
@@ -34,7 +51,7 @@ class Converter {
       case Quantity::radiance:
       case Quantity::photon_radiance: {
         const auto flux = quantity_ == Quantity::radiance ? radiometry::Flux::watts : radiometry::Flux::photons;
-        radiance_of_band(image.view(), photons_per_radiance(flux, band_, scene_.source_temperature_k), options_);
+        radiance_of_band(image.view(), photons_per_radiance(flux, band_, source_k()), options_);
         break;
       }
       case Quantity::spectral_radiance: {
@@ -47,8 +64,13 @@ class Converter {
           throw mtf::UsageError(file_ +
                                 ": a scene of counts needs [camera_counts] with the constants of the camera that wrote "
                                 "it, or [scene] quantity and gain that make a radiance or temperature of them");
-        temperature_of_counts(image.view(), *settings_.counts, {}, options_.threads);
-        radiance_of_temperature(image.view(), band_, {}, options_);
+        // The surface's own temperature, then what it emits and reflects in this band.
+        temperature_of_counts(
+            image.view(), *settings_.counts,
+            {.emissivity = scene_.emissivity.number, .reflected_k = scene_.surroundings_k.value_or(0.0)},
+            options_.threads);
+        radiance_of_temperature(image.view(), band_,
+                                {loaded_.sensor.emissivity, {}, scene_.surroundings_k.value_or(0.0)}, options_);
         break;
     }
   }
@@ -62,14 +84,19 @@ class Converter {
   }
 
   void through_paths(mtf::Image& image, const mtf::Image& range_m) const {
-    radiometry::RangeTable(band_, *loaded_.paths, scene_.source_temperature_k)
-        .apply(image.view(), range_m.view(), options_.threads);
+    radiometry::RangeTable(band_, *loaded_.paths, source_k()).apply(image.view(), range_m.view(), options_.threads);
   }
 
   const radiometry::SceneSettings& scene() const { return scene_; }
   const radiometry::SceneBand& band() const { return band_; }
 
  private:
+  /// As LoadedSensor says, but of this scene's own quantity.
+  std::optional<double> source_k() const {
+    const bool surfaces = quantity_ == Quantity::temperature || quantity_ == Quantity::counts;
+    return scene_.source_temperature_k || !surfaces ? scene_.source_temperature_k : std::optional(kSurface_k);
+  }
+
   std::string file_;
   const LoadedSensor& loaded_;
   const radiometry::SensorSettings& settings_;
@@ -95,7 +122,7 @@ void merge_spectrum(mtf::io::Scene& scene, const Converter& convert, int threads
   std::vector<mtf::ImageView<const float>> channels;
   for (const mtf::Image& plane : scene.planes) channels.push_back(plane.view());
   radiometry::radiance_of_channels(channels, weights.weight, scene.planes.front().view(),
-                       {.negative = convert.scene().negative, .threads = threads});
+                                   {.negative = convert.scene().negative, .threads = threads});
   scene.planes.resize(1);
   scene.names = {"spectrum"};
 }

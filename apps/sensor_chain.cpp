@@ -9,6 +9,7 @@
 #include "mtf/io/image_io.h"
 #include "mtf/io/spectrum_csv.h"
 #include "mtf/io/tape7.h"
+#include "mtf/statistics.h"
 #include "radiometry/band_response.h"
 
 namespace apps {
@@ -26,6 +27,8 @@ auto at_key(const char* key, const Read& read) {
     return read();
   } catch (const mtf::UsageError& error) {
     throw mtf::UsageError(std::string(key) + ": " + error.what());
+  } catch (const mtf::RuntimeError& error) {
+    throw mtf::RuntimeError(std::string(key) + ": " + error.what());
   }
 }
 
@@ -45,25 +48,33 @@ void add_curve(std::vector<Spectrum>& curves, const NumberOrFile& value, const c
   if (!value.file.empty()) curves.push_back(curve_of(value, key, 1.0));
 }
 
-std::shared_ptr<const mtf::Image> map_of(const std::string& file, const char* key) {
+std::shared_ptr<const mtf::Image> map_of(const std::string& file, const char* key, bool factors) {
   if (file.empty()) return nullptr;
   return at_key(key, [&] {
     mtf::io::ImageFile image = mtf::io::read_image(file, {});
     if (image.planes.size() != 1)
       throw mtf::UsageError(file + ": has " + std::to_string(image.planes.size()) + " channels; a map has one");
     if (image.integer) throw mtf::UsageError(file + ": holds whole numbers; a map is a float image (EXR)");
+    if (!mtf::all_finite(image.planes.front().view()))
+      throw mtf::UsageError(file + ": holds NaN or infinite values; a map has a number for every pixel");
+    if (factors && mtf::statistics(image.planes.front().view()).min < 0.0)
+      throw mtf::UsageError(file + ": holds factors below 0");
     return std::make_shared<const mtf::Image>(std::move(image.planes.front()));
   });
 }
 
 /// A tape7 of one run has the range that is given; a CSV names its own.
-radiometry::PathTable table_of(const radiometry::PathSettings& settings) {
+radiometry::PathTable table_of(const radiometry::PathSettings& settings, bool by_pixel) {
   return at_key("path.table", [&] {
     const std::string& file = settings.table;
     if (file.ends_with(".csv")) {
       mtf::io::PathColumns c = mtf::io::read_path_csv(file);
       return radiometry::PathTable(file, c.range_m, c.wavelength_um, c.transmission, c.radiance);
     }
+    if (by_pixel)
+      throw mtf::UsageError(file +
+                            ": a tape7 has one range for each run and does not say which; for "
+                            "scene.depth_channel write a CSV with a column range_m");
     const std::vector<mtf::io::Tape7Run> runs = mtf::io::read_tape7(file);
     if (runs.size() == 1 && !settings.range_m)
       throw mtf::UsageError(file + ": a tape7 does not say how long its path is; give path.range");
@@ -93,7 +104,7 @@ void read_path(const radiometry::SensorSettings& settings, LoadedSensor& loaded)
   if (given.air_temperature_k || !given.transmission.file.empty() || given.transmission.number != 1.0 ||
       !given.radiance.file.empty() || given.radiance.number != 0.0)
     throw mtf::UsageError("path.table: given beside transmission, radiance or air_temperature; it has both terms");
-  auto table = std::make_shared<const radiometry::PathTable>(table_of(given));
+  auto table = std::make_shared<const radiometry::PathTable>(table_of(given, by_pixel));
   if (by_pixel && given.range_m)
     throw mtf::UsageError("path.range: given beside scene.depth_channel; remove one of them");
   if (by_pixel)
@@ -128,27 +139,30 @@ LoadedSensor load_chain(const mtf::io::SensorConfig& config) try {
   else if (settings.scene && !settings.scene->depth_channel.name.empty())
     throw mtf::UsageError("scene.depth_channel: needs path.table, which says what a path of that length does");
   if (settings.nonuniformity) {
-    sensor.responsivity = map_of(settings.nonuniformity->responsivity, "nonuniformity.responsivity");
-    sensor.offset = map_of(settings.nonuniformity->offset, "nonuniformity.offset");
+    sensor.responsivity = map_of(settings.nonuniformity->responsivity, "nonuniformity.responsivity", true);
+    sensor.offset = map_of(settings.nonuniformity->offset, "nonuniformity.offset", false);
   }
-  if (settings.vignetting) sensor.vignetting = map_of(settings.vignetting->map, "vignetting.map");
+  using mtf::io::Quantity;
+  const std::optional<Quantity> quantity = config.scene.quantity;
+  if (settings.scene) loaded.source_k = settings.scene->source_temperature_k;
+  if (!loaded.source_k && (quantity == Quantity::temperature || quantity == Quantity::counts))
+    loaded.source_k = kSurface_k;
+  if (settings.vignetting) sensor.vignetting = map_of(settings.vignetting->map, "vignetting.map", true);
   return loaded;
 } catch (const mtf::UsageError& error) {
   throw mtf::UsageError(config.file + ": " + error.what());
 }
 
-mtf::System<double> with_electron_rate(const mtf::System<double>& system, const radiometry::Sensor& sensor) {
-  const radiometry::SpectralCamera& camera = sensor.curves;
-  const auto& scene = sensor.settings.scene;
-  const std::optional<double> source_k = scene ? scene->source_temperature_k : std::nullopt;
-  if (!system.band ||
-      (camera.optics.empty() && camera.cold_filter.empty() && camera.quantum_efficiency.empty() && !source_k))
-    return system;
+mtf::System<double> with_electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded) {
+  const radiometry::SpectralCamera& camera = loaded.sensor.curves;
+  const bool even = camera.optics.empty() && camera.cold_filter.empty() && camera.quantum_efficiency.empty() &&
+                    loaded.sensor.path.transmission.value.size() <= 1;
+  if (!system.band || (even && !loaded.source_k)) return system;
   mtf::System<double> weighted = system;
-  const radiometry::SceneBand band = radiometry::scene_band(camera, sensor.path);
+  const radiometry::SceneBand band = radiometry::scene_band(camera, loaded.sensor.path);
   const radiometry::BandResponse response(band.band, band.curves);
   weighted.band->rate = std::make_shared<const mtf::ElectronRate>(
-      [response, source_k](int n) { return response.electron_nodes(std::min(n, 256), source_k); });
+      [response, source_k = loaded.source_k](int n) { return response.electron_nodes(std::min(n, 256), source_k); });
   return weighted;
 }
 
@@ -159,16 +173,24 @@ std::string explain_chain(const mtf::io::SensorConfig& config) {
   return "\nchain, in this order\n" + on.aligned() + "\n" + off.aligned();
 }
 
+std::string unused_table(const mtf::io::SensorConfig& config) {
+  if (has_chain(config) || config.tables.empty()) return "";
+  const mtf::SettingsTable& table = config.tables.front();
+  const bool row = table.name == "frame" || table.name == "scene" || table.name == "optics";
+  return (row ? std::string(table.name) + "." + std::string(table.settings.front().name)
+              : "[" + std::string(table.name) + "]") +
+         ": part of the chain to electrons, which begins with [detector]; add that, or remove this";
+}
+
 std::string chain_problem(const mtf::io::SensorConfig& config) {
-  if (!has_chain(config)) return "";
+  if (!has_chain(config)) return unused_table(config);
   try {
-    const radiometry::Sensor sensor = load_chain(config).sensor;
-    radiometry::chain_stages(config.system, sensor);
-    radiometry::require_consistent(sensor.settings);
-    static_cast<void>(radiometry::sampled_system(config.system, sensor));
-    static_cast<void>(with_electron_rate(config.system, sensor));
+    const LoadedSensor loaded = load_chain(config);
+    require_consistent(config.system, loaded.sensor);
+    static_cast<void>(with_electron_rate(config.system, loaded));
   } catch (const mtf::Error& error) {
-    return error.what();
+    const std::string text = error.what();  // the caller names the file
+    return text.starts_with(config.file + ": ") ? text.substr(config.file.size() + 2) : text;
   }
   return "";
 }

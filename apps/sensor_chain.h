@@ -12,24 +12,33 @@ namespace apps {
 /// True when the file says more than the OTF: its output is electrons or what comes after them.
 bool has_chain(const mtf::io::SensorConfig& config);
 
+/// Temperature whose spectrum the light of surfaces has where only one is to be had.
+inline constexpr double kSurface_k = 300.0;
+
 /// A sensor and what lies before its aperture.
 struct LoadedSensor {
   radiometry::Sensor sensor;
   std::shared_ptr<const radiometry::PathTable> paths;  ///< for the range of each pixel, where the file says so
+  /// Of the blackbody whose spectrum the light has where nothing better is known: [scene] source_temperature, else
+  /// 300 K for scenes of temperatures and counts, else none (even in photons).
+  std::optional<double> source_k;
 };
 
 /// The sensor with its curves, tables and maps. Throws UsageError with file and key for what does not fit, RuntimeError
 /// for files that cannot be read.
 LoadedSensor load_chain(const mtf::io::SensorConfig& config);
 
-/// The system whose band is weighted by the electrons that the curves of the sensor give; unchanged where no curve and
-/// no source temperature is given.
-mtf::System<double> with_electron_rate(const mtf::System<double>& system, const radiometry::Sensor& sensor);
+/// The system whose band is weighted by the electrons that light of that spectrum gives behind all curves; unchanged
+/// where there is neither a curve nor a source temperature.
+mtf::System<double> with_electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded);
 
 /// The stages of the chain in their order, and those that are off with what would switch them on. Throws as load_chain.
 std::string explain_chain(const mtf::io::SensorConfig& config);
 
-/// Settings that contradict each other, as `mtf config check` tells them: empty when load_chain has none.
+/// What a file without [detector] says of a chain all the same; empty when nothing.
+std::string unused_table(const mtf::io::SensorConfig& config);
+
+/// Settings that contradict each other, as `mtf config check` tells them: empty when there are none.
 std::string chain_problem(const mtf::io::SensorConfig& config);
 
 }  // namespace apps

@@ -143,7 +143,8 @@ std::int64_t run_frames(SequenceFrames& frames, int threads, const Global& globa
   try {
     frames.prepare();
     const std::int64_t in_flight = frames_in_flight(frames, threads);
-    frames.set_threads_a_frame(static_cast<int>(std::max<std::int64_t>(1, threads / in_flight)));
+    frames.set_threads_a_frame(frames.remembers() ? threads
+                                                  : static_cast<int>(std::max<std::int64_t>(1, threads / in_flight)));
     run_pipeline(frames, in_flight, threads, global);
     say();
     return in_flight;

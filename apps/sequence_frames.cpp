@@ -80,6 +80,9 @@ SequenceFrames::SequenceFrames(const SimulateOptions& options, const mtf::io::Se
       physical_(physical_of(sensor, options)) {
   report_.first = names.frames.front();
   report_.last = names.frames.back();
+  if (physical_ && (names.frames.front() < 0 || names.frames.back() > 0x7fffffff))
+    throw mtf::UsageError("frames " + std::to_string(names.frames.front()) + " to " +
+                          std::to_string(names.frames.back()) + ": noise is numbered from 0 to 2147483647");
 }
 
 SceneInput SequenceFrames::load(const std::string& path, const mtf::io::SensorConfig& sensor,
@@ -106,6 +109,7 @@ void SequenceFrames::prepare() {
   first_plan_ = frame->plan;
   first_chain_ = frame->chain;
   first_physical_ = frame->physical;
+  if (frame->chain) frame->chain->prepare(frame->physical->tap, threads_);
   const mtf::io::Scene& scene = frame->input->scene;
   first_scene_.names = scene.names;
   first_scene_.grid = scene.grid;
@@ -117,6 +121,12 @@ void SequenceFrames::prepare() {
   for (const std::string& text : frame->plan->presample.report().notes) warnings_.push_back(text);
   if (options_.measure)
     notes_.push_back("--rigor measure chose FFT plans by timing; the last bits may differ between runs");
+}
+
+// A schedule may switch a shutter to rolling later on.
+bool SequenceFrames::remembers() const {
+  return first_physical_ &&
+         (first_physical_->loaded.sensor.settings.lag || first_physical_->loaded.sensor.settings.shutter);
 }
 
 double SequenceFrames::bytes_a_frame() const {
@@ -195,8 +205,9 @@ void SequenceFrames::plan(Frame& frame) {
     frame.plan = planner_.plan_for(*frame.sensor, frame.physical.get(), *frame.input, frame.warnings);
     if (!frame.physical) return;
     if (chain_physical_ != frame.physical || chain_plan_ != frame.plan)
-      chain_ = std::make_shared<const radiometry::Chain>(*frame.plan, frame.physical->system,
-                                                         frame.physical->loaded.sensor, radiometry::Origin{}, threads_);
+      chain_ =
+          std::make_shared<const radiometry::Chain>(*frame.plan, frame.physical->system, frame.physical->loaded.sensor,
+                                                    radiometry::Origin{}, threads_, chain_.get());
     chain_physical_ = frame.physical;
     chain_plan_ = frame.plan;
     frame.chain = chain_;

@@ -59,7 +59,7 @@ class SequenceFrames {
   void finish(const Frame& frame);
 
   /// True when frames have to run one after another: each leaves something to the next.
-  bool remembers() const { return first_chain_ && first_chain_->remembers(); }
+  bool remembers() const;
   /// Of the first frame, of a sensor with a chain.
   const Physical* first_physical() const { return first_physical_.get(); }
 

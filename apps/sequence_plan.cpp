@@ -41,8 +41,10 @@ bool same_system(const mtf::System<double>& a, const mtf::System<double>& b) {
 }
 
 const mtf::System<double>& system_of(const mtf::io::SensorConfig& sensor, const Physical* physical) {
-  return physical != nullptr ? physical->filters : sensor.system;
+  return physical != nullptr ? physical->system : sensor.system;
 }
+
+int steps_of(const Physical* physical) { return physical != nullptr ? physical->samples_a_pitch() : 1; }
 
 }  // namespace
 
@@ -57,17 +59,15 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::S
                                                                 std::vector<std::string>& warnings) {
   options_.border = sensor.scene.border;
   options_.separate_readout = physical != nullptr;
-  // Of the first frame that has contrast, for all that follow.
-  if (physical != nullptr && !asked_ && !plan_ && input.summary)
-    options_.tolerance =
-        adc_tolerance(physical->system, physical->loaded.sensor, input.summary->std).value_or(options_.tolerance);
+  if (physical != nullptr && !asked_ && input.summary)
+    options_.tolerance = physical->tolerance(options_.tolerance, input.summary->std);
   options_.aperture = mtf::io::scene_aperture(sensor.scene, input.scene.grid);
   if (input.summary) met_ = harder(met_, difficulty(*input.summary));
   ++compiled_;
   const auto attempt = [&](const std::optional<mtf::SceneSummary>& summary) {
     options_.scene = summary;
     return std::make_shared<const mtf::SensorPlan>(
-        mtf::compile_sensor(system_of(sensor, physical), input.scene.grid, options_));
+        mtf::compile_sensor(system_of(sensor, physical), input.scene.grid, options_, steps_of(physical)));
   };
   const double canvas = options_.border == mtf::Border::reflect ? kRounding : kRoomCanvas;
   const SceneDifficulty room{met_.storage * kRoomStorage, met_.canvas * canvas};
@@ -91,7 +91,7 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::
                                                                  std::vector<std::string>& warnings) {
   const mtf::System<double>& system = system_of(sensor, physical);
   const bool fits = plan_ && plan_->in() == input.scene.grid && serves(plan_->options.scene, input.summary) &&
-                    mtf::detector_grid(system, input.scene.grid) == plan_->out();
+                    mtf::sensor_grid(system, input.scene.grid, steps_of(physical)) == plan_->out();
   if (!fits) return plan_ = compile(sensor, physical, input, warnings);
   if (same_system(plan_->system, system)) return plan_;
   try {

@@ -108,7 +108,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
     defaults.border_value = to_light(config, *physical, scene, masks, options.scene, global.threads);
     watch.lap("light", report.timing_ms);
   }
-  const mtf::System<double>& system = physical ? physical->filters : config.system;
+  const mtf::System<double>& system = physical ? physical->system : config.system;
 
   mtf::PlanOptions plan_options;
   plan_options.tolerance = options.tolerance.value_or(plan_options.tolerance);
@@ -118,8 +118,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   plan_options.scene = summarise_all(scene, defaults);
   plan_options.separate_readout = physical != nullptr;
   if (physical && !options.tolerance && plan_options.scene)
-    plan_options.tolerance = adc_tolerance(physical->system, physical->loaded.sensor, plan_options.scene->std)
-                                 .value_or(plan_options.tolerance);
+    plan_options.tolerance = physical->tolerance(plan_options.tolerance, plan_options.scene->std);
   plan_options.threads = global.threads;
   read_measured(options, global);
   const std::optional<mtf::TiledSensorPlan> tiles =
@@ -129,7 +128,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   if (!tiles && !spreads) plan_options.spectrum = spectrum_of_all(scene, config.scene.border, global.threads);
   const mtf::SensorPlan plan =
       tiles ? tiles->inner() : compile_reachable(options.tolerance.has_value(), plan_options, report.warnings, [&] {
-        return mtf::compile_sensor(system, scene.grid, plan_options);
+        return mtf::compile_sensor(system, scene.grid, plan_options, physical ? physical->samples_a_pitch() : 1);
       });
   for (const std::string& text : plan.presample.report().notes) report.warnings.push_back(text);
   for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));

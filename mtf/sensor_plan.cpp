@@ -48,6 +48,14 @@ bool has_filters(const System<double>& system) {
   return !system.list(Stage::readout).empty() || !system.list(Stage::postsample).empty();
 }
 
+System<double> finer(System<double> system, int samples_a_pitch) {
+  system.frame.pitch_x_um /= samples_a_pitch;
+  system.frame.pitch_y_um /= samples_a_pitch;
+  system.frame.columns *= samples_a_pitch;
+  system.frame.rows *= samples_a_pitch;
+  return system;
+}
+
 double largest_gain(const std::optional<Plan>& filter) {
   return filter ? std::max(1.0, filter->report().largest_gain) : 1.0;
 }
@@ -62,8 +70,14 @@ double predict(const Plan& presample, const std::optional<Plan>& readout, const 
 
 }  // namespace
 
-SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene, const PlanOptions& options) {
-  const SampleGrid detector = detector_grid(system, scene);
+SampleGrid sensor_grid(const System<double>& system, const SampleGrid& scene, int samples_a_pitch) {
+  return detector_grid(finer(system, samples_a_pitch), scene);
+}
+
+SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
+                          int samples_a_pitch) {
+  const System<double> behind_system = finer(system, samples_a_pitch);
+  const SampleGrid detector = detector_grid(behind_system, scene);
   const auto listed = [&](Stage stage) { return !system.list(stage).empty(); };
   const bool separate = options.separate_readout && listed(Stage::readout);
   const bool filters = separate ? listed(Stage::postsample) : has_filters(system);
@@ -81,7 +95,7 @@ SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene,
       PlanOptions looser = options;
       looser.tolerance = e.reachable() / part;
       if (part < 1.0 && looser.tolerance < 1.0) try {
-          compile_sensor(system, scene, looser);
+          compile_sensor(system, scene, looser, samples_a_pitch);
         } catch (const UnreachableTolerance& later) {
           looser.tolerance = later.reachable();
         }
@@ -90,7 +104,8 @@ SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene,
     }
   };
   const auto filter = [&](std::span<const Stage> stages, double part) {
-    return in_share(behind, part, [&](const PlanOptions& own) { return compile_post(system, detector, stages, own); });
+    return in_share(behind, part,
+                    [&](const PlanOptions& own) { return compile_post(behind_system, detector, stages, own); });
   };
   constexpr std::array both{Stage::readout, Stage::postsample};
   std::optional<Plan> post, readout;
@@ -99,27 +114,29 @@ SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene,
   const double first = share / (largest_gain(post) * largest_gain(readout));
   const Plan presample =
       in_share(options, first, [&](const PlanOptions& own) { return compile(system, scene, detector, own); });
-  return {presample, readout, post, predict(presample, readout, post), system, options};
+  return {presample, readout, post, predict(presample, readout, post), system, options, samples_a_pitch};
 }
 
 SensorPlan SensorPlan::with(const System<double>& other) const {
   const auto kept = [&](Stage stage) { return system.list(stage).empty() == other.list(stage).empty(); };
   const bool filters = has_filters(system) == has_filters(other) &&
                        (!options.separate_readout || (kept(Stage::readout) && kept(Stage::postsample)));
-  if (detector_grid(other, in()) != out() || !filters) return compile_sensor(other, in(), options);
+  if (sensor_grid(other, in(), samples_a_pitch) != out() || !filters)
+    return compile_sensor(other, in(), options, samples_a_pitch);
   const auto same = [&](Stage stage) { return same_list(system, other, stage); };
   try {
     SensorPlan plan = *this;
     plan.system = other;
     plan.updated = true;
     if (!same(Stage::presample)) plan.presample = presample.with(other);
-    if (readout && !same(Stage::readout)) plan.readout = readout->with(other);
-    if (post && !((readout || same(Stage::readout)) && same(Stage::postsample))) plan.post = post->with(other);
+    if (readout && !same(Stage::readout)) plan.readout = readout->with(finer(other, samples_a_pitch));
+    if (post && !((readout || same(Stage::readout)) && same(Stage::postsample)))
+      plan.post = post->with(finer(other, samples_a_pitch));
     plan.predicted_error = predict(plan.presample, plan.readout, plan.post);
     if (plan.predicted_error <= options.tolerance) return plan;
   } catch (const UnreachableTolerance&) {  // of a share: other shares may do
   }
-  return compile_sensor(other, in(), options);
+  return compile_sensor(other, in(), options, samples_a_pitch);
 }
 
 std::vector<Image> SensorPlan::run(std::span<const ImageView<const float>> scene, double border_value,

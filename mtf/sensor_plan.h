@@ -19,7 +19,8 @@ struct SensorPlan {
   double predicted_error = 0.0;
   System<double> system;  ///< that it was made for, and how
   PlanOptions options;
-  bool updated = false;  ///< made by with() from another plan whose FFT plans it shares
+  int samples_a_pitch = 1;  ///< per axis; more than 1 where positions between the pixels are sampled too (microscan)
+  bool updated = false;     ///< made by with() from another plan whose FFT plans it shares
 
   const SampleGrid& in() const { return presample.in(); }
   const SampleGrid& out() const { return presample.out(); }
@@ -49,7 +50,12 @@ SceneSummary behind_sampling(SceneSummary scene, const PlanOptions& options, con
                              const SampleGrid& out);
 
 /// Splits the tolerance into equal shares; what a step errs by passes through the filters behind it, so its share is
-/// divided by their largest gain.
-SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene, const PlanOptions& options);
+/// divided by their largest gain. With `samples_a_pitch` the image is sampled that much finer than the pixels of the
+/// system, whose presample OTF stays theirs; filters behind the sampling act on the finer image. Errors as compile().
+SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
+                          int samples_a_pitch = 1);
+
+/// The grid that compile_sensor samples on.
+SampleGrid sensor_grid(const System<double>& system, const SampleGrid& scene, int samples_a_pitch);
 
 }  // namespace mtf

@@ -10,12 +10,12 @@ namespace radiometry {
 namespace {
 
 /// The part of a map of the whole detector that an image at `origin` has.
-mtf::Image crop(const mtf::Image& map, const char* what, Origin origin, std::int64_t width, std::int64_t height) {
-  if (map.width() < origin.x + width || map.height() < origin.y + height)
+mtf::Image crop(const mtf::Image& map, const char* what, const FocalPlane& detector, Origin origin, std::int64_t width,
+                std::int64_t height) {
+  if (map.width() != detector.columns || map.height() != detector.rows)
     throw mtf::UsageError(std::string(what) + ": the map has " + std::to_string(map.width()) + "x" +
-                          std::to_string(map.height()) + " pixels, the image needs " +
-                          std::to_string(origin.x + width) + "x" + std::to_string(origin.y + height) +
-                          "; give a map of the whole detector");
+                          std::to_string(map.height()) + " pixels, the detector " + std::to_string(detector.columns) +
+                          "x" + std::to_string(detector.rows) + "; give a map of the whole detector");
   mtf::Image part(width, height);
   for (std::int64_t y = 0; y < height; ++y)
     std::copy_n(map.data() + (origin.y + y) * map.width() + origin.x, width, part.data() + y * width);
@@ -45,8 +45,28 @@ void refuse(const char* where, const std::string& why) { throw mtf::UsageError(s
 
 }  // namespace
 
-void require_consistent(const SensorSettings& s) {
+void require_consistent(const mtf::System<double>& system, const Sensor& sensor) {
+  const SensorSettings& s = sensor.settings;
   if (!s.detector) return;
+  camera_of(system, sensor);
+  const Pixel<double> pixel = pixel_of(system, sensor);
+  if (s.adc) adc_of(sensor);
+  if (s.nonlinearity && std::isfinite(pixel.full_well_e)) Response(*s.nonlinearity, pixel.full_well_e);
+  if (s.microscan) {
+    require_valid("microscan", *s.microscan);
+    if (!system.list(mtf::Stage::readout).empty())
+      refuse("[microscan]",
+             "together with [[readout]]: a readout filter acts on one frame, not on what is put together of several; "
+             "remove one of them");
+    if (s.lag || (s.shutter && s.shutter->kind == ShutterKind::rolling))
+      refuse("[microscan]",
+             "together with [lag] or a rolling [shutter], which follow one position; remove one of them");
+  }
+  if (s.vignetting && !s.vignetting->map.empty() &&
+      (s.vignetting->a2 != 0.0 || s.vignetting->a4 != 0.0 || s.vignetting->a6 != 0.0))
+    refuse("vignetting.map", "given beside a2, a4 or a6; remove one of them");
+  if (s.shutter && s.shutter->kind == ShutterKind::rolling && !(s.shutter->line_time_s > 0.0))
+    refuse("shutter.line_time", "missing; a rolling shutter needs it, for example \"30 us\"");
   const bool well = std::isfinite(s.detector->full_well_e);
   if (s.nonlinearity && !well) refuse("[nonlinearity]", "needs detector.full_well, which its coefficients refer to");
   if (s.blooming && !well) refuse("[blooming]", "needs detector.full_well, above which charge spills");
@@ -96,10 +116,17 @@ Adc adc_of(const Sensor& sensor) {
   if (!adc->electrons_per_count && !std::isfinite(well))
     throw mtf::UsageError(
         "adc.electrons_per_count: missing; give it, or detector.full_well, which then fills the range");
-  Adc result = adc->electrons_per_count ? Adc{} : adc_for_well(well, adc->bits);
-  if (adc->electrons_per_count) result.electrons_per_count = *adc->electrons_per_count;
-  result.bits = adc->bits;
-  result.offset_counts = adc->offset_counts;
+  Adc result{.electrons_per_count = adc->electrons_per_count.value_or(1.0),
+             .offset_counts = adc->offset_counts,
+             .bits = adc->bits,
+             .rounding = adc->rounding};
+  if (!adc->electrons_per_count) {
+    const double counts = result.most_counts() - result.offset_counts;  // of a full well
+    if (!(counts > 0.0))
+      throw mtf::UsageError("adc.offset: " + mtf::format_double(adc->offset_counts) + " counts leave none of " +
+                            mtf::format_double(result.most_counts()) + " for the full well");
+    result.electrons_per_count = well / counts;
+  }
   require_valid("adc", result);
   return result;
 }
@@ -109,6 +136,13 @@ std::optional<double> adc_tolerance(const mtf::System<double>& system, const Sen
   const double electrons = electrons_per_radiance(camera_of(system, sensor), pixel_of(system, sensor)) * std;
   const double tolerance = 0.1 * adc_of(sensor).electrons_per_count / electrons;
   return std::isfinite(tolerance) ? std::optional(std::min(tolerance, 1e-2)) : std::nullopt;
+}
+
+void require_tap(Tap tap, Tap last, bool has_converter) {
+  if (tap > last)
+    throw mtf::UsageError("tap " + tap_name(tap) + ": this sensor has no such stage; its last one is " +
+                          tap_name(last));
+  if (tap == Tap::dn && !has_converter) throw mtf::UsageError("tap dn: this sensor has no [adc], so no counts");
 }
 
 Tap last_tap(const mtf::System<double>& system, const Sensor& sensor) {
@@ -125,36 +159,27 @@ std::string_view tap_unit(const Sensor& sensor, Tap tap) {
 }
 
 std::string_view tap_quantity(const Sensor& sensor, Tap tap) {
-  if (tap == Tap::radiance) return "photon_radiance";
-  if (tap == Tap::irradiance) return "photon_irradiance";
+  const SpectralCamera& curves = sensor.curves;
+  const bool weighted = !(curves.optics.empty() && curves.cold_filter.empty() && curves.quantum_efficiency.empty());
+  if (tap == Tap::radiance) return weighted ? "weighted_photon_radiance" : "photon_radiance";
+  if (tap == Tap::irradiance) return weighted ? "weighted_photon_irradiance" : "photon_irradiance";
   const std::string_view unit = tap_unit(sensor, tap);
   return unit == "e-" ? "electrons" : unit == "levels" ? "display" : "counts";
 }
 
-mtf::System<double> sampled_system(const mtf::System<double>& system, const Sensor& sensor) {
-  mtf::System<double> finer = system;
+int samples_a_pitch(const Sensor& sensor) {
   const auto& scan = sensor.settings.microscan;
-  if (!scan) return finer;
-  require_valid("microscan", *scan);
-  if (!system.list(mtf::Stage::readout).empty())
-    refuse("[microscan]",
-           "together with [[readout]]: a readout filter acts on one frame, not on what is put together "
-           "of several; remove one of them");
-  finer.frame.pitch_x_um /= scan->steps;
-  finer.frame.pitch_y_um /= scan->steps;
-  finer.frame.columns *= scan->steps;
-  finer.frame.rows *= scan->steps;
-  return finer;
+  return scan ? scan->steps : 1;
 }
 
 Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin,
-             int threads) {
+             int threads, const Chain* before) {
   const SensorSettings& s = sensor.settings;
   auto impl = std::make_shared<Impl>(plan);
   impl->last = last_tap(system, sensor);
   impl->camera = camera_of(system, sensor);
   impl->pixel = pixel_of(system, sensor);
-  require_consistent(s);
+  require_consistent(system, sensor);
   impl->settings = s;
   impl->seed = s.noise ? static_cast<std::uint64_t>(s.noise->seed) : 0;
   impl->origin = origin;
@@ -164,7 +189,7 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
   impl->read_e = std::hypot(s.detector->read_e, reset_e_of(*s.detector), s.detector->other_e);
   impl->gain = radiometry::electrons_per_radiance(impl->camera, impl->pixel);
 
-  const int cores = mtf::threads_of(threads), steps = s.microscan ? s.microscan->steps : 1;
+  const int cores = mtf::threads_of(threads), steps = samples_a_pitch(sensor);
   const std::int64_t width = plan.out().width / steps, height = plan.out().height / steps;
   if (width * steps != plan.out().width || height * steps != plan.out().height)
     refuse("[microscan]", "the image is not a whole number of " + std::to_string(steps) + " x " +
@@ -181,7 +206,7 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
                             {.scene = 0.0, .path = 0.0, .optics = radiances.optics, .stop = radiances.stop});
 
   const auto detector_map = [&](const std::shared_ptr<const mtf::Image>& whole, const char* what) {
-    return whole ? crop(*whole, what, origin, width, height) : mtf::Image();
+    return whole ? crop(*whole, what, impl->detector, origin, width, height) : mtf::Image();
   };
   if (s.vignetting) {
     const mtf::Image given = detector_map(sensor.vignetting, "vignetting.map");
@@ -217,7 +242,7 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
 
   if (s.defects) impl->defects = find_defects(width, height, *s.defects, impl->seed, origin);
   if (s.blinking) impl->blinking = find_blinking(width, height, *s.blinking, impl->seed, origin);
-  if (s.correction) impl->correction = correction_of(*impl, cores);
+  if (before != nullptr) impl->corrected_by = before->impl_->corrected_by ? before->impl_->corrected_by : before->impl_;
   impl_ = std::move(impl);
 }
 

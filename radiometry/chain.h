@@ -37,7 +37,7 @@ struct Sensor {
 };
 
 /// Throws UsageError for settings that need or exclude each other: what no table can say by itself.
-void require_consistent(const SensorSettings& settings);
+void require_consistent(const mtf::System<double>& system, const Sensor& sensor);
 
 /// Camera and pixel of a sensor as the camera equation takes them. What a curve gives is 1 there. Throws UsageError for
 /// what is missing: an f-number, an integration time, [detector].
@@ -46,12 +46,15 @@ Pixel<double> pixel_of(const mtf::System<double>& system, const Sensor& sensor);
 /// Converter of a sensor with [adc]. Throws UsageError when it has neither electrons_per_count nor a full well.
 Adc adc_of(const Sensor& sensor);
 
-/// The system as the filters see it: with [microscan] its pitch is divided and its format multiplied by the steps.
-/// Throws UsageError for [microscan] together with [[readout]], which acts on the pixels of one frame.
-mtf::System<double> sampled_system(const mtf::System<double>& system, const Sensor& sensor);
+/// Samples a pitch that plans are to be compiled with: the steps of [microscan], else 1.
+int samples_a_pitch(const Sensor& sensor);
+
+/// Throws UsageError for a place that a sensor whose last one is `last` does not have.
+void require_tap(Tap tap, Tap last, bool has_converter);
 
 /// The last place that a sensor has: display where anything follows the converter, dn with [adc], else electrons.
 Tap last_tap(const mtf::System<double>& system, const Sensor& sensor);
+/// Where the camera has curves of the wavelength, radiance and irradiance are weighted by them: their quantity says so.
 /// Unit of its image at a tap: "ph.s^-1.m^-2.sr^-1", "ph.s^-1.m^-2", "e-", "counts", "levels"; and the quantity.
 std::string_view tap_unit(const Sensor& sensor, Tap tap);
 std::string_view tap_quantity(const Sensor& sensor, Tap tap);
@@ -75,24 +78,29 @@ struct ChainFrame {
 struct ChainState {
   ShutterState shutter;
   LagState lag;
+  std::optional<std::uint32_t> last;  ///< number of the frame before
 };
 
 /// A sensor ready for frames of one size: what is the same in all of them is made once. Copies share; run() is const
 /// and re-entrant.
 class Chain {
  public:
-  /// `plan`: of sampled_system() for scenes of weighted radiance, with PlanOptions::separate_readout. `origin`: the
-  /// first pixel of the image on the detector, whose format is [frame] format, or what the image needs. Throws
-  /// UsageError for a sensor without [detector], for maps that do not cover the image, and for settings that
-  /// contradict each other.
+  /// `plan`: of `system` for scenes of weighted radiance, with PlanOptions::separate_readout and samples_a_pitch().
+  /// `origin`: the first pixel of the image on the detector, whose format is [frame] format, or what the image needs.
+  /// `before`: a chain of the same sequence; its two-point correction is this one's too, as that of a camera which was
+  /// corrected once. Throws UsageError for a sensor without [detector], for maps that do not cover the image, and for
+  /// settings that contradict each other.
   Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin = {},
-        int threads = 0);
+        int threads = 0, const Chain* before = nullptr);
 
+  /// Measures now what the first image at that place would: before frames run at once.
+  void prepare(Tap tap, int threads = 0) const;
   /// True when a frame depends on the one before it: then frames go through one by one, with a state.
   bool remembers() const;
-  /// The image at a tap of frame number `frame`. `radiance` is used up. `state`: of the sequence; without one a frame
-  /// stands for itself. Throws UsageError for a tap beyond last_tap() and a plane of another size, RuntimeError as
-  /// Plan::run.
+  /// The image at a tap of frame number `frame`. `radiance` is used up. `state`: of the sequence, whose frames come in
+  /// rising order (numbers left out are time that passes); without one a frame stands for itself. The first image of a
+  /// sensor with [correction] at `display` measures its flat frames, which takes 2 x frames of them. Throws UsageError
+  /// for a tap beyond last_tap() and a plane of another size, RuntimeError as Plan::run.
   ChainFrame run(mtf::Image radiance, std::uint32_t frame, Tap tap, double border_value = 0.0, int threads = 0,
                  ChainState* state = nullptr) const;
 
@@ -103,7 +111,6 @@ class Chain {
 
  private:
   struct Impl;
-  friend TwoPoint correction_of(const Impl& impl, int threads);
   std::shared_ptr<const Impl> impl_;
 };
 
@@ -112,6 +119,9 @@ class Chain {
 /// [adc] say, whether or not it is simulated. Row, column and 3-D noise count as other and offset noise. Throws
 /// UsageError as camera_of, pixel_of and band_radiances.
 Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor, double temperature_k);
+
+/// D* in cm sqrt(Hz) / W of that budget's temporal noise, at the middle of the band: the quantum efficiency there.
+double dstar_of(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget);
 
 /// Every stage in its order, those that are off with the table that would switch them on.
 std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Sensor& sensor);

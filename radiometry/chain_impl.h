@@ -3,6 +3,8 @@
 
 // The parts of a compiled chain (chain.h): what is the same for every frame is made once.
 
+#include <mutex>
+
 #include "radiometry/chain.h"
 
 namespace radiometry {
@@ -41,12 +43,14 @@ struct Chain::Impl {
   double frame_time_s = 0.0;
   std::vector<DefectivePixel> defects;
   std::vector<BlinkingPixel> blinking;
-  std::optional<TwoPoint> correction;
 
   struct Run;  ///< of one frame, chain_run.cpp
+  /// Measured when it is first needed, by the first chain of a sequence.
+  const TwoPoint& correction(int threads) const;
+  TwoPoint measure(int threads) const;
+  std::shared_ptr<const Impl> corrected_by;  ///< the first chain of a sequence; null: this one
+  mutable std::once_flag measured_once;
+  mutable TwoPoint measured;
 };
-
-/// The two-point correction of a chain that is complete but for it.
-TwoPoint correction_of(const Chain::Impl& impl, int threads);
 
 }  // namespace radiometry

@@ -80,13 +80,8 @@ struct Chain::Impl::Run {
     const SensorSettings& s = chain.settings;
     if (s.distortion) {
       const mtf::SampleGrid& grid = chain.plan.in();
-      FocalPlane scene = chain.detector;
-      scene = {.columns = grid.width,
-               .rows = grid.height,
-               .step_x_um = grid.step_x_um,
-               .step_y_um = grid.step_y_um,
-               .axis_x_um = scene.axis_x_um,
-               .axis_y_um = scene.axis_y_um};
+      const FocalPlane scene =
+          on_grid(chain.detector, chain.origin, grid.width, grid.height, grid.step_x_um, grid.step_y_um);
       mtf::Image moved(image.width(), image.height());
       distort(image.view(), *s.distortion, scene, moved.view(), {}, chain.plan.options.border,
               static_cast<float>(border), threads);
@@ -101,31 +96,32 @@ struct Chain::Impl::Run {
       lap("veiling glare");
     }
     if (s.ghost) {
-      FocalPlane samples = chain.detector;
-      samples.columns = image.width();
-      samples.rows = image.height();
-      samples.step_x_um = chain.plan.out().step_x_um;
-      samples.step_y_um = chain.plan.out().step_y_um;
+      const mtf::SampleGrid& grid = chain.plan.out();
+      const FocalPlane samples =
+          on_grid(chain.detector, chain.origin, grid.width, grid.height, grid.step_x_um, grid.step_y_um);
       const mtf::Image ghosts = ghost_image(image.view(), *s.ghost, samples);
       add_ghost(image.view(), *s.ghost, ghosts.view(), threads);
       lap("ghost");
     }
   }
 
-  /// Radiance of a frame of the detector to mean electrons.
-  void collect(mtf::Image& image, ChainState* state) {
+  /// Radiance of a frame of the detector to mean electrons. Frames that were left out are time that has passed.
+  void collect(mtf::Image& image, std::uint32_t number, ChainState* state) {
     const SensorSettings& s = chain.settings;
+    const std::uint32_t steps = state != nullptr && state->last && number > *state->last ? number - *state->last : 1;
     if (s.shutter && state != nullptr) {
+      if (steps > 1) state->shutter = {};
       apply_shutter(image.view(), *s.shutter, chain.frame_time_s, chain.detector.rows, state->shutter, chain.origin.y);
       lap("shutter");
     }
     multiply_add(image, chain.light, chain.glow, threads);
     border = chain.gain * border + chain.glow.number;
+    lap("collect");
     if (s.lag && state != nullptr) {
-      apply_lag(image.view(), *s.lag, chain.frame_time_s, state->lag);
+      apply_lag(image.view(), *s.lag, steps * chain.frame_time_s, state->lag);
       lap("lag");
     }
-    lap("collect");
+    if (state != nullptr) state->last = number;
   }
 
   /// Mean electrons to what the readout gives.
@@ -139,7 +135,9 @@ struct Chain::Impl::Run {
       lap("shot");
     }
     if (s.blooming) {
-      frame.spilled = bloom(image.view(), *s.blooming, chain.pixel.full_well_e, threads);
+      const Spilled spilled = bloom(image.view(), *s.blooming, chain.pixel.full_well_e, threads);
+      frame.spilled.drained_e += spilled.drained_e;
+      frame.spilled.left_e += spilled.left_e;
       lap("blooming");
     } else if (std::isfinite(chain.pixel.full_well_e)) {
       const Clipped held = fill_well(image.view(), chain.pixel.full_well_e, threads);
@@ -187,15 +185,17 @@ struct Chain::Impl::Run {
   }
 
   void correct(mtf::Image& image) {
-    if (!chain.correction) return;
-    radiometry::correct(image.view(), *chain.correction);
-    if (chain.settings.correction->replace_bad) replace_bad(image.view(), chain.correction->bad);
+    if (!chain.settings.correction) return;
+    const TwoPoint& maps = chain.correction(threads);
+    lap("flat frames");
+    radiometry::correct(image.view(), maps);
+    if (chain.settings.correction->replace_bad && !maps.bad.empty()) replace_bad(image.view(), maps.bad);
     lap("correction");
   }
 
   /// One frame of the detector from radiance to a tap.
   void detector(mtf::Image& image, const NoiseKey& key, Tap tap, ChainState* state) {
-    collect(image, state);
+    collect(image, key.frame, state);
     detect(image, key);
     if (tap == Tap::electrons) return;
     convert(image);
@@ -241,7 +241,11 @@ ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, Tap tap, double
   if (tap == Tap::radiance) return std::move(run.frame);
   if (tap == Tap::irradiance) {
     multiply_add(image, {.number = irradiance(impl_->camera, 1.0)}, {.number = 0.0}, run.threads);
-    if (impl_->corners.size() > 0 && !impl_->settings.microscan) multiply_by(image.view(), impl_->corners.view());
+    if (impl_->corners.size() > 0) {
+      const std::int64_t steps = impl_->plan.samples_a_pitch;
+      for (std::int64_t y = 0; y < image.height(); ++y)
+        for (std::int64_t x = 0; x < image.width(); ++x) image.at(x, y) *= impl_->corners.at(x / steps, y / steps);
+    }
     run.lap("irradiance");
     return std::move(run.frame);
   }
@@ -254,18 +258,36 @@ ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, Tap tap, double
   return std::move(run.frame);
 }
 
-TwoPoint correction_of(const Chain::Impl& impl, int threads) {
-  const std::int64_t steps = impl.settings.microscan ? impl.settings.microscan->steps : 1;
-  return measure_correction(impl.plan.out().width / steps, impl.plan.out().height / steps, *impl.settings.correction,
-                            [&](double fill, std::uint32_t frame, mtf::ImageView<float> out) {
-                              Chain::Impl::Run run{impl, threads};
-                              const double electrons = std::max(0.0, fill * impl.pixel.full_well_e - impl.glow.number);
-                              mtf::Image image(out.width, out.height);
-                              std::fill_n(image.data(), image.size(), static_cast<float>(electrons / impl.gain));
-                              run.detector(image, {impl.seed, frame}, Tap::dn, nullptr);
-                              for (std::int64_t y = 0; y < out.height; ++y)
-                                std::copy_n(image.data() + y * out.width, out.width, out.row(y));
-                            });
+void Chain::prepare(Tap tap, int threads) const {
+  if (tap == Tap::display && impl_->settings.correction) impl_->correction(mtf::threads_of(threads));
+}
+
+const TwoPoint& Chain::Impl::correction(int threads) const {
+  const Impl& owner = corrected_by ? *corrected_by : *this;
+  std::call_once(owner.measured_once, [&] { owner.measured = owner.measure(threads); });
+  return owner.measured;
+}
+
+TwoPoint Chain::Impl::measure(int threads) const {
+  const std::int64_t steps = plan.samples_a_pitch;
+  const auto flat = [&](double fill, std::uint32_t number, mtf::ImageView<float> out) {
+    const double electrons = fill * pixel.full_well_e - glow.number;
+    Run run{*this, threads};
+    run.border = std::max(0.0, electrons) / gain;
+    mtf::Image image(out.width, out.height);
+    std::fill_n(image.data(), image.size(), static_cast<float>(run.border));
+    run.detector(image, {seed, number}, Tap::dn, nullptr);
+    const std::int64_t clipped = std::max({run.frame.adc.high, run.frame.adc.low, run.frame.well.high});
+    if (electrons < 0.0 || 10 * clipped > image.size())
+      throw mtf::UsageError("[correction]: the flat frame at " + mtf::format_double(fill) + " of full well " +
+                            (electrons < 0.0
+                                 ? "has less charge than the background of " + mtf::format_double(glow.number) + " e-"
+                                 : std::to_string(clipped) + " of " + std::to_string(image.size()) +
+                                       " pixels at an end of the well or of the converter") +
+                            "; choose another level, or change [adc]");
+    for (std::int64_t y = 0; y < out.height; ++y) std::copy_n(image.data() + y * out.width, out.width, out.row(y));
+  };
+  return measure_correction(plan.out().width / steps, plan.out().height / steps, *settings.correction, flat);
 }
 
 }  // namespace radiometry

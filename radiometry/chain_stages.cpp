@@ -56,7 +56,8 @@ std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Se
 
   add("distortion",
       s.distortion ? "k1 " + rounded(s.distortion->k1) + ", k2 " + rounded(s.distortion->k2) + ", k3 " +
-                         rounded(s.distortion->k3)
+                         rounded(s.distortion->k3) + "; interpolation MTF at a quarter cycle a sample " +
+                         rounded(distortion_mtf(0.25))
                    : "",
       "no [distortion]");
   list(mtf::Stage::presample);

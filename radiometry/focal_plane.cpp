@@ -16,6 +16,23 @@ FocalPlane focal_plane(std::int64_t columns, std::int64_t rows, double pitch_x_u
   return plane;
 }
 
+FocalPlane on_grid(const FocalPlane& detector, Origin origin, std::int64_t columns, std::int64_t rows, double step_x_um,
+                   double step_y_um) {
+  // The axis from the shared corner, then from the middle of the new grid.
+  const auto from_corner = [](std::int64_t pixels, double pitch_um, double axis_um, std::int64_t first) {
+    return (0.5 * static_cast<double>(pixels) - static_cast<double>(first)) * pitch_um + axis_um;
+  };
+  const double x_um = from_corner(detector.columns, detector.step_x_um, detector.axis_x_um, origin.x);
+  const double y_um = from_corner(detector.rows, detector.step_y_um, detector.axis_y_um, origin.y);
+  return {.columns = columns,
+          .rows = rows,
+          .step_x_um = step_x_um,
+          .step_y_um = step_y_um,
+          .axis_x_um = x_um - 0.5 * static_cast<double>(columns) * step_x_um,
+          .axis_y_um = y_um - 0.5 * static_cast<double>(rows) * step_y_um,
+          .field_um = detector.half_diagonal_um()};
+}
+
 void require_region(const FocalPlane& plane, Origin origin, std::int64_t width, std::int64_t height) {
   const auto is_step = [](double step_um) { return step_um >= 1e-9 && step_um <= 1e12; };
   if (plane.columns < 1 || plane.rows < 1 || !is_step(plane.step_x_um) || !is_step(plane.step_y_um) ||

@@ -39,8 +39,10 @@ struct FocalPlane {
   std::int64_t columns = 0, rows = 0;
   double step_x_um = 0.0, step_y_um = 0.0;
   double axis_x_um = 0.0, axis_y_um = 0.0;  ///< of the optical axis, from the middle of the grid
+  double field_um = 0.0;  ///< r = 1, where it is not the grid's own corner: half the diagonal of the detector
 
   double half_diagonal_um() const {
+    if (field_um > 0.0) return field_um;
     return 0.5 * std::hypot(static_cast<double>(columns) * step_x_um, static_cast<double>(rows) * step_y_um);
   }
   /// Places of the centres of a column and of a row, from the axis.
@@ -55,6 +57,10 @@ struct FocalPlane {
 /// The grid of a detector.
 FocalPlane focal_plane(std::int64_t columns, std::int64_t rows, double pitch_x_um, double pitch_y_um,
                        const OpticalAxis& axis = {});
+
+/// The same field on another grid of samples whose corner is that of the detector's pixel `origin`.
+FocalPlane on_grid(const FocalPlane& detector, Origin origin, std::int64_t columns, std::int64_t rows, double step_x_um,
+                   double step_y_um);
 
 /// Throws UsageError for a grid without samples, steps that are not from 1e-9 to 1e12 um, a region outside of it.
 void require_region(const FocalPlane& plane, Origin origin, std::int64_t width, std::int64_t height);

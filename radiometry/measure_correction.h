@@ -33,7 +33,7 @@ struct CorrectionSettings {
     return std::tuple{row("low", 0.0, 1.0, false, "0.2", "level of the cold flat frame, part of the full well",
                           &CorrectionSettings::low),
                       row("high", 0.0, 1.0, true, "0.8", "level of the hot flat frame", &CorrectionSettings::high),
-                      row("frames", 1, 1e6, false, "64", "frames averaged at each level", &CorrectionSettings::frames),
+                      row("frames", 1, 4096, false, "64", "frames averaged at each level", &CorrectionSettings::frames),
                       row("limit", 0.0, 1.0, true, "0.5",
                           "a pixel is bad when its response differs from the median one by more than this part of it",
                           &CorrectionSettings::limit),

@@ -30,10 +30,10 @@ void add_noise_3d(mtf::ImageView<float> image, const Noise3d& noise, const Noise
     for (std::int64_t y = 0; y < image.height; ++y)
       for (std::int64_t x = 0; x < image.width; ++x) image.at(x, y) += number;
   }
-  add_row_noise(image, noise.v, fixed, Stream::fixed_row, origin);
-  add_column_noise(image, noise.h, fixed, Stream::fixed_column, origin);
-  add_row_noise(image, noise.tv, key, Stream::temporal_row, origin);
-  add_column_noise(image, noise.th, key, Stream::temporal_column, origin);
+  add_row_noise(image, noise.v, fixed, Stream::cube_v, origin);
+  add_column_noise(image, noise.h, fixed, Stream::cube_h, origin);
+  add_row_noise(image, noise.tv, key, Stream::cube_tv, origin);
+  add_column_noise(image, noise.th, key, Stream::cube_th, origin);
   add_gaussian(image, noise.vh, fixed, Stream::fixed_pixel, origin, threads);
   add_gaussian(image, noise.tvh, key, Stream::temporal_pixel, origin, threads);
 }

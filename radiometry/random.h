@@ -43,6 +43,10 @@ enum class Stream : std::uint32_t {
   fixed_pixel = 12,
   blinking = 13,  ///< + 2^8 i: further numbers of a pixel
   flicker = 14,   ///< + 2^8 i: octave i
+  cube_v = 15,    ///< of 3-D noise: fixed rows, fixed columns, temporal rows and columns
+  cube_h = 16,
+  cube_tv = 17,
+  cube_th = 18,
 };
 
 /// A seed and the number of a frame. Fixed patterns take frame 0.

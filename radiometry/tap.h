@@ -3,6 +3,7 @@
 
 #include <array>
 #include <span>
+#include <string>
 #include <string_view>
 
 namespace radiometry {
@@ -11,5 +12,6 @@ namespace radiometry {
 enum class Tap { radiance, irradiance, electrons, dn, display };
 inline constexpr std::array<std::string_view, 5> kTapNames{"radiance", "irradiance", "electrons", "dn", "display"};
 constexpr std::span<const std::string_view> words(Tap) { return kTapNames; }
+inline std::string tap_name(Tap tap) { return std::string(kTapNames[static_cast<std::size_t>(tap)]); }
 
 }  // namespace radiometry

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "mtf/error.h"
+#include "mtf/io/file_checks.h"
 #include "mtf/io/spectral_exr.h"
 
 namespace mtf::io {
@@ -51,12 +52,14 @@ SampleGrid grid_of(const SensorConfig& config, const ImageFile& file, const std:
                    config.file);
 }
 
-std::optional<Quantity> stated_quantity(const ImageFile& file) {
+std::optional<Quantity> stated_quantity(const ImageFile& file, const std::string& path) {
   const auto found = file.info.attributes.find("mtf:quantity");
   if (found == file.info.attributes.end()) return std::nullopt;
   for (const Quantity quantity : kQuantities)
     if (quantity_name(quantity) == found->second) return quantity;
-  return std::nullopt;
+  throw UsageError(
+      path + ": holds " + printable(found->second, 40) +
+      ", which is no scene: a scene is radiance, photon_radiance, spectral_radiance, temperature or counts");
 }
 
 }  // namespace
@@ -73,7 +76,7 @@ Scene describe_scene(const SensorConfig& config, const std::string& path, const 
   Scene scene;
   scene.grid = grid_of(config, file, path);
   const std::optional<SpectralPlanes> spectral = spectral_planes(path, file);
-  const std::optional<Quantity> stated = spectral ? Quantity::spectral_radiance : stated_quantity(file);
+  const std::optional<Quantity> stated = spectral ? Quantity::spectral_radiance : stated_quantity(file, path);
   const bool float_exr = file.info.format == Format::exr && !file.integer;
 
   std::string missing;

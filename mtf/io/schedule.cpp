@@ -105,6 +105,11 @@ Node node_of(const std::string& cell, int line) {
       return node;
     }
   }
+  if (cell == "true" || cell == "false") {
+    node.kind = Node::Kind::boolean;
+    node.boolean = cell == "true";
+    return node;
+  }
   if (const auto [at, status] = std::from_chars(begin, end, node.integer); status == std::errc{} && at == end) {
     node.kind = Node::Kind::integer;
     node.number = static_cast<double>(node.integer);

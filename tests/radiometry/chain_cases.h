@@ -44,7 +44,7 @@ inline Chain make_chain(const mtf::System<double>& system, const Sensor& sensor,
   options.tolerance = tolerance;
   options.border = border;
   options.separate_readout = true;
-  return {mtf::compile_sensor(sampled_system(system, sensor), {width, height, step_um, step_um}, options), system,
+  return {mtf::compile_sensor(system, {width, height, step_um, step_um}, options, samples_a_pitch(sensor)), system,
           sensor, origin};
 }
 

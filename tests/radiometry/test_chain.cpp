@@ -217,6 +217,121 @@ TEST(Chain, ExtremesAreFiniteMonotoneAndSaturate) {
       }
 }
 
+TEST(Chain, TheConverterRoundsAsItsTableSays) {
+  Sensor sensor = mwir_sensor();
+  sensor.settings.adc = AdcSettings{.bits = 14, .electrons_per_count = 450.0, .rounding = Rounding::down};
+  const auto counts = [&] {
+    return make_chain(mwir_system(), sensor, 16, 16, 15.0).run(flat(16, 16, 1e19F), 0, Tap::dn).image.at(3, 3);
+  };
+  const double exact = make_chain(mwir_system(), sensor, 16, 16, 15.0).electrons_per_radiance() * 1e19 / 450.0;
+  EXPECT_EQ(counts(), static_cast<float>(std::floor(exact)));
+  sensor.settings.adc->rounding = Rounding::nearest;
+  EXPECT_EQ(counts(), static_cast<float>(std::floor(exact + 0.5)));
+  // A converter that is filled by the well keeps room for its offset.
+  sensor.settings.adc = AdcSettings{.bits = 12, .offset_counts = 200.0};
+  EXPECT_NEAR(adc_of(sensor).electrons_per_count * (4095.0 - 200.0), 7e6, 1e-3);
+}
+
+mtf::Image waves(std::int64_t width, std::int64_t height, std::int64_t margin) {
+  mtf::Image image(width + margin, height + margin);
+  for (std::int64_t y = 0; y < image.height(); ++y)
+    for (std::int64_t x = 0; x < image.width(); ++x)
+      image.at(x, y) = static_cast<float>(
+          1e19 * (2.0 + std::sin(0.21 * static_cast<double>(x)) * std::cos(0.17 * static_cast<double>(y))));
+  return image;
+}
+
+// The pixels stay as they are: every n-th sample of a microscanned image is the image without it. The footprint is
+// given as a fill factor, which is one of the pitch.
+TEST(Chain, MicroscanSamplesBetweenTheSamePixels) {
+  mtf::System<double> system = mwir_system();
+  auto footprint = mtf::Component<double>::make("footprint");
+  mtf::test::set(footprint, "fill_factor", 1.0);
+  system.list(mtf::Stage::presample).pop_back();
+  system.list(mtf::Stage::presample).back() = {footprint, "footprint"};
+  const auto image = [&](bool scan) {
+    Sensor sensor = mwir_sensor();
+    if (scan) sensor.settings.microscan = Microscan{.steps = 2};
+    return make_chain(system, sensor, 128, 128, 3.75, {}, mtf::Border::reflect, 1e-5)
+        .run(waves(128, 128, 0), 0, Tap::electrons)
+        .image;
+  };
+  const mtf::Image coarse = image(false), fine = image(true);
+  ASSERT_EQ(fine.width(), 64);
+  ASSERT_EQ(coarse.width(), 32);
+  // A coarse centre lies in the middle of the four fine ones around it, one scene sample away in x and y: their mean
+  // has the waves reduced by the cosines of their phase there. Borders are bent.
+  const double level = make_chain(system, mwir_sensor(), 16, 16, 3.75).electrons_per_radiance() * 2e19;
+  for (std::int64_t y = 6; y < 26; ++y)
+    for (std::int64_t x = 6; x < 26; ++x) {
+      const double mean = 0.25 * (double{fine.at(2 * x, 2 * y)} + double{fine.at(2 * x + 1, 2 * y)} +
+                                  double{fine.at(2 * x, 2 * y + 1)} + double{fine.at(2 * x + 1, 2 * y + 1)});
+      const double expected = level + (double{coarse.at(x, y)} - level) * std::cos(0.21) * std::cos(0.17);
+      EXPECT_NEAR(mean / expected, 1.0, 2e-4);
+    }
+}
+
+TEST(Chain, LineNoiseAnd3dNoiseAreIndependent) {
+  Sensor sensor = mwir_sensor();
+  sensor.settings.noise = NoiseSettings{.seed = 9, .shot = false, .column_e = 100.0};
+  sensor.settings.noise_3d = Noise3d{.th = 100.0};
+  const Chain chain = make_chain(mwir_system(), sensor, 4096, 2, 15.0);
+  const mtf::Image image = chain.run(flat(4096, 2, 1e18F), 0, Tap::electrons).image;
+  const double variance = test::moments(samples(image).first(4096)).variance;
+  EXPECT_NEAR(variance / 2e4, 1.0, kMostSigmas * std::sqrt(2.0 / 4096.0));
+}
+
+// Where the optical axis is follows from the detector, not from how much scene there is beyond it.
+TEST(Chain, DistortionAndGhostDoNotDependOnAMarginOfTheScene) {
+  mtf::System<double> system = mwir_system();
+  system.frame.columns = system.frame.rows = 32;
+  Sensor sensor = mwir_sensor();
+  sensor.settings.distortion = Distortion{.k1 = 0.05};
+  sensor.settings.ghost = Ghost{.fraction = 0.1};
+  const auto image = [&](std::int64_t margin) {
+    return make_chain(system, sensor, 64 + margin, 64 + margin, 7.5)
+        .run(waves(64, 64, margin), 0, Tap::electrons)
+        .image;
+  };
+  const mtf::Image tight = image(0), loose = image(32);
+  ASSERT_EQ(loose.width(), 32);
+  for (std::int64_t y = 8; y < 24; ++y)
+    for (std::int64_t x = 8; x < 24; ++x) EXPECT_NEAR(loose.at(x, y) / tight.at(x, y), 1.0, 1e-3);
+}
+
+TEST(Chain, TwoPointCorrectionTakesTheFixedPatternOut) {
+  Sensor sensor = noisy_sensor();
+  sensor.settings.noise = NoiseSettings{.seed = 3};
+  sensor.settings.nonuniformity->prnu = 0.02;
+  const auto scatter = [&] {
+    const Chain chain = make_chain(mwir_system(), sensor, 64, 64, 15.0);
+    return std::sqrt(
+        test::moments(samples(chain.run(flat(64, 64, 1e20F), 0, last_tap(mwir_system(), sensor)).image)).variance);
+  };
+  const double before = scatter();
+  sensor.settings.correction = CorrectionSettings{.frames = 32};
+  const double after = scatter(),
+               electrons = make_chain(mwir_system(), sensor, 8, 8, 15.0).electrons_per_radiance() * 1e20;
+  const double noise = std::hypot(std::sqrt(electrons + 1e4), 600.0) / 450.0;
+  EXPECT_GT(before, 5.0 * noise);
+  EXPECT_LT(after, 1.15 * noise);
+  sensor.settings.adc->electrons_per_count = 100.0;  // 0.8 of full well does not fit into 14 bits
+  test::expect_refused({"[correction]", "0.8", "converter"}, scatter);
+}
+
+TEST(Chain, LagTakesFramesThatAreLeftOutAsTime) {
+  Sensor sensor = mwir_sensor();
+  sensor.settings.lag = Lag{.time_constant_s = 4e-3};  // two frame times
+  const Chain chain = make_chain(mwir_system(), sensor, 8, 8, 15.0);
+  ChainState state;
+  const auto level = [&](std::uint32_t number, float radiance) {
+    return chain.run(flat(8, 8, radiance), number, Tap::electrons, 0.0, 1, &state).image.at(2, 2) /
+           static_cast<float>(chain.electrons_per_radiance() * 1e19);
+  };
+  EXPECT_NEAR(level(10, 1e19F), 1.0, 1e-6);
+  EXPECT_NEAR(level(13, 2e19F), 2.0 - std::exp(-1.5), 1e-6);
+}
+
 TEST(Chain, SaysWhatIsMissing) {
   const auto build = [](const mtf::System<double>& system, const Sensor& sensor) {
     return [=] { make_chain(system, sensor, 16, 16, 15.0); };

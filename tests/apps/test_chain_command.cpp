@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "mtf/io/image_io.h"
+#include "tests/apps/command.h"
+
+namespace apps_test {
+namespace {
+
+using Json = nlohmann::json;
+using mtf::Image;
+
+const std::string kSensor = R"(schema = 1
+name = "chain"
+[frame]
+focal_length = "100 mm"
+pitch = "15 um"
+integration_time = "10 ms"
+[scene]
+sample = "7.5 um"
+quantity = "temperature"
+[optics]
+f_number = 2.5
+transmission = 0.85
+[band]
+wavelength = ["3 um", "5 um"]
+[[presample]]
+kind = "diffraction"
+[[presample]]
+kind = "footprint"
+width = "15 um"
+[detector]
+width = "14.25 um"
+quantum_efficiency = 0.75
+full_well = "10 Me-"
+read_noise = "500 e-"
+)";
+
+void write_flat(const fs::path& path, float value, const std::string& quantity = "temperature") {
+  Image image(64, 48);
+  std::fill_n(image.data(), image.size(), value);
+  mtf::io::Metadata metadata;
+  metadata.text["mtf:quantity"] = quantity;
+  mtf::io::write_exr(path.string(), {{"Y", image.view()}}, metadata);
+}
+
+Image read(const fs::path& path) { return std::move(mtf::io::read_image(path.string(), {}).planes.front()); }
+
+class ChainCommand : public testing::Test {
+ protected:
+  void SetUp() override { write_flat(scratch / "t300.exr", 300.0F); }
+  void sensor(const std::string& more, const std::string& from = "", const std::string& to = "") const {
+    std::string text = kSensor + more;
+    if (!from.empty()) text.replace(text.find(from), from.size(), to);
+    write_file(scratch / "s.toml", text);
+  }
+  void expect_refused(const std::string& command, std::initializer_list<std::string> parts, int status = 2) const {
+    const Result r = scratch.run(command);
+    EXPECT_EQ(r.status, status) << command << "\n" << r.err;
+    for (const std::string& part : parts) EXPECT_NE(r.err.find(part), std::string::npos) << part << "\n" << r.err;
+    EXPECT_FALSE(fs::exists(scratch / "out.exr"));
+  }
+  Json budget() const { return Json::parse(scratch.run("mtf budget s.toml --format json").out)["terms"]; }
+  const Scratch scratch;
+};
+
+// The two examples that the literature notes give to three or four digits.
+TEST_F(ChainCommand, BudgetsOfTwoCamerasAreAsPublished) {
+  sensor("");
+  Json terms = budget();
+  EXPECT_NEAR(terms["scene"]["value"].get<double>(), 6.89e6, 5e3);
+  EXPECT_NEAR(terms["signal_per_k"]["value"].get<double>(), 2.47e5, 5e2);
+  EXPECT_NEAR(terms["shot_netd"]["value"].get<double>(), 10.6, 0.05);
+  std::string text = kSensor;
+  for (const auto& [from, to] : {std::pair{"\"10 ms\"", "\"200 us\""},
+                                 {"f_number = 2.5", "f_number = 2.0"},
+                                 {"[\"3 um\", \"5 um\"]", "[\"8 um\", \"12 um\"]"},
+                                 {"\"15 um\"", "\"24 um\""},
+                                 {"width = \"14.25 um\"", "width = \"21.6 um\"\nheight = \"24 um\""},
+                                 {"quantum_efficiency = 0.75", "quantum_efficiency = 0.65"}})
+    text.replace(text.find(from), std::string(from).size(), to);
+  write_file(scratch / "s.toml", text);
+  terms = budget();
+  EXPECT_NEAR(terms["scene"]["value"].get<double>(), 2.05e7, 5e4);
+  EXPECT_NEAR(terms["signal_per_k"]["value"].get<double>(), 3.31e5, 5e2);
+  EXPECT_NEAR(terms["shot_netd"]["value"].get<double>(), 13.7, 0.05);
+}
+
+TEST_F(ChainCommand, AFlatSceneComesOutAsTheBudgetSays) {
+  sensor("");
+  ASSERT_EQ(scratch.run("mtf simulate s.toml t300.exr -o out.exr").status, 0);
+  const double expected = budget()["total"]["value"];
+  const Image image = read(scratch / "out.exr");
+  ASSERT_EQ(image.width(), 32);
+  for (std::int64_t i = 0; i < image.size(); ++i)
+    EXPECT_NEAR(static_cast<double>(image.data()[i]) / expected, 1.0, 1e-6);
+  EXPECT_EQ(mtf::io::read_image((scratch / "out.exr").string(), {}).info.attributes.at("mtf:units"), "e-");
+}
+
+TEST_F(ChainCommand, PhotonsAndWattsOfTheSameSceneGiveTheSameElectrons) {
+  sensor("", "quantity = \"temperature\"", "source_temperature = \"300 K\"");
+  // Band radiances of a blackbody at 300 K, 3 to 5 um (theory notes 4.1).
+  write_flat(scratch / "w.exr", 1.8659562082F, "radiance");
+  write_flat(scratch / "p.exr", 4.1831091268e19F, "photon_radiance");
+  for (const char* scene : {"t300", "w", "p"})
+    ASSERT_EQ(scratch.run(std::string("mtf simulate s.toml ") + scene + ".exr -o out_" + scene + ".exr").status, 0);
+  const double t = read(scratch / "out_t300.exr").at(3, 3);
+  EXPECT_NEAR(read(scratch / "out_w.exr").at(3, 3) / t, 1.0, 3e-7);  // what a float scene can say
+  EXPECT_NEAR(read(scratch / "out_p.exr").at(3, 3) / t, 1.0, 3e-7);
+}
+
+TEST_F(ChainCommand, EveryTapIsWrittenAndNoisyFramesRepeat) {
+  sensor("[noise]\nseed = 5\n[adc]\nbits = 12\n[agc]\n");
+  for (const char* tap : {"radiance", "irradiance", "electrons", "dn", "display"})
+    EXPECT_EQ(scratch.run(std::string("mtf simulate s.toml t300.exr -o ") + tap + ".exr --tap " + tap).status, 0);
+  const Image counts = read(scratch / "dn.exr");
+  for (std::int64_t i = 0; i < counts.size(); ++i) EXPECT_EQ(counts.data()[i], std::floor(counts.data()[i]));
+  ASSERT_EQ(scratch.run("mtf simulate s.toml t300.exr -o dn1.exr --tap dn --threads 1").status, 0);
+  ASSERT_EQ(scratch.run("mtf simulate s.toml t300.exr -o dn2.exr --tap dn --threads 2").status, 0);
+  EXPECT_EQ(read_file(scratch / "dn1.exr"), read_file(scratch / "dn2.exr"));
+  ASSERT_EQ(scratch.run("mtf simulate s.toml t300.exr -o dn.png --tap dn").status, 0);
+  const Image png = read(scratch / "dn.png");
+  for (std::int64_t i = 0; i < counts.size(); ++i) EXPECT_EQ(png.data()[i], counts.data()[i]);
+}
+
+TEST_F(ChainCommand, ASequenceHasNewNoiseAndAScheduleChangesTheDetector) {
+  sensor("[noise]\nseed = 5\n[nonuniformity]\nprnu = 0.01\n");
+  write_file(scratch / "plan.csv", "frame,parameter,value\n3,detector.read_noise,50 ke-\n");
+  const Result r = scratch.run("mtf simulate s.toml t300.exr -o f.%02d.exr --schedule plan.csv --frames 1:4");
+  ASSERT_EQ(r.status, 0) << r.err;
+  const auto scatter = [&](const char* a, const char* b) {
+    const Image one = read(scratch / a), two = read(scratch / b);
+    double sum = 0.0;
+    for (std::int64_t i = 0; i < one.size(); ++i) sum += std::pow(double{one.data()[i]} - double{two.data()[i]}, 2);
+    return std::sqrt(0.5 * sum / static_cast<double>(one.size()));
+  };
+  const double shot = std::sqrt(budget()["total"]["value"].get<double>());
+  EXPECT_NEAR(scatter("f.01.exr", "f.02.exr"), std::hypot(shot, 500.0), 0.1 * shot);  // the pattern cancels
+  EXPECT_NEAR(scatter("f.03.exr", "f.04.exr"), std::hypot(shot, 5e4), 5e3);
+}
+
+TEST_F(ChainCommand, ExplainShowsTheChainAndTheReportItsTimes) {
+  sensor("[noise]\n");
+  const Result r = scratch.run("mtf config explain s.toml");
+  for (const char* word : {"chain, in this order", "shot noise", "left out", "no [adc]"})
+    EXPECT_NE(r.out.find(word), std::string::npos) << word << r.out;
+  ASSERT_EQ(scratch.run("mtf simulate s.toml t300.exr -o out.exr --report r.json").status, 0);
+  const Json chain = Json::parse(read_file(scratch / "r.json"))["chain"];
+  EXPECT_EQ(chain["tap"], "electrons");
+  EXPECT_TRUE(chain["timing_ms"].contains("shot"));
+  EXPECT_FALSE(chain["timing_ms"].contains("adc"));
+}
+
+TEST_F(ChainCommand, CurvesOfTheWavelengthTakeTheirPlace) {
+  // Half of the band at twice the plain value is the same for light that is even in photons.
+  sensor("", "quantity = \"temperature\"", "quantity = \"photon_radiance\"");
+  write_flat(scratch / "p.exr", 1e19F, "photon_radiance");
+  ASSERT_EQ(scratch.run("mtf simulate s.toml p.exr -o plain.exr").status, 0);
+  sensor("", "quantum_efficiency = 0.75", "quantum_efficiency = \"qe.csv\"");
+  write_file(scratch / "qe.csv", "wavelength_um,quantum_efficiency\n3,0.5\n5,1.0\n");
+  ASSERT_EQ(scratch.run("mtf simulate s.toml p.exr -o curve.exr").status, 0);
+  EXPECT_NEAR(read(scratch / "curve.exr").at(3, 3) / read(scratch / "plain.exr").at(3, 3), 1.0, 1e-6);
+  write_file(scratch / "qe.csv", "wavelength_um,quantum_efficiency\n4,0.75\n");  // one sample: a constant
+  ASSERT_EQ(scratch.run("mtf simulate s.toml p.exr -o single.exr").status, 0);
+  EXPECT_NEAR(read(scratch / "single.exr").at(3, 3) / read(scratch / "plain.exr").at(3, 3), 1.0, 1e-6);
+}
+
+TEST_F(ChainCommand, BadInputSaysWhereAndWhat) {
+  sensor("", "\"10 Me-\"", "\"10 mm\"");
+  expect_refused("mtf simulate s.toml t300.exr -o out.exr", {"detector.full_well", "does not fit"});
+  sensor("", "quantum_efficiency = 0.75", "quantum_efficiency = \"qe.csv\"");
+  write_file(scratch / "qe.csv", "wavelength_um,quantum_efficiency\n8,0.5\n12,0.6\n");
+  expect_refused("mtf simulate s.toml t300.exr -o out.exr", {"8 um to 12 um", "3 um to 5 um"});
+  write_file(scratch / "qe.csv", "wavelength_um,quantum_efficiency\n3,0.5\n5,1.6\n");
+  expect_refused("mtf config check s.toml", {"detector.quantum_efficiency", "1.6"});
+  sensor("[defects]\ndead_fraction = 0.7\nhot_fraction = 0.6\nhot = \"10 e-\"\n");
+  expect_refused("mtf simulate s.toml t300.exr -o out.exr", {"dead"});
+  sensor("");
+  expect_refused("mtf simulate s.toml t300.exr -o out.exr --tap dn", {"dn", "electrons"});
+  expect_refused("mtf simulate s.toml t300.exr -o out.exr --memory 1GiB", {"--memory", "[detector]"});
+  write_flat(scratch / "cold.exr", -3.0F);
+  expect_refused("mtf simulate s.toml cold.exr -o out.exr", {"3072"});
+  sensor("", "[scene]", "[scene]\ndepth_channel = \"Z\"");
+  expect_refused("mtf simulate s.toml t300.exr -o out.exr", {"depth_channel", "path.table"});
+  sensor("[path]\ntable = \"path.csv\"\n", "[scene]", "[scene]\ndepth_channel = \"Z\"");
+  write_file(scratch / "path.csv",
+             "range_m,wavelength_um,transmission,radiance_w_m2_sr_um\n1000,3,0.8,0.01\n1000,5,0.8,0.01\n");
+  expect_refused("mtf simulate s.toml t300.exr -o out.exr", {"depth_channel", "Z"});
+  sensor("", "\n[detector]", "\n[adc]\nbits = 8\n[detectors]");
+  expect_refused("mtf config check s.toml", {"detectors"});
+}
+
+}  // namespace
+}  // namespace apps_test
