@@ -74,7 +74,7 @@ column = "60 e-"
 bits = 14
 
 [correction]                    # two points, from flat frames with their own noise
-frames = 16
+frames = 8
 )toml";
 
 }  // namespace

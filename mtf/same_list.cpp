@@ -50,8 +50,7 @@ bool same(const Optics<double>& a, const Optics<double>& b) {
 }
 
 bool same(const std::optional<Band>& a, const std::optional<Band>& b) {
-  return a.has_value() == b.has_value() &&
-         (!a || (a->lo_um == b->lo_um && a->hi_um == b->hi_um && a->rate == b->rate));
+  return a.has_value() == b.has_value() && (!a || (a->lo_um == b->lo_um && a->hi_um == b->hi_um && a->rate == b->rate));
 }
 
 }  // namespace

@@ -45,6 +45,13 @@ void add_edge(const Scratch& scratch) {
                              std::filesystem::copy_options::overwrite_existing);
 }
 
+/// sensor.toml: a camera with a chain.
+void add_camera(const Scratch& scratch) {
+  ASSERT_EQ(scratch.run("mtf demo -o demo").status, 0);
+  std::filesystem::copy_file(scratch / "demo/camera.toml", scratch / "sensor.toml",
+                             std::filesystem::copy_options::overwrite_existing);
+}
+
 class HelpOf : public testing::TestWithParam<const char*> {};
 
 TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
@@ -52,6 +59,7 @@ TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
   scratch.add_sensor();
   add_scene(scratch);
   if (GetParam() == std::string("measure") || GetParam() == std::string("fit")) add_edge(scratch);
+  if (GetParam() == std::string("budget")) add_camera(scratch);
   const Result help = scratch.run(std::string("mtf ") + GetParam() + " --help");
   ASSERT_EQ(help.status, 0);
   EXPECT_EQ(help.err, "");
@@ -72,7 +80,7 @@ std::string test_name(const testing::TestParamInfo<const char*>& parameter) {
 
 INSTANTIATE_TEST_SUITE_P(Every, HelpOf,
                          testing::Values("", "demo", "info", "config", "config init", "config check", "config explain",
-                                         "config kinds", "curve", "simulate", "bench", "check"),
+                                         "config kinds", "curve", "budget", "simulate", "bench", "check"),
                          test_name);
 #ifdef MTFKIT_HAVE_CALIB
 INSTANTIATE_TEST_SUITE_P(Calib, HelpOf, testing::Values("measure", "fit"), test_name);
