@@ -26,7 +26,9 @@ struct Extent {
 template <class Result, class Part, class Merge>
 Result over_rows(std::int64_t height, int threads, Result result, const Part& part, const Merge& merge) {
   std::mutex lock;
-  mtf::parallel_for(height, std::max<std::int64_t>(kRowsAtOnce, height / 64), threads,
+  // As few blocks as there are threads: each has a result of its own to make and to merge.
+  const std::int64_t blocks = mtf::threads_of(threads);
+  mtf::parallel_for(height, std::max(kRowsAtOnce, (height + blocks - 1) / blocks), threads,
                     [&](std::int64_t begin, std::int64_t end) {
                       const Result one = part(begin, end);
                       const std::scoped_lock guard(lock);
@@ -90,22 +92,34 @@ std::array<double, 2> values_at(mtf::ImageView<const float> frame, const Extent&
   if (!(extent.high > extent.low)) return {static_cast<double>(extent.low), static_cast<double>(extent.low)};
   const Bins bin(static_cast<double>(extent.low), static_cast<double>(extent.high), kRankBins);
   const Counts counts = histogram(frame, bin, threads);
-  std::array<double, 2> found{};
-  for (std::size_t k = 0; k < ranks.size(); ++k) {
-    std::int64_t rank = ranks[k], wanted = 0;
-    while (rank >= counts[static_cast<std::size_t>(wanted)]) rank -= counts[static_cast<std::size_t>(wanted++)];
-    std::vector<float> values;
-    values.reserve(static_cast<std::size_t>(counts[static_cast<std::size_t>(wanted)]));
-    // A comparison throws out nearly all; rounding of the edges is left to `bin`.
+  std::array<std::int64_t, 2> rank = ranks, wanted{};
+  std::array<float, 2> from{}, to{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    while (rank[k] >= counts[static_cast<std::size_t>(wanted[k])])
+      rank[k] -= counts[static_cast<std::size_t>(wanted[k]++)];
+    // A comparison throws out nearly all pixels; rounding of the edges is left to `bin`.
     const auto edge = [&](double at) { return static_cast<float>(bin.low + at / bin.scale); };
-    const float from = edge(static_cast<double>(wanted) - 0.01), to = edge(static_cast<double>(wanted) + 1.01);
-    for (std::int64_t y = 0; y < frame.height; ++y) {
+    from[k] = edge(static_cast<double>(wanted[k]) - 0.01);
+    to[k] = edge(static_cast<double>(wanted[k]) + 1.01);
+  }
+  using Values = std::array<std::vector<float>, 2>;
+  const auto part = [&](std::int64_t begin, std::int64_t end) {
+    Values values;
+    for (std::int64_t y = begin; y < end; ++y) {
       const float* row = frame.row(y);
       for (std::int64_t x = 0; x < frame.width; ++x)
-        if (row[x] >= from && row[x] <= to && bin(row[x]) == wanted) values.push_back(row[x]);
+        for (std::size_t k = 0; k < 2; ++k)
+          if (row[x] >= from[k] && row[x] <= to[k] && bin(row[x]) == wanted[k]) values[k].push_back(row[x]);
     }
-    const auto at = values.begin() + rank;
-    std::nth_element(values.begin(), at, values.end());
+    return values;
+  };
+  Values values = over_rows(frame.height, threads, Values{}, part, [](Values& all, const Values& one) {
+    for (std::size_t k = 0; k < 2; ++k) all[k].insert(all[k].end(), one[k].begin(), one[k].end());
+  });
+  std::array<double, 2> found{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto at = values[k].begin() + rank[k];
+    std::nth_element(values[k].begin(), at, values[k].end());
     found[k] = static_cast<double>(*at);
   }
   return found;

@@ -115,7 +115,7 @@ TEST(Command, UsageErrorsSayWhatWasMeant) {
   struct Case {
     const char *arguments, *message;
   };
-  for (const Case& c : {Case{"", "demo, info, config, curve, simulate"},
+  for (const Case& c : {Case{"", "demo, info, config, curve, budget, simulate"},
                         {"crve", "did you mean curve?"},
                         {"config chek sensor.toml", "did you mean check?"},
                         {"config", "init, check, explain"},
