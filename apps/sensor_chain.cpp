@@ -94,11 +94,12 @@ void read_path(const radiometry::SensorSettings& settings, LoadedSensor& loaded)
     if (by_pixel || given.range_m)
       throw mtf::UsageError(std::string(by_pixel ? "scene.depth_channel" : "path.range") +
                             ": needs path.table, which says what a path of that length does");
-    path.transmission = curve_of(given.transmission, "path.transmission", 1.0);
+    const Spectrum transmission = curve_of(given.transmission, "path.transmission", 1.0);
+    if (given.air_temperature_k)
+      path = radiometry::absorbing_path(transmission, *given.air_temperature_k);
+    else
+      path.transmission = transmission;
     path.radiance = curve_of(given.radiance, "path.radiance", kAny);
-    if (!given.air_temperature_k) return;
-    path.emissivity = radiometry::complement(path.transmission);
-    path.air_temperature_k = *given.air_temperature_k;
     return;
   }
   if (given.air_temperature_k || !given.transmission.file.empty() || given.transmission.number != 1.0 ||

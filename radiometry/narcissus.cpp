@@ -20,20 +20,4 @@ void narcissus_map(mtf::ImageView<float> map, const Narcissus& narcissus, const 
   }
 }
 
-void subtract_narcissus(mtf::ImageView<float> image, mtf::ImageView<const float> map, double background_e) {
-  if (!(background_e >= 0.0 && std::isfinite(background_e)))
-    throw mtf::UsageError("narcissus: a background of " + mtf::format_double(background_e) +
-                          " electrons; it has to be 0 or above and finite");
-  if (map.width != image.width || map.height != image.height)
-    throw mtf::UsageError("narcissus: a map of " + std::to_string(map.width) + " x " + std::to_string(map.height) +
-                          " pixels for an image of " + std::to_string(image.width) + " x " +
-                          std::to_string(image.height) + "; give one of its size");
-  for (std::int64_t y = 0; y < image.height; ++y) {
-    float* row = image.row(y);
-    const float* missing = map.row(y);
-    for (std::int64_t x = 0; x < image.width; ++x)
-      row[x] -= static_cast<float>(background_e * static_cast<double>(missing[x]));
-  }
-}
-
 }  // namespace radiometry

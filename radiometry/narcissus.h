@@ -49,8 +49,4 @@ struct Narcissus {
 void narcissus_map(mtf::ImageView<float> map, const Narcissus& narcissus, const FocalPlane& detector,
                    Origin origin = {});
 
-/// image -= background_e x map, on mean electrons. UsageError for a map of another size and a background that is
-/// negative or not finite.
-void subtract_narcissus(mtf::ImageView<float> image, mtf::ImageView<const float> map, double background_e);
-
 }  // namespace radiometry

@@ -168,6 +168,41 @@ TEST_F(ChainCommand, CurvesOfTheWavelengthTakeTheirPlace) {
   EXPECT_NEAR(read(scratch / "single.exr").at(3, 3) / read(scratch / "plain.exr").at(3, 3), 1.0, 1e-6);
 }
 
+TEST_F(ChainCommand, SpectralScenesAndRangesOfPixelsAgreeWithPlainNumbers) {
+  const auto electrons = [&](const std::string& scene, const std::string& name) {
+    const Result r = scratch.run("mtf simulate s.toml " + scene + " -o " + name + ".exr");
+    EXPECT_EQ(r.status, 0) << r.err;
+    return static_cast<double>(read(scratch / (name + ".exr")).at(3, 3));
+  };
+  // 1 W m-2 sr-1 um-1 from 3 to 5 um is the integral of lambda / (h c), 8 um^2 / 1.98644586e-19 J um, in photons.
+  sensor("", "quantity = \"temperature\"", "negative = \"clamp\"");
+  Image plane(64, 48), range(64, 48);
+  std::fill_n(plane.data(), plane.size(), 1e-3F);  // per nm
+  mtf::io::Metadata units;
+  units.text["emissiveUnits"] = "W.m^-2.sr^-1";
+  mtf::io::write_exr((scratch / "spectrum.exr").string(),
+                     {{"S0.3000,000000nm", plane.view()}, {"S0.5000,000000nm", plane.view()}}, units);
+  write_flat(scratch / "p.exr", static_cast<float>(8.0 / 1.98644586e-19), "photon_radiance");
+  EXPECT_NEAR(electrons("spectrum.exr", "a") / electrons("p.exr", "b"), 1.0, 1e-6);
+
+  sensor("[path]\ntransmission = 0.8\nradiance = 0.01\n");
+  const double plain = electrons("t300.exr", "c");
+  sensor("[path]\ntable = \"path.csv\"\n", "[scene]", "[scene]\ndepth_channel = \"Z\"");
+  write_file(scratch / "path.csv",
+             "range_m,wavelength_um,transmission,radiance_w_m2_sr_um\n1000,3,0.8,0.01\n1000,5,0.8,0.01\n");
+  std::fill_n(plane.data(), plane.size(), 300.0F);
+  std::fill_n(range.data(), range.size(), 1000.0F);
+  mtf::io::write_exr((scratch / "depth.exr").string(), {{"T", plane.view()}, {"Z", range.view()}}, {});
+  EXPECT_NEAR(electrons("depth.exr --channel T", "d") / plain, 1.0, 1e-6);
+  range.at(5, 7) = 0.0F;
+  mtf::io::write_exr((scratch / "depth.exr").string(), {{"T", plane.view()}, {"Z", range.view()}}, {});
+  expect_refused("mtf simulate s.toml depth.exr --channel T -o out.exr", {"column 5, row 7"});
+
+  sensor("[microscan]\nsteps = 2\n");
+  electrons("t300.exr", "fine");
+  EXPECT_EQ(read(scratch / "fine.exr").width(), 64);
+}
+
 TEST_F(ChainCommand, BadInputSaysWhereAndWhat) {
   sensor("", "\"10 Me-\"", "\"10 mm\"");
   expect_refused("mtf simulate s.toml t300.exr -o out.exr", {"detector.full_well", "does not fit"});

@@ -92,6 +92,34 @@ TEST(Chain, KeepsTheEnergyOfAnIsolatedSource) {
     }
 }
 
+// Pixels that are filled in part miss some of the light, or count some of it twice: what the sampling folds to zero
+// frequency, the sum of H(m/p) over all m with the phase of the source's place in its pixel.
+TEST(Chain, KeepsTheEnergyThatFillFactorAndFoldingLeave) {
+  mtf::System<double> system = mwir_system();
+  system.list(mtf::Stage::presample).clear();
+  system.add(mtf::Stage::presample, mtf::Component<double>::make("diffraction"));
+  system.add(mtf::Stage::presample, mtf::test::footprint(10.0));
+  constexpr std::int64_t ratio = 4, side = 48 * ratio;
+  const Chain chain = make_chain(system, mwir_sensor(), side, side, 15.0 / ratio, {}, mtf::Border::periodic, 1e-6);
+  for (const std::int64_t at : {90, 91, 92, 93}) {
+    mtf::Image scene = flat(side, side, 0.0F);
+    scene.at(at, 60) = 1e20F;
+    const auto folds = [&](std::int64_t sample) {
+      return std::array{-1.0, 0.0, 1.0, 0.5 - (static_cast<double>(sample) + 0.5) / ratio};  // m, and the phase
+    };
+    const auto fx = folds(at), fy = folds(60);
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) {
+        const mtf::Freq<double> f{fx[i] * 1e3 / 15.0, fy[k] * 1e3 / 15.0};
+        sum += system.otf(f).re * std::cos(2.0 * mtf::kPi * (fx[i] * fx[3] + fy[k] * fy[3]));
+      }
+    const double expected = chain.electrons_per_radiance() * 1e20 / (ratio * ratio) * sum;
+    EXPECT_GT(std::abs(sum - 1.0), 0.003);
+    EXPECT_NEAR(sum_of(chain.run(std::move(scene), 0, Tap::electrons).image) / expected, 1.0, 1e-5) << at;
+  }
+}
+
 TEST(Chain, TapsAreWhatTheySay) {
   const Sensor sensor = noisy_sensor();
   const Chain chain = make_chain(mwir_system(), sensor, 32, 32, 15.0);
