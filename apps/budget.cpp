@@ -43,7 +43,7 @@ std::string as_json(const Rows& rows, const BudgetOptions& options, const mtf::i
 }  // namespace
 
 int run_budget(const BudgetOptions& options, const Global& global) {
-  const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
+  const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
   if (!options.out.empty())
     for (const std::string& input : files_of(config)) require_different(input, options.out);
   const LoadedSensor loaded = load_chain(config);

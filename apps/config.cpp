@@ -56,7 +56,7 @@ std::string as_json(const mtf::io::ConfigResult& result, const std::string& file
 }
 
 int explain(const ConfigOptions& options, const Global& global) {
-  mtf::io::SensorConfig config = load_sensor(options.file, global);
+  mtf::io::SensorConfig config = read_sensor(options.file, global);
   config.file = one_line(config.file);
   print(mtf::io::explain_config(config));
   if (has_chain(config)) print(explain_chain(config));
@@ -65,11 +65,15 @@ int explain(const ConfigOptions& options, const Global& global) {
 
 }  // namespace
 
-mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global) {
+mtf::io::SensorConfig read_sensor(const std::string& file, const Global& global) {
   std::vector<mtf::io::Diagnostic> warnings;
   mtf::io::SensorConfig config = mtf::io::load_config(file, &warnings, radiometry::sensor_tables());
   for (const auto& warning : warnings) note(global, one_line(mtf::io::format_diagnostic(warning, file)));
-  // Every command sees the OTF that electrons have.
+  return config;
+}
+
+mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global) {
+  mtf::io::SensorConfig config = read_sensor(file, global);
   if (has_chain(config) && config.system.band) config.system = with_electron_rate(config.system, load_chain(config));
   return config;
 }

@@ -91,11 +91,8 @@ class Converter {
   const radiometry::SceneBand& band() const { return band_; }
 
  private:
-  /// As LoadedSensor says, but of this scene's own quantity.
-  std::optional<double> source_k() const {
-    const bool surfaces = quantity_ == Quantity::temperature || quantity_ == Quantity::counts;
-    return scene_.source_temperature_k || !surfaces ? scene_.source_temperature_k : std::optional(kSurface_k);
-  }
+  /// Of this scene's own quantity, which its file may state.
+  std::optional<double> source_k() const { return source_temperature_k(settings_, quantity_); }
 
   std::string file_;
   const LoadedSensor& loaded_;

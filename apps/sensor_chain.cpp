@@ -120,6 +120,14 @@ void read_path(const radiometry::SensorSettings& settings, LoadedSensor& loaded)
 
 bool has_chain(const mtf::io::SensorConfig& config) { return find_table(config.tables, "detector") != nullptr; }
 
+std::optional<double> source_temperature_k(const radiometry::SensorSettings& settings,
+                                           std::optional<mtf::io::Quantity> quantity) {
+  using mtf::io::Quantity;
+  if (settings.scene && settings.scene->source_temperature_k) return settings.scene->source_temperature_k;
+  const bool surfaces = quantity == Quantity::temperature || quantity == Quantity::counts;
+  return surfaces ? std::optional(kSurface_k) : std::nullopt;
+}
+
 LoadedSensor load_chain(const mtf::io::SensorConfig& config) try {
   LoadedSensor loaded;
   radiometry::Sensor& sensor = loaded.sensor;
@@ -143,11 +151,7 @@ LoadedSensor load_chain(const mtf::io::SensorConfig& config) try {
     sensor.responsivity = map_of(settings.nonuniformity->responsivity, "nonuniformity.responsivity", true);
     sensor.offset = map_of(settings.nonuniformity->offset, "nonuniformity.offset", false);
   }
-  using mtf::io::Quantity;
-  const std::optional<Quantity> quantity = config.scene.quantity;
-  if (settings.scene) loaded.source_k = settings.scene->source_temperature_k;
-  if (!loaded.source_k && (quantity == Quantity::temperature || quantity == Quantity::counts))
-    loaded.source_k = kSurface_k;
+  loaded.source_k = source_temperature_k(settings, config.scene.quantity);
   if (settings.vignetting) sensor.vignetting = map_of(settings.vignetting->map, "vignetting.map", true);
   return loaded;
 } catch (const mtf::UsageError& error) {

@@ -15,13 +15,16 @@ bool has_chain(const mtf::io::SensorConfig& config);
 /// Temperature whose spectrum the light of surfaces has where only one is to be had.
 inline constexpr double kSurface_k = 300.0;
 
+/// Of the blackbody whose spectrum light of that quantity has where nothing better is known: [scene]
+/// source_temperature, else kSurface_k for temperatures and counts, else none (even in photons).
+std::optional<double> source_temperature_k(const radiometry::SensorSettings& settings,
+                                           std::optional<mtf::io::Quantity> quantity);
+
 /// A sensor and what lies before its aperture.
 struct LoadedSensor {
   radiometry::Sensor sensor;
   std::shared_ptr<const radiometry::PathTable> paths;  ///< for the range of each pixel, where the file says so
-  /// Of the blackbody whose spectrum the light has where nothing better is known: [scene] source_temperature, else
-  /// 300 K for scenes of temperatures and counts, else none (even in photons).
-  std::optional<double> source_k;
+  std::optional<double> source_k;                      ///< source_temperature_k() of the quantity that [scene] states
 };
 
 /// The sensor with its curves, tables and maps. Throws UsageError with file and key for what does not fit, RuntimeError

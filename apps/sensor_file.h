@@ -10,6 +10,9 @@
 namespace apps {
 
 /// Reads a sensor file for a subcommand; its warnings and notes go to standard error. Throws as load_config.
+mtf::io::SensorConfig read_sensor(const std::string& file, const Global& global);
+
+/// The same with the electron rate of its band, for commands that look at the OTF alone. Throws as load_chain too.
 mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global);
 
 /// The sensor file and every file it names (curves): what no output may replace.

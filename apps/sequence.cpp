@@ -162,7 +162,7 @@ bool is_sequence(const SimulateOptions& options) {
 }
 
 int run_sequence(const SimulateOptions& options, const Global& global) {
-  const mtf::io::SensorConfig sensor = load_sensor(options.sensor, global);
+  const mtf::io::SensorConfig sensor = read_sensor(options.sensor, global);
   SequenceNames names;
   names.scenes = FrameNames::parse(options.scene);
   names.still = options.scene;
@@ -172,7 +172,8 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
   names.frames = names.scenes ? names.scenes->find(options.frames) : frames_of_schedule(options, schedule);
   check_files(options, names, files_of(sensor));
   std::optional<double> low = options.range_low, high = options.range_high;
-  if (const auto physical = physical_of(sensor, options)) keep_whole_numbers(*physical, low, high);
+  const std::shared_ptr<const Physical> physical = physical_of(sensor, options);
+  if (physical) keep_whole_numbers(*physical, low, high);
   if (mtf::io::format_from_extension(options.out) != mtf::io::Format::exr && !low)
     throw mtf::UsageError("16-bit frames need one scale for all of them; give --range LOW:HIGH, or write .exr");
   if (!schedule.settings.empty() && schedule.settings.back().frame > names.frames.back())
@@ -183,7 +184,7 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
 
   const int threads = global.threads > 0 ? global.threads : tbb::info::default_concurrency();
   const std::string schedule_sha256 = schedule.sha256;
-  SequenceFrames frames(options, sensor, std::move(schedule), names, threads);
+  SequenceFrames frames(options, sensor, physical, std::move(schedule), names, threads);
   const auto start = std::chrono::steady_clock::now();
   const std::int64_t in_flight = run_frames(frames, threads, global);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
@@ -205,7 +206,7 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
   report.timing_ms = frames.timing_ms();
   report.warnings = frames.warnings();
   report.sequence = facts;
-  if (const Physical* physical = frames.first_physical()) report.chain = report_of(*physical);
+  if (const Physical* first = frames.first_physical()) report.chain = report_of(*first);
   if (!options.report.empty()) emit(options.report, to_json(report));
   if (options.report == "-") return 0;  // standard output is the report
   if (options.explain)

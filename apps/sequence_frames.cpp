@@ -70,14 +70,15 @@ double machine_bytes() {
 }
 
 SequenceFrames::SequenceFrames(const SimulateOptions& options, const mtf::io::SensorConfig& sensor,
-                               mtf::io::Schedule schedule, const SequenceNames& names, int threads)
+                               std::shared_ptr<const Physical> physical, mtf::io::Schedule schedule,
+                               const SequenceNames& names, int threads)
     : options_(options),
       names_(names),
       threads_(threads),
       schedule_(sensor, std::move(schedule)),
       planner_(options, threads),
       sensor_(std::make_shared<const mtf::io::SensorConfig>(sensor)),
-      physical_(physical_of(sensor, options)) {
+      physical_(std::move(physical)) {
   report_.first = names.frames.front();
   report_.last = names.frames.back();
   if (physical_ && (names.frames.front() < 0 || names.frames.back() > 0x7fffffff))
@@ -107,7 +108,6 @@ void SequenceFrames::prepare() {
   if (frame->error) rethrow(*frame);
   prepared_ = frame;
   first_plan_ = frame->plan;
-  first_chain_ = frame->chain;
   first_physical_ = frame->physical;
   if (frame->chain) frame->chain->prepare(frame->physical->tap, threads_);
   const mtf::io::Scene& scene = frame->input->scene;

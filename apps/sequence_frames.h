@@ -41,8 +41,10 @@ struct Frame {
 
 class SequenceFrames {
  public:
-  SequenceFrames(const SimulateOptions& options, const mtf::io::SensorConfig& sensor, mtf::io::Schedule schedule,
-                 const SequenceNames& names, int threads);
+  /// `physical`: of the sensor, physical_of().
+  SequenceFrames(const SimulateOptions& options, const mtf::io::SensorConfig& sensor,
+                 std::shared_ptr<const Physical> physical, mtf::io::Schedule schedule, const SequenceNames& names,
+                 int threads);
 
   /// Reads the first frame and compiles its plan, on all threads: what the others are judged by. Throws.
   void prepare();
@@ -88,7 +90,7 @@ class SequenceFrames {
   SequencePlanner planner_;
   std::shared_ptr<const mtf::io::SensorConfig> sensor_;
   std::shared_ptr<const Physical> physical_, first_physical_;
-  std::shared_ptr<const radiometry::Chain> chain_, first_chain_;
+  std::shared_ptr<const radiometry::Chain> chain_;
   std::shared_ptr<const Physical> chain_physical_;     ///< that chain_ was made of,
   std::shared_ptr<const mtf::SensorPlan> chain_plan_;  ///< and this
   radiometry::ChainState state_;

@@ -82,7 +82,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   }
   RunReport report;
   StopWatch watch(global.progress);
-  const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
+  const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
   std::vector<std::string> inputs = files_of(config);
   inputs.push_back(options.scene);
   require_writable(outputs_of(options), inputs);

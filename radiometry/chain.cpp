@@ -202,8 +202,8 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
   const OpticsSettings warm = s.optics.value_or(OpticsSettings{});
   const BandRadiances<double> radiances =
       band_radiances(sensor.curves, {.temperature_k = 0.0}, {}, {warm.temperature_k, warm.stop_temperature_k});
-  impl->background = signal(impl->camera, impl->pixel,
-                            {.scene = 0.0, .path = 0.0, .optics = radiances.optics, .stop = radiances.stop});
+  const Signal<double> background = signal(
+      impl->camera, impl->pixel, {.scene = 0.0, .path = 0.0, .optics = radiances.optics, .stop = radiances.stop});
 
   const auto detector_map = [&](const std::shared_ptr<const mtf::Image>& whole, const char* what) {
     return whole ? crop(*whole, what, impl->detector, origin, width, height) : mtf::Image();
@@ -238,7 +238,7 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
     for (float& missing : std::span(around.data(), static_cast<std::size_t>(around.size()))) missing = 1.0F - missing;
   }
   multiply(around, std::move(responsivity));
-  impl->glow = factor_of(impl->background.optics_e + impl->background.stop_e, around, impl->background.dark_e);
+  impl->glow = factor_of(background.optics_e + background.stop_e, around, background.dark_e);
 
   if (s.defects) impl->defects = find_defects(width, height, *s.defects, impl->seed, origin);
   if (s.blinking) impl->blinking = find_blinking(width, height, *s.blinking, impl->seed, origin);
@@ -246,12 +246,6 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
   impl_ = std::move(impl);
 }
 
-bool Chain::remembers() const {
-  const auto& shutter = impl_->settings.shutter;
-  return impl_->settings.lag || (shutter && shutter->kind == ShutterKind::rolling);
-}
-
 double Chain::electrons_per_radiance() const { return impl_->gain; }
-const Signal<double>& Chain::background() const { return impl_->background; }
 
 }  // namespace radiometry

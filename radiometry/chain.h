@@ -95,8 +95,6 @@ class Chain {
 
   /// Measures now what the first image at that place would: before frames run at once.
   void prepare(Tap tap, int threads = 0) const;
-  /// True when a frame depends on the one before it: then frames go through one by one, with a state.
-  bool remembers() const;
   /// The image at a tap of frame number `frame`. `radiance` is used up. `state`: of the sequence, whose frames come in
   /// rising order (numbers left out are time that passes); without one a frame stands for itself. The first image of a
   /// sensor with [correction] at `display` measures its flat frames, which takes 2 x frames of them. Throws UsageError
@@ -106,8 +104,6 @@ class Chain {
 
   /// Electrons for one unit of weighted radiance, on the axis.
   double electrons_per_radiance() const;
-  /// Mean electrons without light of the scene: warm optics, stop, dark current.
-  const Signal<double>& background() const;
 
  private:
   struct Impl;

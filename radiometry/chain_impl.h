@@ -33,7 +33,6 @@ struct Chain::Impl {
   Pixel<double> pixel;
   std::optional<Adc> adc;
   std::optional<Response> response;
-  Signal<double> background;
   double gain = 0.0;    ///< electrons for one unit of weighted radiance on the axis
   mtf::Image corners;   ///< vignetting; empty: none
   Factor light;         ///< electrons for one unit of weighted radiance

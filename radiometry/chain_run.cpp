@@ -230,9 +230,7 @@ struct Chain::Impl::Run {
 
 ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, Tap tap, double border_value, int threads,
                       ChainState* state) const {
-  const auto name = [](Tap which) { return std::string(kTapNames[static_cast<std::size_t>(which)]); };
-  if (tap > impl_->last)
-    throw mtf::UsageError("tap " + name(tap) + ": this sensor has no such stage; its last one is " + name(impl_->last));
+  require_tap(tap, impl_->last, impl_->adc.has_value());
   Impl::Run run{*impl_, mtf::threads_of(threads)};
   run.border = border_value;
   mtf::Image& image = run.frame.image;
