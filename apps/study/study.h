@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A trade study: a base sensor, what varies, what is asked of every design. The file (TOML):
+//   schema = 1
+//   name = "aperture against pitch"
+//   sensor = "satellite.toml"          # beside the study file
+//   tolerance = 1e-4                   # of every metric: absolute where its unit is plain and it is at most 1, else
+//   relative seed = 1 constraints = ["mtf_nyquist > 0.1", "netd < 50 mK", "focal_length <= 4 m"] objectives =
+//   ["maximize niirs_giqe5", "minimize aperture ^ 2.5"]
+//   [[axis]]
+//   parameter = "optics.aperture"      # any value of the sensor file: owner and key, or the key alone where that is
+//   unique values = ["100 mm", "200 mm"]      # a list; of words, whole numbers, lists ([band] wavelength) or files,
+//   too
+//   [[axis]]
+//   parameter = "frame.pitch"
+//   from = "5 um"
+//   to = "15 um"
+//   count = 11                         # of a grid
+//   scale = "log"                      # or "linear"
+//   [[axis]]
+//   name = "f_number"                  # a number of the study's own, for links, constraints and objectives
+//   from = 4.0
+//   to = 12.0
+//   count = 9
+//   [sampling]
+//   method = "grid"                    # all combinations, the last axis fastest; or "latin_hypercube", "sobol"
+//   points = 4096                      # of the latter
+//   [links]                            # parameters that follow from others
+//   focal_length = "f_number * aperture"
+//   [[as_built]]                       # variation of what is built about its design value
+//   parameter = "optics.obscuration"
+//   sd = 0.01                          # or plus_minus (uniform); in the parameter's unit, or "2 %" of its value
+//   [yield]
+//   draws = 200
+//   [metrics]
+//   list = ["mtf_nyquist", "niirs_giqe5"]        # those in constraints and objectives come by themselves
+//   [conditions]                       # what metrics take from outside of the sensor, see conditions.h
+// Axes over `sensor` itself name other sensor files. A discrete axis is one of anything but plain numbers with unit;
+// the combinations of their levels are variants, sensors of their own.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/study/conditions.h"
+#include "apps/study/expression.h"
+#include "apps/study/metric_list.h"
+#include "mtf/io/config.h"
+
+namespace study {
+
+/// A number of a design: an axis, the target of a link, something that varies as built, or just read by an expression.
+/// Values are held in `unit`, which is that of the sensor's field (FieldInfo::unit; for Extents the unit they are
+/// written in there), or for a number of the study's own the unit of its first value.
+struct Parameter {
+  enum class Role { axis, link, fixed };
+  std::string name;  ///< as the study calls it first: "optics.aperture"
+  std::string path;  ///< as diagnostics call it: "presample[1].rms"; "" for one of the study's own
+  std::string unit;  ///< "" for plain numbers
+  UnitScale scale;   ///< of the unit
+  double lo, hi;     ///< allowed, in the unit
+  bool lo_open = false, hi_open = false;
+  Role role = Role::fixed;
+  double base = 0.0;  ///< value in the base sensor, NaN where it has none (a `fixed` one: read from each variant)
+};
+
+enum class Scale { linear, log };
+
+struct Axis {
+  int parameter = 0;                ///< index into Study::parameters
+  std::vector<double> values;       ///< of a list: numbers in the unit; of a discrete axis: its numbers, or 0, 1, 2 ...
+  std::vector<std::string> levels;  ///< discrete: what the file has at each level, as text; else empty
+  double from = 0.0, to = 0.0;      ///< of a range (values empty)
+  Scale scale = Scale::linear;
+  int count = 0;  ///< points on a grid
+
+  bool discrete() const { return !levels.empty(); }
+};
+
+struct Link {
+  int parameter = 0;
+  Expression expression;
+};
+
+struct AsBuilt {
+  enum class Law { normal, uniform };
+  int parameter = 0;
+  Law law = Law::normal;
+  double spread = 0.0;  ///< sd, or half width; in the unit, or a fraction of the value
+  bool relative = false;
+};
+
+struct Constraint {
+  std::string text;
+  Expression left, right;
+  bool less = true;  ///< left < right, else left > right
+  bool strict = true;
+};
+
+struct Objective {
+  std::string text;  ///< without maximize or minimize
+  bool maximize = false;
+  Expression expression;
+  std::string
+      unit;         ///< of the value as shown: that of the metric or parameter where it is just one, else SI ("m s^-1")
+  double si = 1.0;  ///< value in SI / si = value shown
+};
+
+enum class Method { grid, latin_hypercube, sobol };
+
+struct Study {
+  std::string file, text, sha256;  ///< sha256: of this text and of every sensor file it names
+  std::string name;
+  mtf::io::SensorConfig base;
+  double tolerance = 1e-4;
+  std::uint64_t seed = 0;
+  std::vector<Parameter> parameters;
+  std::vector<Axis> axes;
+  Method method = Method::grid;
+  std::int64_t designs = 0;  ///< 1 to 1e9; more is refused when the file is read, with the count
+  std::vector<Link> links;   ///< in an order in which each follows from those before it
+  std::vector<AsBuilt> as_built;
+  int draws = 0;                    ///< of the yield; 0 without [[as_built]]
+  std::vector<MetricInfo> metrics;  ///< listed, then those that only constraints and objectives use
+  std::size_t listed = 0;
+  std::vector<Constraint> constraints;
+  std::vector<Objective> objectives;
+  Conditions conditions;
+  std::vector<mtf::io::Diagnostic> warnings;
+
+  /// Slots of expressions: parameters, then metrics.
+  std::size_t slots() const { return parameters.size() + metrics.size(); }
+};
+
+/// What is wrong with a study file, for `mtf config check`; the study is usable only without errors. Never throws for
+/// what is in the text. Sensor files are read beside `file`.
+struct StudyResult {
+  Study study;
+  std::vector<mtf::io::Diagnostic> diagnostics;  ///< sorted by position, all errors in one pass
+  bool ok() const;
+};
+StudyResult parse_study(const std::string& text, const std::string& file);
+
+/// True for a file whose top level has [[axis]] or `sensor`: a study and no sensor.
+bool is_study(const std::string& text);
+
+/// Reads a file. Throws RuntimeError when it cannot be read, UsageError with all errors as "file:line:col: error: ..."
+/// lines.
+std::shared_ptr<const Study> load_study(const std::string& file);
+
+/// Values of the axes' parameters (in the order of Study::axes) of a design, in any order of calls; for a discrete axis
+/// the index of its level. design < study.designs.
+void design_at(const Study& study, std::int64_t design, std::span<double> axis_values);
+
+/// The same map for a point of the unit cube, as sensitivities sample it: each axis at its quantile.
+void design_at_quantiles(const Study& study, std::span<const double> unit, std::span<double> axis_values);
+
+/// The sensor file with the discrete axes at those levels (others as in the base), in the order of Study::axes, entries
+/// of axes that are not discrete ignored. Throws UsageError for combinations that a sensor file could not hold.
+mtf::io::SensorConfig variant(const Study& study, std::span<const int> levels);
+
+}  // namespace study
