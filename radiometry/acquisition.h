@@ -7,7 +7,7 @@
 //   ttp_nvthermip  E = 1.51 + 0.24 x  (AMSEL-NV-TR-230, 2004)
 //   ttp_nvipm      E = 1.5            (NV-IPM and after)
 //   johnson        E = 2.7 + 0.7 x    (the target transfer probability function of Johnson's criteria; FLIR92, ACQUIRE)
-// They differ by 0.017 at x = 0.5 and 0.060 at x = 2: results have to name theirs.
+// At x = 2 they say 0.80, 0.74 and 0.94: results have to name theirs.
 // V50 for vehicles: detection 2.0, recognition 7.5, identification 13.0. N50, cycles over the least dimension: 1, 4, 8
 // along one axis (Johnson 1958); 0.75, 3, 6 for a two-dimensional MRTD (Kennedy, Proc. SPIE 1488, 90 (1991)).
 // Range by TTP: V(R) = TTP(C exp(-beta R)) sqrt(A)/R = V50 x(P). V falls with R, so there is one root, below that
@@ -58,10 +58,10 @@ inline double ratio_for_probability(Psychometric model, double probability) {
   if (probability == 0.0) return 0.0;
   if (probability == 1.0) return mtf::kInfinity;
   const double odds = std::log(probability) - std::log1p(-probability);
-  // In ln x, between 0 and ln(odds) over the constant part of E, which is beyond the root as E is larger.
-  const double constant = detail::kSteepness[static_cast<std::size_t>(model)].constant, most = odds / constant;
+  // In ln x, between 0 and a little beyond ln(odds) over the constant part of E, which is the least that E can be.
+  const double furthest = 1.001 * odds / detail::kSteepness[static_cast<std::size_t>(model)].constant;
   const auto g = [&](double l) { return detail::log_odds(model, std::exp(l)).value - odds; };
-  const double lo = std::min(most, 0.0), hi = std::max(most, 0.0);
+  const double lo = std::min(furthest, 0.0), hi = std::max(furthest, 0.0);
   return std::exp(find_root(g, lo, hi, g(lo), g(hi)));
 }
 

@@ -64,6 +64,7 @@ Integral<S> integrate(const F& f, double lo, double hi, int panels = 1, double t
       result.value += halves;
       result.error += error;
     } else {
+      size += left.size + right.size - p.size;  // what the coarse panels missed
       open.push_back(right);
       open.push_back(left);
     }

@@ -13,9 +13,11 @@
 // Gamma: density of the noise, K mrad s^(1/2) (two-sided: variance = Gamma^2 x bandwidths); S_tmp: the temperature
 // difference shown from dark to mean luminance, K; alpha: the observer, Hz^(1/2).
 // Computed as 1/CTF, sensitivity, which is 0 where nothing is seen and finite everywhere.
-// B has the natural logarithm: a channel of 1.6 octaves between its halves. log10, found in print and code, makes
-// it 3.7. (Vollmerhausen and Jacobs, AMSEL-NV-TR-230 (2004): the NVThermIP family; alpha 862 there. observer_alpha: its
-// successor, as in mitre/whale-ir-model. Barten: mtf/eye.h. Variants have to be named with results.)
+// Codes differ in that, some take one side of the frequencies only, which halves Q_along Q_across twice; alpha goes
+// with the convention. B has the natural logarithm: a channel of 1.6 octaves between its halves. log10, found in print
+// and code, makes it 3.7. (Vollmerhausen and Jacobs, AMSEL-NV-TR-230 (2004): the NVThermIP family; alpha 862 there.
+// observer_alpha: its successor, as in mitre/whale-ir-model. Barten: mtf/eye.h. Variants have to be named with
+// results.)
 
 #include "mtf/eye.h"
 #include "radiometry/adaptive_integral.h"
@@ -64,7 +66,9 @@ S eye_sensitivity(const Observer<S>& o, const S& u_cy_deg) {
 template <class S>
 S eye_contrast_threshold(const Observer<S>& o, const S& u_cy_deg) {
   require_valid("observer", o);
-  if (!(mtf::value_of(u_cy_deg) >= 0.0)) throw mtf::UsageError("contrast threshold: a frequency below 0");
+  if (!(mtf::value_of(u_cy_deg) >= 0.0))
+    throw mtf::UsageError("contrast threshold: a frequency of " + mtf::format_double(mtf::value_of(u_cy_deg)) +
+                          " cycles/degree; it has to be 0 or above");
   const S s = eye_sensitivity(o, u_cy_deg);
   return mtf::value_of(s) > 0.0 ? S(1) / s : S(mtf::kInfinity);
 }
@@ -84,10 +88,19 @@ inline double eye_channel(double ratio) {
   return ratio > 0.0 ? std::exp(-2.2 * l * l) : 0.0;
 }
 
-/// Q_along in cycles/mrad at f > 0; `post` is H_post(double) -> S. Relative error about 1e-10 for a smooth one. What
+namespace detail {
+inline void require_frequency(const std::string& where, double f_cy_mrad) {
+  if (!(f_cy_mrad >= 0.0 && f_cy_mrad <= 1e100))
+    throw mtf::UsageError(where + ": a frequency of " + mtf::format_double(f_cy_mrad) +
+                          " cycles/mrad; it has to be 0 to 1e100");
+}
+}  // namespace detail
+
+/// Q_along in cycles/mrad at f >= 0; `post` is H_post(double) -> S. Relative error about 1e-10 for a smooth one. What
 /// lies beyond 3.1 in |ln(f'/f)| is below 1e-19 of 2 f and left out.
 template <class S, class Post>
 S channel_bandwidth(double f_cy_mrad, const Post& post) {
+  detail::require_frequency("channel bandwidth", f_cy_mrad);
   const auto integrand = [&](double l) {
     const S h = post(f_cy_mrad * std::exp(l));
     return S(2.0 * f_cy_mrad * std::exp(l - 4.4 * l * l)) * h * h;
@@ -98,6 +111,7 @@ S channel_bandwidth(double f_cy_mrad, const Post& post) {
 /// Q_across in cycles/mrad: up to `limit`, where H_post ends.
 template <class S, class Post>
 S bandwidth(double limit_cy_mrad, const Post& post) {
+  detail::require_frequency("bandwidth", limit_cy_mrad);
   const auto integrand = [&](double f) {
     const S h = post(f);
     return S(2) * h * h;

@@ -16,7 +16,7 @@
 // 2-D: f = sqrt(f_x f_y) where MRTD_x(f_x) = MRTD_y(f_y); that value is MRTD_2D(f).
 // (Scott and D'Agostino, Proc. SPIE 1689, 55 (1992); Driggers, Cox and Edwards, Introduction to Infrared and
 // Electro-Optical Systems, ch. 11. SNR_th 2.5 to 3, t_eye 0.1 to 0.2 s.) Sampling, and so frequencies beyond the
-// detector's Nyquist, is not in it.
+// detector's Nyquist, is not in it. An H that comes back behind a zero shows bars of the wrong contrast: end it there.
 
 #include "mtf/frame.h"
 #include "radiometry/adaptive_integral.h"

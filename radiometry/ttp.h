@@ -92,17 +92,18 @@ AxisTtp<S> axis_ttp(const SensitivityCourse& course, const Sensitivity& sensitiv
   ttp.lo = first == 0 ? 0.0 : find_root(above, f[first - 1], f[first], g(first - 1), g(first));
   ttp.hi = last + 1 == f.size() ? f[last] : find_root(above, f[last], f[last + 1], g(last), g(last + 1));
 
-  // In ln f, where a sensitivity that rises like f is smooth down to the lower end.
-  const double log_lo = std::log(std::max(ttp.lo, f[1] * 1e-6)), log_hi = std::log(ttp.hi);
-  const auto root_in_log = [&](double l) {
-    const double x = std::exp(l);
+  const auto root = [&](double x) {
     const S ratio = contrast * sensitivity(x);
-    return mtf::value_of(ratio) > 0.0 ? S(x) * sqrt(ratio) : S(0);
+    return mtf::value_of(ratio) > 0.0 ? S(sqrt(ratio)) : S(0);
   };
-  const Integral<S> band = integrate<S>(root_in_log, log_lo, log_hi, 4);
-  ttp.value = band.value;
-  ttp.error = band.error;
-  ttp.by_contrast = 0.5 * mtf::value_of(band.value) / c;
+  // In ln f, where a sensitivity that rises like f is smooth down to the lower end.
+  const double low = std::max(ttp.lo, std::min(f[1], ttp.hi));
+  const auto root_in_log = [&](double l) { return S(std::exp(l)) * root(std::exp(l)); };
+  const Integral<S> band = integrate<S>(root_in_log, std::log(low), std::log(ttp.hi), 4);
+  const Integral<S> start = integrate<S>(root, ttp.lo, low);
+  ttp.value = band.value + start.value;
+  ttp.error = band.error + start.error;
+  ttp.by_contrast = 0.5 * mtf::value_of(ttp.value) / c;
   const auto end = [&](double x, double sign) {
     const double slope = slope_at(above, x, 1e-4 * x);
     if (!(std::abs(slope) > 0.0)) return;
