@@ -125,7 +125,7 @@ struct SeriesPanel {
   PanelMap map;
   std::array<ComplexSeries<S>, N> otf;
   int degree = 0;
-  double error = 0.0;  ///< of the worst of them
+  double error = 0.0;  ///< of the worst of them, relative to what is largest where that is above 1
 };
 
 template <class S, std::size_t N>
@@ -157,7 +157,10 @@ void append_series(std::vector<SeriesPanel<S, N>>& panels, PanelMap map, double 
         values[i] = std::move(merged);
       }
       panel.otf[i] = make_series(values[i]);
-      panel.error = std::max(panel.error, tail(panel.otf[i]));
+      double largest = 1.0;
+      for (const Complex<S>& h : values[i])
+        largest = std::max({largest, std::abs(value_of(h.re)), std::abs(value_of(h.im))});
+      panel.error = std::max(panel.error, tail(panel.otf[i]) / largest);
     }
     if (panel.error <= tolerance || (n == kLast && (panels.size() >= most || depth >= kDeepest))) {
       panels.push_back(std::move(panel));

@@ -50,16 +50,23 @@ double find_zero(double lo, double h_lo, double hi, double h_hi, double near, Va
   return t;
 }
 
-/// Where a real series changes its sign between the nodes, but for what is below its own error.
+/// Where a series goes through 0 between the nodes and turns by half a cycle, but for what is below its own error:
+/// there its modulus has a kink.
 template <class S>
 void append_zeros(const ComplexSeries<S>& series, const ComplexValues<S>& values, const FineNodes& nodes, double error,
                   std::vector<double>& zeros) {
-  if (!series.im.empty()) return;
   for (std::size_t i = 1; i < values.re.size(); ++i) {
-    const double before = value_of(values.re[i - 1]), now = value_of(values.re[i]);
-    if (before * now < 0.0 && std::max(std::abs(before), std::abs(now)) > error)
-      zeros.push_back(find_zero(nodes.t[i - 1], before, nodes.t[i], now, 1e-8,  // an integral of |h| errs by the square
-                                [&](double t) { return value_of(chebyshev(series.re, t)); }));
+    const Complex<S> a = values[i - 1], b = values[i];
+    const double re = value_of(a.re), im = value_of(a.im), square = re * re + im * im;
+    const double now = value_of(b.re) * re + value_of(b.im) * im;  // of b along a
+    if (!(now < 0.0 &&
+          std::max(square, value_of(b.re) * value_of(b.re) + value_of(b.im) * value_of(b.im)) > error * error))
+      continue;
+    const auto part_along_a = [&](double t) {
+      const Complex<S> h = series.at(t);
+      return value_of(h.re) * re + value_of(h.im) * im;
+    };
+    zeros.push_back(find_zero(nodes.t[i - 1], square, nodes.t[i], now, 1e-8, part_along_a));  // errs by the square
   }
 }
 
@@ -115,7 +122,7 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
   const double pitch = value_of(pitch_mm(axis));
   const double amplified = std::max(1.0, 2.0 * pitch * (cutoff < kInfinity ? cutoff : 2.0 * nyquist));
   const double share = needs.tolerance / amplified;
-  constexpr std::size_t kMostPanels = 1024;
+  constexpr std::size_t kMostPanels = 256;
   std::vector<SeriesPanel<S, 2>> series;
   double beyond = 0.0;
   if (cutoff < kInfinity) {
