@@ -44,6 +44,7 @@ Position inside_string(const std::string& text, Position at, int column) {
 }
 
 constexpr std::size_t kMostSensorErrors = 10;
+constexpr std::size_t kMostSensors = 1000;
 
 /// One sensor file, its errors at the place that names it; null when there are any.
 std::optional<SensorView> read_sensor(StudyReader& s, const Node& node, const std::string& path) {
@@ -97,6 +98,10 @@ bool read_sensors(StudyReader& s) {
   if (s.sensor_axis >= 0) {
     const std::string path = "axis[" + std::to_string(s.sensor_axis) + "].values";
     const Node* values = s.tree.find("axis")->items[static_cast<std::size_t>(s.sensor_axis)].find("values");
+    if (values != nullptr && values->items.size() > kMostSensors) {
+      s.error(values->position, path, "more than " + std::to_string(kMostSensors) + " sensor files");
+      return false;
+    }
     if (values != nullptr && values->kind == Node::Kind::array)
       for (const Node& node : values->items) {
         auto view = read_sensor(s, node, path);
