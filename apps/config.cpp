@@ -11,6 +11,7 @@
 #include "apps/sensor_chain.h"
 #include "apps/sensor_file.h"
 #include "apps/study_file.h"
+#include "apps/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/config.h"
 #include "mtf/io/config_tree.h"
@@ -19,6 +20,14 @@
 
 namespace apps {
 namespace {
+
+/// The stages of the chain in their order, and those that are off with what would switch them on.
+std::string explain_chain(const mtf::io::SensorConfig& config) {
+  TextTable on({"stage", "what it does"}), off({"left out", "why"});
+  for (const radiometry::ChainStage& stage : chain_stages(config.system, load_chain(config).sensor))
+    (stage.on ? on : off).add({stage.name, one_line(stage.what)});
+  return "\nchain, in this order\n" + on.aligned() + "\n" + off.aligned();
+}
 
 using Json = nlohmann::ordered_json;
 
