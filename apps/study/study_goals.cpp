@@ -181,12 +181,13 @@ std::vector<Source> goal_sources(StudyReader& s) {
 void register_names(StudyReader& s, const std::vector<Source>& sources) {
   for (const Source& source : sources)
     for (const NameAt& at : names_in(source.text)) {
-      if (s.by_name.contains(at.name) || s.why.contains(at.name) || at.name.size() > 200) continue;
+      if (s.why.contains(at.name) || at.name.size() > 200) continue;
       if (std::find(s.metric_names.begin(), s.metric_names.end(), at.name) != s.metric_names.end()) continue;
       if (const auto metric = find_metric(at.name)) {
         add_metric(s, *metric, at.name);
         continue;
       }
+      if (s.by_name.contains(at.name)) continue;
       std::string problem = "one unknown name of many";
       if (s.why.size() >= kMostUnknown || parameter_named(s, at.name, problem) < 0)
         s.why[at.name] = "'" + at.name + "': " + problem;

@@ -82,6 +82,7 @@ void declare(StudyReader& s, LinkSource& link, bool read_by_others) {
   parameter.role = Parameter::Role::link;
   link.parameter = static_cast<int>(s.study.parameters.size());
   s.by_name.emplace(link.target, link.parameter);
+  s.by_name.emplace(parameter.name, link.parameter);
   s.study.parameters.push_back(std::move(parameter));
 }
 

@@ -131,9 +131,9 @@ TEST(StudyErrors, OfAxes) {
       {axis("name = \"sqrt\"\nvalues = [1.0]"), {"error: axis[0].name: \"sqrt\" is no name"}},
       {axis("name = \"a b\"\nvalues = [1.0]"), {"error: axis[0].name: \"a b\" is no name"}},
       {axis("name = \"mtf_nyquist\"\nvalues = [1.0]"), {"mtf_nyquist is a metric"}},
-      {axis("name = \"q\"\nvalues = [\"one\"]"), {"\"one\" where a plain number belongs"}},
-      {axis("name = \"q\"\nvalues = [\"1 um\", \"2 K\"]"), {"5:19: error: axis[0].values: \"2 K\""}},
-      {axis("name = \"q\"\nvalues = [\"1 cy/mm\", \"2 cy/px\"]"),
+      {axis("name = \"quality\"\nvalues = [\"one\"]"), {"\"one\" where a plain number belongs"}},
+      {axis("name = \"quality\"\nvalues = [\"1 um\", \"2 K\"]"), {"5:19: error: axis[0].values: \"2 K\""}},
+      {axis("name = \"quality\"\nvalues = [\"1 cy/mm\", \"2 cy/px\"]"),
        {"is in cy/px, but in the first value it is in cy/mm"}},
   });
 }

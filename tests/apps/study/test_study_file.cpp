@@ -160,11 +160,12 @@ temperature = "290 K"
 
 TEST(StudyFile, NumbersOfOtherTablesAreAxesToo) {
   const Folder folder;
-  const std::string text = kHead +
-                           "objectives = [\"minimize read_noise\"]\n[[axis]]\nparameter = \"detector.read_noise\"\n"
-                           "values = [\"10 e-\", \"0.1 ke-\"]\n[[axis]]\nparameter = \"optics.transmission\"\n"
-                           "from = 0.5\nto = 0.9\ncount = 3\n[[axis]]\nparameter = \"wavefront.zernike[3]\"\n"
-                           "values = [0.0, 0.1]\n";
+  const std::string text =
+      kHead +
+      "objectives = [\"minimize detector.read_noise\"]\n[[axis]]\nparameter = \"detector.read_noise\"\n"
+      "values = [\"10 e-\", \"0.1 ke-\"]\n[[axis]]\nparameter = \"optics.transmission\"\n"
+      "from = 0.5\nto = 0.9\ncount = 3\n[[axis]]\nparameter = \"wavefront.zernike[3]\"\n"
+      "values = [0.0, 0.1]\n";
   const study::StudyResult result = folder.parse(text);
   ASSERT_TRUE(result.ok()) << folder.lines(text);
   EXPECT_EQ(result.study.axes[0].values, (std::vector{10.0, 100.0}));
@@ -175,6 +176,20 @@ TEST(StudyFile, NumbersOfOtherTablesAreAxesToo) {
   EXPECT_EQ(result.study.parameters[2].base, 0.05);
   EXPECT_EQ(result.study.parameters.size(), 3u);  // read_noise of the objective is the axis
   EXPECT_EQ(result.study.variants, 1);
+}
+
+TEST(StudyFile, AMetricKeepsItsNameBesideAParameter) {
+  const Folder folder;
+  ASSERT_TRUE(study::find_metric("read_noise"));
+  const std::string text = kHead +
+                           "objectives = [\"minimize read_noise + detector.read_noise\"]\n[[axis]]\n"
+                           "parameter = \"read_noise\"\nvalues = [\"10 e-\", \"20 e-\"]\n";
+  const study::StudyResult result = folder.parse(text);
+  ASSERT_TRUE(result.ok()) << folder.lines(text);
+  ASSERT_EQ(result.study.parameters.size(), 1u);
+  EXPECT_EQ(result.study.parameters[0].name, "detector.read_noise");
+  ASSERT_EQ(result.study.metrics.size(), 1u);
+  EXPECT_EQ(result.study.objectives.at(0).expression.slots(), (std::vector{0, 1}));
 }
 
 TEST(StudyFile, OwnNumbersFollowInOrder) {
@@ -323,6 +338,12 @@ TEST(StudyFile, FilesAreBesideTheStudy) {
     const auto sensor = study::variant(result.study, std::vector{level});
     return *find_table(sensor.tables, "detector")->find("quantum_efficiency");
   };
+  // A file that cannot be read is told at its place, before any design.
+  std::string missing = text;
+  missing.replace(missing.find("qe.csv"), 6, "no.csv");
+  EXPECT_NE(folder.lines(missing).find("study.toml:5:16: error: axis[0].values: detector.quantum_efficiency: "),
+            std::string::npos)
+      << folder.lines(missing);
   EXPECT_EQ(std::get<double>(value(0)), 0.5);
   EXPECT_EQ(std::get<std::string>(value(1)), folder / "qe.csv");
 }
