@@ -111,7 +111,10 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
     if (presample) values[kPresample] = products.presample;
   };
   const double nyquist = value_of(parts.system().frame.nyquist_cy_mm(axis));
-  const double share = 0.25 * needs.tolerance;
+  // A figure is an integral of H with a kernel of at most 2 over the width in cycles per pixel.
+  const double pitch = value_of(pitch_mm(axis));
+  const double amplified = std::max(1.0, 2.0 * pitch * (cutoff < kInfinity ? cutoff : 2.0 * nyquist));
+  const double share = needs.tolerance / amplified;
   constexpr std::size_t kMostPanels = 1024;
   std::vector<SeriesPanel<S, 2>> series;
   double beyond = 0.0;
@@ -134,20 +137,18 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
       if (beyond <= 1e-2 * share) break;
     }
   }
-  // A figure is an integral of H with a kernel of at most 2 over the panel's width in cycles per pixel.
-  const double pitch = value_of(pitch_mm(axis)), reach_px = needs.axis.overshoot ? 3.0 : needs_edge() ? 1.0 : 0.0;
-  double error = 0.0, width_px = 0.0;
+  const double reach_px = needs.axis.overshoot ? 3.0 : needs_edge() ? 1.0 : 0.0;
+  double error = 0.0;
   panels.clear();
   for (SeriesPanel<S, 2>& one : series) {
     const double width = pitch * (one.map.hi - one.map.lo);
     error = std::max(error, one.error);
-    width_px += width;
     const FineNodes& nodes = fine_nodes(one.degree, reach_px * width);
     ComplexValues<S> system = at_nodes(one.otf[kSystem], nodes), before;
     if (presample) before = at_nodes(one.otf[kPresample], nodes);
     panels.push_back({std::move(one), &nodes, std::move(system), std::move(before)});
   }
-  return error * std::max(1.0, 2.0 * width_px) + beyond;
+  return error * amplified + beyond;
 }
 
 /// The OTF at single frequencies: Nyquist, its replicas, those asked for.
@@ -342,7 +343,7 @@ double ResolutionMeter<S>::Impl::choose_wavelengths(double cutoff) {
     return most;
   };
   constexpr int kMost = 256;
-  for (int n = std::max(2, parts.wavelengths() / 4);; n *= 2) {
+  for (int n = 2;; n *= 2) {  // from the start for every system: a result has no memory
     at(n);
     const std::vector<Complex<S>> before = products.presample;
     at(2 * n);
