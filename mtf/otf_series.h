@@ -119,6 +119,49 @@ double tail(const ComplexSeries<S>& series) {
   return series_tail(series.re) + (series.im.empty() ? 0.0 : series_tail(series.im));
 }
 
+/// The modulus of an OTF along an axis, from its series.
+template <class S>
+class OtfCurve {
+ public:
+  void clear() { parts_.clear(); }
+  /// In the order of rising frequencies.
+  void add(const PanelMap& map, const ComplexSeries<S>& series) { parts_.push_back({map, series}); }
+  bool empty() const { return parts_.empty(); }
+
+  /// At |f|, with the derivatives of f as well; 0 beyond the last panel.
+  S modulus(const S& f_cy_mm) const {
+    using std::sqrt;
+    const double f = std::abs(value_of(f_cy_mm));
+    const auto part = std::find_if(parts_.begin(), parts_.end(), [f](const Part& p) { return f <= p.map.hi; });
+    if (part == parts_.end()) return S(0);
+    const double t = part->map.t(f);
+    const Complex<S> h = part->series.at(t);
+    const S square = h.re * h.re + h.im * h.im;
+    if (!(value_of(square) > 0.0)) return S(0);
+    const S here = sqrt(square);
+    if constexpr (requires { f_cy_mm.a; }) {
+      const auto value = [&](double at) {
+        const Complex<S> near = part->series.at(at);
+        return std::hypot(value_of(near.re), value_of(near.im));
+      };
+      constexpr double d = 1e-3;  // of fourth order: a series is smooth on the scale of 1
+      const double by_t = (8.0 * (value(t + d) - value(t - d)) - (value(t + 2 * d) - value(t - 2 * d))) / (12.0 * d);
+      const double slope = part->map.slope(t);
+      const double by_f = slope > 0.0 ? by_t / slope : 0.0;  // the ends of a panel, where t turns
+      return here + S(by_f) * (f_cy_mm - S(value_of(f_cy_mm)));
+    } else {
+      return here;
+    }
+  }
+
+ private:
+  struct Part {
+    PanelMap map;
+    ComplexSeries<S> series;
+  };
+  std::vector<Part> parts_;
+};
+
 /// N OTFs on one panel.
 template <class S, std::size_t N>
 struct SeriesPanel {

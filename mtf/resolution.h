@@ -30,6 +30,7 @@
 #include <string_view>
 #include <vector>
 
+#include "mtf/otf_series.h"
 #include "mtf/system.h"
 
 namespace mtf {
@@ -52,6 +53,7 @@ struct ResolutionNeeds {
   AxisNeeds axis;
   bool strehl = false;
   bool ensquared = false;
+  bool curves = false;                         ///< Resolution::curve_x and curve_y
   bool y = true;                               ///< the y axis, too
   std::vector<SpatialFrequency<double>> at{};  ///< frequencies of mtf_at
   double tolerance = 1e-4;                     ///< 1e-12 to 0.1
@@ -73,10 +75,11 @@ struct AxisFigures {
 template <class S>
 struct Resolution {
   AxisFigures<S> x, y;
-  S strehl{}, ensquared{};    ///< NaN without a pupil (diffraction, defocus, wavefront)
-  double cutoff_cy_mm = 0.0;  ///< from where on the presample OTF is 0; infinite without a pupil
-  double error = 0.0;         ///< estimated, of the worst integral
-  int evaluations = 0;        ///< frequencies at which the OTF was taken
+  S strehl{}, ensquared{};           ///< NaN without a pupil (diffraction, defocus, wavefront)
+  OtfCurve<S> curve_x{}, curve_y{};  ///< of the system, for models that look at many frequencies
+  double cutoff_cy_mm = 0.0;         ///< from where on the presample OTF is 0; infinite without a pupil
+  double error = 0.0;                ///< estimated, of the worst integral
+  int evaluations = 0;               ///< frequencies at which the OTF was taken
   int wavelengths = 1;
 };
 

@@ -93,7 +93,7 @@ struct ResolutionMeter<S>::Impl {
   S mtf50(Axis axis) const;
   void edge_figures(Axis axis, AxisFigures<S>& figures);
   void moduli(Axis axis, AxisFigures<S>& figures);
-  double measure_axis(Axis axis, double cutoff, AxisFigures<S>& figures);
+  double measure_axis(Axis axis, double cutoff, AxisFigures<S>& figures, OtfCurve<S>& curve);
   double choose_wavelengths(double cutoff);
   Resolution<S> measure(const System<S>& system);
 };
@@ -315,13 +315,17 @@ void ResolutionMeter<S>::Impl::moduli(Axis axis, AxisFigures<S>& figures) {
 }
 
 template <class S>
-double ResolutionMeter<S>::Impl::measure_axis(Axis axis, double cutoff, AxisFigures<S>& figures) {
+double ResolutionMeter<S>::Impl::measure_axis(Axis axis, double cutoff, AxisFigures<S>& figures, OtfCurve<S>& curve) {
+  using detail::kSystem;
   const S nan(std::numeric_limits<double>::quiet_NaN());
   figures.mtf50_cy_px = figures.mtfa = figures.rer = figures.overshoot = figures.edge_height = figures.fwhm_px = nan;
   figures.aliasing = figures.spurious_in = figures.spurious_out = nan;
   points(axis, cutoff, figures);
-  if (!needs_edge() && !needs_moduli() && !needs.axis.mtf50) return 0.0;
+  if (!needs_edge() && !needs_moduli() && !needs.axis.mtf50 && !needs.curves) return 0.0;
   const double error = fill_panels(axis, cutoff);
+  curve.clear();
+  if (needs.curves)
+    for (const auto& panel : panels) curve.add(panel.series.map, panel.series.otf[kSystem]);
   if (needs.axis.mtf50) figures.mtf50_cy_px = mtf50(axis);
   if (needs_edge()) edge_figures(axis, figures);
   if (needs_moduli()) moduli(axis, figures);
@@ -367,8 +371,8 @@ Resolution<S> ResolutionMeter<S>::Impl::measure(const System<S>& system) {
   const double cutoff = result.cutoff_cy_mm = parts.cutoff_cy_mm();
   const double wavelengths = choose_wavelengths(cutoff);
   result.wavelengths = parts.chromatic() ? parts.wavelengths() : 1;
-  double error = measure_axis(Axis::x, cutoff, result.x);
-  if (needs.y) error = std::max(error, measure_axis(Axis::y, cutoff, result.y));
+  double error = measure_axis(Axis::x, cutoff, result.x, result.curve_x);
+  if (needs.y) error = std::max(error, measure_axis(Axis::y, cutoff, result.y, result.curve_y));
   result.strehl = result.ensquared = S(std::numeric_limits<double>::quiet_NaN());
   if ((needs.strehl || needs.ensquared) && parts.pupil() != nullptr) {
     const PupilLight<S> light = pupil_light(parts, cutoff, needs.tolerance, needs.ensquared, evaluations);

@@ -38,7 +38,9 @@ MetricPlan plan_metrics(const Study& study, double tolerance) {
       case Effort::geometry:
       case Effort::points:
       case Effort::budget:
+        break;
       case Effort::grd:
+        plan.needs.curves = plan.needs.y = true;
         break;
       case Effort::edge:
         axis.edge = true;
@@ -69,7 +71,7 @@ MetricPlan plan_metrics(const Study& study, double tolerance) {
         if (choice.row->metric != Metric::niirs_giqe5) axis.overshoot = plan.giqe = true;
         break;
       case Effort::range:
-        plan.range = true;
+        plan.range = plan.needs.curves = plan.needs.y = true;
         break;
     }
   }

@@ -73,7 +73,7 @@ Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span
   gradient.value.assign(gradient.columns.size() * axes.size(), std::numeric_limits<double>::quiet_NaN());
   if (parameters.empty()) return gradient;
 
-  const MetricPlan plan = plan_metrics(study, std::min(study.tolerance, 1e-10));
+  const MetricPlan plan = plan_metrics(study, std::min(study.tolerance, 1e-9));
   DesignWork<Jet4> work(study, plan, variant, mtf::cast<Jet4>(variant.system));
   for (std::size_t first = 0; first < axes.size(); first += kStride) {
     std::vector<Jet4> values(parameters.begin(), parameters.end()), slots(study.slots()), metrics(study.metrics.size());

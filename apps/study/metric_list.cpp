@@ -21,7 +21,7 @@ constexpr std::string_view kNetd = "Lloyd, Thermal Imaging Systems, ch. 5";
 constexpr std::string_view kNvl = "AMSEL-NV-TR-230 (2004), NVThermIP form: E = 1.51 + 0.24 V/V50";
 constexpr std::string_view kMrtd = "FLIR92: Scott and D'Agostino, Proc. SPIE 1689, 55 (1992)";
 constexpr std::string_view kJohnson =
-    "Johnson 1958 with the 2-D MRTD; N50 0.75, 3, 6: Kennedy, Proc. SPIE 1488, 90 (1991)";
+    "Johnson 1958 with the 2-D MRTD; N50 0.75, 3, 6: Kennedy 1991, doi 10.1117/12.45802";
 
 constexpr std::string_view kRange = "[conditions] range";
 constexpr std::string_view kContrast = "[detector] and [conditions] contrast or signal_contrast";

@@ -226,12 +226,9 @@ S niirs(Metric metric, const Design<S>& d) {
 
 /// System MTF along an axis at f in cycles/mrad.
 template <class S>
-S mtf_at_mrad(const mtf::System<S>& system, mtf::Axis axis, double f_cy_mrad) {
-  using std::sqrt;
-  const S f = system.frame.cy_mm_from_mrad(S(f_cy_mrad));
-  const mtf::Complex<S> h = system.otf(axis == mtf::Axis::x ? mtf::Freq<S>{f, S(0)} : mtf::Freq<S>{S(0), f});
-  const S square = h.re * h.re + h.im * h.im;
-  return mtf::value_of(square) > 0.0 ? S(sqrt(square)) : S(0);
+S mtf_at_mrad(const Design<S>& d, mtf::Axis axis, double f_cy_mrad) {
+  const S f = d.system->frame.cy_mm_from_mrad(S(f_cy_mrad));
+  return (axis == mtf::Axis::x ? d.resolution.curve_x : d.resolution.curve_y).modulus(f);
 }
 
 template <class S>
@@ -241,8 +238,7 @@ S grd_m(const Design<S>& d) {
   S worst(0);
   for (const mtf::Axis axis : {mtf::Axis::x, mtf::Axis::y}) {
     const radiometry::GrdInput<S> in{snr, S(1e-3) * ifov_urad(d, axis), S(*d.conditions->range_m)};
-    const S grd =
-        radiometry::ground_resolved_distance(in, [&](double f) { return mtf_at_mrad(*d.system, axis, f); }).grd_m;
+    const S grd = radiometry::ground_resolved_distance(in, [&](double f) { return mtf_at_mrad(d, axis, f); }).grd_m;
     if (mtf::value_of(grd) > mtf::value_of(worst)) worst = grd;
   }
   return mtf::value_of(worst) < mtf::kInfinity ? worst : not_there<S>();

@@ -43,7 +43,7 @@ RangeFigures<S> range_figures(const Design<S>& design) {
     };
   };
   const auto whole = [&](Axis axis) {
-    return [&system, axis](double f_cy_mrad) { return detail::mtf_at_mrad(system, axis, f_cy_mrad); };
+    return [&design, axis](double f_cy_mrad) { return detail::mtf_at_mrad(design, axis, f_cy_mrad); };
   };
   const auto mrtd = [&](Axis axis) {
     return [&, axis](double f) { return radiometry::mrtd_k(in, axis, f, whole(axis), after(Axis::x), after(Axis::y)); };
