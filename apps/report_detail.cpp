@@ -109,7 +109,7 @@ std::string images(const Chosen& chosen, const std::string& scene) {
                          "with noise: temperatures about 288 K, below 3 &micro;m sunlit ground.")
            : "The scene <code>" + html(scene) + "</code>, its middle of the same angle for all.") +
       " Each is stretched between its own quantiles of 0.5 and 99.5 %, so contrast against noise can be compared, "
-      "brightness cannot.</p>\n<div class=\"images\">";
+      "brightness cannot. The OTF is kept to 0.2 %, half a grey level.</p>\n<div class=\"images\">";
   std::string gaps;
   for (const ChosenDesign& design : chosen) {
     const ChosenImage& image = design.image;
@@ -120,11 +120,13 @@ std::string images(const Chosen& chosen, const std::string& scene) {
                 ".</p>\n";
       continue;
     }
+    std::string notes;
+    for (const std::string& note : image.notes) notes += "<br>" + html(note);
     text += "<figure><img src=\"" + image.data_uri + "\" width=\"220\" height=\"220\" alt=\"simulated image of design " +
             number + "\"><figcaption><span class=\"key\" data-design=\"" + number + "\">" + number + "</span> " +
             html(design.chosen.why) + "<br><small>" + std::to_string(image.width) + " &times; " +
             std::to_string(image.height) + " px, " + significant(image.low, 4) + " to " + significant(image.high, 4) +
-            " " + html(image.unit) + "</small></figcaption></figure>\n";
+            " " + html(image.unit) + notes + "</small></figcaption></figure>\n";
   }
   return text + "</div>\n" + gaps;
 }

@@ -63,6 +63,18 @@ bool is_json_number(std::string_view text) {
   return text.empty();
 }
 
+/// Five digits, without an exponent where that is readable.
+std::string five_digits(double value) {
+  const double size = std::abs(value);
+  if (size < 1e-4 || size >= 1e9) return significant(value, 5);
+  std::string text = fixed(value, std::clamp(4 - static_cast<int>(std::floor(std::log10(size))), 0, 8));
+  if (text.find('.') != std::string::npos) {
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.ends_with('.')) text.pop_back();
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string html(std::string_view text) { return escaped(one_line(text)); }
@@ -85,7 +97,7 @@ std::string html_value(std::string_view cell) {
   const std::optional<double> value = cell_value(std::string(cell));
   if (!value) return html(cell);
   const std::string exact = html(cell);
-  return "<data value=\"" + exact + "\" title=\"" + exact + "\">" + significant(*value, 5) + "</data>";
+  return "<data value=\"" + exact + "\" title=\"" + exact + "\">" + five_digits(*value) + "</data>";
 }
 
 std::string html_value(double value) {

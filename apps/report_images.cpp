@@ -14,6 +14,7 @@
 #include "apps/physical.h"
 #include "apps/report_chosen.h"
 #include "apps/simulate_parts.h"
+#include "apps/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/codecs.h"
 #include "mtf/statistics.h"
@@ -106,8 +107,14 @@ mtf::Image simulate(const mtf::io::SensorConfig& config, mtf::io::Scene scene, b
   }
   out.unit = physical->unit();
   const radiometry::Chain chain(plan, physical->system, physical->loaded.sensor, {}, threads);
-  return std::move(
-      chain.run(std::move(scene.planes.front()), 0, physical->tap, defaults.border_value, threads).image);
+  radiometry::ChainFrame frame = chain.run(std::move(scene.planes.front()), 0, physical->tap, defaults.border_value, threads);
+  const auto full = [&](std::int64_t clipped, const char* what) {
+    const double share = static_cast<double>(clipped) / static_cast<double>(std::max<std::int64_t>(frame.image.size(), 1));
+    if (share > 0.001) out.notes.push_back(significant(100.0 * share, 2) + " % of the pixels " + what);
+  };
+  full(frame.well.high, "have a full well");
+  full(frame.adc.high, "are at the converter's end");
+  return std::move(frame.image);
 }
 
 /// The middle of the image, no larger than that.

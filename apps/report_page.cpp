@@ -128,7 +128,7 @@ std::string report_page(const Sweep& sweep, const DesignTable& table, const std:
                             html(sweep.commit);
   const std::string sections = summary_section(sweep, table) + trade_section(sweep, table) +
                                map_section(sweep, table) + chosen_section(sweep, table, chosen, scene) +
-                               sensitivity_section(sweep) + run_section(sweep) + columns_section(sweep) +
+                               sensitivity_section(sweep, table) + run_section(sweep) + columns_section(sweep) +
                                files_section(sweep, table, chosen);
   const std::string data = report_data(sweep, table, chosen);
   const std::string notices =

@@ -13,12 +13,33 @@
 namespace apps {
 namespace {
 
-std::string derivatives(const Sweep& sweep) {
-  HtmlTable table("Partial derivatives", {"Metric", "Parameter", "Derivative", "Unit"}, {2});
-  for (const Derivative& one : sweep.derivatives)
-    table.add({html(one.column), html(one.parameter), html_value(one.value), html(one.unit)});
+/// Change of the metric in percent for one percent of the parameter, at the design of the derivatives; NaN where the
+/// units or values do not allow it.
+double elasticity(const Sweep& sweep, const DesignTable& table, const Derivative& one) {
+  const auto metric = sweep.column(one.column), parameter = sweep.column(one.parameter);
+  const std::optional<std::size_t> row = table.row(sweep.slope_design.value_or(-1));
+  if (!metric || !parameter || !row) return NAN;
+  const std::string& unit = sweep.columns[*metric].unit;
+  const std::string& by = sweep.columns[*parameter].unit;
+  if (one.unit != (by.empty() ? unit : (unit.empty() ? "1" : unit) + "/" + by)) return NAN;
+  const auto m = cell_value(table.cells[*row][*metric]), p = cell_value(table.cells[*row][*parameter]);
+  return m && p && *m != 0.0 ? one.value * *p / *m : NAN;
+}
+
+std::string derivatives(const Sweep& sweep, const DesignTable& designs) {
+  HtmlTable table("Partial derivatives", {"Metric", "Parameter", "Derivative", "Unit", "% per %"}, {2, 4});
+  std::vector<Bar> bars;
+  for (const Derivative& one : sweep.derivatives) {
+    const double relative = elasticity(sweep, designs, one);
+    table.add({html(one.column), html(one.parameter), html_value(one.value), html(one.unit), html_value(relative)});
+    if (std::isfinite(relative) && bars.size() < 30) bars.push_back({one.column + ": " + one.parameter, relative, 0.0});
+  }
   return "<h3>At design " + (sweep.slope_design ? std::to_string(*sweep.slope_design) : "?") +
-         ": partial derivatives</h3>\n" + table.html();
+         ": partial derivatives</h3>\n" +
+         (bars.empty() ? table.html()
+                       : html_chart("slopes", svg_bars("Change of a metric in percent for one percent of a parameter",
+                                                       "% per %", bars)) +
+                             "<details><summary>Numbers</summary>" + table.html() + "</details>\n");
 }
 
 std::string indices(const Sweep& sweep) {
@@ -73,10 +94,10 @@ std::string shown_file(const std::string& file, const std::string& sha256, const
 
 }  // namespace
 
-std::string sensitivity_section(const Sweep& sweep) {
+std::string sensitivity_section(const Sweep& sweep, const DesignTable& table) {
   std::string body;
   if (!sweep.indices.empty()) body += indices(sweep);
-  if (!sweep.derivatives.empty()) body += derivatives(sweep);
+  if (!sweep.derivatives.empty()) body += derivatives(sweep, table);
   if (body.empty()) body = "<p class=\"gap\">The sweep computed no sensitivities.</p>";
   return html_section("sensitivities", "Sensitivities", "Which parameter matters, and how much.", body);
 }

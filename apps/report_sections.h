@@ -22,7 +22,7 @@ std::string map_section(const Sweep& sweep, const DesignTable& table);
 /// built-in one.
 std::string chosen_section(const Sweep& sweep, const DesignTable& table, const std::vector<ChosenDesign>& chosen,
                            const std::string& scene);
-std::string sensitivity_section(const Sweep& sweep);
+std::string sensitivity_section(const Sweep& sweep, const DesignTable& table);
 /// Error against time, what was skipped.
 std::string run_section(const Sweep& sweep);
 /// Definition, unit and source of every column.

@@ -91,10 +91,19 @@ std::string list_of(const std::vector<std::string>& items, const char* none) {
   return text.empty() ? none : text;
 }
 
+std::string yield_of(const Sweep& sweep, std::int64_t design) {
+  for (const auto& [number, share] : sweep.best_yield)
+    if (number == design && std::isfinite(share)) return significant(100.0 * share, 3) + " %";
+  return html_value("");
+}
+
 std::string best(const Sweep& sweep, const DesignTable& table) {
   if (sweep.best.empty()) return "";
   std::vector<std::string> header{"Objective", "Design", "Value"};
   for (const SweepAxis& axis : sweep.axes) header.push_back(column_html(sweep.columns[*sweep.column(axis.column)]));
+  if (sweep.draws > 0)
+    header.push_back("<abbr title=\"share of " + std::to_string(sweep.draws) +
+                     " builds, with the variation as built, that meet every constraint\">Yield</abbr>");
   header.emplace_back("Constraints within 1 % of their limit");
   HtmlTable rows("Best designs", header, {1, 2});
   for (const SweepBest& one : sweep.best) {
@@ -109,7 +118,8 @@ std::string best(const Sweep& sweep, const DesignTable& table) {
             (column ? " " + html(sweep.columns[*column].unit) : "")};
     for (const SweepAxis& axis : sweep.axes)
       cells.push_back(row ? html_value(table.cells[*row][*sweep.column(axis.column)]) : "");
-    cells.push_back(list_of(one.active, "none: the objective itself or an axis ends there"));
+    if (sweep.draws > 0) cells.push_back(yield_of(sweep, one.design));
+    cells.push_back(list_of(one.active, "none"));
     rows.add(cells);
   }
   return rows.html();
@@ -134,14 +144,6 @@ std::string words(const Sweep& sweep) {
   return text;
 }
 
-std::string yields(const Sweep& sweep) {
-  if (sweep.best_yield.empty()) return "";
-  HtmlTable table("Yield as built", {"Design", "Share of the builds that meet every constraint"}, {1});
-  for (const auto& [design, share] : sweep.best_yield)
-    table.add({std::to_string(design), std::isfinite(share) ? significant(100.0 * share, 3) + " %" : "&ndash;"});
-  return "<h3>Yield as built</h3><p>Of " + std::to_string(sweep.draws) + " draws of each design.</p>" + table.html();
-}
-
 }  // namespace
 
 std::string summary_section(const Sweep& sweep, const DesignTable& table) {
@@ -153,7 +155,7 @@ std::string summary_section(const Sweep& sweep, const DesignTable& table) {
       "summary", "Summary", objectives.empty() ? "" : "Wanted: " + objectives + ".",
       tiles(sweep) + words(sweep) + "<h3>What varies</h3>" + varies(sweep, table) +
           (sweep.constraints.empty() ? "" : "<h3>What is asked</h3>" + constraints(sweep)) +
-          (sweep.best.empty() ? "" : "<h3>Best designs</h3>" + best(sweep, table)) + yields(sweep));
+          (sweep.best.empty() ? "" : "<h3>Best designs</h3>" + best(sweep, table)));
 }
 
 }  // namespace apps

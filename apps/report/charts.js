@@ -48,9 +48,10 @@ function addChoice(id, label, options, value, changed) {
   return select;
 }
 
+// Names as the report writes them.
 const columnChoices = (list) => list.map((column) => [column.index, column.label]);
 const quantity = (column, more = {}) => ({ field: column.field, type: "quantitative", title: column.label,
-  scale: { zero: false, nice: true, ...(more.scale ?? {}) }, axis: { format: "~g", ...(more.axis ?? {}) } });
+  scale: { zero: false, nice: true, ...(more.scale ?? {}) }, axis: { format: ".6~g", ...(more.axis ?? {}) } });
 const tooltipOf = (list) => [{ field: "design", title: "design" },
   ...list.map((column) => ({ field: column.field, title: column.label, ...(column.discrete ? {} : { type: "quantitative", format: ".5~g" }) }))];
 const hoverColumns = columns.filter((column) => !column.gap && column.role !== "feasible" && column.role !== "error").slice(0, 14);

@@ -23,7 +23,7 @@ function curvesSpec() {
       add(one, "system", one.system);
     }
   }
-  const x = { field: "f", type: "quantitative", title: `spatial frequency along x (${curves.unit})`, axis: { format: "~g" } };
+  const x = { field: "f", type: "quantitative", title: `spatial frequency along x (${curves.unit})`, axis: { format: ".6~g" } };
   const y = { field: "mtf", type: "quantitative", title: "MTF", scale: { domain: [0, 1] } };
   const color = { field: "name", type: "nominal", title: null, sort: null, scale: { domain: names, range: colours }, legend: { symbolType: "stroke", symbolStrokeWidth: 3 } };
   return {
@@ -55,7 +55,7 @@ async function startNoise() {
   const values = [];
   for (const one of report.chosen)
     for (const [name, value] of one.budget ?? [])
-      if (noiseTerms[name] && value > 0) values.push({ design: `design ${one.design}`, term: noiseTerms[name], rms: value, variance: value * value });
+      if (noiseTerms[name] && value > 0) values.push({ design: `design ${one.design}`, term: noiseTerms[name], rms: value, variance: value * value, place: Object.keys(noiseTerms).indexOf(name) });
   if (values.length === 0) return;
   const terms = Object.values(noiseTerms).filter((term) => values.some((one) => one.term === term));
   await draw("noise", {
@@ -65,7 +65,7 @@ async function startNoise() {
       y: { field: "design", type: "nominal", title: null, sort: null },
       x: { field: "variance", type: "quantitative", stack: "normalize", title: "share of the temporal variance", axis: { format: "%" } },
       color: { field: "term", type: "nominal", title: null, sort: terms, scale: { domain: terms, range: palette.map(colourOf) }, legend: { orient: "bottom", columns: 4, labelLimit: 240 } },
-      order: { field: "term", sort: "ascending" },
+      order: { field: "place", sort: "ascending" },
       tooltip: [{ field: "design" }, { field: "term" }, { field: "rms", title: "e- rms", format: ".4~g" }],
     },
   }, 0, "shares of the temporal noise");
@@ -100,7 +100,7 @@ async function startAccuracy() {
     width: "container", height: 300, autosize: { type: "fit", contains: "padding" }, data: { values },
     mark: { type: "line", point: { size: 45, filled: true }, strokeWidth: 2 },
     encoding: {
-      x: { field: "time", type: "quantitative", scale: { type: "log", nice: false, padding: 12 }, title: "time of a design (µs)", axis: { format: "~g" } },
+      x: { field: "time", type: "quantitative", scale: { type: "log", nice: false, padding: 12 }, title: "time of a design (µs)", axis: { format: ".6~g" } },
       y: { field: "error", type: "quantitative", scale: { type: "log" }, title: "error", axis: { format: ".0e", tickCount: 8 } },
       color: { field: "kind", title: null, scale: { domain: ["promised", "realised"], range: [colourOf("--s7"), colourOf("--s0")] } },
       tooltip: [{ field: "kind" }, { field: "tolerance", format: ".0e" }, { field: "error", format: ".2e" }, { field: "time", title: "µs", format: ".3~g" }],

@@ -23,7 +23,7 @@ function scatterSpec(visible) {
   const { x, y, colour } = scatter;
   const xy = { x: quantity(x), y: quantity(y) };
   const plain = { value: colourOf("--s0") };
-  const coloured = colour ? { field: colour.field, type: "quantitative", title: colour.label, scale: { scheme: "viridis", zero: false }, legend: { format: "~g" } } : plain;
+  const coloured = colour ? { field: colour.field, type: "quantitative", title: colour.label, scale: { scheme: "viridis", zero: false }, legend: { format: ".6~g" } } : plain;
   return {
     width: "container", height: 400, autosize: { type: "fit", contains: "padding" },
     datasets: { all: visible, front: visible.filter((row) => row.front), chosen: visible.filter((row) => row.chosen) },
@@ -36,8 +36,9 @@ function scatterSpec(visible) {
         encoding: { ...xy, opacity: { value: 0.8 } } },
       { data: { name: "chosen" }, mark: { type: "point", shape: "diamond", size: 120, filled: true, fill: colourOf("--s3"), stroke: colourOf("--paper"), strokeWidth: 1, opacity: 1 },
         encoding: { ...xy, tooltip: tooltipOf(hoverColumns) } },
-      { data: { name: "chosen" }, mark: { type: "text", dy: -12, fontSize: 11, fontWeight: 600, color: colourOf("--ink") },
-        encoding: { ...xy, text: { field: "design" } } },
+      ...[{ stroke: colourOf("--paper"), strokeWidth: 3, strokeJoin: "round" }, { style: "ink" }].map((more) => (
+        { data: { name: "chosen" }, mark: { type: "text", dy: -12, fontSize: 11, fontWeight: 600, color: colourOf("--ink"), tooltip: false, ...more },
+          encoding: { ...xy, text: { field: "design" } } })),
     ],
   };
 }
@@ -110,13 +111,12 @@ function parallelSpec(visible) {
   const colours = [colourOf("--rule"), colourOf("--s7"), colourOf("--s1"), ...always.map((row) => designColour(row.design))];
   const x = { field: "place", type: "quantitative", axis: null, scale: { domain: [-0.35, parallelColumns.length - 0.65] } };
   const words = (field, y, dy, more = {}) => ({ data: { name: "ends" }, mark: { type: "text", dy, fontSize: 11, color: colourOf("--soft"), limit: 150, ...more },
-    encoding: { x, y: { datum: y }, text: { field } } });
-  const count = Math.min(visible.length, lines.length);
+    encoding: { x, y: { datum: y, axis: null }, text: { field } } });
   return {
     width: "container", height: 300, padding: { left: 5, right: 5, top: 46, bottom: 24 }, autosize: { type: "fit-x", contains: "padding" },
-    datasets: { lines, ends, count: [{ count }] },
+    datasets: { lines, ends },
     layer: [
-      { data: { name: "ends" }, mark: { type: "rule", color: colourOf("--rule") }, encoding: { x, y: { datum: 0 }, y2: { datum: 1 } } },
+      { data: { name: "ends" }, mark: { type: "rule", color: colourOf("--rule") }, encoding: { x, y: { datum: 0, axis: null }, y2: { datum: 1 } } },
       { data: { name: "lines" }, params: [{ name: "hover", select: { type: "point", fields: ["design"], on: "pointerover", clear: "pointerout" } }],
         mark: { type: "line", strokeJoin: "round" },
         encoding: { x, y: { field: "share", type: "quantitative", axis: null, scale: { domain: [0, 1] } }, detail: { field: "design" },
@@ -124,7 +124,7 @@ function parallelSpec(visible) {
           strokeWidth: { condition: [{ param: "hover", empty: false, value: 3 }, { test: "indexof(datum.kind, 'design ') === 0", value: 2.6 }], value: 1 },
           opacity: { condition: [{ param: "hover", empty: false, value: 1 }, { test: "indexof(datum.kind, 'design ') === 0", value: 1 }, { test: "datum.kind === 'not feasible'", value: 0.35 }], value: 0.5 },
           tooltip: [{ field: "design" }, { field: "kind" }] } },
-      { data: { name: "lines" }, mark: { type: "circle", size: 30, opacity: 0 }, encoding: { x, y: { field: "share", type: "quantitative" },
+      { data: { name: "lines" }, mark: { type: "circle", size: 30, opacity: 0 }, encoding: { x, y: { field: "share", type: "quantitative", axis: null },
         tooltip: [{ field: "design" }, { field: "name" }, { field: "value", type: "quantitative", format: ".5~g" }] } },
       words("name", 1, -32, { fontWeight: 600, color: colourOf("--ink"), fontSize: 12 }), words("top", 1, -14), words("bottom", 0, 12),
     ],

@@ -6,7 +6,10 @@ const isGrid = report.method === "grid" && report.every === 1;
 
 function mapSpec() {
   const { x, y, value } = map;
-  const colour = { field: value.field, type: "quantitative", title: value.label, scale: { scheme: "viridis", zero: false }, legend: { format: "~g", gradientLength: 300 } };
+  // Colours are for designs that count: those that are not feasible may be far off.
+  const counted = (rows.some((row) => row.feasible) ? rows.filter((row) => row.feasible) : rows).map((row) => row[value.field]).filter((v) => typeof v === "number");
+  const domain = counted.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
+  const colour = { field: value.field, type: "quantitative", title: value.label, scale: { scheme: "viridis", zero: false, clamp: true, ...(domain[1] > domain[0] ? { domain } : {}) }, legend: { format: ".6~g", gradientLength: 300 } };
   const tooltip = tooltipOf([x, y, value, ...objectives.filter((o) => o.index !== value.index)]);
   const here = isGrid ? rows.filter((row) => [...map.held].every(([index, level]) => String(row[`c${index}`]) === level)) : rows;
   const fade = { condition: { test: "datum.feasible", value: 1 }, value: 0.35 };
