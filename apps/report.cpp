@@ -2,10 +2,12 @@
 
 // `mtf report DIR`: one page of HTML from what a sweep left.
 
+#include <algorithm>
 #include <filesystem>
 
 #include "apps/options.h"
 #include "apps/output.h"
+#include "apps/report_files.h"
 #include "apps/report_page.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
@@ -21,6 +23,22 @@ void require_no_input(const Sweep& sweep, const ReportOptions& options, const st
   if (!options.scene.empty()) require_different(options.scene, out);
 }
 
+/// What is left for designs in a page of two million bytes.
+TableLimits room_for_designs(const std::vector<ChosenDesign>& chosen) {
+  constexpr std::int64_t kPage = 1'900'000, kHtml = 300'000;  // static charts, tables, shown files
+  const ReportFiles& files = report_files();
+  std::size_t taken =
+      files.page.size() + files.style.size() + files.script.size() + files.library.size() + files.notices.size();
+  for (const ChosenDesign& design : chosen) {
+    taken += design.image.data_uri.size() + 2 * design.text.size();
+    // A curve is six digits a point.
+    taken += 9 * design.frequency_cy_mm.size() * (design.components.size() + 2);
+  }
+  TableLimits limits;
+  limits.bytes = std::clamp(kPage - kHtml - static_cast<std::int64_t>(taken), std::int64_t{100'000}, kPage / 2);
+  return limits;
+}
+
 }  // namespace
 
 int run_report(const ReportOptions& options, const Global& global) {
@@ -28,13 +46,13 @@ int run_report(const ReportOptions& options, const Global& global) {
   const std::string out = options.out.empty() ? (sweep.folder / "report.html").string() : options.out;
   require_no_input(sweep, options, out);
   if (!options.scene.empty()) mtf::io::input_file_size(options.scene);  // tells at once of a name mistyped
-  const DesignTable table = read_designs(sweep);
   std::vector<ChosenDesign> chosen = load_chosen(sweep);
   simulate_chosen(chosen, options.scene, global);
+  const DesignTable table = read_designs(sweep, room_for_designs(chosen));
   for (const ChosenDesign& design : chosen)
     if (!design.problem.empty())
-      note(global, "note: design " + std::to_string(design.chosen.design) + " is shown without curves: " +
-                       one_line(design.problem));
+      note(global, "note: design " + std::to_string(design.chosen.design) +
+                       " is shown without curves: " + one_line(design.problem));
   const std::string page = report_page(sweep, table, chosen, options.scene);
   emit(out, page);
   if (out == "-") return 0;  // standard output is the report

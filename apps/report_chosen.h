@@ -34,8 +34,8 @@ struct ChosenDesign {
   std::string name, text;  ///< of the sensor file
   std::string problem;     ///< why there is nothing below; "" else
   mtf::io::SensorConfig config;
-  double nyquist_cy_mm = 0.0;                      ///< along x, as all curves
-  std::vector<double> frequency_cy_mm;             ///< 0 to the cutoff or twice Nyquist, the smaller
+  double nyquist_cy_mm = 0.0;           ///< along x, as all curves
+  std::vector<double> frequency_cy_mm;  ///< 0 to the cutoff or twice Nyquist, the smaller
   std::vector<ChosenCurve> components;
   ChosenCurve system;
   std::vector<radiometry::BudgetRow> budget;

@@ -92,6 +92,15 @@ void check_header(const Records& records, const std::vector<std::string>& cells,
       records.fail("column '" + one_line(cells[i]) + "' where sweep.json has '" + one_line(wanted) + "'");
 }
 
+/// True for one design in `every`, whatever their order: steps of a fixed length would meet the levels of a grid or the
+/// digits of a Sobol sequence. The mixing of splitmix64 (Steele, Lea and Flood, OOPSLA 2014).
+bool is_drawn(std::int64_t design, std::int64_t every) {
+  auto h = static_cast<std::uint64_t>(design) + 0x9E3779B97F4A7C15ULL;
+  h = (h ^ (h >> 30)) * 0xBF58476D1CE4E5B9ULL;
+  h = (h ^ (h >> 27)) * 0x94D049BB133111EBULL;
+  return (h ^ (h >> 31)) % static_cast<std::uint64_t>(every) == 0;
+}
+
 /// Designs that the report names, rising.
 std::vector<std::int64_t> named_designs(const Sweep& sweep) {
   std::vector<std::int64_t> named;
@@ -108,7 +117,8 @@ std::vector<std::int64_t> named_designs(const Sweep& sweep) {
 /// Designs to keep whatever their number, rising; sets `every` and `pareto_every`.
 std::vector<std::int64_t> plan_subset(const Sweep& sweep, std::int64_t file_bytes, const TableLimits& limits,
                                       DesignTable& table) {
-  const double row_bytes = static_cast<double>(file_bytes) / static_cast<double>(std::max<std::int64_t>(sweep.designs, 1));
+  const double row_bytes =
+      static_cast<double>(file_bytes) / static_cast<double>(std::max<std::int64_t>(sweep.designs, 1));
   const auto room = static_cast<std::int64_t>(
       std::max(2.0, std::min(static_cast<double>(limits.rows), static_cast<double>(limits.bytes) / row_bytes)));
   if (sweep.designs <= room) return {};
@@ -158,7 +168,7 @@ DesignTable read_designs(const Sweep& sweep, const TableLimits& limits) {
     for (std::size_t i = 0; i < missing.size(); ++i) missing[i] += cells[i + 1].empty();
     const bool wanted = kept != keep.end() && *kept == count;
     if (wanted) ++kept;
-    if (!wanted && count % table.every != 0) continue;
+    if (!wanted && !is_drawn(count, table.every)) continue;
     table.design.push_back(count);
     table.cells.emplace_back(std::make_move_iterator(cells.begin() + 1), std::make_move_iterator(cells.end()));
   }

@@ -37,8 +37,8 @@ std::string values(const Sweep& sweep, const DesignTable& table, const Chosen& c
   for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
     const SweepColumn& column = sweep.columns[c];
     if (!column.gap.empty()) continue;
-    std::vector<std::string> cells{column_html(column) +
-                                   (column.unit.empty() ? "" : " <span class=\"unit\">" + html(column.unit) + "</span>")};
+    std::vector<std::string> cells{
+        column_html(column) + (column.unit.empty() ? "" : " <span class=\"unit\">" + html(column.unit) + "</span>")};
     for (const ChosenDesign& design : chosen) {
       const auto row = table.row(design.chosen.design);
       const std::string cell = row ? table.cells[*row][c] : "";
@@ -122,8 +122,9 @@ std::string images(const Chosen& chosen, const std::string& scene) {
     }
     std::string notes;
     for (const std::string& note : image.notes) notes += "<br>" + html(note);
-    text += "<figure><img src=\"" + image.data_uri + "\" width=\"220\" height=\"220\" alt=\"simulated image of design " +
-            number + "\"><figcaption><span class=\"key\" data-design=\"" + number + "\">" + number + "</span> " +
+    text += "<figure><img src=\"" + image.data_uri +
+            "\" width=\"220\" height=\"220\" alt=\"simulated image of design " + number +
+            "\"><figcaption><span class=\"key\" data-design=\"" + number + "\">" + number + "</span> " +
             html(design.chosen.why) + "<br><small>" + std::to_string(image.width) + " &times; " +
             std::to_string(image.height) + " px, " + significant(image.low, 4) + " to " + significant(image.high, 4) +
             " " + html(image.unit) + notes + "</small></figcaption></figure>\n";
@@ -152,7 +153,8 @@ std::string noise_budget(const Chosen& chosen) {
   for (const ChosenDesign& design : chosen)
     for (const radiometry::BudgetRow& row : design.budget)
       if (row.name == "temporal") bars.push_back({"design " + std::to_string(design.chosen.design), row.value, 0.0});
-  return "<h3>Noise budget</h3>\n<p>Of a pixel on the axis that looks at a surface of 300 K, as <code>mtf budget</code> "
+  return "<h3>Noise budget</h3>\n<p>Of a pixel on the axis that looks at a surface of 300 K, as <code>mtf "
+         "budget</code> "
          "has it. Variances add: bars are shares of the temporal variance.</p>\n" +
          html_chart("noise", svg_bars("Temporal noise", "electrons rms", bars)) +
          "<details><summary>All terms</summary>" + rows.html() + "</details>\n" + gaps;
@@ -162,8 +164,7 @@ std::string noise_budget(const Chosen& chosen) {
 
 std::string chosen_section(const Sweep& sweep, const DesignTable& table, const Chosen& chosen,
                            const std::string& scene) {
-  if (chosen.empty())
-    return html_section("chosen", "Chosen designs", "", "<p class=\"gap\">The sweep chose none.</p>");
+  if (chosen.empty()) return html_section("chosen", "Chosen designs", "", "<p class=\"gap\">The sweep chose none.</p>");
   std::string body = problems(chosen) + values(sweep, table, chosen);
   if (std::any_of(chosen.begin(), chosen.end(), [](const auto& d) { return d.problem.empty(); }))
     body += "<h3>MTF</h3>\n" + html_chart("curves", static_curves(chosen)) +

@@ -23,10 +23,10 @@
 namespace apps {
 namespace {
 
-constexpr std::int64_t kPixels = 160;         // of the design with the smallest pixels, a side
-constexpr std::int64_t kSamplesAPixel = 4;    // of the scene
-constexpr std::int64_t kMostPixels = 1 << 26;  // of a scene file
-constexpr double kTolerance = 2e-3;            // half a grey level of the picture
+constexpr std::int64_t kPixels = 160;                  // of the design with the smallest pixels, a side
+constexpr std::int64_t kSamplesAPixel = 4;             // of the scene
+constexpr std::int64_t kMostPixels = 1 << 26;          // of a scene file
+constexpr double kTolerance = 2e-3;                    // half a grey level of the picture
 constexpr double kSun_k = 5772.0, kSun_sr = 6.794e-5;  // IAU 2015 nominal values; solid angle at 1 au
 
 double ifov_urad(const mtf::Frame<double>& frame, mtf::Axis axis) {
@@ -107,9 +107,11 @@ mtf::Image simulate(const mtf::io::SensorConfig& config, mtf::io::Scene scene, b
   }
   out.unit = physical->unit();
   const radiometry::Chain chain(plan, physical->system, physical->loaded.sensor, {}, threads);
-  radiometry::ChainFrame frame = chain.run(std::move(scene.planes.front()), 0, physical->tap, defaults.border_value, threads);
+  radiometry::ChainFrame frame =
+      chain.run(std::move(scene.planes.front()), 0, physical->tap, defaults.border_value, threads);
   const auto full = [&](std::int64_t clipped, const char* what) {
-    const double share = static_cast<double>(clipped) / static_cast<double>(std::max<std::int64_t>(frame.image.size(), 1));
+    const double share =
+        static_cast<double>(clipped) / static_cast<double>(std::max<std::int64_t>(frame.image.size(), 1));
     if (share > 0.001) out.notes.push_back(significant(100.0 * share, 2) + " % of the pixels " + what);
   };
   full(frame.well.high, "have a full well");
@@ -176,8 +178,7 @@ void simulate_chosen(std::vector<ChosenDesign>& designs, const std::string& scen
       mtf::io::Scene source = scene.empty()
                                   ? built_in(config, picture, finest_urad / static_cast<double>(kSamplesAPixel))
                                   : from_file(config, scene);
-      const mtf::Image whole =
-          simulate(config, std::move(source), scene.empty(), scene, global.threads, design.image);
+      const mtf::Image whole = simulate(config, std::move(source), scene.empty(), scene, global.threads, design.image);
       const auto pixels = [&](mtf::Axis axis) {
         return std::llround(static_cast<double>(kPixels) * finest_urad / ifov_urad(config.system.frame, axis));
       };

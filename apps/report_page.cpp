@@ -49,10 +49,10 @@ std::string json_chosen(const ChosenDesign& design) {
   if (design.problem.empty()) {
     const mtf::Frame<double>& frame = design.config.system.frame;
     text += ",\"pitch_um\":" + json_number(frame.pitch_x_um) + ",\"focal_mm\":" + json_number(frame.focal_length_mm) +
-            ",\"nyquist\":" + json_number(design.nyquist_cy_mm) + ",\"frequency\":" + json_curve(design.frequency_cy_mm) +
-            ",\"system\":" + json_curve(design.system.mtf) +
-            ",\"components\":" + json_list(design.components, json_curve_of) + ",\"budget\":" +
-            json_list(design.budget, [](const radiometry::BudgetRow& row) {
+            ",\"nyquist\":" + json_number(design.nyquist_cy_mm) +
+            ",\"frequency\":" + json_curve(design.frequency_cy_mm) + ",\"system\":" + json_curve(design.system.mtf) +
+            ",\"components\":" + json_list(design.components, json_curve_of) +
+            ",\"budget\":" + json_list(design.budget, [](const radiometry::BudgetRow& row) {
               return "[" + json_text(row.name) + "," + json_number(row.value) + "]";
             });
   }
@@ -63,7 +63,8 @@ std::string json_chosen(const ChosenDesign& design) {
 std::string script_hash(std::string_view script) {
   const std::string hex = mtf::io::sha256_hex(script);
   std::string bytes;
-  for (std::size_t i = 0; i + 1 < hex.size(); i += 2) bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
   return "'sha256-" + base64(bytes) + "'";
 }
 
@@ -120,16 +121,16 @@ std::string report_page(const Sweep& sweep, const DesignTable& table, const std:
   const bool interactive = !files.library.empty();
   const std::string_view script = interactive ? files.script : std::string_view();
   // Styles stand in the page and in its charts; everything else comes from nowhere.
-  const std::string policy = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; "
-                             "form-action 'none'; script-src " +
-                             (interactive ? script_hash(files.library) + " " + script_hash(script) : "'none'");
+  const std::string policy =
+      "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; "
+      "form-action 'none'; script-src " +
+      (interactive ? script_hash(files.library) + " " + script_hash(script) : "'none'");
   const std::string about = std::to_string(sweep.designs) + " designs &middot; mtf " + html(mtf::version) + " " +
                             html(mtf::git_commit) + " &middot; sweep by mtf " + html(sweep.version) + " " +
                             html(sweep.commit);
-  const std::string sections = summary_section(sweep, table) + trade_section(sweep, table) +
-                               map_section(sweep, table) + chosen_section(sweep, table, chosen, scene) +
-                               sensitivity_section(sweep, table) + run_section(sweep) + columns_section(sweep) +
-                               files_section(sweep, table, chosen);
+  const std::string sections = summary_section(sweep, table) + trade_section(sweep, table) + map_section(sweep, table) +
+                               chosen_section(sweep, table, chosen, scene) + sensitivity_section(sweep, table) +
+                               run_section(sweep) + columns_section(sweep) + files_section(sweep, table, chosen);
   const std::string data = report_data(sweep, table, chosen);
   const std::string notices =
       interactive ? html_lines(files.notices) : "This build has no chart libraries: its charts are static.";

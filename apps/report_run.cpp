@@ -82,7 +82,7 @@ std::string accuracy(const Sweep& sweep) {
 
 std::string shown_file(const std::string& file, const std::string& sha256, const std::string& text,
                        const std::string& problem) {
-  constexpr std::size_t kMost = 40'000;
+  constexpr std::size_t kMost = 12'000;
   std::string body = problem.empty() ? "<pre>" + html_lines(std::string_view(text).substr(0, kMost)) + "</pre>"
                                      : "<p class=\"gap\">" + html(problem) + ".</p>";
   if (text.size() > kMost)
@@ -109,7 +109,8 @@ std::string run_section(const Sweep& sweep) {
   body += "<p>Run on " + (sweep.machine.empty() ? "a machine without a name" : html(sweep.machine)) + ", " +
           std::to_string(sweep.threads) + " threads";
   if (sweep.seconds) body += ", " + significant(*sweep.seconds, 4) + " s";
-  if (sweep.resumed > 0) body += ", of which " + std::to_string(sweep.resumed) + " designs were there from an earlier run";
+  if (sweep.resumed > 0)
+    body += ", of which " + std::to_string(sweep.resumed) + " designs were there from an earlier run";
   body += ".</p>\n";
   if (!sweep.skipped.empty()) {
     body += "<h3>What was left out</h3>\n<ul>";
@@ -124,7 +125,8 @@ std::string columns_section(const Sweep& sweep) {
   HtmlTable table("Columns of designs.csv", {"Column", "Unit", "Role", "Definition", "Source"});
   for (const SweepColumn& column : sweep.columns)
     table.add({html(column.name), html(column.unit), html(column.role),
-               html(column.definition) + (column.gap.empty() ? "" : " <span class=\"gap\">Not here: " + html(column.gap) + "</span>"),
+               html(column.definition) +
+                   (column.gap.empty() ? "" : " <span class=\"gap\">Not here: " + html(column.gap) + "</span>"),
                html(column.source)});
   return html_section("definitions", "Definitions", "Every column of designs.csv.", table.html());
 }

@@ -31,13 +31,12 @@ std::string method_words(const Sweep& sweep) {
 std::string tiles(const Sweep& sweep) {
   std::string body = "<div class=\"tiles\">";
   body += tile("<span id=\"total\">" + std::to_string(sweep.designs) + "</span>", "designs, " + method_words(sweep));
-  body += tile(std::to_string(sweep.feasible),
-               sweep.constraints.empty() ? "feasible: nothing is asked of them"
-                                         : "feasible (" + percent(sweep.feasible, sweep.designs) + ")");
+  body += tile(std::to_string(sweep.feasible), sweep.constraints.empty()
+                                                   ? "feasible: nothing is asked of them"
+                                                   : "feasible (" + percent(sweep.feasible, sweep.designs) + ")");
   if (sweep.objectives.size() > 1) body += tile(std::to_string(sweep.pareto_size), "on the Pareto front");
   if (std::isfinite(sweep.worst_error))
-    body += tile(significant(sweep.worst_error, 2),
-                 "largest error, " + significant(sweep.tolerance, 2) + " allowed");
+    body += tile(significant(sweep.worst_error, 2), "largest error, " + significant(sweep.tolerance, 2) + " allowed");
   if (sweep.seconds && sweep.designs_per_second)
     body += tile(significant(*sweep.designs_per_second, 3) + "/s",
                  significant(*sweep.seconds, 3) + " s on " + std::to_string(sweep.threads) + " threads");
@@ -69,7 +68,8 @@ std::string varies(const Sweep& sweep, const DesignTable& table) {
     html_table.add({column_html(column), html(column.unit), axis_values(axis, sweep, table), html(axis.scale)});
   }
   for (const SweepColumn& column : sweep.columns)
-    if (column.role == "link") html_table.add({column_html(column), html(column.unit), html(column.definition), "follows"});
+    if (column.role == "link")
+      html_table.add({column_html(column), html(column.unit), html(column.definition), "follows"});
   return html_table.html();
 }
 
@@ -79,7 +79,8 @@ std::string constraints(const Sweep& sweep) {
   for (const SweepConstraint& constraint : sweep.constraints) {
     const double share =
         static_cast<double>(constraint.met) / static_cast<double>(std::max<std::int64_t>(sweep.designs, 1));
-    table.add({html(constraint.text), std::to_string(constraint.met) + " (" + percent(constraint.met, sweep.designs) + ")",
+    table.add({html(constraint.text),
+               std::to_string(constraint.met) + " (" + percent(constraint.met, sweep.designs) + ")",
                "<span class=\"share\" style=\"--share:" + fixed(std::clamp(share, 0.0, 1.0), 4) + "\"></span>"});
   }
   return table.html();
@@ -93,7 +94,7 @@ std::string list_of(const std::vector<std::string>& items, const char* none) {
 
 std::string yield_of(const Sweep& sweep, std::int64_t design) {
   for (const auto& [number, share] : sweep.best_yield)
-    if (number == design && std::isfinite(share)) return significant(100.0 * share, 3) + " %";
+    if (number == design && std::isfinite(share)) return significant(100.0 * share, 3) + "&nbsp;%";
   return html_value("");
 }
 
@@ -112,10 +113,10 @@ std::string best(const Sweep& sweep, const DesignTable& table) {
     const bool known = objective != sweep.objectives.end();
     const auto column = sweep.column(known ? objective->column : one.objective);
     const auto row = table.row(one.design);
-    std::vector<std::string> cells{
-        (known ? objective->maximize ? "largest " : "smallest " : "") + html(one.objective), std::to_string(one.design),
-        (row && column ? html_value(table.cells[*row][*column]) : html_value(one.value)) +
-            (column ? " " + html(sweep.columns[*column].unit) : "")};
+    std::vector<std::string> cells{(known ? objective->maximize ? "largest " : "smallest " : "") + html(one.objective),
+                                   std::to_string(one.design),
+                                   (row && column ? html_value(table.cells[*row][*column]) : html_value(one.value)) +
+                                       (column ? " " + html(sweep.columns[*column].unit) : "")};
     for (const SweepAxis& axis : sweep.axes)
       cells.push_back(row ? html_value(table.cells[*row][*sweep.column(axis.column)]) : "");
     if (sweep.draws > 0) cells.push_back(yield_of(sweep, one.design));
@@ -136,7 +137,8 @@ std::string words(const Sweep& sweep) {
   }
   for (const SweepColumn& column : sweep.columns)
     if (!column.gap.empty())
-      text += "<p class=\"gap\"><strong>" + html(column.name) + "</strong> is not here: " + html(column.gap) + ".</p>\n";
+      text +=
+          "<p class=\"gap\"><strong>" + html(column.name) + "</strong> is not here: " + html(column.gap) + ".</p>\n";
   for (const SweepColumn& column : sweep.columns)
     if (column.gap.empty() && column.missing > 0 && column.role != "yield")
       text += "<p class=\"gap\"><strong>" + html(column.name) + "</strong>: " + std::to_string(column.missing) +
@@ -149,13 +151,12 @@ std::string words(const Sweep& sweep) {
 std::string summary_section(const Sweep& sweep, const DesignTable& table) {
   std::string objectives;
   for (const SweepObjective& objective : sweep.objectives)
-    objectives += (objectives.empty() ? "" : ", ") + std::string(objective.maximize ? "large " : "small ") +
-                  "<em>" + html(objective.text) + "</em>";
-  return html_section(
-      "summary", "Summary", objectives.empty() ? "" : "Wanted: " + objectives + ".",
-      tiles(sweep) + words(sweep) + "<h3>What varies</h3>" + varies(sweep, table) +
-          (sweep.constraints.empty() ? "" : "<h3>What is asked</h3>" + constraints(sweep)) +
-          (sweep.best.empty() ? "" : "<h3>Best designs</h3>" + best(sweep, table)));
+    objectives += (objectives.empty() ? "" : ", ") + std::string(objective.maximize ? "large " : "small ") + "<em>" +
+                  html(objective.text) + "</em>";
+  return html_section("summary", "Summary", objectives.empty() ? "" : "Wanted: " + objectives + ".",
+                      tiles(sweep) + words(sweep) + "<h3>What varies</h3>" + varies(sweep, table) +
+                          (sweep.constraints.empty() ? "" : "<h3>What is asked</h3>" + constraints(sweep)) +
+                          (sweep.best.empty() ? "" : "<h3>Best designs</h3>" + best(sweep, table)));
 }
 
 }  // namespace apps

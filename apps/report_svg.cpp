@@ -82,10 +82,11 @@ std::string axes(const Scale& x, const Scale& y, const std::string& x_label, con
   const double right = kWidth - kRight, bottom = kHeight - kBottom;
   std::string svg;
   for (const double v : x.ticks())
-    svg += line(x.at(v), kTop, x.at(v), bottom, "grid") +
-           text(x.at(v), bottom + 16, "tick", significant(v, 4), "middle");
+    svg +=
+        line(x.at(v), kTop, x.at(v), bottom, "grid") + text(x.at(v), bottom + 16, "tick", significant(v, 4), "middle");
   for (const double v : y.ticks())
-    svg += line(kLeft, y.at(v), right, y.at(v), "grid") + text(kLeft - 6, y.at(v) + 4, "tick", significant(v, 4), "end");
+    svg +=
+        line(kLeft, y.at(v), right, y.at(v), "grid") + text(kLeft - 6, y.at(v) + 4, "tick", significant(v, 4), "end");
   return svg + line(kLeft, bottom, right, bottom, "axis") + line(kLeft, kTop, kLeft, bottom, "axis") +
          text(0.5 * (kLeft + right), kHeight - 14, "label", x_label, "middle") +
          "<text class=\"label\" text-anchor=\"middle\" transform=\"translate(16 " + px(0.5 * (kTop + bottom)) +
@@ -161,8 +162,7 @@ std::string svg_figure(const Figure& figure) {
   int number = 0;
   for (const Series& series : figure.series) {
     const std::string style = series.emphasised ? "series strong" : "series s" + std::to_string(number++ % 8);
-    svg += series.mark == Mark::line ? path_of(series, x, y, style)
-                                     : points_of(series, x, y, colours, style + " dot");
+    svg += series.mark == Mark::line ? path_of(series, x, y, style) : points_of(series, x, y, colours, style + " dot");
     if (series.name.empty() || !series.value.empty() || legend > kHeight - 20) continue;
     svg += line(kWidth - kRight + 14, legend - 4, kWidth - kRight + 32, legend - 4, style) +
            text(kWidth - kRight + 38, legend, "tick", series.name);
@@ -217,8 +217,8 @@ std::string svg_bars(const std::string& title, const std::string& x_label, std::
   const Scale x(range.lo, range.hi, left, kWidth - 70.0, false);
   std::string svg = open(title, height);
   for (const double v : x.ticks())
-    svg += line(x.at(v), kTop, x.at(v), bottom, "grid") +
-           text(x.at(v), bottom + 16, "tick", significant(v, 4), "middle");
+    svg +=
+        line(x.at(v), kTop, x.at(v), bottom, "grid") + text(x.at(v), bottom + 16, "tick", significant(v, 4), "middle");
   double y = kTop;
   for (const Bar& bar : bars) {
     svg += text(left - 8, y + 15, "tick", bar.label, "end");

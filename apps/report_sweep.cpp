@@ -109,8 +109,7 @@ void read_results(const Node& root, Sweep& sweep) {
     sweep.best.push_back(
         {node.text("objective"), design(node.at("design")), node.number("value"), node.texts("active")});
   for (const Node& node : root.list("pareto")) sweep.pareto.push_back(design(node));
-  if (!std::is_sorted(sweep.pareto.begin(), sweep.pareto.end()))
-    root.at("pareto").fail("the designs do not rise");
+  if (!std::is_sorted(sweep.pareto.begin(), sweep.pareto.end())) root.at("pareto").fail("the designs do not rise");
   sweep.pareto_size = std::max(root.count("pareto_size"), static_cast<std::int64_t>(sweep.pareto.size()));
   for (const Node& node : root.list("chosen"))
     sweep.chosen.push_back({design(node.at("design")), node.text("file"), node.text("why")});
@@ -134,8 +133,8 @@ void read_results(const Node& root, Sweep& sweep) {
 
 void read_run(const Node& root, Sweep& sweep) {
   for (const Node& node : root.list("accuracy"))
-    sweep.accuracy.push_back({node.number("tolerance"), node.number("promised"), node.number("realised"),
-                              node.number("us_per_design")});
+    sweep.accuracy.push_back(
+        {node.number("tolerance"), node.number("promised"), node.number("realised"), node.number("us_per_design")});
   if (root.has("timing")) {
     const Node node = root.at("timing");
     if (node.has("seconds")) sweep.seconds = node.number("seconds");

@@ -98,8 +98,8 @@ struct Sweep {
   std::optional<std::size_t> column(const std::string& name) const;
 };
 
-/// Reads and checks DIR/sweep.json. Throws UsageError for a folder that no sweep left, one that a sweep has not finished,
-/// and another schema; RuntimeError for files that cannot be read.
+/// Reads and checks DIR/sweep.json. Throws UsageError for a folder that no sweep left, one that a sweep has not
+/// finished, and another schema; RuntimeError for files that cannot be read.
 Sweep read_sweep(const std::filesystem::path& folder);
 
 }  // namespace apps

@@ -75,8 +75,8 @@ std::string subset_words(const Sweep& sweep, const DesignTable& table) {
   const std::string here = "<span id=\"embedded\">" + std::to_string(table.design.size()) + "</span>";
   if (table.whole()) return "All " + here + " designs are in this page.";
   std::string text = here + " of " + std::to_string(sweep.designs) +
-                     " designs are in this page, to keep it small: every " + std::to_string(table.every) +
-                     "th from design 0, the best and chosen ones, and ";
+                     " designs are in this page, to keep it small: one in " + std::to_string(table.every) +
+                     ", drawn by a fixed hash of its number, the best and chosen ones, and ";
   text += table.pareto_every == 1 ? "the whole Pareto front"
                                   : "every " + std::to_string(table.pareto_every) + "th of the Pareto front";
   if (sweep.pareto_size > static_cast<std::int64_t>(sweep.pareto.size()))
@@ -117,7 +117,8 @@ std::string static_map(const Sweep& sweep, const DesignTable& table) {
   for (const auto& cells : table.cells) {
     bool here = true;
     for (const SweepAxis& axis : sweep.axes)
-      if (const std::size_t c = *sweep.column(axis.column); c != x && c != y) here = here && cells[c] == table.cells[at][c];
+      if (const std::size_t c = *sweep.column(axis.column); c != x && c != y)
+        here = here && cells[c] == table.cells[at][c];
     const auto cx = cell_value(cells[x]), cy = cell_value(cells[y]);
     if (here && cx && cy) values[{*cx, *cy}] = cell_value(cells[z]).value_or(NAN);
   }

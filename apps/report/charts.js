@@ -27,7 +27,7 @@ async function draw(id, spec, marks = 0, about = "") {
     renderer: canvas ? "canvas" : "svg",
     ast: true,  // no code is made from text, so the page's policy can forbid it
     actions: { export: { svg: true, png: true }, source: false, compiled: false, editor: false },
-    tooltip: { theme: "custom" },
+    tooltip: { theme: "custom", formatTooltip: tooltipHtml },
   });
   drawn.get(id)?.view.finalize();
   for (const old of [...place.children]) if (old !== holder) old.remove();
@@ -51,10 +51,16 @@ function addChoice(id, label, options, value, changed) {
 // Names as the report writes them.
 const columnChoices = (list) => list.map((column) => [column.index, column.label]);
 const quantity = (column, more = {}) => ({ field: column.field, type: "quantitative", title: column.label,
-  scale: { zero: false, nice: true, ...(more.scale ?? {}) }, axis: { format: ".6~g", ...(more.axis ?? {}) } });
-const tooltipOf = (list) => [{ field: "design", title: "design" },
-  ...list.map((column) => ({ field: column.field, title: column.label, ...(column.discrete ? {} : { type: "quantitative", format: ".5~g" }) }))];
+  scale: { zero: false, nice: true, ...(more.scale ?? {}) }, axis: { format: ".6~g", tickCount: 9, ...(more.axis ?? {}) } });
+// Marks that stand for a design carry the design itself; its words are made when somebody points at it.
+const hoverDesign = { content: "data" };
 const hoverColumns = columns.filter((column) => !column.gap && column.role !== "feasible" && column.role !== "error").slice(0, 14);
+function tooltipHtml(value, sanitize) {
+  const pairs = value.design !== undefined && "front" in value
+    ? [["design", value.design], ...hoverColumns.map((column) => [column.label, shown(value[column.field])])]
+    : Object.entries(value);
+  return `<table>${pairs.map(([key, text]) => `<tr><td class="key">${sanitize(key)}</td><td class="value">${sanitize(String(text))}</td></tr>`).join("")}</table>`;
+}
 
 // A canvas prints as pixels: while printing an SVG of the same scene takes its place.
 addEventListener("beforeprint", () => {

@@ -23,11 +23,11 @@ function curvesSpec() {
       add(one, "system", one.system);
     }
   }
-  const x = { field: "f", type: "quantitative", title: `spatial frequency along x (${curves.unit})`, axis: { format: ".6~g" } };
+  const x = { field: "f", type: "quantitative", title: `spatial frequency along x (${curves.unit})`, axis: { format: ".6~g", tickCount: 12 } };
   const y = { field: "mtf", type: "quantitative", title: "MTF", scale: { domain: [0, 1] } };
   const color = { field: "name", type: "nominal", title: null, sort: null, scale: { domain: names, range: colours }, legend: { symbolType: "stroke", symbolStrokeWidth: 3 } };
   return {
-    width: "container", height: 360, autosize: { type: "fit", contains: "padding" }, datasets: { lines, nyquist },
+    width: "container", height: 360, datasets: { lines, nyquist },
     layer: [
       { data: { name: "lines" }, mark: { type: "line", strokeWidth: 2 }, encoding: { x, y, color, strokeWidth: { condition: { test: "datum.name === 'system'", value: 3.2 }, value: 1.9 } } },
       { data: { name: "lines" }, mark: { type: "circle", size: 60, opacity: 0 }, encoding: { x, y, tooltip: [{ field: "name", title: "curve" }, { field: "f", title: curves.unit, format: ".4~g" }, { field: "mtf", title: "MTF", format: ".4f" }] } },
@@ -59,7 +59,7 @@ async function startNoise() {
   if (values.length === 0) return;
   const terms = Object.values(noiseTerms).filter((term) => values.some((one) => one.term === term));
   await draw("noise", {
-    width: "container", height: { step: 30 }, autosize: { type: "fit-x", contains: "padding" }, data: { values },
+    width: "container", height: 32 * new Set(values.map((one) => one.design)).size, data: { values },
     mark: { type: "bar", height: { band: 0.72 } },
     encoding: {
       y: { field: "design", type: "nominal", title: null, sort: null },
@@ -97,7 +97,7 @@ async function startAccuracy() {
     [{ tolerance, kind: "promised", error: promised, time }, { tolerance, kind: "realised", error: realised, time }])
     .filter((one) => one.error > 0 && one.time > 0);
   await draw("accuracy", {
-    width: "container", height: 300, autosize: { type: "fit", contains: "padding" }, data: { values },
+    width: "container", height: 300, data: { values },
     mark: { type: "line", point: { size: 45, filled: true }, strokeWidth: 2 },
     encoding: {
       x: { field: "time", type: "quantitative", scale: { type: "log", nice: false, padding: 12 }, title: "time of a design (µs)", axis: { format: ".6~g" } },

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // All designs: a scatter of any two columns, filters, and parallel coordinates of what is left.
 
-const filterColumns = [...axes, ...asked].filter((column, i, all) => all.findIndex((c) => c.index === column.index) === i).slice(0, 12);
+const filterColumns = [...axes, ...asked].filter((column, i, all) => all.findIndex((c) => c.index === column.index) === i && column.role !== "error").slice(0, 12);
 const filters = new Map();  // column index -> { low, high } or { level }
 const only = { feasible: false, front: false };
 let brushed = null;  // ranges of the two columns that were dragged over
@@ -25,20 +25,20 @@ function scatterSpec(visible) {
   const plain = { value: colourOf("--s0") };
   const coloured = colour ? { field: colour.field, type: "quantitative", title: colour.label, scale: { scheme: "viridis", zero: false }, legend: { format: ".6~g" } } : plain;
   return {
-    width: "container", height: 400, autosize: { type: "fit", contains: "padding" },
+    width: "container", height: 400,
     datasets: { all: visible, front: visible.filter((row) => row.front), chosen: visible.filter((row) => row.chosen) },
     layer: [
       { data: { name: "all" }, params: [{ name: "brush", select: { type: "interval" } }],
-        mark: { type: "circle", size: 26 },
-        encoding: { ...xy, tooltip: tooltipOf(hoverColumns), color: coloured,
+        mark: { type: "circle", size: 26, tooltip: hoverDesign },
+        encoding: { ...xy, color: coloured,
           opacity: { condition: { test: "datum.feasible", value: 0.85 }, value: 0.16 } } },
-      { data: { name: "front" }, mark: { type: "point", size: 46, strokeWidth: 1.3, stroke: colourOf("--s3"), fill: null, tooltip: false },
-        encoding: { ...xy, opacity: { value: 0.8 } } },
-      { data: { name: "chosen" }, mark: { type: "point", shape: "diamond", size: 120, filled: true, fill: colourOf("--s3"), stroke: colourOf("--paper"), strokeWidth: 1, opacity: 1 },
-        encoding: { ...xy, tooltip: tooltipOf(hoverColumns) } },
-      ...[{ stroke: colourOf("--paper"), strokeWidth: 3, strokeJoin: "round" }, { style: "ink" }].map((more) => (
+      ...(visible.some((row) => row.front) ? [{ data: { name: "front" }, mark: { type: "point", size: 46, strokeWidth: 1.3, stroke: colourOf("--s3"), fill: null, tooltip: false },
+        encoding: { ...xy, opacity: { value: 0.8 } } }] : []),
+      ...(visible.some((row) => row.chosen) ? [{ data: { name: "chosen" }, mark: { type: "point", shape: "diamond", size: 120, filled: true, fill: colourOf("--s3"), stroke: colourOf("--paper"), strokeWidth: 1, opacity: 1, tooltip: hoverDesign },
+        encoding: xy },
+        ...[{ stroke: colourOf("--paper"), strokeWidth: 3, strokeJoin: "round" }, { style: "ink" }].map((more) => (
         { data: { name: "chosen" }, mark: { type: "text", dy: -12, fontSize: 11, fontWeight: 600, color: colourOf("--ink"), tooltip: false, ...more },
-          encoding: { ...xy, text: { field: "design" } } })),
+          encoding: { ...xy, text: { field: "design" } } }))] : []),
     ],
   };
 }
@@ -79,8 +79,7 @@ const inBrush = (row) => !brushed || Object.entries(brushed).every(([field, [a, 
 
 // Lines through all columns, up being better for objectives; a readable number of them, evenly taken.
 const mostLines = 350;
-const parallelColumns = filterColumns.filter((column) => !column.discrete).slice(0, 9);
-const extremes = new Map(parallelColumns.map((column) => {
+const extremes = new Map(filterColumns.filter((column) => !column.discrete).map((column) => {
   let low = Infinity, high = -Infinity;
   for (const row of rows) {
     const value = row[column.field];
@@ -89,6 +88,8 @@ const extremes = new Map(parallelColumns.map((column) => {
   const objective = objectives.find((one) => one.index === column.index);
   return [column.index, { low, high, down: objective !== undefined && !objective.maximize, objective }];
 }));
+
+const parallelColumns = filterColumns.filter((column) => extremes.get(column.index)?.high > extremes.get(column.index)?.low).slice(0, 9);
 
 function parallelSpec(visible) {
   const always = visible.filter((row) => row.chosen);
@@ -105,15 +106,15 @@ function parallelSpec(visible) {
     }
   const ends = parallelColumns.map((column, place) => {
     const { low, high, down, objective } = extremes.get(column.index);
-    return { place, name: column.name, unit: column.unit, top: shown(down ? low : high), bottom: shown(down ? high : low), wanted: objective ? (down ? "small is wanted" : "large is wanted") : "" };
+    return { place, name: column.name.replace(/^[a-z_]\w*\.(?=[a-z_]\w*$)/i, ""), unit: column.unit, top: shown(down ? low : high), bottom: shown(down ? high : low), wanted: objective ? (down ? "small is wanted" : "large is wanted") : "" };
   });
   const kinds = ["not feasible", "feasible", "Pareto front", ...always.map((row) => `design ${row.design}`)];
   const colours = [colourOf("--rule"), colourOf("--s7"), colourOf("--s1"), ...always.map((row) => designColour(row.design))];
   const x = { field: "place", type: "quantitative", axis: null, scale: { domain: [-0.35, parallelColumns.length - 0.65] } };
-  const words = (field, y, dy, more = {}) => ({ data: { name: "ends" }, mark: { type: "text", dy, fontSize: 11, color: colourOf("--soft"), limit: 150, ...more },
+  const words = (field, y, dy, more = {}) => ({ data: { name: "ends" }, mark: { type: "text", dy, fontSize: 11, color: colourOf("--soft"), limit: 100, ...more },
     encoding: { x, y: { datum: y, axis: null }, text: { field } } });
   return {
-    width: "container", height: 300, padding: { left: 5, right: 5, top: 46, bottom: 24 }, autosize: { type: "fit-x", contains: "padding" },
+    width: "container", height: 300, padding: { left: 5, right: 5, top: 46, bottom: 24 },
     datasets: { lines, ends },
     layer: [
       { data: { name: "ends" }, mark: { type: "rule", color: colourOf("--rule") }, encoding: { x, y: { datum: 0, axis: null }, y2: { datum: 1 } } },

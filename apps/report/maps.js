@@ -10,21 +10,20 @@ function mapSpec() {
   const counted = (rows.some((row) => row.feasible) ? rows.filter((row) => row.feasible) : rows).map((row) => row[value.field]).filter((v) => typeof v === "number");
   const domain = counted.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
   const colour = { field: value.field, type: "quantitative", title: value.label, scale: { scheme: "viridis", zero: false, clamp: true, ...(domain[1] > domain[0] ? { domain } : {}) }, legend: { format: ".6~g", gradientLength: 300 } };
-  const tooltip = tooltipOf([x, y, value, ...objectives.filter((o) => o.index !== value.index)]);
   const here = isGrid ? rows.filter((row) => [...map.held].every(([index, level]) => String(row[`c${index}`]) === level)) : rows;
   const fade = { condition: { test: "datum.feasible", value: 1 }, value: 0.35 };
   if (!isGrid)
-    return { marks: here.length, spec: { width: "container", height: 400, autosize: { type: "fit", contains: "padding" }, data: { values: here.filter((row) => row[value.field] !== null) },
-      mark: { type: "circle", size: 34 }, encoding: { x: quantity(x, { scale: { type: x.scale === "log" ? "log" : "linear" } }), y: quantity(y, { scale: { type: y.scale === "log" ? "log" : "linear" } }), color: colour, opacity: fade, tooltip } } };
+    return { marks: here.length, spec: { width: "container", height: 400, data: { values: here.filter((row) => row[value.field] !== null) },
+      mark: { type: "circle", size: 34, tooltip: hoverDesign }, encoding: { x: quantity(x, { scale: { type: x.scale === "log" ? "log" : "linear" } }), y: quantity(y, { scale: { type: y.scale === "log" ? "log" : "linear" } }), color: colour, opacity: fade } } };
   const level = (column) => ({ field: column.field, type: "ordinal", title: column.label, axis: { labelExpr: "format(datum.value, '.4~g')", labelOverlap: "greedy", labelAngle: 0, ticks: false, domain: false } });
   const encoding = { x: level(x), y: { ...level(y), sort: "descending" } };
-  return { marks: here.length, spec: { width: "container", height: 400, autosize: { type: "fit", contains: "padding" },
+  return { marks: here.length, spec: { width: "container", height: 400,
     datasets: { here: here.filter((row) => row[value.field] !== null), chosen: here.filter((row) => row.chosen) },
     layer: [
-      { data: { name: "here" }, mark: { type: "rect" }, encoding: { ...encoding, color: colour, opacity: fade, tooltip } },
-      { data: { name: "chosen" }, mark: { type: "point", shape: "diamond", size: 90, filled: true, fill: "#ffffff", stroke: "#111111", strokeWidth: 1.2, opacity: 1 }, encoding: { ...encoding, tooltip } },
+      { data: { name: "here" }, mark: { type: "rect", tooltip: hoverDesign }, encoding: { ...encoding, color: colour, opacity: fade } },
+      ...(here.some((row) => row.chosen) ? [{ data: { name: "chosen" }, mark: { type: "point", shape: "diamond", size: 90, filled: true, fill: "#ffffff", stroke: "#111111", strokeWidth: 1.2, opacity: 1, tooltip: hoverDesign }, encoding },
       { data: { name: "chosen" }, mark: { type: "text", dy: -11, fontSize: 11, fontWeight: 700, color: "#ffffff", stroke: "#111111", strokeWidth: 2.4, strokeJoin: "round" }, encoding: { ...encoding, text: { field: "design" } } },
-      { data: { name: "chosen" }, mark: { type: "text", dy: -11, fontSize: 11, fontWeight: 700, color: "#ffffff", tooltip: false }, encoding: { ...encoding, text: { field: "design" } } },
+      { data: { name: "chosen" }, mark: { type: "text", dy: -11, fontSize: 11, fontWeight: 700, color: "#ffffff", tooltip: false }, encoding: { ...encoding, text: { field: "design" } } }] : []),
     ] } };
 }
 
