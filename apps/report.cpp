@@ -25,12 +25,12 @@ void require_no_input(const Sweep& sweep, const ReportOptions& options, const st
 
 /// What is left for designs in a page of two million bytes.
 TableLimits room_for_designs(const std::vector<ChosenDesign>& chosen) {
-  constexpr std::int64_t kPage = 1'900'000, kHtml = 300'000;  // static charts, tables, shown files
+  constexpr std::int64_t kPage = 1'850'000, kHtml = 300'000;  // static charts, tables, shown files
   const ReportFiles& files = report_files();
   std::size_t taken =
       files.page.size() + files.style.size() + files.script.size() + files.library.size() + files.notices.size();
   for (const ChosenDesign& design : chosen) {
-    taken += design.image.data_uri.size() + 2 * design.text.size();
+    taken += kMostOfImage + 2 * design.text.size();
     // A curve is six digits a point.
     taken += 9 * design.frequency_cy_mm.size() * (design.components.size() + 2);
   }
@@ -47,8 +47,8 @@ int run_report(const ReportOptions& options, const Global& global) {
   require_no_input(sweep, options, out);
   if (!options.scene.empty()) mtf::io::input_file_size(options.scene);  // tells at once of a name mistyped
   std::vector<ChosenDesign> chosen = load_chosen(sweep);
-  simulate_chosen(chosen, options.scene, global);
   const DesignTable table = read_designs(sweep, room_for_designs(chosen));
+  simulate_chosen(chosen, options.scene, global);
   for (const ChosenDesign& design : chosen)
     if (!design.problem.empty())
       note(global, "note: design " + std::to_string(design.chosen.design) +

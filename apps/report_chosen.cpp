@@ -42,8 +42,9 @@ void add_curves(ChosenDesign& design, const mtf::System<double>& system) {
   design.system = curve_of(values.system);
 }
 
-void add_budget(ChosenDesign& design, const LoadedSensor& loaded) {
+void add_budget(ChosenDesign& design) {
   try {
+    const LoadedSensor loaded = load_chain(design.config);
     const radiometry::Budget<double> budget = budget_of(design.config.system, loaded.sensor, kBudget_k);
     design.budget = radiometry::rows(budget);
     design.budget.push_back({"dstar", "cm Hz^1/2 W^-1", dstar_of(design.config.system, loaded.sensor, budget),
@@ -63,10 +64,11 @@ void load(const Sweep& sweep, ChosenDesign& design) {
     if (diagnostic.error) throw mtf::UsageError(mtf::io::format_diagnostic(diagnostic, design.chosen.file));
   design.config = std::move(parsed.config);
   design.name = design.config.system.name;
-  const LoadedSensor loaded = load_chain(design.config);
-  add_curves(design, with_electron_rate(design.config.system, loaded));
-  if (has_chain(design.config))
-    add_budget(design, loaded);
+  const bool chain = has_chain(design.config);
+  const mtf::System<double>& system = design.config.system;
+  add_curves(design, chain && system.band ? with_electron_rate(system, load_chain(design.config)) : system);
+  if (chain)
+    add_budget(design);
   else
     design.budget_gap = "its sensor file has no [detector]: it says nothing of light and noise";
 }

@@ -44,6 +44,9 @@ struct ChosenDesign {
   std::string image_gap;
 };
 
+/// Bytes that an image takes in a page, at most: 160 x 160 grey values that do not compress, in base 64.
+inline constexpr std::size_t kMostOfImage = 36'000;
+
 /// Reads every chosen file; curves and budgets of a surface of 300 K.
 std::vector<ChosenDesign> load_chosen(const Sweep& sweep);
 
