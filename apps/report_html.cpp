@@ -63,7 +63,8 @@ bool is_json_number(std::string_view text) {
   return text.empty();
 }
 
-/// Five digits, without an exponent where that is readable.
+}  // namespace
+
 std::string five_digits(double value) {
   const double size = std::abs(value);
   if (size < 1e-4 || size >= 1e9) return significant(value, 5);
@@ -74,8 +75,6 @@ std::string five_digits(double value) {
   }
   return text;
 }
-
-}  // namespace
 
 std::string html(std::string_view text) { return escaped(one_line(text)); }
 

@@ -16,6 +16,9 @@ std::string html(std::string_view text);
 /// The same with its lines and tabs.
 std::string html_lines(std::string_view text);
 
+/// Five digits, without an exponent where that is readable.
+std::string five_digits(double value);
+
 /// A number to five digits, with the cell as it was for programs and on hovering; other cells as they are, empty ones
 /// as a dash.
 std::string html_value(std::string_view cell);

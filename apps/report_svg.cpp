@@ -6,13 +6,14 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/report_designs.h"
 #include "apps/report_html.h"
 #include "apps/text_table.h"
 
 namespace apps {
 namespace {
 
-constexpr double kWidth = 720.0, kHeight = 380.0, kLeft = 68.0, kRight = 190.0, kTop = 34.0, kBottom = 52.0;
+constexpr double kWidth = 720.0, kHeight = 380.0, kLeft = 84.0, kRight = 190.0, kTop = 34.0, kBottom = 52.0;
 
 std::string px(double value) { return fixed(value, 1); }
 
@@ -82,11 +83,9 @@ std::string axes(const Scale& x, const Scale& y, const std::string& x_label, con
   const double right = kWidth - kRight, bottom = kHeight - kBottom;
   std::string svg;
   for (const double v : x.ticks())
-    svg +=
-        line(x.at(v), kTop, x.at(v), bottom, "grid") + text(x.at(v), bottom + 16, "tick", significant(v, 4), "middle");
+    svg += line(x.at(v), kTop, x.at(v), bottom, "grid") + text(x.at(v), bottom + 16, "tick", five_digits(v), "middle");
   for (const double v : y.ticks())
-    svg +=
-        line(kLeft, y.at(v), right, y.at(v), "grid") + text(kLeft - 6, y.at(v) + 4, "tick", significant(v, 4), "end");
+    svg += line(kLeft, y.at(v), right, y.at(v), "grid") + text(kLeft - 6, y.at(v) + 4, "tick", five_digits(v), "end");
   return svg + line(kLeft, bottom, right, bottom, "axis") + line(kLeft, kTop, kLeft, bottom, "axis") +
          text(0.5 * (kLeft + right), kHeight - 14, "label", x_label, "middle") +
          "<text class=\"label\" text-anchor=\"middle\" transform=\"translate(16 " + px(0.5 * (kTop + bottom)) +
@@ -111,8 +110,8 @@ std::string colour_scale(const Range& range, const std::string& label) {
   for (int i = 0; i < 32; ++i)
     svg += "<rect x=\"" + px(x) + "\" y=\"" + px(kTop + (31 - i) * h) + "\" width=\"14\" height=\"" + px(h + 0.5) +
            "\" fill=\"" + colour(i / 31.0) + "\"/>";
-  return svg + text(x + 20, kTop + 8, "tick", significant(range.hi, 4)) +
-         text(x + 20, kHeight - kBottom, "tick", significant(range.lo, 4));
+  return svg + text(x + 20, kTop + 8, "tick", five_digits(range.hi)) +
+         text(x + 20, kHeight - kBottom, "tick", five_digits(range.lo));
 }
 
 std::string path_of(const Series& series, const Scale& x, const Scale& y, const std::string& style) {
@@ -191,9 +190,8 @@ std::string svg_heat_map(const HeatMap& map) {
     }
   const auto every = [](std::size_t count) { return std::max<std::size_t>(1, (count + 7) / 8); };
   const auto level = [](const std::string& words) {
-    const auto value = html_value(words);  // numbers are shortened as in the tables
-    const std::size_t from = value.starts_with("<data") ? value.find('>') + 1 : std::string::npos;
-    return from == std::string::npos ? words : value.substr(from, value.find('<', from) - from);
+    const auto value = cell_value(words);
+    return value ? five_digits(*value) : words;
   };
   for (std::size_t i = 0; i < map.x.size(); i += every(map.x.size()))
     svg += text(kLeft + w * (static_cast<double>(i) + 0.5), kHeight - kBottom + 16, "tick", level(map.x[i]), "middle");
@@ -217,8 +215,7 @@ std::string svg_bars(const std::string& title, const std::string& x_label, std::
   const Scale x(range.lo, range.hi, left, kWidth - 70.0, false);
   std::string svg = open(title, height);
   for (const double v : x.ticks())
-    svg +=
-        line(x.at(v), kTop, x.at(v), bottom, "grid") + text(x.at(v), bottom + 16, "tick", significant(v, 4), "middle");
+    svg += line(x.at(v), kTop, x.at(v), bottom, "grid") + text(x.at(v), bottom + 16, "tick", five_digits(v), "middle");
   double y = kTop;
   for (const Bar& bar : bars) {
     svg += text(left - 8, y + 15, "tick", bar.label, "end");
