@@ -156,6 +156,12 @@ struct CheckOptions {
   std::string out;  ///< "" = stdout
 };
 
+struct ReportOptions {
+  std::string folder;
+  std::string scene;  ///< image that the chosen designs look at; "" = a computed one
+  std::string out;    ///< "" = report.html in the folder
+};
+
 int run_curve(const CurveOptions& options, const Global& global);
 int run_info(const InfoOptions& options, const Global& global);
 int run_config(const ConfigOptions& options, const Global& global);
@@ -166,5 +172,6 @@ int run_budget(const BudgetOptions& options, const Global& global);
 int run_measure(const MeasureOptions& options, const Global& global);
 int run_fit(const FitOptions& options, const Global& global);
 int run_check(const CheckOptions& options, const Global& global);
+int run_report(const ReportOptions& options, const Global& global);
 
 }  // namespace apps

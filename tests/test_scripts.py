@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the checking scripts: each must refuse what it is there to refuse."""
 
+import json
 import tempfile
 import unittest
 from pathlib import Path
@@ -75,6 +76,19 @@ class ReadmeBlocks(unittest.TestCase):
     def test_whole_configs_are_checked_and_fragments_shown(self):
         self.assertEqual(self.run_text("```toml\n# a sensor\nschema = 1\n```\n"), 1)
         self.assertEqual(self.run_text("```toml\n[frame]\n```\n"), 0)
+
+
+class ReportPackages(unittest.TestCase):
+    def test_the_lock_file_names_no_address_and_pins_every_package(self):
+        lock = json.loads((readme_blocks.ROOT / "apps/report/package-lock.json").read_text(encoding="utf-8"))
+        packages = {name: package for name, package in lock["packages"].items() if name}
+        self.assertGreater(len(packages), 10)
+        for name, package in packages.items():
+            self.assertNotIn("resolved", package, name)
+            self.assertTrue(package["integrity"].startswith("sha512-"), name)
+        wanted = json.loads((readme_blocks.ROOT / "apps/report/package.json").read_text(encoding="utf-8"))
+        for name, version in (wanted["dependencies"] | wanted["devDependencies"]).items():
+            self.assertEqual(packages[f"node_modules/{name}"]["version"], version)
 
 
 if __name__ == "__main__":

@@ -52,6 +52,13 @@ void add_camera(const Scratch& scratch) {
                              std::filesystem::copy_options::overwrite_existing);
 }
 
+/// The folder `sweep`, as `mtf sweep` leaves it.
+void add_sweep(const Scratch& scratch) {
+  const Result made =
+      scratch.run(MTFKIT_PYTHON " '" MTFKIT_SOURCE_DIR "/tests/report/make_sweep.py' sweep --points 25");
+  ASSERT_EQ(made.status, 0) << made.err;
+}
+
 class HelpOf : public testing::TestWithParam<const char*> {};
 
 TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
@@ -60,6 +67,7 @@ TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
   add_scene(scratch);
   if (GetParam() == std::string("measure") || GetParam() == std::string("fit")) add_edge(scratch);
   if (GetParam() == std::string("budget")) add_camera(scratch);
+  if (GetParam() == std::string("report")) add_sweep(scratch);
   const Result help = scratch.run(std::string("mtf ") + GetParam() + " --help");
   ASSERT_EQ(help.status, 0);
   EXPECT_EQ(help.err, "");
@@ -80,7 +88,7 @@ std::string test_name(const testing::TestParamInfo<const char*>& parameter) {
 
 INSTANTIATE_TEST_SUITE_P(Every, HelpOf,
                          testing::Values("", "demo", "info", "config", "config init", "config check", "config explain",
-                                         "config kinds", "curve", "budget", "simulate", "bench", "check"),
+                                         "config kinds", "curve", "budget", "simulate", "bench", "check", "report"),
                          test_name);
 #ifdef MTFKIT_HAVE_CALIB
 INSTANTIATE_TEST_SUITE_P(Calib, HelpOf, testing::Values("measure", "fit"), test_name);

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// sweep.json of a sweep's folder as values, checked: what `mtf report` tells of a study.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace apps {
+
+struct SweepColumn {
+  std::string name, unit;
+  std::string role;  ///< axis, link, metric, objective, feasible, yield or error
+  std::string definition, source;
+  std::string gap;  ///< why no design has it, else ""
+  std::vector<std::string> levels;
+  std::int64_t missing = 0;  ///< designs without a value
+};
+
+struct SweepAxis {
+  std::string column, scale;
+  std::vector<std::string> values;  ///< of a grid or levels, as text; empty for ranges that are sampled
+};
+
+struct SweepConstraint {
+  std::string text;
+  std::int64_t met = 0;
+};
+
+struct SweepObjective {
+  std::string text, column;
+  bool maximize = false;
+};
+
+struct SweepBest {
+  std::string objective;
+  std::int64_t design = 0;
+  double value = 0.0;
+  std::vector<std::string> active;
+};
+
+struct SweepChosen {
+  std::int64_t design = 0;
+  std::string file, why;
+};
+
+struct Derivative {
+  std::string column, parameter, unit;
+  double value = 0.0;
+};
+
+struct SensitivityIndex {
+  std::string column, parameter;
+  double first = 0.0, first_sd = 0.0, total = 0.0, total_sd = 0.0;
+};
+
+struct AccuracyPoint {
+  double tolerance = 0.0, promised = 0.0, realised = 0.0, us_per_design = 0.0;
+};
+
+struct NamedFile {
+  std::string file, sha256;
+};
+
+struct Sweep {
+  std::filesystem::path folder;
+  std::string name, version, commit, machine, method, sha256;
+  NamedFile study;
+  std::vector<NamedFile> sensors;
+  std::int64_t designs = 0, evaluated = 0, seed = 0;
+  double tolerance = 0.0, worst_error = 0.0;
+  std::vector<SweepColumn> columns;
+  std::vector<SweepAxis> axes;
+  std::vector<SweepConstraint> constraints;
+  std::vector<SweepObjective> objectives;
+  std::int64_t feasible = 0;
+  std::optional<std::int64_t> nearest;  ///< to being feasible, when no design is
+  std::vector<std::string> violated;    ///< by that one
+  std::vector<SweepBest> best;
+  std::vector<std::int64_t> pareto;  ///< rising
+  std::int64_t pareto_size = 0;
+  std::vector<SweepChosen> chosen;
+  std::optional<std::int64_t> slope_design;  ///< where the derivatives were taken
+  std::vector<Derivative> derivatives;
+  std::int64_t samples = 0;
+  std::vector<SensitivityIndex> indices;
+  std::int64_t draws = 0;  ///< of the yield
+  std::vector<std::pair<std::int64_t, double>> best_yield;
+  std::vector<AccuracyPoint> accuracy;
+  std::optional<double> seconds, designs_per_second;
+  std::int64_t threads = 0, resumed = 0;
+  std::vector<std::string> skipped;
+
+  /// Index of the column of that name, none when there is no such column.
+  std::optional<std::size_t> column(const std::string& name) const;
+};
+
+/// Reads and checks DIR/sweep.json. Throws UsageError for a folder that no sweep left, one that a sweep has not
+/// finished, and another schema; RuntimeError for files that cannot be read.
+Sweep read_sweep(const std::filesystem::path& folder);
+
+}  // namespace apps

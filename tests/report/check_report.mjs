@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// Opens reports in headless Chromium: nothing asked of the network, nothing on the console, charts drawn, values those
+// of designs.csv, filters and themes at work, print as vectors. Times are printed, not judged.
+// Usage: node check_report.mjs --modules DIR --chromium FILE --mtf FILE --python FILE --work DIR
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+
+const options = {};
+for (let i = 2; i + 1 < process.argv.length; i += 2) options[process.argv[i].slice(2)] = process.argv[i + 1];
+const { chromium } = createRequire(join(options.modules, "x.js"))("playwright-core");
+const maker = join(dirname(fileURLToPath(import.meta.url)), "make_sweep.py");
+const flags = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+  "--disable-component-update", "--disable-sync"];
+
+// RFC 4180.
+function parseCsv(text) {
+  const rows = [[]];
+  for (let i = 0; i < text.length;) {
+    let cell = "";
+    if (text[i] === '"') {
+      for (i += 1; !(text[i] === '"' && text[i + 1] !== '"'); i += 1) {
+        if (text[i] === '"') i += 1;
+        cell += text[i];
+      }
+      i += 1;
+    } else {
+      const end = text.slice(i).search(/[,\n]/);
+      cell = text.slice(i, i + end);
+      i += end;
+    }
+    rows.at(-1).push(cell);
+    if (text[i] === "\n" && i + 1 < text.length) rows.push([]);
+    i += 1;
+  }
+  return rows;
+}
+
+function makeReport(kind, points) {
+  const folder = join(options.work, kind + points);
+  rmSync(folder, { recursive: true, force: true });
+  mkdirSync(folder, { recursive: true });
+  execFileSync(options.python, [maker, folder, "--kind", kind, "--points", String(points)]);
+  execFileSync(options.mtf, ["report", folder, "--quiet"]);
+  return folder;
+}
+
+// A page with everything it says and asks for.
+async function openPage(context, file) {
+  const page = await context.newPage();
+  const said = [], asked = [];
+  page.on("console", (message) => { if (["error", "warning"].includes(message.type())) said.push(message.text()); });
+  page.on("pageerror", (error) => said.push(String(error)));
+  page.on("request", (request) => { if (!request.url().startsWith("data:")) asked.push(request.url()); });
+  await page.goto(pathToFileURL(file).href);
+  return { page, said, asked };
+}
+
+const chartIds = ["scatter", "parallel", "map", "curves", "noise", "indices", "accuracy"];
+
+async function checkCharts(page, expected) {
+  for (const id of expected) {
+    const marks = await page.evaluate((chart) => {
+      const view = document.querySelector(`#${chart} .view`);
+      const canvas = view.querySelector("canvas");
+      if (canvas) {
+        const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+        return pixels.filter((value, i) => i % 4 === 3 && value > 0).length;
+      }
+      return view.querySelectorAll(".vega-embed svg .role-mark path, .vega-embed svg .role-mark line").length;
+    }, id);
+    assert.ok(marks > 2, `chart ${id} has ${marks} marks`);
+  }
+}
+
+async function checkValues(page, folder) {
+  const csv = parseCsv(readFileSync(join(folder, "designs.csv"), "utf8"));
+  const [header, ...rows] = csv;
+  const data = JSON.parse(await page.locator("#data").textContent());
+  assert.deepEqual(data.columns.map((column) => column.name), header.slice(1));
+  data.design.forEach((design, i) => {
+    assert.equal(rows[design][0], String(design));
+    data.columns.forEach((column, c) => {
+      const value = data.cells[c][i], cell = rows[design][c + 1];
+      assert.ok(cell === "" ? value === null : typeof value === "number" ? value === Number(cell) : value === cell,
+        `design ${design} ${column.name}: ${value} in the page, ${cell} in the file`);
+    });
+  });
+  // What is seen: the table of the chosen designs.
+  const seen = await page.evaluate(() => {
+    const table = document.querySelector('[aria-label="Values of the chosen designs"] table');
+    const designs = [...table.querySelectorAll("thead .key")].map((key) => key.dataset.design);
+    return [...table.querySelectorAll("tbody tr")].map((row) => ({
+      name: (row.querySelector("th abbr") ?? row.querySelector("th").firstChild).textContent.trim(),
+      cells: [...row.querySelectorAll("td")].map((cell, i) => [designs[i], cell.querySelector("data")?.value, cell.textContent]),
+    }));
+  });
+  let compared = 0;
+  for (const { name, cells } of seen) {
+    const column = header.indexOf(name);
+    for (const [design, value, text] of cells) {
+      if (column < 0 || value === undefined) continue;
+      const cell = rows[Number(design)][column];
+      assert.equal(value, cell);
+      assert.ok(Math.abs(Number(text) - Number(cell)) <= 6e-5 * Math.abs(Number(cell)) + 1e-8, `${name}: ${text} for ${cell}`);
+      compared += 1;
+    }
+  }
+  assert.ok(compared >= seen[0].cells.length * 5, `only ${compared} values were compared`);
+  return { header, rows, data };
+}
+
+// Filters by keyboard, picking a design, other columns, the other theme.
+async function checkInteraction(page, { header, rows, data }) {
+  const feasible = header.indexOf("feasible");
+  await page.locator("#filters summary").focus();
+  await page.keyboard.press("Enter");
+  await page.getByLabel("feasible only").focus();
+  await page.keyboard.press("Space");
+  const wanted = data.design.filter((design) => rows[design][feasible] === "1").length;
+  await page.waitForFunction((n) => document.querySelector("#filters output").textContent.startsWith(`${n} of `), wanted);
+  const low = await page.locator('#filters input[type="number"]').first();
+  const column = header.indexOf(data.axes[0].column);
+  const middle = (Math.min(...rows.map((row) => Number(row[column]))) + Math.max(...rows.map((row) => Number(row[column])))) / 2;
+  await low.fill(String(middle));
+  const left = data.design.filter((design) => rows[design][feasible] === "1" && Number(rows[design][column]) >= middle).length;
+  assert.ok(left > 0 && left < wanted);
+  await page.waitForFunction((n) => document.querySelector("#filters output").textContent.startsWith(`${n} of `), left);
+
+  const chosen = data.chosen.find((one) => Number(rows[one.design][column]) >= middle).design;
+  await page.evaluate((design) => pick(design), chosen);
+  const shown = await page.locator("#picked dd").allTextContents();
+  const cells = data.columns.map((one, c) => ({ ...one, cell: rows[chosen][c + 1] })).filter((one) => !one.gap);
+  assert.deepEqual(shown.map((text, i) => (cells[i].cell === "" ? text === "–" : Number(text) === Number(cells[i].cell))), cells.map(() => true));
+
+  await page.locator("#scatter select").first().selectOption({ index: 2 });
+  await page.locator("#curves select").first().selectOption({ index: 1 });
+  await page.locator("#curves select").nth(1).selectOption("cy/px");
+  await page.waitForTimeout(300);
+  await page.locator("#theme").click();
+  await page.waitForTimeout(1500);
+  assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), "dark");
+}
+
+async function checkPrint(page) {
+  const canvases = await page.locator(".view canvas").count();
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  assert.equal(await page.locator(".view .print svg").count(), canvases, "every canvas prints as an SVG");
+  await page.evaluate(() => dispatchEvent(new Event("afterprint")));
+  assert.equal(await page.locator(".view .print").count(), 0);
+  const pdf = await page.pdf({ format: "A4" });
+  assert.equal(pdf.subarray(0, 5).toString(), "%PDF-");
+  assert.ok(pdf.length > 30_000, `a PDF of ${pdf.length} bytes`);
+  assert.ok(pdf.toString("latin1").match(/\/Type\s*\/Page\b/g).length >= 3);
+}
+
+const profile = mkdtempSync(join(tmpdir(), "mtfkit_report_"));
+const context = await chromium.launchPersistentContext(profile, { executablePath: options.chromium, headless: true, args: flags,
+  colorScheme: "light", viewport: { width: 1280, height: 900 } });
+try {
+  for (const [kind, points, missing] of [["grid", 400, []], ["sobol", 3000, []], ["levels", 40, ["map"]], ["infeasible", 100, []], ["grid", 25000, []]]) {
+    const folder = makeReport(kind, points);
+    const file = join(folder, "report.html");
+    const size = statSync(file).size;
+    assert.ok(size < 2e6, `${file} has ${size} bytes`);
+    const { page, said, asked } = await openPage(context, file);
+    await page.waitForFunction(() => document.documentElement.dataset.ready);
+    const times = await page.evaluate(() => ({ first: document.documentElement.dataset.first, all: document.documentElement.dataset.ready,
+      paint: Math.round(performance.getEntriesByName("first-contentful-paint")[0]?.startTime ?? NaN) }));
+    console.log(`${kind} ${points}: ${size} bytes, first paint ${times.paint} ms, designs drawn ${times.first} ms, all charts ${times.all} ms`);
+    await checkCharts(page, chartIds.filter((id) => !missing.includes(id)));
+    const values = await checkValues(page, folder);
+    if (kind === "grid") await checkInteraction(page, values);
+    await checkPrint(page);
+    assert.deepEqual(said, []);
+    // The policy holds: text cannot become code, nothing can be fetched.
+    const session = await context.newCDPSession(page);  // page.evaluate itself stands above the policy
+    const { result } = await session.send("Runtime.evaluate", { allowUnsafeEvalBlockedByCSP: false, returnByValue: true,
+      expression: "(() => { try { return new Function('return 1')(); } catch (error) { return error.name; } })()" });
+    assert.equal(result.value, "EvalError");
+    assert.equal(await page.evaluate(() => fetch("data:text/plain,x").then(() => "fetched", (error) => error.name)), "TypeError");
+    assert.deepEqual(asked, [pathToFileURL(file).href]);
+    await page.close();
+  }
+} finally {
+  await context.close();
+  rmSync(profile, { recursive: true, force: true });
+}
+
+// Without scripts: the static charts.
+const browser = await chromium.launch({ executablePath: options.chromium, headless: true, args: flags });
+try {
+  const still = await browser.newContext({ javaScriptEnabled: false });
+  const { page } = await openPage(still, join(options.work, "grid400", "report.html"));
+  assert.ok(await page.locator("svg.static").count() >= 6);
+  assert.ok(await page.locator("svg.static").first().isVisible());
+} finally {
+  await browser.close();
+}
+console.log("report page: ok");
