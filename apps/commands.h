@@ -15,6 +15,7 @@ Command check_command();
 Command demo_command();
 Command simulate_command();
 Command bench_command();
+Command sweep_command();
 // Where calib is built.
 Command measure_command();
 Command fit_command();

@@ -126,8 +126,9 @@ void Tally::add(Part part) {
   }
 }
 
-std::vector<std::int64_t> Tally::front() const {
-  return job_.goals.size() > 1 ? front_.result().designs : std::vector<std::int64_t>{};
+FrontPoints Tally::front() const {
+  return job_.goals.size() > 1 ? front_.result()
+                               : FrontPoints{.objectives = std::max<std::size_t>(1, job_.goals.size())};
 }
 
 std::vector<std::vector<std::size_t>> Tally::contradictions() const {

@@ -69,8 +69,9 @@ class Tally {
   /// The design of least violation (summed over the constraints; `value`; one that has no number counts 1000), the
   /// first of equal ones.
   const TallyDesign& nearest() const { return nearest_; }
-  /// Numbers of the feasible designs of the front, rising, when there are two goals or more.
-  std::vector<std::int64_t> front() const;
+  /// Feasible designs of the Pareto front in the order of their numbers, with their goals (negative where less is
+  /// better); none with fewer than two goals.
+  FrontPoints front() const;
   /// Sets of constraints that no design meets together though it meets any fewer of them; the smallest sets, of at most
   /// four constraints, the first ten. Empty when a design meets all.
   std::vector<std::vector<std::size_t>> contradictions() const;

@@ -70,7 +70,7 @@ TEST(TallyOfRows, CountsBestAndFrontAreThoseByHand) {
     EXPECT_EQ(tally.best()[0].design, 2);
     EXPECT_EQ(tally.best()[0].value, 4.5);
     EXPECT_EQ(tally.best()[1].design, 6);
-    EXPECT_EQ(tally.front(), (std::vector<std::int64_t>{0, 2, 6}));
+    EXPECT_EQ(tally.front().designs, (std::vector<std::int64_t>{0, 2, 6}));
     EXPECT_TRUE(tally.contradictions().empty());
   }
 }
@@ -93,7 +93,7 @@ TEST(TallyOfRows, NearestIsOfLeastScaledViolation) {
     EXPECT_EQ(tally.nearest().design, 1);
     EXPECT_DOUBLE_EQ(tally.nearest().value, 0.5);
     EXPECT_EQ(tally.best()[0].design, -1);
-    EXPECT_TRUE(tally.front().empty());
+    EXPECT_TRUE(tally.front().designs.empty());
   }
   EXPECT_EQ(tally_of({row_of(kNone, 0.9), row_of(kNone, 2.0)}, 1).nearest().design, 1);
   EXPECT_EQ(tally_of({row_of(kNone, kNone), row_of(kNone, 0.9)}, 1).nearest().design, 1);
