@@ -15,9 +15,10 @@ Command check_command();
 Command demo_command();
 Command simulate_command();
 Command bench_command();
-Command sweep_command();
 // Where calib is built.
 Command measure_command();
 Command fit_command();
+// Where apps/study is built.
+Command sweep_command();
 
 }  // namespace apps

@@ -114,10 +114,13 @@ int run(int argc, char** argv) {
       "Examples:\n  mtf demo\n  mtf curve sensor.toml --plot ascii");
   for (const OptionSpec& option : global_options(global).options) add_option(root, option);
   for (const Command& command : {demo_command(), info_command(), config_command(), curve_command(), budget_command(),
-                                 simulate_command(), bench_command(), check_command(), sweep_command()})
+                                 simulate_command(), bench_command(), check_command()})
     add_command(root, command, chosen);
 #ifdef MTFKIT_HAVE_CALIB
   for (const Command& command : {measure_command(), fit_command()}) add_command(root, command, chosen);
+#endif
+#ifdef MTFKIT_HAVE_STUDY
+  add_command(root, sweep_command(), chosen);
 #endif
   try {
     root.parse(argc, argv);

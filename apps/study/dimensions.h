@@ -1,34 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Physical dimensions of the numbers in a study's expressions: powers of metre, second, kelvin and electron. Angles,
-// pixels and cycles are plain numbers (small angles: pitch / focal length is an angle in rad).
+// Physical dimensions of the numbers in a study's expressions: powers of metre, second, kelvin, electron, kilogram and
+// candela. Angles, pixels, cycles and photons are plain numbers (small angles: pitch / focal length is an angle in
+// rad).
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
 namespace study {
 
 struct Dimensions {
-  std::int8_t metre = 0, second = 0, kelvin = 0, electron = 0;
+  std::int8_t metre = 0, second = 0, kelvin = 0, electron = 0, kilogram = 0, candela = 0;
 
   bool operator==(const Dimensions&) const = default;
   bool plain() const { return *this == Dimensions{}; }
 };
 
-/// A unit as expressions see it: value x si = value in m, s, K, e-, rad and their products.
+/// A unit as expressions see it: value x si = value in m, s, K, e-, kg, cd, rad and their products.
 struct UnitScale {
   Dimensions dimensions;
   double si = 1.0;
 };
 
-/// The scale of a unit of mtf/units.h ("um", "urad", "e-/s", "cy/mm", ...) or of a metric ("mK", "m", "%"); "" is a
-/// plain number. Throws UsageError for a unit that nothing has.
+/// The scale of a unit of mtf/units.h ("um", "urad", "e-/s", "cy/mm", ...), of a metric ("%", "W", "Hz^0.5") or of a
+/// product of them as describe() writes it ("m s^-1"); "" is a plain number. Throws UsageError for a unit that nothing
+/// has.
 UnitScale unit_scale(std::string_view unit);
+
+/// Length of the longest unit that `text` starts with and that no letter, digit or "_" goes on: "mm" of "mm / pitch",
+/// "m/s" of "m/s". 0 when it starts with none. Products are not read here.
+std::size_t unit_length(std::string_view text);
+
+/// Dimensions of a product, of a quotient (power = -1), of a power. Null where a power is not whole or beyond 100.
+std::optional<Dimensions> product(const Dimensions& a, const Dimensions& b, int power = 1);
+std::optional<Dimensions> power(const Dimensions& base, double exponent);
 
 /// "m s^-1", for messages; "a plain number" for none.
 std::string describe(const Dimensions& dimensions);
+
+/// The unit of a value in SI: "m s^-1", "" for a plain number.
+std::string si_unit(const Dimensions& dimensions);
 
 }  // namespace study

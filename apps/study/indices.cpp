@@ -6,6 +6,7 @@
 #include <limits>
 #include <mutex>
 
+#include "apps/study/sampling.h"
 #include "mtf/parallel.h"
 #include "radiometry/random.h"
 
@@ -14,7 +15,8 @@ namespace {
 
 constexpr int kBootstraps = 200;
 constexpr std::int64_t kPiece = 16;
-constexpr std::uint32_t kPoints = 0x696e6478, kResamples = 0x626f6f74;  // purposes of random numbers: "indx", "boot"
+constexpr auto kPoints = static_cast<std::uint32_t>(Purpose::indices),
+               kResamples = static_cast<std::uint32_t>(Purpose::bootstrap);
 
 /// Coordinate of a point in [0, 1): set 0 is A, 1 is B.
 double coordinate(std::uint64_t seed, std::int64_t sample, std::size_t parameter, std::uint32_t set) {

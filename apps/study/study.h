@@ -5,13 +5,13 @@
 //   schema = 1
 //   name = "aperture against pitch"
 //   sensor = "satellite.toml"          # beside the study file
-//   tolerance = 1e-4                   # of every metric: absolute where its unit is plain and it is at most 1, else
-//   relative seed = 1 constraints = ["mtf_nyquist > 0.1", "netd < 50 mK", "focal_length <= 4 m"] objectives =
-//   ["maximize niirs_giqe5", "minimize aperture ^ 2.5"]
+//   tolerance = 1e-4                   # of every metric: absolute where it is plain and at most 1, else relative
+//   seed = 1
+//   constraints = ["mtf_nyquist > 0.1", "netd < 50 mK", "focal_length <= 4 m"]
+//   objectives = ["maximize niirs_giqe5", "minimize aperture ^ 2.5"]
 //   [[axis]]
-//   parameter = "optics.aperture"      # any value of the sensor file: owner and key, or the key alone where that is
-//   unique values = ["100 mm", "200 mm"]      # a list; of words, whole numbers, lists ([band] wavelength) or files,
-//   too
+//   parameter = "optics.aperture"      # any value of the sensor file: owner and key, or the key alone where unique
+//   values = ["100 mm", "200 mm"]      # a list; also of words, whole numbers, lists ([band] wavelength) or files
 //   [[axis]]
 //   parameter = "frame.pitch"
 //   from = "5 um"
@@ -36,8 +36,10 @@
 //   [metrics]
 //   list = ["mtf_nyquist", "niirs_giqe5"]        # those in constraints and objectives come by themselves
 //   [conditions]                       # what metrics take from outside of the sensor, see conditions.h
-// Axes over `sensor` itself name other sensor files. A discrete axis is one of anything but plain numbers with unit;
-// the combinations of their levels are variants, sensors of their own.
+// Axes over `sensor` itself name other sensor files. A discrete axis is one of anything but numbers that the sensor's
+// formulas take (plain or with unit): whole numbers, words, flags, texts, files, lists, and lengths where the sensor
+// file has an angle. The combinations of their levels are variants, sensors of their own. The README beside this header
+// has every key.
 
 #include <cstdint>
 #include <memory>
@@ -49,6 +51,7 @@
 #include "apps/study/conditions.h"
 #include "apps/study/expression.h"
 #include "apps/study/metric_list.h"
+#include "apps/study/sampling.h"
 #include "mtf/io/config.h"
 
 namespace study {
@@ -58,11 +61,11 @@ namespace study {
 /// written in there), or for a number of the study's own the unit of its first value.
 struct Parameter {
   enum class Role { axis, link, fixed };
-  std::string name;  ///< as the study calls it first: "optics.aperture"
-  std::string path;  ///< as diagnostics call it: "presample[1].rms"; "" for one of the study's own
-  std::string unit;  ///< "" for plain numbers
-  UnitScale scale;   ///< of the unit
-  double lo, hi;     ///< allowed, in the unit
+  std::string name;           ///< as the study calls it first: "optics.aperture"
+  std::string path;           ///< as diagnostics call it: "presample[1].rms"; "" for one of the study's own
+  std::string unit;           ///< "" for plain numbers
+  UnitScale scale;            ///< of the unit
+  double lo = 0.0, hi = 0.0;  ///< allowed, in the unit
   bool lo_open = false, hi_open = false;
   Role role = Role::fixed;
   double base = 0.0;  ///< value in the base sensor, NaN where it has none (a `fixed` one: read from each variant)
@@ -76,9 +79,11 @@ struct Axis {
   std::vector<std::string> levels;  ///< discrete: what the file has at each level, as text; else empty
   double from = 0.0, to = 0.0;      ///< of a range (values empty)
   Scale scale = Scale::linear;
-  int count = 0;  ///< points on a grid
+  int count = 0;  ///< of a range: points on a grid
 
   bool discrete() const { return !levels.empty(); }
+  /// Points on a grid.
+  std::int64_t points() const { return values.empty() ? count : static_cast<std::int64_t>(values.size()); }
 };
 
 struct Link {
@@ -115,14 +120,17 @@ enum class Method { grid, latin_hypercube, sobol };
 struct Study {
   std::string file, text, sha256;  ///< sha256: of this text and of every sensor file it names
   std::string name;
-  mtf::io::SensorConfig base;
+  mtf::io::SensorConfig base;                  ///< `sensor`, or the first level of the axis over it
+  std::vector<mtf::io::SensorConfig> sensors;  ///< levels of the axis over `sensor`, empty without one
   double tolerance = 1e-4;
   std::uint64_t seed = 0;
   std::vector<Parameter> parameters;
   std::vector<Axis> axes;
   Method method = Method::grid;
-  std::int64_t designs = 0;  ///< 1 to 1e9; more is refused when the file is read, with the count
-  std::vector<Link> links;   ///< in an order in which each follows from those before it
+  std::vector<SobolAxis> sobol;  ///< by axis, for that method
+  std::int64_t designs = 0;      ///< 1 to 1e9; more is refused when the file is read, with the count
+  std::int64_t variants = 1;     ///< combinations of the levels of discrete axes, at most 10 000
+  std::vector<Link> links;       ///< in an order in which each follows from those before it
   std::vector<AsBuilt> as_built;
   int draws = 0;                    ///< of the yield; 0 without [[as_built]]
   std::vector<MetricInfo> metrics;  ///< listed, then those that only constraints and objectives use

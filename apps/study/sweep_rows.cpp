@@ -14,7 +14,6 @@ namespace study {
 namespace {
 
 constexpr int kRowLayout = 1;                   // grows when rows change their meaning
-constexpr std::uint32_t kAsBuilt = 0x6275696c;  // purpose of random numbers: "buil"
 
 }  // namespace
 
@@ -23,7 +22,7 @@ std::vector<double> as_built_draws(const Study& study) {
   for (int d = 0; d < study.draws; ++d)
     for (std::size_t k = 0; k < study.as_built.size(); ++k) {
       const radiometry::Bits128 bits =
-          radiometry::philox({static_cast<std::uint32_t>(d), static_cast<std::uint32_t>(k), 0, kAsBuilt}, study.seed);
+          radiometry::philox({static_cast<std::uint32_t>(d), static_cast<std::uint32_t>(k), 0, static_cast<std::uint32_t>(Purpose::as_built)}, study.seed);
       const radiometry::Uniform u = radiometry::uniform(bits[0], bits[1]);
       draws.push_back(study.as_built[k].law == AsBuilt::Law::normal ? radiometry::normal_quantile(u) : u.u - u.rest);
     }

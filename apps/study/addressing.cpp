@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/study/addressing.h"
+
+#include <algorithm>
+
+#include "calib/parameter_site.h"
+#include "mtf/io/config_reader.h"
+#include "mtf/io/file_checks.h"
+
+namespace study {
+namespace {
+
+namespace cfg = mtf::io::cfg;
+using cfg::Node;
+using cfg::Target;
+
+/// The table of the file that holds the target; null when it is not there.
+const Node* table_of(const SensorView& view, const Target& target) {
+  const Node* owner = view.tree.find(target.table);
+  if (owner == nullptr || !target.component) return owner;
+  return target.index < owner->items.size() ? &owner->items[target.index] : nullptr;
+}
+
+std::string stem_of(const std::string& key) {
+  return key.ends_with("_x") || key.ends_with("_y") ? key.substr(0, key.size() - 2) : key;
+}
+
+bool is_given(const SensorView& view, const Target& target) {
+  const Node* table = table_of(view, target);
+  if (table == nullptr) return false;
+  return table->find(target.key) != nullptr || table->find(stem_of(target.key)) != nullptr ||
+         (table->find(target.key + "_x") != nullptr && table->find(target.key + "_y") != nullptr);
+}
+
+std::string heading(const SensorView& view, const Target& target) {
+  if (!target.component) return "[" + target.table + "]";
+  for (const mtf::Stage stage : mtf::kStages)
+    if (mtf::stage_name(stage) == target.table)
+      return "[[" + target.table + "]] " + view.sensor.system.list(stage)[target.index].label;
+  return target.table;
+}
+
+std::string not_given(const SensorView& view, const Target& target, const mtf::FieldInfo& info) {
+  std::string text = "the sensor file does not give it; write for example " + target.key + " = " +
+                     std::string(info.example) + " in " + heading(view, target);
+  const auto& optics = view.sensor.system.optics;
+  if (target.path() == "optics.f_number" && optics.aperture_mm) text += " in place of aperture";
+  if (target.path() == "optics.aperture" && optics.f_number) text += " in place of f_number";
+  if (target.component && info.presence == mtf::Presence::shared)
+    text += ", or name optics." + target.key + ", which it follows";
+  return text;
+}
+
+const mtf::SettingInfo* row_of(const SensorView& view, const Target& target) {
+  for (const mtf::TableInfo& table : view.sensor.schema)
+    if (table.name == target.table)
+      for (const mtf::SettingInfo& row : table.settings)
+        if (row.info.name == target.key) return &row;
+  return nullptr;
+}
+
+Found of_setting(const SensorView& view, const Target& target, const mtf::SettingInfo& row) {
+  Place place{.target = target, .file = mtf::names_file(row), .info = row.info};
+  using enum mtf::SettingType;
+  constexpr std::array names{"a number", "a whole number", "true or false", "a word", "a text", "a file", "a file"};
+  place.what = names.at(static_cast<std::size_t>(row.type));
+  if (row.type != number && row.type != number_or_file) return {place};
+  const mtf::SettingsTable* table = mtf::find_table(view.sensor.tables, target.table);
+  const mtf::SettingValue* value = table != nullptr ? table->find(target.key) : nullptr;
+  if (value == nullptr) return {std::nullopt, not_given(view, target, row.info)};
+  if (const auto* number_value = std::get_if<double>(value)) {
+    place.kind = Place::Kind::number;
+    place.value = *number_value;
+  }
+  return {place};
+}
+
+/// Unit of an Extent or SpatialFrequency as written; null for other fields.
+const mtf::Unit* unit_written(const mtf::FieldRef<double>& field, std::string_view key) {
+  if (const auto* pair = std::get_if<mtf::AxisPair<double>*>(&field.value))
+    return (*pair)->split && key.ends_with("_y") ? (*pair)->y.unit : (*pair)->x.unit;
+  if (const auto* frequency = std::get_if<mtf::SpatialFrequency<double>*>(&field.value)) return (*frequency)->unit;
+  return nullptr;
+}
+
+std::string kind_of_field(const mtf::FieldRef<double>& field) {
+  if (std::holds_alternative<int*>(field.value)) return "a whole number";
+  if (std::holds_alternative<mtf::Choice*>(field.value)) return "a word";
+  if (std::holds_alternative<std::shared_ptr<const mtf::Curve>*>(field.value)) return "a file";
+  return "a list";
+}
+
+bool is_list(const mtf::FieldRef<double>& field) {
+  return std::holds_alternative<mtf::Coefficients<double>*>(field.value) ||
+         std::holds_alternative<mtf::Taps<double>*>(field.value);
+}
+
+Found of_component(const SensorView& view, const Target& target) {
+  mtf::System<double> system = view.sensor.system;  // sites are of a system that may be changed
+  for (const mtf::Stage stage : mtf::kStages) {
+    if (mtf::stage_name(stage) != target.table) continue;
+    for (const mtf::FieldRef<double>& field : system.list(stage)[target.index].component.fields()) {
+      const std::string name(field.info->name);
+      const bool axis = std::holds_alternative<mtf::AxisPair<double>*>(field.value);
+      if (target.key != name && !(axis && stem_of(target.key) == name)) continue;
+      Place place{.target = target,
+                  .what = kind_of_field(field),
+                  .file = std::holds_alternative<std::shared_ptr<const mtf::Curve>*>(field.value),
+                  .info = *field.info};
+      const bool whole_list = is_list(field) && !target.element;
+      if (whole_list || std::holds_alternative<int*>(field.value) ||
+          std::holds_alternative<mtf::Choice*>(field.value) || place.file)
+        return {place};
+      if (!is_given(view, target)) return {std::nullopt, not_given(view, target, *field.info)};
+      const mtf::Unit* unit = unit_written(field, target.key);
+      const auto site = calib::parameter_site(system, target.path());
+      if (site.numbers.empty() && is_list(field))
+        return {std::nullopt, "the list in the sensor file has no such element; write a longer one (with zeros) there"};
+      if (site.numbers.empty())
+        return {std::nullopt, target.key == name ? "the sensor file gives " + name + "_x and " + name +
+                                                       "_y; name one of them, or write " + name + " there"
+                                                 : "the sensor file gives " + name + " for both axes; write " + name +
+                                                       "_x and " + name + "_y there, or name " + name};
+      place.kind = Place::Kind::number;
+      place.info = *site.info;
+      if (unit != nullptr) {
+        place.info.unit = unit->name;
+        place.info.dimension = unit->dimension;
+      }
+      place.value = *site.numbers.front();
+      return {place};
+    }
+  }
+  return {std::nullopt, "the sensor has no such component"};
+}
+
+/// Of [frame], [optics] and [band].
+Found of_system(const SensorView& view, const Target& target) {
+  Place place{.target = target, .what = "a list"};
+  if (target.table == "band" || target.key == "format") return {place};
+  const mtf::FieldInfo* row = nullptr;
+  for (const mtf::FieldInfo* info : {&cfg::kFocalLength, &cfg::kPitch, &cfg::kIntegrationTime, &cfg::kFNumber,
+                                     &cfg::kApertureDiameter, &cfg::kObscuration, &cfg::kWavelength})
+    if (info->name == stem_of(target.key)) row = info;
+  mtf::System<double> system = view.sensor.system;
+  const auto site = calib::parameter_site(system, target.path());
+  if (row == nullptr || site.numbers.empty() || !is_given(view, target))
+    return {std::nullopt, row != nullptr ? not_given(view, target, *row) : "the sensor file does not give it"};
+  if (site.numbers.size() == 2 && *site.numbers[0] != *site.numbers[1])
+    return {std::nullopt, "the sensor file gives pitch_x and pitch_y; name one of them, or write pitch there"};
+  place.kind = Place::Kind::number;
+  place.info = *row;
+  place.info.lo = site.info->lo;
+  place.info.hi = site.info->hi;
+  place.info.lo_open = site.info->lo_open;
+  place.info.hi_open = site.info->hi_open;
+  place.value = *site.numbers.front();
+  return {place};
+}
+
+/// A table that the file does not have, but could: "" when `name` is none of such a one.
+std::string missing_table(const SensorView& view, std::string_view name) {
+  const std::size_t dot = name.find('.');
+  const std::string_view owner = dot == std::string_view::npos ? "" : name.substr(0, dot),
+                         key = dot == std::string_view::npos ? name : name.substr(dot + 1);
+  for (const mtf::TableInfo& table : view.sensor.schema) {
+    if (mtf::find_table(view.sensor.tables, table.name) != nullptr || (!owner.empty() && table.name != owner)) continue;
+    for (const mtf::SettingInfo& row : table.settings)
+      if (row.info.name == key)
+        return "the sensor file has no [" + std::string(table.name) + "]; write it there with " + std::string(key) +
+               " = " + std::string(row.info.example);
+  }
+  return "";
+}
+
+/// The places of a key that stands alone: those that the file gives, else all.
+std::vector<std::string> owners_of(const SensorView& view, std::string_view key) {
+  const std::string_view stem = key.substr(0, key.find('['));
+  const std::string element(key.substr(stem.size()));
+  std::vector<std::string> given, all, paths;
+  for (const auto& [name, target] : view.targets) {
+    if (target.key != stem || std::find(paths.begin(), paths.end(), target.path()) != paths.end()) continue;
+    paths.push_back(target.path());
+    all.push_back(name + element);
+    if (is_given(view, target)) given.push_back(name + element);
+  }
+  return given.empty() ? all : given;
+}
+
+}  // namespace
+
+SensorView view_of(mtf::io::SensorConfig sensor) {
+  SensorView view{.sensor = std::move(sensor), .tree = {}, .targets = {}};
+  view.tree = cfg::read_tree(view.sensor.text).root;
+  view.targets = cfg::targets_of(view.sensor);
+  for (const auto& [table, key] : {std::pair{"frame", "format"}, std::pair{"band", "wavelength"}})
+    view.targets.try_emplace(std::string(table) + "." + key, Target{.table = table, .key = key, .element = {}});
+  return view;
+}
+
+Found find_place(const SensorView& view, std::string_view name) {
+  std::string full(name);
+  if (name.substr(0, name.find('[')).find('.') == std::string_view::npos && !view.targets.contains(name) &&
+      !cfg::find_target(view.targets, name)) {
+    const auto owners = owners_of(view, name);
+    if (owners.size() > 1) {
+      std::string list;
+      for (std::size_t i = 0; i < owners.size() && i < 6; ++i) list += (i > 0 ? ", " : "") + owners[i];
+      return {std::nullopt, "stands for several: " + list + "; write the one that is meant"};
+    }
+    if (owners.size() == 1) full = owners[0];
+  }
+  const auto target = cfg::find_target(view.targets, full);
+  if (!target) {
+    const std::string missing = missing_table(view, full);
+    return {std::nullopt, missing.empty() ? cfg::unknown_parameter(view.targets, full) : missing};
+  }
+  if (target->component) return of_component(view, *target);
+  if (const mtf::SettingInfo* row = row_of(view, *target)) return of_setting(view, *target, *row);
+  return of_system(view, *target);
+}
+
+bool overlap(std::string_view path, std::string_view other) {
+  const auto within = [](std::string_view part, std::string_view whole) {
+    return part == whole ||
+           (part.starts_with(whole) && (part.substr(whole.size()) == "_x" || part.substr(whole.size()) == "_y" ||
+                                        part.substr(whole.size()).starts_with("[")));
+  };
+  return !path.empty() && !other.empty() && (within(path, other) || within(other, path));
+}
+
+}  // namespace study

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a name in a study stands for in a sensor file: where it is, whether it is a number that can be set without
+// reading the file again, in which unit it is held, and what it may be.
+
+#include <string>
+#include <string_view>
+
+#include "mtf/io/config_edit.h"
+
+namespace study {
+
+/// A sensor file as names are looked up in it.
+struct SensorView {
+  mtf::io::SensorConfig sensor;
+  mtf::io::cfg::Node tree;
+  mtf::io::cfg::Targets targets;
+};
+
+/// Of a sensor that was read without errors.
+SensorView view_of(mtf::io::SensorConfig sensor);
+
+struct Place {
+  enum class Kind {
+    number,  ///< calib::parameter_site has it, or it is a number of another table of the file
+    level    ///< anything else: to be set in the file
+  };
+  mtf::io::cfg::Target target;
+  Kind kind = Kind::level;
+  std::string what{};     ///< of a level, with its article: "a whole number"
+  bool file = false;      ///< a text in its place names a file
+  mtf::FieldInfo info{};  ///< unit as held ("" only for plain numbers), range, example; of numbers
+  double value = 0.0;     ///< of numbers
+};
+
+/// A place, or why there is none: a sentence with the way out.
+struct Found {
+  std::optional<Place> place;
+  std::string problem{};
+};
+
+/// "owner.key", "owner.key[3]", or the key alone where one owner has it. A number that the sensor file does not give is
+/// not found: its problem says what to write there.
+Found find_place(const SensorView& view, std::string_view name);
+
+/// True when setting one changes the other: "frame.pitch" and "frame.pitch_x", a list and its element.
+bool overlap(std::string_view path, std::string_view other);
+
+}  // namespace study

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/study/dimensions.h"
+
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include "mtf/error.h"
+#include "mtf/units.h"
+
+namespace study {
+namespace {
+
+constexpr std::array<std::int8_t Dimensions::*, 6> kBases{&Dimensions::metre,    &Dimensions::second,
+                                                          &Dimensions::kelvin,   &Dimensions::electron,
+                                                          &Dimensions::kilogram, &Dimensions::candela};
+constexpr std::array<std::string_view, 6> kBaseNames{"m", "s", "K", "e-", "kg", "cd"};
+constexpr int kMostPower = 100;
+constexpr std::size_t kMaxUnit = 80;
+
+struct Named {
+  std::string_view name;
+  UnitScale scale;
+};
+
+// What metrics have beyond the units of sensor files.
+constexpr std::array kMore{
+    Named{"%", {{}, 0.01}},
+    Named{"dB", {{}, 1.0}},
+    Named{"sr", {{}, 1.0}},
+    Named{"cy", {{}, 1.0}},
+    Named{"ph", {{}, 1.0}},
+    Named{"counts", {{}, 1.0}},
+    Named{"px^2", {{}, 1.0}},
+    Named{"kg", {{.kilogram = 1}, 1.0}},
+    Named{"g", {{.kilogram = 1}, 1e-3}},
+    Named{"cd", {{.candela = 1}, 1.0}},
+    Named{"J", {{.metre = 2, .second = -2, .kilogram = 1}, 1.0}},
+    Named{"W", {{.metre = 2, .second = -3, .kilogram = 1}, 1.0}},
+    Named{"cy/m", {{.metre = -1}, 1.0}},
+    Named{"cy/rad", {{}, 1.0}},
+    Named{"cm^2", {{.metre = 2}, 1e-4}},
+};
+
+/// Base unit of the dimension in SI.
+UnitScale base_of(const mtf::Unit& unit) {
+  using enum mtf::Dimension;
+  switch (unit.dimension) {
+    case none:
+    case extent:
+    case cutoff:  // no unit has these: they stand for several
+    case pixel:
+      return {};
+    case length:
+      return {{.metre = 1}, 1e-6};
+    case angle:
+      return {{}, 1e-6};
+    case frequency:
+      if (unit.name == "cy/mm") return {{.metre = -1}, 1e3};
+      return {{}, unit.name == "cy/mrad" ? 1e3 : 1.0};
+    case temporal:
+      return {{.second = -1}, 1.0};
+    case time:
+      return {{.second = 1}, 1.0};
+    case velocity:
+      return {{.metre = 1, .second = -1}, 1e-6};
+    case rate:
+      return {{.second = -1}, 1e-6};
+    case acceleration:
+      return {{.metre = 1, .second = -2}, 1e-6};
+    case angular_acceleration:
+      return {{.second = -2}, 1e-6};
+    case luminance:
+      return {{.metre = -2, .candela = 1}, 1.0};
+    case temperature:
+      return {{.kelvin = 1}, 1.0};
+    case electrons:
+      return {{.electron = 1}, 1.0};
+    case current:
+      return {{.second = -1, .electron = 1}, 1.0};
+    case capacitance: {  // F = C^2 / J, with the charge counted in electrons of 1.602176634e-19 C (exact in the SI)
+      constexpr double per_coulomb = 1.0 / 1.602176634e-19;
+      return {{.metre = -2, .second = 2, .electron = 2, .kilogram = -1}, per_coulomb * per_coulomb};
+    }
+  }
+  return {};
+}
+
+/// Quotients keep powers of ten exact where products with small factors do not: 15 um = 15 / 1e6 m.
+double scaled(double factor, double base) {
+  return base >= 1.0 ? factor * base : factor >= 1.0 ? factor / (1.0 / base) : 1.0 / ((1.0 / factor) * (1.0 / base));
+}
+
+std::optional<UnitScale> one_unit(std::string_view name) {
+  for (const Named& more : kMore)
+    if (more.name == name) return more.scale;
+  const mtf::Unit* unit = mtf::find_unit(name);
+  if (unit == nullptr) return std::nullopt;
+  UnitScale scale = base_of(*unit);
+  scale.si = scaled(unit->factor, scale.si);
+  return scale;
+}
+
+/// "s", "m^2", "Hz^-0.5" into `total`; false when it is none.
+bool multiply(UnitScale& total, std::string_view factor, int sign) {
+  auto scale = one_unit(factor);
+  double exponent = sign;
+  if (!scale) {
+    const std::size_t hat = factor.rfind('^');
+    if (hat == std::string_view::npos) return false;
+    scale = one_unit(factor.substr(0, hat));
+    double written = 0.0;
+    const char* end = factor.data() + factor.size();
+    const auto [stop, status] = std::from_chars(factor.data() + hat + 1, end, written);
+    if (!scale || status != std::errc{} || stop != end) return false;
+    exponent *= written;
+  }
+  const auto raised = power(scale->dimensions, exponent);
+  const auto both = raised ? product(total.dimensions, *raised) : std::nullopt;
+  if (!both) return false;
+  total = {*both, total.si * (exponent == 1.0 ? scale->si : std::pow(scale->si, exponent))};
+  return true;
+}
+
+bool goes_on(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+         static_cast<unsigned char>(c) >= 0x80;
+}
+
+}  // namespace
+
+UnitScale unit_scale(std::string_view unit) {
+  if (unit.empty()) return {};
+  if (const auto scale = one_unit(unit)) return *scale;
+  UnitScale total;
+  int sign = 1;
+  bool good = unit.size() <= kMaxUnit;
+  for (std::string_view rest = unit; good && !rest.empty();) {
+    const std::size_t blank = rest.find(' ');
+    const std::string_view word = rest.substr(0, blank);
+    rest.remove_prefix(blank == std::string_view::npos ? rest.size() : blank + 1);
+    if (word.empty()) continue;
+    if (multiply(total, word, sign)) continue;
+    // "W/m^2": the first factor, then those below the stroke.
+    const std::size_t stroke = word.find('/');
+    good = stroke != std::string_view::npos && stroke > 0 && multiply(total, word.substr(0, stroke), sign) &&
+           multiply(total, word.substr(stroke + 1), -sign);
+  }
+  if (!good) throw mtf::UsageError("unknown unit \"" + std::string(unit.substr(0, kMaxUnit)) + "\"");
+  return total;
+}
+
+std::size_t unit_length(std::string_view text) {
+  text = text.substr(0, 16);
+  for (std::size_t length = text.size(); length > 0; --length) {
+    if (length < text.size() && text[length - 1] != '%' && goes_on(text[length])) continue;
+    if (text[length - 1] != ' ' && one_unit(text.substr(0, length))) return length;
+  }
+  return 0;
+}
+
+std::optional<Dimensions> product(const Dimensions& a, const Dimensions& b, int power) {
+  Dimensions result;
+  for (const auto base : kBases) {
+    const int sum = a.*base + power * b.*base;
+    if (std::abs(sum) > kMostPower) return std::nullopt;
+    result.*base = static_cast<std::int8_t>(sum);
+  }
+  return result;
+}
+
+std::optional<Dimensions> power(const Dimensions& base, double exponent) {
+  Dimensions result;
+  for (const auto one : kBases) {
+    const double raised = exponent * (base.*one);
+    const double whole = std::round(raised);
+    if (!(std::abs(raised - whole) <= 1e-9) || !(std::abs(whole) <= kMostPower)) return std::nullopt;
+    result.*one = static_cast<std::int8_t>(whole);
+  }
+  return result;
+}
+
+std::string si_unit(const Dimensions& dimensions) {
+  std::string text;
+  for (std::size_t i = 0; i < kBases.size(); ++i) {
+    const int n = dimensions.*kBases[i];
+    if (n == 0) continue;
+    text += (text.empty() ? "" : " ") + std::string(kBaseNames[i]);
+    if (n != 1) text += "^" + std::to_string(n);
+  }
+  return text;
+}
+
+std::string describe(const Dimensions& dimensions) {
+  return dimensions.plain() ? "a plain number" : si_unit(dimensions);
+}
+
+}  // namespace study

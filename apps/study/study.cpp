@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/study/study.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "apps/study/study_reader.h"
+#include "mtf/error.h"
+#include "mtf/io/curve_csv.h"
+#include "mtf/io/sha256.h"
+
+namespace study {
+namespace {
+
+namespace cfg = mtf::io::cfg;
+using mtf::io::Diagnostic;
+
+void sort_diagnostics(std::vector<Diagnostic>& diagnostics) {
+  std::stable_sort(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& a, const Diagnostic& b) {
+    return std::tuple(!a.error, a.position.line, a.position.column) <
+           std::tuple(!b.error, b.position.line, b.position.column);
+  });
+}
+
+/// What stands on the sensor, in the order in which one part needs the other.
+void read_on_sensor(StudyReader& s) {
+  read_axes(s);
+  read_sampling(s);
+  read_links(s);
+  read_as_built(s);
+  if (!s.axes_good) return;  // names of axes that could not be read would be reported as unknown
+  std::vector<Source> sources = goal_sources(s);
+  for (const LinkSource& link : s.links) sources.push_back(link.source);
+  register_names(s, sources);
+  read_link_expressions(s);
+  read_goals(s);
+  check_levels(s);
+}
+
+std::string hash_of(const Study& study) {
+  std::string all = mtf::io::sha256_hex(study.text) + study.base.sha256;
+  for (const mtf::io::SensorConfig& sensor : study.sensors) all += sensor.sha256;
+  return mtf::io::sha256_hex(all);
+}
+
+}  // namespace
+
+bool StudyResult::ok() const {
+  return std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.error; });
+}
+
+StudyResult parse_study(const std::string& text, const std::string& file) {
+  StudyResult result;
+  StudyReader s{
+      .reader = {
+          .folder = cfg::folder_of(file), .schema = {}, .diagnostics = {}, .positions = {}, .failed = {}, .fits = {}}};
+  s.study.file = file;
+  s.study.text = text;
+  cfg::Tree tree = cfg::read_tree(text);
+  if (tree.error) {
+    result.diagnostics.push_back(*tree.error);
+    result.study = std::move(s.study);
+    return result;
+  }
+  s.tree = std::move(tree.root);
+  read_settings(s);
+  read_metrics(s);
+  if (read_sensors(s)) read_on_sensor(s);
+  s.study.sha256 = hash_of(s.study);
+  result.diagnostics = std::move(s.reader.diagnostics);
+  sort_diagnostics(result.diagnostics);
+  for (const Diagnostic& diagnostic : result.diagnostics)
+    if (!diagnostic.error) s.study.warnings.push_back(diagnostic);
+  result.study = std::move(s.study);
+  return result;
+}
+
+bool is_study(const std::string& text) {
+  const cfg::Tree tree = cfg::read_tree(text);
+  return !tree.error && (tree.root.find("axis") != nullptr || tree.root.find("sensor") != nullptr);
+}
+
+std::shared_ptr<const Study> load_study(const std::string& file) {
+  StudyResult result = parse_study(mtf::io::read_text_file(file, cfg::kMaxBytes), file);
+  std::string errors;
+  for (const Diagnostic& diagnostic : result.diagnostics)
+    if (diagnostic.error) errors += (errors.empty() ? "" : "\n") + mtf::io::format_diagnostic(diagnostic, file);
+  if (!errors.empty()) throw mtf::UsageError(errors);
+  return std::make_shared<const Study>(std::move(result.study));
+}
+
+}  // namespace study

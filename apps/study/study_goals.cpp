@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// [metrics], constraints and objectives.
+
+#include <algorithm>
+
+#include "apps/study/study_reader.h"
+#include "mtf/error.h"
+#include "mtf/io/file_checks.h"
+
+namespace study {
+namespace {
+
+namespace cfg = mtf::io::cfg;
+using cfg::Node;
+using cfg::Section;
+
+constexpr std::array<std::string_view, 4> kDirections{"maximize", "minimize", "maximise", "minimise"};
+
+/// The strings of a list at the top level.
+std::vector<Source> strings_of(StudyReader& s, const std::string& key) {
+  std::vector<Source> sources;
+  const Node* list = s.tree.find(key);
+  if (list == nullptr) return sources;
+  const auto is_string = [](const Node& item) { return item.kind == Node::Kind::string; };
+  if (list->kind != Node::Kind::array || !std::all_of(list->items.begin(), list->items.end(), is_string)) {
+    if (!s.reader.has_failed(key)) s.error(list->position, key, "has to be a list of expressions in quotes");
+  } else if (list->items.size() > kMostExpressions) {
+    if (!s.reader.has_failed(key)) s.error(list->position, key, "more than " + std::to_string(kMostExpressions));
+  } else {
+    for (std::size_t i = 0; i < list->items.size(); ++i)
+      sources.push_back({list->items[i].text, list->items[i].position, key + "[" + std::to_string(i) + "]", 0});
+  }
+  return sources;
+}
+
+/// Where the comparison stands in a constraint: "< 3", "<= 3"; npos when there is not exactly one.
+std::size_t comparison(const std::string& text) {
+  const std::size_t at = text.find_first_of("<>");
+  if (at == std::string::npos) return at;
+  return text.find_first_of("<>=", at + (text.compare(at + 1, 1, "=") == 0 ? 2 : 1)) == std::string::npos
+             ? at
+             : std::string::npos;
+}
+
+Source part_of(const Source& whole, std::size_t from, std::size_t to) {
+  return {whole.text.substr(from, to - from), whole.position, whole.path, static_cast<int>(from)};
+}
+
+struct Sides {
+  Source left, right;
+  bool less = true, strict = true;
+};
+
+std::optional<Sides> sides_of(const Source& source) {
+  const std::size_t at = comparison(source.text);
+  if (at == std::string::npos) return std::nullopt;
+  const bool strict = source.text.compare(at + 1, 1, "=") != 0;
+  return Sides{part_of(source, 0, at), part_of(source, at + (strict ? 1 : 2), source.text.size()),
+               source.text[at] == '<', strict};
+}
+
+/// The expression of an objective behind its first word; null when that is no direction.
+std::optional<Source> goal_of(const Source& source) {
+  const std::size_t start = source.text.find_first_not_of(" \t");
+  if (start == std::string::npos) return std::nullopt;
+  const std::size_t end = std::min(source.text.find_first_of(" \t(", start), source.text.size());
+  const std::string_view word = std::string_view(source.text).substr(start, end - start);
+  if (std::find(kDirections.begin(), kDirections.end(), word) == kDirections.end()) return std::nullopt;
+  const std::size_t body = std::min(source.text.find_first_not_of(" \t", end), source.text.size());
+  return part_of(source, body, source.text.size());
+}
+
+void read_constraint(StudyReader& s, const Source& source) {
+  const auto sides = sides_of(source);
+  if (!sides)
+    return s.error_in(source, 0,
+                      "has to compare two expressions with one of <, <=, >, >=, such as \"mtf_nyquist > 0.1\"");
+  auto left = read_expression(s, sides->left, true);
+  auto right = read_expression(s, sides->right, true);
+  if (!left || !right) return;
+  if (left->dimensions() != right->dimensions())
+    return s.error_in(source, 0,
+                      "compares " + describe(left->dimensions()) + " with " + describe(right->dimensions()) +
+                          "; give both sides one kind of unit");
+  if (left->constant() && right->constant())
+    return s.error_in(source, 0, "has no name in it: it holds for every design or for none");
+  s.study.constraints.push_back({.text = source.text,
+                                 .left = std::move(*left),
+                                 .right = std::move(*right),
+                                 .less = sides->less,
+                                 .strict = sides->strict});
+}
+
+void read_objective(StudyReader& s, const Source& source) {
+  const auto goal = goal_of(source);
+  if (!goal)
+    return s.error_in(source, 0,
+                      "begins with neither maximize nor minimize; write for example \"maximize niirs_giqe5\"");
+  auto expression = read_expression(s, *goal, true);
+  if (!expression) return;
+  if (expression->constant()) return s.error_in(*goal, 0, "has no name in it: all designs are equal");
+  Objective objective{.text = goal->text,
+                      .maximize = source.text.find("maxim") < static_cast<std::size_t>(goal->column),
+                      .expression = std::move(*expression),
+                      .unit = {},
+                      .si = 1.0};
+  while (objective.text.ends_with(' ') || objective.text.ends_with('\t')) objective.text.pop_back();
+  const std::size_t parameters = s.study.parameters.size();
+  if (const auto slot = objective.expression.only_slot()) {
+    const auto i = static_cast<std::size_t>(*slot);
+    objective.unit = i < parameters ? s.study.parameters[i].unit : s.study.metrics[i - parameters].unit;
+    objective.si = unit_scale(objective.unit).si;
+  } else {
+    objective.unit = si_unit(objective.expression.dimensions());
+  }
+  for (const Objective& other : s.study.objectives)
+    if (other.text == objective.text) return s.error_in(source, 0, "is an objective already; leave one of them");
+  s.study.objectives.push_back(std::move(objective));
+}
+
+std::string unknown_metric(const std::string& name) {
+  std::vector<std::string_view> known;
+  for (const MetricInfo& metric : metric_catalogue()) known.push_back(metric.name);
+  known.push_back("mtf_at_20_cy_mm");
+  const auto guess = name.size() <= 64 ? mtf::nearest(name, known) : std::nullopt;
+  return "unknown metric \"" + mtf::io::printable(name, 60) + "\"" +
+         (guess ? "; did you mean \"" + *guess + "\"?" : "; mtf metrics lists them");
+}
+
+void add_metric(StudyReader& s, const MetricInfo& metric, const std::string& as) {
+  s.metric_names.push_back(as);
+  s.study.metrics.push_back(metric);
+}
+
+}  // namespace
+
+void read_metrics(StudyReader& s) {
+  const Section root = s.root();
+  const Node* table = cfg::find_table(root, "metrics");
+  if (table != nullptr) {
+    const Section section{s.reader, *table, "metrics", "[metrics]"};
+    check_study_keys(section, std::array<std::string_view, 1>{"list"});
+    const Node* list = section.find("list");
+    if (list != nullptr && list->kind != Node::Kind::array)
+      section.error("list", cfg::shown(*list) + " has to be a list of names, such as [\"mtf_nyquist\"]");
+    for (const Node& item : list != nullptr ? list->items : std::vector<Node>()) {
+      if (item.kind != Node::Kind::string) {
+        s.error(item.position, "metrics.list", cfg::shown(item) + " has to be the name of a metric in quotes");
+        continue;
+      }
+      const auto metric = item.text.size() <= 200 ? find_metric(item.text) : std::nullopt;
+      if (!metric)
+        s.error(item.position, "metrics.list", unknown_metric(item.text));
+      else if (std::find(s.metric_names.begin(), s.metric_names.end(), item.text) != s.metric_names.end())
+        s.warn(item.position, "metrics.list", item.text + " is listed twice");
+      else
+        add_metric(s, *metric, item.text);
+    }
+    s.study.listed = s.study.metrics.size();
+  }
+  if (table == nullptr && s.tree.find("constraints") == nullptr && s.tree.find("objectives") == nullptr)
+    s.error({}, "metrics",
+            "nothing is asked of the designs; write [metrics] with list = [\"mtf_nyquist\"], or objectives");
+}
+
+std::vector<Source> goal_sources(StudyReader& s) {
+  std::vector<Source> sources;
+  for (const Source& constraint : strings_of(s, "constraints"))
+    if (const auto sides = sides_of(constraint)) sources.insert(sources.end(), {sides->left, sides->right});
+  for (const Source& objective : strings_of(s, "objectives"))
+    if (const auto goal = goal_of(objective)) sources.push_back(*goal);
+  return sources;
+}
+
+void register_names(StudyReader& s, const std::vector<Source>& sources) {
+  for (const Source& source : sources)
+    for (const NameAt& at : names_in(source.text)) {
+      if (s.by_name.contains(at.name) || s.why.contains(at.name) || at.name.size() > 200) continue;
+      if (std::find(s.metric_names.begin(), s.metric_names.end(), at.name) != s.metric_names.end()) continue;
+      if (const auto metric = find_metric(at.name)) {
+        add_metric(s, *metric, at.name);
+        continue;
+      }
+      std::string problem;
+      if (parameter_named(s, at.name, problem) < 0) s.why[at.name] = "'" + at.name + "': " + problem;
+    }
+}
+
+void read_goals(StudyReader& s) {
+  for (const Source& constraint : strings_of(s, "constraints")) read_constraint(s, constraint);
+  for (const Source& objective : strings_of(s, "objectives")) read_objective(s, objective);
+}
+
+}  // namespace study

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Reading a study file, part by part: what the parts share. As with sensor files nothing throws for what is in the
+// text, everything wrong is collected with its place.
+
+#include <functional>
+#include <map>
+#include <set>
+
+#include "apps/study/addressing.h"
+#include "apps/study/study.h"
+#include "mtf/io/config_reader.h"
+
+namespace study {
+
+inline constexpr std::int64_t kMostDesigns = 1'000'000'000;
+inline constexpr std::int64_t kMostVariants = 10'000;
+inline constexpr std::size_t kMostAxes = 100;
+inline constexpr std::size_t kMostExpressions = 1000;  // links, constraints, objectives, [[as_built]], each
+
+/// An expression of the file and where its text starts.
+struct Source {
+  std::string text;
+  mtf::io::Position position;  ///< of the string
+  std::string path;            ///< "constraints[0]"
+  int column = 0;              ///< of the text within the string
+};
+
+/// A link as written.
+struct LinkSource {
+  std::string target;
+  mtf::io::Position target_at;
+  Source source;
+  int parameter = -1;
+  bool own = false;  ///< target is a number of the study's own
+};
+
+struct StudyReader {
+  mtf::io::cfg::Reader reader;
+  mtf::io::cfg::Node tree{};
+  Study study{};
+  std::vector<SensorView> views{};                        ///< the base, then the levels of the axis over `sensor`
+  int sensor_axis = -1;                                   ///< index of the [[axis]] table, and of the axis
+  std::map<std::string, int, std::less<>> by_name{};      ///< parameters, by every name that the study uses
+  std::map<std::string, std::string, std::less<>> why{};  ///< why a name cannot stand in an expression
+  std::set<std::string, std::less<>> own{};               ///< names of the study's own numbers
+  std::vector<LinkSource> links{};
+  std::vector<std::string> metric_names{};  ///< of Study::metrics
+  bool axes_good = true;
+
+  mtf::io::cfg::Section root() { return {reader, tree, "", ""}; }
+  void error(mtf::io::Position position, std::string path, std::string text) {
+    reader.error(position, std::move(path), std::move(text));
+  }
+  void warn(mtf::io::Position position, std::string path, std::string text) {
+    reader.note(position, std::move(path), std::move(text), false);
+  }
+  /// An error at a column of an expression.
+  void error_in(const Source& source, int column, std::string text);
+};
+
+/// The list of tables [[key]]; null when absent, or when it is none (reported).
+const mtf::io::cfg::Node* find_tables(StudyReader& s, const std::string& key);
+
+/// Unknown keys, as for sensor files; those of the top level below a table with where they belong.
+void check_study_keys(const mtf::io::cfg::Section& section, std::span<const std::string_view> known);
+
+/// `sensor` and the levels of an axis over it. False when there is no base sensor to go on with.
+bool read_sensors(StudyReader& s);
+/// schema, name, tolerance, seed; [yield]; [conditions].
+void read_settings(StudyReader& s);
+/// [[axis]] and [sampling].
+void read_axes(StudyReader& s);
+void read_sampling(StudyReader& s);
+void read_as_built(StudyReader& s);
+/// The targets of [links]; their expressions once all names are known.
+void read_links(StudyReader& s);
+void read_link_expressions(StudyReader& s);
+/// [metrics], constraints and objectives: first what they name, then the expressions.
+void read_metrics(StudyReader& s);
+void register_names(StudyReader& s, const std::vector<Source>& sources);
+std::vector<Source> goal_sources(StudyReader& s);
+void read_goals(StudyReader& s);
+
+/// Index of the parameter that `name` stands for, made when it is not there yet; -1 with a problem when there is none.
+int parameter_named(StudyReader& s, const std::string& name, std::string& problem);
+/// A new parameter of a place in the sensor file.
+Parameter parameter_of(const std::string& name, const Place& place);
+/// Reads an expression over the names that are known; null when it is wrong (reported).
+std::optional<Expression> read_expression(StudyReader& s, const Source& source, bool metrics);
+
+/// A number within the range of `info`, in its unit, which is that of the field as held.
+std::optional<double> read_held(StudyReader& s, const mtf::io::cfg::Node& node, const mtf::FieldInfo& info,
+                                const std::string& path);
+
+/// The sensor file with levels, -1 for as it is; `tree` is that of the study.
+mtf::io::ConfigResult with_levels(const Study& study, const mtf::io::cfg::Node& tree, const SensorView& view,
+                                  std::span<const int> levels);
+/// Every level of every discrete axis by itself in the base sensor, and that all sensors have what is varied.
+void check_levels(StudyReader& s);
+/// Level as text.
+std::string level_text(const mtf::io::cfg::Node& node);
+
+/// 'designs' of a grid in full, whatever its size: "1000000000000".
+std::string exact_product(std::span<const std::int64_t> factors);
+/// The product, or `limit` + 1 when it is larger.
+std::int64_t bounded_product(std::span<const std::int64_t> factors, std::int64_t limit);
+
+}  // namespace study
