@@ -103,7 +103,9 @@ std::string sweep_summary(const SweepReport& report) {
     text += "time " + fixed(run.seconds, 2) + " s, " +
             significant(static_cast<double>(run.tally.made) / run.seconds, 3) + " designs/s on " +
             std::to_string(report.threads) + (report.threads == 1 ? " thread" : " threads");
-  if (run.tally.resumed > 0)
+  if (std::isnan(run.seconds))
+    text += "merged from shards";
+  else if (run.tally.resumed > 0)
     text += std::string(run.tally.made > 0 ? "; " : "") + std::to_string(run.tally.resumed) + " designs were there";
   return text + "\n";
 }

@@ -16,6 +16,7 @@ SCRIPTS = {
     "fresnel.py": ["fresnel_integrals.csv", "accelerated_motion.csv"],
     "golden_components.py": ["golden_components.csv"],
     "gradients.py": ["gradients.csv"],
+    "performance.py": ["performance.csv"],
     "planck.py": ["planck.csv", "planck_bands.csv"],
 }
 

@@ -11,11 +11,12 @@
 namespace study {
 namespace {
 
-constexpr std::array<std::int8_t Dimensions::*, 6> kBases{&Dimensions::metre,    &Dimensions::second,
-                                                          &Dimensions::kelvin,   &Dimensions::electron,
-                                                          &Dimensions::kilogram, &Dimensions::candela};
+constexpr std::array<double Dimensions::*, 6> kBases{&Dimensions::metre,    &Dimensions::second,
+                                                     &Dimensions::kelvin,   &Dimensions::electron,
+                                                     &Dimensions::kilogram, &Dimensions::candela};
 constexpr std::array<std::string_view, 6> kBaseNames{"m", "s", "K", "e-", "kg", "cd"};
-constexpr int kMostPower = 100;
+constexpr double kMostPower = 100.0;
+constexpr double kParts = 25200.0;  // of a whole power
 constexpr std::size_t kMaxUnit = 80;
 
 struct Named {
@@ -101,7 +102,7 @@ std::optional<UnitScale> one_unit(std::string_view name) {
   return scale;
 }
 
-/// "s", "m^2", "Hz^-0.5" into `total`; false when it is none.
+/// "s", "m^2", "Hz^-2" into `total`; false when it is none.
 bool multiply(UnitScale& total, std::string_view factor, int sign) {
   auto scale = one_unit(factor);
   double exponent = sign;
@@ -162,9 +163,8 @@ std::size_t unit_length(std::string_view text) {
 std::optional<Dimensions> product(const Dimensions& a, const Dimensions& b, int power) {
   Dimensions result;
   for (const auto base : kBases) {
-    const int sum = a.*base + power * b.*base;
-    if (std::abs(sum) > kMostPower) return std::nullopt;
-    result.*base = static_cast<std::int8_t>(sum);
+    result.*base = std::round((a.*base + power * b.*base) * kParts) / kParts;
+    if (!(std::abs(result.*base) <= kMostPower)) return std::nullopt;
   }
   return result;
 }
@@ -172,10 +172,10 @@ std::optional<Dimensions> product(const Dimensions& a, const Dimensions& b, int 
 std::optional<Dimensions> power(const Dimensions& base, double exponent) {
   Dimensions result;
   for (const auto one : kBases) {
-    const double raised = exponent * (base.*one);
-    const double whole = std::round(raised);
-    if (!(std::abs(raised - whole) <= 1e-9) || !(std::abs(whole) <= kMostPower)) return std::nullopt;
-    result.*one = static_cast<std::int8_t>(whole);
+    if (base.*one == 0.0) continue;
+    const double parts = exponent * (base.*one) * kParts, whole = std::round(parts);
+    if (!(std::abs(whole) <= kMostPower * kParts) || !(std::abs(parts - whole) <= 1e-6)) return std::nullopt;
+    result.*one = whole / kParts + 0.0;  // no -0
   }
   return result;
 }
@@ -183,10 +183,10 @@ std::optional<Dimensions> power(const Dimensions& base, double exponent) {
 std::string si_unit(const Dimensions& dimensions) {
   std::string text;
   for (std::size_t i = 0; i < kBases.size(); ++i) {
-    const int n = dimensions.*kBases[i];
-    if (n == 0) continue;
+    const double n = dimensions.*kBases[i];
+    if (n == 0.0) continue;
     text += (text.empty() ? "" : " ") + std::string(kBaseNames[i]);
-    if (n != 1) text += "^" + std::to_string(n);
+    if (n != 1.0) text += "^" + mtf::format_double(n);
   }
   return text;
 }

@@ -74,10 +74,10 @@ struct Parameter {
 enum class Scale { linear, log };
 
 struct Axis {
-  int parameter = 0;                ///< index into Study::parameters
-  std::vector<double> values;       ///< of a list: numbers in the unit; of a discrete axis: its numbers, or 0, 1, 2 ...
-  std::vector<std::string> levels;  ///< discrete: what the file has at each level, as text; else empty
-  double from = 0.0, to = 0.0;      ///< of a range (values empty)
+  int parameter = 0;             ///< index into Study::parameters
+  std::vector<double> values{};  ///< of a list: numbers in the unit; of a discrete axis: its numbers, or 0, 1, 2 ...
+  std::vector<std::string> levels{};  ///< discrete: what the file has at each level, as text; else empty
+  double from = 0.0, to = 0.0;        ///< of a range (values empty)
   Scale scale = Scale::linear;
   int count = 0;  ///< of a range: points on a grid
 

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/otf_series.h"
+
+#include <map>
+#include <memory>
+#include <mutex>
+
+namespace mtf {
+namespace {
+
+double share_at(double t) { return PanelMap{0.0, 1.0}.f(t); }
+
+ChebyshevPoints make_points(int degree) {
+  ChebyshevPoints points;
+  for (int i = 0; i < 2 * degree; ++i) points.cosine.push_back(cos_pi(static_cast<double>(i) / degree));
+  for (int k = 0; k <= degree; ++k) points.share.push_back(share_at(cos_pi(static_cast<double>(k) / degree)));
+  return points;
+}
+
+FineNodes make_nodes(int degree, int count) {
+  const GaussRule& rule = gauss_legendre(count);
+  FineNodes nodes;
+  for (std::size_t i = rule.node.size(); i-- > 0;) {
+    const double t = rule.node[i];
+    nodes.t.push_back(t);
+    nodes.share.push_back(share_at(t));
+    nodes.weight.push_back(rule.weight[i] * PanelMap{0.0, 1.0}.slope(t));
+  }
+  const std::size_t n = nodes.t.size();
+  nodes.basis.assign(n, 1.0);
+  nodes.basis.insert(nodes.basis.end(), nodes.t.begin(), nodes.t.end());
+  for (int k = 2; k <= degree; ++k)
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t end = nodes.basis.size();
+      nodes.basis.push_back(2.0 * nodes.t[i] * nodes.basis[end - n] - nodes.basis[end - 2 * n]);
+    }
+  return nodes;
+}
+
+}  // namespace
+
+const ChebyshevPoints& chebyshev_points(int degree) {
+  static const std::array<ChebyshevPoints, 4> points{make_points(8), make_points(16), make_points(32), make_points(64)};
+  return points[degree == 8 ? 0 : degree == 16 ? 1 : degree == 32 ? 2 : 3];
+}
+
+const FineNodes& fine_nodes(int degree, double cycles) {
+  const double k = 0.5 * kPi * kPi * cycles;  // largest change of phase per unit of t; nodes: see quadrature.h
+  const double wanted = 0.5 * degree + 0.5 * k + 2.0 * std::cbrt(k) + 8.0;
+  const int count = static_cast<int>(std::min<double>(kMostGaussNodes, 8.0 * std::ceil(wanted / 8.0)));
+  // One table for each degree and number of nodes; threads keep what they found, so that the lock is taken once.
+  static std::mutex lock;
+  static std::map<std::pair<int, int>, std::unique_ptr<const FineNodes>> tables;
+  thread_local std::map<std::pair<int, int>, const FineNodes*> known;
+  const FineNodes*& found = known[{degree, count}];
+  if (found != nullptr) return *found;
+  const std::lock_guard guard(lock);
+  auto& table = tables[{degree, count}];
+  if (!table) table = std::make_unique<const FineNodes>(make_nodes(degree, count));
+  found = table.get();
+  return *found;
+}
+
+}  // namespace mtf

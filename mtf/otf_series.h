@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// An OTF along a direction as Chebyshev series, from few evaluations: everything else that is wanted of it is cheap.
+// On a panel f = lo + (hi - lo) sin^2(pi s / 2), 0 <= s <= 1, so that half powers of the distance to either end, as an
+// aperture's OTF has them at its cutoff and turbulence at 0, are smooth in s; t = 2 s - 1 = cos(pi k / n), k = 0 .. n,
+// are the points of the series of degree n. Doubling n keeps the points there are; a panel that 64 do not resolve is
+// halved. The error of a series is taken from its last three coefficients, as they have fallen by then. (Trefethen,
+// Approximation Theory and Approximation Practice, SIAM 2013, ch. 3, 4 and 8.)
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "mtf/quadrature.h"
+#include "mtf/special.h"
+
+namespace mtf {
+
+inline constexpr int kLeastDegree = 8, kMostDegree = 64;  ///< of a series: 8, 16, 32, 64
+
+/// What a degree needs, made once: cos(pi i / n) for i < 2 n, and the share of the panel below each point.
+struct ChebyshevPoints {
+  std::vector<double> cosine, share;
+};
+const ChebyshevPoints& chebyshev_points(int degree);
+
+/// Gauss-Legendre nodes on a panel for a series of that degree, made once: what each basis function is there.
+struct FineNodes {
+  std::vector<double> t, share, weight;  ///< rising; share and weight as parts of the panel's width
+  std::vector<double> basis;             ///< [k][node] = T_k(t)
+};
+/// As many nodes as the series takes beside a wave of `cycles` over the panel.
+const FineNodes& fine_nodes(int degree, double cycles);
+
+/// Values at the points become coefficients in place: value = sum of c_k T_k(t).
+template <class S>
+void chebyshev_coefficients(std::vector<S>& value) {
+  const std::size_t n = value.size() - 1;
+  const std::vector<double>& cosine = chebyshev_points(static_cast<int>(n)).cosine;
+  std::vector<S> coefficient(n + 1);
+  for (std::size_t k = 0; k <= n; ++k) {
+    S sum = S(0.5) * (value[0] + S(k % 2 == 0 ? 1.0 : -1.0) * value[n]);
+    for (std::size_t j = 1; j < n; ++j) sum += S(cosine[(j * k) & (2 * n - 1)]) * value[j];
+    coefficient[k] = S((k == 0 || k == n ? 1.0 : 2.0) / static_cast<double>(n)) * sum;
+  }
+  value = std::move(coefficient);
+}
+
+/// Clenshaw's recurrence.
+template <class S>
+S chebyshev(const std::vector<S>& coefficient, double t) {
+  S b1{}, b2{};
+  for (std::size_t k = coefficient.size(); k-- > 1;) {
+    const S b = S(2.0 * t) * b1 - b2 + coefficient[k];
+    b2 = b1;
+    b1 = b;
+  }
+  return S(t) * b1 - b2 + coefficient[0];
+}
+
+/// The same at many places, side by side.
+template <class S>
+std::vector<S> chebyshev_at(const std::vector<S>& coefficient, std::span<const double> t) {
+  std::vector<S> b1(t.size()), b2(t.size()), b(t.size());
+  for (std::size_t k = coefficient.size(); k-- > 1;) {
+    const S c = coefficient[k];
+    for (std::size_t i = 0; i < t.size(); ++i) b[i] = S(2.0 * t[i]) * b1[i] - b2[i] + c;
+    b2.swap(b1);
+    b1.swap(b);
+  }
+  for (std::size_t i = 0; i < t.size(); ++i) b[i] = S(t[i]) * b1[i] - b2[i] + coefficient[0];
+  return b;
+}
+
+/// What the coefficients beyond the last amount to, about: twice the last three.
+template <class S>
+double series_tail(const std::vector<S>& coefficient) {
+  double tail = 0.0;
+  for (std::size_t i = 1; i <= 3; ++i) tail += std::abs(value_of(coefficient[coefficient.size() - i]));
+  return 2.0 * tail;
+}
+
+struct PanelMap {
+  double lo = 0.0, hi = 0.0;
+  double f(double t) const { return lo + (hi - lo) * square(sin_pi(0.25 * (1.0 + t))); }
+  double slope(double t) const { return 0.25 * kPi * (hi - lo) * sin_pi(0.5 * (1.0 + t)); }  ///< df/dt
+  double t(double f) const {
+    const double share = std::clamp((f - lo) / (hi - lo), 0.0, 1.0);
+    return 4.0 / kPi * std::atan2(std::sqrt(share), std::sqrt(1.0 - share)) - 1.0;
+  }
+  static double square(double x) { return x * x; }
+};
+
+/// Real and imaginary part; the latter is empty where it is 0 throughout.
+template <class S>
+struct ComplexSeries {
+  std::vector<S> re, im;
+  Complex<S> at(double t) const { return {chebyshev(re, t), im.empty() ? S(0) : chebyshev(im, t)}; }
+};
+
+template <class S>
+ComplexSeries<S> make_series(const std::vector<Complex<S>>& value) {
+  ComplexSeries<S> series;
+  series.re.reserve(value.size());
+  for (const Complex<S>& h : value) series.re.push_back(h.re);
+  if (std::any_of(value.begin(), value.end(), [](const Complex<S>& h) { return value_of(h.im) != 0.0; })) {
+    series.im.reserve(value.size());
+    for (const Complex<S>& h : value) series.im.push_back(h.im);
+    chebyshev_coefficients(series.im);
+  }
+  chebyshev_coefficients(series.re);
+  return series;
+}
+
+template <class S>
+double tail(const ComplexSeries<S>& series) {
+  return series_tail(series.re) + (series.im.empty() ? 0.0 : series_tail(series.im));
+}
+
+/// N OTFs on one panel.
+template <class S, std::size_t N>
+struct SeriesPanel {
+  PanelMap map;
+  std::array<ComplexSeries<S>, N> otf;
+  int degree = 0;
+  double error = 0.0;  ///< of the worst of them
+};
+
+template <class S, std::size_t N>
+using SeriesValues = std::array<std::vector<Complex<S>>, N>;
+
+/// The panel and those it is halved into, in rising order, appended to `panels`. `evaluate(f, values)` appends the OTFs
+/// at frequencies f. Stops at the tolerance, or at `most` panels.
+template <class S, std::size_t N, class Evaluate>
+void append_series(std::vector<SeriesPanel<S, N>>& panels, PanelMap map, double tolerance, std::size_t most,
+                   Evaluate& evaluate) {
+  constexpr int kFirst = kLeastDegree, kLast = kMostDegree;
+  SeriesValues<S, N> values;
+  std::vector<double> f;
+  for (int n = kFirst;; n *= 2) {
+    f.clear();
+    for (int k = n == kFirst ? 0 : 1; k <= n; k += n == kFirst ? 1 : 2)
+      f.push_back(map.lo + (map.hi - map.lo) * chebyshev_points(n).share[static_cast<std::size_t>(k)]);
+    SeriesValues<S, N> fresh;
+    evaluate(f, fresh);
+    SeriesPanel<S, N> panel{map, {}, n, 0.0};
+    for (std::size_t i = 0; i < N; ++i) {
+      if (fresh[i].empty()) continue;  // not asked for
+      if (n == kFirst) {
+        values[i] = std::move(fresh[i]);
+      } else {
+        std::vector<Complex<S>> merged(static_cast<std::size_t>(n) + 1);
+        for (std::size_t k = 0; k < merged.size(); ++k) merged[k] = k % 2 == 0 ? values[i][k / 2] : fresh[i][k / 2];
+        values[i] = std::move(merged);
+      }
+      panel.otf[i] = make_series(values[i]);
+      panel.error = std::max(panel.error, tail(panel.otf[i]));
+    }
+    if (panel.error <= tolerance || (n == kLast && (panels.size() >= most || map.hi - map.lo < 1e-9 * map.hi))) {
+      panels.push_back(std::move(panel));
+      return;
+    }
+    if (n < kLast) continue;
+    const double middle = 0.5 * (map.lo + map.hi);
+    append_series<S, N>(panels, {map.lo, middle}, tolerance, most, evaluate);
+    append_series<S, N>(panels, {middle, map.hi}, tolerance, most, evaluate);
+    return;
+  }
+}
+
+/// The series at the fine nodes.
+template <class S>
+std::vector<S> at_nodes(const std::vector<S>& coefficient, const FineNodes& nodes) {
+  const std::size_t count = nodes.t.size();
+  std::vector<S> value(count);
+  for (std::size_t k = 0; k < coefficient.size(); ++k) {
+    const double* basis = nodes.basis.data() + k * count;
+    const S c = coefficient[k];
+    for (std::size_t i = 0; i < count; ++i) value[i] += S(basis[i]) * c;
+  }
+  return value;
+}
+
+/// Values of real and imaginary parts; the latter is empty for a real series.
+template <class S>
+struct ComplexValues {
+  std::vector<S> re, im;
+  Complex<S> operator[](std::size_t i) const { return {re[i], im.empty() ? S(0) : im[i]}; }
+};
+template <class S>
+ComplexValues<S> at_nodes(const ComplexSeries<S>& series, const FineNodes& nodes) {
+  return {at_nodes(series.re, nodes), series.im.empty() ? std::vector<S>{} : at_nodes(series.im, nodes)};
+}
+template <class S>
+ComplexValues<S> at_places(const ComplexSeries<S>& series, std::span<const double> t) {
+  return {chebyshev_at(series.re, t), series.im.empty() ? std::vector<S>{} : chebyshev_at(series.im, t)};
+}
+
+}  // namespace mtf
