@@ -10,6 +10,8 @@
 #include "apps/output.h"
 #include "apps/sensor_chain.h"
 #include "apps/sensor_file.h"
+#include "apps/study_file.h"
+#include "apps/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/config.h"
 #include "mtf/io/config_tree.h"
@@ -18,6 +20,14 @@
 
 namespace apps {
 namespace {
+
+/// The stages of the chain in their order, and those that are off with what would switch them on.
+std::string explain_chain(const mtf::io::SensorConfig& config) {
+  TextTable on({"stage", "what it does"}), off({"left out", "why"});
+  for (const radiometry::ChainStage& stage : chain_stages(config.system, load_chain(config).sensor))
+    (stage.on ? on : off).add({stage.name, one_line(stage.what)});
+  return "\nchain, in this order\n" + on.aligned() + "\n" + off.aligned();
+}
 
 using Json = nlohmann::ordered_json;
 
@@ -41,10 +51,10 @@ std::string summary(const mtf::System<double>& system) {
   return text + " components";
 }
 
-std::string as_json(const mtf::io::ConfigResult& result, const std::string& file) {
-  Json json{{"file", file}, {"ok", result.ok()}, {"name", result.config.system.name}, {"sha256", result.config.sha256}};
+std::string as_json(const Verdict& verdict) {
+  Json json{{"file", verdict.file}, {"ok", verdict.ok}, {"name", verdict.name}, {"sha256", verdict.sha256}};
   Json& list = json["diagnostics"] = Json::array();
-  for (const auto& d : result.diagnostics)
+  for (const auto& d : verdict.diagnostics)
     list.push_back({{"severity", d.error    ? "error"
                                  : d.remark ? "note"
                                             : "warning"},
@@ -96,23 +106,37 @@ std::vector<std::string> files_of(const mtf::io::SensorConfig& config) {
   return files;
 }
 
+int report_verdict(const Verdict& verdict, Format format) {
+  const bool json = format == Format::json;
+  if (json) print(as_json(verdict));
+  if (!json && verdict.ok) print("ok: " + one_line(verdict.file) + ": " + verdict.summary + "\n");
+  for (const auto& diagnostic : verdict.diagnostics) {
+    const std::string line = one_line(mtf::io::format_diagnostic(diagnostic, verdict.file));
+    if (diagnostic.error)
+      complain(line);
+    else if (!json)
+      print(line + "\n");
+  }
+  return verdict.ok ? 0 : 2;
+}
+
 int check_sensor(const std::string& file, Format format) {
   mtf::io::ConfigResult result =
       mtf::io::parse_config(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file, radiometry::sensor_tables());
   if (result.ok())
     if (const std::string problem = chain_problem(result.config); !problem.empty())
       result.diagnostics.push_back({.error = true, .position = {}, .path = {}, .text = problem});
-  const bool json = format == Format::json;
-  if (json) print(as_json(result, file));
-  if (!json && result.ok()) print("ok: " + one_line(file) + ": " + summary(result.config.system) + "\n");
-  for (const auto& diagnostic : result.diagnostics) {
-    const std::string line = one_line(mtf::io::format_diagnostic(diagnostic, file));
-    if (diagnostic.error)
-      complain(line);
-    else if (!json)
-      print(line + "\n");
-  }
-  return result.ok() ? 0 : 2;
+  return report_verdict({.file = file,
+                         .ok = result.ok(),
+                         .name = result.config.system.name,
+                         .sha256 = result.config.sha256,
+                         .summary = summary(result.config.system),
+                         .diagnostics = result.diagnostics},
+                        format);
+}
+
+int check_config(const std::string& file, Format format) {
+  return is_study_file(file) ? check_study(file, format) : check_sensor(file, format);
 }
 
 int run_config(const ConfigOptions& options, const Global& global) {
@@ -120,7 +144,7 @@ int run_config(const ConfigOptions& options, const Global& global) {
     case ConfigOptions::Action::init:
       return init(options, global);
     case ConfigOptions::Action::check:
-      return check_sensor(options.file, options.format);
+      return check_config(options.file, options.format);
     case ConfigOptions::Action::explain:
       return explain(options, global);
     case ConfigOptions::Action::kinds:

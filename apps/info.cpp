@@ -9,6 +9,7 @@
 #include "apps/image_facts.h"
 #include "apps/output.h"
 #include "apps/sensor_file.h"
+#include "apps/study_file.h"
 #include "apps/text_table.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/units.h"
@@ -112,17 +113,21 @@ std::string as_json(const ImageFacts& facts) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-bool is_sensor_file(const std::string& path) {
+bool is_config_file(const std::string& path) {
   if (path.size() < 5) return false;
   std::string ending = path.substr(path.size() - 5);
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return ending == ".toml";
 }
 
-int info_of_sensor(const InfoOptions& options) {
-  const int status = check_sensor(options.file, options.format);
+int info_of_config(const InfoOptions& options) {
+  const int status = check_config(options.file, options.format);
   if (options.format != Format::table) return status;
   const std::string file = shell_word(options.file);
+  if (status == 0 && is_study_file(options.file)) {
+    print("next: mtf sweep " + file + " -o results\n");
+    return status;
+  }
   if (status == 0)
     print("next: mtf curve " + file + "\n      mtf config explain " + file + "\n      mtf simulate " + file +
           " scene.exr -o out.exr\n");
@@ -134,7 +139,7 @@ int info_of_sensor(const InfoOptions& options) {
 }  // namespace
 
 int run_info(const InfoOptions& options, const Global&) {
-  if (is_sensor_file(options.file)) return info_of_sensor(options);
+  if (is_config_file(options.file)) return info_of_config(options);
   const ImageFacts facts = image_facts(options);
   if (options.format == Format::json)
     print(as_json(facts));

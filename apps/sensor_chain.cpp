@@ -3,8 +3,6 @@
 
 #include <limits>
 
-#include "apps/output.h"
-#include "apps/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/spectrum_csv.h"
@@ -169,13 +167,6 @@ mtf::System<double> with_electron_rate(const mtf::System<double>& system, const 
   weighted.band->rate = std::make_shared<const mtf::ElectronRate>(
       [response, source_k = loaded.source_k](int n) { return response.electron_nodes(std::min(n, 256), source_k); });
   return weighted;
-}
-
-std::string explain_chain(const mtf::io::SensorConfig& config) {
-  TextTable on({"stage", "what it does"}), off({"left out", "why"});
-  for (const radiometry::ChainStage& stage : chain_stages(config.system, load_chain(config).sensor))
-    (stage.on ? on : off).add({stage.name, one_line(stage.what)});
-  return "\nchain, in this order\n" + on.aligned() + "\n" + off.aligned();
 }
 
 std::string unused_table(const mtf::io::SensorConfig& config) {

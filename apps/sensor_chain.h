@@ -35,9 +35,6 @@ LoadedSensor load_chain(const mtf::io::SensorConfig& config);
 /// where there is neither a curve nor a source temperature.
 mtf::System<double> with_electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded);
 
-/// The stages of the chain in their order, and those that are off with what would switch them on. Throws as load_chain.
-std::string explain_chain(const mtf::io::SensorConfig& config);
-
 /// What a file without [detector] says of a chain all the same; empty when nothing.
 std::string unused_table(const mtf::io::SensorConfig& config);
 

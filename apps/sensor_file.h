@@ -18,8 +18,23 @@ mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global)
 /// The sensor file and every file it names (curves): what no output may replace.
 std::vector<std::string> files_of(const mtf::io::SensorConfig& config);
 
-/// `mtf config check`: the verdict and notes on standard output, errors as file:line:col lines on standard error; JSON
-/// has both. Returns the exit code, 0 or 2. Throws RuntimeError when the file cannot be read.
+/// What `mtf config check` found in a sensor or study file.
+struct Verdict {
+  std::string file;
+  bool ok = false;
+  std::string name, sha256;
+  std::string summary;  ///< of a good one
+  std::vector<mtf::io::Diagnostic> diagnostics;
+};
+
+/// The verdict and notes on standard output, errors as file:line:col lines on standard error; JSON has both. Returns
+/// the exit code, 0 or 2.
+int report_verdict(const Verdict& verdict, Format format);
+
+/// `mtf config check` of a sensor file. Returns the exit code. Throws RuntimeError when the file cannot be read.
 int check_sensor(const std::string& file, Format format);
+
+/// The same for a sensor or a study, as the file itself says.
+int check_config(const std::string& file, Format format);
 
 }  // namespace apps

@@ -40,6 +40,17 @@ PupilNumbers<S> pupil_numbers(const Component<S>& component, const Context<S>& c
   return {f_number_of(f_number, ctx), obscuration_of(obscuration, ctx), wavelength_um.value_or(ctx.wavelength_um)};
 }
 
+/// What follows sampling ends somewhere: a display, an eye, an interpolation. Digital filters are periodic.
+template <class S>
+bool ends_after_sampling(const System<S>& system) {
+  constexpr std::array<std::string_view, 5> kinds{"interpolation", "sample_and_hold", "display_crt",
+                                                  "display_flat_panel", "eye"};
+  const auto& list = system.list(Stage::postsample);
+  return std::any_of(list.begin(), list.end(), [&](const Entry<S>& entry) {
+    return std::find(kinds.begin(), kinds.end(), entry.component.kind()) != kinds.end();
+  });
+}
+
 template <class S>
 class OtfParts {
  public:
@@ -113,7 +124,7 @@ class OtfParts {
   }
   /// Readout and postsample.
   void after(std::span<const Freq<S>> f, std::vector<Complex<S>>& product) {
-    product.assign(f.size(), kOne);
+    product.assign(f.size(), one());
     for (const Member& m : after_) m.component->multiply(f, middle_, product);
   }
 
@@ -123,7 +134,7 @@ class OtfParts {
     Part part;
     bool radial;
   };
-  static constexpr Complex<S> kOne{S(1), S(0)};
+  static Complex<S> one() { return {S(1), S(0)}; }
 
   bool has(Part part) const {
     const auto is = [part](const Member& m) { return m.part == part; };
@@ -148,8 +159,8 @@ class OtfParts {
   /// Without `whole` the optics alone.
   void presample(std::span<const Freq<S>> f, std::vector<Complex<S>>& optics, std::vector<Complex<S>>* detector,
                  std::vector<Complex<S>>* whole) {
-    optics.assign(f.size(), kOne);
-    if (whole != nullptr) detector->assign(f.size(), kOne), whole->assign(f.size(), kOne);
+    optics.assign(f.size(), one());
+    if (whole != nullptr) detector->assign(f.size(), one()), whole->assign(f.size(), one());
     for (const Member& m : steady_)
       if (m.part == Part::optics)
         m.component->multiply(f, middle_, optics);

@@ -32,17 +32,6 @@ struct AxisPanel {
   ComplexValues<S> system, presample;
 };
 
-/// What follows sampling ends somewhere: a display, an eye, an interpolation. Digital filters are periodic.
-template <class S>
-bool ends_after_sampling(const System<S>& system) {
-  constexpr std::array<std::string_view, 5> kinds{"interpolation", "sample_and_hold", "display_crt",
-                                                  "display_flat_panel", "eye"};
-  const auto& list = system.list(Stage::postsample);
-  return std::any_of(list.begin(), list.end(), [&](const Entry<S>& entry) {
-    return std::find(kinds.begin(), kinds.end(), entry.component.kind()) != kinds.end();
-  });
-}
-
 /// A zero of `value` between lo and hi, where it has the values h_lo and h_hi of different sign, within `near`.
 template <class Value>
 double find_zero(double lo, double h_lo, double hi, double h_hi, double near, Value value) {

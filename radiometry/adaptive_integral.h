@@ -20,7 +20,7 @@ struct Integral {
 };
 
 inline constexpr double kIntegralTolerance = 1e-11;  ///< of the integral of |f|
-inline constexpr int kMostPanels = 20000;            ///< then what is left is taken as it is, with its error
+inline constexpr int kMostPanels = 2000;             ///< then what is left is taken as it is, with its error
 
 /// Integral of f(double) -> S over [lo, hi], lo <= hi; `panels` equal ones to begin with.
 template <class S, class F>

@@ -5,6 +5,7 @@
 
 #include "mtf/parallel.h"
 #include "radiometry/chain_impl.h"
+#include "radiometry/sensor_numbers.h"
 
 namespace radiometry {
 namespace {
@@ -78,33 +79,18 @@ void require_consistent(const mtf::System<double>& system, const Sensor& sensor)
 }
 
 Camera<double> camera_of(const mtf::System<double>& system, const Sensor& sensor) {
-  const mtf::Context<double> context = system.context();
-  Camera<double> camera{.f_number = mtf::f_number_of<double>({}, context),
-                        .obscuration = mtf::obscuration_of<double>({}, context)};
+  const Camera<double> camera = camera_numbers(system, sensor.settings);
   if (!(camera.f_number > 0.0))
     throw mtf::UsageError("optics.f_number: missing; electrons need it: write f_number or aperture in [optics]");
-  if (const auto& optics = sensor.settings.optics) {
-    if (optics->transmission.file.empty()) camera.transmission = optics->transmission.number;
-    if (optics->cold_transmission.file.empty()) camera.cold_transmission = optics->cold_transmission.number;
-    camera.optics_emissivity = optics->emissivity;
-    camera.obscuration_emissivity = optics->obscuration_emissivity;
-    camera.stop_emissivity = optics->stop_emissivity;
-  }
   require_valid("optics", camera);
   return camera;
 }
 
 Pixel<double> pixel_of(const mtf::System<double>& system, const Sensor& sensor) {
-  const auto& detector = sensor.settings.detector;
-  if (!detector) throw mtf::UsageError("[detector]: missing; electrons need it");
+  if (!sensor.settings.detector) throw mtf::UsageError("[detector]: missing; electrons need it");
   if (!(system.frame.integration_time_s > 0.0))
     throw mtf::UsageError("frame.integration_time: missing; [detector] needs it, for example \"10 ms\"");
-  Pixel<double> pixel{.width_um = detector->width_um.value_or(system.frame.pitch_x_um),
-                      .height_um = detector->height_um.value_or(system.frame.pitch_y_um),
-                      .integration_s = system.frame.integration_time_s,
-                      .dark_e_s = detector->dark_e_s,
-                      .full_well_e = detector->full_well_e};
-  if (detector->quantum_efficiency.file.empty()) pixel.quantum_efficiency = detector->quantum_efficiency.number;
+  const Pixel<double> pixel = pixel_numbers(system, sensor.settings);
   require_valid("detector", pixel);
   return pixel;
 }

@@ -116,6 +116,9 @@ class Chain {
 /// UsageError as camera_of, pixel_of and band_radiances.
 Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor, double temperature_k);
 
+/// Rms of [flicker] over the detector, e-; 0 without.
+double flicker_rms_e(const mtf::System<double>& system, const SensorSettings& settings);
+
 /// D* in cm sqrt(Hz) / W of that budget's temporal noise, at the middle of the band: the quantum efficiency there.
 double dstar_of(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget);
 

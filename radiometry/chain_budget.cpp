@@ -5,34 +5,9 @@
 #include <cmath>
 
 #include "radiometry/chain.h"
+#include "radiometry/sensor_numbers.h"
 
 namespace radiometry {
-namespace {
-
-double root_sum(std::initializer_list<double> rms) {
-  double sum = 0.0;
-  for (const double value : rms) sum += value * value;
-  return std::sqrt(sum);
-}
-
-NoiseTerms<double> noise_terms(const Sensor& sensor, std::int64_t columns, std::int64_t rows) {
-  const SensorSettings& s = sensor.settings;
-  const DetectorSettings detector = s.detector.value_or(DetectorSettings{});
-  const NoiseSettings lines = s.noise.value_or(NoiseSettings{});
-  const Noise3d cube = s.noise_3d.value_or(Noise3d{});
-  const NonuniformitySettings unequal = s.nonuniformity.value_or(NonuniformitySettings{});
-  const double flicker_e = s.flicker ? std::sqrt(flicker_variance(*s.flicker, columns, rows)) : 0.0;
-  return {.read_e = detector.read_e,
-          .reset_e = reset_e_of(detector),
-          .other_e =
-              root_sum({detector.other_e, flicker_e, lines.row_e, lines.column_e, cube.t, cube.tv, cube.th, cube.tvh}),
-          .step_e = s.adc ? adc_of(sensor).electrons_per_count : 0.0,
-          .prnu = unequal.prnu,
-          .dsnu_e = root_sum({unequal.dsnu_e, lines.fixed_row_e, lines.fixed_column_e, cube.v, cube.h, cube.vh})};
-}
-
-}  // namespace
-
 Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor, double temperature_k) {
   require_consistent(system, sensor);
   const Camera<double> camera = camera_of(system, sensor);
@@ -48,10 +23,16 @@ Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor
     electrons.optics_e *= 1.0 - narcissus->depth;
     electrons.stop_e *= 1.0 - narcissus->depth;
   }
+  return make_budget(pixel, electrons, noise_numbers(sensor.settings, pixel, flicker_rms_e(system, sensor.settings)),
+                     per_k);
+}
+
+double flicker_rms_e(const mtf::System<double>& system, const SensorSettings& settings) {
+  if (!settings.flicker) return 0.0;
   // Without a format, that of a common detector: 1/f noise grows with the logarithm of its size.
   const std::int64_t columns = system.frame.columns > 0 ? system.frame.columns : 640;
   const std::int64_t rows = system.frame.rows > 0 ? system.frame.rows : 512;
-  return make_budget(pixel, electrons, noise_terms(sensor, columns, rows), per_k);
+  return std::sqrt(flicker_variance(*settings.flicker, columns, rows));
 }
 
 double dstar_of(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget) {

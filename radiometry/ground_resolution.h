@@ -21,12 +21,12 @@ S ground_sample_distance_m(const S& pitch_um, const S& focal_length_mm, const S&
 template <class S>
 struct GrdInput {
   S snr{};        ///< contrast over noise at frequency 0, above 0, infinite allowed
-  S ifov_mrad{};  ///< of a pixel, pitch / focal length, above 0
+  S ifov_mrad{};  ///< of a pixel, pitch / focal length, 1e-12 to 1e4
   S range_m{};    ///< along the line of sight, above 0
 
   static constexpr auto fields() {
     return std::tuple{row_above_zero("snr", "", mtf::kInfinity, "contrast over noise", &GrdInput::snr),
-                      row_above_zero("ifov", "mrad", 1e4, "instantaneous field of view", &GrdInput::ifov_mrad),
+                      row_between("ifov", "mrad", 1e-12, 1e4, "instantaneous field of view", &GrdInput::ifov_mrad),
                       row_above_zero("range", "m", 1e12, "range along the line of sight", &GrdInput::range_m)};
   }
 };

@@ -30,7 +30,8 @@ struct SensitivityCourse {
 inline constexpr int kCourseSamples = 240;  ///< 12 an octave over a factor of 2^20
 
 /// `sensitivity`: f in cycles/mrad (double) -> 1/CTF as S, >= 0, 0 from `limit_cy_mrad` on (UsageError if that is not
-/// above 0 and finite). It is to have one top in the band; one narrower than a twelfth of an octave may be missed.
+/// above 0 and finite). It is to have one top in the band; tops and gaps narrower than a
+/// twelfth of an octave may be missed.
 template <class Sensitivity>
 SensitivityCourse sensitivity_course(const Sensitivity& sensitivity, double limit_cy_mrad) {
   if (!(limit_cy_mrad > 0.0 && limit_cy_mrad < mtf::kInfinity))

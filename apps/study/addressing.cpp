@@ -123,10 +123,7 @@ Found of_component(const SensorView& view, const Target& target) {
                                                        "_x and " + name + "_y there, or name " + name};
       place.kind = Place::Kind::number;
       place.info = *site.info;
-      if (unit != nullptr) {
-        place.info.unit = unit->name;
-        place.info.dimension = unit->dimension;
-      }
+      if (unit != nullptr) place.info.unit = unit->name;
       place.value = *site.numbers.front();
       return {place};
     }
@@ -179,12 +176,16 @@ std::vector<std::string> owners_of(const SensorView& view, std::string_view key)
   const std::string element(key.substr(stem.size()));
   std::vector<std::string> given, all, paths;
   for (const auto& [name, target] : view.targets) {
+    if (target.component && name.starts_with(target.table + "[")) continue;  // the label names it too
     if (target.key != stem || std::find(paths.begin(), paths.end(), target.path()) != paths.end()) continue;
     paths.push_back(target.path());
     all.push_back(name + element);
     if (is_given(view, target)) given.push_back(name + element);
   }
-  return given.empty() ? all : given;
+  if (!given.empty()) return given;
+  // Components take from [optics] what they do not give themselves.
+  const std::string shared = "optics." + std::string(key);
+  return std::find(all.begin(), all.end(), shared) != all.end() ? std::vector{shared} : all;
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ struct Place {
   Kind kind = Kind::level;
   std::string what{};     ///< of a level, with its article: "a whole number"
   bool file = false;      ///< a text in its place names a file
-  mtf::FieldInfo info{};  ///< unit as held ("" only for plain numbers), range, example; of numbers
+  mtf::FieldInfo info{};  ///< of numbers: unit as held ("" for plain ones; of an Extent as written), range, example
   double value = 0.0;     ///< of numbers
 };
 

@@ -58,12 +58,8 @@ bool needs_file(const Place& place, const Node& node) {
   if (node.kind != Node::Kind::string) return node.kind == Node::Kind::array || node.kind == Node::Kind::boolean;
   const mtf::Unit* unit = unit_in(node);
   if (unit == nullptr) return place.file;
-  const bool extent = place.info.unit.empty() ? false : place.target.component;
-  const auto of_extent = [](mtf::Dimension d) {
-    return d == mtf::Dimension::length || d == mtf::Dimension::angle || d == mtf::Dimension::pixel;
-  };
-  return extent && unit->dimension != place.info.dimension && of_extent(unit->dimension) &&
-         of_extent(place.info.dimension);
+  return place.info.dimension == mtf::Dimension::extent &&
+         unit->dimension != mtf::find_unit(place.info.unit)->dimension;
 }
 
 /// One [[axis]] table on its way into an Axis and its Parameter.
@@ -80,6 +76,8 @@ struct AxisReader {
     section.error(key, text);
     good = false;
   }
+
+  std::string given() const { return place ? "in the sensor file" : "in the first value"; }
 
   void identify() {
     const auto own = cfg::read_string(section, "name");
@@ -158,7 +156,7 @@ struct AxisReader {
                              [&](const Node& node) { return needs_file(*place, node); });
     if (discrete) return read_levels(values);
     for (const Node& node : values.items) {
-      const auto number = read_held(s, node, info, section.at("values"));
+      const auto number = read_held(s, node, info, section.at("values"), given());
       good = good && number;
       axis.values.push_back(number.value_or(0.0));
     }
@@ -191,7 +189,8 @@ struct AxisReader {
       if (section.find(key) == nullptr) fail(key, "missing; an axis has values = [...], or from and to");
     const Node *from = section.find("from"), *to = section.find("to");
     if (!good) return;
-    const auto lo = read_held(s, *from, info, section.at("from")), hi = read_held(s, *to, info, section.at("to"));
+    const auto lo = read_held(s, *from, info, section.at("from"), given()),
+               hi = read_held(s, *to, info, section.at("to"), given());
     constexpr std::array<std::string_view, 2> scales{"linear", "log"};
     if (const auto scale = cfg::read_word(section, "scale", scales)) axis.scale = static_cast<Scale>(*scale);
     good = good && lo && hi && !s.reader.has_failed(section.at("scale"));
@@ -204,7 +203,7 @@ struct AxisReader {
 
   void read_count(Method method) {
     const Node* count = section.find("count");
-    if (!axis.values.empty() || discrete) return;
+    if (discrete) return;
     if (count == nullptr) {
       if (method == Method::grid)
         return fail("count", "missing; write count = 11, the points of a grid along this axis");
@@ -229,7 +228,7 @@ struct AxisReader {
       read_values();
     else
       read_range();
-    read_count(method);
+    if (section.find("values") == nullptr) read_count(method);
   }
 };
 

@@ -186,17 +186,25 @@ std::optional<Expression> read_expression(StudyReader& s, const Source& source, 
   }
 }
 
-std::optional<double> read_held(StudyReader& s, const Node& node, const mtf::FieldInfo& info, const std::string& path) {
+std::optional<double> read_held(StudyReader& s, const Node& node, const mtf::FieldInfo& info, const std::string& path,
+                                const std::string& given) {
+  using enum mtf::Dimension;
   mtf::FieldInfo reading = info;
-  const bool several = info.dimension == mtf::Dimension::frequency || info.dimension == mtf::Dimension::extent;
-  if (several) reading.unit = {};  // cy/mm and cy/px are of one dimension, but only the frame converts them
-  const auto scalar = cfg::read_plain(s.reader, node, reading, path);
+  // What is of one dimension here may still be of several kinds, which only the frame converts: cy/mm and cy/px.
+  const bool several = info.dimension == frequency || info.dimension == extent || info.dimension == cutoff;
+  if (several) reading.unit = {};
+  auto scalar = cfg::read_plain(s.reader, node, reading, path);
   if (!scalar) return std::nullopt;
-  if (several && scalar->unit->name != info.unit) {
-    s.error(node.position, path,
-            cfg::shown(node) + " is in " + std::string(scalar->unit->name) + ", the sensor file has it in " +
-                std::string(info.unit) + "; use one unit");
-    return std::nullopt;
+  if (several) {
+    const mtf::Unit* held = mtf::find_unit(info.unit);
+    const bool same = scalar->unit->dimension == held->dimension && held->dimension != frequency;
+    if (!same && scalar->unit != held) {
+      s.error(node.position, path,
+              cfg::shown(node) + " is in " + std::string(scalar->unit->name) + ", but " + given + " it is in " +
+                  std::string(info.unit) + "; use one unit");
+      return std::nullopt;
+    }
+    scalar->value = mtf::convert({scalar->value, scalar->unit}, info.unit);
   }
   if (cfg::in_range(info, scalar->value)) return scalar->value;
   s.error(node.position, path,

@@ -90,9 +90,10 @@ Parameter parameter_of(const std::string& name, const Place& place);
 /// Reads an expression over the names that are known; null when it is wrong (reported).
 std::optional<Expression> read_expression(StudyReader& s, const Source& source, bool metrics);
 
-/// A number within the range of `info`, in its unit, which is that of the field as held.
+/// A number within the range of `info`, in its unit, which is that of the field as held. `given` says by what, for
+/// units that do not fit.
 std::optional<double> read_held(StudyReader& s, const mtf::io::cfg::Node& node, const mtf::FieldInfo& info,
-                                const std::string& path);
+                                const std::string& path, const std::string& given = "in the sensor file");
 
 /// The sensor file with levels, -1 for as it is; `tree` is that of the study.
 mtf::io::ConfigResult with_levels(const Study& study, const mtf::io::cfg::Node& tree, const SensorView& view,

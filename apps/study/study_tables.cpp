@@ -51,6 +51,8 @@ std::vector<Row> condition_rows() {
           [](Conditions& c, double x) { c.target_size_m = x; }),
       row("signal_contrast", none, "", 0.0, 1.0, true, "0.5", [](Conditions& c, double x) { c.signal_contrast = x; }),
       row("extinction", none, "", 0.0, 1e6, false, "0.2", [](Conditions& c, double x) { c.extinction_per_km = x; }),
+      row("scene_contrast", temperature, "K", 0.0, 1e5, true, "\"5 K\"",
+          [](Conditions& c, double x) { c.scene_contrast_k = x; }),
       row("snr_threshold", none, "", 0.0, 1e6, true, "2.5", [](Conditions& c, double x) { c.snr_threshold = x; }),
       row("eye_time", time, "s", 0.0, 1e3, true, "\"0.1 s\"", [](Conditions& c, double x) { c.eye_time_s = x; }),
       row("frame_rate", temporal, "Hz", 0.0, 1e9, true, "\"60 Hz\"",

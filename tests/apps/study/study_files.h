@@ -1,47 +1,93 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Files of a test, in a folder that goes away.
+// A folder with a sensor file, and studies of it.
 
-#include <unistd.h>
+#include <stdlib.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <stdexcept>
 #include <string>
+
+#include "apps/study/study.h"
 
 namespace study_test {
 
-inline std::string read_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
+inline constexpr const char* kCamera = R"(schema = 1
+name = "camera"
+[frame]
+focal_length = "2 m"
+pitch = "8 um"
+integration_time = "2 ms"
+format = [640, 512]
+[optics]
+aperture = "250 mm"
+obscuration = 0.3
+transmission = 0.8
+[band]
+wavelength = ["0.5 um", "0.7 um"]
+[detector]
+quantum_efficiency = 0.6
+read_noise = "20 e-"
+[adc]
+bits = 12
+electrons_per_count = "20 e-"
+[[presample]]
+kind = "wavefront"
+zernike = [0.0, 0.0, 0.0, 0.05]
+[[presample]]
+kind = "footprint"
+fill_factor = 0.9
+[[presample]]
+kind = "jitter"
+rms = "1 urad"
+[[presample]]
+kind = "jitter"
+label = "slow"
+rms_x = "2 um"
+rms_y = "1 um"
+)";
 
-inline void write_file(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
-
-class TempFolder {
+/// A new folder with camera.toml, removed at the end.
+class Folder {
  public:
-  TempFolder() {
+  Folder() {
     std::string name = (std::filesystem::temp_directory_path() / "mtfkit_study_XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no scratch folder");
-    root_ = name;
+    if (::mkdtemp(name.data()) == nullptr) std::abort();
+    path_ = name;
+    write("camera.toml", kCamera);
   }
-  ~TempFolder() {
+  ~Folder() {
     std::error_code ignored;
-    std::filesystem::remove_all(root_, ignored);
+    std::filesystem::remove_all(path_, ignored);
   }
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
 
-  std::filesystem::path operator/(const std::string& name) const { return root_ / name; }
-  const std::filesystem::path& root() const { return root_; }
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  void write(const std::string& name, const std::string& text) const {
+    std::filesystem::create_directories(std::filesystem::path(*this / name).parent_path());
+    std::ofstream(*this / name, std::ios::binary) << text;
+  }
+  study::StudyResult parse(const std::string& text) const { return study::parse_study(text, *this / "study.toml"); }
+  /// The diagnostics as lines without the folder.
+  std::string lines(const std::string& text) const {
+    std::string all;
+    for (const auto& diagnostic : parse(text).diagnostics)
+      all += mtf::io::format_diagnostic(diagnostic, "study.toml") + "\n";
+    const std::string folder = path_.string() + "/";
+    for (std::size_t at = 0; (at = all.find(folder, at)) != std::string::npos;) all.erase(at, folder.size());
+    return all;
+  }
 
  private:
-  std::filesystem::path root_;
+  std::filesystem::path path_;
 };
+
+/// The head of a study of camera.toml, two lines.
+inline const std::string kHead = "schema = 1\nsensor = \"camera.toml\"\n";
+/// One axis and a metric.
+inline const std::string kAxis = "[[axis]]\nparameter = \"pitch\"\nvalues = [\"5 um\", \"8 um\"]\n";
+inline const std::string kMetrics = "[metrics]\nlist = [\"mtf_nyquist\"]\n";
 
 }  // namespace study_test

@@ -16,7 +16,7 @@
 #include "apps/study/row_run.h"
 #include "apps/study/row_table.h"
 #include "mtf/error.h"
-#include "tests/apps/study/study_files.h"
+#include "tests/apps/study/temp_folder.h"
 
 namespace {
 

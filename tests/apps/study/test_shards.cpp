@@ -11,7 +11,7 @@
 #include "apps/study/submit_script.h"
 #include "mtf/error.h"
 #include "mtf/io/sha256.h"
-#include "tests/apps/study/study_files.h"
+#include "tests/apps/study/temp_folder.h"
 
 namespace {
 

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// One design worked out in a scalar: numbers of the parameters in, metrics out. evaluator.cpp has it for double,
+// gradient.cpp for jets.
+
+#include <algorithm>
+
+#include "apps/study/range_models.h"
+#include "apps/study/variant_sensor.h"
+#include "calib/parameter_site.h"
+
+namespace study {
+
+/// The metrics of a study, and what they ask for.
+struct MetricPlan {
+  std::vector<MetricChoice> choices;  ///< of Study::metrics
+  std::vector<std::size_t> at;        ///< index into needs.at, for mtf_at
+  mtf::ResolutionNeeds needs;
+  bool resolution = false, budget = false, giqe = false, range = false;
+  std::vector<UnitScale> scale;
+};
+
+MetricPlan plan_metrics(const Study& study, double tolerance);
+
+template <class S>
+class DesignWork {
+ public:
+  DesignWork(const Study& study, const MetricPlan& plan, const VariantSensor& variant, mtf::System<S> system)
+      : study_(&study), plan_(&plan), variant_(&variant), system_(std::move(system)), meter_(plan.needs) {
+    for (const Parameter& parameter : study.parameters)
+      sites_.push_back(calib::parameter_site(system_, parameter.path).numbers);
+  }
+  DesignWork(const DesignWork&) = delete;  // the sites are places in its own system
+  DesignWork& operator=(const DesignWork&) = delete;
+
+  /// Values of all parameters, in their units. A parameter of a table becomes an override.
+  void set(std::span<const S> parameters) {
+    overrides_.clear();
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      const Parameter& parameter = study_->parameters[i];
+      if (parameter.path.empty() || parameter.role == Parameter::Role::fixed) continue;
+      for (S* number : sites_[i]) *number = parameters[i];
+      if (sites_[i].empty()) overrides_.push_back({parameter.path, parameters[i]});
+    }
+  }
+  /// As set(), for parameters that vary as built, too.
+  void set_fixed(std::size_t parameter, const S& value) {
+    for (S* number : sites_[parameter]) *number = value;
+    if (!sites_[parameter].empty()) return;
+    const std::string& path = study_->parameters[parameter].path;
+    const auto found =
+        std::find_if(overrides_.begin(), overrides_.end(), [&](const auto& o) { return o.path == path; });
+    if (found != overrides_.end())
+      found->value = value;
+    else
+      overrides_.push_back({path, value});
+  }
+
+  const mtf::System<S>& system() const { return system_; }
+  std::span<const radiometry::Override<S>> overrides() const { return overrides_; }
+
+  /// Metrics in their units. `spectral`: of the overrides that are set.
+  void metrics(const radiometry::BandRadiances<S>& radiances, const S& per_k, std::span<S> values) {
+    design_.system = &system_;
+    design_.conditions = &study_->conditions;
+    if (plan_->resolution) design_.resolution = meter_.measure(system_);
+    design_.budget.reset();
+    if (plan_->budget && variant_->loaded) design_.budget = budget(radiances, per_k);
+    if (plan_->giqe) design_.noise_gain = noise_gain();
+    design_.ranges.reset();
+    if (plan_->range && design_.budget) design_.ranges = range_figures(design_);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = metric_value(plan_->choices[i], design_, plan_->at[i]);
+  }
+  double error() const { return plan_->resolution ? design_.resolution.error : 0.0; }
+
+ private:
+  radiometry::Budget<S> budget(const radiometry::BandRadiances<S>& radiances, const S& per_k) const {
+    const radiometry::SensorSettings& settings = variant_->loaded->sensor.settings;
+    const radiometry::Overrides<S> numbers{std::span<const radiometry::Override<S>>(overrides_)};
+    const radiometry::Camera<S> camera = radiometry::camera_numbers(system_, settings, numbers);
+    const radiometry::Pixel<S> pixel = radiometry::pixel_numbers(system_, settings, numbers);
+    radiometry::Signal<S> electrons = radiometry::signal(camera, pixel, radiances);
+    if (settings.narcissus) {
+      const S rest = S(1) - numbers("narcissus.depth", settings.narcissus->depth);
+      electrons.optics_e = electrons.optics_e * rest;
+      electrons.stop_e = electrons.stop_e * rest;
+    }
+    return radiometry::make_budget(pixel, electrons,
+                                   radiometry::noise_numbers(settings, pixel, variant_->flicker_e, numbers),
+                                   S(radiometry::electrons_per_radiance(camera, pixel) * per_k));
+  }
+
+  /// Root of the mean of |OTF|^2 of the digital filters over the base band: by what they raise white noise.
+  S noise_gain() const {
+    using std::sqrt;
+    if (system_.list(mtf::Stage::postsample).empty()) return S(1);
+    const mtf::GaussRule& rule = mtf::gauss_legendre(12);
+    std::vector<mtf::Freq<S>> f;
+    for (const double x : rule.node)
+      for (const double y : rule.node)
+        f.push_back(
+            {S(x) * system_.frame.nyquist_cy_mm(mtf::Axis::x), S(y) * system_.frame.nyquist_cy_mm(mtf::Axis::y)});
+    const auto h = system_.otf(std::span(system_.list(mtf::Stage::postsample)), f);
+    S mean(0);
+    for (std::size_t i = 0; i < h.size(); ++i)
+      mean += S(0.25 * rule.weight[i / 12] * rule.weight[i % 12]) * (h[i].re * h[i].re + h[i].im * h[i].im);
+    return sqrt(mean);
+  }
+
+  const Study* study_;
+  const MetricPlan* plan_;
+  const VariantSensor* variant_;
+  mtf::System<S> system_;
+  mtf::ResolutionMeter<S> meter_;
+  std::vector<std::vector<S*>> sites_;
+  std::vector<radiometry::Override<S>> overrides_;
+  Design<S> design_;
+};
+
+}  // namespace study

@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/study/evaluator.h"
+
+#include <cmath>
+#include <map>
+
+#include "apps/study/design_work.h"
+#include "apps/study/gradient.h"
+#include "mtf/error.h"
+
+namespace study {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// An objective that is nothing but a metric or a parameter has no column of its own.
+bool has_column(const Objective& objective) { return !objective.expression.only_slot(); }
+
+}  // namespace
+
+MetricPlan plan_metrics(const Study& study, double tolerance) {
+  MetricPlan plan;
+  plan.needs.tolerance = tolerance;
+  plan.needs.y = false;
+  for (const MetricInfo& info : study.metrics) {
+    const MetricChoice choice = *choose_metric(info.name);
+    plan.choices.push_back(choice);
+    plan.scale.push_back(unit_scale(info.unit));
+    plan.at.push_back(plan.needs.at.size());
+    if (choice.row->metric == Metric::mtf_at) plan.needs.at.push_back(choice.at);
+    mtf::AxisNeeds& axis = plan.needs.axis;
+    const Effort effort = choice.row->effort;
+    plan.resolution = plan.resolution || (effort != Effort::geometry && effort != Effort::budget);
+    plan.needs.y = plan.needs.y || effort == Effort::giqe || (choice.row->directional && choice.axis != mtf::Axis::x);
+    plan.budget = plan.budget || effort == Effort::budget || effort == Effort::giqe || effort == Effort::grd ||
+                  effort == Effort::range;
+    switch (effort) {
+      case Effort::geometry:
+      case Effort::points:
+      case Effort::budget:
+      case Effort::grd:
+        break;
+      case Effort::edge:
+        axis.edge = true;
+        break;
+      case Effort::overshoot:
+        axis.overshoot = true;
+        break;
+      case Effort::fwhm:
+        axis.fwhm = true;
+        break;
+      case Effort::mtf50:
+        axis.mtf50 = true;
+        break;
+      case Effort::area:
+        axis.area = true;
+        break;
+      case Effort::aliasing:
+        axis.aliasing = true;
+        break;
+      case Effort::spurious:
+        axis.aliasing = axis.spurious = true;
+        break;
+      case Effort::light:
+        (choice.row->metric == Metric::strehl ? plan.needs.strehl : plan.needs.ensquared) = true;
+        break;
+      case Effort::giqe:
+        axis.edge = true;
+        if (choice.row->metric != Metric::niirs_giqe5) axis.overshoot = plan.giqe = true;
+        break;
+      case Effort::range:
+        plan.range = true;
+        break;
+    }
+  }
+  return plan;
+}
+
+std::vector<Column> columns_of(const Study& study) {
+  std::vector<Column> columns;
+  for (const Axis& axis : study.axes) {
+    const Parameter& parameter = study.parameters[static_cast<std::size_t>(axis.parameter)];
+    columns.push_back({parameter.name, parameter.unit, "varied", "study file", Column::Role::axis, axis.levels});
+  }
+  for (const Link& link : study.links) {
+    const Parameter& parameter = study.parameters[static_cast<std::size_t>(link.parameter)];
+    columns.push_back(
+        {parameter.name, parameter.unit, "= " + link.expression.text(), "study file", Column::Role::link});
+  }
+  for (const MetricInfo& metric : study.metrics)
+    columns.push_back({metric.name, metric.unit, metric.definition, metric.source, Column::Role::metric});
+  for (const Objective& objective : study.objectives)
+    if (has_column(objective))
+      columns.push_back({objective.text, objective.unit, objective.maximize ? "to be maximized" : "to be minimized",
+                         "study file", Column::Role::objective});
+  if (!study.constraints.empty())
+    columns.push_back({"feasible", "", "1 where every constraint holds", "study file", Column::Role::feasible});
+  if (study.draws > 0)
+    columns.push_back(
+        {"yield", "", "share of as-built draws that meet every constraint", "study file", Column::Role::yield});
+  columns.push_back({"error", "",
+                     "largest error of the metrics, estimated: absolute where they are at most 1, else relative",
+                     "mtf/otf_series.h", Column::Role::error});
+  return columns;
+}
+
+struct Evaluator::Impl {
+  std::shared_ptr<const Study> study;
+  MetricPlan plan;
+  struct Ready {
+    VariantSensor sensor;
+    std::unique_ptr<DesignWork<double>> work;
+  };
+  std::map<std::vector<int>, std::unique_ptr<Ready>> variants{};
+  std::vector<double> axis_values{}, parameters{}, metrics{}, slots{};
+  std::vector<int> levels{};
+  std::string problem{};
+
+  explicit Impl(std::shared_ptr<const Study> s) : study(std::move(s)), plan(plan_metrics(*study, study->tolerance)) {
+    axis_values.resize(study->axes.size());
+    levels.resize(study->axes.size());
+    parameters.resize(study->parameters.size());
+    metrics.resize(study->metrics.size());
+    slots.resize(study->slots());
+  }
+
+  /// Sensor of the levels of the discrete axes; the oldest go when there are many.
+  Ready& ready(std::span<const double> values) {
+    for (std::size_t a = 0; a < study->axes.size(); ++a)
+      levels[a] = study->axes[a].discrete() ? static_cast<int>(values[a]) : 0;
+    const auto found = variants.find(levels);
+    if (found != variants.end()) return *found->second;
+    constexpr std::size_t kMost = 64;
+    if (variants.size() >= kMost) variants.clear();
+    auto fresh = std::make_unique<Ready>();
+    fresh->sensor = load_variant(*study, levels);
+    if (fresh->sensor.problems.empty())
+      fresh->work = std::make_unique<DesignWork<double>>(*study, plan, fresh->sensor, fresh->sensor.system);
+    return *variants.emplace(levels, std::move(fresh)).first->second;
+  }
+
+  /// A value out of the range of its field; "" when it is inside.
+  static std::string out_of_range(const Parameter& p, double value) {
+    const bool above = p.lo_open ? value > p.lo : value >= p.lo, below = p.hi_open ? value < p.hi : value <= p.hi;
+    if (above && below) return {};
+    return p.name + " = " + mtf::format_double(value) + (p.unit.empty() ? "" : " " + p.unit) + " is outside " +
+           (p.lo_open ? "(" : "[") + mtf::format_double(p.lo) + ", " + mtf::format_double(p.hi) +
+           (p.hi_open ? ")" : "]");
+  }
+
+  bool fill_parameters(const Ready& variant, std::span<const double> values, std::span<const double> shift);
+  bool set_system(Ready& variant);
+  void write_row(std::span<double> row) const;
+  void evaluate_at(std::span<const double> values, std::span<double> row, std::span<const double> shift);
+};
+
+/// Axes, then links, then what is built differently. False when a value is out of range.
+bool Evaluator::Impl::fill_parameters(const Ready& variant, std::span<const double> values,
+                                      std::span<const double> shift) {
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const Parameter& p = study->parameters[i];
+    parameters[i] = p.path.empty() ? p.base : variant.sensor.base[i];
+    slots[i] = parameters[i] * p.scale.si;
+  }
+  const auto put = [&](int parameter, double value) {
+    const auto i = static_cast<std::size_t>(parameter);
+    parameters[i] = value;
+    slots[i] = value * study->parameters[i].scale.si;
+    if (problem.empty()) problem = out_of_range(study->parameters[i], value);
+  };
+  for (std::size_t a = 0; a < study->axes.size(); ++a) {
+    const Axis& axis = study->axes[a];
+    if (axis.discrete())
+      parameters[static_cast<std::size_t>(axis.parameter)] = axis.values[static_cast<std::size_t>(values[a])];
+    else
+      put(axis.parameter, values[a]);
+  }
+  for (const Link& link : study->links)
+    put(link.parameter,
+        link.expression.evaluate<double>(slots) / study->parameters[static_cast<std::size_t>(link.parameter)].scale.si);
+  for (std::size_t k = 0; k < shift.size(); ++k) {
+    const int parameter = study->as_built[k].parameter;
+    put(parameter, parameters[static_cast<std::size_t>(parameter)] + shift[k]);
+  }
+  return problem.empty();
+}
+
+/// The sensor with these numbers. False when it could not be one.
+bool Evaluator::Impl::set_system(Ready& variant) {
+  variant.work->set(parameters);
+  for (const AsBuilt& built : study->as_built) {
+    const auto i = static_cast<std::size_t>(built.parameter);
+    if (study->parameters[i].role == Parameter::Role::fixed) variant.work->set_fixed(i, parameters[i]);
+  }
+  for (const auto& finding : variant.work->system().check())
+    if (finding.problem.error) {
+      problem = finding.where + (finding.problem.field.empty() ? "" : "." + finding.problem.field) + ": " +
+                finding.problem.text;
+      return false;
+    }
+  return true;
+}
+
+void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<double> row,
+                                  std::span<const double> shift) {
+  problem.clear();
+  Ready& variant = ready(values);
+  std::fill(metrics.begin(), metrics.end(), kNan);
+  std::fill(parameters.begin(), parameters.end(), kNan);
+  std::fill(row.begin(), row.end(), kNan);
+  double error = kNan;
+  if (!variant.sensor.problems.empty()) {
+    problem = variant.sensor.problems.front();
+    for (std::size_t a = 0; a < study->axes.size(); ++a) {
+      const Axis& axis = study->axes[a];
+      parameters[static_cast<std::size_t>(axis.parameter)] =
+          axis.discrete() ? axis.values[static_cast<std::size_t>(values[a])] : values[a];
+    }
+  } else if (fill_parameters(variant, values, shift) && set_system(variant)) {
+    try {
+      SpectralNumbers changed;
+      const SpectralNumbers* spectral = &variant.sensor.spectral;
+      const auto overrides = variant.work->overrides();
+      const bool moved =
+          std::any_of(overrides.begin(), overrides.end(), [](const auto& o) { return is_spectral(o.path); });
+      if (moved && plan.budget && variant.sensor.loaded) {
+        changed = spectral_numbers(variant.sensor.loaded->sensor, study->conditions.temperature_k,
+                                   radiometry::Overrides<double>{overrides});
+        spectral = &changed;
+      }
+      variant.work->metrics(spectral->radiances, spectral->per_k, metrics);
+      error = variant.work->error();
+    } catch (const mtf::UsageError& refused) {
+      problem = refused.what();
+      std::fill(metrics.begin(), metrics.end(), kNan);
+    }
+  }
+  for (std::size_t i = 0; i < metrics.size(); ++i) slots[study->parameters.size() + i] = metrics[i] * plan.scale[i].si;
+  write_row(row);
+  row.back() = error;
+}
+
+void Evaluator::Impl::write_row(std::span<double> row) const {
+  std::size_t c = 0;
+  for (const Axis& axis : study->axes) row[c++] = parameters[static_cast<std::size_t>(axis.parameter)];
+  for (const Link& link : study->links) row[c++] = parameters[static_cast<std::size_t>(link.parameter)];
+  for (const double metric : metrics) row[c++] = metric;
+  for (const Objective& objective : study->objectives)
+    if (has_column(objective))
+      row[c++] = problem.empty() ? objective.expression.evaluate<double>(slots) / objective.si : kNan;
+  if (study->constraints.empty()) return;
+  bool feasible = problem.empty();
+  for (const Constraint& constraint : study->constraints) {
+    const double left = constraint.left.evaluate<double>(slots), right = constraint.right.evaluate<double>(slots);
+    const bool holds = constraint.less ? (constraint.strict ? left < right : left <= right)
+                                       : (constraint.strict ? left > right : left >= right);
+    feasible = feasible && holds;  // false for NaN
+  }
+  row[c] = feasible ? 1.0 : 0.0;
+}
+
+Evaluator::Evaluator(std::shared_ptr<const Study> study) : impl_(std::make_unique<Impl>(std::move(study))) {}
+Evaluator::~Evaluator() = default;
+Evaluator::Evaluator(Evaluator&&) noexcept = default;
+
+void Evaluator::evaluate(std::int64_t design, std::span<double> row) {
+  design_at(*impl_->study, design, impl_->axis_values);
+  impl_->evaluate_at(impl_->axis_values, row, {});
+}
+
+void Evaluator::evaluate_at(std::span<const double> axis_values, std::span<double> row, std::span<const double> shift) {
+  impl_->evaluate_at(axis_values, row, shift);
+}
+
+const std::string& Evaluator::last_problem() const { return impl_->problem; }
+
+Gradient Evaluator::gradient_at(std::span<const double> axis_values) {
+  Impl& impl = *impl_;
+  Impl::Ready& variant = impl.ready(axis_values);
+  impl.problem.clear();
+  const bool possible =
+      variant.sensor.problems.empty() && impl.fill_parameters(variant, axis_values, {}) && impl.set_system(variant);
+  return gradient_of(*impl.study, variant.sensor,
+                     possible ? std::span<const double>(impl.parameters) : std::span<const double>{});
+}
+
+std::vector<std::string> Evaluator::gaps() const {
+  // Of the base variant: what a metric needs and neither sensor nor study has.
+  const Study& study = *impl_->study;
+  std::vector<std::string> gaps;
+  std::vector<int> first(study.axes.size(), 0);
+  const std::vector<double> levels(study.axes.size(), 0.0);
+  const VariantSensor& sensor = impl_->ready(levels).sensor;
+  for (const Column& column : columns_of(study)) {
+    std::string gap;
+    const auto choice = column.role == Column::Role::metric ? choose_metric(column.name) : std::nullopt;
+    if (choice) {
+      const Effort effort = choice->row->effort;
+      const bool budget =
+          effort == Effort::budget || effort == Effort::giqe || effort == Effort::grd || effort == Effort::range;
+      const Metric metric = choice->row->metric;
+      if (budget && !sensor.no_budget.empty()) gap = sensor.no_budget;
+      const bool ranged = metric == Metric::gsd || effort == Effort::giqe || effort == Effort::grd;
+      if (gap.empty() && ranged && !study.conditions.range_m) gap = "no [conditions] range";
+      const bool contrasted = metric == Metric::target_snr || effort == Effort::giqe || effort == Effort::grd;
+      if (gap.empty() && contrasted && !study.conditions.contrast_k && !study.conditions.signal_contrast)
+        gap = "no [conditions] contrast or signal_contrast";
+      if (gap.empty() && effort == Effort::range && metric != Metric::mrtd && !study.conditions.contrast_k)
+        gap = "no [conditions] contrast";
+      if (gap.empty() && effort == Effort::range && metric != Metric::mrtd && metric != Metric::ttp &&
+          !study.conditions.target_size_m)
+        gap = "no [conditions] target_size";
+      const bool pupil = effort == Effort::light || metric == Metric::cutoff || metric == Metric::q;
+      const auto& list = sensor.system.list(mtf::Stage::presample);
+      if (pupil && std::none_of(list.begin(), list.end(), [](const auto& e) { return e.component.is_pupil(); }))
+        gap = "no pupil: diffraction, defocus or wavefront";
+      if (metric == Metric::fov && (sensor.system.frame.columns <= 0 || sensor.system.frame.rows <= 0))
+        gap = "no [frame] format";
+      if (effort == Effort::spurious && !mtf::ends_after_sampling(sensor.system))
+        gap = "no display, interpolation or eye in [[postsample]]";
+    }
+    gaps.push_back(std::move(gap));
+  }
+  return gaps;
+}
+
+std::vector<std::string> Evaluator::skipped() const {
+  const MetricPlan& plan = impl_->plan;
+  const mtf::AxisNeeds& axis = plan.needs.axis;
+  std::vector<std::string> sentences;
+  const auto skip = [&](bool needed, const char* what) {
+    if (!needed) sentences.emplace_back(std::string(what) + ": no metric asks for it");
+  };
+  skip(plan.resolution, "the OTF");
+  if (plan.resolution) {
+    skip(plan.needs.y, "the OTF along y");
+    skip(axis.edge || axis.overshoot || axis.fwhm, "edge and line spread");
+    skip(axis.aliasing || axis.spurious, "aliasing");
+    skip(plan.needs.strehl || plan.needs.ensquared, "integrals over the pupil's OTF");
+  }
+  skip(plan.budget, "signal and noise");
+  skip(plan.range, "MRTD and range models");
+  if (plan.budget)
+    sentences.emplace_back(
+        "band integrals of the scene's radiance: worked out once a variant, shared by all its designs");
+  if (impl_->study->variants > 0)
+    sentences.emplace_back("sensor files, curves and wavelength nodes: read once for " +
+                           std::to_string(impl_->study->variants) +
+                           (impl_->study->variants == 1 ? " variant" : " variants"));
+  return sentences;
+}
+
+mtf::io::SensorConfig Evaluator::sensor_at(std::span<const double> axis_values) {
+  Impl& impl = *impl_;
+  Impl::Ready& variant = impl.ready(axis_values);
+  impl.problem.clear();
+  if (!variant.sensor.problems.empty()) throw mtf::UsageError(variant.sensor.problems.front());
+  if (!impl.fill_parameters(variant, axis_values, {}) || !impl.set_system(variant)) throw mtf::UsageError(impl.problem);
+  mtf::io::SensorConfig config = variant.sensor.config;
+  config.system = variant.work->system();
+  config.system.band = variant.sensor.config.system.band;  // without the electron rate, which no file has
+  for (const auto& override_ : variant.work->overrides()) {
+    const std::size_t dot = override_.path.find('.');
+    for (mtf::SettingsTable& table : config.tables)
+      if (table.name == override_.path.substr(0, dot))
+        for (mtf::GivenSetting& setting : table.settings)
+          if (setting.name == override_.path.substr(dot + 1)) setting.value = override_.value;
+  }
+  return config;
+}
+
+}  // namespace study

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/study/gradient.h"
+
+#include <cmath>
+
+#include "apps/study/design_work.h"
+#include "calib/system_jet.h"
+#include "mtf/error.h"
+
+namespace mtf {
+extern template class ResolutionMeter<calib::Jet4>;
+}
+
+namespace study {
+namespace {
+
+using calib::Jet4;
+constexpr int kStride = 4;
+
+/// Band integrals as jets: their values, and slopes by those of their numbers that carry derivatives.
+void spectral_jets(const VariantSensor& variant, double temperature_k,
+                   std::span<const radiometry::Override<Jet4>> overrides, radiometry::BandRadiances<Jet4>& radiances,
+                   Jet4& per_k) {
+  std::vector<radiometry::Override<double>> plain;
+  for (const auto& o : overrides) plain.push_back({o.path, o.value.a});
+  const auto at = [&] {
+    return spectral_numbers(variant.loaded->sensor, temperature_k,
+                            radiometry::Overrides<double>{std::span<const radiometry::Override<double>>(plain)});
+  };
+  const SpectralNumbers here = at();
+  radiances = {Jet4(here.radiances.scene), Jet4(here.radiances.path), Jet4(here.radiances.optics),
+               Jet4(here.radiances.stop)};
+  per_k = Jet4(here.per_k);
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    if (!is_spectral(plain[i].path) || overrides[i].value.v.isZero()) continue;
+    const double value = plain[i].value, h = 1e-3 * std::max(std::abs(value), 1e-3);
+    // Inside of what is allowed, on one side where the value lies at the end of it: fractions stop at 0 and 1.
+    const bool fraction = plain[i].path == "path.transmission" || plain[i].path == "scene.emissivity";
+    const double middle = fraction ? std::clamp(value, 2.0 * h, 1.0 - 2.0 * h) : std::max(value, 2.0 * h);
+    std::array<SpectralNumbers, 4> around;
+    constexpr std::array<double, 4> steps{-2.0, -1.0, 1.0, 2.0};
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      plain[i].value = middle + steps[k] * h;
+      around[k] = at();
+    }
+    plain[i].value = value;
+    const auto slope = [&](auto number) {
+      return (8.0 * (number(around[2]) - number(around[1])) - (number(around[3]) - number(around[0]))) / (12.0 * h);
+    };
+    radiances.scene.v += slope([](const auto& n) { return n.radiances.scene; }) * overrides[i].value.v;
+    radiances.path.v += slope([](const auto& n) { return n.radiances.path; }) * overrides[i].value.v;
+    radiances.optics.v += slope([](const auto& n) { return n.radiances.optics; }) * overrides[i].value.v;
+    radiances.stop.v += slope([](const auto& n) { return n.radiances.stop; }) * overrides[i].value.v;
+    per_k.v += slope([](const auto& n) { return n.per_k; }) * overrides[i].value.v;
+  }
+}
+
+}  // namespace
+
+Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span<const double> parameters) {
+  Gradient gradient;
+  std::vector<std::size_t> axes;  // parameters of numeric axes
+  for (const Axis& axis : study.axes)
+    if (!axis.discrete()) axes.push_back(static_cast<std::size_t>(axis.parameter));
+  for (const std::size_t i : axes) gradient.parameters.push_back(study.parameters[i].name);
+  for (const MetricInfo& metric : study.metrics) gradient.columns.push_back(metric.name);
+  std::vector<const Objective*> objectives;
+  for (const Objective& objective : study.objectives)
+    if (!objective.expression.only_slot()) {
+      objectives.push_back(&objective);
+      gradient.columns.push_back(objective.text);
+    }
+  gradient.value.assign(gradient.columns.size() * axes.size(), std::numeric_limits<double>::quiet_NaN());
+  if (parameters.empty()) return gradient;
+
+  const MetricPlan plan = plan_metrics(study, std::min(study.tolerance, 1e-10));
+  DesignWork<Jet4> work(study, plan, variant, mtf::cast<Jet4>(variant.system));
+  for (std::size_t first = 0; first < axes.size(); first += kStride) {
+    std::vector<Jet4> values(parameters.begin(), parameters.end()), slots(study.slots()), metrics(study.metrics.size());
+    const std::size_t count = std::min<std::size_t>(kStride, axes.size() - first);
+    for (std::size_t k = 0; k < count; ++k) values[axes[first + k]].v[static_cast<Eigen::Index>(k)] = 1.0;
+    const auto slot = [&](std::size_t i) { slots[i] = values[i] * Jet4(study.parameters[i].scale.si); };
+    for (std::size_t i = 0; i < values.size(); ++i) slot(i);
+    for (const Link& link : study.links) {
+      const auto i = static_cast<std::size_t>(link.parameter);
+      values[i] = link.expression.evaluate<Jet4>(slots) / Jet4(study.parameters[i].scale.si);
+      slot(i);
+    }
+    work.set(values);
+    radiometry::BandRadiances<Jet4> radiances;
+    Jet4 per_k;
+    try {
+      if (plan.budget && variant.loaded)
+        spectral_jets(variant, study.conditions.temperature_k, work.overrides(), radiances, per_k);
+      work.metrics(radiances, per_k, metrics);
+    } catch (const mtf::UsageError&) {
+      return gradient;  // as the row of this design: no metrics
+    }
+    for (std::size_t i = 0; i < metrics.size(); ++i)
+      slots[study.parameters.size() + i] = metrics[i] * Jet4(plan.scale[i].si);
+    for (std::size_t c = 0; c < gradient.columns.size(); ++c) {
+      const Jet4 value = c < metrics.size() ? metrics[c]
+                                            : objectives[c - metrics.size()]->expression.evaluate<Jet4>(slots) /
+                                                  Jet4(objectives[c - metrics.size()]->si);
+      for (std::size_t k = 0; k < count; ++k)
+        if (std::isfinite(value.a)) gradient.value[c * axes.size() + first + k] = value.v[static_cast<Eigen::Index>(k)];
+    }
+  }
+  return gradient;
+}
+
+}  // namespace study

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the catalogue of metric_list.h is made of, for the code that computes them.
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "mtf/frame.h"
+
+namespace study {
+
+enum class Metric {
+  cutoff,
+  nyquist,
+  q,
+  ifov,
+  gsd,
+  fov,
+  optics_mtf_nyquist,
+  detector_mtf_nyquist,
+  presample_mtf_nyquist,
+  mtf_nyquist,
+  folded_mtf_nyquist,
+  mtf_at,
+  mtf50,
+  mtfa,
+  rer,
+  edge_overshoot,
+  edge_height,
+  fwhm,
+  aliasing_ratio,
+  spurious_in_band,
+  spurious_out_of_band,
+  spurious_response,
+  strehl,
+  ensquared_energy,
+  signal,
+  background,
+  well_fill,
+  scene_shot_noise,
+  background_shot_noise,
+  dark_shot_noise,
+  read_noise,
+  reset_noise,
+  other_noise,
+  quantisation_noise,
+  temporal_noise,
+  prnu_noise,
+  dsnu_noise,
+  spatial_noise,
+  snr,
+  netd,
+  shot_netd,
+  spatial_netd,
+  nei,
+  dynamic_range,
+  target_snr,
+  niirs_giqe3,
+  niirs_giqe4,
+  niirs_giqe5,
+  grd,
+  mrtd,
+  johnson_detect,
+  johnson_recognise,
+  johnson_identify,
+  ttp,
+  ttp_detect,
+  ttp_recognise,
+  ttp_identify
+};
+
+/// What has to be worked out for a metric.
+enum class Effort {
+  geometry,
+  points,
+  edge,
+  overshoot,
+  fwhm,
+  mtf50,
+  area,
+  aliasing,
+  spurious,
+  light,
+  budget,
+  giqe,
+  grd,
+  range
+};
+
+struct MetricRow {
+  Metric metric;
+  std::string_view name;
+  bool directional;  ///< also NAME_x and NAME_y; NAME is their geometric mean
+  std::string_view unit, definition, source, needs;
+  Effort effort;
+};
+
+std::span<const MetricRow> metric_rows();
+
+/// A metric as asked for: which, along which axis (none: the geometric mean), and for mtf_at the frequency.
+struct MetricChoice {
+  const MetricRow* row = nullptr;
+  std::optional<mtf::Axis> axis{};
+  mtf::SpatialFrequency<double> at{};
+};
+
+/// Null for a name that no metric has.
+std::optional<MetricChoice> choose_metric(std::string_view name);
+
+}  // namespace study

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// MRTD, ranges by Johnson's criteria and by TTP for a design, from its budget and its OTF. Noise enters as the NETD
+// (temporal) and the spatial NETD of the budget, an observer of [conditions] looks at the display. The contrast falls
+// with range by [conditions] extinction alone: a [path] in the sensor file belongs to the budget.
+
+#include "apps/study/metric_values.h"
+#include "radiometry/contrast_threshold.h"
+#include "radiometry/johnson.h"
+#include "radiometry/mrtd.h"
+#include "radiometry/ttp.h"
+
+namespace study {
+
+/// `design` has a budget; ranges stay NaN without contrast and size of the target.
+template <class S>
+RangeFigures<S> range_figures(const Design<S>& design) {
+  using mtf::Axis;
+  using std::sqrt;
+  const Conditions& c = *design.conditions;
+  const mtf::System<S>& system = *design.system;
+  const radiometry::Budget<S>& b = *design.budget;
+  RangeFigures<S> figures;
+  figures.ttp_cy_mrad = detail::not_there<S>();
+  for (int i = 0; i < 3; ++i) figures.johnson_m[i] = figures.ttp_m[i] = detail::not_there<S>();
+
+  const S frame_rate = c.frame_rate_hz > 0.0 ? S(c.frame_rate_hz) : S(S(1) / system.frame.integration_time_s);
+  radiometry::MrtdInput<S> in{.tvh_k = b.netd_k, .vh_k = b.spatial_netd_k};
+  in.spacing_x_mrad = S(1e-3) * detail::ifov_urad(design, Axis::x);
+  in.spacing_y_mrad = S(1e-3) * detail::ifov_urad(design, Axis::y);
+  in.snr_threshold = S(c.snr_threshold);
+  in.eye_time_s = S(c.eye_time_s);
+  in.frame_rate_hz = frame_rate;
+  // What follows sampling filters the noise.
+  const auto after = [&](Axis axis) {
+    return [&system, axis](double f_cy_mrad) {
+      const S f = system.frame.cy_mm_from_mrad(S(f_cy_mrad));
+      const mtf::Freq<S> at = axis == Axis::x ? mtf::Freq<S>{f, S(0)} : mtf::Freq<S>{S(0), f};
+      const mtf::Complex<S> h = system.otf(mtf::Stage::readout, at) * system.otf(mtf::Stage::postsample, at);
+      const S square = h.re * h.re + h.im * h.im;
+      return mtf::value_of(square) > 0.0 ? S(sqrt(square)) : S(0);
+    };
+  };
+  const auto whole = [&](Axis axis) {
+    return [&system, axis](double f_cy_mrad) { return detail::mtf_at_mrad(system, axis, f_cy_mrad); };
+  };
+  const auto mrtd = [&](Axis axis) {
+    return [&, axis](double f) { return radiometry::mrtd_k(in, axis, f, whole(axis), after(Axis::x), after(Axis::y)); };
+  };
+  const S nyquist = S(0.5) / detail::geometric_mean(in.spacing_x_mrad, in.spacing_y_mrad);
+  const auto both = [&](double f) { return radiometry::mrtd_2d_k<S>(f, mrtd(Axis::x), mrtd(Axis::y)); };
+  figures.mrtd_k = both(0.5 * mtf::value_of(nyquist));
+  if (!c.contrast_k) return figures;
+
+  constexpr std::array<double, 3> kN50{0.75, 3.0, 6.0};
+  if (c.target_size_m)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const radiometry::JohnsonTask<S> task{.size_m = S(*c.target_size_m),
+                                            .contrast_k = S(*c.contrast_k),
+                                            .extinction_per_km = S(c.extinction_per_km),
+                                            .n50 = S(kN50[i])};
+      figures.johnson_m[i] = radiometry::johnson_range(task, both, nyquist).range_m;
+    }
+
+  radiometry::Observer<S> observer;
+  observer.luminance_cd_m2 = S(c.luminance_cd_m2);
+  observer.magnification = S(c.viewing_magnification);
+  const S scene_k(c.scene_contrast_k);
+  const S density = radiometry::noise_density(b.netd_k, in.spacing_x_mrad, in.spacing_y_mrad, frame_rate);
+  const auto seen = [&](Axis axis) {  // what filters the noise on its way to the retina
+    return [&, axis](double f) { return S(after(axis)(f) * radiometry::eye_mtf_at(observer, S(f))); };
+  };
+  const double eye_end = 8.0 * c.viewing_magnification;  // cycles/mrad: the eye's MTF is below 1e-12 there
+  const S across_x = radiometry::bandwidth<S>(eye_end, seen(Axis::x));
+  const S across_y = radiometry::bandwidth<S>(eye_end, seen(Axis::y));
+  const auto sensitivity = [&](Axis axis) {
+    return [&, axis](double f) {
+      const S along = radiometry::channel_bandwidth<S>(f, seen(axis));
+      const S factor = radiometry::noise_factor(S(radiometry::kAlphaNvThermIp), density, along,
+                                                axis == Axis::x ? across_y : across_x, scene_k);
+      return radiometry::system_sensitivity(observer, f, whole(axis)(f), factor);
+    };
+  };
+  const double cutoff = design.resolution.cutoff_cy_mm < mtf::kInfinity
+                            ? mtf::value_of(system.frame.cy_per_mrad(S(design.resolution.cutoff_cy_mm)))
+                            : 4.0 * mtf::value_of(nyquist);
+  const auto x = sensitivity(Axis::x), y = sensitivity(Axis::y);
+  const radiometry::SensitivityCourse course_x = radiometry::sensitivity_course(x, cutoff),
+                                      course_y = radiometry::sensitivity_course(y, cutoff);
+  const S contrast = S(0.5 * *c.contrast_k) / scene_k;
+  figures.ttp_cy_mrad =
+      radiometry::ttp_of(radiometry::axis_ttp(course_x, x, contrast), radiometry::axis_ttp(course_y, y, contrast));
+  if (!c.target_size_m) return figures;
+  const std::array<double, 3> v50{c.v50_detect, c.v50_recognise, c.v50_identify};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const radiometry::TtpTask<S> task{.size_m = S(*c.target_size_m),
+                                      .contrast = contrast,
+                                      .extinction_per_km = S(c.extinction_per_km),
+                                      .v50 = S(v50[i])};
+    figures.ttp_m[i] = radiometry::ttp_range(task, course_x, x, course_y, y).range_m;
+  }
+  return figures;
+}
+
+}  // namespace study

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A sensor of a study with one choice of levels for its discrete axes, ready for numbers to be set: the system with its
+// band weighted by electrons, the budget's spectra, and where each parameter of the study is held.
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/sensor_chain.h"
+#include "apps/study/study.h"
+#include "radiometry/sensor_numbers.h"
+
+namespace study {
+
+/// Band integrals that a budget takes, all through the camera's curves.
+struct SpectralNumbers {
+  radiometry::BandRadiances<double> radiances;
+  double per_k = 0.0;  ///< derivative of the scene's radiance by the temperature
+};
+
+struct VariantSensor {
+  mtf::io::SensorConfig config;
+  mtf::System<double> system;                ///< band with electron rate
+  std::optional<apps::LoadedSensor> loaded;  ///< with [detector]
+  std::string no_budget;                     ///< why there is none: "no [detector]", ...
+  double flicker_e = 0.0;
+  SpectralNumbers spectral;           ///< without overrides
+  std::vector<double> base;           ///< of each parameter, NaN where this sensor has no such number
+  std::vector<std::string> problems;  ///< of a variant that no sensor file could hold
+};
+
+/// Reads the variant, its curves and tables. Throws RuntimeError for files that cannot be read.
+VariantSensor load_variant(const Study& study, std::span<const int> levels);
+
+/// The same integrals with numbers of [path], [scene] and [optics] overridden; those that have no part in them are
+/// ignored. Throws UsageError as band_radiances.
+SpectralNumbers spectral_numbers(const radiometry::Sensor& sensor, double temperature_k,
+                                 const radiometry::Overrides<double>& numbers);
+
+/// True for a number that only spectral_numbers reads.
+bool is_spectral(std::string_view path);
+
+}  // namespace study

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the camera equation and the budget take from a sensor file, as numbers of any scalar, so that studies
+// differentiate through detector and converter as they do through the OTF. A number of the tables may be overridden by
+// its path
+// ("detector.read_noise"), which is how a design differs from its file.
+
+#include <span>
+#include <string_view>
+
+#include "radiometry/sensor_settings.h"
+
+namespace radiometry {
+
+template <class S>
+struct Override {
+  std::string_view path;  ///< "table.key"
+  S value{};
+};
+
+template <class S>
+class Overrides {
+ public:
+  Overrides() = default;
+  explicit Overrides(std::span<const Override<S>> list) : list_(list) {}
+
+  const S* find(std::string_view path) const {
+    for (const Override<S>& one : list_)
+      if (one.path == path) return &one.value;
+    return nullptr;
+  }
+  S operator()(std::string_view path, double given) const {
+    const S* value = find(path);
+    return value != nullptr ? *value : S(given);
+  }
+  bool empty() const { return list_.empty(); }
+
+ private:
+  std::span<const Override<S>> list_;
+};
+
+/// Without an f-number its number is 0; factors that are given as curves are 1.
+template <class S>
+Camera<S> camera_numbers(const mtf::System<S>& system, const SensorSettings& settings,
+                         const Overrides<S>& numbers = {}) {
+  const mtf::Context<S> context = system.context();
+  Camera<S> camera{.f_number = mtf::f_number_of<S>({}, context), .obscuration = mtf::obscuration_of<S>({}, context)};
+  const OpticsSettings optics = settings.optics.value_or(OpticsSettings{});
+  const auto factor = [&](std::string_view path, const NumberOrFile& given) {
+    return given.file.empty() ? numbers(path, given.number) : S(1);
+  };
+  camera.transmission = factor("optics.transmission", optics.transmission);
+  camera.cold_transmission = factor("optics.cold_transmission", optics.cold_transmission);
+  camera.optics_emissivity = numbers("optics.emissivity", optics.emissivity);
+  camera.obscuration_emissivity = numbers("optics.obscuration_emissivity", optics.obscuration_emissivity);
+  camera.stop_emissivity = numbers("optics.stop_emissivity", optics.stop_emissivity);
+  return camera;
+}
+
+/// The active area is the pitch unless [detector] gives its size.
+template <class S>
+Pixel<S> pixel_numbers(const mtf::System<S>& system, const SensorSettings& settings, const Overrides<S>& numbers = {}) {
+  const DetectorSettings detector = settings.detector.value_or(DetectorSettings{});
+  const auto size = [&](std::string_view path, const std::optional<double>& given, const S& pitch_um) {
+    return given || numbers.find(path) != nullptr ? numbers(path, given.value_or(0.0)) : pitch_um;
+  };
+  Pixel<S> pixel{.width_um = size("detector.width", detector.width_um, system.frame.pitch_x_um),
+                 .height_um = size("detector.height", detector.height_um, system.frame.pitch_y_um),
+                 .integration_s = system.frame.integration_time_s,
+                 .dark_e_s = numbers("detector.dark_current", detector.dark_e_s),
+                 .full_well_e = numbers("detector.full_well", detector.full_well_e)};
+  if (detector.quantum_efficiency.file.empty())
+    pixel.quantum_efficiency = numbers("detector.quantum_efficiency", detector.quantum_efficiency.number);
+  return pixel;
+}
+
+/// Electrons of one count: as given, or the full well over the counts that the offset leaves; 0 without [adc].
+template <class S>
+S electrons_per_count(const SensorSettings& settings, const S& full_well_e, const Overrides<S>& numbers = {}) {
+  if (!settings.adc) return S(0);
+  const AdcSettings& adc = *settings.adc;
+  if (adc.electrons_per_count || numbers.find("adc.electrons_per_count") != nullptr)
+    return numbers("adc.electrons_per_count", adc.electrons_per_count.value_or(0.0));
+  const double most = Adc{.bits = adc.bits}.most_counts();
+  return full_well_e / (S(most) - numbers("adc.offset", adc.offset_counts));
+}
+
+/// All temporal and spatial terms. `flicker_e`: rms of the 1/f noise over the detector.
+template <class S>
+NoiseTerms<S> noise_numbers(const SensorSettings& settings, const Pixel<S>& pixel, double flicker_e,
+                            const Overrides<S>& numbers = {}) {
+  const DetectorSettings detector = settings.detector.value_or(DetectorSettings{});
+  const NoiseSettings lines = settings.noise.value_or(NoiseSettings{});
+  const Noise3d cube = settings.noise_3d.value_or(Noise3d{});
+  const NonuniformitySettings unequal = settings.nonuniformity.value_or(NonuniformitySettings{});
+  const auto root_sum = [](std::initializer_list<S> rms) {
+    S sum{};
+    for (const S& value : rms) sum += value * value;
+    return detail::root(sum);
+  };
+  const S* capacitance = numbers.find("detector.capacitance");
+  const S* temperature = numbers.find("detector.temperature");
+  const bool reset = detector.capacitance_f && detector.temperature_k;
+  const S reset_e = reset ? reset_noise_e(capacitance != nullptr ? *capacitance : S(*detector.capacitance_f),
+                                          temperature != nullptr ? *temperature : S(*detector.temperature_k))
+                          : numbers("detector.reset_noise", detector.reset_e);
+  return {
+      .read_e = numbers("detector.read_noise", detector.read_e),
+      .reset_e = reset_e,
+      .other_e = root_sum({numbers("detector.other_noise", detector.other_e), S(flicker_e),
+                           numbers("noise.row", lines.row_e), numbers("noise.column", lines.column_e),
+                           numbers("noise_3d.t", cube.t), numbers("noise_3d.tv", cube.tv),
+                           numbers("noise_3d.th", cube.th), numbers("noise_3d.tvh", cube.tvh)}),
+      .step_e = electrons_per_count(settings, pixel.full_well_e, numbers),
+      .prnu = numbers("nonuniformity.prnu", unequal.prnu),
+      .dsnu_e = root_sum({numbers("nonuniformity.dsnu", unequal.dsnu_e), numbers("noise.fixed_row", lines.fixed_row_e),
+                          numbers("noise.fixed_column", lines.fixed_column_e), numbers("noise_3d.v", cube.v),
+                          numbers("noise_3d.h", cube.h), numbers("noise_3d.vh", cube.vh)})};
+}
+
+}  // namespace radiometry
