@@ -33,14 +33,21 @@ void write_below(const fs::path& folder, const fs::path& name, const std::string
   mtf::io::write_text_file((folder / name).string(), bytes);
 }
 
-/// All sensor files of the study and what they name: each level of each discrete axis is looked at once.
+/// All sensor files of the study and what they name: each level of each discrete axis is looked at once. A level that
+/// no sensor file could hold beside the first levels of the others is passed over: its designs have no sensor either.
 std::vector<std::string> named_files(const study::Study& study) {
   std::vector<std::string> files = files_of(study.base);
+  for (const mtf::io::SensorConfig& sensor : study.sensors)
+    for (std::string& file : files_of(sensor)) files.push_back(std::move(file));
   std::vector<int> levels(study.axes.size(), 0);
   for (std::size_t a = 0; a < study.axes.size(); ++a) {
     for (std::size_t level = 0; level < study.axes[a].levels.size(); ++level) {
       levels[a] = static_cast<int>(level);
-      for (std::string& file : files_of(study::variant(study, levels))) files.push_back(std::move(file));
+      try {
+        for (std::string& file : files_of(study::variant(study, levels))) files.push_back(std::move(file));
+      } catch (const mtf::UsageError&) {
+        continue;
+      }
     }
     levels[a] = 0;
   }

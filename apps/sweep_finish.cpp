@@ -134,7 +134,7 @@ void finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptio
     const auto designs = static_cast<double>(sweep.study->designs);
     study::write_table(
         {.pieces = run.pieces,
-         .columns = study::table_columns(sweep.columns),
+         .columns = study::table_columns(*sweep.study, sweep.columns),
          .csv = run.folder / "designs.csv",
          .npy = run.folder / "designs.npy",
          .look = [&](study::RowRange range, std::span<const double> rows) { return tally.look(range, rows); },

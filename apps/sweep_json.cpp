@@ -37,6 +37,7 @@ Json texts_of(const SweepReport& report, const std::vector<std::size_t>& constra
 }
 
 Json columns_json(const SweepReport& report) {
+  const auto shown = study::table_columns(*report.sweep->study, report.sweep->columns);
   Json columns = Json::array();
   for (std::size_t c = 0; c < report.sweep->columns.size(); ++c) {
     const study::Column& column = report.sweep->columns[c];
@@ -45,7 +46,7 @@ Json columns_json(const SweepReport& report) {
                 {"role", kRoles[static_cast<std::size_t>(column.role)]},
                 {"definition", column.definition},
                 {"source", column.source}};
-    if (!column.levels.empty()) one["levels"] = column.levels;
+    if (!shown[c].levels.empty()) one["levels"] = shown[c].levels;
     if (c < report.gaps.size() && !report.gaps[c].empty()) one["gap"] = report.gaps[c];
     one["missing"] = report.tally->missing()[c];
     columns.push_back(one);
@@ -55,24 +56,18 @@ Json columns_json(const SweepReport& report) {
 
 /// Values of an axis that has a fixed set of them, as its column holds them.
 Json axis_values_json(const study::Study& study, std::size_t axis) {
-  const auto count_of = [](const study::Axis& a) {
-    return a.discrete() ? a.levels.size() : a.values.empty() ? static_cast<std::size_t>(a.count) : a.values.size();
-  };
   const study::Axis& a = study.axes[axis];
   Json values = Json::array();
-  if (study.method != study::Method::grid) {
+  if (a.discrete() || study.method != study::Method::grid) {
     for (const double v : a.values) values.push_back(number(v));
     return values;
   }
   std::int64_t stride = 1;  // the last axis is the fastest
-  for (std::size_t later = axis + 1; later < study.axes.size(); ++later)
-    stride *= static_cast<std::int64_t>(count_of(study.axes[later]));
+  for (std::size_t later = axis + 1; later < study.axes.size(); ++later) stride *= study.axes[later].points();
   std::vector<double> point(study.axes.size());
-  for (std::size_t i = 0; i < count_of(a); ++i) {
-    study::design_at(study, static_cast<std::int64_t>(i) * stride, point);
-    const double value = point[axis];
-    const bool numbers = a.discrete() && i < a.values.size();
-    values.push_back(number(numbers ? a.values[i] : value));
+  for (std::int64_t i = 0; i < a.points(); ++i) {
+    study::design_at(study, i * stride, point);
+    values.push_back(number(point[axis]));
   }
   return values;
 }

@@ -29,6 +29,7 @@ std::string best_table(const SweepReport& report) {
   for (std::size_t a = 0; a < study.axes.size(); ++a)
     header.push_back(one_line(columns[a].name) + (columns[a].unit.empty() ? "" : " [" + columns[a].unit + "]"));
   header.push_back("limited by");
+  const auto shown = study::table_columns(study, columns);
   TextTable table(header);
   std::vector<Align> align(header.size(), Align::right);
   align.front() = align.back() = Align::left;
@@ -42,7 +43,7 @@ std::string best_table(const SweepReport& report) {
                                    significant(best.value, 5) + (objective.unit.empty() ? "" : " " + objective.unit),
                                    std::to_string(best.design)};
     for (std::size_t a = 0; a < study.axes.size(); ++a) {
-      const auto& levels = columns[a].levels;
+      const auto& levels = shown[a].levels;
       const auto level = static_cast<std::size_t>(best.row[a]);
       cells.push_back(level < levels.size() ? one_line(levels[level]) : significant(best.row[a], 5));
     }

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "apps/study/judge.h"
+#include "apps/study/sampling.h"
 #include "mtf/io/number_text.h"
 #include "mtf/io/sha256.h"
 #include "mtf/version.h"
@@ -13,7 +13,7 @@
 namespace study {
 namespace {
 
-constexpr int kRowLayout = 1;                   // grows when rows change their meaning
+constexpr int kRowLayout = 1;  // grows when rows change their meaning
 
 }  // namespace
 
@@ -21,8 +21,9 @@ std::vector<double> as_built_draws(const Study& study) {
   std::vector<double> draws;
   for (int d = 0; d < study.draws; ++d)
     for (std::size_t k = 0; k < study.as_built.size(); ++k) {
-      const radiometry::Bits128 bits =
-          radiometry::philox({static_cast<std::uint32_t>(d), static_cast<std::uint32_t>(k), 0, static_cast<std::uint32_t>(Purpose::as_built)}, study.seed);
+      const radiometry::Bits128 bits = radiometry::philox({static_cast<std::uint32_t>(d), static_cast<std::uint32_t>(k),
+                                                           0, static_cast<std::uint32_t>(Purpose::as_built)},
+                                                          study.seed);
       const radiometry::Uniform u = radiometry::uniform(bits[0], bits[1]);
       draws.push_back(study.as_built[k].law == AsBuilt::Law::normal ? radiometry::normal_quantile(u) : u.u - u.rest);
     }
@@ -33,6 +34,7 @@ DesignRows::DesignRows(std::shared_ptr<const Study> study, std::shared_ptr<const
     : study_(study),
       draws_(std::move(draws)),
       evaluator_(study),
+      reader_(study),
       axis_values_(study->axes.size()),
       shift_(study->as_built.size()),
       slots_(study->slots()) {
@@ -51,7 +53,7 @@ void DesignRows::operator()(std::int64_t design, std::span<double> row) {
 
 double DesignRows::yield_of(std::span<const double> row) {
   design_at(*study_, design_, axis_values_);
-  slots_of(*study_, row, slots_);
+  reader_.read(row, slots_);
   std::int64_t good = 0;
   for (int d = 0; d < study_->draws; ++d) {
     for (std::size_t k = 0; k < shift_.size(); ++k) {

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "apps/study/evaluator.h"
+#include "apps/study/judge.h"
 #include "apps/study/row_run.h"
 
 namespace study {
@@ -28,6 +29,7 @@ class DesignRows {
   std::shared_ptr<const Study> study_;
   std::shared_ptr<const std::vector<double>> draws_;
   Evaluator evaluator_;
+  SlotReader reader_;
   std::optional<std::size_t> feasible_, yield_;
   std::vector<double> axis_values_, built_row_, shift_, slots_;
   std::int64_t design_ = 0;

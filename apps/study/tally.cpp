@@ -64,6 +64,7 @@ std::function<void()> Tally::look(RowRange range, std::span<const double> rows) 
     const std::int64_t design = range.first + i;
     const auto row = rows.subspan(static_cast<std::size_t>(i) * job_.columns, job_.columns);
     for (std::size_t c = 0; c < row.size(); ++c) part.missing[c] += std::isnan(row[c]) ? 1 : 0;
+    const bool possible = !job_.error || !std::isnan(row[*job_.error]);  // a sensor can be so
     if (job_.error) part.worst_error = std::fmax(part.worst_error, row[*job_.error]);
     const double yield = job_.yield ? row[*job_.yield] : std::numeric_limits<double>::quiet_NaN();
     if (yield > part.highest_yield.value || (part.highest_yield.design < 0 && !std::isnan(yield)))
@@ -71,7 +72,7 @@ std::function<void()> Tally::look(RowRange range, std::span<const double> rows) 
     if (!sides.empty()) {
       job_.sides(row, sides);
       std::uint64_t pattern = 0;
-      double distance = 0.0;
+      double distance = possible ? 0.0 : kUnknown;
       for (std::size_t k = 0; k < sides.size(); ++k) {
         const bool good = meets(job_.limits[k], sides[k]);
         part.met[k] += good ? 1 : 0;
@@ -82,7 +83,7 @@ std::function<void()> Tally::look(RowRange range, std::span<const double> rows) 
       if (part.patterns.size() <= kMostPatterns) part.patterns.insert(pattern);
       if (part.nearest.design < 0 || distance < part.nearest.value) take(part.nearest, design, distance, row);
     }
-    if (job_.feasible && row[*job_.feasible] != 1.0) continue;
+    if (job_.feasible ? row[*job_.feasible] != 1.0 : !possible) continue;
     ++part.feasible;
     bool whole = true;
     for (std::size_t g = 0; g < job_.goals.size(); ++g) {

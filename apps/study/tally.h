@@ -60,14 +60,15 @@ class Tally {
   std::function<void()> look(RowRange range, std::span<const double> rows);
 
   std::int64_t designs() const { return designs_; }
+  /// With no constraints: designs that a sensor can be.
   std::int64_t feasible() const { return feasible_; }
   double worst_error() const { return worst_error_; }                    ///< NaN where no design has one
   const std::vector<std::int64_t>& met() const { return met_; }          ///< by constraint
   const std::vector<std::int64_t>& missing() const { return missing_; }  ///< NaN by column
   const std::vector<TallyDesign>& best() const { return best_; }         ///< feasible, by goal; the first of equal ones
   const TallyDesign& highest_yield() const { return highest_yield_; }
-  /// The design of least violation (summed over the constraints; `value`; one that has no number counts 1000), the
-  /// first of equal ones.
+  /// The design of least violation (summed over the constraints; `value`; one that has no number counts 1000, and
+  /// so does a design without an error, which no sensor can be), the first of equal ones.
   const TallyDesign& nearest() const { return nearest_; }
   /// Feasible designs of the Pareto front in the order of their numbers, with their goals (negative where less is
   /// better); none with fewer than two goals.

@@ -173,8 +173,8 @@ TEST(SweepCommand, AFinishedFolderIsReplacedByForceOnly) {
 
 TEST(SweepCommand, SaysWhichConstraintsContradict) {
   const Scratch scratch;
-  add_study(scratch,
-            replaced(kSmallStudy, "\"frame.pitch <= 18 um\"", "\"frame.pitch < 9 um\", \"frame.pitch > 19 um\""));
+  add_study(scratch, replaced(replaced(kSmallStudy, "> 0.1", "> 0.0001"), "\"frame.pitch <= 18 um\"",
+                              "\"frame.pitch < 9 um\", \"frame.pitch > 19 um\""));
   const Result result = scratch.run("mtf sweep study.toml -o out --format json");
   ASSERT_EQ(result.status, 0) << result.err;
   const json sweep = json::parse(result.out);
