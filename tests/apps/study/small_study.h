@@ -39,7 +39,7 @@ inline std::string sampled_study(int points, int draws) {
 
 /// sensor.toml and study.toml.
 inline void add_study(const apps_test::Scratch& scratch, const std::string& text = kSmallStudy) {
-  scratch.add_sensor();
+  if (!std::filesystem::exists(scratch / "sensor.toml")) scratch.add_sensor();
   apps_test::write_file(scratch / "study.toml", text);
 }
 
