@@ -3,9 +3,11 @@
 
 // Edge and line spread along an axis as sums over the nodes of a quadrature (formulas: resolution.h). Places in pixels.
 
+#include <type_traits>
 #include <vector>
 
 #include "mtf/special.h"
+#include "mtf/turns.h"
 
 namespace mtf {
 
@@ -23,11 +25,12 @@ class EdgeSums {
   /// `pitch_mm`: scales frequencies to cycles per pixel.
   void clear(const S& pitch_mm) {
     pitch_mm_ = pitch_mm;
-    u_.clear(), re_.clear(), im_.clear();
+    u_.clear(), re_.clear(), im_.clear(), per_u_.clear();
     real_ = true;
   }
   void add(double f_cy_mm, double weight_cy_mm, const Complex<S>& h) {
     u_.push_back(S(f_cy_mm) * pitch_mm_);
+    per_u_.push_back(S(1) / u_.back());
     const S weight = S(weight_cy_mm) * pitch_mm_;
     re_.push_back(weight * h.re);
     im_.push_back(weight * h.im);
@@ -40,13 +43,12 @@ class EdgeSums {
     S esf{}, lsf{}, slope{}, curvature{};  ///< the lsf with its two derivatives
   };
   Spread at(const S& x) const {
-    using std::cos;
-    using std::sin;
     S step{}, line{}, slope{}, curvature{};
+    turn(x, sine_, cosine_);
     for (std::size_t i = 0; i < u_.size(); ++i) {
-      const S angle = S(2.0 * kPi) * u_[i] * x, c = cos(angle), s = sin(angle);
+      const S &c = cosine_[i], &s = sine_[i];
       const S even = re_[i] * c - im_[i] * s, odd = re_[i] * s + im_[i] * c;
-      step += odd / u_[i];
+      step += odd * per_u_[i];
       line += even;
       slope += u_[i] * odd;
       curvature += u_[i] * u_[i] * even;
@@ -56,23 +58,22 @@ class EdgeSums {
 
   /// From x0 on, every quarter of a pixel: each frequency is turned from one place to the next.
   EdgeSamples<S> samples(const S& x0, int count) const {
-    using std::cos;
-    using std::sin;
     const auto n = static_cast<std::size_t>(count);
     EdgeSamples<S> out{std::vector<S>(n, S(0.5)), std::vector<S>(n, S(0))};
-    for (std::size_t i = 0; i < u_.size(); ++i) {
-      const S start = S(2.0 * kPi) * u_[i] * x0, turn = S(2.0 * kPi * kStep_px) * u_[i];
-      const bool origin = value_of(start) == 0.0 && real_;
-      S s = origin ? S(0) : S(sin(start)), c = origin ? S(1) : S(cos(start));
-      const S ds = sin(turn), dc = cos(turn), scale = S(1.0 / kPi) / u_[i];
-      const S re = re_[i], im = im_[i], re_esf = re * scale, im_esf = im * scale;
-      for (std::size_t k = 0; k < n; ++k) {
-        out.esf[k] += re_esf * s + im_esf * c;
-        out.lsf[k] += S(2) * (re * c - im * s);
-        const S next = s * dc + c * ds;
-        c = c * dc - s * ds;
-        s = next;
+    std::vector<S> turn_s, turn_c;
+    turn(x0, sine_, cosine_);
+    turn(S(kStep_px), turn_s, turn_c);
+    for (std::size_t k = 0; k < n; ++k) {
+      S step{}, line{};
+      for (std::size_t i = 0; i < u_.size(); ++i) {
+        const S s = sine_[i], c = cosine_[i];
+        step += per_u_[i] * (re_[i] * s + im_[i] * c);
+        line += re_[i] * c - im_[i] * s;
+        sine_[i] = s * turn_c[i] + c * turn_s[i];
+        cosine_[i] = c * turn_c[i] - s * turn_s[i];
       }
+      out.esf[k] += step / S(kPi);
+      out.lsf[k] = S(2) * line;
     }
     return out;
   }
@@ -137,8 +138,28 @@ class EdgeSums {
     return S(x);
   }
 
+  /// Sine and cosine of every frequency's turn at x.
+  void turn(const S& x, std::vector<S>& sine, std::vector<S>& cosine) const {
+    using std::cos;
+    using std::sin;
+    sine.resize(u_.size());
+    cosine.resize(u_.size());
+    if constexpr (std::is_same_v<S, double>) {
+      turns_.resize(u_.size());
+      for (std::size_t i = 0; i < u_.size(); ++i) turns_[i] = u_[i] * x;
+      sin_cos_turns(turns_, sine, cosine);
+    } else {
+      for (std::size_t i = 0; i < u_.size(); ++i) {
+        const S angle = S(2.0 * kPi) * u_[i] * x;
+        sine[i] = sin(angle);
+        cosine[i] = cos(angle);
+      }
+    }
+  }
+
   S pitch_mm_{};
-  std::vector<S> u_, re_, im_;  ///< re_, im_ weighted
+  std::vector<S> u_, per_u_, re_, im_;            ///< cycles per pixel, 1/u, weighted parts of the OTF
+  mutable std::vector<S> sine_, cosine_, turns_;  ///< scratch: sums belong to one thread
   bool real_ = true;
 };
 

@@ -10,10 +10,16 @@ namespace {
 
 double share_at(double t) { return PanelMap{0.0, 1.0}.f(t); }
 
+/// c_k = 2/n sum of v_j cos(pi j k / n), half of it where j is 0 or n, and where k is.
 ChebyshevPoints make_points(int degree) {
   ChebyshevPoints points;
-  for (int i = 0; i < 2 * degree; ++i) points.cosine.push_back(cos_pi(static_cast<double>(i) / degree));
-  for (int k = 0; k <= degree; ++k) points.share.push_back(share_at(cos_pi(static_cast<double>(k) / degree)));
+  const auto half_at_ends = [degree](int i) { return i == 0 || i == degree ? 0.5 : 1.0; };
+  for (int j = 0; j <= degree; ++j) {
+    points.share.push_back(share_at(cos_pi(static_cast<double>(j) / degree)));
+    for (int k = 0; k <= degree; ++k)
+      points.transform.push_back(2.0 / degree * half_at_ends(j) * half_at_ends(k) *
+                                 cos_pi(static_cast<double>(j * k % (2 * degree)) / degree));
+  }
   return points;
 }
 

@@ -21,9 +21,10 @@ namespace mtf {
 
 inline constexpr int kLeastDegree = 8, kMostDegree = 64;  ///< of a series: 8, 16, 32, 64
 
-/// What a degree needs, made once: cos(pi i / n) for i < 2 n, and the share of the panel below each point.
+/// What a degree needs, made once: the share of the panel below each point, and what turns values into coefficients.
 struct ChebyshevPoints {
-  std::vector<double> cosine, share;
+  std::vector<double> share;
+  std::vector<double> transform;  ///< [point][coefficient]
 };
 const ChebyshevPoints& chebyshev_points(int degree);
 
@@ -38,13 +39,11 @@ const FineNodes& fine_nodes(int degree, double cycles);
 /// Values at the points become coefficients in place: value = sum of c_k T_k(t).
 template <class S>
 void chebyshev_coefficients(std::vector<S>& value) {
-  const std::size_t n = value.size() - 1;
-  const std::vector<double>& cosine = chebyshev_points(static_cast<int>(n)).cosine;
-  std::vector<S> coefficient(n + 1);
-  for (std::size_t k = 0; k <= n; ++k) {
-    S sum = S(0.5) * (value[0] + S(k % 2 == 0 ? 1.0 : -1.0) * value[n]);
-    for (std::size_t j = 1; j < n; ++j) sum += S(cosine[(j * k) & (2 * n - 1)]) * value[j];
-    coefficient[k] = S((k == 0 || k == n ? 1.0 : 2.0) / static_cast<double>(n)) * sum;
+  const double* row = chebyshev_points(static_cast<int>(value.size()) - 1).transform.data();
+  std::vector<S> coefficient(value.size());
+  for (const S& v : value) {
+    for (std::size_t k = 0; k < coefficient.size(); ++k) coefficient[k] += S(row[k]) * v;
+    row += coefficient.size();
   }
   value = std::move(coefficient);
 }
@@ -126,7 +125,7 @@ struct SeriesPanel {
   PanelMap map;
   std::array<ComplexSeries<S>, N> otf;
   int degree = 0;
-  double error = 0.0;  ///< of the worst of them
+  double error = 0.0;  ///< of the worst of them, relative to what is largest where that is above 1
 };
 
 template <class S, std::size_t N>
@@ -136,7 +135,8 @@ using SeriesValues = std::array<std::vector<Complex<S>>, N>;
 /// at frequencies f. Stops at the tolerance, or at `most` panels.
 template <class S, std::size_t N, class Evaluate>
 void append_series(std::vector<SeriesPanel<S, N>>& panels, PanelMap map, double tolerance, std::size_t most,
-                   Evaluate& evaluate) {
+                   Evaluate& evaluate, int depth = 0) {
+  constexpr int kDeepest = 40;
   constexpr int kFirst = kLeastDegree, kLast = kMostDegree;
   SeriesValues<S, N> values;
   std::vector<double> f;
@@ -157,16 +157,19 @@ void append_series(std::vector<SeriesPanel<S, N>>& panels, PanelMap map, double 
         values[i] = std::move(merged);
       }
       panel.otf[i] = make_series(values[i]);
-      panel.error = std::max(panel.error, tail(panel.otf[i]));
+      double largest = 1.0;
+      for (const Complex<S>& h : values[i])
+        largest = std::max({largest, std::abs(value_of(h.re)), std::abs(value_of(h.im))});
+      panel.error = std::max(panel.error, tail(panel.otf[i]) / largest);
     }
-    if (panel.error <= tolerance || (n == kLast && (panels.size() >= most || map.hi - map.lo < 1e-9 * map.hi))) {
+    if (panel.error <= tolerance || (n == kLast && (panels.size() >= most || depth >= kDeepest))) {
       panels.push_back(std::move(panel));
       return;
     }
     if (n < kLast) continue;
     const double middle = 0.5 * (map.lo + map.hi);
-    append_series<S, N>(panels, {map.lo, middle}, tolerance, most, evaluate);
-    append_series<S, N>(panels, {middle, map.hi}, tolerance, most, evaluate);
+    append_series<S, N>(panels, {map.lo, middle}, tolerance, most, evaluate, depth + 1);
+    append_series<S, N>(panels, {middle, map.hi}, tolerance, most, evaluate, depth + 1);
     return;
   }
 }

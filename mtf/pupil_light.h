@@ -76,7 +76,7 @@ PupilLight<S> light_of(OtfParts<S>& parts, double cutoff_cy_mm, double tolerance
   std::sort(breaks.begin(), breaks.end());
   for (std::size_t i = 1; i < breaks.size(); ++i)
     if (breaks[i] - breaks[i - 1] > 1e-9 * cutoff_cy_mm)
-      append_series<S, 2>(panels, {breaks[i - 1], breaks[i]}, 0.25 * tolerance, 1024, evaluate);
+      append_series<S, 2>(panels, {breaks[i - 1], breaks[i]}, 0.5 * tolerance, 1024, evaluate);
 
   const S area = parts.ideal_area();
   S strehl{}, boxed{};

@@ -88,7 +88,7 @@ class ResolutionMeter {
   ~ResolutionMeter();
   ResolutionMeter(ResolutionMeter&&) noexcept;
 
-  /// The system has to be valid (System::check). An OTF that 1024 panels do not resolve is reported with the error
+  /// The system has to be valid (System::check). An OTF that 256 panels do not resolve is reported with the error
   /// reached.
   Resolution<S> measure(const System<S>& system);
 

@@ -50,16 +50,23 @@ double find_zero(double lo, double h_lo, double hi, double h_hi, double near, Va
   return t;
 }
 
-/// Where a real series changes its sign between the nodes, but for what is below its own error.
+/// Where a series goes through 0 between the nodes and turns by half a cycle, but for what is below its own error:
+/// there its modulus has a kink.
 template <class S>
 void append_zeros(const ComplexSeries<S>& series, const ComplexValues<S>& values, const FineNodes& nodes, double error,
                   std::vector<double>& zeros) {
-  if (!series.im.empty()) return;
   for (std::size_t i = 1; i < values.re.size(); ++i) {
-    const double before = value_of(values.re[i - 1]), now = value_of(values.re[i]);
-    if (before * now < 0.0 && std::max(std::abs(before), std::abs(now)) > error)
-      zeros.push_back(find_zero(nodes.t[i - 1], before, nodes.t[i], now, 1e-8,  // an integral of |h| errs by the square
-                                [&](double t) { return value_of(chebyshev(series.re, t)); }));
+    const Complex<S> a = values[i - 1], b = values[i];
+    const double re = value_of(a.re), im = value_of(a.im), square = re * re + im * im;
+    const double now = value_of(b.re) * re + value_of(b.im) * im;  // of b along a
+    if (!(now < 0.0 &&
+          std::max(square, value_of(b.re) * value_of(b.re) + value_of(b.im) * value_of(b.im)) > error * error))
+      continue;
+    const auto part_along_a = [&](double t) {
+      const Complex<S> h = series.at(t);
+      return value_of(h.re) * re + value_of(h.im) * im;
+    };
+    zeros.push_back(find_zero(nodes.t[i - 1], square, nodes.t[i], now, 1e-8, part_along_a));  // errs by the square
   }
 }
 
@@ -111,8 +118,11 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
     if (presample) values[kPresample] = products.presample;
   };
   const double nyquist = value_of(parts.system().frame.nyquist_cy_mm(axis));
-  const double share = 0.25 * needs.tolerance;
-  constexpr std::size_t kMostPanels = 1024;
+  // A figure is an integral of H with a kernel of at most 2 over the width in cycles per pixel.
+  const double pitch = value_of(pitch_mm(axis));
+  const double amplified = std::max(1.0, 2.0 * pitch * (cutoff < kInfinity ? cutoff : 2.0 * nyquist));
+  const double share = needs.tolerance / amplified;
+  constexpr std::size_t kMostPanels = 256;
   std::vector<SeriesPanel<S, 2>> series;
   double beyond = 0.0;
   if (cutoff < kInfinity) {
@@ -134,20 +144,18 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
       if (beyond <= 1e-2 * share) break;
     }
   }
-  // A figure is an integral of H with a kernel of at most 2 over the panel's width in cycles per pixel.
-  const double pitch = value_of(pitch_mm(axis)), reach_px = needs.axis.overshoot ? 3.0 : needs_edge() ? 1.0 : 0.0;
-  double error = 0.0, width_px = 0.0;
+  const double reach_px = needs.axis.overshoot ? 3.0 : needs_edge() ? 1.0 : 0.0;
+  double error = 0.0;
   panels.clear();
   for (SeriesPanel<S, 2>& one : series) {
     const double width = pitch * (one.map.hi - one.map.lo);
     error = std::max(error, one.error);
-    width_px += width;
     const FineNodes& nodes = fine_nodes(one.degree, reach_px * width);
     ComplexValues<S> system = at_nodes(one.otf[kSystem], nodes), before;
     if (presample) before = at_nodes(one.otf[kPresample], nodes);
     panels.push_back({std::move(one), &nodes, std::move(system), std::move(before)});
   }
-  return error * std::max(1.0, 2.0 * width_px) + beyond;
+  return error * amplified + beyond;
 }
 
 /// The OTF at single frequencies: Nyquist, its replicas, those asked for.
@@ -342,7 +350,7 @@ double ResolutionMeter<S>::Impl::choose_wavelengths(double cutoff) {
     return most;
   };
   constexpr int kMost = 256;
-  for (int n = std::max(2, parts.wavelengths() / 4);; n *= 2) {
+  for (int n = 2;; n *= 2) {  // from the start for every system: a result has no memory
     at(n);
     const std::vector<Complex<S>> before = products.presample;
     at(2 * n);

@@ -68,7 +68,7 @@ double dirichlet_deviation(int n, double x) {
 }
 
 ValueSlope gaussian(double x) {
-  if (x == 0.0) return {1.0, 0.0};  // along an axis, every time
+  if (x == 0.0) return {1.0, 0.0};              // along an axis, every time
   if (!(std::abs(x) < 7.0)) return {0.0, 0.0};  // below the smallest double from 6.2 on
   // exp turns the rounding of its argument into a relative error: the argument is kept in two parts.
   constexpr double c = 0x1.3bd3cc9be45dep+4, c_rest = 0x1.692b71366cc04p-50;  // 2 pi^2

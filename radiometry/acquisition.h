@@ -9,9 +9,9 @@
 //   johnson        E = 2.7 + 0.7 x    (the target transfer probability function of Johnson's criteria; FLIR92, ACQUIRE)
 // At x = 2 they say 0.80, 0.74 and 0.94: results have to name theirs.
 // V50 for vehicles: detection 2.0, recognition 7.5, identification 13.0. N50, cycles over the least dimension: 1, 4, 8
-// along one axis (Johnson 1958); 0.75, 3, 6 for a two-dimensional MRTD (Kennedy, Proc. SPIE 1488, 90 (1991)).
-// Range by TTP: V(R) = TTP(C exp(-beta R)) sqrt(A)/R = V50 x(P). V falls with R, so there is one root, below that
-// without extinction.
+// along one axis (Johnson 1958); 0.75, 3, 6 for a two-dimensional MRTD (Kennedy, Proc. SPIE 1488 (1991),
+// doi 10.1117/12.45802). Range by TTP: V(R) = TTP(C exp(-beta R)) sqrt(A)/R = V50 x(P). V falls with R, so there is one
+// root, below that without extinction.
 
 #include <array>
 #include <string_view>

@@ -96,16 +96,24 @@ inline void require_frequency(const std::string& where, double f_cy_mrad) {
 }
 }  // namespace detail
 
-/// Q_along in cycles/mrad at f >= 0; `post` is H_post(double) -> S. Relative error about 1e-10 for a smooth one. What
-/// lies beyond 3.1 in |ln(f'/f)| is below 1e-19 of 2 f and left out.
+/// Q_along in cycles/mrad at f >= 0; `post` is H_post(double) -> S. Relative error about 1e-9: over ln f' the integrand
+/// is a bell, on which the trapezoidal rule converges exponentially; where halving its step shows otherwise, at a kink,
+/// the adaptive one takes over. What lies beyond 3.2 in |ln(f'/f)| is below 1e-19 of 2 f and left out.
 template <class S, class Post>
 S channel_bandwidth(double f_cy_mrad, const Post& post) {
   detail::require_frequency("channel bandwidth", f_cy_mrad);
   const auto integrand = [&](double l) {
     const S h = post(f_cy_mrad * std::exp(l));
-    return S(2.0 * f_cy_mrad * std::exp(l - 4.4 * l * l)) * h * h;
+    return S(S(2.0 * f_cy_mrad * std::exp(l - 4.4 * l * l)) * h * h);
   };
-  return integrate<S>(integrand, -3.1, 3.3, 8).value;
+  constexpr int kHalf = 32;
+  constexpr double kStep = 0.1;
+  S even(0), odd(0);
+  for (int i = -kHalf; i <= kHalf; ++i) (i % 2 == 0 ? even : odd) += integrand(kStep * i);
+  const S fine = S(kStep) * (even + odd);
+  const double change = std::abs(mtf::value_of(fine) - 2.0 * kStep * mtf::value_of(even));
+  if (!(change > 1e-9 * mtf::value_of(fine))) return fine;
+  return integrate<S>(integrand, -3.2, 3.2, 8).value;
 }
 
 /// Q_across in cycles/mrad: up to `limit`, where H_post ends.

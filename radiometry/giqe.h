@@ -5,7 +5,7 @@
 // inches, L = log10:
 //   GIQE 3  11.81 + 3.32 L(RER/GSD) - 1.48 H - G/SNR
 //   GIQE 4  10.251 - a L(GSD) + b L(RER) - 0.656 H - 0.344 G/SNR;  a = 3.32, b = 1.559 for RER >= 0.9,
-//           a = 3.16, b = 2.817 below: it jumps there, by 0.16 L(GSD) - 0.0576
+//           a = 3.16, b = 2.817 below: with rising RER it falls there by 0.16 L(GSD) - 0.0576
 //   GIQE 5  9.57 - 3.32 L(GSD) + 3.32 (1 - exp(-1.9/SNR)) L(RER) - 2 L(RER)^4 - 1.8/SNR
 // GSD: ground sample distance, the geometric mean of both directions. GIQE 3 takes it as it is given; GIQE 4 in the
 // plane of the ground, where one direction is stretched: GSD/sqrt(sin elevation); GIQE 5 the geometric mean of image
@@ -16,8 +16,8 @@
 // of the difference of two surfaces, contrast over noise. GIQE 5 has no H and G.
 // Validity: regressions on the ratings of analysts. GIQE 3 and 4 for visible imagery, standard error 0.3 NIIRS; GIQE 5
 // replaces both. Nothing stops them outside of the data they were made from, so neither do these functions.
-// (GIQE 3: The Infrared and Electro-Optical Systems Handbook 4, 3.56. GIQE 4: Leachtenauer et al., Appl. Opt. 36, 8322
-// (1997); pyBSM has 0.334 there for 0.344. GIQE 5: NGA, General Image Quality Equation 5.0 (2015).)
+// (GIQE 3: Image Based Sensor Model, ERIM 253885-4-F vol. 4 (1996), eq. 3-56. GIQE 4: Leachtenauer et al., Appl. Opt.
+// 36, 8322 (1997); pyBSM has 0.334 there for 0.344. GIQE 5: NGA, General Image Quality Equation 5.0 (2015).)
 
 #include "radiometry/rows.h"
 

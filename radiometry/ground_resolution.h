@@ -5,7 +5,7 @@
 //   GSD  ground sample distance = range x pitch / focal length = range x ifov, in the plane of the image
 //   GRD  ground resolved distance = range x max(1/u, 2 ifov), u the lowest frequency at which MTF(u) = 3/SNR: the
 //        period of the finest bars that stand out of the noise by a factor of 3, never finer than two samples
-// (The Infrared and Electro-Optical Systems Handbook 4, 3.54; the form of pyBSM.)
+// (Image Based Sensor Model, IBSM: ERIM 253885-4-F vol. 4 (1996), eq. 3-54, as pyBSM has it.)
 
 #include "radiometry/implicit_root.h"
 #include "radiometry/rows.h"

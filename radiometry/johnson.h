@@ -5,7 +5,8 @@
 // the task succeeds where their contrast at the aperture reaches the MRTD,
 //   MRTD(N R/h) = dT exp(-beta R),  N = N50 x(P).
 // P and N50: acquisition.h. MRTD rises with frequency, the contrast falls with range: one root. (Johnson, Image
-// Intensifier Symposium, 249 (1958); Ratches, Opt. Eng. 15, 525 (1976); Kennedy, Proc. SPIE 1488, 90 (1991).)
+// Intensifier Symposium, 249 (1958); Ratches, Opt. Eng. 15, 525 (1976); Kennedy, Proc. SPIE 1488 (1991),
+// doi 10.1117/12.45802.)
 
 #include "radiometry/acquisition.h"
 

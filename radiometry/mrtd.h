@@ -143,10 +143,14 @@ S mrtd_2d_k(double f_cy_mrad, const MrtdX& mrtd_x, const MrtdY& mrtd_y) {
   const double t = std::exp(find_root(difference, lo, hi, g_lo, g_hi));
   const S x = mrtd_x(f_cy_mrad * t), y = mrtd_y(f_cy_mrad / t);
   if (!(mtf::value_of(x) < mtf::kInfinity) || !(mtf::value_of(y) < mtf::kInfinity)) return S(mtf::kInfinity);
-  const double by_x = std::abs(slope_at([&](double l) { return mrtd_x(f_cy_mrad * t * std::exp(l)); }, 0.0, 1e-4));
-  const double by_y = std::abs(slope_at([&](double l) { return mrtd_y(f_cy_mrad / t * std::exp(l)); }, 0.0, 1e-4));
-  if (!(by_x + by_y > 0.0) || !std::isfinite(by_x + by_y)) return x;
-  return (S(by_y) * x + S(by_x) * y) / S(by_x + by_y);
+  if constexpr (requires { x.a; }) {  // the root's derivative: the one weighs with the slope of the other
+    const double by_x = std::abs(slope_at([&](double l) { return mrtd_x(f_cy_mrad * t * std::exp(l)); }, 0.0, 1e-4));
+    const double by_y = std::abs(slope_at([&](double l) { return mrtd_y(f_cy_mrad / t * std::exp(l)); }, 0.0, 1e-4));
+    if (!(by_x + by_y > 0.0) || !std::isfinite(by_x + by_y)) return x;
+    return (S(by_y) * x + S(by_x) * y) / S(by_x + by_y);
+  } else {
+    return x;
+  }
 }
 
 }  // namespace radiometry

@@ -15,6 +15,7 @@ namespace cfg = mtf::io::cfg;
 using cfg::Node;
 using cfg::Section;
 
+constexpr std::size_t kMostUnknown = 200;  // guesses what was meant are slow
 constexpr std::array<std::string_view, 4> kDirections{"maximize", "minimize", "maximise", "minimise"};
 
 /// The strings of a list at the top level.
@@ -142,6 +143,10 @@ void read_metrics(StudyReader& s) {
     const Section section{s.reader, *table, "metrics", "[metrics]"};
     check_study_keys(section, std::array<std::string_view, 1>{"list"});
     const Node* list = section.find("list");
+    if (list != nullptr && list->items.size() > kMostExpressions) {
+      section.error("list", "more than " + std::to_string(kMostExpressions));
+      list = nullptr;
+    }
     if (list != nullptr && list->kind != Node::Kind::array)
       section.error("list", cfg::shown(*list) + " has to be a list of names, such as [\"mtf_nyquist\"]");
     for (const Node& item : list != nullptr ? list->items : std::vector<Node>()) {
@@ -176,14 +181,16 @@ std::vector<Source> goal_sources(StudyReader& s) {
 void register_names(StudyReader& s, const std::vector<Source>& sources) {
   for (const Source& source : sources)
     for (const NameAt& at : names_in(source.text)) {
-      if (s.by_name.contains(at.name) || s.why.contains(at.name) || at.name.size() > 200) continue;
+      if (s.why.contains(at.name) || at.name.size() > 200) continue;
       if (std::find(s.metric_names.begin(), s.metric_names.end(), at.name) != s.metric_names.end()) continue;
       if (const auto metric = find_metric(at.name)) {
         add_metric(s, *metric, at.name);
         continue;
       }
-      std::string problem;
-      if (parameter_named(s, at.name, problem) < 0) s.why[at.name] = "'" + at.name + "': " + problem;
+      if (s.by_name.contains(at.name)) continue;
+      std::string problem = "one unknown name of many";
+      if (s.why.size() >= kMostUnknown || parameter_named(s, at.name, problem) < 0)
+        s.why[at.name] = "'" + at.name + "': " + problem;
     }
 }
 

@@ -32,21 +32,24 @@ void collect(StudyReader& s, const Node& table, const std::string& before) {
   }
 }
 
-bool read_by_others(const StudyReader& s, const std::string& name) {
-  const auto reads = [&](const std::string& text) {
-    const auto names = names_in(text);
-    return std::any_of(names.begin(), names.end(), [&](const NameAt& at) { return at.name == name; });
+/// Names that links, constraints and objectives read, and the link that does when it is the only one, else -1.
+std::map<std::string, int, std::less<>> readers_of(const StudyReader& s) {
+  std::map<std::string, int, std::less<>> readers;
+  const auto add = [&](const std::string& text, int reader) {
+    for (const NameAt& at : names_in(text)) {
+      const auto [known, fresh] = readers.try_emplace(at.name, reader);
+      if (!fresh && known->second != reader) known->second = -1;
+    }
   };
-  for (const LinkSource& link : s.links)
-    if (link.target != name && reads(link.source.text)) return true;
+  for (std::size_t i = 0; i < s.links.size(); ++i) add(s.links[i].source.text, static_cast<int>(i));
   for (const char* key : {"constraints", "objectives"})
     if (const Node* list = s.tree.find(key); list != nullptr)
       for (const Node& item : list->items)
-        if (item.kind == Node::Kind::string && reads(item.text)) return true;
-  return false;
+        if (item.kind == Node::Kind::string) add(item.text, -1);
+  return readers;
 }
 
-void declare(StudyReader& s, LinkSource& link) {
+void declare(StudyReader& s, LinkSource& link, bool read_by_others) {
   const std::string path = link.source.path;
   const auto fail = [&](const std::string& text) { s.error(link.target_at, path, text); };
   const auto clashes = [&](const Parameter& other) {
@@ -69,7 +72,7 @@ void declare(StudyReader& s, LinkSource& link) {
     const auto names = names_in(link.target);
     const bool identifier =
         names.size() == 1 && names[0].name == link.target && link.target.find_first_of(".[") == std::string::npos;
-    if (!identifier || !read_by_others(s, link.target)) return fail(found.problem);
+    if (!identifier || !read_by_others) return fail(found.problem);
     if (find_metric(link.target)) return fail(link.target + " is a metric; take another name");
     parameter = {.name = link.target, .path = {}, .unit = {}, .scale = {}, .lo = -HUGE_VAL, .hi = HUGE_VAL};
     parameter.base = std::nan("");
@@ -79,6 +82,7 @@ void declare(StudyReader& s, LinkSource& link) {
   parameter.role = Parameter::Role::link;
   link.parameter = static_cast<int>(s.study.parameters.size());
   s.by_name.emplace(link.target, link.parameter);
+  s.by_name.emplace(parameter.name, link.parameter);
   s.study.parameters.push_back(std::move(parameter));
 }
 
@@ -207,7 +211,11 @@ void read_links(StudyReader& s) {
     s.links.clear();
   }
   if (!s.axes_good) return;
-  for (LinkSource& link : s.links) declare(s, link);
+  const auto readers = readers_of(s);
+  for (std::size_t i = 0; i < s.links.size(); ++i) {
+    const auto reader = readers.find(s.links[i].target);
+    declare(s, s.links[i], reader != readers.end() && reader->second != static_cast<int>(i));
+  }
 }
 
 void read_link_expressions(StudyReader& s) {

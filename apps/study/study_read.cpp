@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/sensor_chain.h"
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/curve_csv.h"
@@ -44,6 +45,7 @@ Position inside_string(const std::string& text, Position at, int column) {
 }
 
 constexpr std::size_t kMostSensorErrors = 10;
+constexpr std::size_t kMostSensors = 1000;
 
 /// One sensor file, its errors at the place that names it; null when there are any.
 std::optional<SensorView> read_sensor(StudyReader& s, const Node& node, const std::string& path) {
@@ -66,6 +68,9 @@ std::optional<SensorView> read_sensor(StudyReader& s, const Node& node, const st
   for (const mtf::io::Diagnostic& diagnostic : result.diagnostics)
     if (diagnostic.error && ++errors <= kMostSensorErrors)
       s.error(node.position, path, mtf::io::printable(mtf::io::format_diagnostic(diagnostic, file), 800));
+  if (errors == 0)
+    if (const std::string problem = apps::chain_problem(result.config); !problem.empty())
+      return fail(mtf::io::printable(file + ": " + problem, 800));
   if (errors > kMostSensorErrors)
     fail(std::to_string(errors - kMostSensorErrors) + " more errors; see mtf config check " + file);
   return errors > 0 ? std::nullopt : std::optional(view_of(std::move(result.config)));
@@ -97,6 +102,10 @@ bool read_sensors(StudyReader& s) {
   if (s.sensor_axis >= 0) {
     const std::string path = "axis[" + std::to_string(s.sensor_axis) + "].values";
     const Node* values = s.tree.find("axis")->items[static_cast<std::size_t>(s.sensor_axis)].find("values");
+    if (values != nullptr && values->items.size() > kMostSensors) {
+      s.error(values->position, path, "more than " + std::to_string(kMostSensors) + " sensor files");
+      return false;
+    }
     if (values != nullptr && values->kind == Node::Kind::array)
       for (const Node& node : values->items) {
         auto view = read_sensor(s, node, path);
@@ -123,7 +132,8 @@ bool read_sensors(StudyReader& s) {
 }
 
 Parameter parameter_of(const std::string& name, const Place& place) {
-  return {.name = name,
+  // A metric of the same name keeps it, in expressions and as a column.
+  return {.name = find_metric(name) ? place.target.path() : name,
           .path = place.target.path(),
           .unit = std::string(place.info.unit),
           .scale = unit_scale(place.info.unit),
@@ -160,7 +170,9 @@ int parameter_named(StudyReader& s, const std::string& name, std::string& proble
                 ", no number that follows or varies by itself; an axis with its values "
                 "makes it one of a list");
   s.study.parameters.push_back(parameter_of(name, *found.place));
-  return s.by_name[name] = static_cast<int>(s.study.parameters.size()) - 1;
+  const int index = static_cast<int>(s.study.parameters.size()) - 1;
+  s.by_name.emplace(s.study.parameters.back().name, index);
+  return s.by_name[name] = index;
 }
 
 std::optional<Expression> read_expression(StudyReader& s, const Source& source, bool metrics) {

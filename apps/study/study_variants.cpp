@@ -6,6 +6,7 @@
 #include <cassert>
 #include <filesystem>
 
+#include "apps/sensor_chain.h"
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
@@ -105,7 +106,9 @@ ConfigResult with_levels(const Study& study, const Node& tree, const SensorView&
 }
 
 void check_levels(StudyReader& s) {
+  constexpr int kMostChains = 200;  // they read files
   const Study& study = s.study;
+  int chains = 0;
   for (std::size_t a = 0; a < study.axes.size(); ++a) {
     const Axis& axis = study.axes[a];
     if (is_sensor(study, a)) continue;
@@ -116,7 +119,12 @@ void check_levels(StudyReader& s) {
     std::vector<int> levels(study.axes.size(), -1);
     for (std::size_t i = 0; i < axis.levels.size(); ++i) {
       levels[a] = static_cast<int>(i);
-      for (const mtf::io::Diagnostic& diagnostic : with_levels(study, s.tree, s.views.front(), levels).diagnostics)
+      ConfigResult result = with_levels(study, s.tree, s.views.front(), levels);
+      if (result.ok() && ++chains <= kMostChains)
+        if (const std::string problem = apps::chain_problem(result.config); !problem.empty())
+          result.diagnostics.push_back(
+              {.error = true, .position = {}, .path = parameter_of(study, a).path, .text = problem});
+      for (const mtf::io::Diagnostic& diagnostic : result.diagnostics)
         if (diagnostic.error)
           s.error(table.find("values")->items.at(i).position, path + ".values",
                   diagnostic.path + ": " + diagnostic.text);

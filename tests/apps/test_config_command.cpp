@@ -185,4 +185,36 @@ TEST(Info, SensorFilesAndWhatItCannotRead) {
     EXPECT_EQ(scratch.run(std::string("mtf info ") + file).status, 1) << file;
 }
 
+#ifdef MTFKIT_HAVE_CALIB
+TEST(Config, CheckReadsStudiesToo) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const std::string study =
+      "schema = 1\nname = \"pitch\"\nsensor = \"sensor.toml\"\n[[axis]]\nparameter = \"frame.pitch\"\n"
+      "values = [\"10 um\", \"12 um\"]\n[metrics]\nlist = [\"mtf_nyquist\"]\n";
+  apps_test::write_file(scratch / "study.toml", study);
+  const Result good = scratch.run("mtf config check study.toml");
+  EXPECT_EQ(good.status, 0) << good.err;
+  EXPECT_TRUE(good.out.starts_with("ok: study.toml: pitch, 2 designs (a grid), 1 axis, 1 metric")) << good.out;
+  const Result info = scratch.run("mtf info study.toml");
+  EXPECT_EQ(info.status, 0);
+  EXPECT_NE(info.out.find("next: mtf sweep study.toml"), std::string::npos) << info.out;
+
+  apps_test::write_file(scratch / "study.toml", study + "[links]\nfocal_length = \"3 * (2 + 1 s)\"\n");
+  const Result bad = scratch.run("mtf config check study.toml");
+  EXPECT_EQ(bad.status, 2);
+  EXPECT_EQ(bad.out, "");
+  EXPECT_TRUE(bad.err.starts_with("study.toml:10:22: error: links.focal_length: cannot add")) << bad.err;
+  EXPECT_EQ(scratch.run("mtf info study.toml").status, 2);
+  const Result json = scratch.run("mtf config check study.toml --format json");
+  EXPECT_EQ(json.status, 2);
+  const Json parsed = Json::parse(json.out);
+  EXPECT_EQ(parsed.at("name"), "pitch");
+  EXPECT_EQ(parsed.at("diagnostics").at(0).at("column"), 22);
+
+  apps_test::write_file(scratch / "study.toml", "sensor = [\n");  // neither: the place of the first wrong character
+  EXPECT_EQ(scratch.run("mtf config check study.toml").status, 2);
+}
+#endif
+
 }  // namespace

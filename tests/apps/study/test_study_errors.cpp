@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <random>
 
 #include "apps/study/study_reader.h"
@@ -130,9 +131,9 @@ TEST(StudyErrors, OfAxes) {
       {axis("name = \"sqrt\"\nvalues = [1.0]"), {"error: axis[0].name: \"sqrt\" is no name"}},
       {axis("name = \"a b\"\nvalues = [1.0]"), {"error: axis[0].name: \"a b\" is no name"}},
       {axis("name = \"mtf_nyquist\"\nvalues = [1.0]"), {"mtf_nyquist is a metric"}},
-      {axis("name = \"q\"\nvalues = [\"one\"]"), {"\"one\" where a plain number belongs"}},
-      {axis("name = \"q\"\nvalues = [\"1 um\", \"2 K\"]"), {"5:19: error: axis[0].values: \"2 K\""}},
-      {axis("name = \"q\"\nvalues = [\"1 cy/mm\", \"2 cy/px\"]"),
+      {axis("name = \"quality\"\nvalues = [\"one\"]"), {"\"one\" where a plain number belongs"}},
+      {axis("name = \"quality\"\nvalues = [\"1 um\", \"2 K\"]"), {"5:19: error: axis[0].values: \"2 K\""}},
+      {axis("name = \"quality\"\nvalues = [\"1 cy/mm\", \"2 cy/px\"]"),
        {"is in cy/px, but in the first value it is in cy/mm"}},
   });
 }
@@ -320,6 +321,36 @@ TEST(StudyErrors, DamagedFilesGiveErrorsNotCrashes) {
     still_good += folder.parse(text).ok();
   }
   EXPECT_GT(still_good, 10);  // not all of them end at the first syntax error
+}
+
+TEST(StudyErrors, HugeFilesAreReadInSeconds) {
+  const Folder folder;
+  const auto repeated = [](const std::string& text, std::size_t bytes) {
+    std::string all;
+    for (int i = 0; all.size() < bytes; ++i) {
+      std::string copy = text;
+      for (std::size_t at = 0; (at = copy.find('#', at)) != std::string::npos;) copy.replace(at, 1, std::to_string(i));
+      all += copy;
+    }
+    return all;
+  };
+  constexpr std::size_t size = 900'000;
+  const std::string axis = kHead + kAxis + kMetrics;
+  for (const std::string& text :
+       {kHead + "constraints = [\"" + repeated("x# + ", size) + "1 > 2\"]\n" + kAxis,
+        kHead + "constraints = [" + repeated("\"x# > 2\", ", 12'000) + "]\n" + kAxis,
+        axis + "[links]\n" + repeated("a# = \"1 1 1 1 1 1 1 1 1 1 1 1 a#\"\n", size),
+        axis + "[links]\n" + repeated("a# = \"1 1 1 1 1 1 1 1 1 1 1 1 b#\"\n", 35'000),
+        kHead + kAxis + "[metrics]\nlist = [" + repeated("\"metric_#\", ", size) + "]\n",
+        kHead + kMetrics + "[[axis]]\nparameter = \"bits\"\nvalues = [" + repeated("1#, ", size) + "]\n",
+        kHead + kMetrics + "[[axis]]\nparameter = \"sensor\"\nvalues = [" + repeated("\"camera.toml\", ", size) + "]\n",
+        axis + repeated("[[as_built]]\nparameter = \"x#\"\nsd = 1.0\n", size),
+        kHead + kMetrics + repeated("[[axis]]\nname = \"x#\"\nvalues = [1.0]\n", size)}) {
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_FALSE(folder.parse(text).ok()) << text.substr(0, 200);
+    // Tenths of a second where nothing else runs; a quadratic reader would need hours.
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20)) << text.substr(0, 200);
+  }
 }
 
 TEST(StudyErrors, ProductsAreExact) {
