@@ -162,9 +162,9 @@ struct SweepOptions {
   std::vector<std::string> words;  ///< STUDY, or a verb and what it is about
   std::string out;                 ///< folder; "" = not given
   bool force = false;
-  std::optional<double> tolerance;  ///< in place of the study's
-  Format format = Format::table;    ///< of standard output: table or json
-  std::optional<int> shards;        ///< to plan
+  std::optional<double> tolerance;          ///< in place of the study's
+  Format format = Format::table;            ///< of standard output: table or json
+  std::optional<int> shards;                ///< to plan
   std::optional<std::array<int, 2>> shard;  ///< to run: number from 1, and of how many
   std::optional<Engine> engine;
   bool submit = false;
