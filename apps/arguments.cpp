@@ -87,6 +87,14 @@ FrameRange frame_range(std::string_view option, std::string_view text) {
   return range;
 }
 
+std::array<int, 2> part_of(std::string_view option, std::string_view text) {
+  const auto parts = split(text, '/');
+  const auto part = read_number<int>(parts.front()), all = read_number<int>(parts.back());
+  if (parts.size() != 2 || !part || !all || *part < 1 || *part > *all)
+    refuse(option, text, "I/N, whole numbers with I from 1 to N, such as 2/8");
+  return {*part, *all};
+}
+
 std::int64_t byte_count(std::string_view option, std::string_view text) {
   constexpr std::array units{std::pair{"KiB", 1024.0},
                              std::pair{"MiB", 1048576.0},

@@ -29,6 +29,9 @@ std::array<double, 2> number_range(std::string_view option, std::string_view tex
 /// "START:STOP" or "START:STOP:STEP": whole numbers, 0 <= START <= STOP, STEP at least 1; both ends belong to it.
 FrameRange frame_range(std::string_view option, std::string_view text);
 
+/// "I/N": whole numbers, 1 <= I <= N.
+std::array<int, 2> part_of(std::string_view option, std::string_view text);
+
 /// Bytes: a number with or without a unit, "512MiB", "2GB", "1073741824"; 1 MiB or more.
 std::int64_t byte_count(std::string_view option, std::string_view text);
 

@@ -19,5 +19,7 @@ Command report_command();
 // Where calib is built.
 Command measure_command();
 Command fit_command();
+// Where apps/study is built.
+Command sweep_command();
 
 }  // namespace apps

@@ -1,11 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What the commands about trade studies take.
+// What the commands of trade studies take.
 
 #include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/study/shard_plan.h"
 
 namespace apps {
+namespace {
+
+constexpr std::array kEngines{std::pair{std::string_view("slurm"), SweepOptions::Engine::slurm},
+                              std::pair{std::string_view("parallel"), SweepOptions::Engine::parallel},
+                              std::pair{std::string_view("local"), SweepOptions::Engine::local}};
+
+}  // namespace
+
+Command sweep_command() {
+  const auto shared = std::make_shared<SweepOptions>();
+  SweepOptions& options = *shared;
+  Command app{"sweep", "every design of a trade study, here or in shards on many machines",
+              "Writes a folder with designs.csv, designs.npy, sweep.json, the study with its sensor files, and sensor\n"
+              "files of the best designs. A run that was stopped goes on when the same command is given again.\n\n"
+              "Beyond one machine, in a folder PLAN that all of them see:\n"
+              "  mtf sweep plan STUDY -o PLAN --shards N      copies the study and cuts its designs into N shards\n"
+              "  mtf sweep run PLAN --shard I/N               makes shard I, from 1; without --shard that of\n"
+              "                                               SLURM_ARRAY_TASK_ID; one that is finished stays\n"
+              "  mtf sweep submit PLAN --engine slurm|parallel|local [--submit]\n"
+              "                                               shows the script that runs all shards, and runs it\n"
+              "  mtf sweep merge PLAN -o FOLDER               the same bytes as `mtf sweep STUDY -o FOLDER`\n"
+              "A study file named like one of these words is given as ./plan.",
+              "  mtf sweep study.toml -o sweep\n"
+              "  mtf sweep plan study.toml -o plan --shards 4"};
+  OptionSpec& words = add_text(app, "study", "[VERB] STUDY", "study file (TOML), or one of the verbs below and PLAN",
+                               [&](const std::string& text) { options.words.push_back(text); });
+  words.required = true;
+  words.repeats = true;
+  add_text(app, "-o,--out", "FOLDER", "folder to create: of results, or the plan", options.out);
+  add_word(app, "--tolerance", "X", "error allowed to each metric, in place of the study's",
+           [&](const std::string& text) {
+             options.tolerance = number("--tolerance", text);
+             if (!(*options.tolerance > 0.0 && *options.tolerance < 1.0))
+               throw mtf::UsageError("--tolerance: " + text + " is outside (0, 1)");
+           });
+  add_choice(app, "--format", "FORMAT", "of standard output: table (default) or json", kTableOrJson, options.format);
+  add_force(app, options.force);
+  add_word(app, "--shards", "N", "plan: how many",
+           [&](const std::string& text) { options.shards = whole_number("--shards", text, 1, study::kMostShards); });
+  add_word(app, "--shard", "I/N", "run: which one, such as 2/8",
+           [&](const std::string& text) { options.shard = part_of("--shard", text); });
+  add_word(app, "--engine", "NAME", "submit: slurm (a job array), parallel (GNU parallel) or local (one by one)",
+           [&](const std::string& text) { options.engine = choice("--engine", text, kEngines); });
+  add_flag(app, "--submit", "submit: run the script too", options.submit);
+  app.run = [shared](const Global& global) { return run_sweep(*shared, global); };
+  return app;
+}
 
 Command report_command() {
   const auto shared = std::make_shared<ReportOptions>();

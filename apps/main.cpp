@@ -119,6 +119,9 @@ int run(int argc, char** argv) {
 #ifdef MTFKIT_HAVE_CALIB
   for (const Command& command : {measure_command(), fit_command()}) add_command(root, command, chosen);
 #endif
+#ifdef MTFKIT_HAVE_STUDY
+  add_command(root, sweep_command(), chosen);
+#endif
   try {
     root.parse(argc, argv);
   } catch (const CLI::CallForVersion& version) {

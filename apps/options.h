@@ -162,6 +162,20 @@ struct ReportOptions {
   std::string out;    ///< "" = report.html in the folder
 };
 
+/// `mtf sweep` and its verbs.
+struct SweepOptions {
+  enum class Engine { slurm, parallel, local };
+  std::vector<std::string> words;  ///< STUDY, or a verb and what it is about
+  std::string out;                 ///< folder; "" = not given
+  bool force = false;
+  std::optional<double> tolerance;          ///< in place of the study's
+  Format format = Format::table;            ///< of standard output: table or json
+  std::optional<int> shards;                ///< to plan
+  std::optional<std::array<int, 2>> shard;  ///< to run: number from 1, and of how many
+  std::optional<Engine> engine;
+  bool submit = false;
+};
+
 int run_curve(const CurveOptions& options, const Global& global);
 int run_info(const InfoOptions& options, const Global& global);
 int run_config(const ConfigOptions& options, const Global& global);
@@ -171,6 +185,7 @@ int run_demo(const DemoOptions& options, const Global& global);
 int run_budget(const BudgetOptions& options, const Global& global);
 int run_measure(const MeasureOptions& options, const Global& global);
 int run_fit(const FitOptions& options, const Global& global);
+int run_sweep(const SweepOptions& options, const Global& global);
 int run_check(const CheckOptions& options, const Global& global);
 int run_report(const ReportOptions& options, const Global& global);
 

@@ -32,7 +32,7 @@ ProgressLine::~ProgressLine() {
   if (way_ == Way::bar && !step_.empty()) show("\r\033[K");
 }
 
-void ProgressLine::update(const std::string& step, double share) {
+void ProgressLine::update(const std::string& step, double share, const std::string& rate) {
   if (way_ == Way::none) return;
   share = std::clamp(share, 0.0, 1.0);
   const Clock::time_point now = Clock::now();
@@ -49,16 +49,17 @@ void ProgressLine::update(const std::string& step, double share) {
     const int full = static_cast<int>(share * kBarWidth);
     show("\r" + step + " [" + std::string(static_cast<std::size_t>(full), '#') +
          std::string(static_cast<std::size_t>(kBarWidth - full), '.') + "] " + fixed(100.0 * share, 0) + " % " +
-         eta(elapsed_s, share) + "\033[K");
+         (rate.empty() ? "" : rate + " ") + eta(elapsed_s, share) + "\033[K");
     return;
   }
   const int tenths = static_cast<int>(10.0 * share);
   if (tenths == tenths_) return;
   tenths_ = tenths;
   if (way_ == Way::plain)
-    complain(step + " " + fixed(100.0 * share, 0) + " % " + eta(elapsed_s, share));
+    complain(step + " " + fixed(100.0 * share, 0) + " % " + (rate.empty() ? "" : rate + " ") + eta(elapsed_s, share));
   else
-    complain("{\"step\":\"" + step + "\",\"share\":" + fixed(share, 3) + ",\"elapsed_s\":" + fixed(elapsed_s, 1) + "}");
+    complain("{\"step\":\"" + step + "\",\"share\":" + fixed(share, 3) + ",\"elapsed_s\":" + fixed(elapsed_s, 1) +
+             (rate.empty() ? "" : ",\"rate\":\"" + rate + "\"") + "}");
 }
 
 }  // namespace apps

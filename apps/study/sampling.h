@@ -13,7 +13,14 @@ namespace study {
 
 /// What random numbers of a study are for: last word of the Philox counter (radiometry/random.h) under the study's
 /// seed. The values are part of the meaning of a seed: they never change.
-enum class Purpose : std::uint32_t { permutation = 1001, stratum = 1002, sobol_shift = 1003 };
+enum class Purpose : std::uint32_t {
+  permutation = 1001,
+  stratum = 1002,
+  sobol_shift = 1003,
+  as_built = 1004,   ///< counter: draw, parameter
+  indices = 1005,    ///< points of variance-based indices: sample, axis, set
+  bootstrap = 1006,  ///< of their standard errors: sample, repetition
+};
 
 /// Place of `i` in a pseudo-random permutation of 0 ... n - 1, one for each axis and seed: a Feistel network over the
 /// smallest power of two that holds n, walked along its cycle until it is back below n (Black and Rogaway, CT-RSA

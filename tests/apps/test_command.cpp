@@ -8,6 +8,7 @@
 
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
+#include "tests/apps/study/small_study.h"
 
 namespace {
 
@@ -68,6 +69,7 @@ TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
   if (GetParam() == std::string("measure") || GetParam() == std::string("fit")) add_edge(scratch);
   if (GetParam() == std::string("budget")) add_camera(scratch);
   if (GetParam() == std::string("report")) add_sweep(scratch);
+  if (GetParam() == std::string("sweep")) study_test::add_study(scratch);
   const Result help = scratch.run(std::string("mtf ") + GetParam() + " --help");
   ASSERT_EQ(help.status, 0);
   EXPECT_EQ(help.err, "");
@@ -92,6 +94,9 @@ INSTANTIATE_TEST_SUITE_P(Every, HelpOf,
                          test_name);
 #ifdef MTFKIT_HAVE_CALIB
 INSTANTIATE_TEST_SUITE_P(Calib, HelpOf, testing::Values("measure", "fit"), test_name);
+#endif
+#ifdef MTFKIT_HAVE_STUDY
+INSTANTIATE_TEST_SUITE_P(Study, HelpOf, testing::Values("sweep"), test_name);
 #endif
 
 TEST(Command, VersionNamesTheFftLibraryAndItsLicence) {

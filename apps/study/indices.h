@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Variance-based sensitivities: which share of a result's variance over the whole range of designs is due to one
+// parameter alone (first order), and which vanishes with it (total). Two sets of n independent random points A and B
+// and, for each parameter j, the points AB_j of A with column j of B (Saltelli et al., Comput. Phys. Commun. 181, 259,
+// 2010, table 2):
+//   first order   S_j = mean(f(B) (f(AB_j) - f(A))) / V
+//   total         T_j = mean((f(A) - f(AB_j))^2) / (2 V)      (Jansen, Comput. Phys. Commun. 117, 35, 1999)
+// f is taken about its mean first, which changes no expectation and steadies S. The standard errors are those of a
+// bootstrap over the points.
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace study {
+
+/// Results of a point of the unit cube; NaN for one that has none.
+using PointMaker = std::function<void(std::span<const double> unit, std::span<double> results)>;
+
+struct IndexJob {
+  std::size_t parameters = 0, results = 0;
+  std::int64_t samples = 1024;  ///< n; points taken: n x (parameters + 2)
+  std::uint64_t seed = 0;
+  int threads = 0;                     ///< 0 = all cores
+  std::function<PointMaker()> make;    ///< called once a piece of work
+  std::function<void(double)> done{};  ///< share of the work, one call at a time; may be empty
+};
+
+/// A share with its standard error.
+struct Index {
+  double first = 0.0, first_sd = 0.0, total = 0.0, total_sd = 0.0;
+};
+
+struct Indices {
+  /// [result][parameter]; NaN for a result that does not vary, or that fewer than half of the samples have.
+  std::vector<std::vector<Index>> of;
+  std::vector<std::int64_t> used;  ///< samples, by result: those with a number at A, B and all AB_j
+};
+
+/// The same for any number of threads. Throws what `make` and the points throw.
+Indices sensitivity_indices(const IndexJob& job);
+
+}  // namespace study

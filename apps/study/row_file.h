@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Rows of results on disk. A piece holds the rows of the designs [first, first + count): a few lines of text that say
+// whose rows they are, then the doubles (little endian, row by row). A row file is one piece or several behind each
+// other; it appears whole or not at all. Every piece carries a hash of its lines and numbers, so that what a bad disk
+// or a cut copy changed is told from what is good.
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace study {
+
+/// Designs from `first` on.
+struct RowRange {
+  std::int64_t first = 0, count = 0;
+
+  std::int64_t end() const { return first + count; }
+  bool operator==(const RowRange&) const = default;
+};
+
+/// What rows belong to. Rows of another key are another study's, tolerance's, version's or layout's.
+struct RowLayout {
+  std::string key;           ///< 64 hex digits
+  std::int64_t columns = 0;  ///< at least 1
+
+  bool operator==(const RowLayout&) const = default;
+};
+
+/// One piece of a row file as its lines describe it; the numbers are not read yet.
+struct RowPiece {
+  std::filesystem::path file;
+  std::uint64_t offset = 0;  ///< of its first line
+  std::uint64_t head = 0;    ///< bytes of the lines
+  RowLayout layout;
+  RowRange range;
+  std::string sha256;
+
+  std::uint64_t bytes() const;  ///< of the numbers
+};
+
+/// Writes a file of one piece; rows.size() = range.count x layout.columns. Throws RuntimeError (disk full, ...).
+void write_rows(const std::filesystem::path& file, const RowLayout& layout, RowRange range,
+                std::span<const double> rows);
+
+/// The pieces of a file in their order. Throws RuntimeError naming the file when it cannot be read, is no row file, or
+/// is shorter or longer than its lines say.
+std::vector<RowPiece> list_rows(const std::filesystem::path& file);
+
+/// The numbers of a piece, checked against its hash. Throws RuntimeError naming the file and the designs.
+void read_rows(const RowPiece& piece, std::vector<double>& rows);
+
+/// Puts row files behind each other into one. Throws RuntimeError.
+void join_rows(const std::vector<RowPiece>& pieces, const std::filesystem::path& file);
+
+/// "designs 4096 to 8191", for messages.
+std::string describe(RowRange range);
+
+/// The pieces in the order of their designs. Throws RuntimeError naming the file for a piece of another layout, and the
+/// designs where the pieces do not cover `range` without a gap or twice.
+std::vector<RowPiece> in_order(std::vector<RowPiece> pieces, const RowLayout& layout, RowRange range);
+
+}  // namespace study

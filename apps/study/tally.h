@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a sweep says about its rows: how many meet the constraints, which are best, which lie on the Pareto front, which
+// comes nearest where none is feasible. Fed piece by piece (row_table.h).
+
+#include <functional>
+#include <limits>
+#include <optional>
+#include <set>
+
+#include "apps/study/pareto.h"
+#include "apps/study/row_table.h"
+
+namespace study {
+
+/// Values of both sides of a constraint, in SI.
+struct Sides {
+  double left = 0.0, right = 0.0;
+};
+
+struct Limit {
+  bool less = true;  ///< left < right, else left > right
+  bool strict = true;
+};
+
+struct Goal {
+  std::size_t column = 0;
+  bool maximize = false;
+};
+
+/// Where in a row to look.
+struct TallyJob {
+  std::size_t columns = 0;
+  std::vector<Goal> goals{};
+  std::optional<std::size_t> feasible{}, error{}, yield{};
+  std::vector<Limit> limits{};
+  /// Sides of every constraint of a row; called from several threads.
+  std::function<void(std::span<const double> row, std::span<Sides> sides)> sides{};
+};
+
+struct TallyDesign {
+  std::int64_t design = -1;  ///< -1 = there is none
+  double value = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> row{};
+};
+
+bool meets(const Limit& limit, Sides sides);
+/// The sides lie within `share` of the larger of them.
+bool active(Sides sides, double share);
+/// How far a constraint is from being met, as a share of its larger side, 0 to 2; 0 where it is met, NaN where a side
+/// is none.
+double violation(const Limit& limit, Sides sides);
+
+class Tally {
+ public:
+  explicit Tally(TallyJob job);
+
+  /// For TableJob::look.
+  std::function<void()> look(RowRange range, std::span<const double> rows);
+
+  std::int64_t designs() const { return designs_; }
+  /// With no constraints: designs that a sensor can be.
+  std::int64_t feasible() const { return feasible_; }
+  double worst_error() const { return worst_error_; }                    ///< NaN where no design has one
+  const std::vector<std::int64_t>& met() const { return met_; }          ///< by constraint
+  const std::vector<std::int64_t>& missing() const { return missing_; }  ///< NaN by column
+  const std::vector<TallyDesign>& best() const { return best_; }         ///< feasible, by goal; the first of equal ones
+  const TallyDesign& highest_yield() const { return highest_yield_; }
+  /// The design of least violation (summed over the constraints; `value`; one that has no number counts 1000, and
+  /// so does a design without an error, which no sensor can be), the first of equal ones.
+  const TallyDesign& nearest() const { return nearest_; }
+  /// Feasible designs of the Pareto front in the order of their numbers, with their goals (negative where less is
+  /// better); none with fewer than two goals.
+  FrontPoints front() const;
+  /// Sets of constraints that no design meets together though it meets any fewer of them; the smallest sets, of at most
+  /// four constraints, the first ten. Empty when a design meets all.
+  std::vector<std::vector<std::size_t>> contradictions() const;
+
+  const TallyJob& job() const { return job_; }
+
+ private:
+  struct Part;
+  void add(Part part);
+
+  TallyJob job_;
+  std::int64_t designs_ = 0, feasible_ = 0;
+  double worst_error_ = std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::int64_t> met_, missing_;
+  std::vector<TallyDesign> best_;
+  TallyDesign nearest_, highest_yield_;
+  StreamingFront front_;
+  std::set<std::uint64_t> patterns_;  // of constraints met together; all of them unless too_many_
+  bool too_many_ = false;
+};
+
+}  // namespace study

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Copies of a study and of all that it names, so that a folder is complete in itself.
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <iterator>
+
+#include "apps/output.h"
+#include "apps/sensor_file.h"
+#include "apps/sweep_parts.h"
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/io/sha256.h"
+
+namespace apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string bytes_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (!in) throw mtf::RuntimeError(one_line(file.string()) + ": cannot be read");
+  return bytes;
+}
+
+void write_below(const fs::path& folder, const fs::path& name, const std::string& bytes) {
+  std::error_code error;
+  fs::create_directories((folder / name).parent_path(), error);
+  if (error) throw mtf::RuntimeError("cannot create a folder for " + one_line(name.string()) + ": " + error.message());
+  mtf::io::write_text_file((folder / name).string(), bytes);
+}
+
+/// All sensor files of the study and what they name: each level of each discrete axis is looked at once. A level that
+/// no sensor file could hold beside the first levels of the others is passed over: its designs have no sensor either.
+std::vector<std::string> named_files(const study::Study& study) {
+  std::vector<std::string> files = files_of(study.base);
+  for (const mtf::io::SensorConfig& sensor : study.sensors)
+    for (std::string& file : files_of(sensor)) files.push_back(std::move(file));
+  std::vector<int> levels(study.axes.size(), 0);
+  for (std::size_t a = 0; a < study.axes.size(); ++a) {
+    for (std::size_t level = 0; level < study.axes[a].levels.size(); ++level) {
+      levels[a] = static_cast<int>(level);
+      try {
+        for (std::string& file : files_of(study::variant(study, levels))) files.push_back(std::move(file));
+      } catch (const mtf::UsageError&) {
+        continue;
+      }
+    }
+    levels[a] = 0;
+  }
+  return files;
+}
+
+/// Names that a folder of results or a plan has for itself.
+bool reserved(const fs::path& name) {
+  constexpr std::array<std::string_view, 8> names{"study.toml",  "plan.json", "sweep.json", "designs.csv",
+                                                  "designs.npy", "parts",     "shards",     "chosen"};
+  return std::find(names.begin(), names.end(), name.begin()->string()) != names.end();
+}
+
+}  // namespace
+
+std::vector<study::PlanFile> copy_study(const study::Study& study, const fs::path& folder) {
+  const fs::path home = fs::weakly_canonical(fs::absolute(study.file)).parent_path();
+  std::vector<study::PlanFile> copies;
+  const auto copy = [&](const std::string& bytes, const fs::path& name) {
+    write_below(folder, name, bytes);
+    copies.push_back({name.generic_string(), mtf::io::sha256_hex(bytes)});
+  };
+  copy(study.text, "study.toml");
+  for (const std::string& file : named_files(study)) {
+    const fs::path name = fs::weakly_canonical(fs::absolute(file)).lexically_relative(home);
+    if (name.empty() || *name.begin() == "..")
+      throw mtf::UsageError(one_line(file) + ": lies outside of the study's folder " + one_line(home.string()) +
+                            "; copy it beside the study, so that the results can hold all they were made of");
+    if (reserved(name))
+      throw mtf::UsageError(one_line(file) + ": has a name that the folder of a sweep uses itself; rename it");
+    if (std::none_of(copies.begin(), copies.end(),
+                     [&](const study::PlanFile& each) { return each.file == name.generic_string(); }))
+      copy(bytes_of(file), name);
+  }
+  return copies;
+}
+
+void copy_files(const std::vector<study::PlanFile>& files, const fs::path& from, const fs::path& to) {
+  for (const study::PlanFile& file : files) {
+    const std::string bytes = bytes_of(from / file.file);
+    if (mtf::io::sha256_hex(bytes) != file.sha256)
+      throw mtf::RuntimeError(one_line((from / file.file).string()) + ": changed while it was copied");
+    write_below(to, file.file, bytes);
+  }
+}
+
+}  // namespace apps

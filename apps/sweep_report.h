@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What is known of a finished sweep: for sweep.json and for standard output.
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "apps/study/accuracy.h"
+#include "apps/study/sensitivity.h"
+#include "apps/study/tally.h"
+#include "apps/sweep_parts.h"
+
+namespace apps {
+
+/// A design whose sensor file is written.
+struct ChosenDesign {
+  std::int64_t design = 0;
+  std::string file, why;
+};
+
+struct SweepReport {
+  const SweepStudy* sweep = nullptr;
+  const SweepRun* run = nullptr;
+  const study::Tally* tally = nullptr;
+  study::FrontPoints front;
+  std::vector<std::string> gaps;  ///< by column
+  std::vector<ChosenDesign> chosen;
+  std::int64_t gradient_design = 0;
+  study::Gradient gradient;
+  study::StudyIndices indices;
+  study::AccuracyTable accuracy;
+  std::vector<std::string> skipped;
+  int threads = 1;
+};
+
+/// Constraints of a row that are within 1 % of their limit, and those that it does not meet: indices.
+std::vector<std::size_t> active_constraints(const SweepReport& report, std::span<const double> row);
+std::vector<std::size_t> violated_constraints(const SweepReport& report, std::span<const double> row);
+
+/// sweep.json.
+nlohmann::ordered_json to_json(const SweepReport& report);
+
+/// What the command says, for people.
+std::string sweep_summary(const SweepReport& report);
+
+}  // namespace apps

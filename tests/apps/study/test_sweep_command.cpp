@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// `mtf sweep STUDY -o DIR`: what it leaves, what it says, what a stop costs.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/study/small_study.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using apps_test::lines;
+using apps_test::read_file;
+using apps_test::Result;
+using apps_test::Scratch;
+using apps_test::write_file;
+using nlohmann::json;
+using study_test::add_study;
+using study_test::kSmallStudy;
+using study_test::replaced;
+using study_test::sampled_study;
+
+void expect_says(const std::string& text, const std::string& part) {
+  EXPECT_NE(text.find(part), std::string::npos) << text << "\nhas no: " << part;
+}
+
+std::string tables(const Scratch& scratch, const std::string& folder) {
+  return read_file(scratch / (folder + "/designs.csv")) + read_file(scratch / (folder + "/designs.npy"));
+}
+
+/// Rows of designs.npy.
+std::vector<double> numbers_of(const std::string& npy) {
+  const std::size_t start = npy.find('\n') + 1;
+  std::vector<double> numbers((npy.size() - start) / sizeof(double));
+  std::memcpy(numbers.data(), npy.data() + start, numbers.size() * sizeof(double));
+  return numbers;
+}
+
+TEST(SweepCommand, LeavesAFolderThatAgreesWithItself) {
+  const Scratch scratch;
+  add_study(scratch);
+  const Result result = scratch.run("mtf sweep study.toml -o out");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  expect_says(result.out, "out  pitch against jitter: 117 designs\n");
+  expect_says(result.out, "designs/s");
+  const json sweep = json::parse(read_file(scratch / "out/sweep.json"));
+  EXPECT_EQ(read_file(scratch / "out/study.toml"), kSmallStudy);
+  EXPECT_EQ(read_file(scratch / "out/sensor.toml"), read_file(scratch / "sensor.toml"));
+  EXPECT_FALSE(fs::exists(scratch / "out/parts"));
+  ASSERT_EQ(sweep["designs"], 117);
+  EXPECT_EQ(sweep["evaluated"], 117);
+  EXPECT_EQ(sweep["axes"][0]["values"].size(), 13U);
+  EXPECT_EQ(sweep["axes"][0]["values"][12], 20.0);
+  EXPECT_EQ(sweep["accuracy"].size(), 8U);
+  const std::string csv = read_file(scratch / "out/designs.csv");
+  EXPECT_EQ(lines(csv), 118U);
+  std::string header = "design";
+  std::vector<std::string> names;
+  for (const json& column : sweep["columns"]) {
+    names.push_back(column["name"]);
+    header += "," + names.back();
+  }
+  EXPECT_EQ(csv.substr(0, csv.find('\n')), header);
+  // Counted once more from the numbers themselves.
+  const std::vector<double> numbers = numbers_of(read_file(scratch / "out/designs.npy"));
+  ASSERT_EQ(numbers.size(), 117 * names.size());
+  const auto column = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  };
+  const auto at = [&](std::size_t design, const std::string& name) {
+    return numbers[design * names.size() + column(name)];
+  };
+  std::int64_t feasible = 0, sharp = 0, small = 0, best = -1;
+  for (std::size_t d = 0; d < 117; ++d) {
+    const bool one = at(d, "mtf_nyquist") > 0.1, two = at(d, "frame.pitch") <= 18.0;
+    sharp += one ? 1 : 0;
+    small += two ? 1 : 0;
+    EXPECT_EQ(at(d, "feasible"), one && two ? 1.0 : 0.0) << d;
+    if (!one || !two) continue;
+    ++feasible;
+    if (best < 0 || at(d, "mtf_nyquist") > at(static_cast<std::size_t>(best), "mtf_nyquist"))
+      best = static_cast<std::int64_t>(d);
+  }
+  EXPECT_EQ(sweep["feasible"], feasible);
+  EXPECT_GT(feasible, 0);
+  EXPECT_EQ(sweep["constraints"][0]["met"], sharp);
+  EXPECT_EQ(sweep["constraints"][1]["met"], small);
+  ASSERT_EQ(sweep["best"].size(), 2U);
+  EXPECT_EQ(sweep["best"][0]["design"], best);
+  EXPECT_EQ(sweep["best"][0]["value"], at(static_cast<std::size_t>(best), "mtf_nyquist"));
+  for (const json& design : sweep["pareto"]) {
+    const std::size_t d = design;
+    for (std::size_t other = 0; other < 117; ++other)
+      if (at(other, "feasible") == 1.0) {
+        EXPECT_FALSE(at(other, "mtf_nyquist") >= at(d, "mtf_nyquist") &&
+                     at(other, "frame.pitch") < at(d, "frame.pitch"))
+            << other << " beats " << d;
+      }
+  }
+  ASSERT_FALSE(sweep["chosen"].empty());
+  for (const json& chosen : sweep["chosen"]) {
+    const Result check = scratch.run("mtf config check out/" + std::string(chosen["file"]));
+    EXPECT_EQ(check.status, 0) << check.out << check.err;
+  }
+}
+
+TEST(SweepCommand, TheTablesAreTheSameForAnyThreads) {
+  const Scratch scratch;
+  add_study(scratch, sampled_study(600, 3));
+  for (const char* threads : {"1", "2", "5"})
+    ASSERT_EQ(scratch.run(std::string("mtf sweep study.toml -o t") + threads + " --threads " + threads).status, 0);
+  EXPECT_EQ(tables(scratch, "t1"), tables(scratch, "t2"));
+  EXPECT_EQ(tables(scratch, "t1"), tables(scratch, "t5"));
+}
+
+/// Stops a sweep behind its third piece; returns the exit code of the command.
+int stopped(const Scratch& scratch, const std::string& signal) {
+  const Result result = scratch.run(
+      "mtf sweep study.toml -o out --threads 1 & pid=$!\n"
+      "for i in $(seq 3000); do [ $(ls out/parts 2>/dev/null | wc -l) -ge 4 ] && break; sleep 0.01; done\n"
+      "kill -" +
+      signal + " $pid; wait $pid");
+  EXPECT_TRUE(fs::exists(scratch / "out/parts/key")) << "it was faster than the signal";
+  EXPECT_FALSE(fs::exists(scratch / "out/sweep.json"));
+  return result.status;
+}
+
+TEST(SweepCommand, AStoppedRunGoesOnAndGivesTheSameBytes) {
+  for (const std::string signal : {"KILL", "INT"}) {
+    const Scratch scratch;
+    add_study(scratch, sampled_study(4096, 20));
+    ASSERT_EQ(scratch.run("mtf sweep study.toml -o whole").status, 0);
+    EXPECT_EQ(stopped(scratch, signal), signal == "INT" ? 130 : 137);
+    const Result again = scratch.run("mtf sweep study.toml -o out");
+    ASSERT_EQ(again.status, 0) << again.err;
+    expect_says(again.err, "going on with it");
+    const json timing = json::parse(read_file(scratch / "out/sweep.json"))["timing"];
+    EXPECT_GE(timing["resumed_designs"], 16);
+    EXPECT_LT(timing["resumed_designs"], 4096);
+    EXPECT_EQ(tables(scratch, "out"), tables(scratch, "whole"));
+    EXPECT_FALSE(fs::exists(scratch / "out/parts"));
+  }
+}
+
+TEST(SweepCommand, AStoppedRunOfAnotherStudyIsNotGoneOnWith) {
+  const Scratch scratch;
+  add_study(scratch, sampled_study(4096, 20));
+  stopped(scratch, "KILL");
+  write_file(scratch / "study.toml", sampled_study(100, 2));
+  const Result other = scratch.run("mtf sweep study.toml -o out");
+  EXPECT_EQ(other.status, 2);
+  expect_says(other.err, "holds a stopped sweep of another study");
+  EXPECT_TRUE(fs::exists(scratch / "out/parts/rows-0000000000"));
+  ASSERT_EQ(scratch.run("mtf sweep study.toml -o out --force").status, 0);
+  ASSERT_EQ(scratch.run("mtf sweep study.toml -o new").status, 0);
+  EXPECT_EQ(tables(scratch, "out"), tables(scratch, "new"));
+}
+
+TEST(SweepCommand, AFinishedFolderIsReplacedByForceOnly) {
+  const Scratch scratch;
+  add_study(scratch);
+  ASSERT_EQ(scratch.run("mtf sweep study.toml -o out").status, 0);
+  const Result again = scratch.run("mtf sweep study.toml -o out");
+  EXPECT_EQ(again.status, 2);
+  expect_says(again.err, "out is not empty");
+  ASSERT_EQ(scratch.run("mtf sweep study.toml -o out --force --tolerance 1e-3").status, 0);
+  EXPECT_EQ(json::parse(read_file(scratch / "out/sweep.json"))["tolerance"], 1e-3);
+}
+
+TEST(SweepCommand, SaysWhichConstraintsContradict) {
+  const Scratch scratch;
+  add_study(scratch, replaced(replaced(kSmallStudy, "> 0.1", "> 0.0001"), "\"frame.pitch <= 18 um\"",
+                              "\"frame.pitch < 9 um\", \"frame.pitch > 19 um\""));
+  const Result result = scratch.run("mtf sweep study.toml -o out --format json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json sweep = json::parse(result.out);
+  EXPECT_EQ(result.out, read_file(scratch / "out/sweep.json"));
+  EXPECT_EQ(sweep["feasible"], 0);
+  EXPECT_EQ(sweep["contradictions"], json::parse(R"([["frame.pitch < 9 um", "frame.pitch > 19 um"]])"));
+  EXPECT_GE(sweep["nearest"]["violated"].size(), 1U);
+  EXPECT_TRUE(sweep["best"].empty());
+  EXPECT_EQ(sweep["chosen"][0]["why"], "nearest to the constraints");
+  const Result table = scratch.run("mtf sweep study.toml -o out2");
+  expect_says(table.out, "no design meets all of: frame.pitch < 9 um; frame.pitch > 19 um");
+}
+
+TEST(SweepCommand, AStudyNamedLikeAVerbIsGivenByItsPath) {
+  const Scratch scratch;
+  add_study(scratch);
+  fs::rename(scratch / "study.toml", scratch / "plan");
+  const Result verb = scratch.run("mtf sweep plan -o out");
+  EXPECT_EQ(verb.status, 2);
+  expect_says(verb.err, "is given as ./plan");
+  EXPECT_EQ(scratch.run("mtf sweep ./plan -o out").status, 0);
+}
+
+TEST(SweepCommand, UsageErrorsSayWhatIsWrong) {
+  const Scratch scratch;
+  add_study(scratch);
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"", "study"},
+      {"study.toml", "needs a folder to write; add -o FOLDER"},
+      {"study.toml -o out --shards 3", "--shards: `mtf sweep` does not take it"},
+      {"study.toml -o out --submit", "--submit: `mtf sweep` does not take it"},
+      {"study.toml -o out --tolerance 2", "--tolerance: 2 is outside (0, 1)"},
+      {"study.toml -o out --format csv", "--format"},
+      {"rum study.toml -o out", "did you mean run?"},
+      {"nothing.toml -o out", "nothing.toml"},
+      {"study.toml -o a/b", "there is no folder"},
+      {"plan study.toml -o out", "--shards: not given"},
+      {"plan study.toml -o out --shards 118", "more than the study has designs (117)"},
+      {"run out --shard 0/3", "--shard: '0/3' is not I/N"},
+      {"run out --shard 4/3", "--shard: '4/3' is not I/N"},
+      {"run out --shard 1/3", "holds no plan.json"},
+      {"merge out -o merged", "holds no plan.json"},
+      {"submit out --engine cloud", "slurm, parallel, local"}};
+  for (const auto& [arguments, message] : cases) {
+    const Result result = scratch.run("mtf sweep " + arguments);
+    EXPECT_NE(result.status, 0) << arguments;
+    expect_says(result.err, message);
+    EXPECT_FALSE(fs::exists(scratch / "out")) << arguments;
+  }
+}
+
+TEST(SweepCommand, FilesOutsideOfTheStudysFolderAreRefused) {
+  const Scratch scratch;
+  add_study(scratch);
+  fs::create_directory(scratch / "below");
+  write_file(scratch / "below/study.toml", replaced(kSmallStudy, "sensor.toml", "../sensor.toml"));
+  const Result result = scratch.run("mtf sweep below/study.toml -o out");
+  EXPECT_EQ(result.status, 2);
+  expect_says(result.err, "lies outside of the study's folder");
+}
+
+}  // namespace

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// Yield of what is built, and what rows say through constraints and objectives.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "apps/study/accuracy.h"
+#include "apps/study/judge.h"
+#include "apps/study/sweep_rows.h"
+#include "tests/apps/study/small_study.h"
+
+namespace {
+
+using apps_test::Scratch;
+using apps_test::write_file;
+using study::Column;
+
+/// A study in which the only thing that decides is the pitch as built.
+std::shared_ptr<const study::Study> pitch_study(const Scratch& scratch, const std::string& variation, int draws) {
+  scratch.add_sensor();
+  write_file(scratch / "study.toml",
+             "schema = 1\nsensor = \"sensor.toml\"\nseed = 5\nconstraints = [\"frame.pitch < 15 um\"]\n"
+             "objectives = [\"maximize frame.pitch\"]\n"
+             "[[axis]]\nparameter = \"frame.pitch\"\nvalues = [\"12 um\", \"14 um\", \"15 um\", \"16 um\"]\n"
+             "[[as_built]]\nparameter = \"frame.pitch\"\n" +
+                 variation + "\n[yield]\ndraws = " + std::to_string(draws) + "\n[metrics]\nlist = [\"mtf_nyquist\"]\n");
+  return study::load_study((scratch / "study.toml").string());
+}
+
+std::vector<double> yields_of(const std::shared_ptr<const study::Study>& study) {
+  const auto columns = study::columns_of(*study);
+  const auto maker = study::row_makers(study)();
+  std::vector<double> yields, row(columns.size());
+  for (std::int64_t design = 0; design < study->designs; ++design) {
+    maker(design, row);
+    yields.push_back(row[study::column_of(columns, Column::Role::yield).value()]);
+  }
+  return yields;
+}
+
+TEST(Yield, OfANormalVariationIsTheNormalIntegral) {
+  const Scratch scratch;
+  constexpr int kDraws = 4000;
+  const auto yields = yields_of(pitch_study(scratch, "sd = \"1 um\"", kDraws));
+  const std::vector<double> pitch{12.0, 14.0, 15.0, 16.0};
+  for (std::size_t i = 0; i < pitch.size(); ++i) {
+    const double truth = 0.5 * std::erfc((pitch[i] - 15.0) / std::sqrt(2.0));
+    EXPECT_NEAR(yields[i], truth, 4.0 * study::yield_error(truth, kDraws) + 1e-12) << pitch[i];
+  }
+}
+
+TEST(Yield, OfAUniformVariationIsTheShareOfItsRange) {
+  const Scratch scratch;
+  constexpr int kDraws = 4000;
+  // 25 % of 12, 14, 15 and 16 um to either side.
+  const auto yields = yields_of(pitch_study(scratch, "plus_minus = \"25 %\"", kDraws));
+  const std::vector<double> pitch{12.0, 14.0, 15.0, 16.0};
+  for (std::size_t i = 0; i < pitch.size(); ++i) {
+    const double half = 0.25 * pitch[i], truth = std::min(1.0, (15.0 - pitch[i] + half) / (2.0 * half));
+    EXPECT_NEAR(yields[i], truth, 4.0 * study::yield_error(truth, kDraws) + 1e-12) << pitch[i];
+  }
+}
+
+TEST(Yield, DrawsAreCommonToAllDesigns) {
+  // The pitch at limits that are one apart: with common draws the yield falls from design to design without fail.
+  const Scratch scratch;
+  const auto yields = yields_of(pitch_study(scratch, "sd = \"3 um\"", 100));
+  for (std::size_t i = 1; i < yields.size(); ++i) EXPECT_LE(yields[i], yields[i - 1]);
+}
+
+TEST(Yield, StandardErrorIsBinomial) {
+  EXPECT_DOUBLE_EQ(study::yield_error(0.5, 100), 0.05);
+  EXPECT_DOUBLE_EQ(study::yield_error(0.9, 400), 0.015);
+  EXPECT_EQ(study::yield_error(1.0, 10), 0.0);
+}
+
+TEST(RowsOfAStudy, ConstraintsReadFromARowAreThoseOfTheEvaluator) {
+  const Scratch scratch;
+  study_test::add_study(scratch);
+  const auto study = study::load_study((scratch / "study.toml").string());
+  const auto columns = study::columns_of(*study);
+  const study::TallyJob job = study::tally_job(study, columns);
+  study::Evaluator evaluator(study);
+  std::vector<double> row(columns.size());
+  std::vector<study::Sides> sides(job.limits.size());
+  std::int64_t feasible = 0;
+  for (std::int64_t design = 0; design < study->designs; ++design) {
+    evaluator.evaluate(design, row);
+    job.sides(row, sides);
+    bool all = true;
+    for (std::size_t k = 0; k < sides.size(); ++k) all = all && study::meets(job.limits[k], sides[k]);
+    EXPECT_EQ(row[*job.feasible], all ? 1.0 : 0.0) << design;
+    feasible += all ? 1 : 0;
+  }
+  EXPECT_GT(feasible, 0);
+  EXPECT_LT(feasible, study->designs);
+  EXPECT_EQ(columns[job.goals[0].column].name, "mtf_nyquist");
+  EXPECT_EQ(columns[job.goals[1].column].name, "frame.pitch");
+}
+
+TEST(RowsOfAStudy, TheirKeyIsThatOfStudyAndTolerance) {
+  const Scratch scratch;
+  study_test::add_study(scratch);
+  const auto study = study::load_study((scratch / "study.toml").string());
+  const auto columns = study::columns_of(*study);
+  study::Study other = *study;
+  EXPECT_EQ(study::layout_of(other, columns), study::layout_of(*study, columns));
+  other.tolerance = 1e-5;
+  EXPECT_NE(study::layout_of(other, columns), study::layout_of(*study, columns));
+  write_file(scratch / "sensor.toml", apps_test::read_file(scratch / "sensor.toml") + "# more\n");
+  EXPECT_NE(study::layout_of(*study::load_study((scratch / "study.toml").string()), columns),
+            study::layout_of(*study, columns));
+}
+
+TEST(Accuracy, ErrorsCountAsATolerancesDo) {
+  const double none = std::nan("");
+  EXPECT_DOUBLE_EQ(study::metric_error(0.25, 0.5, true), 0.25);
+  EXPECT_DOUBLE_EQ(study::metric_error(3.0, 4.0, true), 0.25);
+  EXPECT_DOUBLE_EQ(study::metric_error(0.25, 0.5, false), 0.5);
+  EXPECT_EQ(study::metric_error(none, none, true), 0.0);
+  EXPECT_EQ(study::metric_error(0.0, 0.0, false), 0.0);
+  EXPECT_EQ(study::metric_error(none, 1.0, true), std::numeric_limits<double>::infinity());
+}
+
+TEST(Accuracy, TheTableHoldsWhatItPromises) {
+  const Scratch scratch;
+  study_test::add_study(scratch);
+  const auto study = study::load_study((scratch / "study.toml").string());
+  const study::AccuracyTable table = study::accuracy_table(*study, 5.0);
+  ASSERT_EQ(table.rows.size(), 8U);
+  EXPECT_GE(table.designs, 2);
+  EXPECT_LE(table.designs, 64);
+  for (const study::AccuracyRow& row : table.rows) {
+    EXPECT_LE(row.promised, row.tolerance * (1.0 + 1e-9)) << row.tolerance;
+    // The reference is itself within 1e-10.
+    EXPECT_LE(row.realised, row.tolerance + table.reference) << row.tolerance;
+    EXPECT_GT(row.us_per_design, 0.0);
+  }
+}
+
+}  // namespace
