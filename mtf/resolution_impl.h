@@ -11,66 +11,9 @@
 #include "mtf/otf_parts.h"
 #include "mtf/otf_series.h"
 #include "mtf/pupil_light.h"
+#include "mtf/resolution_parts.h"
 
 namespace mtf {
-namespace detail {
-
-template <class S>
-S modulus(const Complex<S>& h) {
-  using std::sqrt;
-  if (value_of(h.im) == 0.0) return value_of(h.re) < 0.0 ? S(-h.re) : h.re;
-  return sqrt(h.re * h.re + h.im * h.im);
-}
-
-inline constexpr std::size_t kSystem = 0, kPresample = 1;  ///< OTFs of a panel
-
-/// Both along an axis, and what they are at nodes fine enough for all integrals.
-template <class S>
-struct AxisPanel {
-  SeriesPanel<S, 2> series;
-  const FineNodes* nodes = nullptr;
-  ComplexValues<S> system, presample;
-};
-
-/// A zero of `value` between lo and hi, where it has the values h_lo and h_hi of different sign, within `near`.
-template <class Value>
-double find_zero(double lo, double h_lo, double hi, double h_hi, double near, Value value) {
-  double t = hi;
-  for (int i = 0; i < 80 && hi - lo > near; ++i) {  // Illinois: an end that is kept twice counts half
-    const double last = t;
-    t = lo + (hi - lo) * h_lo / (h_lo - h_hi);
-    if (std::abs(t - last) < near) break;
-    const double at = value(t);
-    if (at == 0.0) break;
-    if ((at > 0.0) == (h_lo > 0.0))
-      lo = t, h_lo = at, h_hi *= 0.5;
-    else
-      hi = t, h_hi = at, h_lo *= 0.5;
-  }
-  return t;
-}
-
-/// Where a series goes through 0 between the nodes and turns by half a cycle, but for what is below its own error:
-/// there its modulus has a kink.
-template <class S>
-void append_zeros(const ComplexSeries<S>& series, const ComplexValues<S>& values, const FineNodes& nodes, double error,
-                  std::vector<double>& zeros) {
-  for (std::size_t i = 1; i < values.re.size(); ++i) {
-    const Complex<S> a = values[i - 1], b = values[i];
-    const double re = value_of(a.re), im = value_of(a.im), square = re * re + im * im;
-    const double now = value_of(b.re) * re + value_of(b.im) * im;  // of b along a
-    if (!(now < 0.0 &&
-          std::max(square, value_of(b.re) * value_of(b.re) + value_of(b.im) * value_of(b.im)) > error * error))
-      continue;
-    const auto part_along_a = [&](double t) {
-      const Complex<S> h = series.at(t);
-      return value_of(h.re) * re + value_of(h.im) * im;
-    };
-    zeros.push_back(find_zero(nodes.t[i - 1], square, nodes.t[i], now, 1e-8, part_along_a));  // errs by the square
-  }
-}
-
-}  // namespace detail
 
 template <class S>
 struct ResolutionMeter<S>::Impl {
@@ -121,7 +64,7 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
   // A figure is an integral of H with a kernel of at most 2 over the width in cycles per pixel.
   const double pitch = value_of(pitch_mm(axis));
   const double amplified = std::max(1.0, 2.0 * pitch * (cutoff < kInfinity ? cutoff : 2.0 * nyquist));
-  const double share = needs.tolerance / amplified;
+  const double share = (parts.chromatic() ? 0.7 : 1.0) * needs.tolerance / amplified;  // the band has the rest
   constexpr std::size_t kMostPanels = 256;
   std::vector<SeriesPanel<S, 2>> series;
   double beyond = 0.0;
@@ -359,7 +302,7 @@ double ResolutionMeter<S>::Impl::choose_wavelengths(double cutoff) {
     const std::vector<Complex<S>> before = products.presample;
     at(2 * n);
     const double difference = change(before);
-    if (difference <= 0.5 * needs.tolerance || 2 * n >= kMost) return difference;
+    if (difference <= 0.3 * needs.tolerance || 2 * n >= kMost) return difference;
   }
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kSmallestPiece = 16, kLargestPiece = 4096, kPieces = 256;
+constexpr std::int64_t kSmallestPiece = 4, kLargestPiece = 4096, kPieces = 256;
 
 std::int64_t size_of(const RowRun& run) { return run.piece > 0 ? run.piece : piece_size(run.range.count); }
 

@@ -2,6 +2,9 @@
 #include "apps/study/sensitivity.h"
 
 #include <algorithm>
+#include <chrono>
+
+#include "mtf/parallel.h"
 
 namespace study {
 
@@ -28,6 +31,11 @@ std::int64_t index_samples(const Study& study) {
   return std::min(most, points / static_cast<std::int64_t>(study.axes.size() + 2));
 }
 
+namespace {
+constexpr double kSeconds = 10.0;  // for indices, about
+constexpr std::int64_t kLeastSamples = 32;
+}  // namespace
+
 StudyIndices study_indices(const std::shared_ptr<const Study>& study, const std::vector<Column>& columns, int threads,
                            const std::function<void(double)>& done) {
   StudyIndices result{.samples = index_samples(*study)};
@@ -35,6 +43,20 @@ StudyIndices study_indices(const std::shared_ptr<const Study>& study, const std:
     if (columns[c].role == Column::Role::metric || columns[c].role == Column::Role::objective)
       result.columns.push_back(c);
   EvaluatorPool pool(study);
+  // Range models take a hundred milliseconds a design: then as many as some seconds allow.
+  {
+    using Clock = std::chrono::steady_clock;
+    const auto evaluator = pool.take();
+    std::vector<double> values(study->axes.size()), row(columns.size());
+    design_at(*study, study->designs / 2, values);
+    evaluator->evaluate_at(values, row);  // reads what is read once
+    const Clock::time_point start = Clock::now();
+    evaluator->evaluate_at(values, row);
+    const double each = std::chrono::duration<double>(Clock::now() - start).count() / mtf::threads_of(threads);
+    const double points = kSeconds / each / static_cast<double>(study->axes.size() + 2);
+    result.samples =
+        std::min(result.samples, std::max(kLeastSamples, static_cast<std::int64_t>(std::min(points, 1e9))));
+  }
   const auto make = [&]() -> PointMaker {
     const std::size_t axes = study->axes.size(), width = columns.size();
     return [&, evaluator = pool.take(), values = std::vector<double>(axes), row = std::vector<double>(width)](
