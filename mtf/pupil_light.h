@@ -38,6 +38,19 @@ S box_mean(const S& fx_px, const S& fy_px) {
   return sum / S(static_cast<double>(n));
 }
 
+/// What the integrals make of an error of the OTF: those of the moduli of their kernels.
+inline double amplification(double area, double px, double py, double cutoff, bool ensquared) {
+  double box = 0.0;
+  if (ensquared) {
+    constexpr int n = 64;
+    for (int i = 0; i < n; ++i) {
+      const double f = cutoff * (i + 0.5) / n;
+      box += 2.0 * kPi * f * cutoff / n * std::abs(box_mean(f * px, f * py)) * px * py;
+    }
+  }
+  return std::max({1.0, kPi * cutoff * cutoff / area, box});
+}
+
 // What is averaged over the directions at a radial frequency.
 inline constexpr std::size_t kMean = 0, kBoxed = 1;
 
@@ -74,11 +87,12 @@ PupilLight<S> light_of(OtfParts<S>& parts, double cutoff_cy_mm, double tolerance
   std::vector<double> breaks{0.0, cutoff_cy_mm};
   for (const double kink : parts.kinks_cy_mm()) breaks.push_back(kink);
   std::sort(breaks.begin(), breaks.end());
+  const S area = parts.ideal_area();
+  const double amplified = amplification(value_of(area), value_of(px), value_of(py), cutoff_cy_mm, ensquared);
   for (std::size_t i = 1; i < breaks.size(); ++i)
     if (breaks[i] - breaks[i - 1] > 1e-9 * cutoff_cy_mm)
-      append_series<S, 2>(panels, {breaks[i - 1], breaks[i]}, 0.5 * tolerance, 1024, evaluate);
+      append_series<S, 2>(panels, {breaks[i - 1], breaks[i]}, tolerance / amplified, 256, evaluate);
 
-  const S area = parts.ideal_area();
   S strehl{}, boxed{};
   double error = 0.0;
   const double widest = std::max(value_of(px), value_of(py));
@@ -94,10 +108,9 @@ PupilLight<S> light_of(OtfParts<S>& parts, double cutoff_cy_mm, double tolerance
       const S box = radial ? means[i] * box_mean(S(S(at) * px), S(S(at) * py)) : boxes[i];
       boxed += S(weight) * box * px * py;
     }
-    const double shell = kPi * (panel.map.hi * panel.map.hi - panel.map.lo * panel.map.lo);
-    error += panel.error * shell * std::max(1.0 / value_of(area), ensquared ? value_of(px) * value_of(py) : 0.0);
+    error = std::max(error, panel.error);
   }
-  return {strehl, boxed, error};
+  return {strehl, boxed, error * amplified};
 }
 
 }  // namespace detail

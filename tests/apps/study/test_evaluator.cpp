@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/study/evaluator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "apps/sensor_chain.h"
+#include "mtf/error.h"
+#include "mtf/resolution.h"
+#include "tests/apps/study/satellite.h"
+#include "tests/apps/study/study_files.h"
+
+namespace {
+
+using study_test::Folder;
+
+struct Evaluated {
+  std::shared_ptr<const study::Study> study;
+  std::vector<study::Column> columns;
+  std::unique_ptr<study::Evaluator> evaluator;
+  std::vector<double> row;
+
+  double operator[](const std::string& name) const {
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      if (columns[c].name == name) return row[c];
+    ADD_FAILURE() << "no column " << name;
+    return 0.0;
+  }
+  void at(std::int64_t design) { evaluator->evaluate(design, row); }
+};
+
+Evaluated evaluated(const Folder& folder, const std::string& text) {
+  folder.write("study.toml", text);
+  Evaluated e{study::load_study(folder / "study.toml"), {}, nullptr, {}};
+  e.columns = study::columns_of(*e.study);
+  e.evaluator = std::make_unique<study::Evaluator>(e.study);
+  e.row.resize(e.columns.size());
+  return e;
+}
+
+std::string with_metrics(const std::string& list, const std::string& rest = "") {
+  return study_test::kHead + rest + study_test::kAxis + "[metrics]\nlist = [" + list + "]\n";
+}
+
+TEST(Evaluator, GeometryIsByHand) {
+  const Folder folder;
+  Evaluated e = evaluated(folder, with_metrics(R"("cutoff", "nyquist", "q", "ifov", "gsd", "fov_x", "fov_y")") +
+                                      "[conditions]\nrange = \"500 km\"\n");
+  e.at(1);  // pitch 8 um, f = 2 m, F/8, 0.5 to 0.7 um
+  EXPECT_NEAR(e["cutoff"], 1e3 / (0.5 * 8.0), 1e-9);
+  EXPECT_NEAR(e["nyquist"], 62.5, 1e-12);
+  EXPECT_NEAR(e["q"], 0.6 * 8.0 / 8.0, 1e-12);
+  EXPECT_NEAR(e["ifov"], 4.0, 1e-12);
+  EXPECT_NEAR(e["gsd"], 2.0, 1e-12);
+  EXPECT_NEAR(e["fov_x"], 2.0 * std::atan(0.5 * 640 * 8e-6 / 2.0) * 180.0 / M_PI, 1e-12);
+  EXPECT_NEAR(e["fov_y"], 2.0 * std::atan(0.5 * 512 * 8e-6 / 2.0) * 180.0 / M_PI, 1e-12);
+}
+
+// RER of a Gaussian of s pixels is erf(1/(sqrt 8 s)), and so NIIRS is known in closed form (GIQE 5, giqe.h).
+TEST(Evaluator, RerAndNiirsOfGaussianSystemsAreClosedForms) {
+  for (const double s : {0.3, 0.5, 1.0}) {
+    const Folder folder;
+    std::string camera = study_test::kCamera;
+    camera = camera.substr(0, camera.find("[[presample]]")) + "[[presample]]\nkind = \"gaussian\"\nsigma = \"" +
+             std::to_string(8.0 * s) + " um\"\n";
+    folder.write("camera.toml", camera);
+    Evaluated e =
+        evaluated(folder, with_metrics(R"("rer", "niirs_giqe5", "target_snr", "gsd")", "tolerance = 1e-11\n") +
+                              "[conditions]\nrange = \"500 km\"\nsignal_contrast = 0.5\ntemperature = \"5800 K\"\n");
+    e.at(1);
+    const double rer = std::erf(0.5 / (std::sqrt(2.0) * s)), snr = e["target_snr"], log_rer = std::log10(rer);
+    EXPECT_NEAR(e["rer"], rer, 1e-10) << s;
+    const double niirs = 9.57 - 3.32 * std::log10(2.0 / 0.0254) + 3.32 * (1.0 - std::exp(-1.9 / snr)) * log_rer -
+                         2.0 * std::pow(log_rer, 4) - 1.8 / snr;
+    EXPECT_NEAR(e["niirs_giqe5"], niirs, 1e-9) << s;
+  }
+}
+
+TEST(Evaluator, BudgetsAreThoseOfMtfBudget) {
+  const Folder folder;
+  Evaluated e =
+      evaluated(folder, with_metrics(R"("signal", "temporal_noise", "netd", "snr", "nei", "quantisation_noise")") +
+                            "[conditions]\ntemperature = \"400 K\"\n");
+  for (const std::int64_t design : {0, 1}) {
+    e.at(design);
+    std::vector<double> axes(1);
+    study::design_at(*e.study, design, axes);
+    const mtf::io::SensorConfig config = e.evaluator->sensor_at(axes);
+    const apps::LoadedSensor loaded = apps::load_chain(config);
+    const auto budget = radiometry::budget_of(config.system, loaded.sensor, 400.0);
+    EXPECT_NEAR(e["signal"] / budget.signal.scene_e, 1.0, 1e-13);
+    EXPECT_NEAR(e["temporal_noise"] / budget.temporal_e, 1.0, 1e-13);
+    EXPECT_NEAR(e["netd"] / (1e3 * budget.netd_k), 1.0, 1e-13);
+    EXPECT_NEAR(e["snr"] / budget.snr, 1.0, 1e-13);
+    EXPECT_NEAR(e["nei"] / budget.nei_ph, 1.0, 1e-13);
+    EXPECT_NEAR(e["quantisation_noise"], 20.0 / std::sqrt(12.0), 1e-12);
+  }
+}
+
+TEST(Evaluator, ASensorOfADesignSaysTheSame) {
+  const Folder folder;
+  folder.write("satellite.toml", study_test::satellite(true));
+  Evaluated e = evaluated(folder, study_test::satellite_study(64, "1e-8"));
+  e.at(17);
+  std::vector<double> axes(e.study->axes.size());
+  study::design_at(*e.study, 17, axes);
+  folder.write("design.toml", mtf::io::write_config(e.evaluator->sensor_at(axes), folder / "design.toml"));
+  const auto config = mtf::io::load_config(folder / "design.toml", nullptr, radiometry::sensor_tables());
+  mtf::ResolutionNeeds needs;
+  needs.axis.edge = true;
+  needs.tolerance = 1e-8;
+  const auto direct = mtf::ResolutionMeter<double>(needs).measure(config.system);
+  EXPECT_NEAR(e["rer"], std::sqrt(direct.x.rer * direct.y.rer), 1e-10);
+  EXPECT_NEAR(e["mtf_nyquist"], std::sqrt(direct.x.nyquist * direct.y.nyquist), 1e-12);
+  const auto budget = radiometry::budget_of(config.system, apps::load_chain(config).sensor, 5800.0);
+  EXPECT_NEAR(e["temporal_noise"] / budget.temporal_e, 1.0, 1e-12);
+}
+
+TEST(Evaluator, ARowDoesNotDependOnWhatCameBefore) {
+  const Folder folder;
+  folder.write("satellite.toml", study_test::satellite(false));
+  Evaluated e = evaluated(folder, study_test::satellite_study(24, "1e-4"));
+  std::vector<std::vector<double>> rows;
+  for (int design = 0; design < 24; ++design) {
+    e.at(design);
+    rows.push_back(e.row);
+  }
+  for (int design = 23; design >= 0; design -= 5) {
+    Evaluated fresh = evaluated(folder, study_test::satellite_study(24, "1e-4"));
+    fresh.at(design);
+    EXPECT_EQ(fresh.row, rows[static_cast<std::size_t>(design)]) << design;
+    e.at(design);
+    EXPECT_EQ(e.row, rows[static_cast<std::size_t>(design)]) << design;
+  }
+}
+
+/// Central differences of fourth order on the whole chain against autodiff; relative to value / parameter where a
+/// derivative is far below that, the value being counted as 1e-3 at least: errors of ratios are absolute.
+void expect_gradient(const Folder& folder, const std::string& text, std::int64_t design, double bar) {
+  Evaluated e = evaluated(folder, text);
+  std::vector<double> axes(e.study->axes.size());
+  study::design_at(*e.study, design, axes);
+  const study::Gradient gradient = e.evaluator->gradient_at(axes);
+  auto tight = std::make_shared<study::Study>(*e.study);
+  tight->tolerance = 1e-11;
+  study::Evaluator reference(tight);
+  const std::size_t width = e.columns.size();
+  std::size_t parameter = 0;
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    if (e.study->axes[a].discrete()) continue;
+    const double h = 1e-3 * axes[a];
+    const auto at = [&](double steps) {
+      std::vector<double> moved = axes, row(width);
+      moved[a] += steps * h;
+      reference.evaluate_at(moved, row);
+      return row;
+    };
+    const auto p1 = at(1), m1 = at(-1), p2 = at(2), m2 = at(-2);
+    for (std::size_t k = 0; k < gradient.columns.size(); ++k) {
+      std::size_t c = 0;
+      while (e.columns[c].name != gradient.columns[k]) ++c;
+      const double difference = (8.0 * (p1[c] - m1[c]) - (p2[c] - m2[c])) / (12.0 * h);
+      const double scale = std::max(std::abs(difference), std::max(std::abs(p1[c]), 1e-3) / axes[a]);
+      const double automatic = gradient.value[k * gradient.parameters.size() + parameter];
+      EXPECT_LE(std::abs(automatic - difference), bar * scale + 1e-300)
+          << gradient.columns[k] << " by " << gradient.parameters[parameter] << ": " << automatic << ", " << difference;
+    }
+    ++parameter;
+  }
+  EXPECT_EQ(parameter, gradient.parameters.size());
+}
+
+TEST(Evaluator, DerivativesAreThoseOfTheWholeChain) {
+  const Folder folder;
+  folder.write("satellite.toml", study_test::satellite(true));
+  expect_gradient(folder, study_test::satellite_study(8, "1e-4"), 3, 1e-6);
+}
+
+TEST(Evaluator, DerivativesGoThroughTablesLinksAndSpectra) {
+  const Folder folder;
+  std::string camera = study_test::kCamera;
+  camera.replace(camera.find("transmission = 0.8"), 18,
+                 "transmission = 0.8\nemissivity = 0.1\ntemperature = \"290 K\"\nstop_temperature = \"250 K\"");
+  camera.replace(camera.find("\"0.5 um\", \"0.7 um\""), 18, "\"8 um\", \"12 um\"");
+  const std::string aberrated = "kind = \"wavefront\"\nzernike = [0.0, 0.0, 0.0, 0.05]";
+  camera.replace(camera.find(aberrated), aberrated.size(), "kind = \"diffraction\"\nwavelength = \"10 um\"");
+  folder.write("camera.toml", camera + "[path]\ntransmission = 0.7\nradiance = 0.5\n[nonuniformity]\nprnu = 0.001\n");
+  expect_gradient(folder, R"(schema = 1
+sensor = "camera.toml"
+objectives = ["minimize netd * aperture ^ 2"]
+[[axis]]
+parameter = "optics.aperture"
+from = "200 mm"
+to = "300 mm"
+count = 3
+[[axis]]
+name = "speed"
+from = 3.0
+to = 4.0
+count = 2
+[[axis]]
+parameter = "detector.quantum_efficiency"
+from = 0.5
+to = 0.8
+count = 2
+[[axis]]
+parameter = "optics.temperature"
+from = "280 K"
+to = "300 K"
+count = 2
+[[axis]]
+parameter = "path.transmission"
+from = 0.5
+to = 0.9
+count = 2
+[[axis]]
+parameter = "nonuniformity.prnu"
+from = 0.001
+to = 0.002
+count = 2
+[links]
+focal_length = "speed * aperture"
+[metrics]
+list = ["signal", "background", "netd", "spatial_netd", "snr", "rer", "mtf50", "gsd", "grd", "strehl"]
+[conditions]
+range = "5 km"
+contrast = "2 K"
+)",
+                  5, 1e-6);
+}
+
+TEST(Evaluator, WhatADesignCannotHaveIsAGapWithItsReason) {
+  const Folder folder;
+  std::string camera = study_test::kCamera;
+  camera.erase(camera.find("[detector]"), camera.find("[[presample]]") - camera.find("[detector]"));
+  camera.erase(camera.find("transmission = 0.8\n"), 19);
+  folder.write("camera.toml", camera);
+  Evaluated e = evaluated(folder, with_metrics(R"("netd", "niirs_giqe5", "gsd", "ttp", "spurious_response", "rer")"));
+  e.at(0);
+  for (const char* name : {"netd", "niirs_giqe5", "gsd", "ttp", "spurious_response"})
+    EXPECT_TRUE(std::isnan(e[name])) << name;
+  EXPECT_TRUE(std::isfinite(e["rer"]));
+  EXPECT_EQ(e.evaluator->last_problem(), "");
+  const auto gaps = e.evaluator->gaps();
+  const auto gap = [&](const std::string& name) {
+    for (std::size_t c = 0; c < e.columns.size(); ++c)
+      if (e.columns[c].name == name) return gaps[c];
+    return std::string("?");
+  };
+  EXPECT_EQ(gap("netd"), "no [detector]");
+  EXPECT_EQ(gap("niirs_giqe5"), "no [detector]");
+  EXPECT_EQ(gap("gsd"), "no [conditions] range");
+  EXPECT_EQ(gap("spurious_response"), "no display, interpolation or eye in [[postsample]]");
+  EXPECT_EQ(gap("rer"), "");
+}
+
+TEST(Evaluator, DesignsThatNoSensorCanBeHaveAReasonAndNoNumbers) {
+  const Folder folder;
+  Evaluated e = evaluated(folder, R"(schema = 1
+sensor = "camera.toml"
+constraints = ["rer > 0"]
+[[axis]]
+name = "share"
+values = [0.5, 1.5, -1.0]
+[links]
+"optics.obscuration" = "share"
+[metrics]
+list = ["rer"]
+)");
+  e.at(0);
+  EXPECT_EQ(e.evaluator->last_problem(), "");
+  EXPECT_EQ(e["feasible"], 1.0);
+  for (const int design : {1, 2}) {
+    e.at(design);
+    EXPECT_NE(e.evaluator->last_problem().find("optics.obscuration"), std::string::npos);
+    EXPECT_TRUE(std::isnan(e["rer"]));
+    EXPECT_EQ(e["feasible"], 0.0);
+    EXPECT_EQ(e["optics.obscuration"], design == 1 ? 1.5 : -1.0);  // what was asked for is told
+  }
+  e.at(0);
+  EXPECT_EQ(e["feasible"], 1.0);
+}
+
+TEST(Evaluator, AsBuiltShiftsCountOnTopOfTheDesign) {
+  const Folder folder;
+  const std::string text =
+      study_test::kHead + study_test::kAxis +
+      "[metrics]\nlist = [\"rer_x\"]\n[[as_built]]\nparameter = \"jitter.rms\"\nsd = \"0.1 urad\"\n"
+      "[yield]\ndraws = 10\n";
+  Evaluated e = evaluated(folder, "constraints = [\"rer_x > 0.1\"]\n" + text);
+  const std::vector<double> axes{8.0};
+  std::vector<double> nominal(e.columns.size()), shifted(e.columns.size()), again(e.columns.size());
+  e.evaluator->evaluate_at(axes, nominal);
+  const std::vector<double> shift{1.0};
+  e.evaluator->evaluate_at(axes, shifted, shift);
+  e.evaluator->evaluate_at(axes, again);
+  EXPECT_LT(shifted[1], nominal[1]);
+  EXPECT_EQ(again[1], nominal[1]);
+  // 1 urad of jitter and 1 more is 2: as a sensor file with that says.
+  std::string camera = study_test::kCamera;
+  camera.replace(camera.find("rms = \"1 urad\""), 14, "rms = \"2 urad\"");
+  folder.write("camera.toml", camera);
+  Evaluated two = evaluated(folder, text);
+  two.evaluator->evaluate_at(axes, nominal);
+  EXPECT_NEAR(shifted[1], nominal[1], 1e-12);
+}
+
+TEST(Evaluator, DiscreteAxesMakeSensorsOfTheirOwn) {
+  const Folder folder;
+  std::string other = study_test::kCamera;
+  other.replace(other.find("pitch = \"8 um\""), 14, "pitch = \"4 um\"");
+  folder.write("other.toml", other);
+  Evaluated e = evaluated(
+      folder,
+      "schema = 1\n[[axis]]\nparameter = \"sensor\"\nvalues = [\"camera.toml\", \"other.toml\"]\n"
+      "[[axis]]\nparameter = \"band.wavelength\"\nvalues = [[\"0.5 um\", \"0.7 um\"], [\"0.8 um\", \"0.9 um\"]]\n"
+      "[metrics]\nlist = [\"nyquist\", \"cutoff\"]\n");
+  ASSERT_EQ(e.study->designs, 4);
+  const double nyquist[] = {62.5, 62.5, 125.0, 125.0}, cutoff[] = {250.0, 156.25, 250.0, 156.25};
+  for (int design = 0; design < 4; ++design) {
+    e.at(design);
+    EXPECT_NEAR(e["nyquist"], nyquist[design], 1e-9);
+    EXPECT_NEAR(e["cutoff"], cutoff[design], 1e-9);
+  }
+}
+
+}  // namespace
