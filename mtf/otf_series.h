@@ -82,15 +82,23 @@ double series_tail(const std::vector<S>& coefficient) {
   return 2.0 * tail;
 }
 
+/// Place and slope of a panel's frequencies.
+struct PanelPlace {
+  double f = 0.0, slope = 0.0;  ///< df/dt
+};
+
 struct PanelMap {
   double lo = 0.0, hi = 0.0;
-  double f(double t) const { return lo + (hi - lo) * square(sin_pi(0.25 * (1.0 + t))); }
-  double slope(double t) const { return 0.25 * kPi * (hi - lo) * sin_pi(0.5 * (1.0 + t)); }  ///< df/dt
+  PanelPlace at(double t) const {
+    const auto [s, c] = sin_cos_pi(0.25 * (1.0 + t));
+    return {lo + (hi - lo) * s * s, 0.5 * kPi * (hi - lo) * s * c};
+  }
+  double f(double t) const { return at(t).f; }
+  double slope(double t) const { return at(t).slope; }
   double t(double f) const {
     const double share = std::clamp((f - lo) / (hi - lo), 0.0, 1.0);
     return 4.0 / kPi * std::atan2(std::sqrt(share), std::sqrt(1.0 - share)) - 1.0;
   }
-  static double square(double x) { return x * x; }
 };
 
 /// Real and imaginary part; the latter is empty where it is 0 throughout.

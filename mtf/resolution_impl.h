@@ -224,8 +224,9 @@ void ResolutionMeter<S>::Impl::moduli(Axis axis, AxisFigures<S>& figures) {
       const ComplexValues<S> systems = at_places(h, t);
       const ComplexValues<S> presamples = replicated ? at_places(p, t) : ComplexValues<S>{};
       for (std::size_t i = 0; i < count; ++i) {
-        at[i] = map.f(t[i]);
-        weight[i] = S(rule.weight[i] * half * map.slope(t[i])) * pitch;
+        const PanelPlace place = map.at(t[i]);
+        at[i] = place.f;
+        weight[i] = S(rule.weight[i] * half * place.slope) * pitch;
         const S system = modulus(systems[i]);
         if (base) area += S(2) * weight[i] * system;
         if (!replicated) continue;
