@@ -48,7 +48,7 @@ int run_report(const ReportOptions& options, const Global& global) {
   if (!options.scene.empty()) mtf::io::input_file_size(options.scene);  // tells at once of a name mistyped
   std::vector<ChosenDesign> chosen = load_chosen(sweep);
   const DesignTable table = read_designs(sweep, room_for_designs(chosen));
-  simulate_chosen(chosen, options.scene, global);
+  simulate_chosen(chosen, options.scene, sweep.temperature_k, global);
   for (const ChosenDesign& design : chosen)
     if (!design.problem.empty())
       note(global, "note: design " + std::to_string(design.chosen.design) +

@@ -16,7 +16,6 @@ namespace apps {
 namespace {
 
 constexpr int kPoints = 97;
-constexpr double kBudget_k = 300.0;  // as `mtf budget`
 constexpr std::size_t kMostText = 256 << 10;
 
 double modulus(const mtf::Complex<double>& value) { return std::hypot(value.re, value.im); }
@@ -42,10 +41,10 @@ void add_curves(ChosenDesign& design, const mtf::System<double>& system) {
   design.system = curve_of(values.system);
 }
 
-void add_budget(ChosenDesign& design) {
+void add_budget(ChosenDesign& design, double temperature_k) {
   try {
     const LoadedSensor loaded = load_chain(design.config);
-    const radiometry::Budget<double> budget = budget_of(design.config.system, loaded.sensor, kBudget_k);
+    const radiometry::Budget<double> budget = budget_of(design.config.system, loaded.sensor, temperature_k);
     design.budget = radiometry::rows(budget);
     design.budget.push_back({"dstar", "cm Hz^1/2 W^-1", dstar_of(design.config.system, loaded.sensor, budget),
                              "D* at the middle of the band, temporal noise"});
@@ -68,7 +67,7 @@ void load(const Sweep& sweep, ChosenDesign& design) {
   const mtf::System<double>& system = design.config.system;
   add_curves(design, chain && system.band ? with_electron_rate(system, load_chain(design.config)) : system);
   if (chain)
-    add_budget(design);
+    add_budget(design, sweep.temperature_k);
   else
     design.budget_gap = "its sensor file has no [detector]: it says nothing of light and noise";
 }

@@ -47,12 +47,13 @@ struct ChosenDesign {
 /// Bytes that an image takes in a page, at most: 160 x 160 grey values that do not compress, in base 64.
 inline constexpr std::size_t kMostOfImage = 36'000;
 
-/// Reads every chosen file; curves and budgets of a surface of 300 K.
+/// Reads every chosen file; curves, and budgets of a surface of the study's temperature.
 std::vector<ChosenDesign> load_chosen(const Sweep& sweep);
 
 /// The images of one scene: the file `scene`, or the built-in one when it is empty, which has the same angular size for
-/// all designs.
-void simulate_chosen(std::vector<ChosenDesign>& designs, const std::string& scene, const Global& global);
+/// all designs; `temperature_k`: its mean.
+void simulate_chosen(std::vector<ChosenDesign>& designs, const std::string& scene, double temperature_k,
+                     const Global& global);
 
 /// A file of the sweep's folder as text. Nothing, and `problem` says why, when it is missing, too large, or not in the
 /// folder.

@@ -106,7 +106,8 @@ std::string images(const Chosen& chosen, const std::string& scene) {
       "<h3>What they see</h3>\n<p>" +
       (scene.empty()
            ? std::string("One computed scene of the same angular size for all, as <code>mtf simulate</code> images it "
-                         "with noise: temperatures about 288 K, below 3 &micro;m sunlit ground.")
+                         "with noise: temperatures about the study's where sensors take temperatures, below "
+                         "3 &micro;m sunlit ground.")
            : "The scene <code>" + html(scene) + "</code>, its middle of the same angle for all.") +
       " Each is stretched between its own quantiles of 0.5 and 99.5 %, so contrast against noise can be compared, "
       "brightness cannot. The OTF is kept to 0.2 %, half a grey level.</p>\n<div class=\"images\">";
@@ -132,7 +133,7 @@ std::string images(const Chosen& chosen, const std::string& scene) {
   return text + "</div>\n" + gaps;
 }
 
-std::string noise_budget(const Chosen& chosen) {
+std::string noise_budget(const Chosen& chosen, double temperature_k) {
   const auto with = std::find_if(chosen.begin(), chosen.end(), [](const auto& d) { return !d.budget.empty(); });
   std::string gaps;
   for (const ChosenDesign& design : chosen)
@@ -140,7 +141,8 @@ std::string noise_budget(const Chosen& chosen) {
       gaps += "<p class=\"gap\"><strong>Design " + std::to_string(design.chosen.design) +
               "</strong> has no noise budget: " + html(design.budget_gap) + ".</p>\n";
   if (with == chosen.end()) return "<h3>Noise budget</h3>\n" + gaps;
-  HtmlTable rows("Noise budget of a pixel that looks at 300 K", header_of("Term", chosen), all_but_first(chosen));
+  const std::string surface = mtf::format_double(temperature_k) + " K";
+  HtmlTable rows("Noise budget of a pixel that looks at " + surface, header_of("Term", chosen), all_but_first(chosen));
   for (std::size_t i = 0; i < with->budget.size(); ++i) {
     const radiometry::BudgetRow& row = with->budget[i];
     std::vector<std::string> cells{"<abbr title=\"" + html(row.doc) + "\">" + html(row.name) +
@@ -153,9 +155,8 @@ std::string noise_budget(const Chosen& chosen) {
   for (const ChosenDesign& design : chosen)
     for (const radiometry::BudgetRow& row : design.budget)
       if (row.name == "temporal") bars.push_back({"design " + std::to_string(design.chosen.design), row.value, 0.0});
-  return "<h3>Noise budget</h3>\n<p>Of a pixel on the axis that looks at a surface of 300 K, as <code>mtf "
-         "budget</code> "
-         "has it. Variances add: bars are shares of the temporal variance.</p>\n" +
+  return "<h3>Noise budget</h3>\n<p>Of a pixel on the axis that looks at a surface of " + surface +
+         ", as <code>mtf budget</code> has it. Variances add: bars are shares of the temporal variance.</p>\n" +
          html_chart("noise", svg_bars("Temporal noise", "electrons rms", bars)) +
          "<details><summary>All terms</summary>" + rows.html() + "</details>\n" + gaps;
 }
@@ -169,7 +170,7 @@ std::string chosen_section(const Sweep& sweep, const DesignTable& table, const C
   if (std::any_of(chosen.begin(), chosen.end(), [](const auto& d) { return d.problem.empty(); }))
     body += "<h3>MTF</h3>\n" + html_chart("curves", static_curves(chosen)) +
             "<p>What each component leaves of the modulation at Nyquist, along x:</p>\n" + component_budget(chosen) +
-            images(chosen, scene) + noise_budget(chosen);
+            images(chosen, scene) + noise_budget(chosen, sweep.temperature_k);
   return html_section("chosen", "Chosen designs", "The best of each objective, and some from along the Pareto front.",
                       body);
 }

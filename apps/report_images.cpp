@@ -42,9 +42,9 @@ mtf::Image landscape() {
   return image;
 }
 
-/// Temperatures about 288 K; in sunlight, for bands below 3 um, radiance of reflectances about 0.25 under a sun 45
-/// degrees high.
-void give_values(const mtf::io::SensorConfig& config, mtf::io::Scene& scene) {
+/// Temperatures about the study's, 5 K rms of 300 K; in sunlight, for bands below 3 um, radiance of reflectances about
+/// 0.25 under a sun 45 degrees high.
+void give_values(const mtf::io::SensorConfig& config, double temperature_k, mtf::io::Scene& scene) {
   const double middle_um = config.system.context().wavelength_um;
   const double lo = config.system.band ? config.system.band->lo_um : 0.95 * middle_um;
   const double hi = config.system.band ? config.system.band->hi_um : 1.05 * middle_um;
@@ -55,17 +55,19 @@ void give_values(const mtf::io::SensorConfig& config, mtf::io::Scene& scene) {
   mtf::Image& plane = scene.planes.front();
   for (float& v : std::span(plane.data(), static_cast<std::size_t>(plane.size()))) {
     const double x = static_cast<double>(v);
-    v = static_cast<float>(thermal ? 288.0 + 5.0 * x : sun * std::max(0.02, 0.25 + 0.08 * x));
+    v = static_cast<float>(thermal ? temperature_k * std::max(0.0, 1.0 + x / 60.0)
+                                   : sun * std::max(0.02, 0.25 + 0.08 * x));
   }
 }
 
-mtf::io::Scene built_in(const mtf::io::SensorConfig& config, const mtf::Image& picture, double sample_urad) {
+mtf::io::Scene built_in(const mtf::io::SensorConfig& config, const mtf::Image& picture, double temperature_k,
+                        double sample_urad) {
   const double step_um = sample_urad * config.system.frame.focal_length_mm * 1e-3;
   mtf::io::Scene scene;
   scene.names = {"Y"};
   scene.grid = {picture.width(), picture.height(), step_um, step_um};
   scene.planes.push_back(picture.clone());
-  give_values(config, scene);
+  give_values(config, temperature_k, scene);
   return scene;
 }
 
@@ -163,7 +165,8 @@ std::string png(const mtf::io::RasterData& data) {
 
 }  // namespace
 
-void simulate_chosen(std::vector<ChosenDesign>& designs, const std::string& scene, const Global& global) {
+void simulate_chosen(std::vector<ChosenDesign>& designs, const std::string& scene, double temperature_k,
+                     const Global& global) {
   double finest_urad = HUGE_VAL;
   for (const ChosenDesign& design : designs)
     if (design.problem.empty())
@@ -175,9 +178,9 @@ void simulate_chosen(std::vector<ChosenDesign>& designs, const std::string& scen
     if (!design.problem.empty()) continue;
     try {
       const mtf::io::SensorConfig& config = design.config;
-      mtf::io::Scene source = scene.empty()
-                                  ? built_in(config, picture, finest_urad / static_cast<double>(kSamplesAPixel))
-                                  : from_file(config, scene);
+      mtf::io::Scene source =
+          scene.empty() ? built_in(config, picture, temperature_k, finest_urad / static_cast<double>(kSamplesAPixel))
+                        : from_file(config, scene);
       const mtf::Image whole = simulate(config, std::move(source), scene.empty(), scene, global.threads, design.image);
       const auto pixels = [&](mtf::Axis axis) {
         return std::llround(static_cast<double>(kPixels) * finest_urad / ifov_urad(config.system.frame, axis));

@@ -72,6 +72,7 @@ struct Sweep {
   std::vector<NamedFile> sensors;
   std::int64_t designs = 0, evaluated = 0, seed = 0;
   double tolerance = 0.0, worst_error = 0.0;
+  double temperature_k = 300.0;  ///< of the surface that the study's pixels look at
   std::vector<SweepColumn> columns;
   std::vector<SweepAxis> axes;
   std::vector<SweepConstraint> constraints;

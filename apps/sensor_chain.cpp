@@ -116,6 +116,24 @@ void read_path(const radiometry::SensorSettings& settings, LoadedSensor& loaded)
 
 }  // namespace
 
+std::vector<std::string> files_of(const mtf::io::SensorConfig& config) {
+  std::vector<std::string> files{config.file};
+  const auto add = [&](const std::shared_ptr<const mtf::Curve>& curve) {
+    if (curve) files.push_back(curve->source);
+  };
+  for (const auto& list : config.system.stages)
+    for (const auto& entry : list)
+      for (const auto& field : entry.component.fields())
+        if (const auto* curve = std::get_if<std::shared_ptr<const mtf::Curve>*>(&field.value)) add(**curve);
+  add(config.scene.aperture_curve);
+  for (const mtf::TableInfo& info : config.schema)
+    for (const mtf::SettingInfo& row : info.settings)
+      if (const mtf::SettingsTable* table = find_table(config.tables, info.name))
+        if (const mtf::SettingValue* value = table->find(row.info.name); value != nullptr && names_file(row))
+          if (const auto* path = std::get_if<std::string>(value)) files.push_back(*path);
+  return files;
+}
+
 bool has_chain(const mtf::io::SensorConfig& config) { return find_table(config.tables, "detector") != nullptr; }
 
 std::optional<double> source_temperature_k(const radiometry::SensorSettings& settings,

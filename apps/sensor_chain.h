@@ -9,6 +9,9 @@
 
 namespace apps {
 
+/// The sensor file and every file it names (curves, tables, maps): what no output may replace.
+std::vector<std::string> files_of(const mtf::io::SensorConfig& config);
+
 /// True when the file says more than the OTF: its output is electrons or what comes after them.
 bool has_chain(const mtf::io::SensorConfig& config);
 

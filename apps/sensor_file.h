@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/options.h"
+#include "apps/sensor_chain.h"
 #include "mtf/io/config.h"
 
 namespace apps {
@@ -14,9 +15,6 @@ mtf::io::SensorConfig read_sensor(const std::string& file, const Global& global)
 
 /// The same with the electron rate of its band, for commands that look at the OTF alone. Throws as load_chain too.
 mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global);
-
-/// The sensor file and every file it names (curves): what no output may replace.
-std::vector<std::string> files_of(const mtf::io::SensorConfig& config);
 
 /// What `mtf config check` found in a sensor or study file.
 struct Verdict {

@@ -33,27 +33,6 @@ void write_below(const fs::path& folder, const fs::path& name, const std::string
   mtf::io::write_text_file((folder / name).string(), bytes);
 }
 
-/// All sensor files of the study and what they name: each level of each discrete axis is looked at once. A level that
-/// no sensor file could hold beside the first levels of the others is passed over: its designs have no sensor either.
-std::vector<std::string> named_files(const study::Study& study) {
-  std::vector<std::string> files = files_of(study.base);
-  for (const mtf::io::SensorConfig& sensor : study.sensors)
-    for (std::string& file : files_of(sensor)) files.push_back(std::move(file));
-  std::vector<int> levels(study.axes.size(), 0);
-  for (std::size_t a = 0; a < study.axes.size(); ++a) {
-    for (std::size_t level = 0; level < study.axes[a].levels.size(); ++level) {
-      levels[a] = static_cast<int>(level);
-      try {
-        for (std::string& file : files_of(study::variant(study, levels))) files.push_back(std::move(file));
-      } catch (const mtf::UsageError&) {
-        continue;
-      }
-    }
-    levels[a] = 0;
-  }
-  return files;
-}
-
 /// Names that a folder of results or a plan has for itself.
 bool reserved(const fs::path& name) {
   constexpr std::array<std::string_view, 8> names{"study.toml",  "plan.json", "sweep.json", "designs.csv",
@@ -71,7 +50,7 @@ std::vector<study::PlanFile> copy_study(const study::Study& study, const fs::pat
     copies.push_back({name.generic_string(), mtf::io::sha256_hex(bytes)});
   };
   copy(study.text, "study.toml");
-  for (const std::string& file : named_files(study)) {
+  for (const std::string& file : study::files_of(study)) {
     const fs::path name = fs::weakly_canonical(fs::absolute(file)).lexically_relative(home);
     if (name.empty() || *name.begin() == "..")
       throw mtf::UsageError(one_line(file) + ": lies outside of the study's folder " + one_line(home.string()) +

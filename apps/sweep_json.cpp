@@ -169,7 +169,8 @@ Json to_json(const SweepReport& report) {
                {"version", mtf::version},
                {"commit", mtf::git_commit},
                {"machine", machine_text()},
-               {"study", {{"name", study.name}, {"file", "study.toml"}, {"sha256", study.sha256}}}};
+               {"study", {{"name", study.name}, {"file", "study.toml"}, {"sha256", study.sha256}}},
+               {"conditions", {{"temperature_k", study.conditions.temperature_k}}}};
   json["sensors"] = Json::array();
   for (std::size_t i = 1; i < run.files.size(); ++i)
     json["sensors"].push_back({{"file", run.files[i].file}, {"sha256", run.files[i].sha256}});

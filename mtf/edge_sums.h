@@ -78,25 +78,52 @@ class EdgeSums {
     return out;
   }
 
-  /// The place where the edge is at one half, near 0: exactly 0 for a real OTF.
-  S centre() const {
+  /// The place where the edge is at one half: exactly 0 for a real OTF, else looked for about `near`.
+  S centre(double near) const {
     if (real_) return S(0);
-    double x = 0.0;
-    for (int i = 0; i < 50; ++i) {
+    const auto esf = [this](double x) { return value_of(at(S(x)).esf); };
+    double x = near;
+    for (int i = 0; i < 6; ++i) {  // Newton; mostly the image is where its slowest waves are
       const Spread here = at(S(x));
-      if (!(value_of(here.lsf) > 0.0)) break;
       const S step = (S(0.5) - here.esf) / here.lsf;
+      if (!(value_of(here.lsf) > 0.0) || !(std::abs(value_of(step)) < 1.0)) break;
       if (std::abs(value_of(step)) < kNear_px) return S(x) + step;
-      x += std::clamp(value_of(step), -2.0, 2.0);
+      x += value_of(step);
+    }
+    x = near;
+    double lo = near - 1.0, hi = near + 1.0;
+    constexpr int kDoublings = 20;
+    for (int i = 0; i < kDoublings && esf(lo) > 0.5; ++i) lo -= hi - lo;
+    for (int i = 0; i < kDoublings && esf(hi) < 0.5; ++i) hi += hi - lo;
+    for (int i = 0; i < 100; ++i) {  // the same inside a bracket
+      const Spread here = at(S(x));
+      const double lsf = value_of(here.lsf);
+      const S step = (S(0.5) - here.esf) / here.lsf;
+      if (lsf > 0.0 && std::abs(value_of(step)) < kNear_px) return S(x) + step;
+      (value_of(here.esf) < 0.5 ? lo : hi) = x;
+      const double next = x + value_of(step);
+      x = lsf > 0.0 && next > lo && next < hi ? next : 0.5 * (lo + hi);
     }
     return S(x);
   }
 
-  /// The peak of the lsf near `x`, and the top of the edge near `x` (a zero of the lsf), each within a quarter of a
-  /// pixel. What is read there does not depend on the place to first order: it carries no derivative.
-  S peak(double x) const {
-    return falling_zero(x, [](const Spread& here) { return std::pair(here.slope, here.curvature); });
+  /// The peak of the lsf, looked for about the edge in quarters of a pixel. What is read there does not depend on the
+  /// place to first order: it carries no derivative.
+  S peak(double centre) const {
+    for (double reach = 1.5;; reach *= 2.0) {
+      const int count = static_cast<int>(2.0 * reach / kStep_px) + 1;
+      const EdgeSamples<S> around = samples(S(centre - reach), count);
+      const auto top = std::max_element(around.lsf.begin(), around.lsf.end(),
+                                        [](const S& a, const S& b) { return value_of(a) < value_of(b); });
+      const auto i = top - around.lsf.begin();
+      const bool inside = i > 0 && i + 1 < count;
+      constexpr double kFurthest_px = 100.0;
+      if (!inside && reach < kFurthest_px) continue;
+      return falling_zero(centre - reach + kStep_px * static_cast<double>(i),
+                          [](const Spread& here) { return std::pair(here.slope, here.curvature); });
+    }
   }
+  /// The top of the edge near `x` (a zero of the lsf), within a quarter of a pixel; no derivative either.
   S top(double x) const {
     return falling_zero(x, [](const Spread& here) { return std::pair(here.lsf, here.slope); });
   }

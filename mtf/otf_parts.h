@@ -18,7 +18,7 @@ namespace mtf {
 template <class S>
 struct Products {
   std::vector<Complex<S>> optics, detector, presample;  ///< presample: everything in its list
-  std::vector<Complex<S>> after;                        ///< readout and postsample
+  std::vector<Complex<S>> readout, after;               ///< after: readout and postsample
 };
 
 /// f-number, obscuration and wavelength of a pupil component: its own, or those of the optics.
@@ -68,6 +68,7 @@ class OtfParts {
       (system.band && traits.chromatic ? chromatic_ : steady_).push_back({&entry.component, part, traits.radial});
       if (entry.component.is_pupil()) pupil_ = &entry.component;
     }
+    readout_ = system.list(Stage::readout).size();
     for (const Stage stage : {Stage::readout, Stage::postsample})
       for (const Entry<S>& entry : system.list(stage)) after_.push_back({&entry.component, Part::other, false});
     if (system.band && (system.band->lo_um != lo_um_ || system.band->hi_um != hi_um_ || system.band->rate != rate_)) {
@@ -79,7 +80,9 @@ class OtfParts {
   const System<S>& system() const { return *system_; }
   const Component<S>* pupil() const { return pupil_; }
   bool chromatic() const { return !chromatic_.empty(); }
-  bool has_detector() const { return has(Part::detector); }
+  /// Something follows sampling; digital filters among it.
+  bool filters() const { return !after_.empty(); }
+  bool digital_filters() const { return after_.size() > readout_; }
   bool radial_optics() const {
     const auto radial = [](const Member& m) { return m.part != Part::optics || m.radial; };
     return std::all_of(steady_.begin(), steady_.end(), radial) &&
@@ -120,12 +123,15 @@ class OtfParts {
 
   void all(std::span<const Freq<S>> f, Products<S>& products) {
     presample(f, products.optics, &products.detector, &products.presample);
-    after(f, products.after);
+    after(f, products.after, &products.readout);
   }
-  /// Readout and postsample.
-  void after(std::span<const Freq<S>> f, std::vector<Complex<S>>& product) {
+  /// Readout and postsample; the former by itself where asked for and different.
+  void after(std::span<const Freq<S>> f, std::vector<Complex<S>>& product, std::vector<Complex<S>>* readout = nullptr) {
     product.assign(f.size(), one());
-    for (const Member& m : after_) m.component->multiply(f, middle_, product);
+    for (std::size_t i = 0; i < after_.size(); ++i) {
+      if (readout != nullptr && i == readout_) *readout = product;
+      after_[i].component->multiply(f, middle_, product);
+    }
   }
 
  private:
@@ -136,10 +142,6 @@ class OtfParts {
   };
   static Complex<S> one() { return {S(1), S(0)}; }
 
-  bool has(Part part) const {
-    const auto is = [part](const Member& m) { return m.part == part; };
-    return std::any_of(steady_.begin(), steady_.end(), is) || std::any_of(chromatic_.begin(), chromatic_.end(), is);
-  }
   S ideal_area(const Context<S>& ctx) const {
     const PupilNumbers<S> p = pupil_numbers(*pupil_, ctx);
     const S cutoff = S(1e3) / (p.wavelength_um * p.f_number);
@@ -192,7 +194,8 @@ class OtfParts {
   const System<S>* system_ = nullptr;
   Context<S> middle_;
   const Component<S>* pupil_ = nullptr;
-  std::vector<Member> steady_, chromatic_, after_;
+  std::vector<Member> steady_, chromatic_, after_;  ///< after_: readout, then postsample
+  std::size_t readout_ = 0;
   double lo_um_ = 0.0, hi_um_ = 0.0;
   std::shared_ptr<const ElectronRate> rate_;
   std::map<int, WavelengthNodes> nodes_;

@@ -4,7 +4,7 @@
 namespace mtf {
 namespace {
 
-constexpr double kStep = 1.0 / 256.0;
+constexpr double kStep = 1.0 / 1024.0;
 
 /// Mean over the directions of sinc(f cos) sinc(f sin), and its slope.
 ValueSlope direct(double f) {

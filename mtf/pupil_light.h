@@ -39,9 +39,9 @@ S box_mean(const S& fx_px, const S& fy_px) {
 }
 
 /// What the integrals make of an error of the OTF: those of the moduli of their kernels.
-inline double amplification(double area, double px, double py, double cutoff, bool ensquared) {
-  double box = 0.0;
-  if (ensquared) {
+inline double amplification(double area, double px, double py, double cutoff, bool ensquared, bool radial) {
+  double box = ensquared && !radial ? kPi * cutoff * cutoff * px * py : 0.0;  // the sinc are in the series
+  if (ensquared && radial) {
     constexpr int n = 64;
     for (int i = 0; i < n; ++i) {
       const double f = cutoff * (i + 0.5) / n;
@@ -88,7 +88,7 @@ PupilLight<S> light_of(OtfParts<S>& parts, double cutoff_cy_mm, double tolerance
   for (const double kink : parts.kinks_cy_mm()) breaks.push_back(kink);
   std::sort(breaks.begin(), breaks.end());
   const S area = parts.ideal_area();
-  const double amplified = amplification(value_of(area), value_of(px), value_of(py), cutoff_cy_mm, ensquared);
+  const double amplified = amplification(value_of(area), value_of(px), value_of(py), cutoff_cy_mm, ensquared, radial);
   for (std::size_t i = 1; i < breaks.size(); ++i)
     if (breaks[i] - breaks[i - 1] > 1e-9 * cutoff_cy_mm)
       append_series<S, 2>(panels, {breaks[i - 1], breaks[i]}, tolerance / amplified, 256, evaluate);

@@ -40,8 +40,9 @@ enum class Part { optics, detector, other };
 Part part_of(std::string_view kind);
 
 struct AxisNeeds {
-  bool edge = false;       ///< rer
-  bool overshoot = false;  ///< and edge_height
+  bool edge = false;        ///< rer
+  bool unfiltered = false;  ///< rer_unfiltered
+  bool overshoot = false;   ///< and edge_height
   bool fwhm = false;
   bool mtf50 = false;
   bool area = false;      ///< mtfa
@@ -65,7 +66,8 @@ struct AxisFigures {
   S nyquist{}, optics_nyquist{}, detector_nyquist{},
       presample_nyquist{};  ///< MTF at Nyquist, 1 without such components
   S folded_nyquist{};
-  S mtf50_cy_px{};  ///< NaN where the MTF never falls that far
+  S mtf50_cy_px{};     ///< NaN where the MTF never falls that far
+  S rer_unfiltered{};  ///< of the image before digital filters ([[postsample]])
   S mtfa{}, rer{}, overshoot{}, edge_height{}, fwhm_px{};
   S aliasing{}, spurious_in{};
   S spurious_out{};         ///< NaN where nothing ends what follows sampling (no display)

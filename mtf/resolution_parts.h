@@ -15,14 +15,15 @@ S modulus(const Complex<S>& h) {
   return sqrt(h.re * h.re + h.im * h.im);
 }
 
-inline constexpr std::size_t kSystem = 0, kPresample = 1;  ///< OTFs of a panel
+inline constexpr std::size_t kSystem = 0, kPresample = 1, kUnfiltered = 2;  ///< OTFs of a panel
+inline constexpr std::size_t kOtfs = 3;
 
 /// Both along an axis, and what they are at nodes fine enough for all integrals.
 template <class S>
 struct AxisPanel {
-  SeriesPanel<S, 2> series;
+  SeriesPanel<S, kOtfs> series;
   const FineNodes* nodes = nullptr;
-  ComplexValues<S> system, presample;
+  ComplexValues<S> system, presample, unfiltered;
 };
 
 /// A zero of `value` between lo and hi, where it has the values h_lo and h_hi of different sign, within `near`.

@@ -6,6 +6,8 @@
 // its path
 // ("detector.read_noise"), which is how a design differs from its file.
 
+#include <algorithm>
+#include <array>
 #include <span>
 #include <string_view>
 
@@ -39,6 +41,39 @@ class Overrides {
  private:
   std::span<const Override<S>> list_;
 };
+
+/// The numbers that the functions below read from overrides.
+inline constexpr std::array<std::string_view, 31> kBudgetNumbers{"optics.transmission",
+                                                                 "optics.cold_transmission",
+                                                                 "optics.emissivity",
+                                                                 "optics.obscuration_emissivity",
+                                                                 "optics.stop_emissivity",
+                                                                 "detector.width",
+                                                                 "detector.height",
+                                                                 "detector.dark_current",
+                                                                 "detector.full_well",
+                                                                 "detector.quantum_efficiency",
+                                                                 "detector.capacitance",
+                                                                 "detector.temperature",
+                                                                 "detector.reset_noise",
+                                                                 "detector.read_noise",
+                                                                 "detector.other_noise",
+                                                                 "adc.electrons_per_count",
+                                                                 "adc.offset",
+                                                                 "noise.row",
+                                                                 "noise.column",
+                                                                 "noise.fixed_row",
+                                                                 "noise.fixed_column",
+                                                                 "noise_3d.t",
+                                                                 "noise_3d.tv",
+                                                                 "noise_3d.th",
+                                                                 "noise_3d.tvh",
+                                                                 "noise_3d.v",
+                                                                 "noise_3d.h",
+                                                                 "noise_3d.vh",
+                                                                 "nonuniformity.prnu",
+                                                                 "nonuniformity.dsnu",
+                                                                 "narcissus.depth"};
 
 /// Without an f-number its number is 0; factors that are given as curves are 1.
 template <class S>

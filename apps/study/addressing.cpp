@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "apps/study/variant_sensor.h"
 #include "calib/parameter_site.h"
 #include "mtf/io/config_reader.h"
 #include "mtf/io/file_checks.h"
@@ -68,7 +69,9 @@ Found of_setting(const SensorView& view, const Target& target, const mtf::Settin
   const mtf::SettingsTable* table = mtf::find_table(view.sensor.tables, target.table);
   const mtf::SettingValue* value = table != nullptr ? table->find(target.key) : nullptr;
   if (value == nullptr) return {std::nullopt, not_given(view, target, row.info)};
-  if (const auto* number_value = std::get_if<double>(value)) {
+  const auto* number_value = std::get_if<double>(value);
+  // What no budget reads is a sensor of its own for each value.
+  if (number_value != nullptr && is_overridable(target.path())) {
     place.kind = Place::Kind::number;
     place.value = *number_value;
   }

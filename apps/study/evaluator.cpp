@@ -67,8 +67,10 @@ MetricPlan plan_metrics(const Study& study, double tolerance) {
         (choice.row->metric == Metric::strehl ? plan.needs.strehl : plan.needs.ensquared) = true;
         break;
       case Effort::giqe:
-        axis.edge = true;
-        if (choice.row->metric != Metric::niirs_giqe5) axis.overshoot = plan.giqe = true;
+        if (choice.row->metric == Metric::niirs_giqe5)
+          axis.unfiltered = true;
+        else
+          axis.edge = axis.overshoot = plan.giqe = true;
         break;
       case Effort::range:
         plan.range = plan.needs.curves = plan.needs.y = true;

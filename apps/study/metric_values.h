@@ -218,7 +218,8 @@ S niirs(Metric metric, const Design<S>& d) {
       mtf::value_of(gsd) > 0.0 && mtf::value_of(snr) > 0.0 && mtf::value_of(x.rer) > 0.0 && mtf::value_of(y.rer) > 0.0;
   if (!there) return not_there<S>();
   const S elevation(d.conditions->elevation_deg);
-  if (metric == Metric::niirs_giqe5) return radiometry::niirs_giqe5<S>({gsd, x.rer, y.rer, snr, elevation});
+  if (metric == Metric::niirs_giqe5)
+    return radiometry::niirs_giqe5<S>({gsd, x.rer_unfiltered, y.rer_unfiltered, snr, elevation});
   const radiometry::Giqe4Input<S> in{
       gsd, geometric_mean(x.rer, y.rer), geometric_mean(x.edge_height, y.edge_height), d.noise_gain, snr, elevation};
   return metric == Metric::niirs_giqe3 ? radiometry::niirs_giqe3(in) : radiometry::niirs_giqe4(in);

@@ -80,7 +80,9 @@ RangeFigures<S> range_figures(const Design<S>& design) {
   };
   const S nyquist = S(0.5) / detail::geometric_mean(in.spacing_x_mrad, in.spacing_y_mrad);
   const auto both = [&](double f) { return radiometry::mrtd_2d_k<S>(f, mrtd(Axis::x), mrtd(Axis::y)); };
-  figures.mrtd_k = both(0.5 * mtf::value_of(nyquist));
+  // At half of Nyquist, which moves with pitch and focal length.
+  const double middle = 0.5 * mtf::value_of(nyquist);
+  figures.mrtd_k = both(middle) + S(radiometry::slope_at(both, middle, 1e-3 * middle)) * (S(0.5) * nyquist - S(middle));
   if (!c.contrast_k) return figures;
 
   constexpr std::array<double, 3> kN50{0.75, 3.0, 6.0};

@@ -40,6 +40,7 @@ void read_on_sensor(StudyReader& s) {
 std::string hash_of(const Study& study) {
   std::string all = mtf::io::sha256_hex(study.text) + study.base.sha256;
   for (const mtf::io::SensorConfig& sensor : study.sensors) all += sensor.sha256;
+  for (const std::string& file : files_of(study)) all += mtf::io::sha256_file(file);
   return mtf::io::sha256_hex(all);
 }
 
@@ -66,8 +67,12 @@ StudyResult parse_study(const std::string& text, const std::string& file) {
   read_settings(s);
   read_metrics(s);
   if (read_sensors(s)) read_on_sensor(s);
-  s.study.sha256 = hash_of(s.study);
   result.diagnostics = std::move(s.reader.diagnostics);
+  if (result.ok()) try {
+      s.study.sha256 = hash_of(s.study);
+    } catch (const mtf::Error& error) {
+      result.diagnostics.push_back({.error = true, .position = {}, .path = {}, .text = error.what()});
+    }
   sort_diagnostics(result.diagnostics);
   for (const Diagnostic& diagnostic : result.diagnostics)
     if (!diagnostic.error) s.study.warnings.push_back(diagnostic);

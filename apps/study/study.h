@@ -118,7 +118,7 @@ struct Objective {
 enum class Method { grid, latin_hypercube, sobol };
 
 struct Study {
-  std::string file, text, sha256;  ///< sha256: of this text and of every sensor file it names
+  std::string file, text, sha256;  ///< sha256: of this text and of every file that it and its sensors name
   std::string name;
   mtf::io::SensorConfig base;                  ///< `sensor`, or the first level of the axis over it
   std::vector<mtf::io::SensorConfig> sensors;  ///< levels of the axis over `sensor`, empty without one
@@ -155,6 +155,10 @@ StudyResult parse_study(const std::string& text, const std::string& file);
 
 /// True for a file whose top level has [[axis]] or `sensor`: a study and no sensor.
 bool is_study(const std::string& text);
+
+/// All sensor files of the study and what they name: each level of each discrete axis is looked at once. A level that
+/// no sensor file could hold beside the first levels of the others is passed over: its designs have no sensor either.
+std::vector<std::string> files_of(const Study& study);
 
 /// Reads a file. Throws RuntimeError when it cannot be read, UsageError with all errors as "file:line:col: error: ..."
 /// lines.

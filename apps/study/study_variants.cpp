@@ -70,6 +70,29 @@ void check_in_sensors(StudyReader& s, const Parameter& parameter, mtf::io::Posit
 
 }  // namespace
 
+std::vector<std::string> files_of(const Study& study) {
+  std::vector<std::string> files = apps::files_of(study.base);
+  const auto append = [&](const mtf::io::SensorConfig& sensor) {
+    for (std::string& file : apps::files_of(sensor)) files.push_back(std::move(file));
+  };
+  for (const mtf::io::SensorConfig& sensor : study.sensors) append(sensor);
+  std::vector<int> levels(study.axes.size(), 0);
+  for (std::size_t a = 0; a < study.axes.size(); ++a) {
+    for (std::size_t level = 0; level < study.axes[a].levels.size(); ++level) {
+      levels[a] = static_cast<int>(level);
+      try {
+        append(variant(study, levels));
+      } catch (const mtf::UsageError&) {
+        continue;
+      }
+    }
+    levels[a] = 0;
+  }
+  std::sort(files.begin(), files.end());
+  files.erase(std::unique(files.begin(), files.end()), files.end());
+  return files;
+}
+
 std::string level_text(const Node& node) {
   if (node.kind == Node::Kind::string) return node.text;
   if (node.kind != Node::Kind::array) return cfg::shown(node);

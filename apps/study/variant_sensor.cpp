@@ -24,9 +24,14 @@ double table_number(const mtf::io::SensorConfig& config, const std::string& path
 
 bool is_spectral(std::string_view path) {
   constexpr std::array<std::string_view, 8> paths{"optics.temperature", "optics.stop_temperature", "path.transmission",
-                                                  "path.radiance",      "path.air_temperature",    "path.range",
-                                                  "scene.emissivity",   "scene.surroundings"};
+                                                  "path.radiance",      "path.air_temperature",    "scene.emissivity",
+                                                  "scene.surroundings"};
   return std::find(paths.begin(), paths.end(), path) != paths.end();
+}
+
+bool is_overridable(std::string_view path) {
+  const auto& numbers = radiometry::kBudgetNumbers;
+  return is_spectral(path) || std::find(numbers.begin(), numbers.end(), path) != numbers.end();
 }
 
 SpectralNumbers spectral_numbers(const radiometry::Sensor& sensor, double temperature_k,

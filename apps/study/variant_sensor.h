@@ -43,4 +43,7 @@ SpectralNumbers spectral_numbers(const radiometry::Sensor& sensor, double temper
 /// True for a number that only spectral_numbers reads.
 bool is_spectral(std::string_view path);
 
+/// True for a number of a table that a design may override; any other needs a variant of its own.
+bool is_overridable(std::string_view path);
+
 }  // namespace study
