@@ -22,9 +22,10 @@
 // 8322 (1997); Driggers et al., Introduction to Infrared and Electro-Optical Systems, 2nd ed. 2012, for the spurious
 // response.)
 //
-// Quadrature is adaptive (kronrod.h), in panels that end at Nyquist, at the cutoff and where a pupil has kinks; every
-// integral that is asked for has to reach the tolerance, and the error reached is reported: absolute for what is at
-// most about 1, relative for the others. A template over S, so that studies differentiate through every parameter.
+// The OTF is evaluated for its Chebyshev series (otf_series.h), on panels that end at Nyquist, at the cutoff and where
+// a pupil has kinks, and integrated from them. Every integral that is asked for has to reach the tolerance, and the
+// error reached is reported: absolute for what is at most about 1, relative for the others. A template over S, so that
+// studies differentiate through every parameter.
 
 #include <functional>
 #include <optional>

@@ -215,4 +215,13 @@ TEST(ExampleStudies, TheMwirCameraReachesFartherThroughOneLens) {
   EXPECT_NEAR(designs.at("netd", design(lwir, 48.0)), 50.0, 0.5);
 }
 
+TEST(StudyReadme, NamesEveryMetric) {
+  const std::string text = study_test::read_file(MTFKIT_SOURCE_DIR "/apps/study/README.md");
+  for (const study::MetricInfo& metric : study::metric_catalogue()) {
+    const bool axis = metric.name.ends_with("_x") || metric.name.ends_with("_y");
+    const std::string stem = axis ? metric.name.substr(0, metric.name.size() - 2) : metric.name;
+    EXPECT_NE(text.find("`" + stem + (axis ? "`*" : "`")), std::string::npos) << metric.name;
+  }
+}
+
 }  // namespace
