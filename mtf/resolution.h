@@ -4,26 +4,28 @@
 // Figures of merit of a system, from its OTF along the axes of the focal plane. Everything is an integral over the OTF
 // or the OTF at a frequency; no image, no grid. With u = f x pitch in cycles per pixel, H the system OTF along the axis
 // and P that of the presample list:
-//   lsf(x) = 2 int [Re H cos(2 pi u x) - Im H sin(2 pi u x)] du,   esf(x) = 1/2 + int [Re H sin + Im H cos](2 pi u
-//   x)/(pi u) du rer       = esf(e + 1/2) - esf(e - 1/2), e the place of esf = 1/2 (0 for a real OTF); for a Gaussian
-//   erf(1/(sqrt 8 sigma)) overshoot = largest esf(e + x) - 1 for 1 <= x <= 3; edge_height = esf at 1.25 px where it
-//   still rises there, else its
-//               largest value (GIQE's H)
-//   fwhm      = full width of the lsf at half of its peak
-//   mtf50     = first frequency where |H| falls to 1/2;  mtfa = 2 int from 0 to 1/2 of |H| du
-//   folded_nyquist  = 2 sum over m >= 0 of |H(m + 1/2)|: Nyquist and its replicas in phase, P for what lies before
-//   sampling aliasing        = int beyond 1/2 of |P| du / int to 1/2 of |P| du spurious_in     = int over g beyond 1/2
-//   of |P(g)| |Q(g folded)| du / int from 0 of |P Q| du, Q what follows sampling spurious_out    = int over |f| > 1/2
-//   of sum over k of |P(f - k)| |Q(f)| / int over all f of |P Q|; k = +-1, +-2 strehl    = int int optics OTF / int int
-//   of the same pupil without aberration, at the image of the axis ensquared = int int optics OTF(fx, fy) sinc(fx px)
-//   sinc(fy py) px py: of the optics' light, into one pitch about its centre
+//   lsf(x)  = 2 int [Re H cos(2 pi u x) - Im H sin(2 pi u x)] du
+//   esf(x)  = 1/2 + int [Re H sin(2 pi u x) + Im H cos(2 pi u x)] / (pi u) du
+//   rer     = esf(e + 1/2) - esf(e - 1/2), e the place of esf = 1/2 (0 for a real OTF); Gaussian: erf(1/(sqrt 8 sigma))
+//   overshoot   = largest esf(e + x) - 1 for 1 <= x <= 3
+//   edge_height = esf at 1.25 px where it still rises there, else its largest value (GIQE's H)
+//   fwhm    = full width of the lsf at half of its peak
+//   mtf50   = first frequency where |H| falls to 1/2
+//   mtfa    = 2 int from 0 to 1/2 of |H| du
+//   folded_nyquist = 2 sum over m >= 0 of |P(m + 1/2)|: with replicas in phase, before sampling
+//   aliasing       = int beyond 1/2 of |P| du / int to 1/2 of |P| du
+//   spurious_in    = int over g > 1/2 of |P(g)| |Q(g folded)| dg / int from 0 of |P Q|, Q what follows sampling
+//   spurious_out   = int over |f| > 1/2 of sum over k = +-1, +-2 of |P(f - k)| |Q(f)| / int over all f of |P Q|
+//   strehl    = int int optics OTF / int int of the same pupil without aberration, at the image of the axis
+//   ensquared = int int optics OTF(fx, fy) sinc(fx px) sinc(fy py) px py: light in one pitch about its centre
 // (Fiete, Modeling the Imaging Chain of Digital Cameras, SPIE 2010, for RER and H; Leachtenauer et al., Appl. Opt. 36,
 // 8322 (1997); Driggers et al., Introduction to Infrared and Electro-Optical Systems, 2nd ed. 2012, for the spurious
 // response.)
 //
-// Quadrature is adaptive (kronrod.h), in panels that end at Nyquist, at the cutoff and where a pupil has kinks; every
-// integral that is asked for has to reach the tolerance, and the error reached is reported: absolute for what is at
-// most about 1, relative for the others. A template over S, so that studies differentiate through every parameter.
+// The OTF is evaluated for its Chebyshev series (otf_series.h), on panels that end at Nyquist, at the cutoff and where
+// a pupil has kinks, and integrated from them. Every integral that is asked for has to reach the tolerance, and the
+// error reached is reported: absolute for what is at most about 1, relative for the others. A template over S, so that
+// studies differentiate through every parameter.
 
 #include <functional>
 #include <optional>

@@ -24,7 +24,14 @@ double between(const Axis& axis, double fraction) {
 double grid_value(const Axis& axis, std::int64_t i) {
   if (axis.discrete()) return static_cast<double>(i);
   if (!axis.values.empty()) return axis.values[static_cast<std::size_t>(i)];
-  return axis.count < 2 ? axis.from : between(axis, static_cast<double>(i) / (axis.count - 1));
+  if (axis.count < 2) return axis.from;
+  const double last = axis.count - 1, step = static_cast<double>(i);
+  if (axis.scale == Scale::linear && 0.0 < step &&
+      step < last) {  // round numbers stay round: 16 mm of 12 to 96 mm, not 15.999999999999998
+    const double value = (axis.from * (last - step) + axis.to * step) / last;
+    if (std::isfinite(value)) return value;
+  }
+  return between(axis, step / last);
 }
 
 double quantile(const Axis& axis, double u) {

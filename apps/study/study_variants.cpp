@@ -134,7 +134,7 @@ void check_levels(StudyReader& s) {
   int chains = 0;
   for (std::size_t a = 0; a < study.axes.size(); ++a) {
     const Axis& axis = study.axes[a];
-    if (is_sensor(study, a)) continue;
+    if (is_sensor(study, a) || parameter_of(study, a).path.empty()) continue;  // no sensor has the study's own numbers
     const Node& table = s.tree.find("axis")->items.at(a);
     const std::string path = "axis[" + std::to_string(a) + "]";
     check_in_sensors(s, parameter_of(study, a), table.position, path);

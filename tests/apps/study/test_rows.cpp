@@ -38,7 +38,7 @@ void fill(std::int64_t design, std::span<double> row) {
   row[4] = std::bit_cast<double>(std::uint64_t{0x3ff0000000000000} + static_cast<std::uint64_t>(design * 12345677));
 }
 
-study::RowRun run_of(const TempFolder& folder, std::int64_t designs, int threads = 2, std::int64_t piece = 0) {
+study::RowRun run_of(const TempFolder& folder, std::int64_t designs, int threads = 2, std::int64_t piece = 16) {
   return {.layout = kLayout,
           .range = {0, designs},
           .folder = folder / "parts",

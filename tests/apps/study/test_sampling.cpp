@@ -8,6 +8,7 @@
 
 #include "apps/study/sampling.h"
 #include "apps/study/study.h"
+#include "tests/apps/study/study_files.h"
 
 namespace study {
 namespace {
@@ -206,6 +207,27 @@ TEST(Sampling, QuantilesReachBothEnds) {
   EXPECT_NEAR(x[0], 10.0, 1e-14);
   EXPECT_EQ(x[1], 0.0);
   EXPECT_EQ(x[2], 7.0);
+}
+
+TEST(Sampling, RoundPointsOfAGridAreRound) {
+  const study_test::Folder folder;
+  const std::string text = study_test::kHead +
+                           "[[axis]]\nname = \"lens\"\nfrom = \"12 mm\"\nto = \"96 mm\"\ncount = 22\n" +
+                           "[[axis]]\nname = \"huge\"\nfrom = -1e308\nto = 1.5e308\ncount = 6\n" +
+                           "[[axis]]\nname = \"tenths\"\nfrom = 0.1\nto = 0.7\ncount = 3\n" + study_test::kMetrics;
+  const study::StudyResult result = folder.parse(text);
+  ASSERT_TRUE(result.ok()) << folder.lines(text);
+  const auto values_at = [&](std::int64_t design) {
+    std::vector<double> values(3);
+    design_at(result.study, design, values);
+    return values;
+  };
+  for (int i = 0; i < 22; ++i) EXPECT_EQ(values_at(18 * i)[0], 12.0 + 4.0 * i) << i;
+  EXPECT_EQ(values_at(0)[1], -1e308);
+  EXPECT_NEAR(values_at(9)[1] / 1e308, 0.5, 1e-15);  // its product with the count is no double
+  EXPECT_EQ(values_at(15)[1], 1.5e308);
+  EXPECT_EQ(values_at(0)[2], 0.1);
+  EXPECT_EQ(values_at(2)[2], 0.7);
 }
 
 }  // namespace

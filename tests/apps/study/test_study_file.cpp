@@ -298,6 +298,9 @@ TEST(StudyFile, AxesOverSensors) {
   const study::StudyResult result = folder.parse(text);
   ASSERT_TRUE(result.ok()) << folder.lines(text);
   EXPECT_EQ(result.study.sensors.size(), 2u);
+  const std::string own = "[[axis]]\nname = \"lens\"\nvalues = [\"100 mm\", \"200 mm\"]\n";
+  const std::string linked = "schema = 1\n" + axis + own + "[links]\nfocal_length = \"8 * lens\"\n" + kMetrics;
+  EXPECT_TRUE(folder.parse(linked).ok()) << folder.lines(linked);  // a number of the study's own is in no sensor
   EXPECT_EQ(result.study.base.file, folder / "camera.toml");
   EXPECT_EQ(result.study.variants, 4);
   const auto sensor = study::variant(result.study, std::vector{1, 0, 0});
