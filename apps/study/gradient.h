@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Derivatives of the metrics of a design by its axes, through the same code as their values.
+// Derivatives of the metrics, objectives and constraints of a design by its axes, through the same code as their
+// values.
 
 #include "apps/study/evaluator.h"
 #include "apps/study/variant_sensor.h"
