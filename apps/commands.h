@@ -18,5 +18,6 @@ Command bench_command();
 // Where calib is built.
 Command measure_command();
 Command fit_command();
+Command optimize_command();
 
 }  // namespace apps

@@ -72,11 +72,13 @@ class AugmentedLagrangian final : public ceres::FirstOrderFunction {
     }
     for (std::size_t j = 0; j < point.margin.size(); ++j) {
       const double m = multipliers_->value[j], p = multipliers_->penalty;
-      const double pull = std::max(0.0, m + p * seen_violation(point, *scale_, j));
+      // The nearest design is that of the violations themselves.
+      const double margin = scaled_margin(point, *scale_, j);
+      const double pull = std::max(0.0, m + p * (task_.only_constraints ? -margin : -std::asinh(margin)));
       if (std::isnan(point.margin[j])) return false;
       sum += (pull * pull - m * m) / (2.0 * p);
       if (pull == 0.0) continue;
-      const double slope = -pull * asinh_slope(scaled_margin(point, *scale_, j)) / scale_->margin[j];
+      const double slope = -pull * (task_.only_constraints ? 1.0 : asinh_slope(margin)) / scale_->margin[j];
       for (std::size_t i = 0; sloped && i < n; ++i) by_z[i] += slope * slopes.margin[j * n + i];
     }
     if (!std::isfinite(sum)) return false;
