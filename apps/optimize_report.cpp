@@ -99,11 +99,12 @@ std::string others_table(const Study& study, const OptimizedGoal& goal) {
   return table.aligned();
 }
 
-Json optimum_json(const Study& study, const Optimum& optimum) {
+/// `whole`: with its metrics.
+Json optimum_json(const Study& study, const Optimum& optimum, bool whole) {
   Json json{{"design", Json::array()}, {"objectives", Json::array()}, {"constraints", Json::array()}};
   const std::vector<Column> columns = columns_of(study);
   for (std::size_t c = 0; c < columns.size() && c < optimum.row.size(); ++c) {
-    if (!is_value(columns[c])) continue;
+    if (!is_value(columns[c]) || (!whole && columns[c].role == Column::Role::metric)) continue;
     const std::string* level = level_of(study, optimum, c);
     json["design"].push_back({{"name", columns[c].name},
                               {"role", role_name(columns[c].role)},
@@ -194,13 +195,13 @@ std::string optimize_json(const Study& study, const std::vector<OptimizedGoal>& 
              {"starts", outcome.starts},
              {"starts_of_best", outcome.starts_of_best},
              {"evaluations", outcome.evaluations},
-             {"best", outcome.status == Status::impossible ? Json() : optimum_json(study, outcome.best)},
+             {"best", outcome.status == Status::impossible ? Json() : optimum_json(study, outcome.best, true)},
              {"others", Json::array()},
              {"contradiction", outcome.contradiction},
              {"problem", outcome.problem},
              {"says", sentences(study, goal.options, outcome)},
              {"file", goal.file.empty() ? Json() : Json(goal.file)}};
-    for (const Optimum& other : outcome.others) one["others"].push_back(optimum_json(study, other));
+    for (const Optimum& other : outcome.others) one["others"].push_back(optimum_json(study, other, false));
     json["goals"].push_back(std::move(one));
   }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -22,8 +22,24 @@ double quantile_of(std::vector<double> values, double share) {
 
 std::shared_ptr<const Study> sharpened(const Study& study) {
   auto sharp = std::make_shared<Study>(study);
-  sharp->tolerance = std::min(study.tolerance, 1e-10);
+  sharp->tolerance = std::min(study.tolerance, kSharp);
   return sharp;
+}
+
+std::shared_ptr<const Study> only_needed(const Study& study) {
+  std::vector<bool> needed(study.slots(), false);
+  const auto use = [&](const Expression& expression) {
+    for (const int slot : expression.slots()) needed[static_cast<std::size_t>(slot)] = true;
+  };
+  for (const Objective& objective : study.objectives) use(objective.expression);
+  for (const Constraint& constraint : study.constraints) {
+    use(constraint.left);
+    use(constraint.right);
+  }
+  auto lean = std::make_shared<Study>(*sharpened(study));
+  for (std::size_t i = 0; i < lean->metrics.size(); ++i)
+    if (!needed[study.parameters.size() + i]) lean->metrics[i] = *find_metric("ifov");
+  return lean;
 }
 
 DesignProblem::DesignProblem(std::shared_ptr<const Study> study, Goal goal, std::vector<int> levels)
@@ -89,7 +105,7 @@ DesignSlopes DesignProblem::slopes(std::span<const double> z) {
   DesignSlopes slopes{std::vector<double>(n, 0.0), std::vector<double>(n * constraints(), 0.0)};
   if (n == 0) return slopes;
   ++evaluations_;
-  const Gradient gradient = evaluator_.gradient_at(axis_values(z));
+  const Gradient gradient = evaluator_.gradient_at(axis_values(z), kSharp);
   for (std::size_t i = 0; i < n; ++i) {
     const double by_z = stretch(i, z[i]);
     for (std::size_t k = 0; k < goal_.size(); ++k)

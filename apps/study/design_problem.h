@@ -3,7 +3,7 @@
 
 // A study as a problem of optimisation: one combination of levels of the discrete axes, the numeric axes as a point z
 // of the unit cube (0 and 1 are the ends of an axis, log axes in the logarithm), one number F to be made small, and
-// margins of the constraints, all with slopes by autodiff. Every value is worked out to 1e-10, whatever the study's
+// margins of the constraints, all with slopes by autodiff. Every value is worked out to kSharp, whatever the study's
 // tolerance: noise of 1e-4 would hide where an optimum is.
 
 #include <memory>
@@ -77,8 +77,13 @@ class DesignProblem {
   int evaluations_ = 0;
 };
 
-/// The study with the tolerance that a DesignProblem takes.
+/// Error allowed to metrics here. The slopes are those of the same approximation, so that a search sees less of it.
+inline constexpr double kSharp = 1e-6;
+/// The study with this tolerance, or its own where that is smaller.
 std::shared_ptr<const Study> sharpened(const Study& study);
+/// The same, and in the places of metrics that no objective and no constraint takes one that costs nothing: what
+/// expressions read stays where it is.
+std::shared_ptr<const Study> only_needed(const Study& study);
 
 /// Scales from points all over the box.
 ProblemScale scale_of(DesignProblem& problem, const std::vector<std::vector<double>>& points);

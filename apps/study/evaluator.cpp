@@ -285,14 +285,14 @@ const std::string& Evaluator::last_problem() const { return impl_->problem; }
 std::span<const double> Evaluator::last_objectives() const { return impl_->objectives; }
 std::span<const Sides> Evaluator::last_sides() const { return impl_->sides; }
 
-Gradient Evaluator::gradient_at(std::span<const double> axis_values) {
+Gradient Evaluator::gradient_at(std::span<const double> axis_values, double tolerance) {
   Impl& impl = *impl_;
   Impl::Ready& variant = impl.ready(axis_values);
   impl.problem.clear();
   const bool possible =
       variant.sensor.problems.empty() && impl.fill_parameters(variant, axis_values, {}) && impl.set_system(variant);
   return gradient_of(*impl.study, variant.sensor,
-                     possible ? std::span<const double>(impl.parameters) : std::span<const double>{});
+                     possible ? std::span<const double>(impl.parameters) : std::span<const double>{}, tolerance);
 }
 
 std::vector<std::string> Evaluator::gaps() const {

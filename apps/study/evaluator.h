@@ -62,7 +62,8 @@ class Evaluator {
   /// The same at any values of the axes, those of discrete axes being indices of levels. `shift`: added to the
   /// parameters of Study::as_built after the links, in their units; empty for none. `yield` stays NaN here.
   void evaluate_at(std::span<const double> axis_values, std::span<double> row, std::span<const double> shift = {});
-  Gradient gradient_at(std::span<const double> axis_values);
+  /// To `tolerance`, or the study's where that is smaller.
+  Gradient gradient_at(std::span<const double> axis_values, double tolerance = 1e-10);
   const std::string& last_problem() const;  ///< "" when the last design was fine
   /// Of the last design that was evaluated: all objectives as shown, and the sides of the constraints.
   std::span<const double> last_objectives() const;

@@ -57,7 +57,8 @@ void spectral_jets(const VariantSensor& variant, double temperature_k,
 
 }  // namespace
 
-Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span<const double> parameters) {
+Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span<const double> parameters,
+                     double tolerance) {
   Gradient gradient;
   std::vector<std::size_t> axes;  // parameters of numeric axes
   for (const Axis& axis : study.axes)
@@ -74,7 +75,7 @@ Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span
   }
   if (parameters.empty()) return gradient;
 
-  const MetricPlan plan = plan_metrics(study, std::min(study.tolerance, 1e-10));
+  const MetricPlan plan = plan_metrics(study, std::min(study.tolerance, tolerance));
   DesignWork<Jet4> work(study, plan, variant, mtf::cast<Jet4>(variant.system));
   for (std::size_t first = 0; first < axes.size(); first += kStride) {
     std::vector<Jet4> values(parameters.begin(), parameters.end()), slots(study.slots()), metrics(study.metrics.size());

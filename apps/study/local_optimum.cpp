@@ -46,7 +46,7 @@ class Start {
   void smooth();
   void search() {
     FreeTask task;
-    task.most_evaluations = 1500 * (static_cast<int>(z_.size()) + 1);
+    task.most_evaluations = 500 * (static_cast<int>(z_.size()) + 1);
     task.whole_box = whole_box_;
     task.seed = seed_;
     take(free_search(problem_, scale_, z_, task).z);

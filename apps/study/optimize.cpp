@@ -97,7 +97,7 @@ OptimizeOutcome optimize(const Study& study, const OptimizeOptions& options) {
     throw mtf::UsageError(study.file + ": " + std::to_string(study.variants) +
                           " combinations of levels of discrete axes; at most " + std::to_string(kMostCombinations) +
                           " are tried, so give some axis fewer levels");
-  const std::shared_ptr<const Study> sharp = sharpened(study);
+  const std::shared_ptr<const Study> sharp = only_needed(study);
   refuse_gaps(sharp, goal);
 
   std::mutex mutex;
@@ -166,6 +166,8 @@ OptimizeOutcome optimize(const Study& study, const OptimizeOptions& options) {
   for (std::size_t i = 1; i < places.size() && outcome.others.size() < kMostOthers; ++i)
     if (places[i].local.optimum.feasible) outcome.others.push_back(std::move(places[i].local.optimum));
   outcome.best = std::move(best.local.optimum);
+  Evaluator whole(sharpened(study));  // with the metrics that are only listed
+  whole.evaluate_at(outcome.best.axis_values, outcome.best.row);
   return outcome;
 }
 

@@ -42,16 +42,16 @@ struct Violation {
 
 struct Optimum {
   std::vector<double> axis_values;  ///< as Evaluator takes them
-  std::vector<double> row;          ///< values of columns_of(study), worked out to 1e-10
+  std::vector<double> row;          ///< values of columns_of(study), to kSharp; metrics only of the best design
   std::vector<double> objectives;   ///< as shown
   double goal = 0.0;                ///< weighted sum, to be made small
   bool feasible = false;
   std::vector<Limit> limits;
   std::vector<Violation> violations;
-  bool shared = false;    ///< limits depend on each other: the gains are one split of many
-  double residual = 0.0;  ///< slope of the goal that no limit holds, over the whole length of an axis, as a share of
-                          ///< the goal's spread; NaN without slopes
-  bool converged = false;                                            ///< residual at most 1e-5
+  bool shared = false;     ///< limits depend on each other: the gains are one split of many
+  double residual = 0.0;   ///< slope of the goal that no limit holds, over the whole length of an axis, as a share of
+                           ///< the goal's spread; NaN without slopes
+  bool converged = false;  ///< residual at most 1e-5
   OptimizeOptions::Method method = OptimizeOptions::Method::smooth;  ///< that found it
   std::string why;   ///< why it was not the method asked for; "" when it was
   std::string edge;  ///< what keeps designs from going on where no limit does: a problem of Evaluator

@@ -94,6 +94,14 @@ std::vector<std::string> sentences(const Study& study, const OptimizeOptions& op
                         : "designs stop being possible there: " + best.edge);
   }
   if (!best.why.empty()) lines.push_back("found by search: " + best.why);
+  int elsewhere = 0;
+  for (const Optimum& other : outcome.others)
+    if (std::abs(other.goal - best.goal) <= 1e-6 * std::abs(best.goal)) elsewhere += other.starts;
+  if (elsewhere > 0) {
+    lines.push_back(std::to_string(elsewhere + best.starts) + " starts came to this value, at different designs: " +
+                    "something in the study makes no difference to it");
+    return lines;
+  }
   if (outcome.starts_of_best > 1)
     lines.push_back(std::to_string(best.starts) + " of " + std::to_string(outcome.starts_of_best) +
                     " starts came to it" + (best.starts == 1 ? "; more (--starts) may find a better one" : ""));

@@ -11,8 +11,9 @@
 namespace study {
 namespace {
 
+constexpr double kSlopeLeft = 1e-9;
 constexpr double kFarthestPenalty = 1e7;
-constexpr double kGoodEnough = 1e-9;  // of violations; below kKeptOff
+constexpr double kGoodEnough = 2e-8;  // of violations; below kKeptOff
 
 /// d asinh(x)/dx.
 double asinh_slope(double x) { return 1.0 / std::hypot(1.0, x); }
@@ -108,7 +109,7 @@ class AugmentedLagrangian final : public ceres::FirstOrderFunction {
 /// The best theta that was met; the start when there was none.
 std::vector<double> minimize(DesignProblem& problem, const ProblemScale& scale, const SearchTask& task,
                              const Multipliers& multipliers, std::vector<double> theta, int last_evaluation,
-                             bool& no_slopes) {
+                             double slope_left, bool& no_slopes) {
   Seen seen;
   const ceres::GradientProblem lagrangian(
       new AugmentedLagrangian(problem, scale, task, multipliers, seen, last_evaluation));  // which owns it
@@ -117,7 +118,7 @@ std::vector<double> minimize(DesignProblem& problem, const ProblemScale& scale, 
   options.use_approximate_eigenvalue_bfgs_scaling = true;
   options.line_search_interpolation_type = ceres::BISECTION;  // those of polynomials complain on standard error
   options.max_num_iterations = 200;
-  options.gradient_tolerance = 1e-10;
+  options.gradient_tolerance = slope_left;
   options.function_tolerance = 1e-15;
   options.parameter_tolerance = 1e-14;
   options.min_line_search_step_size = 1e-14;
@@ -150,8 +151,11 @@ SearchEnd smooth_search(DesignProblem& problem, const ProblemScale& scale, std::
   Multipliers multipliers{std::vector<double>(problem.constraints(), 0.0)};
   double before = HUGE_VAL;
   for (int round = 0; round < 30 && problem.evaluations() < last_evaluation; ++round) {
-    theta = minimize(problem, scale, task, multipliers, theta, last_evaluation, end.no_slopes);
-    if (multipliers.value.empty() || task.only_constraints) break;
+    // Sharper as the multipliers become those of the optimum; without constraints there is but one round.
+    const bool once = multipliers.value.empty() || task.only_constraints;
+    const double slope_left = once ? kSlopeLeft : std::max(kSlopeLeft, 1e-3 * std::pow(0.1, round));
+    theta = minimize(problem, scale, task, multipliers, theta, last_evaluation, slope_left, end.no_slopes);
+    if (once) break;
     const DesignPoint point = problem.at(cube_of(theta));
     double worst = 0.0;
     for (std::size_t j = 0; j < point.margin.size(); ++j) {
@@ -160,7 +164,7 @@ SearchEnd smooth_search(DesignProblem& problem, const ProblemScale& scale, std::
       worst = std::max(worst, std::abs(std::max(g, -m / multipliers.penalty)));
       m = std::max(0.0, m + multipliers.penalty * g);
     }
-    if (!(worst > kGoodEnough)) break;
+    if (!(worst > kGoodEnough) && slope_left < 1e-6) break;
     if (worst > 0.25 * before) {
       if (multipliers.penalty >= kFarthestPenalty && worst > 0.9 * before) break;
       multipliers.penalty = std::min(10.0 * multipliers.penalty, kFarthestPenalty);

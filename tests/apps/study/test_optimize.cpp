@@ -37,9 +37,6 @@ class Optimize : public testing::Test {
     study_ = read(text);
     if (options.weights.empty()) options.weights.assign(study_->objectives.size(), 1.0);
     OptimizeOutcome outcome = optimize(*study_, options);
-    if (getenv("SHOW"))
-      fprintf(stderr, "evals %ld starts %d/%d\n", long(outcome.evaluations), outcome.best.starts,
-              outcome.starts_of_best);
     words_.clear();
     for (const std::string& line : sentences(*study_, options, outcome)) words_ += line + "\n";
     return outcome;
@@ -96,7 +93,7 @@ TEST_F(Optimize, RosenbrockInADisc) {
   EXPECT_EQ(outcome.status, Status::optimal) << words_;
   EXPECT_NEAR(outcome.best.axis_values[0], 0.78641515416842783, 1e-6);
   EXPECT_NEAR(outcome.best.axis_values[1], 0.61769831252339348, 1e-6);
-  EXPECT_NEAR(outcome.best.objectives[0], 0.04567480871950029, 1e-8);
+  EXPECT_NEAR(outcome.best.objectives[0], 0.04567480871950029, 3e-8);
   ASSERT_EQ(outcome.best.limits.size(), 1U);
   EXPECT_NEAR(outcome.best.limits[0].gain, 0.12149655699928839, 1e-6);
   // The same against optima of a little more and a little less room.
@@ -149,7 +146,7 @@ TEST_F(Optimize, LevelsOfDiscreteAxes) {
   EXPECT_NEAR(outcome.best.axis_values[1], 6.5, 1e-5);
   EXPECT_NEAR(outcome.best.objectives[0], 1.2, 1e-9);
   ASSERT_GE(outcome.others.size(), 3U);
-  EXPECT_NEAR(outcome.others[0].objectives[0], 1.25, 1e-6);  // 10 bits, at its constraint
+  EXPECT_NEAR(outcome.others[0].objectives[0], 1.25, 5e-6);  // 10 bits, kept off its constraint by 1e-7
 }
 
 TEST_F(Optimize, KinksBySearch) {
