@@ -139,6 +139,18 @@ std::vector<double> evenly_spaced(double start, double stop, int count) {
   return values;
 }
 
+std::vector<double> number_list(std::string_view option, std::string_view text) {
+  const auto parts = split(text, ',');
+  if (parts.size() > 1000) refuse(option, text.substr(0, 40), "short enough: at most 1000 numbers");
+  std::vector<double> values;
+  for (const std::string_view part : parts) {
+    const auto value = finite(part);
+    if (!value) refuse(option, text, "a comma list of finite numbers, such as 1,0.5");
+    values.push_back(*value);
+  }
+  return values;
+}
+
 std::vector<double> frequency_list(std::string_view option, std::string_view text) {
   if (text.find(':') != std::string_view::npos) {
     const auto parts = split(text, ':');

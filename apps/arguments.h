@@ -41,6 +41,9 @@ std::array<std::int64_t, 4> rectangle(std::string_view option, std::string_view 
 /// "START:STOP:COUNT" with both ends, or a comma list; 1 to 1e6 finite numbers.
 std::vector<double> frequency_list(std::string_view option, std::string_view text);
 
+/// A comma list of finite numbers, 1 to 1000.
+std::vector<double> number_list(std::string_view option, std::string_view text);
+
 /// `count` evenly spaced numbers from `start` to `stop`, both included; only `start` when count is 1.
 std::vector<double> evenly_spaced(double start, double stop, int count);
 

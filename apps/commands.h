@@ -21,5 +21,6 @@ Command measure_command();
 Command fit_command();
 // Where apps/study is built.
 Command sweep_command();
+Command optimize_command();
 
 }  // namespace apps

@@ -176,6 +176,20 @@ struct SweepOptions {
   bool submit = false;
 };
 
+/// `mtf optimize`.
+struct OptimizeCommandOptions {
+  std::string study;
+  std::vector<double> weights;   ///< by objective; empty = not given
+  std::optional<int> objective;  ///< from 1
+  bool each = false;             ///< every objective for itself
+  bool search = false;           ///< --method search
+  int starts = 8;
+  Format format = Format::table;  ///< of standard output: table or json
+  std::string out;                ///< sensor file of the best design, with --each a folder; "" = none
+  std::string report;             ///< JSON; "" = none
+  bool force = false;
+};
+
 int run_curve(const CurveOptions& options, const Global& global);
 int run_info(const InfoOptions& options, const Global& global);
 int run_config(const ConfigOptions& options, const Global& global);
@@ -186,6 +200,7 @@ int run_budget(const BudgetOptions& options, const Global& global);
 int run_measure(const MeasureOptions& options, const Global& global);
 int run_fit(const FitOptions& options, const Global& global);
 int run_sweep(const SweepOptions& options, const Global& global);
+int run_optimize(const OptimizeCommandOptions& options, const Global& global);
 int run_check(const CheckOptions& options, const Global& global);
 int run_report(const ReportOptions& options, const Global& global);
 

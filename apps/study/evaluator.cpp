@@ -116,7 +116,8 @@ struct Evaluator::Impl {
     std::unique_ptr<DesignWork<double>> work;
   };
   std::map<std::vector<int>, std::unique_ptr<Ready>> variants{};
-  std::vector<double> axis_values{}, parameters{}, metrics{}, slots{};
+  std::vector<double> axis_values{}, parameters{}, metrics{}, slots{}, objectives{};
+  std::vector<Sides> sides{};
   std::vector<int> levels{};
   std::string problem{};
 
@@ -126,6 +127,8 @@ struct Evaluator::Impl {
     parameters.resize(study->parameters.size());
     metrics.resize(study->metrics.size());
     slots.resize(study->slots());
+    objectives.resize(study->objectives.size());
+    sides.resize(study->constraints.size());
   }
 
   /// Sensor of the levels of the discrete axes; the oldest go when there are many.
@@ -154,7 +157,7 @@ struct Evaluator::Impl {
 
   bool fill_parameters(const Ready& variant, std::span<const double> values, std::span<const double> shift);
   bool set_system(Ready& variant);
-  void write_row(std::span<double> row) const;
+  void write_row(std::span<double> row);
   void evaluate_at(std::span<const double> values, std::span<double> row, std::span<const double> shift);
 };
 
@@ -174,10 +177,13 @@ bool Evaluator::Impl::fill_parameters(const Ready& variant, std::span<const doub
   };
   for (std::size_t a = 0; a < study->axes.size(); ++a) {
     const Axis& axis = study->axes[a];
-    if (axis.discrete())
-      parameters[static_cast<std::size_t>(axis.parameter)] = axis.values[static_cast<std::size_t>(values[a])];
-    else
+    if (!axis.discrete()) {
       put(axis.parameter, values[a]);
+      continue;
+    }
+    const auto i = static_cast<std::size_t>(axis.parameter);
+    parameters[i] = axis.values[static_cast<std::size_t>(values[a])];
+    slots[i] = parameters[i] * study->parameters[i].scale.si;
   }
   for (const Link& link : study->links)
     put(link.parameter,
@@ -244,23 +250,26 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
   row.back() = error;
 }
 
-void Evaluator::Impl::write_row(std::span<double> row) const {
+void Evaluator::Impl::write_row(std::span<double> row) {
   std::size_t c = 0;
   for (const Axis& axis : study->axes) row[c++] = parameters[static_cast<std::size_t>(axis.parameter)];
   for (const Link& link : study->links) row[c++] = parameters[static_cast<std::size_t>(link.parameter)];
   for (const double metric : metrics) row[c++] = metric;
-  for (const Objective& objective : study->objectives)
-    if (has_column(objective))
-      row[c++] = problem.empty() ? objective.expression.evaluate<double>(slots) / objective.si : kNan;
-  if (study->constraints.empty()) return;
-  bool feasible = problem.empty();
-  for (const Constraint& constraint : study->constraints) {
-    const double left = constraint.left.evaluate<double>(slots), right = constraint.right.evaluate<double>(slots);
-    const bool holds = constraint.less ? (constraint.strict ? left < right : left <= right)
-                                       : (constraint.strict ? left > right : left >= right);
-    feasible = feasible && holds;  // false for NaN
+  const bool possible = problem.empty();
+  for (std::size_t i = 0; i < objectives.size(); ++i) {
+    const Objective& objective = study->objectives[i];
+    objectives[i] = possible ? objective.expression.evaluate<double>(slots) / objective.si : kNan;
+    if (has_column(objective)) row[c++] = objectives[i];
   }
-  row[c] = feasible ? 1.0 : 0.0;
+  bool feasible = possible;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const Constraint& constraint = study->constraints[i];
+    sides[i] = possible ? Sides{constraint.left.evaluate<double>(slots), constraint.right.evaluate<double>(slots)}
+                        : Sides{kNan, kNan};
+    const double margin = sides[i].margin(constraint);
+    feasible = feasible && (constraint.strict ? margin > 0.0 : margin >= 0.0);  // false for NaN
+  }
+  if (!sides.empty()) row[c] = feasible ? 1.0 : 0.0;
 }
 
 Evaluator::Evaluator(std::shared_ptr<const Study> study) : impl_(std::make_unique<Impl>(std::move(study))) {}
@@ -277,15 +286,17 @@ void Evaluator::evaluate_at(std::span<const double> axis_values, std::span<doubl
 }
 
 const std::string& Evaluator::last_problem() const { return impl_->problem; }
+std::span<const double> Evaluator::last_objectives() const { return impl_->objectives; }
+std::span<const Sides> Evaluator::last_sides() const { return impl_->sides; }
 
-Gradient Evaluator::gradient_at(std::span<const double> axis_values) {
+Gradient Evaluator::gradient_at(std::span<const double> axis_values, double tolerance) {
   Impl& impl = *impl_;
   Impl::Ready& variant = impl.ready(axis_values);
   impl.problem.clear();
   const bool possible =
       variant.sensor.problems.empty() && impl.fill_parameters(variant, axis_values, {}) && impl.set_system(variant);
   return gradient_of(*impl.study, variant.sensor,
-                     possible ? std::span<const double>(impl.parameters) : std::span<const double>{});
+                     possible ? std::span<const double>(impl.parameters) : std::span<const double>{}, tolerance);
 }
 
 std::vector<std::string> Evaluator::gaps() const {

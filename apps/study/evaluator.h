@@ -33,11 +33,20 @@ struct Column {
 /// `error`.
 std::vector<Column> columns_of(const Study& study);
 
-/// d(metric or objective) / d(parameter of a numeric axis) by autodiff, in the units of the columns; NaN where there is
-/// none.
+/// Derivatives by the parameters of the numeric axes, by autodiff; NaN where there is none.
 struct Gradient {
   std::vector<std::string> columns, parameters;
-  std::vector<double> value;  ///< [column][parameter]
+  std::vector<double> value;      ///< [column][parameter]: metrics and objectives that have a column, in its unit
+  std::vector<double> objective;  ///< [objective][parameter]: all objectives, as shown
+  std::vector<double> margin;     ///< [constraint][parameter]: Sides::margin in SI
+};
+
+/// The two sides of a constraint in SI, NaN for a design that cannot be.
+struct Sides {
+  double left = 0.0, right = 0.0;
+
+  /// By how much it holds, below 0 where it does not: right - left of left < right, else left - right.
+  double margin(const Constraint& constraint) const { return constraint.less ? right - left : left - right; }
 };
 
 class Evaluator {
@@ -53,8 +62,12 @@ class Evaluator {
   /// The same at any values of the axes, those of discrete axes being indices of levels. `shift`: added to the
   /// parameters of Study::as_built after the links, in their units; empty for none. `yield` stays NaN here.
   void evaluate_at(std::span<const double> axis_values, std::span<double> row, std::span<const double> shift = {});
-  Gradient gradient_at(std::span<const double> axis_values);
+  /// To `tolerance`, or the study's where that is smaller.
+  Gradient gradient_at(std::span<const double> axis_values, double tolerance = 1e-9);
   const std::string& last_problem() const;  ///< "" when the last design was fine
+  /// Of the last design that was evaluated: all objectives as shown, and the sides of the constraints.
+  std::span<const double> last_objectives() const;
+  std::span<const Sides> last_sides() const;
 
   /// Why a metric has no number for this study at all ("netd: no [detector]"), by column; "" where it has.
   std::vector<std::string> gaps() const;

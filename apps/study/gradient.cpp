@@ -57,23 +57,25 @@ void spectral_jets(const VariantSensor& variant, double temperature_k,
 
 }  // namespace
 
-Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span<const double> parameters) {
+Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span<const double> parameters,
+                     double tolerance) {
   Gradient gradient;
   std::vector<std::size_t> axes;  // parameters of numeric axes
   for (const Axis& axis : study.axes)
     if (!axis.discrete()) axes.push_back(static_cast<std::size_t>(axis.parameter));
   for (const std::size_t i : axes) gradient.parameters.push_back(study.parameters[i].name);
   for (const MetricInfo& metric : study.metrics) gradient.columns.push_back(metric.name);
-  std::vector<const Objective*> objectives;
   for (const Objective& objective : study.objectives)
-    if (!objective.expression.only_slot()) {
-      objectives.push_back(&objective);
-      gradient.columns.push_back(objective.text);
-    }
-  gradient.value.assign(gradient.columns.size() * axes.size(), std::numeric_limits<double>::quiet_NaN());
+    if (!objective.expression.only_slot()) gradient.columns.push_back(objective.text);
+  for (auto* values : {&gradient.value, &gradient.objective, &gradient.margin}) {
+    const std::size_t rows = values == &gradient.value       ? gradient.columns.size()
+                             : values == &gradient.objective ? study.objectives.size()
+                                                             : study.constraints.size();
+    values->assign(rows * axes.size(), std::numeric_limits<double>::quiet_NaN());
+  }
   if (parameters.empty()) return gradient;
 
-  const MetricPlan plan = plan_metrics(study, std::min(study.tolerance, 1e-9));
+  const MetricPlan plan = plan_metrics(study, std::min(study.tolerance, tolerance));
   DesignWork<Jet4> work(study, plan, variant, mtf::cast<Jet4>(variant.system));
   for (std::size_t first = 0; first < axes.size(); first += kStride) {
     std::vector<Jet4> values(parameters.begin(), parameters.end()), slots(study.slots()), metrics(study.metrics.size());
@@ -98,12 +100,22 @@ Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span
     }
     for (std::size_t i = 0; i < metrics.size(); ++i)
       slots[study.parameters.size() + i] = metrics[i] * Jet4(plan.scale[i].si);
-    for (std::size_t c = 0; c < gradient.columns.size(); ++c) {
-      const Jet4 value = c < metrics.size() ? metrics[c]
-                                            : objectives[c - metrics.size()]->expression.evaluate<Jet4>(slots) /
-                                                  Jet4(objectives[c - metrics.size()]->si);
+    const auto put = [&](std::vector<double>& rows, std::size_t row, const Jet4& value) {
       for (std::size_t k = 0; k < count; ++k)
-        if (std::isfinite(value.a)) gradient.value[c * axes.size() + first + k] = value.v[static_cast<Eigen::Index>(k)];
+        if (std::isfinite(value.a)) rows[row * axes.size() + first + k] = value.v[static_cast<Eigen::Index>(k)];
+    };
+    for (std::size_t c = 0; c < metrics.size(); ++c) put(gradient.value, c, metrics[c]);
+    std::size_t column = metrics.size();
+    for (std::size_t i = 0; i < study.objectives.size(); ++i) {
+      const Objective& objective = study.objectives[i];
+      const Jet4 value = objective.expression.evaluate<Jet4>(slots) / Jet4(objective.si);
+      put(gradient.objective, i, value);
+      if (!objective.expression.only_slot()) put(gradient.value, column++, value);
+    }
+    for (std::size_t i = 0; i < study.constraints.size(); ++i) {
+      const Constraint& constraint = study.constraints[i];
+      const Jet4 margin = constraint.right.evaluate<Jet4>(slots) - constraint.left.evaluate<Jet4>(slots);
+      put(gradient.margin, i, constraint.less ? margin : -margin);
     }
   }
   return gradient;

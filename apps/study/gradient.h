@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Derivatives of the metrics of a design by its axes, through the same code as their values.
+// Derivatives of the metrics, objectives and constraints of a design by its axes, through the same code as their
+// values.
 
 #include "apps/study/evaluator.h"
 #include "apps/study/variant_sensor.h"
@@ -9,8 +10,9 @@
 namespace study {
 
 /// `parameters`: of the design, in their units; empty for one that cannot be (all derivatives are NaN). The series of
-/// the OTF are taken to 1e-9 here, whatever the study's tolerance. Numbers that enter only the band integrals of
+/// the OTF are taken to `tolerance`, whatever the study's. Numbers that enter only the band integrals of
 /// radiance (is_spectral) are differentiated by differences of fourth order.
-Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span<const double> parameters);
+Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span<const double> parameters,
+                     double tolerance = 1e-9);
 
 }  // namespace study

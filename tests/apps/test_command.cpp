@@ -70,6 +70,11 @@ TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
   if (GetParam() == std::string("budget")) add_camera(scratch);
   if (GetParam() == std::string("report")) add_sweep(scratch);
   if (GetParam() == std::string("sweep")) study_test::add_study(scratch);
+  if (GetParam() == std::string("optimize"))
+    apps_test::write_file(
+        scratch / "study.toml",
+        "schema = 1\nsensor = \"sensor.toml\"\nobjectives = [\"maximize mtf_nyquist\", \"minimize pitch\"]\n"
+        "[[axis]]\nparameter = \"frame.pitch\"\nvalues = [\"8 um\", \"20 um\"]\n");
   const Result help = scratch.run(std::string("mtf ") + GetParam() + " --help");
   ASSERT_EQ(help.status, 0);
   EXPECT_EQ(help.err, "");
@@ -93,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(Every, HelpOf,
                                          "config kinds", "curve", "budget", "simulate", "bench", "check", "report"),
                          test_name);
 #ifdef MTFKIT_HAVE_CALIB
-INSTANTIATE_TEST_SUITE_P(Calib, HelpOf, testing::Values("measure", "fit"), test_name);
+INSTANTIATE_TEST_SUITE_P(Calib, HelpOf, testing::Values("measure", "fit", "optimize"), test_name);
 #endif
 #ifdef MTFKIT_HAVE_STUDY
 INSTANTIATE_TEST_SUITE_P(Study, HelpOf, testing::Values("sweep"), test_name);
