@@ -41,8 +41,8 @@ Command sweep_command() {
   add_word(app, "--tolerance", "X", "error allowed to each metric, in place of the study's",
            [&](const std::string& text) {
              options.tolerance = number("--tolerance", text);
-             if (!(*options.tolerance > 0.0 && *options.tolerance < 1.0))
-               throw mtf::UsageError("--tolerance: " + text + " is outside (0, 1)");
+             if (!(*options.tolerance >= 1e-12 && *options.tolerance <= 0.1))
+               throw mtf::UsageError("--tolerance: " + text + " is outside [1e-12, 0.1]");
            });
   add_choice(app, "--format", "FORMAT", "of standard output: table (default) or json", kTableOrJson, options.format);
   add_force(app, options.force);
@@ -54,21 +54,6 @@ Command sweep_command() {
            [&](const std::string& text) { options.engine = choice("--engine", text, kEngines); });
   add_flag(app, "--submit", "submit: run the script too", options.submit);
   app.run = [shared](const Global& global) { return run_sweep(*shared, global); };
-  return app;
-}
-
-Command report_command() {
-  const auto shared = std::make_shared<ReportOptions>();
-  ReportOptions& options = *shared;
-  Command app{"report", "one page of HTML from the folder of a sweep",
-              "Summary, charts to interact with, the chosen designs side by side with their curves, images and noise,\n"
-              "sensitivities, error against time. The file needs nothing else: no network, no other files.",
-              "  mtf report sweep\n"
-              "  mtf report sweep -o study.html"};
-  add_file(app, "folder", "that `mtf sweep STUDY -o DIR` wrote", options.folder);
-  add_text(app, "--scene", "FILE", "image that the chosen designs look at; default: a computed scene", options.scene);
-  add_text(app, "-o,--out", "FILE", "write the page here; default: report.html in the folder", options.out);
-  app.run = [shared](const Global& global) { return run_report(*shared, global); };
   return app;
 }
 

@@ -117,11 +117,10 @@ int run(int argc, char** argv) {
                                  simulate_command(), bench_command(), check_command(), report_command()})
     add_command(root, command, chosen);
 #ifdef MTFKIT_HAVE_CALIB
-  for (const Command& command : {measure_command(), fit_command(), optimize_command()})
-    add_command(root, command, chosen);
+  for (const Command& command : {measure_command(), fit_command()}) add_command(root, command, chosen);
 #endif
 #ifdef MTFKIT_HAVE_STUDY
-  add_command(root, sweep_command(), chosen);
+  for (const Command& command : {sweep_command(), optimize_command()}) add_command(root, command, chosen);
 #endif
   try {
     root.parse(argc, argv);

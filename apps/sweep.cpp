@@ -82,6 +82,8 @@ void open_folder(const fs::path& folder, const study::RowLayout& layout, bool fo
     note(global, "note: " + one_line(folder.string()) + " holds a stopped sweep; going on with it");
     return;
   }
+  if (fs::exists(folder / "plan.json", error))
+    throw mtf::UsageError(one_line(folder.string()) + " holds a plan and its shards; choose another folder");
   prepare_folder(folder, force);
   remove_results(folder);
   fs::create_directory(parts_of(folder), error);

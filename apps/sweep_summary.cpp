@@ -44,8 +44,8 @@ std::string best_table(const SweepReport& report) {
                                    std::to_string(best.design)};
     for (std::size_t a = 0; a < study.axes.size(); ++a) {
       const auto& levels = shown[a].levels;
-      const auto level = static_cast<std::size_t>(best.row[a]);
-      cells.push_back(level < levels.size() ? one_line(levels[level]) : significant(best.row[a], 5));
+      const bool named = !levels.empty() && best.row[a] >= 0.0 && best.row[a] < static_cast<double>(levels.size());
+      cells.push_back(named ? one_line(levels[static_cast<std::size_t>(best.row[a])]) : significant(best.row[a], 5));
     }
     const std::string active = list(report, active_constraints(report, best.row), ", ");
     cells.push_back(active.empty() ? "-" : active);
@@ -99,7 +99,10 @@ std::string sweep_summary(const SweepReport& report) {
       text += "no " + one_line(columns[c].name) + ": " + one_line(report.gaps[c]) + "\n";
   for (const std::string& skipped : report.skipped) text += one_line(skipped) + "\n";
   text += "error at most " + (std::isnan(tally.worst_error()) ? "unknown" : significant(tally.worst_error(), 2)) +
-          " (tolerance " + mtf::format_double(study.tolerance) + ")\n";
+          " (tolerance " + mtf::format_double(study.tolerance) + ")" +
+          (tally.worst_error() > 1.01 * study.tolerance
+               ? ": above it where the column error says so, at the ends of what can be resolved\n"
+               : "\n");
   if (run.tally.made > 0)
     text += "time " + fixed(run.seconds, 2) + " s, " +
             significant(static_cast<double>(run.tally.made) / run.seconds, 3) + " designs/s on " +

@@ -7,6 +7,8 @@
 // Radially by the series of otf_series.h, in the directions by the midpoint rule, whose error falls faster than any
 // power for a smooth periodic function; radial optics need directions for the pitch alone, without any OTF.
 
+#include <limits>
+
 #include "mtf/otf_parts.h"
 #include "mtf/otf_series.h"
 
@@ -110,7 +112,12 @@ PupilLight<S> light_of(OtfParts<S>& parts, double cutoff_cy_mm, double tolerance
     }
     error = std::max(error, panel.error);
   }
-  return {strehl, boxed, error * amplified};
+  constexpr double kNoNumber = 0.05;  // an energy known no better says nothing: pitches of hundreds of spots
+  if (error * amplified > kNoNumber) boxed = S(std::numeric_limits<double>::quiet_NaN());
+  const double known =
+      error * (error * amplified > kNoNumber ? amplification(value_of(area), 0.0, 0.0, cutoff_cy_mm, false, radial)
+                                             : amplified);
+  return {strehl, boxed, known};
 }
 
 }  // namespace detail

@@ -151,7 +151,7 @@ void ResolutionMeter<S>::Impl::moduli(Axis axis, AxisFigures<S>& figures) {
   if (replicated) {
     const double base = std::max(std::min(value_of(in_band), value_of(whole)), 1e-300);
     const double width = value_of(pitch) * panels.back().series.map.hi;
-    figure_error = std::max(figure_error, (replica_error + (ends ? 4.0 : 1.0) * series_error * width) / base);
+    figure_error = std::max(figure_error, 2.0 * (replica_error + (ends ? 4.0 : 1.0) * series_error * width) / base);
   }
   if (n.area) figures.mtfa = area + S(2) * figures.nyquist * moved;
   if (n.aliasing) {

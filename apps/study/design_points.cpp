@@ -15,8 +15,9 @@ namespace {
 double between(const Axis& axis, double fraction) {
   if (fraction <= 0.0) return axis.from;
   if (fraction >= 1.0) return axis.to;
-  const double value = axis.scale == Scale::log ? axis.from * std::exp(fraction * std::log(axis.to / axis.from))
-                                                : axis.from * (1.0 - fraction) + axis.to * fraction;
+  const double value = axis.scale == Scale::log
+                           ? std::exp((1.0 - fraction) * std::log(axis.from) + fraction * std::log(axis.to))
+                           : axis.from * (1.0 - fraction) + axis.to * fraction;
   return std::clamp(value, std::min(axis.from, axis.to), std::max(axis.from, axis.to));
 }
 

@@ -95,7 +95,7 @@ DesignPoint DesignProblem::at(std::span<const double> z) {
   for (std::size_t i = 0; i < goal_.size(); ++i)
     if (goal_[i] != 0.0) point.f += goal_[i] * evaluator_.last_objectives()[i];
   for (std::size_t j = 0; j < constraints(); ++j)
-    point.margin.push_back(evaluator_.last_sides()[j].margin(study_->constraints[j]));
+    point.margin.push_back(evaluator_.last_sides()[j].margin(study_->constraints[j].less));
   if (!std::isfinite(point.f)) point.f = std::numeric_limits<double>::quiet_NaN();
   return point;
 }

@@ -64,6 +64,9 @@ class DesignWork {
   void metrics(const radiometry::BandRadiances<S>& radiances, const S& per_k, std::span<S> values) {
     design_.system = &system_;
     design_.conditions = &study_->conditions;
+    design_.frame_time_s = system_.frame.integration_time_s;
+    if (variant_->loaded && variant_->loaded->sensor.settings.frame)
+      if (const auto& given = variant_->loaded->sensor.settings.frame->frame_time_s) design_.frame_time_s = S(*given);
     if (plan_->resolution) design_.resolution = meter_.measure(system_);
     design_.budget.reset();
     if (plan_->budget && variant_->loaded) design_.budget = budget(radiances, per_k);
@@ -72,6 +75,8 @@ class DesignWork {
     if (plan_->range && design_.budget) design_.ranges = range_figures(design_);
     for (std::size_t i = 0; i < values.size(); ++i) values[i] = metric_value(plan_->choices[i], design_, plan_->at[i]);
   }
+  /// Why a metric of the last design has no number, "" where all models took it.
+  const std::string& refusal() const { return refusal_; }
   double error() const { return plan_->resolution ? design_.resolution.error : 0.0; }
 
  private:
@@ -116,6 +121,7 @@ class DesignWork {
   std::vector<std::vector<S*>> sites_;
   std::vector<radiometry::Override<S>> overrides_;
   Design<S> design_;
+  std::string refusal_;
 };
 
 }  // namespace study

@@ -14,71 +14,14 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// An objective that is nothing but a metric or a parameter has no column of its own.
-bool has_column(const Objective& objective) { return !objective.expression.only_slot(); }
+bool has_column(const Study& study, const Objective& objective) {
+  const std::optional<int> slot = objective.expression.only_slot();
+  if (!slot) return true;
+  const auto i = static_cast<std::size_t>(*slot);
+  return i < study.parameters.size() && study.parameters[i].role == Parameter::Role::fixed;  // no column of its own
+}
 
 }  // namespace
-
-MetricPlan plan_metrics(const Study& study, double tolerance) {
-  MetricPlan plan;
-  plan.needs.tolerance = tolerance;
-  plan.needs.y = false;
-  for (const MetricInfo& info : study.metrics) {
-    const MetricChoice choice = *choose_metric(info.name);
-    plan.choices.push_back(choice);
-    plan.scale.push_back(unit_scale(info.unit));
-    plan.at.push_back(plan.needs.at.size());
-    if (choice.row->metric == Metric::mtf_at) plan.needs.at.push_back(choice.at);
-    mtf::AxisNeeds& axis = plan.needs.axis;
-    const Effort effort = choice.row->effort;
-    plan.resolution = plan.resolution || (effort != Effort::geometry && effort != Effort::budget);
-    plan.needs.y = plan.needs.y || effort == Effort::giqe || (choice.row->directional && choice.axis != mtf::Axis::x);
-    plan.budget = plan.budget || effort == Effort::budget || effort == Effort::giqe || effort == Effort::grd ||
-                  effort == Effort::range;
-    switch (effort) {
-      case Effort::geometry:
-      case Effort::points:
-      case Effort::budget:
-        break;
-      case Effort::grd:
-        plan.needs.curves = plan.needs.y = true;
-        break;
-      case Effort::edge:
-        axis.edge = true;
-        break;
-      case Effort::overshoot:
-        axis.overshoot = true;
-        break;
-      case Effort::fwhm:
-        axis.fwhm = true;
-        break;
-      case Effort::mtf50:
-        axis.mtf50 = true;
-        break;
-      case Effort::area:
-        axis.area = true;
-        break;
-      case Effort::aliasing:
-        axis.aliasing = true;
-        break;
-      case Effort::spurious:
-        axis.aliasing = axis.spurious = true;
-        break;
-      case Effort::light:
-        (choice.row->metric == Metric::strehl ? plan.needs.strehl : plan.needs.ensquared) = true;
-        break;
-      case Effort::giqe:
-        if (choice.row->metric == Metric::niirs_giqe5)
-          axis.unfiltered = true;
-        else
-          axis.edge = axis.overshoot = plan.giqe = true;
-        break;
-      case Effort::range:
-        plan.range = plan.needs.curves = plan.needs.y = true;
-        break;
-    }
-  }
-  return plan;
-}
 
 std::vector<Column> columns_of(const Study& study) {
   std::vector<Column> columns;
@@ -94,7 +37,7 @@ std::vector<Column> columns_of(const Study& study) {
   for (const MetricInfo& metric : study.metrics)
     columns.push_back({metric.name, metric.unit, metric.definition, metric.source, Column::Role::metric});
   for (const Objective& objective : study.objectives)
-    if (has_column(objective))
+    if (has_column(study, objective))
       columns.push_back({objective.text, objective.unit, objective.maximize ? "to be maximized" : "to be minimized",
                          "study file", Column::Role::objective});
   if (!study.constraints.empty())
@@ -114,12 +57,14 @@ struct Evaluator::Impl {
   struct Ready {
     VariantSensor sensor;
     std::unique_ptr<DesignWork<double>> work;
+    std::uint64_t used = 0;  ///< when last
   };
   std::map<std::vector<int>, std::unique_ptr<Ready>> variants{};
   std::vector<double> axis_values{}, parameters{}, metrics{}, slots{}, objectives{};
   std::vector<Sides> sides{};
   std::vector<int> levels{};
-  std::string problem{};
+  std::uint64_t uses = 0;
+  std::string problem{}, first_problem{}, first_refusal{};
 
   explicit Impl(std::shared_ptr<const Study> s) : study(std::move(s)), plan(plan_metrics(*study, study->tolerance)) {
     axis_values.resize(study->axes.size());
@@ -136,10 +81,16 @@ struct Evaluator::Impl {
     for (std::size_t a = 0; a < study->axes.size(); ++a)
       levels[a] = study->axes[a].discrete() ? static_cast<int>(values[a]) : 0;
     const auto found = variants.find(levels);
-    if (found != variants.end()) return *found->second;
+    if (found != variants.end()) {
+      found->second->used = ++uses;
+      return *found->second;
+    }
     constexpr std::size_t kMost = 64;
-    if (variants.size() >= kMost) variants.clear();
+    if (variants.size() >= kMost)
+      variants.erase(std::min_element(variants.begin(), variants.end(),
+                                      [](const auto& a, const auto& b) { return a.second->used < b.second->used; }));
     auto fresh = std::make_unique<Ready>();
+    fresh->used = ++uses;
     fresh->sensor = load_variant(*study, levels);
     if (fresh->sensor.problems.empty())
       fresh->work = std::make_unique<DesignWork<double>>(*study, plan, fresh->sensor, fresh->sensor.system);
@@ -240,11 +191,13 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
       }
       variant.work->metrics(spectral->radiances, spectral->per_k, metrics);
       error = variant.work->error();
+      if (first_refusal.empty()) first_refusal = variant.work->refusal();
     } catch (const mtf::UsageError& refused) {
       problem = refused.what();
       std::fill(metrics.begin(), metrics.end(), kNan);
     }
   }
+  if (!problem.empty() && first_problem.empty()) first_problem = problem;
   for (std::size_t i = 0; i < metrics.size(); ++i) slots[study->parameters.size() + i] = metrics[i] * plan.scale[i].si;
   write_row(row);
   row.back() = error;
@@ -259,14 +212,14 @@ void Evaluator::Impl::write_row(std::span<double> row) {
   for (std::size_t i = 0; i < objectives.size(); ++i) {
     const Objective& objective = study->objectives[i];
     objectives[i] = possible ? objective.expression.evaluate<double>(slots) / objective.si : kNan;
-    if (has_column(objective)) row[c++] = objectives[i];
+    if (has_column(*study, objective)) row[c++] = objectives[i];
   }
   bool feasible = possible;
   for (std::size_t i = 0; i < sides.size(); ++i) {
     const Constraint& constraint = study->constraints[i];
     sides[i] = possible ? Sides{constraint.left.evaluate<double>(slots), constraint.right.evaluate<double>(slots)}
                         : Sides{kNan, kNan};
-    const double margin = sides[i].margin(constraint);
+    const double margin = sides[i].margin(constraint.less);
     feasible = feasible && (constraint.strict ? margin > 0.0 : margin >= 0.0);  // false for NaN
   }
   if (!sides.empty()) row[c] = feasible ? 1.0 : 0.0;
@@ -343,6 +296,10 @@ std::vector<std::string> Evaluator::skipped() const {
   const MetricPlan& plan = impl_->plan;
   const mtf::AxisNeeds& axis = plan.needs.axis;
   std::vector<std::string> sentences;
+  if (!impl_->first_problem.empty())
+    sentences.push_back("designs that no sensor can be, without numbers; the first: " + impl_->first_problem);
+  if (!impl_->first_refusal.empty())
+    sentences.push_back("metrics without a number; the first: " + impl_->first_refusal);
   const auto skip = [&](bool needed, const char* what) {
     if (!needed) sentences.emplace_back(std::string(what) + ": no metric asks for it");
   };
@@ -373,6 +330,8 @@ mtf::io::SensorConfig Evaluator::sensor_at(std::span<const double> axis_values) 
   if (!impl.fill_parameters(variant, axis_values, {}) || !impl.set_system(variant)) throw mtf::UsageError(impl.problem);
   mtf::io::SensorConfig config = variant.sensor.config;
   config.system = variant.work->system();
+  for (auto& list : config.system.stages)  // components of its own: those of the work are written to
+    for (auto& entry : list) entry.component.fields();
   config.system.band = variant.sensor.config.system.band;  // without the electron rate, which no file has
   for (const auto& override_ : variant.work->overrides()) {
     const std::size_t dot = override_.path.find('.');

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/study/sides.h"
 #include "apps/study/study.h"
 
 namespace study {
@@ -38,15 +39,7 @@ struct Gradient {
   std::vector<std::string> columns, parameters;
   std::vector<double> value;      ///< [column][parameter]: metrics and objectives that have a column, in its unit
   std::vector<double> objective;  ///< [objective][parameter]: all objectives, as shown
-  std::vector<double> margin;     ///< [constraint][parameter]: Sides::margin in SI
-};
-
-/// The two sides of a constraint in SI, NaN for a design that cannot be.
-struct Sides {
-  double left = 0.0, right = 0.0;
-
-  /// By how much it holds, below 0 where it does not: right - left of left < right, else left - right.
-  double margin(const Constraint& constraint) const { return constraint.less ? right - left : left - right; }
+  std::vector<double> margin;     ///< [constraint][parameter]: Sides::margin, in SI
 };
 
 class Evaluator {

@@ -27,6 +27,7 @@ template <class S>
 struct Design {
   const mtf::System<S>* system = nullptr;
   const Conditions* conditions = nullptr;
+  S frame_time_s{};  ///< from one frame to the next
   mtf::Resolution<S> resolution{};
   std::optional<radiometry::Budget<S>> budget{};
   S noise_gain{1};  ///< of what follows the read noise: root of the mean of |OTF|^2 over the band, for GIQE

@@ -55,7 +55,7 @@ RangeFigures<S> range_figures(const Design<S>& design) {
   figures.ttp_cy_mrad = detail::not_there<S>();
   for (int i = 0; i < 3; ++i) figures.johnson_m[i] = figures.ttp_m[i] = detail::not_there<S>();
 
-  const S frame_rate = c.frame_rate_hz > 0.0 ? S(c.frame_rate_hz) : S(S(1) / system.frame.integration_time_s);
+  const S frame_rate = c.frame_rate_hz > 0.0 ? S(c.frame_rate_hz) : S(S(1) / design.frame_time_s);
   radiometry::MrtdInput<S> in{.tvh_k = b.netd_k, .vh_k = b.spatial_netd_k};
   in.spacing_x_mrad = S(1e-3) * detail::ifov_urad(design, Axis::x);
   in.spacing_y_mrad = S(1e-3) * detail::ifov_urad(design, Axis::y);
@@ -98,8 +98,13 @@ RangeFigures<S> range_figures(const Design<S>& design) {
   radiometry::Observer<S> observer;
   observer.luminance_cd_m2 = S(c.luminance_cd_m2);
   observer.magnification = S(c.viewing_magnification);
+  radiometry::require_valid("observer", observer);
   const S scene_k(c.scene_contrast_k);
-  const S density = radiometry::noise_density(b.netd_k, in.spacing_x_mrad, in.spacing_y_mrad, frame_rate);
+  // Fixed noise is not averaged over the frames that the eye adds up.
+  const S frames = frame_rate * S(c.eye_time_s);
+  const S kept = mtf::value_of(frames) > 1.0 ? frames : S(1);
+  const S rms_k = radiometry::detail::root(S(b.netd_k * b.netd_k + kept * b.spatial_netd_k * b.spatial_netd_k));
+  const S density = radiometry::noise_density(rms_k, in.spacing_x_mrad, in.spacing_y_mrad, frame_rate);
   const auto seen = [&](Axis axis) {  // what filters the noise on its way to the retina
     return [&, axis](double f) { return S(after(axis)(f) * radiometry::eye_mtf_at(observer, S(f))); };
   };

@@ -109,7 +109,7 @@ void read_head(StudyReader& s) {
     if (name->size() > kMaxName) root.error("name", "longer than " + std::to_string(kMaxName) + " characters");
     s.study.name = *name;
   }
-  constexpr FieldInfo tolerance{.name = "tolerance", .lo = 1e-13, .hi = 0.1, .example = "1e-4"};
+  constexpr FieldInfo tolerance{.name = "tolerance", .lo = 1e-12, .hi = 0.1, .example = "1e-4"};
   s.study.tolerance = cfg::read_number(root, tolerance, "tolerance").value_or(s.study.tolerance);
   if (const Node* seed = root.find("seed")) {
     if (seed->kind == Node::Kind::integer && seed->integer >= 0)

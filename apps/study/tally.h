@@ -12,12 +12,9 @@
 #include "apps/study/pareto.h"
 #include "apps/study/row_table.h"
 
-namespace study {
+#include "apps/study/sides.h"
 
-/// Values of both sides of a constraint, in SI.
-struct Sides {
-  double left = 0.0, right = 0.0;
-};
+namespace study {
 
 struct Limit {
   bool less = true;  ///< left < right, else left > right

@@ -228,7 +228,7 @@ TEST_F(Optimize, SlopesOfObjectivesAndMargins) {
   const auto values = [&](double aperture, double pitch) {
     evaluator.evaluate_at(std::vector<double>{aperture, pitch}, row);
     std::vector<double> all(evaluator.last_objectives().begin(), evaluator.last_objectives().end());
-    for (std::size_t j = 0; j < 2; ++j) all.push_back(evaluator.last_sides()[j].margin(sharp->constraints[j]));
+    for (std::size_t j = 0; j < 2; ++j) all.push_back(evaluator.last_sides()[j].margin(sharp->constraints[j].less));
     return all;
   };
   const auto nothing = values(250.0, 9.0);

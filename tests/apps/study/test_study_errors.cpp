@@ -44,7 +44,7 @@ TEST(StudyErrors, OfTheHead) {
       {"schema = 1\nsensor = 3\n" + kAxis + kMetrics, {"2:10: error: sensor: 3 is no name of a sensor file"}},
       {kHead + "tolernce = 1e-3\n" + kAxis + kMetrics,
        {"3:1: error: tolernce: unknown key; did you mean \"tolerance\"?"}},
-      {kHead + "tolerance = 1\n" + kAxis + kMetrics, {"3:13: error: tolerance: 1 is outside [1e-13, 0.1]"}},
+      {kHead + "tolerance = 1\n" + kAxis + kMetrics, {"3:13: error: tolerance: 1 is outside [1e-12, 0.1]"}},
       {kHead + "seed = -1\n" + kAxis + kMetrics, {"3:8: error: seed"}},
       {kHead + kAxis + kMetrics + "constraints = []\n",
        {"8:1: error: metrics.constraints: belongs at the top of the file"}},

@@ -206,7 +206,7 @@ TEST(SweepCommand, UsageErrorsSayWhatIsWrong) {
       {"study.toml", "needs a folder to write; add -o FOLDER"},
       {"study.toml -o out --shards 3", "--shards: `mtf sweep` does not take it"},
       {"study.toml -o out --submit", "--submit: `mtf sweep` does not take it"},
-      {"study.toml -o out --tolerance 2", "--tolerance: 2 is outside (0, 1)"},
+      {"study.toml -o out --tolerance 2", "--tolerance: 2 is outside [1e-12, 0.1]"},
       {"study.toml -o out --format csv", "--format"},
       {"rum study.toml -o out", "did you mean run?"},
       {"nothing.toml -o out", "nothing.toml"},
