@@ -11,7 +11,7 @@
 namespace mtf::test {
 namespace {
 
-constexpr int kSystems = 10'000, kParts = 10;
+constexpr int kSystems = 6'000, kParts = 10;
 
 /// The slower properties, a part of the systems each.
 class RandomSystemsPart : public testing::TestWithParam<int> {

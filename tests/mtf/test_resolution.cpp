@@ -221,7 +221,7 @@ TEST(Resolution, ADisplayEndsTheReplicasBeyondNyquist) {
 TEST(Resolution, TheErrorIsNotAboveTheReport) {
   int compared = 0, hopeless = 0;
   double tightest = 0.0;
-  for (int number = 0; number < 100; ++number) {
+  for (int number = 0; number < 60; ++number) {
     System<double> system = random_system(number, number % 8 == 3);
     const auto slow = [&](const Entry<double>& e) { return !e.component.breaks_cy_mm(system.context()).empty(); };
     const auto& presample = system.list(Stage::presample);
@@ -246,7 +246,7 @@ TEST(Resolution, TheErrorIsNotAboveTheReport) {
       ++compared;
     }
   }
-  EXPECT_GT(compared, 30);
+  EXPECT_GT(compared, 20);
   EXPECT_LT(hopeless, compared / 5);
   std::printf("compared %d, %d above the tolerance as reported, largest error / reported %.3f\n", compared, hopeless,
               tightest);
