@@ -83,10 +83,19 @@ Vector solve_within(const NormalEquations& normal, const Unknowns& unknowns, con
 // The least damped step that can be trusted.
 Vector next_step(const NormalEquations& normal, const EdgeModel& model, const Unknowns& unknowns, double& damping) {
   const Box bounds = parameter_bounds(model.shape), trust = trusted(model.shape);
-  for (;; damping = std::max(1e-6, 10.0 * damping)) {
+  for (;; damping = std::max(1e-4, 2.0 * damping)) {
     const Vector step = solve_within(normal, unknowns, bounds, damping);
     if (damping > 1e6 || (trust.holds(step) && normal.gradient.dot(step) >= 0.0)) return step;
   }
+}
+
+// Of the footprint.
+constexpr double kMean_px2 = 0.75, kSd_px2 = 0.5;
+
+// The prior's part of what is minimised.
+double misfit_of(const ReferenceShape& shape, const Unknowns& unknowns) {
+  const double off = (shape.q_px2 - kMean_px2) / kSd_px2;
+  return unknowns[kFirstShape + 2] ? off * off : 0.0;
 }
 
 double chi2(const EdgeSums& sums, const std::vector<double>& weight) {
@@ -125,6 +134,21 @@ void move(EdgeModel& model, const Vector& step) {
   model.shape.s_px = std::max(0.0, model.shape.s_px + step[kFirstShape]);
   model.shape.v_px2 = std::max(kLeastVariance_px2, model.shape.v_px2 + step[kFirstShape + 1]);
   model.shape.q_px2 = std::max(0.0, model.shape.q_px2 + step[kFirstShape + 2]);
+}
+
+Vector way(const EdgeModel& from, const EdgeModel& to) {
+  Vector step = Vector::Zero();
+  for (int a = 0; a < kLevels; ++a)
+    step[a] = to.level[static_cast<std::size_t>(a)] - from.level[static_cast<std::size_t>(a)];
+  const EdgeCurve &a = from.curve, &b = to.curve;
+  const Point n = a.normal();
+  const double half = a.half_length_px;
+  step[kFirstShift] = n.x * (b.origin.x - a.origin.x) + n.y * (b.origin.y - a.origin.y);
+  step[kFirstShift + 1] = half * std::tan(a.angle_rad - b.angle_rad);
+  step[kFirstShift + 2] = 0.5 * half * half * (b.curvature_per_px - a.curvature_per_px);
+  for (std::size_t k = 0; k < std::min(a.coefficient.size(), b.coefficient.size()); ++k)
+    step[kFirstShift + 2 + static_cast<int>(k)] += b.coefficient[k] - a.coefficient[k];
+  return step;
 }
 
 int basis_power(int a) {
@@ -186,7 +210,6 @@ void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) 
 }
 
 void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns) {
-  constexpr double kMean_px2 = 0.75, kSd_px2 = 0.5;
   constexpr int q = kFirstShape + 2;
   if (!unknowns[q]) return;
   normal.matrix(q, q) += 1.0 / (kSd_px2 * kSd_px2);
@@ -218,26 +241,38 @@ FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRoun
 }
 
 FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds, FitState state) {
+  return descend(model, rounds, std::move(state),
+                 [&](const EdgeModel& next) { return evaluate(pixels, next, rounds); });
+}
+
+FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, const Look& look) {
   double damping = 0.0;
   for (int round = 1; round <= rounds.rounds; ++round) {
     NormalEquations normal = state.normal;
     add_prior(normal, model.shape, rounds.unknowns);
     const Vector step = next_step(normal, model, rounds.unknowns, damping);
-    state.converged = normal.gradient.dot(step) < rounds.enough;
+    const double expected = normal.gradient.dot(step);
+    state.converged = expected < rounds.enough;
     if (state.converged || round == rounds.rounds) {
       state.step = step;
       break;
     }
     EdgeModel next = model;
     move(next, step);
-    FitState tried = evaluate(pixels, next, rounds);
+    FitState tried = look(next);
     // Pixels out of reach leave chi2: an edge that runs away from them is no better.
     constexpr double kKept = 0.7;
-    const bool better =
-        chi2(tried.sums, state.weight) <= state.normal.chi2 + 2.0 && tried.normal.count >= kKept * state.normal.count;
+    const double more = chi2(tried.sums, state.weight) - state.normal.chi2;
+    const bool better = more <= 2.0 && tried.normal.count >= kKept * state.normal.count;
+    // Along the valley where shapes hardly differ steps may go to and fro.
+    constexpr double kShort = 10.0;
+    const double gained = misfit_of(model.shape, rounds.unknowns) - misfit_of(next.shape, rounds.unknowns) - more;
+    const bool idle = expected < kShort * rounds.enough && gained < rounds.enough;
     damping = better ? 0.1 * damping : std::max(1e-4, 30.0 * damping);
     if (damping < 1e-6) damping = 0.0;
-    if (better) model = next, state = std::move(tried);
+    if (better && !(idle && gained < 0.0)) model = next, state = std::move(tried);
+    state.converged = idle;
+    if (idle) break;
   }
   return state;
 }

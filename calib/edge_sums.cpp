@@ -123,14 +123,27 @@ EdgeSums::EdgeSums(bool bends) : plain_((kBins + 1) * kPlain) {
   if (bends) bent_.resize((kBins + 1) * kBent);
 }
 
-void EdgeSums::add_to_residual(int i, double more) {
-  double* s = plain_.data() + static_cast<std::size_t>(i) * kPlain;
-  s[5] += more * (2.0 * s[3] + more * s[0]);
-  s[3] += more * s[0];
-  s[4] += more * s[1];
-  if (!bends()) return;
-  double* b = bent_.data() + static_cast<std::size_t>(i) * kBent;
-  for (int k = 2; k <= kHighestOrder; ++k) b[6 + k] += more * moment(i, k);
+void EdgeSums::take_from_residual(int i, const std::array<double, kHighestOrder + 1>& change, bool bends) {
+  const auto bin = static_cast<std::size_t>(i);
+  double* s = plain_.data() + bin * kPlain;
+  if (!bends) {
+    const auto [a, b] = std::array{change[0], change[1]};
+    const double r = a * s[0] + b * s[1], rt = a * s[1] + b * s[2];
+    s[5] -= a * (2.0 * s[3] - r) + b * (2.0 * s[4] - rt);
+    s[3] -= r;
+    s[4] -= rt;
+    return;
+  }
+  std::array<double, kHighestOrder + 1> taken{};
+  for (int k = 0; k <= kHighestOrder; ++k)
+    for (int j = 0; j <= kHighestOrder; ++j)
+      taken[static_cast<std::size_t>(k)] += change[static_cast<std::size_t>(j)] * moment(i, j + k);
+  for (int k = 0; k <= kHighestOrder; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    s[5] -= change[at] * (2.0 * residual(i, k) - taken[at]);
+  }
+  double* b = bent_.data() + bin * kBent;
+  for (std::size_t k = 0; k <= kHighestOrder; ++k) (k < 2 ? s[3 + k] : b[6 + k]) -= taken[k];
 }
 
 double EdgeSums::pure_error(int i) const {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "calib/edge_bin_fit.h"
 #include "calib/edge_figures.h"
 #include "calib/edge_outcome.h"
 #include "calib/edge_start.h"
@@ -64,6 +65,26 @@ struct Fit {
   Unknowns unknowns;
 };
 
+// From the state of all pixels at a model near the best one to that at the best one. What is nearly linear is done on
+// sums by distance, so that the pixels are seldom looked at more than once again.
+void settle(const EdgePixels& pixels, Fit& fit, FitRounds rounds) {
+  rounds.unknowns = fit.unknowns;
+  rounds.rounds = 8;
+  EdgeModel model = fit.model;
+  const FitState near = fit_on_bins(fit.state, fit.model, model, rounds);
+  ReferenceShape& shape = model.shape;
+  if (shape.s_px > 0.0 && !shows_diffraction(near, model, fit.unknowns)) {
+    fit.unknowns.reset(kFirstShape);
+    rounds.unknowns = fit.unknowns;
+    shape.v_px2 += 0.1 * shape.s_px * shape.s_px;
+    shape.s_px = 0.0;
+    fit_on_bins(fit.state, fit.model, model, rounds);
+  }
+  rounds.rounds = 5;
+  fit.model = model;
+  fit.state = fit_reference(pixels, fit.model, rounds);
+}
+
 // From the start to the best reference: first on some of the pixels, then on all.
 Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const MeasureOptions& options,
              double reach_px) {
@@ -87,22 +108,14 @@ Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const 
   if (terms.gradients) fit.unknowns = with_gradients(fit.unknowns);
   fit.unknowns = with_order(fit.unknowns, terms.order);
   set_order(fit.model.curve, terms.order, options.circle);
-  constexpr int kRounds = 5;
-  constexpr double kEnough = 0.3;
+  rounds.unknowns = fit.unknowns;
   if (terms.gradients || terms.order > 1) {
     refine(step, 12, 1.0);
-    fit.state = refine(1, kRounds, kEnough);
-  } else {
-    rounds.unknowns = fit.unknowns;
-    rounds.rounds = kRounds;
-    rounds.enough = kEnough;
-    fit.state = fit_reference(pixels, fit.model, rounds, std::move(fit.state));
+    rounds.step = 1;
+    fit.state = evaluate(pixels, fit.model, rounds);
   }
-  if (fit.model.shape.s_px > 0.0 && !shows_diffraction(fit.state, fit.model, fit.unknowns)) {
-    fit.unknowns.reset(kFirstShape);
-    fit.model.shape.s_px = 0.0;
-    fit.state = refine(1, kRounds, kEnough);
-  }
+  rounds.enough = 0.3;
+  settle(pixels, fit, rounds);
   return fit;
 }
 
@@ -122,8 +135,7 @@ EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double reach
 // Where few distances occur the pixels do not tell diffraction, a footprint and a Gaussian from each other, and which
 // of them it is decides between the distances: what the result would be with a Gaussian alone, with the footprint of a
 // whole pixel, and with that and diffraction, if these fit, is part of its standard deviation.
-void hold_shapes(const EdgePixels& pixels, const Fit& fit, const FitRounds& fitted, const EdgeFacts& facts,
-                 EdgeMeasurement& out) {
+void hold_shapes(const Fit& fit, const FitRounds& fitted, const EdgeFacts& facts, EdgeMeasurement& out) {
   constexpr double kWorse = 9.0;  // chi2
   const ReferenceShape& shape = fit.model.shape;
   const double variance = shape.v_px2 + shape.q_px2 / 12.0 + 0.1 * shape.s_px * shape.s_px;
@@ -136,7 +148,7 @@ void hold_shapes(const EdgePixels& pixels, const Fit& fit, const FitRounds& fitt
     rounds.unknowns = other.unknowns;
     rounds.rounds = 12;
     rounds.enough = 0.1;
-    other.state = fit_reference(pixels, other.model, rounds);
+    other.state = fit_on_bins(fit.state, fit.model, other.model, rounds);
     if (other.state.normal.chi2 > fit.state.normal.chi2 + kWorse) continue;
     const JointFit joint = solve_jointly(other.state, other.model, without_bounds(other.unknowns, other.model),
                                          Detail::none, facts.width_px, kLeastReach_px);
@@ -319,7 +331,7 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   }
   const EdgeResponse response(fit.model, joint);
   describe(response, out);
-  if (facts.oversampling < kFewestDistances) hold_shapes(pixels, fit, rounds, facts, out);
+  if (facts.oversampling < kFewestDistances) hold_shapes(fit, rounds, facts, out);
   if (const Outcome outcome = judge_response(out); outcome.trouble != Trouble::none) {
     EdgeMeasurement refused;
     refused.roi = roi;
