@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "calib/edge_distances.h"
 #include "mtf/engines/clones.h"
@@ -41,11 +42,11 @@ MTFKIT_CLONES void count_steps(const double* __restrict distance, std::int32_t* 
   }
 }
 
-void look_up(const StepProfile& profile, Chunk& chunk) {
-  const DistanceBins& bins = DistanceBins::get();
-  for (std::size_t k = 0; k < chunk.size; ++k) {
+MTFKIT_CLONES void look_up(const std::array<double, 4>* __restrict cubic, const DistanceBins& bins, Chunk& chunk) {
+  const std::size_t size = chunk.size;
+  for (std::size_t k = 0; k < size; ++k) {
     const int i = bins.at_step(chunk.bin[k]);
-    const std::array<double, 4>& c = profile.cubic[static_cast<std::size_t>(i)];
+    const std::array<double, 4>& c = cubic[static_cast<std::size_t>(i)];
     const double x = chunk.distance[k] - bins.centre(i);
     chunk.bin[k] = i;
     chunk.esf[k] = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
@@ -63,16 +64,20 @@ MTFKIT_CLONES void subtract_model(const std::array<double, kLevels>& level, cons
   }
 }
 
-void add_plain(const Chunk& chunk, double* sums) {
-  for (std::size_t k = 0; k < chunk.size; ++k) {
+using Lanes [[gnu::vector_size(8 * sizeof(double))]] = double;
+
+// 1, t, t^2, r, r t, r^2 of a pixel as products of two rows of 0, 1, t and r.
+MTFKIT_CLONES void add_plain(const Chunk& chunk, double* sums) {
+  constexpr Lanes kOne{1, 0, 0, 0, 0, 0, 0, 0}, kT{0, 1, 1, 0, 0, 0, 0, 0}, kR{0, 0, 0, 1, 1, 1, 0, 0};
+  constexpr Lanes kOtherOne{1, 1, 0, 1, 0, 0, 0, 0}, kOtherT{0, 0, 1, 0, 1, 0, 0, 0}, kOtherR{0, 0, 0, 0, 0, 1, 0, 0};
+  const std::size_t size = chunk.size;
+  for (std::size_t k = 0; k < size; ++k) {
     const double t = chunk.along[k], r = chunk.residual[k];
     double* s = sums + 8 * static_cast<std::ptrdiff_t>(chunk.bin[k]);
-    s[0] += 1.0;
-    s[1] += t;
-    s[2] += t * t;
-    s[3] += r;
-    s[4] += r * t;
-    s[5] += r * r;
+    Lanes sum;
+    std::memcpy(&sum, s, sizeof sum);
+    sum += (kOne + kT * t + kR * r) * (kOtherOne + kOtherT * t + kOtherR * r);
+    std::memcpy(s, &sum, sizeof sum);
   }
 }
 
@@ -200,7 +205,7 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
     bend_all(model.curve, {chunk.distance.data(), chunk.size}, {chunk.along.data(), chunk.size});
     for (std::size_t k = 0; k < chunk.size; ++k) chunk.along[k] *= per_length;
     count_steps(chunk.distance.data(), chunk.bin.data(), chunk.size);
-    look_up(profile, chunk);
+    look_up(profile.cubic.data(), DistanceBins::get(), chunk);
     subtract_model(model.level, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
                    chunk.size);
     add_plain(chunk, sums.plain_.data());

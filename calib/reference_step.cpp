@@ -102,8 +102,8 @@ ReferenceOtf reference_otf(const ReferenceShape& shape, double angle_rad, double
 ReferenceOtf reference_otf(const ReferenceShape& shape, Point normal, double f_cy_px) {
   const double x = f_cy_px * shape.s_px;
   if (x >= 1.0) return {.value = 0.0};
-  const double root = std::sqrt(1.0 - x * x);
-  const double pupil = 2.0 / kPi * (std::acos(x) - x * root);
+  const double root = x > 0.0 ? std::sqrt(1.0 - x * x) : 1.0;
+  const double pupil = x > 0.0 ? 2.0 / kPi * (std::acos(x) - x * root) : 1.0;
   const double square = 2.0 * kPi * kPi * f_cy_px * f_cy_px;
   const double gauss = std::exp(-square * shape.v_px2);
   const mtf::ValueSlope a = footprint(f_cy_px * normal.x, shape.q_px2);
