@@ -253,10 +253,8 @@ FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, cons
     const Vector step = next_step(normal, model, rounds.unknowns, damping);
     const double expected = normal.gradient.dot(step);
     state.converged = expected < rounds.enough;
-    if (state.converged || round == rounds.rounds) {
-      state.step = step;
-      break;
-    }
+    state.left = expected;
+    if (state.converged || round == rounds.rounds) break;
     EdgeModel next = model;
     move(next, step);
     FitState tried = look(next);
@@ -271,6 +269,7 @@ FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, cons
     damping = better ? 0.1 * damping : std::max(1e-4, 30.0 * damping);
     if (damping < 1e-6) damping = 0.0;
     if (better && !(idle && gained < 0.0)) model = next, state = std::move(tried);
+    if (idle) state.left = expected;
     state.converged = idle;
     if (idle) break;
   }

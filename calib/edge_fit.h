@@ -57,14 +57,14 @@ struct FitState {
   EdgeSums sums;
   std::vector<double> weight;  ///< of a pixel, by bin
   NormalEquations normal;
-  Vector step = Vector::Zero();  ///< the last one, not taken: what is left to the best fit
+  double left = 0.0;  ///< what the next step would take off chi2 if all were linear
   bool converged = false;
 };
 /// Weights and equations of a state that has its profile, sums and noise.
 void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds);
 /// The state at a model.
 using Look = std::function<FitState(const EdgeModel& model)>;
-/// Damped Gauss-Newton steps; `model` is where the returned state was taken, `step` short of the best fit.
+/// Damped Gauss-Newton steps; `model` is where the returned state was taken.
 /// `state` is that of the model at the start.
 FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, const Look& look);
 /// The same with all pixels looked at in every round.

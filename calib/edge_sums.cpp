@@ -64,20 +64,24 @@ MTFKIT_CLONES void subtract_model(const std::array<double, kLevels>& level, cons
   }
 }
 
-using Lanes [[gnu::vector_size(8 * sizeof(double))]] = double;
+using Four [[gnu::vector_size(4 * sizeof(double))]] = double;
+using Two [[gnu::vector_size(2 * sizeof(double))]] = double;
 
-// 1, t, t^2, r, r t, r^2 of a pixel as products of two rows of 0, 1, t and r.
+// 1, t, t^2, r and r t, r^2: the first four as products of two rows of 0, 1, t and r.
 MTFKIT_CLONES void add_plain(const Chunk& chunk, double* sums) {
-  constexpr Lanes kOne{1, 0, 0, 0, 0, 0, 0, 0}, kT{0, 1, 1, 0, 0, 0, 0, 0}, kR{0, 0, 0, 1, 1, 1, 0, 0};
-  constexpr Lanes kOtherOne{1, 1, 0, 1, 0, 0, 0, 0}, kOtherT{0, 0, 1, 0, 1, 0, 0, 0}, kOtherR{0, 0, 0, 0, 0, 1, 0, 0};
+  constexpr Four kOne{1, 0, 0, 0}, kT{0, 1, 1, 0}, kR{0, 0, 0, 1}, kOtherOne{1, 1, 0, 1}, kOtherT{0, 0, 1, 0};
   const std::size_t size = chunk.size;
   for (std::size_t k = 0; k < size; ++k) {
     const double t = chunk.along[k], r = chunk.residual[k];
     double* s = sums + 8 * static_cast<std::ptrdiff_t>(chunk.bin[k]);
-    Lanes sum;
-    std::memcpy(&sum, s, sizeof sum);
-    sum += (kOne + kT * t + kR * r) * (kOtherOne + kOtherT * t + kOtherR * r);
-    std::memcpy(s, &sum, sizeof sum);
+    Four first;
+    Two second;
+    std::memcpy(&first, s, sizeof first);
+    std::memcpy(&second, s + 4, sizeof second);
+    first += (kOne + kT * t + kR * r) * (kOtherOne + kOtherT * t);
+    second += Two{t, r} * r;
+    std::memcpy(s, &first, sizeof first);
+    std::memcpy(s + 4, &second, sizeof second);
   }
 }
 

@@ -71,15 +71,20 @@ void settle(const EdgePixels& pixels, Fit& fit, FitRounds rounds) {
   rounds.unknowns = fit.unknowns;
   rounds.rounds = 8;
   EdgeModel model = fit.model;
-  const FitState near = fit_on_bins(fit.state, fit.model, model, rounds);
-  ReferenceShape& shape = model.shape;
-  if (shape.s_px > 0.0 && !shows_diffraction(near, model, fit.unknowns)) {
+  const auto drop_diffraction = [&] {
     fit.unknowns.reset(kFirstShape);
     rounds.unknowns = fit.unknowns;
-    shape.v_px2 += 0.1 * shape.s_px * shape.s_px;
-    shape.s_px = 0.0;
-    fit_on_bins(fit.state, fit.model, model, rounds);
+    model.shape.v_px2 += 0.1 * model.shape.s_px * model.shape.s_px;
+    model.shape.s_px = 0.0;
+  };
+  const bool likely = shows_diffraction(fit.state, model, fit.unknowns);
+  if (!likely) drop_diffraction();
+  FitState near = fit_on_bins(fit.state, fit.model, model, rounds);
+  if (likely && !shows_diffraction(near, model, fit.unknowns)) {
+    drop_diffraction();
+    near = fit_on_bins(fit.state, fit.model, model, rounds);
   }
+  if (near.left > rounds.enough) rounds.enough += near.left;  // steps that come to nothing on bins need no other try
   rounds.rounds = 5;
   fit.model = model;
   fit.state = fit_reference(pixels, fit.model, rounds);
@@ -99,19 +104,31 @@ Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const 
     rounds.enough = enough;
     return fit_reference(pixels, fit.model, rounds);
   };
-  refine(step, 25, 1.0);
+  const auto bend_by = [&](int order) {
+    fit.unknowns = with_order(fit.unknowns, order);
+    set_order(fit.model.curve, order, options.circle);
+    return refine(step, 12, 1.0);
+  };
+  const FitState some = refine(step, 25, 1.0);
+  // A bend that some of the pixels show is taken out first, if it is most of what keeps them from the model.
+  int order = 1;
+  if (constexpr double kFar = 1.3; options.order != 1 && some.normal.chi2 > kFar * some.normal.count) {
+    const Fit straight = fit;
+    const FitState bent = bend_by(2);
+    const double misfit = bent.normal.chi2 * bent.noise.at(0.5) / some.noise.at(0.5);
+    order = misfit < 0.5 * some.normal.chi2 ? 2 : 1;
+    if (order == 1) fit = straight;
+  }
 
   rounds.step = 1;
   rounds.unknowns = with_gradients(with_order(fit.unknowns, kHighestOrder));
   fit.state = evaluate(pixels, fit.model, rounds);
-  const Terms terms = choose_terms(fit.state, fit.model, reach_px, options);
+  const Terms terms = choose_terms(fit.state, fit.model, reach_px, options, order);
   if (terms.gradients) fit.unknowns = with_gradients(fit.unknowns);
-  fit.unknowns = with_order(fit.unknowns, terms.order);
-  set_order(fit.model.curve, terms.order, options.circle);
-  rounds.unknowns = fit.unknowns;
-  if (terms.gradients || terms.order > 1) {
-    refine(step, 12, 1.0);
+  if (terms.gradients || terms.order > order) {
+    bend_by(terms.order);
     rounds.step = 1;
+    rounds.unknowns = fit.unknowns;
     fit.state = evaluate(pixels, fit.model, rounds);
   }
   rounds.enough = 0.3;
