@@ -104,12 +104,13 @@ Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const 
     rounds.enough = enough;
     return fit_reference(pixels, fit.model, rounds);
   };
+  constexpr double kRough = 4.0;  // less than what other pixels change
   const auto bend_by = [&](int order) {
     fit.unknowns = with_order(fit.unknowns, order);
     set_order(fit.model.curve, order, options.circle);
-    return refine(step, 12, 1.0);
+    return refine(step, 12, kRough);
   };
-  const FitState some = refine(step, 25, 1.0);
+  const FitState some = refine(step, 25, kRough);
   // A bend that some of the pixels show is taken out first, if it is most of what keeps them from the model.
   int order = 1;
   if (constexpr double kFar = 1.3; options.order != 1 && some.normal.chi2 > kFar * some.normal.count) {
