@@ -186,14 +186,17 @@ void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) 
   Eigen::ArrayXXd moment(kBins, 2 * highest + 1), residual(kBins, highest + 1);  // a column a power, weighted
   for (int i = 0; i < kBins; ++i) {
     const auto bin = static_cast<std::size_t>(i);
+    const double* low = sums.low(i);
     const double weight = state.weight[bin];
-    for (int k = 0; k < 3; ++k) moment(i, k) = weight * sums.moment(i, k);
-    for (int k = 0; k < 2; ++k) residual(i, k) = weight * sums.residual(i, k);
-    for (int k = 3; k <= 2 * highest; ++k) moment(i, k) = weight * sums.moment(i, k);
-    for (int k = 2; k <= highest; ++k) residual(i, k) = weight * sums.residual(i, k);
-    normal.count += sums.count(i) * weight * state.noise.at(state.profile.esf[bin]);
-    normal.chi2 += weight * sums.square(i);
+    for (int k = 0; k < 3; ++k) moment(i, k) = weight * low[k];
+    for (int k = 0; k < 2; ++k) residual(i, k) = weight * low[3 + k];
+    normal.count += low[0] * weight * state.noise.at(state.profile.esf[bin]);
+    normal.chi2 += low[5] * weight;
   }
+  for (int k = 3; k <= 2 * highest; ++k)
+    for (int i = 0; i < kBins; ++i) moment(i, k) = state.weight[static_cast<std::size_t>(i)] * sums.moment(i, k);
+  for (int k = 2; k <= highest; ++k)
+    for (int i = 0; i < kBins; ++i) residual(i, k) = state.weight[static_cast<std::size_t>(i)] * sums.residual(i, k);
   std::vector<int> list;
   std::vector<Eigen::ArrayXd> basis;
   for (int a = 0; a < kUnknowns; ++a) {

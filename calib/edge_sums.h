@@ -49,6 +49,8 @@ class EdgeSums {
   EdgeSums() = default;
   explicit EdgeSums(bool bends);
 
+  /// 1, t, t^2, r, r t, r^2 of a bin.
+  const double* low(int i) const { return plain(i); }
   double count(int i) const { return plain(i)[0]; }
   double moment(int i, int k) const { return k < 3 ? plain(i)[k] : bent(i)[k - 3]; }        ///< sum of t^k
   double residual(int i, int k) const { return k < 2 ? plain(i)[3 + k] : bent(i)[6 + k]; }  ///< sum of r t^k
