@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
 
 #include "mtf/engines/clones.h"
@@ -107,6 +108,13 @@ MTFKIT_CLONES void add_row(const float* __restrict row, std::int64_t n, double o
 }
 
 }  // namespace
+
+std::size_t step_for(const EdgePixels& pixels, std::size_t some) {
+  std::size_t row = 0, step = std::max<std::size_t>(1, pixels.size() / some);
+  while (row < pixels.size() && pixels.y[row] == pixels.y[0]) ++row;
+  while (std::gcd(step, row) > 1) ++step;
+  return step;
+}
 
 RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const ValueLimits& limits) {
   constexpr float kLargest = std::numeric_limits<float>::max();

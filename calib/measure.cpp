@@ -52,7 +52,7 @@ void sharpen_start(const EdgePixels& pixels, EdgeModel& start, double block_px, 
   rounds.unknowns.reset(kFirstShape).reset(kFirstShape + 2);
   rounds.rounds = 40;
   rounds.enough = 3.0;
-  rounds.step = std::max<std::size_t>(1, pixels.size() / kSome);
+  rounds.step = step_for(pixels, kSome);
   rounds.least_variance = std::max(rounds.least_variance, 1e-4);
   fit_reference(pixels, start, rounds);
 }
@@ -94,7 +94,7 @@ void settle(const EdgePixels& pixels, Fit& fit, FitRounds rounds) {
 Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const MeasureOptions& options,
              double reach_px) {
   constexpr std::size_t kSome = 2000;
-  const std::size_t step = std::max<std::size_t>(1, pixels.size() / kSome);
+  const std::size_t step = step_for(pixels, kSome);
   Fit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns()};
   split_blur(fit.model.shape);
   const auto refine = [&](std::size_t every, int most_rounds, double enough) {
