@@ -83,10 +83,19 @@ Vector solve_within(const NormalEquations& normal, const Unknowns& unknowns, con
 // The least damped step that can be trusted.
 Vector next_step(const NormalEquations& normal, const EdgeModel& model, const Unknowns& unknowns, double& damping) {
   const Box bounds = parameter_bounds(model.shape), trust = trusted(model.shape);
-  for (;; damping = std::max(1e-6, 10.0 * damping)) {
+  for (;; damping = std::max(1e-4, 2.0 * damping)) {
     const Vector step = solve_within(normal, unknowns, bounds, damping);
     if (damping > 1e6 || (trust.holds(step) && normal.gradient.dot(step) >= 0.0)) return step;
   }
+}
+
+// Of the footprint.
+constexpr double kMean_px2 = 0.75, kSd_px2 = 0.5;
+
+// The prior's part of what is minimised.
+double misfit_of(const ReferenceShape& shape, const Unknowns& unknowns) {
+  const double off = (shape.q_px2 - kMean_px2) / kSd_px2;
+  return unknowns[kFirstShape + 2] ? off * off : 0.0;
 }
 
 double chi2(const EdgeSums& sums, const std::vector<double>& weight) {
@@ -127,6 +136,21 @@ void move(EdgeModel& model, const Vector& step) {
   model.shape.q_px2 = std::max(0.0, model.shape.q_px2 + step[kFirstShape + 2]);
 }
 
+Vector way(const EdgeModel& from, const EdgeModel& to) {
+  Vector step = Vector::Zero();
+  for (int a = 0; a < kLevels; ++a)
+    step[a] = to.level[static_cast<std::size_t>(a)] - from.level[static_cast<std::size_t>(a)];
+  const EdgeCurve &a = from.curve, &b = to.curve;
+  const Point n = a.normal();
+  const double half = a.half_length_px;
+  step[kFirstShift] = n.x * (b.origin.x - a.origin.x) + n.y * (b.origin.y - a.origin.y);
+  step[kFirstShift + 1] = half * std::tan(a.angle_rad - b.angle_rad);
+  step[kFirstShift + 2] = 0.5 * half * half * (b.curvature_per_px - a.curvature_per_px);
+  for (std::size_t k = 0; k < std::min(a.coefficient.size(), b.coefficient.size()); ++k)
+    step[kFirstShift + 2 + static_cast<int>(k)] += b.coefficient[k] - a.coefficient[k];
+  return step;
+}
+
 int basis_power(int a) {
   if (a < kFirstShift) return a / 4;
   return a < kFirstShape ? a - kFirstShift : 0;
@@ -162,14 +186,17 @@ void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) 
   Eigen::ArrayXXd moment(kBins, 2 * highest + 1), residual(kBins, highest + 1);  // a column a power, weighted
   for (int i = 0; i < kBins; ++i) {
     const auto bin = static_cast<std::size_t>(i);
+    const double* low = sums.low(i);
     const double weight = state.weight[bin];
-    for (int k = 0; k < 3; ++k) moment(i, k) = weight * sums.moment(i, k);
-    for (int k = 0; k < 2; ++k) residual(i, k) = weight * sums.residual(i, k);
-    for (int k = 3; k <= 2 * highest; ++k) moment(i, k) = weight * sums.moment(i, k);
-    for (int k = 2; k <= highest; ++k) residual(i, k) = weight * sums.residual(i, k);
-    normal.count += sums.count(i) * weight * state.noise.at(state.profile.esf[bin]);
-    normal.chi2 += weight * sums.square(i);
+    for (int k = 0; k < 3; ++k) moment(i, k) = weight * low[k];
+    for (int k = 0; k < 2; ++k) residual(i, k) = weight * low[3 + k];
+    normal.count += low[0] * weight * state.noise.at(state.profile.esf[bin]);
+    normal.chi2 += low[5] * weight;
   }
+  for (int k = 3; k <= 2 * highest; ++k)
+    for (int i = 0; i < kBins; ++i) moment(i, k) = state.weight[static_cast<std::size_t>(i)] * sums.moment(i, k);
+  for (int k = 2; k <= highest; ++k)
+    for (int i = 0; i < kBins; ++i) residual(i, k) = state.weight[static_cast<std::size_t>(i)] * sums.residual(i, k);
   std::vector<int> list;
   std::vector<Eigen::ArrayXd> basis;
   for (int a = 0; a < kUnknowns; ++a) {
@@ -186,7 +213,6 @@ void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) 
 }
 
 void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns) {
-  constexpr double kMean_px2 = 0.75, kSd_px2 = 0.5;
   constexpr int q = kFirstShape + 2;
   if (!unknowns[q]) return;
   normal.matrix(q, q) += 1.0 / (kSd_px2 * kSd_px2);
@@ -218,26 +244,37 @@ FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRoun
 }
 
 FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds, FitState state) {
+  return descend(model, rounds, std::move(state),
+                 [&](const EdgeModel& next) { return evaluate(pixels, next, rounds); });
+}
+
+FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, const Look& look) {
   double damping = 0.0;
   for (int round = 1; round <= rounds.rounds; ++round) {
     NormalEquations normal = state.normal;
     add_prior(normal, model.shape, rounds.unknowns);
     const Vector step = next_step(normal, model, rounds.unknowns, damping);
-    state.converged = normal.gradient.dot(step) < rounds.enough;
-    if (state.converged || round == rounds.rounds) {
-      state.step = step;
-      break;
-    }
+    const double expected = normal.gradient.dot(step);
+    state.converged = expected < rounds.enough;
+    state.left = expected;
+    if (state.converged || round == rounds.rounds) break;
     EdgeModel next = model;
     move(next, step);
-    FitState tried = evaluate(pixels, next, rounds);
+    FitState tried = look(next);
     // Pixels out of reach leave chi2: an edge that runs away from them is no better.
     constexpr double kKept = 0.7;
-    const bool better =
-        chi2(tried.sums, state.weight) <= state.normal.chi2 + 2.0 && tried.normal.count >= kKept * state.normal.count;
+    const double more = chi2(tried.sums, state.weight) - state.normal.chi2;
+    const bool better = more <= 2.0 && tried.normal.count >= kKept * state.normal.count;
+    // Along the valley where shapes hardly differ steps may go to and fro.
+    constexpr double kShort = 10.0;
+    const double gained = misfit_of(model.shape, rounds.unknowns) - misfit_of(next.shape, rounds.unknowns) - more;
+    const bool idle = expected < kShort * rounds.enough && gained < rounds.enough;
     damping = better ? 0.1 * damping : std::max(1e-4, 30.0 * damping);
     if (damping < 1e-6) damping = 0.0;
-    if (better) model = next, state = std::move(tried);
+    if (better && !(idle && gained < 0.0)) model = next, state = std::move(tried);
+    if (idle) state.left = expected;
+    state.converged = idle;
+    if (idle) break;
   }
   return state;
 }

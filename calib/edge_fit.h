@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <bitset>
+#include <functional>
 #include <optional>
 
 #include "calib/edge_noise.h"
@@ -39,7 +40,7 @@ void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unkno
 struct FitRounds {
   Unknowns unknowns{};
   int rounds = 8;                    ///< at most
-  double enough = 0.3;               ///< ends when no more of chi2 is to be gained
+  double enough = 0.3;               ///< ends when no more of chi2 is to be gained, or a short step gained no more
   std::size_t step = 1;              ///< every step-th pixel
   double least_variance = 4e-12;     ///< of a pixel
   std::optional<double> variance{};  ///< of a pixel, when known
@@ -56,17 +57,23 @@ struct FitState {
   EdgeSums sums;
   std::vector<double> weight;  ///< of a pixel, by bin
   NormalEquations normal;
-  Vector step = Vector::Zero();  ///< the last one, not taken: what is left to the best fit
+  double left = 0.0;  ///< what the next step would take off chi2 if all were linear
   bool converged = false;
 };
 /// Weights and equations of a state that has its profile, sums and noise.
 void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds);
-/// Damped Gauss-Newton steps; `model` is where the returned state was taken, `step` short of the best fit.
+/// The state at a model.
+using Look = std::function<FitState(const EdgeModel& model)>;
+/// Damped Gauss-Newton steps; `model` is where the returned state was taken.
 /// `state` is that of the model at the start.
+FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, const Look& look);
+/// The same with all pixels looked at in every round.
 FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds, FitState state);
 FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds);
 /// Takes a step.
 void move(EdgeModel& model, const Vector& step);
+/// The levels and shifts of the step that leads to another model.
+Vector way(const EdgeModel& from, const EdgeModel& to);
 
 /// The state at the model as it is.
 FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRounds& rounds);

@@ -26,11 +26,11 @@ std::string number(double value, const char* form = "%.3g") {
 }
 
 // What pixels of the plateaus differ by from their level, and pixels at equal distances from each other, beyond what
-// neighbours differ by; in parts of the contrast.
+// neighbours differ by; in parts of the contrast, or where levels run on beyond all values, of the values' range, 1.
 double structure(const EdgeFacts& facts) {
   const double seen = std::max(facts.plateau_sd, facts.noise_sd);
   const double excess = seen * seen - 1.5 * facts.local_noise_sd * facts.local_noise_sd;
-  return std::sqrt(std::max(0.0, excess)) / std::max(facts.contrast, 1e-300);
+  return std::sqrt(std::max(0.0, excess)) / std::clamp(facts.contrast, 1e-300, 1.0);
 }
 
 // The smallest and the largest value, how many pixels have them and how far the next value is.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
 
 #include "mtf/engines/clones.h"
@@ -85,7 +86,35 @@ ValueBounds bounds_of(const RegionFacts& facts, const ValueLimits& limits) {
   return bounds;
 }
 
+MTFKIT_CLONES bool all_within(const float* values, std::int64_t n, ValueBounds bounds) {
+  std::int32_t outside = 0;
+  for (std::int64_t i = 0; i < n; ++i) outside += values[i] >= bounds.low && values[i] <= bounds.high ? 0 : 1;
+  return outside == 0;
+}
+
+// Positions and scaled values of pixels side by side.
+MTFKIT_CLONES void fill_row(const float* __restrict row, std::int64_t n, double left, double offset, double scale,
+                            float* __restrict x, float* __restrict values) {
+  const auto size = static_cast<std::int32_t>(n);
+  for (std::int32_t i = 0; i < size; ++i) {
+    x[i] = static_cast<float>(static_cast<double>(i) + left);
+    values[i] = static_cast<float>((static_cast<double>(row[i]) - offset) * scale);
+  }
+}
+
+// Sums of the rows' values, less the offset.
+MTFKIT_CLONES void add_row(const float* __restrict row, std::int64_t n, double offset, double* __restrict sums) {
+  for (std::int64_t i = 0; i < n; ++i) sums[i] += static_cast<double>(row[i]) - offset;
+}
+
 }  // namespace
+
+std::size_t step_for(const EdgePixels& pixels, std::size_t some) {
+  std::size_t row = 0, step = std::max<std::size_t>(1, pixels.size() / some);
+  while (row < pixels.size() && pixels.y[row] == pixels.y[0]) ++row;
+  while (std::gcd(step, row) > 1) ++step;
+  return step;
+}
 
 RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const ValueLimits& limits) {
   constexpr float kLargest = std::numeric_limits<float>::max();
@@ -133,11 +162,24 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
     return Point{x / n, y / n};
   };
   EdgePixels blocks;
+  std::vector<double> column(static_cast<std::size_t>(roi.width));
   for (std::int64_t top = 0; top < roi.height; top += block_px) {
+    const std::int64_t bottom = std::min(top + block_px, roi.height);
+    bool all = true;
+    std::fill(column.begin(), column.end(), 0.0);
+    for (std::int64_t j = top; j < bottom && all; ++j) {
+      const float* row = image.row(roi.y + j) + roi.x;
+      all = all_within(row, roi.width, bounds);
+      if (all) add_row(row, roi.width, facts.offset, column.data());
+    }
     for (std::int64_t left = 0; left < roi.width; left += block_px) {
-      const std::int64_t right = std::min(left + block_px, roi.width), bottom = std::min(top + block_px, roi.height);
+      const std::int64_t right = std::min(left + block_px, roi.width);
       double sum = 0.0, n = 0.0;
-      for (std::int64_t j = top; j < bottom; ++j) {
+      if (all) {
+        for (std::int64_t i = left; i < right; ++i) sum += column[static_cast<std::size_t>(i)];
+        n = static_cast<double>((right - left) * (bottom - top));
+      }
+      for (std::int64_t j = top; j < bottom && !all; ++j) {
         const float* row = image.row(roi.y + j) + roi.x;
         for (std::int64_t i = left; i < right; ++i) {
           const bool taken = row[i] >= bounds.low && row[i] <= bounds.high;
@@ -181,7 +223,14 @@ EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, cons
       if (list->size() < room)
         list->resize(count + static_cast<std::size_t>(end - first) * static_cast<std::size_t>(roi.height - j));
     float *const x = pixels.x.data(), *const ys = pixels.y.data(), *const values = pixels.value.data();
-    for (auto i = static_cast<std::int64_t>(first); i < static_cast<std::int64_t>(end); ++i) {
+    const auto begin = static_cast<std::int64_t>(first), size = static_cast<std::int64_t>(end) - begin;
+    if (all_within(row + begin, size, bounds)) {
+      fill_row(row + begin, size, first + left, facts.offset, scale, x + count, values + count);
+      std::fill_n(ys + count, size, static_cast<float>(y));
+      count += static_cast<std::size_t>(size);
+      continue;
+    }
+    for (std::int64_t i = begin; i < begin + size; ++i) {
       const float value = row[i];
       x[count] = static_cast<float>(static_cast<double>(i) + left);
       ys[count] = static_cast<float>(y);

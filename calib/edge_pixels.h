@@ -19,6 +19,10 @@ struct EdgePixels {
   std::size_t size() const { return value.size(); }
 };
 
+/// Every how many of the pixels to take so that about `some` are: prime to the length of the rows, so that no column is
+/// left out of all of them, as an upright edge is seen in few columns.
+std::size_t step_for(const EdgePixels& pixels, std::size_t some);
+
 /// What is in a region before anything is known of its edge.
 struct RegionFacts {
   Point middle;                      ///< of the region, pixels of the image

@@ -11,19 +11,10 @@ namespace {
 
 constexpr double kPi = mtf::kPi;
 
-// Of a pair of splines, real or imaginary as the pair is odd or even.
-double pair_otf(const SplinePair& pair, double f_cy_px) {
-  const double sinc = mtf::sinc(f_cy_px * pair.h_px).value, window = sinc * sinc * sinc * sinc;
-  const double half = 2.0 * kPi * f_cy_px * pair.h_px * window;
-  if (pair.x_px == 0.0) return half;
-  const mtf::SinCos phase = mtf::sin_cos_pi(2.0 * f_cy_px * pair.x_px);
-  return 2.0 * half * (pair.odd ? phase.sin : phase.cos);
-}
-
 }  // namespace
 
 EdgeResponse::EdgeResponse(const EdgeModel& model, const JointFit& joint)
-    : shape_(model.shape), angle_rad_(model.curve.angle_rad), table_(tabulate(model.shape, model.curve.angle_rad)) {
+    : shape_(model.shape), normal_(model.curve.normal()), table_(tabulate(model.shape, model.curve.angle_rad)) {
   std::vector<Eigen::Index> from;
   Eigen::Index offset = 0;
   for (std::size_t i = 0; i < joint.unknowns.size(); ++i) {
@@ -51,19 +42,49 @@ EdgeResponse::EdgeResponse(const EdgeModel& model, const JointFit& joint)
     for (Eigen::Index j = 0; j < size; ++j)
       covariance_(i, j) = joint.covariance(from[static_cast<std::size_t>(i)], from[static_cast<std::size_t>(j)]);
   }
+  find_runs();
   locate();
+  shift_covariance_ = covariance_ * shift_row_;
+  shift_variance_ = shift_covariance_.dot(shift_row_);
+}
+
+void EdgeResponse::find_runs() {
+  const auto shapes = static_cast<Eigen::Index>(shapes_.size());
+  for (std::size_t j = 0; j < splines_.size(); ++j) {
+    const SplinePair& pair = splines_[j];
+    if (!runs_.empty()) {
+      Run& run = runs_.back();
+      const double next = run.first.x_px + static_cast<double>(run.count) * run.first.h_px;
+      if (run.first.odd == pair.odd && run.first.h_px == pair.h_px && std::abs(next - pair.x_px) < 1e-9) {
+        ++run.count;
+        continue;
+      }
+    }
+    runs_.push_back({.first = pair, .at = shapes + static_cast<Eigen::Index>(j) + (pair.odd ? 0 : 1), .count = 1});
+  }
+}
+
+// Real or imaginary as the pairs are odd or even: from one pair to the next the phase turns by the same angle.
+void EdgeResponse::run_otf(const Run& run, double f_cy_px, Row& slope) const {
+  const SplinePair& pair = run.first;
+  const double sinc = mtf::sinc(f_cy_px * pair.h_px).value, window = sinc * sinc * sinc * sinc;
+  const double half = 2.0 * kPi * f_cy_px * pair.h_px * window;
+  mtf::SinCos phase = mtf::sin_cos_pi(2.0 * f_cy_px * pair.x_px);
+  const mtf::SinCos turn = mtf::sin_cos_pi(2.0 * f_cy_px * pair.h_px);
+  for (Eigen::Index i = run.at; i < run.at + run.count; ++i) {
+    slope[i] = 2.0 * half * (pair.odd ? phase.sin : phase.cos);
+    phase = {phase.sin * turn.cos + phase.cos * turn.sin, phase.cos * turn.cos - phase.sin * turn.sin};
+  }
+  if (pair.x_px == 0.0) slope[run.at] = half;
 }
 
 EdgeResponse::Parts EdgeResponse::parts(double f_cy_px) const {
   Parts parts{.slope = Row(value_.size()), .real = real_};
-  const ReferenceOtf reference = reference_otf(shape_, angle_rad_, f_cy_px);
+  const ReferenceOtf reference = reference_otf(shape_, normal_, f_cy_px);
   const auto shapes = static_cast<Eigen::Index>(shapes_.size());
   for (Eigen::Index i = 0; i < shapes; ++i) parts.slope[i] = reference.slope[shapes_[static_cast<std::size_t>(i)]];
-  for (Eigen::Index i = shapes; i < real_; ++i)
-    parts.slope[i] = pair_otf(splines_[static_cast<std::size_t>(i - shapes)], f_cy_px);
   parts.slope[real_] = -2.0 * kPi * f_cy_px * reference.value;
-  for (Eigen::Index i = real_ + 1; i < value_.size(); ++i)
-    parts.slope[i] = pair_otf(splines_[static_cast<std::size_t>(i - 1 - shapes)], f_cy_px);
+  for (const Run& run : runs_) run_otf(run, f_cy_px, parts.slope);
   const Eigen::Index rest = value_.size() - real_;
   parts.re = reference.value + parts.slope.head(real_).dot(value_.head(real_));
   parts.im = parts.slope.tail(rest).dot(value_.tail(rest));
@@ -78,14 +99,6 @@ EdgeResponse::Row EdgeResponse::Parts::along() const {
   return row;
 }
 
-EdgeResponse::Row EdgeResponse::Parts::across() const {
-  const double most = modulus();
-  Row row = slope;
-  row.head(real) *= most > 0.0 ? -im / most : 0.0;
-  row.tail(slope.size() - real) *= most > 0.0 ? re / most : 1.0;
-  return row;
-}
-
 double EdgeResponse::covariance(const Row& a, const Row& b) const {
   double sum = 0.0;
   for (Eigen::Index i = 0; i < a.size(); ++i) sum += a[i] * covariance_.col(i).dot(b);
@@ -95,26 +108,36 @@ double EdgeResponse::covariance(const Row& a, const Row& b) const {
 // Newton's method for the least phase.
 void EdgeResponse::locate() {
   constexpr int kFrequencies = 64, kRounds = 8;
-  constexpr double kTop_cy_px = 0.8;
-  std::vector<Parts> all;
+  constexpr double kTop_cy_px = 0.8, kExact_px = 1e-10;
+  struct Value {
+    double turn, re, im, modulus;
+  };
+  std::array<Value, kFrequencies> all;
   double weight = 0.0;
   shift_row_ = Row::Zero(value_.size());
-  for (int i = 1; i <= kFrequencies; ++i) {
-    all.push_back(parts(kTop_cy_px * i / kFrequencies));
-    const double turn = 2.0 * kPi * kTop_cy_px * i / kFrequencies * all.back().modulus();
+  for (std::size_t i = 0; i < kFrequencies; ++i) {
+    const double f = kTop_cy_px * static_cast<double>(i + 1) / kFrequencies;
+    const Parts at = parts(f);
+    const Value& one = all[i] = {2.0 * kPi * f, at.re, at.im, at.modulus()};
+    const double turn = one.turn * one.modulus, per_modulus = one.modulus > 0.0 ? 1.0 / one.modulus : 0.0;
     weight += turn * turn;
-    shift_row_ -= turn * all.back().across();
+    const Eigen::Index rest = value_.size() - real_;
+    shift_row_.head(real_) += turn * one.im * per_modulus * at.slope.head(real_);
+    shift_row_.tail(rest) -= turn * (one.modulus > 0.0 ? one.re * per_modulus : 1.0) * at.slope.tail(rest);
   }
   if (!(weight > 0.0)) return;
   shift_row_ /= weight;
   for (int round = 0; round < kRounds; ++round) {
-    double sum = 0.0;
-    for (int i = 1; i <= kFrequencies; ++i) {
-      const Parts& at = all[static_cast<std::size_t>(i - 1)];
-      const double turn = 2.0 * kPi * kTop_cy_px * i / kFrequencies;
-      sum += turn * at.modulus() * (at.im * std::cos(turn * shift_px_) + at.re * std::sin(turn * shift_px_));
+    const double angle = all[0].turn * shift_px_, c1 = std::cos(angle), s1 = std::sin(angle);
+    double sum = 0.0, c = 1.0, s = 0.0;
+    for (const Value& at : all) {
+      const double next = c * c1 - s * s1;
+      s = s * c1 + c * s1;
+      c = next;
+      sum += at.turn * at.modulus * (at.im * c + at.re * s);
     }
     shift_px_ -= sum / weight;
+    if (std::abs(sum) <= kExact_px * weight) break;
   }
   if (!(std::abs(shift_px_) < kReach_px)) shift_px_ = 0.0;
 }
@@ -122,11 +145,31 @@ void EdgeResponse::locate() {
 EdgeResponse::Otf EdgeResponse::otf(double f_cy_px) const {
   const Parts at = parts(f_cy_px);
   const double turn = 2.0 * kPi * f_cy_px, c = std::cos(turn * shift_px_), s = std::sin(turn * shift_px_);
-  const Row across = at.across() + turn * at.modulus() * shift_row_;
+  // Variances of the real and the imaginary part, and from them those along the modulus and across.
+  const Eigen::Index n = value_.size(), rest = n - real_;
+  double real = 0.0, both = 0.0, imaginary = 0.0;
+  const auto products = [&](Eigen::Index i, Eigen::Index from, Eigen::Index end) {
+    return covariance_.col(i).segment(from, end - from).dot(at.slope.segment(from, end - from));
+  };
+  for (Eigen::Index i = 0; i < real_; ++i) {
+    const double mine = at.slope[i];
+    real += mine * (mine * covariance_(i, i) + 2.0 * products(i, i + 1, real_));
+    both += mine * products(i, real_, n);
+  }
+  for (Eigen::Index i = real_; i < n; ++i) {
+    const double mine = at.slope[i];
+    imaginary += mine * (mine * covariance_(i, i) + 2.0 * products(i, i + 1, n));
+  }
+  const double modulus = at.modulus(), a = modulus > 0.0 ? at.re / modulus : 1.0,
+               b = modulus > 0.0 ? at.im / modulus : 0.0, k = turn * modulus;
+  const double shift = a * at.slope.tail(rest).dot(shift_covariance_.tail(rest)) -
+                       b * at.slope.head(real_).dot(shift_covariance_.head(real_));
+  const double along = a * a * real + 2.0 * a * b * both + b * b * imaginary;
+  const double across = b * b * real - 2.0 * a * b * both + a * a * imaginary + k * (2.0 * shift + k * shift_variance_);
   return {.re = at.re * c - at.im * s,
           .im = at.im * c + at.re * s,
-          .var_along = std::max(0.0, variance(at.along())),
-          .var_across = std::max(0.0, variance(across))};
+          .var_along = std::max(0.0, along),
+          .var_across = std::max(0.0, across)};
 }
 
 double EdgeResponse::Otf::mtf() const { return std::sqrt(std::max(0.0, re * re + im * im - var_across)); }

@@ -55,8 +55,14 @@ class EdgeResponse {
     Eigen::Index real = 0;
     double modulus() const { return std::sqrt(re * re + im * im); }
     Row along() const;
-    Row across() const;
   };
+  // Splines of one kind, evenly spaced by their knots' distance.
+  struct Run {
+    SplinePair first;
+    Eigen::Index at = 0, count = 0;  // among the unknowns
+  };
+  void find_runs();
+  void run_otf(const Run& run, double f_cy_px, Row& slope) const;
   Parts parts(double f_cy_px) const;
   void locate();
   Row change_row(double d_px) const;  // of E, about where the equations were taken
@@ -65,14 +71,17 @@ class EdgeResponse {
   double at_knots(const std::array<double, kSideBins + 1>& values, double d_px) const;
 
   ReferenceShape shape_;
-  double angle_rad_ = 0.0;
+  Point normal_;
   ReferenceTable table_;
   std::vector<std::size_t> shapes_;  // which of S, v, q are free
   std::vector<SplinePair> splines_;
+  std::vector<Run> runs_;
   Eigen::Index real_ = 0;  // so many unknowns make the real part; the offset follows, then even splines
   Eigen::VectorXd value_;
   double shift_px_ = 0.0;
-  Row shift_row_;  // derivatives of the location
+  Row shift_row_;         // derivatives of the location
+  Row shift_covariance_;  // of it with each unknown
+  double shift_variance_ = 0.0;
   Eigen::MatrixXd covariance_;
 };
 

@@ -102,17 +102,16 @@ EdgeModel start_edge(const EdgePixels& blocks, double block_px, double width_px,
   model.curve.half_length_px = std::max(1.0, centre_on_region(model.curve, width, height));
   model.shape.v_px2 = 1.0 + 0.004 * model.curve.half_length_px * model.curve.half_length_px;
 
-  FitRounds rounds{.rounds = 8,
-                   .enough = 3.0,
-                   .step = std::max<std::size_t>(1, scaled.size() / kMostSamples),
-                   .least_variance = 1e-4};
+  FitRounds rounds{.rounds = 8, .enough = 3.0, .step = step_for(scaled, kMostSamples), .least_variance = 1e-4};
   for (const int a : {0, 1, kFirstShift, kFirstShift + 1, kFirstShape + 1})
     rounds.unknowns.set(static_cast<std::size_t>(a));
   fit_reference(scaled, model, rounds);
 
   model.curve.origin.x *= block_px;
   model.curve.origin.y *= block_px;
-  model.shape.v_px2 = std::max(kLeastVariance_px2, (model.shape.v_px2 - 1.0 / 12.0) * block_px * block_px);
+  // Not sharper than blocks can tell: a step between two rows of pixels of an upright edge would stay there.
+  constexpr double kSharpest = 0.02;
+  model.shape.v_px2 = std::max(kSharpest, model.shape.v_px2 - 1.0 / 12.0) * block_px * block_px;
   if (model.level[1] < model.level[0]) {
     std::swap(model.level[0], model.level[1]);
     model.curve.angle_rad = std::remainder(model.curve.angle_rad + std::numbers::pi, 2.0 * std::numbers::pi);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "calib/edge_distances.h"
 #include "mtf/engines/clones.h"
@@ -41,11 +42,11 @@ MTFKIT_CLONES void count_steps(const double* __restrict distance, std::int32_t* 
   }
 }
 
-void look_up(const StepProfile& profile, Chunk& chunk) {
-  const DistanceBins& bins = DistanceBins::get();
-  for (std::size_t k = 0; k < chunk.size; ++k) {
+MTFKIT_CLONES void look_up(const std::array<double, 4>* __restrict cubic, const DistanceBins& bins, Chunk& chunk) {
+  const std::size_t size = chunk.size;
+  for (std::size_t k = 0; k < size; ++k) {
     const int i = bins.at_step(chunk.bin[k]);
-    const std::array<double, 4>& c = profile.cubic[static_cast<std::size_t>(i)];
+    const std::array<double, 4>& c = cubic[static_cast<std::size_t>(i)];
     const double x = chunk.distance[k] - bins.centre(i);
     chunk.bin[k] = i;
     chunk.esf[k] = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
@@ -63,16 +64,24 @@ MTFKIT_CLONES void subtract_model(const std::array<double, kLevels>& level, cons
   }
 }
 
-void add_plain(const Chunk& chunk, double* sums) {
-  for (std::size_t k = 0; k < chunk.size; ++k) {
+using Four [[gnu::vector_size(4 * sizeof(double))]] = double;
+using Two [[gnu::vector_size(2 * sizeof(double))]] = double;
+
+// 1, t, t^2, r and r t, r^2: the first four as products of two rows of 0, 1, t and r.
+MTFKIT_CLONES void add_plain(const Chunk& chunk, double* sums) {
+  constexpr Four kOne{1, 0, 0, 0}, kT{0, 1, 1, 0}, kR{0, 0, 0, 1}, kOtherOne{1, 1, 0, 1}, kOtherT{0, 0, 1, 0};
+  const std::size_t size = chunk.size;
+  for (std::size_t k = 0; k < size; ++k) {
     const double t = chunk.along[k], r = chunk.residual[k];
     double* s = sums + 8 * static_cast<std::ptrdiff_t>(chunk.bin[k]);
-    s[0] += 1.0;
-    s[1] += t;
-    s[2] += t * t;
-    s[3] += r;
-    s[4] += r * t;
-    s[5] += r * r;
+    Four first;
+    Two second;
+    std::memcpy(&first, s, sizeof first);
+    std::memcpy(&second, s + 4, sizeof second);
+    first += (kOne + kT * t + kR * r) * (kOtherOne + kOtherT * t);
+    second += Two{t, r} * r;
+    std::memcpy(s, &first, sizeof first);
+    std::memcpy(s + 4, &second, sizeof second);
   }
 }
 
@@ -123,14 +132,27 @@ EdgeSums::EdgeSums(bool bends) : plain_((kBins + 1) * kPlain) {
   if (bends) bent_.resize((kBins + 1) * kBent);
 }
 
-void EdgeSums::add_to_residual(int i, double more) {
-  double* s = plain_.data() + static_cast<std::size_t>(i) * kPlain;
-  s[5] += more * (2.0 * s[3] + more * s[0]);
-  s[3] += more * s[0];
-  s[4] += more * s[1];
-  if (!bends()) return;
-  double* b = bent_.data() + static_cast<std::size_t>(i) * kBent;
-  for (int k = 2; k <= kHighestOrder; ++k) b[6 + k] += more * moment(i, k);
+void EdgeSums::take_from_residual(int i, const std::array<double, kHighestOrder + 1>& change, bool bends) {
+  const auto bin = static_cast<std::size_t>(i);
+  double* s = plain_.data() + bin * kPlain;
+  if (!bends) {
+    const auto [a, b] = std::array{change[0], change[1]};
+    const double r = a * s[0] + b * s[1], rt = a * s[1] + b * s[2];
+    s[5] -= a * (2.0 * s[3] - r) + b * (2.0 * s[4] - rt);
+    s[3] -= r;
+    s[4] -= rt;
+    return;
+  }
+  std::array<double, kHighestOrder + 1> taken{};
+  for (int k = 0; k <= kHighestOrder; ++k)
+    for (int j = 0; j <= kHighestOrder; ++j)
+      taken[static_cast<std::size_t>(k)] += change[static_cast<std::size_t>(j)] * moment(i, j + k);
+  for (int k = 0; k <= kHighestOrder; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    s[5] -= change[at] * (2.0 * residual(i, k) - taken[at]);
+  }
+  double* b = bent_.data() + bin * kBent;
+  for (std::size_t k = 0; k <= kHighestOrder; ++k) (k < 2 ? s[3 + k] : b[6 + k]) -= taken[k];
 }
 
 double EdgeSums::pure_error(int i) const {
@@ -187,7 +209,7 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
     bend_all(model.curve, {chunk.distance.data(), chunk.size}, {chunk.along.data(), chunk.size});
     for (std::size_t k = 0; k < chunk.size; ++k) chunk.along[k] *= per_length;
     count_steps(chunk.distance.data(), chunk.bin.data(), chunk.size);
-    look_up(profile, chunk);
+    look_up(profile.cubic.data(), DistanceBins::get(), chunk);
     subtract_model(model.level, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
                    chunk.size);
     add_plain(chunk, sums.plain_.data());

@@ -46,15 +46,18 @@ void find_bend_bins(StepProfile& profile);
 /// to t^10 and t^5.
 class EdgeSums {
  public:
-  EdgeSums() : EdgeSums(false) {}
+  EdgeSums() = default;
   explicit EdgeSums(bool bends);
 
+  /// 1, t, t^2, r, r t, r^2 of a bin.
+  const double* low(int i) const { return plain(i); }
   double count(int i) const { return plain(i)[0]; }
   double moment(int i, int k) const { return k < 3 ? plain(i)[k] : bent(i)[k - 3]; }        ///< sum of t^k
   double residual(int i, int k) const { return k < 2 ? plain(i)[3 + k] : bent(i)[6 + k]; }  ///< sum of r t^k
   double square(int i) const { return plain(i)[5]; }                                        ///< sum of r^2
-  /// As if each pixel's residual in the bin were larger by `more`.
-  void add_to_residual(int i, double more);
+  /// As if each pixel's residual in the bin were less by change[0] + change[1] t, or where `bends` are asked for and
+  /// seen by change[0] + .. + change[5] t^5.
+  void take_from_residual(int i, const std::array<double, kHighestOrder + 1>& change, bool bends);
   double pure_error(int i) const;  ///< sum of r^2 about the bin's own mean, count - 1 degrees of freedom
   bool bends() const { return !bent_.empty(); }
 

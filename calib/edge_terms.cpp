@@ -92,7 +92,8 @@ Unknowns without_bounds(Unknowns unknowns, const EdgeModel& model) {
   return unknowns;
 }
 
-Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_px, const MeasureOptions& options) {
+Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_px, const MeasureOptions& options,
+                   int least_order) {
   constexpr double kSureGradient = 8.0, kSureBend = 12.0;  // F: once in 10^5 and in 2000 straight, even edges
   constexpr double kLeastGradient = 2e-3;                  // of the contrast, at the end of the reach
   constexpr double kLeastBend_px = 3e-3;                   // changes no MTF by more than 1e-4
@@ -100,7 +101,7 @@ Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_p
   const Gain all = gain_of(state.normal, with_gradients(with_order(base, kHighestOrder)));
   const double unit = std::max(1.0, (state.normal.chi2 - all.chi2) / std::max(1.0, state.normal.count - kUnknowns));
   Terms terms;
-  const int tested = options.order || options.circle ? options.order.value_or(2) : 1;
+  const int tested = options.order || options.circle ? options.order.value_or(2) : least_order;
   const Gain flat = gain_of(state.normal, with_order(base, tested));
   const Gain tilted = gain_of(state.normal, with_gradients(with_order(base, tested)));
   const double across = std::max(std::abs(tilted.step[2]), std::abs(tilted.step[3])) * reach_px;
@@ -111,9 +112,10 @@ Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_p
     terms.order = options.circle ? 2 : *options.order;
     return terms;
   }
-  const Unknowns rest = terms.gradients ? with_gradients(base) : base;
+  terms.order = least_order;
+  const Unknowns rest = with_order(terms.gradients ? with_gradients(base) : base, least_order);
   double reached = gain_of(state.normal, rest).chi2;
-  for (int order = 2; order <= kHighestOrder; ++order) {
+  for (int order = least_order + 1; order <= kHighestOrder; ++order) {
     const Gain bent = gain_of(state.normal, with_order(rest, order));
     if ((bent.chi2 - reached) / (order - terms.order) <= kSureBend * unit) continue;
     if (largest_bend(bent.step, terms.order + 1, order) < kLeastBend_px) continue;
@@ -161,7 +163,8 @@ bool shows_diffraction(const FitState& state, const EdgeModel& model, const Unkn
     const auto k = static_cast<Eigen::Index>(i);
     const Eigen::VectorXd column = all.matrix.ldlt().solve(Eigen::VectorXd::Unit(all.matrix.rows(), k));
     const double variance = column[k] * all.scale[k] * all.scale[k];
-    return model.shape.s_px * model.shape.s_px > kSure * variance;
+    const double s_px = std::max(0.0, model.shape.s_px + column.dot(all.gradient) * all.scale[k]);
+    return s_px * s_px > kSure * variance;
   }
   return false;
 }

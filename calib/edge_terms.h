@@ -23,7 +23,8 @@ struct Terms {
 };
 /// `state` has the equations of all terms; `reach_px` is how far from the edge pixels go. The order is chosen only when
 /// the options leave it open.
-Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_px, const MeasureOptions& options);
+Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_px, const MeasureOptions& options,
+                   int least_order = 1);
 
 /// Whether a side's level bends with the distance from the edge, as uneven light makes it: told from the outer part of
 /// the pixels, where the tails of a blur are all but straight. Neither gradients nor a correction may take the bend.

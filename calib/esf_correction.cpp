@@ -65,10 +65,15 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
     double value;
   };
   std::vector<Active> active;
-  VectorXd column(fixed);
   MatrixXd basis(fixed, kBins);
   for (Eigen::Index k = 0; k < fixed; ++k)
     basis.row(k) = basis_values(unknowns[static_cast<std::size_t>(k)], state.profile, model.contrast()).matrix();
+  // Sums over a bin and its mirror image for even pairs, differences for odd ones.
+  struct Sided {
+    VectorXd column;
+    double residual = 0.0;
+  };
+  Sided even{VectorXd(fixed)}, odd{VectorXd(fixed)};
   for (int side = 0; side < kSideBins; ++side) {
     const double d = bins.centre(kSideBins + side);
     active.clear();
@@ -77,24 +82,31 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
         if (const double value = pair_value(pairs[j], d); value != 0.0)
           active.push_back({static_cast<Eigen::Index>(j), model.contrast() * value});
     if (active.empty()) continue;
-    for (const int i : {kSideBins + side, kSideBins - 1 - side}) {
-      const double n = state.sums.count(i);
-      if (n == 0.0) continue;
-      const double weight = state.weight[static_cast<std::size_t>(i)];
-      for (Eigen::Index k = 0; k < fixed; ++k)
-        column[k] = weight * basis(k, i) * state.sums.moment(i, basis_power(unknowns[static_cast<std::size_t>(k)]));
-      const double residual = weight * state.sums.residual(i, 0);
-      const bool dark = i < kSideBins;
-      for (std::size_t j = 0; j < active.size(); ++j) {
-        const bool odd = pairs[static_cast<std::size_t>(active[j].column)].odd;
-        const double value = odd && dark ? -active[j].value : active[j].value;
-        equations.with_residual[active[j].column] += value * residual;
-        equations.with_unknowns.col(active[j].column) += value * column;
-        for (std::size_t k = 0; k <= j; ++k) {
-          const bool turned = dark && pairs[static_cast<std::size_t>(active[k].column)].odd;
-          equations.with_each_other(active[j].column, active[k].column) +=
-              weight * n * value * (turned ? -active[k].value : active[k].value);
-        }
+    const int bright = kSideBins + side, dark = kSideBins - 1 - side;
+    const double weight_b = state.weight[static_cast<std::size_t>(bright)],
+                 weight_d = state.weight[static_cast<std::size_t>(dark)];
+    const double n_b = weight_b * state.sums.count(bright), n_d = weight_d * state.sums.count(dark);
+    if (n_b == 0.0 && n_d == 0.0) continue;
+    for (Eigen::Index k = 0; k < fixed; ++k) {
+      const int power = basis_power(unknowns[static_cast<std::size_t>(k)]);
+      const double b = weight_b * basis(k, bright) * state.sums.moment(bright, power),
+                   a = weight_d * basis(k, dark) * state.sums.moment(dark, power);
+      even.column[k] = b + a;
+      odd.column[k] = b - a;
+    }
+    const double r_b = weight_b * state.sums.residual(bright, 0), r_d = weight_d * state.sums.residual(dark, 0);
+    even.residual = r_b + r_d;
+    odd.residual = r_b - r_d;
+    for (std::size_t j = 0; j < active.size(); ++j) {
+      const auto [column, value] = active[j];
+      const bool is_odd = pairs[static_cast<std::size_t>(column)].odd;
+      const Sided& mine = is_odd ? odd : even;
+      equations.with_residual[column] += value * mine.residual;
+      equations.with_unknowns.col(column) += value * mine.column;
+      for (std::size_t k = 0; k <= j; ++k) {
+        const bool alike = pairs[static_cast<std::size_t>(active[k].column)].odd == is_odd;
+        equations.with_each_other(column, active[k].column) +=
+            (alike ? n_b + n_d : n_b - n_d) * value * active[k].value;
       }
     }
   }

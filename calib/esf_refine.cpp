@@ -92,7 +92,8 @@ FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& referen
   next.noise = noise_of(next.sums, next.profile, rounds);
   reference = make_profile(tabulate(model.shape, model.curve.angle_rad));
   for (std::size_t i = 0; i < kBins; ++i)
-    next.sums.add_to_residual(static_cast<int>(i), model.contrast() * (next.profile.esf[i] - reference.esf[i]));
+    next.sums.take_from_residual(static_cast<int>(i), {model.contrast() * (reference.esf[i] - next.profile.esf[i])},
+                                 next.sums.bends() && next.profile.shows_bends(static_cast<int>(i)));
   next.profile.slope = reference.slope;
   assemble(next, model, rounds);
   next.converged = true;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "calib/edge_bin_fit.h"
 #include "calib/edge_figures.h"
 #include "calib/edge_outcome.h"
 #include "calib/edge_start.h"
@@ -51,7 +52,7 @@ void sharpen_start(const EdgePixels& pixels, EdgeModel& start, double block_px, 
   rounds.unknowns.reset(kFirstShape).reset(kFirstShape + 2);
   rounds.rounds = 40;
   rounds.enough = 3.0;
-  rounds.step = std::max<std::size_t>(1, pixels.size() / kSome);
+  rounds.step = step_for(pixels, kSome);
   rounds.least_variance = std::max(rounds.least_variance, 1e-4);
   fit_reference(pixels, start, rounds);
 }
@@ -64,11 +65,36 @@ struct Fit {
   Unknowns unknowns;
 };
 
+// From the state of all pixels at a model near the best one to that at the best one. What is nearly linear is done on
+// sums by distance, so that the pixels are seldom looked at more than once again.
+void settle(const EdgePixels& pixels, Fit& fit, FitRounds rounds) {
+  rounds.unknowns = fit.unknowns;
+  rounds.rounds = 8;
+  EdgeModel model = fit.model;
+  const auto drop_diffraction = [&] {
+    fit.unknowns.reset(kFirstShape);
+    rounds.unknowns = fit.unknowns;
+    model.shape.v_px2 += 0.1 * model.shape.s_px * model.shape.s_px;
+    model.shape.s_px = 0.0;
+  };
+  const bool likely = shows_diffraction(fit.state, model, fit.unknowns);
+  if (!likely) drop_diffraction();
+  FitState near = fit_on_bins(fit.state, fit.model, model, rounds);
+  if (likely && !shows_diffraction(near, model, fit.unknowns)) {
+    drop_diffraction();
+    near = fit_on_bins(fit.state, fit.model, model, rounds);
+  }
+  if (near.left > rounds.enough) rounds.enough += near.left;  // steps that come to nothing on bins need no other try
+  rounds.rounds = 5;
+  fit.model = model;
+  fit.state = fit_reference(pixels, fit.model, rounds);
+}
+
 // From the start to the best reference: first on some of the pixels, then on all.
 Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const MeasureOptions& options,
              double reach_px) {
   constexpr std::size_t kSome = 2000;
-  const std::size_t step = std::max<std::size_t>(1, pixels.size() / kSome);
+  const std::size_t step = step_for(pixels, kSome);
   Fit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns()};
   split_blur(fit.model.shape);
   const auto refine = [&](std::size_t every, int most_rounds, double enough) {
@@ -78,31 +104,36 @@ Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const 
     rounds.enough = enough;
     return fit_reference(pixels, fit.model, rounds);
   };
-  refine(step, 25, 1.0);
+  constexpr double kRough = 4.0;  // less than what other pixels change
+  const auto bend_by = [&](int order) {
+    fit.unknowns = with_order(fit.unknowns, order);
+    set_order(fit.model.curve, order, options.circle);
+    return refine(step, 12, kRough);
+  };
+  const FitState some = refine(step, 25, kRough);
+  // A bend that some of the pixels show is taken out first, if it is most of what keeps them from the model.
+  int order = 1;
+  if (constexpr double kFar = 1.3; options.order != 1 && some.normal.chi2 > kFar * some.normal.count) {
+    const Fit straight = fit;
+    const FitState bent = bend_by(2);
+    const double misfit = bent.normal.chi2 * bent.noise.at(0.5) / some.noise.at(0.5);
+    order = misfit < 0.5 * some.normal.chi2 ? 2 : 1;
+    if (order == 1) fit = straight;
+  }
 
   rounds.step = 1;
   rounds.unknowns = with_gradients(with_order(fit.unknowns, kHighestOrder));
   fit.state = evaluate(pixels, fit.model, rounds);
-  const Terms terms = choose_terms(fit.state, fit.model, reach_px, options);
+  const Terms terms = choose_terms(fit.state, fit.model, reach_px, options, order);
   if (terms.gradients) fit.unknowns = with_gradients(fit.unknowns);
-  fit.unknowns = with_order(fit.unknowns, terms.order);
-  set_order(fit.model.curve, terms.order, options.circle);
-  constexpr int kRounds = 5;
-  constexpr double kEnough = 0.3;
-  if (terms.gradients || terms.order > 1) {
-    refine(step, 12, 1.0);
-    fit.state = refine(1, kRounds, kEnough);
-  } else {
+  if (terms.gradients || terms.order > order) {
+    bend_by(terms.order);
+    rounds.step = 1;
     rounds.unknowns = fit.unknowns;
-    rounds.rounds = kRounds;
-    rounds.enough = kEnough;
-    fit.state = fit_reference(pixels, fit.model, rounds, std::move(fit.state));
+    fit.state = evaluate(pixels, fit.model, rounds);
   }
-  if (fit.model.shape.s_px > 0.0 && !shows_diffraction(fit.state, fit.model, fit.unknowns)) {
-    fit.unknowns.reset(kFirstShape);
-    fit.model.shape.s_px = 0.0;
-    fit.state = refine(1, kRounds, kEnough);
-  }
+  rounds.enough = 0.3;
+  settle(pixels, fit, rounds);
   return fit;
 }
 
@@ -122,8 +153,7 @@ EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double reach
 // Where few distances occur the pixels do not tell diffraction, a footprint and a Gaussian from each other, and which
 // of them it is decides between the distances: what the result would be with a Gaussian alone, with the footprint of a
 // whole pixel, and with that and diffraction, if these fit, is part of its standard deviation.
-void hold_shapes(const EdgePixels& pixels, const Fit& fit, const FitRounds& fitted, const EdgeFacts& facts,
-                 EdgeMeasurement& out) {
+void hold_shapes(const Fit& fit, const FitRounds& fitted, const EdgeFacts& facts, EdgeMeasurement& out) {
   constexpr double kWorse = 9.0;  // chi2
   const ReferenceShape& shape = fit.model.shape;
   const double variance = shape.v_px2 + shape.q_px2 / 12.0 + 0.1 * shape.s_px * shape.s_px;
@@ -136,7 +166,7 @@ void hold_shapes(const EdgePixels& pixels, const Fit& fit, const FitRounds& fitt
     rounds.unknowns = other.unknowns;
     rounds.rounds = 12;
     rounds.enough = 0.1;
-    other.state = fit_reference(pixels, other.model, rounds);
+    other.state = fit_on_bins(fit.state, fit.model, other.model, rounds);
     if (other.state.normal.chi2 > fit.state.normal.chi2 + kWorse) continue;
     const JointFit joint = solve_jointly(other.state, other.model, without_bounds(other.unknowns, other.model),
                                          Detail::none, facts.width_px, kLeastReach_px);
@@ -319,7 +349,7 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   }
   const EdgeResponse response(fit.model, joint);
   describe(response, out);
-  if (facts.oversampling < kFewestDistances) hold_shapes(pixels, fit, rounds, facts, out);
+  if (facts.oversampling < kFewestDistances) hold_shapes(fit, rounds, facts, out);
   if (const Outcome outcome = judge_response(out); outcome.trouble != Trouble::none) {
     EdgeMeasurement refused;
     refused.roi = roi;

@@ -72,7 +72,7 @@ MTFKIT_CLONES void add_zone(const std::array<double, kSums>& weight, Phase& phas
 }
 
 // A Gauss-Legendre rule in t, f = top t (2 - t): smooth at the cutoff, where D ends with the power 3/2.
-std::vector<Node> make_nodes(const ReferenceShape& shape, double angle_rad, double top_cy_px, double reach_px) {
+std::vector<Node> make_nodes(const ReferenceShape& shape, Point normal, double top_cy_px, double reach_px) {
   const double phase = 2.0 * kPi * top_cy_px * reach_px;
   const int wanted = static_cast<int>(0.5 * phase + std::cbrt(phase)) + 10;  // 1e-8
   const int n = std::min((wanted + 7) / 8 * 8, mtf::kMostGaussNodes);
@@ -82,7 +82,7 @@ std::vector<Node> make_nodes(const ReferenceShape& shape, double angle_rad, doub
     const double t = 0.5 * (rule.node[i] + 1.0);
     const double f = top_cy_px * t * (2.0 - t);
     const double df = rule.weight[i] * top_cy_px * (1.0 - t);
-    const ReferenceOtf h = reference_otf(shape, angle_rad, f);
+    const ReferenceOtf h = reference_otf(shape, normal, f);
     Node& node = nodes[i];
     node.weight[0] = df * h.value / (kPi * f);
     node.weight[1] = df * h.value * 2.0;
@@ -96,14 +96,18 @@ std::vector<Node> make_nodes(const ReferenceShape& shape, double angle_rad, doub
 }  // namespace
 
 ReferenceOtf reference_otf(const ReferenceShape& shape, double angle_rad, double f_cy_px) {
+  return reference_otf(shape, {std::cos(angle_rad), std::sin(angle_rad)}, f_cy_px);
+}
+
+ReferenceOtf reference_otf(const ReferenceShape& shape, Point normal, double f_cy_px) {
   const double x = f_cy_px * shape.s_px;
   if (x >= 1.0) return {.value = 0.0};
-  const double root = std::sqrt(1.0 - x * x);
-  const double pupil = 2.0 / kPi * (std::acos(x) - x * root);
+  const double root = x > 0.0 ? std::sqrt(1.0 - x * x) : 1.0;
+  const double pupil = x > 0.0 ? 2.0 / kPi * (std::acos(x) - x * root) : 1.0;
   const double square = 2.0 * kPi * kPi * f_cy_px * f_cy_px;
   const double gauss = std::exp(-square * shape.v_px2);
-  const mtf::ValueSlope a = footprint(f_cy_px * std::cos(angle_rad), shape.q_px2);
-  const mtf::ValueSlope b = footprint(f_cy_px * std::sin(angle_rad), shape.q_px2);
+  const mtf::ValueSlope a = footprint(f_cy_px * normal.x, shape.q_px2);
+  const mtf::ValueSlope b = footprint(f_cy_px * normal.y, shape.q_px2);
   const double value = pupil * gauss * a.value * b.value;
   return {.value = value,
           .slope = {-4.0 / kPi * f_cy_px * root * gauss * a.value * b.value, -square * value,
@@ -120,7 +124,7 @@ ReferenceTable tabulate(const ReferenceShape& shape, double angle_rad) {
   const double reach = std::min(kReach_px, 10.0 * s + 1.5 * std::sqrt(shape.q_px2) + 5.5 * sigma);
   ReferenceTable table;
   std::size_t summed = 0;
-  for (const Node& node : make_nodes(shape, angle_rad, top, reach)) {
+  for (const Node& node : make_nodes(shape, {std::cos(angle_rad), std::sin(angle_rad)}, top, reach)) {
     Phase phase{.c = 1.0, .s = 0.0, .dc = node.cos, .ds = node.sin};
     double start = 0.0, step = 1.0 / kFinest;
     std::size_t first = 0;

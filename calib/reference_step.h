@@ -10,6 +10,7 @@
 #include <array>
 
 #include "calib/distance_bins.h"
+#include "calib/edge_curve.h"
 
 namespace calib {
 
@@ -25,6 +26,7 @@ struct ReferenceOtf {
   double value = 1.0;
   std::array<double, kShapes> slope{};  ///< by S, v, q
 };
+ReferenceOtf reference_otf(const ReferenceShape& shape, Point normal, double f_cy_px);
 ReferenceOtf reference_otf(const ReferenceShape& shape, double angle_rad, double f_cy_px);
 
 /// E - 1/2, the line spread and the derivatives of E, at the knots of the bright side (all but the line spread are

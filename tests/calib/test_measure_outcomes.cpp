@@ -270,6 +270,22 @@ TEST(MeasureOutcomes, SharpenedEdgesKeepTheirOvershoot) {
   EXPECT_LT(found.mtf50->sd, 0.01);
 }
 
+// All rows show the same few distances: a step as sharp as between two columns is a minimum of its own.
+TEST(MeasureOutcomes, UprightEdgesDoNotCollapse) {
+  const made::Step step = made::Step::gaussian(0.3);
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    made::Scene scene;
+    scene.angle_deg = 0.0;
+    scene.x = 64.2 + 0.005 * static_cast<double>(seed);
+    scene.noise_sd = 0.01;
+    scene.seed = seed;
+    const EdgeMeasurement found = measure(made::make(step, scene));
+    ASSERT_TRUE(found.mtf50) << *scene.x << ' ' << found.reason;
+    EXPECT_NEAR(found.mtf50->value, 0.3, 5.0 * found.mtf50->sd) << *scene.x;
+    EXPECT_LT(found.mtf50->sd, 0.03) << *scene.x;
+  }
+}
+
 TEST(MeasureOutcomes, PixelsWithoutDataAreCounted) {
   mtf::Image image = made::make(made::Step::gaussian(0.3), {.noise_sd = 0.01});
   image.at(3, 4) = std::numeric_limits<float>::quiet_NaN();
