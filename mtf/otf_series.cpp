@@ -5,6 +5,8 @@
 #include <memory>
 #include <mutex>
 
+#include "mtf/engines/clones.h"
+
 namespace mtf {
 namespace {
 
@@ -46,8 +48,8 @@ FineNodes make_nodes(int degree, int count) {
 }  // namespace
 
 const ChebyshevPoints& chebyshev_points(int degree) {
-  static const std::array<ChebyshevPoints, 4> points{make_points(8), make_points(16), make_points(32), make_points(64)};
-  return points[degree == 8 ? 0 : degree == 16 ? 1 : degree == 32 ? 2 : 3];
+  static const std::array<ChebyshevPoints, 3> points{make_points(16), make_points(32), make_points(64)};
+  return points[degree == 16 ? 0 : degree == 32 ? 1 : 2];
 }
 
 const FineNodes& fine_nodes(int degree, double cycles) {
@@ -65,6 +67,33 @@ const FineNodes& fine_nodes(int degree, double cycles) {
   if (!table) table = std::make_unique<const FineNodes>(make_nodes(degree, count));
   found = table.get();
   return *found;
+}
+
+MTFKIT_CLONES
+void add_products(const double* matrix, std::span<const double> factor, std::span<double> result) {
+  double* sum = result.data();
+  const std::size_t count = result.size();
+  for (const double f : factor) {
+    for (std::size_t i = 0; i < count; ++i) sum[i] += matrix[i] * f;
+    matrix += count;
+  }
+}
+
+MTFKIT_CLONES
+void chebyshev_sums(std::span<const double> coefficient, std::span<const double> t, std::span<double> value) {
+  constexpr std::size_t kLanes = 8;
+  for (std::size_t first = 0; first < t.size(); first += kLanes) {
+    const std::size_t count = std::min(kLanes, t.size() - first);
+    double x[kLanes] = {}, b1[kLanes] = {}, b2[kLanes] = {};
+    for (std::size_t i = 0; i < count; ++i) x[i] = t[first + i];
+    for (std::size_t k = coefficient.size(); k-- > 1;)
+      for (std::size_t i = 0; i < kLanes; ++i) {
+        const double b = 2.0 * x[i] * b1[i] - b2[i] + coefficient[k];
+        b2[i] = b1[i];
+        b1[i] = b;
+      }
+    for (std::size_t i = 0; i < count; ++i) value[first + i] = x[i] * b1[i] - b2[i] + coefficient[0];
+  }
 }
 
 }  // namespace mtf

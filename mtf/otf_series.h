@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "mtf/quadrature.h"
@@ -19,7 +20,7 @@
 
 namespace mtf {
 
-inline constexpr int kLeastDegree = 8, kMostDegree = 64;  ///< of a series: 8, 16, 32, 64
+inline constexpr int kLeastDegree = 16, kMostDegree = 64;  ///< of a series: 16, 32, 64
 
 /// What a degree needs, made once: the share of the panel below each point, and what turns values into coefficients.
 struct ChebyshevPoints {
@@ -36,15 +37,28 @@ struct FineNodes {
 /// As many nodes as the series takes beside a wave of `cycles` over the panel.
 const FineNodes& fine_nodes(int degree, double cycles);
 
+/// result[i] += sum over k of matrix[k][i] x factor[k]; for double on whatever vectors the machine has.
+void add_products(const double* matrix, std::span<const double> factor, std::span<double> result);
+template <class S>
+void add_products(const double* matrix, const std::vector<S>& factor, std::vector<S>& result) {
+  if constexpr (std::is_same_v<S, double>) {
+    add_products(matrix, std::span<const double>(factor), std::span<double>(result));
+  } else {
+    for (const S& f : factor) {
+      for (std::size_t i = 0; i < result.size(); ++i) result[i] += S(matrix[i]) * f;
+      matrix += result.size();
+    }
+  }
+}
+
+/// Clenshaw's recurrence at many places.
+void chebyshev_sums(std::span<const double> coefficient, std::span<const double> t, std::span<double> value);
+
 /// Values at the points become coefficients in place: value = sum of c_k T_k(t).
 template <class S>
 void chebyshev_coefficients(std::vector<S>& value) {
-  const double* row = chebyshev_points(static_cast<int>(value.size()) - 1).transform.data();
   std::vector<S> coefficient(value.size());
-  for (const S& v : value) {
-    for (std::size_t k = 0; k < coefficient.size(); ++k) coefficient[k] += S(row[k]) * v;
-    row += coefficient.size();
-  }
+  add_products(chebyshev_points(static_cast<int>(value.size()) - 1).transform.data(), value, coefficient);
   value = std::move(coefficient);
 }
 
@@ -63,6 +77,11 @@ S chebyshev(const std::vector<S>& coefficient, double t) {
 /// The same at many places, side by side.
 template <class S>
 std::vector<S> chebyshev_at(const std::vector<S>& coefficient, std::span<const double> t) {
+  if constexpr (std::is_same_v<S, double>) {
+    std::vector<double> value(t.size());
+    chebyshev_sums(coefficient, t, value);
+    return value;
+  }
   std::vector<S> b1(t.size()), b2(t.size()), b(t.size());
   for (std::size_t k = coefficient.size(); k-- > 1;) {
     const S c = coefficient[k];
@@ -229,13 +248,8 @@ void append_series(std::vector<SeriesPanel<S, N>>& panels, PanelMap map, double 
 /// The series at the fine nodes.
 template <class S>
 std::vector<S> at_nodes(const std::vector<S>& coefficient, const FineNodes& nodes) {
-  const std::size_t count = nodes.t.size();
-  std::vector<S> value(count);
-  for (std::size_t k = 0; k < coefficient.size(); ++k) {
-    const double* basis = nodes.basis.data() + k * count;
-    const S c = coefficient[k];
-    for (std::size_t i = 0; i < count; ++i) value[i] += S(basis[i]) * c;
-  }
+  std::vector<S> value(nodes.t.size());
+  add_products(nodes.basis.data(), coefficient, value);
   return value;
 }
 
