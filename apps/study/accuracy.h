@@ -17,7 +17,7 @@ struct AccuracyRow {
 };
 
 struct AccuracyTable {
-  std::vector<AccuracyRow> rows;  ///< 1e-2 ... 1e-9
+  std::vector<AccuracyRow> rows;  ///< 1e-2 ... 1e-9, or to the decade before the reference
   double reference = 1e-10;       ///< tolerance of what they are held against
   std::int64_t designs = 0;       ///< of the sample
 };

@@ -33,7 +33,7 @@ std::int64_t index_samples(const Study& study) {
 
 namespace {
 constexpr double kSeconds = 10.0;  // for indices, about
-constexpr std::int64_t kLeastSamples = 32;
+constexpr std::int64_t kLeastSamples = 16;
 }  // namespace
 
 StudyIndices study_indices(const std::shared_ptr<const Study>& study, const std::vector<Column>& columns, int threads,
