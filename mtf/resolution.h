@@ -8,7 +8,7 @@
 //   esf(x)  = 1/2 + int [Re H sin(2 pi u x) + Im H cos(2 pi u x)] / (pi u) du
 //   rer     = esf(e + 1/2) - esf(e - 1/2), e the place of esf = 1/2 (0 for a real OTF); Gaussian: erf(1/(sqrt 8 sigma))
 //   overshoot   = largest esf(e + x) - 1 for 1 <= x <= 3
-//   edge_height = esf at 1.25 px where it still rises there, else its largest value (GIQE's H)
+//   edge_height = esf at 1.25 px where it rises from 1 to 3 px, else its largest value there (GIQE's H)
 //   fwhm    = full width of the lsf at half of its peak
 //   mtf50   = first frequency where |H| falls to 1/2
 //   mtfa    = 2 int from 0 to 1/2 of |H| du
@@ -22,10 +22,10 @@
 // 8322 (1997); Driggers et al., Introduction to Infrared and Electro-Optical Systems, 2nd ed. 2012, for the spurious
 // response.)
 //
-// The OTF is evaluated for its Chebyshev series (otf_series.h), on panels that end at Nyquist, at the cutoff and where
-// a pupil has kinks, and integrated from them. Every integral that is asked for has to reach the tolerance, and the
-// error reached is reported: absolute for what is at most about 1, relative for the others. A template over S, so that
-// studies differentiate through every parameter.
+// The OTF is evaluated for its Chebyshev series (otf_series.h), on panels that end at the cutoff and where a pupil has
+// kinks, and integrated from them. The series are as long as the tolerance asks for; the error reached is reported,
+// with what kernels, slopes and small bases make of it: absolute for what is at most about 1, relative for the others.
+// A template over S, so that studies differentiate through every parameter.
 
 #include <functional>
 #include <optional>

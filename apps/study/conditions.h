@@ -17,7 +17,7 @@ struct Conditions {
   std::optional<double> target_size_m;  ///< target_size: square root of the area, for TTP and Johnson
   std::optional<double>
       signal_contrast;  ///< signal_contrast: (bright - dark)/bright of two reflecting surfaces, for SNR of NIIRS
-  double extinction_per_km = 0.0;  ///< extinction: of the apparent contrast with range (Beer), TTP range only
+  double extinction_per_km = 0.0;  ///< extinction: of the apparent contrast with range (Beer), for the ranges
   double scene_contrast_k = 5.0;   ///< scene_contrast: K from dark to mean luminance of the display, for TTP
   double snr_threshold = 2.5;      ///< snr_threshold: of the MRTD
   double eye_time_s = 0.1;         ///< eye_time: integration of the eye

@@ -134,7 +134,6 @@ struct Study {
   std::vector<AsBuilt> as_built;
   int draws = 0;                    ///< of the yield; 0 without [[as_built]]
   std::vector<MetricInfo> metrics;  ///< listed, then those that only constraints and objectives use
-  std::size_t listed = 0;
   std::vector<Constraint> constraints;
   std::vector<Objective> objectives;
   Conditions conditions;

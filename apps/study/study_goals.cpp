@@ -162,7 +162,6 @@ void read_metrics(StudyReader& s) {
       else
         add_metric(s, *metric, item.text);
     }
-    s.study.listed = s.study.metrics.size();
   }
   if (table == nullptr && s.tree.find("constraints") == nullptr && s.tree.find("objectives") == nullptr)
     s.error({}, "metrics",

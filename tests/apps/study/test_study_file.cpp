@@ -131,7 +131,6 @@ temperature = "290 K"
   ASSERT_EQ(s.metrics.size(), 2u);
   EXPECT_EQ(s.metrics[0].name, "gsd");
   EXPECT_EQ(s.metrics[1].name, "mtf_nyquist");
-  EXPECT_EQ(s.listed, 1u);
   const std::size_t mtf = s.parameters.size() + 1;
   slots.assign(s.slots(), 0.0);
   slots[mtf] = 0.2;
