@@ -9,6 +9,7 @@
 #include "apps/study/range_models.h"
 #include "apps/study/variant_sensor.h"
 #include "calib/parameter_site.h"
+#include "mtf/error.h"
 
 namespace study {
 
@@ -72,8 +73,20 @@ class DesignWork {
     if (plan_->budget && variant_->loaded) design_.budget = budget(radiances, per_k);
     if (plan_->giqe) design_.noise_gain = noise_gain();
     design_.ranges.reset();
-    if (plan_->range && design_.budget) design_.ranges = range_figures(design_);
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = metric_value(plan_->choices[i], design_, plan_->at[i]);
+    refusal_.clear();
+    const auto taken = [this](auto model) {  // what one model refuses leaves the others their numbers
+      try {
+        model();
+        return true;
+      } catch (const mtf::UsageError& refused) {
+        if (refusal_.empty()) refusal_ = refused.what();
+        return false;
+      }
+    };
+    if (plan_->range && design_.budget) taken([this] { design_.ranges = range_figures(design_); });
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!taken([&] { values[i] = metric_value(plan_->choices[i], design_, plan_->at[i]); }))
+        values[i] = detail::not_there<S>();
   }
   /// Why a metric of the last design has no number, "" where all models took it.
   const std::string& refusal() const { return refusal_; }

@@ -256,7 +256,6 @@ std::vector<std::string> Evaluator::gaps() const {
   // Of the base variant: what a metric needs and neither sensor nor study has.
   const Study& study = *impl_->study;
   std::vector<std::string> gaps;
-  std::vector<int> first(study.axes.size(), 0);
   const std::vector<double> levels(study.axes.size(), 0.0);
   const VariantSensor& sensor = impl_->ready(levels).sensor;
   for (const Column& column : columns_of(study)) {

@@ -11,7 +11,6 @@
 
 #include "apps/study/pareto.h"
 #include "apps/study/row_table.h"
-
 #include "apps/study/sides.h"
 
 namespace study {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/sensor_chain.h"
@@ -253,6 +254,21 @@ TEST(Evaluator, WhatADesignCannotHaveIsAGapWithItsReason) {
   EXPECT_EQ(gap("gsd"), "no [conditions] range");
   EXPECT_EQ(gap("spurious_response"), "no display, interpolation or eye in [[postsample]]");
   EXPECT_EQ(gap("rer"), "");
+}
+
+TEST(Evaluator, AModelThatRefusesLeavesTheOtherMetricsTheirNumbers) {
+  const Folder folder;
+  Evaluated e = evaluated(folder, with_metrics(R"("mrtd", "netd", "rer")") + "[conditions]\nsnr_threshold = 2000\n");
+  e.at(0);  // the MRTD takes a threshold of up to 1e3
+  EXPECT_TRUE(std::isnan(e["mrtd"]));
+  EXPECT_TRUE(std::isfinite(e["netd"]));
+  EXPECT_TRUE(std::isfinite(e["rer"]));
+  EXPECT_EQ(e.evaluator->last_problem(), "");
+  const auto told = e.evaluator->skipped();
+  EXPECT_TRUE(std::any_of(told.begin(), told.end(), [](const std::string& sentence) {
+    return sentence.find("metrics without a number") != std::string::npos &&
+           sentence.find("snr_threshold") != std::string::npos;
+  }));
 }
 
 TEST(Evaluator, DesignsThatNoSensorCanBeHaveAReasonAndNoNumbers) {
