@@ -16,7 +16,7 @@ namespace {
 // Mean and extremes of a plane, summed row by row in a fixed order; only a plane with bad pixels pays for their
 // details. The same look tells where it is flat, while its rows are at hand.
 struct Level {
-  double mean = 0.0;
+  double mean = 0.0;       ///< to float: taken off a float, it leaves one rounding of the difference
   double deviation = 0.0;  ///< largest |value - mean|
   double std = 0.0;        ///< where asked for
 };
@@ -49,8 +49,10 @@ Level level_of(ImageView<const float> plane, int threads, FlatMap& flat, bool wi
   flat = FlatMap(plane);
   std::vector<RowLook> rows(static_cast<std::size_t>(plane.height));
   parallel_for(plane.height, 64, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y)
+    for (std::int64_t y = begin; y < end; ++y) {
+      if (y + 1 < end) kernels::prefetch(plane.row(y + 1), plane.width);
       rows[static_cast<std::size_t>(y)] = look_at(plane.row(y), plane.width, y, flat, with_std);
+    }
   });
   double sum = 0.0, squares = 0.0, low = rows.front().summary.min, high = rows.front().summary.max;
   for (const RowLook& row : rows) {
@@ -69,7 +71,8 @@ Level level_of(ImageView<const float> plane, int threads, FlatMap& flat, bool wi
   if (low == high) return {low, 0.0};
   const double samples = static_cast<double>(plane.width) * static_cast<double>(plane.height), mean = sum / samples;
   const double away = flat.any() ? mean - flat.level(1) : 0.0;
-  return {mean, std::max(high - mean, mean - low), std::sqrt(std::max(0.0, squares / samples - away * away))};
+  const double level = static_cast<float>(mean);
+  return {level, std::max(high - level, level - low), std::sqrt(std::max(0.0, squares / samples - away * away))};
 }
 
 void check_size(std::int64_t width, std::int64_t height, const SampleGrid& grid, const char* name) {
@@ -124,8 +127,9 @@ void Plan::run(std::span<const ImageView<const float>> in, std::span<const Image
       for (std::int64_t y = 0; y < out[c].height; ++y)
         std::memmove(out[c].row(y), in[c].row(y), static_cast<std::size_t>(out[c].width) * sizeof(float));
     } else {
-      // A power of two: exact, and neither 1e-30 nor 1e30 leaves the range of float inside the transforms.
-      const double scale = std::ldexp(1.0, -std::ilogb(deviation));
+      // A power of two: exact, and neither 1e-30 nor 1e30 leaves the range of float inside the transforms. It and its
+      // inverse are floats themselves.
+      const double scale = std::ldexp(1.0, -std::clamp(std::ilogb(deviation), -126, 126));
       ImageView<const float> from = in[c];
       if (!reads_first && share_memory(in[c], out[c])) from = copies.emplace_back(copy_of(in[c])).view();
       channels.push_back({from, out[c], level.mean, scale, impl_->dc * level.mean, border_value, &flat[c],

@@ -137,7 +137,7 @@ std::vector<double> fourier_power(ImageView<const float> scene, const Statistics
   parallel_for(h, 16, threads, [&](std::int64_t begin, std::int64_t end) {
     const AlignedBuffer<float> row(static_cast<std::size_t>(w)), half(static_cast<std::size_t>(w + 2));
     for (std::int64_t y = begin; y < end; ++y) {
-      kernels::center(scene.row(y), w, s.mean, 1.0 / s.std, row.data());
+      kernels::standardise(scene.row(y), w, s.mean, 1.0 / s.std, row.data());
       forward_x.execute(row.data(), half.data());
       for (std::int64_t k = 0; k < half_w; ++k) {
         columns.at(2 * y, k) = half[static_cast<std::size_t>(2 * k)];

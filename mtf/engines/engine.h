@@ -16,7 +16,7 @@ namespace mtf {
 struct Channel {
   ImageView<const float> in;
   ImageView<float> out;
-  double mean = 0.0;      ///< taken off before, in double
+  double mean = 0.0;      ///< a float, taken off before
   double scale = 1.0;     ///< and this applied (a power of two)
   double out_mean = 0.0;  ///< added back at the end: H(0) x mean
   double border_value = 0.0;

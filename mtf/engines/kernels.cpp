@@ -30,9 +30,15 @@ MTFKIT_CLONES void center_ordered(const float* __restrict in, std::int64_t n, do
   if (n % 2 == 1) out[pairs] = static_cast<float>((in[last] - mean) * scale);
 }
 
+MTFKIT_CLONES void standardise(const float* __restrict in, std::int64_t n, double mean, double scale,
+                               float* __restrict out) {
+  for (std::int64_t i = 0; i < n; ++i) out[i] = static_cast<float>((in[i] - mean) * scale);
+}
+
 MTFKIT_CLONES void center(const float* __restrict in, std::int64_t n, double mean, double scale,
                           float* __restrict out) {
-  for (std::int64_t i = 0; i < n; ++i) out[i] = static_cast<float>((in[i] - mean) * scale);
+  const float factor = static_cast<float>(scale), level = static_cast<float>(mean * scale);
+  for (std::int64_t i = 0; i < n; ++i) out[i] = in[i] * factor - level;
 }
 
 MTFKIT_CLONES void center(const float* __restrict in, std::int64_t n, double mean, double scale,
@@ -42,7 +48,9 @@ MTFKIT_CLONES void center(const float* __restrict in, std::int64_t n, double mea
 
 MTFKIT_CLONES void restore(const float* __restrict in, std::int64_t n, double mean, double scale,
                            float* __restrict out) {
-  for (std::int64_t i = 0; i < n; ++i) out[i] = static_cast<float>(in[i] * scale + mean);
+  const float factor = static_cast<float>(scale), high = static_cast<float>(mean),
+              low = static_cast<float>(mean - high);
+  for (std::int64_t i = 0; i < n; ++i) out[i] = (in[i] * factor + low) + high;
 }
 
 MTFKIT_CLONES void restore(const double* __restrict in, std::int64_t n, double mean, double scale,

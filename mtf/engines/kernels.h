@@ -8,13 +8,17 @@
 
 namespace mtf::kernels {
 
-/// out[i] = (in[i] - mean) x scale, rounded once.
+/// out[i] = (in[i] - mean) x scale. Into float: for a mean that is a float and a scale that is a power of two, which
+/// leaves one rounding of the difference.
 void center(const float* in, std::int64_t n, double mean, double scale, float* out);
 void center(const float* in, std::int64_t n, double mean, double scale, double* out);
-/// The same in Makhoul's order, even samples up, odd samples down (IEEE Trans. ASSP 28, 27 (1980)).
+/// The same for any mean and scale, rounded once.
+void standardise(const float* in, std::int64_t n, double mean, double scale, float* out);
+/// That in Makhoul's order, even samples up, odd samples down (IEEE Trans. ASSP 28, 27 (1980)).
 void center_ordered(const float* in, std::int64_t n, double mean, double scale, float* out);
 
-/// out[i] = in[i] x scale + mean, rounded once.
+/// out[i] = in[i] x scale + mean, scale a power of two. In float, what mean has beyond float is added first: rounded
+/// there to 2^-24 of the change, then to float.
 void restore(const float* in, std::int64_t n, double mean, double scale, float* out);
 void restore(const double* in, std::int64_t n, double mean, double scale, float* out);
 
@@ -35,6 +39,12 @@ struct RowSummary {
   double sum = 0.0;
   float min = 0.0F, max = 0.0F;
 };
+
+/// Asks for samples that are needed soon. The machine foresees no row by itself where each has a page of memory of its
+/// own.
+inline void prefetch(const float* in, std::int64_t n) {
+  for (std::int64_t i = 0; i < n; i += 16) __builtin_prefetch(in + i);
+}
 
 /// Sum in a fixed order (the same on every machine), extremes; a NaN or infinity shows in the sum.
 RowSummary summarise_row(const float* in, std::int64_t n);
