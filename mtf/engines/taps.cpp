@@ -88,6 +88,7 @@ void SeparableEngine::tile(const Channel& channel, const TapsFlat& flat, const T
   std::fill_n(samples.data(), x_.ratio * stride, 0.0F);
 
   const auto tap = [&](std::int64_t t) { return samples.data() + t % x_.ratio * stride + t / x_.ratio; };
+  const TileRows rows(channel, x_, y_, border_, area);
   const std::int64_t x_terms = static_cast<std::int64_t>(x_taps_.front().size());
   std::vector<const float*> a, b;
   for (std::int64_t t = 0; t < x_terms; ++t) a.push_back(tap(t)), b.push_back(tap(x_.count - 1 - t));
@@ -95,8 +96,7 @@ void SeparableEngine::tile(const Channel& channel, const TapsFlat& flat, const T
   for (std::int64_t r = 0; r < needed; ++r) {
     const FlatMap::Kind* kinds = flat.samples(area.y0 * y_.ratio + r, area.x0);
     if (kinds == nullptr || std::find(kinds, kinds + n / kVector, 0) != kinds + n / kVector)
-      load_row(channel, x_, y_, border_, area.y0 * y_.ratio + y_.first + r, area.x0, area.columns, scratch.data(),
-               samples.data());
+      rows.load(r, scratch.data(), samples.data());
     for (std::int64_t k = 0; k < rank; ++k) {
       float* out = between.data() + (k * needed + r) * n;
       const float* taps = x_taps_[static_cast<std::size_t>(k)].data();
@@ -173,9 +173,8 @@ void DirectEngine::tile(const Channel& channel, const TapsFlat& flat, const Tile
              samples = floats(((kDirectRows - 1) * y_.ratio + y_.count) * length),
              added = floats(mirrored_ ? half_rows * length : 0);
   std::fill_n(samples.data(), needed * length, 0.0F);
-  for (std::int64_t r = 0; r < needed; ++r)
-    load_row(channel, x_, y_, border_, area.y0 * y_.ratio + y_.first + r, area.x0, area.columns, scratch.data(),
-             samples.data() + r * length);
+  const TileRows rows(channel, x_, y_, border_, area);
+  for (std::int64_t r = 0; r < needed; ++r) rows.load(r, scratch.data(), samples.data() + r * length);
 
   std::vector<const float*> a, b;
   std::vector<float> weights;

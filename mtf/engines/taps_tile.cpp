@@ -112,39 +112,44 @@ MTFKIT_CLONES void deinterleave(const float* __restrict in, std::int64_t ratio, 
 
 }  // namespace
 
-RowParts row_parts(const Channel& channel, const TapAxis& x, const TapAxis& y_axis, Border border, std::int64_t y,
-                   std::int64_t x0, std::int64_t columns) {
-  RowParts p;
-  p.begin = x0 * x.ratio + x.first;
-  p.n = (columns - 1) * x.ratio + x.count;
-  const std::int64_t source = border_source(border, y, y_axis.samples);
-  if (source >= 0) p.row = channel.in.row(source);
-  p.left = source < 0 ? p.n : std::clamp<std::int64_t>(-p.begin, 0, p.n);
-  p.right = source < 0 ? p.n : std::clamp<std::int64_t>(x.samples - p.begin, p.left, p.n);
-  return p;
+TileRows::TileRows(const Channel& channel, const TapAxis& x, const TapAxis& y, Border border, const TileArea& area)
+    : channel_(channel),
+      x_(x),
+      y_(y),
+      border_(border),
+      first_row_(y.first + area.y0 * y.ratio),
+      begin_(x.first + area.x0 * x.ratio),
+      n_((area.columns - 1) * x.ratio + x.count),
+      left_(std::clamp<std::int64_t>(-begin_, 0, n_)),
+      right_(std::clamp<std::int64_t>(x.samples - begin_, left_, n_)) {
+  for (std::int64_t i = 0; i < n_; ++i)
+    if (i < left_ || i >= right_) outside_.push_back(border_source(border, begin_ + i, x.samples));
 }
 
-float outside(const RowParts& p, const Channel& channel, const TapAxis& x, Border border, std::int64_t i) {
-  const std::int64_t sx = p.row == nullptr ? -1 : border_source(border, p.begin + i, x.samples);
-  return sx < 0 ? static_cast<float>(channel.border_value) : p.row[sx];
+const float* TileRows::row(std::int64_t r) const {
+  const std::int64_t source = border_source(border_, first_row_ + r, y_.samples);
+  return source < 0 ? nullptr : channel_.in.row(source);
 }
 
-void load_row(const Channel& channel, const TapAxis& x, const TapAxis& y_axis, Border border, std::int64_t y,
-              std::int64_t x0, std::int64_t columns, float* scratch, float* out) {
-  const RowParts p = row_parts(channel, x, y_axis, border, y, x0, columns);
-  float* centred = x.ratio == 1 ? out : scratch;
-  const auto single = [&](std::int64_t from, std::int64_t to) {
-    for (std::int64_t i = from; i < to; ++i)
-      centred[i] = static_cast<float>((outside(p, channel, x, border, i) - channel.mean) * channel.scale);
-  };
-  single(0, p.left);
-  if (p.right > p.left)
-    kernels::center(p.row + p.begin + p.left, p.right - p.left, channel.mean, channel.scale, centred + p.left);
-  single(p.right, p.n);
-  if (x.ratio == 1) return;
-  const std::int64_t phases = (p.n + x.ratio - 1) / x.ratio;
-  std::fill(scratch + p.n, scratch + phases * x.ratio, 0.0F);
-  deinterleave(scratch, x.ratio, phase_stride(x), phases, out);
+void TileRows::load(std::int64_t r, float* scratch, float* out) const {
+  const float* samples = row(r);
+  const std::int64_t inside = right_ - left_;
+  if (const float* soon = row(r + 2); soon != nullptr) kernels::prefetch(soon + begin_ + left_, inside);
+  float* centred = x_.ratio == 1 ? out : scratch;
+  const auto value = [&](double v) { return static_cast<float>((v - channel_.mean) * channel_.scale); };
+  if (samples == nullptr) {
+    std::fill_n(centred, n_, value(channel_.border_value));
+  } else {
+    kernels::center(samples + begin_ + left_, inside, channel_.mean, channel_.scale, centred + left_);
+    for (std::size_t k = 0; k < outside_.size(); ++k) {
+      const auto i = static_cast<std::int64_t>(k);
+      centred[i < left_ ? i : i + inside] = value(outside_[k] < 0 ? channel_.border_value : samples[outside_[k]]);
+    }
+  }
+  if (x_.ratio == 1) return;
+  const std::int64_t phases = (n_ + x_.ratio - 1) / x_.ratio;
+  std::fill(scratch + n_, scratch + phases * x_.ratio, 0.0F);
+  deinterleave(scratch, x_.ratio, phase_stride(x_), phases, out);
 }
 
 bool mirrored(std::span<const float> taps) { return std::equal(taps.begin(), taps.end(), taps.rbegin()); }

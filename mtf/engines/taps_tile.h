@@ -7,13 +7,14 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "mtf/engines/taps.h"
 
 namespace mtf::taps {
 
-inline constexpr std::int64_t kTileColumns = 256;
-inline constexpr std::int64_t kVector = 16;  ///< floats; rows are computed in whole vectors
+inline constexpr std::int64_t kTileColumns = 320;  ///< at most
+inline constexpr std::int64_t kVector = 16;        ///< floats; rows are computed in whole vectors
 
 inline std::int64_t whole_vectors(std::int64_t n) { return (n + kVector - 1) / kVector * kVector; }
 
@@ -31,31 +32,33 @@ void weighted_pairs(const float* const* a, const float* const* b, const float* w
 /// out[i] = a[i] + b[i].
 void add_rows(const float* a, const float* b, std::int64_t n, float* out);
 
-/// The samples of canvas row `y` (any sign) that outputs x0 .. x0 + columns - 1 need, about the channel's mean and
-/// scaled, sample i at out[(i % ratio) * phase_stride + i / ratio].
-void load_row(const Channel& channel, const TapAxis& x, const TapAxis& y_axis, Border border, std::int64_t y,
-              std::int64_t x0, std::int64_t columns, float* scratch, float* out);
-
-/// Parts of a row of the canvas: positions 0 .. left - 1 and right .. n - 1 lie outside of the image.
-struct RowParts {
-  std::int64_t begin = 0, n = 0, left = 0, right = 0;
-  const float* row = nullptr;  ///< of the image; null where the constant level stands
+/// Outputs that are made together.
+struct TileArea {
+  std::int64_t x0 = 0, y0 = 0, columns = 0, rows = 0;
 };
 
-/// Of canvas row `y`, what outputs x0 .. x0 + columns - 1 need.
-RowParts row_parts(const Channel& channel, const TapAxis& x, const TapAxis& y_axis, Border border, std::int64_t y,
-                   std::int64_t x0, std::int64_t columns);
-/// The sample at position `i` of parts outside of the image.
-float outside(const RowParts& p, const Channel& channel, const TapAxis& x, Border border, std::int64_t i);
-
-/// Floats of the scratch row of load_row.
+/// Floats of the scratch row of TileRows.
 inline std::int64_t scratch_size(const TapAxis& x) {
   return std::min(kTileColumns, x.outputs) * x.ratio + x.count + x.ratio + kVector;
 }
 
-/// Outputs that are made together.
-struct TileArea {
-  std::int64_t x0 = 0, y0 = 0, columns = 0, rows = 0;
+/// The samples that a tile of outputs needs: canvas rows y.first + area.y0 x ratio + r, r = 0 ..
+class TileRows {
+ public:
+  TileRows(const Channel& channel, const TapAxis& x, const TapAxis& y, Border border, const TileArea& area);
+  /// Row r about the channel's mean and scaled, sample i at out[(i % ratio) * phase_stride + i / ratio].
+  void load(std::int64_t r, float* scratch, float* out) const;
+
+ private:
+  const float* row(std::int64_t r) const;
+
+  const Channel& channel_;
+  const TapAxis &x_, &y_;
+  Border border_;
+  std::int64_t first_row_;             ///< of the canvas
+  std::int64_t begin_, n_;             ///< samples of a row
+  std::int64_t left_, right_;          ///< of them, left .. right - 1 lie in the image
+  std::vector<std::int64_t> outside_;  ///< where the others come from, in order; -1: the constant level
 };
 
 /// Taps that equal themselves backwards, bit by bit.
