@@ -69,6 +69,7 @@ std::optional<mtf::SceneSummary> harder_of(std::optional<mtf::SceneSummary> a,
   a->largest = std::max(a->largest, b->largest / b->std * a->std);
   a->canvas_norm = std::max(a->canvas_norm, b->canvas_norm / b->std * a->std);
   a->flat_rows = std::min(a->flat_rows, b->flat_rows);
+  a->flat_columns = std::min(a->flat_columns, b->flat_columns);
   return a;
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 #include "mtf/error.h"
 #include "mtf/plan_impl.h"
@@ -54,13 +56,19 @@ SampleGrid detector_grid(const System<double>& system, const SampleGrid& scene) 
 
 namespace {
 
-double flat_rows(ImageView<const float> scene) {
-  std::int64_t flat = 0;
+// Shares of the rows and of the columns that are of one level each.
+void count_flat_lines(ImageView<const float> scene, SceneSummary& summary) {
+  const float* first = scene.row(0);
+  std::vector<std::int64_t> columns(static_cast<std::size_t>(scene.width));  // that may still be flat
+  std::iota(columns.begin(), columns.end(), 0);
+  std::int64_t rows = 0;
   for (std::int64_t y = 0; y < scene.height; ++y) {
     const float* row = scene.row(y);
-    flat += std::all_of(row, row + scene.width, [&](float v) { return v == *row; }) ? 1 : 0;
+    rows += std::all_of(row, row + scene.width, [&](float v) { return v == *row; }) ? 1 : 0;
+    std::erase_if(columns, [&](std::int64_t x) { return row[x] != first[x]; });
   }
-  return static_cast<double>(flat) / static_cast<double>(scene.height);
+  summary.flat_rows = static_cast<double>(rows) / static_cast<double>(scene.height);
+  summary.flat_columns = static_cast<double>(columns.size()) / static_cast<double>(scene.width);
 }
 
 }  // namespace
@@ -69,8 +77,10 @@ std::optional<SceneSummary> summarise(ImageView<const float> scene, Border borde
   const Statistics s = statistics(scene);
   if (s.std == 0.0) return std::nullopt;
   const double level = border == Border::constant ? std::abs(border_value) : 0.0;  // shines into the image
-  return SceneSummary{s.std, std::max({std::abs(s.min), std::abs(s.max), level}),
-                      canvas_norm(scene, border, border_value, s.mean), flat_rows(scene)};
+  SceneSummary summary{s.std, std::max({std::abs(s.min), std::abs(s.max), level}),
+                       canvas_norm(scene, border, border_value, s.mean)};
+  count_flat_lines(scene, summary);
+  return summary;
 }
 
 Plan compile_stages(const System<double>& system, std::span<const Stage> stages, const SampleGrid& in,

@@ -34,6 +34,7 @@ struct SceneSummary {
   double largest = 1.0;      ///< largest |value| or |constant border level|: the float32 storage error
   double canvas_norm = 2.0;  ///< canvas_norm of mtf/statistics.h, in units of value
   double flat_rows = 0.0;    ///< share of the rows that are of one level each
+  double flat_columns = 0.0;
 };
 
 /// Summary of a plane, or nothing when it is flat (every tolerance is met then).

@@ -166,8 +166,9 @@ void list_omissions(const Draft& chosen, const std::vector<Draft>& drafts, const
   for (const Dropped& d : task.sampler.dropped())
     report.omitted.push_back({d.label, d.bound * task.sampler.gain() * chosen.error_per_otf, d.saved_ms});
   if (const double flat = chosen.candidate.predicted.flat; flat > 0.0)
-    report.omitted.push_back(
-        {"transforms of rows that are of one level, or nearly so when filtered", flat, chosen.rows_saved_ms});
+    report.omitted.push_back({"transforms of " + std::string(chosen.lines == Lines::rows ? "rows" : "columns") +
+                                  " that are of one level, or nearly so when filtered",
+                              flat, chosen.lines_saved_ms});
   if (chosen.candidate.method != Method::fft_cut) return;
   const auto& [x, y] = *chosen.axes;
   for (const Draft& draft : drafts)

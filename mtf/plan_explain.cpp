@@ -51,7 +51,7 @@ std::string Plan::explain() const {
   text += "error     predicted <= " + short_number(e.total()) + " of the scene's std, tolerance " +
           short_number(r.tolerance) + " (dropped " + short_number(e.dropped) + ", table " + short_number(e.table) +
           ", band " + short_number(e.band) + ", cut " + short_number(e.cut) + ", wrap " + short_number(e.wrap) +
-          ", kernel " + short_number(e.kernel) + ", flat rows " + short_number(e.flat) + ", float32 " +
+          ", kernel " + short_number(e.kernel) + ", flat lines " + short_number(e.flat) + ", float32 " +
           short_number(e.arithmetic) + ")\n";
   const double mib = 1.0 / (1024.0 * 1024.0);
   text += "memory    OTF " + short_number(static_cast<double>(r.otf_bytes) * mib) + " MiB, buffers " +

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "mtf/engines/spectral.h"
 #include "mtf/plan_cost.h"
@@ -16,8 +17,8 @@ namespace {
 constexpr double kCutShare = 0.25;
 constexpr double kDoubleCost = 2.2;  // half the samples a vector, twice the memory
 constexpr double kCutCost = 1.06;    // frequencies that end anywhere
-constexpr double kFlatShare = 0.25, kFewFlatRows = 0.1;
-constexpr double kRowsCost = 0.25;  // of a transform is what it saves in rows that are flat (measured)
+constexpr double kFlatShare = 0.25, kFewFlatLines = 0.1;
+constexpr double kLinesCost = 0.25;  // of a transform is what it saves in lines that are flat (measured)
 
 // Leaves out the frequencies from the far end that no component lets through. Returns the largest |H| among them.
 double cut_frequencies(const OtfSampler& sampler, Axis axis, double allowed, AxisJob& job) {
@@ -158,6 +159,17 @@ double rounding(const PlanTask& task, bool in_double, const Judged& judged, doub
   return arithmetic_error(judged.layout.x, judged.layout.y, canvas_rms, gain, task.options);
 }
 
+double flat_lines(const SceneSummary& scene, Lines lines) {
+  return lines == Lines::rows ? scene.flat_rows : scene.flat_columns;
+}
+
+// Columns where the scene has more of them that are of one level, and cosines alone are at work.
+Lines lines_of(const AxisJob& x, const AxisJob& y, bool even, const PlanOptions& options) {
+  const bool cosines = x.frequency.basis == Basis::cosine && y.frequency.basis == Basis::cosine && even;
+  const bool more = options.scene && options.scene->flat_columns > options.scene->flat_rows;
+  return cosines && more ? Lines::columns : Lines::rows;
+}
+
 Draft make_draft(const PlanTask& task, Method method, const Judged& judged) {
   const OtfSampler& sampler = task.sampler;
   const PlanOptions& options = task.options;
@@ -177,26 +189,28 @@ Draft make_draft(const PlanTask& task, Method method, const Judged& judged) {
     const double budget = std::min(kCutShare * options.tolerance, 0.9 * (options.tolerance - predicted.total()));
     if (budget > 0.0) predicted.cut = cut(task, budget, judged.gathering, judged.defined, judged.symmetric > 1.5, x, y);
   }
-  // What reaches rows of one level is left out of them, up to a share of the tolerance.
-  const double flat_rows = options.scene && x.resampling == Resampling::fold ? options.scene->flat_rows : 0.0;
-  if (flat_rows >= kFewFlatRows && flat_rows * static_cast<double>(y.outputs) >= 2.0 * kRow)  // they go in groups
+  const std::size_t parts = otf_parts(x, y, sampler.is_real()).size();
+  d.lines = lines_of(x, y, sampler.is_real() && parts == 1, options);
+  // What reaches lines of one level is left out of them, up to a share of the tolerance.
+  const auto& [along, across] = d.lines == Lines::rows ? std::tie(x, y) : std::tie(y, x);
+  const double flat = options.scene && along.resampling == Resampling::fold ? flat_lines(*options.scene, d.lines) : 0.0;
+  if (flat >= kFewFlatLines && flat * static_cast<double>(across.outputs) >= 2.0 * kRow)  // they go in groups
     predicted.flat =
         std::max(0.0, std::min(kFlatShare * options.tolerance, 0.9 * (options.tolerance - predicted.total())));
   d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
-  if (const std::size_t parts = otf_parts(x, y, sampler.is_real()).size(); parts > 1)
-    d.candidate.detail += "; " + std::to_string(parts) + " parities";
+  if (parts > 1) d.candidate.detail += "; " + std::to_string(parts) + " parities";
   const double dearer = in_double ? kDoubleCost : method == Method::fft_cut ? kCutCost : 1.0;
   d.candidate.cost_ms = dearer * fft_cost_ms(x, y, sampler.is_real());
-  if (predicted.flat > 0.0) d.rows_saved_ms = kRowsCost * flat_rows * d.candidate.cost_ms;
-  d.candidate.cost_ms -= d.rows_saved_ms;
+  if (predicted.flat > 0.0) d.lines_saved_ms = kLinesCost * flat * d.candidate.cost_ms;
+  d.candidate.cost_ms -= d.lines_saved_ms;
   d.candidate.bytes = static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(x, y, sampler.is_real()));
   d.axes = {x, y};
   d.error_per_otf = judged.gathering * task.alias;
   const Precision precision = in_double ? Precision::double_precision : Precision::single_precision;
-  d.make = [&sampler, x, y, precision, bytes = static_cast<double>(d.candidate.bytes), rigor = options.rigor,
-            threads = options.threads, out = task.out](const Engine* relative) {
+  d.make = [&sampler, work = SpectralWork{x, y, precision, d.lines}, bytes = static_cast<double>(d.candidate.bytes),
+            rigor = options.rigor, threads = options.threads, out = task.out](const Engine* relative) {
     require_memory(bytes, out);
-    return make_spectral_filter(sampler, x, y, precision, rigor, threads, relative);
+    return make_spectral_filter(sampler, work, rigor, threads, relative);
   };
   return d;
 }

@@ -37,7 +37,8 @@ struct Draft {
   std::optional<std::array<AxisJob, 2>> axes;  ///< x and y of the FFT methods
   double largest_gain = 1.0;                   ///< bound of |H|, of the other methods
   double predicted_ms = 0.0;                   ///< cost_ms before anything was measured
-  double rows_saved_ms = 0.0;                  ///< by rows of one level
+  Lines lines = Lines::rows;                   ///< that the FFT methods transform first
+  double lines_saved_ms = 0.0;                 ///< by those of one level
   double error_per_otf = 0.0;                  ///< rms error relative to std that an OTF error of 1 may become
 };
 

@@ -113,14 +113,34 @@ class OtfRow {
   std::vector<Complex<S>> complex_up_, complex_down_;
 };
 
+// Of an engine whose lines are columns: a row of H is a column of its blocks. Real parts even along both axes only.
+template <class S>
+void write_columns(const OtfSampler::Grid& grid, const SpectralEngine<S>& engine, const OtfBlocks<S>& otf,
+                   int threads) {
+  const S scale = static_cast<S>(engine.otf_scale());
+  parallel_for(otf.blocks, 1, threads, [&](std::int64_t b, std::int64_t) {
+    const std::int64_t count = std::min<std::int64_t>(kRow, engine.x().keep - b * kRow);
+    std::vector<S> h(static_cast<std::size_t>(otf.rows));
+    std::fill_n(otf.row(0, b, 0), otf.rows * kRow, S(0));
+    for (std::int64_t l = 0; l < count; ++l) {
+      grid.real_row(static_cast<std::size_t>(b * kRow + l), h);
+      for (std::int64_t j = 0; j < otf.rows; ++j) otf.row(0, b, j)[l] = scale * h[static_cast<std::size_t>(j)];
+    }
+  });
+}
+
 // H on the engine's frequencies, times its scale.
 template <class S>
 OtfBlocks<S> make_otf(const OtfSampler& sampler, const SpectralEngine<S>& engine, int threads) {
   OtfBlocks<S> otf = engine.make_blocks(sampler.is_real());
-  std::vector<double> fx, fy;
-  for (std::int64_t k = 0; k < engine.x().keep; ++k) fx.push_back(engine.x().frequency.cy_mm(k));
-  for (const std::int64_t k : otf_frequencies(engine.y())) fy.push_back(engine.y().frequency.cy_mm(k));
-  const OtfSampler::Grid grid(sampler, std::move(fx), std::move(fy));
+  std::vector<double> along, across;
+  for (std::int64_t k = 0; k < engine.x().keep; ++k) along.push_back(engine.x().frequency.cy_mm(k));
+  for (const std::int64_t k : otf_frequencies(engine.y())) across.push_back(engine.y().frequency.cy_mm(k));
+  if (engine.lines() == Lines::columns) {
+    write_columns(OtfSampler::Grid(sampler, across, along), engine, otf, threads);
+    return otf;
+  }
+  const OtfSampler::Grid grid(sampler, std::move(along), std::move(across));
   parallel_for(otf.rows, 8, threads, [&](std::int64_t begin, std::int64_t end) {
     OtfRow<S> row(sampler, grid, engine, otf);
     for (std::int64_t j = begin; j < end; ++j) row.write(j);
@@ -179,23 +199,26 @@ class Filter final : public SpectralFilter {
 };
 
 template <class S>
-std::shared_ptr<const SpectralFilter> make_filter(const OtfSampler& sampler, const AxisJob& x, const AxisJob& y,
-                                                  fft::Rigor rigor, int threads, const Engine* relative) {
+std::shared_ptr<const SpectralFilter> make_filter(const OtfSampler& sampler, const SpectralWork& work, fft::Rigor rigor,
+                                                  int threads, const Engine* relative) {
+  const bool rows = work.lines == Lines::rows;
+  const AxisJob &x = rows ? work.x : work.y, &y = rows ? work.y : work.x;
   std::shared_ptr<const SpectralEngine<S>> transforms;
-  if (const auto* filter = dynamic_cast<const Filter<S>*>(relative))
-    if (filter->transforms()->x() == x && filter->transforms()->y() == y) transforms = filter->transforms();
-  if (!transforms) transforms = std::make_shared<SpectralEngine<S>>(x, y, rigor);
+  if (const auto* filter = dynamic_cast<const Filter<S>*>(relative)) {
+    const SpectralEngine<S>& other = *filter->transforms();
+    if (other.x() == x && other.y() == y && other.lines() == work.lines) transforms = filter->transforms();
+  }
+  if (!transforms) transforms = std::make_shared<SpectralEngine<S>>(x, y, work.lines, rigor);
   OtfBlocks<S> otf = make_otf(sampler, *transforms, threads);
   return std::make_shared<Filter<S>>(std::move(transforms), std::move(otf));
 }
 
 }  // namespace
 
-std::shared_ptr<const SpectralFilter> make_spectral_filter(const OtfSampler& sampler, const AxisJob& x,
-                                                           const AxisJob& y, Precision precision, fft::Rigor rigor,
-                                                           int threads, const Engine* relative) {
-  return precision == Precision::single_precision ? make_filter<float>(sampler, x, y, rigor, threads, relative)
-                                                  : make_filter<double>(sampler, x, y, rigor, threads, relative);
+std::shared_ptr<const SpectralFilter> make_spectral_filter(const OtfSampler& sampler, const SpectralWork& work,
+                                                           fft::Rigor rigor, int threads, const Engine* relative) {
+  return work.precision == Precision::single_precision ? make_filter<float>(sampler, work, rigor, threads, relative)
+                                                       : make_filter<double>(sampler, work, rigor, threads, relative);
 }
 
 }  // namespace mtf

@@ -20,11 +20,17 @@ class SpectralFilter : public Engine {
   virtual double largest_gain() const = 0;
 };
 
+/// What is to be done by transforms.
+struct SpectralWork {
+  AxisJob x, y;
+  Precision precision = Precision::single_precision;
+  Lines lines = Lines::rows;  ///< columns: where both axes are cosines without `odd`
+};
+
 /// The filter of a sampler's OTF, which for double_precision should have no tables (table_share = 0). x in the cosine
 /// basis needs y in it, and both `odd` where the OTF is not even along them. Shares the transforms of `relative` (may
-/// be null) where that one has the same axes and precision.
-std::shared_ptr<const SpectralFilter> make_spectral_filter(const OtfSampler& sampler, const AxisJob& x,
-                                                           const AxisJob& y, Precision precision, fft::Rigor rigor,
-                                                           int threads, const Engine* relative);
+/// be null) where that one has the same axes, lines and precision.
+std::shared_ptr<const SpectralFilter> make_spectral_filter(const OtfSampler& sampler, const SpectralWork& work,
+                                                           fft::Rigor rigor, int threads, const Engine* relative);
 
 }  // namespace mtf

@@ -35,7 +35,7 @@ SceneSummary behind_sampling(SceneSummary scene, const PlanOptions& options, con
   scene.canvas_norm *=
       std::sqrt(std::max(1.0, in.area_um2() / out.area_um2()) * samples_per_pixel(in, out)) * correction;
   scene.largest *= correction;
-  scene.flat_rows = 0.0;  // light from elsewhere has reached them
+  scene.flat_rows = scene.flat_columns = 0.0;  // light from elsewhere has reached them
   // Held edges repeat what may be the largest value; nine images make their canvas.
   if (options.border == Border::replicate || options.border == Border::constant)
     scene.canvas_norm = std::max(scene.canvas_norm, 6.0 * scene.largest);

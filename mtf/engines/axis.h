@@ -19,6 +19,10 @@ namespace mtf {
 
 enum class Resampling { fold, chirp };
 
+/// What is transformed first, and last again: the rows of an image, or its columns. Which is a matter of speed only:
+/// lines of one level are not transformed.
+enum class Lines { rows, columns };
+
 /// Of a part of an OTF along one axis.
 enum class Parity { even, odd };
 

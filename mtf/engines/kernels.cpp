@@ -58,6 +58,60 @@ MTFKIT_CLONES void restore(const double* __restrict in, std::int64_t n, double m
   for (std::int64_t i = 0; i < n; ++i) out[i] = static_cast<float>(in[i] * scale + mean);
 }
 
+namespace {
+
+constexpr std::int64_t kSoon = 16;  // rows ahead that a walk down columns asks for
+
+// One value at a time: `value` is inlined into loops over a whole row of kColumns, which become vectors.
+template <class To, class Value>
+MTFKIT_INLINE void fill_row(std::int64_t count, To* __restrict out, const Value& value) {
+  if (count == kColumns)
+    for (std::int64_t l = 0; l < kColumns; ++l) out[l] = value(l);
+  else
+    for (std::int64_t l = 0; l < count; ++l) out[l] = value(l);
+}
+
+}  // namespace
+
+MTFKIT_CLONES void center_columns(const float* in, std::int64_t stride, std::int64_t rows, std::int64_t count,
+                                  double mean, double scale, float* out) {
+  const float factor = static_cast<float>(scale), level = static_cast<float>(mean * scale);
+  for (std::int64_t i = 0; i < rows; ++i, in += stride, out += kColumns) {
+    if (i + kSoon < rows) prefetch(in + kSoon * stride, count);
+    fill_row(count, out, [&](std::int64_t l) { return in[l] * factor - level; });
+    std::fill_n(out + count, kColumns - count, 0.0F);
+  }
+}
+
+MTFKIT_CLONES void center_columns(const float* in, std::int64_t stride, std::int64_t rows, std::int64_t count,
+                                  double mean, double scale, double* out) {
+  for (std::int64_t i = 0; i < rows; ++i, in += stride, out += kColumns) {
+    if (i + kSoon < rows) prefetch(in + kSoon * stride, count);
+    fill_row(count, out, [&](std::int64_t l) { return (in[l] - mean) * scale; });
+    std::fill_n(out + count, kColumns - count, 0.0);
+  }
+}
+
+MTFKIT_CLONES void restore_columns(const float* in, std::span<const std::int32_t> order, std::int64_t count,
+                                   double mean, double scale, std::int64_t stride, float* out) {
+  const float factor = static_cast<float>(scale), high = static_cast<float>(mean),
+              low = static_cast<float>(mean - high);
+  for (const std::int32_t row : order) {
+    const float* from = in + std::int64_t{row} * kColumns;
+    fill_row(count, out, [&](std::int64_t l) { return (from[l] * factor + low) + high; });
+    out += stride;
+  }
+}
+
+MTFKIT_CLONES void restore_columns(const double* in, std::span<const std::int32_t> order, std::int64_t count,
+                                   double mean, double scale, std::int64_t stride, float* out) {
+  for (const std::int32_t row : order) {
+    const double* from = in + std::int64_t{row} * kColumns;
+    fill_row(count, out, [&](std::int64_t l) { return static_cast<float>(from[l] * scale + mean); });
+    out += stride;
+  }
+}
+
 MTFKIT_CLONES RowSummary summarise_row(const float* in, std::int64_t n) {
   constexpr int kStep = 16;
   using Loose = float __attribute__((vector_size(64), aligned(4), may_alias));

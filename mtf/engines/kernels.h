@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 namespace mtf::kernels {
 
@@ -21,6 +22,19 @@ void center_ordered(const float* in, std::int64_t n, double mean, double scale, 
 /// there to 2^-24 of the change, then to float.
 void restore(const float* in, std::int64_t n, double mean, double scale, float* out);
 void restore(const double* in, std::int64_t n, double mean, double scale, float* out);
+
+inline constexpr std::int64_t kColumns = 32;  ///< that are walked down together
+
+/// The same for `rows` rows of `count` <= kColumns samples, `stride` apart, to rows of kColumns, filled up with zeros.
+void center_columns(const float* in, std::int64_t stride, std::int64_t rows, std::int64_t count, double mean,
+                    double scale, float* out);
+void center_columns(const float* in, std::int64_t stride, std::int64_t rows, std::int64_t count, double mean,
+                    double scale, double* out);
+/// And back as `restore`: row i of the result is row order[i] of `in`.
+void restore_columns(const float* in, std::span<const std::int32_t> order, std::int64_t count, double mean,
+                     double scale, std::int64_t stride, float* out);
+void restore_columns(const double* in, std::span<const std::int32_t> order, std::int64_t count, double mean,
+                     double scale, std::int64_t stride, float* out);
 
 /// Cosine coefficients of a real row from the half spectrum V (n/2 + 1) of its Makhoul order: C_k = Re(t_k V_k),
 /// C_{n-k} = -Im(t_k V_k), t_k = exp(-i pi k / 2n).

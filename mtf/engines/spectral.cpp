@@ -14,6 +14,8 @@
 namespace mtf {
 namespace {
 
+static_assert(kRow == kernels::kColumns && kRow % FlatMap::kGroup == 0);
+
 constexpr std::int64_t round_up(std::int64_t n, std::int64_t step) { return (n + step - 1) / step * step; }
 
 template <class S>
@@ -32,8 +34,8 @@ std::vector<OtfPart> otf_parts(const AxisJob& x, const AxisJob& y, bool real) {
 }
 
 template <class S>
-SpectralEngine<S>::SpectralEngine(const AxisJob& x, const AxisJob& y, fft::Rigor rigor)
-    : x_(x, true, rigor), y_(y, false, rigor) {
+SpectralEngine<S>::SpectralEngine(const AxisJob& x, const AxisJob& y, Lines lines, fft::Rigor rigor)
+    : x_(x, true, rigor), y_(y, false, rigor), lines_(lines) {
   assert(x.frequency.basis == Basis::fourier ? !y.odd : y.frequency.basis == Basis::cosine);
 }
 
@@ -87,10 +89,10 @@ void SpectralEngine<S>::run(const std::vector<Channel>& channels, const OtfBlock
   std::vector<Buffers> buffers;
   for (const Channel& channel : channels) {
     buffers.push_back({buffer(), x().odd ? buffer() : nullptr});
-    rows_forward(channel, buffers.back().even, threads);
+    lines_forward(channel, buffers.back().even, threads);
   }
   columns(channels, buffers, otf, threads);
-  for (std::size_t c = 0; c < channels.size(); ++c) rows_inverse(channels[c], buffers[c], threads);
+  for (std::size_t c = 0; c < channels.size(); ++c) lines_inverse(channels[c], buffers[c], threads);
 }
 
 // A cosine coefficient is a row of 2 x kLanes lines: a tile of kLanes frequencies fills half the width of a block. A
@@ -107,23 +109,62 @@ void SpectralEngine<S>::for_tiles(auto* coefficients, auto* buffer, std::int64_t
       }
 }
 
+// Samples of lines begin .. end - 1 about the mean, a line a lane; lines that are missing are zeros.
 template <class S>
-void SpectralEngine<S>::rows_forward(const Channel& channel, S* buffer, int threads) const {
-  const std::int64_t stride = line_stride(), used = x().keep * x_.rows_per_coefficient();
+void SpectralEngine<S>::load(const Channel& channel, std::int64_t begin, std::int64_t end, S* samples) const {
+  const std::int64_t n = x().samples;
+  if (lines_ == Lines::columns)
+    return kernels::center_columns(channel.in.data + begin, channel.in.stride, n, end - begin, channel.mean,
+                                   channel.scale, samples);
+  const std::int64_t stride = line_stride();
+  const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride));
+  for (std::int64_t i = 0; i < kRow; ++i) {
+    S* line = lines.data() + i * stride;
+    if (begin + i < end)
+      kernels::center(channel.in.row(begin + i), n, channel.mean, channel.scale, line);
+    else
+      std::fill_n(line, n, S(0));
+  }
+  lanes::lines_to_lanes(lines.data(), stride, n, samples);
+}
+
+template <class S>
+void SpectralEngine<S>::store(const Channel& channel, std::int64_t begin, std::int64_t end, const S* samples) const {
+  const double unscale = 1.0 / channel.scale;
+  if (lines_ == Lines::columns)
+    return kernels::restore_columns(samples, x_.out_rows(), end - begin, channel.out_mean, unscale, channel.out.stride,
+                                    channel.out.data + begin);
+  const std::int64_t stride = line_stride();
+  const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride));
+  lanes::lanes_to_lines<S>(samples, x_.out_rows(), lines.data(), stride);
+  for (std::int64_t i = begin; i < end; ++i)
+    kernels::restore(lines.data() + (i - begin) * stride, x().outputs, channel.out_mean, unscale, channel.out.row(i));
+}
+
+// Lines begin .. end - 1 of which only the zeroth coefficient counts.
+template <class S>
+void SpectralEngine<S>::store_levels(const Channel& channel, std::int64_t begin, std::int64_t end,
+                                     const S* buffer) const {
+  std::array<float, kRow> levels{};
+  for (std::int64_t k = begin; k < end; ++k)
+    levels[static_cast<std::size_t>(k - begin)] =
+        static_cast<float>(static_cast<double>(buffer[k * kRow]) / channel.scale + channel.out_mean);
+  if (lines_ == Lines::columns)
+    for (std::int64_t i = 0; i < x().outputs; ++i) std::copy_n(levels.data(), end - begin, channel.out.row(i) + begin);
+  else
+    for (std::int64_t k = begin; k < end; ++k)
+      std::fill_n(channel.out.row(k), x().outputs, levels[static_cast<std::size_t>(k - begin)]);
+}
+
+template <class S>
+void SpectralEngine<S>::lines_forward(const Channel& channel, S* buffer, int threads) const {
+  const std::int64_t used = x().keep * x_.rows_per_coefficient();
   parallel_for(y().samples, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
-    if (level_rows(channel, begin, end, buffer)) return;
-    const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride)),
-        samples(pool_, static_cast<std::size_t>((x().samples + 1) * kRow)),
+    if (level_lines(channel, begin, end, buffer)) return;
+    const BufferPool::Loan<S> samples(pool_, static_cast<std::size_t>((x().samples + 1) * kRow)),
         work(pool_, static_cast<std::size_t>(x_.rows() * kRow)),
         coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));
-    for (std::int64_t i = 0; i < kRow; ++i) {
-      S* line = lines.data() + i * stride;
-      if (begin + i < end)
-        kernels::center(channel.in.row(begin + i), x().samples, channel.mean, channel.scale, line);
-      else
-        std::fill_n(line, x().samples, S(0));
-    }
-    lanes::lines_to_lanes(lines.data(), stride, x().samples, samples.data());
+    load(channel, begin, end, samples.data());
     std::fill_n(samples.data() + x().samples * kRow, kRow, level(channel));
     x_.forward(samples.data(), work.data());
     x_.coefficients(work.data(), coefficients.data());
@@ -134,17 +175,23 @@ void SpectralEngine<S>::rows_forward(const Channel& channel, S* buffer, int thre
   });
 }
 
-// Writes the coefficients of a group of rows where each is of one level on all of its canvas.
+// Writes the coefficients of a group of lines where each is of one level on all of its canvas.
 template <class S>
-bool SpectralEngine<S>::level_rows(const Channel& channel, std::int64_t begin, std::int64_t end, S* buffer) const {
+bool SpectralEngine<S>::level_lines(const Channel& channel, std::int64_t begin, std::int64_t end, S* buffer) const {
   if (channel.flat == nullptr || !channel.flat->any()) return false;
+  const FlatMap& flat = *channel.flat;
+  const bool by_row = lines_ == Lines::rows;
+  const std::int64_t places = by_row ? flat.groups() : x().samples;
+  const std::int64_t together = by_row ? 1 : FlatMap::kGroup;  // columns are flat in groups
   std::array<S, kRow> levels{};
-  for (std::int64_t y = begin; y < end; ++y) {
-    const FlatMap::Kind *kinds = channel.flat->row(y), *last = kinds + channel.flat->groups();
-    if (kinds[0] == 0 || std::any_of(kinds, last, [&](FlatMap::Kind kind) { return kind != kinds[0]; })) return false;
-    const float value = channel.flat->level(kinds[0]);
+  for (std::int64_t k = begin; k < end; k += together) {
+    const auto kind = [&](std::int64_t i) { return by_row ? flat.row(k)[i] : flat.row(i)[k / FlatMap::kGroup]; };
+    for (std::int64_t i = 0; i < places; ++i)
+      if (kind(i) == 0 || kind(i) != kind(0)) return false;
+    const float value = flat.level(kind(0));
     if (x().border == Border::constant && value != static_cast<float>(channel.border_value)) return false;
-    levels[static_cast<std::size_t>(y - begin)] = static_cast<S>((value - channel.mean) * channel.scale);
+    const S level = static_cast<S>((value - channel.mean) * channel.scale);
+    std::fill_n(levels.begin() + (k - begin), std::min(together, end - k), level);
   }
   for (std::int64_t b = 0; b < blocks(); ++b) {
     S* rows = buffer + (b * block_rows() + begin) * kRow;
@@ -175,7 +222,7 @@ double SpectralEngine<S>::energy(const Buffers& buffers, std::int64_t begin, std
 // series sum c_k (1 or 2 cos, by k) have the mean square sum 2 c_k^2; where frequencies fold onto one another, or the
 // canvas is longer than the image, that much more.
 template <class S>
-std::vector<bool> SpectralEngine<S>::silent_rows(const Channel& channel, const Buffers& buffers, int threads) const {
+std::vector<bool> SpectralEngine<S>::silent_lines(const Channel& channel, const Buffers& buffers, int threads) const {
   const std::int64_t groups = (y().outputs + kRow - 1) / kRow;
   std::vector<bool> silent(static_cast<std::size_t>(groups), false);
   if (!(channel.allowance > 0.0) || x().resampling != Resampling::fold) return silent;
@@ -242,20 +289,14 @@ void SpectralEngine<S>::column_block(const Channel& channel, const OtfBlocks<S>&
 }
 
 template <class S>
-void SpectralEngine<S>::rows_inverse(const Channel& channel, const Buffers& buffers, int threads) const {
-  const std::int64_t stride = line_stride(), step = kRow * x_.rows_per_coefficient();
-  const double unscale = 1.0 / channel.scale;
-  const std::vector<bool> silent = silent_rows(channel, buffers, threads);
+void SpectralEngine<S>::lines_inverse(const Channel& channel, const Buffers& buffers, int threads) const {
+  const std::int64_t step = kRow * x_.rows_per_coefficient();
+  const std::vector<bool> silent = silent_lines(channel, buffers, threads);
   parallel_for(y().outputs, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
-    if (silent[static_cast<std::size_t>(begin / kRow)]) {
-      for (std::int64_t i = begin; i < end; ++i)
-        std::fill_n(channel.out.row(i), x().outputs,
-                    static_cast<float>(static_cast<double>(buffers.even[i * kRow]) * unscale + channel.out_mean));
-      return;
-    }
+    if (silent[static_cast<std::size_t>(begin / kRow)]) return store_levels(channel, begin, end, buffers.even);
     const auto area = static_cast<std::size_t>(x_.rows() * kRow);
-    const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride)), work(pool_, area),
-        target(pool_, area), coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));
+    const BufferPool::Loan<S> work(pool_, area), target(pool_, area),
+        coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));
     const auto samples_of = [&](Parity parity, const S* buffer, S* a, S* b) {
       for_tiles(coefficients.data(), buffer, begin,
                 [&](S* to, const S* from) { lanes::transpose(from, kRow, to, step); });
@@ -267,9 +308,7 @@ void SpectralEngine<S>::rows_inverse(const Channel& channel, const Buffers& buff
       S* spare = samples == work.data() ? target.data() : work.data();
       add(samples_of(Parity::odd, buffers.odd, spare, other.data()), inverse_length(x()) * kRow, samples);
     }
-    lanes::lanes_to_lines<S>(samples, x_.out_rows(), lines.data(), stride);
-    for (std::int64_t i = begin; i < end; ++i)
-      kernels::restore(lines.data() + (i - begin) * stride, x().outputs, channel.out_mean, unscale, channel.out.row(i));
+    store(channel, begin, end, samples);
   });
 }
 

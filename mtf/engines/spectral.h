@@ -2,12 +2,13 @@
 #pragma once
 
 // The spectral engine: filter by an OTF and sample on the detector grid, in three passes over one buffer.
-//   1. rows forward      kRow image rows at once, a row a lane -> coefficients of the kept x frequencies
+//   1. lines forward     kRow image rows at once, a row a lane -> coefficients of the kept x frequencies
 //   2. columns           blocks of kLanes complex columns, each in cache: transform, multiply by the OTF, fold to the
 //                        detector grid, inverse transform
-//   3. rows inverse      x coefficients, folded -> detector rows
+//   3. lines inverse     x coefficients, folded -> detector rows
 // Rows that are of one level have one coefficient, which takes no transform; filtered rows whose other coefficients are
-// together below what may be left out (Parseval: exactly their rms) are of one level again.
+// together below what may be left out (Parseval: exactly their rms) are of one level again. Where an image has columns
+// of one level instead, its columns are the lines, and x and y change places from end to end.
 // Columns beyond the cutoff never exist, border rows are never transformed twice, and the inverse works on the detector
 // grid only. Threads share groups of rows and blocks; every result is independent of their number.
 //
@@ -61,11 +62,13 @@ struct OtfBlocks {
 template <class S>
 class SpectralEngine {
  public:
+  /// The axis along the lines and the one across them: x and y of the image, or y and x with Lines::columns.
   /// x.basis cosine needs y.basis cosine, y.odd needs x.basis cosine.
-  SpectralEngine(const AxisJob& x, const AxisJob& y, fft::Rigor rigor);
+  SpectralEngine(const AxisJob& x, const AxisJob& y, Lines lines, fft::Rigor rigor);
 
   const AxisJob& x() const { return x_.job(); }
   const AxisJob& y() const { return y_.job(); }
+  Lines lines() const { return lines_; }
   /// x frequencies per block: kRow cosines or kLanes complex exponentials.
   std::int64_t columns_per_block() const { return kRow / x_.rows_per_coefficient(); }
   std::int64_t blocks() const { return (x().keep + columns_per_block() - 1) / columns_per_block(); }
@@ -85,13 +88,16 @@ class SpectralEngine {
     S* even = nullptr;
     S* odd = nullptr;
   };
-  void rows_forward(const Channel& channel, S* buffer, int threads) const;
+  void lines_forward(const Channel& channel, S* buffer, int threads) const;
   void columns(const std::vector<Channel>& channels, const std::vector<Buffers>& buffers, const OtfBlocks<S>& otf,
                int threads) const;
-  void rows_inverse(const Channel& channel, const Buffers& buffers, int threads) const;
-  bool level_rows(const Channel& channel, std::int64_t begin, std::int64_t end, S* buffer) const;
+  void lines_inverse(const Channel& channel, const Buffers& buffers, int threads) const;
+  void load(const Channel& channel, std::int64_t begin, std::int64_t end, S* samples) const;
+  void store(const Channel& channel, std::int64_t begin, std::int64_t end, const S* samples) const;
+  void store_levels(const Channel& channel, std::int64_t begin, std::int64_t end, const S* buffer) const;
+  bool level_lines(const Channel& channel, std::int64_t begin, std::int64_t end, S* buffer) const;
   double energy(const Buffers& buffers, std::int64_t begin, std::int64_t end, double limit) const;
-  std::vector<bool> silent_rows(const Channel& channel, const Buffers& buffers, int threads) const;
+  std::vector<bool> silent_lines(const Channel& channel, const Buffers& buffers, int threads) const;
   void column_block(const Channel& channel, const OtfBlocks<S>& otf, std::int64_t block, const Buffers& data,
                     const std::array<S*, 3>& areas) const;
   /// Calls tile(coefficients of kLanes lines, rows in the buffer) for all kLanes lines x kLanes numbers of a group.
@@ -105,6 +111,7 @@ class SpectralEngine {
   }
 
   AxisPass<S> x_, y_;
+  Lines lines_;
   mutable BufferPool pool_;
 };
 

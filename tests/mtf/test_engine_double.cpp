@@ -66,7 +66,7 @@ std::shared_ptr<const SpectralFilter> filter_of(const Case& c, const SampleGrid&
   y.odd = c.odd_y;
   constexpr std::array stages{Stage::presample};
   const OtfSampler sampler(c.system, stages, {}, {.fx_max = 500.0 / in.step_x_um, .fy_max = 500.0 / in.step_y_um});
-  return make_spectral_filter(sampler, x, y, precision, fft::Rigor::estimate, 1, relative);
+  return make_spectral_filter(sampler, {x, y, precision}, fft::Rigor::estimate, 1, relative);
 }
 
 Image filtered(const Engine& filter, const Image& scene, const SampleGrid& out, double mean, int threads) {

@@ -139,6 +139,35 @@ TEST(PlanFlatParts, plan_for_one_scene_keeps_the_promise_for_others) {
   }
 }
 
+// Where more columns than rows are flat, columns are transformed first: the same image within the promise, at whole
+// ratios and others, in float and in double, for other scenes and systems too.
+TEST(PlanFlatParts, columns_are_lines_where_more_of_them_are_flat) {
+  const System<double> system = with(bare(15.0, 15.0), {Component<double>::make("diffraction"), footprint(12.0)});
+  const System<double> blurred = with(bare(15.0, 15.0), {Component<double>::make("diffraction"), gaussian(9.0)});
+  const Image scene = scene_of({120, 0, 29, 118}, 300.0, 20.0), whole = scene_of({0, 0, 149, 118}, 300.0, 20.0);
+  for (const double ratio : {1.0, 2.0, 1.7})
+    for (const Method method : {Method::fft_float, Method::fft_double}) {
+      SCOPED_TRACE(testing::Message() << "ratio " << ratio << (method == Method::fft_double ? ", double" : ""));
+      const SampleGrid in = scene_grid(system, kWidth, kHeight, ratio, ratio), out = detector_grid(system, in);
+      PlanOptions options = options_for(scene, Border::reflect, 1e-3);
+      options.method = method;
+      const Plan plan = compile(system, in, out, options);
+      const auto check = [&](const Plan& one, const System<double>& its, const Image& image) {
+        EXPECT_LE(rms_distance(run(one, image), reference(its, image, in, out, Border::reflect, 0.0)),
+                  1e-3 * options_for(image, Border::reflect, 1e-3).scene->std)
+            << one.explain();
+        EXPECT_TRUE(same_bits(run(one, image), run(one, image, 0.0, 2)));
+      };
+      check(plan, system, scene);
+      check(plan, system, whole);
+      check(plan.with(blurred), blurred, scene);
+      if (ratio == 1.0) {
+        EXPECT_NE(plan.explain().find("transforms of columns that are of one level"), std::string::npos)
+            << plan.explain();
+      }
+    }
+}
+
 TEST(FlatMap, tells_groups_of_one_level_from_others) {
   const Image scene = scene_of({75, 0, 74, 118}, 300.0, 20.0);
   FlatMap map(scene.view());
