@@ -60,7 +60,7 @@ MTFKIT_CLONES void restore(const double* __restrict in, std::int64_t n, double m
 
 namespace {
 
-constexpr std::int64_t kSoon = 16;  // rows ahead that a walk down columns asks for
+constexpr std::int64_t kSoon = 8;  // rows ahead that a walk down columns asks for
 
 // One value at a time: `value` is inlined into loops over a whole row of kColumns, which become vectors.
 template <class To, class Value>

@@ -82,8 +82,8 @@ void compare(const char* what, const Size& size, double ratio, const System<doub
   };
   const Plan left_plan = plan_of(left), top_plan = plan_of(top);
   const BarePair apart(size.width, size.height, false), in_place(size.width, size.height, true);
-  const cv::Mat mat(static_cast<int>(size.height), static_cast<int>(size.width), CV_32F,
-                    const_cast<float*>(scene.data()));
+  Image rivals = scene.clone();  // its own: all scenes of plans are equally far from the processor
+  const cv::Mat mat(static_cast<int>(size.height), static_cast<int>(size.width), CV_32F, rivals.data());
   const cv::Mat otf(mat.rows, mat.cols, CV_32F, cv::Scalar(1.0));
   cv::Mat spectrum, filtered;
   const auto t =
