@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "mtf/engines/clones.h"
+#include "mtf/engines/kernels.h"
+#include "mtf/engines/simd.h"
 #include "mtf/parallel.h"
 
 namespace mtf {
@@ -13,7 +15,7 @@ namespace {
 
 constexpr double kSigmaSteps = 1.6;
 constexpr double kReachSigmas = 6.2;  // a Gaussian holds all but 6e-10 of itself within
-constexpr std::int64_t kLanes = 8;
+constexpr std::int64_t kLanes = 8, kVector = 16;
 
 CoarseAxis coarse_axis(Border border, std::int64_t n, double step, double coarse) {
   CoarseAxis axis;
@@ -53,6 +55,10 @@ std::vector<Stencil> analysis(const CoarseAxis& axis) {
           axis.step_um * gaussian_weight((static_cast<double>(i) + 0.5) * axis.step_um - centre, axis.sigma_um);
     }
     if (highest < lowest) continue;
+    // Whole vectors, zeros behind the run or else before it.
+    const auto whole = [&] { return (highest - lowest + kVector) / kVector * kVector; };
+    highest = std::min(lowest + whole(), axis.samples) - 1;
+    lowest = std::max<std::int64_t>(highest + 1 - whole(), 0);
     Stencil& stencil = stencils[static_cast<std::size_t>(j)];
     stencil.first = lowest;
     for (std::int64_t i = lowest; i <= highest; ++i) {
@@ -63,20 +69,42 @@ std::vector<Stencil> analysis(const CoarseAxis& axis) {
   return stencils;
 }
 
-// Lanes of partial sums: the same order on every machine.
+template <std::int64_t n>
+MTFKIT_INLINE float added_in_pairs(float* v) {
+  if constexpr (n == 1) return v[0];
+  for (std::int64_t l = 0; l < n / 2; ++l) v[l] += v[l + n / 2];
+  return added_in_pairs<std::max<std::int64_t>(n / 2, 1)>(v);
+}
+
+// Partial sums, added in pairs: the same order on every machine.
 MTFKIT_CLONES float dot(const float* a, const float* b, std::int64_t n) {
-  constexpr std::int64_t width = 4 * kLanes;  // sums enough to hide the latency of each
-  std::array<float, width> lanes{};
+  using Lanes = float __attribute__((vector_size(kVector * sizeof(float)), aligned(4), may_alias));
+  Lanes even{}, odd{};
   std::int64_t i = 0;
-  for (; i + width <= n; i += width)
-    for (std::int64_t l = 0; l < width; ++l) lanes[static_cast<std::size_t>(l)] += a[i + l] * b[i + l];
-  float sum = 0.0F;
+  for (; i + 2 * kVector <= n; i += 2 * kVector) {
+    const auto *p = reinterpret_cast<const Lanes*>(a + i), *q = reinterpret_cast<const Lanes*>(b + i);
+    even += p[0] * q[0];
+    odd += p[1] * q[1];
+  }
+  if (i + kVector <= n) {
+    even += *reinterpret_cast<const Lanes*>(a + i) * *reinterpret_cast<const Lanes*>(b + i);
+    i += kVector;
+  }
+  std::array<float, kVector> sums;
+  *reinterpret_cast<Lanes*>(sums.data()) = even + odd;
+  float sum = added_in_pairs<kVector>(sums.data());
   for (; i < n; ++i) sum += a[i] * b[i];
-  for (const float lane : lanes) sum += lane;
   return sum;
 }
 
-MTFKIT_CLONES void add_scaled(float* to, const float* from, float factor, std::int64_t n) {
+bool all_zero(const float* p, std::int64_t n) {
+  return std::all_of(p, p + n, [](float v) { return v == 0.0F; });
+}
+
+MTFKIT_CLONES void add_scaled(float* __restrict to, const float* __restrict from, float factor, std::int64_t n) {
+  for (std::int64_t i = 0; i < n; ++i) to[i] += factor * from[i];
+}
+MTFKIT_CLONES void add_scaled(double* __restrict to, const float* __restrict from, double factor, std::int64_t n) {
   for (std::int64_t i = 0; i < n; ++i) to[i] += factor * from[i];
 }
 
@@ -93,17 +121,25 @@ CoarseGrid coarse_grid(const SampleGrid& scene, Border border, std::int64_t ever
 
 CoarseScene::CoarseScene(const CoarseGrid& grid, double shift)
     : grid_(grid),
-      shift_(shift),
+      shift_(static_cast<float>(shift)),
       x_(analysis(grid.x)),
       y_(analysis(grid.y)),
       sum_(static_cast<std::size_t>(grid.x.count * grid.y.count)) {}
 
 void CoarseScene::sum_along_x(std::span<const float> row, std::span<float> along) const {
+  const auto n = static_cast<std::int64_t>(row.size());
   std::vector<float> centred(row.size());
-  for (std::size_t x = 0; x < row.size(); ++x) centred[x] = static_cast<float>(row[x] - shift_);
+  kernels::center(row.data(), n, shift_, 1.0, centred.data());
+  // Where the ends of a row are of the level of the shift, as all of it may be, nothing is to be summed.
+  std::int64_t first = 0, last = n;
+  while (first < last && all_zero(centred.data() + first, std::min(kVector, last - first))) first += kVector;
+  while (last > first && all_zero(centred.data() + std::max(last - kVector, first), std::min(kVector, last - first)))
+    last -= kVector;
   for (std::size_t j = 0; j < along.size(); ++j) {
     const Stencil& s = x_[j];
-    along[j] = dot(centred.data() + s.first, s.weight.data(), static_cast<std::int64_t>(s.weight.size()));
+    const auto count = static_cast<std::int64_t>(s.weight.size());
+    const bool outside = s.first >= last || s.first + count <= first;
+    along[j] = outside ? 0.0F : dot(centred.data() + s.first, s.weight.data(), count);
   }
 }
 
@@ -118,7 +154,7 @@ void CoarseScene::add(std::int64_t first, ImageView<const float> along, int thre
       for (std::int64_t y = from; y < to; ++y) {
         const double w = s.weight[static_cast<std::size_t>(y - s.first)];
         const float* row = along.row(y - first);
-        for (std::int64_t x = 0; x < width; ++x) sums[x] += w * row[x];
+        if (!all_zero(row, width)) add_scaled(sums, row, w, width);
       }
     }
   });

@@ -50,6 +50,7 @@ struct Stencil {
 /// there is one, else any value of the scene).
 class CoarseScene {
  public:
+  /// Rows of the level of the shift, which is taken to float, cost next to nothing.
   CoarseScene(const CoarseGrid& grid, double shift);
   /// The sums of one row of the scene along x, as many as the coarse image is wide. From any thread.
   void sum_along_x(std::span<const float> row, std::span<float> along) const;

@@ -9,7 +9,7 @@
 #include "mtf/error.h"
 #include "mtf/plan_impl.h"
 #include "mtf/plan_parts.h"
-#include "mtf/statistics.h"
+#include "mtf/row_moments.h"
 
 namespace mtf {
 namespace {
@@ -56,31 +56,25 @@ SampleGrid detector_grid(const System<double>& system, const SampleGrid& scene) 
 
 namespace {
 
-// Shares of the rows and of the columns that are of one level each.
-void count_flat_lines(ImageView<const float> scene, SceneSummary& summary) {
-  const float* first = scene.row(0);
-  std::vector<std::int64_t> columns(static_cast<std::size_t>(scene.width));  // that may still be flat
+double flat_columns(ImageView<const float> scene) {
+  std::vector<std::int64_t> columns(static_cast<std::size_t>(scene.width));  // that are flat so far
   std::iota(columns.begin(), columns.end(), 0);
-  std::int64_t rows = 0;
-  for (std::int64_t y = 0; y < scene.height; ++y) {
-    const float* row = scene.row(y);
-    rows += std::all_of(row, row + scene.width, [&](float v) { return v == *row; }) ? 1 : 0;
-    std::erase_if(columns, [&](std::int64_t x) { return row[x] != first[x]; });
-  }
-  summary.flat_rows = static_cast<double>(rows) / static_cast<double>(scene.height);
-  summary.flat_columns = static_cast<double>(columns.size()) / static_cast<double>(scene.width);
+  for (std::int64_t y = 1; y < scene.height && !columns.empty(); ++y)
+    std::erase_if(columns, [row = scene.row(y), first = scene.row(0)](std::int64_t x) { return row[x] != first[x]; });
+  return static_cast<double>(columns.size()) / static_cast<double>(scene.width);
 }
 
 }  // namespace
 
 std::optional<SceneSummary> summarise(ImageView<const float> scene, Border border, double border_value) {
-  const Statistics s = statistics(scene);
+  const std::vector<RowMoments> rows = row_moments(scene);
+  const Statistics s = statistics_of(rows, scene.width);
   if (s.std == 0.0) return std::nullopt;
   const double level = border == Border::constant ? std::abs(border_value) : 0.0;  // shines into the image
-  SceneSummary summary{s.std, std::max({std::abs(s.min), std::abs(s.max), level}),
-                       canvas_norm(scene, border, border_value, s.mean)};
-  count_flat_lines(scene, summary);
-  return summary;
+  const auto flat = std::count_if(rows.begin(), rows.end(), [](const RowMoments& row) { return row.min == row.max; });
+  return SceneSummary{s.std, std::max({std::abs(s.min), std::abs(s.max), level}),
+                      canvas_norm_of(rows, scene.width, border, border_value, s.mean),
+                      static_cast<double>(flat) / static_cast<double>(scene.height), flat_columns(scene)};
 }
 
 Plan compile_stages(const System<double>& system, std::span<const Stage> stages, const SampleGrid& in,

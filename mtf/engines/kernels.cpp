@@ -141,7 +141,7 @@ MTFKIT_CLONES RowSummary summarise_row(const float* in, std::int64_t n) {
   return result;
 }
 
-MTFKIT_CLONES double squares_about(const float* in, std::int64_t n, float about) {
+MTFKIT_CLONES double squares_about(const float* in, std::int64_t n, double about) {
   constexpr int kStep = 16;
   std::array<double, kStep> sums{};
   std::int64_t i = 0;

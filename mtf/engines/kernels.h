@@ -64,6 +64,6 @@ inline void prefetch(const float* in, std::int64_t n) {
 RowSummary summarise_row(const float* in, std::int64_t n);
 
 /// sum of (in[i] - about)^2 in a fixed order.
-double squares_about(const float* in, std::int64_t n, float about);
+double squares_about(const float* in, std::int64_t n, double about);
 
 }  // namespace mtf::kernels
