@@ -43,10 +43,12 @@ class Gathered {
     if (options.every == 0) return;
     Image first(width_, 1);
     read(channel, 0, 0, first.view());
-    // A level of the scene, where its first row shows one: what is of that level takes no sums.
+    // A level of the scene, where its first row shows one: what is of that level takes no sums. Values near the end of
+    // float are taken as they are, for no difference of theirs to lie beyond it.
     const CoarseGrid grid = coarse_grid(scene, options.border, options.every);
     const FlatMap flat(std::as_const(first).view());
-    const double level = flat.any() ? flat.level(1) : row_moments(first.data(), width_).mean;
+    double level = flat.any() ? flat.level(1) : row_moments(first.data(), width_).mean;
+    if (std::abs(level) > 1e30) level = 0.0;
     coarse_.emplace(grid, options.border == Border::constant ? options.border_value : level);
     along_ = Image(grid.x.count, std::min(options.band_rows, scene.height));
   }
