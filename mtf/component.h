@@ -52,6 +52,9 @@ struct Traits {
   bool separable = false;  ///< otf(fx, fy) = otf(fx, 0) x otf(0, fy), where otf(0, 0) = 1
   bool even_x = false;     ///< otf(-fx, fy) = otf(fx, fy)
   bool even_y = false;     ///< otf(fx, -fy) = otf(fx, fy)
+  bool square = false;     ///< otf(fy, 0) = otf(0, fy); radial ones are so without saying it
+  bool flat_x = false;     ///< otf(fx, 0) = 1
+  bool flat_y = false;     ///< otf(0, fy) = 1
   bool real = true;
   bool chromatic = false;  ///< depends on the wavelength of the band node
   bool gain = false;       ///< |otf| may exceed 1, or otf(0) differs from 1

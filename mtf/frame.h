@@ -45,6 +45,7 @@ struct Frame {
   int rows = 0;
 
   S pitch_um(Axis axis) const { return axis == Axis::x ? pitch_x_um : pitch_y_um; }
+  bool square() const { return pitch_x_um == pitch_y_um; }
   S nyquist_cy_mm(Axis axis) const { return S(500.0) / pitch_um(axis); }
   S cy_per_mrad(const S& f_cy_mm) const { return f_cy_mm * focal_length_mm * S(1e-3); }
   S cy_per_px(const S& f_cy_mm, Axis axis) const { return f_cy_mm * pitch_um(axis) * S(1e-3); }

@@ -2,11 +2,13 @@
 #pragma once
 
 // The OTF of a system by its parts, at many frequencies at once. Chromatic components of the presample list are
-// averaged over the band as a product, those of the optics also by themselves. Buffers and the nodes of the band are
-// kept from one system to the next.
+// averaged over the band as a product, those of the optics also by themselves. What is the same along x and y is worked
+// out once for both, and what is 1 along an axis not at all. Buffers and the nodes of the band are kept from one system
+// to the next.
 
 #include <algorithm>
 #include <map>
+#include <type_traits>
 #include <vector>
 
 #include "mtf/components/field.h"
@@ -59,18 +61,23 @@ class OtfParts {
     system_ = &system;
     middle_ = system.context();
     pupil_ = nullptr;
+    kept_count_ = 0;
     chromatic_.clear();
     steady_.clear();
     after_.clear();
     for (const Entry<S>& entry : system.list(Stage::presample)) {
-      const Traits traits = entry.component.traits(middle_);
       const Part part = part_of(entry.component.kind());
-      (system.band && traits.chromatic ? chromatic_ : steady_).push_back({&entry.component, part, traits.radial});
+      const Member member{&entry.component, entry.component.traits(middle_),
+                          part == Part::optics     ? &Products<S>::optics
+                          : part == Part::detector ? &Products<S>::detector
+                                                   : &Products<S>::presample};
+      (system.band && member.traits.chromatic ? chromatic_ : steady_).push_back(member);
       if (entry.component.is_pupil()) pupil_ = &entry.component;
     }
-    readout_ = system.list(Stage::readout).size();
-    for (const Stage stage : {Stage::readout, Stage::postsample})
-      for (const Entry<S>& entry : system.list(stage)) after_.push_back({&entry.component, Part::other, false});
+    for (const auto& [stage, product] :
+         {std::pair{Stage::readout, &Products<S>::readout}, std::pair{Stage::postsample, &Products<S>::after}})
+      for (const Entry<S>& entry : system.list(stage))
+        after_.push_back({&entry.component, entry.component.traits(middle_), product});
     if (system.band && (system.band->lo_um != lo_um_ || system.band->hi_um != hi_um_ || system.band->rate != rate_)) {
       nodes_.clear();
       lo_um_ = system.band->lo_um, hi_um_ = system.band->hi_um, rate_ = system.band->rate;
@@ -82,9 +89,9 @@ class OtfParts {
   bool chromatic() const { return !chromatic_.empty(); }
   /// Something follows sampling; digital filters among it.
   bool filters() const { return !after_.empty(); }
-  bool digital_filters() const { return after_.size() > readout_; }
+  bool digital_filters() const { return !system_->list(Stage::postsample).empty(); }
   bool radial_optics() const {
-    const auto radial = [](const Member& m) { return m.part != Part::optics || m.radial; };
+    const auto radial = [](const Member& m) { return !m.is_optics() || m.traits.radial; };
     return std::all_of(steady_.begin(), steady_.end(), radial) &&
            std::all_of(chromatic_.begin(), chromatic_.end(), radial);
   }
@@ -119,28 +126,117 @@ class OtfParts {
   int wavelengths() const { return wavelengths_; }
   void set_wavelengths(int n) { wavelengths_ = n; }
 
-  void optics(std::span<const Freq<S>> f, std::vector<Complex<S>>& product) { presample(f, product, nullptr, nullptr); }
-
-  void all(std::span<const Freq<S>> f, Products<S>& products) {
-    presample(f, products.optics, &products.detector, &products.presample);
-    after(f, products.after, &products.readout);
+  /// The optics in any direction.
+  void optics(std::span<const Freq<S>> f, std::vector<Complex<S>>& product) {
+    Products<S> products;
+    start(products, f.size());
+    multiply(steady_, f, products, &Member::is_optics);
+    product = std::move(products.optics);
+    if (chromatic_.empty()) return;
+    average(f, own_means_, true);
+    times(product, own_means_.optics);
   }
-  /// Readout and postsample; the former by itself where asked for and different.
-  void after(std::span<const Freq<S>> f, std::vector<Complex<S>>& product, std::vector<Complex<S>>* readout = nullptr) {
+
+  /// Everything along an axis, or nothing but the optics.
+  void along(Axis axis, std::span<const S> f_cy_mm, Products<S>& products, bool optics_alone = false) {
+    const Kept& kept = keep(f_cy_mm, optics_alone);
+    products = kept.products;
+    const std::span<const Freq<S>> f = places(axis, f_cy_mm);
+    const auto own = [&](const Member& m) {
+      return !same_along_both(m) && !is_flat(m, axis) && (!optics_alone || m.is_optics());
+    };
+    multiply(steady_, f, products, own);
+    multiply(after_, f, products, own);
+    times(products.presample, products.detector);
+    times(products.presample, products.optics);
+    times(products.after, products.readout);
+    if (chromatic_.empty()) return;
+    if (!all_same_along_both(chromatic_)) average(f, own_means_, optics_alone);
+    const BandMeans& means = all_same_along_both(chromatic_) ? kept.means : own_means_;
+    times(products.optics, means.optics);
+    times(products.presample, means.presample);
+  }
+
+  /// Readout and postsample along an axis.
+  void after(Axis axis, std::span<const S> f_cy_mm, std::vector<Complex<S>>& product) {
+    const std::span<const Freq<S>> f = places(axis, f_cy_mm);
     product.assign(f.size(), one());
-    for (std::size_t i = 0; i < after_.size(); ++i) {
-      if (readout != nullptr && i == readout_) *readout = product;
-      after_[i].component->multiply(f, middle_, product);
-    }
+    for (const Member& m : after_)
+      if (!is_flat(m, axis)) m.component->multiply(f, middle_, product);
   }
 
  private:
   struct Member {
     const Component<S>* component;
-    Part part;
-    bool radial;
+    Traits traits;
+    std::vector<Complex<S>> Products<S>::*product;  ///< where it goes
+    bool is_optics() const { return product == &Products<S>::optics; }
   };
+  /// Of the chromatic components, averaged over the band.
+  struct BandMeans {
+    std::vector<Complex<S>> optics, presample;
+  };
+  /// What does not depend on the axis, at frequencies that were asked for.
+  struct Kept {
+    std::vector<S> f_cy_mm;
+    int wavelengths = 0;
+    bool optics_alone = false;
+    Products<S> products;  ///< each of its own components alone
+    BandMeans means;
+  };
+
+  // Axes with the same values may differ in derivatives: only numbers are shared or left out.
+  static constexpr bool kValuesAlone = std::is_floating_point_v<S>;
+  static bool same_along_both(const Member& m) { return kValuesAlone && (m.traits.radial || m.traits.square); }
+  static bool all_same_along_both(const std::vector<Member>& members) {
+    return std::all_of(members.begin(), members.end(), same_along_both);
+  }
+  static bool is_flat(const Member& m, Axis axis) {
+    return kValuesAlone && (axis == Axis::x ? m.traits.flat_x : m.traits.flat_y);
+  }
+
   static Complex<S> one() { return {S(1), S(0)}; }
+  static void start(Products<S>& products, std::size_t count) {
+    for (auto* product :
+         {&products.optics, &products.detector, &products.presample, &products.readout, &products.after})
+      product->assign(count, one());
+  }
+  static void times(std::vector<Complex<S>>& a, const std::vector<Complex<S>>& b) {
+    for (std::size_t i = 0; i < a.size(); ++i) a[i] = a[i] * b[i];
+  }
+  template <class Wanted>
+  void multiply(const std::vector<Member>& members, std::span<const Freq<S>> f, Products<S>& products,
+                Wanted wanted) const {
+    for (const Member& m : members)
+      if (std::invoke(wanted, m)) m.component->multiply(f, middle_, products.*m.product);
+  }
+  std::span<const Freq<S>> places(Axis axis, std::span<const S> f_cy_mm) {
+    places_.clear();
+    for (const S& f : f_cy_mm) places_.push_back(axis == Axis::x ? Freq<S>{f, S(0)} : Freq<S>{S(0), f});
+    return places_;
+  }
+
+  const Kept& keep(std::span<const S> f_cy_mm, bool optics_alone) {
+    if (kValuesAlone)
+      for (std::size_t i = 0; i < kept_count_; ++i)
+        if (const Kept& kept = kept_[i];
+            kept.wavelengths == wavelengths_ && kept.optics_alone <= optics_alone &&
+            std::equal(f_cy_mm.begin(), f_cy_mm.end(), kept.f_cy_mm.begin(), kept.f_cy_mm.end()))
+          return kept;
+    if (!kValuesAlone) kept_count_ = 0;
+    if (kept_count_ == kept_.size()) kept_.emplace_back();
+    Kept& kept = kept_[kept_count_++];
+    kept.f_cy_mm.assign(f_cy_mm.begin(), f_cy_mm.end());
+    kept.wavelengths = wavelengths_;
+    kept.optics_alone = optics_alone;
+    const std::span<const Freq<S>> f = places(Axis::x, f_cy_mm);
+    const auto wanted = [&](const Member& m) { return same_along_both(m) && (!optics_alone || m.is_optics()); };
+    start(kept.products, f.size());
+    multiply(steady_, f, kept.products, wanted);
+    multiply(after_, f, kept.products, wanted);
+    if (!chromatic_.empty() && all_same_along_both(chromatic_)) average(f, kept.means, optics_alone);
+    return kept;
+  }
 
   S ideal_area(const Context<S>& ctx) const {
     const PupilNumbers<S> p = pupil_numbers(*pupil_, ctx);
@@ -154,53 +250,39 @@ class OtfParts {
   }
   const WavelengthNodes& band_nodes() const { return const_cast<OtfParts*>(this)->band_nodes(); }
 
-  static void times(std::vector<Complex<S>>& a, const std::vector<Complex<S>>& b) {
-    for (std::size_t i = 0; i < a.size(); ++i) a[i] = a[i] * b[i];
-  }
-
-  /// Without `whole` the optics alone.
-  void presample(std::span<const Freq<S>> f, std::vector<Complex<S>>& optics, std::vector<Complex<S>>* detector,
-                 std::vector<Complex<S>>* whole) {
-    optics.assign(f.size(), one());
-    if (whole != nullptr) detector->assign(f.size(), one()), whole->assign(f.size(), one());
-    for (const Member& m : steady_)
-      if (m.part == Part::optics)
-        m.component->multiply(f, middle_, optics);
-      else if (whole != nullptr)
-        m.component->multiply(f, middle_, m.part == Part::detector ? *detector : *whole);
-    if (whole != nullptr) times(*whole, *detector), times(*whole, optics);
-    if (chromatic_.empty()) return;
-
+  void average(std::span<const Freq<S>> f, BandMeans& means, bool optics_alone) {
     const WavelengthNodes& nodes = band_nodes();
-    mean_optics_.assign(f.size(), Complex<S>{S(0), S(0)});
-    mean_.assign(f.size(), Complex<S>{S(0), S(0)});
-    const bool beyond =
-        std::any_of(chromatic_.begin(), chromatic_.end(), [](const Member& m) { return m.part != Part::optics; });
+    const bool beyond = !optics_alone && !std::all_of(chromatic_.begin(), chromatic_.end(),
+                                                      [](const Member& m) { return m.is_optics(); });
+    means.optics.assign(f.size(), Complex<S>{S(0), S(0)});
+    means.presample = means.optics;
     for (std::size_t w = 0; w < nodes.weight.size(); ++w) {
       const Context<S> ctx = system_->context(S(nodes.wavelength_um[w]));
       node_.assign(f.size(), Complex<S>{S(nodes.weight[w]), S(0)});
       for (const Member& m : chromatic_)
-        if (m.part == Part::optics) m.component->multiply(f, ctx, node_);
-      for (std::size_t i = 0; i < f.size(); ++i) mean_optics_[i] = mean_optics_[i] + node_[i];
-      if (whole == nullptr || !beyond) continue;
+        if (m.is_optics()) m.component->multiply(f, ctx, node_);
+      for (std::size_t i = 0; i < f.size(); ++i) means.optics[i] = means.optics[i] + node_[i];
+      if (!beyond) continue;
       for (const Member& m : chromatic_)
-        if (m.part != Part::optics) m.component->multiply(f, ctx, node_);
-      for (std::size_t i = 0; i < f.size(); ++i) mean_[i] = mean_[i] + node_[i];
+        if (!m.is_optics()) m.component->multiply(f, ctx, node_);
+      for (std::size_t i = 0; i < f.size(); ++i) means.presample[i] = means.presample[i] + node_[i];
     }
-    times(optics, mean_optics_);
-    if (whole != nullptr) times(*whole, beyond ? mean_ : mean_optics_);
+    if (!beyond) means.presample = means.optics;
   }
 
   const System<S>* system_ = nullptr;
   Context<S> middle_;
   const Component<S>* pupil_ = nullptr;
   std::vector<Member> steady_, chromatic_, after_;  ///< after_: readout, then postsample
-  std::size_t readout_ = 0;
+  std::vector<Kept> kept_;                          ///< of this system the first kept_count_
+  std::size_t kept_count_ = 0;
   double lo_um_ = 0.0, hi_um_ = 0.0;
   std::shared_ptr<const ElectronRate> rate_;
   std::map<int, WavelengthNodes> nodes_;
   int wavelengths_ = 4;
-  std::vector<Complex<S>> mean_, mean_optics_, node_;
+  std::vector<Freq<S>> places_;
+  BandMeans own_means_;
+  std::vector<Complex<S>> node_;
 };
 
 }  // namespace mtf

@@ -65,11 +65,21 @@ PupilLight<S> light_of(OtfParts<S>& parts, double cutoff_cy_mm, double tolerance
   const bool radial = turns == 1;
   std::vector<Freq<S>> f;
   std::vector<Complex<S>> optics;
+  std::vector<S> radii;
+  Products<S> products;
+  const auto evaluate_radial = [&](const std::vector<double>& at, SeriesValues<S, 2>& values) {
+    radii.clear();
+    for (const double radius : at) radii.push_back(S(radius));
+    parts.along(Axis::x, radii, products, true);
+    evaluations += static_cast<int>(at.size());
+    for (const Complex<S>& h : products.optics) values[kMean].push_back({h.re, S(0)});
+  };
   const auto evaluate = [&](const std::vector<double>& at, SeriesValues<S, 2>& values) {
+    if (radial) return evaluate_radial(at, values);
     f.clear();
     for (const double radius : at)
       for (int t = 0; t < turns; ++t) {
-        const auto [s, c] = radial ? SinCos{0.0, 1.0} : sin_cos_pi((t + 0.5) / turns);
+        const auto [s, c] = sin_cos_pi((t + 0.5) / turns);
         f.push_back({S(radius * c), S(radius * s)});
       }
     parts.optics(f, optics);
@@ -79,10 +89,10 @@ PupilLight<S> light_of(OtfParts<S>& parts, double cutoff_cy_mm, double tolerance
       for (int t = 0; t < turns; ++t) {
         const std::size_t k = i * static_cast<std::size_t>(turns) + static_cast<std::size_t>(t);
         whole += optics[k].re;
-        if (ensquared && !radial) box += optics[k].re * sinc_of(S(f[k].x * px)) * sinc_of(S(f[k].y * py));
+        if (ensquared) box += optics[k].re * sinc_of(S(f[k].x * px)) * sinc_of(S(f[k].y * py));
       }
       values[kMean].push_back({whole / S(static_cast<double>(turns)), S(0)});
-      if (ensquared && !radial) values[kBoxed].push_back({box / S(static_cast<double>(turns)), S(0)});
+      if (ensquared) values[kBoxed].push_back({box / S(static_cast<double>(turns)), S(0)});
     }
   };
   std::vector<SeriesPanel<S, 2>> panels;

@@ -80,9 +80,9 @@ S ResolutionMeter<S>::Impl::replicas(const detail::AxisPanel<S>& panel, Axis axi
     for (std::size_t i = 0; i < t.size(); ++i) {
       const PanelPlace place = panel.series.map.at(t[i]);
       weight.push_back(rule.weight[i] * half * place.slope);
-      f.push_back(along(axis, S(place.f) + S(shift(place.f)) * rate));
+      f.push_back(S(place.f) + S(shift(place.f)) * rate);
     }
-    parts.after(f, products.after);
+    parts.after(axis, f, products.after);
     for (std::size_t i = 0; i < t.size(); ++i)
       sum += S(weight[i]) * pitch * modulus(before[i]) * modulus(products.after[i]);
     return sum;
@@ -161,8 +161,8 @@ void ResolutionMeter<S>::Impl::moduli(Axis axis, AxisFigures<S>& figures) {
   if (ends) {
     // Where a replica meets the base band its part begins or ends: k = -1 at 1 and 3 times Nyquist, k = -2 at 3 and 5.
     // Those at 3 cancel.
-    f.assign({along(axis, S(0.5) * rate), along(axis, S(2.5) * rate)});
-    parts.all(f, products);
+    f.assign({S(S(0.5) * rate), S(S(2.5) * rate)});
+    parts.along(axis, f, products);
     const S ends_move = modulus(products.presample[0]) - S(5) * modulus(products.presample[1]);
     figures.spurious_out = (outside + modulus(products.after[0]) * ends_move * moved) / whole;
   }

@@ -19,7 +19,7 @@ template <class S>
 struct ResolutionMeter<S>::Impl {
   ResolutionNeeds needs;
   OtfParts<S> parts{};
-  std::vector<Freq<S>> f{};
+  std::vector<S> f{};  ///< scratch: frequencies along an axis, cy/mm
   Products<S> products{};
   EdgeSums<S> edge{};
   std::vector<detail::AxisPanel<S>> panels{};
@@ -35,9 +35,6 @@ struct ResolutionMeter<S>::Impl {
   }
   bool needs_moduli() const { return needs.axis.area || needs.axis.aliasing || needs.axis.spurious; }
   S pitch_mm(Axis axis) const { return parts.system().frame.pitch_um(axis) * S(1e-3); }
-  static Freq<S> along(Axis axis, const S& f_cy_mm) {
-    return axis == Axis::x ? Freq<S>{f_cy_mm, S(0)} : Freq<S>{S(0), f_cy_mm};
-  }
   double fill_panels(Axis axis, double cutoff);
   void points(Axis axis, double cutoff, AxisFigures<S>& figures);
   S mtf50(Axis axis);
@@ -60,8 +57,8 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
   double largest = 0.0;
   const auto evaluate = [&](const std::vector<double>& at, SeriesValues<S, kOtfs>& values) {
     f.clear();
-    for (const double f_cy_mm : at) f.push_back(along(axis, S(f_cy_mm)));
-    parts.all(f, products);
+    for (const double f_cy_mm : at) f.push_back(S(f_cy_mm));
+    parts.along(axis, f, products);
     evaluations += static_cast<int>(at.size());
     largest = 0.0;
     values[kSystem].reserve(at.size());
@@ -107,8 +104,8 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
   }
   // Places are about the image, which a phase may have moved: by the group delay at low frequency.
   const double low = 1e-3 / pitch;
-  f.assign(1, along(axis, S(low)));
-  parts.all(f, products);
+  f.assign(1, S(low));
+  parts.along(axis, f, products);
   const Complex<S> h_low = products.presample[0] * products.after[0];
   shift_px = -std::atan2(value_of(h_low.im), value_of(h_low.re)) / (2.0 * kPi * 1e-3);
   const double reach_px = (needs.axis.overshoot ? 3.0 : needs_edge() ? 1.0 : 0.0) + std::abs(shift_px);
@@ -135,12 +132,12 @@ void ResolutionMeter<S>::Impl::points(Axis axis, double cutoff, AxisFigures<S>& 
   const Frame<S>& frame = parts.system().frame;
   const S nyquist = frame.nyquist_cy_mm(axis);
   const double end = std::min(cutoff, 64.0 * value_of(nyquist));
-  f.assign(1, along(axis, nyquist));
-  for (int m = 1; (2 * m + 1) * value_of(nyquist) < end; ++m) f.push_back(along(axis, S(2 * m + 1) * nyquist));
+  f.assign(1, nyquist);
+  for (int m = 1; (2 * m + 1) * value_of(nyquist) < end; ++m) f.push_back(S(2 * m + 1) * nyquist);
   const std::size_t folds = f.size();
   for (const SpatialFrequency<double>& at : needs.at)
-    f.push_back(along(axis, SpatialFrequency<S>{S(at.value), at.unit}.cy_mm(frame, axis)));
-  parts.all(f, products);
+    f.push_back(SpatialFrequency<S>{S(at.value), at.unit}.cy_mm(frame, axis));
+  parts.along(axis, f, products);
   evaluations += static_cast<int>(f.size());
   const auto system = [&](std::size_t i) { return modulus(products.presample[i] * products.after[i]); };
   figures.nyquist = system(0);
@@ -209,10 +206,10 @@ double ResolutionMeter<S>::Impl::choose_wavelengths(double cutoff) {
   const double end = cutoff < kInfinity ? cutoff : 2.0 * value_of(parts.system().frame.nyquist_cy_mm(Axis::x));
   f.clear();
   for (std::size_t i = 0; i < kProbes; ++i)
-    f.push_back(along(Axis::x, S(end * (static_cast<double>(i) + 0.5) / static_cast<double>(kProbes))));
+    f.push_back(S(end * (static_cast<double>(i) + 0.5) / static_cast<double>(kProbes)));
   const auto at = [&](int n) {
     parts.set_wavelengths(n);
-    parts.all(f, products);
+    parts.along(Axis::x, f, products);
     evaluations += static_cast<int>(f.size());
   };
   const auto change = [&](const std::vector<Complex<S>>& before) {
@@ -223,12 +220,12 @@ double ResolutionMeter<S>::Impl::choose_wavelengths(double cutoff) {
     return most;
   };
   constexpr int kMost = 256;
-  for (int n = 2;; n *= 2) {  // from the start for every system: a result has no memory
-    at(n);
+  at(2);  // from the start for every system: a result has no memory
+  for (int n = 4;; n *= 2) {
     const std::vector<Complex<S>> before = products.presample;
-    at(2 * n);
+    at(n);
     const double difference = change(before);
-    if (difference <= 0.3 * needs.tolerance || 2 * n >= kMost) return difference;
+    if (difference <= 0.3 * needs.tolerance || n >= kMost) return difference;
   }
 }
 

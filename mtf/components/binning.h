@@ -43,7 +43,10 @@ struct Binning {
     if (spacing.given()) return (axis == Axis::x ? spacing.x_um(ctx.frame) : spacing.y_um(ctx.frame)) * S(1e-3);
     return ctx.frame.pitch_um(axis) * S(1e-3 / count(axis));
   }
-  Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true}; }
+  Traits traits(const Context<S>& ctx) const {
+    const bool alike = value_of(spacing_mm(Axis::x, ctx)) == value_of(spacing_mm(Axis::y, ctx));
+    return {.separable = true, .even_x = true, .even_y = true, .square = columns == rows && alike};
+  }
   S factor(Axis axis, const S& f, const Context<S>& ctx) const {
     const S x = spacing_mm(axis, ctx) * f;
     return lift(dirichlet(count(axis), value_of(x)), x);

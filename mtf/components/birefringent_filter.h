@@ -32,7 +32,10 @@ struct BirefringentFilter {
   S separation_mm(Axis axis, const Context<S>& ctx) const {
     return (axis == Axis::x ? separation.x_um(ctx.frame) : separation.y_um(ctx.frame)) * S(1e-3);
   }
-  Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true}; }
+  Traits traits(const Context<S>& ctx) const {
+    const bool alike = value_of(separation_mm(Axis::x, ctx)) == value_of(separation_mm(Axis::y, ctx));
+    return {.separable = true, .even_x = true, .even_y = true, .square = alike};
+  }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     return {cosine(S(separation_mm(Axis::x, ctx) * f.x)) * cosine(S(separation_mm(Axis::y, ctx) * f.y)), S(0)};
   }

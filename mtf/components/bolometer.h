@@ -55,7 +55,7 @@ struct Bolometer {
   }
   Traits traits(const Context<S>&) const {
     const bool x = axis.index == 0;
-    return {.separable = true, .even_x = !x, .even_y = x, .real = false};
+    return {.separable = true, .even_x = !x, .even_y = x, .flat_x = !x, .flat_y = x, .real = false};
   }
   S lag_mm(const Context<S>& ctx) const {
     const S speed = velocity_um_s ? *velocity_um_s : ctx.frame.um_from_urad(rate_urad_s.value_or(S(0)));

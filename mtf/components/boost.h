@@ -34,7 +34,10 @@ struct Boost {
               &Boost::peak},
         Field{kAxisInfo, &Boost::axis}};
   }
-  Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true, .gain = true}; }
+  Traits traits(const Context<S>&) const {
+    const bool x = axis.index == 0;
+    return {.separable = true, .even_x = true, .even_y = true, .flat_x = !x, .flat_y = x, .gain = true};
+  }
   S extra() const { return gain.value_or(S(1)) - S(1); }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const S half_turns = S(0.5) * along(f, axis_of(axis)) / peak.cy_mm(ctx.frame, axis_of(axis));

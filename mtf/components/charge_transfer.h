@@ -40,7 +40,7 @@ struct ChargeTransfer {
   }
   Traits traits(const Context<S>&) const {
     const bool x = axis.index == 0;
-    return {.separable = true, .even_x = !x, .even_y = x, .real = false};
+    return {.separable = true, .even_x = !x, .even_y = x, .flat_x = !x, .flat_y = x, .real = false};
   }
   S loss() const { return inefficiency * S(static_cast<double>(transfers)); }
   /// 1 - exp(-i t) = 2 sin^2(t/2) + i sin t, without cancellation at small t.

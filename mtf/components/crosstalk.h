@@ -36,7 +36,7 @@ struct Crosstalk {
                                       .doc = "fraction that reaches each of the four corner neighbours; 0 when absent"},
                             &Crosstalk::corner}};
   }
-  Traits traits(const Context<S>&) const { return {.even_x = true, .even_y = true}; }
+  Traits traits(const Context<S>& ctx) const { return {.even_x = true, .even_y = true, .square = ctx.frame.square()}; }
   /// sin^2(pi f p), the only form in which the frequency enters: no cancellation at small f.
   static S sine_square(const S& f, Axis axis, const Context<S>& ctx) {
     const S x = ctx.frame.cy_per_px(f, axis);

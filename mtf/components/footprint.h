@@ -42,7 +42,12 @@ struct Footprint {
     if (width.given()) return (axis == Axis::x ? width.x_um(ctx.frame) : width.y_um(ctx.frame)) * S(1e-3);
     return ctx.frame.pitch_um(axis) * S(1e-3) * sqrt(fill_factor.value_or(S(1)));
   }
-  Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true}; }
+  Traits traits(const Context<S>& ctx) const {
+    return {.separable = true,
+            .even_x = true,
+            .even_y = true,
+            .square = value_of(width_mm(Axis::x, ctx)) == value_of(width_mm(Axis::y, ctx))};
+  }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     return {sinc_of(S(width_mm(Axis::x, ctx) * f.x)) * sinc_of(S(width_mm(Axis::y, ctx) * f.y)), S(0)};
   }

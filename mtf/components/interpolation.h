@@ -120,13 +120,14 @@ struct Interpolation {
               &Interpolation::a}};
   }
   double cubic_a() const { return a ? value_of(*a) : -0.5; }
-  Traits traits(const Context<S>&) const {
+  Traits traits(const Context<S>& ctx) const {
     const bool six = kernel.index == six_coefficient;
     double zero = 0.5;
     for (const double c : kSix) zero += c;
     return {.separable = !six,
             .even_x = true,
             .even_y = true,
+            .square = ctx.frame.square(),
             .gain = six || (kernel.index == cubic && cubic_a() < -0.5),
             .dc = six ? zero * zero : 1.0};
   }

@@ -22,7 +22,7 @@ struct RcLowpass : ElectronicFilter<S> {
 
   Traits traits(const Context<S>&) const {
     const bool x = this->axis.index == 0;
-    return {.separable = true, .even_x = !x, .even_y = x, .real = false};
+    return {.separable = true, .even_x = !x, .even_y = x, .flat_x = !x, .flat_y = x, .real = false};
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const auto p = this->pair(f, ctx);
@@ -56,7 +56,10 @@ struct Butterworth : ElectronicFilter<S> {
         std::tuple{Field{FieldInfo{.name = "poles", .lo = 1.0, .hi = 20.0, .example = "3", .doc = "number of poles"},
                          &Butterworth::poles}});
   }
-  Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true}; }
+  Traits traits(const Context<S>&) const {
+    const bool x = this->axis.index == 0;
+    return {.separable = true, .even_x = true, .even_y = true, .flat_x = !x, .flat_y = x};
+  }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const auto p = this->pair(f, ctx);
     if (!(p.ratio() < 1e100)) return {S(std::pow(p.ratio(), -1.0 * poles)), S(0)};  // no slope left that matters

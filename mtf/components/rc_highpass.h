@@ -36,7 +36,14 @@ struct RcHighpass : ElectronicFilter<S> {
   bool keeps_mean() const { return dc.index == 0; }
   Traits traits(const Context<S>&) const {
     const bool x = this->axis.index == 0, keep = keeps_mean();
-    return {.separable = keep, .even_x = !x, .even_y = x, .real = false, .gain = !keep, .dc = keep ? 1.0 : 0.0};
+    return {.separable = keep,
+            .even_x = !x,
+            .even_y = x,
+            .flat_x = keep && !x,
+            .flat_y = keep && x,
+            .real = false,
+            .gain = !keep,
+            .dc = keep ? 1.0 : 0.0};
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const auto p = this->pair(f, ctx);

@@ -82,7 +82,9 @@ struct Unsharp {
                                       .doc = "standard deviation of Gaussian taps that blur, instead of the box"},
                             &Unsharp::sigma_px}};
   }
-  Traits traits(const Context<S>&) const { return {.even_x = true, .even_y = true, .gain = true}; }
+  Traits traits(const Context<S>& ctx) const {
+    return {.even_x = true, .even_y = true, .square = ctx.frame.square(), .gain = true};
+  }
   S blur(const S& x) const {
     if (!sigma_px) return lift(dirichlet(size, value_of(x)), x);
     const GaussianTaps b(value_of(x), value_of(*sigma_px));

@@ -132,6 +132,15 @@ TYPED_TEST(Conformance, declared_symmetry_is_true) {
         EXPECT_LE(distance(h, s.otf(r, TypeParam(0))), steep * rounding) << where;
         EXPECT_LE(distance(h, s.otf(TypeParam(0), -r)), steep * rounding) << where;
       }
+      if (s.traits.square) {
+        EXPECT_LE(distance(s.otf(x, TypeParam(0)), s.otf(TypeParam(0), x)), 8.0 * rounding) << where;
+      }
+      if (s.traits.flat_x) {
+        EXPECT_LE(distance(s.otf(x, TypeParam(0)), {TypeParam(1), TypeParam(0)}), 8.0 * rounding) << where;
+      }
+      if (s.traits.flat_y) {
+        EXPECT_LE(distance(s.otf(TypeParam(0), y), {TypeParam(1), TypeParam(0)}), 8.0 * rounding) << where;
+      }
       if (s.traits.separable) {
         EXPECT_LE(distance(h * zero, s.otf(x, TypeParam(0)) * s.otf(TypeParam(0), y)), 8.0 * rounding) << where;
       }
