@@ -112,18 +112,36 @@ class DesignWork {
   /// Root of the mean of |OTF|^2 of the digital filters over the base band: by what they raise white noise.
   S noise_gain() const {
     using std::sqrt;
-    if (system_.list(mtf::Stage::postsample).empty()) return S(1);
-    const mtf::GaussRule& rule = mtf::gauss_legendre(12);
+    const auto& list = system_.list(mtf::Stage::postsample);
+    if (list.empty()) return S(1);
+    const mtf::Context<S> context = system_.context();
+    const bool separable = std::all_of(list.begin(), list.end(),
+                                       [&](const auto& entry) { return entry.component.traits(context).separable; });
+    constexpr std::size_t kNodes = 12, kHalf = kNodes / 2;
+    const mtf::GaussRule& rule = mtf::gauss_legendre(kNodes);
+    const S nyquist_x = system_.frame.nyquist_cy_mm(mtf::Axis::x),
+            nyquist_y = system_.frame.nyquist_cy_mm(mtf::Axis::y);
+    // |OTF| is the same at f and -f: half of the nodes, with twice their weights.
     std::vector<mtf::Freq<S>> f;
-    for (const double x : rule.node)
-      for (const double y : rule.node)
-        f.push_back(
-            {S(x) * system_.frame.nyquist_cy_mm(mtf::Axis::x), S(y) * system_.frame.nyquist_cy_mm(mtf::Axis::y)});
-    const auto h = system_.otf(std::span(system_.list(mtf::Stage::postsample)), f);
-    S mean(0);
-    for (std::size_t i = 0; i < h.size(); ++i)
-      mean += S(0.25 * rule.weight[i / 12] * rule.weight[i % 12]) * (h[i].re * h[i].re + h[i].im * h[i].im);
-    return sqrt(mean);
+    for (std::size_t i = 0; i < kHalf; ++i)
+      if (separable) {
+        f.push_back({S(rule.node[i]) * nyquist_x, S(0)});
+        f.push_back({S(0), S(rule.node[i]) * nyquist_y});
+      } else {
+        for (const double y : rule.node) f.push_back({S(rule.node[i]) * nyquist_x, S(y) * nyquist_y});
+      }
+    const auto h = system_.otf(std::span(list), f);
+    const auto square = [&](std::size_t i) { return h[i].re * h[i].re + h[i].im * h[i].im; };
+    S mean(0), mean_x(0), mean_y(0);
+    for (std::size_t i = 0; i < kHalf; ++i)
+      if (separable) {
+        mean_x += S(rule.weight[i]) * square(2 * i);
+        mean_y += S(rule.weight[i]) * square(2 * i + 1);
+      } else {
+        for (std::size_t j = 0; j < kNodes; ++j)
+          mean += S(0.5 * rule.weight[i] * rule.weight[j]) * square(kNodes * i + j);
+      }
+    return sqrt(separable ? S(mean_x * mean_y) : mean);
   }
 
   const Study* study_;
