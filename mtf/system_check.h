@@ -51,15 +51,24 @@ std::vector<Problem> counted_twice(const System<S>& system, const Entry<S>& entr
 
 template <class S>
 std::vector<typename System<S>::Finding> System<S>::check() const {
+  return findings(true);
+}
+template <class S>
+std::vector<typename System<S>::Finding> System<S>::errors() const {
+  return findings(false);
+}
+
+template <class S>
+std::vector<typename System<S>::Finding> System<S>::findings(bool doubtful) const {
   std::vector<Finding> findings;
   const auto error = [&](std::string where, std::string text) {
     findings.push_back({std::move(where), {.error = true, .field = {}, .text = std::move(text)}});
   };
-  const auto within = [&](const std::string& where, const S& value, std::string_view unit, double low, double high) {
+  const auto within = [&](std::string_view where, const S& value, std::string_view unit, double low, double high) {
     const double v = value_of(value);
     if (!(v >= low && v <= high))
-      error(where, format_double(v) + (unit.empty() ? "" : " ") + std::string(unit) + " is outside [" +
-                       format_double(low) + ", " + format_double(high) + "]");
+      error(std::string(where), format_double(v) + (unit.empty() ? "" : " ") + std::string(unit) + " is outside [" +
+                                    format_double(low) + ", " + format_double(high) + "]");
   };
   within("frame.focal_length", frame.focal_length_mm, "mm", 1e-6, 1e7);
   within("frame.pitch_x", frame.pitch_x_um, "um", 1e-6, 1e6);
@@ -87,22 +96,24 @@ std::vector<typename System<S>::Finding> System<S>::check() const {
     std::string pupil;
     for (std::size_t i = 0; i < list(stage).size(); ++i) {
       const Entry<S>& entry = list(stage)[i];
-      const std::string where = std::string(stage_name(stage)) + "[" + std::to_string(i) + "]";
+      const auto where = [&] { return std::string(stage_name(stage)) + "[" + std::to_string(i) + "]"; };
       if (!entry.component.stages().allows(stage))
-        error(where + ".kind", "\"" + std::string(entry.component.kind()) + "\" cannot stand in [[" +
-                                   std::string(stage_name(stage)) + "]]");
+        error(where() + ".kind", "\"" + std::string(entry.component.kind()) + "\" cannot stand in [[" +
+                                     std::string(stage_name(stage)) + "]]");
       // A chromatic component meets its limits at one end of the band.
       std::vector<Problem> problems = entry.component.check(context());
       if (band && problems.empty() && entry.component.traits(context()).chromatic)
         for (const double wavelength : {band->lo_um, band->hi_um})
           if (problems.empty()) problems = entry.component.check(context(S(wavelength)));
       for (Problem& problem : problems)
-        findings.push_back({where + (problem.field.empty() ? "" : "." + problem.field), std::move(problem)});
-      for (Problem& problem : detail::counted_twice(*this, entry))
-        findings.push_back({where + ".kind", std::move(problem)});
+        if (problem.error || doubtful)
+          findings.push_back({where() + (problem.field.empty() ? "" : "." + problem.field), std::move(problem)});
+      if (doubtful)
+        for (Problem& problem : detail::counted_twice(*this, entry))
+          findings.push_back({where() + ".kind", std::move(problem)});
       if (!entry.component.is_pupil()) continue;
       if (!pupil.empty())
-        error(where + ".kind",
+        error(where() + ".kind",
               "a second complete pupil OTF beside \"" + pupil +
                   "\": aberrations and diffraction are one integral; use one wavefront with all terms");
       pupil = entry.label;

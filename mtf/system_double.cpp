@@ -34,8 +34,8 @@ std::string range_text(const FieldInfo& info) {
 
 void require_valid(const System<double>& system) {
   std::string message;
-  for (const auto& finding : system.check())
-    if (finding.problem.error) message += (message.empty() ? "" : "; ") + finding.where + ": " + finding.problem.text;
+  for (const auto& finding : system.errors())
+    message += (message.empty() ? "" : "; ") + finding.where + ": " + finding.problem.text;
   if (!message.empty()) throw UsageError(message);
 }
 

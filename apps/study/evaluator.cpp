@@ -153,13 +153,11 @@ bool Evaluator::Impl::set_system(Ready& variant) {
     const auto i = static_cast<std::size_t>(built.parameter);
     if (study->parameters[i].role == Parameter::Role::fixed) variant.work->set_fixed(i, parameters[i]);
   }
-  for (const auto& finding : variant.work->system().check())
-    if (finding.problem.error) {
-      problem = finding.where + (finding.problem.field.empty() ? "" : "." + finding.problem.field) + ": " +
-                finding.problem.text;
-      return false;
-    }
-  return true;
+  const auto errors = variant.work->system().errors();
+  if (errors.empty()) return true;
+  const auto& [where, what] = errors.front();
+  problem = where + (what.field.empty() ? "" : "." + what.field) + ": " + what.text;
+  return false;
 }
 
 void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<double> row,
