@@ -3,6 +3,8 @@
 
 // Edge and line spread along an axis as sums over the nodes of a quadrature (formulas: resolution.h). Places in pixels.
 
+#include <algorithm>
+#include <cassert>
 #include <type_traits>
 #include <vector>
 
@@ -10,6 +12,57 @@
 #include "mtf/turns.h"
 
 namespace mtf {
+namespace detail {
+
+inline constexpr std::size_t kEdgeLanes = 8;  ///< sums run side by side, as many on every machine
+
+/// A term a frequency: cycles per pixel, 1/u, weighted parts of the OTF. As many as fill the lanes.
+template <class S>
+struct EdgeTerms {
+  std::vector<S> u, per_u, re, im;
+};
+
+/// Sums of odd/u, even, u odd and u^2 even, where even = re cos - im sin and odd = re sin + im cos.
+template <class S>
+struct SpreadSums {
+  S step{}, line{}, slope{}, curvature{};
+};
+// On whatever vectors the machine has.
+SpreadSums<double> spread_sums(const EdgeTerms<double>& terms, const std::vector<double>& sine,
+                               const std::vector<double>& cosine);
+/// The first two of them at many places, from one to the next by a turn of each term.
+void stepped_sums(const EdgeTerms<double>& terms, std::vector<double>& sine, std::vector<double>& cosine,
+                  const std::vector<double>& turn_sine, const std::vector<double>& turn_cosine,
+                  std::vector<double>& step, std::vector<double>& line);
+
+template <class S>
+SpreadSums<S> spread_sums(const EdgeTerms<S>& terms, const std::vector<S>& sine, const std::vector<S>& cosine) {
+  SpreadSums<S> sums;
+  for (std::size_t i = 0; i < terms.u.size(); ++i) {
+    const S even = terms.re[i] * cosine[i] - terms.im[i] * sine[i];
+    const S odd = terms.re[i] * sine[i] + terms.im[i] * cosine[i];
+    sums.step += odd * terms.per_u[i];
+    sums.line += even;
+    sums.slope += terms.u[i] * odd;
+    sums.curvature += terms.u[i] * terms.u[i] * even;
+  }
+  return sums;
+}
+template <class S>
+void stepped_sums(const EdgeTerms<S>& terms, std::vector<S>& sine, std::vector<S>& cosine,
+                  const std::vector<S>& turn_sine, const std::vector<S>& turn_cosine, std::vector<S>& step,
+                  std::vector<S>& line) {
+  for (std::size_t k = 0; k < step.size(); ++k)
+    for (std::size_t i = 0; i < terms.u.size(); ++i) {
+      const S s = sine[i], c = cosine[i];
+      step[k] += terms.per_u[i] * (terms.re[i] * s + terms.im[i] * c);
+      line[k] += terms.re[i] * c - terms.im[i] * s;
+      sine[i] = s * turn_cosine[i] + c * turn_sine[i];
+      cosine[i] = c * turn_cosine[i] - s * turn_sine[i];
+    }
+}
+
+}  // namespace detail
 
 /// The spreads at places a quarter of a pixel apart.
 template <class S>
@@ -25,15 +78,16 @@ class EdgeSums {
   /// `pitch_mm`: scales frequencies to cycles per pixel.
   void clear(const S& pitch_mm) {
     pitch_mm_ = pitch_mm;
-    u_.clear(), re_.clear(), im_.clear(), per_u_.clear();
+    terms_.u.clear(), terms_.re.clear(), terms_.im.clear(), terms_.per_u.clear();
     real_ = true;
   }
+  /// Altogether a multiple of kEdgeLanes, as the nodes of every panel are.
   void add(double f_cy_mm, double weight_cy_mm, const Complex<S>& h) {
-    u_.push_back(S(f_cy_mm) * pitch_mm_);
-    per_u_.push_back(S(1) / u_.back());
+    terms_.u.push_back(S(f_cy_mm) * pitch_mm_);
+    terms_.per_u.push_back(S(1) / terms_.u.back());
     const S weight = S(weight_cy_mm) * pitch_mm_;
-    re_.push_back(weight * h.re);
-    im_.push_back(weight * h.im);
+    terms_.re.push_back(weight * h.re);
+    terms_.im.push_back(weight * h.im);
     real_ = real_ && value_of(h.im) == 0.0;
   }
   bool real() const { return real_; }
@@ -43,37 +97,21 @@ class EdgeSums {
     S esf{}, lsf{}, slope{}, curvature{};  ///< the lsf with its two derivatives
   };
   Spread at(const S& x) const {
-    S step{}, line{}, slope{}, curvature{};
     turn(x, sine_, cosine_);
-    for (std::size_t i = 0; i < u_.size(); ++i) {
-      const S &c = cosine_[i], &s = sine_[i];
-      const S even = re_[i] * c - im_[i] * s, odd = re_[i] * s + im_[i] * c;
-      step += odd * per_u_[i];
-      line += even;
-      slope += u_[i] * odd;
-      curvature += u_[i] * u_[i] * even;
-    }
+    const auto [step, line, slope, curvature] = detail::spread_sums(terms_, sine_, cosine_);
     return {S(0.5) + step / S(kPi), S(2) * line, S(-4.0 * kPi) * slope, S(-8.0 * kPi * kPi) * curvature};
   }
 
   /// From x0 on, every quarter of a pixel: each frequency is turned from one place to the next.
   EdgeSamples<S> samples(const S& x0, int count) const {
     const auto n = static_cast<std::size_t>(count);
-    EdgeSamples<S> out{std::vector<S>(n, S(0.5)), std::vector<S>(n, S(0))};
-    std::vector<S> turn_s, turn_c;
+    EdgeSamples<S> out{std::vector<S>(n), std::vector<S>(n)};
     turn(x0, sine_, cosine_);
-    turn(S(kStep_px), turn_s, turn_c);
+    turn(S(kStep_px), turn_sine_, turn_cosine_);
+    detail::stepped_sums(terms_, sine_, cosine_, turn_sine_, turn_cosine_, out.esf, out.lsf);
     for (std::size_t k = 0; k < n; ++k) {
-      S step{}, line{};
-      for (std::size_t i = 0; i < u_.size(); ++i) {
-        const S s = sine_[i], c = cosine_[i];
-        step += per_u_[i] * (re_[i] * s + im_[i] * c);
-        line += re_[i] * c - im_[i] * s;
-        sine_[i] = s * turn_c[i] + c * turn_s[i];
-        cosine_[i] = c * turn_c[i] - s * turn_s[i];
-      }
-      out.esf[k] += step / S(kPi);
-      out.lsf[k] = S(2) * line;
+      out.esf[k] = S(0.5) + out.esf[k] / S(kPi);
+      out.lsf[k] = S(2) * out.lsf[k];
     }
     return out;
   }
@@ -169,15 +207,17 @@ class EdgeSums {
   void turn(const S& x, std::vector<S>& sine, std::vector<S>& cosine) const {
     using std::cos;
     using std::sin;
-    sine.resize(u_.size());
-    cosine.resize(u_.size());
+    const std::vector<S>& u = terms_.u;
+    assert(u.size() % detail::kEdgeLanes == 0);
+    sine.resize(u.size());
+    cosine.resize(u.size());
     if constexpr (std::is_same_v<S, double>) {
-      turns_.resize(u_.size());
-      for (std::size_t i = 0; i < u_.size(); ++i) turns_[i] = u_[i] * x;
+      turns_.resize(u.size());
+      for (std::size_t i = 0; i < u.size(); ++i) turns_[i] = u[i] * x;
       sin_cos_turns(turns_, sine, cosine);
     } else {
-      for (std::size_t i = 0; i < u_.size(); ++i) {
-        const S angle = S(2.0 * kPi) * u_[i] * x;
+      for (std::size_t i = 0; i < u.size(); ++i) {
+        const S angle = S(2.0 * kPi) * u[i] * x;
         sine[i] = sin(angle);
         cosine[i] = cos(angle);
       }
@@ -185,8 +225,8 @@ class EdgeSums {
   }
 
   S pitch_mm_{};
-  std::vector<S> u_, per_u_, re_, im_;            ///< cycles per pixel, 1/u, weighted parts of the OTF
-  mutable std::vector<S> sine_, cosine_, turns_;  ///< scratch: sums belong to one thread
+  detail::EdgeTerms<S> terms_;
+  mutable std::vector<S> sine_, cosine_, turn_sine_, turn_cosine_, turns_;  ///< scratch: sums belong to one thread
   bool real_ = true;
 };
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <mutex>
 
-#include "mtf/engines/clones.h"
+#include "mtf/engines/simd.h"
 
 namespace mtf {
 namespace {
@@ -45,6 +45,57 @@ FineNodes make_nodes(int degree, int count) {
   return nodes;
 }
 
+/// `block(first)` for blocks of kVectors vectors, which need not wait for one another; vector v of a block starts at
+/// first[v]. The last ones end at `count`: they do some again, to the same bits.
+constexpr std::size_t kVectors = 4;
+template <std::size_t size, class Block>
+MTFKIT_INLINE void in_blocks(std::size_t count, Block block) {
+  for (std::size_t begin = 0; begin < count; begin += kVectors * size) {
+    std::size_t first[kVectors];
+    for (std::size_t v = 0; v < kVectors; ++v) first[v] = std::min(begin + v * size, count - size);
+    block(first);
+  }
+}
+
+struct Products {
+  template <int Bytes>
+  static MTFKIT_INLINE void run(const double* matrix, std::span<const double> factor, std::span<double> result) {
+    using V = simd::Vector<double, Bytes>;
+    constexpr std::size_t size = Bytes / sizeof(double);
+    if (size > 1 && result.size() < size) return run<sizeof(double)>(matrix, factor, result);
+    in_blocks<size>(result.size(), [&](const std::size_t(&first)[kVectors]) {
+      V sum[kVectors] = {};
+      const double* row = matrix;
+      for (const double f : factor) {
+        for (std::size_t v = 0; v < kVectors; ++v) sum[v] += simd::load<V>(row + first[v]) * f;
+        row += result.size();
+      }
+      for (std::size_t v = 0; v < kVectors; ++v) simd::store(sum[v], result.data() + first[v]);
+    });
+  }
+};
+
+struct Clenshaw {
+  template <int Bytes>
+  static MTFKIT_INLINE void run(std::span<const double> coefficient, std::span<const double> t, double* value) {
+    using V = simd::Vector<double, Bytes>;
+    constexpr std::size_t size = Bytes / sizeof(double);
+    if (size > 1 && t.size() < size) return run<sizeof(double)>(coefficient, t, value);
+    in_blocks<size>(t.size(), [&](const std::size_t(&first)[kVectors]) {
+      V x[kVectors], b1[kVectors] = {}, b2[kVectors] = {};
+      for (std::size_t v = 0; v < kVectors; ++v) x[v] = simd::load<V>(t.data() + first[v]);
+      for (std::size_t k = coefficient.size(); k-- > 1;)
+        for (std::size_t v = 0; v < kVectors; ++v) {
+          const V b = 2.0 * x[v] * b1[v] + (coefficient[k] - b2[v]);
+          b2[v] = b1[v];
+          b1[v] = b;
+        }
+      for (std::size_t v = 0; v < kVectors; ++v)
+        simd::store(V(x[v] * b1[v] + (coefficient[0] - b2[v])), value + first[v]);
+    });
+  }
+};
+
 }  // namespace
 
 const ChebyshevPoints& chebyshev_points(int degree) {
@@ -69,31 +120,12 @@ const FineNodes& fine_nodes(int degree, double cycles) {
   return *found;
 }
 
-MTFKIT_CLONES
 void add_products(const double* matrix, std::span<const double> factor, std::span<double> result) {
-  double* sum = result.data();
-  const std::size_t count = result.size();
-  for (const double f : factor) {
-    for (std::size_t i = 0; i < count; ++i) sum[i] += matrix[i] * f;
-    matrix += count;
-  }
+  simd::run<Products>(matrix, factor, result);
 }
 
-MTFKIT_CLONES
 void chebyshev_sums(std::span<const double> coefficient, std::span<const double> t, std::span<double> value) {
-  constexpr std::size_t kLanes = 8;
-  for (std::size_t first = 0; first < t.size(); first += kLanes) {
-    const std::size_t count = std::min(kLanes, t.size() - first);
-    double x[kLanes] = {}, b1[kLanes] = {}, b2[kLanes] = {};
-    for (std::size_t i = 0; i < count; ++i) x[i] = t[first + i];
-    for (std::size_t k = coefficient.size(); k-- > 1;)
-      for (std::size_t i = 0; i < kLanes; ++i) {
-        const double b = 2.0 * x[i] * b1[i] - b2[i] + coefficient[k];
-        b2[i] = b1[i];
-        b1[i] = b;
-      }
-    for (std::size_t i = 0; i < count; ++i) value[first + i] = x[i] * b1[i] - b2[i] + coefficient[0];
-  }
+  simd::run<Clenshaw>(coefficient, t, value.data());
 }
 
 }  // namespace mtf

@@ -37,13 +37,14 @@ struct FineNodes {
 /// As many nodes as the series takes beside a wave of `cycles` over the panel.
 const FineNodes& fine_nodes(int degree, double cycles);
 
-/// result[i] += sum over k of matrix[k][i] x factor[k]; for double on whatever vectors the machine has.
+/// result[i] = sum over k of matrix[k][i] x factor[k]; for double on whatever vectors the machine has.
 void add_products(const double* matrix, std::span<const double> factor, std::span<double> result);
 template <class S>
 void add_products(const double* matrix, const std::vector<S>& factor, std::vector<S>& result) {
   if constexpr (std::is_same_v<S, double>) {
     add_products(matrix, std::span<const double>(factor), std::span<double>(result));
   } else {
+    std::fill(result.begin(), result.end(), S(0));
     for (const S& f : factor) {
       for (std::size_t i = 0; i < result.size(); ++i) result[i] += S(matrix[i]) * f;
       matrix += result.size();
@@ -67,11 +68,11 @@ template <class S>
 S chebyshev(const std::vector<S>& coefficient, double t) {
   S b1{}, b2{};
   for (std::size_t k = coefficient.size(); k-- > 1;) {
-    const S b = S(2.0 * t) * b1 - b2 + coefficient[k];
+    const S b = S(2.0 * t) * b1 + (coefficient[k] - b2);
     b2 = b1;
     b1 = b;
   }
-  return S(t) * b1 - b2 + coefficient[0];
+  return S(t) * b1 + (coefficient[0] - b2);
 }
 
 /// The same at many places, side by side.
@@ -85,11 +86,11 @@ std::vector<S> chebyshev_at(const std::vector<S>& coefficient, std::span<const d
   std::vector<S> b1(t.size()), b2(t.size()), b(t.size());
   for (std::size_t k = coefficient.size(); k-- > 1;) {
     const S c = coefficient[k];
-    for (std::size_t i = 0; i < t.size(); ++i) b[i] = S(2.0 * t[i]) * b1[i] - b2[i] + c;
+    for (std::size_t i = 0; i < t.size(); ++i) b[i] = S(2.0 * t[i]) * b1[i] + (c - b2[i]);
     b2.swap(b1);
     b1.swap(b);
   }
-  for (std::size_t i = 0; i < t.size(); ++i) b[i] = S(t[i]) * b1[i] - b2[i] + coefficient[0];
+  for (std::size_t i = 0; i < t.size(); ++i) b[i] = S(t[i]) * b1[i] + (coefficient[0] - b2[i]);
   return b;
 }
 

@@ -31,6 +31,18 @@ struct VectorOf {
 template <class S, int Bytes>
 using Vector = typename VectorOf<S, Bytes>::Type;
 
+/// From and to any place.
+template <class V, class S>
+MTFKIT_INLINE V load(const S* from) {
+  V v;
+  __builtin_memcpy(&v, from, sizeof v);
+  return v;
+}
+template <class V, class S>
+MTFKIT_INLINE void store(const V& v, S* to) {
+  __builtin_memcpy(to, &v, sizeof v);
+}
+
 /// Complex numbers side by side, real and imaginary parts in a vector each.
 template <class S, int Bytes>
 struct Packet {
