@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "mtf/special.h"
+#include "mtf/otf_series.h"
 #include "mtf/turns.h"
 
 namespace mtf {
@@ -75,20 +75,25 @@ class EdgeSums {
  public:
   static constexpr double kStep_px = 0.25;
 
-  /// `pitch_mm`: scales frequencies to cycles per pixel.
-  void clear(const S& pitch_mm) {
+  /// `pitch_mm`: scales frequencies to cycles per pixel. `near_px`: how short the last Newton step to a place is, which
+  /// leaves its square.
+  void clear(const S& pitch_mm, double near_px) {
     pitch_mm_ = pitch_mm;
+    near_px_ = near_px;
     terms_.u.clear(), terms_.re.clear(), terms_.im.clear(), terms_.per_u.clear();
     real_ = true;
   }
-  /// Altogether a multiple of kEdgeLanes, as the nodes of every panel are.
-  void add(double f_cy_mm, double weight_cy_mm, const Complex<S>& h) {
-    terms_.u.push_back(S(f_cy_mm) * pitch_mm_);
-    terms_.per_u.push_back(S(1) / terms_.u.back());
-    const S weight = S(weight_cy_mm) * pitch_mm_;
-    terms_.re.push_back(weight * h.re);
-    terms_.im.push_back(weight * h.im);
-    real_ = real_ && value_of(h.im) == 0.0;
+  /// The nodes of a panel, with the OTF there. Their number is a multiple of kEdgeLanes.
+  void add(const PanelMap& map, const FineNodes& nodes, const ComplexValues<S>& otf) {
+    const double width = map.hi - map.lo;
+    for (std::size_t i = 0; i < nodes.share.size(); ++i) {
+      const S u = S(map.lo + width * nodes.share[i]) * pitch_mm_, weight = S(width * nodes.weight[i]) * pitch_mm_;
+      terms_.u.push_back(u);
+      terms_.per_u.push_back(S(1) / u);
+      terms_.re.push_back(weight * otf.re[i]);
+      terms_.im.push_back(otf.im.empty() ? S(0) : S(weight * otf.im[i]));
+    }
+    real_ = real_ && otf.im.empty();
   }
   bool real() const { return real_; }
 
@@ -125,7 +130,7 @@ class EdgeSums {
       const Spread here = at(S(x));
       const S step = (S(0.5) - here.esf) / here.lsf;
       if (!(value_of(here.lsf) > 0.0) || !(std::abs(value_of(step)) < 1.0)) break;
-      if (std::abs(value_of(step)) < kNear_px) return S(x) + step;
+      if (std::abs(value_of(step)) < near_px_) return S(x) + step;
       x += value_of(step);
     }
     x = near;
@@ -137,7 +142,7 @@ class EdgeSums {
       const Spread here = at(S(x));
       const double lsf = value_of(here.lsf);
       const S step = (S(0.5) - here.esf) / here.lsf;
-      if (lsf > 0.0 && std::abs(value_of(step)) < kNear_px) return S(x) + step;
+      if (lsf > 0.0 && std::abs(value_of(step)) < near_px_) return S(x) + step;
       (value_of(here.esf) < 0.5 ? lo : hi) = x;
       const double next = x + value_of(step);
       x = lsf > 0.0 && next > lo && next < hi ? next : 0.5 * (lo + hi);
@@ -178,7 +183,7 @@ class EdgeSums {
     for (int i = 0; i < 100; ++i) {  // Newton inside a bracket
       const Spread here = spread(d);
       const S step = (half - here.lsf) / (S(sign) * here.slope);
-      if (std::abs(value_of(step)) < kNear_px) return S(d) + step;
+      if (std::abs(value_of(step)) < near_px_) return S(d) + step;
       (value_of(here.lsf) > level ? inside : outside) = d;
       const double next = d + value_of(step);
       d = next > inside && next < outside ? next : 0.5 * (inside + outside);
@@ -187,8 +192,6 @@ class EdgeSums {
   }
 
  private:
-  static constexpr double kNear_px = 1e-6;  ///< a Newton step that short leaves its square
-
   template <class Pair>
   S falling_zero(double start, Pair pair) const {
     double x = start;
@@ -196,7 +199,7 @@ class EdgeSums {
       const auto [value, slope] = pair(at(S(x)));
       if (!(value_of(slope) < 0.0)) break;
       const double next = std::clamp(x - value_of(value) / value_of(slope), start - kStep_px, start + kStep_px);
-      const bool near = std::abs(next - x) < kNear_px;
+      const bool near = std::abs(next - x) < near_px_;
       x = next;
       if (near) break;
     }
@@ -225,6 +228,7 @@ class EdgeSums {
   }
 
   S pitch_mm_{};
+  double near_px_ = 0.0;
   detail::EdgeTerms<S> terms_;
   mutable std::vector<S> sine_, cosine_, turn_sine_, turn_cosine_, turns_;  ///< scratch: sums belong to one thread
   bool real_ = true;

@@ -87,9 +87,14 @@ class OtfParts {
   const System<S>& system() const { return *system_; }
   const Component<S>* pupil() const { return pupil_; }
   bool chromatic() const { return !chromatic_.empty(); }
-  /// Something follows sampling; digital filters among it.
-  bool filters() const { return !after_.empty(); }
-  bool digital_filters() const { return !system_->list(Stage::postsample).empty(); }
+  /// Something follows sampling and acts along the axis; digital filters among it.
+  bool filters(Axis axis) const {
+    return std::any_of(after_.begin(), after_.end(), [axis](const Member& m) { return !is_flat(m, axis); });
+  }
+  bool digital_filters(Axis axis) const {
+    return std::any_of(after_.begin(), after_.end(),
+                       [axis](const Member& m) { return m.product == &Products<S>::after && !is_flat(m, axis); });
+  }
   bool radial_optics() const {
     const auto radial = [](const Member& m) { return !m.is_optics() || m.traits.radial; };
     return std::all_of(steady_.begin(), steady_.end(), radial) &&

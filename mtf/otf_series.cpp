@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "mtf/engines/simd.h"
+#include "mtf/turns.h"
 
 namespace mtf {
 namespace {
@@ -97,6 +98,19 @@ struct Clenshaw {
 };
 
 }  // namespace
+
+PanelPlaces PanelMap::at(std::span<const double> t) const {
+  PanelPlaces places{std::vector<double>(t.size()), std::vector<double>(t.size())};
+  std::vector<double> turns(t.size());
+  for (std::size_t i = 0; i < t.size(); ++i) turns[i] = 0.125 * (1.0 + t[i]);
+  sin_cos_turns(turns, places.f, places.slope);
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const double s = places.f[i], c = places.slope[i];
+    places.f[i] = lo + (hi - lo) * s * s;
+    places.slope[i] = 0.5 * kPi * (hi - lo) * s * c;
+  }
+  return places;
+}
 
 const ChebyshevPoints& chebyshev_points(int degree) {
   static const std::array<ChebyshevPoints, 3> points{make_points(16), make_points(32), make_points(64)};

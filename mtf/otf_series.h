@@ -108,8 +108,14 @@ struct PanelPlace {
   double f = 0.0, slope = 0.0;  ///< df/dt
 };
 
+/// The same for many.
+struct PanelPlaces {
+  std::vector<double> f, slope;
+};
+
 struct PanelMap {
   double lo = 0.0, hi = 0.0;
+  PanelPlaces at(std::span<const double> t) const;
   PanelPlace at(double t) const {
     const auto [s, c] = sin_cos_pi(0.25 * (1.0 + t));
     return {lo + (hi - lo) * s * s, 0.5 * kPi * (hi - lo) * s * c};

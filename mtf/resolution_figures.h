@@ -12,15 +12,10 @@ void ResolutionMeter<S>::Impl::edge_figures(Axis axis, AxisFigures<S>& figures) 
   using namespace detail;
   const AxisNeeds& n = needs.axis;
   const auto fill = [&](auto otf) {
-    edge.clear(pitch_mm(axis));
-    for (const AxisPanel<S>& panel : panels) {
-      const PanelMap& map = panel.series.map;
-      const double width = map.hi - map.lo;
-      for (std::size_t i = 0; i < panel.nodes->t.size(); ++i)
-        edge.add(map.lo + width * panel.nodes->share[i], width * panel.nodes->weight[i], (panel.*otf)[i]);
-    }
+    edge.clear(pitch_mm(axis), near());
+    for (const AxisPanel<S>& panel : panels) edge.add(panel.series.map, *panel.nodes, panel.*otf);
   };
-  const bool unfiltered = n.unfiltered && parts.digital_filters();
+  const bool unfiltered = n.unfiltered && parts.digital_filters(axis);
   if (unfiltered) {
     fill(&AxisPanel<S>::unfiltered);
     const S centre = edge.centre(shift_px);
@@ -69,32 +64,28 @@ S ResolutionMeter<S>::Impl::replicas(const detail::AxisPanel<S>& panel, Axis axi
   using namespace detail;
   const S rate = S(2) * parts.system().frame.nyquist_cy_mm(axis), pitch = pitch_mm(axis);
   const double half = 0.5 * (hi - lo), middle = 0.5 * (hi + lo);
-  const auto integral = [&](int count) {
-    const GaussRule& rule = gauss_legendre(count);
-    std::vector<double> t;
-    for (const double node : rule.node) t.push_back(middle + half * node);
-    const ComplexValues<S> before = at_places(panel.series.otf[kPresample], t);
-    f.clear();
-    S sum{};
-    std::vector<double> weight;
-    for (std::size_t i = 0; i < t.size(); ++i) {
-      const PanelPlace place = panel.series.map.at(t[i]);
-      weight.push_back(rule.weight[i] * half * place.slope);
-      f.push_back(S(place.f) + S(shift(place.f)) * rate);
+  constexpr int kNodes = 8;
+  const std::array<const GaussRule*, 2> rules{&gauss_legendre(2 * kNodes), &gauss_legendre(kNodes)};
+  std::vector<double> t;
+  for (const GaussRule* rule : rules)
+    for (const double node : rule->node) t.push_back(middle + half * node);
+  const PanelPlaces places = panel.series.map.at(t);
+  const ComplexValues<S> before = at_places(panel.series.otf[kPresample], t);
+  f.clear();
+  for (const double place : places.f) f.push_back(S(place) + S(shift(place)) * rate);
+  parts.after(axis, f, products.after);
+  std::array<S, 2> integral{};
+  std::size_t i = 0;
+  for (std::size_t r = 0; r < rules.size(); ++r)
+    for (const double weight : rules[r]->weight) {
+      integral[r] += S(weight * half * places.slope[i]) * pitch * modulus(before[i]) * modulus(products.after[i]);
+      ++i;
     }
-    parts.after(axis, f, products.after);
-    for (std::size_t i = 0; i < t.size(); ++i)
-      sum += S(weight[i]) * pitch * modulus(before[i]) * modulus(products.after[i]);
-    return sum;
-  };
-  if (!parts.filters()) return integral(panel.series.degree / 2 + 6);  // nothing follows sampling
-  constexpr int nodes = 8;
-  const S fine = integral(2 * nodes);
-  const double change = std::abs(value_of(fine) - value_of(integral(nodes)));
+  const double change = std::abs(value_of(integral[0]) - value_of(integral[1]));
   constexpr int kDeepest = 12;
   if (change <= 0.25 * needs.tolerance || depth >= kDeepest) {
     replica_error += change;
-    return fine;
+    return integral[0];
   }
   return replicas(panel, axis, lo, middle, shift, depth + 1) + replicas(panel, axis, middle, hi, shift, depth + 1);
 }
@@ -105,6 +96,7 @@ void ResolutionMeter<S>::Impl::moduli(Axis axis, AxisFigures<S>& figures) {
   using namespace detail;
   const AxisNeeds& n = needs.axis;
   const bool replicated = n.aliasing || n.spurious, ends = n.spurious && ends_after_sampling(parts.system());
+  const bool filters = parts.filters(axis);
   const S pitch = pitch_mm(axis), rate = S(2) * parts.system().frame.nyquist_cy_mm(axis);
   const double fs = value_of(rate), nyquist = 0.5 * fs;
   S area{}, in_band{}, beyond{}, whole{}, inside{}, outside{};
@@ -114,30 +106,31 @@ void ResolutionMeter<S>::Impl::moduli(Axis axis, AxisFigures<S>& figures) {
     const ComplexSeries<S>&h = panel.series.otf[kSystem], &p = panel.series.otf[kPresample];
     const PanelMap& map = panel.series.map;
     cuts.assign({-1.0, 1.0});
-    append_zeros(h, panel.system, *panel.nodes, panel.series.error, cuts);
-    if (replicated) append_zeros(p, panel.presample, *panel.nodes, panel.series.error, cuts);
+    append_zeros(h, panel.system, *panel.nodes, panel.series.error, near(), cuts);
+    if (replicated) append_zeros(p, panel.presample, *panel.nodes, panel.series.error, near(), cuts);
     for (const double m : {1.0, 3.0, 5.0})
       if (m * nyquist > map.lo && m * nyquist < map.hi && (m == 1.0 || n.spurious)) cuts.push_back(map.t(m * nyquist));
     std::sort(cuts.begin(), cuts.end());
     for (std::size_t c = 1; c < cuts.size(); ++c) {
       const double half = 0.5 * (cuts[c] - cuts[c - 1]), middle = 0.5 * (cuts[c] + cuts[c - 1]);
-      if (half <= 0.0) continue;
+      if (half <= 1e-12) continue;
       const bool base = map.f(middle) < nyquist;
       if (!base && !replicated) continue;
       const GaussRule& rule = gauss_legendre(panel.series.degree / 2 + 6);
       const std::size_t count = rule.node.size();
       std::vector<double> t(count);
       for (std::size_t i = 0; i < count; ++i) t[i] = middle + half * rule.node[i];
+      const PanelPlaces places = map.at(t);
       const ComplexValues<S> systems = at_places(h, t);
       const ComplexValues<S> presamples = replicated ? at_places(p, t) : ComplexValues<S>{};
       for (std::size_t i = 0; i < count; ++i) {
-        const S weight = S(rule.weight[i] * half * map.slope(t[i])) * pitch, system = modulus(systems[i]);
+        const S weight = S(rule.weight[i] * half * places.slope[i]) * pitch, system = modulus(systems[i]);
         if (base) area += S(2) * weight * system;
         if (!replicated) continue;
         whole += weight * system;
         (base ? in_band : beyond) += weight * modulus(presamples[i]);
       }
-      if (n.aliasing && !base)
+      if (n.aliasing && !base && filters)
         inside += replicas(panel, axis, cuts[c - 1], cuts[c], [fs](double g) { return -std::round(g / fs); });
       if (ends)
         for (const double k : {-2.0, -1.0, 1.0, 2.0}) {
@@ -146,6 +139,7 @@ void ResolutionMeter<S>::Impl::moduli(Axis axis, AxisFigures<S>& figures) {
         }
     }
   }
+  if (!filters) inside = beyond;
   // Integrals that end at Nyquist move with it: no change of value, but of the derivatives.
   const S moved = (S(0.5) * rate - S(nyquist)) * pitch, edge_of_band = figures.presample_nyquist * moved;
   if (replicated) {

@@ -30,6 +30,9 @@ struct ResolutionMeter<S>::Impl {
   double replica_error = 0.0;     ///< of integrals over replicas
   double figure_error = 0.0;      ///< of what is found by a slope, or by integrals of its own
 
+  /// How near to a zero is near enough: values there err by its square, derivatives by itself.
+  double near() const { return std::clamp(needs.tolerance, 1e-9, 1e-3); }
+
   bool needs_edge() const {
     return needs.axis.edge || needs.axis.unfiltered || needs.axis.overshoot || needs.axis.fwhm;
   }
@@ -53,7 +56,7 @@ template <class S>
 double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
   using namespace detail;
   const bool presample = needs.axis.aliasing || needs.axis.spurious;
-  const bool unfiltered = needs.axis.unfiltered && parts.digital_filters();
+  const bool unfiltered = needs.axis.unfiltered && parts.digital_filters(axis);
   double largest = 0.0;
   const auto evaluate = [&](const std::vector<double>& at, SeriesValues<S, kOtfs>& values) {
     f.clear();
@@ -166,10 +169,13 @@ S ResolutionMeter<S>::Impl::mtf50(Axis axis) {
       h_hi = i < nodes.t.size() ? value_of(modulus(panel.system[i])) - kHalf : excess(1.0);
     }
     if (h_hi > 0.0) continue;
-    const double t = find_zero(lo, h_lo, hi, h_hi, 1e-7, excess);
+    const double t = find_zero(lo, h_lo, hi, h_hi, near(), excess);
     // One Newton step in S: for its derivatives; the slope by a difference of fourth order.
-    const double d = 1e-3,
-                 slope = (8.0 * (excess(t + d) - excess(t - d)) - (excess(t + 2 * d) - excess(t - 2 * d))) / (12.0 * d);
+    constexpr double d = 1e-3;
+    const std::array<double, 4> about{t - 2 * d, t - d, t + d, t + 2 * d};
+    const ComplexValues<S> values = at_places(h, about);
+    const auto modulus_at = [&](std::size_t i) { return value_of(modulus(values[i])); };
+    const double slope = (8.0 * (modulus_at(2) - modulus_at(1)) - (modulus_at(3) - modulus_at(0))) / (12.0 * d);
     const S at_half = S(panel.series.map.f(t)) * pitch_mm(axis);
     const double by_px = std::abs(slope / panel.series.map.slope(t)) / value_of(pitch_mm(axis));
     figure_error = std::max(figure_error, series_error / (by_px * value_of(at_half)));

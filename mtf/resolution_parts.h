@@ -45,10 +45,10 @@ double find_zero(double lo, double h_lo, double hi, double h_hi, double near, Va
 }
 
 /// Where a series goes through 0 between the nodes and turns by half a cycle, but for what is below its own error:
-/// there its modulus has a kink.
+/// there its modulus has a kink. Within `near`: integrals up to it err by the square.
 template <class S>
 void append_zeros(const ComplexSeries<S>& series, const ComplexValues<S>& values, const FineNodes& nodes, double error,
-                  std::vector<double>& zeros) {
+                  double near, std::vector<double>& zeros) {
   for (std::size_t i = 1; i < values.re.size(); ++i) {
     const Complex<S> a = values[i - 1], b = values[i];
     const double re = value_of(a.re), im = value_of(a.im), square = re * re + im * im;
@@ -60,7 +60,7 @@ void append_zeros(const ComplexSeries<S>& series, const ComplexValues<S>& values
       const Complex<S> h = series.at(t);
       return value_of(h.re) * re + value_of(h.im) * im;
     };
-    zeros.push_back(find_zero(nodes.t[i - 1], square, nodes.t[i], now, 1e-8, part_along_a));  // errs by the square
+    zeros.push_back(find_zero(nodes.t[i - 1], square, nodes.t[i], now, near, part_along_a));
   }
 }
 
