@@ -67,6 +67,7 @@ void stepped_sums(const EdgeTerms<S>& terms, std::vector<S>& sine, std::vector<S
 /// The spreads at places a quarter of a pixel apart.
 template <class S>
 struct EdgeSamples {
+  double first_px = 0.0;
   std::vector<S> esf, lsf;
 };
 
@@ -110,7 +111,7 @@ class EdgeSums {
   /// From x0 on, every quarter of a pixel: each frequency is turned from one place to the next.
   EdgeSamples<S> samples(const S& x0, int count) const {
     const auto n = static_cast<std::size_t>(count);
-    EdgeSamples<S> out{std::vector<S>(n), std::vector<S>(n)};
+    EdgeSamples<S> out{value_of(x0), std::vector<S>(n), std::vector<S>(n)};
     turn(x0, sine_, cosine_);
     turn(S(kStep_px), turn_sine_, turn_cosine_);
     detail::stepped_sums(terms_, sine_, cosine_, turn_sine_, turn_cosine_, out.esf, out.lsf);
@@ -150,20 +151,25 @@ class EdgeSums {
     return S(x);
   }
 
-  /// The peak of the lsf, looked for about the edge in quarters of a pixel. What is read there does not depend on the
-  /// place to first order: it carries no derivative.
-  S peak(double centre) const {
+  /// The peak of the lsf, looked for about the edge in quarters of a pixel, and what is about it. What is read there
+  /// does not depend on the place to first order: it carries no derivative.
+  struct Peak {
+    S x{};
+    EdgeSamples<S> around;
+  };
+  Peak peak(double centre) const {
     for (double reach = 1.5;; reach *= 2.0) {
       const int count = static_cast<int>(2.0 * reach / kStep_px) + 1;
-      const EdgeSamples<S> around = samples(S(centre - reach), count);
+      EdgeSamples<S> around = samples(S(centre - reach), count);
       const auto top = std::max_element(around.lsf.begin(), around.lsf.end(),
                                         [](const S& a, const S& b) { return value_of(a) < value_of(b); });
       const auto i = top - around.lsf.begin();
       const bool inside = i > 0 && i + 1 < count;
       constexpr double kFurthest_px = 100.0;
       if (!inside && reach < kFurthest_px) continue;
-      return falling_zero(centre - reach + kStep_px * static_cast<double>(i),
-                          [](const Spread& here) { return std::pair(here.slope, here.curvature); });
+      const S x = falling_zero(around.first_px + kStep_px * static_cast<double>(i),
+                               [](const Spread& here) { return std::pair(here.slope, here.curvature); });
+      return {x, std::move(around)};
     }
   }
   /// The top of the edge near `x` (a zero of the lsf), within a quarter of a pixel; no derivative either.
@@ -171,15 +177,29 @@ class EdgeSums {
     return falling_zero(x, [](const Spread& here) { return std::pair(here.lsf, here.slope); });
   }
 
-  /// How far from the peak the lsf falls to `half` on the side of `sign`; NaN where it does not within 1e5 pixels.
-  /// `inside`: a distance where it has not.
-  S half_width(const S& peak, const S& half, double sign, double inside) const {
+  /// How far from the peak the lsf falls to `half` on the side of `sign`; NaN where it does not within 1e5 pixels. The
+  /// samples say about where.
+  S half_width(const S& peak, const S& half, double sign, const EdgeSamples<S>& samples) const {
     const double level = value_of(half), top = value_of(peak);
-    double outside = inside + kStep_px;
     const auto spread = [&](double d) { return at(S(top + sign * d)); };
-    for (int i = 0; value_of(spread(outside).lsf) > level; ++i, inside = outside, outside *= 1.5)
-      if (i > 34) return S(std::nan(""));
-    double d = 0.5 * (inside + outside);
+    double inside = 0.0, above = level, outside = 0.0, d = 0.0;
+    const auto last = static_cast<std::ptrdiff_t>(samples.lsf.size()) - 1;
+    const double from = (top - samples.first_px) / kStep_px;  // of the peak, in samples
+    for (auto i = static_cast<std::ptrdiff_t>(sign > 0.0 ? std::floor(from) + 1.0 : std::ceil(from) - 1.0);
+         i >= 0 && i <= last && outside == 0.0; i += sign > 0.0 ? 1 : -1) {
+      const double excess = value_of(samples.lsf[static_cast<std::size_t>(i)]) - level;
+      const double distance = kStep_px * std::abs(static_cast<double>(i) - from);
+      if (excess > 0.0)
+        inside = distance, above = excess;
+      else
+        outside = distance, d = inside + (outside - inside) * above / (above - excess);
+    }
+    if (outside == 0.0) {  // beyond the samples
+      outside = inside + kStep_px;
+      for (int i = 0; value_of(spread(outside).lsf) > level; ++i, inside = outside, outside *= 1.5)
+        if (i > 34) return S(std::nan(""));
+      d = 0.5 * (inside + outside);
+    }
     for (int i = 0; i < 100; ++i) {  // Newton inside a bracket
       const Spread here = spread(d);
       const S step = (half - here.lsf) / (S(sign) * here.slope);
@@ -192,16 +212,18 @@ class EdgeSums {
   }
 
  private:
+  /// Of what is the slope of something that is read there: near is where steps leave near_px_.
   template <class Pair>
   S falling_zero(double start, Pair pair) const {
+    const double near = std::sqrt(near_px_);
     double x = start;
     for (int i = 0; i < 50; ++i) {
       const auto [value, slope] = pair(at(S(x)));
       if (!(value_of(slope) < 0.0)) break;
       const double next = std::clamp(x - value_of(value) / value_of(slope), start - kStep_px, start + kStep_px);
-      const bool near = std::abs(next - x) < near_px_;
+      const bool last = std::abs(next - x) < near;
       x = next;
-      if (near) break;
+      if (last) break;
     }
     return S(x);
   }

@@ -43,13 +43,9 @@ void ResolutionMeter<S>::Impl::edge_figures(Axis axis, AxisFigures<S>& figures) 
     figures.overshoot = (inside ? edge.at(edge.top(x)).esf : samples.esf[top]) - S(1);
   }
   if (n.fwhm) {
-    const S peak = edge.real() ? S(0) : edge.peak(value_of(centre)), half = S(0.5) * edge.at(peak).lsf;
-    double inside = 0.0;  // a real lsf falls from its middle: the samples say about where
-    if (edge.real())
-      for (std::size_t i = 1; i < samples.lsf.size() && value_of(samples.lsf[i]) > value_of(half); ++i)
-        inside = edge.kStep_px * static_cast<double>(i);
-    const S right = edge.half_width(peak, half, 1.0, inside);
-    figures.fwhm_px = edge.real() ? S(2) * right : S(right + edge.half_width(peak, half, -1.0, 0.0));
+    const auto [peak, around] = edge.real() ? typename EdgeSums<S>::Peak{S(0), samples} : edge.peak(value_of(centre));
+    const S half = S(0.5) * edge.at(peak).lsf, right = edge.half_width(peak, half, 1.0, around);
+    figures.fwhm_px = edge.real() ? S(2) * right : S(right + edge.half_width(peak, half, -1.0, around));
     const double slope = std::abs(value_of(edge.at(peak + right).slope)), width = value_of(figures.fwhm_px);
     figure_error = std::max(figure_error, 2.0 * series_error / (slope * width));
   }

@@ -21,7 +21,7 @@ Reduced reduce(double x) {
 SinCos sin_cos_pi(double x) {
   if (!std::isfinite(x)) return {0.0, 1.0};
   const Reduced r = reduce(x);
-  const double s = std::sin(kPi * r.x), c = std::cos(kPi * r.x);
+  const auto [s, c] = eighth_turn(0.5 * r.x);
   switch (r.quarter) {
     case 0:
       return {s, c};

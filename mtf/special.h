@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "mtf/component.h"
+#include "mtf/turns.h"
 
 namespace mtf {
 
@@ -46,9 +47,6 @@ S lift(double value, double slope_x, const S& x, double slope_y, const S& y) {
 /// sin(pi x) and cos(pi x), the argument reduced exactly: zeros are exact, any finite x.
 double sin_pi(double x);
 double cos_pi(double x);
-struct SinCos {
-  double sin = 0.0, cos = 1.0;
-};
 SinCos sin_cos_pi(double x);
 
 /// sin(pi x)/(pi x); 0 at infinity.
