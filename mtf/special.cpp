@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/special.h"
 
+#include "mtf/engines/clones.h"
+
 namespace mtf {
 namespace {
 
@@ -10,15 +12,15 @@ struct Reduced {
 };
 
 // Both differences are exact for any finite argument: multiples of its last place, and small.
-Reduced reduce(double x) {
+inline Reduced reduce(double x) {
   const double r = x - 2.0 * std::rint(0.5 * x);  // [-1, 1]
   const double n = std::rint(2.0 * r);
   return {r - 0.5 * n, static_cast<int>(n) & 3};
 }
 
-}  // namespace
+// Bodies that inline into one another, in the instructions of each machine: the same bits from all.
 
-SinCos sin_cos_pi(double x) {
+[[gnu::always_inline]] inline SinCos turned(double x) {
   if (!std::isfinite(x)) return {0.0, 1.0};
   const Reduced r = reduce(x);
   const auto [s, c] = eighth_turn(0.5 * r.x);
@@ -34,39 +36,51 @@ SinCos sin_cos_pi(double x) {
   }
 }
 
-double sin_pi(double x) { return sin_cos_pi(x).sin; }
-double cos_pi(double x) { return sin_cos_pi(x).cos; }
-
-ValueSlope sinc(double x) {
+[[gnu::always_inline]] inline ValueSlope sinc_at(double x) {
   const double ax = std::abs(x);
   if (!(ax < std::numeric_limits<double>::infinity())) return {0.0, 0.0};
   if (ax < 0.05) {  // series: the slope (cos - sinc)/x cancels here
     const double q = kPi * kPi * x * x;
-    const double value = 1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0)));
+    const double value =
+        1.0 - q * (1.0 / 6.0) * (1.0 - q * (1.0 / 20.0) * (1.0 - q * (1.0 / 42.0) * (1.0 - q * (1.0 / 72.0))));
     const double slope =
-        -kPi * kPi * x / 3.0 * (1.0 - q / 10.0 * (1.0 - q / 28.0 * (1.0 - q / 54.0 * (1.0 - q / 88.0))));
+        -kPi * kPi * x / 3.0 *
+        (1.0 - q * (1.0 / 10.0) * (1.0 - q * (1.0 / 28.0) * (1.0 - q * (1.0 / 54.0) * (1.0 - q * (1.0 / 88.0)))));
     return {value, slope};
   }
-  const SinCos turn = sin_cos_pi(x);
+  const SinCos turn = turned(x);
   const double value = turn.sin / (kPi * x);
   return {value, (turn.cos - value) / x};
 }
 
-ValueSlope dirichlet(int n, double x) {
+[[gnu::always_inline]] inline ValueSlope dirichlet_at(int n, double x) {
   if (n == 1 || !std::isfinite(x)) return {1.0, 0.0};
   // (-1)^((n-1) k) sinc(n r)/sinc(r), r = x - k the distance to the nearest whole number: sinc(r) >= 2/pi.
   const double wide = x - 2.0 * std::rint(0.5 * x), r = wide - std::rint(wide);  // exact
   const double sign = n % 2 == 0 && std::abs(wide) > 0.5 ? -1.0 : 1.0;
-  const ValueSlope top = sinc(n * r), bottom = sinc(r);
+  const ValueSlope top = sinc_at(n * r), bottom = sinc_at(r);
   return {sign * top.value / bottom.value,
           sign * (n * top.slope - top.value * bottom.slope / bottom.value) / bottom.value};
 }
+
+}  // namespace
+
+MTFKIT_CLONES
+SinCos sin_cos_pi(double x) { return turned(x); }
+MTFKIT_CLONES
+ValueSlope sinc(double x) { return sinc_at(x); }
+MTFKIT_CLONES
+ValueSlope dirichlet(int n, double x) { return dirichlet_at(n, x); }
+
+double sin_pi(double x) { return sin_cos_pi(x).sin; }
+double cos_pi(double x) { return sin_cos_pi(x).cos; }
 
 double dirichlet_deviation(int n, double x) {
   if (n == 1) return 0.0;
   return x * n < 1.0 ? 1.0 - dirichlet(n, x).value : 2.0;
 }
 
+MTFKIT_CLONES
 ValueSlope gaussian(double x) {
   if (x == 0.0) return {1.0, 0.0};              // along an axis, every time
   if (!(std::abs(x) < 7.0)) return {0.0, 0.0};  // below the smallest double from 6.2 on
