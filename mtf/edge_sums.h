@@ -87,12 +87,14 @@ class EdgeSums {
   /// The nodes of a panel, with the OTF there. Their number is a multiple of kEdgeLanes.
   void add(const PanelMap& map, const FineNodes& nodes, const ComplexValues<S>& otf) {
     const double width = map.hi - map.lo;
-    for (std::size_t i = 0; i < nodes.share.size(); ++i) {
+    const std::size_t first = terms_.u.size(), count = nodes.share.size();
+    for (auto* part : {&terms_.u, &terms_.per_u, &terms_.re, &terms_.im}) part->resize(first + count);
+    for (std::size_t i = 0; i < count; ++i) {
       const S u = S(map.lo + width * nodes.share[i]) * pitch_mm_, weight = S(width * nodes.weight[i]) * pitch_mm_;
-      terms_.u.push_back(u);
-      terms_.per_u.push_back(S(1) / u);
-      terms_.re.push_back(weight * otf.re[i]);
-      terms_.im.push_back(otf.im.empty() ? S(0) : S(weight * otf.im[i]));
+      terms_.u[first + i] = u;
+      terms_.per_u[first + i] = S(1) / u;
+      terms_.re[first + i] = weight * otf.re[i];
+      terms_.im[first + i] = otf.im.empty() ? S(0) : S(weight * otf.im[i]);
     }
     real_ = real_ && otf.im.empty();
   }

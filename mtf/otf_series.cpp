@@ -113,8 +113,8 @@ PanelPlaces PanelMap::at(std::span<const double> t) const {
 }
 
 const ChebyshevPoints& chebyshev_points(int degree) {
-  static const std::array<ChebyshevPoints, 3> points{make_points(16), make_points(32), make_points(64)};
-  return points[degree == 16 ? 0 : degree == 32 ? 1 : 2];
+  static const std::array points{make_points(kLeastDegree), make_points(kMostDegree)};
+  return points[degree == kLeastDegree ? 0 : 1];
 }
 
 const FineNodes& fine_nodes(int degree, double cycles) {

@@ -20,7 +20,7 @@
 
 namespace mtf {
 
-inline constexpr int kLeastDegree = 16, kMostDegree = 64;  ///< of a series: 16, 32, 64
+inline constexpr int kLeastDegree = 32, kMostDegree = 64;  ///< of a series
 
 /// What a degree needs, made once: the share of the panel below each point, and what turns values into coefficients.
 struct ChebyshevPoints {

@@ -23,6 +23,7 @@ template <class C, class S>
 std::vector<FieldRef<S>> field_refs(C& component) {
   static constexpr auto table = C::fields();
   std::vector<FieldRef<S>> refs;
+  refs.reserve(std::tuple_size_v<std::remove_const_t<decltype(table)>>);
   std::apply([&](const auto&... field) { (refs.push_back({&field.info, &(component.*field.member)}), ...); }, table);
   return refs;
 }
