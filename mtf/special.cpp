@@ -21,6 +21,7 @@ inline Reduced reduce(double x) {
 // Bodies that inline into one another, in the instructions of each machine: the same bits from all.
 
 [[gnu::always_inline]] inline SinCos turned(double x) {
+  if (x == 0.0) return {x, 1.0};  // along an axis, every time
   if (!std::isfinite(x)) return {0.0, 1.0};
   const Reduced r = reduce(x);
   const auto [s, c] = eighth_turn(0.5 * r.x);
@@ -37,6 +38,7 @@ inline Reduced reduce(double x) {
 }
 
 [[gnu::always_inline]] inline ValueSlope sinc_at(double x) {
+  if (x == 0.0) return {1.0, 0.0};  // along an axis, every time
   const double ax = std::abs(x);
   if (!(ax < std::numeric_limits<double>::infinity())) return {0.0, 0.0};
   if (ax < 0.05) {  // series: the slope (cos - sinc)/x cancels here
@@ -70,7 +72,11 @@ SinCos sin_cos_pi(double x) { return turned(x); }
 MTFKIT_CLONES
 ValueSlope sinc(double x) { return sinc_at(x); }
 MTFKIT_CLONES
+double sinc_value(double x) { return sinc_at(x).value; }
+MTFKIT_CLONES
 ValueSlope dirichlet(int n, double x) { return dirichlet_at(n, x); }
+MTFKIT_CLONES
+double dirichlet_value(int n, double x) { return dirichlet_at(n, x).value; }
 
 double sin_pi(double x) { return sin_cos_pi(x).sin; }
 double cos_pi(double x) { return sin_cos_pi(x).cos; }

@@ -49,12 +49,14 @@ double sin_pi(double x);
 double cos_pi(double x);
 SinCos sin_cos_pi(double x);
 
-/// sin(pi x)/(pi x); 0 at infinity.
+/// sin(pi x)/(pi x); 0 at infinity. The value alone: the same bits.
 ValueSlope sinc(double x);
+double sinc_value(double x);
 
 /// sin(n pi x)/(n sin(pi x)), n >= 1: the mean of n phases 2 pi x apart, measured from their middle. Exact where the
 /// denominator is zero; 1 at infinity, as for every double beyond 2^54, a whole, even number.
 ValueSlope dirichlet(int n, double x);
+double dirichlet_value(int n, double x);
 
 /// Bound of |1 - dirichlet| up to x: it falls monotonically to its first zero, at x = 1/n.
 double dirichlet_deviation(int n, double x);
@@ -64,7 +66,18 @@ ValueSlope gaussian(double x);
 
 template <class S>
 S sinc_of(const S& x) {
-  return lift(sinc(value_of(x)), x);
+  if constexpr (requires { x.a; })
+    return lift(sinc(value_of(x)), x);
+  else
+    return static_cast<S>(sinc_value(value_of(x)));
+}
+
+template <class S>
+S dirichlet_of(int n, const S& x) {
+  if constexpr (requires { x.a; })
+    return lift(dirichlet(n, value_of(x)), x);
+  else
+    return static_cast<S>(dirichlet_value(n, value_of(x)));
 }
 
 template <class S>

@@ -49,7 +49,7 @@ struct Binning {
   }
   S factor(Axis axis, const S& f, const Context<S>& ctx) const {
     const S x = spacing_mm(axis, ctx) * f;
-    return lift(dirichlet(count(axis), value_of(x)), x);
+    return dirichlet_of(count(axis), x);
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     return {factor(Axis::x, f.x, ctx) * factor(Axis::y, f.y, ctx), S(0)};

@@ -56,7 +56,7 @@ struct Tdi {
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const S& u = along(f, axis_of(axis));
     const S x = slip_mm(ctx) * u;
-    return {lift(dirichlet(stage_count, value_of(x)), x) * sinc_of(S(step_mm(ctx) * u)), S(0)};
+    return {dirichlet_of(stage_count, x) * sinc_of(S(step_mm(ctx) * u)), S(0)};
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {

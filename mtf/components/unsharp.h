@@ -86,7 +86,7 @@ struct Unsharp {
     return {.even_x = true, .even_y = true, .square = ctx.frame.square(), .gain = true};
   }
   S blur(const S& x) const {
-    if (!sigma_px) return lift(dirichlet(size, value_of(x)), x);
+    if (!sigma_px) return dirichlet_of(size, x);
     const GaussianTaps b(value_of(x), value_of(*sigma_px));
     return lift(b.value, b.by_x, x, b.by_sigma, *sigma_px);
   }
