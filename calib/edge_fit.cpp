@@ -27,7 +27,7 @@ Box parameter_bounds(const ReferenceShape& shape) {
 
 // Steps that the linear model can be trusted for, in parts of the whole blur.
 Box trusted(const ReferenceShape& shape) {
-  const double blur_px2 = shape.v_px2 + shape.q_px2 / 12.0 + 0.1 * shape.s_px * shape.s_px;
+  const double blur_px2 = shape.blur_px2();
   const double blur_px = std::sqrt(blur_px2);
   Box box;
   box.high.segment<kHighestOrder + 1>(kFirstShift).setConstant(2.0 + 3.0 * blur_px);

@@ -60,6 +60,7 @@ class EdgeSums {
   void take_from_residual(int i, const std::array<double, kHighestOrder + 1>& change, bool bends);
   double pure_error(int i) const;  ///< sum of r^2 about the bin's own mean, count - 1 degrees of freedom
   bool bends() const { return !bent_.empty(); }
+  void drop_bends() { bent_.clear(); }
 
  private:
   friend EdgeSums accumulate(const EdgePixels&, const EdgeModel&, const StepProfile&, bool, std::size_t);

@@ -48,7 +48,7 @@ Change change_of(const StepProfile& reference, const JointFit& joint, const Vect
 // The splines can take the place of the shape's changes, so that these may be far larger than they are linear: at most
 // a factor of two in the Gaussian, half a blur in the others.
 double trusted_part(const ReferenceShape& shape, const Eigen::Vector3d& step) {
-  const double blur_px2 = shape.v_px2 + shape.q_px2 / 12.0 + 0.1 * shape.s_px * shape.s_px;
+  const double blur_px2 = shape.blur_px2();
   const double most = std::max({std::abs(step[0]) / std::sqrt(blur_px2), 2.0 * std::abs(step[1]) / blur_px2,
                                 std::abs(step[2]) / (6.0 * blur_px2)});
   return most > 1.0 ? 1.0 / most : 1.0;

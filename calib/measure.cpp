@@ -66,7 +66,7 @@ struct Fit {
 };
 
 // From the state of all pixels at a model near the best one to that at the best one. What is nearly linear is done on
-// sums by distance, so that the pixels are seldom looked at more than once again.
+// sums by distance; the pixels are looked at again only where these do not tell what would be seen.
 void settle(const EdgePixels& pixels, Fit& fit, FitRounds rounds) {
   rounds.unknowns = fit.unknowns;
   rounds.rounds = 8;
@@ -83,6 +83,14 @@ void settle(const EdgePixels& pixels, Fit& fit, FitRounds rounds) {
   if (likely && !shows_diffraction(near, model, fit.unknowns)) {
     drop_diffraction();
     near = fit_on_bins(fit.state, fit.model, model, rounds);
+  }
+  if (near.converged && foretold(fit.state, fit.model, near, model, rounds.enough)) {
+    fit.model = model;
+    if (!asks_for_bends(fit.unknowns)) near.sums.drop_bends();
+    near.noise = noise_of(near.sums, near.profile, rounds);
+    assemble(near, model, rounds);
+    fit.state = std::move(near);
+    return;
   }
   if (near.left > rounds.enough) rounds.enough += near.left;  // steps that come to nothing on bins need no other try
   rounds.rounds = 5;
@@ -155,8 +163,7 @@ EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double reach
 // whole pixel, and with that and diffraction, if these fit, is part of its standard deviation.
 void hold_shapes(const Fit& fit, const FitRounds& fitted, const EdgeFacts& facts, EdgeMeasurement& out) {
   constexpr double kWorse = 9.0;  // chi2
-  const ReferenceShape& shape = fit.model.shape;
-  const double variance = shape.v_px2 + shape.q_px2 / 12.0 + 0.1 * shape.s_px * shape.s_px;
+  const double variance = fit.model.shape.blur_px2();
   for (const auto& [s_px, q_px2] : {std::array{0.0, 0.0}, {0.0, 1.0}, {0.5 * std::sqrt(variance), 1.0}}) {
     Fit other = fit;
     const double rest_px2 = variance - q_px2 / 12.0 - 0.1 * s_px * s_px;

@@ -15,9 +15,10 @@
 namespace calib {
 
 struct ReferenceShape {
-  double s_px = 0.0;    ///< >= 0
-  double v_px2 = 0.25;  ///< >= kLeastVariance_px2
-  double q_px2 = 0.0;   ///< >= 0
+  double s_px = 0.0;                                                            ///< >= 0
+  double v_px2 = 0.25;                                                          ///< >= kLeastVariance_px2
+  double q_px2 = 0.0;                                                           ///< >= 0
+  double blur_px2() const { return v_px2 + q_px2 / 12.0 + 0.1 * s_px * s_px; }  ///< of the whole, as a variance
 };
 inline constexpr double kLeastVariance_px2 = 0.0036;  ///< narrower than a bin's cubic can follow
 inline constexpr int kShapes = 3;                     ///< S, v, q
