@@ -20,6 +20,9 @@ inline constexpr std::array<DistanceZone, 6> kDistanceZones{
     {{2.0, 1.0 / 32}, {6.0, 1.0 / 16}, {12.0, 1.0 / 8}, {24.0, 1.0 / 2}, {48.0, 1.0}, {96.0, 2.0}}};
 inline constexpr int kSideBins = 64 + 64 + 48 + 24 + 24 + 24;
 inline constexpr int kBins = 2 * kSideBins;  ///< rising distance: the dark side's first
+inline constexpr int kLot = 16;              ///< bins that loops take together
+static_assert(kBins % kLot == 0);
+using BinRow = std::array<double, kBins>;    ///< a number for each bin
 
 class DistanceBins {
  public:
@@ -32,6 +35,7 @@ class DistanceBins {
   int at_step(int step) const { return at_step_[static_cast<std::size_t>(step)]; }
   double knot(int i) const { return knot_[static_cast<std::size_t>(i)]; }      ///< lower end of bin i, i <= kBins
   double centre(int i) const { return centre_[static_cast<std::size_t>(i)]; }  ///< i <= kBins, 0 there
+  const std::array<double, kBins + 1>& centres() const { return centre_; }
   double width(int i) const { return knot(i + 1) - knot(i); }
 
   constexpr DistanceBins();

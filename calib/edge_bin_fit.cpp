@@ -3,10 +3,12 @@
 
 #include <algorithm>
 
+#include "mtf/engines/clones.h"
+
 namespace calib {
 namespace {
 
-// The coefficients of t^k in the square of the shift, as far as there are sums of them.
+// The coefficients of t^k in the square of the shift, as far as there may be sums of them.
 std::array<double, kHighestOrder + 1> square_of_shift(const Vector& step) {
   std::array<double, kHighestOrder + 1> square{};
   for (int j = 0; j <= kHighestOrder; ++j)
@@ -15,39 +17,34 @@ std::array<double, kHighestOrder + 1> square_of_shift(const Vector& step) {
   return square;
 }
 
+MTFKIT_CLONES void add(double factor, const double* __restrict row, double* __restrict sum) {
+  for (std::size_t i = 0; i < kBins; ++i) sum[i] += factor * row[i];
+}
+
 // The state of a model near the one of `base`; its shape may be any.
 FitState predict(const FitState& base, const EdgeModel& from, const EdgeModel& model, const FitRounds& rounds) {
   const Vector step = way(from, model);
   FitState state;
   state.noise = base.noise;
-  state.sums = base.sums;
+  state.sums = base.sums.up_to(2 * order_of(rounds.unknowns));
   StepProfile& profile = state.profile = make_profile(tabulate(model.shape, model.curve.angle_rad));
   profile.bend_first = std::max(profile.bend_first, base.profile.bend_first);  // where there are sums of high powers
   profile.bend_end = std::max(profile.bend_first, std::min(profile.bend_end, base.profile.bend_end));
-  std::array<Eigen::ArrayXd, kHighestOrder + 1> change;  // of the model, by power of t
-  change[0] = from.contrast() * (Eigen::Map<const Eigen::ArrayXd>(profile.esf.data(), kBins) -
-                                 Eigen::Map<const Eigen::ArrayXd>(base.profile.esf.data(), kBins));
-  int highest = 1;
-  for (int a = 0; a < kFirstShape; ++a) {
-    if (step[a] == 0.0) continue;
-    const int power = basis_power(a);
-    Eigen::ArrayXd& sum = change[static_cast<std::size_t>(power)];
-    if (sum.size() == 0) sum = Eigen::ArrayXd::Zero(kBins);
-    sum += step[a] * basis_values(a, profile, model.contrast());
-    highest = std::max(highest, power);
-  }
+  const Basis basis(profile, model.contrast());
+  std::array<BinRow, kHighestOrder + 1> change{};  // of the model, by power of t
+  add(from.contrast(), profile.esf.data(), change[0].data());
+  add(-from.contrast(), base.profile.esf.data(), change[0].data());
+  for (int a = 0; a < kFirstShape; ++a)
+    if (step[a] != 0.0) add(step[a], basis.of(a).data(), change[static_cast<std::size_t>(basis_power(a))].data());
   const std::array<double, kHighestOrder + 1> square = square_of_shift(step);
-  if (state.sums.bends())
-    for (int k = 2; k <= kHighestOrder; ++k)
-      if (square[static_cast<std::size_t>(k)] != 0.0) highest = std::max(highest, k);
-  for (int i = 0; i < kBins; ++i) {
-    if (state.sums.count(i) == 0.0) continue;
-    const double bend = model.contrast() * profile.cubic[static_cast<std::size_t>(i)][2];
-    std::array<double, kHighestOrder + 1> taken{};
-    for (std::size_t k = 0; k < change.size(); ++k)
-      taken[k] = (change[k].size() > 0 ? change[k][i] : 0.0) + bend * square[k];
-    state.sums.take_from_residual(i, taken, state.sums.bends() && highest > 1 && profile.shows_bends(i));
+  BinRow bend;
+  for (std::size_t i = 0; i < kBins; ++i) bend[i] = model.contrast() * profile.cubic[i][2];
+  for (int k = 0; k <= kHighestOrder; ++k) {
+    const double factor = square[static_cast<std::size_t>(k)];
+    if (factor == 0.0) continue;
+    add(factor, bend.data(), change[static_cast<std::size_t>(k)].data());
   }
+  state.sums.take_from_residual(change, profile);
   assemble(state, model, rounds);
   return state;
 }

@@ -98,22 +98,46 @@ double misfit_of(const ReferenceShape& shape, const Unknowns& unknowns) {
   return unknowns[kFirstShape + 2] ? off * off : 0.0;
 }
 
-double chi2(const EdgeSums& sums, const std::vector<double>& weight) {
-  double sum = 0.0;
-  for (int i = 0; i < kBins; ++i) sum += sums.square(i) * weight[static_cast<std::size_t>(i)];
-  return sum;
+inline double total(std::array<double, kLot>& sum) {
+  for (std::size_t half = kLot / 2; half > 0; half /= 2)
+    for (std::size_t k = 0; k < half; ++k) sum[k] += sum[k + half];
+  return sum[0];
 }
 
-// Sum of a b c over the bins.
-MTFKIT_CLONES double sum_of_products(const double* a, const double* b, const double* c) {
-  constexpr std::size_t kLanes = 16;
-  static_assert(kBins % kLanes == 0);
-  std::array<double, kLanes> sum{};
-  for (std::size_t i = 0; i < kBins; i += kLanes)
-    for (std::size_t k = 0; k < kLanes; ++k) sum[k] += a[i + k] * b[i + k] * c[i + k];
-  double total = 0.0;
-  for (const double one : sum) total += one;
-  return total;
+// Sum of a b c over bins, whole lots of them.
+MTFKIT_CLONES double sum_of_products(const BinRow& a, const BinRow& b, const BinRow& c, std::size_t first,
+                                     std::size_t end) {
+  std::array<double, kLot> sum{};
+  for (std::size_t i = first; i < end; i += kLot)
+    for (std::size_t k = 0; k < kLot; ++k) sum[k] += a[i + k] * b[i + k] * c[i + k];
+  return total(sum);
+}
+
+MTFKIT_CLONES double sum_of_products(const BinRow& a, const BinRow& b) {
+  std::array<double, kLot> sum{};
+  for (std::size_t i = 0; i < kBins; i += kLot)
+    for (std::size_t k = 0; k < kLot; ++k) sum[k] += a[i + k] * b[i + k];
+  return total(sum);
+}
+
+MTFKIT_CLONES void fill_basis(const StepProfile& profile, const std::array<double, kBins + 1>& centre, double contrast,
+                              BinRow* rows) {
+  const double *esf = profile.esf.data(), *lsf = profile.lsf.data();
+  const double *by_s = profile.slope[0].data(), *by_v = profile.slope[1].data(), *by_q = profile.slope[2].data();
+  for (std::size_t i = 0; i < kBins; ++i) {
+    rows[0][i] = 1.0 - esf[i];
+    rows[1][i] = esf[i];
+    rows[2][i] = (1.0 - esf[i]) * centre[i];
+    rows[3][i] = esf[i] * centre[i];
+    rows[4][i] = -contrast * lsf[i];
+    rows[5][i] = contrast * by_s[i];
+    rows[6][i] = contrast * by_v[i];
+    rows[7][i] = contrast * by_q[i];
+  }
+}
+
+MTFKIT_CLONES void multiply(const BinRow& a, const BinRow& b, BinRow& product, std::size_t first, std::size_t end) {
+  for (std::size_t i = first; i < end; ++i) product[i] = a[i] * b[i];
 }
 
 }  // namespace
@@ -156,59 +180,42 @@ int basis_power(int a) {
   return a < kFirstShape ? a - kFirstShift : 0;
 }
 
-Eigen::ArrayXd basis_values(int a, const StepProfile& profile, double contrast) {
-  const auto list = [](const std::vector<double>& values) {
-    return Eigen::Map<const Eigen::ArrayXd>(values.data(), kBins);
-  };
-  if (a >= kFirstShape) return contrast * list(profile.slope[static_cast<std::size_t>(a - kFirstShape)]);
-  if (a >= kFirstShift) {
-    Eigen::ArrayXd shift = -contrast * list(profile.lsf);
-    if (basis_power(a) < 2) return shift;
-    shift.head(profile.bend_first).setZero();
-    shift.tail(kBins - profile.bend_end).setZero();
-    return shift;
-  }
-  Eigen::ArrayXd side = list(profile.esf);
-  if (a % 2 == 0) side = 1.0 - side;
-  if (a / 2 == 1)
-    for (int i = 0; i < kBins; ++i) side[i] *= DistanceBins::get().centre(i);
-  return side;
+Basis::Basis(const StepProfile& profile, double contrast) {
+  fill_basis(profile, DistanceBins::get().centres(), contrast, rows_.data());
+}
+
+const BinRow& Basis::of(int a) const {
+  if (a >= kFirstShape) return rows_[kShift + 1 + static_cast<std::size_t>(a - kFirstShape)];
+  return rows_[a >= kFirstShift ? kShift : static_cast<std::size_t>(a % 4)];
 }
 
 void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) {
   const EdgeSums& sums = state.sums;
-  const Unknowns& unknowns = rounds.unknowns;
   NormalEquations& normal = state.normal = {};
   state.weight = pixel_weights(sums, model, state.profile, state.noise, rounds.rounding);
-  int highest = 1;
-  for (int a = 0; a < kUnknowns; ++a)
-    if (unknowns[static_cast<std::size_t>(a)]) highest = std::max(highest, basis_power(a));
-  Eigen::ArrayXXd moment(kBins, 2 * highest + 1), residual(kBins, highest + 1);  // a column a power, weighted
-  for (int i = 0; i < kBins; ++i) {
-    const auto bin = static_cast<std::size_t>(i);
-    const double* low = sums.low(i);
-    const double weight = state.weight[bin];
-    for (int k = 0; k < 3; ++k) moment(i, k) = weight * low[k];
-    for (int k = 0; k < 2; ++k) residual(i, k) = weight * low[3 + k];
-    normal.count += low[0] * weight * state.noise.at(state.profile.esf[bin]);
-    normal.chi2 += low[5] * weight;
-  }
-  for (int k = 3; k <= 2 * highest; ++k)
-    for (int i = 0; i < kBins; ++i) moment(i, k) = state.weight[static_cast<std::size_t>(i)] * sums.moment(i, k);
-  for (int k = 2; k <= highest; ++k)
-    for (int i = 0; i < kBins; ++i) residual(i, k) = state.weight[static_cast<std::size_t>(i)] * sums.residual(i, k);
-  std::vector<int> list;
-  std::vector<Eigen::ArrayXd> basis;
-  for (int a = 0; a < kUnknowns; ++a) {
-    if (!unknowns[static_cast<std::size_t>(a)]) continue;
-    list.push_back(a);
-    basis.push_back(basis_values(a, state.profile, model.contrast()));
-    const int p = basis_power(a);
-    const double* mine = basis.back().data();
-    normal.gradient[a] = (basis.back() * residual.col(p)).sum();
-    for (std::size_t k = 0; k < list.size(); ++k)
-      normal.matrix(a, list[k]) = normal.matrix(list[k], a) =
-          sum_of_products(mine, basis[k].data(), moment.col(p + basis_power(list[k])).data());
+  normal.chi2 = sum_of_products(sums.square(), state.weight);
+  normal.count = sum_of_products(sums.moment(0), state.weight, variances(state.noise, state.profile), 0, kBins);
+  std::array<std::size_t, kUnknowns> list{};
+  std::size_t size = 0;
+  for (std::size_t a = 0; a < kUnknowns; ++a)
+    if (rounds.unknowns[a]) list[size++] = a;
+  const auto first = static_cast<std::size_t>(state.profile.bend_first),
+             end = static_cast<std::size_t>(state.profile.bend_end);
+  std::array<BinRow, 2 * kHighestOrder + 1> moment;  // weighted
+  for (int k = 0; k <= 2 * order_of(rounds.unknowns); ++k)
+    multiply(state.weight, sums.moment(k), moment[static_cast<std::size_t>(k)], k < 3 ? 0 : first, k < 3 ? kBins : end);
+  const Basis basis(state.profile, model.contrast());
+  for (std::size_t j = 0; j < size; ++j) {
+    const int a = static_cast<int>(list[j]), p = basis_power(a);
+    const auto range = [&](bool bend) { return bend ? std::pair{first, end} : std::pair{std::size_t{0}, std::size_t{kBins}}; };
+    const auto [from, to] = range(is_bend(a));
+    normal.gradient[a] = sum_of_products(basis.of(a), sums.residual(p), state.weight, from, to);
+    for (std::size_t k = 0; k <= j; ++k) {
+      const int b = static_cast<int>(list[k]);
+      const auto [start, stop] = range(is_bend(a) || is_bend(b));
+      normal.matrix(a, b) = normal.matrix(b, a) = sum_of_products(
+          basis.of(a), basis.of(b), moment[static_cast<std::size_t>(p + basis_power(b))], start, stop);
+    }
   }
 }
 
@@ -219,10 +226,10 @@ void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unkno
   normal.gradient[q] += (kMean_px2 - shape.q_px2) / (kSd_px2 * kSd_px2);
 }
 
-bool asks_for_bends(const Unknowns& unknowns) {
-  for (int k = 2; k <= kHighestOrder; ++k)
-    if (unknowns[static_cast<std::size_t>(kFirstShift + k)]) return true;
-  return false;
+int order_of(const Unknowns& unknowns) {
+  int order = kHighestOrder;
+  while (order > 1 && !unknowns[static_cast<std::size_t>(kFirstShift + order)]) --order;
+  return order;
 }
 
 NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitRounds& rounds) {
@@ -233,7 +240,7 @@ NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitR
 FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRounds& rounds) {
   FitState state;
   state.profile = make_profile(tabulate(model.shape, model.curve.angle_rad));
-  state.sums = accumulate(pixels, model, state.profile, asks_for_bends(rounds.unknowns), rounds.step);
+  state.sums = accumulate(pixels, model, state.profile, order_of(rounds.unknowns), rounds.step);
   state.noise = noise_of(state.sums, state.profile, rounds);
   assemble(state, model, rounds);
   return state;
@@ -263,7 +270,7 @@ FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, cons
     FitState tried = look(next);
     // Pixels out of reach leave chi2: an edge that runs away from them is no better.
     constexpr double kKept = 0.7;
-    const double more = chi2(tried.sums, state.weight) - state.normal.chi2;
+    const double more = sum_of_products(tried.sums.square(), state.weight) - state.normal.chi2;
     const bool better = more <= 2.0 && tried.normal.count >= kKept * state.normal.count;
     // Along the valley where shapes hardly differ steps may go to and fro.
     constexpr double kShort = 10.0;

@@ -30,9 +30,19 @@ struct NormalEquations {
   double chi2 = 0.0, count = 0.0;
 };
 
-/// The derivative by unknown `a` is a function of d, here at the middle of each bin, times a power of t.
-Eigen::ArrayXd basis_values(int a, const StepProfile& profile, double contrast);
+/// The derivative by unknown `a` is a function of d, here at the middle of each bin, times t^basis_power(a); that of a
+/// shift t^2 or higher in the bins that show bends, zero elsewhere.
+class Basis {
+ public:
+  Basis(const StepProfile& profile, double contrast);
+  const BinRow& of(int a) const;
+
+ private:
+  static constexpr std::size_t kShift = 4;              // 0 .. 3 are the levels, without t
+  std::array<BinRow, kShift + 1 + kShapes> rows_;  // then the shifts, then the shapes
+};
 int basis_power(int a);
+inline bool is_bend(int a) { return a >= kFirstShift + 2 && a < kFirstShape; }
 
 /// What the reference's shapes usually are: a footprint of about a pixel. Weak: one edge seldom tells S, v and q apart.
 void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns);
@@ -46,8 +56,8 @@ struct FitRounds {
   std::optional<double> variance{};  ///< of a pixel, when known
   Rounding rounding{};
 };
-/// Whether the sums need powers of t above those of a straight edge.
-bool asks_for_bends(const Unknowns& unknowns);
+/// The highest power of t that the unknowns' derivatives have, at least 1.
+int order_of(const Unknowns& unknowns);
 NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitRounds& rounds);
 
 /// What is known at a model: profile, residuals, noise, equations.
@@ -55,7 +65,7 @@ struct FitState {
   NoiseModel noise;
   StepProfile profile;
   EdgeSums sums;
-  std::vector<double> weight;  ///< of a pixel, by bin
+  BinRow weight{};  ///< of a pixel, by bin
   NormalEquations normal;
   double left = 0.0;  ///< what the next step would take off chi2 if all were linear
   bool converged = false;

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+
+#include "mtf/engines/clones.h"
 
 namespace calib {
 namespace {
@@ -14,19 +17,58 @@ struct Spread {
   double error() const { return std::sqrt(2.0 / std::max(dof, 1.0)); }  // relative, of the variance
 };
 
+// By the place on the step: the dark plateau, the edge, the bright plateau.
+struct Spreads {
+  Spread dark, edge, bright;
+};
+
+constexpr double kPlateau = 0.08;
+
+// What pixels of a bin differ by.
+MTFKIT_CLONES Spreads spreads(const EdgeSums& sums, const double* esf) {
+  const BinRow &count = sums.moment(0), &residual = sums.residual(0), &square = sums.square();
+  std::array<std::array<double, kLot>, 3> sum{}, dof{};
+  for (std::size_t i = 0; i < kBins; i += kLot)
+    for (std::size_t k = 0; k < kLot; ++k) {
+      const double n = count[i + k], r = residual[i + k], e = esf[i + k];
+      const bool some = n >= 2.0;
+      const double more = some ? n - 1.0 : 0.0;
+      const double own = std::max(0.0, square[i + k] - r * r / std::max(n, 1.0));
+      const double error = some ? own : 0.0;
+      const double dark = e < kPlateau ? 1.0 : 0.0, bright = e > 1.0 - kPlateau ? 1.0 : 0.0, edge = 1.0 - dark - bright;
+      sum[0][k] += dark * error;
+      sum[1][k] += edge * error;
+      sum[2][k] += bright * error;
+      dof[0][k] += dark * more;
+      dof[1][k] += edge * more;
+      dof[2][k] += bright * more;
+    }
+  const auto spread = [&](std::size_t j) {
+    return Spread{std::accumulate(sum[j].begin(), sum[j].end(), 0.0), std::accumulate(dof[j].begin(), dof[j].end(), 0.0)};
+  };
+  return {spread(0), spread(1), spread(2)};
+}
+
+// What pixels on the edge are expected to differ by, in sum.
+MTFKIT_CLONES double expected_on_edge(const EdgeSums& sums, const double* esf, const NoiseModel& noise) {
+  const BinRow& count = sums.moment(0);
+  std::array<double, kLot> sum{};
+  for (std::size_t i = 0; i < kBins; i += kLot)
+    for (std::size_t k = 0; k < kLot; ++k) {
+      const double e = esf[i + k];
+      sum[k] += e >= kPlateau && e <= 1.0 - kPlateau ? std::max(0.0, count[i + k] - 1.0) * noise.at(e) : 0.0;
+    }
+  return std::accumulate(sum.begin(), sum.end(), 0.0);
+}
+
+MTFKIT_CLONES void fill_variances(const NoiseModel& noise, const double* esf, BinRow& variance) {
+  for (std::size_t i = 0; i < kBins; ++i) variance[i] = noise.at(esf[i]);
+}
+
 }  // namespace
 
 NoiseModel estimate_noise(const EdgeSums& sums, const StepProfile& profile, double least, const Rounding& rounding) {
-  constexpr double kPlateau = 0.08;
-  Spread dark, bright;
-  for (int i = 0; i < kBins; ++i) {
-    if (sums.count(i) < 2.0) continue;
-    const double esf = profile.esf[static_cast<std::size_t>(i)];
-    if (esf >= kPlateau && esf <= 1.0 - kPlateau) continue;
-    Spread& side = esf < 0.5 ? dark : bright;
-    side.sum += sums.pure_error(i);
-    side.dof += sums.count(i) - 1.0;
-  }
+  const auto [dark, edge, bright] = spreads(sums, profile.esf.data());
   NoiseModel noise{.least_dark = std::max(least, rounding.dark * rounding.dark / 12.0),
                    .least_bright = std::max(least, rounding.bright * rounding.bright / 12.0)};
   constexpr double kFewest = 20.0;
@@ -38,27 +80,26 @@ NoiseModel estimate_noise(const EdgeSums& sums, const StepProfile& profile, doub
     if (std::abs(std::log(b / a)) > 3.5 * std::hypot(dark.error(), bright.error())) noise.dark = a, noise.bright = b;
   }
   // Across the edge the same pixels may show more: rounding that the plateaus hide.
-  Spread seen, expected;
-  for (int i = 0; i < kBins; ++i) {
-    const double esf = profile.esf[static_cast<std::size_t>(i)];
-    if (sums.count(i) < 2.0 || esf < kPlateau || esf > 1.0 - kPlateau) continue;
-    seen.sum += sums.pure_error(i);
-    expected.sum += (sums.count(i) - 1.0) * noise.at(esf);
-    seen.dof += sums.count(i) - 1.0;
-  }
-  if (seen.dof >= kFewest && seen.sum > expected.sum * (1.0 + 5.0 * seen.error())) {
-    const double ratio = seen.sum / expected.sum;
-    noise.dark *= ratio;
-    noise.bright *= ratio;
+  if (edge.dof < kFewest) return noise;
+  const double expected = expected_on_edge(sums, profile.esf.data(), noise);
+  if (edge.sum > expected * (1.0 + 5.0 * edge.error())) {
+    noise.dark *= edge.sum / expected;
+    noise.bright *= edge.sum / expected;
   }
   return noise;
 }
 
-std::vector<double> pixel_weights(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile,
-                                  const NoiseModel& noise, const Rounding& rounding) {
+BinRow variances(const NoiseModel& noise, const StepProfile& profile) {
+  BinRow variance;
+  fill_variances(noise, profile.esf.data(), variance);
+  return variance;
+}
+
+BinRow pixel_weights(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile, const NoiseModel& noise,
+                     const Rounding& rounding) {
   constexpr double kLong = 0.25;  // of the blur's width
-  std::vector<double> weight(kBins);
-  for (std::size_t i = 0; i < kBins; ++i) weight[i] = 1.0 / noise.at(profile.esf[i]);
+  BinRow weight = variances(noise, profile);
+  for (double& one : weight) one = 1.0 / one;
   const double long_px = kLong / std::max(1e-3, std::abs(profile.lsf[kSideBins]));
   const auto share = [&](bool bright, double step, double variance) {
     const double dither = std::max(0.0, variance / (step * step) - 1.0 / 12.0);

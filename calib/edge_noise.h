@@ -6,7 +6,6 @@
 // differ less than the step between neighbouring values allows (a plateau on one value) count as uniformly rounded.
 
 #include <algorithm>
-#include <vector>
 
 #include "calib/edge_sums.h"
 
@@ -29,11 +28,14 @@ struct NoiseModel {
 /// `least` > 0: the smallest variance there can be, besides that of rounding.
 NoiseModel estimate_noise(const EdgeSums& sums, const StepProfile& profile, double least, const Rounding& rounding);
 
+/// Of a pixel, by bin.
+BinRow variances(const NoiseModel& noise, const StepProfile& profile);
+
 /// 1 / variance of a pixel by bin. Pixels within half a step of their level round alike where noise does not break that
 /// up: all n of a plateau then share one error, of variance step^2 / 12 x exp(-4 pi^2 noise^2 / step^2) (the first
 /// harmonic of rounding, B. Widrow and I. Kollar, Quantization Noise, 2008), and tell no more than one of them would;
 /// each counts with 1 / (variance + n x that).
-std::vector<double> pixel_weights(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile,
-                                  const NoiseModel& noise, const Rounding& rounding);
+BinRow pixel_weights(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile,
+                     const NoiseModel& noise, const Rounding& rounding);
 
 }  // namespace calib

@@ -39,10 +39,10 @@ struct Ends {
   double low_step = 0.0, high_step = 0.0;
 };
 
-MTFKIT_CLONES Ends ends_of(const float* values, std::size_t n) {
+MTFKIT_CLONES Ends ends_of(const double* values, std::size_t n) {
   constexpr std::size_t kLanes = 16;
-  std::array<float, kLanes> low, high, above, below;
-  std::array<std::int32_t, kLanes> at_low{}, at_high{};
+  std::array<double, kLanes> low, high, above, below;
+  std::array<std::int64_t, kLanes> at_low{}, at_high{};
   low.fill(INFINITY);
   high.fill(-INFINITY);
   const std::size_t whole = n / kLanes * kLanes;
@@ -51,11 +51,12 @@ MTFKIT_CLONES Ends ends_of(const float* values, std::size_t n) {
       low[k] = values[i + k] < low[k] ? values[i + k] : low[k];
       high[k] = values[i + k] > high[k] ? values[i + k] : high[k];
     }
-  float least = *std::min_element(low.begin(), low.end()), most = *std::max_element(high.begin(), high.end());
+  double least = *std::min_element(low.begin(), low.end()),
+         most = *std::max_element(high.begin(), high.end());
   for (std::size_t i = whole; i < n; ++i) least = std::min(least, values[i]), most = std::max(most, values[i]);
   above.fill(most);
   below.fill(least);
-  const auto take = [&](std::size_t k, float value) {
+  const auto take = [&](std::size_t k, double value) {
     at_low[k] += value == least ? 1 : 0;
     at_high[k] += value == most ? 1 : 0;
     above[k] = value > least && value < above[k] ? value : above[k];
@@ -66,8 +67,8 @@ MTFKIT_CLONES Ends ends_of(const float* values, std::size_t n) {
   for (std::size_t i = whole; i < n; ++i) take(0, values[i]);
   return {std::accumulate(at_low.begin(), at_low.end(), std::ptrdiff_t{0}),
           std::accumulate(at_high.begin(), at_high.end(), std::ptrdiff_t{0}),
-          static_cast<double>(*std::min_element(above.begin(), above.end())) - static_cast<double>(least),
-          static_cast<double>(most) - static_cast<double>(*std::max_element(below.begin(), below.end()))};
+          *std::min_element(above.begin(), above.end()) - least,
+          most - *std::max_element(below.begin(), below.end())};
 }
 
 }  // namespace
@@ -117,11 +118,11 @@ EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeMo
     (d < 0.0 ? dark : bright) += n;
     if (std::abs(d) < 2.0 * facts.width_px) continue;
     plateau += n;
-    squares += state.sums.square(i);
+    squares += state.sums.square()[static_cast<std::size_t>(i)];
     side_error[d < 0.0 ? 0 : 1] += state.sums.pure_error(i);
     side_dof[d < 0.0 ? 0 : 1] += std::max(0.0, n - 1.0);
   }
-  const Ends ends = ends_of(pixels.value.data(), pixels.size());
+  const Ends ends = ends_of(pixels.value(), pixels.size());
   const double share = static_cast<double>(pixels.size()) / std::max(1.0, dark + bright);
   facts.reach_dark_px = share * dark / facts.length_px;
   facts.reach_bright_px = share * bright / facts.length_px;
@@ -166,22 +167,19 @@ std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const St
   std::array<double, kCount> all{}, apart{};
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const double d =
-        locate(model.curve, {static_cast<double>(pixels.x[i]), static_cast<double>(pixels.y[i])}).distance_px;
+        locate(model.curve, {pixels.x()[i], pixels.y()[i]}).distance_px;
     const bool inside = std::abs(d) < kReach_px;
     const double esf = inside ? profile.esf[static_cast<std::size_t>(bins.index(d))] : d > 0.0;
     const double expected = model.level[0] + model.contrast() * esf;
-    far[i] = std::abs(static_cast<double>(pixels.value[i]) - expected) > limit;
+    far[i] = std::abs(pixels.value()[i] - expected) > limit;
     window[i] = inside ? static_cast<std::size_t>((d + kReach_px) * kWindows) : kCount - 1;
     all[window[i]] += 1.0;
     apart[window[i]] += far[i] ? 1.0 : 0.0;
   }
-  EdgePixels kept;
-  for (auto* list : {&kept.x, &kept.y, &kept.value}) list->reserve(pixels.size());
+  EdgePixels kept(pixels.size());
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (far[i] && apart[window[i]] <= kCommon * all[window[i]]) continue;
-    kept.x.push_back(pixels.x[i]);
-    kept.y.push_back(pixels.y[i]);
-    kept.value.push_back(pixels.value[i]);
+    kept.add(pixels.x()[i], pixels.y()[i], pixels.value()[i]);
   }
   const std::size_t removed = pixels.size() - kept.size();
   if (removed == 0 || static_cast<double>(removed) > kMostShare * static_cast<double>(pixels.size())) return 0;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <vector>
 
 #include "mtf/engines/clones.h"
 
@@ -94,11 +95,11 @@ MTFKIT_CLONES bool all_within(const float* values, std::int64_t n, ValueBounds b
 
 // Positions and scaled values of pixels side by side.
 MTFKIT_CLONES void fill_row(const float* __restrict row, std::int64_t n, double left, double offset, double scale,
-                            float* __restrict x, float* __restrict values) {
+                            double* __restrict x, double* __restrict values) {
   const auto size = static_cast<std::int32_t>(n);
   for (std::int32_t i = 0; i < size; ++i) {
-    x[i] = static_cast<float>(static_cast<double>(i) + left);
-    values[i] = static_cast<float>((static_cast<double>(row[i]) - offset) * scale);
+    x[i] = static_cast<double>(i) + left;
+    values[i] = (static_cast<double>(row[i]) - offset) * scale;
   }
 }
 
@@ -111,7 +112,7 @@ MTFKIT_CLONES void add_row(const float* __restrict row, std::int64_t n, double o
 
 std::size_t step_for(const EdgePixels& pixels, std::size_t some) {
   std::size_t row = 0, step = std::max<std::size_t>(1, pixels.size() / some);
-  while (row < pixels.size() && pixels.y[row] == pixels.y[0]) ++row;
+  while (row < pixels.size() && pixels.y()[row] == pixels.y()[0]) ++row;
   while (std::gcd(step, row) > 1) ++step;
   return step;
 }
@@ -161,7 +162,7 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
       }
     return Point{x / n, y / n};
   };
-  EdgePixels blocks;
+  EdgePixels blocks(static_cast<std::size_t>((roi.width + block_px - 1) / block_px * ((roi.height + block_px - 1) / block_px)));
   std::vector<double> column(static_cast<std::size_t>(roi.width));
   for (std::int64_t top = 0; top < roi.height; top += block_px) {
     const std::int64_t bottom = std::min(top + block_px, roi.height);
@@ -190,9 +191,8 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
       if (n == 0.0) continue;
       Point middle{0.5 * static_cast<double>(left + right), 0.5 * static_cast<double>(top + bottom)};
       if (n < static_cast<double>((right - left) * (bottom - top))) middle = centroid(left, top, right, bottom);
-      blocks.x.push_back(static_cast<float>(middle.x - 0.5 * static_cast<double>(roi.width)));
-      blocks.y.push_back(static_cast<float>(middle.y - 0.5 * static_cast<double>(roi.height)));
-      blocks.value.push_back(static_cast<float>(sum / n / facts.scale));
+      blocks.add(middle.x - 0.5 * static_cast<double>(roi.width), middle.y - 0.5 * static_cast<double>(roi.height),
+                 sum / n / facts.scale);
     }
   }
   return blocks;
@@ -201,14 +201,14 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
 EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
                          const ValueLimits& limits, const EdgeCurve& curve, double reach_px) {
   const Point n = curve.normal();
-  const double scale = 1.0 / facts.scale, left = 0.5 - 0.5 * static_cast<double>(roi.width);
-  const ValueBounds bounds = bounds_of(facts, limits);
-  EdgePixels pixels;
-  std::size_t count = 0;
-  for (std::int64_t j = 0; j < roi.height; ++j) {
-    const float* row = image.row(roi.y + j) + roi.x;
-    const double y = static_cast<double>(j) + 0.5 - 0.5 * static_cast<double>(roi.height);
-    const double u0 = n.y * (y - curve.origin.y) - n.x * (curve.origin.x + 0.5 * static_cast<double>(roi.width) - 0.5);
+  const double left = 0.5 - 0.5 * static_cast<double>(roi.width), top = 0.5 - 0.5 * static_cast<double>(roi.height);
+  struct Part {
+    std::int64_t first = 0, size = 0;
+  };
+  std::vector<Part> parts(static_cast<std::size_t>(roi.height));  // of each row
+  std::size_t most = 0;
+  for (std::size_t j = 0; j < parts.size(); ++j) {
+    const double u0 = n.y * (static_cast<double>(j) + top - curve.origin.y) + n.x * (left - curve.origin.x);
     // |u0 + n.x i| < reach
     double first = 0.0, end = static_cast<double>(roi.width);
     if (std::abs(n.x) * end > 1e-9) {
@@ -216,29 +216,30 @@ EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, cons
       first = std::clamp(std::ceil(std::min(a, b)), 0.0, end);
       end = std::clamp(std::floor(std::max(a, b)) + 1.0, first, end);
     } else if (std::abs(u0) >= reach_px) {
-      continue;
+      end = 0.0;
     }
-    const auto room = count + static_cast<std::size_t>(end - first);
-    for (auto* list : {&pixels.x, &pixels.y, &pixels.value})
-      if (list->size() < room)
-        list->resize(count + static_cast<std::size_t>(end - first) * static_cast<std::size_t>(roi.height - j));
-    float *const x = pixels.x.data(), *const ys = pixels.y.data(), *const values = pixels.value.data();
-    const auto begin = static_cast<std::int64_t>(first), size = static_cast<std::int64_t>(end) - begin;
-    if (all_within(row + begin, size, bounds)) {
-      fill_row(row + begin, size, first + left, facts.offset, scale, x + count, values + count);
-      std::fill_n(ys + count, size, static_cast<float>(y));
-      count += static_cast<std::size_t>(size);
-      continue;
-    }
-    for (std::int64_t i = begin; i < begin + size; ++i) {
-      const float value = row[i];
-      x[count] = static_cast<float>(static_cast<double>(i) + left);
-      ys[count] = static_cast<float>(y);
-      values[count] = static_cast<float>((static_cast<double>(value) - facts.offset) * scale);
-      count += value >= bounds.low && value <= bounds.high ? 1 : 0;
-    }
+    parts[j] = {static_cast<std::int64_t>(first), static_cast<std::int64_t>(end - first)};
+    most += static_cast<std::size_t>(parts[j].size);
   }
-  for (auto* list : {&pixels.x, &pixels.y, &pixels.value}) list->resize(count);
+  const double scale = 1.0 / facts.scale;
+  const ValueBounds bounds = bounds_of(facts, limits);
+  EdgePixels pixels(most);
+  for (std::size_t j = 0; j < parts.size(); ++j) {
+    const auto [first, size] = parts[j];
+    const float* row = image.row(roi.y + static_cast<std::int64_t>(j)) + roi.x + first;
+    const double from = static_cast<double>(first) + left;
+    const double y = static_cast<double>(j) + top;
+    if (all_within(row, size, bounds)) {
+      const std::size_t count = pixels.size();
+      fill_row(row, size, from, facts.offset, scale, pixels.x() + count, pixels.value() + count);
+      std::fill_n(pixels.y() + count, size, y);
+      pixels.resize(count + static_cast<std::size_t>(size));
+      continue;
+    }
+    for (std::int64_t i = 0; i < size; ++i)
+      if (row[i] >= bounds.low && row[i] <= bounds.high)
+        pixels.add(static_cast<double>(i) + from, y, (static_cast<double>(row[i]) - facts.offset) * scale);
+  }
   return pixels;
 }
 

@@ -4,19 +4,38 @@
 // The pixels that an edge is measured from, as lists.
 
 #include <cstdint>
+#include <memory>
 #include <optional>
-#include <vector>
 
 #include "calib/edge_curve.h"
 #include "mtf/image.h"
 
 namespace calib {
 
-/// Positions in pixels from the middle of the region (multiples of a half: exact in float), values less `offset` over
-/// `scale`, so that sums of squares neither overflow nor lose their digits.
-struct EdgePixels {
-  std::vector<float> x, y, value;
-  std::size_t size() const { return value.size(); }
+/// Positions in pixels from the middle of the region, values less `offset` over `scale`, so that sums of squares neither
+/// overflow nor lose their digits. Three lists in one piece of memory: the C library hands pieces that are smaller back
+/// to the system after each edge, to ask for them again page by page.
+class EdgePixels {
+ public:
+  explicit EdgePixels(std::size_t most) : most_(most), data_(std::make_unique_for_overwrite<double[]>(3 * most)) {}
+  std::size_t size() const { return size_; }
+  const double* x() const { return data_.get(); }
+  const double* y() const { return data_.get() + most_; }
+  const double* value() const { return data_.get() + 2 * most_; }
+  double* x() { return data_.get(); }
+  double* y() { return data_.get() + most_; }
+  double* value() { return data_.get() + 2 * most_; }
+  /// The first `size` of `most` pixels.
+  void resize(std::size_t size) { size_ = size; }
+  void add(double x_px, double y_px, double one) {
+    x()[size_] = x_px;
+    y()[size_] = y_px;
+    value()[size_++] = one;
+  }
+
+ private:
+  std::size_t most_, size_ = 0;
+  std::unique_ptr<double[]> data_;
 };
 
 /// Every how many of the pixels to take so that about `some` are: prime to the length of the rows, so that no column is

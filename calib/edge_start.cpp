@@ -26,13 +26,13 @@ Division divide(const EdgePixels& blocks, double angle_rad, double radius) {
   const std::size_t step = (blocks.size() + kMostSamples - 1) / kMostSamples;
   double n = 0.0, total = 0.0;
   for (std::size_t i = 0; i < blocks.size(); i += step) {
-    const double x = static_cast<double>(blocks.x[i]), y = static_cast<double>(blocks.y[i]);
+    const double x = blocks.x()[i], y = blocks.y()[i];
     const double strip = (c * x + s * y + radius) * per_strip;
     const auto k = static_cast<std::size_t>(std::clamp(strip, 0.0, kStrips - 1.0));
     count[k] += 1.0;
-    sum[k] += static_cast<double>(blocks.value[i]);
+    sum[k] += blocks.value()[i];
     n += 1.0;
-    total += static_cast<double>(blocks.value[i]);
+    total += blocks.value()[i];
   }
   Division best{.angle_rad = angle_rad};
   double n1 = 0.0, sum1 = 0.0;
@@ -50,7 +50,7 @@ Division divide(const EdgePixels& blocks, double angle_rad, double radius) {
 Division best_division(const EdgePixels& blocks) {
   double square = 1.0;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    const double x = static_cast<double>(blocks.x[i]), y = static_cast<double>(blocks.y[i]);
+    const double x = blocks.x()[i], y = blocks.y()[i];
     square = std::max(square, x * x + y * y);
   }
   const double radius = std::sqrt(square);
@@ -87,11 +87,10 @@ double centre_on_region(EdgeCurve& curve, double width_px, double height_px) {
 
 EdgeModel start_edge(const EdgePixels& blocks, double block_px, double width_px, double height_px) {
   // Lengths in blocks, so that any region fits the reach of the tables.
-  EdgePixels scaled = blocks;
-  for (std::size_t i = 0; i < scaled.size(); ++i) {
-    scaled.x[i] /= static_cast<float>(block_px);
-    scaled.y[i] /= static_cast<float>(block_px);
-  }
+  EdgePixels scaled(blocks.size());
+  const double per_px = 1.0 / block_px;
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    scaled.add(blocks.x()[i] * per_px, blocks.y()[i] * per_px, blocks.value()[i]);
   const Division division = best_division(scaled);
   EdgeModel model;
   const bool turned = division.above < division.below;  // the normal points to the brighter side

@@ -22,14 +22,14 @@ struct Chunk {
 };
 
 // Coordinates about the tangent at the curve's origin.
-MTFKIT_CLONES void place(const float* x, const float* y, const float* value, std::size_t step, Point origin, Point n,
+MTFKIT_CLONES void place(const double* x, const double* y, const double* value, std::size_t step, Point origin, Point n,
                          Chunk& chunk) {
   const std::size_t size = chunk.size;
   for (std::size_t k = 0; k < size; ++k) {
-    const double dx = static_cast<double>(x[k * step]) - origin.x, dy = static_cast<double>(y[k * step]) - origin.y;
+    const double dx = x[k * step] - origin.x, dy = y[k * step] - origin.y;
     chunk.distance[k] = n.x * dx + n.y * dy;
     chunk.along[k] = n.x * dy - n.y * dx;
-    chunk.residual[k] = static_cast<double>(value[k * step]);
+    chunk.residual[k] = value[k * step];
   }
 }
 
@@ -85,16 +85,49 @@ MTFKIT_CLONES void add_plain(const Chunk& chunk, double* sums) {
   }
 }
 
-// t^3 .. t^10, r t^2 .. r t^5.
-MTFKIT_CLONES void add_bent(const Chunk& chunk, const StepProfile& profile, double* sums) {
+// t^3 .. t^10, r t^2 .. r t^5, in the bins from `first` on.
+MTFKIT_CLONES void add_bent(const Chunk& chunk, int first, int bins, double* sums) {
   const std::size_t size = chunk.size;
   for (std::size_t k = 0; k < size; ++k) {
-    if (!profile.shows_bends(chunk.bin[k])) continue;
-    const double t = chunk.along[k], r = chunk.residual[k], t2 = t * t, t3 = t2 * t, t4 = t2 * t2;
-    const std::array<double, 12> term{t3,          t4,           t4 * t, t4 * t2, t4 * t3, t4 * t4,
-                                      t4 * t4 * t, t4 * t4 * t2, r * t2, r * t3,  r * t4,  r * t4 * t};
-    double* s = sums + 12 * static_cast<std::ptrdiff_t>(chunk.bin[k]);
-    for (std::size_t m = 0; m < 12; ++m) s[m] += term[m];
+    const int bin = chunk.bin[k] - first;
+    if (bin < 0 || bin >= bins) continue;
+    const double t = chunk.along[k], t2 = t * t, t3 = t2 * t, t4 = t2 * t2;
+    double* s = sums + 12 * static_cast<std::ptrdiff_t>(bin);
+    std::array<Four, 3> sum;
+    std::memcpy(&sum, s, sizeof sum);
+    const Four powers{1.0, t, t2, t3}, higher = powers * t3;
+    sum[0] += higher;
+    sum[1] += higher * t4;
+    sum[2] += powers * (chunk.residual[k] * t2);
+    std::memcpy(s, &sum, sizeof sum);
+  }
+}
+
+// From a few numbers a bin to a row of bins a number.
+template <std::size_t kStride, std::size_t kRows>
+void turn(const double* sums, int first, int end, const std::array<double*, kRows>& rows) {
+  for (int i = first; i < end; ++i, sums += kStride)
+    for (std::size_t k = 0; k < kRows; ++k) rows[k][i] = sums[k];
+}
+
+// Residuals less by the sum of change[k] t^k, k <= highest.
+MTFKIT_CLONES void take_rows(const std::array<BinRow, kHighestOrder + 1>& change,
+                             const std::array<const BinRow*, 2 * kHighestOrder + 1>& moment,
+                             const std::array<BinRow*, kHighestOrder + 1>& residual, BinRow& square, std::size_t first,
+                             std::size_t end, std::size_t highest) {
+  for (std::size_t k = 0; k <= highest; ++k) {
+    BinRow taken;
+    for (std::size_t i = first; i < end; ++i) taken[i] = change[0][i] * (*moment[k])[i];
+    for (std::size_t j = 1; j <= highest; ++j) {
+      const BinRow &one = change[j], &power = *moment[j + k];
+      for (std::size_t i = first; i < end; ++i) taken[i] += one[i] * power[i];
+    }
+    const BinRow& mine = change[k];
+    BinRow& r = *residual[k];
+    for (std::size_t i = first; i < end; ++i) {
+      square[i] -= mine[i] * (2.0 * r[i] - taken[i]);
+      r[i] -= taken[i];
+    }
   }
 }
 
@@ -128,36 +161,29 @@ void halfway(const std::array<double, kSideBins + 1>& values, double* out) {
 
 }  // namespace
 
-EdgeSums::EdgeSums(bool bends) : plain_((kBins + 1) * kPlain) {
-  if (bends) bent_.resize((kBins + 1) * kBent);
+EdgeSums EdgeSums::up_to(int order) const {
+  EdgeSums part;
+  part.rows_.assign(rows_.begin(), rows_.begin() + std::min<std::ptrdiff_t>(3 * (order + 1), std::ssize(rows_)));
+  return part;
 }
 
-void EdgeSums::take_from_residual(int i, const std::array<double, kHighestOrder + 1>& change, bool bends) {
-  const auto bin = static_cast<std::size_t>(i);
-  double* s = plain_.data() + bin * kPlain;
-  if (!bends) {
-    const auto [a, b] = std::array{change[0], change[1]};
-    const double r = a * s[0] + b * s[1], rt = a * s[1] + b * s[2];
-    s[5] -= a * (2.0 * s[3] - r) + b * (2.0 * s[4] - rt);
-    s[3] -= r;
-    s[4] -= rt;
-    return;
-  }
-  std::array<double, kHighestOrder + 1> taken{};
-  for (int k = 0; k <= kHighestOrder; ++k)
-    for (int j = 0; j <= kHighestOrder; ++j)
-      taken[static_cast<std::size_t>(k)] += change[static_cast<std::size_t>(j)] * moment(i, j + k);
-  for (int k = 0; k <= kHighestOrder; ++k) {
-    const auto at = static_cast<std::size_t>(k);
-    s[5] -= change[at] * (2.0 * residual(i, k) - taken[at]);
-  }
-  double* b = bent_.data() + bin * kBent;
-  for (std::size_t k = 0; k <= kHighestOrder; ++k) (k < 2 ? s[3 + k] : b[6 + k]) -= taken[k];
+void EdgeSums::take_from_residual(const std::array<BinRow, kHighestOrder + 1>& change, const StepProfile& profile) {
+  std::array<const BinRow*, 2 * kHighestOrder + 1> moments{};
+  std::array<BinRow*, kHighestOrder + 1> residuals{};
+  for (int k = 0; k <= 2 * order(); ++k) moments[static_cast<std::size_t>(k)] = &moment(k);
+  for (int k = 0; k <= order(); ++k) residuals[static_cast<std::size_t>(k)] = &rows_[residual_row(k)];
+  const auto take = [&](int first, int end, int highest) {
+    take_rows(change, moments, residuals, rows_[0], static_cast<std::size_t>(first), static_cast<std::size_t>(end), static_cast<std::size_t>(highest));
+  };
+  take(0, profile.bend_first, 1);
+  take(profile.bend_first, profile.bend_end, order());
+  take(profile.bend_end, kBins, 1);
 }
 
 double EdgeSums::pure_error(int i) const {
-  const double n = count(i);
-  return n > 1.0 ? std::max(0.0, square(i) - residual(i, 0) * residual(i, 0) / n) : 0.0;
+  const auto at = static_cast<std::size_t>(i);
+  const double n = moment(0)[at], r = residual(0)[at];
+  return n > 1.0 ? std::max(0.0, square()[at] - r * r / n) : 0.0;
 }
 
 StepProfile make_profile(const ReferenceTable& table) {
@@ -193,28 +219,41 @@ void find_bend_bins(StepProfile& profile) {
   const auto seen = [least](double value) { return std::abs(value) > least; };
   const auto first = std::find_if(profile.lsf.begin(), profile.lsf.end(), seen);
   const auto last = std::find_if(profile.lsf.rbegin(), profile.lsf.rend(), seen);
-  profile.bend_first = static_cast<int>(first - profile.lsf.begin());
-  profile.bend_end = static_cast<int>(profile.lsf.rend() - last);
+  profile.bend_first = static_cast<int>(first - profile.lsf.begin()) / kLot * kLot;
+  profile.bend_end = (static_cast<int>(profile.lsf.rend() - last) + kLot - 1) / kLot * kLot;
 }
 
-EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, bool bends,
+EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, int order,
                     std::size_t step) {
-  EdgeSums sums(bends);
   const double per_length = 1.0 / model.curve.half_length_px;
   const Point normal = model.curve.normal();
+  const int first_bent = profile.bend_first, bent_bins = order > 1 ? profile.bend_end - first_bent : 0;
+  // One cache line a bin, and one more bin for pixels out of reach.
+  constexpr std::size_t kPlain = 8, kBent = 12;
+  alignas(64) std::array<double, (kBins + 1) * kPlain> plain{};
+  std::vector<double> bent(static_cast<std::size_t>(bent_bins) * kBent);
   Chunk chunk;
   for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
     chunk.size = std::min(kChunk, (pixels.size() - first + step - 1) / step);
-    place(&pixels.x[first], &pixels.y[first], &pixels.value[first], step, model.curve.origin, normal, chunk);
+    place(pixels.x() + first, pixels.y() + first, pixels.value() + first, step, model.curve.origin, normal, chunk);
     bend_all(model.curve, {chunk.distance.data(), chunk.size}, {chunk.along.data(), chunk.size});
     for (std::size_t k = 0; k < chunk.size; ++k) chunk.along[k] *= per_length;
     count_steps(chunk.distance.data(), chunk.bin.data(), chunk.size);
     look_up(profile.cubic.data(), DistanceBins::get(), chunk);
     subtract_model(model.level, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
                    chunk.size);
-    add_plain(chunk, sums.plain_.data());
-    if (bends) add_bent(chunk, profile, sums.bent_.data());
+    add_plain(chunk, plain.data());
+    if (order > 1) add_bent(chunk, first_bent, bent_bins, bent.data());
   }
+  EdgeSums sums;
+  sums.rows_.resize(3 * static_cast<std::size_t>(order > 1 ? kHighestOrder + 1 : 2));
+  const auto moment = [&](int k) { return sums.rows_[EdgeSums::moment_row(k)].data(); };
+  const auto residual = [&](int k) { return sums.rows_[EdgeSums::residual_row(k)].data(); };
+  turn<kPlain, 6>(plain.data(), 0, kBins, {moment(0), moment(1), moment(2), residual(0), residual(1), sums.rows_[0].data()});
+  if (order > 1)
+    turn<kBent, kBent>(bent.data(), first_bent, profile.bend_end,
+                       {moment(3), moment(4), moment(5), moment(6), moment(7), moment(8), moment(9), moment(10),
+                        residual(2), residual(3), residual(4), residual(5)});
   return sums;
 }
 

@@ -34,45 +34,40 @@ struct StepProfile {
   std::vector<std::array<double, 4>> cubic;  ///< in d - centre; one more for what is out of reach
   std::vector<double> esf, lsf;
   std::array<std::vector<double>, kShapes> slope;
-  /// The bins [first, end) outside which the line spread is below a thousandth of that at the edge: where bends of the
-  /// edge are seen. Their derivatives, the terms t^2 and higher, count as zero elsewhere.
+  /// The bins [first, end) outside which the line spread is below a thousandth of that at the edge, in whole lots: where
+  /// bends of the edge are seen. Their derivatives, the terms t^2 and higher, count as zero elsewhere.
   int bend_first = 0, bend_end = kBins;
   bool shows_bends(int i) const { return i >= bend_first && i < bend_end; }
 };
 StepProfile make_profile(const ReferenceTable& table);
 void find_bend_bins(StepProfile& profile);
 
-/// Sums by bins of d of powers of t, up to t^2 alone and t^1 with the residual; where `bends` are asked for and seen up
-/// to t^10 and t^5.
+/// Sums by bins of d, a row a sum: of r^2, of t^k up to t^2 and of r t^k up to r t. Of an `order` above 1 also of t^k up
+/// to 2 order and of r t^k up to order, in the bins that show bends.
 class EdgeSums {
  public:
-  EdgeSums() = default;
-  explicit EdgeSums(bool bends);
-
-  /// 1, t, t^2, r, r t, r^2 of a bin.
-  const double* low(int i) const { return plain(i); }
-  double count(int i) const { return plain(i)[0]; }
-  double moment(int i, int k) const { return k < 3 ? plain(i)[k] : bent(i)[k - 3]; }        ///< sum of t^k
-  double residual(int i, int k) const { return k < 2 ? plain(i)[3 + k] : bent(i)[6 + k]; }  ///< sum of r t^k
-  double square(int i) const { return plain(i)[5]; }                                        ///< sum of r^2
-  /// As if each pixel's residual in the bin were less by change[0] + change[1] t, or where `bends` are asked for and
-  /// seen by change[0] + .. + change[5] t^5.
-  void take_from_residual(int i, const std::array<double, kHighestOrder + 1>& change, bool bends);
-  double pure_error(int i) const;  ///< sum of r^2 about the bin's own mean, count - 1 degrees of freedom
-  bool bends() const { return !bent_.empty(); }
-  void drop_bends() { bent_.clear(); }
+  const BinRow& square() const { return rows_[0]; }                                                       ///< of r^2
+  const BinRow& moment(int k) const { return rows_[moment_row(k)]; }                                      ///< of t^k
+  const BinRow& residual(int k) const { return rows_[residual_row(k)]; }                                  ///< of r t^k
+  double count(int i) const { return rows_[1][static_cast<std::size_t>(i)]; }
+  int order() const { return static_cast<int>(rows_.size()) / 3 - 1; }
+  /// Without what is of a higher order.
+  EdgeSums up_to(int order) const;
+  /// As if each pixel's residual were less by the sum of change[k] t^k, up to the order; powers above t only in the bins
+  /// that show bends.
+  void take_from_residual(const std::array<BinRow, kHighestOrder + 1>& change, const StepProfile& profile);
+  /// Sum of r^2 about the bin's own mean, count - 1 degrees of freedom.
+  double pure_error(int i) const;
 
  private:
-  friend EdgeSums accumulate(const EdgePixels&, const EdgeModel&, const StepProfile&, bool, std::size_t);
-  static constexpr std::size_t kPlain = 8, kBent = 12;  // one cache line a bin; 1, t, t^2, r, r t, r^2
-  const double* plain(int i) const { return plain_.data() + static_cast<std::size_t>(i) * kPlain; }
-  const double* bent(int i) const { return bent_.data() + static_cast<std::size_t>(i) * kBent; }
-
-  std::vector<double> plain_, bent_;  // one more bin, for pixels out of reach
+  friend EdgeSums accumulate(const EdgePixels&, const EdgeModel&, const StepProfile&, int, std::size_t);
+  static constexpr std::size_t moment_row(int k) { return static_cast<std::size_t>((k + 1) / 2 * 3 + 1 - k % 2); }
+  static constexpr std::size_t residual_row(int k) { return static_cast<std::size_t>(3 * k + 2); }
+  std::vector<BinRow> rows_;  // r^2, 1, r;  t, t^2, r t;  t^3, t^4, r t^2;  ..
 };
 
-/// Takes every `step`-th pixel.
-EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, bool bends,
+/// Takes every `step`-th pixel. Of an `order` above 1 the sums are of the highest.
+EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, int order,
                     std::size_t step = 1);
 
 }  // namespace calib

@@ -140,7 +140,7 @@ bool levels_bend(const FitState& state, const EdgeModel& model, double width_px,
       const double weight = state.weight[static_cast<std::size_t>(i)], x = d / reach_px;
       const Eigen::Vector3d row(1.0, x, x * x);
       matrix += weight * n * row * row.transpose();
-      right += weight * state.sums.residual(i, 0) * row;
+      right += weight * state.sums.residual(0)[static_cast<std::size_t>(i)] * row;
       end = std::max(end, x);
     }
     const Eigen::LDLT<Eigen::Matrix3d> factor(matrix);

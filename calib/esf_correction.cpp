@@ -65,9 +65,7 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
     double value;
   };
   std::vector<Active> active;
-  MatrixXd basis(fixed, kBins);
-  for (Eigen::Index k = 0; k < fixed; ++k)
-    basis.row(k) = basis_values(unknowns[static_cast<std::size_t>(k)], state.profile, model.contrast()).matrix();
+  const Basis basis(state.profile, model.contrast());
   // Sums over a bin and its mirror image for even pairs, differences for odd ones.
   struct Sided {
     VectorXd column;
@@ -88,13 +86,18 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
     const double n_b = weight_b * state.sums.count(bright), n_d = weight_d * state.sums.count(dark);
     if (n_b == 0.0 && n_d == 0.0) continue;
     for (Eigen::Index k = 0; k < fixed; ++k) {
-      const int power = basis_power(unknowns[static_cast<std::size_t>(k)]);
-      const double b = weight_b * basis(k, bright) * state.sums.moment(bright, power),
-                   a = weight_d * basis(k, dark) * state.sums.moment(dark, power);
+      const int unknown = unknowns[static_cast<std::size_t>(k)];
+      const BinRow &row = basis.of(unknown), &moment = state.sums.moment(basis_power(unknown));
+      const auto term = [&](int i, double weight) {
+        const bool zero = is_bend(unknown) && !state.profile.shows_bends(i);
+        return zero ? 0.0 : weight * row[static_cast<std::size_t>(i)] * moment[static_cast<std::size_t>(i)];
+      };
+      const double b = term(bright, weight_b), a = term(dark, weight_d);
       even.column[k] = b + a;
       odd.column[k] = b - a;
     }
-    const double r_b = weight_b * state.sums.residual(bright, 0), r_d = weight_d * state.sums.residual(dark, 0);
+    const double r_b = weight_b * state.sums.residual(0)[static_cast<std::size_t>(bright)],
+                 r_d = weight_d * state.sums.residual(0)[static_cast<std::size_t>(dark)];
     even.residual = r_b + r_d;
     odd.residual = r_b - r_d;
     for (std::size_t j = 0; j < active.size(); ++j) {

@@ -88,12 +88,12 @@ FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& referen
   move(model, step);
   FitState next;
   next.profile = corrected_profile(reference, joint, step);
-  next.sums = accumulate(pixels, model, next.profile, asks_for_bends(rounds.unknowns));
+  next.sums = accumulate(pixels, model, next.profile, order_of(rounds.unknowns));
   next.noise = noise_of(next.sums, next.profile, rounds);
   reference = make_profile(tabulate(model.shape, model.curve.angle_rad));
-  for (std::size_t i = 0; i < kBins; ++i)
-    next.sums.take_from_residual(static_cast<int>(i), {model.contrast() * (reference.esf[i] - next.profile.esf[i])},
-                                 next.sums.bends() && next.profile.shows_bends(static_cast<int>(i)));
+  std::array<BinRow, kHighestOrder + 1> change{};
+  for (std::size_t i = 0; i < kBins; ++i) change[0][i] = model.contrast() * (reference.esf[i] - next.profile.esf[i]);
+  next.sums.take_from_residual(change, next.profile);
   next.profile.slope = reference.slope;
   assemble(next, model, rounds);
   next.converged = true;

@@ -86,7 +86,6 @@ void settle(const EdgePixels& pixels, Fit& fit, FitRounds rounds) {
   }
   if (near.converged && foretold(fit.state, fit.model, near, model, rounds.enough)) {
     fit.model = model;
-    if (!asks_for_bends(fit.unknowns)) near.sums.drop_bends();
     near.noise = noise_of(near.sums, near.profile, rounds);
     assemble(near, model, rounds);
     fit.state = std::move(near);
@@ -113,15 +112,16 @@ Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const 
     return fit_reference(pixels, fit.model, rounds);
   };
   constexpr double kRough = 4.0;  // less than what other pixels change
+  constexpr double kFar = 1.3;
   const auto bend_by = [&](int order) {
     fit.unknowns = with_order(fit.unknowns, order);
     set_order(fit.model.curve, order, options.circle);
     return refine(step, 12, kRough);
   };
-  const FitState some = refine(step, 25, kRough);
   // A bend that some of the pixels show is taken out first, if it is most of what keeps them from the model.
   int order = 1;
-  if (constexpr double kFar = 1.3; options.order != 1 && some.normal.chi2 > kFar * some.normal.count) {
+  if (const FitState some = refine(step, 25, kRough);
+      options.order != 1 && some.normal.chi2 > kFar * some.normal.count) {
     const Fit straight = fit;
     const FitState bent = bend_by(2);
     const double misfit = bent.normal.chi2 * bent.noise.at(0.5) / some.noise.at(0.5);
@@ -140,6 +140,7 @@ Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const 
     rounds.unknowns = fit.unknowns;
     fit.state = evaluate(pixels, fit.model, rounds);
   }
+  fit.state.sums = fit.state.sums.up_to(2 * order_of(fit.unknowns));
   rounds.enough = 0.3;
   settle(pixels, fit, rounds);
   return fit;
@@ -147,13 +148,11 @@ Fit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const 
 
 // The pixels within a distance of the curve.
 EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double reach_px) {
-  EdgePixels near;
+  EdgePixels near(pixels.size());
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const Point at{static_cast<double>(pixels.x[i]), static_cast<double>(pixels.y[i])};
-    if (!(std::abs(locate(curve, at).distance_px) <= reach_px)) continue;
-    near.x.push_back(pixels.x[i]);
-    near.y.push_back(pixels.y[i]);
-    near.value.push_back(pixels.value[i]);
+    const Point at{pixels.x()[i], pixels.y()[i]};
+    if (std::abs(locate(curve, at).distance_px) <= reach_px)
+      near.add(pixels.x()[i], pixels.y()[i], pixels.value()[i]);
   }
   return near;
 }
