@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <numeric>
 #include <vector>
 
+#include "calib/lanes.h"
 #include "mtf/engines/clones.h"
 #include "mtf/quadrature.h"
 #include "mtf/special.h"
@@ -12,85 +15,179 @@
 namespace calib {
 namespace {
 
-constexpr int kSums = 2 + kShapes;  // E, its slope, its derivatives
+constexpr std::size_t kSums = 2 + kShapes;  // E, its slope, its derivatives
+constexpr std::size_t kLanes = 8;           // knots that are summed together; every zone is a multiple of them
+constexpr std::size_t kTogether = 4;        // frequencies that are summed together
+constexpr std::size_t kZones = kDistanceZones.size();
 constexpr double kPi = mtf::kPi;
 
 // sinc(f sqrt(q) c) and its derivative by q: with x = f c sqrt(q), d sinc / d(x^2) = (cos(pi x) - sinc x) / (2 x^2).
-mtf::ValueSlope footprint(double fc, double q_px2) {
-  const double x2 = fc * fc * q_px2, a = kPi * kPi * x2;
-  if (a < 1e-3) return {1.0 - a / 6.0 * (1.0 - a / 20.0), -fc * fc * kPi * kPi / 6.0 * (1.0 - a / 10.0)};
-  const double angle = std::sqrt(a), sinc = std::sin(angle) / angle;
-  return {sinc, fc * fc * (std::cos(angle) - sinc) / (2.0 * x2)};
+[[gnu::always_inline]] inline mtf::ValueSlope footprint(double fc, double q_px2) {
+  constexpr double kSmall = 1e-3;
+  const double square = kPi * kPi * fc * fc, a = square * q_px2, large = std::max(a, kSmall);
+  const double angle = std::sqrt(large);
+  const SineCosine turn = sine_cosine(angle);
+  const double sinc = turn.sin / angle;
+  return {a < kSmall ? 1.0 - a / 6.0 * (1.0 - a / 20.0) : sinc,
+          square * (a < kSmall ? a / 60.0 - 1.0 / 6.0 : (turn.cos - sinc) / (2.0 * large))};
 }
 
-constexpr int kLanes = 8;  // knots that are summed together; every zone is a multiple of them
+// D(x) and sqrt(1 - x^2).
+struct Pupil {
+  double value = 1.0, root = 1.0;
+};
+Pupil pupil_of(double x) {
+  if (x >= 1.0) return {0.0, 0.0};
+  if (x <= 0.0) return {};
+  const double root = std::sqrt(1.0 - x * x);
+  return {2.0 / kPi * (std::acos(x) - x * root), root};
+}
 
-// One frequency: its weights in E, the line spread and the derivatives, and the rotation by the finest step.
-struct Node {
-  std::array<double, kSums> weight{};
-  double cos = 1.0, sin = 0.0;
+[[gnu::always_inline]] inline ReferenceOtf otf_of(const ReferenceShape& shape, Point normal, double f, Pupil pupil) {
+  const double square = 2.0 * kPi * kPi * f * f;
+  const double gauss = exponential(std::max(-square * shape.v_px2, -690.0));
+  const mtf::ValueSlope a = footprint(f * normal.x, shape.q_px2), b = footprint(f * normal.y, shape.q_px2);
+  const double value = pupil.value * gauss * a.value * b.value;
+  return {.value = value,
+          .slope = {-4.0 / kPi * f * pupil.root * gauss * a.value * b.value, -square * value,
+                    pupil.value * gauss * (a.slope * b.value + a.value * b.slope)}};
+}
+
+// Frequencies: their weights in E, the line spread and the derivatives, and the rotation by the finest step; a row
+// each.
+struct Nodes {
+  explicit Nodes(std::size_t n) : size(n), list(n * (kSums + 2)) {}
+  double* weight(std::size_t k) { return list.data() + k * size; }
+  double* cos() { return weight(kSums); }
+  double* sin() { return weight(kSums + 1); }
+  std::size_t size;
+  std::vector<double> list;
 };
 
-// Sums over the knots of a zone, `blocks` x kLanes of them. c and s are cos and sin of 2 pi f d at its first knot and
-// are moved to its end; (dc, ds) is the rotation of one step.
-struct Phase {
-  double c = 1.0, s = 0.0, dc = 1.0, ds = 0.0;
-};
-MTFKIT_CLONES void add_zone(const std::array<double, kSums>& weight, Phase& phase, int blocks, double* __restrict odd,
-                            double* __restrict lsf, double* __restrict by_s, double* __restrict by_v,
-                            double* __restrict by_q) {
-  std::array<double, kLanes> c, s;
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    c[k] = phase.c;
-    s[k] = phase.s;
-    const double next = phase.c * phase.dc - phase.s * phase.ds;
-    phase.s = phase.s * phase.dc + phase.c * phase.ds;
-    phase.c = next;
+// f_cy_px, df and the pupil's value and root become the rows of the nodes.
+MTFKIT_CLONES void fill(const ReferenceShape& the_shape, Point normal, std::size_t size,
+                        const double* __restrict f_cy_px, const double* __restrict df, double* __restrict odd,
+                        double* __restrict lsf, double* __restrict by_s, double* __restrict by_v,
+                        double* __restrict by_q, double* __restrict cos, double* __restrict sin) {
+  const ReferenceShape shape = the_shape;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double f = f_cy_px[i], per_f = df[i] / (kPi * f);
+    const ReferenceOtf h = otf_of(shape, normal, f, {cos[i], sin[i]});
+    const SineCosine turn = sine_cosine(2.0 * kPi / kFinest * f);
+    odd[i] = per_f * h.value;
+    lsf[i] = 2.0 * df[i] * h.value;
+    by_s[i] = per_f * h.slope[0];
+    by_v[i] = per_f * h.slope[1];
+    by_q[i] = per_f * h.slope[2];
+    cos[i] = turn.cos;
+    sin[i] = turn.sin;
   }
-  // Rotation of a whole block, by three doublings.
-  double bc = phase.dc, bs = phase.ds;
-  for (int k = 1; k < kLanes; k *= 2) {
-    const double next = bc * bc - bs * bs;
-    bs = 2.0 * bc * bs;
-    bc = next;
-  }
-  for (int block = 0; block < blocks; ++block) {
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      odd[k] += weight[0] * s[k];
-      lsf[k] += weight[1] * c[k];
-      by_s[k] += weight[2] * s[k];
-      by_v[k] += weight[3] * s[k];
-      by_q[k] += weight[4] * s[k];
-      const double next = c[k] * bc - s[k] * bs;
-      s[k] = s[k] * bc + c[k] * bs;
-      c[k] = next;
-    }
-    odd += kLanes, lsf += kLanes, by_s += kLanes, by_v += kLanes, by_q += kLanes;
-  }
-  phase.c = c[0];
-  phase.s = s[0];
 }
 
 // A Gauss-Legendre rule in t, f = top t (2 - t): smooth at the cutoff, where D ends with the power 3/2.
-std::vector<Node> make_nodes(const ReferenceShape& shape, Point normal, double top_cy_px, double reach_px) {
+Nodes make_nodes(const ReferenceShape& shape, Point normal, double top_cy_px, double reach_px) {
   const double phase = 2.0 * kPi * top_cy_px * reach_px;
   const int wanted = static_cast<int>(0.5 * phase + std::cbrt(phase)) + 10;  // 1e-8
   const int n = std::min((wanted + 7) / 8 * 8, mtf::kMostGaussNodes);
   const mtf::GaussRule& rule = mtf::gauss_legendre(n);
-  std::vector<Node> nodes(static_cast<std::size_t>(n));
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
+  Nodes nodes(static_cast<std::size_t>(n));
+  std::vector<double> f_cy_px(nodes.size), df(nodes.size);
+  for (std::size_t i = 0; i < nodes.size; ++i) {
     const double t = 0.5 * (rule.node[i] + 1.0);
-    const double f = top_cy_px * t * (2.0 - t);
-    const double df = rule.weight[i] * top_cy_px * (1.0 - t);
-    const ReferenceOtf h = reference_otf(shape, normal, f);
-    Node& node = nodes[i];
-    node.weight[0] = df * h.value / (kPi * f);
-    node.weight[1] = df * h.value * 2.0;
-    for (std::size_t k = 0; k < kShapes; ++k) node.weight[2 + k] = df * h.slope[k] / (kPi * f);
-    node.cos = std::cos(2.0 * kPi * f / kFinest);
-    node.sin = std::sin(2.0 * kPi * f / kFinest);
+    f_cy_px[i] = top_cy_px * t * (2.0 - t);
+    df[i] = rule.weight[i] * top_cy_px * (1.0 - t);
+    const Pupil pupil = pupil_of(f_cy_px[i] * shape.s_px);
+    nodes.cos()[i] = pupil.value;
+    nodes.sin()[i] = pupil.root;
   }
+  fill(shape, normal, nodes.size, f_cy_px.data(), df.data(), nodes.weight(0), nodes.weight(1), nodes.weight(2),
+       nodes.weight(3), nodes.weight(4), nodes.cos(), nodes.sin());
   return nodes;
+}
+
+// How many blocks of kLanes knots of each zone are within reach.
+std::array<std::size_t, kZones> blocks_within(double reach_px) {
+  std::array<std::size_t, kZones> blocks{};
+  double start = 0.0;
+  for (std::size_t z = 0; z < kZones && start < reach_px; ++z) {
+    const DistanceZone& zone = kDistanceZones[z];
+    const double px = std::min(zone.end_px, reach_px) - start;
+    blocks[z] = static_cast<std::size_t>(std::ceil(px / (zone.step_px * static_cast<double>(kLanes))));
+    start = zone.end_px;
+  }
+  return blocks;
+}
+
+using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+
+struct Rows {
+  double *odd, *lsf, *by_s, *by_v, *by_q;
+};
+
+// Adds the frequencies from `first` on, `kTogether` of them. c and s are cos and sin of 2 pi f d at the knots of a
+// block.
+MTFKIT_CLONES void add_nodes(Nodes& nodes, std::size_t first, const std::array<std::size_t, kZones>& blocks,
+                             Rows rows) {
+  // Of 0, 1 .. steps of a zone, and at its first knot.
+  std::array<Lanes, kTogether> steps_c, steps_s, c, s;
+  std::array<double, kTogether> at_c, at_s, block_c, block_s;
+  for (std::size_t j = 0; j < kTogether; ++j) {
+    const double dc = nodes.cos()[first + j], ds = nodes.sin()[first + j];
+    double one_c = 1.0, one_s = 0.0;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      steps_c[j][k] = one_c;
+      steps_s[j][k] = one_s;
+      const double next = one_c * dc - one_s * ds;
+      one_s = one_s * dc + one_c * ds;
+      one_c = next;
+    }
+    at_c[j] = 1.0;
+    at_s[j] = 0.0;
+  }
+  double step_px = kDistanceZones[0].step_px;
+  for (std::size_t z = 0; z < kZones && blocks[z] > 0; ++z) {
+    for (; step_px < kDistanceZones[z].step_px; step_px *= 2.0)
+      for (std::size_t j = 0; j < kTogether; ++j) {
+        const Lanes twice = steps_c[j] * steps_c[j] - steps_s[j] * steps_s[j];
+        steps_s[j] = 2.0 * steps_c[j] * steps_s[j];
+        steps_c[j] = twice;
+      }
+    for (std::size_t j = 0; j < kTogether; ++j) {
+      c[j] = at_c[j] * steps_c[j] - at_s[j] * steps_s[j];
+      s[j] = at_s[j] * steps_c[j] + at_c[j] * steps_s[j];
+      const double last_c = steps_c[j][kLanes - 1], last_s = steps_s[j][kLanes - 1];
+      block_c[j] = last_c * steps_c[j][1] - last_s * steps_s[j][1];
+      block_s[j] = last_s * steps_c[j][1] + last_c * steps_s[j][1];
+    }
+    for (std::size_t block = 0; block < blocks[z]; ++block) {
+      Lanes odd, lsf, by_s, by_v, by_q;
+      std::memcpy(&odd, rows.odd, sizeof odd);
+      std::memcpy(&lsf, rows.lsf, sizeof lsf);
+      std::memcpy(&by_s, rows.by_s, sizeof by_s);
+      std::memcpy(&by_v, rows.by_v, sizeof by_v);
+      std::memcpy(&by_q, rows.by_q, sizeof by_q);
+      for (std::size_t j = 0; j < kTogether; ++j) {
+        odd += nodes.weight(0)[first + j] * s[j];
+        lsf += nodes.weight(1)[first + j] * c[j];
+        by_s += nodes.weight(2)[first + j] * s[j];
+        by_v += nodes.weight(3)[first + j] * s[j];
+        by_q += nodes.weight(4)[first + j] * s[j];
+        const Lanes next = c[j] * block_c[j] - s[j] * block_s[j];
+        s[j] = s[j] * block_c[j] + c[j] * block_s[j];
+        c[j] = next;
+      }
+      std::memcpy(rows.odd, &odd, sizeof odd);
+      std::memcpy(rows.lsf, &lsf, sizeof lsf);
+      std::memcpy(rows.by_s, &by_s, sizeof by_s);
+      std::memcpy(rows.by_v, &by_v, sizeof by_v);
+      std::memcpy(rows.by_q, &by_q, sizeof by_q);
+      rows = {rows.odd + kLanes, rows.lsf + kLanes, rows.by_s + kLanes, rows.by_v + kLanes, rows.by_q + kLanes};
+    }
+    for (std::size_t j = 0; j < kTogether; ++j) {
+      at_c[j] = c[j][0];
+      at_s[j] = s[j][0];
+    }
+  }
 }
 
 }  // namespace
@@ -100,18 +197,7 @@ ReferenceOtf reference_otf(const ReferenceShape& shape, double angle_rad, double
 }
 
 ReferenceOtf reference_otf(const ReferenceShape& shape, Point normal, double f_cy_px) {
-  const double x = f_cy_px * shape.s_px;
-  if (x >= 1.0) return {.value = 0.0};
-  const double root = x > 0.0 ? std::sqrt(1.0 - x * x) : 1.0;
-  const double pupil = x > 0.0 ? 2.0 / kPi * (std::acos(x) - x * root) : 1.0;
-  const double square = 2.0 * kPi * kPi * f_cy_px * f_cy_px;
-  const double gauss = std::exp(-square * shape.v_px2);
-  const mtf::ValueSlope a = footprint(f_cy_px * normal.x, shape.q_px2);
-  const mtf::ValueSlope b = footprint(f_cy_px * normal.y, shape.q_px2);
-  const double value = pupil * gauss * a.value * b.value;
-  return {.value = value,
-          .slope = {-4.0 / kPi * f_cy_px * root * gauss * a.value * b.value, -square * value,
-                    pupil * gauss * (a.slope * b.value + a.value * b.slope)}};
+  return otf_of(shape, normal, f_cy_px, pupil_of(f_cy_px * shape.s_px));
 }
 
 // By quadrature as far as the footprint, the Gaussian and the first rings of diffraction reach, by the first two terms
@@ -123,27 +209,12 @@ ReferenceTable tabulate(const ReferenceShape& shape, double angle_rad) {
   const double top = s > 0.0 ? std::min(1.0 / s, 1.0 / sigma) : 1.0 / sigma;  // exp(-2 pi^2) = 3e-9
   const double reach = std::min(kReach_px, 10.0 * s + 1.5 * std::sqrt(shape.q_px2) + 5.5 * sigma);
   ReferenceTable table;
-  std::size_t summed = 0;
-  for (const Node& node : make_nodes(shape, {std::cos(angle_rad), std::sin(angle_rad)}, top, reach)) {
-    Phase phase{.c = 1.0, .s = 0.0, .dc = node.cos, .ds = node.sin};
-    double start = 0.0, step = 1.0 / kFinest;
-    std::size_t first = 0;
-    for (const DistanceZone& zone : kDistanceZones) {
-      for (; step < zone.step_px; step *= 2.0) {
-        const double next = phase.dc * phase.dc - phase.ds * phase.ds;
-        phase.ds = 2.0 * phase.dc * phase.ds;
-        phase.dc = next;
-      }
-      const double end = std::min(zone.end_px, reach);
-      if (end <= start) break;
-      const int blocks = static_cast<int>(std::ceil((end - start) / (step * kLanes)));
-      add_zone(node.weight, phase, blocks, &table.odd[first], &table.lsf[first], &table.slope[0][first],
-               &table.slope[1][first], &table.slope[2][first]);
-      first += static_cast<std::size_t>(blocks * kLanes);
-      start = zone.end_px;
-    }
-    summed = first;
-  }
+  const Rows rows{table.odd.data(), table.lsf.data(), table.slope[0].data(), table.slope[1].data(),
+                  table.slope[2].data()};
+  const std::array<std::size_t, kZones> blocks = blocks_within(reach);
+  Nodes nodes = make_nodes(shape, {std::cos(angle_rad), std::sin(angle_rad)}, top, reach);
+  for (std::size_t first = 0; first < nodes.size; first += kTogether) add_nodes(nodes, first, blocks, rows);
+  const std::size_t summed = kLanes * std::accumulate(blocks.begin(), blocks.end(), std::size_t{0});
   const double b = 2.0 * kPi * kPi * shape.v_px2 + kPi * kPi * shape.q_px2 / 6.0;
   const double c = (2.0 / 3.0 * s * s * s + 4.0 * s * b) / kPi;
   constexpr double kNear = 2.0 / (kPi * kPi * kPi), kFar = 2.0 / (8.0 * kPi * kPi * kPi * kPi);
