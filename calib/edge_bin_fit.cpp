@@ -17,7 +17,7 @@ std::array<double, kHighestOrder + 1> square_of_shift(const Vector& step) {
   return square;
 }
 
-MTFKIT_CLONES void add(double factor, const double* __restrict row, double* __restrict sum) {
+MTFKIT_CLONES void add(double factor, const BinRow& __restrict row, BinRow& __restrict sum) {
   for (std::size_t i = 0; i < kBins; ++i) sum[i] += factor * row[i];
 }
 
@@ -27,23 +27,18 @@ FitState predict(const FitState& base, const EdgeModel& from, const EdgeModel& m
   FitState state;
   state.noise = base.noise;
   state.sums = base.sums.up_to(2 * order_of(rounds.unknowns));
-  StepProfile& profile = state.profile = make_profile(tabulate(model.shape, model.curve.angle_rad));
+  StepProfile& profile = state.profile = StepProfile(tabulate(model.shape, model.curve.angle_rad));
   profile.bend_first = std::max(profile.bend_first, base.profile.bend_first);  // where there are sums of high powers
   profile.bend_end = std::max(profile.bend_first, std::min(profile.bend_end, base.profile.bend_end));
-  const Basis basis(profile, model.contrast());
+  const Basis basis(profile, model.contrast(), rounds.unknowns);
   std::array<BinRow, kHighestOrder + 1> change{};  // of the model, by power of t
-  add(from.contrast(), profile.esf.data(), change[0].data());
-  add(-from.contrast(), base.profile.esf.data(), change[0].data());
+  add(from.contrast(), profile.esf(), change[0]);
+  add(-from.contrast(), base.profile.esf(), change[0]);
   for (int a = 0; a < kFirstShape; ++a)
-    if (step[a] != 0.0) add(step[a], basis.of(a).data(), change[static_cast<std::size_t>(basis_power(a))].data());
+    if (step[a] != 0.0) add(step[a] * basis.scale(a), basis.row(a), change[static_cast<std::size_t>(basis_power(a))]);
   const std::array<double, kHighestOrder + 1> square = square_of_shift(step);
-  BinRow bend;
-  for (std::size_t i = 0; i < kBins; ++i) bend[i] = model.contrast() * profile.cubic[i][2];
-  for (int k = 0; k <= kHighestOrder; ++k) {
-    const double factor = square[static_cast<std::size_t>(k)];
-    if (factor == 0.0) continue;
-    add(factor, bend.data(), change[static_cast<std::size_t>(k)].data());
-  }
+  for (std::size_t k = 0; k < square.size(); ++k)
+    if (square[k] != 0.0) add(model.contrast() * square[k], profile.cubic(2), change[k]);
   state.sums.take_from_residual(change, profile);
   assemble(state, model, rounds);
   return state;
@@ -74,8 +69,8 @@ bool foretold(const FitState& state, const EdgeModel& from, const FitState& near
   double chi2 = 0.0;
   for (int i = 0; i < kBins; ++i) {
     const auto bin = static_cast<std::size_t>(i);
-    const double width = DistanceBins::get().width(i), change = near.profile.lsf[bin] - state.profile.lsf[bin];
-    const double bend = 2.0 * near.profile.cubic[bin][2], third = near.profile.cubic[bin][3] * most_px * most_px;
+    const double width = DistanceBins::get().width(i), change = near.profile.lsf()[bin] - state.profile.lsf()[bin];
+    const double bend = 2.0 * near.profile.cubic(2)[bin], third = near.profile.cubic(3)[bin] * most_px * most_px;
     const double square =
         third * third * square_px2 + (bend * bend * square_px2 + change * change) * width * width / 12.0;
     chi2 += near.weight[bin] * near.sums.count(i) * square;

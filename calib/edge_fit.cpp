@@ -120,22 +120,6 @@ MTFKIT_CLONES double sum_of_products(const BinRow& a, const BinRow& b) {
   return total(sum);
 }
 
-MTFKIT_CLONES void fill_basis(const StepProfile& profile, const std::array<double, kBins + 1>& centre, double contrast,
-                              BinRow* rows) {
-  const double *esf = profile.esf.data(), *lsf = profile.lsf.data();
-  const double *by_s = profile.slope[0].data(), *by_v = profile.slope[1].data(), *by_q = profile.slope[2].data();
-  for (std::size_t i = 0; i < kBins; ++i) {
-    rows[0][i] = 1.0 - esf[i];
-    rows[1][i] = esf[i];
-    rows[2][i] = (1.0 - esf[i]) * centre[i];
-    rows[3][i] = esf[i] * centre[i];
-    rows[4][i] = -contrast * lsf[i];
-    rows[5][i] = contrast * by_s[i];
-    rows[6][i] = contrast * by_v[i];
-    rows[7][i] = contrast * by_q[i];
-  }
-}
-
 MTFKIT_CLONES void multiply(const BinRow& a, const BinRow& b, BinRow& product, std::size_t first, std::size_t end) {
   for (std::size_t i = first; i < end; ++i) product[i] = a[i] * b[i];
 }
@@ -180,13 +164,27 @@ int basis_power(int a) {
   return a < kFirstShape ? a - kFirstShift : 0;
 }
 
-Basis::Basis(const StepProfile& profile, double contrast) {
-  fill_basis(profile, DistanceBins::get().centres(), contrast, rows_.data());
+Basis::Basis(const StepProfile& profile, double contrast, const Unknowns& unknowns)
+    : profile_(profile), contrast_(contrast) {
+  for (std::size_t i = 0; i < kBins; ++i) dark_[i] = 1.0 - profile.esf()[i];
+  if (!unknowns[2] && !unknowns[3]) return;
+  const auto& centre = DistanceBins::get().centres();
+  for (std::size_t i = 0; i < kBins; ++i) {
+    dark_d_[i] = dark_[i] * centre[i];
+    bright_d_[i] = profile.esf()[i] * centre[i];
+  }
 }
 
-const BinRow& Basis::of(int a) const {
-  if (a >= kFirstShape) return rows_[kShift + 1 + static_cast<std::size_t>(a - kFirstShape)];
-  return rows_[a >= kFirstShift ? kShift : static_cast<std::size_t>(a % 4)];
+const BinRow& Basis::row(int a) const {
+  if (a >= kFirstShape) return profile_.slope(static_cast<std::size_t>(a - kFirstShape));
+  if (a >= kFirstShift) return profile_.lsf();
+  if (a == 2 || a == 3) return a == 2 ? dark_d_ : bright_d_;
+  return a % 2 == 0 ? dark_ : profile_.esf();
+}
+
+double Basis::scale(int a) const {
+  if (a >= kFirstShape) return contrast_;
+  return a >= kFirstShift ? -contrast_ : 1.0;
 }
 
 void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) {
@@ -204,17 +202,18 @@ void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) 
   std::array<BinRow, 2 * kHighestOrder + 1> moment;  // weighted
   for (int k = 0; k <= 2 * order_of(rounds.unknowns); ++k)
     multiply(state.weight, sums.moment(k), moment[static_cast<std::size_t>(k)], k < 3 ? 0 : first, k < 3 ? kBins : end);
-  const Basis basis(state.profile, model.contrast());
+  const Basis basis(state.profile, model.contrast(), rounds.unknowns);
   for (std::size_t j = 0; j < size; ++j) {
     const int a = static_cast<int>(list[j]), p = basis_power(a);
     const auto range = [&](bool bend) { return bend ? std::pair{first, end} : std::pair{std::size_t{0}, std::size_t{kBins}}; };
     const auto [from, to] = range(is_bend(a));
-    normal.gradient[a] = sum_of_products(basis.of(a), sums.residual(p), state.weight, from, to);
+    normal.gradient[a] = basis.scale(a) * sum_of_products(basis.row(a), sums.residual(p), state.weight, from, to);
     for (std::size_t k = 0; k <= j; ++k) {
       const int b = static_cast<int>(list[k]);
       const auto [start, stop] = range(is_bend(a) || is_bend(b));
-      normal.matrix(a, b) = normal.matrix(b, a) = sum_of_products(
-          basis.of(a), basis.of(b), moment[static_cast<std::size_t>(p + basis_power(b))], start, stop);
+      const BinRow& power = moment[static_cast<std::size_t>(p + basis_power(b))];
+      normal.matrix(a, b) = normal.matrix(b, a) =
+          basis.scale(a) * basis.scale(b) * sum_of_products(basis.row(a), basis.row(b), power, start, stop);
     }
   }
 }
@@ -239,7 +238,7 @@ NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitR
 
 FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRounds& rounds) {
   FitState state;
-  state.profile = make_profile(tabulate(model.shape, model.curve.angle_rad));
+  state.profile = StepProfile(tabulate(model.shape, model.curve.angle_rad));
   state.sums = accumulate(pixels, model, state.profile, order_of(rounds.unknowns), rounds.step);
   state.noise = noise_of(state.sums, state.profile, rounds);
   assemble(state, model, rounds);

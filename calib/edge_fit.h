@@ -34,12 +34,16 @@ struct NormalEquations {
 /// shift t^2 or higher in the bins that show bends, zero elsewhere.
 class Basis {
  public:
-  Basis(const StepProfile& profile, double contrast);
-  const BinRow& of(int a) const;
+  /// Of some unknowns; refers to the profile.
+  Basis(const StepProfile& profile, double contrast, const Unknowns& unknowns);
+  /// The function is scale(a) x row(a).
+  const BinRow& row(int a) const;
+  double scale(int a) const;
 
  private:
-  static constexpr std::size_t kShift = 4;              // 0 .. 3 are the levels, without t
-  std::array<BinRow, kShift + 1 + kShapes> rows_;  // then the shifts, then the shapes
+  const StepProfile& profile_;
+  double contrast_;
+  BinRow dark_, dark_d_, bright_d_;  // 1 - E; that and E, times d
 };
 int basis_power(int a);
 inline bool is_bend(int a) { return a >= kFirstShift + 2 && a < kFirstShape; }

@@ -25,7 +25,7 @@ struct Spreads {
 constexpr double kPlateau = 0.08;
 
 // What pixels of a bin differ by.
-MTFKIT_CLONES Spreads spreads(const EdgeSums& sums, const double* esf) {
+MTFKIT_CLONES Spreads spreads(const EdgeSums& sums, const BinRow& esf) {
   const BinRow &count = sums.moment(0), &residual = sums.residual(0), &square = sums.square();
   std::array<std::array<double, kLot>, 3> sum{}, dof{};
   for (std::size_t i = 0; i < kBins; i += kLot)
@@ -50,7 +50,7 @@ MTFKIT_CLONES Spreads spreads(const EdgeSums& sums, const double* esf) {
 }
 
 // What pixels on the edge are expected to differ by, in sum.
-MTFKIT_CLONES double expected_on_edge(const EdgeSums& sums, const double* esf, const NoiseModel& noise) {
+MTFKIT_CLONES double expected_on_edge(const EdgeSums& sums, const BinRow& esf, const NoiseModel& noise) {
   const BinRow& count = sums.moment(0);
   std::array<double, kLot> sum{};
   for (std::size_t i = 0; i < kBins; i += kLot)
@@ -61,14 +61,14 @@ MTFKIT_CLONES double expected_on_edge(const EdgeSums& sums, const double* esf, c
   return std::accumulate(sum.begin(), sum.end(), 0.0);
 }
 
-MTFKIT_CLONES void fill_variances(const NoiseModel& noise, const double* esf, BinRow& variance) {
+MTFKIT_CLONES void fill_variances(const NoiseModel& noise, const BinRow& esf, BinRow& variance) {
   for (std::size_t i = 0; i < kBins; ++i) variance[i] = noise.at(esf[i]);
 }
 
 }  // namespace
 
 NoiseModel estimate_noise(const EdgeSums& sums, const StepProfile& profile, double least, const Rounding& rounding) {
-  const auto [dark, edge, bright] = spreads(sums, profile.esf.data());
+  const auto [dark, edge, bright] = spreads(sums, profile.esf());
   NoiseModel noise{.least_dark = std::max(least, rounding.dark * rounding.dark / 12.0),
                    .least_bright = std::max(least, rounding.bright * rounding.bright / 12.0)};
   constexpr double kFewest = 20.0;
@@ -81,7 +81,7 @@ NoiseModel estimate_noise(const EdgeSums& sums, const StepProfile& profile, doub
   }
   // Across the edge the same pixels may show more: rounding that the plateaus hide.
   if (edge.dof < kFewest) return noise;
-  const double expected = expected_on_edge(sums, profile.esf.data(), noise);
+  const double expected = expected_on_edge(sums, profile.esf(), noise);
   if (edge.sum > expected * (1.0 + 5.0 * edge.error())) {
     noise.dark *= edge.sum / expected;
     noise.bright *= edge.sum / expected;
@@ -91,7 +91,7 @@ NoiseModel estimate_noise(const EdgeSums& sums, const StepProfile& profile, doub
 
 BinRow variances(const NoiseModel& noise, const StepProfile& profile) {
   BinRow variance;
-  fill_variances(noise, profile.esf.data(), variance);
+  fill_variances(noise, profile.esf(), variance);
   return variance;
 }
 
@@ -100,13 +100,13 @@ BinRow pixel_weights(const EdgeSums& sums, const EdgeModel& model, const StepPro
   constexpr double kLong = 0.25;  // of the blur's width
   BinRow weight = variances(noise, profile);
   for (double& one : weight) one = 1.0 / one;
-  const double long_px = kLong / std::max(1e-3, std::abs(profile.lsf[kSideBins]));
+  const double long_px = kLong / std::max(1e-3, std::abs(profile.lsf()[kSideBins]));
   const auto share = [&](bool bright, double step, double variance) {
     const double dither = std::max(0.0, variance / (step * step) - 1.0 / 12.0);
     const double shared = step * step / 12.0 * std::exp(-4.0 * std::numbers::pi * std::numbers::pi * dither);
     const auto bin = [&](int k) { return bright ? kBins - 1 - k : k; };  // from the far end inwards
     const auto step_of = [&](int k) {
-      const double esf = profile.esf[static_cast<std::size_t>(bin(k))];
+      const double esf = profile.esf()[static_cast<std::size_t>(bin(k))];
       return std::round(2.0 * model.contrast() * (bright ? 1.0 - esf : esf) / step);
     };
     for (int first = 0, last = 0; first < kSideBins; first = last) {

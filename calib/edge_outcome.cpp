@@ -108,7 +108,7 @@ double local_noise(mtf::ImageView<const float> image, const Roi& roi, const Regi
 EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model, double local_noise_sd) {
   const DistanceBins& bins = DistanceBins::get();
   EdgeFacts facts{.length_px = 2.0 * model.curve.half_length_px, .local_noise_sd = local_noise_sd};
-  facts.width_px = 1.0 / std::max(1e-3, state.profile.lsf[kSideBins]);
+  facts.width_px = 1.0 / std::max(1e-3, state.profile.lsf()[kSideBins]);
   facts.contrast = model.contrast();
   facts.noise_sd = std::sqrt(state.noise.at(0.5));
   double dark = 0.0, bright = 0.0, plateau = 0.0, squares = 0.0;
@@ -169,7 +169,7 @@ std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const St
     const double d =
         locate(model.curve, {pixels.x()[i], pixels.y()[i]}).distance_px;
     const bool inside = std::abs(d) < kReach_px;
-    const double esf = inside ? profile.esf[static_cast<std::size_t>(bins.index(d))] : d > 0.0;
+    const double esf = inside ? profile.esf()[static_cast<std::size_t>(bins.index(d))] : d > 0.0;
     const double expected = model.level[0] + model.contrast() * esf;
     far[i] = std::abs(pixels.value()[i] - expected) > limit;
     window[i] = inside ? static_cast<std::size_t>((d + kReach_px) * kWindows) : kCount - 1;

@@ -46,7 +46,7 @@ MTFKIT_CLONES void look_up(const std::array<double, 4>* __restrict cubic, const 
   const std::size_t size = chunk.size;
   for (std::size_t k = 0; k < size; ++k) {
     const int i = bins.at_step(chunk.bin[k]);
-    const std::array<double, 4>& c = cubic[static_cast<std::size_t>(i)];
+    const std::array<double, 4>& c = cubic[i];
     const double x = chunk.distance[k] - bins.centre(i);
     chunk.bin[k] = i;
     chunk.esf[k] = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
@@ -131,34 +131,6 @@ MTFKIT_CLONES void take_rows(const std::array<BinRow, kHighestOrder + 1>& change
   }
 }
 
-// How much of the second difference goes into the value halfway between knots: that of the cubic through four where
-// they are evenly spaced, of the straight line elsewhere.
-constexpr std::array<double, kSideBins> bulges() {
-  std::array<double, kSideBins> bulge{};
-  std::size_t i = 0;
-  double from = 0.0;
-  for (const DistanceZone& zone : kDistanceZones) {
-    const auto count = static_cast<std::size_t>((zone.end_px - from) / zone.step_px);
-    for (std::size_t k = 0; k < count; ++k) bulge[i + k] = (k > 0 || i == 0) && k + 1 < count ? 0.0625 : 0.0;
-    i += count;
-    from = zone.end_px;
-  }
-  return bulge;
-}
-
-// An odd function halfway between knots, on both sides.
-void halfway(const std::array<double, kSideBins + 1>& values, double* out) {
-  static constexpr std::array<double, kSideBins> kBulge = bulges();
-  const auto put = [&](std::size_t i, double before, double after) {
-    const double sum = values[i] + values[i + 1], value = 0.5 * sum + kBulge[i] * (sum - before - after);
-    out[kSideBins + i] = value;
-    out[kSideBins - 1 - i] = -value;
-  };
-  put(0, -values[1], values[2]);
-  for (std::size_t i = 1; i + 1 < kSideBins; ++i) put(i, values[i - 1], values[i + 2]);
-  put(kSideBins - 1, values[kSideBins - 2], values[kSideBins]);
-}
-
 }  // namespace
 
 EdgeSums EdgeSums::up_to(int order) const {
@@ -186,43 +158,6 @@ double EdgeSums::pure_error(int i) const {
   return n > 1.0 ? std::max(0.0, square()[at] - r * r / n) : 0.0;
 }
 
-StepProfile make_profile(const ReferenceTable& table) {
-  const DistanceBins& bins = DistanceBins::get();
-  StepProfile profile;
-  profile.cubic.resize(kBins + 1);
-  for (auto* list : {&profile.esf, &profile.lsf, &profile.slope[0], &profile.slope[1], &profile.slope[2]})
-    list->resize(kBins);
-  for (int side = 0; side < kSideBins; ++side) {
-    const auto a = static_cast<std::size_t>(side);
-    const double h = bins.width(kSideBins + side);
-    // The cubic through values and slopes at both ends, about the middle.
-    const double mean = 0.5 * (table.odd[a] + table.odd[a + 1]), rise = (table.odd[a + 1] - table.odd[a]) / h;
-    const double bend = (table.lsf[a + 1] - table.lsf[a]) / h, slope = 0.5 * (table.lsf[a] + table.lsf[a + 1]);
-    const double c0 = mean - h * h * bend / 8.0, c1 = 1.5 * rise - 0.5 * slope;
-    const double c2 = 0.5 * bend, c3 = 2.0 / (h * h) * (slope - rise);
-    const auto bright = static_cast<std::size_t>(kSideBins + side),
-               dark = static_cast<std::size_t>(kSideBins - 1 - side);
-    profile.cubic[bright] = {0.5 + c0, c1, c2, c3};
-    profile.cubic[dark] = {0.5 - c0, c1, -c2, c3};
-    for (const auto i : {bright, dark}) {
-      profile.esf[i] = profile.cubic[i][0];
-      profile.lsf[i] = c1;
-    }
-  }
-  for (std::size_t k = 0; k < kShapes; ++k) halfway(table.slope[k], profile.slope[k].data());
-  find_bend_bins(profile);
-  return profile;
-}
-
-void find_bend_bins(StepProfile& profile) {
-  const double least = 1e-3 * std::abs(profile.lsf[kSideBins]);
-  const auto seen = [least](double value) { return std::abs(value) > least; };
-  const auto first = std::find_if(profile.lsf.begin(), profile.lsf.end(), seen);
-  const auto last = std::find_if(profile.lsf.rbegin(), profile.lsf.rend(), seen);
-  profile.bend_first = static_cast<int>(first - profile.lsf.begin()) / kLot * kLot;
-  profile.bend_end = (static_cast<int>(profile.lsf.rend() - last) + kLot - 1) / kLot * kLot;
-}
-
 EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, int order,
                     std::size_t step) {
   const double per_length = 1.0 / model.curve.half_length_px;
@@ -231,6 +166,10 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
   // One cache line a bin, and one more bin for pixels out of reach.
   constexpr std::size_t kPlain = 8, kBent = 12;
   alignas(64) std::array<double, (kBins + 1) * kPlain> plain{};
+  alignas(64) std::array<std::array<double, 4>, kBins + 1> cubic;
+  for (std::size_t i = 0; i < kBins; ++i)
+    cubic[i] = {profile.cubic(0)[i], profile.cubic(1)[i], profile.cubic(2)[i], profile.cubic(3)[i]};
+  cubic[kBins] = {};
   std::vector<double> bent(static_cast<std::size_t>(bent_bins) * kBent);
   Chunk chunk;
   for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
@@ -239,7 +178,7 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
     bend_all(model.curve, {chunk.distance.data(), chunk.size}, {chunk.along.data(), chunk.size});
     for (std::size_t k = 0; k < chunk.size; ++k) chunk.along[k] *= per_length;
     count_steps(chunk.distance.data(), chunk.bin.data(), chunk.size);
-    look_up(profile.cubic.data(), DistanceBins::get(), chunk);
+    look_up(cubic.data(), DistanceBins::get(), chunk);
     subtract_model(model.level, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
                    chunk.size);
     add_plain(chunk, plain.data());

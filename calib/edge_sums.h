@@ -15,7 +15,7 @@
 #include "calib/distance_bins.h"
 #include "calib/edge_curve.h"
 #include "calib/edge_pixels.h"
-#include "calib/reference_step.h"
+#include "calib/step_profile.h"
 
 namespace calib {
 
@@ -28,19 +28,6 @@ struct EdgeModel {
   ReferenceShape shape;
   double contrast() const { return level[1] - level[0]; }
 };
-
-/// E(d) as a cubic a bin, and at the middle of each bin E, the line spread and the derivatives by the shape.
-struct StepProfile {
-  std::vector<std::array<double, 4>> cubic;  ///< in d - centre; one more for what is out of reach
-  std::vector<double> esf, lsf;
-  std::array<std::vector<double>, kShapes> slope;
-  /// The bins [first, end) outside which the line spread is below a thousandth of that at the edge, in whole lots: where
-  /// bends of the edge are seen. Their derivatives, the terms t^2 and higher, count as zero elsewhere.
-  int bend_first = 0, bend_end = kBins;
-  bool shows_bends(int i) const { return i >= bend_first && i < bend_end; }
-};
-StepProfile make_profile(const ReferenceTable& table);
-void find_bend_bins(StepProfile& profile);
 
 /// Sums by bins of d, a row a sum: of r^2, of t^k up to t^2 and of r t^k up to r t. Of an `order` above 1 also of t^k up
 /// to 2 order and of r t^k up to order, in the bins that show bends.

@@ -65,7 +65,7 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
     double value;
   };
   std::vector<Active> active;
-  const Basis basis(state.profile, model.contrast());
+  const Basis basis(state.profile, model.contrast(), Unknowns().set());
   // Sums over a bin and its mirror image for even pairs, differences for odd ones.
   struct Sided {
     VectorXd column;
@@ -87,10 +87,10 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
     if (n_b == 0.0 && n_d == 0.0) continue;
     for (Eigen::Index k = 0; k < fixed; ++k) {
       const int unknown = unknowns[static_cast<std::size_t>(k)];
-      const BinRow &row = basis.of(unknown), &moment = state.sums.moment(basis_power(unknown));
+      const BinRow &row = basis.row(unknown), &moment = state.sums.moment(basis_power(unknown));
       const auto term = [&](int i, double weight) {
         const bool zero = is_bend(unknown) && !state.profile.shows_bends(i);
-        return zero ? 0.0 : weight * row[static_cast<std::size_t>(i)] * moment[static_cast<std::size_t>(i)];
+        return zero ? 0.0 : basis.scale(unknown) * weight * row[static_cast<std::size_t>(i)] * moment[static_cast<std::size_t>(i)];
       };
       const double b = term(bright, weight_b), a = term(dark, weight_d);
       even.column[k] = b + a;

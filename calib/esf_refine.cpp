@@ -11,19 +11,19 @@ namespace {
 
 // Changes of E and of its slope, the line spread, at the middle of each bin.
 struct Change {
-  std::vector<double> esf, lsf;
+  BinRow esf{}, lsf{};
 };
 
 // `taken`: how much of the changes the model moves by; the rest stays with the step.
 Change change_of(const StepProfile& reference, const JointFit& joint, const Vector& taken) {
   const DistanceBins& bins = DistanceBins::get();
-  Change change{std::vector<double>(kBins), std::vector<double>(kBins)};
+  Change change;
   for (std::size_t i = 0; i < joint.unknowns.size(); ++i) {
     const int a = joint.unknowns[i];
     if (a < kFirstShape && a != kFirstShift) continue;
     const double left = joint.contrast_ratio * joint.value[static_cast<Eigen::Index>(i)] - taken[a];
     const bool offset = a == kFirstShift;
-    const auto& slope = offset ? reference.lsf : reference.slope[static_cast<std::size_t>(a - kFirstShape)];
+    const auto& slope = offset ? reference.lsf() : reference.slope(static_cast<std::size_t>(a - kFirstShape));
     const double value = offset ? -left : left;
     for (int b = 0; b < kBins; ++b) {
       const auto at = static_cast<std::size_t>(b), before = at - (b > 0), after = at + (b + 1 < kBins);
@@ -68,16 +68,13 @@ StepProfile corrected_profile(const StepProfile& reference, const JointFit& join
   const Change change = change_of(reference, joint, taken);
   const DistanceBins& bins = DistanceBins::get();
   StepProfile profile = reference;
+  BinRow c2;
   for (std::size_t i = 0; i < kBins; ++i) {
     const std::size_t before = i - (i > 0), after = i + (i + 1 < kBins);
     const double apart = bins.centre(static_cast<int>(after)) - bins.centre(static_cast<int>(before));
-    profile.esf[i] += change.esf[i];
-    profile.lsf[i] += change.lsf[i];
-    profile.cubic[i][0] += change.esf[i];
-    profile.cubic[i][1] += change.lsf[i];
-    profile.cubic[i][2] += 0.5 * (change.lsf[after] - change.lsf[before]) / apart;
+    c2[i] = 0.5 * (change.lsf[after] - change.lsf[before]) / apart;
   }
-  find_bend_bins(profile);
+  profile.correct(change.esf, change.lsf, c2);
   return profile;
 }
 
@@ -90,11 +87,11 @@ FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& referen
   next.profile = corrected_profile(reference, joint, step);
   next.sums = accumulate(pixels, model, next.profile, order_of(rounds.unknowns));
   next.noise = noise_of(next.sums, next.profile, rounds);
-  reference = make_profile(tabulate(model.shape, model.curve.angle_rad));
+  reference = StepProfile(tabulate(model.shape, model.curve.angle_rad));
   std::array<BinRow, kHighestOrder + 1> change{};
-  for (std::size_t i = 0; i < kBins; ++i) change[0][i] = model.contrast() * (reference.esf[i] - next.profile.esf[i]);
+  for (std::size_t i = 0; i < kBins; ++i) change[0][i] = model.contrast() * (reference.esf()[i] - next.profile.esf()[i]);
   next.sums.take_from_residual(change, next.profile);
-  next.profile.slope = reference.slope;
+  next.profile.set_slopes(reference);
   assemble(next, model, rounds);
   next.converged = true;
   return next;
