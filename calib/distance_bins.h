@@ -22,7 +22,7 @@ inline constexpr int kSideBins = 64 + 64 + 48 + 24 + 24 + 24;
 inline constexpr int kBins = 2 * kSideBins;  ///< rising distance: the dark side's first
 inline constexpr int kLot = 16;              ///< bins that loops take together
 static_assert(kBins % kLot == 0);
-using BinRow = std::array<double, kBins>;    ///< a number for each bin
+using BinRow = std::array<double, kBins>;  ///< a number for each bin
 
 class DistanceBins {
  public:

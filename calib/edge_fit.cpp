@@ -205,7 +205,9 @@ void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) 
   const Basis basis(state.profile, model.contrast(), rounds.unknowns);
   for (std::size_t j = 0; j < size; ++j) {
     const int a = static_cast<int>(list[j]), p = basis_power(a);
-    const auto range = [&](bool bend) { return bend ? std::pair{first, end} : std::pair{std::size_t{0}, std::size_t{kBins}}; };
+    const auto range = [&](bool bend) {
+      return bend ? std::pair{first, end} : std::pair{std::size_t{0}, std::size_t{kBins}};
+    };
     const auto [from, to] = range(is_bend(a));
     normal.gradient[a] = basis.scale(a) * sum_of_products(basis.row(a), sums.residual(p), state.weight, from, to);
     for (std::size_t k = 0; k <= j; ++k) {

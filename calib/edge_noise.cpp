@@ -44,7 +44,8 @@ MTFKIT_CLONES Spreads spreads(const EdgeSums& sums, const BinRow& esf) {
       dof[2][k] += bright * more;
     }
   const auto spread = [&](std::size_t j) {
-    return Spread{std::accumulate(sum[j].begin(), sum[j].end(), 0.0), std::accumulate(dof[j].begin(), dof[j].end(), 0.0)};
+    return Spread{std::accumulate(sum[j].begin(), sum[j].end(), 0.0),
+                  std::accumulate(dof[j].begin(), dof[j].end(), 0.0)};
   };
   return {spread(0), spread(1), spread(2)};
 }

@@ -35,7 +35,7 @@ BinRow variances(const NoiseModel& noise, const StepProfile& profile);
 /// up: all n of a plateau then share one error, of variance step^2 / 12 x exp(-4 pi^2 noise^2 / step^2) (the first
 /// harmonic of rounding, B. Widrow and I. Kollar, Quantization Noise, 2008), and tell no more than one of them would;
 /// each counts with 1 / (variance + n x that).
-BinRow pixel_weights(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile,
-                     const NoiseModel& noise, const Rounding& rounding);
+BinRow pixel_weights(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile, const NoiseModel& noise,
+                     const Rounding& rounding);
 
 }  // namespace calib

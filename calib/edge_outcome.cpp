@@ -51,8 +51,7 @@ MTFKIT_CLONES Ends ends_of(const double* values, std::size_t n) {
       low[k] = values[i + k] < low[k] ? values[i + k] : low[k];
       high[k] = values[i + k] > high[k] ? values[i + k] : high[k];
     }
-  double least = *std::min_element(low.begin(), low.end()),
-         most = *std::max_element(high.begin(), high.end());
+  double least = *std::min_element(low.begin(), low.end()), most = *std::max_element(high.begin(), high.end());
   for (std::size_t i = whole; i < n; ++i) least = std::min(least, values[i]), most = std::max(most, values[i]);
   above.fill(most);
   below.fill(least);
@@ -67,8 +66,7 @@ MTFKIT_CLONES Ends ends_of(const double* values, std::size_t n) {
   for (std::size_t i = whole; i < n; ++i) take(0, values[i]);
   return {std::accumulate(at_low.begin(), at_low.end(), std::ptrdiff_t{0}),
           std::accumulate(at_high.begin(), at_high.end(), std::ptrdiff_t{0}),
-          *std::min_element(above.begin(), above.end()) - least,
-          most - *std::max_element(below.begin(), below.end())};
+          *std::min_element(above.begin(), above.end()) - least, most - *std::max_element(below.begin(), below.end())};
 }
 
 }  // namespace
@@ -166,8 +164,7 @@ std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const St
   std::vector<bool> far(pixels.size());
   std::array<double, kCount> all{}, apart{};
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const double d =
-        locate(model.curve, {pixels.x()[i], pixels.y()[i]}).distance_px;
+    const double d = locate(model.curve, {pixels.x()[i], pixels.y()[i]}).distance_px;
     const bool inside = std::abs(d) < kReach_px;
     const double esf = inside ? profile.esf()[static_cast<std::size_t>(bins.index(d))] : d > 0.0;
     const double expected = model.level[0] + model.contrast() * esf;

@@ -162,7 +162,8 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
       }
     return Point{x / n, y / n};
   };
-  EdgePixels blocks(static_cast<std::size_t>((roi.width + block_px - 1) / block_px * ((roi.height + block_px - 1) / block_px)));
+  EdgePixels blocks(
+      static_cast<std::size_t>((roi.width + block_px - 1) / block_px * ((roi.height + block_px - 1) / block_px)));
   std::vector<double> column(static_cast<std::size_t>(roi.width));
   for (std::int64_t top = 0; top < roi.height; top += block_px) {
     const std::int64_t bottom = std::min(top + block_px, roi.height);

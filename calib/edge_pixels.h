@@ -12,9 +12,9 @@
 
 namespace calib {
 
-/// Positions in pixels from the middle of the region, values less `offset` over `scale`, so that sums of squares neither
-/// overflow nor lose their digits. Three lists in one piece of memory: the C library hands pieces that are smaller back
-/// to the system after each edge, to ask for them again page by page.
+/// Positions in pixels from the middle of the region, values less `offset` over `scale`, so that sums of squares
+/// neither overflow nor lose their digits. Three lists in one piece of memory: the C library hands pieces that are
+/// smaller back to the system after each edge, to ask for them again page by page.
 class EdgePixels {
  public:
   explicit EdgePixels(std::size_t most) : most_(most), data_(std::make_unique_for_overwrite<double[]>(3 * most)) {}

@@ -2,10 +2,12 @@
 #include "calib/edge_start.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "calib/edge_fit.h"
+#include "mtf/engines/clones.h"
 
 namespace calib {
 namespace {
@@ -20,43 +22,67 @@ struct Division {
   double below = 0.0, above = 0.0;
 };
 
-Division divide(const EdgePixels& blocks, double angle_rad, double radius) {
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad), per_strip = 0.5 * kStrips / radius;
-  std::array<double, kStrips> count{}, sum{};
-  const std::size_t step = (blocks.size() + kMostSamples - 1) / kMostSamples;
-  double n = 0.0, total = 0.0;
-  for (std::size_t i = 0; i < blocks.size(); i += step) {
-    const double x = blocks.x()[i], y = blocks.y()[i];
-    const double strip = (c * x + s * y + radius) * per_strip;
-    const auto k = static_cast<std::size_t>(std::clamp(strip, 0.0, kStrips - 1.0));
-    count[k] += 1.0;
-    sum[k] += blocks.value()[i];
-    n += 1.0;
-    total += blocks.value()[i];
+// Some of the blocks.
+struct Samples {
+  std::array<double, kMostSamples> x, y, value;
+  std::size_t size = 0;
+  double total = 0.0;
+};
+
+// Which strip each sample lies in.
+MTFKIT_CLONES void find_strips(const Samples& samples, double c, double s, double radius,
+                               std::array<std::int32_t, kMostSamples>& strip) {
+  const double per_strip = 0.5 * kStrips / radius;
+  const std::size_t size = samples.size;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double at = (c * samples.x[i] + s * samples.y[i] + radius) * per_strip;
+    strip[i] = static_cast<std::int32_t>(std::clamp(at, 0.0, kStrips - 1.0));
+  }
+}
+
+Division divide(const Samples& samples, double angle_rad, double radius) {
+  struct Strip {
+    double count = 0.0, sum = 0.0;
+  };
+  std::array<std::int32_t, kMostSamples> strip;
+  find_strips(samples, std::cos(angle_rad), std::sin(angle_rad), radius, strip);
+  std::array<Strip, kStrips> strips{};
+  for (std::size_t i = 0; i < samples.size; ++i) {
+    Strip& one = strips[static_cast<std::size_t>(strip[i])];
+    one.count += 1.0;
+    one.sum += samples.value[i];
   }
   Division best{.angle_rad = angle_rad};
+  const auto n = static_cast<double>(samples.size);
   double n1 = 0.0, sum1 = 0.0;
   for (std::size_t k = 0; k + 1 < kStrips; ++k) {
-    n1 += count[k];
-    sum1 += sum[k];
-    if (count[k] == 0.0 || n1 == n) continue;
-    const double a = sum1 / n1, b = (total - sum1) / (n - n1);
+    n1 += strips[k].count;
+    sum1 += strips[k].sum;
+    if (strips[k].count == 0.0 || n1 == n) continue;
+    const double a = sum1 / n1, b = (samples.total - sum1) / (n - n1);
     const double score = n1 * (n - n1) / n * (b - a) * (b - a);
-    if (score > best.score) best = {score, angle_rad, (static_cast<double>(k) + 1.0) / per_strip - radius, a, b};
+    if (score > best.score)
+      best = {score, angle_rad, (static_cast<double>(k) + 1.0) * 2.0 * radius / kStrips - radius, a, b};
   }
   return best;
 }
 
 Division best_division(const EdgePixels& blocks) {
-  double square = 1.0;
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    const double x = blocks.x()[i], y = blocks.y()[i];
-    square = std::max(square, x * x + y * y);
+  Samples samples;
+  const std::size_t step = (blocks.size() + kMostSamples - 1) / kMostSamples;
+  for (std::size_t i = 0; i < blocks.size(); i += step) {
+    samples.x[samples.size] = blocks.x()[i];
+    samples.y[samples.size] = blocks.y()[i];
+    samples.value[samples.size++] = blocks.value()[i];
+    samples.total += blocks.value()[i];
   }
+  double square = 1.0;
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    square = std::max(square, blocks.x()[i] * blocks.x()[i] + blocks.y()[i] * blocks.y()[i]);
   const double radius = std::sqrt(square);
   Division best;
   for (int k = 0; k < kDirections; ++k) {
-    const Division one = divide(blocks, std::numbers::pi * k / kDirections, radius);
+    const Division one = divide(samples, std::numbers::pi * k / kDirections, radius);
     if (one.score > best.score) best = one;
   }
   return best;

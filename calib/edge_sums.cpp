@@ -17,6 +17,7 @@ constexpr std::size_t kChunk = 128;
 struct Chunk {
   std::array<double, kChunk> distance, along;  // px, then parts of the half length
   std::array<double, kChunk> esf, residual;    // residual: the value, then less the model
+  std::array<double, kChunk> offset;           // from the bin's centre
   std::array<std::int32_t, kChunk> bin;        // kBins for pixels out of reach
   std::size_t size = 0;
 };
@@ -49,6 +50,7 @@ MTFKIT_CLONES void look_up(const std::array<double, 4>* __restrict cubic, const 
     const std::array<double, 4>& c = cubic[i];
     const double x = chunk.distance[k] - bins.centre(i);
     chunk.bin[k] = i;
+    chunk.offset[k] = x;
     chunk.esf[k] = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
   }
 }
@@ -65,21 +67,19 @@ MTFKIT_CLONES void subtract_model(const std::array<double, kLevels>& level, cons
 }
 
 using Four [[gnu::vector_size(4 * sizeof(double))]] = double;
-using Two [[gnu::vector_size(2 * sizeof(double))]] = double;
 
-// 1, t, t^2, r and r t, r^2: the first four as products of two rows of 0, 1, t and r.
+// 1, t, t^2, r and r t, r^2, d - centre: the first four as products of two rows of 0, 1, t and r.
 MTFKIT_CLONES void add_plain(const Chunk& chunk, double* sums) {
   constexpr Four kOne{1, 0, 0, 0}, kT{0, 1, 1, 0}, kR{0, 0, 0, 1}, kOtherOne{1, 1, 0, 1}, kOtherT{0, 0, 1, 0};
   const std::size_t size = chunk.size;
   for (std::size_t k = 0; k < size; ++k) {
     const double t = chunk.along[k], r = chunk.residual[k];
     double* s = sums + 8 * static_cast<std::ptrdiff_t>(chunk.bin[k]);
-    Four first;
-    Two second;
+    Four first, second;
     std::memcpy(&first, s, sizeof first);
     std::memcpy(&second, s + 4, sizeof second);
     first += (kOne + kT * t + kR * r) * (kOtherOne + kOtherT * t);
-    second += Two{t, r} * r;
+    second += Four{t * r, r * r, chunk.offset[k], 0.0};
     std::memcpy(s, &first, sizeof first);
     std::memcpy(s + 4, &second, sizeof second);
   }
@@ -135,7 +135,7 @@ MTFKIT_CLONES void take_rows(const std::array<BinRow, kHighestOrder + 1>& change
 
 EdgeSums EdgeSums::up_to(int order) const {
   EdgeSums part;
-  part.rows_.assign(rows_.begin(), rows_.begin() + std::min<std::ptrdiff_t>(3 * (order + 1), std::ssize(rows_)));
+  part.rows_.assign(rows_.begin(), rows_.begin() + static_cast<std::ptrdiff_t>(std::min(rows_of(order), rows_.size())));
   return part;
 }
 
@@ -145,7 +145,8 @@ void EdgeSums::take_from_residual(const std::array<BinRow, kHighestOrder + 1>& c
   for (int k = 0; k <= 2 * order(); ++k) moments[static_cast<std::size_t>(k)] = &moment(k);
   for (int k = 0; k <= order(); ++k) residuals[static_cast<std::size_t>(k)] = &rows_[residual_row(k)];
   const auto take = [&](int first, int end, int highest) {
-    take_rows(change, moments, residuals, rows_[0], static_cast<std::size_t>(first), static_cast<std::size_t>(end), static_cast<std::size_t>(highest));
+    take_rows(change, moments, residuals, rows_[1], static_cast<std::size_t>(first), static_cast<std::size_t>(end),
+              static_cast<std::size_t>(highest));
   };
   take(0, profile.bend_first, 1);
   take(profile.bend_first, profile.bend_end, order());
@@ -185,10 +186,12 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
     if (order > 1) add_bent(chunk, first_bent, bent_bins, bent.data());
   }
   EdgeSums sums;
-  sums.rows_.resize(3 * static_cast<std::size_t>(order > 1 ? kHighestOrder + 1 : 2));
+  sums.rows_.resize(EdgeSums::rows_of(order > 1 ? kHighestOrder : 1));
   const auto moment = [&](int k) { return sums.rows_[EdgeSums::moment_row(k)].data(); };
   const auto residual = [&](int k) { return sums.rows_[EdgeSums::residual_row(k)].data(); };
-  turn<kPlain, 6>(plain.data(), 0, kBins, {moment(0), moment(1), moment(2), residual(0), residual(1), sums.rows_[0].data()});
+  turn<kPlain, 7>(
+      plain.data(), 0, kBins,
+      {moment(0), moment(1), moment(2), residual(0), residual(1), sums.rows_[1].data(), sums.rows_[0].data()});
   if (order > 1)
     turn<kBent, kBent>(bent.data(), first_bent, profile.bend_end,
                        {moment(3), moment(4), moment(5), moment(6), moment(7), moment(8), moment(9), moment(10),

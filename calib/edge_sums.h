@@ -29,28 +29,31 @@ struct EdgeModel {
   double contrast() const { return level[1] - level[0]; }
 };
 
-/// Sums by bins of d, a row a sum: of r^2, of t^k up to t^2 and of r t^k up to r t. Of an `order` above 1 also of t^k up
-/// to 2 order and of r t^k up to order, in the bins that show bends.
+/// Sums by bins of d, a row a sum: of d less the bin's centre, of r^2, of t^k up to t^2 and of r t^k up to r t. Of an
+/// `order` above 1 also of t^k up to 2 order and of r t^k up to order, in the bins that show bends.
 class EdgeSums {
  public:
-  const BinRow& square() const { return rows_[0]; }                                                       ///< of r^2
-  const BinRow& moment(int k) const { return rows_[moment_row(k)]; }                                      ///< of t^k
-  const BinRow& residual(int k) const { return rows_[residual_row(k)]; }                                  ///< of r t^k
-  double count(int i) const { return rows_[1][static_cast<std::size_t>(i)]; }
-  int order() const { return static_cast<int>(rows_.size()) / 3 - 1; }
+  const BinRow& offset() const { return rows_[0]; }                       ///< of d - centre
+  const BinRow& square() const { return rows_[1]; }                       ///< of r^2
+  const BinRow& moment(int k) const { return rows_[moment_row(k)]; }      ///< of t^k
+  const BinRow& residual(int k) const { return rows_[residual_row(k)]; }  ///< of r t^k
+  double count(int i) const { return moment(0)[static_cast<std::size_t>(i)]; }
+  int order() const { return (static_cast<int>(rows_.size()) - 1) / 3 - 1; }
   /// Without what is of a higher order.
   EdgeSums up_to(int order) const;
-  /// As if each pixel's residual were less by the sum of change[k] t^k, up to the order; powers above t only in the bins
-  /// that show bends.
+  /// As if each pixel's residual were less by the sum of change[k] t^k, up to the order; powers above t only in the
+  /// bins that show bends.
   void take_from_residual(const std::array<BinRow, kHighestOrder + 1>& change, const StepProfile& profile);
   /// Sum of r^2 about the bin's own mean, count - 1 degrees of freedom.
   double pure_error(int i) const;
 
  private:
   friend EdgeSums accumulate(const EdgePixels&, const EdgeModel&, const StepProfile&, int, std::size_t);
-  static constexpr std::size_t moment_row(int k) { return static_cast<std::size_t>((k + 1) / 2 * 3 + 1 - k % 2); }
-  static constexpr std::size_t residual_row(int k) { return static_cast<std::size_t>(3 * k + 2); }
-  std::vector<BinRow> rows_;  // r^2, 1, r;  t, t^2, r t;  t^3, t^4, r t^2;  ..
+  // d - centre;  r^2, 1, r;  t, t^2, r t;  t^3, t^4, r t^2;  ..
+  static constexpr std::size_t rows_of(int order) { return static_cast<std::size_t>(3 * order + 4); }
+  static constexpr std::size_t moment_row(int k) { return static_cast<std::size_t>((k + 1) / 2 * 3 + 2 - k % 2); }
+  static constexpr std::size_t residual_row(int k) { return static_cast<std::size_t>(3 * k + 3); }
+  std::vector<BinRow> rows_;
 };
 
 /// Takes every `step`-th pixel. Of an `order` above 1 the sums are of the highest.

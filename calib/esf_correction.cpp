@@ -90,7 +90,9 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
       const BinRow &row = basis.row(unknown), &moment = state.sums.moment(basis_power(unknown));
       const auto term = [&](int i, double weight) {
         const bool zero = is_bend(unknown) && !state.profile.shows_bends(i);
-        return zero ? 0.0 : basis.scale(unknown) * weight * row[static_cast<std::size_t>(i)] * moment[static_cast<std::size_t>(i)];
+        return zero ? 0.0
+                    : basis.scale(unknown) * weight * row[static_cast<std::size_t>(i)] *
+                          moment[static_cast<std::size_t>(i)];
       };
       const double b = term(bright, weight_b), a = term(dark, weight_d);
       even.column[k] = b + a;

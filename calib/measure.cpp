@@ -84,7 +84,7 @@ void settle(const EdgePixels& pixels, Fit& fit, FitRounds rounds) {
     drop_diffraction();
     near = fit_on_bins(fit.state, fit.model, model, rounds);
   }
-  if (near.converged && foretold(fit.state, fit.model, near, model, rounds.enough)) {
+  if (near.converged && foretold(fit.model, near, model, rounds.enough)) {
     fit.model = model;
     near.noise = noise_of(near.sums, near.profile, rounds);
     assemble(near, model, rounds);
@@ -151,8 +151,7 @@ EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double reach
   EdgePixels near(pixels.size());
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const Point at{pixels.x()[i], pixels.y()[i]};
-    if (std::abs(locate(curve, at).distance_px) <= reach_px)
-      near.add(pixels.x()[i], pixels.y()[i], pixels.value()[i]);
+    if (std::abs(locate(curve, at).distance_px) <= reach_px) near.add(pixels.x()[i], pixels.y()[i], pixels.value()[i]);
   }
   return near;
 }
