@@ -104,13 +104,22 @@ inline double total(std::array<double, kLot>& sum) {
   return sum[0];
 }
 
-// Sum of a b c over bins, whole lots of them.
-MTFKIT_CLONES double sum_of_products(const BinRow& a, const BinRow& b, const BinRow& c, std::size_t first,
-                                     std::size_t end) {
-  std::array<double, kLot> sum{};
+// Sums of a b c over bins, whole lots of them, for a few c.
+constexpr std::size_t kFew = 4;
+using Few = std::array<const BinRow*, kFew>;
+MTFKIT_CLONES std::array<double, kFew> sums_of_products(const BinRow& a, const BinRow& b, const Few& c,
+                                                        std::size_t first, std::size_t end) {
+  const BinRow &c0 = *c[0], &c1 = *c[1], &c2 = *c[2], &c3 = *c[3];
+  std::array<double, kLot> sum0{}, sum1{}, sum2{}, sum3{};
   for (std::size_t i = first; i < end; i += kLot)
-    for (std::size_t k = 0; k < kLot; ++k) sum[k] += a[i + k] * b[i + k] * c[i + k];
-  return total(sum);
+    for (std::size_t k = 0; k < kLot; ++k) {
+      const double product = a[i + k] * b[i + k];
+      sum0[k] += product * c0[i + k];
+      sum1[k] += product * c1[i + k];
+      sum2[k] += product * c2[i + k];
+      sum3[k] += product * c3[i + k];
+    }
+  return {total(sum0), total(sum1), total(sum2), total(sum3)};
 }
 
 MTFKIT_CLONES double sum_of_products(const BinRow& a, const BinRow& b) {
@@ -192,30 +201,35 @@ void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) 
   NormalEquations& normal = state.normal = {};
   state.weight = pixel_weights(sums, model, state.profile, state.noise, rounds.rounding);
   normal.chi2 = sum_of_products(sums.square(), state.weight);
-  normal.count = sum_of_products(sums.moment(0), state.weight, variances(state.noise, state.profile), 0, kBins);
-  std::array<std::size_t, kUnknowns> list{};
-  std::size_t size = 0;
-  for (std::size_t a = 0; a < kUnknowns; ++a)
-    if (rounds.unknowns[a]) list[size++] = a;
+  BinRow weighted;
+  multiply(state.weight, variances(state.noise, state.profile), weighted, 0, kBins);
+  normal.count = sum_of_products(sums.moment(0), weighted);
+  const int order = order_of(rounds.unknowns);
   const auto first = static_cast<std::size_t>(state.profile.bend_first),
              end = static_cast<std::size_t>(state.profile.bend_end);
   std::array<BinRow, 2 * kHighestOrder + 1> moment;  // weighted
-  for (int k = 0; k <= 2 * order_of(rounds.unknowns); ++k)
+  for (int k = 0; k <= 2 * order; ++k)
     multiply(state.weight, sums.moment(k), moment[static_cast<std::size_t>(k)], k < 3 ? 0 : first, k < 3 ? kBins : end);
   const Basis basis(state.profile, model.contrast(), rounds.unknowns);
-  for (std::size_t j = 0; j < size; ++j) {
-    const int a = static_cast<int>(list[j]), p = basis_power(a);
-    const auto range = [&](bool bend) {
-      return bend ? std::pair{first, end} : std::pair{std::size_t{0}, std::size_t{kBins}};
-    };
-    const auto [from, to] = range(is_bend(a));
-    normal.gradient[a] = basis.scale(a) * sum_of_products(basis.row(a), sums.residual(p), state.weight, from, to);
-    for (std::size_t k = 0; k <= j; ++k) {
-      const int b = static_cast<int>(list[k]);
-      const auto [start, stop] = range(is_bend(a) || is_bend(b));
-      const BinRow& power = moment[static_cast<std::size_t>(p + basis_power(b))];
-      normal.matrix(a, b) = normal.matrix(b, a) =
-          basis.scale(a) * basis.scale(b) * sum_of_products(basis.row(a), basis.row(b), power, start, stop);
+  std::array<std::vector<int>, kHighestOrder + 1> by_power;
+  for (int a = 0; a < kUnknowns; ++a)
+    if (rounds.unknowns[static_cast<std::size_t>(a)]) by_power[static_cast<std::size_t>(basis_power(a))].push_back(a);
+  // Those of one power share a moment.
+  for (int a = 0; a < kUnknowns; ++a) {
+    if (!rounds.unknowns[static_cast<std::size_t>(a)]) continue;
+    const int p = basis_power(a);
+    const bool bend = is_bend(a);
+    normal.gradient[a] = basis.scale(a) * sums_of_products(basis.row(a), state.weight, {&sums.residual(p), &sums.residual(p), &sums.residual(p), &sums.residual(p)}, bend ? first : 0, bend ? end : kBins)[0];
+    for (int q = 0; q <= p; ++q) {
+      const std::vector<int>& list = by_power[static_cast<std::size_t>(q)];
+      const bool part = bend || q > 1;
+      for (std::size_t from = 0; from < list.size(); from += kFew) {
+        Few few;
+        for (std::size_t k = 0; k < kFew; ++k) few[k] = &basis.row(list[std::min(from + k, list.size() - 1)]);
+        const auto found = sums_of_products(basis.row(a), moment[static_cast<std::size_t>(p + q)], few, part ? first : 0, part ? end : kBins);
+        for (std::size_t k = from; k < std::min(from + kFew, list.size()); ++k)
+          normal.matrix(a, list[k]) = normal.matrix(list[k], a) = basis.scale(a) * basis.scale(list[k]) * found[k - from];
+      }
     }
   }
 }

@@ -4,7 +4,10 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "mtf/engines/clones.h"
 
 namespace calib {
 namespace {
@@ -54,64 +57,91 @@ struct SplineEquations {
   VectorXd with_residual;
 };
 
+using SideRow = std::array<double, kSideBins>;
+
+// A pair's values in the bins of a side where it is not zero.
+struct Spread {
+  int first = 0, end = 0;
+  SideRow value;
+};
+
+Spread spread_of(const SplinePair& pair, double contrast) {
+  const double* centre = DistanceBins::get().centres().data() + kSideBins;
+  Spread spread;
+  while (spread.first < kSideBins && centre[spread.first] <= pair.x_px - 2.0 * pair.h_px) ++spread.first;
+  for (spread.end = spread.first; spread.end < kSideBins && centre[spread.end] < pair.x_px + 2.0 * pair.h_px; ++spread.end)
+    spread.value[static_cast<std::size_t>(spread.end)] = contrast * pair_value(pair, centre[spread.end]);
+  return spread;
+}
+
+// Sums over a bin and its mirror image, as even pairs take them, and differences, as odd ones do.
+struct Folded {
+  SideRow even, odd;
+  const SideRow& of(bool is_odd) const { return is_odd ? odd : even; }
+};
+void fold(const BinRow& row, Folded& folded) {
+  for (std::size_t i = 0; i < kSideBins; ++i) {
+    const double bright = row[kSideBins + i], dark = row[kSideBins - 1 - i];
+    folded.even[i] = bright + dark;
+    folded.odd[i] = bright - dark;
+  }
+}
+
+MTFKIT_CLONES double sum_of_products(const SideRow& a, const SideRow& b, int first, int end) {
+  constexpr int kLanes = 8;
+  std::array<double, kLanes> sum{};
+  int i = first;
+  for (; i + kLanes <= end; i += kLanes)
+    for (int k = 0; k < kLanes; ++k)
+      sum[static_cast<std::size_t>(k)] += a[static_cast<std::size_t>(i + k)] * b[static_cast<std::size_t>(i + k)];
+  double total = 0.0;
+  for (; i < end; ++i) total += a[static_cast<std::size_t>(i)] * b[static_cast<std::size_t>(i)];
+  return total + ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
+}
+
 SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, const std::vector<SplinePair>& pairs,
                                  const std::vector<int>& unknowns) {
   const auto count = static_cast<Eigen::Index>(pairs.size());
   const auto fixed = static_cast<Eigen::Index>(unknowns.size());
   SplineEquations equations{MatrixXd::Zero(count, count), MatrixXd::Zero(fixed, count), VectorXd::Zero(count)};
-  const DistanceBins& bins = DistanceBins::get();
-  struct Active {
-    Eigen::Index column;
-    double value;
-  };
-  std::vector<Active> active;
+  if (pairs.empty()) return equations;
   const Basis basis(state.profile, model.contrast(), Unknowns().set());
-  // Sums over a bin and its mirror image for even pairs, differences for odd ones.
-  struct Sided {
-    VectorXd column;
-    double residual = 0.0;
+  BinRow row;
+  const auto folded = [&](const BinRow& a, const BinRow& b, int first, int end, Folded& out) {
+    row.fill(0.0);
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i) row[i] = state.weight[i] * a[i] * b[i];
+    fold(row, out);
   };
-  Sided even{VectorXd(fixed)}, odd{VectorXd(fixed)};
-  for (int side = 0; side < kSideBins; ++side) {
-    const double d = bins.centre(kSideBins + side);
-    active.clear();
-    for (std::size_t j = 0; j < pairs.size(); ++j)
-      if (std::abs(d - pairs[j].x_px) < 2.0 * pairs[j].h_px)
-        if (const double value = pair_value(pairs[j], d); value != 0.0)
-          active.push_back({static_cast<Eigen::Index>(j), model.contrast() * value});
-    if (active.empty()) continue;
-    const int bright = kSideBins + side, dark = kSideBins - 1 - side;
-    const double weight_b = state.weight[static_cast<std::size_t>(bright)],
-                 weight_d = state.weight[static_cast<std::size_t>(dark)];
-    const double n_b = weight_b * state.sums.count(bright), n_d = weight_d * state.sums.count(dark);
-    if (n_b == 0.0 && n_d == 0.0) continue;
-    for (Eigen::Index k = 0; k < fixed; ++k) {
-      const int unknown = unknowns[static_cast<std::size_t>(k)];
-      const BinRow &row = basis.row(unknown), &moment = state.sums.moment(basis_power(unknown));
-      const auto term = [&](int i, double weight) {
-        const bool zero = is_bend(unknown) && !state.profile.shows_bends(i);
-        return zero ? 0.0
-                    : basis.scale(unknown) * weight * row[static_cast<std::size_t>(i)] *
-                          moment[static_cast<std::size_t>(i)];
-      };
-      const double b = term(bright, weight_b), a = term(dark, weight_d);
-      even.column[k] = b + a;
-      odd.column[k] = b - a;
-    }
-    const double r_b = weight_b * state.sums.residual(0)[static_cast<std::size_t>(bright)],
-                 r_d = weight_d * state.sums.residual(0)[static_cast<std::size_t>(dark)];
-    even.residual = r_b + r_d;
-    odd.residual = r_b - r_d;
-    for (std::size_t j = 0; j < active.size(); ++j) {
-      const auto [column, value] = active[j];
-      const bool is_odd = pairs[static_cast<std::size_t>(column)].odd;
-      const Sided& mine = is_odd ? odd : even;
-      equations.with_residual[column] += value * mine.residual;
-      equations.with_unknowns.col(column) += value * mine.column;
+  BinRow ones;
+  ones.fill(1.0);
+  Folded counts, residuals;
+  folded(state.sums.moment(0), ones, 0, kBins, counts);
+  folded(state.sums.residual(0), ones, 0, kBins, residuals);
+  std::vector<Folded> columns(unknowns.size());
+  for (std::size_t k = 0; k < unknowns.size(); ++k) {
+    const int a = unknowns[k];
+    const bool part = is_bend(a);
+    folded(basis.row(a), state.sums.moment(basis_power(a)), part ? state.profile.bend_first : 0,
+           part ? state.profile.bend_end : kBins, columns[k]);
+  }
+  std::vector<Spread> spreads;
+  spreads.reserve(pairs.size());
+  SideRow counted;
+  for (std::size_t j = 0; j < pairs.size(); ++j) {
+    const bool odd = pairs[j].odd;
+    spreads.push_back(spread_of(pairs[j], model.contrast()));
+    const auto& [first, end, value] = spreads.back();
+    const auto column = static_cast<Eigen::Index>(j);
+    equations.with_residual[column] = sum_of_products(value, residuals.of(odd), first, end);
+    for (std::size_t k = 0; k < unknowns.size(); ++k)
+      equations.with_unknowns(static_cast<Eigen::Index>(k), column) =
+          basis.scale(unknowns[k]) * sum_of_products(value, columns[k].of(odd), first, end);
+    for (const bool alike : {true, false}) {
+      for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i) counted[i] = value[i] * counts.of(!alike)[i];
       for (std::size_t k = 0; k <= j; ++k) {
-        const bool alike = pairs[static_cast<std::size_t>(active[k].column)].odd == is_odd;
-        equations.with_each_other(column, active[k].column) +=
-            (alike ? n_b + n_d : n_b - n_d) * value * active[k].value;
+        if ((pairs[k].odd == odd) != alike) continue;
+        const int from = std::max(first, spreads[k].first), to = std::min(end, spreads[k].end);
+        if (from < to) equations.with_each_other(column, static_cast<Eigen::Index>(k)) = sum_of_products(counted, spreads[k].value, from, to);
       }
     }
   }
