@@ -22,7 +22,8 @@ inline constexpr int kSideBins = 64 + 64 + 48 + 24 + 24 + 24;
 inline constexpr int kBins = 2 * kSideBins;  ///< rising distance: the dark side's first
 inline constexpr int kLot = 16;              ///< bins that loops take together
 static_assert(kBins % kLot == 0);
-using BinRow = std::array<double, kBins>;  ///< a number for each bin
+/// A number for each bin, in whole cache lines.
+struct alignas(64) BinRow : std::array<double, kBins> {};
 
 class DistanceBins {
  public:

@@ -122,9 +122,10 @@ MTFKIT_CLONES std::array<double, kFew> sums_of_products(const BinRow& a, const B
   return {total(sum0), total(sum1), total(sum2), total(sum3)};
 }
 
-MTFKIT_CLONES double sum_of_products(const BinRow& a, const BinRow& b) {
+MTFKIT_CLONES double sum_of_products(const BinRow& a, const BinRow& b, std::size_t first = 0,
+                                     std::size_t end = kBins) {
   std::array<double, kLot> sum{};
-  for (std::size_t i = 0; i < kBins; i += kLot)
+  for (std::size_t i = first; i < end; i += kLot)
     for (std::size_t k = 0; k < kLot; ++k) sum[k] += a[i + k] * b[i + k];
   return total(sum);
 }
@@ -210,6 +211,9 @@ void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) 
   std::array<BinRow, 2 * kHighestOrder + 1> moment;  // weighted
   for (int k = 0; k <= 2 * order; ++k)
     multiply(state.weight, sums.moment(k), moment[static_cast<std::size_t>(k)], k < 3 ? 0 : first, k < 3 ? kBins : end);
+  std::array<BinRow, kHighestOrder + 1> residual;
+  for (int k = 0; k <= order; ++k)
+    multiply(state.weight, sums.residual(k), residual[static_cast<std::size_t>(k)], k < 2 ? 0 : first, k < 2 ? kBins : end);
   const Basis basis(state.profile, model.contrast(), rounds.unknowns);
   std::array<std::vector<int>, kHighestOrder + 1> by_power;
   for (int a = 0; a < kUnknowns; ++a)
@@ -219,7 +223,7 @@ void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) 
     if (!rounds.unknowns[static_cast<std::size_t>(a)]) continue;
     const int p = basis_power(a);
     const bool bend = is_bend(a);
-    normal.gradient[a] = basis.scale(a) * sums_of_products(basis.row(a), state.weight, {&sums.residual(p), &sums.residual(p), &sums.residual(p), &sums.residual(p)}, bend ? first : 0, bend ? end : kBins)[0];
+    normal.gradient[a] = basis.scale(a) * sum_of_products(basis.row(a), residual[static_cast<std::size_t>(p)], bend ? first : 0, bend ? end : kBins);
     for (int q = 0; q <= p; ++q) {
       const std::vector<int>& list = by_power[static_cast<std::size_t>(q)];
       const bool part = bend || q > 1;

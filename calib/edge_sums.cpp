@@ -43,15 +43,16 @@ MTFKIT_CLONES void count_steps(const double* __restrict distance, std::int32_t* 
   }
 }
 
-MTFKIT_CLONES void look_up(const std::array<double, 4>* __restrict cubic, const DistanceBins& bins, Chunk& chunk) {
+MTFKIT_CLONES void look_up(const StepProfile& profile, const DistanceBins& bins, Chunk& chunk) {
+  const double *const c0 = profile.cubic(0).data(), *const c1 = profile.cubic(1).data(),
+               *const c2 = profile.cubic(2).data(), *const c3 = profile.cubic(3).data();
   const std::size_t size = chunk.size;
   for (std::size_t k = 0; k < size; ++k) {
-    const int i = bins.at_step(chunk.bin[k]);
-    const std::array<double, 4>& c = cubic[i];
+    const int bin = bins.at_step(chunk.bin[k]), i = std::min(bin, kBins - 1);  // any number for pixels out of reach
     const double x = chunk.distance[k] - bins.centre(i);
-    chunk.bin[k] = i;
+    chunk.bin[k] = bin;
     chunk.offset[k] = x;
-    chunk.esf[k] = c[0] + x * (c[1] + x * (c[2] + x * c[3]));
+    chunk.esf[k] = c0[i] + x * (c1[i] + x * (c2[i] + x * c3[i]));
   }
 }
 
@@ -103,11 +104,26 @@ MTFKIT_CLONES void add_bent(const Chunk& chunk, int first, int bins, double* sum
   }
 }
 
-// From a few numbers a bin to a row of bins a number.
-template <std::size_t kStride, std::size_t kRows>
-void turn(const double* sums, int first, int end, const std::array<double*, kRows>& rows) {
-  for (int i = first; i < end; ++i, sums += kStride)
-    for (std::size_t k = 0; k < kRows; ++k) rows[k][i] = sums[k];
+// From four numbers a bin, `stride` apart from those of the next, to four rows; a whole number of lots.
+MTFKIT_CLONES void turn(const double* sums, std::size_t stride, std::size_t first, std::size_t end,
+                        const std::array<double*, 4>& rows) {
+  for (std::size_t i = first; i < end; i += 4, sums += 4 * stride) {
+    Four a, b, c, d;
+    std::memcpy(&a, sums, sizeof a);
+    std::memcpy(&b, sums + stride, sizeof b);
+    std::memcpy(&c, sums + 2 * stride, sizeof c);
+    std::memcpy(&d, sums + 3 * stride, sizeof d);
+    const Four ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const Four cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    a = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5);
+    b = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5);
+    c = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7);
+    d = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
+    std::memcpy(rows[0] + i, &a, sizeof a);
+    std::memcpy(rows[1] + i, &b, sizeof b);
+    std::memcpy(rows[2] + i, &c, sizeof c);
+    std::memcpy(rows[3] + i, &d, sizeof d);
+  }
 }
 
 // Residuals less by the sum of change[k] t^k, k <= highest.
@@ -167,10 +183,6 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
   // One cache line a bin, and one more bin for pixels out of reach.
   constexpr std::size_t kPlain = 8, kBent = 12;
   alignas(64) std::array<double, (kBins + 1) * kPlain> plain{};
-  alignas(64) std::array<std::array<double, 4>, kBins + 1> cubic;
-  for (std::size_t i = 0; i < kBins; ++i)
-    cubic[i] = {profile.cubic(0)[i], profile.cubic(1)[i], profile.cubic(2)[i], profile.cubic(3)[i]};
-  cubic[kBins] = {};
   std::vector<double> bent(static_cast<std::size_t>(bent_bins) * kBent);
   Chunk chunk;
   for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
@@ -179,7 +191,7 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
     bend_all(model.curve, {chunk.distance.data(), chunk.size}, {chunk.along.data(), chunk.size});
     for (std::size_t k = 0; k < chunk.size; ++k) chunk.along[k] *= per_length;
     count_steps(chunk.distance.data(), chunk.bin.data(), chunk.size);
-    look_up(cubic.data(), DistanceBins::get(), chunk);
+    look_up(profile, DistanceBins::get(), chunk);
     subtract_model(model.level, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
                    chunk.size);
     add_plain(chunk, plain.data());
@@ -189,13 +201,15 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
   sums.rows_.resize(EdgeSums::rows_of(order > 1 ? kHighestOrder : 1));
   const auto moment = [&](int k) { return sums.rows_[EdgeSums::moment_row(k)].data(); };
   const auto residual = [&](int k) { return sums.rows_[EdgeSums::residual_row(k)].data(); };
-  turn<kPlain, 7>(
-      plain.data(), 0, kBins,
-      {moment(0), moment(1), moment(2), residual(0), residual(1), sums.rows_[1].data(), sums.rows_[0].data()});
-  if (order > 1)
-    turn<kBent, kBent>(bent.data(), first_bent, profile.bend_end,
-                       {moment(3), moment(4), moment(5), moment(6), moment(7), moment(8), moment(9), moment(10),
-                        residual(2), residual(3), residual(4), residual(5)});
+  BinRow unused;
+  turn(plain.data(), kPlain, 0, kBins, {moment(0), moment(1), moment(2), residual(0)});
+  turn(plain.data() + 4, kPlain, 0, kBins, {residual(1), sums.rows_[1].data(), sums.rows_[0].data(), unused.data()});
+  if (order > 1) {
+    const auto from = static_cast<std::size_t>(first_bent), to = static_cast<std::size_t>(profile.bend_end);
+    turn(bent.data(), kBent, from, to, {moment(3), moment(4), moment(5), moment(6)});
+    turn(bent.data() + 4, kBent, from, to, {moment(7), moment(8), moment(9), moment(10)});
+    turn(bent.data() + 8, kBent, from, to, {residual(2), residual(3), residual(4), residual(5)});
+  }
   return sums;
 }
 
