@@ -34,12 +34,35 @@ MTFKIT_CLONES void place(const double* x, const double* y, const double* value, 
   }
 }
 
-// Distances in units of the finest bin, from the end of the reach; those beyond it are the one after the last.
-MTFKIT_CLONES void count_steps(const double* __restrict distance, std::int32_t* __restrict steps, std::size_t size) {
-  constexpr double kMiddle = kReach_px * kFinest;
+// Bins from the edge outwards are a line over the distance in each zone, flatter in each: their number is the least of
+// the lines.
+struct ZoneLine {
+  double start, per_px;
+};
+constexpr std::array<ZoneLine, kDistanceZones.size()> zone_lines() {
+  std::array<ZoneLine, kDistanceZones.size()> lines{};
+  double bins = 0.0, from = 0.0;
+  for (std::size_t z = 0; z < lines.size(); ++z) {
+    const DistanceZone& zone = kDistanceZones[z];
+    lines[z] = {bins - from / zone.step_px, 1.0 / zone.step_px};
+    bins += (zone.end_px - from) / zone.step_px;
+    from = zone.end_px;
+  }
+  return lines;
+}
+
+// kBins for pixels out of reach.
+MTFKIT_CLONES void find_bins(const double* __restrict distance, std::int32_t* __restrict bin, std::size_t size) {
+  constexpr std::array kLines = zone_lines();
   for (std::size_t k = 0; k < size; ++k) {
-    const double at = distance[k] * kFinest + kMiddle;
-    steps[k] = static_cast<std::int32_t>(at >= 0.0 && at < 2.0 * kMiddle ? at : 2.0 * kMiddle);
+    const double d = distance[k], away = std::abs(d);
+    double outwards = kLines[0].per_px * away;
+    for (std::size_t z = 1; z < kLines.size(); ++z)
+      outwards = std::min(outwards, kLines[z].start + kLines[z].per_px * away);
+    const bool inside = away < kReach_px;
+    const auto whole = static_cast<std::int32_t>(inside ? outwards : 0.0);
+    const std::int32_t found = d < 0.0 ? kSideBins - 1 - whole : kSideBins + whole;
+    bin[k] = inside ? found : kBins;
   }
 }
 
@@ -48,9 +71,8 @@ MTFKIT_CLONES void look_up(const StepProfile& profile, const DistanceBins& bins,
                *const c2 = profile.cubic(2).data(), *const c3 = profile.cubic(3).data();
   const std::size_t size = chunk.size;
   for (std::size_t k = 0; k < size; ++k) {
-    const int bin = bins.at_step(chunk.bin[k]), i = std::min(bin, kBins - 1);  // any number for pixels out of reach
+    const int i = std::min(chunk.bin[k], kBins - 1);  // any number for pixels out of reach
     const double x = chunk.distance[k] - bins.centre(i);
-    chunk.bin[k] = bin;
     chunk.offset[k] = x;
     chunk.esf[k] = c0[i] + x * (c1[i] + x * (c2[i] + x * c3[i]));
   }
@@ -190,7 +212,7 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
     place(pixels.x() + first, pixels.y() + first, pixels.value() + first, step, model.curve.origin, normal, chunk);
     bend_all(model.curve, {chunk.distance.data(), chunk.size}, {chunk.along.data(), chunk.size});
     for (std::size_t k = 0; k < chunk.size; ++k) chunk.along[k] *= per_length;
-    count_steps(chunk.distance.data(), chunk.bin.data(), chunk.size);
+    find_bins(chunk.distance.data(), chunk.bin.data(), chunk.size);
     look_up(profile, DistanceBins::get(), chunk);
     subtract_model(model.level, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
                    chunk.size);
