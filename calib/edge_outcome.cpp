@@ -100,7 +100,7 @@ double local_noise(mtf::ImageView<const float> image, const Roi& roi, const Regi
     if (differences.size() > 16) break;
   }
   if (differences.empty()) return 0.0;
-  return static_cast<double>(median(differences)) / (0.6745 * std::sqrt(2.0));
+  return static_cast<double>(nth_least(differences, differences.size() / 2)) / (0.6745 * std::sqrt(2.0));
 }
 
 EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model, double local_noise_sd) {
