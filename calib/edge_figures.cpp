@@ -34,9 +34,10 @@ std::array<double, kEsfSamples> distances(double reach_px) {
 void curves_of_frequency(const EdgeResponse& response, EdgeMeasurement& out) {
   for (auto* list : {&out.frequency_cy_px, &out.mtf, &out.mtf_sd, &out.otf_re, &out.otf_im})
     list->resize(kCurveSamples);
+  const std::vector<EdgeResponse::Otf> otfs = response.otfs(kCurveStep_cy_px, kCurveSamples);
   for (std::size_t i = 0; i < kCurveSamples; ++i) {
     const double f = static_cast<double>(i) * kCurveStep_cy_px;
-    const EdgeResponse::Otf otf = response.otf(f);
+    const EdgeResponse::Otf& otf = otfs[i];
     out.frequency_cy_px[i] = f;
     out.otf_re[i] = otf.re;
     out.otf_im[i] = otf.im;

@@ -125,7 +125,7 @@ RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const Valu
   facts.finite = extent.count;
   if (facts.finite == 0) return facts;
   // Where even the range of most of a few pixels, which is narrower, holds all of them, none is wild.
-  if (const auto most = usual_range(image, roi, 1000, 0.05); !most || !most->holds(extent)) {
+  if (const auto most = usual_range(image, roi, 300, 0.05); !most || !most->holds(extent)) {
     const auto usual = usual_range(image, roi, 20000, 0.005);
     if (usual && usual->high > usual->low && !usual->holds(extent)) {
       extent = extent_of(image, roi, static_cast<float>(usual->low), static_cast<float>(usual->high));

@@ -78,17 +78,54 @@ void EdgeResponse::run_otf(const Run& run, double f_cy_px, Row& slope) const {
   if (pair.x_px == 0.0) slope[run.at] = half;
 }
 
-EdgeResponse::Parts EdgeResponse::parts(double f_cy_px) const {
-  Parts parts{.slope = Row(value_.size()), .real = real_};
-  const ReferenceOtf reference = reference_otf(shape_, normal_, f_cy_px);
+// All but the splines' slopes.
+void EdgeResponse::add_up(double f_cy_px, const ReferenceOtf& reference, Parts& parts) const {
   const auto shapes = static_cast<Eigen::Index>(shapes_.size());
   for (Eigen::Index i = 0; i < shapes; ++i) parts.slope[i] = reference.slope[shapes_[static_cast<std::size_t>(i)]];
   parts.slope[real_] = -2.0 * kPi * f_cy_px * reference.value;
-  for (const Run& run : runs_) run_otf(run, f_cy_px, parts.slope);
   const Eigen::Index rest = value_.size() - real_;
   parts.re = reference.value + parts.slope.head(real_).dot(value_.head(real_));
   parts.im = parts.slope.tail(rest).dot(value_.tail(rest));
+}
+
+EdgeResponse::Parts EdgeResponse::parts(double f_cy_px) const {
+  Parts parts{.slope = Row(value_.size()), .real = real_};
+  for (const Run& run : runs_) run_otf(run, f_cy_px, parts.slope);
+  add_up(f_cy_px, reference_otf(shape_, normal_, f_cy_px), parts);
   return parts;
+}
+
+// From one frequency to the next all phases turn by their own angle.
+std::vector<EdgeResponse::Parts> EdgeResponse::all_parts(double step_cy_px, std::size_t count) const {
+  std::vector<double> f_cy_px(count);
+  for (std::size_t i = 0; i < count; ++i) f_cy_px[i] = static_cast<double>(i) * step_cy_px;
+  const std::vector<ReferenceOtf> references = reference_otfs(shape_, normal_, f_cy_px);
+  const Eigen::Index size = value_.size();
+  using Array = Eigen::ArrayXd;
+  Array cos = Array::Ones(size), sin = Array::Zero(size), turn_cos = cos, turn_sin = sin, scale = sin, next(size);
+  for (const Run& run : runs_)
+    for (Eigen::Index i = 0; i < run.count; ++i) {
+      const double x_px = run.first.x_px + static_cast<double>(i) * run.first.h_px;
+      const mtf::SinCos turn = mtf::sin_cos_pi(2.0 * step_cy_px * x_px);
+      turn_cos[run.at + i] = turn.cos;
+      turn_sin[run.at + i] = turn.sin;
+    }
+  std::vector<Parts> all(count, Parts{.slope = Row(size), .real = real_});
+  for (std::size_t k = 0; k < count; ++k) {
+    for (const Run& run : runs_) {
+      const double sinc = mtf::sinc(f_cy_px[k] * run.first.h_px).value, window = sinc * sinc * sinc * sinc;
+      const double whole = 4.0 * kPi * f_cy_px[k] * run.first.h_px * window;
+      scale.segment(run.at, run.count) = whole;
+      if (run.first.x_px == 0.0) scale[run.at] = 0.5 * whole;
+    }
+    all[k].slope.head(real_) = scale.head(real_) * sin.head(real_);
+    all[k].slope.tail(size - real_) = scale.tail(size - real_) * cos.tail(size - real_);
+    add_up(f_cy_px[k], references[k], all[k]);
+    next = cos * turn_cos - sin * turn_sin;
+    sin = sin * turn_cos + cos * turn_sin;
+    cos = next;
+  }
+  return all;
 }
 
 EdgeResponse::Row EdgeResponse::Parts::along() const {
@@ -115,9 +152,10 @@ void EdgeResponse::locate() {
   std::array<Value, kFrequencies> all;
   double weight = 0.0;
   shift_row_ = Row::Zero(value_.size());
+  const std::vector<Parts> at_all = all_parts(kTop_cy_px / kFrequencies, kFrequencies + 1);
   for (std::size_t i = 0; i < kFrequencies; ++i) {
     const double f = kTop_cy_px * static_cast<double>(i + 1) / kFrequencies;
-    const Parts at = parts(f);
+    const Parts& at = at_all[i + 1];
     const Value& one = all[i] = {2.0 * kPi * f, at.re, at.im, at.modulus()};
     const double turn = one.turn * one.modulus, per_modulus = one.modulus > 0.0 ? 1.0 / one.modulus : 0.0;
     weight += turn * turn;
@@ -142,8 +180,17 @@ void EdgeResponse::locate() {
   if (!(std::abs(shift_px_) < kReach_px)) shift_px_ = 0.0;
 }
 
-EdgeResponse::Otf EdgeResponse::otf(double f_cy_px) const {
-  const Parts at = parts(f_cy_px);
+EdgeResponse::Otf EdgeResponse::otf(double f_cy_px) const { return otf_of(f_cy_px, parts(f_cy_px)); }
+
+std::vector<EdgeResponse::Otf> EdgeResponse::otfs(double step_cy_px, std::size_t count) const {
+  const std::vector<Parts> all = all_parts(step_cy_px, count);
+  std::vector<Otf> list;
+  list.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) list.push_back(otf_of(static_cast<double>(i) * step_cy_px, all[i]));
+  return list;
+}
+
+EdgeResponse::Otf EdgeResponse::otf_of(double f_cy_px, const Parts& at) const {
   const double turn = 2.0 * kPi * f_cy_px, c = std::cos(turn * shift_px_), s = std::sin(turn * shift_px_);
   // Variances of the real and the imaginary part, and from them those along the modulus and across.
   const Eigen::Index n = value_.size(), rest = n - real_;

@@ -30,6 +30,8 @@ class EdgeResponse {
   /// Of the location from where the joint fit's equations were taken, towards the bright side.
   double shift_px() const { return shift_px_; }
   Otf otf(double f_cy_px) const;
+  /// At 0, step .. (count - 1) step.
+  std::vector<Otf> otfs(double step_cy_px, std::size_t count) const;
   double esf(double d_px) const;
   double lsf(double d_px) const;
 
@@ -64,6 +66,9 @@ class EdgeResponse {
   void find_runs();
   void run_otf(const Run& run, double f_cy_px, Row& slope) const;
   Parts parts(double f_cy_px) const;
+  std::vector<Parts> all_parts(double step_cy_px, std::size_t count) const;
+  void add_up(double f_cy_px, const ReferenceOtf& reference, Parts& parts) const;
+  Otf otf_of(double f_cy_px, const Parts& at) const;
   void locate();
   Row change_row(double d_px) const;  // of E, about where the equations were taken
   Row slope_row(double d_px) const;

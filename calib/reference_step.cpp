@@ -64,6 +64,20 @@ struct Nodes {
   std::vector<double> list;
 };
 
+// `value` and `by_s` come as the pupil's value and root.
+MTFKIT_CLONES void fill_otf(const ReferenceShape& the_shape, Point normal, std::size_t size,
+                            const double* __restrict f_cy_px, double* __restrict value, double* __restrict by_s,
+                            double* __restrict by_v, double* __restrict by_q) {
+  const ReferenceShape shape = the_shape;
+  for (std::size_t i = 0; i < size; ++i) {
+    const ReferenceOtf h = otf_of(shape, normal, f_cy_px[i], {value[i], by_s[i]});
+    value[i] = h.value;
+    by_s[i] = h.slope[0];
+    by_v[i] = h.slope[1];
+    by_q[i] = h.slope[2];
+  }
+}
+
 // f_cy_px, df and the pupil's value and root become the rows of the nodes.
 MTFKIT_CLONES void fill(const ReferenceShape& the_shape, Point normal, std::size_t size,
                         const double* __restrict f_cy_px, const double* __restrict df, double* __restrict odd,
@@ -198,6 +212,20 @@ ReferenceOtf reference_otf(const ReferenceShape& shape, double angle_rad, double
 
 ReferenceOtf reference_otf(const ReferenceShape& shape, Point normal, double f_cy_px) {
   return otf_of(shape, normal, f_cy_px, pupil_of(f_cy_px * shape.s_px));
+}
+
+std::vector<ReferenceOtf> reference_otfs(const ReferenceShape& shape, Point normal, std::span<const double> f_cy_px) {
+  const std::size_t n = f_cy_px.size();
+  std::vector<double> value(n), by_s(n), by_v(n), by_q(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Pupil pupil = pupil_of(f_cy_px[i] * shape.s_px);
+    value[i] = pupil.value;
+    by_s[i] = pupil.root;
+  }
+  fill_otf(shape, normal, n, f_cy_px.data(), value.data(), by_s.data(), by_v.data(), by_q.data());
+  std::vector<ReferenceOtf> all(n);
+  for (std::size_t i = 0; i < n; ++i) all[i] = {value[i], {by_s[i], by_v[i], by_q[i]}};
+  return all;
 }
 
 // By quadrature as far as the footprint, the Gaussian and the first rings of diffraction reach, by the first two terms

@@ -8,6 +8,8 @@
 // Its step response has the tail E - 1 = -2 S / (pi^3 d) of diffraction, which reaches beyond any region.
 
 #include <array>
+#include <span>
+#include <vector>
 
 #include "calib/distance_bins.h"
 #include "calib/edge_curve.h"
@@ -29,6 +31,8 @@ struct ReferenceOtf {
 };
 ReferenceOtf reference_otf(const ReferenceShape& shape, Point normal, double f_cy_px);
 ReferenceOtf reference_otf(const ReferenceShape& shape, double angle_rad, double f_cy_px);
+/// At many frequencies at once.
+std::vector<ReferenceOtf> reference_otfs(const ReferenceShape& shape, Point normal, std::span<const double> f_cy_px);
 
 /// E - 1/2, the line spread and the derivatives of E, at the knots of the bright side (all but the line spread are
 /// odd).
