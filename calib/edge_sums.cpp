@@ -68,7 +68,7 @@ MTFKIT_CLONES void find_bins(const double* __restrict distance, std::int32_t* __
 
 MTFKIT_CLONES void look_up(const StepProfile& profile, const DistanceBins& bins, Chunk& chunk) {
   const double *const c0 = profile.cubic(0).data(), *const c1 = profile.cubic(1).data(),
-               *const c2 = profile.cubic(2).data(), *const c3 = profile.cubic(3).data();
+                      *const c2 = profile.cubic(2).data(), *const c3 = profile.cubic(3).data();
   const std::size_t size = chunk.size;
   for (std::size_t k = 0; k < size; ++k) {
     const int i = std::min(chunk.bin[k], kBins - 1);  // any number for pixels out of reach
@@ -108,21 +108,22 @@ MTFKIT_CLONES void add_plain(const Chunk& chunk, double* sums) {
   }
 }
 
-// t^3 .. t^10, r t^2 .. r t^5, in the bins from `first` on.
-MTFKIT_CLONES void add_bent(const Chunk& chunk, int first, int bins, double* sums) {
+// t^3, t^4, r t^2, then t^5, t^6, r t^3 and so on, four numbers an order above the first, in bins from `first` on.
+MTFKIT_CLONES void add_bent(const Chunk& chunk, int orders, int first, int bins, double* sums) {
   const std::size_t size = chunk.size;
   for (std::size_t k = 0; k < size; ++k) {
     const int bin = chunk.bin[k] - first;
     if (bin < 0 || bin >= bins) continue;
-    const double t = chunk.along[k], t2 = t * t, t3 = t2 * t, t4 = t2 * t2;
-    double* s = sums + 12 * static_cast<std::ptrdiff_t>(bin);
-    std::array<Four, 3> sum;
-    std::memcpy(&sum, s, sizeof sum);
-    const Four powers{1.0, t, t2, t3}, higher = powers * t3;
-    sum[0] += higher;
-    sum[1] += higher * t4;
-    sum[2] += powers * (chunk.residual[k] * t2);
-    std::memcpy(s, &sum, sizeof sum);
+    const double t = chunk.along[k], t2 = t * t;
+    const Four more{t2, t2, t, 0.0};
+    Four powers{t2 * t, t2 * t2, chunk.residual[k] * t2, 0.0};
+    double* s = sums + 4 * static_cast<std::ptrdiff_t>(bin * orders);
+    for (int order = 0; order < orders; ++order, s += 4, powers *= more) {
+      Four sum;
+      std::memcpy(&sum, s, sizeof sum);
+      sum += powers;
+      std::memcpy(s, &sum, sizeof sum);
+    }
   }
 }
 
@@ -201,11 +202,12 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
                     std::size_t step) {
   const double per_length = 1.0 / model.curve.half_length_px;
   const Point normal = model.curve.normal();
-  const int first_bent = profile.bend_first, bent_bins = order > 1 ? profile.bend_end - first_bent : 0;
+  const int first_bent = profile.bend_first, orders = order - 1;
+  const int bent_bins = orders > 0 ? profile.bend_end - first_bent : 0;
   // One cache line a bin, and one more bin for pixels out of reach.
-  constexpr std::size_t kPlain = 8, kBent = 12;
+  constexpr std::size_t kPlain = 8, kBent = 4;
   alignas(64) std::array<double, (kBins + 1) * kPlain> plain{};
-  std::vector<double> bent(static_cast<std::size_t>(bent_bins) * kBent);
+  std::vector<double> bent(kBent * static_cast<std::size_t>(bent_bins * orders));
   Chunk chunk;
   for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
     chunk.size = std::min(kChunk, (pixels.size() - first + step - 1) / step);
@@ -217,21 +219,19 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
     subtract_model(model.level, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
                    chunk.size);
     add_plain(chunk, plain.data());
-    if (order > 1) add_bent(chunk, first_bent, bent_bins, bent.data());
+    if (orders > 0) add_bent(chunk, orders, first_bent, bent_bins, bent.data());
   }
   EdgeSums sums;
-  sums.rows_.resize(EdgeSums::rows_of(order > 1 ? kHighestOrder : 1));
+  sums.rows_.resize(EdgeSums::rows_of(order));
   const auto moment = [&](int k) { return sums.rows_[EdgeSums::moment_row(k)].data(); };
   const auto residual = [&](int k) { return sums.rows_[EdgeSums::residual_row(k)].data(); };
   BinRow unused;
   turn(plain.data(), kPlain, 0, kBins, {moment(0), moment(1), moment(2), residual(0)});
   turn(plain.data() + 4, kPlain, 0, kBins, {residual(1), sums.rows_[1].data(), sums.rows_[0].data(), unused.data()});
-  if (order > 1) {
-    const auto from = static_cast<std::size_t>(first_bent), to = static_cast<std::size_t>(profile.bend_end);
-    turn(bent.data(), kBent, from, to, {moment(3), moment(4), moment(5), moment(6)});
-    turn(bent.data() + 4, kBent, from, to, {moment(7), moment(8), moment(9), moment(10)});
-    turn(bent.data() + 8, kBent, from, to, {residual(2), residual(3), residual(4), residual(5)});
-  }
+  for (int k = 2; k <= order; ++k)
+    turn(bent.data() + kBent * static_cast<std::size_t>(k - 2), kBent * static_cast<std::size_t>(orders),
+         static_cast<std::size_t>(first_bent), static_cast<std::size_t>(profile.bend_end),
+         {moment(2 * k - 1), moment(2 * k), residual(k), unused.data()});
   return sums;
 }
 

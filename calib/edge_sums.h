@@ -56,7 +56,7 @@ class EdgeSums {
   std::vector<BinRow> rows_;
 };
 
-/// Takes every `step`-th pixel. Of an `order` above 1 the sums are of the highest.
+/// Takes every `step`-th pixel.
 EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, int order,
                     std::size_t step = 1);
 
