@@ -20,7 +20,6 @@ constexpr DistanceBins::DistanceBins() {
         at_step_[kMiddle - 1 - i] = static_cast<std::int16_t>(kSideBins - 1 - bin);
       }
     }
-  at_step_.back() = kBins;
 }
 
 const DistanceBins& DistanceBins::get() {

@@ -31,20 +31,18 @@ class DistanceBins {
   static const DistanceBins& get();
 
   /// The bin of a distance, |d| < kReach_px.
-  int index(double d_px) const { return at_step(static_cast<int>(std::floor((d_px + kReach_px) * kFinest))); }
-  /// The bin `step` finest bins above -kReach_px; kBins one step behind the last.
-  int at_step(int step) const { return at_step_[static_cast<std::size_t>(step)]; }
-  double knot(int i) const { return knot_[static_cast<std::size_t>(i)]; }      ///< lower end of bin i, i <= kBins
-  double centre(int i) const { return centre_[static_cast<std::size_t>(i)]; }  ///< i <= kBins, 0 there
-  const std::array<double, kBins + 1>& centres() const { return centre_; }
+  int index(double d_px) const { return at_step_[static_cast<std::size_t>(std::floor((d_px + kReach_px) * kFinest))]; }
+  double knot(int i) const { return knot_[static_cast<std::size_t>(i)]; }  ///< lower end of bin i, i <= kBins
+  double centre(int i) const { return centre_[static_cast<std::size_t>(i)]; }
+  const BinRow& centres() const { return centre_; }
   double width(int i) const { return knot(i + 1) - knot(i); }
 
   constexpr DistanceBins();
 
  private:
-  std::array<std::int16_t, 2 * static_cast<std::size_t>(kReach_px) * kFinest + 1> at_step_{};
+  std::array<std::int16_t, 2 * static_cast<std::size_t>(kReach_px) * kFinest> at_step_{};  // of the finest bins
   std::array<double, kBins + 1> knot_{};
-  std::array<double, kBins + 1> centre_{};
+  BinRow centre_{};
 };
 
 }  // namespace calib

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "mtf/engines/clones.h"
-
 namespace calib {
 namespace {
 
@@ -98,42 +96,6 @@ double misfit_of(const ReferenceShape& shape, const Unknowns& unknowns) {
   return unknowns[kFirstShape + 2] ? off * off : 0.0;
 }
 
-inline double total(std::array<double, kLot>& sum) {
-  for (std::size_t half = kLot / 2; half > 0; half /= 2)
-    for (std::size_t k = 0; k < half; ++k) sum[k] += sum[k + half];
-  return sum[0];
-}
-
-// Sums of a b c over bins, whole lots of them, for a few c.
-constexpr std::size_t kFew = 4;
-using Few = std::array<const BinRow*, kFew>;
-MTFKIT_CLONES std::array<double, kFew> sums_of_products(const BinRow& a, const BinRow& b, const Few& c,
-                                                        std::size_t first, std::size_t end) {
-  const BinRow &c0 = *c[0], &c1 = *c[1], &c2 = *c[2], &c3 = *c[3];
-  std::array<double, kLot> sum0{}, sum1{}, sum2{}, sum3{};
-  for (std::size_t i = first; i < end; i += kLot)
-    for (std::size_t k = 0; k < kLot; ++k) {
-      const double product = a[i + k] * b[i + k];
-      sum0[k] += product * c0[i + k];
-      sum1[k] += product * c1[i + k];
-      sum2[k] += product * c2[i + k];
-      sum3[k] += product * c3[i + k];
-    }
-  return {total(sum0), total(sum1), total(sum2), total(sum3)};
-}
-
-MTFKIT_CLONES double sum_of_products(const BinRow& a, const BinRow& b, std::size_t first = 0,
-                                     std::size_t end = kBins) {
-  std::array<double, kLot> sum{};
-  for (std::size_t i = first; i < end; i += kLot)
-    for (std::size_t k = 0; k < kLot; ++k) sum[k] += a[i + k] * b[i + k];
-  return total(sum);
-}
-
-MTFKIT_CLONES void multiply(const BinRow& a, const BinRow& b, BinRow& product, std::size_t first, std::size_t end) {
-  for (std::size_t i = first; i < end; ++i) product[i] = a[i] * b[i];
-}
-
 }  // namespace
 
 void move(EdgeModel& model, const Vector& step) {
@@ -169,86 +131,11 @@ Vector way(const EdgeModel& from, const EdgeModel& to) {
   return step;
 }
 
-int basis_power(int a) {
-  if (a < kFirstShift) return a / 4;
-  return a < kFirstShape ? a - kFirstShift : 0;
-}
-
-Basis::Basis(const StepProfile& profile, double contrast, const Unknowns& unknowns)
-    : profile_(profile), contrast_(contrast) {
-  for (std::size_t i = 0; i < kBins; ++i) dark_[i] = 1.0 - profile.esf()[i];
-  if (!unknowns[2] && !unknowns[3]) return;
-  const auto& centre = DistanceBins::get().centres();
-  for (std::size_t i = 0; i < kBins; ++i) {
-    dark_d_[i] = dark_[i] * centre[i];
-    bright_d_[i] = profile.esf()[i] * centre[i];
-  }
-}
-
-const BinRow& Basis::row(int a) const {
-  if (a >= kFirstShape) return profile_.slope(static_cast<std::size_t>(a - kFirstShape));
-  if (a >= kFirstShift) return profile_.lsf();
-  if (a == 2 || a == 3) return a == 2 ? dark_d_ : bright_d_;
-  return a % 2 == 0 ? dark_ : profile_.esf();
-}
-
-double Basis::scale(int a) const {
-  if (a >= kFirstShape) return contrast_;
-  return a >= kFirstShift ? -contrast_ : 1.0;
-}
-
-void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) {
-  const EdgeSums& sums = state.sums;
-  NormalEquations& normal = state.normal = {};
-  state.weight = pixel_weights(sums, model, state.profile, state.noise, rounds.rounding);
-  normal.chi2 = sum_of_products(sums.square(), state.weight);
-  BinRow weighted;
-  multiply(state.weight, variances(state.noise, state.profile), weighted, 0, kBins);
-  normal.count = sum_of_products(sums.moment(0), weighted);
-  const int order = order_of(rounds.unknowns);
-  const auto first = static_cast<std::size_t>(state.profile.bend_first),
-             end = static_cast<std::size_t>(state.profile.bend_end);
-  std::array<BinRow, 2 * kHighestOrder + 1> moment;  // weighted
-  for (int k = 0; k <= 2 * order; ++k)
-    multiply(state.weight, sums.moment(k), moment[static_cast<std::size_t>(k)], k < 3 ? 0 : first, k < 3 ? kBins : end);
-  std::array<BinRow, kHighestOrder + 1> residual;
-  for (int k = 0; k <= order; ++k)
-    multiply(state.weight, sums.residual(k), residual[static_cast<std::size_t>(k)], k < 2 ? 0 : first, k < 2 ? kBins : end);
-  const Basis basis(state.profile, model.contrast(), rounds.unknowns);
-  std::array<std::vector<int>, kHighestOrder + 1> by_power;
-  for (int a = 0; a < kUnknowns; ++a)
-    if (rounds.unknowns[static_cast<std::size_t>(a)]) by_power[static_cast<std::size_t>(basis_power(a))].push_back(a);
-  // Those of one power share a moment.
-  for (int a = 0; a < kUnknowns; ++a) {
-    if (!rounds.unknowns[static_cast<std::size_t>(a)]) continue;
-    const int p = basis_power(a);
-    const bool bend = is_bend(a);
-    normal.gradient[a] = basis.scale(a) * sum_of_products(basis.row(a), residual[static_cast<std::size_t>(p)], bend ? first : 0, bend ? end : kBins);
-    for (int q = 0; q <= p; ++q) {
-      const std::vector<int>& list = by_power[static_cast<std::size_t>(q)];
-      const bool part = bend || q > 1;
-      for (std::size_t from = 0; from < list.size(); from += kFew) {
-        Few few;
-        for (std::size_t k = 0; k < kFew; ++k) few[k] = &basis.row(list[std::min(from + k, list.size() - 1)]);
-        const auto found = sums_of_products(basis.row(a), moment[static_cast<std::size_t>(p + q)], few, part ? first : 0, part ? end : kBins);
-        for (std::size_t k = from; k < std::min(from + kFew, list.size()); ++k)
-          normal.matrix(a, list[k]) = normal.matrix(list[k], a) = basis.scale(a) * basis.scale(list[k]) * found[k - from];
-      }
-    }
-  }
-}
-
 void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns) {
   constexpr int q = kFirstShape + 2;
   if (!unknowns[q]) return;
   normal.matrix(q, q) += 1.0 / (kSd_px2 * kSd_px2);
   normal.gradient[q] += (kMean_px2 - shape.q_px2) / (kSd_px2 * kSd_px2);
-}
-
-int order_of(const Unknowns& unknowns) {
-  int order = kHighestOrder;
-  while (order > 1 && !unknowns[static_cast<std::size_t>(kFirstShift + order)]) --order;
-  return order;
 }
 
 NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitRounds& rounds) {
@@ -289,7 +176,7 @@ FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, cons
     FitState tried = look(next);
     // Pixels out of reach leave chi2: an edge that runs away from them is no better.
     constexpr double kKept = 0.7;
-    const double more = sum_of_products(tried.sums.square(), state.weight) - state.normal.chi2;
+    const double more = chi2_of(tried.sums, state.weight) - state.normal.chi2;
     const bool better = more <= 2.0 && tried.normal.count >= kKept * state.normal.count;
     // Along the valley where shapes hardly differ steps may go to and fro.
     constexpr double kShort = 10.0;

@@ -74,6 +74,7 @@ struct FitState {
   double left = 0.0;  ///< what the next step would take off chi2 if all were linear
   bool converged = false;
 };
+double chi2_of(const EdgeSums& sums, const BinRow& weight);
 /// Weights and equations of a state that has its profile, sums and noise.
 void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds);
 /// The state at a model.

@@ -7,11 +7,8 @@
 #include "mtf/special.h"
 
 namespace calib {
-namespace {
 
-constexpr double kPi = mtf::kPi;
-
-}  // namespace
+using mtf::kPi;
 
 EdgeResponse::EdgeResponse(const EdgeModel& model, const JointFit& joint)
     : shape_(model.shape), normal_(model.curve.normal()), table_(tabulate(model.shape, model.curve.angle_rad)) {
@@ -64,66 +61,59 @@ void EdgeResponse::find_runs() {
   }
 }
 
-// Real or imaginary as the pairs are odd or even: from one pair to the next the phase turns by the same angle.
-void EdgeResponse::run_otf(const Run& run, double f_cy_px, Row& slope) const {
-  const SplinePair& pair = run.first;
-  const double sinc = mtf::sinc(f_cy_px * pair.h_px).value, window = sinc * sinc * sinc * sinc;
-  const double half = 2.0 * kPi * f_cy_px * pair.h_px * window;
-  mtf::SinCos phase = mtf::sin_cos_pi(2.0 * f_cy_px * pair.x_px);
-  const mtf::SinCos turn = mtf::sin_cos_pi(2.0 * f_cy_px * pair.h_px);
-  for (Eigen::Index i = run.at; i < run.at + run.count; ++i) {
-    slope[i] = 2.0 * half * (pair.odd ? phase.sin : phase.cos);
-    phase = {phase.sin * turn.cos + phase.cos * turn.sin, phase.cos * turn.cos - phase.sin * turn.sin};
+// From one pair of a run to the next the phase turns by the same angle.
+EdgeResponse::Phases EdgeResponse::phases(double f_cy_px) const {
+  Phases phases{Eigen::ArrayXd::Ones(value_.size()), Eigen::ArrayXd::Zero(value_.size())};
+  for (const Run& run : runs_) {
+    mtf::SinCos phase = mtf::sin_cos_pi(2.0 * f_cy_px * run.first.x_px);
+    const mtf::SinCos turn = mtf::sin_cos_pi(2.0 * f_cy_px * run.first.h_px);
+    for (Eigen::Index i = run.at; i < run.at + run.count; ++i) {
+      phases.cos[i] = phase.cos;
+      phases.sin[i] = phase.sin;
+      phase = {phase.sin * turn.cos + phase.cos * turn.sin, phase.cos * turn.cos - phase.sin * turn.sin};
+    }
   }
-  if (pair.x_px == 0.0) slope[run.at] = half;
+  return phases;
 }
 
-// All but the splines' slopes.
-void EdgeResponse::add_up(double f_cy_px, const ReferenceOtf& reference, Parts& parts) const {
+// Real or imaginary as the pairs are odd or even.
+EdgeResponse::Parts EdgeResponse::add_up(double f_cy_px, const ReferenceOtf& reference, const Phases& phases) const {
+  const Eigen::Index rest = value_.size() - real_;
+  Parts parts{.slope = Row(value_.size()), .real = real_};
+  parts.slope.head(real_) = phases.sin.head(real_);
+  parts.slope.tail(rest) = phases.cos.tail(rest);
+  for (const Run& run : runs_) {
+    const double sinc = mtf::sinc(f_cy_px * run.first.h_px).value, window = sinc * sinc * sinc * sinc;
+    parts.slope.segment(run.at, run.count) *= 4.0 * kPi * f_cy_px * run.first.h_px * window;
+    if (run.first.x_px == 0.0) parts.slope[run.at] *= 0.5;
+  }
   const auto shapes = static_cast<Eigen::Index>(shapes_.size());
   for (Eigen::Index i = 0; i < shapes; ++i) parts.slope[i] = reference.slope[shapes_[static_cast<std::size_t>(i)]];
   parts.slope[real_] = -2.0 * kPi * f_cy_px * reference.value;
-  const Eigen::Index rest = value_.size() - real_;
   parts.re = reference.value + parts.slope.head(real_).dot(value_.head(real_));
   parts.im = parts.slope.tail(rest).dot(value_.tail(rest));
-}
-
-EdgeResponse::Parts EdgeResponse::parts(double f_cy_px) const {
-  Parts parts{.slope = Row(value_.size()), .real = real_};
-  for (const Run& run : runs_) run_otf(run, f_cy_px, parts.slope);
-  add_up(f_cy_px, reference_otf(shape_, normal_, f_cy_px), parts);
   return parts;
 }
 
-// From one frequency to the next all phases turn by their own angle.
+EdgeResponse::Parts EdgeResponse::parts(double f_cy_px) const {
+  return add_up(f_cy_px, reference_otf(shape_, normal_, f_cy_px), phases(f_cy_px));
+}
+
+// From one frequency to the next every phase turns by its own angle.
 std::vector<EdgeResponse::Parts> EdgeResponse::all_parts(double step_cy_px, std::size_t count) const {
   std::vector<double> f_cy_px(count);
   for (std::size_t i = 0; i < count; ++i) f_cy_px[i] = static_cast<double>(i) * step_cy_px;
   const std::vector<ReferenceOtf> references = reference_otfs(shape_, normal_, f_cy_px);
-  const Eigen::Index size = value_.size();
-  using Array = Eigen::ArrayXd;
-  Array cos = Array::Ones(size), sin = Array::Zero(size), turn_cos = cos, turn_sin = sin, scale = sin, next(size);
-  for (const Run& run : runs_)
-    for (Eigen::Index i = 0; i < run.count; ++i) {
-      const double x_px = run.first.x_px + static_cast<double>(i) * run.first.h_px;
-      const mtf::SinCos turn = mtf::sin_cos_pi(2.0 * step_cy_px * x_px);
-      turn_cos[run.at + i] = turn.cos;
-      turn_sin[run.at + i] = turn.sin;
-    }
-  std::vector<Parts> all(count, Parts{.slope = Row(size), .real = real_});
-  for (std::size_t k = 0; k < count; ++k) {
-    for (const Run& run : runs_) {
-      const double sinc = mtf::sinc(f_cy_px[k] * run.first.h_px).value, window = sinc * sinc * sinc * sinc;
-      const double whole = 4.0 * kPi * f_cy_px[k] * run.first.h_px * window;
-      scale.segment(run.at, run.count) = whole;
-      if (run.first.x_px == 0.0) scale[run.at] = 0.5 * whole;
-    }
-    all[k].slope.head(real_) = scale.head(real_) * sin.head(real_);
-    all[k].slope.tail(size - real_) = scale.tail(size - real_) * cos.tail(size - real_);
-    add_up(f_cy_px[k], references[k], all[k]);
-    next = cos * turn_cos - sin * turn_sin;
-    sin = sin * turn_cos + cos * turn_sin;
-    cos = next;
+  Phases now = phases(0.0);
+  const Phases turn = phases(step_cy_px);
+  Eigen::ArrayXd next(value_.size());
+  std::vector<Parts> all;
+  all.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    all.push_back(add_up(f_cy_px[i], references[i], now));
+    next = now.cos * turn.cos - now.sin * turn.sin;
+    now.sin = now.sin * turn.cos + now.cos * turn.sin;
+    now.cos.swap(next);
   }
   return all;
 }
@@ -183,10 +173,9 @@ void EdgeResponse::locate() {
 EdgeResponse::Otf EdgeResponse::otf(double f_cy_px) const { return otf_of(f_cy_px, parts(f_cy_px)); }
 
 std::vector<EdgeResponse::Otf> EdgeResponse::otfs(double step_cy_px, std::size_t count) const {
-  const std::vector<Parts> all = all_parts(step_cy_px, count);
   std::vector<Otf> list;
-  list.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) list.push_back(otf_of(static_cast<double>(i) * step_cy_px, all[i]));
+  for (const Parts& at : all_parts(step_cy_px, count))
+    list.push_back(otf_of(static_cast<double>(list.size()) * step_cy_px, at));
   return list;
 }
 

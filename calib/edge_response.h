@@ -64,10 +64,14 @@ class EdgeResponse {
     Eigen::Index at = 0, count = 0;  // among the unknowns
   };
   void find_runs();
-  void run_otf(const Run& run, double f_cy_px, Row& slope) const;
+  // cos and sin of 2 pi f x, of each spline.
+  struct Phases {
+    Eigen::ArrayXd cos, sin;
+  };
+  Phases phases(double f_cy_px) const;
   Parts parts(double f_cy_px) const;
   std::vector<Parts> all_parts(double step_cy_px, std::size_t count) const;
-  void add_up(double f_cy_px, const ReferenceOtf& reference, Parts& parts) const;
+  Parts add_up(double f_cy_px, const ReferenceOtf& reference, const Phases& phases) const;
   Otf otf_of(double f_cy_px, const Parts& at) const;
   void locate();
   Row change_row(double d_px) const;  // of E, about where the equations were taken

@@ -69,7 +69,8 @@ Spread spread_of(const SplinePair& pair, double contrast) {
   const double* centre = DistanceBins::get().centres().data() + kSideBins;
   Spread spread;
   while (spread.first < kSideBins && centre[spread.first] <= pair.x_px - 2.0 * pair.h_px) ++spread.first;
-  for (spread.end = spread.first; spread.end < kSideBins && centre[spread.end] < pair.x_px + 2.0 * pair.h_px; ++spread.end)
+  for (spread.end = spread.first; spread.end < kSideBins && centre[spread.end] < pair.x_px + 2.0 * pair.h_px;
+       ++spread.end)
     spread.value[static_cast<std::size_t>(spread.end)] = contrast * pair_value(pair, centre[spread.end]);
   return spread;
 }
@@ -109,7 +110,8 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
   BinRow row;
   const auto folded = [&](const BinRow& a, const BinRow& b, int first, int end, Folded& out) {
     row.fill(0.0);
-    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i) row[i] = state.weight[i] * a[i] * b[i];
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i)
+      row[i] = state.weight[i] * a[i] * b[i];
     fold(row, out);
   };
   BinRow ones;
@@ -137,11 +139,14 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
       equations.with_unknowns(static_cast<Eigen::Index>(k), column) =
           basis.scale(unknowns[k]) * sum_of_products(value, columns[k].of(odd), first, end);
     for (const bool alike : {true, false}) {
-      for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i) counted[i] = value[i] * counts.of(!alike)[i];
+      for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i)
+        counted[i] = value[i] * counts.of(!alike)[i];
       for (std::size_t k = 0; k <= j; ++k) {
         if ((pairs[k].odd == odd) != alike) continue;
         const int from = std::max(first, spreads[k].first), to = std::min(end, spreads[k].end);
-        if (from < to) equations.with_each_other(column, static_cast<Eigen::Index>(k)) = sum_of_products(counted, spreads[k].value, from, to);
+        if (from < to)
+          equations.with_each_other(column, static_cast<Eigen::Index>(k)) =
+              sum_of_products(counted, spreads[k].value, from, to);
       }
     }
   }

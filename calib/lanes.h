@@ -11,11 +11,10 @@
 
 namespace calib {
 
-/// a + b x with its last bits cut to whole numbers: adding and taking it away rounds to the nearest one, which is left
-/// in the lowest bits.
+/// A number that is added to it is rounded to the nearest whole one, which the lowest bits of the sum hold.
 inline constexpr double kRound = 0x1.8p52;
 
-/// 1, -1/3!, 1/5!, .. from `first` factorial on, signs in turn or not.
+/// The coefficients 1 / first!, 1 / (first + step)! and so on, every other one negative where the sign `turns`.
 template <std::size_t kTerms>
 constexpr std::array<double, kTerms> series(int first, int step, bool turns) {
   std::array<double, kTerms> term{};

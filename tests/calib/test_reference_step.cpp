@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "calib/lanes.h"
 #include "calib/reference_step.h"
 #include "tests/calib/made_edges.h"
 
@@ -25,6 +26,32 @@ TEST(ReferenceStep, BinsHoldTheirDistances) {
     EXPECT_EQ(bins.index(bins.centre(i)), i);
     const double inside = bins.knot(i) + 1e-9 * (bins.knot(i + 1) - bins.knot(i));
     EXPECT_EQ(bins.index(inside), i);
+  }
+}
+
+TEST(ReferenceStep, LanesAreTheFunctions) {
+  for (double x = -1000.0; x < 1000.0; x += 0.0137) {
+    const calib::SineCosine turn = calib::sine_cosine(x);
+    EXPECT_NEAR(turn.sin, std::sin(x), 5e-16);
+    EXPECT_NEAR(turn.cos, std::cos(x), 5e-16);
+  }
+  for (double x = -690.0; x < 690.0; x += 0.0137) EXPECT_NEAR(calib::exponential(x) / std::exp(x), 1.0, 5e-16);
+}
+
+TEST(ReferenceStep, HasOneOtf) {
+  for (const calib::ReferenceShape shape :
+       {calib::ReferenceShape{0.93, 0.02, 1.0}, calib::ReferenceShape{0.0, 40.0, 0.0},
+        calib::ReferenceShape{0.0, 0.0036, 64.0}}) {
+    const calib::Point normal{std::cos(kAngle_rad), std::sin(kAngle_rad)};
+    std::vector<double> f_cy_px(41);
+    for (std::size_t i = 0; i < f_cy_px.size(); ++i) f_cy_px[i] = 0.05 * static_cast<double>(i);
+    const std::vector<calib::ReferenceOtf> all = calib::reference_otfs(shape, normal, f_cy_px);
+    for (std::size_t i = 0; i < f_cy_px.size(); ++i) {
+      const calib::ReferenceOtf one = calib::reference_otf(shape, normal, f_cy_px[i]);
+      EXPECT_NEAR(all[i].value, one.value, 1e-15);
+      for (std::size_t k = 0; k < calib::kShapes; ++k)
+        EXPECT_NEAR(all[i].slope[k], one.slope[k], 1e-14 * (1.0 + std::abs(one.slope[k])));
+    }
   }
 }
 
