@@ -77,9 +77,8 @@ EdgeResponse::Phases EdgeResponse::phases(double f_cy_px) const {
 }
 
 // Real or imaginary as the pairs are odd or even.
-EdgeResponse::Parts EdgeResponse::add_up(double f_cy_px, const ReferenceOtf& reference, const Phases& phases) const {
+void EdgeResponse::add_up(double f_cy_px, const ReferenceOtf& reference, const Phases& phases, Parts& parts) const {
   const Eigen::Index rest = value_.size() - real_;
-  Parts parts{.slope = Row(value_.size()), .real = real_};
   parts.slope.head(real_) = phases.sin.head(real_);
   parts.slope.tail(rest) = phases.cos.tail(rest);
   for (const Run& run : runs_) {
@@ -92,30 +91,31 @@ EdgeResponse::Parts EdgeResponse::add_up(double f_cy_px, const ReferenceOtf& ref
   parts.slope[real_] = -2.0 * kPi * f_cy_px * reference.value;
   parts.re = reference.value + parts.slope.head(real_).dot(value_.head(real_));
   parts.im = parts.slope.tail(rest).dot(value_.tail(rest));
-  return parts;
 }
 
 EdgeResponse::Parts EdgeResponse::parts(double f_cy_px) const {
-  return add_up(f_cy_px, reference_otf(shape_, normal_, f_cy_px), phases(f_cy_px));
+  Parts parts{.slope = Row(value_.size()), .real = real_};
+  add_up(f_cy_px, reference_otf(shape_, normal_, f_cy_px), phases(f_cy_px), parts);
+  return parts;
 }
 
 // From one frequency to the next every phase turns by its own angle.
-std::vector<EdgeResponse::Parts> EdgeResponse::all_parts(double step_cy_px, std::size_t count) const {
+template <class Visit>
+void EdgeResponse::walk(double step_cy_px, std::size_t count, const Visit& visit) const {
   std::vector<double> f_cy_px(count);
   for (std::size_t i = 0; i < count; ++i) f_cy_px[i] = static_cast<double>(i) * step_cy_px;
   const std::vector<ReferenceOtf> references = reference_otfs(shape_, normal_, f_cy_px);
   Phases now = phases(0.0);
   const Phases turn = phases(step_cy_px);
   Eigen::ArrayXd next(value_.size());
-  std::vector<Parts> all;
-  all.reserve(count);
+  Parts parts{.slope = Row(value_.size()), .real = real_};
   for (std::size_t i = 0; i < count; ++i) {
-    all.push_back(add_up(f_cy_px[i], references[i], now));
+    add_up(f_cy_px[i], references[i], now, parts);
+    visit(f_cy_px[i], parts);
     next = now.cos * turn.cos - now.sin * turn.sin;
     now.sin = now.sin * turn.cos + now.cos * turn.sin;
     now.cos.swap(next);
   }
-  return all;
 }
 
 EdgeResponse::Row EdgeResponse::Parts::along() const {
@@ -142,17 +142,16 @@ void EdgeResponse::locate() {
   std::array<Value, kFrequencies> all;
   double weight = 0.0;
   shift_row_ = Row::Zero(value_.size());
-  const std::vector<Parts> at_all = all_parts(kTop_cy_px / kFrequencies, kFrequencies + 1);
-  for (std::size_t i = 0; i < kFrequencies; ++i) {
-    const double f = kTop_cy_px * static_cast<double>(i + 1) / kFrequencies;
-    const Parts& at = at_all[i + 1];
-    const Value& one = all[i] = {2.0 * kPi * f, at.re, at.im, at.modulus()};
+  std::size_t count = 0;
+  walk(kTop_cy_px / kFrequencies, kFrequencies + 1, [&](double f_cy_px, const Parts& at) {
+    if (f_cy_px == 0.0) return;
+    const Value& one = all[count++] = {2.0 * kPi * f_cy_px, at.re, at.im, at.modulus()};
     const double turn = one.turn * one.modulus, per_modulus = one.modulus > 0.0 ? 1.0 / one.modulus : 0.0;
     weight += turn * turn;
     const Eigen::Index rest = value_.size() - real_;
     shift_row_.head(real_) += turn * one.im * per_modulus * at.slope.head(real_);
     shift_row_.tail(rest) -= turn * (one.modulus > 0.0 ? one.re * per_modulus : 1.0) * at.slope.tail(rest);
-  }
+  });
   if (!(weight > 0.0)) return;
   shift_row_ /= weight;
   for (int round = 0; round < kRounds; ++round) {
@@ -174,8 +173,8 @@ EdgeResponse::Otf EdgeResponse::otf(double f_cy_px) const { return otf_of(f_cy_p
 
 std::vector<EdgeResponse::Otf> EdgeResponse::otfs(double step_cy_px, std::size_t count) const {
   std::vector<Otf> list;
-  for (const Parts& at : all_parts(step_cy_px, count))
-    list.push_back(otf_of(static_cast<double>(list.size()) * step_cy_px, at));
+  list.reserve(count);
+  walk(step_cy_px, count, [&](double f_cy_px, const Parts& at) { list.push_back(otf_of(f_cy_px, at)); });
   return list;
 }
 

@@ -70,8 +70,10 @@ class EdgeResponse {
   };
   Phases phases(double f_cy_px) const;
   Parts parts(double f_cy_px) const;
-  std::vector<Parts> all_parts(double step_cy_px, std::size_t count) const;
-  Parts add_up(double f_cy_px, const ReferenceOtf& reference, const Phases& phases) const;
+  /// Calls visit(f, parts) at 0, step .. (count - 1) step.
+  template <class Visit>
+  void walk(double step_cy_px, std::size_t count, const Visit& visit) const;
+  void add_up(double f_cy_px, const ReferenceOtf& reference, const Phases& phases, Parts& parts) const;
   Otf otf_of(double f_cy_px, const Parts& at) const;
   void locate();
   Row change_row(double d_px) const;  // of E, about where the equations were taken
