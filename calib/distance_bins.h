@@ -4,6 +4,7 @@
 // Bins of the distance from an edge, fine where an edge spread function is steep. They are where the model is tabulated
 // (a cubic a bin) and where pixels' residuals are summed; no pixel's value is ever replaced by that of its bin.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -31,7 +32,10 @@ class DistanceBins {
   static const DistanceBins& get();
 
   /// The bin of a distance, |d| < kReach_px.
-  int index(double d_px) const { return at_step_[static_cast<std::size_t>(std::floor((d_px + kReach_px) * kFinest))]; }
+  int index(double d_px) const {
+    const auto step = static_cast<std::size_t>(std::floor((d_px + kReach_px) * kFinest));
+    return at_step_[std::min(step, at_step_.size() - 1)];  // a hair within the reach rounds to its end
+  }
   double knot(int i) const { return knot_[static_cast<std::size_t>(i)]; }  ///< lower end of bin i, i <= kBins
   double centre(int i) const { return centre_[static_cast<std::size_t>(i)]; }
   const BinRow& centres() const { return centre_; }

@@ -86,7 +86,7 @@ FitState fit_on_bins(const FitState& state, const EdgeModel& from, EdgeModel& mo
 }
 
 bool foretold(const EdgeModel& from, const FitState& near, const EdgeModel& model, double enough) {
-  constexpr double kShort = 0.08;  // of the blur: unknowns are off by less than a tenth of their standard deviations
+  constexpr double kShort = 0.08;  // of the blur: unknowns are seldom off by a tenth of their standard deviations
   const Vector step = way(from, model);
   const double most_px = step.segment<kHighestOrder + 1>(kFirstShift).lpNorm<1>();
   double square_px2 = 0.0;  // of the shift, its mean over the edge

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNear_px = 16.0, kNearStep_px = 0.01, kFarStep_px = 0.5;
 constexpr std::size_t kPowers = 4;  // t^2 .. t^5
-constexpr std::size_t kLot = 128;
+constexpr std::size_t kTogether = 128;
 
 MTFKIT_CLONES void bend_circle(double k, double* u, double* s, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -67,9 +67,9 @@ void bend_all(const EdgeCurve& curve, std::span<double> u_px, std::span<double> 
   }
   Polynomial polynomial{.half_length_px = curve.half_length_px};
   std::copy_n(curve.coefficient.begin(), std::min(kPowers, curve.coefficient.size()), polynomial.c.begin());
-  std::array<double, kLot> start, height;
-  for (std::size_t first = 0; first < u_px.size(); first += kLot) {
-    const std::size_t n = std::min(kLot, u_px.size() - first);
+  std::array<double, kTogether> start, height;
+  for (std::size_t first = 0; first < u_px.size(); first += kTogether) {
+    const std::size_t n = std::min(kTogether, u_px.size() - first);
     double *const u = u_px.data() + first, *const s = s_px.data() + first;
     std::copy_n(s, n, start.begin());
     constexpr int kMostSteps = 40;

@@ -59,7 +59,7 @@ MTFKIT_CLONES void find_bins(const double* __restrict distance, std::int32_t* __
     double outwards = kLines[0].per_px * away;
     for (std::size_t z = 1; z < kLines.size(); ++z)
       outwards = std::min(outwards, kLines[z].start + kLines[z].per_px * away);
-    const bool inside = away < kReach_px;
+    const bool inside = outwards < kSideBins;  // rounded as it is: a hair within the reach is beyond the last bin
     const auto whole = static_cast<std::int32_t>(inside ? outwards : 0.0);
     const std::int32_t found = d < 0.0 ? kSideBins - 1 - whole : kSideBins + whole;
     bin[k] = inside ? found : kBins;

@@ -84,12 +84,20 @@ void settle(const EdgePixels& pixels, Fit& fit, FitRounds rounds) {
     drop_diffraction();
     near = fit_on_bins(fit.state, fit.model, model, rounds);
   }
-  if (near.converged && foretold(fit.model, near, model, rounds.enough)) {
-    fit.model = model;
-    near.noise = noise_of(near.sums, near.profile, rounds);
-    assemble(near, model, rounds);
-    fit.state = std::move(near);
-    return;
+  if (near.converged) {
+    // By its own noise: that of a look from far off is too large, and ends a fit early.
+    FitState there = near;
+    there.noise = noise_of(near.sums, near.profile, rounds);
+    assemble(there, model, rounds);
+    FitRounds one = rounds;
+    one.rounds = 1;
+    EdgeModel next = model;
+    there = fit_on_bins(there, model, next, one);
+    if (there.converged && foretold(fit.model, there, model, rounds.enough)) {
+      fit.model = model;
+      fit.state = std::move(there);
+      return;
+    }
   }
   if (near.left > rounds.enough) rounds.enough += near.left;  // steps that come to nothing on bins need no other try
   rounds.rounds = 5;

@@ -93,7 +93,7 @@ void StepProfile::find_bend_bins() {
   const auto first = std::find_if(lsf().begin(), lsf().end(), seen);
   const auto last = std::find_if(lsf().rbegin(), lsf().rend(), seen);
   bend_first = static_cast<int>(first - lsf().begin()) / kLot * kLot;
-  bend_end = (static_cast<int>(lsf().rend() - last) + kLot - 1) / kLot * kLot;
+  bend_end = std::max(bend_first, (static_cast<int>(lsf().rend() - last) + kLot - 1) / kLot * kLot);
 }
 
 }  // namespace calib

@@ -28,7 +28,6 @@ class StepProfile {
   /// The bins [first, end) outside which the line spread is below a thousandth of that at the edge, in whole lots:
   /// where bends of the edge are seen. Their derivatives, the terms t^2 and higher, count as zero elsewhere.
   int bend_first = 0, bend_end = kBins;
-  bool shows_bends(int i) const { return i >= bend_first && i < bend_end; }
 
  private:
   void find_bend_bins();

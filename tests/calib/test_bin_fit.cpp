@@ -7,6 +7,7 @@
 
 #include "calib/edge_bin_fit.h"
 #include "calib/edge_start.h"
+#include "calib/edge_sums.h"
 #include "calib/edge_terms.h"
 #include "tests/calib/made_edges.h"
 
@@ -87,6 +88,26 @@ TEST(BinFit, WayIsTheStep) {
   calib::EdgeModel to = from;
   calib::move(to, step);
   EXPECT_LT((calib::way(from, to) - step).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+// What is a hair within the reach rounds to its end in places: it is in the last bin, or out of reach, on either side.
+TEST(DistanceBins, EndAtTheReach) {
+  const double last = std::nextafter(calib::kReach_px, 0.0);
+  EXPECT_EQ(calib::DistanceBins::get().index(last), calib::kBins - 1);
+  EXPECT_EQ(calib::DistanceBins::get().index(-last), 0);
+  for (const double off : {-1.5e-14, 0.0, 1.5e-14}) {
+    calib::EdgePixels pixels(2);
+    pixels.add(-calib::kReach_px, 0.0, 0.1);
+    pixels.add(calib::kReach_px, 0.0, 0.9);
+    calib::EdgeModel model;
+    model.curve.half_length_px = 10.0;
+    model.curve.origin = {off, 0.0};
+    model.level = {0.0, 1.0};
+    const calib::EdgeSums sums = calib::accumulate(pixels, model, calib::StepProfile(calib::tabulate(model.shape, 0.0)), 1);
+    double count = 0.0;
+    for (int i = 0; i < calib::kBins; ++i) count += sums.count(i);
+    EXPECT_LE(count, 1.0) << off;
+  }
 }
 
 }  // namespace
