@@ -154,7 +154,7 @@ void CoarseScene::add(std::int64_t first, ImageView<const float> along, int thre
       for (std::int64_t y = from; y < to; ++y) {
         const double w = s.weight[static_cast<std::size_t>(y - s.first)];
         const float* row = along.row(y - first);
-        if (!all_zero(row, width)) add_scaled(sums, row, w, width);
+        if (w != 0.0 && !all_zero(row, width)) add_scaled(sums, row, w, width);
       }
     }
   });

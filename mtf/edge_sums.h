@@ -187,6 +187,7 @@ class EdgeSums {
     double inside = 0.0, above = level, outside = 0.0, d = 0.0;
     const auto last = static_cast<std::ptrdiff_t>(samples.lsf.size()) - 1;
     const double from = (top - samples.first_px) / kStep_px;  // of the peak, in samples
+    if (!std::isfinite(from)) return S(std::nan(""));
     for (auto i = static_cast<std::ptrdiff_t>(sign > 0.0 ? std::floor(from) + 1.0 : std::ceil(from) - 1.0);
          i >= 0 && i <= last && outside == 0.0; i += sign > 0.0 ? 1 : -1) {
       const double excess = value_of(samples.lsf[static_cast<std::size_t>(i)]) - level;

@@ -82,16 +82,17 @@ std::vector<S> chebyshev_at(const std::vector<S>& coefficient, std::span<const d
     std::vector<double> value(t.size());
     chebyshev_sums(coefficient, t, value);
     return value;
+  } else {
+    std::vector<S> b1(t.size()), b2(t.size()), b(t.size());
+    for (std::size_t k = coefficient.size(); k-- > 1;) {
+      const S c = coefficient[k];
+      for (std::size_t i = 0; i < t.size(); ++i) b[i] = S(2.0 * t[i]) * b1[i] + (c - b2[i]);
+      b2.swap(b1);
+      b1.swap(b);
+    }
+    for (std::size_t i = 0; i < t.size(); ++i) b[i] = S(t[i]) * b1[i] + (coefficient[0] - b2[i]);
+    return b;
   }
-  std::vector<S> b1(t.size()), b2(t.size()), b(t.size());
-  for (std::size_t k = coefficient.size(); k-- > 1;) {
-    const S c = coefficient[k];
-    for (std::size_t i = 0; i < t.size(); ++i) b[i] = S(2.0 * t[i]) * b1[i] + (c - b2[i]);
-    b2.swap(b1);
-    b1.swap(b);
-  }
-  for (std::size_t i = 0; i < t.size(); ++i) b[i] = S(t[i]) * b1[i] + (coefficient[0] - b2[i]);
-  return b;
 }
 
 /// What the coefficients beyond the last amount to: half of the last three, which where they fall by as little as 0.75

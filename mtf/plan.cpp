@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "mtf/error.h"
@@ -56,12 +55,17 @@ SampleGrid detector_grid(const System<double>& system, const SampleGrid& scene) 
 
 namespace {
 
+// In the groups that are seen to be flat together.
 double flat_columns(ImageView<const float> scene) {
-  std::vector<std::int64_t> columns(static_cast<std::size_t>(scene.width));  // that are flat so far
-  std::iota(columns.begin(), columns.end(), 0);
-  for (std::int64_t y = 1; y < scene.height && !columns.empty(); ++y)
-    std::erase_if(columns, [row = scene.row(y), first = scene.row(0)](std::int64_t x) { return row[x] != first[x]; });
-  return static_cast<double>(columns.size()) / static_cast<double>(scene.width);
+  constexpr std::int64_t kGroup = FlatMap::kGroup;
+  const float* first = scene.row(0);
+  std::vector<std::int64_t> groups;  // that are flat so far
+  for (std::int64_t x = 0; x + kGroup <= scene.width; x += kGroup) groups.push_back(x);
+  for (std::int64_t y = 0; y < scene.height && !groups.empty(); ++y)
+    std::erase_if(groups, [row = scene.row(y), first](std::int64_t x) {
+      return !std::all_of(row + x, row + x + kGroup, [level = first[x]](float v) { return v == level; });
+    });
+  return static_cast<double>(groups.size()) * static_cast<double>(kGroup) / static_cast<double>(scene.width);
 }
 
 }  // namespace

@@ -95,7 +95,7 @@ struct PredictedError {
   double cut = 0.0;         ///< frequencies left out
   double wrap = 0.0;        ///< canvas shorter than the defined one
   double kernel = 0.0;      ///< taps left out
-  double flat = 0.0;        ///< contrast that reaches rows of one level, left out
+  double flat = 0.0;        ///< contrast that reaches lines of one level, left out
   double arithmetic = 0.0;  ///< float32 transforms and storage
   double total() const { return dropped + table + band + cut + wrap + kernel + flat + arithmetic; }
 };

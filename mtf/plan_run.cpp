@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <limits>
 
 #include "mtf/engines/kernels.h"
 #include "mtf/error.h"
@@ -109,7 +110,8 @@ void Plan::run(std::span<const ImageView<const float>> in, std::span<const Image
                int threads) const {
   if (in.size() != out.size()) throw UsageError("as many output as input planes are needed");
   const bool constant = impl_->options.border == Border::constant;
-  if (constant && !std::isfinite(border_value)) throw UsageError("the border level has to be a finite number");
+  if (constant && !(std::abs(border_value) <= std::numeric_limits<float>::max()))
+    throw UsageError("the border level has to be a finite float");
   std::vector<Channel> channels;
   std::vector<Image> copies;
   std::vector<FlatMap> flat(in.size());

@@ -47,7 +47,7 @@ void ResolutionMeter<S>::Impl::edge_figures(Axis axis, AxisFigures<S>& figures) 
     const S half = S(0.5) * edge.at(peak).lsf, right = edge.half_width(peak, half, 1.0, around);
     figures.fwhm_px = edge.real() ? S(2) * right : S(right + edge.half_width(peak, half, -1.0, around));
     const double slope = std::abs(value_of(edge.at(peak + right).slope)), width = value_of(figures.fwhm_px);
-    figure_error = std::max(figure_error, 2.0 * series_error / (slope * width));
+    figure_error = std::max(figure_error, 2.0 * series_error / (slope * width) + near() * near());
   }
 }
 

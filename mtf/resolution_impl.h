@@ -178,7 +178,7 @@ S ResolutionMeter<S>::Impl::mtf50(Axis axis) {
     const double slope = (8.0 * (modulus_at(2) - modulus_at(1)) - (modulus_at(3) - modulus_at(0))) / (12.0 * d);
     const S at_half = S(panel.series.map.f(t)) * pitch_mm(axis);
     const double by_px = std::abs(slope / panel.series.map.slope(t)) / value_of(pitch_mm(axis));
-    figure_error = std::max(figure_error, series_error / (by_px * value_of(at_half)));
+    figure_error = std::max(figure_error, series_error / (by_px * value_of(at_half)) + near() * near());
     const S step = (S(kHalf) - modulus(h.at(t))) * S(panel.series.map.slope(t) / slope);
     return at_half + step * pitch_mm(axis);
   }

@@ -67,7 +67,7 @@ Statistics statistics_of(std::span<const RowMoments> rows, std::int64_t width) {
   }
   if (finite == 0) return s;
   s.mean = s.min == s.max ? s.min : sum / static_cast<double>(finite);
-  const double scale = std::max(s.max - s.mean, s.mean - s.min);  // 1e-30 squared is none
+  const double scale = std::max(s.max - s.mean, s.mean - s.min);
   if (scale == 0.0) return s;
   double squares = 0.0;
   for (const RowMoments& row : rows)

@@ -43,11 +43,13 @@ class Gathered {
     if (options.every == 0) return;
     Image first(width_, 1);
     read(channel, 0, 0, first.view());
-    // A level of the scene, where its first row shows one: what is of that level takes no sums. Values near the end of
-    // float are taken as they are, for no difference of theirs to lie beyond it.
+    // A level of the scene, where a quarter of its first row shows one: what is of that level takes no sums. Values
+    // near the end of float are taken as they are, for no difference of theirs to lie beyond it.
     const CoarseGrid grid = coarse_grid(scene, options.border, options.every);
-    const FlatMap flat(std::as_const(first).view());
-    double level = flat.any() ? flat.level(1) : row_moments(first.data(), width_).mean;
+    FlatMap flat(std::as_const(first).view());
+    double level = row_moments(first.data(), width_).mean;
+    if (flat.any() && 4 * std::count(flat.look(0), flat.look(0) + flat.groups(), 1) >= flat.groups())
+      level = flat.level(1);
     if (std::abs(level) > 1e30) level = 0.0;
     coarse_.emplace(grid, options.border == Border::constant ? options.border_value : level);
     along_ = Image(grid.x.count, std::min(options.band_rows, scene.height));

@@ -21,7 +21,7 @@ struct Channel {
   double out_mean = 0.0;  ///< added back at the end: H(0) x mean
   double border_value = 0.0;
   const FlatMap* flat = nullptr;  ///< of `in`; null: nothing is known
-  double allowance = 0.0;         ///< rms contrast over `out` that may be left out of rows as a whole
+  double allowance = 0.0;         ///< rms contrast over `out` that may be left out of lines as a whole
 };
 
 class Engine {

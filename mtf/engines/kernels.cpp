@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "mtf/engines/clones.h"
 #include "mtf/engines/simd.h"
@@ -46,8 +47,19 @@ MTFKIT_CLONES void center(const float* __restrict in, std::int64_t n, double mea
   for (std::int64_t i = 0; i < n; ++i) out[i] = (in[i] - mean) * scale;
 }
 
+namespace {
+
+// A change may lie beyond float where its sum with the mean does not.
+bool near_the_end_of_float(double mean, double scale) { return !(std::abs(mean) < 0x1p120 && scale < 0x1p120); }
+
+}  // namespace
+
 MTFKIT_CLONES void restore(const float* __restrict in, std::int64_t n, double mean, double scale,
                            float* __restrict out) {
+  if (near_the_end_of_float(mean, scale)) {
+    for (std::int64_t i = 0; i < n; ++i) out[i] = static_cast<float>(in[i] * scale + mean);
+    return;
+  }
   const float factor = static_cast<float>(scale), high = static_cast<float>(mean),
               low = static_cast<float>(mean - high);
   for (std::int64_t i = 0; i < n; ++i) out[i] = (in[i] * factor + low) + high;
@@ -94,11 +106,15 @@ MTFKIT_CLONES void center_columns(const float* in, std::int64_t stride, std::int
 
 MTFKIT_CLONES void restore_columns(const float* in, std::span<const std::int32_t> order, std::int64_t count,
                                    double mean, double scale, std::int64_t stride, float* out) {
+  const bool wide = near_the_end_of_float(mean, scale);
   const float factor = static_cast<float>(scale), high = static_cast<float>(mean),
               low = static_cast<float>(mean - high);
   for (const std::int32_t row : order) {
     const float* from = in + std::int64_t{row} * kColumns;
-    fill_row(count, out, [&](std::int64_t l) { return (from[l] * factor + low) + high; });
+    if (wide)
+      fill_row(count, out, [&](std::int64_t l) { return static_cast<float>(from[l] * scale + mean); });
+    else
+      fill_row(count, out, [&](std::int64_t l) { return (from[l] * factor + low) + high; });
     out += stride;
   }
 }

@@ -25,7 +25,7 @@ void restore(const double* in, std::int64_t n, double mean, double scale, float*
 
 inline constexpr std::int64_t kColumns = 32;  ///< that are walked down together
 
-/// The same for `rows` rows of `count` <= kColumns samples, `stride` apart, to rows of kColumns, filled up with zeros.
+/// `center` for `rows` rows of `count` <= kColumns samples, `stride` apart, to rows of kColumns, filled up with zeros.
 void center_columns(const float* in, std::int64_t stride, std::int64_t rows, std::int64_t count, double mean,
                     double scale, float* out);
 void center_columns(const float* in, std::int64_t stride, std::int64_t rows, std::int64_t count, double mean,

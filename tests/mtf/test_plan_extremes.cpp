@@ -45,6 +45,20 @@ TEST(PlanExtremes, scale_of_the_values_does_not_matter) {
     }
 }
 
+// Changes by more than the largest float, between values that are floats; blurred, nothing lies beyond them.
+TEST(PlanExtremes, the_largest_values_there_are) {
+  const System<double> system = with(bare(15.0, 15.0), {gaussian(27.0)});
+  const Image scene =
+      image_of(64, 48, [](std::int64_t x, std::int64_t y) { return (x / 8 + y / 12) % 2 == 0 ? 3.3e38 : -3.3e38; });
+  const SampleGrid in = scene_grid(system, 64, 48, 1.0, 1.0);
+  for (const Method method : {Method::separable, Method::fft_float, Method::fft_double}) {
+    PlanOptions options = options_for(scene, Border::reflect, 1e-3);
+    options.method = method;
+    const Image image = run(compile(system, in, in, options), scene);
+    EXPECT_TRUE(all_finite(image)) << static_cast<int>(method);
+  }
+}
+
 TEST(PlanExtremes, small_contrast_on_a_large_mean) {
   for (const double mean : {0.0, 1.0, 1e6, -1e6})
     for (const double contrast : {1e-6, 1e-3})

@@ -168,6 +168,17 @@ TEST(PlanFlatParts, columns_are_lines_where_more_of_them_are_flat) {
     }
 }
 
+// Columns that are flat one by one, beside others, are no lines to leave out.
+TEST(PlanFlatParts, single_columns_do_not_count) {
+  const auto summary = [](std::int64_t period) {
+    return *summarise(image_of(64, 48, [&](auto x, auto) { return x / period % 2 == 0 ? 1.0 : 2.0; }).view(),
+                      Border::reflect, 0.0);
+  };
+  EXPECT_EQ(summary(1).flat_columns, 0.0);
+  EXPECT_EQ(summary(16).flat_columns, 1.0);
+  EXPECT_EQ(summary(16).flat_rows, 0.0);
+}
+
 TEST(FlatMap, tells_groups_of_one_level_from_others) {
   const Image scene = scene_of({75, 0, 74, 118}, 300.0, 20.0);
   FlatMap map(scene.view());
