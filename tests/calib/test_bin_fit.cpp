@@ -103,7 +103,8 @@ TEST(DistanceBins, EndAtTheReach) {
     model.curve.half_length_px = 10.0;
     model.curve.origin = {off, 0.0};
     model.level = {0.0, 1.0};
-    const calib::EdgeSums sums = calib::accumulate(pixels, model, calib::StepProfile(calib::tabulate(model.shape, 0.0)), 1);
+    const calib::EdgeSums sums =
+        calib::accumulate(pixels, model, calib::StepProfile(calib::tabulate(model.shape, 0.0)), 1);
     double count = 0.0;
     for (int i = 0; i < calib::kBins; ++i) count += sums.count(i);
     EXPECT_LE(count, 1.0) << off;
