@@ -82,8 +82,8 @@ std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, cons
 
 void loosen_default(const mtf::UnreachableTolerance& refusal, mtf::PlanOptions& options,
                     std::vector<std::string>& warnings) {
-  warnings.push_back("the default tolerance " + mtf::format_double(options.tolerance) +
-                     " cannot be kept for this scene; " + significant(refusal.reachable(), 2) + " is used");
+  warnings.push_back("the default tolerance " + significant(options.tolerance, 2) + " cannot be kept for this scene; " +
+                     significant(refusal.reachable(), 2) + " is used");
   options.tolerance = refusal.reachable();
 }
 

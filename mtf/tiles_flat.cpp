@@ -10,9 +10,9 @@ namespace {
 constexpr std::int64_t kBlock = 64;
 constexpr double kFewFlatBlocks = 0.3;
 constexpr std::int64_t kWorthPlanning = std::int64_t{1} << 23;  // samples; below, planning costs more than it saves
-constexpr double kWorthIt = 0.8;                                // of the work of the whole image
-constexpr double kReading = 0.05, kCoarse = 0.3;                // work besides transforms, a sample of the scene
-constexpr std::array<std::int64_t, 2> kSides{512, 1024};        // of a tile in samples
+constexpr double kWorthIt = 2.0;  // of the work of the whole image, whose planning takes three times as much
+constexpr double kReading = 0.05, kCoarse = 0.3;          // work besides transforms, a sample of the scene
+constexpr std::array<std::int64_t, 2> kSides{512, 1024};  // of a tile in samples
 
 bool is_flat(ImageView<const float> plane, const Region& region) {
   const float first = plane.at(region.x, region.y);
