@@ -3,6 +3,7 @@
 // From rows to a folder of results.
 
 #include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "apps/output.h"
@@ -123,6 +124,7 @@ std::vector<std::size_t> violated_constraints(const SweepReport& report, std::sp
 }
 
 void finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptions& options, const Global& global) {
+  const auto start = std::chrono::steady_clock::now();
   study::Tally tally(study::tally_job(sweep.study, sweep.columns));
   SweepReport report;
   report.sweep = &sweep;
@@ -147,6 +149,7 @@ void finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptio
     progress.update("accuracy", 0.0);
     report.accuracy = study::accuracy_table(*sweep.study, kAccuracySeconds);
   }
+  report.finish_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::string json = to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   mtf::io::write_text_file((run.folder / "sweep.json").string(), json);
   print(options.format == Format::json ? json : sweep_summary(report));

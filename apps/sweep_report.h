@@ -31,6 +31,7 @@ struct SweepReport {
   study::AccuracyTable accuracy;
   std::vector<std::string> skipped;
   int threads = 1;
+  double finish_seconds = 0.0;  ///< of tables, sensitivities and the accuracy against time
 };
 
 /// Constraints of a row that are within 1 % of their limit, and those that it does not meet: indices.

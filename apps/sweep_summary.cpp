@@ -111,7 +111,7 @@ std::string sweep_summary(const SweepReport& report) {
     text += "merged from shards";
   else if (run.tally.resumed > 0)
     text += std::string(run.tally.made > 0 ? "; " : "") + std::to_string(run.tally.resumed) + " designs were there";
-  return text + "\n";
+  return text + "; tables, sensitivities and accuracy " + fixed(report.finish_seconds, 2) + " s\n";
 }
 
 }  // namespace apps
