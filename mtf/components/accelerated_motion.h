@@ -78,13 +78,7 @@ struct AcceleratedMotion {
   }
   Traits traits(const Context<S>& ctx) const {
     const auto [cosine, sine] = unit_vector(direction_deg);
-    const bool in_x = value_of(sine) == 0.0, in_y = value_of(cosine) == 0.0, even = !accelerated(ctx);
-    return {.separable = in_x || in_y,
-            .even_x = in_y || (in_x && even),
-            .even_y = in_x || (in_y && even),
-            .flat_x = in_y,
-            .flat_y = in_x,
-            .real = even};
+    return motion_traits(value_of(sine) == 0.0, value_of(cosine) == 0.0, !accelerated(ctx));
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const auto [cosine, sine] = unit_vector(direction_deg);

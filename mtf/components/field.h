@@ -140,6 +140,16 @@ Freq<S> unit_vector(const S& direction_deg) {
   return {lift({cosine, -kPi * sine}, half_turns), lift({sine, kPi * cosine}, half_turns)};
 }
 
+/// Of a motion in a straight line: that it leaves y or x alone, and whether it goes to and fro alike.
+inline Traits motion_traits(bool in_x, bool in_y, bool even) {
+  return {.separable = in_x || in_y,
+          .even_x = in_y || (in_x && even),
+          .even_y = in_x || (in_y && even),
+          .flat_x = in_y,
+          .flat_y = in_x,
+          .real = even};
+}
+
 /// Bound of |1 - sinc| up to x: monotone to 1, never above 1 + 0.2173 (the deepest side lobe).
 inline double sinc_deviation(double x) { return x < 1.0 ? 1.0 - sinc(x).value : 1.2173; }
 

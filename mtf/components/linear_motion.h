@@ -62,8 +62,7 @@ struct LinearMotion {
   }
   Traits traits(const Context<S>& ctx) const {
     const Freq<S> d = displacement_mm(ctx);
-    const bool in_x = value_of(d.y) == 0.0, in_y = value_of(d.x) == 0.0, along_axis = in_x || in_y;
-    return {.separable = along_axis, .even_x = along_axis, .even_y = along_axis, .flat_x = in_y, .flat_y = in_x};
+    return motion_traits(value_of(d.y) == 0.0, value_of(d.x) == 0.0, true);
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const Freq<S> d = displacement_mm(ctx);

@@ -88,13 +88,7 @@ struct Vibration {
   }
   Traits traits(const Context<S>& ctx) const {
     const Freq<S> d = displacement_mm(ctx);
-    const bool in_x = value_of(d.y) == 0.0, in_y = value_of(d.x) == 0.0, even = !fixed_phase();
-    return {.separable = in_x || in_y,
-            .even_x = in_y || (in_x && even),
-            .even_y = in_x || (in_y && even),
-            .flat_x = in_y,
-            .flat_y = in_x,
-            .real = even};
+    return motion_traits(value_of(d.y) == 0.0, value_of(d.x) == 0.0, !fixed_phase());
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const Freq<S> d = displacement_mm(ctx);
