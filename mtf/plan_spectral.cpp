@@ -11,7 +11,8 @@
 namespace mtf {
 namespace {
 
-// Rows of an OTF on their way to its blocks. Values beyond those that are kept are zero.
+// Rows of an OTF on their way to its blocks: where the lines are rows, a row of H is one of each block; where they are
+// columns, it is a column of one. Values beyond those that are kept are zero.
 template <class S>
 class OtfRow {
  public:
@@ -19,10 +20,12 @@ class OtfRow {
          const OtfBlocks<S>& otf)
       : grid_(&grid),
         otf_(&otf),
+        columns_(engine.lines() == Lines::columns),
         cosine_(engine.columns_per_block() == kRow),
-        keep_(static_cast<std::size_t>(engine.x().keep)),
+        width_(engine.columns_per_block()),
+        keep_(static_cast<std::size_t>(columns_ ? otf.rows : engine.x().keep)),
         scale_(static_cast<S>(engine.otf_scale())) {
-    const auto count = static_cast<std::size_t>(engine.blocks() * engine.columns_per_block());
+    const auto count = columns_ ? keep_ : static_cast<std::size_t>(engine.blocks() * width_);
     if (sampler.is_real()) {
       up_.resize(count);
       down_.resize(count);
@@ -43,23 +46,16 @@ class OtfRow {
   // Both real columns that pass as one complex one are multiplied alike.
   void real_exponentials(std::int64_t j) {
     real_row(j);
-    const S* h = up_.data();
-    for (std::int64_t b = 0; b < otf_->blocks; ++b, h += kLanes) {
-      S* to = otf_->row(0, b, j);
-      for (int l = 0; l < kLanes; ++l) to[l] = to[kLanes + l] = scale_ * h[l];
-    }
+    for (const std::int64_t half : {0, kLanes})
+      put(
+          0, j, [&](std::size_t i) { return scale_ * up_[i]; }, half);
   }
 
   void complex_exponentials(std::int64_t j) {
     complex_row(j);
-    const Complex<S>* h = complex_up_.data();
-    for (std::int64_t b = 0; b < otf_->blocks; ++b, h += kLanes) {
-      S* to = otf_->row(0, b, j);
-      for (int l = 0; l < kLanes; ++l) {
-        to[l] = scale_ * h[l].re;
-        to[kLanes + l] = scale_ * h[l].im;
-      }
-    }
+    put(0, j, [&](std::size_t i) { return scale_ * complex_up_[i].re; });
+    put(
+        0, j, [&](std::size_t i) { return scale_ * complex_up_[i].im; }, kLanes);
   }
 
   // What is odd along y in a real OTF is odd along x too.
@@ -86,9 +82,10 @@ class OtfRow {
     }
     grid_->complex_row(static_cast<std::size_t>(j), std::span(complex_down_).first(keep_), true);
     const S half = S(0.5) * scale_;
-    put(0, j, [&](std::size_t i) { return half * (up[i].re + down[i].re); });   // even along both axes
-    put(1, j, [&](std::size_t i) { return half * (down[i].im - up[i].im); });   // odd along y
-    put(2, j, [&](std::size_t i) { return -half * (up[i].im + down[i].im); });  // odd along x
+    const std::size_t odd_y = columns_ ? 2 : 1, odd_x = columns_ ? 1 : 2;      // along the axes of the image
+    put(0, j, [&](std::size_t i) { return half * (up[i].re + down[i].re); });  // even along both
+    put(odd_y, j, [&](std::size_t i) { return half * (down[i].im - up[i].im); });
+    put(odd_x, j, [&](std::size_t i) { return -half * (up[i].im + down[i].im); });
     put(3, j, [&](std::size_t i) { return half * (down[i].re - up[i].re); });
   }
 
@@ -96,38 +93,29 @@ class OtfRow {
   void complex_row(std::int64_t j) {
     grid_->complex_row(static_cast<std::size_t>(j), std::span(complex_up_).first(keep_));
   }
-  void put(std::size_t part, std::int64_t j, const auto& value) const {
+  // `half`: where in a row of kRow the numbers of exponentials start.
+  void put(std::size_t part, std::int64_t j, const auto& value, std::int64_t half = 0) const {
+    if (columns_) {
+      S* to = otf_->row(part, j / width_, 0) + half + j % width_;
+      for (std::size_t i = 0; i < keep_; ++i, to += kRow) *to = value(i);
+      return;
+    }
     for (std::int64_t b = 0; b < otf_->blocks; ++b) {
-      S* to = otf_->row(part, b, j);
-      const auto first = static_cast<std::size_t>(b * kRow);
-      for (std::size_t l = 0; l < kRow; ++l) to[l] = value(first + l);
+      S* to = otf_->row(part, b, j) + half;
+      const auto first = static_cast<std::size_t>(b * width_);
+      for (std::size_t l = 0; l < static_cast<std::size_t>(width_); ++l) to[l] = value(first + l);
     }
   }
 
   const OtfSampler::Grid* grid_;
   const OtfBlocks<S>* otf_;
-  bool cosine_;
-  std::size_t keep_;
+  bool columns_, cosine_;
+  std::int64_t width_;  ///< frequencies of a block
+  std::size_t keep_;    ///< values of a row
   S scale_;
   std::vector<S> up_, down_;  // at fy and -fy
   std::vector<Complex<S>> complex_up_, complex_down_;
 };
-
-// Of an engine whose lines are columns: a row of H is a column of its blocks. Real parts even along both axes only.
-template <class S>
-void write_columns(const OtfSampler::Grid& grid, const SpectralEngine<S>& engine, const OtfBlocks<S>& otf,
-                   int threads) {
-  const S scale = static_cast<S>(engine.otf_scale());
-  parallel_for(otf.blocks, 1, threads, [&](std::int64_t b, std::int64_t) {
-    const std::int64_t count = std::min<std::int64_t>(kRow, engine.x().keep - b * kRow);
-    std::vector<S> h(static_cast<std::size_t>(otf.rows));
-    std::fill_n(otf.row(0, b, 0), otf.rows * kRow, S(0));
-    for (std::int64_t l = 0; l < count; ++l) {
-      grid.real_row(static_cast<std::size_t>(b * kRow + l), h);
-      for (std::int64_t j = 0; j < otf.rows; ++j) otf.row(0, b, j)[l] = scale * h[static_cast<std::size_t>(j)];
-    }
-  });
-}
 
 // H on the engine's frequencies, times its scale.
 template <class S>
@@ -136,12 +124,14 @@ OtfBlocks<S> make_otf(const OtfSampler& sampler, const SpectralEngine<S>& engine
   std::vector<double> along, across;
   for (std::int64_t k = 0; k < engine.x().keep; ++k) along.push_back(engine.x().frequency.cy_mm(k));
   for (const std::int64_t k : otf_frequencies(engine.y())) across.push_back(engine.y().frequency.cy_mm(k));
-  if (engine.lines() == Lines::columns) {
-    write_columns(OtfSampler::Grid(sampler, across, along), engine, otf, threads);
-    return otf;
-  }
-  const OtfSampler::Grid grid(sampler, std::move(along), std::move(across));
-  parallel_for(otf.rows, 8, threads, [&](std::int64_t begin, std::int64_t end) {
+  const bool columns = engine.lines() == Lines::columns;
+  const std::int64_t width = engine.columns_per_block();
+  if (columns && engine.x().keep % width > 0)
+    for (std::size_t p = 0; p < otf.parts.size(); ++p)
+      std::fill_n(otf.row(p, otf.blocks - 1, 0), otf.rows * kRow, S(0));
+  const std::int64_t rows = columns ? engine.x().keep : otf.rows, together = columns ? width : 8;
+  const OtfSampler::Grid grid(sampler, columns ? across : along, columns ? along : across);
+  parallel_for(rows, together, threads, [&](std::int64_t begin, std::int64_t end) {
     OtfRow<S> row(sampler, grid, engine, otf);
     for (std::int64_t j = begin; j < end; ++j) row.write(j);
   });

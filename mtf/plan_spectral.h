@@ -24,7 +24,7 @@ class SpectralFilter : public Engine {
 struct SpectralWork {
   AxisJob x, y;
   Precision precision = Precision::single_precision;
-  Lines lines = Lines::rows;  ///< columns: where both axes are cosines without `odd`
+  Lines lines = Lines::rows;  ///< columns: where both axes are in the same basis
 };
 
 /// The filter of a sampler's OTF, which for double_precision should have no tables (table_share = 0). x in the cosine
