@@ -18,7 +18,7 @@ constexpr double kCutShare = 0.25;
 constexpr double kDoubleCost = 2.2;  // half the samples a vector, twice the memory
 constexpr double kCutCost = 1.06;    // frequencies that end anywhere
 constexpr double kFlatShare = 0.25, kFewFlatLines = 0.1;
-constexpr double kLinesCost = 0.25;  // of a transform is what it saves in lines that are flat (measured)
+constexpr double kLinesCost = 0.5;  // of a transform is what it saves in lines that are flat (measured)
 
 // Leaves out the frequencies from the far end that no component lets through. Returns the largest |H| among them.
 double cut_frequencies(const OtfSampler& sampler, Axis axis, double allowed, AxisJob& job) {
@@ -163,11 +163,10 @@ double flat_lines(const SceneSummary& scene, Lines lines) {
   return lines == Lines::rows ? scene.flat_rows : scene.flat_columns;
 }
 
-// Columns where the scene has more of them that are of one level, and cosines alone are at work.
-Lines lines_of(const AxisJob& x, const AxisJob& y, bool even, const PlanOptions& options) {
-  const bool cosines = x.frequency.basis == Basis::cosine && y.frequency.basis == Basis::cosine && even;
+// Columns where the scene has more of them that are of one level.
+Lines lines_of(const AxisJob& x, const AxisJob& y, const PlanOptions& options) {
   const bool more = options.scene && options.scene->flat_columns > options.scene->flat_rows;
-  return cosines && more ? Lines::columns : Lines::rows;
+  return more && x.frequency.basis == y.frequency.basis ? Lines::columns : Lines::rows;
 }
 
 Draft make_draft(const PlanTask& task, Method method, const Judged& judged) {
@@ -190,7 +189,7 @@ Draft make_draft(const PlanTask& task, Method method, const Judged& judged) {
     if (budget > 0.0) predicted.cut = cut(task, budget, judged.gathering, judged.defined, judged.symmetric > 1.5, x, y);
   }
   const std::size_t parts = otf_parts(x, y, sampler.is_real()).size();
-  d.lines = lines_of(x, y, sampler.is_real() && parts == 1, options);
+  d.lines = lines_of(x, y, options);
   // What reaches lines of one level is left out of them, up to a share of the tolerance.
   const auto& [along, across] = d.lines == Lines::rows ? std::tie(x, y) : std::tie(y, x);
   const double flat = options.scene && along.resampling == Resampling::fold ? flat_lines(*options.scene, d.lines) : 0.0;
@@ -200,10 +199,11 @@ Draft make_draft(const PlanTask& task, Method method, const Judged& judged) {
   d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
   if (parts > 1) d.candidate.detail += "; " + std::to_string(parts) + " parities";
   const double dearer = in_double ? kDoubleCost : method == Method::fft_cut ? kCutCost : 1.0;
-  d.candidate.cost_ms = dearer * fft_cost_ms(x, y, sampler.is_real());
+  d.candidate.cost_ms = dearer * fft_cost_ms(along, across, sampler.is_real());
   if (predicted.flat > 0.0) d.lines_saved_ms = kLinesCost * flat * d.candidate.cost_ms;
   d.candidate.cost_ms -= d.lines_saved_ms;
-  d.candidate.bytes = static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(x, y, sampler.is_real()));
+  d.candidate.bytes =
+      static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(along, across, sampler.is_real()));
   d.axes = {x, y};
   d.error_per_otf = judged.gathering * task.alias;
   const Precision precision = in_double ? Precision::double_precision : Precision::single_precision;

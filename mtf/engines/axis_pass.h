@@ -27,9 +27,12 @@ class AxisPass {
   /// Rows of the coefficients of one frequency: a line's real coefficient, or a complex one each of both lines.
   int rows_per_coefficient() const { return cosine() ? 1 : 2; }
 
-  /// Transforms samples 0 .. n-1 (rows in order, and row n: the level beyond a constant border), continued by the
-  /// border rule.
-  void forward(const S* samples, S* work) const { forward_.forward(samples, canvas_, work); }
+  /// Sample at each place of the canvas, continued by the border rule; n is the level beyond a constant border.
+  std::span<const std::int32_t> canvas() const { return canvas_; }
+  /// Transforms samples 0 .. n (rows in order) at their places.
+  void forward(const S* samples, std::span<const std::int32_t> canvas, S* work) const {
+    forward_.forward(samples, canvas, work);
+  }
   /// Coefficients of k = 0 .. keep-1 from what `forward` left.
   void coefficients(const S* work, S* to) const;
 
@@ -52,9 +55,9 @@ class AxisPass {
 
   AxisJob job_;
   std::vector<S> twiddles_, out_twiddles_;  ///< exp(-i pi k / 2n), cosine basis
-  std::vector<std::int32_t> canvas_;        ///< sample at each position, n = the level
-  std::vector<std::int32_t> out_rows_;      ///< by output
-  std::vector<std::int32_t> out_place_;     ///< cosine: rows of the inverse's frequencies
+  std::vector<std::int32_t> canvas_;
+  std::vector<std::int32_t> out_rows_;   ///< by output
+  std::vector<std::int32_t> out_place_;  ///< cosine: rows of the inverse's frequencies
   Ways even_, odd_;
   std::vector<lanes::Route<S>> coefficients_;
   lanes::Source source_{};

@@ -16,12 +16,16 @@ namespace mtf {
 struct Channel {
   ImageView<const float> in;
   ImageView<float> out;
-  double mean = 0.0;      ///< a float, taken off before
-  double scale = 1.0;     ///< and this applied (a power of two)
-  double out_mean = 0.0;  ///< added back at the end: H(0) x mean
+  double mean = 0.0;     ///< a float, taken off before
+  double scale = 1.0;    ///< and this applied (a power of two)
+  bool sampled = false;  ///< both are of a few samples only: an engine that is told so checks them by all
+  double dc = 1.0;       ///< gain of the mean
   double border_value = 0.0;
   const FlatMap* flat = nullptr;  ///< of `in`; null: nothing is known
-  double allowance = 0.0;         ///< rms contrast over `out` that may be left out of lines as a whole
+  double allowance = 0.0;  ///< rms contrast over `out`, relative to the std of `in`, that may be left out of lines
+
+  /// Added back at the end.
+  double out_mean() const { return dc * mean; }
 };
 
 class Engine {

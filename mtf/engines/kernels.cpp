@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "mtf/engines/clones.h"
 #include "mtf/engines/simd.h"
@@ -170,6 +172,68 @@ MTFKIT_CLONES double squares_about(const float* in, std::int64_t n, double about
   double sum = 0.0;
   for (const double part : sums) sum += part;
   return sum;
+}
+
+namespace {
+
+template <class S>
+MTFKIT_INLINE Moments moments_of(const S* in, std::int64_t n) {
+  constexpr int kStep = 32;
+  std::array<S, kStep> sums{}, squares{};
+  std::int64_t i = 0;
+  for (; i + kStep <= n; i += kStep)
+    for (int j = 0; j < kStep; ++j) {
+      sums[j] += in[i + j];
+      squares[j] += in[i + j] * in[i + j];
+    }
+  for (int j = 0; i < n; ++i, ++j) {
+    sums[j] += in[i];
+    squares[j] += in[i] * in[i];
+  }
+  Moments all;
+  for (int j = 0; j < kStep; ++j) {
+    all.sum += sums[j];
+    all.squares += squares[j];
+  }
+  return all;
+}
+
+using Bits = std::uint32_t __attribute__((vector_size(64), aligned(4), may_alias));
+constexpr std::int64_t kBits = 16;  // numbers in one
+
+MTFKIT_INLINE const Bits& bits(const float* p) { return *reinterpret_cast<const Bits*>(p); }
+
+MTFKIT_INLINE bool any_bit(const Bits& v) {
+  std::array<std::uint64_t, sizeof(Bits) / sizeof(std::uint64_t)> parts;
+  std::memcpy(parts.data(), &v, sizeof(Bits));
+  return ((parts[0] | parts[1]) | (parts[2] | parts[3]) | ((parts[4] | parts[5]) | (parts[6] | parts[7]))) != 0;
+}
+
+}  // namespace
+
+MTFKIT_CLONES Moments moments(const float* in, std::int64_t n) { return moments_of(in, n); }
+MTFKIT_CLONES Moments moments(const double* in, std::int64_t n) { return moments_of(in, n); }
+
+MTFKIT_CLONES bool all_alike(const float* in, std::int64_t n) {
+  constexpr std::int64_t kTogether = 8;
+  const Bits first = Bits{} + std::bit_cast<std::uint32_t>(in[0]);
+  std::int64_t i = 0;
+  for (; i + kTogether * kBits <= n; i += kTogether * kBits) {
+    prefetch(in + i + 2 * kTogether * kBits, kTogether * kBits);
+    Bits differ{};
+    for (std::int64_t j = 0; j < kTogether; ++j) differ |= bits(in + i + j * kBits) ^ first;
+    if (any_bit(differ)) return false;
+  }
+  for (; i < n; ++i)
+    if (std::bit_cast<std::uint32_t>(in[i]) != first[0]) return false;
+  return true;
+}
+
+MTFKIT_CLONES bool same(const float* a, const float* b, std::int64_t n) {
+  Bits differ{};
+  std::int64_t i = 0;
+  for (; i + kBits <= n; i += kBits) differ |= bits(a + i) ^ bits(b + i);
+  return !any_bit(differ) && std::memcmp(a + i, b + i, static_cast<std::size_t>(n - i) * sizeof(float)) == 0;
 }
 
 namespace {

@@ -66,4 +66,18 @@ RowSummary summarise_row(const float* in, std::int64_t n);
 /// sum of (in[i] - about)^2 in a fixed order.
 double squares_about(const float* in, std::int64_t n, double about);
 
+struct Moments {
+  double sum = 0.0, squares = 0.0;
+  void operator+=(const Moments& other) { sum += other.sum, squares += other.squares; }
+};
+/// Of numbers about 1, summed in their own type, in a fixed order: what is not finite or far too large shows in squares
+/// that are not finite.
+Moments moments(const float* in, std::int64_t n);
+Moments moments(const double* in, std::int64_t n);
+
+/// Whether all samples have the same bits.
+bool all_alike(const float* in, std::int64_t n);
+/// Whether both have the same bits.
+bool same(const float* a, const float* b, std::int64_t n);
+
 }  // namespace mtf::kernels

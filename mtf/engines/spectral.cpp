@@ -5,10 +5,9 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
-#include <numeric>
-#include <optional>
+#include <tuple>
 
-#include "mtf/engines/kernels.h"
+#include "mtf/engines/level.h"
 #include "mtf/parallel.h"
 
 namespace mtf {
@@ -86,13 +85,35 @@ void SpectralEngine<S>::run(const std::vector<Channel>& channels, const OtfBlock
     loans.emplace_back(pool_, static_cast<std::size_t>(blocks() * block_rows() * kRow));
     return loans.back().data();
   };
-  std::vector<Buffers> buffers;
+  std::vector<Plane> planes;
   for (const Channel& channel : channels) {
-    buffers.push_back({buffer(), x().odd ? buffer() : nullptr});
-    lines_forward(channel, buffers.back().even, threads);
+    S* even = buffer();
+    planes.push_back(read(channel, {even, x().odd ? buffer() : nullptr}, threads));
   }
-  columns(channels, buffers, otf, threads);
-  for (std::size_t c = 0; c < channels.size(); ++c) lines_inverse(channels[c], buffers[c], threads);
+  columns(planes, otf, threads);
+  for (const Plane& plane : planes) lines_inverse(plane, threads);
+}
+
+// A level that proves to be far from the mean, or a scale far too large for what few samples did not show, is looked
+// for again. Not to be further off than a quarter of the deviation adds 3 % to rounding.
+template <class S>
+auto SpectralEngine<S>::read(const Channel& channel, const Buffers& buffers, int threads) const -> Plane {
+  constexpr double kNear = 0.25;
+  Plane plane{channel, buffers};
+  const double samples = static_cast<double>(x().samples) * static_cast<double>(y().samples);
+  kernels::Moments all = lines_forward(plane, threads);
+  const auto std = [&] { return std::sqrt(std::max(0.0, all.squares - all.sum * all.sum / samples) / samples); };
+  if (channel.sampled && !(std::abs(all.sum) / samples <= kNear * std() && std::isfinite(all.squares))) {
+    FlatMap unused;
+    const PlaneLevel level = level_of(channel.in, threads, unused);
+    const double step = x().border == Border::constant ? std::abs(channel.border_value - level.mean) : 0.0;
+    plane.channel.mean = level.mean;
+    plane.channel.scale = scale_for(std::max(level.deviation, step));
+    all = lines_forward(plane, threads);
+  }
+  plane.std = std() / plane.channel.scale;
+  leave_out_levels(plane);
+  return plane;
 }
 
 // A cosine coefficient is a row of 2 x kLanes lines: a tile of kLanes frequencies fills half the width of a block. A
@@ -111,170 +132,105 @@ void SpectralEngine<S>::for_tiles(auto* coefficients, auto* buffer, std::int64_t
 
 // Samples of lines begin .. end - 1 about the mean, a line a lane; lines that are missing are zeros.
 template <class S>
-void SpectralEngine<S>::load(const Channel& channel, std::int64_t begin, std::int64_t end, S* samples) const {
+kernels::Moments SpectralEngine<S>::load(const Channel& channel, std::int64_t begin, std::int64_t end,
+                                         S* samples) const {
   const std::int64_t n = x().samples;
-  if (lines_ == Lines::columns)
-    return kernels::center_columns(channel.in.data + begin, channel.in.stride, n, end - begin, channel.mean,
-                                   channel.scale, samples);
+  if (lines_ == Lines::columns) {
+    kernels::center_columns(channel.in.data + begin, channel.in.stride, n, end - begin, channel.mean, channel.scale,
+                            samples);
+    return kernels::moments(samples, n * kRow);
+  }
   const std::int64_t stride = line_stride();
   const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride));
+  kernels::Moments all;
   for (std::int64_t i = 0; i < kRow; ++i) {
     S* line = lines.data() + i * stride;
-    if (begin + i < end)
+    if (begin + i < end) {
       kernels::center(channel.in.row(begin + i), n, channel.mean, channel.scale, line);
-    else
+      all += kernels::moments(line, n);
+    } else {
       std::fill_n(line, n, S(0));
+    }
   }
   lanes::lines_to_lanes(lines.data(), stride, n, samples);
+  return all;
 }
 
 template <class S>
 void SpectralEngine<S>::store(const Channel& channel, std::int64_t begin, std::int64_t end, const S* samples) const {
   const double unscale = 1.0 / channel.scale;
   if (lines_ == Lines::columns)
-    return kernels::restore_columns(samples, x_.out_rows(), end - begin, channel.out_mean, unscale, channel.out.stride,
-                                    channel.out.data + begin);
+    return kernels::restore_columns(samples, x_.out_rows(), end - begin, channel.out_mean(), unscale,
+                                    channel.out.stride, channel.out.data + begin);
   const std::int64_t stride = line_stride();
   const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride));
   lanes::lanes_to_lines<S>(samples, x_.out_rows(), lines.data(), stride);
   for (std::int64_t i = begin; i < end; ++i)
-    kernels::restore(lines.data() + (i - begin) * stride, x().outputs, channel.out_mean, unscale, channel.out.row(i));
-}
-
-// Lines begin .. end - 1 of which only the zeroth coefficient counts.
-template <class S>
-void SpectralEngine<S>::store_levels(const Channel& channel, std::int64_t begin, std::int64_t end,
-                                     const S* buffer) const {
-  std::array<float, kRow> levels{};
-  for (std::int64_t k = begin; k < end; ++k)
-    levels[static_cast<std::size_t>(k - begin)] =
-        static_cast<float>(static_cast<double>(buffer[k * kRow]) / channel.scale + channel.out_mean);
-  if (lines_ == Lines::columns)
-    for (std::int64_t i = 0; i < x().outputs; ++i) std::copy_n(levels.data(), end - begin, channel.out.row(i) + begin);
-  else
-    for (std::int64_t k = begin; k < end; ++k)
-      std::fill_n(channel.out.row(k), x().outputs, levels[static_cast<std::size_t>(k - begin)]);
+    kernels::restore(lines.data() + (i - begin) * stride, x().outputs, channel.out_mean(), unscale, channel.out.row(i));
 }
 
 template <class S>
-void SpectralEngine<S>::lines_forward(const Channel& channel, S* buffer, int threads) const {
+kernels::Moments SpectralEngine<S>::lines_forward(Plane& plane, int threads) const {
+  const Channel& channel = plane.channel;
+  S* const buffer = plane.buffers.even;
   const std::int64_t used = x().keep * x_.rows_per_coefficient();
+  const auto groups = static_cast<std::size_t>((y().samples + kRow - 1) / kRow);
+  const bool by_row = lines_ == Lines::rows;
+  plane.level = by_row ? std::vector<char>(groups, 0) : level_columns(channel, threads);
+  std::vector<kernels::Moments> moments(groups);
   parallel_for(y().samples, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
-    if (level_lines(channel, begin, end, buffer)) return;
+    const auto group = static_cast<std::size_t>(begin / kRow);
+    if (by_row && level_rows(channel, begin, end)) plane.level[group] = 1;
+    if (plane.level[group] != 0) {
+      moments[group] = read_levels(channel, begin, end, buffer);
+      return;
+    }
     const BufferPool::Loan<S> samples(pool_, static_cast<std::size_t>((x().samples + 1) * kRow)),
         work(pool_, static_cast<std::size_t>(x_.rows() * kRow)),
         coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));
-    load(channel, begin, end, samples.data());
+    moments[group] = load(channel, begin, end, samples.data());
     std::fill_n(samples.data() + x().samples * kRow, kRow, level(channel));
-    x_.forward(samples.data(), work.data());
+    x_.forward(samples.data(), x_.canvas(), work.data());
     x_.coefficients(work.data(), coefficients.data());
     std::fill_n(coefficients.data() + used * kRow, (coefficient_rows() - used) * kRow, S(0));
     const std::int64_t step = kRow * x_.rows_per_coefficient();
     for_tiles(coefficients.data(), buffer, begin,
               [&](const S* from, S* to) { lanes::transpose(from, step, to, kRow); });
   });
-}
-
-// Writes the coefficients of a group of lines where each is of one level on all of its canvas.
-template <class S>
-bool SpectralEngine<S>::level_lines(const Channel& channel, std::int64_t begin, std::int64_t end, S* buffer) const {
-  if (channel.flat == nullptr || !channel.flat->any()) return false;
-  const FlatMap& flat = *channel.flat;
-  const bool by_row = lines_ == Lines::rows;
-  const std::int64_t places = by_row ? flat.groups() : x().samples;
-  const std::int64_t together = by_row ? 1 : FlatMap::kGroup;  // columns are flat in groups
-  std::array<S, kRow> levels{};
-  for (std::int64_t k = begin; k < end; k += together) {
-    const auto kind = [&](std::int64_t i) { return by_row ? flat.row(k)[i] : flat.row(i)[k / FlatMap::kGroup]; };
-    for (std::int64_t i = 0; i < places; ++i)
-      if (kind(i) == 0 || kind(i) != kind(0)) return false;
-    const float value = flat.level(kind(0));
-    if (x().border == Border::constant && value != static_cast<float>(channel.border_value)) return false;
-    const S level = static_cast<S>((value - channel.mean) * channel.scale);
-    std::fill_n(levels.begin() + (k - begin), std::min(together, end - k), level);
-  }
-  for (std::int64_t b = 0; b < blocks(); ++b) {
-    S* rows = buffer + (b * block_rows() + begin) * kRow;
-    std::fill_n(rows, kRow * kRow, S(0));
-    for (std::size_t i = 0; b == 0 && i < kRow; ++i) rows[i * kRow] = levels[i] * static_cast<S>(x().frequency.length);
-  }
-  return true;
-}
-
-// Sum of the squares of all coefficients of filtered rows but the zeroth ones; what is above `limit` need not be exact.
-template <class S>
-double SpectralEngine<S>::energy(const Buffers& buffers, std::int64_t begin, std::int64_t end, double limit) const {
-  double sum = 0.0;
-  for (const S* buffer : {static_cast<const S*>(buffers.even), static_cast<const S*>(buffers.odd)}) {
-    for (std::int64_t b = 0; buffer != nullptr && b < blocks() && sum <= limit; ++b) {
-      const S* rows = buffer + (b * block_rows() + begin) * kRow;
-      std::array<S, kRow> squares{};
-      for (std::int64_t i = 0; i < end - begin; ++i)
-        for (std::size_t l = 0; l < kRow; ++l)
-          squares[l] += rows[i * kRow + static_cast<std::int64_t>(l)] * rows[i * kRow + static_cast<std::int64_t>(l)];
-      sum += std::accumulate(squares.begin() + (b == 0 && buffer == buffers.even ? 1 : 0), squares.end(), 0.0);
-    }
-  }
-  return sum;
-}
-
-// Groups of filtered rows that are left of one level: the quietest, as many as the allowance covers. The samples of a
-// series sum c_k (1 or 2 cos, by k) have the mean square sum 2 c_k^2; where frequencies fold onto one another, or the
-// canvas is longer than the image, that much more.
-template <class S>
-std::vector<bool> SpectralEngine<S>::silent_lines(const Channel& channel, const Buffers& buffers, int threads) const {
-  const std::int64_t groups = (y().outputs + kRow - 1) / kRow;
-  std::vector<bool> silent(static_cast<std::size_t>(groups), false);
-  if (!(channel.allowance > 0.0) || x().resampling != Resampling::fold) return silent;
-  const double period = static_cast<double>(x().out_length) * (x().frequency.basis == Basis::cosine ? 2.0 : 1.0);
-  const double aliases = std::ceil((2.0 * static_cast<double>(x().keep) - 1.0) / period);
-  const double square = (aliases > 1.0 ? 4.0 * aliases : 2.0) * (buffers.odd != nullptr ? 2.0 : 1.0) *
-                        static_cast<double>(x().out_length) / static_cast<double>(x().outputs);
-  double room = std::pow(channel.allowance * channel.scale, 2) * static_cast<double>(y().outputs) / square;
-  std::vector<std::pair<double, std::int64_t>> energies(static_cast<std::size_t>(groups));
-  parallel_for(groups, 1, threads, [&](std::int64_t g, std::int64_t) {
-    energies[static_cast<std::size_t>(g)] = {energy(buffers, g * kRow, std::min(y().outputs, (g + 1) * kRow), room), g};
-  });
-  std::sort(energies.begin(), energies.end());
-  for (const auto& [sum, g] : energies) {
-    if (!(sum <= room)) break;
-    room -= sum;
-    silent[static_cast<std::size_t>(g)] = true;
-  }
-  return silent;
+  kernels::Moments all;
+  for (const kernels::Moments& group : moments) all += group;
+  return all;
 }
 
 template <class S>
-void SpectralEngine<S>::columns(const std::vector<Channel>& channels, const std::vector<Buffers>& buffers,
-                                const OtfBlocks<S>& otf, int threads) const {
+void SpectralEngine<S>::columns(std::vector<Plane>& planes, const OtfBlocks<S>& otf, int threads) const {
   parallel_for(blocks(), 1, threads, [&](std::int64_t b, std::int64_t) {
     const auto area = static_cast<std::size_t>(y_.rows() * kRow);
     const BufferPool::Loan<S> work(pool_, area), target(pool_, area);
     std::optional<BufferPool::Loan<S>> other;
     if (otf.parts.size() > 1) other.emplace(pool_, area);
-    const std::int64_t first = b * block_rows() * kRow;
-    for (std::size_t c = 0; c < channels.size(); ++c) {
-      const auto [even, odd] = buffers[c];
-      column_block(channels[c], otf, b, {even + first, odd == nullptr ? nullptr : odd + first},
-                   {work.data(), target.data(), other ? other->data() : nullptr});
+    for (Plane& plane : planes) {
+      column_block(plane, otf, b, {work.data(), target.data(), other ? other->data() : nullptr});
+      add_energies(plane, b);
     }
   });
 }
 
 template <class S>
-void SpectralEngine<S>::column_block(const Channel& channel, const OtfBlocks<S>& otf, std::int64_t block,
-                                     const Buffers& data, const std::array<S*, 3>& areas) const {
+void SpectralEngine<S>::column_block(const Plane& plane, const OtfBlocks<S>& otf, std::int64_t block,
+                                     const std::array<S*, 3>& areas) const {
   const auto [work, target, other] = areas;
+  const auto [even, odd] = plane.buffers.of_rows(block * block_rows());
   // A row of the constant level has one coefficient only: that of frequency zero.
-  S* level_row = data.even + y().samples * kRow;
+  S* const level_row = even + y().samples * kRow;
   std::fill_n(level_row, kRow, S(0));
-  if (block == 0) level_row[0] = level(channel) * static_cast<S>(x().frequency.length);
-  y_.forward(data.even, work);
+  if (block == 0) level_row[0] = level(plane.channel) * static_cast<S>(x().frequency.length);
+  y_.forward(even, block == 0 || plane.canvas.empty() ? y_.canvas() : plane.canvas, work);
   for (std::size_t p = 0; p < otf.parts.size(); ++p) {
     const auto [along_x, along_y] = otf.parts[p];
     const bool last = p + 1 == otf.parts.size(), more = p > 0 && otf.parts[p - 1].x == along_x;
     const S* samples = y_.inverse(along_y, work, otf.row(p, block, 0), otf.complex, target, last ? work : other);
-    S* to = along_x == Parity::even ? data.even : data.odd;
+    S* to = along_x == Parity::even ? even : odd;
     for (const std::int32_t row : y_.out_rows()) {
       const S* sample = samples + std::int64_t{row} * kRow;
       if (more)
@@ -289,11 +245,13 @@ void SpectralEngine<S>::column_block(const Channel& channel, const OtfBlocks<S>&
 }
 
 template <class S>
-void SpectralEngine<S>::lines_inverse(const Channel& channel, const Buffers& buffers, int threads) const {
+void SpectralEngine<S>::lines_inverse(const Plane& plane, int threads) const {
+  const auto& [channel, buffers] = std::tie(plane.channel, plane.buffers);
   const std::int64_t step = kRow * x_.rows_per_coefficient();
-  const std::vector<bool> silent = silent_lines(channel, buffers, threads);
+  const std::vector<bool> silent = silent_lines(plane);
+  store_levels(plane, silent, threads);
   parallel_for(y().outputs, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
-    if (silent[static_cast<std::size_t>(begin / kRow)]) return store_levels(channel, begin, end, buffers.even);
+    if (silent[static_cast<std::size_t>(begin / kRow)]) return;
     const auto area = static_cast<std::size_t>(x_.rows() * kRow);
     const BufferPool::Loan<S> work(pool_, area), target(pool_, area),
         coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));

@@ -26,11 +26,13 @@
 // Images are float32; S is the type of everything between them.
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "mtf/engines/axis_pass.h"
 #include "mtf/engines/buffer_pool.h"
 #include "mtf/engines/engine.h"
+#include "mtf/engines/kernels.h"
 #include "mtf/image.h"
 
 namespace mtf {
@@ -87,25 +89,43 @@ class SpectralEngine {
   struct Buffers {
     S* even = nullptr;
     S* odd = nullptr;
+    Buffers of_rows(std::int64_t first) const {
+      return {even + first * kRow, odd == nullptr ? nullptr : odd + first * kRow};
+    }
   };
-  void lines_forward(const Channel& channel, S* buffer, int threads) const;
-  void columns(const std::vector<Channel>& channels, const std::vector<Buffers>& buffers, const OtfBlocks<S>& otf,
-               int threads) const;
-  void lines_inverse(const Channel& channel, const Buffers& buffers, int threads) const;
-  void load(const Channel& channel, std::int64_t begin, std::int64_t end, S* samples) const;
+  /// A channel on its way.
+  struct Plane {
+    Channel channel;
+    Buffers buffers;
+    double std = 0.0;                       ///< of the image, where the channel was sampled
+    std::vector<char> level = {};           ///< groups of lines that are of one level each
+    std::vector<std::int32_t> canvas = {};  ///< where there are: of the columns beyond the first block
+    std::vector<std::int64_t> over = {};    ///< and groups of filtered lines that lie over them
+    std::vector<double> energies = {};      ///< of those: [group][block]
+  };
+  Plane read(const Channel& channel, const Buffers& buffers, int threads) const;
+  kernels::Moments lines_forward(Plane& plane, int threads) const;
+  void columns(std::vector<Plane>& planes, const OtfBlocks<S>& otf, int threads) const;
+  void lines_inverse(const Plane& plane, int threads) const;
+  kernels::Moments load(const Channel& channel, std::int64_t begin, std::int64_t end, S* samples) const;
   void store(const Channel& channel, std::int64_t begin, std::int64_t end, const S* samples) const;
-  void store_levels(const Channel& channel, std::int64_t begin, std::int64_t end, const S* buffer) const;
-  bool level_lines(const Channel& channel, std::int64_t begin, std::int64_t end, S* buffer) const;
-  double energy(const Buffers& buffers, std::int64_t begin, std::int64_t end, double limit) const;
-  std::vector<bool> silent_lines(const Channel& channel, const Buffers& buffers, int threads) const;
-  void column_block(const Channel& channel, const OtfBlocks<S>& otf, std::int64_t block, const Buffers& data,
+  void column_block(const Plane& plane, const OtfBlocks<S>& otf, std::int64_t block,
                     const std::array<S*, 3>& areas) const;
+  // Lines of one level: spectral_flat.cpp.
+  std::vector<char> level_columns(const Channel& channel, int threads) const;
+  bool level_rows(const Channel& channel, std::int64_t begin, std::int64_t end) const;
+  kernels::Moments read_levels(const Channel& channel, std::int64_t begin, std::int64_t end, S* buffer) const;
+  void store_levels(const Plane& plane, const std::vector<bool>& silent, int threads) const;
+  void leave_out_levels(Plane& plane) const;
+  void add_energies(Plane& plane, std::int64_t block) const;
+  std::vector<bool> silent_lines(const Plane& plane) const;
   /// Calls tile(coefficients of kLanes lines, rows in the buffer) for all kLanes lines x kLanes numbers of a group.
   void for_tiles(auto* coefficients, auto* buffer, std::int64_t first_row, const auto& tile) const;
 
   std::int64_t block_rows() const;        ///< rows of one block of a buffer
   std::int64_t coefficient_rows() const;  ///< rows of the coefficients of one group of lines
   std::int64_t line_stride() const;
+  std::int64_t groups_out() const { return (y().outputs + kRow - 1) / kRow; }
   S level(const Channel& channel) const {
     return static_cast<S>((channel.border_value - channel.mean) * channel.scale);
   }

@@ -32,7 +32,7 @@ std::vector<float> half_of(const std::vector<float>& full) {
 void write_row(const Channel& channel, const TileArea& area, std::int64_t y, const TapsFlat& flat, const float* sums) {
   float* out = channel.out.row(area.y0 + y) + area.x0;
   for_stretches(flat.output(area.y0 + y, area.x0), area.columns, [&](std::int64_t begin, std::int64_t end, auto kind) {
-    if (kind == 0) kernels::restore(sums + begin, end - begin, channel.out_mean, 1.0 / channel.scale, out + begin);
+    if (kind == 0) kernels::restore(sums + begin, end - begin, channel.out_mean(), 1.0 / channel.scale, out + begin);
   });
 }
 

@@ -71,7 +71,7 @@ std::shared_ptr<const SpectralFilter> filter_of(const Case& c, const SampleGrid&
 
 Image filtered(const Engine& filter, const Image& scene, const SampleGrid& out, double mean, int threads) {
   Image image(out.width, out.height);
-  filter.run({{scene.view(), image.view(), mean, 0.25, mean, kLevel}}, threads);
+  filter.run({{scene.view(), image.view(), mean, 0.25, false, 1.0, kLevel}}, threads);
   return image;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes that are flat in parts: what is left out there keeps the promise, for every method that can do the work, every
 // border, on plans for this scene and on scenes that a plan was not made for.
+#include <limits>
+
 #include "apps/check/reference_fft.h"
 #include "mtf/flat_map.h"
 #include "mtf/scene_spectrum.h"
@@ -140,32 +142,41 @@ TEST(PlanFlatParts, plan_for_one_scene_keeps_the_promise_for_others) {
 }
 
 // Where more columns than rows are flat, columns are transformed first: the same image within the promise, at whole
-// ratios and others, in float and in double, for other scenes and systems too.
+// ratios and others, in float and in double, for other scenes and systems too, whatever the OTF's parts and the border.
 TEST(PlanFlatParts, columns_are_lines_where_more_of_them_are_flat) {
-  const System<double> system = with(bare(15.0, 15.0), {Component<double>::make("diffraction"), footprint(12.0)});
-  const System<double> blurred = with(bare(15.0, 15.0), {Component<double>::make("diffraction"), gaussian(9.0)});
+  const auto system_of = [](std::initializer_list<Component<double>> more) {
+    return with(with(bare(15.0, 15.0), {Component<double>::make("diffraction"), footprint(12.0)}), more);
+  };
+  const std::vector<System<double>> systems{system_of({}), system_of({motion(20.0, 30.0)}), system_of({rc(40.0, 0)}),
+                                            system_of({rc(40.0, 1)}), system_of({rc(40.0, 0), rc(60.0, 1)})};
+  const System<double> blurred = system_of({gaussian(9.0)});
   const Image scene = scene_of({120, 0, 29, 118}, 300.0, 20.0), whole = scene_of({0, 0, 149, 118}, 300.0, 20.0);
-  for (const double ratio : {1.0, 2.0, 1.7})
-    for (const Method method : {Method::fft_float, Method::fft_double}) {
-      SCOPED_TRACE(testing::Message() << "ratio " << ratio << (method == Method::fft_double ? ", double" : ""));
-      const SampleGrid in = scene_grid(system, kWidth, kHeight, ratio, ratio), out = detector_grid(system, in);
-      PlanOptions options = options_for(scene, Border::reflect, 1e-3);
-      options.method = method;
-      const Plan plan = compile(system, in, out, options);
-      const auto check = [&](const Plan& one, const System<double>& its, const Image& image) {
-        EXPECT_LE(rms_distance(run(one, image), reference(its, image, in, out, Border::reflect, 0.0)),
-                  1e-3 * options_for(image, Border::reflect, 1e-3).scene->std)
-            << one.explain();
-        EXPECT_TRUE(same_bits(run(one, image), run(one, image, 0.0, 2)));
-      };
-      check(plan, system, scene);
-      check(plan, system, whole);
-      check(plan.with(blurred), blurred, scene);
-      if (ratio == 1.0) {
-        EXPECT_NE(plan.explain().find("transforms of columns that are of one level"), std::string::npos)
-            << plan.explain();
-      }
-    }
+  for (std::size_t s = 0; s < systems.size(); ++s)
+    for (const Border border : kBorders)
+      for (const double ratio : {1.0, 2.0, 1.7})
+        for (const Method method : {Method::fft_float, Method::fft_double}) {
+          if ((s > 0 && ratio == 2.0) || (border != Border::reflect && method == Method::fft_double)) continue;
+          SCOPED_TRACE(testing::Message() << "system " << s << ", " << kBorderNames[static_cast<std::size_t>(border)]
+                                          << ", ratio " << ratio << (method == Method::fft_double ? ", double" : ""));
+          const SampleGrid in = scene_grid(systems[s], kWidth, kHeight, ratio, ratio),
+                           out = detector_grid(systems[s], in);
+          PlanOptions options = options_for(scene, border, 1e-3, 300.0);
+          options.method = method;
+          const Plan plan = compile(systems[s], in, out, options);
+          const auto check = [&](const Plan& one, const System<double>& its, const Image& image) {
+            EXPECT_LE(rms_distance(run(one, image, 300.0), reference(its, image, in, out, border, 300.0)),
+                      1e-3 * options_for(image, border, 1e-3, 300.0).scene->std)
+                << one.explain();
+            EXPECT_TRUE(same_bits(run(one, image, 300.0), run(one, image, 300.0, 2)));
+          };
+          check(plan, systems[s], scene);
+          if (border == Border::reflect) check(plan, systems[s], whole);
+          if (s == 0) check(plan.with(blurred), blurred, scene);
+          if (ratio == 1.0) {
+            EXPECT_NE(plan.explain().find("transforms of columns that are of one level"), std::string::npos)
+                << plan.explain();
+          }
+        }
 }
 
 // Columns that are flat one by one, beside others, are no lines to leave out.
@@ -177,6 +188,63 @@ TEST(PlanFlatParts, single_columns_do_not_count) {
   EXPECT_EQ(summary(1).flat_columns, 0.0);
   EXPECT_EQ(summary(16).flat_columns, 1.0);
   EXPECT_EQ(summary(16).flat_rows, 0.0);
+}
+
+// Transforms take the level from samples at a few places, and look again where these are not like the others.
+TEST(PlanFlatParts, few_samples_that_mislead_do_no_harm) {
+  const System<double> system = blur();
+  const SampleGrid in = scene_grid(system, kWidth, kHeight, 1.0, 1.0);
+  const Image noise = random_image(kWidth, kHeight, 9);
+  const auto seen = [](std::int64_t x, std::int64_t y) {  // by sampled_level: 16 samples at each of 8 x 8 places
+    const auto at = [](std::int64_t i, std::int64_t n, std::int64_t k) { return (2 * k + 1) * n / 16 <= i; };
+    for (std::int64_t j = 0; j < 8; ++j)
+      for (std::int64_t i = 0; i < 8; ++i)
+        if (y == (2 * j + 1) * kHeight / 16 && at(x, kWidth - 16, i) && x < (2 * i + 1) * (kWidth - 16) / 16 + 16)
+          return true;
+    return false;
+  };
+  struct Misleading {
+    const char* what;
+    double seen, seen_contrast, level, contrast;
+  };
+  for (const auto& [what, level_seen, contrast_seen, level, contrast] :
+       {Misleading{"far from the mean", 1e4, 1.0, 10.0, 1.0}, Misleading{"flat", 7.0, 0.0, 10.0, 1.0},
+        Misleading{"almost flat", 0.0, 1e-30, 0.0, 1e5}, Misleading{"flat, and all but a level", 7.0, 0.0, 8.0, 0.0}}) {
+    SCOPED_TRACE(what);
+    const Image scene =
+        image_of(kWidth, kHeight,
+                 [&, ls = level_seen, cs = contrast_seen, l = level, c = contrast](std::int64_t x, std::int64_t y) {
+                   return seen(x, y) ? ls + cs * static_cast<double>(noise.at(x, y))
+                                     : l + c * static_cast<double>(noise.at(x, y));
+                 });
+    for (const Border border : kBorders)
+      for (const Method method : {Method::fft_float, Method::fft_double}) {
+        PlanOptions options = options_for(scene, border, 1e-5, level);
+        options.method = method;
+        const Plan plan = compile(system, in, in, options);
+        EXPECT_LE(rms_distance(run(plan, scene, level), reference(system, scene, in, in, border, level)),
+                  plan.report().predicted.total() * options.scene->std)
+            << plan.explain();
+      }
+  }
+}
+
+// Lines of one value that is none are no lines of one level.
+TEST(PlanFlatParts, lines_that_are_not_finite_are_refused) {
+  const System<double> system = blur();
+  const SampleGrid in = scene_grid(system, kWidth, kHeight, 1.0, 1.0);
+  for (const Region& busy : {Region{0, 60, 149, 58}, Region{75, 0, 74, 118}})
+    for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+      Image scene = scene_of(busy, 300.0, 20.0);
+      PlanOptions options = options_for(scene, Border::reflect, 1e-3);
+      options.method = Method::fft_float;
+      const Plan plan = compile(system, in, in, options);
+      for (std::int64_t y = 0; y < kHeight; ++y)
+        for (std::int64_t x = 0; x < kWidth; ++x)
+          if (busy.y > 0 ? y == 3 : x == 3) scene.at(x, y) = bad;
+      Image image(kWidth, kHeight);
+      EXPECT_THROW(plan.run(scene.view(), image.view()), RuntimeError);
+    }
 }
 
 TEST(FlatMap, tells_groups_of_one_level_from_others) {

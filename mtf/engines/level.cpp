@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/engines/level.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "mtf/engines/kernels.h"
+#include "mtf/error.h"
+#include "mtf/parallel.h"
+#include "mtf/statistics.h"
+
+namespace mtf {
+namespace {
+
+constexpr std::int64_t kPlaces = 8, kTogether = 16;  // along each side, samples at each
+
+double largest_deviation(double mean, double low, double high) { return std::max(high - mean, mean - low); }
+
+kernels::RowSummary together(const kernels::RowSummary& a, const kernels::RowSummary& b) {
+  return {a.sum + b.sum, std::min(a.min, b.min), std::max(a.max, b.max)};
+}
+
+// What is flat of a row needs no sums.
+kernels::RowSummary look_at(const float* row, std::int64_t width, std::int64_t y, FlatMap& flat) {
+  if (!flat.any()) return kernels::summarise_row(row, width);
+  const FlatMap::Kind* kinds = flat.look(y);
+  kernels::RowSummary all{0.0, row[0], row[0]};
+  for (std::int64_t g = 0, end = 0; g < flat.groups(); g = end) {
+    for (end = g + 1; end < flat.groups() && kinds[end] == kinds[g];) ++end;
+    const float* first = row + g * FlatMap::kGroup;
+    const std::int64_t count = std::min(end * FlatMap::kGroup, width) - g * FlatMap::kGroup;
+    all = together(all, kinds[g] == 0 ? kernels::summarise_row(first, count)
+                                      : kernels::RowSummary{static_cast<double>(count) * *first, *first, *first});
+  }
+  return all;
+}
+
+}  // namespace
+
+std::optional<PlaneLevel> sampled_level(ImageView<const float> plane) {
+  const std::int64_t count = std::min(kTogether, plane.width);
+  kernels::RowSummary all{0.0, plane.at(0, 0), plane.at(0, 0)};
+  for (std::int64_t j = 0; j < kPlaces; ++j)
+    for (std::int64_t i = 0; i < kPlaces; ++i)
+      all = together(all, kernels::summarise_row(plane.row((2 * j + 1) * plane.height / (2 * kPlaces)) +
+                                                     (2 * i + 1) * (plane.width - count) / (2 * kPlaces),
+                                                 count));
+  if (!std::isfinite(all.sum) || all.min == all.max) return std::nullopt;
+  const double mean = static_cast<float>(all.sum / static_cast<double>(kPlaces * kPlaces * count));
+  return PlaneLevel{mean, largest_deviation(mean, all.min, all.max)};
+}
+
+PlaneLevel level_of(ImageView<const float> plane, int threads, FlatMap& flat) {
+  flat = FlatMap(plane);
+  std::vector<kernels::RowSummary> rows(static_cast<std::size_t>(plane.height));
+  parallel_for(plane.height, 64, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y) {
+      if (y + 1 < end) kernels::prefetch(plane.row(y + 1), plane.width);
+      rows[static_cast<std::size_t>(y)] = look_at(plane.row(y), plane.width, y, flat);
+    }
+  });
+  kernels::RowSummary all{0.0, rows.front().min, rows.front().max};
+  for (const kernels::RowSummary& row : rows) all = together(all, row);
+  if (!std::isfinite(all.sum)) {
+    const Statistics s = statistics(plane);
+    if (s.not_finite > 0)
+      throw RuntimeError(std::to_string(s.not_finite) + " pixels are NaN or infinite, the first at column " +
+                         std::to_string(s.first_x) + ", row " + std::to_string(s.first_y) +
+                         "; replace them (mtf simulate --nan fill|propagate)");
+  }
+  if (all.min == all.max) return {all.min, 0.0};
+  const double mean =
+      static_cast<float>(all.sum / (static_cast<double>(plane.width) * static_cast<double>(plane.height)));
+  return {mean, largest_deviation(mean, all.min, all.max)};
+}
+
+double scale_for(double deviation) { return std::ldexp(1.0, -std::clamp(std::ilogb(deviation), -126, 126)); }
+
+}  // namespace mtf

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The level that is taken off a plane before it is filtered, so that rounding counts contrast and not brightness, and
+// the scale that keeps what is left within the range of float. Any level near the mean does: one that samples at 64
+// places tell is enough for those that check it as they read, and saves them a look at the whole plane.
+
+#include <optional>
+
+#include "mtf/flat_map.h"
+#include "mtf/image.h"
+
+namespace mtf {
+
+struct PlaneLevel {
+  double mean = 0.0;       ///< to float: taken off a float, it leaves one rounding of the difference
+  double deviation = 0.0;  ///< largest |value - mean|; 0: the plane is of one level
+};
+
+/// Of samples at 8 x 8 places; nothing where they are of one level or not finite.
+std::optional<PlaneLevel> sampled_level(ImageView<const float> plane);
+
+/// Of all samples, summed row by row in a fixed order. The same look tells where the plane is flat, while its rows are
+/// at hand. Throws RuntimeError for pixels that are NaN or infinite, with their number and first position.
+PlaneLevel level_of(ImageView<const float> plane, int threads, FlatMap& flat);
+
+/// A power of two that takes `deviation` to about 1; it and its inverse are floats themselves.
+double scale_for(double deviation);
+
+}  // namespace mtf
