@@ -46,7 +46,9 @@ double arithmetic_error(const AxisJob& x, const AxisJob& y, double canvas_rms, d
   double units = 2.0;
   for (const AxisJob* job : {&x, &y}) {
     const double stages = std::log2(1.0 + static_cast<double>(job->frequency.length));
-    units += 0.5 * stages * (job->resampling == Resampling::chirp ? 4.0 : 1.0);
+    const bool chirps = job->resampling == Resampling::chirp;
+    const bool small = in_small_steps(job->frequency.length) && in_small_steps(inverse_length(*job));
+    units += 0.5 * stages * (chirps ? 4.0 : small ? 1.0 : 3.0);
   }
   return gain * (kFloatUnit * units * std::max(canvas_rms, 1.0) + storage_error(options));
 }

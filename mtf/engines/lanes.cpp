@@ -37,6 +37,8 @@ std::vector<int> radices(std::int64_t n) {
 
 }  // namespace
 
+bool in_small_steps(std::int64_t n) { return n == 1 || !radices(n).empty(); }
+
 // Sign -1 on (re, im); sign +1 is the same with re and im exchanged. `gather` reads row n of one block at row rows[n]
 // of `from`.
 template <class S>
