@@ -15,15 +15,8 @@ constexpr std::int64_t kPlaces = 8;  // along each side
 constexpr std::size_t kMostLevels = 16;
 constexpr std::int64_t kGroup = FlatMap::kGroup, kTogether = 8;
 
-using Bits = std::int32_t __attribute__((vector_size(kGroup * sizeof(float)), aligned(4), may_alias));
-
-MTFKIT_INLINE const Bits& bits(const float* p) { return *reinterpret_cast<const Bits*>(p); }
-
-MTFKIT_INLINE bool any_bit(const Bits& v) {
-  std::array<std::uint64_t, sizeof(Bits) / sizeof(std::uint64_t)> parts;
-  std::memcpy(parts.data(), &v, sizeof(Bits));
-  return ((parts[0] | parts[1]) | (parts[2] | parts[3]) | ((parts[4] | parts[5]) | (parts[6] | parts[7]))) != 0;
-}
+static_assert(kGroup == simd::kBits);
+using simd::any_bit, simd::Bits, simd::bits, simd::bits_of;
 
 // Samples are told apart by their bits: 0 and -0 differ.
 bool same_bits(float a, float b) { return std::bit_cast<std::int32_t>(a) == std::bit_cast<std::int32_t>(b); }
@@ -33,7 +26,7 @@ MTFKIT_CLONES void look_at_groups(const float* p, std::int64_t groups, const flo
                                   FlatMap::Kind* kinds) {
   std::size_t k = 0;
   for (std::int64_t g = 0; g < groups;) {
-    const Bits same = Bits{} + std::bit_cast<std::int32_t>(levels[k]);
+    const Bits same = bits_of(levels[k]);
     if (g + kTogether <= groups && same_bits(p[g * kGroup], levels[k])) {
       Bits any{};
       for (std::int64_t i = g; i < g + kTogether; ++i) any |= bits(p + i * kGroup) ^ same;
@@ -49,7 +42,7 @@ MTFKIT_CLONES void look_at_groups(const float* p, std::int64_t groups, const flo
       std::size_t found = 0;
       while (found < count && !same_bits(group[0], levels[found])) ++found;
       kinds[g] = 0;
-      if (found == count || any_bit(bits(group) ^ (Bits{} + std::bit_cast<std::int32_t>(levels[found])))) continue;
+      if (found == count || any_bit(bits(group) ^ bits_of(levels[found]))) continue;
       k = found;
       kinds[g] = static_cast<FlatMap::Kind>(k + 1);
     }

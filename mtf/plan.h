@@ -30,11 +30,11 @@ namespace mtf {
 
 /// What the plan knows of the scene before it runs; predictions hold for scenes like it.
 struct SceneSummary {
-  double std = 1.0;          ///< > 0
-  double largest = 1.0;      ///< largest |value| or |constant border level|: the float32 storage error
-  double canvas_norm = 2.0;  ///< canvas_norm of mtf/statistics.h, in units of value
-  double flat_rows = 0.0;    ///< share of the rows that are of one level each
-  double flat_columns = 0.0;
+  double std = 1.0;           ///< > 0
+  double largest = 1.0;       ///< largest |value| or |constant border level|: the float32 storage error
+  double canvas_norm = 2.0;   ///< canvas_norm of mtf/statistics.h, in units of value
+  double flat_rows = 0.0;     ///< share of the rows that are of one level each
+  double flat_columns = 0.0;  ///< share of the columns, counted in groups of 16 that are flat together
 };
 
 /// Summary of a plane, or nothing when it is flat (every tolerance is met then).

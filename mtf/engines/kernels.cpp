@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include "mtf/engines/clones.h"
 #include "mtf/engines/simd.h"
@@ -177,46 +178,39 @@ MTFKIT_CLONES double squares_about(const float* in, std::int64_t n, double about
 namespace {
 
 template <class S>
-MTFKIT_INLINE Moments moments_of(const S* in, std::int64_t n) {
-  constexpr int kStep = 32;
-  std::array<S, kStep> sums{}, squares{};
+MTFKIT_INLINE void add_moments(const S* __restrict in, std::int64_t n, MomentSums<S>& to) {
+  constexpr int kStep = MomentSums<S>::kStep;
+  MomentSums<S> all = to;
   std::int64_t i = 0;
   for (; i + kStep <= n; i += kStep)
     for (int j = 0; j < kStep; ++j) {
-      sums[j] += in[i + j];
-      squares[j] += in[i + j] * in[i + j];
+      all.sums[j] += in[i + j];
+      all.squares[j] += in[i + j] * in[i + j];
     }
   for (int j = 0; i < n; ++i, ++j) {
-    sums[j] += in[i];
-    squares[j] += in[i] * in[i];
+    all.sums[j] += in[i];
+    all.squares[j] += in[i] * in[i];
   }
-  Moments all;
-  for (int j = 0; j < kStep; ++j) {
-    all.sum += sums[j];
-    all.squares += squares[j];
-  }
-  return all;
+  to = all;
 }
 
-using Bits = std::uint32_t __attribute__((vector_size(64), aligned(4), may_alias));
-constexpr std::int64_t kBits = 16;  // numbers in one
-
-MTFKIT_INLINE const Bits& bits(const float* p) { return *reinterpret_cast<const Bits*>(p); }
-
-MTFKIT_INLINE bool any_bit(const Bits& v) {
-  std::array<std::uint64_t, sizeof(Bits) / sizeof(std::uint64_t)> parts;
-  std::memcpy(parts.data(), &v, sizeof(Bits));
-  return ((parts[0] | parts[1]) | (parts[2] | parts[3]) | ((parts[4] | parts[5]) | (parts[6] | parts[7]))) != 0;
-}
+using simd::any_bit, simd::Bits, simd::bits, simd::kBits;
 
 }  // namespace
 
-MTFKIT_CLONES Moments moments(const float* in, std::int64_t n) { return moments_of(in, n); }
-MTFKIT_CLONES Moments moments(const double* in, std::int64_t n) { return moments_of(in, n); }
+MTFKIT_CLONES void add(const float* in, std::int64_t n, MomentSums<float>& sums) { add_moments(in, n, sums); }
+MTFKIT_CLONES void add(const double* in, std::int64_t n, MomentSums<double>& sums) { add_moments(in, n, sums); }
+
+template <class S>
+Moments MomentSums<S>::total() const {
+  return {std::accumulate(sums.begin(), sums.end(), 0.0), std::accumulate(squares.begin(), squares.end(), 0.0)};
+}
+template struct MomentSums<float>;
+template struct MomentSums<double>;
 
 MTFKIT_CLONES bool all_alike(const float* in, std::int64_t n) {
   constexpr std::int64_t kTogether = 8;
-  const Bits first = Bits{} + std::bit_cast<std::uint32_t>(in[0]);
+  const Bits first = simd::bits_of(in[0]);
   std::int64_t i = 0;
   for (; i + kTogether * kBits <= n; i += kTogether * kBits) {
     prefetch(in + i + 2 * kTogether * kBits, kTogether * kBits);

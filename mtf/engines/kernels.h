@@ -70,10 +70,16 @@ struct Moments {
   double sum = 0.0, squares = 0.0;
   void operator+=(const Moments& other) { sum += other.sum, squares += other.squares; }
 };
-/// Of numbers about 1, summed in their own type, in a fixed order: what is not finite or far too large shows in squares
-/// that are not finite.
-Moments moments(const float* in, std::int64_t n);
-Moments moments(const double* in, std::int64_t n);
+/// Of numbers about 1 that come in stretches, summed in their own type, in a fixed order. What is not finite, or far
+/// too large, shows in squares that are not finite.
+template <class S>
+struct MomentSums {
+  static constexpr int kStep = 32;
+  alignas(64) std::array<S, kStep> sums{}, squares{};
+  Moments total() const;
+};
+void add(const float* in, std::int64_t n, MomentSums<float>& sums);
+void add(const double* in, std::int64_t n, MomentSums<double>& sums);
 
 /// Whether all samples have the same bits.
 bool all_alike(const float* in, std::int64_t n);

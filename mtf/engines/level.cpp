@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "mtf/engines/kernels.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
 #include "mtf/statistics.h"
@@ -74,6 +73,27 @@ PlaneLevel level_of(ImageView<const float> plane, int threads, FlatMap& flat) {
   const double mean =
       static_cast<float>(all.sum / (static_cast<double>(plane.width) * static_cast<double>(plane.height)));
   return {mean, largest_deviation(mean, all.min, all.max)};
+}
+
+double std_of(const kernels::Moments& moments, std::int64_t samples) {
+  const double n = static_cast<double>(samples);
+  return std::sqrt(std::max(0.0, moments.squares - moments.sum * moments.sum / n) / n);
+}
+
+bool is_near(const kernels::Moments& moments, std::int64_t samples) {
+  constexpr double kNear = 0.25;
+  return std::isfinite(moments.squares) &&
+         std::abs(moments.sum) / static_cast<double>(samples) <= kNear * std_of(moments, samples);
+}
+
+Channel settled(Channel channel, Border border, int threads) {
+  FlatMap unused;
+  const PlaneLevel level = level_of(channel.in, threads, unused);
+  const double step = border == Border::constant ? std::abs(channel.border_value - level.mean) : 0.0;
+  channel.mean = level.mean;
+  channel.scale = scale_for(std::max(level.deviation, step));
+  channel.sampled = false;
+  return channel;
 }
 
 double scale_for(double deviation) { return std::ldexp(1.0, -std::clamp(std::ilogb(deviation), -126, 126)); }

@@ -7,8 +7,10 @@
 
 #include <optional>
 
+#include "mtf/border.h"
+#include "mtf/engines/engine.h"
+#include "mtf/engines/kernels.h"
 #include "mtf/flat_map.h"
-#include "mtf/image.h"
 
 namespace mtf {
 
@@ -26,5 +28,15 @@ PlaneLevel level_of(ImageView<const float> plane, int threads, FlatMap& flat);
 
 /// A power of two that takes `deviation` to about 1; it and its inverse are floats themselves.
 double scale_for(double deviation);
+
+/// Standard deviation of samples of these moments.
+double std_of(const kernels::Moments& moments, std::int64_t samples);
+
+/// Whether a level that few samples gave does for all of them, whose moments about it are these: it is no further from
+/// the mean than a quarter of the standard deviation (3 % more rounding), and all are finite, also in this scale.
+bool is_near(const kernels::Moments& moments, std::int64_t samples);
+
+/// The channel at the level of all samples, as level_of gives it.
+Channel settled(Channel channel, Border border, int threads);
 
 }  // namespace mtf

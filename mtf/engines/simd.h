@@ -43,6 +43,19 @@ MTFKIT_INLINE void store(const V& v, S* to) {
   __builtin_memcpy(to, &v, sizeof v);
 }
 
+/// The bits of 16 floats at any place, to be compared: 0 and -0 differ, a NaN equals itself.
+using Bits = std::uint32_t __attribute__((vector_size(64), aligned(4), may_alias));
+inline constexpr std::int64_t kBits = 16;
+
+MTFKIT_INLINE const Bits& bits(const float* p) { return *reinterpret_cast<const Bits*>(p); }
+MTFKIT_INLINE Bits bits_of(float value) { return Bits{} + __builtin_bit_cast(std::uint32_t, value); }
+
+MTFKIT_INLINE bool any_bit(const Bits& v) {
+  std::uint64_t parts[sizeof(Bits) / sizeof(std::uint64_t)];
+  __builtin_memcpy(parts, &v, sizeof(Bits));
+  return ((parts[0] | parts[1]) | (parts[2] | parts[3]) | ((parts[4] | parts[5]) | (parts[6] | parts[7]))) != 0;
+}
+
 /// Complex numbers side by side, real and imaginary parts in a vector each.
 template <class S, int Bytes>
 struct Packet {

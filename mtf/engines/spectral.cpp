@@ -94,24 +94,16 @@ void SpectralEngine<S>::run(const std::vector<Channel>& channels, const OtfBlock
   for (const Plane& plane : planes) lines_inverse(plane, threads);
 }
 
-// A level that proves to be far from the mean, or a scale far too large for what few samples did not show, is looked
-// for again. Not to be further off than a quarter of the deviation adds 3 % to rounding.
 template <class S>
 auto SpectralEngine<S>::read(const Channel& channel, const Buffers& buffers, int threads) const -> Plane {
-  constexpr double kNear = 0.25;
   Plane plane{channel, buffers};
-  const double samples = static_cast<double>(x().samples) * static_cast<double>(y().samples);
+  const std::int64_t samples = x().samples * y().samples;
   kernels::Moments all = lines_forward(plane, threads);
-  const auto std = [&] { return std::sqrt(std::max(0.0, all.squares - all.sum * all.sum / samples) / samples); };
-  if (channel.sampled && !(std::abs(all.sum) / samples <= kNear * std() && std::isfinite(all.squares))) {
-    FlatMap unused;
-    const PlaneLevel level = level_of(channel.in, threads, unused);
-    const double step = x().border == Border::constant ? std::abs(channel.border_value - level.mean) : 0.0;
-    plane.channel.mean = level.mean;
-    plane.channel.scale = scale_for(std::max(level.deviation, step));
+  if (channel.sampled && !is_near(all, samples)) {
+    plane.channel = settled(channel, x().border, threads);
     all = lines_forward(plane, threads);
   }
-  plane.std = std() / plane.channel.scale;
+  plane.std = std_of(all, samples) / plane.channel.scale;
   leave_out_levels(plane);
   return plane;
 }
@@ -138,22 +130,24 @@ kernels::Moments SpectralEngine<S>::load(const Channel& channel, std::int64_t be
   if (lines_ == Lines::columns) {
     kernels::center_columns(channel.in.data + begin, channel.in.stride, n, end - begin, channel.mean, channel.scale,
                             samples);
-    return kernels::moments(samples, n * kRow);
+    kernels::MomentSums<S> all;
+    kernels::add(samples, n * kRow, all);
+    return all.total();
   }
   const std::int64_t stride = line_stride();
   const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride));
-  kernels::Moments all;
+  kernels::MomentSums<S> all;
   for (std::int64_t i = 0; i < kRow; ++i) {
     S* line = lines.data() + i * stride;
     if (begin + i < end) {
       kernels::center(channel.in.row(begin + i), n, channel.mean, channel.scale, line);
-      all += kernels::moments(line, n);
+      kernels::add(line, n, all);
     } else {
       std::fill_n(line, n, S(0));
     }
   }
   lanes::lines_to_lanes(lines.data(), stride, n, samples);
-  return all;
+  return all.total();
 }
 
 template <class S>

@@ -75,18 +75,22 @@ TapsFlat::TapsFlat(const Channel& channel, const TapAxis& x, const TapAxis& y, B
   std::vector<std::int32_t> alike(groups, 0);
   std::vector<Kind> made(groups);
   const Kind* before = nullptr;  // rows like the one above are many
+  std::int64_t alike_rows = 0;   // in a row: once the taps see no others, nothing changes
   for (std::int64_t r = 0; r < needed; ++r) {
     Kind* row = rows_.data() + static_cast<std::size_t>(r) * groups;
     const std::int64_t source = border_source(border, y.first + r, y.samples);
     const Kind* kinds = source < 0 ? nullptr : map_->row(source);
-    if (kinds == nullptr)
-      std::fill_n(row, groups, border_kind);
-    else if (before != nullptr && std::memcmp(kinds, before, samples) == 0)
+    ++alike_rows;
+    if (kinds != nullptr && before != nullptr && std::memcmp(kinds, before, samples) == 0) {
       std::memcpy(row, row - groups, groups);
-    else
-      for (std::size_t g = 0; g < groups; ++g) row[g] = kind_within(kinds, reaches[g], border_kind);
+    } else {
+      alike_rows = 0;
+      for (std::size_t g = 0; g < groups; ++g)
+        row[g] = kinds == nullptr ? border_kind : kind_within(kinds, reaches[g], border_kind);
+    }
     before = kinds;
-    add_row(row, r == 0 ? row : row - groups, groups_, static_cast<std::int32_t>(y.count), alike.data(), made.data());
+    if (alike_rows <= y.count)
+      add_row(row, r == 0 ? row : row - groups, groups_, static_cast<std::int32_t>(y.count), alike.data(), made.data());
     if (r >= y.count - 1 && (r - y.count + 1) % y.ratio == 0)
       std::memcpy(outputs_.data() + static_cast<std::size_t>((r - y.count + 1) / y.ratio) * groups, made.data(),
                   groups);
