@@ -53,7 +53,7 @@ Json plan_json(const mtf::Plan& plan) {
             {"cut", e.cut},
             {"wrap", e.wrap},
             {"kernel", e.kernel},
-            {"flat_rows", e.flat},
+            {"flat_lines", e.flat},
             {"arithmetic", e.arithmetic}}},
           {"otf_bytes", r.otf_bytes},
           {"buffer_bytes", r.run_bytes}};

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "mtf/engines/spectral.h"
 #include "mtf/plan_cost.h"
@@ -159,14 +158,32 @@ double rounding(const PlanTask& task, bool in_double, const Judged& judged, doub
   return arithmetic_error(judged.layout.x, judged.layout.y, canvas_rms, gain, task.options);
 }
 
-double flat_lines(const SceneSummary& scene, Lines lines) {
-  return lines == Lines::rows ? scene.flat_rows : scene.flat_columns;
+/// An order of the axes: the lines, and what lies across them.
+struct Order {
+  Lines lines = Lines::rows;
+  const AxisJob &along, &across;
+  double flat = 0.0;     ///< share of the lines that are left out for being of one level
+  double cost_ms = 0.0;  ///< without them
+};
+
+Order order_of(Lines lines, const AxisJob& x, const AxisJob& y, bool real, const PlanOptions& options) {
+  const bool rows = lines == Lines::rows;
+  Order order{lines, rows ? x : y, rows ? y : x};
+  order.cost_ms = fft_cost_ms(order.along, order.across, real);
+  if (!options.scene || order.along.resampling != Resampling::fold) return order;
+  const double flat = rows ? options.scene->flat_rows : options.scene->flat_columns;
+  // They go in groups.
+  if (flat >= kFewFlatLines && flat * static_cast<double>(order.across.outputs) >= 2.0 * kRow) order.flat = flat;
+  return order;
 }
 
-// Columns where the scene has more of them that are of one level.
-Lines lines_of(const AxisJob& x, const AxisJob& y, const PlanOptions& options) {
-  const bool more = options.scene && options.scene->flat_columns > options.scene->flat_rows;
-  return more && x.frequency.basis == y.frequency.basis ? Lines::columns : Lines::rows;
+// Columns first where leaving out flat ones makes up for it: an OTF with phase may take more series that way.
+Order cheaper_order(const AxisJob& x, const AxisJob& y, bool real, const PlanOptions& options) {
+  const auto cost_ms = [](const Order& order) { return (1.0 - kLinesCost * order.flat) * order.cost_ms; };
+  const Order rows = order_of(Lines::rows, x, y, real, options);
+  if (x.frequency.basis != y.frequency.basis) return rows;
+  const Order columns = order_of(Lines::columns, x, y, real, options);
+  return columns.flat > 0.0 && cost_ms(columns) < cost_ms(rows) ? columns : rows;
 }
 
 Draft make_draft(const PlanTask& task, Method method, const Judged& judged) {
@@ -189,21 +206,20 @@ Draft make_draft(const PlanTask& task, Method method, const Judged& judged) {
     if (budget > 0.0) predicted.cut = cut(task, budget, judged.gathering, judged.defined, judged.symmetric > 1.5, x, y);
   }
   const std::size_t parts = otf_parts(x, y, sampler.is_real()).size();
-  d.lines = lines_of(x, y, options);
+  const Order order = cheaper_order(x, y, sampler.is_real(), options);
+  d.lines = order.lines;
   // What reaches lines of one level is left out of them, up to a share of the tolerance.
-  const auto& [along, across] = d.lines == Lines::rows ? std::tie(x, y) : std::tie(y, x);
-  const double flat = options.scene && along.resampling == Resampling::fold ? flat_lines(*options.scene, d.lines) : 0.0;
-  if (flat >= kFewFlatLines && flat * static_cast<double>(across.outputs) >= 2.0 * kRow)  // they go in groups
+  if (order.flat > 0.0)
     predicted.flat =
         std::max(0.0, std::min(kFlatShare * options.tolerance, 0.9 * (options.tolerance - predicted.total())));
   d.candidate.detail = "x " + axis_text(x) + "; y " + axis_text(y);
   if (parts > 1) d.candidate.detail += "; " + std::to_string(parts) + " parities";
   const double dearer = in_double ? kDoubleCost : method == Method::fft_cut ? kCutCost : 1.0;
-  d.candidate.cost_ms = dearer * fft_cost_ms(along, across, sampler.is_real());
-  if (predicted.flat > 0.0) d.lines_saved_ms = kLinesCost * flat * d.candidate.cost_ms;
+  d.candidate.cost_ms = dearer * order.cost_ms;
+  if (predicted.flat > 0.0) d.lines_saved_ms = kLinesCost * order.flat * d.candidate.cost_ms;
   d.candidate.cost_ms -= d.lines_saved_ms;
   d.candidate.bytes =
-      static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(along, across, sampler.is_real()));
+      static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(order.along, order.across, sampler.is_real()));
   d.axes = {x, y};
   d.error_per_otf = judged.gathering * task.alias;
   const Precision precision = in_double ? Precision::double_precision : Precision::single_precision;

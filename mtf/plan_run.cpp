@@ -51,15 +51,14 @@ void Plan::run(std::span<const ImageView<const float>> in, std::span<const Image
   std::vector<Channel> channels;
   std::vector<Image> copies;
   std::vector<FlatMap> flat(in.size());
-  // They have all of an input before they write, and tell by themselves what is wrong with it.
+  // Transforms have all of an input before they write, and tell by themselves what is wrong with it.
   const bool transforms = impl_->report.method.starts_with("fft");
   for (std::size_t c = 0; c < in.size(); ++c) {
     check_size(in[c].width, in[c].height, impl_->report.in, "input");
     check_size(out[c].width, out[c].height, impl_->report.out, "output");
     const std::optional<PlaneLevel> sampled = transforms ? sampled_level(in[c]) : std::nullopt;
     const PlaneLevel level = sampled ? *sampled : level_of(in[c], threads, flat[c]);
-    const double step = constant ? std::abs(border_value - level.mean) : 0.0;
-    const double deviation = std::max(level.deviation, step);
+    const double deviation = canvas_deviation(level, impl_->options.border, border_value);
     if (deviation == 0.0) {
       fill(out[c], static_cast<float>(impl_->dc * level.mean));
     } else if (!impl_->engine) {

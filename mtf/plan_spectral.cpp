@@ -46,16 +46,13 @@ class OtfRow {
   // Both real columns that pass as one complex one are multiplied alike.
   void real_exponentials(std::int64_t j) {
     real_row(j);
-    for (const std::int64_t half : {0, kLanes})
-      put(
-          0, j, [&](std::size_t i) { return scale_ * up_[i]; }, half);
+    for (const std::int64_t half : {0, kLanes}) put(0, j, half, [&](std::size_t i) { return scale_ * up_[i]; });
   }
 
   void complex_exponentials(std::int64_t j) {
     complex_row(j);
     put(0, j, [&](std::size_t i) { return scale_ * complex_up_[i].re; });
-    put(
-        0, j, [&](std::size_t i) { return scale_ * complex_up_[i].im; }, kLanes);
+    put(0, j, kLanes, [&](std::size_t i) { return scale_ * complex_up_[i].im; });
   }
 
   // What is odd along y in a real OTF is odd along x too.
@@ -94,7 +91,8 @@ class OtfRow {
     grid_->complex_row(static_cast<std::size_t>(j), std::span(complex_up_).first(keep_));
   }
   // `half`: where in a row of kRow the numbers of exponentials start.
-  void put(std::size_t part, std::int64_t j, const auto& value, std::int64_t half = 0) const {
+  void put(std::size_t part, std::int64_t j, const auto& value) const { put(part, j, 0, value); }
+  void put(std::size_t part, std::int64_t j, std::int64_t half, const auto& value) const {
     if (columns_) {
       S* to = otf_->row(part, j / width_, 0) + half + j % width_;
       for (std::size_t i = 0; i < keep_; ++i, to += kRow) *to = value(i);

@@ -177,36 +177,41 @@ MTFKIT_CLONES double squares_about(const float* in, std::int64_t n, double about
 
 namespace {
 
+// Each number of a lane is a sum of few: they are summed on in double.
 template <class S>
-MTFKIT_INLINE void add_moments(const S* __restrict in, std::int64_t n, MomentSums<S>& to) {
-  constexpr int kStep = MomentSums<S>::kStep;
-  MomentSums<S> all = to;
-  std::int64_t i = 0;
-  for (; i + kStep <= n; i += kStep)
-    for (int j = 0; j < kStep; ++j) {
-      all.sums[j] += in[i + j];
-      all.squares[j] += in[i + j] * in[i + j];
+MTFKIT_INLINE void add_moments(const S* __restrict in, std::int64_t n, MomentSums& to) {
+  constexpr int kStep = MomentSums::kStep;
+  constexpr std::int64_t kStretch = 512 * kStep;
+  for (std::int64_t first = 0; first < n; first += kStretch) {
+    const std::int64_t last = std::min(n, first + kStretch);
+    std::array<S, kStep> sums{}, squares{};
+    std::int64_t i = first;
+    for (; i + kStep <= last; i += kStep)
+      for (int j = 0; j < kStep; ++j) {
+        sums[j] += in[i + j];
+        squares[j] += in[i + j] * in[i + j];
+      }
+    for (int j = 0; i < last; ++i, ++j) {
+      sums[j] += in[i];
+      squares[j] += in[i] * in[i];
     }
-  for (int j = 0; i < n; ++i, ++j) {
-    all.sums[j] += in[i];
-    all.squares[j] += in[i] * in[i];
+    for (int j = 0; j < kStep; ++j) {
+      to.sums[j] += sums[j];
+      to.squares[j] += squares[j];
+    }
   }
-  to = all;
 }
 
 using simd::any_bit, simd::Bits, simd::bits, simd::kBits;
 
 }  // namespace
 
-MTFKIT_CLONES void add(const float* in, std::int64_t n, MomentSums<float>& sums) { add_moments(in, n, sums); }
-MTFKIT_CLONES void add(const double* in, std::int64_t n, MomentSums<double>& sums) { add_moments(in, n, sums); }
+MTFKIT_CLONES void add(const float* in, std::int64_t n, MomentSums& sums) { add_moments(in, n, sums); }
+MTFKIT_CLONES void add(const double* in, std::int64_t n, MomentSums& sums) { add_moments(in, n, sums); }
 
-template <class S>
-Moments MomentSums<S>::total() const {
+Moments MomentSums::total() const {
   return {std::accumulate(sums.begin(), sums.end(), 0.0), std::accumulate(squares.begin(), squares.end(), 0.0)};
 }
-template struct MomentSums<float>;
-template struct MomentSums<double>;
 
 MTFKIT_CLONES bool all_alike(const float* in, std::int64_t n) {
   constexpr std::int64_t kTogether = 8;

@@ -70,16 +70,15 @@ struct Moments {
   double sum = 0.0, squares = 0.0;
   void operator+=(const Moments& other) { sum += other.sum, squares += other.squares; }
 };
-/// Of numbers about 1 that come in stretches, summed in their own type, in a fixed order. What is not finite, or far
-/// too large, shows in squares that are not finite.
-template <class S>
+/// Of numbers about 1 that come in stretches, added in a fixed order. What is not finite, or far too large for the type
+/// of the numbers, shows in squares that are not finite.
 struct MomentSums {
   static constexpr int kStep = 32;
-  alignas(64) std::array<S, kStep> sums{}, squares{};
+  std::array<double, kStep> sums{}, squares{};
   Moments total() const;
 };
-void add(const float* in, std::int64_t n, MomentSums<float>& sums);
-void add(const double* in, std::int64_t n, MomentSums<double>& sums);
+void add(const float* in, std::int64_t n, MomentSums& sums);
+void add(const double* in, std::int64_t n, MomentSums& sums);
 
 /// Whether all samples have the same bits.
 bool all_alike(const float* in, std::int64_t n);

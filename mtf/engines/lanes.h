@@ -22,7 +22,8 @@ namespace mtf {
 inline constexpr int kLanes = 16;
 inline constexpr int kRow = 2 * kLanes;
 
-/// Whether a length has no prime factor above 13. FFTW takes the others by convolutions, whose rounding is larger.
+/// Whether a length has no prime factor above 13. FFTW takes the others by sums and convolutions, whose rounding is
+/// larger.
 bool in_small_steps(std::int64_t n);
 
 template <class S>

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,8 @@ kernels::RowSummary look_at(const float* row, std::int64_t width, std::int64_t y
 
 std::optional<PlaneLevel> sampled_level(ImageView<const float> plane) {
   const std::int64_t count = std::min(kTogether, plane.width);
-  kernels::RowSummary all{0.0, plane.at(0, 0), plane.at(0, 0)};
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  kernels::RowSummary all{0.0, kInfinity, -kInfinity};
   for (std::int64_t j = 0; j < kPlaces; ++j)
     for (std::int64_t i = 0; i < kPlaces; ++i)
       all = together(all, kernels::summarise_row(plane.row((2 * j + 1) * plane.height / (2 * kPlaces)) +
@@ -75,6 +77,10 @@ PlaneLevel level_of(ImageView<const float> plane, int threads, FlatMap& flat) {
   return {mean, largest_deviation(mean, all.min, all.max)};
 }
 
+double canvas_deviation(const PlaneLevel& level, Border border, double border_value) {
+  return std::max(level.deviation, border == Border::constant ? std::abs(border_value - level.mean) : 0.0);
+}
+
 double std_of(const kernels::Moments& moments, std::int64_t samples) {
   const double n = static_cast<double>(samples);
   return std::sqrt(std::max(0.0, moments.squares - moments.sum * moments.sum / n) / n);
@@ -89,9 +95,8 @@ bool is_near(const kernels::Moments& moments, std::int64_t samples) {
 Channel settled(Channel channel, Border border, int threads) {
   FlatMap unused;
   const PlaneLevel level = level_of(channel.in, threads, unused);
-  const double step = border == Border::constant ? std::abs(channel.border_value - level.mean) : 0.0;
   channel.mean = level.mean;
-  channel.scale = scale_for(std::max(level.deviation, step));
+  channel.scale = scale_for(canvas_deviation(level, border, channel.border_value));
   channel.sampled = false;
   return channel;
 }

@@ -26,6 +26,9 @@ std::optional<PlaneLevel> sampled_level(ImageView<const float> plane);
 /// at hand. Throws RuntimeError for pixels that are NaN or infinite, with their number and first position.
 PlaneLevel level_of(ImageView<const float> plane, int threads, FlatMap& flat);
 
+/// Largest |value - mean| of a plane's canvas.
+double canvas_deviation(const PlaneLevel& level, Border border, double border_value);
+
 /// A power of two that takes `deviation` to about 1; it and its inverse are floats themselves.
 double scale_for(double deviation);
 
@@ -33,7 +36,8 @@ double scale_for(double deviation);
 double std_of(const kernels::Moments& moments, std::int64_t samples);
 
 /// Whether a level that few samples gave does for all of them, whose moments about it are these: it is no further from
-/// the mean than a quarter of the standard deviation (3 % more rounding), and all are finite, also in this scale.
+/// the mean than a quarter of the standard deviation, and all are finite, also in this scale. Rounding counts the rms
+/// of the canvas about the level: 3 % more, and at most a quarter more where a border's level is not the image's mean.
 bool is_near(const kernels::Moments& moments, std::int64_t samples);
 
 /// The channel at the level of all samples, as level_of gives it.

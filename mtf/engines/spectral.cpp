@@ -5,7 +5,6 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
-#include <tuple>
 
 #include "mtf/engines/level.h"
 #include "mtf/parallel.h"
@@ -13,7 +12,7 @@
 namespace mtf {
 namespace {
 
-static_assert(kRow == kernels::kColumns && kRow % FlatMap::kGroup == 0);
+static_assert(kRow == kernels::kColumns);
 
 constexpr std::int64_t round_up(std::int64_t n, std::int64_t step) { return (n + step - 1) / step * step; }
 
@@ -103,7 +102,7 @@ auto SpectralEngine<S>::read(const Channel& channel, const Buffers& buffers, int
     plane.channel = settled(channel, x().border, threads);
     all = lines_forward(plane, threads);
   }
-  plane.std = std_of(all, samples) / plane.channel.scale;
+  plane.std = std_of(all, samples);
   leave_out_levels(plane);
   return plane;
 }
@@ -130,13 +129,13 @@ kernels::Moments SpectralEngine<S>::load(const Channel& channel, std::int64_t be
   if (lines_ == Lines::columns) {
     kernels::center_columns(channel.in.data + begin, channel.in.stride, n, end - begin, channel.mean, channel.scale,
                             samples);
-    kernels::MomentSums<S> all;
+    kernels::MomentSums all;
     kernels::add(samples, n * kRow, all);
     return all.total();
   }
   const std::int64_t stride = line_stride();
   const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride));
-  kernels::MomentSums<S> all;
+  kernels::MomentSums all;
   for (std::int64_t i = 0; i < kRow; ++i) {
     S* line = lines.data() + i * stride;
     if (begin + i < end) {
@@ -168,7 +167,7 @@ kernels::Moments SpectralEngine<S>::lines_forward(Plane& plane, int threads) con
   const Channel& channel = plane.channel;
   S* const buffer = plane.buffers.even;
   const std::int64_t used = x().keep * x_.rows_per_coefficient();
-  const auto groups = static_cast<std::size_t>((y().samples + kRow - 1) / kRow);
+  const auto groups = static_cast<std::size_t>(groups_in());
   const bool by_row = lines_ == Lines::rows;
   plane.level = by_row ? std::vector<char>(groups, 0) : level_columns(channel, threads);
   std::vector<kernels::Moments> moments(groups);
@@ -240,7 +239,8 @@ void SpectralEngine<S>::column_block(const Plane& plane, const OtfBlocks<S>& otf
 
 template <class S>
 void SpectralEngine<S>::lines_inverse(const Plane& plane, int threads) const {
-  const auto& [channel, buffers] = std::tie(plane.channel, plane.buffers);
+  const Channel& channel = plane.channel;
+  const Buffers& buffers = plane.buffers;
   const std::int64_t step = kRow * x_.rows_per_coefficient();
   const std::vector<bool> silent = silent_lines(plane);
   store_levels(plane, silent, threads);

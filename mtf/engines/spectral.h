@@ -97,7 +97,7 @@ class SpectralEngine {
   struct Plane {
     Channel channel;
     Buffers buffers;
-    double std = 0.0;                       ///< of the image, where the channel was sampled
+    double std = 0.0;                       ///< of the image, scaled
     std::vector<char> level = {};           ///< groups of lines that are of one level each
     std::vector<std::int32_t> canvas = {};  ///< where there are: of the columns beyond the first block
     std::vector<std::int64_t> over = {};    ///< and groups of filtered lines that lie over them
@@ -125,6 +125,7 @@ class SpectralEngine {
   std::int64_t block_rows() const;        ///< rows of one block of a buffer
   std::int64_t coefficient_rows() const;  ///< rows of the coefficients of one group of lines
   std::int64_t line_stride() const;
+  std::int64_t groups_in() const { return (y().samples + kRow - 1) / kRow; }
   std::int64_t groups_out() const { return (y().outputs + kRow - 1) / kRow; }
   S level(const Channel& channel) const {
     return static_cast<S>((channel.border_value - channel.mean) * channel.scale);

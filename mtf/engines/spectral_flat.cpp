@@ -45,11 +45,15 @@ bool SpectralEngine<S>::level_rows(const Channel& channel, std::int64_t begin, s
 template <class S>
 std::vector<char> SpectralEngine<S>::level_columns(const Channel& channel, int threads) const {
   const ImageView<const float>& in = channel.in;
-  const auto groups = static_cast<std::size_t>((y().samples + kRow - 1) / kRow);
-  std::vector<char> level(groups, 1);
-  for (std::int64_t k = 0; k < y().samples; ++k)
-    if (!goes_on(channel, x().border, in.at(k, 0))) level[static_cast<std::size_t>(k / kRow)] = 0;
+  const std::int64_t n = y().samples;
   using Runs = std::vector<LineRun>;
+  Runs candidates;
+  for (std::int64_t k = 0; k < n; k += kRow) {
+    const float *first = in.data + k, *last = in.data + std::min(k + kRow, n);
+    if (std::all_of(first, last, [&](float v) { return goes_on(channel, x().border, v); }))
+      add_run({k, std::min(k + kRow, n)}, candidates);
+  }
+  std::vector<char> level(static_cast<std::size_t>(groups_in()), 1);
   const auto split = [&](const Runs& runs, const float* row) {
     Runs alike;
     for (const auto& [first, end] : runs)
@@ -60,7 +64,7 @@ std::vector<char> SpectralEngine<S>::level_columns(const Channel& channel, int t
   };
   std::mutex all;
   parallel_for(x().samples, 64, threads, [&](std::int64_t begin, std::int64_t end) {
-    Runs runs{{0, y().samples}};
+    Runs runs = candidates;
     for (std::int64_t i = begin; i < end && !runs.empty(); ++i) {
       const float* row = in.row(i);
       if (i + 1 < end) kernels::prefetch(in.row(i + 1) + runs.front().first, runs.front().end - runs.front().first);
@@ -69,7 +73,7 @@ std::vector<char> SpectralEngine<S>::level_columns(const Channel& channel, int t
       };
       if (!std::all_of(runs.begin(), runs.end(), is_same)) runs = split(runs, row);
     }
-    std::vector<char> here(groups, 0);
+    std::vector<char> here(level.size(), 0);
     for (const auto& [first, last] : runs)
       std::fill(here.begin() + first / kRow, here.begin() + (last + kRow - 1) / kRow, 1);
     const std::scoped_lock guard(all);
@@ -89,9 +93,10 @@ kernels::Moments SpectralEngine<S>::read_levels(const Channel& channel, std::int
   kernels::Moments all;
   for (std::int64_t k = begin; k < end; ++k, coefficients += kRow) {
     const double value = lines_ == Lines::rows ? channel.in.at(0, k) : channel.in.at(k, 0);
-    const double level = (value - channel.mean) * channel.scale;
-    all += {n * level, n * level * level};
-    *coefficients = static_cast<S>(level) * static_cast<S>(x().frequency.length);
+    // Squared as samples are: what is too large for S shows.
+    const S level = static_cast<S>((value - channel.mean) * channel.scale);
+    all += {n * static_cast<double>(level), n * static_cast<double>(level * level)};
+    *coefficients = level * static_cast<S>(x().frequency.length);
   }
   return all;
 }
@@ -173,7 +178,7 @@ std::vector<bool> SpectralEngine<S>::silent_lines(const Plane& plane) const {
   const double aliases = std::ceil((2.0 * static_cast<double>(x().keep) - 1.0) / period);
   const double square = (aliases > 1.0 ? 4.0 * aliases : 2.0) * (plane.buffers.odd != nullptr ? 2.0 : 1.0) *
                         static_cast<double>(x().out_length) / static_cast<double>(x().outputs);
-  const double allowance = plane.channel.allowance * plane.std * plane.channel.scale;
+  const double allowance = plane.channel.allowance * plane.std;
   double room = allowance * allowance * static_cast<double>(y().outputs) / square;
   std::vector<std::pair<double, std::int64_t>> groups;
   for (std::size_t i = 0; i < plane.over.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "apps/check/reference_fft.h"
+#include "mtf/engines/axis.h"
 #include "mtf/flat_map.h"
 #include "mtf/scene_spectrum.h"
 #include "tests/mtf/plan_support.h"
@@ -179,6 +180,25 @@ TEST(PlanFlatParts, columns_are_lines_where_more_of_them_are_flat) {
         }
 }
 
+// Where columns first would take more than leaving out the flat ones saves, rows come first.
+TEST(PlanFlatParts, columns_are_lines_only_where_that_is_cheaper) {
+  const System<double> phase_along_y = with(bare(15.0, 15.0), {Component<double>::make("diffraction"), rc(40.0, 1)});
+  const SampleGrid in{1024, 1024, 15.0, 15.0};
+  const auto lines_of = [&](double flat_columns) {
+    PlanOptions options;
+    options.scene = SceneSummary{.flat_columns = flat_columns};
+    options.method = Method::fft_float;
+    const Plan plan = compile(phase_along_y, in, in, options);
+    const std::string text = plan.explain();
+    const bool columns = text.find("transforms of columns that are of one level") != std::string::npos;
+    EXPECT_EQ(columns, plan.report().predicted.flat > 0.0);
+    return columns ? Lines::columns : Lines::rows;
+  };
+  EXPECT_EQ(lines_of(0.06), Lines::rows);
+  EXPECT_EQ(lines_of(0.15), Lines::rows);
+  EXPECT_EQ(lines_of(0.6), Lines::columns);
+}
+
 // Columns that are flat one by one, beside others, are no lines to leave out.
 TEST(PlanFlatParts, single_columns_do_not_count) {
   const auto summary = [](std::int64_t period) {
@@ -226,6 +246,26 @@ TEST(PlanFlatParts, few_samples_that_mislead_do_no_harm) {
                   plan.report().predicted.total() * options.scene->std)
             << plan.explain();
       }
+  }
+}
+
+// Where all that is sampled is next to nothing, other lines of one level are beyond the scale that it gives.
+TEST(PlanFlatParts, levels_far_beyond_the_samples) {
+  const System<double> system = blur();
+  const SampleGrid in = scene_grid(system, 128, 512, 1.0, 1.0);
+  const Image noise = random_image(128, 512, 4);
+  for (const double faint : {1e-20, 1e-30, 1e-37}) {
+    const Image scene = image_of(128, 512, [&](auto x, auto y) {
+      const std::int64_t group = y / 32;
+      if (group == 0 || group % 2 == 1) return faint * static_cast<double>(noise.at(x, y));
+      return group % 4 == 0 ? 2e8 : -2e8;
+    });
+    PlanOptions options = options_for(scene, Border::reflect, 1e-3);
+    options.method = Method::fft_float;
+    const Plan plan = compile(system, in, in, options);
+    EXPECT_LE(rms_distance(run(plan, scene), reference(system, scene, in, in, Border::reflect, 0.0)),
+              plan.report().predicted.total() * options.scene->std)
+        << plan.explain();
   }
 }
 
