@@ -37,7 +37,8 @@ struct SceneSummary {
   double flat_columns = 0.0;  ///< share of the columns, counted in groups of 16 that are flat together
 };
 
-/// Summary of a plane, or nothing when it is flat (every tolerance is met then).
+/// Summary of a plane, or nothing when it is flat: every tolerance is met then, but for what a constant border of
+/// another level shines into it.
 std::optional<SceneSummary> summarise(ImageView<const float> scene, Border border, double border_value);
 
 /// The tolerance asked for is below what can be kept for this scene and system.
