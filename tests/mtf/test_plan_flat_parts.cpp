@@ -5,6 +5,7 @@
 
 #include "apps/check/reference_fft.h"
 #include "mtf/engines/axis.h"
+#include "mtf/engines/level.h"
 #include "mtf/flat_map.h"
 #include "mtf/scene_spectrum.h"
 #include "tests/mtf/plan_support.h"
@@ -208,6 +209,20 @@ TEST(PlanFlatParts, single_columns_do_not_count) {
   EXPECT_EQ(summary(1).flat_columns, 0.0);
   EXPECT_EQ(summary(16).flat_columns, 1.0);
   EXPECT_EQ(summary(16).flat_rows, 0.0);
+}
+
+// Of the 64 places alone: no other sample counts, whatever it is.
+TEST(SampledLevel, is_of_its_places) {
+  Image scene = image_of(kWidth, kHeight, [](auto, auto) { return 5.0; });
+  for (const float corner :
+       {1000.0F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    scene.at(0, 0) = corner;
+    EXPECT_FALSE(sampled_level(scene.view()).has_value()) << corner;
+  }
+  const auto level = sampled_level(random_image(kWidth, kHeight, 1, 300.0, 20.0).view());
+  ASSERT_TRUE(level.has_value());
+  EXPECT_NEAR(level->mean, 300.0, 5.0);
+  EXPECT_GT(level->deviation, 40.0);
 }
 
 // Transforms take the level from samples at a few places, and look again where these are not like the others.
