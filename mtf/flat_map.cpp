@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "mtf/engines/clones.h"
+#include "mtf/engines/kernels.h"
 #include "mtf/engines/simd.h"
 
 namespace mtf {
@@ -57,8 +58,7 @@ FlatMap::FlatMap(ImageView<const float> plane) : plane_(plane), groups_((plane.w
     for (std::int64_t i = 0; i < kPlaces && levels_.size() < kMostLevels; ++i) {
       const float* p = plane.row((2 * j + 1) * plane.height / (2 * kPlaces));
       p += (2 * i + 1) * (plane.width - kGroup) / (2 * kPlaces);
-      const bool alike = std::all_of(p, p + kGroup, [&](float v) { return same_bits(v, *p); });
-      if (alike && kind_of(*p) == 0) levels_.push_back(*p);
+      if (kernels::all_alike(p, kGroup) && kind_of(*p) == 0) levels_.push_back(*p);
     }
   if (any()) kinds_.resize(static_cast<std::size_t>(groups_ * plane.height));
 }
@@ -75,8 +75,7 @@ const FlatMap::Kind* FlatMap::look(std::int64_t y) {
   look_at_groups(samples, whole, levels_.data(), levels_.size(), kinds);
   if (whole == groups_) return kinds;
   const float* rest = samples + whole * kGroup;
-  const bool alike = std::all_of(rest, samples + plane_.width, [&](float v) { return same_bits(v, *rest); });
-  kinds[whole] = alike ? kind_of(*rest) : Kind{0};
+  kinds[whole] = kernels::all_alike(rest, plane_.width - whole * kGroup) ? kind_of(*rest) : Kind{0};
   return kinds;
 }
 

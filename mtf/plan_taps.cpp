@@ -143,8 +143,7 @@ Draft separable_draft(const Work& work, Method method, std::vector<std::vector<d
   std::vector<std::vector<float>> fx, fy;
   for (const auto& taps : x_taps) fx.push_back(narrow(taps));
   for (const auto& taps : y_taps) fy.push_back(narrow(taps));
-  auto engine = std::make_shared<SeparableEngine>(x, y, work.task.options.border, work.task.sampler.dc(), std::move(fx),
-                                                  std::move(fy));
+  auto engine = std::make_shared<SeparableEngine>(x, y, work.task.options.border, std::move(fx), std::move(fy));
   c.bytes = engine->filter_bytes() + engine->run_bytes(1, 1);
   draft.make = [engine](const Engine*) { return engine; };
   return draft;
@@ -278,8 +277,7 @@ Draft direct(const Work& work, const PointResponse& response, Method method, dou
         narrowed[static_cast<std::size_t>(r * box.columns + t)] =
             narrowed[static_cast<std::size_t>(mr * box.columns + mt)];
       }
-  auto engine =
-      std::make_shared<DirectEngine>(x, y, work.task.options.border, work.task.sampler.dc(), std::move(narrowed));
+  auto engine = std::make_shared<DirectEngine>(x, y, work.task.options.border, std::move(narrowed));
   c.bytes = engine->filter_bytes() + engine->run_bytes(1, 1);
   draft.make = [engine](const Engine*) { return engine; };
   return draft;

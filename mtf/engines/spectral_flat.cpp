@@ -22,7 +22,9 @@ struct LineRun {
   std::int64_t first, end;
 };
 
-void add_run(const LineRun& run, std::vector<LineRun>& runs) {
+using Runs = std::vector<LineRun>;
+
+void add_run(const LineRun& run, Runs& runs) {
   if (!runs.empty() && runs.back().end == run.first)
     runs.back().end = run.end;
   else
@@ -46,7 +48,6 @@ template <class S>
 std::vector<char> SpectralEngine<S>::level_columns(const Channel& channel, int threads) const {
   const ImageView<const float>& in = channel.in;
   const std::int64_t n = y().samples;
-  using Runs = std::vector<LineRun>;
   Runs candidates;
   for (std::int64_t k = 0; k < n; k += kRow) {
     const float *first = in.data + k, *last = in.data + std::min(k + kRow, n);
@@ -126,7 +127,7 @@ template <class S>
 void SpectralEngine<S>::store_levels(const Plane& plane, const std::vector<bool>& silent, int threads) const {
   const Channel& channel = plane.channel;
   std::vector<float> levels(static_cast<std::size_t>(y().outputs));
-  std::vector<LineRun> runs;
+  Runs runs;
   for (std::int64_t g = 0; g < groups_out(); ++g) {
     if (!silent[static_cast<std::size_t>(g)]) continue;
     const std::int64_t begin = g * kRow, end = std::min(begin + kRow, y().outputs);

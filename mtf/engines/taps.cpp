@@ -38,12 +38,11 @@ void write_row(const Channel& channel, const TileArea& area, std::int64_t y, con
 
 }  // namespace
 
-SeparableEngine::SeparableEngine(const TapAxis& x, const TapAxis& y, Border border, double dc,
+SeparableEngine::SeparableEngine(const TapAxis& x, const TapAxis& y, Border border,
                                  std::vector<std::vector<float>> x_taps, std::vector<std::vector<float>> y_taps)
     : x_(x),
       y_(y),
       border_(border),
-      dc_(dc),
       x_taps_(std::move(x_taps)),
       y_taps_(std::move(y_taps)),
       mirrored_x_(all_mirrored(x_taps_)),
@@ -71,7 +70,7 @@ std::int64_t SeparableEngine::filter_bytes() const {
 
 void SeparableEngine::run(const std::vector<Channel>& channels, int threads) const {
   for_each_tile(
-      channels, x_, y_, border_, dc_, tile_rows_, threads,
+      channels, x_, y_, border_, tile_rows_, threads,
       [this](const Channel& channel, const TapsFlat& flat, const TileArea& area) { tile(channel, flat, area); });
 }
 
@@ -138,8 +137,8 @@ void SeparableEngine::tile(const Channel& channel, const TapsFlat& flat, const T
   }
 }
 
-DirectEngine::DirectEngine(const TapAxis& x, const TapAxis& y, Border border, double dc, std::vector<float> taps)
-    : x_(x), y_(y), border_(border), dc_(dc), taps_(std::move(taps)), mirrored_(true) {
+DirectEngine::DirectEngine(const TapAxis& x, const TapAxis& y, Border border, std::vector<float> taps)
+    : x_(x), y_(y), border_(border), taps_(std::move(taps)), mirrored_(true) {
   for (std::int64_t r = 0; r < y.count; ++r)
     for (std::int64_t t = 0; t < x.count; ++t) {
       const auto at = [&](std::int64_t row, std::int64_t column) {
@@ -157,7 +156,7 @@ std::int64_t DirectEngine::run_bytes(std::int64_t channels, int threads) const {
 
 void DirectEngine::run(const std::vector<Channel>& channels, int threads) const {
   for_each_tile(
-      channels, x_, y_, border_, dc_, kDirectRows, threads,
+      channels, x_, y_, border_, kDirectRows, threads,
       [this](const Channel& channel, const TapsFlat& flat, const TileArea& area) { tile(channel, flat, area); });
 }
 

@@ -30,8 +30,8 @@ struct TapAxis {
 /// sum over rank of (taps along the columns) x (taps along the rows): rows first, then columns.
 class SeparableEngine final : public Engine {
  public:
-  /// x_taps[r], y_taps[r]: the pairs, of x.count and y.count taps. `dc`: gain of the mean.
-  SeparableEngine(const TapAxis& x, const TapAxis& y, Border border, double dc, std::vector<std::vector<float>> x_taps,
+  /// x_taps[r], y_taps[r]: the pairs, of x.count and y.count taps.
+  SeparableEngine(const TapAxis& x, const TapAxis& y, Border border, std::vector<std::vector<float>> x_taps,
                   std::vector<std::vector<float>> y_taps);
   void run(const std::vector<Channel>& channels, int threads) const override;
   std::int64_t run_bytes(std::int64_t channels, int threads) const override;
@@ -42,7 +42,6 @@ class SeparableEngine final : public Engine {
 
   TapAxis x_, y_;
   Border border_;
-  double dc_;
   std::vector<std::vector<float>> x_taps_, y_taps_;
   std::vector<double> x_gains_;  ///< sums of the x taps
   bool mirrored_x_, mirrored_y_;
@@ -54,7 +53,7 @@ class SeparableEngine final : public Engine {
 class DirectEngine final : public Engine {
  public:
   /// taps: y.count rows of x.count.
-  DirectEngine(const TapAxis& x, const TapAxis& y, Border border, double dc, std::vector<float> taps);
+  DirectEngine(const TapAxis& x, const TapAxis& y, Border border, std::vector<float> taps);
   void run(const std::vector<Channel>& channels, int threads) const override;
   std::int64_t run_bytes(std::int64_t channels, int threads) const override;
   std::int64_t filter_bytes() const override { return static_cast<std::int64_t>(taps_.size()) * 4; }
@@ -64,7 +63,6 @@ class DirectEngine final : public Engine {
 
   TapAxis x_, y_;
   Border border_;
-  double dc_;
   std::vector<float> taps_;
   bool mirrored_;  ///< along both axes
   mutable BufferPool pool_;

@@ -97,11 +97,11 @@ TapsFlat::TapsFlat(const Channel& channel, const TapAxis& x, const TapAxis& y, B
   }
 }
 
-void TapsFlat::fill_row(const Channel& channel, std::int64_t y, double dc) const {
+void TapsFlat::fill_row(const Channel& channel, std::int64_t y) const {
   if (outputs_.empty()) return;
   for_stretches(output(y, 0), channel.out.width, [&](std::int64_t begin, std::int64_t end, Kind kind) {
     if (kind != 0)
-      std::fill(channel.out.row(y) + begin, channel.out.row(y) + end, static_cast<float>(dc * level(kind)));
+      std::fill(channel.out.row(y) + begin, channel.out.row(y) + end, static_cast<float>(channel.dc * level(kind)));
   });
 }
 
@@ -128,7 +128,7 @@ std::int64_t TapsFlat::bytes(const TapAxis& x, const TapAxis& y) {
   return groups * (y.outputs * (y.ratio + 1) + y.count);
 }
 
-void for_each_tile(const std::vector<Channel>& channels, const TapAxis& x, const TapAxis& y, Border border, double dc,
+void for_each_tile(const std::vector<Channel>& channels, const TapAxis& x, const TapAxis& y, Border border,
                    std::int64_t rows, int threads,
                    const std::function<void(const Channel&, const TapsFlat&, const TileArea&)>& tile) {
   std::vector<TapsFlat> flat;
@@ -140,7 +140,7 @@ void for_each_tile(const std::vector<Channel>& channels, const TapAxis& x, const
   for (std::size_t c = 0; c < channels.size(); ++c) {
     flat.emplace_back(channels[c], x, y, border);
     parallel_for(y.outputs, 64, threads, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t j = begin; j < end; ++j) flat.back().fill_row(channels[c], j, dc);
+      for (std::int64_t j = begin; j < end; ++j) flat.back().fill_row(channels[c], j);
     });
     // Tiles of like width: a narrow one costs as much as a wider one.
     const TileArea work = flat.back().rest({0, 0, x.outputs, y.outputs});

@@ -25,8 +25,8 @@ class TapsFlat {
   const Kind* output(std::int64_t y, std::int64_t x0) const { return at(outputs_, y, x0); }
   /// The same by what the taps along x see in the samples of canvas row y.first + r.
   const Kind* samples(std::int64_t r, std::int64_t x0) const { return at(rows_, r, x0); }
-  /// Writes `dc` x level to the outputs of row `y` that are flat.
-  void fill_row(const Channel& channel, std::int64_t y, double dc) const;
+  /// Writes H(0) x level to the outputs of row `y` that are flat.
+  void fill_row(const Channel& channel, std::int64_t y) const;
   /// The least part of a tile, of whole groups, that holds the others; no rows where there are none.
   TileArea rest(const TileArea& area) const;
 
@@ -42,9 +42,9 @@ class TapsFlat {
   std::vector<Kind> rows_, outputs_;
 };
 
-/// Fills what is flat by `dc` x level, then tile(channel, flat, area) over all tiles of `rows` output rows of all
+/// Fills what is flat by H(0) x level, then tile(channel, flat, area) over all tiles of `rows` output rows of all
 /// channels, on `threads` threads.
-void for_each_tile(const std::vector<Channel>& channels, const TapAxis& x, const TapAxis& y, Border border, double dc,
+void for_each_tile(const std::vector<Channel>& channels, const TapAxis& x, const TapAxis& y, Border border,
                    std::int64_t rows, int threads,
                    const std::function<void(const Channel&, const TapsFlat&, const TileArea&)>& tile);
 
