@@ -26,8 +26,8 @@ constexpr double kActiveShare = 0.01;
 
 /// Designs worth a look, each once: the best of each objective, then some spread over the front; the nearest one where
 /// none is feasible, the middle one where nothing is asked for.
-std::vector<ChosenDesign> choose(const SweepReport& report) {
-  std::vector<ChosenDesign> chosen;
+std::vector<ChosenFile> choose(const SweepReport& report) {
+  std::vector<ChosenFile> chosen;
   const auto add = [&](std::int64_t design, const std::string& why) {
     const auto same = std::find_if(chosen.begin(), chosen.end(), [&](const auto& c) { return c.design == design; });
     if (same == chosen.end())
@@ -69,7 +69,7 @@ void write_chosen(SweepReport& report, study::Evaluator& evaluator) {
     throw mtf::RuntimeError("cannot create " + one_line((folder / "chosen").string()) + ": " + error.message());
   // Curves are named by their absolute path where they are not below the sensor file: here they lie beside the study.
   const std::string whole = "\"" + (fs::weakly_canonical(fs::absolute(folder)) / "").string();
-  std::erase_if(report.chosen, [&](const ChosenDesign& chosen) {
+  std::erase_if(report.chosen, [&](const ChosenFile& chosen) {
     try {
       const fs::path file = folder / chosen.file;
       std::string text =

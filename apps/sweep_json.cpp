@@ -205,7 +205,7 @@ Json to_json(const SweepReport& report) {
     json["pareto_size"] = front.size();
   }
   json["chosen"] = Json::array();
-  for (const ChosenDesign& chosen : report.chosen)
+  for (const ChosenFile& chosen : report.chosen)
     json["chosen"].push_back({{"design", chosen.design}, {"file", chosen.file}, {"why", chosen.why}});
   json["sensitivities"] = sensitivities_json(report);
   if (const auto column = study::column_of(report.sweep->columns, study::Column::Role::yield))

@@ -13,7 +13,7 @@
 namespace apps {
 
 /// A design whose sensor file is written.
-struct ChosenDesign {
+struct ChosenFile {
   std::int64_t design = 0;
   std::string file, why;
 };
@@ -24,7 +24,7 @@ struct SweepReport {
   const study::Tally* tally = nullptr;
   study::FrontPoints front;
   std::vector<std::string> gaps;  ///< by column
-  std::vector<ChosenDesign> chosen;
+  std::vector<ChosenFile> chosen;
   std::int64_t gradient_design = 0;
   study::Gradient gradient;
   study::StudyIndices indices;

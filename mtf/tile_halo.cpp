@@ -15,8 +15,8 @@ constexpr double kFloatRounding = 3e-8;  // rms rounding of an OTF value, and fo
 
 }  // namespace
 
-std::optional<Halo> find_halo(const System<double>& system, std::span<const Stage> stages, const PlanOptions& options,
-                              const HaloRequest& request) {
+std::optional<TileHalo> find_halo(const System<double>& system, std::span<const Stage> stages,
+                                  const PlanOptions& options, const HaloRequest& request) {
   const double fx = 500.0 / request.in.step_x_um, fy = 500.0 / request.in.step_y_um;
   const double alias = std::sqrt(samples_per_pixel(request.in, request.out));
   const double density = std::sqrt(
@@ -31,7 +31,7 @@ std::optional<Halo> find_halo(const System<double>& system, std::span<const Stag
                             .samples = 9 * length,
                             .threads = options.threads,
                             .split = options.split});
-  Halo halo;
+  TileHalo halo;
   for (const Axis axis : {Axis::x, Axis::y}) {
     const bool x = axis == Axis::x;
     const CanvasRequest along{axis,

@@ -17,7 +17,7 @@ struct HaloRequest {
   std::int64_t longest = 0;  ///< halos beyond this are of no use
 };
 
-struct Halo {
+struct TileHalo {
   std::array<std::int64_t, 2> samples{};  ///< x, y
   double bound = 0.0;                     ///< rms error relative to std
 };
@@ -25,7 +25,7 @@ struct Halo {
 /// The smallest halo whose missing tails keep the budget (Young's bound, as choose_canvas in mtf/padding.h): along each
 /// axis the kernel of nine sections of the OTF is summed from outside. Nothing when a longer one than `longest` would
 /// be needed.
-std::optional<Halo> find_halo(const System<double>& system, std::span<const Stage> stages, const PlanOptions& options,
-                              const HaloRequest& request);
+std::optional<TileHalo> find_halo(const System<double>& system, std::span<const Stage> stages,
+                                  const PlanOptions& options, const HaloRequest& request);
 
 }  // namespace mtf

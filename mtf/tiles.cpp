@@ -130,7 +130,7 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
   post_options.method = {};
   post_options.aperture = {};
   post_options.tolerance = 0.5 * options.tolerance;
-  Halo post_halo;
+  TileHalo post_halo;
   double post_norm = 1.0;
   if (has_post) {
     if (options.scene) post_options.scene = behind_sampling(*options.scene, options, scene, plan.detector_);

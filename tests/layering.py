@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks who includes what, the SPDX line and the length of every source. Usage: layering.py [ROOT]
+"""Checks who includes what, the SPDX line and the length of every source, and that no two types share a qualified name.
+Usage: layering.py [ROOT]
 
 Dependencies point one way, and each outside library is seen by the few files that wrap it (RULES).
 """
@@ -8,6 +9,8 @@ Dependencies point one way, and each outside library is seen by the few files th
 import re
 import sys
 from pathlib import Path
+
+import type_names
 
 FOLDERS = ("mtf", "radiometry", "calib", "apps", "tests")
 MAX_LINES = 400
@@ -59,18 +62,20 @@ def problems_of_script(path, text):
 
 
 def check(root):
-    found, sources = [], 0
+    found, sources = [], []
     for folder in FOLDERS:
         for file in sorted((root / folder).rglob("*")):
             path = file.relative_to(root).as_posix()
             if not file.is_file() or "node_modules/" in path:
                 continue
             if file.suffix in (".h", ".cpp"):
-                sources += 1
-                found += problems_of_source(path, file.read_text(encoding="utf-8"))
+                text = file.read_text(encoding="utf-8")
+                sources.append((path, text))
+                found += problems_of_source(path, text)
             elif SCRIPT_NAMES.search(path):
                 found += problems_of_script(path, file.read_text(encoding="utf-8"))
-    if sources == 0:
+    found += type_names.problems(sources)
+    if not sources:
         found.append(f"{root}: no sources found, nothing was checked")
     return found
 

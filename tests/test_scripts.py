@@ -9,6 +9,7 @@ from pathlib import Path
 
 import layering
 import readme_blocks
+import type_names
 
 SPDX = "// SPDX-License-Identifier: Apache-2.0\n"
 
@@ -49,6 +50,54 @@ class Layering(unittest.TestCase):
     def test_an_empty_tree_is_not_a_pass(self):
         with tempfile.TemporaryDirectory() as folder:
             self.assertEqual(len(layering.check(Path(folder))), 1)
+
+
+class TypeNames(unittest.TestCase):
+    def names(self, text):
+        return [name for name, _ in type_names.types_of(text)]
+
+    def test_two_types_of_one_name_are_refused_whatever_they_are(self):
+        one = "namespace study {\nstruct Limit {\n  bool less = true;\n};\n}\n"
+        for other in ("namespace study { class Limit final : public Base<int> { }; }",
+                      "namespace study {\ntemplate <class S, class = X<Y<S>>>\nstruct Limit { S s; };\n}",
+                      "namespace study { enum class Limit : int { a, b }; }",
+                      "namespace study { union [[nodiscard]] Limit { int a; }; }",
+                      "namespace study { using Limit = int; }",
+                      "namespace study { void f() { if (a < b) { g(); } }\nstruct Limit { }; }",
+                      "namespace study { inline namespace { } const auto brace = '{', quote = '\\''; struct Limit { }; }",
+                      'namespace study { const char* text = R"x(}" { )x"; int million = 1\'000\'000; struct Limit { }; }',
+                      "namespace study::inner { }\nstruct study::Limit { };"):
+            found = list(type_names.problems([("a.h", one), ("b.cpp", other)]))
+            self.assertEqual(len(found), 1, other)
+            self.assertTrue(found[0].startswith("study::Limit: defined in a.h and in b.cpp"), found)
+            with tempfile.TemporaryDirectory() as folder:
+                (Path(folder) / "mtf").mkdir()
+                (Path(folder) / "mtf/a.h").write_text(SPDX + one, encoding="utf-8")
+                (Path(folder) / "mtf/b.cpp").write_text(SPDX + other, encoding="utf-8")
+                self.assertEqual(len(layering.check(Path(folder))), 1, other)
+
+    def test_what_is_no_second_type_is_left_alone(self):
+        one = "namespace study { struct Limit { struct Part { }; }; using Rows = std::vector<double>; }"
+        for other in ("namespace study { struct Limit; enum Limit : int; template <class Limit> void f(); }",
+                      "namespace study { namespace { struct Limit { }; using Rows = int; } }",
+                      "namespace study { namespace inner { struct Limit { }; } }",
+                      "namespace study { void f() { struct Limit { } limit; using Rows = int; } }",
+                      "namespace study { struct Other { struct Limit { }; using Rows = int; }; }",
+                      "namespace study { using Rows = std::vector<double>; using Base::Limit; }",
+                      "namespace study { template <> struct Limit<int> { }; struct Limit limit{}; }",
+                      "// namespace study { struct Limit { }; }\n/* struct study::Limit { }; */",
+                      "#define LIMIT struct study::Limit { \\\n  int x; }\n",
+                      'const char* text = "namespace study { struct Limit { }; }";'):
+            self.assertEqual(list(type_names.problems([("a.h", one), ("b.cpp", other)])), [], other)
+
+    def test_names_carry_their_namespaces_and_classes(self):
+        self.assertEqual(self.names("namespace a::b { class C { public: enum class D { x }; struct E; }; struct C::E { "
+                                    "union { int i; }; }; extern \"C\" int f(); }\nusing T = a::b::C;"),
+                         ["a::b::C", "a::b::C::D", "a::b::C::E", "T"])
+
+    def test_a_source_that_cannot_be_read_is_reported(self):
+        for text in ("namespace a { struct B { };", "}", "typedef int Number;"):
+            self.assertEqual(len(list(type_names.problems([("a.h", text)]))), 1, text)
 
 
 class ReadmeBlocks(unittest.TestCase):

@@ -24,7 +24,7 @@ struct Tally::Part {
   std::set<std::uint64_t> patterns;
 };
 
-bool meets(const Limit& limit, Sides sides) {
+bool meets(const TallyLimit& limit, Sides sides) {
   if (!limit.less) std::swap(sides.left, sides.right);
   return limit.strict ? sides.left < sides.right : sides.left <= sides.right;
 }
@@ -33,7 +33,7 @@ bool active(Sides sides, double share) {
   return std::abs(sides.left - sides.right) <= share * std::max(std::abs(sides.left), std::abs(sides.right));
 }
 
-double violation(const Limit& limit, Sides sides) {
+double violation(const TallyLimit& limit, Sides sides) {
   if (std::isnan(sides.left) || std::isnan(sides.right)) return std::numeric_limits<double>::quiet_NaN();
   if (meets(limit, sides) || sides.left == sides.right) return 0.0;
   const double scale = std::max(std::abs(sides.left), std::abs(sides.right));
@@ -87,7 +87,7 @@ std::function<void()> Tally::look(RowRange range, std::span<const double> rows) 
     ++part.feasible;
     bool whole = true;
     for (std::size_t g = 0; g < job_.goals.size(); ++g) {
-      const Goal& goal = job_.goals[g];
+      const TallyGoal& goal = job_.goals[g];
       const double value = row[goal.column];
       values[g] = goal.maximize ? value : -value;
       whole = whole && !std::isnan(value);

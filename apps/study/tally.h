@@ -15,12 +15,12 @@
 
 namespace study {
 
-struct Limit {
+struct TallyLimit {
   bool less = true;  ///< left < right, else left > right
   bool strict = true;
 };
 
-struct Goal {
+struct TallyGoal {
   std::size_t column = 0;
   bool maximize = false;
 };
@@ -28,9 +28,9 @@ struct Goal {
 /// Where in a row to look.
 struct TallyJob {
   std::size_t columns = 0;
-  std::vector<Goal> goals{};
+  std::vector<TallyGoal> goals{};
   std::optional<std::size_t> feasible{}, error{}, yield{};
-  std::vector<Limit> limits{};
+  std::vector<TallyLimit> limits{};
   /// Sides of every constraint of a row; called from several threads.
   std::function<void(std::span<const double> row, std::span<Sides> sides)> sides{};
 };
@@ -41,12 +41,12 @@ struct TallyDesign {
   std::vector<double> row{};
 };
 
-bool meets(const Limit& limit, Sides sides);
+bool meets(const TallyLimit& limit, Sides sides);
 /// The sides lie within `share` of the larger of them.
 bool active(Sides sides, double share);
 /// How far a constraint is from being met, as a share of its larger side, 0 to 2; 0 where it is met, NaN where a side
 /// is none.
-double violation(const Limit& limit, Sides sides);
+double violation(const TallyLimit& limit, Sides sides);
 
 class Tally {
  public:
