@@ -19,6 +19,7 @@
 #include <system_error>
 
 #include "mtf/error.h"
+#include "mtf/io/temporaries.h"
 
 namespace mtf::io {
 namespace {
@@ -152,21 +153,21 @@ AtomicFile::AtomicFile(const std::string& path) : shown_(path), target_(path) {
   if (folder_error != 0 || !S_ISDIR(folder_status.st_mode))
     throw RuntimeError("cannot write " + path + ": folder " + folder + " does not exist; create it or choose another");
 
-  const auto slash = target_.rfind('/');
-  const std::string prefix = slash == std::string::npos ? "" : target_.substr(0, slash + 1);
-  std::string base = slash == std::string::npos ? target_ : target_.substr(slash + 1);
+  const std::string base = target_.substr(target_.rfind('/') + 1);
   if (base.empty()) throw RuntimeError("cannot write " + path + ": it names a folder; name a file in it");
   if (base.size() > NAME_MAX) fail(path, ENAMETOOLONG);
-  base.resize(std::min<std::size_t>(base.size(), NAME_MAX - 32));
-  const std::string stem = prefix + base + ".tmp." + std::to_string(::getpid());
+  remove_dead_temporaries(target_);
+  const std::string stem = temporary_stem(target_) + std::to_string(::getpid());
   temporary_ = stem;
-  // Another thread may be writing the same target, or a crashed process with the same id left its file behind.
+  // Another thread may be writing the same target.
   for (int attempt = 1; attempt <= 100; ++attempt) {
     const Creation creation;
     slot_ = register_temporary(temporary_);
     descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ >= 0) break;
-    const int error_number = errno;
+    if (descriptor_ >= 0 && claim_temporary(descriptor_)) break;
+    const int error_number = descriptor_ >= 0 ? EEXIST : errno;
+    if (descriptor_ >= 0) ::close(descriptor_);
+    descriptor_ = -1;
     unregister_temporary(slot_);
     if (error_number != EEXIST || attempt == 100) fail(path, error_number);
     temporary_ = stem + "." + std::to_string(attempt);
