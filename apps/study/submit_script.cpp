@@ -22,11 +22,6 @@ std::string job_name(const std::string& name) {
   return text;
 }
 
-std::string run_words(const SubmitJob& job, const std::string& shard) {
-  const std::string threads = job.threads > 0 ? " --threads " + std::to_string(job.threads) : "";
-  return quoted(job.command) + " sweep run " + quoted(job.plan) + shard + threads + " --progress none";
-}
-
 std::string slurm(const SubmitJob& job) {
   const std::string threads = job.threads > 0 ? std::to_string(job.threads) : "1";
   // --requeue: a shard whose node dies is queued again; what it had finished is not made twice.
@@ -48,21 +43,32 @@ std::string slurm(const SubmitJob& job) {
          " --threads \"${SLURM_CPUS_PER_TASK:-1}\" --progress none\n";
 }
 
+std::string threads_option(const SubmitJob& job) {
+  return job.threads > 0 ? " --threads " + std::to_string(job.threads) : "";
+}
+
 std::string parallel(const SubmitJob& job) {
   const std::string threads = std::to_string(job.threads);
   const std::string jobs =
       job.threads > 0 ? "\"$(($(nproc) > " + threads + " ? $(nproc) / " + threads + " : 1))\"" : "1";
+  // In the environment, because GNU parallel replaces {}, {.}, {/} and more wherever they stand in its command.
   return "#!/bin/sh\n"
          "# Again after a failure: finished shards are left out, failed ones run again.\n"
+         "MTF=" +
+         quoted(job.command) + "\nPLAN=" + quoted(job.plan) +
+         "\nPARALLEL_SHELL=/bin/sh\nexport MTF PLAN PARALLEL_SHELL\n"
          "exec parallel --will-cite --jobs " +
-         jobs + " --joblog " + quoted(job.plan + "/parallel.log") + " --resume-failed --quote \\\n  " +
-         run_words(job, " --shard {}/" + std::to_string(job.shards)) + " ::: $(seq 1 " + std::to_string(job.shards) +
-         ")\n";
+         jobs +
+         " --joblog \"$PLAN/parallel.log\" --resume-failed \\\n"
+         "  '\"$MTF\" sweep run \"$PLAN\" --shard {}/" +
+         std::to_string(job.shards) + threads_option(job) + " --progress none' ::: $(seq 1 " +
+         std::to_string(job.shards) + ")\n";
 }
 
 std::string local(const SubmitJob& job) {
-  return "#!/bin/sh\nset -e\nfor shard in $(seq 1 " + std::to_string(job.shards) + "); do\n  " +
-         run_words(job, " --shard \"$shard/" + std::to_string(job.shards) + "\"") + "\ndone\n";
+  return "#!/bin/sh\nset -e\nfor shard in $(seq 1 " + std::to_string(job.shards) + "); do\n  " + quoted(job.command) +
+         " sweep run " + quoted(job.plan) + " --shard \"$shard/" + std::to_string(job.shards) + "\"" +
+         threads_option(job) + " --progress none\ndone\n";
 }
 
 }  // namespace

@@ -8,6 +8,7 @@ here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 # shellcheck source=tests/slurm/study.sh
 . "$here/study.sh"
 mtf="$(realpath "$1")"
+plan="it's {} a plan"
 shards=12
 
 command -v parallel >/dev/null || skip "no parallel on this machine"
@@ -18,22 +19,22 @@ trap 'rm -rf "$work"' EXIT
 cd "$work"
 make_study "$mtf"
 "$mtf" sweep study.toml -o local --progress none >/dev/null
-"$mtf" sweep plan study.toml -o plan --shards $shards >/dev/null
+"$mtf" sweep plan study.toml -o "$plan" --shards $shards >/dev/null
 
 # In a process group of its own, so that all of it ends together.
-setsid "$mtf" sweep submit plan --engine parallel --submit --threads 1 >/dev/null 2>&1 &
+setsid "$mtf" sweep submit "$plan" --engine parallel --submit --threads 1 >/dev/null 2>&1 &
 group=$!
 for _ in $(seq 600); do
-  [ "$(finished plan)" -lt 2 ] || break
+  [ "$(finished "$plan")" -lt 2 ] || break
   sleep 0.1
 done
 kill -9 -- "-$group"
 wait "$group" 2>/dev/null || true
-before=$(finished plan)
+before=$(finished "$plan")
 printf 'killed with %s of %s shards finished\n' "$before" "$shards"
 [ "$before" -ge 2 ] && [ "$before" -lt "$shards" ] || fail "not in the middle"
 
-"$mtf" sweep submit plan --engine parallel --submit --threads 1 >/dev/null
-[ "$(finished plan)" = "$shards" ] || fail "shards are missing after the second call"
-"$mtf" sweep merge plan -o merged >/dev/null
+"$mtf" sweep submit "$plan" --engine parallel --submit --threads 1 >/dev/null
+[ "$(finished "$plan")" = "$shards" ] || fail "shards are missing after the second call"
+"$mtf" sweep merge "$plan" -o merged >/dev/null
 same_tables local merged

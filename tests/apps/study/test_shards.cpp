@@ -197,6 +197,15 @@ TEST(Scripts, HoldTheShardsAndQuoteTheirPaths) {
   other.engine = study::Engine::parallel;
   expect_says(study::submit_script(other), "--shard {}/12");
   expect_says(study::submit_script(other), "--resume-failed");
+  // GNU parallel replaces {} and the like in its command: no path may stand in it.
+  other.plan = "/data/{} of {#}";
+  other.command = "/opt/{.}/mtf";
+  const std::string parallel = study::submit_script(other);
+  expect_says(parallel, "\nPLAN='/data/{} of {#}'\n");
+  expect_says(parallel, "\nMTF='/opt/{.}/mtf'\n");
+  const std::string call = parallel.substr(parallel.find("exec "));
+  EXPECT_EQ(call.find('{'), call.find("{}/12")) << call;
+  EXPECT_EQ(call.find('{'), call.rfind('{')) << call;
   other.engine = study::Engine::local;
   expect_says(study::submit_script(other), "seq 1 12");
 }
