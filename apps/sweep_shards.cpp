@@ -82,11 +82,10 @@ bool finished(const study::ShardPlan& plan, const fs::path& folder, int shard, c
 /// Makes the rows of a shard and puts them into its file. Throws as run_rows.
 study::RowTally make_shard(const OpenPlan& open, const fs::path& file, study::RowRange range, const Global& global,
                            double& seconds) {
-  const fs::path pieces = file.string() + ".parts";
+  const fs::path pieces = study::parts_folder(file);
   const study::RowTally tally = make_rows(open.sweep, range, pieces, global, seconds);
   study::join_rows(study::rows_of(row_run(open.sweep, range, pieces, global)), file);
-  std::error_code ignored;
-  fs::remove_all(pieces, ignored);
+  study::remove_parts(file);
   return tally;
 }
 
@@ -130,11 +129,12 @@ int sweep_run(const SweepOptions& options, const Global& global) {
   const fs::path folder = options.words[1];
   const OpenPlan open = open_plan(folder);
   const int shard = shard_of(options, open.plan);
+  const fs::path file = study::shard_file(open.plan, folder, shard);
   if (finished(open.plan, folder, shard, global)) {
+    study::remove_parts(file);  // of a run that was killed just before it did so
     print(shard_text(open.plan, shard) + " is finished already: nothing to do\n");
     return 0;
   }
-  const fs::path file = study::shard_file(open.plan, folder, shard);
   const InterruptNote interrupted("mtf: finished designs are kept; the same command goes on from them\n");
   double seconds = 0.0;
   study::RowTally tally;
@@ -143,6 +143,7 @@ int sweep_run(const SweepOptions& options, const Global& global) {
   } catch (const mtf::RuntimeError&) {
     // A task that was queued again while it still ran: the first to finish removes what both were making.
     if (!finished(open.plan, folder, shard, global)) throw;
+    study::remove_parts(file);
     print(shard_text(open.plan, shard) + " was finished by another process meanwhile\n");
     return 0;
   }
@@ -164,6 +165,8 @@ int sweep_merge(const SweepOptions& options, const Global& global) {
   prepare_folder(folder, options.force);
   copy_files(run.files, plan_folder, folder);
   finish_sweep(open_study(folder / "study.toml", open.plan.tolerance), run, options, global);
+  for (int shard = 1; shard <= open.plan.shards; ++shard)
+    study::remove_parts(study::shard_file(open.plan, plan_folder, shard));
   return 0;
 }
 

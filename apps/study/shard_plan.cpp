@@ -11,6 +11,7 @@
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
+#include "mtf/io/temporaries.h"
 
 namespace study {
 namespace {
@@ -120,6 +121,14 @@ fs::path shard_file(const ShardPlan& plan, const fs::path& folder, int shard) {
   const std::string part = plan.layout.key + " " + std::to_string(shard) + "/" + std::to_string(plan.shards);
   return shards_folder(folder) /
          ("part-" + std::to_string(shard) + "-" + mtf::io::sha256_hex(part).substr(0, kShownHash));
+}
+
+fs::path parts_folder(const fs::path& shard_file) { return shard_file.string() + ".parts"; }
+
+void remove_parts(const fs::path& shard_file) {
+  std::error_code ignored;
+  fs::remove_all(parts_folder(shard_file), ignored);
+  mtf::io::remove_dead_temporaries(shard_file.string());
 }
 
 std::vector<RowPiece> find_shard(const ShardPlan& plan, const fs::path& folder, int shard) {

@@ -47,6 +47,13 @@ RowRange shard_range(const ShardPlan& plan, int shard);
 /// Where the shard lies once it is finished.
 std::filesystem::path shard_file(const ShardPlan& plan, const std::filesystem::path& folder, int shard);
 
+/// The folder of its pieces while it is made.
+std::filesystem::path parts_folder(const std::filesystem::path& shard_file);
+
+/// Removes what a finished shard was made of: its folder of pieces and the temporaries of processes that were killed.
+/// Another process that still makes the same shard fails, and finds it finished. What cannot be removed stays.
+void remove_parts(const std::filesystem::path& shard_file);
+
 /// Its pieces when it is finished and its numbers are as written. Throws RuntimeError for a damaged or foreign file.
 /// Empty when it is not there.
 std::vector<RowPiece> find_shard(const ShardPlan& plan, const std::filesystem::path& folder, int shard);

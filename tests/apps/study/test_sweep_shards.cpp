@@ -10,6 +10,7 @@
 namespace {
 
 namespace fs = std::filesystem;
+using apps_test::lines;
 using apps_test::read_file;
 using apps_test::Result;
 using apps_test::Scratch;
@@ -72,6 +73,39 @@ TEST(SweepShards, AShardRunTwiceSaysSoAndDoesNothing) {
   EXPECT_EQ(again.status, 0);
   expect_says(again.out, "shard 2/3 (designs 39 to 77) is finished already: nothing to do");
   EXPECT_EQ(fs::last_write_time(shard_file(scratch, 2)), before);
+}
+
+/// A shard that was killed between its last rename and the end, or that two processes made at once.
+void leave_parts(const fs::path& shard) {
+  fs::create_directory(shard.string() + ".parts");
+  write_file(shard.string() + ".parts/rows-0000000000", "left");
+  write_file(shard.string() + ".tmp.4194305", "left");  // above the largest id of a process (2^22)
+}
+
+TEST(SweepShards, WhatAKilledRunLeftGoesWhenItsShardIsFoundFinished) {
+  const Scratch scratch;
+  add_plan(scratch);
+  ASSERT_EQ(scratch.run("mtf sweep submit plan --engine local --submit").status, 0);
+  const std::string before = scratch.run("ls plan/shards").out;
+  ASSERT_EQ(lines(before), 3U);
+  leave_parts(shard_file(scratch, 2));
+  EXPECT_EQ(scratch.run("mtf sweep run plan --shard 2/3").status, 0);
+  EXPECT_EQ(scratch.run("ls plan/shards").out, before);
+  leave_parts(shard_file(scratch, 1));
+  leave_parts(shard_file(scratch, 3));
+  EXPECT_EQ(scratch.run("mtf sweep merge plan -o merged").status, 0);
+  EXPECT_EQ(scratch.run("ls plan/shards").out, before);
+  expect_same_tables(scratch, "local", "merged");
+}
+
+TEST(SweepShards, TwoRunsOfOneShardLeaveTheShardAlone) {
+  const Scratch scratch;
+  add_plan(scratch);
+  const Result result = scratch.run(
+      "for i in 1 2 3 4; do mtf sweep run plan --shard 2/3 --threads 1 & pids=\"$pids $!\"; done\n"
+      "for pid in $pids; do wait $pid || exit 1; done; ls plan/shards");
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(lines(result.out.substr(result.out.find("part-"))), 1U) << result.out;
 }
 
 TEST(SweepShards, ADamagedShardIsMadeAgain) {
@@ -169,6 +203,24 @@ TEST(SweepShards, AnotherShareOfThePlanIsRefused) {
     EXPECT_EQ(result.status, 2) << command;
     expect_says(result.err, message);
   }
+}
+
+TEST(SweepShards, AnyNameOfAPlanGoesThroughEveryEngine) {
+  const Scratch scratch;
+  add_study(scratch);
+  const bool has_parallel = scratch.run("parallel --version | grep -q 'GNU parallel'").status == 0;
+  for (const std::string engine : {"parallel", "local"}) {
+    if (engine == "parallel" && !has_parallel) continue;
+    const std::string plan = "it's {} a {.} {#} {= $_ =} \"$HOME\" `plan` " + engine;
+    write_file(scratch / "name", plan);
+    const Result result = scratch.run(
+        "plan=$(cat name); mtf sweep plan study.toml -o \"$plan\" --shards 3 &&\n"
+        "mtf sweep submit \"$plan\" --engine " +
+        engine + " --submit && ls \"$plan/shards\" && ls");
+    EXPECT_EQ(result.status, 0) << engine << ": " << result.err;
+    for (const char* shard : {"part-1-", "part-2-", "part-3-"}) expect_says(result.out, shard);
+  }
+  if (!has_parallel) GTEST_SKIP() << "GNU parallel is not installed";
 }
 
 TEST(SweepShards, SubmitShowsTheScriptAndRunsItOnlyWhenAsked) {
