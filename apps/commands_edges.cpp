@@ -79,9 +79,9 @@ Command measure_command() {
   add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);
   add_text(app, "--curves", "FILE", "MTF, OTF, ESF and LSF of all edges as CSV", options.curves);
   add_text(app, "--plot", "FILE",
-           "figure of ESF, LSF and MTF with error band: .svg, .pdf or .png; its data beside it as .csv", options.plot);
+           "figure of ESF, LSF and MTF with error band: .svg, .pdf or .png; its data in FILE.csv", options.plot);
   add_text(app, "--map", "FILE",
-           "maps of MTF50 over the image, one of sagittal and one of tangential edges; their data beside as .csv",
+           "maps of MTF50 over the image, one of sagittal and one of tangential edges; their data in FILE.csv",
            options.map);
   add_text(app, "--annotate", "FILE", "PNG of the image with the edges drawn", options.annotate);
   app.run = [shared](const Global& global) { return run_measure(*shared, global); };
@@ -131,8 +131,8 @@ Command fit_command() {
   add_choice(app, "--format", "FORMAT", "table (default) or json", kTableOrJson, options.format);
   add_text(app, "-o,--out", "FILE", "the sensor file with fitted values and standard errors", options.out);
   add_text(app, "--report", "FILE", "everything that was found, as JSON", options.report);
-  add_text(app, "--plot", "FILE",
-           "figure of the fitted and the measured MTF: .svg, .pdf or .png; its data beside it as .csv", options.plot);
+  add_text(app, "--plot", "FILE", "figure of the fitted and the measured MTF: .svg, .pdf or .png; its data in FILE.csv",
+           options.plot);
   add_text(app, "--residuals", "FOLDER", "residual images in standard deviations, an OpenEXR file an edge",
            options.residuals);
   add_force(app, options.force);

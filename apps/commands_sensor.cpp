@@ -24,7 +24,7 @@ Command curve_command() {
       "Tables show MTF = |OTF|; csv has one column a component and product, or NAME_re and NAME_im where the OTF is\n"
       "not real; json has real and imaginary parts of all. Both have 17 digits. A component that depends on\n"
       "wavelength is shown averaged over the band by itself; products are averaged as a whole.\n"
-      "A figure writes its data beside it as CSV.",
+      "A figure FILE writes its data beside it, as FILE.csv.",
       "  mtf curve sensor.toml --freq 0:60:13 --unit cy/mm\n"
       "  mtf curve sensor.toml --format csv -o curve.csv --plot mtf.svg"};
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);

@@ -153,11 +153,12 @@ int run_demo(const DemoOptions& options, const Global& global) {
   for (int i = 0; i <= 130; ++i) frequency.push_back(i);
   const Figure figure = curve_figure(system, curve_values(system, along_x, frequency));
   const std::vector<Target> results = measure_targets(system, targets, images[1], grid.step_x_um);
-  if (!write_figure(path("mtf.svg"), figure))
+  mtf::io::write_text_file(path("mtf.csv"), figure_csv(figure));
+  if (!draw_figure(path("mtf.svg"), figure))
     note(global,
          "note: gnuplot is not installed; mtf.csv has the curves, the figures mtf.svg and mtf.png are left out");
   else
-    write_figure(path("mtf.png"), figure);
+    draw_figure(path("mtf.png"), figure);
 
   double worst = 0.0;
   std::string text = "sensor    " + one_line(system.name) + "\n" + curve_footer(system, along_x, figures);

@@ -229,9 +229,7 @@ bool draw(const std::string& path, std::span<const Figure> figures) {
 
 }  // namespace
 
-std::string figure_data_path(const std::string& path) {
-  return path.substr(0, path.size() - extension(path).size()) + ".csv";
-}
+std::string figure_data_path(const std::string& path) { return path + ".csv"; }
 
 void check_figure_path(const std::string& path) { static_cast<void>(medium_of(path)); }
 

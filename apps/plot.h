@@ -43,7 +43,7 @@ struct Figure {
   std::string colour_label;  ///< of the colours, with unit
 };
 
-/// "plot.svg" -> "plot.csv".
+/// "plot.svg" -> "plot.svg.csv": not "plot.csv", which may be a file of the user's.
 std::string figure_data_path(const std::string& path);
 
 /// Throws UsageError unless the extension is .svg, .pdf or .png (any case).

@@ -181,7 +181,7 @@ TEST(Curve, BadFrequenciesAndOutputs) {
   for (const char* arguments :
        {"--freq 0:60", "--freq 0:60:0", "--freq 0:60:1", "--freq 0:60:1000001", "--freq 0:60:1e3", "--freq 1,,2",
         "--freq ''", "--freq 1e300", "--freq nan", "--freq 0:inf:3", "--unit cy/furlong", "--angle 361", "--angle nan",
-        "--plot x.jpg", "--plot ascii --format json", "--plot a.svg -o a.csv", "-o sensor.toml", "-o ''",
+        "--plot x.jpg", "--plot ascii --format json", "--plot a.svg -o a.svg.csv", "-o sensor.toml", "-o ''",
         "--format yaml"}) {
     const Result result = scratch.run(std::string("mtf curve sensor.toml ") + arguments);
     EXPECT_EQ(result.status, 2) << arguments;

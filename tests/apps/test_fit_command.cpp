@@ -71,7 +71,7 @@ TEST(FitCommand, EveryOutputIsWritten) {
   EXPECT_TRUE(json.at("parameters")[0].at("interval95").is_array());
   EXPECT_EQ(json.at("residual_otf").at("value").size(), json.at("mtf").at("value").size());
   EXPECT_EQ(json.at("correlation").size(), 1U);
-  EXPECT_NE(read_file(scratch / "fit.csv"), "");
+  EXPECT_NE(read_file(scratch / "fit.svg.csv"), "");
   const mtf::io::ImageFile residual = mtf::io::read_image((scratch / "residuals" / "residual-1.exr").string());
   EXPECT_EQ(residual.planes.front().width(), 128);
 }

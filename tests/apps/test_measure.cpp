@@ -77,8 +77,8 @@ TEST(Measure, EveryOutputIsWritten) {
   EXPECT_TRUE(curves.starts_with("edge,curve,x,value,sd\n"));
   for (const char* curve : {"mtf", "otf_re", "otf_im", "esf", "lsf"})
     EXPECT_NE(curves.find("\n1," + std::string(curve) + ","), std::string::npos) << curve;
-  EXPECT_NE(read_file(scratch / "plot.csv"), "");
-  const std::string map = read_file(scratch / "map.csv");
+  EXPECT_NE(read_file(scratch / "plot.svg.csv"), "");
+  const std::string map = read_file(scratch / "map.svg.csv");
   EXPECT_TRUE(map.starts_with("edge,image,channel,direction,x_px,y_px,")) << map;
   EXPECT_EQ(lines(map), 2U);
   const mtf::io::FileInfo picture = mtf::io::read_info((scratch / "edges.png").string());

@@ -21,19 +21,34 @@ TEST(Plot, EveryFormatWithItsData) {
     const char *name, *start;
   };
   for (const Case& c : {Case{"f.svg", "<?xml"}, {"f.PDF", "%PDF"}, {"f.png", "\x89PNG"}}) {
-    const Result result =
-        scratch.run(std::string("rm -f f.csv; mtf curve sensor.toml --freq 0:60:31 --plot ") + c.name);
+    const Result result = scratch.run(std::string("mtf curve sensor.toml --freq 0:60:31 --plot ") + c.name);
     ASSERT_EQ(result.status, 0) << result.err;
     EXPECT_NE(result.out, "") << "the table is still shown";
     EXPECT_TRUE(apps_test::read_file(scratch / c.name).starts_with(c.start)) << c.name;
-    const std::string data = apps_test::read_file(scratch / "f.csv");
+    const std::string data = apps_test::read_file(scratch / (c.name + std::string(".csv")));
     EXPECT_TRUE(data.starts_with("spatial frequency [cy/mm],diffraction,footprint,jitter,system\n0,1,1,1,1\n")) << data;
     EXPECT_EQ(apps_test::lines(data), 32U);
   }
-  EXPECT_EQ(scratch.run("ls").out, "f.PDF\nf.csv\nf.png\nf.svg\nsensor.toml\n");
+  EXPECT_EQ(scratch.run("ls").out, "f.PDF\nf.PDF.csv\nf.png\nf.png.csv\nf.svg\nf.svg.csv\nsensor.toml\n");
   const std::string svg = apps_test::read_file(scratch / "f.svg");
   for (const char* text : {"Nyquist 33.33", "spatial frequency [cy/mm]", "MTF = |OTF|", "MWIR staring 640x512"})
     EXPECT_NE(svg.find(text), std::string::npos) << text;
+}
+
+TEST(Plot, NoFileThatWasNotNamedIsReplaced) {
+  const Scratch scratch;
+  ASSERT_EQ(scratch.run("mtf demo -o demo").status, 0);
+  for (const char* command : {"mtf curve demo/sensor.toml --plot ", "mtf measure demo/edge.exr --plot ",
+                              "mtf measure demo/edge.exr --map ", "mtf fit demo/fit.toml demo/edge.exr --plot "}) {
+    for (const char* name : {"x.csv", "x", "x.CSV", "x.svg.txt"}) apps_test::write_file(scratch / name, "mine");
+    for (int again = 0; again < 2; ++again) {  // its own data are replaced
+      const Result result = scratch.run(std::string(command) + "x.svg");
+      EXPECT_EQ(result.status, 0) << command << result.err;
+    }
+    for (const char* name : {"x.csv", "x", "x.CSV", "x.svg.txt"})
+      EXPECT_EQ(apps_test::read_file(scratch / name), "mine") << command << name;
+    EXPECT_GT(apps_test::lines(apps_test::read_file(scratch / "x.svg.csv")), 1U) << command;
+  }
 }
 
 TEST(Plot, LabelsAreTakenLiterally) {
@@ -70,7 +85,7 @@ TEST(Plot, WithoutGnuplotTheDataAreWritten) {
   const Result result = scratch.run(only_mtf + "f.svg");
   EXPECT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.err.find("gnuplot is not installed"), std::string::npos) << result.err;
-  EXPECT_EQ(scratch.run("ls").out, "f.csv\nsensor.toml\n");
+  EXPECT_EQ(scratch.run("ls").out, "f.svg.csv\nsensor.toml\n");
   const Result characters = scratch.run(only_mtf + "ascii");
   EXPECT_EQ(characters.status, 0);
   EXPECT_NE(characters.out.find("diffraction"), std::string::npos);
