@@ -78,6 +78,7 @@ int explain(const ConfigOptions& options, const Global& global) {
 mtf::io::SensorConfig read_sensor(const std::string& file, const Global& global) {
   std::vector<mtf::io::Diagnostic> warnings;
   mtf::io::SensorConfig config = mtf::io::load_config(file, &warnings, radiometry::sensor_tables());
+  for (mtf::io::Diagnostic& warning : chain_warnings(config)) warnings.push_back(std::move(warning));
   for (const auto& warning : warnings) note(global, one_line(mtf::io::format_diagnostic(warning, file)));
   return config;
 }
@@ -105,9 +106,11 @@ int report_verdict(const Verdict& verdict, Format format) {
 int check_sensor(const std::string& file, Format format) {
   mtf::io::ConfigResult result =
       mtf::io::parse_config(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file, radiometry::sensor_tables());
-  if (result.ok())
+  if (result.ok()) {
+    for (mtf::io::Diagnostic& warning : chain_warnings(result.config)) result.diagnostics.push_back(std::move(warning));
     if (const std::string problem = chain_problem(result.config); !problem.empty())
       result.diagnostics.push_back({.error = true, .position = {}, .path = {}, .text = problem});
+  }
   return report_verdict({.file = file,
                          .ok = result.ok(),
                          .name = result.config.system.name,

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/sensor_chain.h"
 
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "mtf/error.h"
@@ -59,6 +62,16 @@ std::shared_ptr<const mtf::Image> map_of(const std::string& file, const char* ke
       throw mtf::UsageError(file + ": holds factors below 0");
     return std::make_shared<const mtf::Image>(std::move(image.planes.front()));
   });
+}
+
+/// A field of a component that is one number; 0 where it is not given.
+double number_of(const mtf::Component<double>& component, std::string_view name) {
+  for (const auto& field : component.fields()) {
+    if (field.info->name != name) continue;
+    if (const auto* number = std::get_if<double*>(&field.value)) return **number;
+    if (const auto* number = std::get_if<std::optional<double>*>(&field.value)) return (*number)->value_or(0.0);
+  }
+  return 0.0;
 }
 
 /// A tape7 of one run has the range that is given; a CSV names its own.
@@ -194,6 +207,35 @@ std::string unused_table(const mtf::io::SensorConfig& config) {
   return (row ? std::string(table.name) + "." + std::string(table.settings.front().name)
               : "[" + std::string(table.name) + "]") +
          ": part of the chain to electrons, which begins with [detector]; add that, or remove this";
+}
+
+std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& config) {
+  std::vector<mtf::io::Diagnostic> warnings;
+  if (find_table(config.tables, "lag") == nullptr) return warnings;
+  const double lag_s = radiometry::sensor_settings(config.tables).lag->time_constant_s;
+  for (const auto& entry : config.system.list(mtf::Stage::presample)) {
+    if (entry.component.kind() != "bolometer") continue;
+    const double other_s = number_of(entry.component, "time_constant");
+    if (other_s == 0.0 || (number_of(entry.component, "velocity") == 0.0 && number_of(entry.component, "rate") == 0.0))
+      continue;
+    const bool same = std::abs(other_s - lag_s) <= 1e-6 * lag_s;
+    const auto milliseconds = [](double s) {
+      std::array<char, 32> text{};
+      std::snprintf(text.data(), text.size(), "%.6g ms", 1e3 * s);
+      return std::string(text.data());
+    };
+    warnings.push_back(
+        {.error = false,
+         .position = {},
+         .path = "lag.time_constant",
+         .text = milliseconds(lag_s) + " here, " + (same ? "the same" : milliseconds(other_s)) + " in \"" +
+                 entry.label + "\" of [[presample]]: both are the thermal lag of the detector" +
+                 (same ? "" : ", which has one time constant") +
+                 ", and a sequence whose frames show the motion counts it twice; keep [lag] for such sequences, "
+                 "the component for single images, curves and budgets" +
+                 (same ? "" : ", unless one of them is another effect")});
+  }
+  return warnings;
 }
 
 std::string chain_problem(const mtf::io::SensorConfig& config) {

@@ -41,6 +41,9 @@ mtf::System<double> with_electron_rate(const mtf::System<double>& system, const 
 /// What a file without [detector] says of a chain all the same; empty when nothing.
 std::string unused_table(const mtf::io::SensorConfig& config);
 
+/// What components and tables of the chain count twice: warnings, as such a pair can be meant.
+std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& config);
+
 /// Settings that contradict each other, as `mtf config check` tells them: empty when there are none.
 std::string chain_problem(const mtf::io::SensorConfig& config);
 

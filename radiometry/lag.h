@@ -4,9 +4,9 @@
 // Thermal time constant of a bolometer over a sequence of frames.
 //   y_n = y_(n-1) + (x_n - y_(n-1)) (1 - exp(-T / tau))
 // x = what the pixel would show settled, T = time from frame to frame, tau = time constant. Exact for a scene that
-// stays as it is for each frame time: a step is followed as 1 - exp(-t / tau). The first frame is settled. Motion
-// within a frame is the `bolometer` component of the system; here is what one frame leaves to the next. (Kruse,
-// Uncooled Thermal Imaging, ch. 2.)
+// stays as it is for each frame time: a step is followed as 1 - exp(-t / tau). The first frame is settled. The
+// `bolometer` component is the same lag under an image that moves steadily, its whole past in one frame: both together
+// count it twice where the frames show that motion. (Kruse, Uncooled Thermal Imaging, ch. 2.)
 
 #include <cstdint>
 #include <vector>
