@@ -87,7 +87,9 @@ Command simulate_command() {
            [&](const std::string& text) { options.region = rectangle("--roi", text); });
   add_choice(app, "--resume", "MODE", "a stopped run in tiles: auto (default) goes on with it, no starts over", kResume,
              options.resume);
-  add_word(app, "--range", "LOW:HIGH", "values at 0 and 65535 of 16-bit output; default: extremes of the image",
+  add_word(app, "--range", "LOW:HIGH",
+           "values at 0 and at the largest number of PNG and TIFF output; default: the extremes of the image,\n"
+           "with [adc] the counts as they are, with [agc] the levels of the display. 16 bits; 8 for up to 255 levels",
            [&](const std::string& text) {
              const auto range = number_range("--range", text);
              options.range_low = range[0];

@@ -67,7 +67,7 @@ struct SimulateOptions {
   bool measure = false;                               ///< --rigor measure
   std::string wisdom;                                 ///< file with what measuring learnt; read before, written after
   std::optional<radiometry::Tap> tap;                 ///< place in the chain; default: its end
-  std::optional<double> range_low, range_high;        ///< of 16-bit output; default: extremes of the image
+  std::optional<double> range_low, range_high;        ///< of PNG and TIFF; default: integer_range()
   std::optional<FrameRange> frames;                   ///< of a sequence; default: all on disk, or those of the schedule
   std::string schedule;                               ///< CSV of parameters that change over frames; "" = none
   std::optional<std::int64_t> memory;                 ///< bytes that may be in use; the scene goes through in tiles

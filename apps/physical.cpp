@@ -81,12 +81,16 @@ void add_chain(mtf::io::Metadata& metadata, const Physical& physical, std::uint3
   metadata.history.back() = "mtf simulate: chain to " + metadata.text["mtf:tap"];
 }
 
-void keep_whole_numbers(const Physical& physical, std::optional<double>& low, std::optional<double>& high) {
-  const auto& adc = physical.loaded.sensor.settings.adc;
-  const bool counts = physical.unit() == "counts" && adc && adc->bits <= 16;
-  if (low || !(counts || physical.unit() == "levels")) return;
-  low = 0.0;
-  high = 65535.0;
+IntegerRange integer_range(const Physical* physical, const SimulateOptions& options) {
+  IntegerRange range{.low = options.range_low, .high = options.range_high};
+  if (physical == nullptr) return range;
+  const radiometry::SensorSettings& settings = physical->loaded.sensor.settings;
+  const bool levels = physical->unit() == "levels";
+  if (levels && settings.agc->most_level <= 255.0) range.bits = 8;
+  if (range.low) return range;
+  if (levels) return {.low = 0.0, .high = settings.agc->most_level, .bits = range.bits};
+  if (physical->unit() == "counts" && settings.adc && settings.adc->bits <= 16) return {.low = 0.0, .high = 65535.0};
+  return range;
 }
 
 mtf::Image cropped(const mtf::Image& image, const std::array<std::int64_t, 4>& region) {

@@ -7,6 +7,7 @@
 #include "apps/options.h"
 #include "apps/run_report.h"
 #include "apps/scene_light.h"
+#include "apps/sensor_image.h"
 #include "mtf/sensor_plan.h"
 
 namespace apps {
@@ -39,8 +40,9 @@ ChainReport report_of(const Physical& physical);
 /// Says in the attributes of an image what its numbers are, and which frame of the noise it is.
 void add_chain(mtf::io::Metadata& metadata, const Physical& physical, std::uint32_t frame);
 
-/// Counts and display levels go into 16-bit files as they are, unless a range was asked for.
-void keep_whole_numbers(const Physical& physical, std::optional<double>& low, std::optional<double>& high);
+/// How the output becomes whole numbers where no range was asked for: counts as they are, display levels from 0 to the
+/// largest, which is white. Up to 255 levels take 8 bits, so that viewers show them as the display does.
+IntegerRange integer_range(const Physical* physical, const SimulateOptions& options);
 
 /// The part of an image that a region of the output wants.
 mtf::Image cropped(const mtf::Image& image, const std::array<std::int64_t, 4>& region);

@@ -159,8 +159,11 @@ std::string to_json(const RunReport& r) {
   json["warnings"] = r.warnings;
   if (!r.bad_pixels.empty()) json["bad_pixels"] = r.bad_pixels;
   if (!r.integer_scaling.empty())
-    json["integer_output"] = {
-        {"gain", r.gain}, {"offset", r.offset}, {"clamped", r.clamped}, {"meaning", r.integer_scaling}};
+    json["integer_output"] = {{"bits", r.scaling.bits},
+                              {"gain", r.scaling.gain},
+                              {"offset", r.scaling.offset},
+                              {"clamped", r.clamped},
+                              {"meaning", r.integer_scaling}};
   if (r.tiles) add_tiles(json, *r.tiles);
   // Names of files may hold any bytes; the report stays valid UTF-8.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -54,8 +54,8 @@ struct RunReport {
   std::vector<std::pair<std::string, double>> timing_ms;  ///< in order
   std::vector<std::string> warnings;
   std::string bad_pixels;       ///< what happened to NaN and infinite pixels, "" = none
-  std::string integer_scaling;  ///< "value = gain x file + offset, …" of 16-bit output, else ""
-  double gain = 0.0, offset = 0.0;
+  std::string integer_scaling;  ///< "value = gain x file + offset, …" of PNG and TIFF, else ""
+  mtf::io::IntegerScaling scaling;
   std::int64_t clamped = 0;
   std::optional<SequenceReport> sequence;
   std::optional<TilesReport> tiles;

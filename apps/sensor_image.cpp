@@ -50,8 +50,7 @@ std::vector<std::string> output_names(const std::vector<std::string>& names) {
 }
 
 Written write_sensor_image(const std::string& path, const std::vector<std::string>& names,
-                           const std::vector<mtf::Image>& planes, const Metadata& metadata, std::optional<double> low,
-                           std::optional<double> high) {
+                           const std::vector<mtf::Image>& planes, const Metadata& metadata, const IntegerRange& range) {
   std::vector<NamedPlane> named;
   for (std::size_t i = 0; i < planes.size(); ++i) named.push_back({names[i], planes[i].view()});
   if (format_from_extension(path) == Format::exr) {
@@ -60,7 +59,10 @@ Written write_sensor_image(const std::string& path, const std::vector<std::strin
   }
   Written written;
   written.scaling = full_range_scaling(named);
-  if (low && high) written.scaling = IntegerScaling{(*high - *low) / 65535.0, *low};
+  if (range.low && range.high) {
+    written.scaling = IntegerScaling{.offset = *range.low, .bits = range.bits};
+    written.scaling->gain = (*range.high - *range.low) / written.scaling->largest();
+  }
   written.clamped = write_integer(path, named, *written.scaling, metadata);
   return written;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Sensor images as files: names of planes, provenance, and the scaling of 16-bit formats.
+// Sensor images as files: names of planes, provenance, and how values become whole numbers.
 
 #include <optional>
 #include <string>
@@ -21,13 +21,19 @@ mtf::io::Metadata provenance(const mtf::io::SensorConfig& config, const mtf::io:
 std::vector<std::string> output_names(const std::vector<std::string>& names);
 
 struct Written {
-  std::optional<mtf::io::IntegerScaling> scaling;  ///< of 16-bit formats
+  std::optional<mtf::io::IntegerScaling> scaling;  ///< of PNG and TIFF
   std::int64_t clamped = 0;
 };
 
-/// Writes by extension. 16-bit formats map [low, high] (default: the extremes of the image) to 0..65535.
+/// Values at 0 and at the largest number of PNG and TIFF; without them the extremes of the image.
+struct IntegerRange {
+  std::optional<double> low, high;
+  int bits = 16;
+};
+
+/// Writes by extension.
 Written write_sensor_image(const std::string& path, const std::vector<std::string>& names,
                            const std::vector<mtf::Image>& planes, const mtf::io::Metadata& metadata,
-                           std::optional<double> low, std::optional<double> high);
+                           const IntegerRange& range);
 
 }  // namespace apps

@@ -171,10 +171,9 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
   if (!options.schedule.empty()) schedule = mtf::io::read_schedule(options.schedule, sensor);
   names.frames = names.scenes ? names.scenes->find(options.frames) : frames_of_schedule(options, schedule);
   check_files(options, names, files_of(sensor));
-  std::optional<double> low = options.range_low, high = options.range_high;
   const std::shared_ptr<const Physical> physical = physical_of(sensor, options);
-  if (physical) keep_whole_numbers(*physical, low, high);
-  if (mtf::io::format_from_extension(options.out) != mtf::io::Format::exr && !low)
+  if (mtf::io::format_from_extension(options.out) != mtf::io::Format::exr &&
+      !integer_range(physical.get(), options).low)
     throw mtf::UsageError("16-bit frames need one scale for all of them; give --range LOW:HIGH, or write .exr");
   if (!schedule.settings.empty() && schedule.settings.back().frame > names.frames.back())
     note(global, "note: " + one_line(options.schedule) + " goes on to frame " +

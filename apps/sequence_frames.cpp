@@ -247,12 +247,9 @@ void SequenceFrames::run(Frame& frame) {
     mtf::io::Metadata metadata = provenance(*frame.sensor, scene, *frame.plan, frame.plan->options.tolerance);
     metadata.text["mtf:frame"] = std::to_string(frame.number);
     if (!frame.settings.empty()) metadata.text["mtf:schedule"] = frame.settings;
-    std::optional<double> low = options_.range_low, high = options_.range_high;
-    if (frame.physical) {
-      add_chain(metadata, *frame.physical, static_cast<std::uint32_t>(frame.number));
-      keep_whole_numbers(*frame.physical, low, high);
-    }
-    write_sensor_image(names_.out->name(frame.number), output_names(scene.names), images, metadata, low, high);
+    if (frame.physical) add_chain(metadata, *frame.physical, static_cast<std::uint32_t>(frame.number));
+    write_sensor_image(names_.out->name(frame.number), output_names(scene.names), images, metadata,
+                       integer_range(frame.physical.get(), options_));
   });
 }
 

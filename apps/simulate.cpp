@@ -155,14 +155,13 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   const std::vector<std::string> names = output_names(scene.names);
   if (physical && options.region)
     for (mtf::Image& image : images) image = cropped(image, *options.region);
-  std::optional<double> low = options.range_low, high = options.range_high;
-  if (physical) keep_whole_numbers(*physical, low, high);
   report.config = &config;
   report.scene = &scene;
   report.plan = &plan;
   mtf::io::Metadata metadata = provenance(config, scene, plan, plan_options.tolerance);
   if (physical) add_chain(metadata, *physical, 0);
-  const Written written = write_sensor_image(options.out, names, images, metadata, low, high);
+  const Written written =
+      write_sensor_image(options.out, names, images, metadata, integer_range(physical.get(), options));
   write_measured(options, global);
   watch.lap("write", report.timing_ms);
 
@@ -170,12 +169,12 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   report.out_path = options.out;
   report.tolerance = plan_options.tolerance;
   if (written.scaling) {
-    report.gain = written.scaling->gain;
-    report.offset = written.scaling->offset;
+    report.scaling = *written.scaling;
     report.clamped = written.clamped;
     report.integer_scaling = "value = gain x file + offset, in " + report.unit();
-    note(global, "note: 16-bit output, value = " + mtf::format_double(report.gain) + " x file + " +
-                     mtf::format_double(report.offset) +
+    note(global, "note: " + std::to_string(report.scaling.bits) +
+                     "-bit output, value = " + mtf::format_double(report.scaling.gain) + " x file + " +
+                     mtf::format_double(report.scaling.offset) +
                      (report.clamped > 0 ? ", " + std::to_string(report.clamped) + " samples clamped" : ""));
   }
   if (!options.report.empty()) emit(options.report, to_json(report));

@@ -12,6 +12,7 @@
 #include "apps/interrupt.h"
 #include "apps/measured_file.h"
 #include "apps/output.h"
+#include "apps/physical.h"
 #include "apps/progress_line.h"
 #include "apps/run_summary.h"
 #include "apps/sensor_file.h"
@@ -368,11 +369,9 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
     std::vector<mtf::Image> images =
         run_in_memory(config, source, surveys, masks, plan, plan_options, run, *tile_options.region, report);
     lap("run");
-    const Written written =
-        write_sensor_image(options.out, names, images, metadata, options.range_low, options.range_high);
+    const Written written = write_sensor_image(options.out, names, images, metadata, integer_range(nullptr, options));
     if (written.scaling) {
-      report.gain = written.scaling->gain;
-      report.offset = written.scaling->offset;
+      report.scaling = *written.scaling;
       report.clamped = written.clamped;
       report.integer_scaling =
           "value = gain x file + offset, in " + std::string(mtf::io::quantity_unit(scene.quantity));

@@ -103,16 +103,19 @@ using ReadRows = std::function<void(std::int64_t first, std::span<const ImageVie
 void write_tiled_exr(const std::string& path, const std::vector<std::string>& names, std::int64_t width,
                      std::int64_t height, const ReadRows& rows, const Metadata& metadata, int threads);
 
-/// file value = round((value - offset) / gain), clamped to 0..65535; the clamped pixels are counted.
+/// file value = round((value - offset) / gain), clamped to what the bits hold; the clamped pixels are counted.
 struct IntegerScaling {
   double gain = 1.0;
   double offset = 0.0;
+  int bits = 16;  ///< 8 or 16
+
+  double largest() const { return bits == 8 ? 255.0 : 65535.0; }
 };
 
 /// Scaling that maps [min, max] of the planes to 0..65535 (gain 1 for a flat image).
 IntegerScaling full_range_scaling(const std::vector<NamedPlane>& planes);
 
-/// 16-bit PNG or TIFF (by extension) with 1 or 3 planes; `gain` and `offset` are written into the file beside
+/// PNG or TIFF (by extension) with 1 or 3 planes; `gain` and `offset` are written into the file beside
 /// `metadata`. Returns the number of clamped samples. Appears whole or not at all.
 std::int64_t write_integer(const std::string& path, const std::vector<NamedPlane>& planes,
                            const IntegerScaling& scaling, const Metadata& metadata);

@@ -33,16 +33,16 @@ std::vector<std::pair<std::string, std::string>> as_text(const IntegerScaling& s
   return text;
 }
 
-// round((value - offset) / gain) clamped to 0..highest, colours interleaved; counts what had to be clamped (NaN too).
-RasterData quantise(const std::vector<NamedPlane>& planes, const IntegerScaling& scaling, int bits,
-                    std::int64_t& clamped) {
+// round((value - offset) / gain) clamped to 0..scaling.largest(), colours interleaved; counts what had to be clamped
+// (NaN too).
+RasterData quantise(const std::vector<NamedPlane>& planes, const IntegerScaling& scaling, std::int64_t& clamped) {
   const ImageView<const float>& first = planes[0].plane;
-  const double highest = bits == 8 ? 255 : 65535;
+  const double highest = scaling.largest();
   RasterData data;
   data.width = first.width;
   data.height = first.height;
   data.colours = static_cast<int>(planes.size());
-  data.bits = bits;
+  data.bits = scaling.bits;
   data.samples.resize(static_cast<std::size_t>(first.width * first.height * data.colours));
   for (int c = 0; c < data.colours; ++c) {
     std::uint16_t* to = data.samples.data() + c;
@@ -99,7 +99,7 @@ RasterData preview(const std::string& path, const std::vector<NamedPlane>& plane
     throw UsageError(path + ": the display range must be two finite numbers");
   check_colours(path, planes);
   std::int64_t clamped = 0;
-  return quantise(planes, {high != low ? (high - low) / 255.0 : 1.0, low}, 8, clamped);
+  return quantise(planes, {.gain = high != low ? (high - low) / 255.0 : 1.0, .offset = low, .bits = 8}, clamped);
 }
 
 }  // namespace
@@ -123,7 +123,7 @@ void check_planes(const std::string& path, const std::vector<NamedPlane>& planes
 IntegerScaling full_range_scaling(const std::vector<NamedPlane>& planes) {
   const auto [low, high] = finite_range(planes);
   if (!(low <= high)) return {};
-  return {low < high ? (high - low) / 65535.0 : 1.0, low};
+  return {.gain = low < high ? (high - low) / 65535.0 : 1.0, .offset = low};
 }
 
 std::int64_t write_integer(const std::string& path, const std::vector<NamedPlane>& planes,
@@ -132,9 +132,10 @@ std::int64_t write_integer(const std::string& path, const std::vector<NamedPlane
   if (format == Format::exr) throw UsageError(path + ": integers go to .png, .tif or .tiff; OpenEXR keeps floats");
   if (!std::isfinite(scaling.gain) || scaling.gain == 0 || !std::isfinite(scaling.offset))
     throw UsageError(path + ": the scaling needs a finite offset and a finite gain other than 0");
+  if (scaling.bits != 8 && scaling.bits != 16) throw UsageError(path + ": integers are of 8 or 16 bits");
   check_colours(path, planes);
   std::int64_t clamped = 0;
-  RasterData data = quantise(planes, scaling, 16, clamped);
+  RasterData data = quantise(planes, scaling, clamped);
   data.text = as_text(scaling, metadata);
   write_raster(path, format, data);
   return clamped;

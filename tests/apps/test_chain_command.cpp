@@ -126,6 +126,86 @@ TEST_F(ChainCommand, EveryTapIsWrittenAndNoisyFramesRepeat) {
   for (std::int64_t i = 0; i < counts.size(); ++i) EXPECT_EQ(png.data()[i], counts.data()[i]);
 }
 
+// A file that holds 0 to 255 in 16 bits is black in every viewer.
+TEST_F(ChainCommand, DisplayLevelsAreFilesThatLookLikeTheDisplay) {
+  Image ramp(64, 48);
+  for (std::int64_t y = 0; y < 48; ++y)
+    for (std::int64_t x = 0; x < 64; ++x) ramp.at(x, y) = 290.0F + 0.3F * static_cast<float>(x);
+  mtf::io::Metadata metadata;
+  metadata.text["mtf:quantity"] = "temperature";
+  mtf::io::write_exr((scratch / "ramp.exr").string(), {{"Y", ramp.view()}}, metadata);
+  struct Case {
+    const char* most;
+    double largest, gain;
+    int bits;
+  };
+  for (const Case& c : {Case{"", 255.0, 1.0, 8},
+                        {"most_level = 100", 100.0, 100.0 / 255.0, 8},
+                        {"most_level = 1023", 1023.0, 1023.0 / 65535.0, 16}}) {
+    sensor(std::string("[adc]\nbits = 12\n[agc]\n") + c.most + "\n");
+    ASSERT_EQ(scratch.run("mtf simulate s.toml ramp.exr -o levels.exr").status, 0);
+    const Image levels = read(scratch / "levels.exr");
+    for (const std::string name : {"out.png", "out.tif", "f.0001.png"}) {
+      const bool sequence = name.starts_with("f.");
+      if (sequence) write_file(scratch / "plan.csv", "frame,parameter,value\n1,detector.read_noise,500 e-\n");
+      const Result r = scratch.run("mtf simulate s.toml ramp.exr " +
+                                   (sequence ? "-o f.%04d.png --schedule plan.csv --frames 1:1" : "-o " + name) +
+                                   " --report r.json");
+      ASSERT_EQ(r.status, 0) << r.err;
+      const mtf::io::ImageFile file = mtf::io::read_image((scratch / name).string(), {});
+      EXPECT_EQ(file.info.storage, std::to_string(c.bits) + "-bit") << name;
+      EXPECT_EQ(file.info.attributes.at("mtf:units"), "levels");
+      EXPECT_DOUBLE_EQ(std::stod(file.info.attributes.at("gain")), c.gain);
+      EXPECT_EQ(file.info.attributes.at("offset"), "0");
+      float most = 0.0F;
+      for (std::int64_t i = 0; i < levels.size(); ++i) {
+        most = std::max(most, file.planes.front().data()[i]);
+        EXPECT_NEAR(c.gain * file.planes.front().data()[i], levels.data()[i], 0.5 * c.gain + 1e-4) << i;
+      }
+      EXPECT_EQ(most, c.bits == 8 ? 255.0F : 65535.0F) << "the largest level is white";
+      if (sequence) continue;
+      const Json output = Json::parse(read_file(scratch / "r.json"))["integer_output"];
+      EXPECT_EQ(output.at("bits"), c.bits);
+      EXPECT_DOUBLE_EQ(output["gain"].get<double>(), c.gain);
+      EXPECT_EQ(output["clamped"], 0);
+      EXPECT_NE(r.err.find(std::to_string(c.bits) + "-bit output"), std::string::npos) << r.err;
+      EXPECT_NE(scratch.run("mtf info " + name).out.find(std::to_string(c.bits) + "-bit"), std::string::npos);
+    }
+  }
+  // Counts in front of the display are whole numbers of 16 bits as before.
+  ASSERT_EQ(scratch.run("mtf simulate s.toml ramp.exr -o dn.png --tap dn").status, 0);
+  EXPECT_EQ(mtf::io::read_info((scratch / "dn.png").string()).storage, "16-bit");
+}
+
+TEST_F(ChainCommand, ALagThatIsCountedTwiceIsSaid) {
+  const std::string bolometer = "[[presample]]\nkind = \"bolometer\"\n";
+  const auto said = [&](const std::string& more) {
+    sensor(more);
+    const Result r = scratch.run("mtf config check s.toml");
+    EXPECT_EQ(r.status, 0) << r.err;
+    const Json json = Json::parse(scratch.run("mtf config check s.toml --format json").out);
+    std::size_t found = 0;
+    for (const Json& d : json["diagnostics"])
+      if (d["path"] == "lag.time_constant") {
+        EXPECT_EQ(d["severity"], "warning");
+        ++found;
+      }
+    EXPECT_EQ(found, r.out.find("both are the thermal lag of the detector") == std::string::npos ? 0U : 1U) << r.out;
+    return r.out;
+  };
+  const std::string moving = "time_constant = \"10 ms\"\nvelocity = \"0.5 mm/s\"\n";
+  const std::string same = said(bolometer + moving + "[lag]\ntime_constant = \"0.01 s\"\n");
+  EXPECT_NE(same.find("10 ms here, the same in \"bolometer\" of [[presample]]"), std::string::npos) << same;
+  EXPECT_NE(scratch.run("mtf simulate s.toml t300.exr -o out.exr").err.find("counts it twice"), std::string::npos);
+  const std::string two = said(bolometer + moving + "[lag]\ntime_constant = \"8 ms\"\n");
+  EXPECT_NE(two.find("8 ms here, 10 ms in \"bolometer\""), std::string::npos) << two;
+  EXPECT_NE(two.find("which has one time constant"), std::string::npos) << two;
+  for (const std::string& once :
+       {bolometer + moving, std::string("[lag]\ntime_constant = \"8 ms\"\n"),
+        bolometer + "time_constant = \"10 ms\"\nrate = \"0 mrad/s\"\n[lag]\ntime_constant = \"10 ms\"\n"})
+    EXPECT_EQ(said(once).find("thermal lag"), std::string::npos) << once;
+}
+
 TEST_F(ChainCommand, ASequenceHasNewNoiseAndAScheduleChangesTheDetector) {
   sensor("[noise]\nseed = 5\n[nonuniformity]\nprnu = 0.01\n");
   write_file(scratch / "plan.csv", "frame,parameter,value\n3,detector.read_noise,50 ke-\n");

@@ -80,6 +80,27 @@ TEST_P(Integers, ClampedSamplesAreCounted) {
   for (std::int64_t x = 0; x < 5; ++x) EXPECT_EQ(read.planes[0].at(x, 0), expected[x]);
 }
 
+TEST_P(Integers, EightBitsAreStoredAsTheyAre) {
+  const TempFolder folder;
+  Image image(6, 1);
+  const float values[] = {-1.0F, 0.0F, 127.4F, 255.0F, 256.0F, 65535.0F};
+  std::copy(std::begin(values), std::end(values), image.data());
+  const IntegerScaling scaling{.gain = 1.0, .offset = 0.0, .bits = 8};
+  for (const std::size_t colours : {1U, 3U}) {
+    const std::vector<NamedPlane> planes(colours, NamedPlane{"", image.view()});
+    const std::string path = folder / GetParam();
+    EXPECT_EQ(mtf::io::write_integer(path, planes, scaling, {}), static_cast<std::int64_t>(3 * colours));
+    const ImageFile read = mtf::io::read_image(path);
+    EXPECT_EQ(read.info.storage, "8-bit");
+    EXPECT_EQ(read.info.channels.at(0).type, "uint8");
+    EXPECT_EQ(read.info.attributes.at("gain"), "1");
+    const float expected[] = {0, 0, 127, 255, 255, 255};
+    for (const Image& plane : read.planes)
+      for (std::int64_t x = 0; x < 6; ++x) EXPECT_EQ(plane.at(x, 0), expected[x]);
+  }
+  EXPECT_THROW(mtf::io::write_integer(folder / GetParam(), {{"Y", image.view()}}, {.bits = 12}, {}), UsageError);
+}
+
 TEST_P(Integers, CutShortAnywhereIsRefused) {
   const TempFolder folder;
   const Image image = filled(40, 30, 0, 50);
