@@ -227,7 +227,8 @@ JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unkn
 
   // Each group's tau, the model's unknowns projected out.
   const MatrixXd cross = scale.asDiagonal() * splines.with_unknowns;
-  const MatrixXd explained = factor.solve(cross);
+  MatrixXd explained(fixed, cross.cols());
+  if (cross.cols() > 0) explained = factor.solve(cross);  // Eigen takes the address of the first element
   const VectorXd score = splines.with_residual - explained.transpose() * scale.cwiseProduct(r);
   std::vector<Eigen::Index> chosen;
   std::vector<double> precision;
