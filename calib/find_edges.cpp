@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
 
 #include "calib/find_parts.h"
 #include "mtf/error.h"
@@ -27,7 +28,8 @@ constexpr double kLeastNoise = 1e-4;  // of the contrast: noise-free images have
 
 void check(const FindOptions& options) {
   const auto positive = [](double v) { return std::isfinite(v) && v > 0.0; };
-  if (options.most < 1) throw mtf::UsageError("find_edges: most = 0 regions; ask for one or more");
+  if (options.most < 1 || options.most_pieces < 1)
+    throw mtf::UsageError("find_edges: most = 0 regions or pieces; ask for one or more");
   if (!positive(options.min_length_px))
     throw mtf::UsageError("find_edges: the least length of an edge has to be a number of pixels above 0");
   if (!positive(options.min_cnr)) throw mtf::UsageError("find_edges: the least contrast/noise has to be above 0");
@@ -86,49 +88,96 @@ struct Search {
   Cells cells;
   Gradients gradients;
   FoundEdges found;
-  Passed passed;  ///< by the last share that was tried
+  int without_plateau = 0;  ///< pieces that no share gives a plateau on both sides
+  Passed passed;            ///< by the last share that was tried
 
   double in_cells(double px) const { return px / cells.size_px; }
+  /// Integral images are made for levels of the gradient that are the threshold x 2^k: k for a share of a segment.
+  int level_of(const Segment& segment, double share) const {
+    const double times = share * segment.peak / gradients.threshold;
+    return times > 1.0 ? std::ilogb(times) : 0;
+  }
+  double floor_of(int level) const { return std::ldexp(gradients.threshold, level); }
+  std::optional<Surroundings> survey(const Segment& segment, int level) const {
+    const double half_px = options.half_width_px > 0.0 ? options.half_width_px : kWidestHalf_px;
+    return find::survey(cells, gradients, segment, floor_of(level), in_cells(half_px));
+  }
 };
 
-/// Regions for the segments that have room by this share; those are taken off the list. True when the image turns out
-/// to be crossed by one edge, which is then all that was found.
-bool place_regions(Search& search, double share, std::vector<Segment>& segments) {
+/// A segment with a plateau on both sides.
+struct Piece {
+  Segment segment;
+  double share = 0.0;       ///< the strictest by which it has them
+  Surroundings beside;      ///< by that share
+  double most_score = 0.0;  ///< with sides that are free without end
+};
+
+/// The strongest first.
+std::vector<Piece> pieces_of(Search& search) {
+  std::vector<Piece> pieces;
+  const std::size_t most = search.options.most_pieces;
+  const auto keep_best = [&] {
+    if (pieces.size() <= most) return;
+    const auto end = pieces.begin() + static_cast<std::ptrdiff_t>(most);
+    std::nth_element(pieces.begin(), end, pieces.end(),
+                     [](const Piece& a, const Piece& b) { return a.most_score > b.most_score; });
+    search.found.not_tried += pieces.size() - most;
+    pieces.erase(end, pieces.end());
+  };
+  // The length that regions lose at corners is not lost at the image's border.
+  const double least = std::max(kMinLength_cells, search.in_cells(search.options.min_length_px) - 3.0);
+  find::make_segments(search.gradients, least, [&](const Segment& segment) {
+    for (const double share : kStructureShares) {
+      const auto beside = search.survey(segment, search.level_of(segment, share));
+      if (!beside) continue;
+      const double noise = std::max(beside->noise_sd, kLeastNoise * beside->contrast);
+      pieces.push_back({segment, share, *beside, beside->contrast / noise * std::sqrt(segment.length()) / share});
+      if (pieces.size() >= 2 * most) keep_best();
+      return;
+    }
+    ++search.without_plateau;
+  });
+  keep_best();
+  const auto strength = [](const Piece& p) { return p.segment.peak * std::sqrt(p.segment.length()); };
+  std::stable_sort(pieces.begin(), pieces.end(),
+                   [&](const Piece& a, const Piece& b) { return strength(a) > strength(b); });
+  return pieces;
+}
+
+/// Regions for the pieces that have room by this share; those are taken off the list. True when the image turns out to
+/// be crossed by one edge, which is then all that was found.
+bool place_regions(Search& search, double share, std::vector<Piece>& pieces) {
   const Gradients& gradients = search.gradients;
   const FindOptions& options = search.options;
-  const double half_px = options.half_width_px > 0.0 ? options.half_width_px : kWidestHalf_px;
   const find::RegionLimits limits{search.in_cells(options.min_length_px), search.in_cells(options.half_width_px)};
-  struct Candidate {
-    Segment segment;
-    Surroundings beside;
-  };
-  // An integral image serves all edges of one level, the threshold x 2^key.
-  std::map<int, std::vector<Candidate>, std::greater<>> by_level;
-  std::vector<Segment> left;
-  search.passed = {};
-  for (const Segment& segment : segments) {
-    const double times = share * segment.peak / gradients.threshold;
-    const int level = times > 1.0 ? std::ilogb(times) : 0;
-    const double floor = std::ldexp(gradients.threshold, level);
-    const auto beside = find::survey(search.cells, gradients, segment, floor, search.in_cells(half_px));
+  std::map<int, std::vector<Piece>, std::greater<>> by_level;
+  std::vector<Piece> left;
+  search.passed = {.blurred = search.without_plateau};
+  for (Piece& piece : pieces) {
+    const int level = search.level_of(piece.segment, share);
+    auto beside = piece.share == share  ? std::optional(piece.beside)
+                  : piece.share < share ? search.survey(piece.segment, level)
+                                        : std::nullopt;
     if (beside) {
-      by_level[level].push_back({segment, *beside});
+      piece.beside = *beside;
+      by_level[level].push_back(piece);
     } else {
       ++search.passed.blurred;
-      left.push_back(segment);
+      left.push_back(piece);
     }
   }
   for (const auto& [level, candidates] : by_level) {
-    const double floor = std::ldexp(gradients.threshold, level);
+    const double floor = search.floor_of(level);
     const find::Structure structure(gradients, floor);
-    for (const auto& [segment, beside] : candidates) {
-      const auto region = find::place_region(gradients, structure, floor, segment, beside, limits);
+    for (const Piece& piece : candidates) {
+      const Surroundings& beside = piece.beside;
+      const auto region = find::place_region(gradients, structure, floor, piece.segment, beside, limits);
       // The whole image is one edge's only when it has no other. There is no other choice then, however faint it is.
       const bool crowded = !region || (region->whole && !search.found.edges.empty());
       const bool faint = beside.contrast < options.min_cnr * beside.noise_sd && !(region && region->whole);
       if (crowded || faint) {
         ++(faint ? search.passed.faint : search.passed.crowded);
-        left.push_back(segment);
+        left.push_back(piece);
         continue;
       }
       const double score = score_of(*region, beside, search.cells.size_px) * kStructureShares.front() / share;
@@ -137,7 +186,7 @@ bool place_regions(Search& search, double share, std::vector<Segment>& segments)
       if (region->whole) return true;
     }
   }
-  segments = std::move(left);
+  pieces = std::move(left);
   return false;
 }
 
@@ -147,21 +196,22 @@ FoundEdges find_edges(mtf::ImageView<const float> image, const FindOptions& opti
   check(options);
   const auto none = [](std::string reason) { return FoundEdges{{}, std::move(reason)}; };
   if (image.width < 1 || image.height < 1) return none("the image is empty");
-  Search search{image, options, find::make_cells(image), {}, {}, {}};
+  Search search{image, options, find::make_cells(image), {}, {}, 0, {}};
   if (search.cells.valid == 0.0) return none("all pixels are masked or no numbers; use another mask or channel");
   if (search.cells.range == 0.0) return none("all pixels have the same value; is it the right file and channel?");
 
   search.gradients = find::make_gradients(search.cells);
-  // The length that regions lose at corners is not lost at the image's border.
-  const double least = std::max(kMinLength_cells, search.in_cells(options.min_length_px) - 3.0);
-  std::vector<Segment> segments = find::make_segments(search.gradients, least);
+  std::vector<Piece> pieces = pieces_of(search);
   for (const double share : kStructureShares)
-    if (place_regions(search, share, segments)) return search.found;
+    if (place_regions(search, share, pieces)) return search.found;
 
   FoundEdges& found = search.found;
   std::stable_sort(found.edges.begin(), found.edges.end(),
                    [](const FoundEdge& a, const FoundEdge& b) { return a.score > b.score; });
-  if (found.edges.size() > options.most) found.edges.resize(options.most);
+  if (found.edges.size() > options.most) {
+    found.left_out = found.edges.size() - options.most;
+    found.edges.resize(options.most);
+  }
   if (found.edges.empty()) found.reason = no_usable(search.passed, options);
   return found;
 }

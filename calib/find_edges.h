@@ -13,6 +13,8 @@
 //    for each of nine half widths.
 // 4. The score is (contrast / noise) sqrt(length), with which the precision of an MTF goes, less where the sides are
 //    short against the blur, and less for the larger shares.
+// Nothing is passed over for its place in the image or for its number: a piece without a plateau on both sides is given
+// up where it is seen, and only where the others are too many for the memory allowed do those of least score go.
 // Sources: R. Grompone von Gioi et al., LSD: a line segment detector, IPOL 2, 35 (2012) for growing; J. Immerkaer, Fast
 // noise variance estimation, CVIU 64, 300 (1996) for the noise.
 
@@ -31,6 +33,8 @@ struct FindOptions {
   /// Wanted on each side of the edge, and the most that is taken; less where the sides are not free. 0 = as suits the
   /// score, at most 64.
   double half_width_px = 0.0;
+  /// Pieces with a plateau on both sides that are held at a time: at most 100 MiB.
+  std::size_t most_pieces = std::size_t{1} << 18;
 };
 
 struct FoundEdge {
@@ -41,11 +45,13 @@ struct FoundEdge {
 struct FoundEdges {
   std::vector<FoundEdge> edges;  ///< best first; an image crossed by one edge gives the whole image
   std::string reason;            ///< when there is none: what was seen and what to try
+  std::size_t left_out = 0;      ///< usable regions beyond `most`: those of least score
+  std::size_t not_tried = 0;     ///< pieces beyond `most_pieces`: those that could score least
 };
 
 /// NaN pixels are no data, whatever their share: masks and Bayer planes. Takes time in proportion to the pixels and
-/// memory for at most 2^24 cells (about 200 MiB). Deterministic. Data never throw: without a region the reason says
-/// what was seen. Throws UsageError for options that are not positive.
+/// memory for at most 2^24 cells (about 200 MiB) and `most_pieces`. Deterministic. Data never throw: without a region
+/// the reason says what was seen. Throws UsageError for options that are not positive.
 FoundEdges find_edges(mtf::ImageView<const float> image, const FindOptions& options = {});
 
 }  // namespace calib

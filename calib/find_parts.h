@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -59,8 +60,9 @@ struct Segment {
   double across(Point p) const { return normal.x * (p.x - origin.x) + normal.y * (p.y - origin.y) - offset(along(p)); }
 };
 
-/// Segments of at least `min_length` cells, the strongest first.
-std::vector<Segment> make_segments(const Gradients& gradients, double min_length);
+/// Every segment of at least `min_length` cells, one after the other: a large image of clutter has millions.
+using TakeSegment = std::function<void(const Segment&)>;
+void make_segments(const Gradients& gradients, double min_length, const TakeSegment& take);
 
 /// What lies beside a segment.
 struct Surroundings {

@@ -18,7 +18,6 @@ constexpr float kGrowthShare = 0.25F;
 /// A ridge is smooth when it lies this close to a parabola, in its own standard deviations across, at least in cells.
 constexpr double kSmoothRms = 0.35, kSmoothMax = 1.0;
 constexpr double kWidestGap = 3.0;  // along a ridge, in cells
-constexpr std::size_t kMostSegments = 4096;
 
 double angle_of(std::uint8_t direction) { return direction * (2.0 * std::numbers::pi / 256.0); }
 
@@ -144,9 +143,8 @@ std::array<double, 3> parabola(std::span<const RidgePoint> points) {
   return {a(0) - c1 * middle + c2 * middle * middle, c1 - 2.0 * c2 * middle, c2};
 }
 
-/// Adds the smooth pieces of a ridge; where it is not smooth it is cut at its worst point.
-void add_pieces(std::span<const RidgePoint> points, const Segment& frame, double min_length,
-                std::vector<Segment>& found) {
+/// Hands over the smooth pieces of a ridge; where it is not smooth it is cut at its worst point.
+void take_pieces(std::span<const RidgePoint> points, const Segment& frame, double min_length, const TakeSegment& take) {
   while (points.size() >= 4 && points.back().s - points.front().s >= min_length) {
     Segment piece = frame;
     piece.coefficient = parabola(points);
@@ -165,16 +163,16 @@ void add_pieces(std::span<const RidgePoint> points, const Segment& frame, double
       piece.s0 = points.front().s;
       piece.s1 = points.back().s;
       piece.peak = magnitude / count;
-      found.push_back(piece);
+      take(piece);
       return;
     }
     const std::size_t least = 1 + points.size() / 64;  // so that the work stays in proportion
     const std::size_t cut = std::clamp(worst, least, points.size() - least);
     if (cut < points.size() / 2) {
-      add_pieces(points.first(cut), frame, min_length, found);
+      take_pieces(points.first(cut), frame, min_length, take);
       points = points.subspan(cut);
     } else {
-      add_pieces(points.subspan(cut), frame, min_length, found);
+      take_pieces(points.subspan(cut), frame, min_length, take);
       points = points.first(cut);
     }
   }
@@ -182,9 +180,8 @@ void add_pieces(std::span<const RidgePoint> points, const Segment& frame, double
 
 }  // namespace
 
-std::vector<Segment> make_segments(const Gradients& g, double min_length) {
-  std::vector<Segment> found;
-  if (g.width < 3 || g.height < 3) return found;
+void make_segments(const Gradients& g, double min_length, const TakeSegment& take) {
+  if (g.width < 3 || g.height < 3) return;
   std::vector<bool> taken(g.magnitude.size(), false);
   Blob blob;
   for (const std::uint32_t seed : seeds_of(g)) {
@@ -198,15 +195,10 @@ std::vector<Segment> make_segments(const Gradients& g, double min_length) {
     const std::vector<RidgePoint> ridge = ridge_of(g, blob, frame);
     for (std::size_t first = 0, i = 1; i <= ridge.size(); ++i)
       if (i == ridge.size() || ridge[i].s - ridge[i - 1].s > kWidestGap) {
-        add_pieces(std::span(ridge).subspan(first, i - first), frame, min_length, found);
+        take_pieces(std::span(ridge).subspan(first, i - first), frame, min_length, take);
         first = i;
       }
   }
-  const auto strength = [](const Segment& s) { return s.peak * std::sqrt(s.length()); };
-  std::stable_sort(found.begin(), found.end(),
-                   [&](const Segment& a, const Segment& b) { return strength(a) > strength(b); });
-  if (found.size() > kMostSegments) found.resize(kMostSegments);
-  return found;
 }
 
 }  // namespace calib::find

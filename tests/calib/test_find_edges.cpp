@@ -200,6 +200,7 @@ TEST(FindEdges, HalfWidthIsKeptWhereItFits) {
   for (const FoundEdge& edge : found.edges) EXPECT_GE(std::min(edge.roi.width, edge.roi.height), 24);
   options.most = 5;
   EXPECT_EQ(find_edges(image.view(), options).edges.size(), 5U);
+  EXPECT_EQ(find_edges(image.view(), options).left_out, 27U);
 }
 
 TEST(FindEdges, FaintEdgesNeedTheContrastAskedFor) {
@@ -263,6 +264,7 @@ TEST(FindEdges, RefusesMisuse) {
     EXPECT_THROW(static_cast<void>(find_edges(image.view(), options)), mtf::UsageError);
   };
   refused([](FindOptions& o) { o.most = 0; });
+  refused([](FindOptions& o) { o.most_pieces = 0; });
   refused([](FindOptions& o) { o.min_length_px = 0.0; });
   refused([](FindOptions& o) { o.min_cnr = -1.0; });
   refused([](FindOptions& o) { o.min_cnr = std::numeric_limits<double>::quiet_NaN(); });
@@ -278,6 +280,72 @@ TEST(FindEdges, LargeImages) {
   const mtf::Image image = made_scene(5500, 3200, squares, 0.01);
   const FoundEdges found = find_edges(image.view());
   EXPECT_EQ(expect_single_sides(image, found, test::sides_of(squares), 200.0).size(), 32U);
+}
+
+/// More edges than were ever kept at a time: 4624.
+mtf::Image crowded_chart() {
+  mtf::Image image = made_scene(2312, 2312, {}, 0.01);
+  for (int j = 0; j < 34; ++j)
+    for (int i = 0; i < 34; ++i)
+      test::add_rectangle(image, {34.3 + 68.0 * i, 34.7 + 68.0 * j}, 21.0, 21.0, 3.0 + (7 * i + 3 * j) % 30, -0.6);
+  return image;
+}
+
+TEST(FindEdges, WhatIsNotReturnedIsCounted) {
+  const mtf::Image image = crowded_chart();
+  FindOptions options;
+  options.most = 10'000;
+  const FoundEdges all = find_edges(image.view(), options);
+  EXPECT_EQ(all.edges.size(), 4624U);
+  EXPECT_EQ(all.left_out, 0U);
+  EXPECT_EQ(all.not_tried, 0U);
+  options.most = 100;
+  const FoundEdges few = find_edges(image.view(), options);
+  ASSERT_EQ(few.edges.size(), 100U);
+  EXPECT_EQ(few.left_out, 4524U);
+  for (std::size_t i = 0; i < few.edges.size(); ++i) EXPECT_EQ(few.edges[i].roi, all.edges[i].roi) << i;
+}
+
+TEST(FindEdges, WhereMemoryEndsTheBestAreKept) {
+  // One square of three times the contrast among many: its sides are the last that may be given up.
+  mtf::Image image = made_scene(700, 700, {}, 0.01, 0.2);
+  for (int j = 0; j < 8; ++j)
+    for (int i = 0; i < 8; ++i)
+      test::add_rectangle(image, {80.3 + 77.0 * i, 80.7 + 77.0 * j}, 22.0, 22.0, 7.0, i == 5 && j == 3 ? 0.6 : 0.2);
+  FindOptions options;
+  options.most = 1000;
+  EXPECT_EQ(find_edges(image.view(), options).edges.size(), 256U);
+  options.most_pieces = 4;
+  const FoundEdges found = find_edges(image.view(), options);
+  EXPECT_EQ(found.not_tried, 252U);
+  EXPECT_EQ(expect_single_sides(image, found, test::sides_of({{{465.3, 311.7}, 22.0, 7.0, 0.6}})).size(), 4U);
+}
+
+/// Bars of seven times their contrast, each with two sides long enough to be edges and no level between them, surround
+/// four squares.
+TEST(FindEdges, StrongClutterHidesNoEdge) {
+  mtf::Image image = made_scene(2000, 2000, {}, 0.002, 0.2);
+  std::vector<Square> squares;
+  for (int k = 0; k < 4; ++k)
+    squares.push_back({{500.0 + 1000.0 * (k % 2), 500.0 + 1000.0 * (k / 2)}, 60.0, 5.0 + 20.0 * k, 0.1});
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform;
+  int bars = 0;
+  for (double y = 20.0; y < 1980.0; y += 36.0)
+    for (double x = 20.0; x < 1980.0; x += 36.0) {
+      const bool near = std::any_of(squares.begin(), squares.end(), [&](const Square& square) {
+        return std::hypot(x - square.centre.x, y - square.centre.y) < 150.0;
+      });
+      const double turn = 180.0 * uniform(random);
+      if (near) continue;
+      test::add_rectangle(image, {x, y}, 13.0, 1.5, turn, 0.7);
+      ++bars;
+    }
+  EXPECT_GT(2 * bars, 4096);
+  for (const Square& square : squares)
+    test::add_rectangle(image, square.centre, square.half_px, square.half_px, square.angle_deg, square.step);
+  const FoundEdges found = find_edges(image.view());
+  EXPECT_EQ(expect_single_sides(image, found, test::sides_of(squares), 60.0).size(), 16U) << found.reason;
 }
 
 /// Real scenes: outlines of a tower, a hot bowl and a car are smooth edges with room beside them; the rest is crowded,
