@@ -14,10 +14,11 @@
 #include "mtf/image.h"
 #include "mtf/io/drawing.h"
 #include "mtf/io/opencv_filters.h"
+#include "mtf/io/stated_encoding.h"
 
 namespace mtf::io {
 
-inline constexpr int codecs_version = 3;
+inline constexpr int codecs_version = 4;
 
 /// A PNG or TIFF as its header describes it, sizes already checked against the file.
 struct RasterHeader {
@@ -28,6 +29,7 @@ struct RasterHeader {
   int scale = 1;       ///< decoded values are this many times the stored counts (PNG of 1, 2 or 4 bits)
   std::string storage;
   std::map<std::string, std::string> attributes;
+  StatedEncoding encoding;
 };
 
 /// Samples to be written, row-major, colours interleaved as R,G,B, 8 or 16 bits each.

@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "mtf/error.h"
@@ -95,6 +97,18 @@ void read_description(TIFF* tiff, RasterHeader& header) {
     start = end + 1;
   }
   header.attributes = found;
+}
+
+StatedEncoding read_encoding(TIFF* tiff, int bits, bool integer) {
+  std::array<std::uint16_t*, 3> raw{};
+  std::vector<std::span<const std::uint16_t>> tables;
+  if (integer && TIFFGetField(tiff, TIFFTAG_TRANSFERFUNCTION, &raw[0], &raw[1], &raw[2]) == 1)
+    for (const std::uint16_t* table : raw)  // libtiff sets the first only where there is one colour
+      if (table != nullptr) tables.emplace_back(table, std::size_t{1} << static_cast<unsigned>(bits));
+  std::uint32_t size = 0;
+  const unsigned char* profile = nullptr;
+  if (TIFFGetField(tiff, TIFFTAG_ICCPROFILE, &size, &profile) != 1 || profile == nullptr) size = 0;
+  return stated_by_tiff(tables, {profile, size});
 }
 
 struct Output {
@@ -201,6 +215,7 @@ RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes) {
   check_pieces(path, tiff, file_bytes);
   read_description(tiff, header);
   const bool integer = header.type == "uint8" || header.type == "uint16";
+  header.encoding = read_encoding(tiff, bits, integer);
   header.storage = std::to_string(bits) + (integer ? "-bit" : "-bit float") + (TIFFIsTiled(tiff) != 0 ? " tiled" : "");
   // A damaged chain of directories may be long or circular; libtiff stops at the first one it has seen.
   int pages = 1;

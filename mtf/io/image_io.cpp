@@ -30,6 +30,7 @@ FileInfo describe(const RasterHeader& header, Format format) {
   info.display_window = {0, 0, static_cast<int>(header.width) - 1, static_cast<int>(header.height) - 1};
   info.data_window = info.display_window;
   info.attributes = header.attributes;
+  info.encoding = header.encoding;
   std::vector<std::string> names{"Y"};
   if (header.colours == 3) names = {"R", "G", "B"};
   if (header.alpha) names.emplace_back("A");

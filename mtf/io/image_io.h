@@ -16,6 +16,7 @@
 
 #include "mtf/image.h"
 #include "mtf/io/drawing.h"
+#include "mtf/io/stated_encoding.h"
 
 namespace mtf::io {
 
@@ -47,6 +48,7 @@ struct FileInfo {
   std::array<int, 4> display_window{};
   std::vector<ChannelInfo> channels;              ///< in the file's order
   std::map<std::string, std::string> attributes;  ///< other attributes that can be shown as text
+  StatedEncoding encoding;                        ///< curve of PNG and TIFF values; OpenEXR is linear by definition
 };
 
 FileInfo read_info(const std::string& path);

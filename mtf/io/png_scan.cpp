@@ -81,6 +81,17 @@ void read_text(const std::string& type, const unsigned char* data, std::size_t s
   header.attributes[all.substr(0, key_end)] = all.substr(text);
 }
 
+/// Chunks that say how values follow from light; one that is too short says nothing that is known.
+void read_colour(const std::string& type, const unsigned char* data, std::size_t size, PngColour& colour) {
+  if (type == "sRGB") colour.srgb = true;
+  if (type == "gAMA") colour.gamma_e5 = size == 4 ? big_endian(data) : 0;
+  if (type == "cICP") colour.transfer = size == 4 ? data[1] : 0;
+  if (type == "iCCP") {
+    const auto length = static_cast<std::size_t>(std::find(data, data + size, 0) - data);
+    colour.profile = printable({reinterpret_cast<const char*>(data), length}, 79);
+  }
+}
+
 }  // namespace
 
 RasterHeader scan_png(const std::string& path, Bytes* critical) {
@@ -97,6 +108,7 @@ RasterHeader scan_png(const std::string& path, Bytes* critical) {
   if (critical != nullptr) *critical = chunk;
 
   RasterHeader header;
+  PngColour colour;
   bool first = true, any_data = false;
   for (std::int64_t left = file_bytes - 8;;) {
     if (left < 12 || !read(8)) damaged(path, "it ends before the end mark");
@@ -118,6 +130,7 @@ RasterHeader scan_png(const std::string& path, Bytes* critical) {
     any_data = any_data || type == "IDAT";
     if (type == "tRNS") header.alpha = true;
     if (type == "tEXt" || type == "iTXt") read_text(type, data, data_size, header);
+    read_colour(type, data, data_size, colour);
     const bool needed = type == "IHDR" || type == "PLTE" || type == "tRNS" || type == "IDAT" || type == "IEND";
     if (!needed && type[0] >= 'A' && type[0] <= 'Z') damaged(path, "unknown critical chunk " + printable(type));
     if (critical != nullptr && needed) {
@@ -127,6 +140,7 @@ RasterHeader scan_png(const std::string& path, Bytes* critical) {
     if (type == "IEND") break;
   }
   if (!any_data) damaged(path, "it holds no pixels");
+  header.encoding = stated_by_png(colour);
   const double pixel_bytes = (header.colours + (header.alpha ? 1 : 0)) * (header.type == "uint16" ? 2.0 : 0.125);
   check_compression(path, static_cast<double>(header.width) * static_cast<double>(header.height) * pixel_bytes,
                     file_bytes, 2048);
