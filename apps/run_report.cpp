@@ -131,6 +131,8 @@ std::string to_json(const RunReport& r) {
   json["config_sha256"] = r.config->sha256;
   json["scene"] = r.scene_path;
   json["out"] = r.out_path;
+  json["scene_encoding"] = r.scene->encoding.encoding.name;
+  json["scene_encoding_source"] = r.scene->encoding.source;
   json["channels"] = r.scene->names;
   json["quantity"] = r.quantity();
   json["units"] = r.unit();

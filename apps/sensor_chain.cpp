@@ -139,6 +139,8 @@ std::vector<std::string> files_of(const mtf::io::SensorConfig& config) {
       for (const auto& field : entry.component.fields())
         if (const auto* curve = std::get_if<std::shared_ptr<const mtf::Curve>*>(&field.value)) add(**curve);
   add(config.scene.aperture_curve);
+  if (const auto& encoding = config.scene.encoding; encoding && encoding->kind == mtf::io::Encoding::Kind::table)
+    files.push_back(encoding->name);
   for (const mtf::TableInfo& info : config.schema)
     for (const mtf::SettingInfo& row : info.settings)
       if (const mtf::SettingsTable* table = find_table(config.tables, info.name))

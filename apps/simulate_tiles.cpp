@@ -66,7 +66,7 @@ void open_windows(const SimulateOptions& options, const mtf::io::SensorConfig& c
   source.scene = mtf::io::describe_scene(config, options.scene, source.file->file());
   source.read = [&source](std::size_t channel, std::int64_t x, std::int64_t y, mtf::ImageView<float> out) {
     source.file->read(channel, x, y, out);
-    mtf::io::apply_scaling(source.scene.scaling, out);
+    mtf::io::make_physical(source.scene, out);
   };
 }
 

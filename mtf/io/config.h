@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "mtf/border.h"
+#include "mtf/io/encoding.h"
 #include "mtf/settings.h"
 #include "mtf/system.h"
 
@@ -32,6 +33,7 @@ struct SceneDefaults {
   std::optional<Quantity> quantity;
   std::optional<double> gain;  ///< value = gain x file + offset
   std::optional<double> offset;
+  std::optional<Encoding> encoding;  ///< of PNG and TIFF values, undone before gain and offset
   Border border = Border::reflect;
   double border_value = 0.0;            ///< for border = "constant", in the scene's quantity
   Aperture aperture = Aperture::point;  ///< blur already in the samples, divided out

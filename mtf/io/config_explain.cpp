@@ -117,6 +117,8 @@ void explain_scene(Table& table, const SceneDefaults& scene, const Frame<double>
             "default");
   table.row("scene.gain", node, {"gain"}, scene.gain ? rounded(*scene.gain) : "not given", "default");
   table.row("scene.offset", node, {"offset"}, scene.offset ? rounded(*scene.offset) : "not given", "default");
+  table.row("scene.encoding", node, {"encoding"}, scene.encoding ? scene.encoding->name : "from the image file",
+            "default");
   table.row("scene.border", node, {"border", "border_value"},
             std::string(kBorderNames[static_cast<std::size_t>(scene.border)]) +
                 (scene.border == Border::constant ? " at " + rounded(scene.border_value) : ""),

@@ -221,6 +221,17 @@ std::optional<Coefficients<double>> read_coefficients(const Section& section, co
   return good ? std::optional(std::move(list)) : std::nullopt;
 }
 
+std::optional<Encoding> read_encoding(const Section& section, std::string_view key) {
+  const auto word = read_string(section, key);
+  if (!word) return std::nullopt;
+  try {
+    return parse_encoding(*word, section.reader.folder);
+  } catch (const Error& error) {
+    section.error(key, printable(error.what(), 600));
+    return std::nullopt;
+  }
+}
+
 std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view key) {
   const auto name = read_string(section, key);
   if (!name) return nullptr;

@@ -74,6 +74,8 @@ std::optional<int> read_whole(const Section& section, const FieldInfo& info);
 std::optional<Taps<double>> read_taps(const Section& section, std::string_view key);
 /// A list of plain numbers or fit tables, which leave a FitSpec of the path name[i].
 std::optional<Coefficients<double>> read_coefficients(const Section& section, const FieldInfo& info);
+/// A word of mtf/io/encoding.h, or a table beside the sensor file.
+std::optional<Encoding> read_encoding(const Section& section, std::string_view key);
 std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view key);
 
 /// A number as sensor files have it: 8.0, or "8 urad". In config_write.cpp.

@@ -125,7 +125,7 @@ inline constexpr std::array<std::string_view, 6> kFrameKeys{"focal_length", "pit
                                                             "pitch_y",      "format", "integration_time"};
 inline constexpr std::array<std::string_view, 4> kOpticsKeys{"f_number", "aperture", "obscuration", "wavelength"};
 inline constexpr std::array<std::string_view, 1> kBandKeys{"wavelength"};
-inline constexpr std::array<std::string_view, 17> kSceneKeys{"sample",
+inline constexpr std::array<std::string_view, 18> kSceneKeys{"sample",
                                                              "sample_x",
                                                              "sample_y",
                                                              "ifov",
@@ -134,6 +134,7 @@ inline constexpr std::array<std::string_view, 17> kSceneKeys{"sample",
                                                              "quantity",
                                                              "gain",
                                                              "offset",
+                                                             "encoding",
                                                              "border",
                                                              "border_value",
                                                              "aperture",

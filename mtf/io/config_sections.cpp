@@ -174,6 +174,7 @@ void read_scene(const Section& root, const Frame<double>& frame, SceneDefaults& 
   scene.gain = read_number(section, kGain, "gain");
   if (scene.gain == 0.0) section.error("gain", "0 would make every pixel the same; value = gain x file + offset");
   scene.offset = read_number(section, kOffset, "offset");
+  scene.encoding = read_encoding(section, "encoding");
   if (const auto word = read_word(section, "border", kBorderNames)) scene.border = static_cast<Border>(*word);
   if (section.find("border_value") != nullptr && scene.border != Border::constant &&
       !root.reader.has_failed("scene.border"))

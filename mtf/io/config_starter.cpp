@@ -22,6 +22,7 @@ sample = "3.75 um"            # spacing of its samples at the focal plane; or if
 quantity = "radiance"         # W/(m^2 sr) in band; photon_radiance, spectral_radiance, temperature (K) or counts
 # gain = 1.0                  # value = gain x file + offset: required for PNG and TIFF of whole numbers
 # offset = 0.0
+# encoding = "linear"         # where a PNG or TIFF states a curve: linear (none is undone), srgb, gamma:2.2 or a CSV file
 border = "reflect"            # beyond the edge: reflect, replicate, constant (with border_value) or periodic
 aperture = "point"            # blur already in the samples, to be divided out: point (none), box, gaussian or curve
 

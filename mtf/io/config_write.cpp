@@ -79,6 +79,9 @@ class Writer {
   void curve(std::string_view key, const std::shared_ptr<const Curve>& curve) {
     if (curve) raw(key, toml_string(path_of(curve->source)));
   }
+  void encoding(std::string_view key, const Encoding& encoding) {
+    raw(key, toml_string(encoding.kind == Encoding::Kind::table ? path_of(encoding.name) : encoding.name));
+  }
   void field(const FieldRef<double>& field);
   /// What is given in a table of the schema, below the header that the caller wrote.
   void settings(std::string_view table);
@@ -188,6 +191,7 @@ void write_scene(Writer& out, const SceneDefaults& scene) {
   if (scene.quantity) out.raw("quantity", toml_string(quantity_name(*scene.quantity)));
   out.number(cfg::kGain, scene.gain);
   out.number(cfg::kOffset, scene.offset);
+  if (scene.encoding) out.encoding("encoding", *scene.encoding);
   out.raw("border", toml_string(kBorderNames[static_cast<std::size_t>(scene.border)]));
   if (scene.border == Border::constant) out.number(cfg::kBorderValue, scene.border_value);
   out.settings("scene");

@@ -99,7 +99,7 @@ Encoding parse_oecf(std::string_view text, const std::string& source) {
   return encoding;
 }
 
-Encoding parse_encoding(const std::string& text) {
+Encoding parse_encoding(const std::string& text, const std::string& folder) {
   if (text == "linear") return {};
   if (text == "srgb") return {.kind = Encoding::Kind::srgb, .gamma = 1.0, .stored = {}, .linear = {}, .name = text};
   if (text.starts_with("gamma")) {
@@ -114,8 +114,9 @@ Encoding parse_encoding(const std::string& text) {
   // A misspelt word is no path that anybody would write: those have a folder or an ending.
   if (text.find_first_of("./\\") == std::string::npos)
     throw UsageError("unknown encoding \"" + printable(text, 60) + "\"; it is " + std::string(kKnown));
-  static_cast<void>(input_file_size(text));
-  return parse_oecf(read_text_file(text, kMaxBytes), text);
+  const std::string path = text.starts_with('/') ? text : folder + text;
+  static_cast<void>(input_file_size(path));
+  return parse_oecf(read_text_file(path, kMaxBytes), path);
 }
 
 double full_scale(const FileInfo& info) {

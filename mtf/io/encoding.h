@@ -30,9 +30,17 @@ struct Encoding {
   std::string name = "linear";         ///< as reports call it
 };
 
-/// "linear", "srgb", "gamma" (2.2), "gamma:1.8" (0.1 to 10) or the path of a table. Throws UsageError that lists these
-/// for any other word, RuntimeError for a file that cannot be read.
-Encoding parse_encoding(const std::string& text);
+/// "linear", "srgb", "gamma" (2.2), "gamma:1.8" (0.1 to 10) or the path of a table, a relative one from `folder` (with
+/// a final slash; "" is the current one). Throws UsageError that lists these for any other word, RuntimeError for a
+/// file that cannot be read.
+Encoding parse_encoding(const std::string& text, const std::string& folder = {});
+
+/// What is undone in a file's values, and who says so.
+struct ChosenEncoding {
+  Encoding encoding;
+  /// "--encoding", "[scene]", what the file has ("sRGB chunk"), or "assumed": linear, as nobody says otherwise.
+  std::string source;
+};
 
 /// A table of two columns, stored and linear value, separated by comma, semicolon or tab; a first line without numbers
 /// is a header, `#` starts a comment line. 2 to a million rows. Throws UsageError "file:line: ...".

@@ -62,13 +62,57 @@ std::optional<Quantity> stated_quantity(const ImageFile& file, const std::string
       ", which is no scene: a scene is radiance, photon_radiance, spectral_radiance, temperature or counts");
 }
 
+/// Keys of [scene] that this file needs and the sensor file lacks, as one error.
+void require_keys(const SensorConfig& config, const std::string& path, const ImageFile& file, bool quantity_stated) {
+  const SceneDefaults& defaults = config.scene;
+  const bool float_exr = file.info.format == Format::exr && !file.integer;
+  std::string missing;
+  const auto need = [&](bool there, const char* key) {
+    if (!there) missing += (missing.empty() ? "" : ", ") + std::string(key);
+  };
+  if (file.integer) need(defaults.gain.has_value(), "gain"), need(defaults.offset.has_value(), "offset");
+  if (!float_exr) need(quantity_stated || defaults.quantity, "quantity");
+  std::string text;
+  if (!missing.empty())
+    text = std::string(file.integer ? "integer samples" : "samples of a TIFF") + " carry no physical unit; add " +
+           missing + " to [scene] of " + config.file + " (value = gain x file + offset, in the unit of quantity)";
+  const StatedEncoding& stated = file.info.encoding;
+  if (!defaults.encoding && !stated.source.empty() && stated.word != "linear")
+    text += (text.empty() ? "" : "; ") + stated.source + ": the values need not be proportional to light; add " +
+            (stated.word.empty() ? "encoding with their curve (srgb, gamma:2.2 or a CSV file)"
+                                 : "encoding = \"" + stated.word + "\"") +
+            " to [scene] of " + config.file +
+            " to undo the curve before gain and offset, or encoding = \"linear\" to take them as they are";
+  if (!text.empty()) throw UsageError(path + ": " + text);
+}
+
+/// [scene] over what the file says; what they disagree in goes to `warnings`.
+ChosenEncoding encoding_of(const SensorConfig& config, const std::string& path, const ImageFile& file,
+                           std::vector<std::string>& warnings) {
+  const std::optional<Encoding>& given = config.scene.encoding;
+  const StatedEncoding& stated = file.info.encoding;
+  if (given && file.info.format == Format::exr) {
+    if (given->kind != Encoding::Kind::linear)
+      warnings.push_back(path + ": OpenEXR is linear by definition; encoding of [scene] is for PNG and TIFF");
+    return {{}, "OpenEXR"};
+  }
+  if (!given) return {{}, stated.word.empty() ? "assumed" : stated.source};
+  if (!stated.word.empty() && stated.word != given->name)
+    warnings.push_back(path + " says " + stated.word + " (" + stated.source + "), encoding of [scene] says " +
+                       given->name + "; [scene] wins");
+  return {*given, "[scene]"};
+}
+
 }  // namespace
 
-void apply_scaling(const IntegerScaling& scaling, ImageView<float> image) {
-  if (scaling.gain == 1.0 && scaling.offset == 0.0) return;
+std::int64_t make_physical(const Scene& scene, ImageView<float> image) {
+  const std::int64_t outside = decode(scene.encoding.encoding, image, full_scale(scene.info));
+  const auto& [gain, offset] = scene.scaling;
+  if (gain == 1.0 && offset == 0.0) return outside;
   for (std::int64_t y = 0; y < image.height; ++y)
     for (std::int64_t x = 0; x < image.width; ++x)
-      image.at(x, y) = static_cast<float>(scaling.gain * static_cast<double>(image.at(x, y)) + scaling.offset);
+      image.at(x, y) = static_cast<float>(gain * static_cast<double>(image.at(x, y)) + offset);
+  return outside;
 }
 
 Scene describe_scene(const SensorConfig& config, const std::string& path, const ImageFile& file) {
@@ -77,18 +121,8 @@ Scene describe_scene(const SensorConfig& config, const std::string& path, const 
   scene.grid = grid_of(config, file, path);
   const std::optional<SpectralPlanes> spectral = spectral_planes(path, file);
   const std::optional<Quantity> stated = spectral ? Quantity::spectral_radiance : stated_quantity(file, path);
-  const bool float_exr = file.info.format == Format::exr && !file.integer;
-
-  std::string missing;
-  const auto need = [&](bool there, const char* key) {
-    if (!there) missing += (missing.empty() ? "" : ", ") + std::string(key);
-  };
-  if (file.integer) need(defaults.gain.has_value(), "gain"), need(defaults.offset.has_value(), "offset");
-  if (!float_exr) need(stated || defaults.quantity, "quantity");
-  if (!missing.empty())
-    throw UsageError(path + ": " + (file.integer ? "integer samples" : "samples of a TIFF") +
-                     " carry no physical unit; add " + missing + " to [scene] of " + config.file +
-                     " (value = gain x file + offset, in the unit of quantity)");
+  require_keys(config, path, file, stated.has_value());
+  scene.encoding = encoding_of(config, path, file, scene.warnings);
   if (!stated && !defaults.quantity)
     scene.warnings.push_back("quantity is not stated in " + path + " nor in [scene]; taken as radiance (W m-2 sr-1)");
   if (stated && defaults.quantity && *stated != *defaults.quantity)
@@ -122,7 +156,11 @@ Scene load_scene(const SensorConfig& config, const std::string& path, const Read
   ImageFile file = read_image(path, options);
   Scene scene = describe_scene(config, path, file);
   scene.planes = std::move(file.planes);
-  for (Image& plane : scene.planes) apply_scaling(scene.scaling, plane.view());
+  std::int64_t outside = 0;
+  for (Image& plane : scene.planes) outside += make_physical(scene, plane.view());
+  if (outside > 0)
+    scene.warnings.push_back(path + ": " + std::to_string(outside) + " samples lie outside the table " +
+                             printable(scene.encoding.encoding.name) + " and have no value");
   return scene;
 }
 

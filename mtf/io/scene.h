@@ -14,24 +14,26 @@ namespace mtf::io {
 
 struct Scene {
   std::vector<std::string> names;     ///< channels, as read
-  std::vector<Image> planes;          ///< value = gain x file + offset
+  std::vector<Image> planes;          ///< physical values
   std::vector<double> wavelength_um;  ///< of the planes, rising, of a spectral file (spectral_exr.h); else empty
   SampleGrid grid;
   Quantity quantity{};
   std::vector<std::string> warnings;  ///< assumptions and doubts, each with its reason
   FileInfo info;
-  IntegerScaling scaling;  ///< value = gain x file + offset; done already to `planes`
+  ChosenEncoding encoding;  ///< undone first; done already to `planes`, as the scaling
+  IntegerScaling scaling;   ///< value = gain x file + offset
 };
 
 /// Reads `path`. The sample spacing comes from the file (attribute mtf:pixelPitch) or [scene]; integer files need gain,
-/// offset and quantity, float TIFF needs quantity, EXR without a stated quantity is taken as radiance, with a warning;
-/// spectral EXR is spectral_radiance, in W m-2 sr-1 um-1.
-/// Throws UsageError naming the key to add, RuntimeError for unreadable files.
+/// offset and quantity, float TIFF needs quantity, PNG and TIFF that say that their values follow a curve need
+/// encoding; EXR is linear, and without a stated quantity taken as radiance, with a warning; spectral EXR is
+/// spectral_radiance, in W m-2 sr-1 um-1. Throws UsageError naming the key to add, RuntimeError for unreadable files.
 Scene load_scene(const SensorConfig& config, const std::string& path, const ReadOptions& options);
 
-/// The same of a file whose pixels are read in windows: all but the planes, to which `scaling` is still to be applied.
+/// The same of a file whose pixels are read in windows: all but the planes, which are still to be made physical.
 Scene describe_scene(const SensorConfig& config, const std::string& path, const ImageFile& file);
-void apply_scaling(const IntegerScaling& scaling, ImageView<float> image);
+/// Stored values of the scene's file to its quantity. Returns how many have no value in the table of the encoding: NaN.
+std::int64_t make_physical(const Scene& scene, ImageView<float> image);
 
 /// The blur that [scene] aperture says is in the samples.
 SceneAperture scene_aperture(const SceneDefaults& defaults, const SampleGrid& grid);

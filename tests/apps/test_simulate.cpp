@@ -7,6 +7,7 @@
 
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
+#include "tests/mtf/io/png_chunks.h"
 
 namespace apps_test {
 namespace {
@@ -102,6 +103,29 @@ TEST_F(Simulate, IntegerScenesNeedTheirScale) {
   for (std::int64_t i = 0; i < image.planes[0].size(); ++i) mean += image.planes[0].data()[i];
   mean /= static_cast<double>(image.planes[0].size());
   EXPECT_NEAR(mean, 21.5, 0.5);
+}
+
+TEST_F(Simulate, EncodedScenesAskForTheirCurve) {
+  const Image plane = pattern(64, 48, 20000.0, 5000.0);
+  mtf::io::write_integer((scratch / "coded.png").string(), {{"Y", plane.view()}}, {1.0, 0.0}, {});
+  io_test::add_chunks(scratch / "coded.png", {io_test::gamma_chunk(50000)});
+  add_to_scene("gain = 1.0\noffset = 0.0\n");
+  expect_refused("mtf simulate sensor.toml coded.png -o out.exr", 2, "encoding = \"gamma:2\"");
+  add_to_scene("encoding = \"gamma:2\"\n");
+  ASSERT_EQ(scratch.run("mtf simulate sensor.toml coded.png -o out.exr --report run.json").status, 0);
+  const auto json = nlohmann::json::parse(read_file(scratch / "run.json"));
+  EXPECT_EQ(json.at("scene_encoding"), "gamma:2");
+  EXPECT_EQ(json.at("scene_encoding_source"), "[scene]");
+  double mean = 0.0, expected = 0.0;
+  for (std::int64_t i = 0; i < plane.size(); ++i)
+    expected += std::pow(std::round(plane.data()[i]), 2) / 65535.0 / static_cast<double>(plane.size());
+  const auto image = mtf::io::read_image((scratch / "out.exr").string());
+  for (std::int64_t i = 0; i < image.planes[0].size(); ++i)
+    mean += image.planes[0].data()[i] / static_cast<double>(image.planes[0].size());
+  EXPECT_NEAR(mean, expected, 0.02 * expected);  // borders move a little light
+  EXPECT_GT(20000.0 - expected, 0.5 * expected);
+  const Result explained = scratch.run("mtf config explain sensor.toml");
+  EXPECT_NE(explained.out.find("scene.encoding"), std::string::npos) << explained.out;
 }
 
 TEST_F(Simulate, SixteenBitOutputSaysItsScale) {

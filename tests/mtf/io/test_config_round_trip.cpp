@@ -96,6 +96,7 @@ void expect_same(const SensorConfig& a, const SensorConfig& b, const std::string
   EXPECT_TRUE(same(a.scene.sample_x_um, b.scene.sample_x_um) && same(a.scene.sample_y_um, b.scene.sample_y_um)) << text;
   EXPECT_EQ(a.scene.quantity, b.scene.quantity);
   EXPECT_TRUE(same(a.scene.gain, b.scene.gain) && same(a.scene.offset, b.scene.offset)) << text;
+  EXPECT_EQ(a.scene.encoding ? a.scene.encoding->name : "", b.scene.encoding ? b.scene.encoding->name : "") << text;
   EXPECT_EQ(a.scene.border, b.scene.border);
   EXPECT_TRUE(same(a.scene.border_value, b.scene.border_value)) << text;
   EXPECT_EQ(a.scene.aperture, b.scene.aperture);
@@ -189,7 +190,8 @@ TEST(ConfigRoundTrip, EveryFieldOfEveryKind) {
 TEST(ConfigRoundTrip, SceneFormsAndUnits) {
   for (const std::string scene :
        {"sample = \"3.75 um\"", "sample_x = \"3.1 um\"\nsample_y = \"0.0029 mm\"", "ifov = \"37.5 urad\"",
-        "gsd = \"0.19 m\"\nrange = \"5 km\"", "gain = 0.1\noffset = -7\nquantity = \"counts\"",
+        "gsd = \"0.19 m\"\nrange = \"5 km\"",
+        "gain = 0.1\noffset = -7\nquantity = \"counts\"\nencoding = \"gamma:2.2\"",
         "border = \"constant\"\nborder_value = 0.3", "aperture = \"box\"",
         "aperture = \"box\"\naperture_size = \"0.25 px\"",
         "aperture = \"gaussian\"\naperture_size_x = \"1 arcsec\"\naperture_size_y = \"2 um\"\naperture_gain_limit = 5",

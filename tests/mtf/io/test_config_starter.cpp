@@ -59,7 +59,7 @@ TEST(ConfigStarter, Explain) {
   for (const std::string part :
        {"optical cutoff          125 cy/mm", "Nyquist frequency       33.33333333 cy/mm",
         "Q = lambda N / pitch    0.5333333333", "IFOV of a pixel         150 urad", "scene samples per pitch 4",
-        "\"10 ms\"", "0.01 s", "[optics] line 24", "starter.toml:10"})
+        "\"10 ms\"", "0.01 s", "[optics] line 25", "starter.toml:10"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   SensorConfig made;
   made.system = result.config.system;
