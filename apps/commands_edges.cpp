@@ -37,8 +37,8 @@ void add_edge_input(Command& app, EdgeInput& input) {
   add_word(app, "--min-cnr", "X", "contrast / noise of a pixel of edges that are found; default 8",
            [&](const std::string& text) { input.min_cnr = positive("--min-cnr", text); });
   add_text(app, "--encoding", "CODE",
-           "of stored values: linear (default), srgb, gamma (2.2), gamma:G, or a CSV file with\nstored and linear "
-           "values (OECF)",
+           "of stored values: linear, srgb, gamma (2.2), gamma:G, or a CSV file with stored and\nlinear values (OECF); "
+           "default: what the file says, else linear",
            input.encoding);
   add_channel_choice(app, input.channel, input.layer, input.part);
   add_word(app, "--bayer", "COLOUR", "of a mosaic, without interpolation: r, gr, gb, b, g (both greens) or all",

@@ -129,9 +129,43 @@ calib::MeasureOptions options_of(const mtf::io::ImageFile& file, const mtf::io::
   return options;
 }
 
-Linearisation linearisation_of(const mtf::io::ImageFile& file, const mtf::io::Encoding& encoding,
+/// The user's word, else the file's, else linear.
+mtf::io::ChosenEncoding encoding_of(const mtf::io::FileInfo& info, const EdgeInput& input) {
+  if (!input.encoding.empty()) return {mtf::io::parse_encoding(input.encoding), "--encoding"};
+  if (!info.encoding.word.empty()) return {mtf::io::parse_encoding(info.encoding.word), info.encoding.source};
+  return {{}, "assumed"};
+}
+
+/// What a reader of the numbers has to know of a curve that nobody asked for, or that is not known here.
+std::string curve_note(const std::string& image, const mtf::io::FileInfo& info, const EdgeInput& input) {
+  const auto& [word, source] = info.encoding;
+  if (!input.encoding.empty() || source.empty() || word == "linear") return "";
+  const std::string says = one_line(image) + ": " + one_line(source);
+  if (word.empty())
+    return says + " is not applied: the values are taken as linear; say with --encoding what their curve is, or linear";
+  return says + ": the curve " + word + " is undone; --encoding linear takes the values as they are";
+}
+
+/// Which of the edges found are not among the regions.
+std::string left_out_note(const EdgePlane& plane, const EdgeInput& input) {
+  std::string text;
+  if (plane.left_out > 0)
+    text = "the best " + std::to_string(input.most) + " of " + std::to_string(input.most + plane.left_out) +
+           " usable edges are taken; --edges N takes more";
+  if (plane.not_tried > 0)
+    text +=
+        (text.empty() ? "" : "; ") + std::to_string(plane.not_tried) +
+        " pieces of edges, the least promising ones, were not tried for want of memory; give regions with --roi, or "
+        "a larger --min-length";
+  if (text.empty()) return text;
+  return one_line(plane.image) + (plane.channel.empty() ? "" : " " + one_line(plane.channel)) + ": " + text;
+}
+
+Linearisation linearisation_of(const mtf::io::ImageFile& file, const mtf::io::ChosenEncoding& chosen,
                                const calib::MeasureOptions& options, const EdgeInput& input) {
-  return {.encoding = encoding.name,
+  return {.encoding = chosen.encoding.name,
+          .encoding_source = chosen.source,
+          .stated = file.info.encoding,
           .storage = file.info.storage,
           .integer = file.integer,
           .full_scale = mtf::io::full_scale(file.info),
@@ -158,8 +192,9 @@ std::vector<EdgeRegion> given_regions(const EdgeInput& input) {
 std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInput& input, Regions regions) {
   mtf::io::ReadOptions read{.channel = input.channel, .layer = input.layer, .part = input.part};
   if (input.channel == "all" || input.channel == "luminance") read.channel.reset();
-  const mtf::io::Encoding encoding = mtf::io::parse_encoding(input.encoding);
   mtf::io::ImageFile file = mtf::io::read_image(image, read);
+  const mtf::io::ChosenEncoding chosen = encoding_of(file.info, input);
+  const mtf::io::Encoding& encoding = chosen.encoding;
   std::int64_t outside = 0;
   for (Image& plane : file.planes) outside += mtf::io::decode(encoding, plane.view(), mtf::io::full_scale(file.info));
 
@@ -177,12 +212,17 @@ std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInpu
     if (regions == Regions::wanted) plane.regions = given_regions(input);
     plane.options = options_of(file, encoding, scale, input, named.plane);
     plane.options.sparse = !input.bayer.empty() || !input.mask.empty();
-    plane.linearisation = linearisation_of(file, encoding, plane.options, input);
+    plane.linearisation = linearisation_of(file, chosen, plane.options, input);
+    if (result.size() == 1)
+      if (std::string note = curve_note(image, file.info, input); !note.empty()) plane.notes.push_back(std::move(note));
     if (regions == Regions::wanted && plane.regions.empty()) {
       const calib::FindOptions find{
           .most = static_cast<std::size_t>(input.most), .min_length_px = input.min_length_px, .min_cnr = input.min_cnr};
       calib::FoundEdges found = calib::find_edges(named.plane.view(), find);
       for (const calib::FoundEdge& edge : found.edges) plane.regions.push_back({edge.roi, ""});
+      plane.left_out = found.left_out;
+      plane.not_tried = found.not_tried;
+      if (std::string note = left_out_note(plane, input); !note.empty()) plane.notes.push_back(std::move(note));
       plane.reason = std::move(found.reason);
     }
     plane.plane = std::move(named.plane);

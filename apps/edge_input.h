@@ -9,6 +9,7 @@
 
 #include "apps/options.h"
 #include "calib/measure.h"
+#include "mtf/io/stated_encoding.h"
 
 namespace apps {
 
@@ -20,6 +21,8 @@ struct EdgeRegion {
 /// What made the stored values linear, and the file's scale in linear units.
 struct Linearisation {
   std::string encoding;                       ///< as of --encoding
+  std::string encoding_source;                ///< who says so (mtf::io::ChosenEncoding)
+  mtf::io::StatedEncoding stated;             ///< what the file says of itself
   std::string storage;                        ///< of the file, "8-bit"
   bool integer = false;                       ///< stored as whole numbers
   double full_scale = 1.0;                    ///< largest stored value
@@ -34,8 +37,10 @@ struct EdgePlane {
   mtf::Image plane;
   std::vector<EdgeRegion> regions;  ///< given or found; empty: `reason`
   std::string reason;
-  std::string warning;            ///< "" = none
-  calib::MeasureOptions options;  ///< noise, quantum and clipping of these values
+  std::string warning;             ///< "" = none
+  std::vector<std::string> notes;  ///< what the file's own words did to its values, and which edges are left out
+  std::size_t left_out = 0, not_tried = 0;  ///< of the edges that were found (calib/find_edges.h)
+  calib::MeasureOptions options;            ///< noise, quantum and clipping of these values
   Linearisation linearisation;
 };
 

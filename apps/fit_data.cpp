@@ -70,8 +70,13 @@ void add_curves(LoadedData& loaded, const std::string& word, double sd, const st
   loaded.files.push_back(parts.file);
 }
 
-void add_edges(LoadedData& loaded, const EdgePlane& plane, std::size_t condition, int threads) {
+void add_remarks(LoadedData& loaded, const EdgePlane& plane) {
   if (!plane.warning.empty()) loaded.warnings.push_back(plane.warning);
+  loaded.warnings.insert(loaded.warnings.end(), plane.notes.begin(), plane.notes.end());
+}
+
+void add_edges(LoadedData& loaded, const EdgePlane& plane, std::size_t condition, int threads) {
+  add_remarks(loaded, plane);
   std::vector<MeasuredEdge> measured = measure_plane(plane, {}, threads);
   for (MeasuredEdge& edge : measured) {
     const calib::Roi& roi = edge.edge.roi;
@@ -147,6 +152,7 @@ LoadedData load_fit_data(const FitOptions& options, const SensorConfig& sensor, 
     load_or_leave_out(loaded, sets, [&] {
       for (EdgePlane& made : load_edge_planes(image, options.input, Regions::none)) {
         const EdgePlane& plane = loaded.planes.emplace_back(std::move(made));
+        add_remarks(loaded, plane);
         loaded.data.spots.push_back({.name = one_line(image),
                                      .image = plane.plane.view(),
                                      .roi = {0, 0, plane.plane.width(), plane.plane.height()},

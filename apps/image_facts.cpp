@@ -42,6 +42,19 @@ std::string meaning(const FileInfo& info) {
   return "not stated: radiance assumed, W.m^-2.sr^-1, unless [scene] of the sensor file gives another quantity";
 }
 
+/// What the file says of the curve of its values, and who follows it.
+std::string encoding_remark(const FileInfo& info) {
+  const auto& [word, source] = info.encoding;
+  if (source.empty()) return "";
+  if (word == "linear") return source + ": the values are linear";
+  if (word.empty())
+    return source +
+           " is not applied: measure and fit take the values as linear unless --encoding says their curve, "
+           "simulate asks for [scene] encoding";
+  return source + ": the values follow the curve " + word +
+         "; measure and fit undo it (--encoding linear: not), simulate asks for [scene] encoding";
+}
+
 void measure(ChannelFacts& facts, const mtf::Image& plane) {
   const mtf::Statistics s = mtf::statistics(plane.view());
   facts.statistics = s;
@@ -147,6 +160,7 @@ ImageFacts image_facts(const InfoOptions& options) {
   facts.path = options.file;
   facts.info = mtf::io::read_info(options.file);
   facts.values = meaning(facts.info);
+  if (std::string remark = encoding_remark(facts.info); !remark.empty()) facts.remarks.push_back(std::move(remark));
   const bool narrowed = options.channel || options.layer || options.part;
   for (const ChannelInfo& channel : facts.info.channels) {
     const bool in_layer = !options.layer || channel.layer == *options.layer ||

@@ -95,6 +95,9 @@ std::string as_json(const ImageFacts& facts) {
             {"data_window", info.data_window},
             {"display_window", info.display_window},
             {"values", facts.values}};
+  const auto& [word, source] = info.encoding;
+  json["encoding"] = word.empty() ? Json() : Json(word);
+  json["encoding_source"] = source.empty() ? Json() : Json(source);
   json["notes"] = facts.remarks;
   Json& channels = json["channels"] = Json::array();
   for (const ChannelFacts& facts_of : facts.channels) {

@@ -90,7 +90,8 @@ int run_measure(const MeasureOptions& options, const Global& global) {
   require_writable(outputs_of(options), files_of(options.input));
   if (options.iso12233 && options.circle)
     throw mtf::UsageError("--circle: --method iso12233 knows polynomials only; leave out one of the two");
-  MeasureReport report{.method = options.iso12233 ? "iso12233" : "regression", .edges = {}, .failed = {}};
+  MeasureReport report{
+      .method = options.iso12233 ? "iso12233" : "regression", .edges = {}, .left_out = {}, .failed = {}};
   const std::vector<std::string>& images = options.input.images;
   ProgressLine progress(global);
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -99,6 +100,9 @@ int run_measure(const MeasureOptions& options, const Global& global) {
       bool first = i == 0;
       for (const EdgePlane& plane : load_edge_planes(images[i], options.input)) {
         if (!plane.warning.empty()) note(global, "mtf: warning: " + plane.warning);
+        for (const std::string& remark : plane.notes) note(global, "mtf: note: " + remark);
+        if (plane.left_out + plane.not_tried > 0)
+          report.left_out.push_back({images[i], plane.channel, plane.left_out, plane.not_tried});
         const EdgeMethod method{.order = options.order, .circle = options.circle, .iso12233 = options.iso12233};
         std::vector<MeasuredEdge> edges = measure_plane(plane, method, global.threads);
         if (first && !options.annotate.empty()) annotate(options.annotate, plane, edges);

@@ -79,15 +79,19 @@ Json geometry(const EdgeMeasurement& edge) {
 Json provenance(const MeasuredEdge& measured) {
   const Linearisation& from = measured.linearisation;
   const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
+  const auto word_or_null = [](const std::string& word) { return word.empty() ? Json() : Json(word); };
   return {{"encoding", from.encoding},
+          {"encoding_source", from.encoding_source},
+          {"stated_encoding", word_or_null(from.stated.word)},
+          {"stated_by", word_or_null(from.stated.source)},
           {"storage", from.storage},
           {"whole_numbers", from.integer},
           {"full_scale", from.full_scale},
           {"step_at_mid_level", measured.quantum > 0.0 ? Json(measured.quantum) : Json()},
           {"floor", or_null(from.dark_end)},
           {"saturation", or_null(from.light_end)},
-          {"cfa_pattern", from.mosaic.empty() ? Json() : Json(from.mosaic)},
-          {"mask", from.mask.empty() ? Json() : Json(from.mask)}};
+          {"cfa_pattern", word_or_null(from.mosaic)},
+          {"mask", word_or_null(from.mask)}};
 }
 
 Json as_json(const MeasuredEdge& measured) {
@@ -231,6 +235,12 @@ std::string measure_csv(const MeasureReport& report) {
 std::string measure_json(const MeasureReport& report) {
   Json json{{"version", mtf::version}, {"method", report.method}, {"unit", "cycles/pixel"}, {"edges", Json::array()}};
   for (const MeasuredEdge& edge : report.edges) json["edges"].push_back(as_json(edge));
+  json["left_out"] = Json::array();
+  for (const LeftOutEdges& left : report.left_out)
+    json["left_out"].push_back({{"image", left.image},
+                                {"channel", left.channel.empty() ? Json() : Json(left.channel)},
+                                {"usable", left.usable},
+                                {"not_tried", left.not_tried}});
   json["failed"] = Json::array();
   for (const FailedImage& failed : report.failed)
     json["failed"].push_back({{"image", failed.image}, {"reason", failed.reason}});

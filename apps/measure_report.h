@@ -39,9 +39,16 @@ struct FailedImage {
   std::string image, reason;
 };
 
+/// Edges of a plane that were found and not measured (calib/find_edges.h).
+struct LeftOutEdges {
+  std::string image, channel;
+  std::size_t usable = 0, not_tried = 0;
+};
+
 struct MeasureReport {
   std::string method;
   std::vector<MeasuredEdge> edges;
+  std::vector<LeftOutEdges> left_out;
   std::vector<FailedImage> failed;
 };
 

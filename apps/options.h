@@ -105,10 +105,10 @@ struct EdgeInput {
   std::optional<std::string> channel;  ///< a full name, "luminance", or "all": each colour for itself
   std::optional<std::string> layer;
   std::optional<int> part;
-  std::string encoding = "linear";  ///< linear, srgb, gamma:2.2, or a CSV file of stored and linear values
-  std::string bayer;                ///< "", or the colours to take of a mosaic: r, gr, gb, b, g, all
-  std::string pattern;              ///< of the mosaic; "" = rggb
-  std::string mask;                 ///< image that is 0 where there are no data; "" = none
+  std::string encoding;  ///< linear, srgb, gamma:2.2, or a CSV file of stored and linear values; "" = as the file says
+  std::string bayer;     ///< "", or the colours to take of a mosaic: r, gr, gb, b, g, all
+  std::string pattern;   ///< of the mosaic; "" = rggb
+  std::string mask;      ///< image that is 0 where there are no data; "" = none
   std::vector<std::array<std::int64_t, 4>> regions;  ///< x, y, width, height; none: found
   std::string region_file;
   int most = 64;                               ///< edges found in an image

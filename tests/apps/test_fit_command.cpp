@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
 #include "tests/calib/made_edges.h"
+#include "tests/mtf/io/png_chunks.h"
 
 namespace {
 
@@ -57,6 +59,30 @@ TEST(FitCommand, FindsTheSensorOfTheDemo) {
   const Json& nyquist = measured.at("nyquist");
   EXPECT_NEAR(nyquist.at("value").get<double>(), at_nyquist("demo/sensor.toml --angle -5"),
               4.0 * nyquist.at("sd").get<double>());
+}
+
+// The same edge as a PNG that states its curve: undone, and said; taken as light it is another sensor's.
+TEST(FitCommand, TheCurveThatAFileStatesIsUndone) {
+  const Scratch scratch;
+  ASSERT_EQ(scratch.run("mtf demo -o demo").status, 0);
+  mtf::io::ImageFile edge = mtf::io::read_image((scratch / "demo/edge.exr").string());
+  mtf::Image& plane = edge.planes.front();
+  const float top = 1.25F * *std::max_element(plane.data(), plane.data() + plane.size());
+  for (std::int64_t i = 0; i < plane.size(); ++i)
+    plane.data()[i] = std::pow(std::max(0.0F, plane.data()[i] / top), 1.0F / 2.2F);
+  mtf::io::write_integer((scratch / "edge.png").string(), {{"Y", plane.view()}}, {1.0 / 65535.0, 0.0}, {});
+  io_test::add_chunks(scratch / "edge.png", {io_test::gamma_chunk(45455)});
+  const auto fit = [&](const std::string& options) {
+    return Json::parse(scratch.run("mtf fit demo/fit.toml " + options + " --format json").out);
+  };
+  const Json stated = fit("edge.png"), exact = fit("demo/edge.exr"), linear = fit("edge.png --encoding linear");
+  const Json& jitter = stated.at("parameters")[0];
+  // 16 bits through a curve: a hundredth of the standard error, which is the noise's.
+  EXPECT_NEAR(jitter.at("value").get<double>(), exact.at("parameters")[0].at("value").get<double>(),
+              0.02 * jitter.at("stderr").get<double>());
+  EXPECT_NE(stated.at("warnings").dump().find("gAMA chunk"), std::string::npos) << stated.at("warnings");
+  EXPECT_EQ(linear.at("warnings").dump().find("gAMA chunk"), std::string::npos) << linear.at("warnings");
+  EXPECT_GT(std::abs(linear.at("parameters")[0].value("value", 0.0) - 2.0), 10.0 * jitter.at("stderr").get<double>());
 }
 
 TEST(FitCommand, EveryOutputIsWritten) {

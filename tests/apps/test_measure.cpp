@@ -11,6 +11,8 @@
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
 #include "tests/calib/made_edges.h"
+#include "tests/calib/made_scenes.h"
+#include "tests/mtf/io/png_chunks.h"
 
 namespace {
 
@@ -101,17 +103,102 @@ TEST(Measure, Iso12233IsLowAndSaysSo) {
   EXPECT_FALSE(edge.at("warnings").empty());
 }
 
+/// 16 bits through the curve of IEC 61966-2-1, or 1 / 2.2.
+void add_coded(const Scratch& scratch, const char* name, const mtf::Image& image, bool srgb = true) {
+  mtf::Image coded = image.clone();
+  for (std::int64_t i = 0; i < coded.size(); ++i) {
+    const double l = coded.data()[i];
+    const double v = !srgb            ? std::pow(l, 1.0 / 2.2)
+                     : l <= 0.0031308 ? 12.92 * l
+                                      : 1.055 * std::pow(l, 1.0 / 2.4) - 0.055;
+    coded.data()[i] = static_cast<float>(v);
+  }
+  mtf::io::write_integer((scratch / name).string(), {{"Y", coded.view()}}, {1.0 / 65535.0, 0.0}, {});
+}
+
+/// An edge in JSON less its provenance, which is where runs of the same numbers differ.
+Json numbers_of(const Json& report) {
+  Json edge = report.at("edges").at(0);
+  for (const char* key : {"image", "linearisation"}) edge.erase(key);
+  return edge;
+}
+
+TEST(Measure, TheCurveThatAFileStatesIsUndone) {
+  const Scratch scratch;
+  const mtf::Image image = made::make(made::Step::gaussian(0.3), {.noise_sd = 0.005});
+  add_coded(scratch, "plain.png", image);
+  add_coded(scratch, "srgb.png", image);
+  io_test::add_chunks(scratch / "srgb.png", {io_test::srgb_chunk(), io_test::gamma_chunk(45455)});
+  add_coded(scratch, "gamma.png", image, false);
+  io_test::add_chunks(scratch / "gamma.png", {io_test::gamma_chunk(45455)});
+
+  // As if it had been asked for: values, weights of the rounding, deviations.
+  const Json stated = measure(scratch, "srgb.png"), asked = measure(scratch, "plain.png --encoding srgb");
+  EXPECT_EQ(numbers_of(stated), numbers_of(asked));
+  EXPECT_EQ(stated.at("edges")[0].at("linearisation").at("step_at_mid_level"),
+            asked.at("edges")[0].at("linearisation").at("step_at_mid_level"));
+  const Json linearisation = stated.at("edges")[0].at("linearisation");
+  EXPECT_EQ(linearisation.at("encoding"), "srgb");
+  EXPECT_EQ(linearisation.at("encoding_source"), "sRGB chunk");
+  EXPECT_EQ(linearisation.at("stated_encoding"), "srgb");
+  const Json gamma = measure(scratch, "gamma.png").at("edges")[0];
+  EXPECT_EQ(gamma.at("linearisation").at("encoding"), "gamma:2.2");
+  for (const Json& edge : {stated.at("edges")[0], gamma})
+    EXPECT_NEAR(value(edge, "mtf50"), 0.3, 5.0 * edge.at("mtf50").at("sd").get<double>());
+
+  // The user's word is the last one.
+  const Json linear = measure(scratch, "srgb.png --encoding linear");
+  EXPECT_EQ(numbers_of(linear), numbers_of(measure(scratch, "plain.png")));
+  EXPECT_EQ(linear.at("edges")[0].at("linearisation").at("encoding_source"), "--encoding");
+  EXPECT_EQ(linear.at("edges")[0].at("linearisation").at("stated_by"), "sRGB chunk");
+  EXPECT_EQ(measure(scratch, "plain.png").at("edges")[0].at("linearisation").at("encoding_source"), "assumed");
+}
+
+TEST(Measure, WhatAFileStatesIsSaid) {
+  const Scratch scratch;
+  const mtf::Image image = made::make(made::Step::gaussian(0.3), {});
+  for (const char* name : {"srgb.png", "adobe.png", "linear.png"}) add_coded(scratch, name, image);
+  io_test::add_chunks(scratch / "srgb.png", {io_test::srgb_chunk()});
+  io_test::add_chunks(scratch / "adobe.png", {io_test::profile_chunk("Adobe RGB (1998)")});
+  io_test::add_chunks(scratch / "linear.png", {io_test::gamma_chunk(100000)});
+  const auto said = [&](const std::string& command) { return scratch.run("mtf " + command).err; };
+  const std::string note = said("measure srgb.png");
+  for (const char* part : {"mtf: note: srgb.png: sRGB chunk", "srgb is undone", "--encoding linear"})
+    EXPECT_NE(note.find(part), std::string::npos) << note;
+  EXPECT_NE(said("measure adobe.png").find("\"Adobe RGB (1998)\" is not applied"), std::string::npos);
+  for (const char* silent : {"measure srgb.png --encoding srgb", "measure srgb.png --encoding linear",
+                             "measure adobe.png --encoding gamma", "measure linear.png"})
+    EXPECT_EQ(said(silent), "") << silent;
+  const auto info = [&](const std::string& name) {
+    return Json::parse(scratch.run("mtf info " + name + " --format json").out);
+  };
+  EXPECT_EQ(info("srgb.png").at("encoding"), "srgb");
+  EXPECT_EQ(info("srgb.png").at("encoding_source"), "sRGB chunk");
+  EXPECT_TRUE(info("adobe.png").at("encoding").is_null());
+  EXPECT_NE(scratch.run("mtf info srgb.png").out.find("[scene] encoding"), std::string::npos);
+}
+
+TEST(Measure, EdgesThatAreLeftOutAreCounted) {
+  const Scratch scratch;
+  mtf::Image image = calib::test::made_scene(300, 200, {}, 0.005);
+  for (const double x : {60.0, 150.0, 240.0})
+    for (const double y : {55.0, 145.0}) calib::test::add_rectangle(image, {x, y}, 22.0, 22.0, 7.0, -0.6);
+  mtf::io::write_exr((scratch / "chart.exr").string(), {{"Y", image.view()}}, {});
+  const Json all = measure(scratch, "chart.exr");
+  EXPECT_EQ(all.at("edges").size(), 24U);
+  EXPECT_EQ(all.at("left_out"), Json::array());
+  const Result few = scratch.run("mtf measure chart.exr --edges 5 --format json");
+  const Json left = Json::parse(few.out).at("left_out").at(0);
+  EXPECT_EQ(left.at("usable"), 19);
+  EXPECT_EQ(left.at("not_tried"), 0);
+  EXPECT_NE(few.err.find("the best 5 of 24 usable edges"), std::string::npos) << few.err;
+}
+
 TEST(Measure, EncodedMosaicAndMaskedImages) {
   const Scratch scratch;
   static const made::Step step = made::Step::gaussian(0.3);
   mtf::Image image = made::make(step, {.width = 160, .height = 160});
-  // A 16-bit PNG through the sRGB curve.
-  mtf::Image coded = image.clone();
-  for (std::int64_t i = 0; i < coded.size(); ++i) {
-    const double l = coded.data()[i];
-    coded.data()[i] = static_cast<float>(l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1.0 / 2.4) - 0.055);
-  }
-  mtf::io::write_integer((scratch / "srgb.png").string(), {{"Y", coded.view()}}, {1.0 / 65535.0, 0.0}, {});
+  add_coded(scratch, "srgb.png", image);
   EXPECT_NEAR(value(measure(scratch, "srgb.png --encoding srgb").at("edges")[0], "mtf50"), 0.3, 0.0005);
   EXPECT_GT(std::abs(value(measure(scratch, "srgb.png").at("edges")[0], "mtf50") - 0.3), 0.001);
 
