@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Lateral diffusion of charge generated behind the depletion layer of a back- or front-lit detector.
+// Lateral diffusion in a front-lit detector: charge from the field-free bulk behind the depletion layer spreads.
 //   otf = [1 - exp(-W/A) / (1 + L(f)/A)] / [1 - exp(-W/A) / (1 + L0/A)],  L(f) = L0 / sqrt(1 + (2 pi L0 |f|)^2)
 // A = absorption length (1 / absorption coefficient), W = depth of the depletion layer, L0 = diffusion length. Light
-// absorbed within W is collected where it fell, so the otf ends on a floor above 0 unless W = 0. Real, positive,
-// radial. Valid for a thick detector (no reflection of carriers at the far side). A depends on the wavelength through
-// the material: give the mean of the band. Do not use it beside `crosstalk` for the same measured spread. (Seib, IEEE
-// Trans. Electron Devices 21, 210 (1974).)
+// absorbed within W is collected where it fell: a floor above 0 unless W = 0. The bulk is thicker than A and L0 by far
+// (nothing returns from its other side). Light from the back crosses the bulk first and spreads more: not by this
+// formula, take a `curve`. Real, positive, radial. A depends on the wavelength: give the mean of the band. Do not use
+// it beside `crosstalk` for the same measured spread. (Seib, IEEE Trans. Electron Devices 21, 210 (1974).)
 
 #include "mtf/components/field.h"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include "mtf/quadrature.h"
 #include "mtf/special.h"
 #include "tests/mtf/components/one_component.h"
 
@@ -30,6 +31,27 @@ TEST(Diffusion, equals_the_fraction_as_published) {
           const double expected = (1.0 - left / (1.0 + l / a)) / (1.0 - left / (1.0 + l0 / a));
           EXPECT_NEAR(otf_at(diffusion(a, w, l0), 0.6 * f, -0.8 * f).re, expected, 1e-13);
         }
+}
+
+// The illumination that the header states, by its own integral: light from the front is absorbed at a depth z with
+// exp(-z/A)/A; charge from within W is collected at once, from behind W it comes back with exp(-(z - W)/L(f)), as in
+// field-free material without another side.
+TEST(Diffusion, is_that_of_light_from_the_front) {
+  const double a = 10.0, w = 3.0, l0 = 20.0;
+  const auto share = [&](double l) {
+    const GaussRule& rule = gauss_legendre(64);
+    double sum = -std::expm1(-w / a);
+    for (int panel = 0; panel < 40; ++panel)  // to 40 A
+      for (std::size_t i = 0; i < rule.node.size(); ++i) {
+        const double z = w + a * (panel + 0.5 + 0.5 * rule.node[i]);
+        sum += 0.5 * rule.weight[i] * std::exp(-z / a - (z - w) / l);
+      }
+    return sum;
+  };
+  for (const double f : {3.0, 15.0, 60.0, 300.0}) {
+    const double u = 2.0 * kPi * l0 * 1e-3 * f, l = l0 / std::sqrt(1.0 + u * u);
+    EXPECT_NEAR(otf_at(diffusion(a, w, l0), f, 0.0).re, share(l) / share(l0), 1e-13) << f;
+  }
 }
 
 // What is absorbed in the depletion layer stays sharp; all of it when that is deep.
