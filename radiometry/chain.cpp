@@ -83,6 +83,7 @@ Camera<double> camera_of(const mtf::System<double>& system, const Sensor& sensor
   if (!(camera.f_number > 0.0))
     throw mtf::UsageError("optics.f_number: missing; electrons need it: write f_number or aperture in [optics]");
   require_valid("optics", camera);
+  static_cast<void>(cone_sr(camera));
   return camera;
 }
 

@@ -40,7 +40,7 @@ struct Sensor {
 void require_consistent(const mtf::System<double>& system, const Sensor& sensor);
 
 /// Camera and pixel of a sensor as the camera equation takes them. What a curve gives is 1 there. Throws UsageError for
-/// what is missing: an f-number, an integration time, [detector].
+/// what is missing: an f-number, an integration time, [detector]; and as cone_sr.
 Camera<double> camera_of(const mtf::System<double>& system, const Sensor& sensor);
 Pixel<double> pixel_of(const mtf::System<double>& system, const Sensor& sensor);
 /// Converter of a sensor with [adc]. Throws UsageError when it has neither electrons_per_count nor a full well.

@@ -64,7 +64,10 @@ std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Se
   add("veiling glare", s.glare ? terms({{"spread", s.glare->fraction}, {"added", s.glare->offset}}, "of the mean") : "",
       "no [veiling_glare]");
   add("ghost", s.ghost ? rounded(s.ghost->fraction) + " of the light, mirrored" : "", "no [ghost]");
-  add("light", rounded(electrons_per_radiance(camera, pixel)) + " e- for 1 ph s^-1 m^-2 sr^-1", "");
+  add("light",
+      rounded(electrons_per_radiance(camera, pixel)) + " e- for 1 ph s^-1 m^-2 sr^-1; cone of " +
+          rounded(cone_sr(camera)) + " sr by the " + std::string(kConeNames[static_cast<std::size_t>(camera.cone)]),
+      "");
   add("vignetting",
       !s.vignetting        ? ""
       : sensor.vignetting  ? s.vignetting->map

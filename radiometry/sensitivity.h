@@ -9,8 +9,8 @@
 //   NETD  temporal noise / (d electrons / dT)
 //   NEI   noise / (QE A t), photons s^-1 m^-2 at the detector
 //   D*    sqrt(A df) / NEP, df = 1/(2 t), NEP = noise h c / (lambda QE t)
-//   NETD from D* = sqrt(df) / (pi/(1 + 4 N^2) tau sqrt(A) integral of D* dL/dT dlambda)
-// (Lloyd, Thermal Imaging Systems, ch. 5, with 4 N^2 there in place of 1 + 4 N^2.)
+//   NETD from D* = sqrt(df) / (cone tau sqrt(A) integral of D* dL/dT dlambda), cone as in signal.h
+// (Lloyd, Thermal Imaging Systems, ch. 5, with pi/(4 N^2) for the cone.)
 
 #include <string>
 #include <vector>

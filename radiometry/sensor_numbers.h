@@ -90,6 +90,7 @@ Camera<S> camera_numbers(const mtf::System<S>& system, const SensorSettings& set
   camera.optics_emissivity = numbers("optics.emissivity", optics.emissivity);
   camera.obscuration_emissivity = numbers("optics.obscuration_emissivity", optics.obscuration_emissivity);
   camera.stop_emissivity = numbers("optics.stop_emissivity", optics.stop_emissivity);
+  camera.cone = optics.cone;
   return camera;
 }
 

@@ -108,6 +108,7 @@ struct OpticsSettings {
   double temperature_k = 0.0;
   double stop_emissivity = 1.0;
   double stop_temperature_k = 0.0;
+  Cone cone = Cone::tangent;
 
   static constexpr auto fields() {
     using enum mtf::Dimension;
@@ -127,7 +128,11 @@ struct OpticsSettings {
               &OpticsSettings::stop_emissivity},
         Field{optional_row("stop_temperature", temperature, "K", 0.0, 1e9, "\"77 K\"",
                            "of what surrounds the cone of light"),
-              &OpticsSettings::stop_temperature_k}};
+              &OpticsSettings::stop_temperature_k},
+        Field{
+            optional_row("cone", "\"sine\"",
+                         "half angle of the cone of light: its tangent is 1/(2 N) (cold stop), or its sine (aplanat)"),
+            &OpticsSettings::cone}};
   }
 };
 

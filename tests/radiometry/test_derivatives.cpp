@@ -60,5 +60,20 @@ TEST(RadiometryJets, netd_against_differences) {
   EXPECT_LT(value.v[1], 0.0);
 }
 
+/// Irradiance around the cone over that inside of it, by both cones.
+template <class S>
+S around(const S& f_number, Cone cone) {
+  const Camera<S> camera{.f_number = f_number, .cone = cone};
+  return around_cone_sr(camera) / irradiance(camera, S(1));
+}
+
+TEST(RadiometryJets, cones) {
+  for (const Cone cone : {Cone::tangent, Cone::sine})
+    for (const double n : {0.6, 2.5}) {
+      const double h = 1e-5 * n;
+      EXPECT_NEAR(around(Jet(n, 0), cone).v[0], (around(n + h, cone) - around(n - h, cone)) / (2 * h), 1e-7);
+    }
+}
+
 }  // namespace
 }  // namespace radiometry

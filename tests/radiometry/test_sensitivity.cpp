@@ -79,6 +79,10 @@ TEST(Budget, netd_by_dstar_equals_netd_by_electrons) {
   const double per_um = dstar_jones(pixel, b.temporal_e, 1.0);
   const double weighted = per_um * kPhotonEnergy_j_um * band_derivative(Flux::photons, e.lo, e.hi, 300.0);
   EXPECT_NEAR(netd_from_dstar_k(camera, pixel, weighted), b.netd_k, 1e-14 * b.netd_k * 10);
+  // By the cone of an aplanat, F/2: 1/16 in place of 1/17.
+  Camera<double> aplanat = camera;
+  aplanat.cone = Cone::sine;
+  EXPECT_NEAR(netd_from_dstar_k(aplanat, pixel, weighted) / b.netd_k, 16.0 / 17.0, 1e-13);
   // Background-limited D* at the peak of an ideal LWIR detector, of the order known from textbooks (1e10 ... 1e11).
   EXPECT_GT(dstar_jones(pixel, b.temporal_e, 12.0), 1e10);
   EXPECT_LT(dstar_jones(pixel, b.temporal_e, 12.0), 1e12);

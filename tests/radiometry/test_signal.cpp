@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "mtf/quadrature.h"
 #include "radiometry/band_response.h"
 #include "radiometry/constants.h"
 #include "radiometry/spectral_signal.h"
@@ -47,17 +48,34 @@ TEST(Signal, a_cavity_of_one_temperature_is_black) {
   Pixel<double> pixel = mwir_pixel();
   pixel.dark_e_s = 0.0;
   const double radiance = band_radiance(Flux::photons, 3.0, 5.0, 300.0);
-  const Signal<double> s = signal(camera, pixel, {radiance, 0.0, radiance, radiance});
   const double hemisphere = mtf::kPi * radiance * pixel.quantum_efficiency * pixel.area_m2() * pixel.integration_s;
-  EXPECT_NEAR(s.total_e(), hemisphere, 1e-14 * hemisphere);
+  for (camera.cone = Cone::tangent; const double n : {2.5, 0.7, 2.5, 0.5, 1000.0}) {
+    camera.f_number = n;
+    const Signal<double> s = signal(camera, pixel, {radiance, 0.0, radiance, radiance});
+    EXPECT_NEAR(s.total_e(), hemisphere, 1e-14 * hemisphere) << n;
+    if (n == 0.7) camera.cone = Cone::sine;
+  }
 }
 
 TEST(Signal, solid_angles) {
-  for (const double n : {0.5, 1.0, 2.5, 1e6}) {
-    EXPECT_NEAR(cone_sr(n) + around_cone_sr(n), mtf::kPi, 1e-15);
-    const double sine = std::sin(std::atan(0.5 / n));
-    EXPECT_NEAR(cone_sr(n), mtf::kPi * sine * sine, 1e-15);
-  }
+  for (const double n : {0.5, 1.0, 2.5, 1e6})
+    for (const Cone cone : {Cone::tangent, Cone::sine}) {
+      const Camera<double> camera{.f_number = n, .cone = cone};
+      EXPECT_NEAR(cone_sr(camera) + around_cone_sr(camera), mtf::kPi, 1e-15);
+      const double angle = cone == Cone::sine ? std::asin(0.5 / n) : std::atan(0.5 / n);
+      // What falls on the pixel from within the cone: the integral of cos over its solid angle.
+      const mtf::GaussRule rule = mtf::mean_rule(0.0, angle, 24);
+      double projected = 0.0;
+      for (std::size_t i = 0; i < rule.node.size(); ++i)
+        projected += rule.weight[i] * angle * 2.0 * mtf::kPi * std::cos(rule.node[i]) * std::sin(rule.node[i]);
+      EXPECT_NEAR(cone_sr(camera) / projected, 1.0, 1e-13) << n;
+    }
+  // Irradiance of an aplanatic lens: pi L (1 - eta^2)/(4 N^2).
+  const Camera<double> aplanat{.f_number = 2.0, .obscuration = 0.3, .cone = Cone::sine};
+  EXPECT_NEAR(irradiance(aplanat, 1.0), mtf::kPi * 0.91 / 16.0, 1e-16);
+  const Camera<double> fast{.f_number = 0.4999, .cone = Cone::sine};
+  for (const auto& of : {cone_sr<double>, around_cone_sr<double>})
+    expect_refused({"optics.cone", "0.4999", "0.5 or above", "tangent"}, [&] { of(fast); });
 }
 
 // Photons against watts, through all curves, the path included.
