@@ -50,8 +50,7 @@ int run_budget(const BudgetOptions& options, const Global& global) {
   if (loaded.paths) note(global, "note: the path has the range of each pixel; this budget is for none");
   const radiometry::Budget<double> budget = budget_of(config.system, loaded.sensor, options.temperature_k);
   Rows rows = radiometry::rows(budget);
-  rows.push_back({"dstar", "cm Hz^1/2 W^-1", dstar_of(config.system, loaded.sensor, budget),
-                  "D* at the middle of the band, temporal noise"});
+  rows.push_back(dstar_row(config.system, loaded.sensor, budget));
   switch (options.format) {
     case Format::table:
       emit(options.out, as_table(rows));

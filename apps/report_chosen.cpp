@@ -46,8 +46,7 @@ void add_budget(ChosenDesign& design, double temperature_k) {
     const LoadedSensor loaded = load_chain(design.config);
     const radiometry::Budget<double> budget = budget_of(design.config.system, loaded.sensor, temperature_k);
     design.budget = radiometry::rows(budget);
-    design.budget.push_back({"dstar", "cm Hz^1/2 W^-1", dstar_of(design.config.system, loaded.sensor, budget),
-                             "D* at the middle of the band, temporal noise"});
+    design.budget.push_back(dstar_row(design.config.system, loaded.sensor, budget));
   } catch (const std::exception& error) {
     design.budget_gap = one_line(error.what());
   }

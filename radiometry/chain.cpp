@@ -50,6 +50,7 @@ void require_consistent(const mtf::System<double>& system, const Sensor& sensor)
   const SensorSettings& s = sensor.settings;
   if (!s.detector) return;
   camera_of(system, sensor);
+  stop_range(sensor.curves, s.optics.value_or(OpticsSettings{}).stop_band);
   const Pixel<double> pixel = pixel_of(system, sensor);
   if (s.adc) adc_of(sensor);
   if (s.nonlinearity && std::isfinite(pixel.full_well_e)) Response(*s.nonlinearity, pixel.full_well_e);
@@ -187,8 +188,7 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
                                system.frame.pitch_y_um, s.axis.value_or(OpticalAxis{}));
 
   const OpticsSettings warm = s.optics.value_or(OpticsSettings{});
-  const BandRadiances<double> radiances =
-      band_radiances(sensor.curves, {.temperature_k = 0.0}, {}, {warm.temperature_k, warm.stop_temperature_k});
+  const BandRadiances<double> radiances = band_radiances(sensor.curves, {.temperature_k = 0.0}, {}, emission_of(warm));
   const Signal<double> background = signal(
       impl->camera, impl->pixel, {.scene = 0.0, .path = 0.0, .optics = radiances.optics, .stop = radiances.stop});
 

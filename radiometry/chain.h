@@ -121,6 +121,8 @@ double flicker_rms_e(const mtf::System<double>& system, const SensorSettings& se
 
 /// D* in cm sqrt(Hz) / W of that budget's temporal noise, at the middle of the band: the quantum efficiency there.
 double dstar_of(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget);
+/// The same as a row of the budget, which says the wavelength.
+BudgetRow dstar_row(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget);
 
 /// Every stage in its order, those that are off with the table that would switch them on.
 std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Sensor& sensor);

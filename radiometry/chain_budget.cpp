@@ -2,29 +2,52 @@
 
 // The budget of a sensor file, from the same numbers as its chain.
 
+#include <algorithm>
 #include <cmath>
 
-#include "radiometry/chain.h"
-#include "radiometry/sensor_numbers.h"
+#include "radiometry/sensor_budget.h"
 
 namespace radiometry {
+
+bool is_spectral(std::string_view path) {
+  constexpr std::array<std::string_view, 7> paths{"optics.temperature", "optics.stop_temperature", "path.transmission",
+                                                  "path.radiance",      "path.air_temperature",    "scene.emissivity",
+                                                  "scene.surroundings"};
+  return std::find(paths.begin(), paths.end(), path) != paths.end();
+}
+
+SpectralNumbers<double> spectral_numbers(const Sensor& sensor, double temperature_k, double warmer_k,
+                                         const Overrides<double>& numbers) {
+  const SensorSettings& settings = sensor.settings;
+  const double given = settings.scene ? settings.scene->surroundings_k.value_or(0.0) : 0.0;
+  Surface surface{temperature_k, sensor.emissivity, numbers("scene.surroundings", given)};
+  Path path = sensor.path;
+  const auto constant = [&](std::string_view name, Spectrum& spectrum, double most) {
+    if (const double* value = numbers.find(name)) spectrum = constant_spectrum(std::string(name), *value, most);
+  };
+  constant("scene.emissivity", surface.emissivity, 1.0);
+  constant("path.transmission", path.transmission, 1.0);
+  constant("path.radiance", path.radiance, std::numeric_limits<double>::max());
+  const double* air = numbers.find("path.air_temperature");
+  if (settings.path && (air != nullptr || settings.path->air_temperature_k)) {  // what air takes it emits
+    const Path absorbing = absorbing_path(path.transmission, air != nullptr ? *air : *settings.path->air_temperature_k);
+    path.emissivity = absorbing.emissivity;
+    path.air_temperature_k = absorbing.air_temperature_k;
+  }
+  CameraEmission emission = emission_of(settings.optics.value_or(OpticsSettings{}));
+  emission.optics_k = numbers("optics.temperature", emission.optics_k);
+  emission.stop_k = numbers("optics.stop_temperature", emission.stop_k);
+  return {.radiances = band_radiances(sensor.curves, surface, path, emission),
+          .per_k = scene_derivative(sensor.curves, surface, path),
+          .contrast = warmer_k == 0.0 ? 0.0 : scene_difference(sensor.curves, surface, path, warmer_k),
+          .quantum_efficiency = mean_quantum_efficiency(sensor.curves, surface, path)};
+}
+
 Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor, double temperature_k) {
   require_consistent(system, sensor);
-  const Camera<double> camera = camera_of(system, sensor);
-  const Pixel<double> pixel = pixel_of(system, sensor);
-  const OpticsSettings warm = sensor.settings.optics.value_or(OpticsSettings{});
-  const double surroundings_k = sensor.settings.scene ? sensor.settings.scene->surroundings_k.value_or(0.0) : 0.0;
-  const Surface surface{temperature_k, sensor.emissivity, surroundings_k};
-  const BandRadiances<double> radiances =
-      band_radiances(sensor.curves, surface, sensor.path, {warm.temperature_k, warm.stop_temperature_k});
-  const double per_k = electrons_per_radiance(camera, pixel) * scene_derivative(sensor.curves, surface, sensor.path);
-  Signal<double> electrons = signal(camera, pixel, radiances);
-  if (const auto& narcissus = sensor.settings.narcissus) {
-    electrons.optics_e *= 1.0 - narcissus->depth;
-    electrons.stop_e *= 1.0 - narcissus->depth;
-  }
-  return make_budget(pixel, electrons, noise_numbers(sensor.settings, pixel, flicker_rms_e(system, sensor.settings)),
-                     per_k);
+  pixel_of(system, sensor);  // that there is a [detector]
+  return sensor_budget(system, sensor.settings, spectral_numbers(sensor, temperature_k),
+                       flicker_rms_e(system, sensor.settings));
 }
 
 double flicker_rms_e(const mtf::System<double>& system, const SensorSettings& settings) {
@@ -35,11 +58,21 @@ double flicker_rms_e(const mtf::System<double>& system, const SensorSettings& se
   return std::sqrt(flicker_variance(*settings.flicker, columns, rows));
 }
 
+namespace {
+double middle_um(const Sensor& sensor) { return 0.5 * (sensor.curves.band.lo_um + sensor.curves.band.hi_um); }
+}  // namespace
+
 double dstar_of(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget) {
   Pixel<double> pixel = pixel_of(system, sensor);
-  const double middle_um = 0.5 * (sensor.curves.band.lo_um + sensor.curves.band.hi_um);
-  for (const Spectrum& curve : sensor.curves.quantum_efficiency) pixel.quantum_efficiency *= evaluate(curve, middle_um);
-  return dstar_jones(pixel, budget.temporal_e, middle_um);
+  const double wavelength_um = middle_um(sensor);
+  for (const Spectrum& curve : sensor.curves.quantum_efficiency)
+    pixel.quantum_efficiency *= evaluate(curve, wavelength_um);
+  return dstar_jones(pixel, budget.temporal_e, wavelength_um);
+}
+
+BudgetRow dstar_row(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget) {
+  return {"dstar", "cm Hz^1/2 W^-1", dstar_of(system, sensor, budget),
+          "D* at " + mtf::format_double(middle_um(sensor)) + " um, the middle of the band, temporal noise"};
 }
 
 }  // namespace radiometry

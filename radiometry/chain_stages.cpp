@@ -64,9 +64,11 @@ std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Se
   add("veiling glare", s.glare ? terms({{"spread", s.glare->fraction}, {"added", s.glare->offset}}, "of the mean") : "",
       "no [veiling_glare]");
   add("ghost", s.ghost ? rounded(s.ghost->fraction) + " of the light, mirrored" : "", "no [ghost]");
+  const bool weighted = tap_quantity(sensor, Tap::irradiance) != tap_quantity({}, Tap::irradiance);
   add("light",
-      rounded(electrons_per_radiance(camera, pixel)) + " e- for 1 ph s^-1 m^-2 sr^-1; cone of " +
-          rounded(cone_sr(camera)) + " sr by the " + std::string(kConeNames[static_cast<std::size_t>(camera.cone)]),
+      rounded(electrons_per_radiance(camera, pixel)) + " e- for 1 ph s^-1 m^-2 sr^-1" +
+          (weighted ? ", weighted by the curves" : "") + "; cone of " + rounded(cone_sr(camera)) + " sr by the " +
+          std::string(kConeNames[static_cast<std::size_t>(camera.cone)]),
       "");
   add("vignetting",
       !s.vignetting        ? ""
@@ -82,7 +84,11 @@ std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Se
       s.shutter ? "global" : "no [shutter]: global");
   add("warm optics", terms({{"emit at", warm.emissivity > 0.0 ? warm.temperature_k : 0.0}}, "K"),
       "no temperature or emissivity in [optics]");
-  add("stop", terms({{"emits at", warm.stop_emissivity > 0.0 ? warm.stop_temperature_k : 0.0}}, "K"),
+  const std::string stop = terms({{"emits at", warm.stop_emissivity > 0.0 ? warm.stop_temperature_k : 0.0}}, "K");
+  add("stop",
+      stop.empty()
+          ? ""
+          : stop + ", counted from " + describe(stop_range(sensor.curves, warm.stop_band)) + ", past the cold filter",
       "no stop_temperature in [optics]");
   add("narcissus", s.narcissus ? rounded(s.narcissus->depth) + " of the background" : "", "no [narcissus]");
   add("responsivity", sensor.responsivity ? unequal.responsivity : terms({{"prnu", unequal.prnu}}, "rms"),

@@ -7,8 +7,9 @@
 //   quantisation   step / sqrt(12), for a step of one count in electrons (values spread over several counts)
 // Spatial terms: responsivity (PRNU x electrons of light), offset (DSNU), both after correction.
 //   NETD  temporal noise / (d electrons / dT)
-//   NEI   noise / (QE A t), photons s^-1 m^-2 at the detector
-//   D*    sqrt(A df) / NEP, df = 1/(2 t), NEP = noise h c / (lambda QE t)
+//   NEI   noise / (QE A t), photons s^-1 m^-2 at the detector, of the spectrum that the scene has there; QE the mean
+//         over those photons
+//   D*    sqrt(A df) / NEP, df = 1/(2 t), NEP = noise h c / (lambda QE t), at one wavelength: QE there
 //   NETD from D* = sqrt(df) / (cone tau sqrt(A) integral of D* dL/dT dlambda), cone as in signal.h
 // (Lloyd, Thermal Imaging Systems, ch. 5, with pi/(4 N^2) for the cone.)
 
@@ -99,6 +100,7 @@ struct Budget {
   Signal<S> signal;
   S well_fill{};
   S signal_per_k{};  ///< d electrons / dT
+  S contrast_e{};    ///< electrons that a target has more than the scene, where one is given (sensor_budget.h)
   // Temporal noise, e- rms.
   S scene_shot_e{}, background_shot_e{}, dark_shot_e{}, read_e{}, reset_e{}, other_e{}, quantisation_e{};
   S temporal_e{};  ///< their root sum of squares
@@ -115,6 +117,7 @@ struct Budget {
 };
 
 /// `signal_per_k` in electrons per K: electrons_per_radiance x scene_derivative, or a difference of signals.
+/// `pixel.quantum_efficiency`: the whole one, with mean_quantum_efficiency where curves have a part in it.
 template <class S>
 Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const NoiseTerms<S>& noise,
                       const S& signal_per_k) {

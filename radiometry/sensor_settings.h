@@ -25,6 +25,7 @@
 #include "radiometry/sensitivity.h"
 #include "radiometry/shutter.h"
 #include "radiometry/signal.h"
+#include "radiometry/spectral_signal.h"
 #include "radiometry/veiling_glare.h"
 #include "radiometry/vignetting.h"
 
@@ -108,6 +109,7 @@ struct OpticsSettings {
   double temperature_k = 0.0;
   double stop_emissivity = 1.0;
   double stop_temperature_k = 0.0;
+  StopBand stop_band = StopBand::band;
   Cone cone = Cone::tangent;
 
   static constexpr auto fields() {
@@ -129,12 +131,21 @@ struct OpticsSettings {
         Field{optional_row("stop_temperature", temperature, "K", 0.0, 1e9, "\"77 K\"",
                            "of what surrounds the cone of light"),
               &OpticsSettings::stop_temperature_k},
+        Field{optional_row("stop_band", "\"response\"",
+                           "where its emission counts: in the band (band), or over the whole curve of the quantum "
+                           "efficiency (response)"),
+              &OpticsSettings::stop_band},
         Field{
             optional_row("cone", "\"sine\"",
                          "half angle of the cone of light: its tangent is 1/(2 N) (cold stop), or its sine (aplanat)"),
             &OpticsSettings::cone}};
   }
 };
+
+/// What [optics] says of the camera's own emission.
+inline CameraEmission emission_of(const OpticsSettings& optics) {
+  return {optics.temperature_k, optics.stop_temperature_k, optics.stop_band};
+}
 
 struct DetectorSettings {
   std::optional<double> width_um{}, height_um{};  ///< of the active area; else the pitch

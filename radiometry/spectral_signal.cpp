@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mtf/quadrature.h"
 #include "radiometry/band_response.h"
 #include "radiometry/constants.h"
 
@@ -34,14 +35,17 @@ void require_temperature(const char* what, double temperature_k) {
                           " K; a temperature is 0 or above, in kelvin");
 }
 
-/// All wavelengths that the detector answers to, where curves say so, else the band.
-Interval detector_band(const SpectralCamera& camera) {
-  Interval own;
-  for (const Spectrum& curve : camera.quantum_efficiency) {
-    const Interval range = range_of(curve);
-    own = {std::max(own.lo_um, range.lo_um), std::min(own.hi_um, range.hi_um)};
-  }
-  return own.lo_um > 0.0 && own.hi_um > own.lo_um ? own : camera.band;
+Curves scene_curves(const SpectralCamera& camera, const Path& path) {
+  Curves curves = behind_aperture(camera);
+  curves.push_back(path.transmission);
+  return curves;
+}
+
+/// BandRadiances::scene.
+double scene_photons(const SpectralCamera& camera, const Surface& surface, const Path& path) {
+  const Curves curves = scene_curves(camera, path);
+  return thermal(camera.band, curves, surface.emissivity, surface.temperature_k) +
+         thermal(camera.band, curves, complement(surface.emissivity), surface.surroundings_k);
 }
 
 }  // namespace
@@ -51,13 +55,27 @@ Spectrum photons_per_joule(const Interval& band) {
                        {band.lo_um / kPhotonEnergy_j_um, band.hi_um / kPhotonEnergy_j_um});
 }
 
+Interval stop_range(const SpectralCamera& camera, StopBand stop_band) {
+  if (stop_band == StopBand::band) return camera.band;
+  Interval own{0.0, mtf::kInfinity};
+  for (const Spectrum& curve : camera.quantum_efficiency) {
+    const Interval range = range_of(curve);
+    own = {std::max(own.lo_um, range.lo_um), std::min(own.hi_um, range.hi_um)};
+  }
+  if (!(own.lo_um > 0.0 && std::isfinite(own.hi_um)))
+    throw mtf::UsageError(
+        "optics.stop_band = \"response\": needs detector.quantum_efficiency as a CSV file; a number does not say where "
+        "the response ends");
+  return own;
+}
+
 BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface& surface, const Path& path,
-                                     const CameraTemperatures& temperatures) {
+                                     const CameraEmission& emission) {
   require_temperature("a surface", surface.temperature_k);
   require_temperature("surroundings", surface.surroundings_k);
   require_temperature("air", path.air_temperature_k);
-  require_temperature("optics", temperatures.optics_k);
-  require_temperature("a stop", temperatures.stop_k);
+  require_temperature("optics", emission.optics_k);
+  require_temperature("a stop", emission.stop_k);
   BandRadiances<double> radiances;
   const Spectrum black = constant_spectrum("blackbody", 1.0);
 
@@ -67,21 +85,41 @@ BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface
   curves.push_back(photons_per_joule(camera.band));
   radiances.path += BandResponse(camera.band, curves).integral();
 
-  curves = behind_aperture(camera);
-  curves.push_back(path.transmission);
-  radiances.scene = thermal(camera.band, curves, surface.emissivity, surface.temperature_k) +
-                    thermal(camera.band, curves, complement(surface.emissivity), surface.surroundings_k);
-
+  radiances.scene = scene_photons(camera, surface, path);
   radiances.optics =
-      thermal(camera.band, joined({&camera.cold_filter, &camera.quantum_efficiency}), black, temperatures.optics_k);
-  radiances.stop = thermal(detector_band(camera), camera.quantum_efficiency, black, temperatures.stop_k);
+      thermal(camera.band, joined({&camera.cold_filter, &camera.quantum_efficiency}), black, emission.optics_k);
+  radiances.stop = thermal(stop_range(camera, emission.stop_band), camera.quantum_efficiency, black, emission.stop_k);
   return radiances;
+}
+
+double mean_quantum_efficiency(const SpectralCamera& camera, const Surface& surface, const Path& path) {
+  if (camera.quantum_efficiency.empty()) return 1.0;
+  SpectralCamera counting = camera;  // every photon
+  counting.quantum_efficiency.clear();
+  return scene_photons(camera, surface, path) / scene_photons(counting, surface, path);
+}
+
+double scene_difference(const SpectralCamera& camera, const Surface& surface, const Path& path, double warmer_k) {
+  const double from_k = surface.temperature_k, to_k = from_k + warmer_k;
+  require_temperature("a surface", from_k);
+  require_temperature("a warmer surface", to_k);
+  Curves curves = scene_curves(camera, path);
+  curves.push_back(surface.emissivity);
+  const BandResponse response(camera.band, curves);
+  const double from = response.radiance(Flux::photons, from_k), to = response.radiance(Flux::photons, to_k);
+  if (!(std::abs(to - from) < 1e-3 * from)) return to - from;
+  // So little that the difference would lose digits: the mean slope, whose course over it three nodes have to all
+  // digits.
+  const mtf::GaussRule rule = mtf::mean_rule(from_k, to_k, 3);
+  double slope = 0.0;
+  for (std::size_t i = 0; i < rule.node.size(); ++i)
+    slope += rule.weight[i] * response.derivative(Flux::photons, rule.node[i]);
+  return warmer_k * slope;
 }
 
 double scene_derivative(const SpectralCamera& camera, const Surface& surface, const Path& path) {
   require_temperature("a surface", surface.temperature_k);
-  Curves curves = behind_aperture(camera);
-  curves.push_back(path.transmission);
+  Curves curves = scene_curves(camera, path);
   curves.push_back(surface.emissivity);
   return BandResponse(camera.band, curves).derivative(Flux::photons, surface.temperature_k);
 }

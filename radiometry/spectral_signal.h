@@ -25,17 +25,38 @@ struct Surface {
   double surroundings_k = 0.0;
 };
 
-/// Temperatures of the camera, in K; at 0 nothing is emitted.
-struct CameraTemperatures {
+/// Where the emission of the stop counts. No filter stands before it, so what the quantum efficiency does beyond the
+/// band adds electrons where nothing else cuts it.
+enum class StopBand {
+  band,     ///< in the band alone, as all other light: the same for a curve and for a number
+  response  ///< over the whole of the quantum-efficiency curve
+};
+inline constexpr std::array<std::string_view, 2> kStopBandNames{"band", "response"};
+constexpr std::span<const std::string_view> words(StopBand) { return kStopBandNames; }
+
+/// What the camera itself emits: temperatures in K, at 0 nothing.
+struct CameraEmission {
   double optics_k = 0.0;
   double stop_k = 0.0;
+  StopBand stop_band = StopBand::band;
 };
 
+/// The wavelengths over which the stop counts. Throws UsageError for `response` without a curve that says where the
+/// response ends.
+Interval stop_range(const SpectralCamera& camera, StopBand stop_band);
+
 /// The scene through the path and the camera's curves; path, optics and stop likewise, each through what lies between
-/// it and the detector. The stop is seen through no filter, so it counts over all wavelengths of the quantum
-/// efficiency. Throws UsageError as BandResponse does, and for a negative or infinite temperature.
+/// it and the detector. Throws UsageError as BandResponse and stop_range do, and for a negative or infinite
+/// temperature.
 BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface& surface, const Path& path,
-                                     const CameraTemperatures& temperatures);
+                                     const CameraEmission& emission);
+
+/// Mean of the quantum-efficiency curves over the photons of the scene (not of the path) that reach the detector: what
+/// a plain number stands for. 1 without curves, NaN where the scene sends no photon.
+double mean_quantum_efficiency(const SpectralCamera& camera, const Surface& surface, const Path& path);
+
+/// What the scene's part grows by when the surface gets warmer by `warmer_k`, within 1e-12 of itself.
+double scene_difference(const SpectralCamera& camera, const Surface& surface, const Path& path, double warmer_k);
 
 /// Derivative of the scene's part by the temperature of the surface, per K.
 double scene_derivative(const SpectralCamera& camera, const Surface& surface, const Path& path);

@@ -13,7 +13,7 @@ struct Conditions {
   std::optional<double>
       range_m;                  ///< range: to the target along the line of sight, for GSD and all that follows from it
   double elevation_deg = 90.0;  ///< elevation: of the sensor seen from the target; 90 = overhead
-  std::optional<double> contrast_k;  ///< contrast: of the target to its background, K, for TTP range and SNR of NIIRS
+  std::optional<double> contrast_k;  ///< contrast: of the target to its background, K, for ranges and SNR of NIIRS, GRD
   std::optional<double> target_size_m;  ///< target_size: square root of the area, for TTP and Johnson
   std::optional<double>
       signal_contrast;  ///< signal_contrast: (bright - dark)/bright of two reflecting surfaces, for SNR of NIIRS

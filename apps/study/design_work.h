@@ -62,7 +62,7 @@ class DesignWork {
   std::span<const radiometry::Override<S>> overrides() const { return overrides_; }
 
   /// Metrics in their units. `spectral`: of the overrides that are set.
-  void metrics(const radiometry::BandRadiances<S>& radiances, const S& per_k, std::span<S> values) {
+  void metrics(const radiometry::SpectralNumbers<S>& spectral, std::span<S> values) {
     design_.system = &system_;
     design_.conditions = &study_->conditions;
     design_.frame_time_s = system_.frame.integration_time_s;
@@ -70,7 +70,7 @@ class DesignWork {
       if (const auto& given = variant_->loaded->sensor.settings.frame->frame_time_s) design_.frame_time_s = S(*given);
     if (plan_->resolution) design_.resolution = meter_.measure(system_);
     design_.budget.reset();
-    if (plan_->budget && variant_->loaded) design_.budget = budget(radiances, per_k);
+    if (plan_->budget && variant_->loaded) design_.budget = budget(spectral);
     if (plan_->giqe) design_.noise_gain = noise_gain();
     design_.ranges.reset();
     refusal_.clear();
@@ -93,20 +93,9 @@ class DesignWork {
   double error() const { return plan_->resolution ? design_.resolution.error : 0.0; }
 
  private:
-  radiometry::Budget<S> budget(const radiometry::BandRadiances<S>& radiances, const S& per_k) const {
-    const radiometry::SensorSettings& settings = variant_->loaded->sensor.settings;
-    const radiometry::Overrides<S> numbers{std::span<const radiometry::Override<S>>(overrides_)};
-    const radiometry::Camera<S> camera = radiometry::camera_numbers(system_, settings, numbers);
-    const radiometry::Pixel<S> pixel = radiometry::pixel_numbers(system_, settings, numbers);
-    radiometry::Signal<S> electrons = radiometry::signal(camera, pixel, radiances);
-    if (settings.narcissus) {
-      const S rest = S(1) - numbers("narcissus.depth", settings.narcissus->depth);
-      electrons.optics_e = electrons.optics_e * rest;
-      electrons.stop_e = electrons.stop_e * rest;
-    }
-    return radiometry::make_budget(pixel, electrons,
-                                   radiometry::noise_numbers(settings, pixel, variant_->flicker_e, numbers),
-                                   S(radiometry::electrons_per_radiance(camera, pixel) * per_k));
+  radiometry::Budget<S> budget(const radiometry::SpectralNumbers<S>& spectral) const {
+    return radiometry::sensor_budget(system_, variant_->loaded->sensor.settings, spectral, variant_->flicker_e,
+                                     radiometry::Overrides<S>{std::span<const radiometry::Override<S>>(overrides_)});
   }
 
   /// Root of the mean of |OTF|^2 of the digital filters over the base band: by what they raise white noise.

@@ -177,17 +177,17 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
     }
   } else if (fill_parameters(variant, values, shift) && set_system(variant)) {
     try {
-      SpectralNumbers changed;
-      const SpectralNumbers* spectral = &variant.sensor.spectral;
+      radiometry::SpectralNumbers<double> changed;
+      const radiometry::SpectralNumbers<double>* spectral = &variant.sensor.spectral;
       const auto overrides = variant.work->overrides();
-      const bool moved =
-          std::any_of(overrides.begin(), overrides.end(), [](const auto& o) { return is_spectral(o.path); });
+      const bool moved = std::any_of(overrides.begin(), overrides.end(),
+                                     [](const auto& o) { return radiometry::is_spectral(o.path); });
       if (moved && plan.budget && variant.sensor.loaded) {
-        changed = spectral_numbers(variant.sensor.loaded->sensor, study->conditions.temperature_k,
+        changed = spectral_numbers(study->conditions, variant.sensor.loaded->sensor,
                                    radiometry::Overrides<double>{overrides});
         spectral = &changed;
       }
-      variant.work->metrics(spectral->radiances, spectral->per_k, metrics);
+      variant.work->metrics(*spectral, metrics);
       error = variant.work->error();
       if (first_refusal.empty()) first_refusal = variant.work->refusal();
     } catch (const mtf::UsageError& refused) {

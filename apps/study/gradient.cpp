@@ -18,41 +18,38 @@ using calib::Jet4;
 constexpr int kStride = 4;
 
 /// Band integrals as jets: their values, and slopes by those of their numbers that carry derivatives.
-void spectral_jets(const VariantSensor& variant, double temperature_k,
-                   std::span<const radiometry::Override<Jet4>> overrides, radiometry::BandRadiances<Jet4>& radiances,
-                   Jet4& per_k) {
+radiometry::SpectralNumbers<Jet4> spectral_jets(const VariantSensor& variant, const Conditions& conditions,
+                                                std::span<const radiometry::Override<Jet4>> overrides) {
   std::vector<radiometry::Override<double>> plain;
   for (const auto& o : overrides) plain.push_back({o.path, o.value.a});
   const auto at = [&] {
-    return spectral_numbers(variant.loaded->sensor, temperature_k,
+    return spectral_numbers(conditions, variant.loaded->sensor,
                             radiometry::Overrides<double>{std::span<const radiometry::Override<double>>(plain)});
   };
-  const SpectralNumbers here = at();
-  radiances = {Jet4(here.radiances.scene), Jet4(here.radiances.path), Jet4(here.radiances.optics),
-               Jet4(here.radiances.stop)};
-  per_k = Jet4(here.per_k);
+  radiometry::SpectralNumbers<double> here = at();
+  radiometry::SpectralNumbers<Jet4> jets;
+  const auto numbers = jets.all();
+  const auto values = here.all();
+  for (std::size_t n = 0; n < numbers.size(); ++n) *numbers[n] = Jet4(*values[n]);
   for (std::size_t i = 0; i < plain.size(); ++i) {
-    if (!is_spectral(plain[i].path) || overrides[i].value.v.isZero()) continue;
+    if (!radiometry::is_spectral(plain[i].path) || overrides[i].value.v.isZero()) continue;
     const double value = plain[i].value, h = 1e-3 * std::max(std::abs(value), 1e-3);
     // Inside of what is allowed, on one side where the value lies at the end of it: fractions stop at 0 and 1.
     const bool fraction = plain[i].path == "path.transmission" || plain[i].path == "scene.emissivity";
     const double middle = fraction ? std::clamp(value, 2.0 * h, 1.0 - 2.0 * h) : std::max(value, 2.0 * h);
-    std::array<SpectralNumbers, 4> around;
+    std::array<radiometry::SpectralNumbers<double>, 4> around;
     constexpr std::array<double, 4> steps{-2.0, -1.0, 1.0, 2.0};
     for (std::size_t k = 0; k < steps.size(); ++k) {
       plain[i].value = middle + steps[k] * h;
       around[k] = at();
     }
     plain[i].value = value;
-    const auto slope = [&](auto number) {
-      return (8.0 * (number(around[2]) - number(around[1])) - (number(around[3]) - number(around[0]))) / (12.0 * h);
-    };
-    radiances.scene.v += slope([](const auto& n) { return n.radiances.scene; }) * overrides[i].value.v;
-    radiances.path.v += slope([](const auto& n) { return n.radiances.path; }) * overrides[i].value.v;
-    radiances.optics.v += slope([](const auto& n) { return n.radiances.optics; }) * overrides[i].value.v;
-    radiances.stop.v += slope([](const auto& n) { return n.radiances.stop; }) * overrides[i].value.v;
-    per_k.v += slope([](const auto& n) { return n.per_k; }) * overrides[i].value.v;
+    for (std::size_t n = 0; n < numbers.size(); ++n) {
+      const auto of = [&](std::size_t k) { return *around[k].all()[n]; };
+      numbers[n]->v += (8.0 * (of(2) - of(1)) - (of(3) - of(0))) / (12.0 * h) * overrides[i].value.v;
+    }
   }
+  return jets;
 }
 
 }  // namespace
@@ -89,12 +86,10 @@ Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span
       slot(i);
     }
     work.set(values);
-    radiometry::BandRadiances<Jet4> radiances;
-    Jet4 per_k;
     try {
-      if (plan.budget && variant.loaded)
-        spectral_jets(variant, study.conditions.temperature_k, work.overrides(), radiances, per_k);
-      work.metrics(radiances, per_k, metrics);
+      radiometry::SpectralNumbers<Jet4> spectral;
+      if (plan.budget && variant.loaded) spectral = spectral_jets(variant, study.conditions, work.overrides());
+      work.metrics(spectral, metrics);
     } catch (const mtf::UsageError&) {
       return gradient;  // as the row of this design: no metrics
     }

@@ -153,12 +153,13 @@ S along(const Design<S>& d, const MetricRow& row, mtf::Axis axis, std::size_t at
   }
 }
 
-/// Electrons of the target's contrast: dT x d electrons / dT, or a share of the scene's.
+/// Electrons of the target's contrast over the noise of its background: the difference that a surface so much warmer
+/// makes, or a share of the scene's electrons.
 template <class S>
 S target_snr(const Design<S>& d) {
   if (!d.budget) return not_there<S>();
   const radiometry::Budget<S>& b = *d.budget;
-  if (d.conditions->contrast_k) return S(*d.conditions->contrast_k) * b.signal_per_k / b.temporal_e;
+  if (d.conditions->contrast_k) return b.contrast_e / b.temporal_e;
   if (d.conditions->signal_contrast) return S(*d.conditions->signal_contrast) * b.signal.scene_e / b.temporal_e;
   return not_there<S>();
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 // MRTD, ranges by Johnson's criteria and by TTP for a design, from its budget and its OTF. Noise enters as the NETD
-// (temporal) and the spatial NETD of the budget, an observer of [conditions] looks at the display. The contrast falls
-// with range by [conditions] extinction alone: a [path] in the sensor file belongs to the budget.
+// (temporal) and the spatial NETD of the budget, an observer of [conditions] looks at the display. As published
+// (FLIR92, TR-230) these models are linear in the contrast: a temperature difference over NETDs, slopes at the
+// temperature of the background; at 4 K and 3 to 5 um the target's electrons are some 7 % more than that. The contrast
+// falls with range by [conditions] extinction alone: a [path] in the sensor file belongs to the budget.
 
 #include "apps/study/metric_values.h"
 #include "radiometry/contrast_threshold.h"

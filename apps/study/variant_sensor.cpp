@@ -2,7 +2,6 @@
 #include "apps/study/variant_sensor.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 #include "calib/parameter_site.h"
@@ -22,39 +21,14 @@ double table_number(const mtf::io::SensorConfig& config, const std::string& path
 
 }  // namespace
 
-bool is_spectral(std::string_view path) {
-  constexpr std::array<std::string_view, 8> paths{"optics.temperature", "optics.stop_temperature", "path.transmission",
-                                                  "path.radiance",      "path.air_temperature",    "scene.emissivity",
-                                                  "scene.surroundings"};
-  return std::find(paths.begin(), paths.end(), path) != paths.end();
-}
-
 bool is_overridable(std::string_view path) {
   const auto& numbers = radiometry::kBudgetNumbers;
-  return is_spectral(path) || std::find(numbers.begin(), numbers.end(), path) != numbers.end();
+  return radiometry::is_spectral(path) || std::find(numbers.begin(), numbers.end(), path) != numbers.end();
 }
 
-SpectralNumbers spectral_numbers(const radiometry::Sensor& sensor, double temperature_k,
-                                 const radiometry::Overrides<double>& numbers) {
-  const auto& settings = sensor.settings;
-  const radiometry::OpticsSettings warm = settings.optics.value_or(radiometry::OpticsSettings{});
-  const double given = settings.scene ? settings.scene->surroundings_k.value_or(0.0) : 0.0;
-  radiometry::Surface surface{temperature_k, sensor.emissivity, numbers("scene.surroundings", given)};
-  radiometry::Path path = sensor.path;
-  const auto constant = [&](std::string_view name, radiometry::Spectrum& spectrum, double most) {
-    if (const double* value = numbers.find(name))
-      spectrum = radiometry::constant_spectrum(std::string(name), *value, most);
-  };
-  constant("scene.emissivity", surface.emissivity, 1.0);
-  const double* air = numbers.find("path.air_temperature");
-  constant("path.transmission", path.transmission, 1.0);
-  if (settings.path && (air != nullptr || settings.path->air_temperature_k))
-    path = radiometry::absorbing_path(path.transmission, air != nullptr ? *air : *settings.path->air_temperature_k);
-  constant("path.radiance", path.radiance, std::numeric_limits<double>::max());
-  const radiometry::CameraTemperatures temperatures{numbers("optics.temperature", warm.temperature_k),
-                                                    numbers("optics.stop_temperature", warm.stop_temperature_k)};
-  return {radiometry::band_radiances(sensor.curves, surface, path, temperatures),
-          radiometry::scene_derivative(sensor.curves, surface, path)};
+radiometry::SpectralNumbers<double> spectral_numbers(const Conditions& conditions, const radiometry::Sensor& sensor,
+                                                     const radiometry::Overrides<double>& numbers) {
+  return radiometry::spectral_numbers(sensor, conditions.temperature_k, conditions.contrast_k.value_or(0.0), numbers);
 }
 
 VariantSensor load_variant(const Study& study, std::span<const int> levels) {
@@ -74,7 +48,7 @@ VariantSensor load_variant(const Study& study, std::span<const int> levels) {
       require_consistent(result.system, result.loaded->sensor);
       result.system = apps::with_electron_rate(result.config.system, *result.loaded);
       result.flicker_e = radiometry::flicker_rms_e(result.system, result.loaded->sensor.settings);
-      result.spectral = spectral_numbers(result.loaded->sensor, study.conditions.temperature_k, {});
+      result.spectral = spectral_numbers(study.conditions, result.loaded->sensor);
       if (result.loaded->paths) result.no_budget = "the path has the range of each pixel";
     } catch (const mtf::UsageError& error) {
       result.loaded.reset();

@@ -11,15 +11,9 @@
 
 #include "apps/sensor_chain.h"
 #include "apps/study/study.h"
-#include "radiometry/sensor_numbers.h"
+#include "radiometry/sensor_budget.h"
 
 namespace study {
-
-/// Band integrals that a budget takes, all through the camera's curves.
-struct SpectralNumbers {
-  radiometry::BandRadiances<double> radiances;
-  double per_k = 0.0;  ///< derivative of the scene's radiance by the temperature
-};
 
 struct VariantSensor {
   mtf::io::SensorConfig config;
@@ -27,21 +21,17 @@ struct VariantSensor {
   std::optional<apps::LoadedSensor> loaded;  ///< with [detector]
   std::string no_budget;                     ///< why there is none: "no [detector]", ...
   double flicker_e = 0.0;
-  SpectralNumbers spectral;           ///< without overrides
-  std::vector<double> base;           ///< of each parameter, NaN where this sensor has no such number
-  std::vector<std::string> problems;  ///< of a variant that no sensor file could hold
+  radiometry::SpectralNumbers<double> spectral;  ///< without overrides
+  std::vector<double> base;                      ///< of each parameter, NaN where this sensor has no such number
+  std::vector<std::string> problems;             ///< of a variant that no sensor file could hold
 };
 
 /// Reads the variant, its curves and tables. Throws RuntimeError for files that cannot be read.
 VariantSensor load_variant(const Study& study, std::span<const int> levels);
 
-/// The same integrals with numbers of [path], [scene] and [optics] overridden; those that have no part in them are
-/// ignored. Throws UsageError as band_radiances.
-SpectralNumbers spectral_numbers(const radiometry::Sensor& sensor, double temperature_k,
-                                 const radiometry::Overrides<double>& numbers);
-
-/// True for a number that only spectral_numbers reads.
-bool is_spectral(std::string_view path);
+/// Of the study's surface and target, see radiometry/sensor_budget.h.
+radiometry::SpectralNumbers<double> spectral_numbers(const Conditions& conditions, const radiometry::Sensor& sensor,
+                                                     const radiometry::Overrides<double>& numbers = {});
 
 /// True for a number of a table that a design may override; any other needs a variant of its own.
 bool is_overridable(std::string_view path);

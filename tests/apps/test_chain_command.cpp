@@ -248,6 +248,39 @@ TEST_F(ChainCommand, CurvesOfTheWavelengthTakeTheirPlace) {
   EXPECT_NEAR(read(scratch / "single.exr").at(3, 3) / read(scratch / "plain.exr").at(3, 3), 1.0, 1e-6);
 }
 
+// A camera that sees its warm stop, with its quantum efficiency as a number and as the same curve, wider than the band.
+TEST_F(ChainCommand, AFlatCurveGivesTheBudgetOfItsNumber) {
+  const auto both = [&](const std::string& optics, const std::string& detector) {
+    sensor("[nonuniformity]\nprnu = 0.01\n[correction]\n", "f_number = 2.5", "f_number = 2.5\n" + optics);
+    std::string text = read_file(scratch / "s.toml");
+    text.replace(text.find("quantum_efficiency = 0.75"), 25, "quantum_efficiency = " + detector);
+    write_file(scratch / "s.toml", text);
+  };
+  write_file(scratch / "qe.csv", "wavelength_um,quantum_efficiency\n1,0.75\n5.5,0.75\n");
+  both("stop_temperature = \"200 K\"", "0.75");
+  const Json number = budget();
+  both("stop_temperature = \"200 K\"", "\"qe.csv\"");
+  const Json curve = budget();
+  ASSERT_EQ(number.size(), curve.size());
+  EXPECT_GT(number["stop"]["value"].get<double>(), 1e4);
+  for (const auto& [name, term] : number.items()) {
+    const double value = term["value"].get<double>();
+    EXPECT_NEAR(curve[name]["value"].get<double>(), value, 1e-13 * value) << name;
+  }
+  both("stop_temperature = \"200 K\"\nstop_band = \"response\"", "\"qe.csv\"");
+  EXPECT_GT(budget()["stop"]["value"].get<double>(), 1.5 * number["stop"]["value"].get<double>());
+  const std::string told = scratch.run("mtf config explain s.toml").out;
+  EXPECT_NE(told.find("counted from 1 um to 5.5 um"), std::string::npos) << told;
+  both("stop_temperature = \"200 K\"\nstop_band = \"response\"", "0.75");
+  expect_refused("mtf budget s.toml", {"optics.stop_band", "CSV"});
+  both("cone = \"sine\"", "0.75");
+  EXPECT_NEAR(budget()["scene"]["value"].get<double>() / number["scene"]["value"].get<double>(), 26.0 / 25.0, 1e-14);
+  sensor("", "f_number = 2.5", "f_number = 0.45\ncone = \"sine\"");
+  for (const char* command :
+       {"mtf budget s.toml", "mtf config check s.toml", "mtf simulate s.toml t300.exr -o out.exr"})
+    expect_refused(command, {"optics.cone", "0.45", "0.5 or above"});
+}
+
 TEST_F(ChainCommand, SpectralScenesAndRangesOfPixelsAgreeWithPlainNumbers) {
   const auto electrons = [&](const std::string& scene, const std::string& name) {
     const Result r = scratch.run("mtf simulate s.toml " + scene + " -o " + name + ".exr");

@@ -120,14 +120,49 @@ TEST(Signal, given_path_radiance_and_plain_numbers_equal_flat_curves) {
   EXPECT_NEAR(scene_derivative(curves, black, constant_path(0.7, 2.0)), slope, 1e-14 * slope);
 }
 
-// The stop shines on the detector past the filter: all that the quantum efficiency covers.
+// The stop shines on the detector past the filter: what the quantum efficiency makes of it in the band, or everywhere
+// where the band does not cut it. References by mpmath, 30 digits: quad over the product of lines and Planck's law.
 TEST(Signal, no_filter_stands_before_the_stop) {
   const SpectralCamera curves = mwir_curves();
   const Surface black{.temperature_k = 300.0};
-  const BandRadiances<double> r = band_radiances(curves, black, Path{}, {0.0, 150.0});
-  const double stop = BandResponse({1.0, 5.2}, curves.quantum_efficiency).radiance(Flux::photons, 150.0);
-  EXPECT_NEAR(r.stop, stop, 1e-14 * stop);
+  const BandRadiances<double> r = band_radiances(curves, black, Path{}, {.stop_k = 150.0});
+  EXPECT_NEAR(r.stop / 838876680468690.53671, 1.0, 1e-14);
   EXPECT_EQ(r.optics, 0.0);
+  const CameraEmission beyond{.stop_k = 150.0, .stop_band = StopBand::response};
+  EXPECT_NEAR(band_radiances(curves, black, Path{}, beyond).stop / 1013234376740708.9599, 1.0, 1e-14);
+  SpectralCamera numbers = curves;
+  numbers.quantum_efficiency.clear();
+  expect_refused({"optics.stop_band", "quantum_efficiency", "CSV"},
+                 [&] { band_radiances(numbers, black, Path{}, beyond); });
+  numbers.quantum_efficiency = {constant_spectrum("qe", 0.7)};
+  expect_refused({"optics.stop_band"}, [&] { band_radiances(numbers, black, Path{}, beyond); });
+}
+
+Path mwir_path() { return absorbing_path(make_spectrum("tau", {2.0, 4.2, 4.3, 6.0}, {0.9, 0.7, 0.1, 0.8}), 285.0); }
+Surface painted() {
+  return {
+      .temperature_k = 305.0, .emissivity = make_spectrum("paint", {3.0, 5.0}, {0.9, 0.8}), .surroundings_k = 270.0};
+}
+
+// By mpmath as above: the scene's photons with and without the quantum efficiency.
+TEST(Signal, mean_quantum_efficiency_over_the_photons_of_the_scene) {
+  SpectralCamera curves = mwir_curves();
+  EXPECT_NEAR(mean_quantum_efficiency(curves, painted(), mwir_path()), 0.89125574483244912157, 1e-14);
+  curves.quantum_efficiency = {make_spectrum("flat", {1.0, 3.7, 6.0}, {0.7, 0.7, 0.7}, 1.0)};
+  EXPECT_NEAR(mean_quantum_efficiency(curves, painted(), mwir_path()), 0.7, 1e-15);
+  curves.quantum_efficiency.clear();
+  EXPECT_EQ(mean_quantum_efficiency(curves, painted(), mwir_path()), 1.0);
+  EXPECT_TRUE(std::isnan(mean_quantum_efficiency(mwir_curves(), {.temperature_k = 0.0}, mwir_path())));
+}
+
+// By mpmath as above, from a difference that would be lost in doubles to one of twice the temperature.
+TEST(Signal, a_warmer_surface_sends_the_difference) {
+  const std::pair<double, double> references[] = {{1e-6, 309324480144.58918757},
+                                                  {0.25, 77633821146376805.674},
+                                                  {4.0, 1317186876521044657.3},
+                                                  {300.0, 2.7367864367453184089e+21}};
+  for (const auto& [warmer_k, photons] : references)
+    EXPECT_NEAR(scene_difference(mwir_curves(), painted(), mwir_path(), warmer_k) / photons, 1.0, 1e-12) << warmer_k;
 }
 
 TEST(Signal, well_fill_and_the_time_that_fills_it) {

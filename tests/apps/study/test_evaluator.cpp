@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/study/evaluator.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,40 +7,16 @@
 #include "apps/sensor_chain.h"
 #include "mtf/error.h"
 #include "mtf/resolution.h"
+#include "tests/apps/study/evaluated.h"
 #include "tests/apps/study/satellite.h"
-#include "tests/apps/study/study_files.h"
 
 namespace {
 
+using study_test::Evaluated;
+using study_test::evaluated;
+using study_test::expect_gradient;
 using study_test::Folder;
-
-struct Evaluated {
-  std::shared_ptr<const study::Study> study;
-  std::vector<study::Column> columns;
-  std::unique_ptr<study::Evaluator> evaluator;
-  std::vector<double> row;
-
-  double operator[](const std::string& name) const {
-    for (std::size_t c = 0; c < columns.size(); ++c)
-      if (columns[c].name == name) return row[c];
-    ADD_FAILURE() << "no column " << name;
-    return 0.0;
-  }
-  void at(std::int64_t design) { evaluator->evaluate(design, row); }
-};
-
-Evaluated evaluated(const Folder& folder, const std::string& text) {
-  folder.write("study.toml", text);
-  Evaluated e{study::load_study(folder / "study.toml"), {}, nullptr, {}};
-  e.columns = study::columns_of(*e.study);
-  e.evaluator = std::make_unique<study::Evaluator>(e.study);
-  e.row.resize(e.columns.size());
-  return e;
-}
-
-std::string with_metrics(const std::string& list, const std::string& rest = "") {
-  return study_test::kHead + rest + study_test::kAxis + "[metrics]\nlist = [" + list + "]\n";
-}
+using study_test::with_metrics;
 
 TEST(Evaluator, GeometryIsByHand) {
   const Folder folder;
@@ -134,42 +108,6 @@ TEST(Evaluator, ARowDoesNotDependOnWhatCameBefore) {
     e.at(design);
     EXPECT_EQ(e.row, rows[static_cast<std::size_t>(design)]) << design;
   }
-}
-
-/// Central differences of fourth order on the whole chain against autodiff; relative to value / parameter where a
-/// derivative is far below that, the value being counted as 1e-3 at least: errors of ratios are absolute.
-void expect_gradient(const Folder& folder, const std::string& text, std::int64_t design, double bar) {
-  Evaluated e = evaluated(folder, text);
-  std::vector<double> axes(e.study->axes.size());
-  study::design_at(*e.study, design, axes);
-  const study::Gradient gradient = e.evaluator->gradient_at(axes);
-  auto tight = std::make_shared<study::Study>(*e.study);
-  tight->tolerance = 1e-11;
-  study::Evaluator reference(tight);
-  const std::size_t width = e.columns.size();
-  std::size_t parameter = 0;
-  for (std::size_t a = 0; a < axes.size(); ++a) {
-    if (e.study->axes[a].discrete()) continue;
-    const double h = 1e-3 * axes[a];
-    const auto at = [&](double steps) {
-      std::vector<double> moved = axes, row(width);
-      moved[a] += steps * h;
-      reference.evaluate_at(moved, row);
-      return row;
-    };
-    const auto p1 = at(1), m1 = at(-1), p2 = at(2), m2 = at(-2);
-    for (std::size_t k = 0; k < gradient.columns.size(); ++k) {
-      std::size_t c = 0;
-      while (e.columns[c].name != gradient.columns[k]) ++c;
-      const double difference = (8.0 * (p1[c] - m1[c]) - (p2[c] - m2[c])) / (12.0 * h);
-      const double scale = std::max(std::abs(difference), std::max(std::abs(p1[c]), 1e-3) / axes[a]);
-      const double automatic = gradient.value[k * gradient.parameters.size() + parameter];
-      EXPECT_LE(std::abs(automatic - difference), bar * scale + 1e-300)
-          << gradient.columns[k] << " by " << gradient.parameters[parameter] << ": " << automatic << ", " << difference;
-    }
-    ++parameter;
-  }
-  EXPECT_EQ(parameter, gradient.parameters.size());
 }
 
 TEST(Evaluator, DerivativesAreThoseOfTheWholeChain) {

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What a study takes from the budget: spectral responses, the target's contrast, cones.
+
+#include "apps/sensor_chain.h"
+#include "apps/study/metric_rows.h"
+#include "radiometry/chain.h"
+#include "tests/apps/study/evaluated.h"
+
+namespace {
+
+using study_test::Evaluated;
+using study_test::evaluated;
+using study_test::expect_gradient;
+using study_test::Folder;
+
+/// A MWIR camera of everything that a budget reads.
+std::string mwir_camera(const std::string& efficiency, const std::string& more = "") {
+  return R"(schema = 1
+[frame]
+focal_length = "100 mm"
+pitch = "15 um"
+integration_time = "2 ms"
+format = [64, 48]
+[scene]
+quantity = "temperature"
+emissivity = 0.95
+surroundings = "280 K"
+[path]
+transmission = 0.8
+air_temperature = "285 K"
+radiance = 0.01
+[optics]
+f_number = 2.0
+transmission = 0.85
+emissivity = 0.1
+temperature = "293 K"
+stop_temperature = "180 K"
+[band]
+wavelength = ["3.4 um", "4.8 um"]
+[detector]
+quantum_efficiency = )" +
+         efficiency + R"(
+full_well = "4 Me-"
+dark_current = "1 Me-/s"
+read_noise = "150 e-"
+[nonuniformity]
+prnu = 0.02
+dsnu = "500 e-"
+[nonlinearity]
+a2 = -0.02
+[correction]
+frames = 8
+[adc]
+bits = 14
+[[presample]]
+kind = "diffraction"
+[[presample]]
+kind = "footprint"
+width = "15 um"
+)" + more;
+}
+
+/// Every metric that reads the budget, of a target of 4 K, with axes that its spectra hang on.
+std::string mwir_study() {
+  std::string list;
+  for (const study::MetricRow& row : study::metric_rows())
+    if (row.effort == study::Effort::budget || row.effort == study::Effort::giqe || row.effort == study::Effort::grd ||
+        row.effort == study::Effort::range)
+      list += (list.empty() ? "\"" : ", \"") + std::string(row.name) + "\"";
+  return R"(schema = 1
+sensor = "camera.toml"
+[[axis]]
+parameter = "optics.f_number"
+values = [2.0, 2.5]
+[[axis]]
+parameter = "optics.stop_temperature"
+values = ["180 K", "185 K"]
+[[axis]]
+parameter = "scene.emissivity"
+values = [0.9, 0.95]
+[[axis]]
+parameter = "nonuniformity.prnu"
+values = [0.01, 0.02]
+[metrics]
+list = [)" +
+         list +
+         R"(]
+[conditions]
+temperature = "290 K"
+contrast = "4 K"
+range = "2 km"
+target_size = "3 m"
+)";
+}
+
+TEST(EvaluatorBudget, AFlatCurveIsItsNumberInEveryMetricAndItsSlopes) {
+  const Folder folder;
+  folder.write("camera.toml", mwir_camera("0.7"));
+  Evaluated number = evaluated(folder, mwir_study());
+  folder.write("qe.csv", "wavelength_um,quantum_efficiency\n1,0.7\n4,0.7\n5.5,0.7\n");
+  folder.write("camera.toml", mwir_camera("\"qe.csv\""));
+  Evaluated curve = evaluated(folder, mwir_study());
+  for (const std::int64_t design : {0, 7}) {
+    number.at(design);
+    curve.at(design);
+    for (std::size_t c = 0; c + 1 < number.columns.size(); ++c) {  // the last one estimates an error
+      EXPECT_TRUE(std::isfinite(number.row[c])) << number.columns[c].name;
+      // Roots of range equations carry what their curves differ by, 1e-15, some hundredfold.
+      EXPECT_NEAR(curve.row[c], number.row[c], 1e-12 * std::abs(number.row[c])) << number.columns[c].name;
+    }
+  }
+  std::vector<double> axes(4);
+  study::design_at(*number.study, 7, axes);
+  const auto a = number.evaluator->gradient_at(axes, 1e-6), b = curve.evaluator->gradient_at(axes, 1e-6);
+  for (std::size_t i = 0; i < a.value.size(); ++i)  // spectra by differences over 1e-3 of their number
+    EXPECT_NEAR(b.value[i], a.value[i], 1e-9 * std::abs(a.value[i]) + 1e-300) << a.columns[i / 4] << " by " << i % 4;
+}
+
+TEST(EvaluatorBudget, DerivativesGoThroughContrastAndTheCurveOfTheDetector) {
+  const Folder folder;
+  folder.write("qe.csv", "wavelength_um,quantum_efficiency\n3,0.5\n4,0.8\n5,0.3\n");
+  std::string camera = mwir_camera("\"qe.csv\"");
+  camera.replace(camera.find("f_number = 2.0"), 14, "f_number = 2.0\ncone = \"sine\"\nstop_band = \"response\"");
+  folder.write("camera.toml", camera);
+  std::string study = mwir_study();
+  const std::size_t list = study.find("list = ");
+  study.replace(list, study.find('\n', list) - list,
+                "list = [\"nei\", \"target_snr\", \"prnu_noise\", \"spatial_netd\", \"background\"]");
+  expect_gradient(folder, study, 6, 1e-6);
+}
+
+// A target of 4 K by the electrons of two budgets, at a surface without a path of its own radiance or with one.
+TEST(EvaluatorBudget, TheTargetIsTheDifferenceOfTwoBudgets) {
+  const Folder folder;
+  folder.write("camera.toml", mwir_camera("0.7"));
+  Evaluated e = evaluated(folder, mwir_study());
+  e.at(0);
+  std::vector<double> axes(4);
+  study::design_at(*e.study, 0, axes);
+  const mtf::io::SensorConfig config = e.evaluator->sensor_at(axes);
+  const apps::LoadedSensor loaded = apps::load_chain(config);
+  const auto background = radiometry::budget_of(config.system, loaded.sensor, 290.0);
+  const auto target = radiometry::budget_of(config.system, loaded.sensor, 294.0);
+  const double snr = (target.signal.scene_e - background.signal.scene_e) / background.temporal_e;
+  EXPECT_NEAR(e["target_snr"] / snr, 1.0, 1e-12);
+  EXPECT_GT(snr, 1.05 * 4.0 * background.signal_per_k / background.temporal_e);  // Planck's law is bent there
+  for (const auto& [name, value] : {std::pair{"background", background.signal.path_e + background.signal.optics_e +
+                                                                background.signal.stop_e + background.signal.dark_e},
+                                    {"prnu_noise", background.prnu_e},
+                                    {"spatial_noise", background.spatial_e},
+                                    {"nei", background.nei_ph}})
+    EXPECT_NEAR(e[name] / value, 1.0, 1e-13) << name;
+}
+
+TEST(EvaluatorBudget, AConeThatNoLensHasIsADesignThatCannotBe) {
+  const Folder folder;
+  std::string camera = mwir_camera("0.7");
+  camera.replace(camera.find("f_number = 2.0"), 14, "f_number = 2.0\ncone = \"sine\"");
+  folder.write("camera.toml", camera);
+  Evaluated e = evaluated(folder,
+                          "schema = 1\nsensor = \"camera.toml\"\n[[axis]]\nparameter = \"optics.f_number\"\n"
+                          "values = [0.45, 2.0]\n[metrics]\nlist = [\"netd\"]\n");
+  e.at(0);
+  EXPECT_TRUE(std::isnan(e["netd"]));
+  EXPECT_NE(e.evaluator->last_problem().find("0.5 or above"), std::string::npos);
+  e.at(1);
+  EXPECT_TRUE(std::isfinite(e["netd"]));
+}
+
+}  // namespace

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/sensor_budget.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mtf/quadrature.h"
+#include "tests/radiometry/chain_cases.h"
+
+namespace radiometry {
+namespace {
+
+using test::make_chain;
+using test::mwir_system;
+using test::noisy_sensor;
+
+/// A camera that emits, behind air, with every kind of noise; 3.4 to 4.8 um.
+Sensor warm_sensor() {
+  Sensor sensor = noisy_sensor();
+  sensor.curves.band = {3.4, 4.8};
+  sensor.curves.optics = {make_spectrum("lens", {3.0, 4.0, 5.0}, {0.9, 0.95, 0.8}, 1.0)};
+  sensor.curves.cold_filter = {make_spectrum("filter", {3.3, 3.6, 4.6, 4.9}, {0.0, 0.9, 0.9, 0.0}, 1.0)};
+  sensor.settings.optics = OpticsSettings{
+      .transmission = {.file = "lens"}, .emissivity = 0.1, .temperature_k = 293.0, .stop_temperature_k = 220.0};
+  sensor.settings.scene = SceneSettings{.surroundings_k = 280.0};
+  sensor.emissivity = constant_spectrum("paint", 0.95, 1.0);
+  sensor.path = absorbing_path(constant_spectrum("air", 0.8, 1.0), 285.0);
+  sensor.settings.narcissus = Narcissus{.depth = 0.3};
+  return sensor;
+}
+
+Sensor with_efficiency(Sensor sensor, const Spectrum& curve) {
+  sensor.settings.detector->quantum_efficiency = {.file = curve.source};
+  sensor.curves.quantum_efficiency = {curve};
+  return sensor;
+}
+
+std::vector<BudgetRow> all_rows(const Sensor& sensor, double temperature_k) {
+  const mtf::System<double> system = mwir_system();
+  const Budget<double> budget = budget_of(system, sensor, temperature_k);
+  std::vector<BudgetRow> list = rows(budget);
+  list.push_back(dstar_row(system, sensor, budget));
+  return list;
+}
+
+TEST(SensorBudget, a_flat_curve_is_its_number_in_every_row) {
+  Sensor number = warm_sensor();
+  number.settings.detector->quantum_efficiency = {0.7};
+  const Spectrum wide = make_spectrum("wide", {1.0, 4.1, 12.0}, {0.7, 0.7, 0.7}, 1.0),
+                 narrow = make_spectrum("narrow", {3.4, 4.8}, {0.7, 0.7}, 1.0);
+  for (const bool corrected : {false, true})
+    for (const double temperature_k : {288.0, 300.0, 320.0})
+      for (const Spectrum& curve : {wide, narrow, constant_spectrum("constant", 0.7, 1.0)}) {
+        if (corrected) number.settings.correction = CorrectionSettings{};
+        const auto expected = all_rows(number, temperature_k),
+                   rows = all_rows(with_efficiency(number, curve), temperature_k);
+        ASSERT_EQ(rows.size(), expected.size());
+        for (std::size_t i = 0; i < rows.size(); ++i)  // both are sums of some hundred terms in another order
+          EXPECT_NEAR(rows[i].value, expected[i].value, 1e-13 * std::abs(expected[i].value))
+              << rows[i].name << " at " << temperature_k << " K, " << curve.source;
+      }
+}
+
+// NEI by its meaning: photons of the scene's spectrum, so many that their electrons equal the noise.
+TEST(SensorBudget, nei_is_the_irradiance_of_the_scene_over_its_snr) {
+  const Sensor sensor = with_efficiency(warm_sensor(), make_spectrum("qe", {1.0, 3.4, 4.6, 5.2}, {0.3, 0.9, 0.5, 0.0}));
+  const Budget<double> budget = budget_of(mwir_system(), sensor, 300.0);
+  const mtf::GaussRule& rule = mtf::gauss_legendre(200);
+  double photons = 0.0;  // at the detector, whatever it makes of them
+  for (const auto& [lo, hi] : {std::pair{3.4, 3.6}, {3.6, 4.0}, {4.0, 4.6}, {4.6, 4.8}})
+    for (std::size_t i = 0; i < rule.node.size(); ++i) {
+      const double w = 0.5 * (lo + hi + (hi - lo) * rule.node[i]);
+      const double surface = 0.95 * planck(Flux::photons, w, 300.0) + 0.05 * planck(Flux::photons, w, 280.0);
+      photons += 0.5 * (hi - lo) * rule.weight[i] * 0.8 * evaluate(sensor.curves.optics[0], w) *
+                 evaluate(sensor.curves.cold_filter[0], w) * surface;
+    }
+  const double irradiance_ph = photons * mtf::kPi / (1.0 + 4.0 * 2.5 * 2.5);
+  EXPECT_NEAR(budget.nei_ph * budget.snr / irradiance_ph, 1.0, 1e-12);
+}
+
+// What no spectrum can be weighted with has no NEI; nothing hides that.
+TEST(SensorBudget, without_light_a_curve_has_no_nei) {
+  Sensor sensor = with_efficiency(warm_sensor(), make_spectrum("qe", {3.0, 5.0}, {0.6, 0.8}));
+  sensor.settings.scene.reset();
+  EXPECT_TRUE(std::isnan(budget_of(mwir_system(), sensor, 0.0).nei_ph));
+  EXPECT_TRUE(std::isfinite(budget_of(mwir_system(), sensor, 0.0).temporal_e));
+}
+
+// The chain and the budget take the same cone, the same stop and the same emission.
+TEST(SensorBudget, a_flat_scene_comes_out_as_the_budget_says_for_either_cone_and_stop) {
+  Sensor sensor = with_efficiency(warm_sensor(), make_spectrum("qe", {2.0, 3.4, 4.6, 5.2}, {0.3, 0.9, 0.5, 0.0}));
+  sensor.settings.narcissus.reset();
+  sensor.settings.noise.reset();
+  sensor.settings.nonuniformity.reset();
+  sensor.settings.adc.reset();
+  std::vector<double> totals;
+  for (const Cone cone : {Cone::tangent, Cone::sine})
+    for (const StopBand stop_band : {StopBand::band, StopBand::response}) {
+      sensor.settings.optics->cone = cone;
+      sensor.settings.optics->stop_band = stop_band;
+      const Budget<double> budget = budget_of(mwir_system(), sensor, 300.0);
+      const SpectralNumbers<double> spectral = spectral_numbers(sensor, 300.0);
+      const Chain chain = make_chain(mwir_system(), sensor, 16, 16, 15.0);
+      const auto light = static_cast<float>(spectral.radiances.scene + spectral.radiances.path);
+      const mtf::Image image = chain.run(test::flat(16, 16, light), 0, Tap::electrons).image;
+      EXPECT_NEAR(image.at(5, 5) / budget.signal.total_e(), 1.0, 3e-7);  // floats
+      totals.push_back(budget.signal.total_e());
+    }
+  EXPECT_GT(totals[1], 1.001 * totals[0]);
+  EXPECT_GT(totals[2], 1.001 * totals[0]);
+}
+
+}  // namespace
+}  // namespace radiometry
