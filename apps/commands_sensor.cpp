@@ -50,7 +50,7 @@ Command budget_command() {
       "budget", "electrons, noise and sensitivity of a pixel",
       "For a pixel on the axis that looks at a surface of one temperature: electrons by where they come from, every\n"
       "noise term, SNR, NETD, NEI, D*, dynamic range. All that [detector], [nonuniformity], [noise], [noise_3d] and\n"
-      "[adc] of the sensor file say.",
+      "[adc] of the sensor file say; spatial noise as [correction] leaves it.",
       "  mtf budget sensor.toml\n"
       "  mtf budget sensor.toml --temperature 310 --format json"};
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);

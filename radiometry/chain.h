@@ -112,8 +112,8 @@ class Chain {
 
 /// The budget of a pixel on the axis that looks at a surface of that temperature (and of the emissivity that [scene]
 /// gives, its surroundings reflected) through the path: all that [detector], [nonuniformity], [noise], [noise_3d] and
-/// [adc] say, whether or not it is simulated. Row, column and 3-D noise count as other and offset noise. Throws
-/// UsageError as camera_of, pixel_of and band_radiances.
+/// [adc] say, whether or not it is simulated, and what [correction] leaves of the spatial noise. Row, column and 3-D
+/// noise count as other and offset noise. Throws UsageError as camera_of, pixel_of and band_radiances.
 Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor, double temperature_k);
 
 /// Rms of [flicker] over the detector, e-; 0 without.

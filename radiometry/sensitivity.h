@@ -5,7 +5,8 @@
 //   shot       sqrt(electrons), of scene and path, of the background (optics, stop), of the dark current
 //   read, kTC  as given; kTC = sqrt(k T C) / q for a capacitance that is reset
 //   quantisation   step / sqrt(12), for a step of one count in electrons (values spread over several counts)
-// Spatial terms: responsivity (PRNU x electrons of light), offset (DSNU), both after correction.
+// Spatial terms: responsivity (PRNU x electrons of light), offset (DSNU), both after correction (correction_residual.h
+// says what a two-point correction leaves), and the noise of the flat frames that it was made from.
 //   NETD  temporal noise / (d electrons / dT)
 //   NEI   noise / (QE A t), photons s^-1 m^-2 at the detector, of the spectrum that the scene has there; QE the mean
 //         over those photons
@@ -62,7 +63,7 @@ namespace detail {
 template <class S>
 S root(const S& x) {
   using std::sqrt;
-  return mtf::value_of(x) > 0.0 ? S(sqrt(x)) : S(0);
+  return mtf::value_of(x) <= 0.0 ? S(0) : S(sqrt(x));  // NaN stays NaN
 }
 }  // namespace detail
 
@@ -106,7 +107,7 @@ struct Budget {
   S temporal_e{};  ///< their root sum of squares
   S floor_e{};     ///< without light: dark, read, reset, other, quantisation
   // Spatial noise, e- rms.
-  S prnu_e{}, dsnu_e{}, spatial_e{};
+  S prnu_e{}, dsnu_e{}, correction_e{}, spatial_e{};
   // Figures.
   S snr{};             ///< electrons of the scene / temporal noise
   S shot_netd_k{};     ///< from the shot noise of all light alone
@@ -115,6 +116,13 @@ struct Budget {
   S nei_ph{};          ///< photons s^-1 m^-2 at the detector
   S dynamic_range{};   ///< full well / floor, a ratio
 };
+
+/// spatial_e and spatial_netd_k from the spatial terms.
+template <class S>
+void set_spatial(Budget<S>& b) {
+  b.spatial_e = detail::root(S(b.prnu_e * b.prnu_e + b.dsnu_e * b.dsnu_e + b.correction_e * b.correction_e));
+  b.spatial_netd_k = b.spatial_e / b.signal_per_k;
+}
 
 /// `signal_per_k` in electrons per K: electrons_per_radiance x scene_derivative, or a difference of signals.
 /// `pixel.quantum_efficiency`: the whole one, with mean_quantum_efficiency where curves have a part in it.
@@ -140,11 +148,10 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
   b.temporal_e = root(S(scene + background + floor2));
   b.prnu_e = noise.prnu * (scene + background);
   b.dsnu_e = noise.dsnu_e;
-  b.spatial_e = root(S(b.prnu_e * b.prnu_e + b.dsnu_e * b.dsnu_e));
   b.snr = signal.scene_e / b.temporal_e;
   b.shot_netd_k = root(S(scene + background)) / signal_per_k;
   b.netd_k = b.temporal_e / signal_per_k;
-  b.spatial_netd_k = b.spatial_e / signal_per_k;
+  set_spatial(b);
   b.nei_ph = b.temporal_e / (pixel.quantum_efficiency * pixel.area_m2() * pixel.integration_s);
   b.dynamic_range = pixel.full_well_e / b.floor_e;
   return b;

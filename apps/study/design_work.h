@@ -18,7 +18,7 @@ struct MetricPlan {
   std::vector<MetricChoice> choices;  ///< of Study::metrics
   std::vector<std::size_t> at;        ///< index into needs.at, for mtf_at
   mtf::ResolutionNeeds needs;
-  bool resolution = false, budget = false, giqe = false, range = false;
+  bool resolution = false, budget = false, spatial = false, giqe = false, range = false;
   std::vector<UnitScale> scale;
 };
 
@@ -74,6 +74,8 @@ class DesignWork {
     if (plan_->giqe) design_.noise_gain = noise_gain();
     design_.ranges.reset();
     refusal_.clear();
+    if (design_.budget && plan_->spatial)
+      refusal_ = radiometry::spatial_gap(variant_->loaded->sensor.settings, *design_.budget);
     const auto taken = [this](auto model) {  // what one model refuses leaves the others their numbers
       try {
         model();

@@ -22,6 +22,10 @@ MetricPlan plan_metrics(const Study& study, double tolerance) {
     plan.needs.y = plan.needs.y || effort == Effort::giqe || (choice.row->directional && choice.axis != mtf::Axis::x);
     plan.budget = plan.budget || effort == Effort::budget || effort == Effort::giqe || effort == Effort::grd ||
                   effort == Effort::range;
+    const Metric metric = choice.row->metric;
+    plan.spatial = plan.spatial || effort == Effort::range || metric == Metric::prnu_noise ||
+                   metric == Metric::dsnu_noise || metric == Metric::correction_noise ||
+                   metric == Metric::spatial_noise || metric == Metric::spatial_netd;
     switch (effort) {
       case Effort::geometry:
       case Effort::points:

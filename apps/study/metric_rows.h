@@ -50,6 +50,7 @@ enum class Metric {
   temporal_noise,
   prnu_noise,
   dsnu_noise,
+  correction_noise,
   spatial_noise,
   snr,
   netd,

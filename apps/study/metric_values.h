@@ -193,6 +193,8 @@ S budget_value(Metric metric, const radiometry::Budget<S>& b) {
       return b.prnu_e;
     case Metric::dsnu_noise:
       return b.dsnu_e;
+    case Metric::correction_noise:
+      return b.correction_e;
     case Metric::spatial_noise:
       return b.spatial_e;
     case Metric::snr:

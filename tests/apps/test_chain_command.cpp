@@ -281,6 +281,17 @@ TEST_F(ChainCommand, AFlatCurveGivesTheBudgetOfItsNumber) {
     expect_refused(command, {"optics.cone", "0.45", "0.5 or above"});
 }
 
+TEST_F(ChainCommand, ABudgetSaysWhySpatialNoiseHasNoNumber) {
+  sensor("[correction]\nlow = 0.0\n[nonuniformity]\nprnu = 0.01\n", "read_noise",
+         "dark_current = \"1 Me-/s\"\nread_noise");
+  const Result r = scratch.run("mtf budget s.toml --format json");
+  EXPECT_EQ(r.status, 0);
+  EXPECT_NE(r.err.find("no flat frame at 0 of full well"), std::string::npos) << r.err;
+  const Json terms = Json::parse(r.out)["terms"];
+  for (const char* name : {"prnu", "spatial", "spatial_netd"}) EXPECT_TRUE(terms[name]["value"].is_null()) << name;
+  EXPECT_TRUE(terms["netd"]["value"].is_number());
+}
+
 TEST_F(ChainCommand, SpectralScenesAndRangesOfPixelsAgreeWithPlainNumbers) {
   const auto electrons = [&](const std::string& scene, const std::string& name) {
     const Result r = scratch.run("mtf simulate s.toml " + scene + " -o " + name + ".exr");

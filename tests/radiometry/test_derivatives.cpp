@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "radiometry/blackbody.h"
-#include "radiometry/sensitivity.h"
+#include "radiometry/correction_residual.h"
 
 // One body for double and Jet: values are equal, derivatives those of the double functions.
 
@@ -73,6 +73,31 @@ TEST(RadiometryJets, cones) {
       const double h = 1e-5 * n;
       EXPECT_NEAR(around(Jet(n, 0), cone).v[0], (around(n + h, cone) - around(n - h, cone)) / (2 * h), 1e-7);
     }
+}
+
+/// What a correction leaves at a charge, with a dark current and a full well.
+template <class S>
+S residual(const S& charge_e, const S& dark_e, const S& full_well_e) {
+  const FlatFrames<S> flats{.low_e = S(0.2) * full_well_e,
+                            .high_e = S(0.8) * full_well_e,
+                            .dark_e = dark_e,
+                            .full_well_e = full_well_e,
+                            .variance = S(1e5),
+                            .frames = 8,
+                            .response = {.a2 = -0.1, .a3 = 0.02}};
+  const CorrectionResidual<S> left = correction_residual(flats, charge_e);
+  return left.prnu + left.flats_e;
+}
+
+TEST(RadiometryJets, what_a_correction_leaves) {
+  for (const double e : {1e6, 3e6, 1.2e7}) {  // the last one beyond the well
+    const double d = 2e5, w = 7e6, h = 1e-5;
+    const Jet value = residual(Jet(e, 0), Jet(d, 1), Jet(w, 2));
+    EXPECT_NEAR(value.a / residual(e, d, w), 1.0, 1e-14);  // jets divide by multiplying
+    EXPECT_NEAR(value.v[0], (residual(e * (1 + h), d, w) - residual(e * (1 - h), d, w)) / (2 * h * e), 1e-7);
+    EXPECT_NEAR(value.v[1], (residual(e, d * (1 + h), w) - residual(e, d * (1 - h), w)) / (2 * h * d), 1e-7);
+    EXPECT_NEAR(value.v[2], (residual(e, d, w * (1 + h)) - residual(e, d, w * (1 - h))) / (2 * h * w), 1e-7);
+  }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "mtf/quadrature.h"
 #include "tests/radiometry/chain_cases.h"
+#include "tests/radiometry/statistics.h"
 
 namespace radiometry {
 namespace {
@@ -109,6 +110,84 @@ TEST(SensorBudget, a_flat_scene_comes_out_as_the_budget_says_for_either_cone_and
     }
   EXPECT_GT(totals[1], 1.001 * totals[0]);
   EXPECT_GT(totals[2], 1.001 * totals[0]);
+}
+
+/// The pattern that stays in flat scenes of the corrected chain, in electrons: rms over the pixels of a mean of frames,
+/// less what of their own noise is left in it.
+double pattern_e(const Sensor& sensor, double temperature_k) {
+  constexpr int kFrames = 40;
+  const SpectralNumbers<double> spectral = spectral_numbers(sensor, temperature_k);
+  const Chain chain = make_chain(mwir_system(), sensor, 128, 128, 15.0);
+  const auto light = static_cast<float>(spectral.radiances.scene + spectral.radiances.path);
+  std::vector<double> sum(128 * 128, 0.0), squares(128 * 128, 0.0);
+  for (std::uint32_t n = 0; n < kFrames; ++n) {
+    const mtf::Image frame = chain.run(test::flat(128, 128, light), n, Tap::display).image;
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+      const double value = static_cast<double>(frame.data()[i]);
+      sum[i] += value;
+      squares[i] += value * value;
+    }
+  }
+  double mean = 0.0, mean2 = 0.0, temporal = 0.0;
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    const double pixel = sum[i] / kFrames;
+    mean += pixel / static_cast<double>(sum.size());
+    mean2 += pixel * pixel / static_cast<double>(sum.size());
+    temporal += (squares[i] / kFrames - pixel * pixel) / (kFrames - 1) / static_cast<double>(sum.size());
+  }
+  return std::sqrt(mean2 - mean * mean - temporal) * adc_of(sensor).electrons_per_count;
+}
+
+// What the correction of the simulated camera leaves against the closed form, between the levels of the flat frames,
+// below and beyond them. 16384 pixels: the rms is known to 1/sqrt(2 x 16384) = 0.6 %, and 40 frames' noise adds to
+// that.
+TEST(SensorBudget, spatial_noise_is_what_the_corrected_chain_leaves) {
+  Sensor sensor = noisy_sensor();
+  sensor.settings.nonuniformity = NonuniformitySettings{.prnu = 0.01, .dsnu_e = 2000.0};
+  sensor.settings.noise = NoiseSettings{.seed = 3, .fixed_row_e = 800.0};
+  sensor.settings.correction = CorrectionSettings{.low = 0.2, .high = 0.6, .frames = 16, .replace_bad = false};
+  for (const double temperature_k : {270.0, 305.0, 320.0}) {
+    const Budget<double> budget = budget_of(mwir_system(), sensor, temperature_k);
+    EXPECT_EQ(budget.prnu_e, 0.0);
+    EXPECT_EQ(budget.dsnu_e, 0.0);
+    EXPECT_EQ(budget.spatial_e, budget.correction_e);
+    EXPECT_NEAR(pattern_e(sensor, temperature_k) / budget.spatial_e, 1.0, 0.03) << temperature_k;
+  }
+}
+
+// The bow of the response turns PRNU into a pattern again; electrons at the output are those of the budget times the
+// slope of the response. To first order in PRNU, here 1 %.
+TEST(SensorBudget, prnu_after_correction_is_what_the_bow_of_the_response_makes_of_it) {
+  Sensor sensor = noisy_sensor();
+  sensor.settings.nonuniformity = NonuniformitySettings{.prnu = 0.01, .dsnu_e = 300.0};
+  sensor.settings.noise = NoiseSettings{.seed = 3};
+  sensor.settings.correction = CorrectionSettings{.low = 0.1, .high = 0.8, .frames = 64, .replace_bad = false};
+  sensor.settings.nonlinearity = Nonlinearity{.a2 = -0.12, .a3 = 0.03};
+  for (const double temperature_k : {302.0, 310.0}) {
+    const Budget<double> budget = budget_of(mwir_system(), sensor, temperature_k);
+    EXPECT_GT(budget.prnu_e, 2.0 * budget.correction_e);
+    const double u = budget.signal.total_e() / 7e6, slope = 1.0 - 2.0 * 0.12 * u + 3.0 * 0.03 * u * u;
+    EXPECT_NEAR(pattern_e(sensor, temperature_k) / (slope * budget.spatial_e), 1.0, 0.03) << temperature_k;
+  }
+  // At the levels of the flat frames nothing is left of it.
+  FlatFrames<double> flats{
+      .low_e = 7e5, .high_e = 5.6e6, .dark_e = 1e4, .full_well_e = 7e6, .response = *sensor.settings.nonlinearity};
+  for (const double level : {flats.low_e, flats.high_e})
+    EXPECT_NEAR(correction_residual(flats, level).prnu, 0.0, 1e-9 * level);
+}
+
+// Simulating such a camera is refused; its budget has no number there and says why.
+TEST(SensorBudget, a_flat_frame_below_the_background_leaves_no_number) {
+  Sensor sensor = warm_sensor();
+  sensor.settings.correction = CorrectionSettings{.low = 0.001};
+  const Budget<double> budget = budget_of(mwir_system(), sensor, 300.0);
+  for (const double value :
+       {budget.prnu_e, budget.dsnu_e, budget.correction_e, budget.spatial_e, budget.spatial_netd_k})
+    EXPECT_TRUE(std::isnan(value));
+  EXPECT_TRUE(std::isfinite(budget.netd_k));
+  EXPECT_NE(spatial_gap(sensor.settings, budget).find("flat frame at 0.001 of full well"), std::string::npos);
+  sensor.settings.correction->low = 0.2;
+  EXPECT_EQ(spatial_gap(sensor.settings, budget_of(mwir_system(), sensor, 300.0)), "");
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What a study takes from the budget: spectral responses, the target's contrast, cones.
+// What a study takes from the budget: spectral responses, the target's contrast, cones, what a correction leaves.
 
 #include "apps/sensor_chain.h"
 #include "apps/study/metric_rows.h"
@@ -117,7 +117,7 @@ TEST(EvaluatorBudget, AFlatCurveIsItsNumberInEveryMetricAndItsSlopes) {
     EXPECT_NEAR(b.value[i], a.value[i], 1e-9 * std::abs(a.value[i]) + 1e-300) << a.columns[i / 4] << " by " << i % 4;
 }
 
-TEST(EvaluatorBudget, DerivativesGoThroughContrastAndTheCurveOfTheDetector) {
+TEST(EvaluatorBudget, DerivativesGoThroughContrastCorrectionAndTheCurveOfTheDetector) {
   const Folder folder;
   folder.write("qe.csv", "wavelength_um,quantum_efficiency\n3,0.5\n4,0.8\n5,0.3\n");
   std::string camera = mwir_camera("\"qe.csv\"");
@@ -125,8 +125,9 @@ TEST(EvaluatorBudget, DerivativesGoThroughContrastAndTheCurveOfTheDetector) {
   folder.write("camera.toml", camera);
   std::string study = mwir_study();
   const std::size_t list = study.find("list = ");
-  study.replace(list, study.find('\n', list) - list,
-                "list = [\"nei\", \"target_snr\", \"prnu_noise\", \"spatial_netd\", \"background\"]");
+  study.replace(
+      list, study.find('\n', list) - list,
+      "list = [\"nei\", \"target_snr\", \"prnu_noise\", \"correction_noise\", \"spatial_netd\", \"background\"]");
   expect_gradient(folder, study, 6, 1e-6);
 }
 
@@ -148,6 +149,7 @@ TEST(EvaluatorBudget, TheTargetIsTheDifferenceOfTwoBudgets) {
   for (const auto& [name, value] : {std::pair{"background", background.signal.path_e + background.signal.optics_e +
                                                                 background.signal.stop_e + background.signal.dark_e},
                                     {"prnu_noise", background.prnu_e},
+                                    {"correction_noise", background.correction_e},
                                     {"spatial_noise", background.spatial_e},
                                     {"nei", background.nei_ph}})
     EXPECT_NEAR(e[name] / value, 1.0, 1e-13) << name;
@@ -166,6 +168,22 @@ TEST(EvaluatorBudget, AConeThatNoLensHasIsADesignThatCannotBe) {
   EXPECT_NE(e.evaluator->last_problem().find("0.5 or above"), std::string::npos);
   e.at(1);
   EXPECT_TRUE(std::isfinite(e["netd"]));
+}
+
+TEST(EvaluatorBudget, SpatialNoiseWithoutFlatFramesHasNoNumberAndAReason) {
+  const Folder folder;
+  std::string camera = mwir_camera("0.7");
+  camera.replace(camera.find("frames = 8"), 10, "low = 0.001");
+  folder.write("camera.toml", camera);
+  Evaluated e = evaluated(folder,
+                          "schema = 1\nsensor = \"camera.toml\"\n[[axis]]\nparameter = \"optics.f_number\"\n"
+                          "values = [2.0]\n[metrics]\nlist = [\"netd\", \"spatial_netd\"]\n");
+  e.at(0);
+  EXPECT_TRUE(std::isfinite(e["netd"]));
+  EXPECT_TRUE(std::isnan(e["spatial_netd"]));
+  std::string told;
+  for (const std::string& sentence : e.evaluator->skipped()) told += sentence;
+  EXPECT_NE(told.find("no flat frame at 0.001 of full well"), std::string::npos) << told;
 }
 
 }  // namespace
