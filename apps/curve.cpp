@@ -39,21 +39,29 @@ std::string as_table(const CurveValues& values) {
     if (!values.system.real) row.push_back(fixed(std::atan2(h.im, h.re) * 180.0 / std::numbers::pi, 3));
     table.add(std::move(row));
   }
-  return table.aligned(align);
+  std::string text = table.aligned(align);
+  for (const OtfColumn* column : columns)
+    if (has_coarse_average(*column))
+      text += "the average over the band of " + one_line(column->label) + " errs by up to " +
+              significant(*std::max_element(column->error.begin(), column->error.end()), 2) + "\n";
+  return text;
 }
 
 std::string as_csv(const CurveValues& values) {
   const auto columns = columns_of(values);
   std::string text = "frequency";
   for (const OtfColumn* column : columns)
-    text += "," + (column->real ? csv_field(column->label)
-                                : csv_field(column->label + "_re") + "," + csv_field(column->label + "_im"));
+    text += "," +
+            (column->real ? csv_field(column->label)
+                          : csv_field(column->label + "_re") + "," + csv_field(column->label + "_im")) +
+            (has_coarse_average(*column) ? "," + csv_field(column->label + "_error") : "");
   text += "\n";
   for (std::size_t i = 0; i < values.frequency.size(); ++i) {
     text += mtf::format_double(values.frequency[i]);
     for (const OtfColumn* column : columns) {
       text += "," + mtf::format_double(column->otf[i].re + 0.0);
       if (!column->real) text += "," + mtf::format_double(column->otf[i].im + 0.0);
+      if (has_coarse_average(*column)) text += "," + mtf::format_double(column->error[i]);
     }
     text += "\n";
   }
@@ -66,6 +74,7 @@ void add_parts(Json& json, const OtfColumn& column) {
   for (const auto& h : column.otf) re.push_back(h.re + 0.0);
   Json& im = json["im"] = Json::array();
   for (const auto& h : column.otf) im.push_back(h.im + 0.0);
+  if (has_coarse_average(column)) json["error"] = column.error;
 }
 
 std::string as_json(const CurveValues& values, const KeyFigures& figures, const std::string& name) {

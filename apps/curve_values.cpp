@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "mtf/error.h"
 
@@ -54,6 +55,10 @@ Direction make_direction(const mtf::Frame<double>& frame, const std::string& uni
   return {unit, angle_deg, step};
 }
 
+bool has_coarse_average(const OtfColumn& column) {
+  return std::any_of(column.error.begin(), column.error.end(), [](double e) { return e > mtf::kBandError; });
+}
+
 CurveValues curve_values(const System<double>& system, const Direction& direction, std::vector<double> frequency) {
   std::vector<Freq<double>> f;
   f.reserve(frequency.size());
@@ -65,7 +70,12 @@ CurveValues curve_values(const System<double>& system, const Direction& directio
   CurveValues values;
   values.direction = direction;
   values.frequency = std::move(frequency);
-  values.system = {"system", "", "system", true, std::vector<Complex<double>>(f.size(), {1.0, 0.0})};
+  values.system = {"system",
+                   "",
+                   "system",
+                   true,
+                   std::vector<Complex<double>>(f.size(), {1.0, 0.0}),
+                   std::vector<double>(f.size(), 0.0)};
   for (const mtf::Stage stage : mtf::kStages) {
     const auto& list = system.list(stage);
     const std::string name(mtf::stage_name(stage));
@@ -73,16 +83,23 @@ CurveValues curve_values(const System<double>& system, const Direction& directio
     for (const Entry<double>& entry : list) {
       const bool own = entry.component.traits(system.context()).real;
       real = real && own;
+      mtf::Averaged<double> otf = system.otf_with_error(std::span(&entry, 1), f);
       values.components.push_back(
-          {entry.label, std::string(entry.component.kind()), name, own, system.otf(std::span(&entry, 1), f)});
+          {entry.label, std::string(entry.component.kind()), name, own, std::move(otf.value), std::move(otf.error)});
       values.components.back().doc = entry.component.description();
       require_finite(values.components.back());
     }
-    values.stages.push_back({name, "", name, real, system.otf(std::span(list), f)});
+    mtf::Averaged<double> otf = system.otf_with_error(std::span(list), f);
+    values.stages.push_back({name, "", name, real, std::move(otf.value), std::move(otf.error)});
     require_finite(values.stages.back());
     values.system.real = values.system.real && real;
-    for (std::size_t i = 0; i < f.size(); ++i)
-      values.system.otf[i] = values.system.otf[i] * values.stages.back().otf[i];
+    const OtfColumn& product = values.stages.back();
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      Complex<double>& h = values.system.otf[i];
+      values.system.error[i] = values.system.error[i] * std::hypot(product.otf[i].re, product.otf[i].im) +
+                               product.error[i] * std::hypot(h.re, h.im);
+      h = h * product.otf[i];
+    }
   }
   require_finite(values.system);
   return values;

@@ -32,7 +32,8 @@ struct OtfColumn {
   std::string stage;  ///< list it belongs to; "system" for the whole
   bool real = true;
   std::vector<mtf::Complex<double>> otf;
-  std::string doc{};  ///< what the component is, with the model it uses; "" for products
+  std::vector<double> error;  ///< of the average over the band, absolute, at each frequency
+  std::string doc{};          ///< what the component is, with the model it uses; "" for products
 };
 
 struct CurveValues {
@@ -42,6 +43,9 @@ struct CurveValues {
   std::vector<OtfColumn> stages;      ///< presample, readout, postsample: products, averaged over the band as a whole
   OtfColumn system;
 };
+
+/// The average over the band errs by more than mtf::kBandError somewhere: the errors have to be shown.
+bool has_coarse_average(const OtfColumn& column);
 
 /// Values at `frequency`, in the unit of `direction`. Throws UsageError for frequencies beyond 1e9 cy/mm.
 CurveValues curve_values(const mtf::System<double>& system, const Direction& direction, std::vector<double> frequency);

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
+#include <mutex>
 
 #include "apps/output.h"
 #include "apps/text_table.h"
@@ -60,6 +62,38 @@ void ProgressLine::update(const std::string& step, double share, const std::stri
   else
     complain("{\"step\":\"" + step + "\",\"share\":" + fixed(share, 3) + ",\"elapsed_s\":" + fixed(elapsed_s, 1) +
              (rate.empty() ? "" : ",\"rate\":\"" + rate + "\"") + "}");
+}
+
+void ProgressLine::update_open(const std::string& step, const std::string& done) {
+  if (way_ == Way::none) return;
+  const Clock::time_point now = Clock::now();
+  const bool fresh = step != step_;
+  if (fresh) step_ = step, start_ = now;
+  if (!fresh && now - shown_ < (way_ == Way::bar ? std::chrono::milliseconds(100) : std::chrono::seconds(10))) return;
+  shown_ = now;
+  if (way_ == Way::bar)
+    show("\r" + step + ": " + done + "\033[K");
+  else if (way_ == Way::plain)
+    complain(step + ": " + done);
+  else
+    complain("{\"step\":\"" + step + "\",\"done\":\"" + done +
+             "\",\"elapsed_s\":" + fixed(std::chrono::duration<double>(now - start_).count(), 1) + "}");
+}
+
+mtf::OtfProgress planning_progress(const Global& global) {
+  struct State {
+    explicit State(const Global& options) : line(options) {}
+    std::mutex lock;
+    ProgressLine line;
+    std::int64_t values = 0;
+    std::chrono::steady_clock::time_point begun = std::chrono::steady_clock::now();
+  };
+  return [state = std::make_shared<State>(global)](std::int64_t values) {
+    const std::lock_guard guard(state->lock);
+    state->values += values;
+    if (std::chrono::steady_clock::now() - state->begun > std::chrono::milliseconds(500))
+      state->line.update_open("planning", std::to_string(state->values) + " values of the OTF");
+  };
 }
 
 }  // namespace apps

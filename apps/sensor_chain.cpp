@@ -197,8 +197,7 @@ mtf::System<double> with_electron_rate(const mtf::System<double>& system, const 
   mtf::System<double> weighted = system;
   const radiometry::SceneBand band = radiometry::scene_band(camera, loaded.sensor.path);
   const radiometry::BandResponse response(band.band, band.curves);
-  weighted.band->rate = std::make_shared<const mtf::ElectronRate>(
-      [response, source_k = loaded.source_k](int n) { return response.electron_nodes(std::min(n, 256), source_k); });
+  weighted.band->rate = std::make_shared<const mtf::ElectronRate>(response.electron_rate(loaded.source_k));
   return weighted;
 }
 

@@ -9,6 +9,7 @@
 #include "apps/options.h"
 #include "apps/output.h"
 #include "apps/physical.h"
+#include "apps/progress_line.h"
 #include "apps/run_report.h"
 #include "apps/run_summary.h"
 #include "apps/sensor_file.h"
@@ -120,6 +121,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   if (physical && !options.tolerance && plan_options.scene)
     plan_options.tolerance = physical->tolerance(plan_options.tolerance, plan_options.scene->std);
   plan_options.threads = global.threads;
+  plan_options.progress = planning_progress(global);
   read_measured(options, global);
   const std::optional<mtf::TiledSensorPlan> tiles =
       physical ? std::nullopt : flat_tiles(config, scene, masks, plan_options, report);
@@ -130,6 +132,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
       tiles ? tiles->inner() : compile_reachable(options.tolerance.has_value(), plan_options, report.warnings, [&] {
         return mtf::compile_sensor(system, scene.grid, plan_options, physical ? physical->samples_a_pitch() : 1);
       });
+  plan_options.progress = {};
   for (const std::string& text : plan.presample.report().notes) report.warnings.push_back(text);
   for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
   if (options.measure)

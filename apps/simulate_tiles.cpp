@@ -276,6 +276,7 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   plan_options.rigor = options.measure ? mtf::fft::Rigor::measure : mtf::fft::Rigor::estimate;
   plan_options.aperture = mtf::io::scene_aperture(config.scene, scene.grid);
   plan_options.threads = global.threads;
+  plan_options.progress = planning_progress(global);
   mtf::TileOptions tile_options;
   tile_options.memory = options.memory.value_or(0);
   tile_options.threads = global.threads;
@@ -298,6 +299,7 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   if (source.file)
     source.file->keep_rows(plan.report().whole ? source.file->more_rows() : plan.inner().presample.in().height);
   progress.reset();
+  plan_options.progress = {};
   for (const std::string& warning : report.warnings) note(global, "warning: " + one_line(warning));
   lap("plan");
 

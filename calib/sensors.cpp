@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "calib/band_mean.h"
 #include "calib/parameter_site.h"
+#include "mtf/band_mean.h"
 #include "mtf/error.h"
 
 namespace calib {
@@ -22,7 +22,7 @@ constexpr std::size_t kStride = 4;
 constexpr double kNothingLeft = 1e-8;
 constexpr double kMostTop_cy_px = 32.0;
 
-/// Numbers of a complex value for BandMean: real and imaginary part, then their derivatives.
+/// Numbers of a complex value for mtf::BandMean: real and imaginary part, then their derivatives.
 template <class S>
 constexpr std::size_t kNumbers = 2;
 template <>
@@ -102,7 +102,7 @@ void mean_over_band(const System<S>& system, std::span<const Component<S>* const
     for (std::size_t i = 0; i < t.size(); ++i) pack(node[i], &values[i * width]);
   };
   const double most = ray.t.size() > kFew ? *std::max_element(ray.t.begin(), ray.t.end()) : 0.0;
-  const BandMean band(p, width, system.band->lo_um, system.band->hi_um, kinks.at, kinks.ends, most);
+  const mtf::BandMean band(p, width, *system.band, kinks.at, kinks.ends, most);
   std::array<double, width> mean{};
   for (std::size_t i = 0; i < h.size(); ++i) {
     band.at(ray.t[i], mean);
@@ -160,26 +160,6 @@ std::vector<mtf::Context<double>> contexts(const System<double>& system) {
   return {system.context(system.band->lo_um), system.context(system.band->hi_um)};
 }
 
-double obscuration_of(const mtf::Component<double>& component, const mtf::Context<double>& context) {
-  for (const auto& field : component.fields())
-    if (field.info->name == "obscuration")
-      if (const auto* own = std::get_if<std::optional<double>*>(&field.value))
-        return (*own)->value_or(context.optics.obscuration.value_or(0.0));
-  return 0.0;
-}
-
-/// Frequencies in cycles/mm between which a component is smooth, its cutoff among them.
-std::vector<double> breaks_of(const mtf::Component<double>& component, const mtf::Context<double>& context) {
-  const double cutoff = component.cutoff_cy_mm(context);
-  std::vector<double> breaks = component.breaks_cy_mm(context);
-  breaks.push_back(cutoff);
-  // Where the rims of two annular pupils begin or cease to cross.
-  if (component.is_pupil())
-    if (const double e = obscuration_of(component, context); e > 0.0)
-      for (const double nu : {0.5 * (1.0 - e), e, 0.5 * (1.0 + e)}) breaks.push_back(nu * cutoff);
-  return breaks;
-}
-
 /// Of every stage. Kinks that do not go with 1 / wavelength are left to the quadrature.
 std::vector<Kinks> kinks_of(const System<double>& system) {
   std::vector<Kinks> all(mtf::kStages.size());
@@ -191,8 +171,8 @@ std::vector<Kinks> kinks_of(const System<double>& system) {
     double end = INFINITY;
     for (const auto& entry : system.list(mtf::kStages[stage])) {
       if (!entry.component.traits(system.context()).chromatic) continue;
-      const std::vector<double> longest = breaks_of(entry.component, system.context(hi)),
-                                shortest = breaks_of(entry.component, system.context(lo));
+      const std::vector<double> longest = entry.component.kinks_cy_mm(system.context(hi)),
+                                shortest = entry.component.kinks_cy_mm(system.context(lo));
       for (std::size_t i = 0; i < std::min(longest.size(), shortest.size()); ++i)
         if (std::isfinite(longest[i]) && std::abs(shortest[i] * lo - longest[i] * hi) < kSame * longest[i] * hi)
           kinks.at.push_back(longest[i]);
@@ -335,7 +315,7 @@ SliceNodes Sensors::slice(std::size_t condition, double angle_rad, double reach_
   for (const Stage stage : mtf::kStages)
     for (const auto& entry : system.list(stage))
       for (const auto& context : contexts(system))
-        for (const double f : breaks_of(entry.component, context)) breaks.push_back(f / scale);
+        for (const double f : entry.component.kinks_cy_mm(context)) breaks.push_back(f / scale);
   constexpr double kLeastTop_cy_px = 1e-6;  // a sensor that passes nothing is no error here
   return slice_nodes(std::max(kLeastTop_cy_px, top_cy_px(condition, angle_rad)), reach_px, breaks);
 }

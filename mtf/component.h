@@ -9,10 +9,12 @@
 //   cutoff_cy_mm(ctx)      |f| from which the OTF is zero; infinity when there is none
 //   deviation(fx, fy, ctx) a bound of |otf - 1| over |f.x| <= fx, |f.y| <= fy
 //   check(ctx)             what the field bounds cannot say: values that exclude each other, validity of the formula
-// and may add, for speed but for the last:
+// and may add, mostly for speed:
 //   displacement_mm(ctx)   a vector d such that the OTF depends on f through d.f alone (motion in one direction)
-//   breaks_cy_mm(ctx)      for an OTF that costs microseconds: the |f| in rising order between which it is smooth, the
-//                          last being its cutoff; plans tabulate it between them
+//   kinks_cy_mm(ctx)       the |f| in rising order at which the OTF is not smooth, the last being its cutoff where it
+//                          has one; where they depend on the wavelength they go with 1/wavelength. Without it: the
+//                          cutoff
+//   is_slow                an OTF that costs microseconds, in two dimensions: plans tabulate it between its kinks
 //   rows(fx, ctx)          see Component::rows, for sums of products of functions of fx and of fy
 //   evaluator(ctx)         otf as a function of f alone, where work that does not depend on f is worth doing once
 //   variant_doc()          the sentence for the present values, where the kind holds several models
@@ -163,8 +165,10 @@ class Component {
   /// shorter.
   using Rows = std::function<void(const S& fy, std::span<Complex<S>> h)>;
   Rows rows(std::span<const S> fx, const Context<S>& ctx) const;
-  /// Where a slow OTF has its kinks, see above; empty for all that are quick.
-  std::vector<double> breaks_cy_mm(const Context<S>& ctx) const;
+  /// Where the OTF is not smooth, see above.
+  std::vector<double> kinks_cy_mm(const Context<S>& ctx) const;
+  /// It costs microseconds a frequency.
+  bool is_slow() const;
   /// Unit vector u with otf(f) = otf((f.u) u), where the component knows one.
   std::optional<Freq<double>> line(const Context<S>& ctx) const;
 

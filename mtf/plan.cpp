@@ -93,6 +93,7 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   impl->system = system;
   impl->stages.assign(stages.begin(), stages.end());
   impl->options = options;
+  impl->options.progress = {};  // whoever asked for it may be gone when the plan is changed
   PlanReport& report = impl->report;
   report.in = in;
   report.out = out;
@@ -126,7 +127,8 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
                             .samples = in.width * in.height / 2,
                             .threads = options.threads,
                             .scene = scene_cost,
-                            .split = options.split});
+                            .split = options.split,
+                            .progress = options.progress});
   impl->dc = sampler.dc();
   report.dropped = sampler.dropped();
   report.merged = sampler.merged();

@@ -85,6 +85,7 @@ struct PlanOptions {
   ScaleSplit split = {};                          ///< the near or far part only (mtf/tiles.h)
   std::shared_ptr<const SceneSpectrum> spectrum;  ///< of this very scene: what an omission costs it, not any scene
   int threads = 0;                                ///< for making the OTF; 0 = all cores
+  OtfProgress progress = {};      ///< where slow components take long: how many of their values were made; may throw
   bool separate_readout = false;  ///< noise comes between readout and postsample filters: a plan for each (SensorPlan)
 };
 

@@ -16,7 +16,7 @@ using Cplx = std::complex<double>;
 constexpr std::size_t kFirstSpokes = 16, kMostSpokes = 256;
 constexpr std::size_t kFirstPoints = 12, kMostPoints = 96;
 constexpr std::size_t kKnots = 512;  // a piece: the cubic between them errs by less than 1e-9 of what varies smoothly
-constexpr std::size_t kProbes = 24;  // a piece and kind
+constexpr std::size_t kMostProbes = 24, kAllProbes = 96;  // of a piece, of the table; of each kind
 
 // r = begin + (end - begin) (1 - cos(pi t))/2, t in 0..1: the square root of the distance at both ends.
 double radius_at(double begin, double end, double t) {
@@ -53,56 +53,66 @@ std::vector<double> lagrange(std::size_t n, double t) {
 
 }  // namespace
 
-PolarTable::PolarTable(const Function& h, std::vector<double> breaks, double target, std::int64_t most, int threads) {
+PolarTable::PolarTable(const Function& h, const Rings& rings, std::vector<double> breaks, double target,
+                       std::int64_t most, int threads) {
   double begin = 0.0;
   for (const double end : breaks) {
     if (end > begin * (1.0 + 1e-9)) pieces_.push_back({begin, end, {}}), begin = end;
   }
   std::size_t spokes = kFirstSpokes, points = kFirstPoints;
   for (;;) {
-    tabulate(h, spokes, points, threads);
+    const std::int64_t before = evaluations_;
+    tabulate(rings, spokes, points);
+    const std::int64_t last = evaluations_ - before;
     const double around = probe(h, spokes, points, true, threads), outwards = probe(h, spokes, points, false, threads);
     error_ = 2.0 * (around + outwards);
     const bool more_spokes =
         around > 0.25 * target && spokes<kMostSpokes, more_points = outwards> 0.25 * target && points < kMostPoints;
     if (more_spokes) spokes *= 2;
     if (more_points) points *= 2;
-    const auto next = static_cast<std::int64_t>(pieces_.size() * (points * (spokes / 2) + 2 * kProbes));
+    const auto next =
+        last * (more_spokes ? 2 : 1) * (more_points ? 2 : 1) + static_cast<std::int64_t>(2 * probes() * pieces_.size());
     if ((!more_spokes && !more_points) || evaluations_ + next > most) return;
   }
 }
 
-void PolarTable::tabulate(const Function& h, std::size_t spokes, std::size_t points, int threads) {
-  orders_ = spokes / 2;
+PolarTable::Rings PolarTable::rings_of(Function h, int threads) {
   // H(r, a + pi) = conj H(r, a): half of the spokes. With H = A + i B the series of A has even orders, that of B odd
   // ones: c_m exp(i m a) below is the part of A (m even) or of B (m odd) whose real part counts.
-  const std::size_t half = spokes / 2;
-  std::vector<Cplx> turn(spokes);
-  for (std::size_t k = 0; k < spokes; ++k) {
-    const double a = 2.0 * static_cast<double>(k) / static_cast<double>(spokes);
-    turn[k] = {cos_pi(a), sin_pi(a)};
-  }
-  for (Piece& piece : pieces_) {
-    std::vector<Cplx> value(points * half);
+  return [h = std::move(h), threads](std::span<const double> r, std::size_t spokes, std::span<Cplx> rows) {
+    const std::size_t half = spokes / 2;
+    std::vector<Cplx> turn(spokes), value(r.size() * half);
+    for (std::size_t k = 0; k < spokes; ++k) {
+      const double a = 2.0 * static_cast<double>(k) / static_cast<double>(spokes);
+      turn[k] = {cos_pi(a), sin_pi(a)};
+    }
     parallel_for(static_cast<std::int64_t>(value.size()), 8, threads, [&](std::int64_t first, std::int64_t last) {
       for (std::int64_t k = first; k < last; ++k) {
         const auto i = static_cast<std::size_t>(k) / half, j = static_cast<std::size_t>(k) % half;
-        const double r = radius_at(piece.begin, piece.end, chebyshev(i, points));
-        const Complex<double> z = h({r * turn[j].real(), r * turn[j].imag()});
+        const Complex<double> z = h({r[i] * turn[j].real(), r[i] * turn[j].imag()});
         value[static_cast<std::size_t>(k)] = {z.re, z.im};
       }
     });
-    evaluations_ += static_cast<std::int64_t>(value.size());
-    std::vector<Cplx> series(points * orders_);
-    for (std::size_t i = 0; i < points; ++i)
-      for (std::size_t m = 0; m < orders_; ++m) {
+    for (std::size_t i = 0; i < r.size(); ++i)
+      for (std::size_t m = 0; m < half; ++m) {
         Cplx sum{};
         for (std::size_t j = 0; j < half; ++j) {
           const double part = m % 2 == 0 ? value[i * half + j].real() : value[i * half + j].imag();
           sum += part * std::conj(turn[j * m % spokes]);
         }
-        series[i * orders_ + m] = (m == 0 ? 1.0 : 2.0) / static_cast<double>(half) * sum;
+        rows[i * half + m] = (m == 0 ? 1.0 : 2.0) / static_cast<double>(half) * sum;
       }
+    return static_cast<std::int64_t>(value.size());
+  };
+}
+
+void PolarTable::tabulate(const Rings& rings, std::size_t spokes, std::size_t points) {
+  orders_ = spokes / 2;
+  for (Piece& piece : pieces_) {
+    std::vector<double> r(points);
+    for (std::size_t i = 0; i < points; ++i) r[i] = radius_at(piece.begin, piece.end, chebyshev(i, points));
+    std::vector<Cplx> series(points * orders_);
+    evaluations_ += rings(r, spokes, series);
     piece.rows.assign((kKnots + 3) * orders_, {});
     for (std::size_t k = 0; k < kKnots + 3; ++k) {
       const double t = (static_cast<double>(k) - 1.0) / static_cast<double>(kKnots);
@@ -137,16 +147,19 @@ Complex<double> PolarTable::at(const Freq<double>& f) const {
   return {re, im};
 }
 
+std::size_t PolarTable::probes() const { return std::clamp(kAllProbes / pieces_.size(), std::size_t{8}, kMostProbes); }
+
 // The largest error between the spokes, or between the points; there the series and the polynomial are worst.
 double PolarTable::probe(const Function& h, std::size_t spokes, std::size_t points, bool around, int threads) {
-  std::vector<double> error(pieces_.size() * kProbes);
+  const std::size_t count = probes();
+  std::vector<double> error(pieces_.size() * count);
   parallel_for(static_cast<std::int64_t>(error.size()), 4, threads, [&](std::int64_t first, std::int64_t last) {
     for (std::int64_t k = first; k < last; ++k) {
-      const Piece& piece = pieces_[static_cast<std::size_t>(k) / kProbes];
-      const std::size_t n = static_cast<std::size_t>(k) % kProbes;
+      const Piece& piece = pieces_[static_cast<std::size_t>(k) / count];
+      const std::size_t n = static_cast<std::size_t>(k) % count;
       // Spread over the piece and all directions, on no pattern of the table's own.
       const double spread = std::fmod(static_cast<double>(n) * 0.6180339887498949, 1.0);
-      const std::size_t i = n * points / kProbes;
+      const std::size_t i = n * points / count;
       const auto j = static_cast<double>(static_cast<std::size_t>(spread * static_cast<double>(spokes)));
       const double t = around ? chebyshev(i, points)
                               : 0.5 * (chebyshev(i, points) + (i + 1 < points ? chebyshev(i + 1, points) : 1.0));

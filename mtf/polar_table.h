@@ -20,17 +20,25 @@ namespace mtf {
 class PolarTable {
  public:
   using Function = std::function<Complex<double>(const Freq<double>& f)>;
+  /// rows[i spokes/2 + m] = c_m at the radius r[i], from `spokes` directions, m < spokes/2. Returns how many values of
+  /// an OTF that took.
+  using Rings =
+      std::function<std::int64_t(std::span<const double> r, std::size_t spokes, std::span<std::complex<double>> rows)>;
+  /// The series of a function that is evaluated on `threads` (0 = all cores).
+  static Rings rings_of(Function h, int threads);
+
   /// `breaks`: radii in rising order between which H is smooth, the last being the table's end; beyond it H is 0.
-  /// Refined until the target is met or the next step would take more than `most` evaluations in all; `threads`
-  /// evaluate H (0 = all cores).
-  PolarTable(const Function& h, std::vector<double> breaks, double target, std::int64_t most, int threads);
+  /// Refined until the target is met, by values of `h` in between, or the next step would take more than `most` values
+  /// of an OTF in all; `threads` evaluate `h` (0 = all cores).
+  PolarTable(const Function& h, const Rings& rings, std::vector<double> breaks, double target, std::int64_t most,
+             int threads);
 
   /// h[i] *= table at (fx[i], fy).
   void multiply(std::span<const double> fx, double fy, std::span<Complex<double>> h) const;
 
   /// Largest |table - H| seen in between, with a factor 2; what it is when the target is out of reach, too.
   double error() const { return error_; }
-  /// Frequencies at which H was evaluated.
+  /// Values of an OTF that were taken.
   std::int64_t evaluations() const { return evaluations_; }
 
  private:
@@ -40,8 +48,9 @@ class PolarTable {
     double begin = 0.0, end = 0.0;
     std::vector<std::complex<double>> rows;
   };
-  void tabulate(const Function& h, std::size_t spokes, std::size_t points, int threads);
+  void tabulate(const Rings& rings, std::size_t spokes, std::size_t points);
   Complex<double> at(const Freq<double>& f) const;
+  std::size_t probes() const;  ///< of a piece and kind
   double probe(const Function& h, std::size_t spokes, std::size_t points, bool around, int threads);
 
   std::vector<Piece> pieces_;

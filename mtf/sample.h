@@ -10,6 +10,7 @@
 // Each component is visited once per vector, table or tile, never per sample.
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -17,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "mtf/band_mean.h"
 #include "mtf/border.h"
 #include "mtf/polar_table.h"
 #include "mtf/radial_table.h"
@@ -51,16 +53,21 @@ struct SceneCost {
   double scale = 1.0;                   ///< unit of the spectrum's rms_error
 };
 
+/// Called now and then by the threads that make an OTF, several at once, with the number of values of slow components
+/// that were made since. What it throws ends the work.
+using OtfProgress = std::function<void(std::int64_t values)>;
+
 struct SamplerOptions {
   double fx_max = 0.0, fy_max = 0.0;  ///< |fx|, |fy| up to these
   double drop_budget = 0.0;           ///< components whose deviations add up to no more are left out
   double table_share = 0.0;  ///< error that a table should not exceed (one that errs by much more is not used);
                              ///< 0: no tables
-  int wavelengths = 0;       ///< of the band; 0 = as many as that error needs
+  int wavelengths = 0;  ///< of the band: a Gauss rule of so many; 0 = split at the kinks, as many as that error needs
   std::int64_t samples = std::numeric_limits<std::int64_t>::max();  ///< frequencies that will be asked for, about
   int threads = 0;  ///< that fill tables of slow components; 0 = all cores
   std::optional<SceneCost> scene = std::nullopt;
   ScaleSplit split = {};  ///< the part of the OTF by scale
+  OtfProgress progress = {};
 };
 
 class OtfSampler {
@@ -152,7 +159,13 @@ class OtfSampler {
   void tabulate_lines(double target);
   void tabulate_slow(double target);
   Complex<double> chromatic_product(const Freq<double>& f) const;
-  void choose_wavelengths(double end, double target, int wanted);
+  /// The product of chromatic components at one wavelength.
+  Complex<double> product_at(const Freq<double>& f, double wavelength_um) const;
+  std::vector<double> chromatic_kinks() const;
+  void choose_wavelengths(double end, double target);
+  void tabulate_band(double end);
+  PolarTable::Rings reported(PolarTable::Rings rings) const;
+  PolarTable::Rings band_rings(double end, double target) const;
   double radial_product(double r) const;
   bool has_general() const {
     return radial_per_sample_ || !general_.empty() || !chromatic_general_.empty() || !polar_.empty();
@@ -172,7 +185,8 @@ class OtfSampler {
   double identity_error_ = 0.0;
   std::vector<Dropped> dropped_;
   std::vector<std::string> merged_;
-  WavelengthNodes nodes_;
+  BandRule wavelength_rule_;
+  std::optional<BandMean> radial_mean_;  ///< of slow radial components
   std::optional<RadialTable> table_;
   std::vector<Line> lines_;
   std::vector<PolarTable> polar_;

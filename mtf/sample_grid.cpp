@@ -60,17 +60,8 @@ std::vector<Complex<double>> OtfSampler::Grid::general_row(std::size_t j, std::s
   for (const auto& multiply : rows_) multiply(fy, product);
   for (const PolarTable& table : sampler_->polar_) table.multiply(fx_, fy, product);
   if (sampler_->chromatic_general_.empty()) return product;
-  std::vector<Freq<double>> f(count);
-  for (std::size_t i = 0; i < count; ++i) f[i] = {fx_[i], fy};
-  std::vector<Complex<double>> mean(count), node(count);
-  const WavelengthNodes& nodes = sampler_->nodes_;
-  for (std::size_t w = 0; w < nodes.weight.size(); ++w) {
-    const Context<double> ctx = sampler_->system_.context(nodes.wavelength_um[w]);
-    std::fill(node.begin(), node.end(), Complex<double>{nodes.weight[w], 0.0});
-    for (const Entry<double>* entry : sampler_->chromatic_general_) entry->component.multiply(f, ctx, node);
-    for (std::size_t i = 0; i < count; ++i) mean[i] = mean[i] + node[i];
-  }
-  for (std::size_t i = 0; i < count; ++i) product[i] = product[i] * mean[i];
+  for (std::size_t i = 0; i < count; ++i) product[i] = product[i] * sampler_->chromatic_product({fx_[i], fy});
+  if (sampler_->options_.progress) sampler_->options_.progress(static_cast<std::int64_t>(count));
   return product;
 }
 

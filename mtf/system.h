@@ -7,34 +7,14 @@
 // multiplied by the rest (averaging each on its own is wrong).
 
 #include <array>
-#include <functional>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "mtf/band.h"
 #include "mtf/component.h"
 
 namespace mtf {
-
-/// Wavelengths and weights that stand for a band; the weights are positive and sum to 1.
-struct WavelengthNodes {
-  std::vector<double> wavelength_um;
-  std::vector<double> weight;
-};
-
-/// The Gauss rule of n nodes whose weight is the electron rate over the band (radiometry/band_response.h).
-using ElectronRate = std::function<WavelengthNodes(int n)>;
-
-/// Wavelength interval with electron-rate weights.
-struct Band {
-  double lo_um = 0.0;
-  double hi_um = 0.0;                                  ///< hi > lo
-  std::shared_ptr<const ElectronRate> rate = nullptr;  ///< none: the same rate at every wavelength
-};
-
-/// Gauss nodes of a band, inside it. n is 1 to kMostGaussNodes.
-WavelengthNodes wavelength_nodes(const Band& band, int n);
 
 /// A listed component. The label is what reports call it: unique, the kind by default ("jitter", "jitter_2").
 template <class S>
@@ -43,13 +23,25 @@ struct Entry {
   std::string label;
 };
 
+/// Values and the absolute error of their average over the band.
+template <class S>
+struct Averaged {
+  std::vector<Complex<S>> value;
+  std::vector<double> error;
+};
+
+/// What System::otf() keeps to when it averages over a band, absolute.
+inline constexpr double kBandError = 1e-12;
+
 template <class S>
 struct System {
   std::string name;
   Frame<S> frame;
   Optics<S> optics;
   std::optional<Band> band;
-  int band_nodes = 256;  ///< nodes used by otf(); plans choose their own number from the tolerance
+  /// Wavelengths that otf() takes for the band: 0 splits it at the kinks of each frequency and takes as many as
+  /// kBandError needs; n is the plain Gauss rule of n nodes. Plans choose their own number from the tolerance.
+  int band_nodes = 0;
   std::array<std::vector<Entry<S>>, 3> stages;  ///< index = Stage
 
   std::vector<Entry<S>>& list(Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
@@ -64,6 +56,9 @@ struct System {
 
   /// Product of the given entries at every frequency, chromatic product averaged over the band.
   std::vector<Complex<S>> otf(std::span<const Entry<S>> entries, std::span<const Freq<S>> f) const;
+  /// The same with what the average over the band may err by: at most kBandError where that could be had, 0 without a
+  /// chromatic entry. With band_nodes given, the errors are NaN: nobody asked how good that rule is.
+  Averaged<S> otf_with_error(std::span<const Entry<S>> entries, std::span<const Freq<S>> f) const;
   /// OTF of one component; a chromatic one is averaged over the band on its own (for display only).
   Complex<S> otf(const Entry<S>& entry, const Freq<S>& f) const;
   /// Product of one list, chromatic product averaged over the band. 1 for an empty list.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mtf/band_average.h"
 #include "mtf/components/all.h"
 #include "mtf/error.h"
 #include "mtf/system.h"
@@ -234,12 +235,20 @@ typename Component<S>::Rows Component<S>::rows(std::span<const S> fx, const Cont
   });
 }
 template <class S>
-std::vector<double> Component<S>::breaks_cy_mm(const Context<S>& ctx) const {
+std::vector<double> Component<S>::kinks_cy_mm(const Context<S>& ctx) const {
   return detail::visit(*value_, [&](const auto& c) -> std::vector<double> {
-    if constexpr (requires { c.breaks_cy_mm(ctx); })
-      return c.breaks_cy_mm(ctx);
-    else
-      return {};
+    if constexpr (requires { c.kinks_cy_mm(ctx); }) {
+      return c.kinks_cy_mm(ctx);
+    } else {
+      const double cutoff = c.cutoff_cy_mm(ctx);
+      return cutoff < kInfinity ? std::vector{cutoff} : std::vector<double>{};
+    }
+  });
+}
+template <class S>
+bool Component<S>::is_slow() const {
+  return detail::visit(*value_, [](const auto& c) {
+    return requires { std::remove_cvref_t<decltype(c)>::is_slow; };
   });
 }
 template <class S>
@@ -298,25 +307,26 @@ Context<S> System<S>::context(const S& wavelength_um) const {
 
 template <class S>
 std::vector<Complex<S>> System<S>::otf(std::span<const Entry<S>> entries, std::span<const Freq<S>> f) const {
+  return otf_with_error(entries, f).value;
+}
+
+template <class S>
+Averaged<S> System<S>::otf_with_error(std::span<const Entry<S>> entries, std::span<const Freq<S>> f) const {
   const Context<S> middle = context();
-  std::vector<Complex<S>> product(f.size(), {S(1), S(0)});
+  Averaged<S> product{std::vector<Complex<S>>(f.size(), {S(1), S(0)}), std::vector<double>(f.size(), 0.0)};
   std::vector<const Component<S>*> chromatic;
   for (const Entry<S>& entry : entries) {
     if (band && entry.component.traits(middle).chromatic)
       chromatic.push_back(&entry.component);
     else
-      entry.component.multiply(f, middle, product);
+      entry.component.multiply(f, middle, product.value);
   }
   if (chromatic.empty()) return product;
-  const WavelengthNodes nodes = wavelength_nodes(*band, band_nodes);
-  std::vector<Complex<S>> mean(f.size()), node(f.size());
-  for (std::size_t w = 0; w < nodes.weight.size(); ++w) {
-    const Context<S> ctx = context(S(nodes.wavelength_um[w]));
-    std::fill(node.begin(), node.end(), Complex<S>{S(nodes.weight[w]), S(0)});
-    for (const Component<S>* component : chromatic) component->multiply(f, ctx, node);
-    for (std::size_t i = 0; i < f.size(); ++i) mean[i] = mean[i] + node[i];
+  const Averaged<S> mean = detail::band_average<S>(*this, chromatic, f);
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    product.error[i] = mean.error[i] * std::hypot(value_of(product.value[i].re), value_of(product.value[i].im));
+    product.value[i] = product.value[i] * mean.value[i];
   }
-  for (std::size_t i = 0; i < f.size(); ++i) product[i] = product[i] * mean[i];
   return product;
 }
 

@@ -51,11 +51,23 @@ class BandResponse {
   /// than n where the rate is a double at fewer points. Throws UsageError when there are no electrons.
   mtf::WavelengthNodes electron_nodes(int n, std::optional<double> temperature_k) const;
 
+  /// The same electrons for mtf::Band::rate: these nodes, 256 at most, and their density. Throws as electron_nodes
+  /// does.
+  mtf::ElectronRate electron_rate(std::optional<double> temperature_k) const;
+
  private:
   struct Piece {
     double lo_um, hi_um;
     std::size_t ends;  ///< index into ends_: value of each curve at lo, then at hi
   };
+  /// An interval within a piece over which Planck's law is nearly a polynomial.
+  struct Panel {
+    const Piece* piece;
+    double lo_um, width_um;
+    bool whole;  ///< all of the piece
+  };
+  std::vector<Panel> panels(std::optional<double> temperature_k) const;
+  void require_source(std::optional<double> temperature_k) const;
   double piece_value(const Piece& piece, double wavelength_um) const;
   double planck_integral(Flux flux, double temperature_k, bool derivative) const;
 

@@ -47,35 +47,46 @@ struct Jacobi {
 
 }  // namespace
 
+void BandResponse::require_source(std::optional<double> temperature_k) const {
+  if (temperature_k && !(*temperature_k > 0.0 && *temperature_k <= kHottest_k))
+    throw mtf::UsageError("electron_nodes: a source of " + mtf::format_double(*temperature_k) +
+                          " K; the temperature has to be above 0, at most " + mtf::format_double(kHottest_k) + " K");
+}
+
+std::vector<BandResponse::Panel> BandResponse::panels(std::optional<double> temperature_k) const {
+  std::vector<Panel> all;
+  for (const Piece& piece : pieces_) {
+    const double width = piece.hi_um - piece.lo_um;
+    const double depth = temperature_k ? width / piece.lo_um * exponent(piece.hi_um, *temperature_k).x : 0.0;
+    const double count = std::ceil(std::min(kMostPanels, 8.0 * std::log(piece.hi_um / piece.lo_um) + depth / 20.0));
+    for (double panel = 0.0; panel < count; ++panel)
+      all.push_back({&piece, piece.lo_um + width * panel / count, width / count, count == 1.0});
+  }
+  return all;
+}
+
 mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> temperature_k) const {
   if (n < 1 || n > kMostNodes)
     throw mtf::UsageError("electron_nodes: " + std::to_string(n) + " wavelengths; give 1 to " +
                           std::to_string(kMostNodes));
-  if (temperature_k && !(*temperature_k > 0.0 && *temperature_k <= kHottest_k))
-    throw mtf::UsageError("electron_nodes: a source of " + mtf::format_double(*temperature_k) +
-                          " K; the temperature has to be above 0, at most " + mtf::format_double(kHottest_k) + " K");
+  require_source(temperature_k);
   // Points of the weight, per piece as many as a polynomial of degree 2n times the response needs, the points of narrow
   // pieces fewer; relative to the largest rate, whose logarithm may lie far below that of a double.
   std::vector<double> node, log_rate, weight;
   const double whole = range_.hi_um - range_.lo_um;
-  for (const Piece& piece : pieces_) {
-    const double width = piece.hi_um - piece.lo_um;
-    const double depth = temperature_k ? width / piece.lo_um * exponent(piece.hi_um, *temperature_k).x : 0.0;
-    const double panels = std::ceil(std::min(kMostPanels, 8.0 * std::log(piece.hi_um / piece.lo_um) + depth / 20.0));
-    for (double panel = 0.0; panel < panels; ++panel) {
-      const double lo = piece.lo_um + width * panel / panels, step = width / panels;
-      const int degree = static_cast<int>(std::ceil(n * std::min(1.0, 4.0 * step / whole)));
-      const mtf::GaussRule rule = mtf::mean_rule(lo, lo + step,
-                                                 degree + (panels > 1.0 || step > 0.02 * lo ? 32
-                                                           : step > 1e-3 * lo               ? 12
-                                                                                            : 6));
-      for (std::size_t i = 0; i < rule.node.size(); ++i) {
-        const double response = piece_value(piece, rule.node[i]);
-        if (!(response > 0.0)) continue;
-        node.push_back(rule.node[i]);
-        weight.push_back(rule.weight[i] * step * response);
-        log_rate.push_back(temperature_k ? log_planck(Flux::photons, rule.node[i], *temperature_k) : 0.0);
-      }
+  for (const Panel& panel : panels(temperature_k)) {
+    const double lo = panel.lo_um, step = panel.width_um;
+    const int degree = static_cast<int>(std::ceil(n * std::min(1.0, 4.0 * step / whole)));
+    const mtf::GaussRule rule = mtf::mean_rule(lo, lo + step,
+                                               degree + (!panel.whole || step > 0.02 * lo ? 32
+                                                         : step > 1e-3 * lo               ? 12
+                                                                                          : 6));
+    for (std::size_t i = 0; i < rule.node.size(); ++i) {
+      const double response = piece_value(*panel.piece, rule.node[i]);
+      if (!(response > 0.0)) continue;
+      node.push_back(rule.node[i]);
+      weight.push_back(rule.weight[i] * step * response);
+      log_rate.push_back(temperature_k ? log_planck(Flux::photons, rule.node[i], *temperature_k) : 0.0);
     }
   }
   const double largest = log_rate.empty() ? 0.0 : *std::max_element(log_rate.begin(), log_rate.end());
@@ -100,6 +111,34 @@ mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> t
     nodes.weight.push_back(root * root);
   }
   return nodes;
+}
+
+mtf::ElectronRate BandResponse::electron_rate(std::optional<double> temperature_k) const {
+  static_cast<void>(electron_nodes(1, temperature_k));  // refuses what has no electrons
+  mtf::ElectronRate rate;
+  // As in electron_nodes, relative to the largest rate.
+  std::vector<double> log_planck_of, amount;
+  for (const Panel& panel : panels(temperature_k)) {
+    rate.breaks_um.push_back(panel.lo_um);
+    const mtf::GaussRule rule = mtf::mean_rule(panel.lo_um, panel.lo_um + panel.width_um, 32);
+    for (std::size_t i = 0; i < rule.node.size(); ++i) {
+      const double response = piece_value(*panel.piece, rule.node[i]);
+      if (!(response > 0.0)) continue;
+      amount.push_back(rule.weight[i] * panel.width_um * response);
+      log_planck_of.push_back(temperature_k ? log_planck(Flux::photons, rule.node[i], *temperature_k) : 0.0);
+    }
+  }
+  rate.breaks_um.push_back(range_.hi_um);
+  const double largest = *std::max_element(log_planck_of.begin(), log_planck_of.end());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < amount.size(); ++i) sum += amount[i] * std::exp(log_planck_of[i] - largest);
+  rate.nodes = [*this, temperature_k](int n) { return electron_nodes(std::min(n, kMostNodes), temperature_k); };
+  rate.density = [*this, temperature_k, largest, sum](double wavelength_um) {
+    const double response = value(wavelength_um);
+    if (!(response > 0.0) || !temperature_k) return response / sum;
+    return response * std::exp(log_planck(Flux::photons, wavelength_um, *temperature_k) - largest) / sum;
+  };
+  return rate;
 }
 
 }  // namespace radiometry

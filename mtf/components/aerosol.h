@@ -101,6 +101,11 @@ struct Aerosol {
     return {lift({h, -r * r * h}, depth) + lift({0.0, -2.0 * value_of(depth) * r * h}, u), S(0)};
   }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  /// Of a blur by the size of particles where its loss begins to be constant.
+  std::vector<double> kinks_cy_mm(const Context<S>& ctx) const {
+    if (!is_blur() || cutoff.unit != nullptr) return {};
+    return {1.0 / value_of(relative({S(1), S(0)}, ctx))};
+  }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double depth = value_of(scattering_1_km) * value_of(path_length_km);
     const double r = is_blur() ? std::min(1.0, value_of(relative({S(fx), S(fy)}, ctx))) : 1.0;

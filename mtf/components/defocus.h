@@ -71,6 +71,9 @@ struct Defocus {
     return {lift(h.value, h.d_nu, v, h.d_obscuration, e) + lift({0.0, h.d_w020}, w), S(0)};
   }
   double cutoff_cy_mm(const Context<S>& ctx) const { return 1.0 / value_of(nu(S(1), ctx)); }
+  std::vector<double> kinks_cy_mm(const Context<S>& ctx) const {
+    return pupil_kinks(value_of(obscuration_of(obscuration, ctx)), cutoff_cy_mm(ctx));
+  }
   /// 1 - otf = (1 - MTF in focus) + mean of 1 - cos(k x) over the overlap, |x| <= 1 - nu; k grows with f.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double v = value_of(nu(S(std::hypot(fx, fy)), ctx)), k = 8.0 * kPi * value_of(w020(ctx)) * v;

@@ -43,6 +43,9 @@ struct Diffraction {
     return {lift(m.value, m.d_nu, v, m.d_obscuration, e), S(0)};
   }
   double cutoff_cy_mm(const Context<S>& ctx) const { return 1.0 / value_of(nu(S(1), ctx)); }
+  std::vector<double> kinks_cy_mm(const Context<S>& ctx) const {
+    return pupil_kinks(value_of(obscuration_of(obscuration, ctx)), cutoff_cy_mm(ctx));
+  }
   /// Clear pupil: the MTF falls monotonically. Annular: |1 - M| <= 1 is all that is cheap and true.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     if (value_of(obscuration_of(obscuration, ctx)) > 0.0) return 1.0;

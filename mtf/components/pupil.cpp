@@ -138,4 +138,13 @@ PupilMtf annular_pupil_mtf(double nu, double obscuration) {
   return few_points ? narrow(c, outer_angle) : middle(c);
 }
 
+std::vector<double> pupil_kinks(double obscuration, double cutoff) {
+  std::vector<double> kinks{cutoff};
+  if (obscuration > 0.0)
+    kinks.insert(kinks.end(),
+                 {0.5 * (1.0 - obscuration) * cutoff, obscuration * cutoff, 0.5 * (1.0 + obscuration) * cutoff});
+  std::sort(kinks.begin(), kinks.end());
+  return kinks;
+}
+
 }  // namespace mtf

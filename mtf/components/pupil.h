@@ -23,4 +23,8 @@ struct PupilMtf {
 /// Annular pupil, obscuration (linear ratio) in [0, 1).
 PupilMtf annular_pupil_mtf(double nu, double obscuration);
 
+/// The frequencies, rising, at which the OTF of a clear or annular pupil is not smooth, aberrated or not: where the
+/// rims of pupil and image begin or cease to cross, and the cutoff.
+std::vector<double> pupil_kinks(double obscuration, double cutoff);
+
 }  // namespace mtf

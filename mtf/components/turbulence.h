@@ -228,6 +228,12 @@ struct Turbulence {
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return evaluator(ctx)(f); }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  /// Of the short exposure where the bracket begins to keep its value, lambda u = D.
+  std::vector<double> kinks_cy_mm(const Context<S>& ctx) const {
+    if (!is_short()) return {};
+    const double scale = value_of(ctx.frame.focal_length_mm) * value_of(wavelength_um.value_or(ctx.wavelength_um));
+    return {1e3 * value_of(aperture_of(aperture_mm, ctx)) / scale};
+  }
   /// The short exposure is never below the long one, which falls monotonically.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const S wavelength = wavelength_um.value_or(ctx.wavelength_um);

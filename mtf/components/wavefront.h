@@ -33,6 +33,7 @@ struct Wavefront {
   static constexpr std::string_view doc = "diffraction with aberrations by Seidel and Zernike coefficients";
   static constexpr Stages stages{.presample = true};
   static constexpr bool is_pupil = true;
+  static constexpr bool is_slow = true;
 
   std::optional<S> w020, w040, w131, w222, w311;
   Coefficients<S> zernike;
@@ -132,13 +133,8 @@ struct Wavefront {
     }
   }
   double cutoff_cy_mm(const Context<S>& ctx) const { return 1.0 / value_of(nu(S(1), ctx)); }
-  /// Where edges of the two pupils begin or cease to cross.
-  std::vector<double> breaks_cy_mm(const Context<S>& ctx) const {
-    const double e = value_of(obscuration_of(obscuration, ctx)), end = cutoff_cy_mm(ctx);
-    std::vector<double> breaks{end};
-    if (e > 0.0) breaks.insert(breaks.end(), {0.5 * (1.0 - e) * end, e * end, 0.5 * (1.0 + e) * end});
-    std::sort(breaks.begin(), breaks.end());
-    return breaks;
+  std::vector<double> kinks_cy_mm(const Context<S>& ctx) const {
+    return pupil_kinks(value_of(obscuration_of(obscuration, ctx)), cutoff_cy_mm(ctx));
   }
   /// |1 - otf| <= (1 - MTF without aberrations) + mean of |exp(2 pi i D) - 1|, |D| <= 2 nu steepest slope.
   double deviation(double fx, double fy, const Context<S>& ctx) const {

@@ -203,13 +203,13 @@ bool steps_at_zero(const Case& c) {
 std::vector<const Case*> cases_of(int part, int parts) {
   std::map<std::string_view, std::vector<const Case*>> groups;
   for (const Case& c : conformance_cases())
-    if (!is_degenerate(c) && (c.typical || only_component(c.system).breaks_cy_mm(c.system.context()).empty()))
+    if (!is_degenerate(c) && (c.typical || !only_component(c.system).is_slow()))
       groups[only_component(c.system).kind()].push_back(&c);
   std::vector<const Case*> all;
   int index = 0;
   for (const auto& [kind, group] : groups) {
     // Quadrature takes microseconds a value, and the scan some thousands of values a line.
-    const bool slow = !only_component(group.front()->system).breaks_cy_mm(group.front()->system.context()).empty();
+    const bool slow = only_component(group.front()->system).is_slow();
     const std::size_t count = std::min<std::size_t>(group.size(), slow ? 6 : 32);
     for (std::size_t i = 0; i < count; ++i)
       if (i % 2 == 0 && index++ % parts == part) all.push_back(group[i * group.size() / count]);

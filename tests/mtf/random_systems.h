@@ -18,7 +18,7 @@ inline const std::vector<std::vector<const Case*>>& quick_cases_by_kind() {
     std::map<std::string_view, std::vector<const Case*>> groups;
     for (const Case& c : conformance_cases()) {
       const Component<double>& component = only_component(c.system);
-      const bool slow = !component.breaks_cy_mm(c.system.context()).empty() && !c.typical;
+      const bool slow = component.is_slow() && !c.typical;
       if (!slow) groups[component.kind()].push_back(&c);
     }
     std::vector<std::vector<const Case*>> list;

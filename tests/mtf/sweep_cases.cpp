@@ -30,7 +30,7 @@ bool is_prime(std::int64_t n) {
 bool has_quadrature(const System<double>& system) {
   for (const auto& list : system.stages)
     for (const Entry<double>& entry : list)
-      if (!entry.component.breaks_cy_mm(system.context()).empty()) return true;
+      if (entry.component.is_slow()) return true;
   return false;
 }
 

@@ -223,7 +223,7 @@ TEST(Resolution, TheErrorIsNotAboveTheReport) {
   double tightest = 0.0;
   for (int number = 0; number < 60; ++number) {
     System<double> system = random_system(number, number % 8 == 3);
-    const auto slow = [&](const Entry<double>& e) { return !e.component.breaks_cy_mm(system.context()).empty(); };
+    const auto slow = [&](const Entry<double>& e) { return e.component.is_slow(); };
     const auto& presample = system.list(Stage::presample);
     if (presample.empty() || std::any_of(presample.begin(), presample.end(), slow)) continue;
     system.frame.pitch_x_um = system.frame.pitch_y_um = std::clamp(system.frame.pitch_x_um, 2.0, 50.0);

@@ -2,20 +2,23 @@
 #pragma once
 
 // The mean over a band of OTFs that cost microseconds a sample, at many frequencies of one direction.
-//   mean(t) = 1 / (hi - lo) integral over [lo, hi] of P(t, lambda) d lambda
-// t = |f|, P the product of the chromatic components. An aberrated pupil has its cutoff and its kinks where t lambda is
-// a constant: in the plane of t they run across the band, in that of u = t lambda / hi they stand still, and at one u
-// what is left to change with the wavelength (waves of aberration, a turbulent r0) is smooth in 1 / lambda. So P
-// becomes a table over u and 1 / lambda: Chebyshev points, in u on panels between the kinks, in the angle that takes
-// away the half-integer powers at their ends (as mtf/polar_table.h). A few hundred samples of P serve all frequencies.
-// The integral itself is taken by Gauss-Legendre rules between the wavelengths at which t meets a kink, doubled until
-// the mean stands still.
+//   mean(t) = integral over the band of w(lambda) P(t, lambda) dlambda
+// t = |f|, w the electron rate, P the product of the chromatic components. An aberrated pupil has its cutoff and its
+// kinks where t lambda is a constant: in the plane of t they run across the band, in that of u = t lambda / hi they
+// stand still, and at one u what is left to change with the wavelength (waves of aberration, a turbulent r0) is smooth
+// in 1 / lambda. So P becomes a table over u and 1 / lambda: Chebyshev points, in u on panels between the kinks, in the
+// angle that takes away the half-integer powers at their ends (as mtf/polar_table.h). A few hundred samples of P serve
+// all frequencies. The integral itself is taken between the wavelengths at which t meets a kink (mtf/band.h), the
+// number of nodes doubled until the mean stands still.
 
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
-namespace calib {
+#include "mtf/band.h"
+
+namespace mtf {
 
 class BandMean {
  public:
@@ -23,13 +26,21 @@ class BandMean {
   /// their derivatives or whatever else is averaged with them.
   using Function = std::function<void(double wavelength_um, std::span<const double> t, std::span<double> values)>;
 
-  /// 0 < lo < hi. `breaks`: values of u between which P is smooth, in rising order; P is 0 beyond the last one when
-  /// `ends` is set. A few frequencies are cheaper without the table: `most_t` <= 0 makes none, otherwise it reaches as
-  /// far as frequencies up to most_t need.
-  BandMean(Function p, std::size_t width, double lo_um, double hi_um, std::vector<double> breaks, bool ends,
-           double most_t);
+  struct Options {
+    std::size_t exact = 2;     ///< of the numbers the first so many are known to `error`, absolute,
+    double error = 1e-7;       ///< the others to 1e-5 of their largest value
+    std::size_t panels = 256;  ///< at most: a P that needs more is known less well
+  };
 
-  /// The mean at t >= 0. Error of its first two numbers below 1e-7, 1e-5 of their largest for the others.
+  /// `breaks`: values of u between which P is smooth, in rising order; P is 0 beyond the last one when `ends` is set. A
+  /// few frequencies are cheaper without the table: `most_t` <= 0 makes none, otherwise it reaches as far as
+  /// frequencies up to most_t need.
+  BandMean(Function p, std::size_t width, const Band& band, std::vector<double> breaks, bool ends, double most_t)
+      : BandMean(std::move(p), width, band, std::move(breaks), ends, most_t, Options()) {}
+  BandMean(Function p, std::size_t width, const Band& band, std::vector<double> breaks, bool ends, double most_t,
+           const Options& options);
+
+  /// The mean at t >= 0.
   void at(double t, std::span<double> mean) const;
 
   /// n Chebyshev points in (-1, 1), rising, and their barycentric weights.
@@ -56,7 +67,8 @@ class BandMean {
 
   Function p_;
   std::size_t width_ = 0;
-  double lo_um_ = 0.0, hi_um_ = 0.0;
+  Options options_;
+  Band band_;
   std::vector<double> breaks_;
   bool ends_ = false;
   std::size_t wavelengths_ = 0;  ///< of the table; 0 = there is none
@@ -64,4 +76,4 @@ class BandMean {
   std::vector<Panel> panels_;  ///< in rising order
 };
 
-}  // namespace calib
+}  // namespace mtf

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/band_mean.h"
+#include "mtf/band_mean.h"
 
 #include <algorithm>
 #include <array>
@@ -7,21 +7,19 @@
 #include <numbers>
 
 #include "mtf/engines/clones.h"
-#include "mtf/quadrature.h"
 
-namespace calib {
+namespace mtf {
 namespace {
 
 using std::numbers::pi;
 
 constexpr std::size_t kPoints = 16;  // of a panel
 constexpr std::size_t kFewWavelengths = 16, kMostWavelengths = 64;
-constexpr std::size_t kMostPanels = 256;
-constexpr double kNarrowest = pi / 1024.0;                // panel
-constexpr double kError = 1e-7, kDerivativeError = 1e-5;  // of the last terms: those left out are smaller
-constexpr double kRounding = 1e-11;                       // a derivative below is none
+constexpr double kNarrowest = pi / 1024.0;  // panel
+constexpr double kDerivativeError = 1e-5;   // of the last terms, relative: those left out are smaller
+constexpr double kRounding = 1e-11;         // a derivative below is none
 constexpr int kFewestNodes = 8, kMostNodes = 256;
-constexpr double kStandsStill = 1e-8;
+constexpr double kStandsStill = 0.1;  // of the error asked for
 
 /// Weights of the values at the points in the interpolant at x of [-1, 1] (barycentric formula).
 void weights_at(const BandMean::Points& points, double x, double* weight) {
@@ -65,12 +63,12 @@ BandMean::Points::Points(std::size_t n) {
   }
 }
 
-BandMean::BandMean(Function p, std::size_t width, double lo_um, double hi_um, std::vector<double> breaks, bool ends,
-                   double most_t)
+BandMean::BandMean(Function p, std::size_t width, const Band& band, std::vector<double> breaks, bool ends,
+                   double most_t, const Options& options)
     : p_(std::move(p)),
       width_(width),
-      lo_um_(lo_um),
-      hi_um_(hi_um),
+      options_(options),
+      band_(band),
       breaks_(std::move(breaks)),
       ends_(ends),
       across_panel_(kPoints) {
@@ -79,7 +77,7 @@ BandMean::BandMean(Function p, std::size_t width, double lo_um, double hi_um, st
 
 double BandMean::wavelength_at(std::size_t l) const {
   const double turn = 0.5 * (1.0 + across_band_.x[l]);
-  return 1.0 / ((1.0 - turn) / hi_um_ + turn / lo_um_);
+  return 1.0 / ((1.0 - turn) / band_.hi_um + turn / band_.lo_um);
 }
 
 BandMean::Panel BandMean::sampled(double u_begin, double u_end, double angle_begin, double angle_end) const {
@@ -92,7 +90,7 @@ BandMean::Panel BandMean::sampled(double u_begin, double u_end, double angle_beg
   std::vector<double> values(kPoints * width_);
   for (std::size_t l = 0; l < wavelengths_; ++l) {
     const double wavelength = wavelength_at(l);
-    for (std::size_t i = 0; i < kPoints; ++i) t[i] = u[i] * hi_um_ / wavelength;
+    for (std::size_t i = 0; i < kPoints; ++i) t[i] = u[i] * band_.hi_um / wavelength;
     p_(wavelength, t, values);
     for (std::size_t i = 0; i < kPoints; ++i)
       std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(i * width_), width_,
@@ -109,14 +107,14 @@ std::vector<double> BandMean::choose_wavelengths(double most_u) {
     across_band_ = Points(trial);
     std::vector<double> values(kShares.size() * trial * width_);
     for (std::size_t i = 0; i < kShares.size() * trial; ++i) {
-      const double wavelength = wavelength_at(i % trial), t = kShares[i / trial] * most_u * hi_um_ / wavelength;
+      const double wavelength = wavelength_at(i % trial), t = kShares[i / trial] * most_u * band_.hi_um / wavelength;
       p_(wavelength, {&t, 1}, std::span(values).subspan(i * width_, width_));
     }
     wavelengths_ = 2;
     for (std::size_t k = 0; k < width_; ++k) {
       double largest = 0.0;
       for (std::size_t i = k; i < values.size(); i += width_) largest = std::max(largest, std::abs(values[i]));
-      allowed[k] = k < 2 ? kError : std::max(kDerivativeError * largest, kRounding);
+      allowed[k] = k < options_.exact ? options_.error : std::max(kDerivativeError * largest, kRounding);
       for (std::size_t share = 0; share < kShares.size(); ++share) {
         double left_out = 0.0;
         for (std::size_t order = trial; order > wavelengths_; --order) {
@@ -157,7 +155,7 @@ void BandMean::tabulate(double most_u) {
     Panel panel = std::move(waiting.back());
     waiting.pop_back();
     const double middle = 0.5 * (panel.angle_begin + panel.angle_end);
-    if (middle - panel.angle_begin < kNarrowest || panels_.size() + waiting.size() >= kMostPanels ||
+    if (middle - panel.angle_begin < kNarrowest || panels_.size() + waiting.size() >= options_.panels ||
         resolved(panel, allowed)) {
       panels_.push_back(std::move(panel));
       continue;
@@ -177,7 +175,7 @@ void BandMean::look_up(double u, double wavelength_um, double weight, std::span<
   weights_at(across_panel_, 2.0 * (angle - panel.angle_begin) / (panel.angle_end - panel.angle_begin) - 1.0,
              along.data());
   std::array<double, kMostWavelengths> across{};
-  const double turn = (1.0 / wavelength_um - 1.0 / hi_um_) / (1.0 / lo_um_ - 1.0 / hi_um_);
+  const double turn = (1.0 / wavelength_um - 1.0 / band_.hi_um) / (1.0 / band_.lo_um - 1.0 / band_.hi_um);
   weights_at(across_band_, 2.0 * turn - 1.0, across.data());
   std::array<double, kPoints * kMostWavelengths> both;
   for (std::size_t i = 0; i < kPoints; ++i)
@@ -185,36 +183,31 @@ void BandMean::look_up(double u, double wavelength_um, double weight, std::span<
   add_product(kPoints * wavelengths_, width_, both.data(), panel.values.data(), sum.data());
 }
 
-// Mean over the piece times its share of the band; lambda = middle - half length x cos(pi s), which takes away the
-// half-integer powers at kinks.
+// Adds the integral over a part of the band.
 void BandMean::add_rule(double t, double begin_um, double end_um, int nodes, std::span<double> sum) const {
-  const mtf::GaussRule& rule = mtf::gauss_legendre(nodes);
-  const double middle = 0.5 * (begin_um + end_um), half = 0.5 * (end_um - begin_um);
+  const WavelengthNodes rule = part_nodes(band_, begin_um, end_um, nodes);
   std::vector<double> values(width_);
-  for (std::size_t i = 0; i < rule.node.size(); ++i) {
-    const double angle = 0.5 * pi * (1.0 + rule.node[i]);
-    const double wavelength = middle - half * std::cos(angle);
-    const double weight = 0.5 * pi * rule.weight[i] * half * std::sin(angle) / (hi_um_ - lo_um_);
+  for (std::size_t i = 0; i < rule.weight.size(); ++i) {
     if (wavelengths_ > 0 && t > 0.0) {
-      look_up(t * wavelength / hi_um_, wavelength, weight, sum);
+      look_up(t * rule.wavelength_um[i] / band_.hi_um, rule.wavelength_um[i], rule.weight[i], sum);
     } else {
-      p_(wavelength, {&t, 1}, values);
-      for (std::size_t k = 0; k < width_; ++k) sum[k] += weight * values[k];
+      p_(rule.wavelength_um[i], {&t, 1}, values);
+      for (std::size_t k = 0; k < width_; ++k) sum[k] += rule.weight[i] * values[k];
     }
   }
 }
 
 void BandMean::at(double t, std::span<double> mean) const {
-  std::vector<double> ends{lo_um_};
+  std::vector<double> ends{band_.lo_um};
   for (auto u = breaks_.rbegin(); u != breaks_.rend() && t > 0.0; ++u)
-    if (const double wavelength = *u * hi_um_ / t; wavelength > lo_um_ && wavelength < hi_um_)
+    if (const double wavelength = *u * band_.hi_um / t; wavelength > band_.lo_um && wavelength < band_.hi_um)
       ends.push_back(wavelength);
-  if (ends_ && t * lo_um_ >= breaks_.back() * hi_um_) {  // all beyond the cutoff
+  if (ends_ && t * band_.lo_um >= breaks_.back() * band_.hi_um) {  // all beyond the cutoff
     std::fill(mean.begin(), mean.end(), 0.0);
     return;
   }
   const bool cut = ends_ && t > breaks_.back();
-  if (!cut) ends.push_back(hi_um_);
+  if (!cut) ends.push_back(band_.hi_um);
   std::sort(ends.begin(), ends.end());
 
   std::vector<double> finer(width_);
@@ -225,12 +218,13 @@ void BandMean::at(double t, std::span<double> mean) const {
     for (int nodes = 2 * kFewestNodes; nodes <= kMostNodes; nodes *= 2) {
       std::fill(finer.begin(), finer.end(), 0.0);
       add_rule(t, ends[piece - 1], ends[piece], nodes, finer);
-      const double change = std::hypot(finer[0] - part[0], finer[1] - part[1]);
+      double change = 0.0;
+      for (std::size_t k = 0; k < options_.exact; ++k) change = std::max(change, std::abs(finer[k] - part[k]));
       part.swap(finer);
-      if (change < kStandsStill) break;
+      if (change < kStandsStill * options_.error) break;
     }
     for (std::size_t k = 0; k < width_; ++k) mean[k] += part[k];
   }
 }
 
-}  // namespace calib
+}  // namespace mtf
