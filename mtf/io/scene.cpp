@@ -107,7 +107,7 @@ ChosenEncoding encoding_of(const SensorConfig& config, const std::string& path, 
 
 std::int64_t make_physical(const Scene& scene, ImageView<float> image) {
   const std::int64_t outside = decode(scene.encoding.encoding, image, full_scale(scene.info));
-  const auto& [gain, offset] = scene.scaling;
+  const double gain = scene.scaling.gain, offset = scene.scaling.offset;
   if (gain == 1.0 && offset == 0.0) return outside;
   for (std::int64_t y = 0; y < image.height; ++y)
     for (std::int64_t x = 0; x < image.width; ++x)
