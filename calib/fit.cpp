@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "calib/fit_build.h"
+#include "calib/fit_intervals.h"
 #include "calib/fit_rounds.h"
-#include "calib/profile.h"
 #include "mtf/units.h"
 
 namespace calib {
@@ -99,35 +99,15 @@ void withdraw_values(FitResult& result) {
     p.knowledge = Knowledge::not_determined;
     p.stderr_value = p.limit95 = std::nullopt;
     p.interval68 = p.interval95 = std::nullopt;
-  }
-}
-
-void report_profiles(FitProblem& problem, const Solved& solved, double cost, Progress& progress, FitResult& result) {
-  double factor = 0.0, weight = 0.0;
-  const std::vector<std::size_t> counts = counts_of(problem);
-  for (std::size_t b = 0; b < counts.size(); ++b) {
-    factor += trusted_noise(solved.noise_factor[b]) * static_cast<double>(counts[b]);
-    weight += static_cast<double>(counts[b]);
-  }
-  factor /= weight;
-  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
-    FittedParameter& p = result.parameters[i];
-    if (p.knowledge == Knowledge::not_determined) continue;
-    const auto index = static_cast<Eigen::Index>(i);
-    const double sd = std::sqrt(solved.identified.covariance(index, index));
-    const auto ends = profile(problem, i, sd, cost, factor, progress.asks());
-    if (!ends) return;
-    p.interval68 = ends->interval68;
-    p.interval95 = ends->interval95;
-    const Variable& v = problem.variables[i];
-    if (p.limit95) p.limit95 = problem.x[i] - v.lo < v.hi - problem.x[i] ? ends->upper95 : ends->lower95;
+    p.interval.reset();
   }
 }
 
 }  // namespace
 
 std::string_view knowledge_name(Knowledge knowledge) {
-  constexpr std::array<std::string_view, 4> kNames{"determined", "at_bound", "prior_only", "not_determined"};
+  constexpr std::array<std::string_view, 5> kNames{"determined", "at_bound", "prior_only", "not_determined",
+                                                   "interval"};
   return kNames[static_cast<std::size_t>(knowledge)];
 }
 std::string_view status_name(FitStatus status) {
@@ -155,7 +135,15 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
   Progress progress(options, kSteps * (starts + 1) +
                                  (options.profile ? kProfileSteps * static_cast<double>(parameters.size()) : 0.0));
   Solved solved{.problem = &problem};
-  const Solution solution = minimise(problem, solved, {options.robust, starts, progress.asks()});
+  const MinimiseOptions how{options.robust, starts, progress.asks()};
+  Solution solution = minimise(problem, solved, how);
+  judge(solved, parameters);
+  std::vector<FlatBound> flat;
+  if (solution.converged) flat = flat_bounds(problem, solved);
+  if (leave_flat_bounds(problem, solved, flat, solution, how)) {
+    judge(solved, parameters);
+    flat = flat_bounds(problem, solved);
+  }
   result.iterations = solution.iterations;
   result.starts_agreeing = solution.agreeing;
   result.status = solution.stopped     ? FitStatus::stopped
@@ -174,15 +162,15 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
       }
       solved.normals_rad.push_back(edge->curve(problem.own[b]).angle_rad);
     }
-  judge(solved, parameters);
   result.not_separable = null_directions(problem, solved, parameters);
   result.parameters = fitted_parameters(solved, parameters, setup.start);
   result.correlation = correlations(solved);
   report_mtf(solved, result);
   if (options.residual_otf) result.residual_otf.assign(result.frequency_cy_px.size(), 0.0);
   report_data(data, setup.block_of, solved, result);
+  if ((options.profile || !flat.empty()) && solution.converged)
+    report_intervals(problem, solved, flat, solution.cost, progress.asks(), result);
   report_obstacles(result);
-  if (options.profile && solution.converged) report_profiles(problem, solved, solution.cost, progress, result);
   if (progress.stopped() && result.status != FitStatus::stopped) {
     result.status = FitStatus::stopped;
     result.reason = "stopped; what had been finished is given";

@@ -75,19 +75,27 @@ struct FitData {
 struct FitOptions {
   bool robust = true;         ///< Huber loss at 3 sd: outliers count less
   int starts = 1;             ///< runs from different starting values, spread over the bounds; the best one counts
-  bool profile = false;       ///< profile-likelihood intervals of every parameter
+  bool profile = false;       ///< profile-likelihood intervals of every parameter, also where they are not needed
   bool residual_otf = false;  ///< the shrunk OTF of the residuals as an estimate of the systematic error
   int threads = 0;            ///< 0 = all cores
   /// Called now and then with the share of the work done; returning false stops the fit.
   std::function<bool(double share)> progress{};
 };
 
+/// 95 % by profile likelihood. A size ends at its own bound near zero, if nothing speaks against that; any other end at
+/// which chi-square has not risen enough is none.
+struct ProfiledInterval {
+  std::optional<double> low, high;
+  std::string reason;  ///< of an end that is missing; "" otherwise
+};
+
 /// How much the data say of a parameter.
 enum class Knowledge {
-  determined,     ///< value +- stderr
-  at_bound,       ///< a one-sided limit: `limit95`
-  prior_only,     ///< the data add nothing to the prior
-  not_determined  ///< part of a direction that the data do not see, or no minimum was found: no value is given
+  determined,      ///< value +- stderr
+  at_bound,        ///< a one-sided limit: `limit95`
+  prior_only,      ///< the data add nothing to the prior
+  not_determined,  ///< part of a direction that the data do not see, or no minimum was found: no value is given
+  interval         ///< a value whose error is no standard deviation: `interval` holds, about a flat bound
 };
 std::string_view knowledge_name(Knowledge knowledge);
 
@@ -95,10 +103,13 @@ struct FittedParameter {
   FitParameter parameter;
   Knowledge knowledge = Knowledge::not_determined;
   double start = 0.0;
-  double value = 0.0;                    ///< best fit; to be shown only when determined or at_bound
+  double value = 0.0;                    ///< best fit; to be shown when determined, at_bound or interval
   std::optional<double> stderr_value{};  ///< one standard deviation, when determined
   double linear_sd = 0.0;  ///< what the covariance says, also when not determined: then only how little is known
-  std::optional<std::array<double, 2>> interval68{}, interval95{};  ///< profile likelihood, when asked for
+  /// Profile likelihood, when asked for, or where a flat bound is near (flat_bounds.h); an end may be a bound up to
+  /// which chi-square does not rise enough, what `interval` says.
+  std::optional<std::array<double, 2>> interval68{}, interval95{};
+  std::optional<ProfiledInterval> interval{};
   /// When at a bound, which is the value then: the 95 % limit on the free side, and whether it is the upper one.
   std::optional<double> limit95{};
   bool limit_is_upper = true;
@@ -140,7 +151,7 @@ struct FitResult {
   std::vector<std::string> warnings;
   std::vector<FittedParameter> parameters;
   std::vector<std::vector<double>> correlation;  ///< of the parameters, in their order; NaN where the data
-                                                 ///< do not depend on one at all
+                                                 ///< do not depend on one at all, or one is at a flat bound
   std::vector<NullDirection> not_separable;
   /// Second moment of the blur along x and y in px^2, what one edge always determines: -H''(0) / (4 pi^2) beyond the
   /// linear term of diffraction (what a lens adds by it is not in here), with its standard deviation, which holds the

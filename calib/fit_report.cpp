@@ -25,21 +25,27 @@ double reference_of(const Variable& v, double x, const FitParameter& parameter) 
 
 }  // namespace
 
+Eigen::MatrixXd information_of(const FitProblem& problem, std::span<const Eigen::MatrixXd> normals,
+                               std::span<const double> noise_factor) {
+  const auto n = static_cast<Eigen::Index>(problem.variables.size());
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t b = 0; b < problem.blocks.size(); ++b)
+    information +=
+        project_out(normals[b], problem.own[b].size(), problem.variables.size()) / trusted_noise(noise_factor[b]);
+  for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+    if (!problem.priors[i]) continue;
+    const double weight = problem.variables[i].slope(problem.x[i]) / (*problem.priors[i])[1];
+    information(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) += weight * weight;
+  }
+  return information;
+}
+
 void judge(Solved& solved, std::span<const FitParameter> parameters) {
   const FitProblem& problem = *solved.problem;
-  const auto n = static_cast<Eigen::Index>(problem.variables.size());
-  solved.information = Eigen::MatrixXd::Zero(n, n);
-  for (std::size_t b = 0; b < problem.blocks.size(); ++b)
-    solved.information += project_out(solved.normals[b], problem.own[b].size(), problem.variables.size()) /
-                          trusted_noise(solved.noise_factor[b]);
+  solved.information = information_of(problem, solved.normals, solved.noise_factor);
   solved.reference.clear();
-  for (std::size_t i = 0; i < problem.variables.size(); ++i) {
-    const Variable& v = problem.variables[i];
-    solved.reference.push_back(reference_of(v, problem.x[i], parameters[i]));
-    if (!problem.priors[i]) continue;
-    const double weight = v.slope(problem.x[i]) / (*problem.priors[i])[1];
-    solved.information(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) += weight * weight;
-  }
+  for (std::size_t i = 0; i < problem.variables.size(); ++i)
+    solved.reference.push_back(reference_of(problem.variables[i], problem.x[i], parameters[i]));
   solved.identified = identify(solved.information, solved.reference);
 }
 

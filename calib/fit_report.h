@@ -30,6 +30,10 @@ struct Solved {
 /// are those of an image without noise, or of one that rounding has cleaned: then the noise that was given counts.
 inline double trusted_noise(double chi2_per_dof) { return chi2_per_dof > 0.7 ? chi2_per_dof : 1.0; }
 
+/// Of x, from the normal matrices of the blocks with their factors on the noise variances, priors included.
+Eigen::MatrixXd information_of(const FitProblem& problem, std::span<const Eigen::MatrixXd> normals,
+                               std::span<const double> noise_factor);
+
 /// Information and what it determines, from the problem at its solution.
 void judge(Solved& solved, std::span<const FitParameter> parameters);
 

@@ -171,8 +171,8 @@ std::vector<std::size_t> counts_of(const FitProblem& problem) {
   return counts;
 }
 
-Solution minimise(FitProblem& problem, Solved& solved, const MinimiseOptions& options) {
-  Solution solution = solve_from(problem, options);
+Solution finish(FitProblem& problem, Solved& solved, const Solution& first, const MinimiseOptions& options) {
+  Solution solution = first;
   const std::vector<std::size_t> counts = counts_of(problem);
   for (int round = 0;; ++round) {
     const std::vector<std::size_t> gradients = examine(problem, counts, solved);
@@ -187,6 +187,10 @@ Solution minimise(FitProblem& problem, Solved& solved, const MinimiseOptions& op
     solution = {again.converged, again.stopped, again.cost, solution.iterations + again.iterations, solution.agreeing};
   }
   return solution;
+}
+
+Solution minimise(FitProblem& problem, Solved& solved, const MinimiseOptions& options) {
+  return finish(problem, solved, solve_from(problem, options), options);
 }
 
 }  // namespace calib

@@ -19,6 +19,9 @@ struct MinimiseOptions {
 /// of edges.
 Solution minimise(FitProblem& problem, Solved& solved, const MinimiseOptions& options);
 
+/// The rounds that follow a first minimum, with its count of steps; as above.
+Solution finish(FitProblem& problem, Solved& solved, const Solution& first, const MinimiseOptions& options);
+
 /// Pixels or samples of every block.
 std::vector<std::size_t> counts_of(const FitProblem& problem);
 

@@ -12,10 +12,12 @@ struct Profiler {
   FitProblem& problem;
   std::size_t i;
   double cost, noise_factor;
+  std::span<const FlatBound> flat;
   const std::function<bool()>& go_on;
   bool stopped = false;
 
   double at(double x) {
+    for (const FlatBound& bound : flat) problem.x[bound.parameter] = bound.off_bound(problem.x[bound.parameter]);
     problem.x[i] = x;
     const Solution solution = solve(problem, {.fixed = i, .go_on = go_on});
     stopped = stopped || solution.stopped;
@@ -54,23 +56,30 @@ struct Profiler {
 }  // namespace
 
 std::optional<ProfileEnds> profile(FitProblem& problem, std::size_t i, double sd, double cost, double noise_factor,
-                                   const std::function<bool()>& go_on) {
+                                   std::span<const FlatBound> flat, const std::function<bool()>& go_on) {
   const std::vector<double> x = problem.x;
   const std::vector<std::vector<double>> own = problem.own;
-  Profiler profiler{problem, i, cost, noise_factor, go_on};
+  Profiler profiler{problem, i, cost, noise_factor, flat, go_on};
   const Variable& v = problem.variables[i];
+  bool open = false;  // the last end
   const auto value_at_end = [&](double side, double target) {
     problem.x = x;
     problem.own = own;
     const double end = profiler.end(x[i], sd, side, target);
+    open = end == (side > 0.0 ? v.hi : v.lo);
     return v.squared && end <= 1e-8 ? 0.0 : v.value(end);
   };
   const double lower68 = value_at_end(-1.0, 1.0), upper68 = value_at_end(1.0, 1.0);
-  const double lower95 = value_at_end(-1.0, 1.959963984540054), upper95 = value_at_end(1.0, 1.959963984540054);
+  const double lower95 = value_at_end(-1.0, 1.959963984540054);
+  const bool lower_open = open;
+  const double upper95 = value_at_end(1.0, 1.959963984540054);
+  const bool upper_open = open, rises = lower95 <= upper95;
   ProfileEnds ends{.interval68 = {std::min(lower68, upper68), std::max(lower68, upper68)},
                    .interval95 = {std::min(lower95, upper95), std::max(lower95, upper95)},
                    .lower95 = value_at_end(-1.0, 1.6448536269514722),
-                   .upper95 = value_at_end(1.0, 1.6448536269514722)};
+                   .upper95 = value_at_end(1.0, 1.6448536269514722),
+                   .low_open = rises ? lower_open : upper_open,
+                   .high_open = rises ? upper_open : lower_open};
   problem.x = x;
   problem.own = own;
   problem.apply();

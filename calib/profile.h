@@ -4,18 +4,20 @@
 // Profile likelihood: how far a parameter can move, everything else fitted anew, until chi-square has risen by
 // a quantile. Right where the likelihood is not a parabola; costs a few fits an end.
 
-#include "calib/fit_problem.h"
+#include "calib/flat_bounds.h"
 
 namespace calib {
 
 struct ProfileEnds {
   std::array<double, 2> interval68{}, interval95{};  ///< values; a bound where chi-square does not rise that far
   double lower95 = 0.0, upper95 = 0.0;               ///< one-sided limits
+  bool low_open = false, high_open = false;          ///< of interval95: an end is the bound
 };
 
 /// Of variable i around the minimum, where the problem stands, and stands again afterwards. `sd`: of x. `noise_factor`:
-/// chi-square per degree of freedom, by which rises are divided. Nothing when stopped.
+/// chi-square per degree of freedom, by which rises are divided. Refits begin off the `flat` bounds, from which there
+/// is no way back. Nothing when stopped.
 std::optional<ProfileEnds> profile(FitProblem& problem, std::size_t i, double sd, double cost, double noise_factor,
-                                   const std::function<bool()>& go_on);
+                                   std::span<const FlatBound> flat, const std::function<bool()>& go_on);
 
 }  // namespace calib

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Monte-Carlo study of fits in which the effect of a parameter vanishes at a bound: how often what is stated of it and
+// of its partners holds the truth. Images come from the sensor's own OTF by the quadrature of made_edges.h. The
+// statement of a parameter is its 95 % interval, else value +- 1.96 standard errors, else its limit.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "calib/fit.h"
+
+namespace flat_study {
+
+/// A number of the sensor: its true value and where the fit starts.
+struct Truth {
+  std::string path;
+  double value = 0.0, start = 0.0;
+};
+
+/// A camera with diffraction, and one edge.
+struct Case {
+  std::string name;
+  mtf::System<double> sensor;
+  std::vector<Truth> fitted;
+  double angle_deg = 5.0;
+  double cnr = 60.0;
+};
+
+/// Visible light, f/8, pitch 4.73 um: a jitter of 2.5 um and a diffusion of charge (absorption in 10 um, a depletion
+/// layer of 3 um) of which the length is given.
+Case diffusion(double diffusion_um);
+/// The f-number and a jitter.
+Case lens_and_jitter(double rms_um);
+
+struct Held {
+  int inside = 0;      ///< the statement holds the truth
+  int silent = 0;      ///< nothing is stated
+  int unbounded = 0;   ///< an interval without an end on one side
+  double width = 0.0;  ///< mean; of an open interval up to the bound
+};
+struct Outcome {
+  int draws = 0, failed = 0;
+  int at_bound = 0;              ///< draws in which some parameter ended at its bound
+  std::vector<Held> parameters;  ///< in the order of Case::fitted
+  int inside_mtf50 = 0;
+  double ms = 0.0;                        ///< median processor time of a fit
+  std::vector<calib::FitResult> results;  ///< of every draw
+};
+Outcome run(const Case& one, int draws, std::uint64_t seed, const calib::FitOptions& options = {});
+
+}  // namespace flat_study
