@@ -99,7 +99,9 @@ Command fit_command() {
       "in the same table are used. Parameters that the data do not determine are said, never given a value as if they\n"
       "were. Where exposure, focus or band differ between images, a conditions file (frame,parameter,value; the frame\n"
       "is the number of the image on the command line, from 1) says how, as a schedule does for simulate.\n"
-      "The status is converged_model_wrong where the residuals have structure that noise does not explain.",
+      "The status is converged_model_wrong where the residuals have structure that noise does not explain: all files\n"
+      "are written, and the exit code is 3 (--allow-misfit: 0). Where the effect of a parameter vanishes at a bound,\n"
+      "as that of a diffusion length at 0 does, it and its partners have intervals by profile likelihood.",
       "  mtf fit sensor.toml edge.png -o fitted.toml\n"
       "  mtf fit sensor.toml edge.png --format json --report fit.json --plot fit.svg"};
   add_file(app, "sensor", "sensor file (TOML) with numbers to fit", options.sensor);
@@ -126,7 +128,10 @@ Command fit_command() {
   add_choice(app, "--loss", "LOSS", "huber (default: outliers count less) or squares", kLoss, options.robust);
   add_word(app, "--starts", "N", "runs from different starting values; default 1",
            [&](const std::string& text) { options.starts = whole_number("--starts", text, 1, 1000); });
-  add_flag(app, "--profile", "profile-likelihood intervals of every parameter", options.profile);
+  add_flag(app, "--profile",
+           "profile-likelihood intervals of every parameter, also where no bound at which an effect vanishes is near",
+           options.profile);
+  add_flag(app, "--allow-misfit", "exit 0, not 3, where the sensor does not describe the data", options.allow_misfit);
   add_flag(app, "--residual-otf", "OTF of the residuals as an estimate of the systematic error", options.residual_otf);
   add_choice(app, "--format", "FORMAT", "table (default) or json", kTableOrJson, options.format);
   add_text(app, "-o,--out", "FILE", "the sensor file with fitted values and standard errors", options.out);

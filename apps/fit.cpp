@@ -103,7 +103,12 @@ int run_fit(const FitOptions& options, const Global& global) {
     note(global, "mtf: note: not fitted: " + one_line(options.out) + " is not written");
   }
   print(options.format == Format::json ? json : fit_table(result));
-  return fitted && loaded.left_out == 0 ? 0 : 1;
+  if (!fitted || loaded.left_out > 0) return 1;
+  if (result.status == calib::FitStatus::converged || options.allow_misfit) return 0;
+  note(global,
+       "mtf: note: the sensor does not describe the data: exit code 3; what was asked for is written all the same "
+       "(--allow-misfit: exit code 0)");
+  return 3;
 }
 
 }  // namespace apps

@@ -21,7 +21,8 @@ using calib::Knowledge;
 using Json = nlohmann::ordered_json;
 
 bool has_value(const FittedParameter& p) {
-  return p.knowledge == Knowledge::determined || p.knowledge == Knowledge::at_bound;
+  return p.knowledge == Knowledge::determined || p.knowledge == Knowledge::at_bound ||
+         p.knowledge == Knowledge::interval;
 }
 
 /// As many digits as the standard error has, two more than its first.
@@ -37,8 +38,18 @@ std::string interval_text(const std::array<double, 2>& interval) {
   return significant(interval[0], 5) + " to " + significant(interval[1], 5);
 }
 
+/// 95 %, an open end in words.
+std::string profiled_text(const calib::ProfiledInterval& interval) {
+  if (interval.low && interval.high) return interval_text({*interval.low, *interval.high});
+  if (interval.low) return "above " + significant(*interval.low, 5);
+  return interval.high ? "below " + significant(*interval.high, 5) : "not bounded";
+}
+
 std::string value_text(const FittedParameter& p) {
   const std::string unit = p.parameter.unit.empty() ? "" : " " + p.parameter.unit;
+  if (p.knowledge == Knowledge::interval)
+    return shown(p.value, 0.25 * ((*p.interval95)[1] - (*p.interval95)[0])) + unit +
+           " (95 %: " + profiled_text(*p.interval) + unit + ")";
   if (p.knowledge == Knowledge::at_bound)
     return significant(p.value, 6) + unit + " (at its bound" +
            (p.limit95 ? std::string("; 95 %: at ") + (p.limit_is_upper ? "most " : "least ") +
@@ -60,7 +71,7 @@ std::string correlation_table(const FitResult& result) {
   TextTable table(std::move(header));
   for (std::size_t i = 0; i < result.correlation.size(); ++i) {
     std::vector<std::string> row{one_line(result.parameters[i].parameter.name)};
-    for (const double rho : result.correlation[i]) row.push_back(std::isfinite(rho) ? fixed(rho, 3) : "-");
+    for (const double rho : result.correlation[i]) row.push_back(std::isfinite(rho) ? fixed(rho, 3) : "not determined");
     table.add(std::move(row));
   }
   return table.aligned(align);
@@ -84,7 +95,12 @@ Json parameter_json(const FittedParameter& p) {
           {"limit95", optional_json(p.limit95)},
           {"limit_is", p.limit95 ? Json(p.limit_is_upper ? "upper" : "lower") : Json()},
           {"interval68", optional_json(p.interval68)},
-          {"interval95", optional_json(p.interval95)}};
+          {"interval95", optional_json(p.interval95)},
+          {"interval", p.interval ? Json{{"confidence", 0.95},
+                                         {"low", optional_json(p.interval->low)},
+                                         {"high", optional_json(p.interval->high)},
+                                         {"reason", p.interval->reason.empty() ? Json() : Json(p.interval->reason)}}
+                                  : Json()}};
 }
 
 /// The direction of FitResult::mtf.
@@ -129,8 +145,9 @@ std::string fit_table(const FitResult& result) {
   }
   for (const FittedParameter& p : result.parameters) {
     if (p.interval68) text += one_line(p.parameter.name) + ": 68 % " + interval_text(*p.interval68);
-    if (p.interval95) text += ", 95 % " + interval_text(*p.interval95);
-    if (p.interval68 || p.interval95) text += p.parameter.unit.empty() ? "\n" : " " + p.parameter.unit + "\n";
+    if (p.interval) text += ", 95 % " + profiled_text(*p.interval);
+    if (p.interval68 || p.interval) text += p.parameter.unit.empty() ? "" : " " + p.parameter.unit;
+    if (p.interval) text += (p.interval->reason.empty() ? "" : "; " + p.interval->reason) + "\n";
   }
   for (const calib::NullDirection& direction : result.not_separable) text += "\n" + direction.text + "\n";
   if (result.parameters.size() > 1 && !result.correlation.empty()) text += "\n" + correlation_table(result);
@@ -242,7 +259,11 @@ std::string fitted_config(const FitResult& result, const mtf::io::SensorConfig& 
     values[static_cast<std::size_t>(spec - fitted.fits.begin())] = p.value;
     spec->stderr_value = p.knowledge == Knowledge::determined ? p.stderr_value : std::nullopt;
     if (p.knowledge != Knowledge::determined)
-      head += "# " + one_line(p.parameter.name) + ": " + std::string(knowledge_name(p.knowledge)) + "\n";
+      head += "# " + one_line(p.parameter.name) + ": " + std::string(knowledge_name(p.knowledge)) +
+              (p.interval ? ", 95 % " + profiled_text(*p.interval) +
+                                (p.parameter.unit.empty() ? "" : " " + one_line(p.parameter.unit))
+                          : "") +
+              "\n";
   }
   // The user's own text with the new numbers, where that says the same; curve files are named relative to it.
   const std::string whole = write_config(fitted, destination);

@@ -142,6 +142,7 @@ struct FitOptions {
   int starts = 1;
   bool profile = false;
   bool residual_otf = false;
+  bool allow_misfit = false;      ///< exit 0 also where the sensor does not describe the data
   Format format = Format::table;  ///< of standard output: table or json
   std::string out;                ///< fitted sensor file; "" = none, as the others below
   std::string report;             ///< JSON

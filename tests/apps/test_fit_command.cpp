@@ -127,6 +127,85 @@ TEST(FitCommand, SaysWhatOneEdgeCannotTell) {
   EXPECT_EQ(scratch.run("mtf config check fitted.toml").status, 0);
 }
 
+// A diffusion that is not there ends at its bound, where the derivative by it vanishes: the jitter beside it has an
+// interval by profile and no standard error, and nothing is said of their correlation.
+TEST(FitCommand, AFlatBoundGivesIntervals) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const std::string fit_both =
+      "rms = { value = \"3 um\", fit = true }\n"
+      "[[presample]]\nkind = \"diffusion\"\nabsorption_length = \"10 um\"\ndepletion_depth = \"3 um\"\n"
+      "diffusion_length = { value = \"3 um\", fit = true }";
+  write_file(scratch / "fit.toml", replaced(read_file(scratch / "sensor.toml"), "rms = \"2 um\"", fit_both));
+  const made::Camera camera{.s = 4.0 * 2.0 / 15.0, .pixel = 1.0, .variance = 0.028};  // 2.5 um
+  const mtf::Image edge = made::make(made::camera_step(camera, 5.0), {.noise_sd = 0.002, .seed = 4});
+  mtf::io::write_exr((scratch / "edge.exr").string(), {{"Y", edge.view()}}, {});
+  const Result fit = scratch.run("mtf fit fit.toml edge.exr -o fitted.toml --format json");
+  ASSERT_EQ(fit.status, 0) << fit.err;
+  const Json json = Json::parse(fit.out);
+  const Json &jitter = json.at("parameters")[0], &diffusion = json.at("parameters")[1];
+  ASSERT_EQ(diffusion.at("knowledge"), "at_bound") << json.at("parameters");
+  EXPECT_GT(diffusion.at("limit95").get<double>(), 0.1);
+  EXPECT_EQ(jitter.at("knowledge"), "interval") << jitter;
+  EXPECT_TRUE(jitter.at("stderr").is_null());
+  const Json& interval = jitter.at("interval");
+  EXPECT_EQ(interval.at("confidence"), 0.95);
+  EXPECT_TRUE(interval.at("reason").is_null());
+  EXPECT_LT(interval.at("low").get<double>(), 2.5);
+  EXPECT_GT(interval.at("high").get<double>(), 2.5);
+  EXPECT_EQ(jitter.at("interval95")[0], interval.at("low"));
+  EXPECT_TRUE(json.at("correlation")[0][1].is_null());
+  EXPECT_TRUE(json.at("correlation")[1][0].is_null());
+  EXPECT_TRUE(json.at("not_separable").empty());
+  const std::string fitted = read_file(scratch / "fitted.toml");
+  EXPECT_NE(fitted.find("# jitter.rms: interval, 95 % "), std::string::npos) << fitted;
+  EXPECT_EQ(fitted.find("stderr"), std::string::npos);
+
+  const std::string table = scratch.run("mtf fit fit.toml edge.exr").out;
+  EXPECT_NE(table.find("um (95 %: "), std::string::npos) << table;
+  EXPECT_NE(table.find("not determined"), std::string::npos) << table;
+
+  // Up to 1.5 um nothing speaks against a diffusion: its interval has no upper end, and says so.
+  write_file(scratch / "short.toml",
+             replaced(read_file(scratch / "fit.toml"), "diffusion_length = { value = \"3 um\", fit = true }",
+                      "diffusion_length = { value = \"1 um\", fit = true, max = \"1.5 um\" }"));
+  const Json open = Json::parse(scratch.run("mtf fit short.toml edge.exr --format json").out);
+  const Json& end = open.at("parameters")[1].at("interval");
+  ASSERT_TRUE(end.is_object()) << open.at("parameters");
+  EXPECT_TRUE(end.at("high").is_null()) << end;
+  EXPECT_NE(end.at("reason").get<std::string>().find("do not bound it from above"), std::string::npos) << end;
+  EXPECT_EQ(open.at("parameters")[1].at("knowledge"), "not_determined");
+  EXPECT_NE(scratch.run("mtf fit short.toml edge.exr").out.find("do not bound it from above"), std::string::npos);
+}
+
+// A sensor without the defocus that the edge has.
+TEST(FitCommand, AModelThatDoesNotDescribeTheDataIsAFailedCheck) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  write_file(scratch / "fit.toml",
+             replaced(read_file(scratch / "sensor.toml"), "rms = \"2 um\"", "rms = { value = \"2 um\", fit = true }"));
+  const made::Camera camera{.s = 4.0 * 2.0 / 15.0, .pixel = 1.0, .w020 = 0.5};
+  const mtf::Image edge = made::make(made::camera_step(camera, 5.0), {.noise_sd = 0.002});
+  mtf::io::write_exr((scratch / "edge.exr").string(), {{"Y", edge.view()}}, {});
+  const std::string command =
+      "mtf fit fit.toml edge.exr -o fitted.toml --report fit.json --plot fit.svg --residuals residuals --format json";
+  const auto all_written = [&] {
+    for (const char* file : {"fitted.toml", "fit.json", "fit.csv", "residuals/residual-1.exr"})
+      EXPECT_TRUE(std::filesystem::exists(scratch / file)) << file;
+  };
+  const Result wrong = scratch.run(command);
+  EXPECT_EQ(wrong.status, 3) << wrong.err;
+  EXPECT_EQ(Json::parse(wrong.out).at("status"), "converged_model_wrong");
+  EXPECT_NE(wrong.err.find("--allow-misfit"), std::string::npos) << wrong.err;
+  all_written();
+  for (const char* file : {"fitted.toml", "fit.json", "fit.csv", "residuals"})
+    std::filesystem::remove_all(scratch / file);
+  const Result allowed = scratch.run(command + " --allow-misfit");
+  EXPECT_EQ(allowed.status, 0) << allowed.err;
+  EXPECT_EQ(Json::parse(allowed.out).at("status"), "converged_model_wrong");
+  all_written();
+}
+
 TEST(FitCommand, BadRequests) {
   const Scratch scratch;
   scratch.add_sensor();
