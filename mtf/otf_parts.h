@@ -2,15 +2,17 @@
 #pragma once
 
 // The OTF of a system by its parts, at many frequencies at once. Chromatic components of the presample list are
-// averaged over the band as a product, those of the optics also by themselves. What is the same along x and y is worked
-// out once for both, and what is 1 along an axis not at all. Buffers and the nodes of the band are kept from one system
-// to the next.
+// averaged over the band as a product, those of the optics also by themselves: at few wavelengths, the same for all
+// frequencies, where these do, else for each frequency between the kinks that the pupil has there (split_mean.h). What
+// is the same along x and y is worked out once for both, and what is 1 along an axis not at all. Buffers and the nodes
+// of the band are kept from one system to the next.
 
 #include <algorithm>
 #include <map>
 #include <type_traits>
 #include <vector>
 
+#include "mtf/split_mean.h"
 #include "mtf/components/field.h"
 #include "mtf/resolution.h"
 
@@ -81,7 +83,9 @@ class OtfParts {
     if (system.band && (system.band->lo_um != lo_um_ || system.band->hi_um != hi_um_ || system.band->rate != rate_)) {
       nodes_.clear();
       lo_um_ = system.band->lo_um, hi_um_ = system.band->hi_um, rate_ = system.band->rate;
+      weights_.set(*system.band);
     }
+    find_kinks();
   }
 
   const System<S>& system() const { return *system_; }
@@ -110,26 +114,53 @@ class OtfParts {
     return cutoff;
   }
 
-  /// Kinks of a pupil at one wavelength: where the edges of its circles touch.
+  /// Where the OTF has kinks, rising: a pupil has them where the edges of its circles touch, a band, weaker, where it
+  /// begins and ends to have them.
   std::vector<double> kinks_cy_mm() const {
-    if (pupil_ == nullptr || chromatic()) return {};
-    const double end = pupil_->cutoff_cy_mm(middle_), e = value_of(pupil_numbers(*pupil_, middle_).obscuration);
-    if (!(e > 0.0) || !(end < kInfinity)) return {};
-    return {0.5 * (1.0 - e) * end, e * end, 0.5 * (1.0 + e) * end};
+    std::vector<double> kinks;
+    for (const double touch : touch_) {
+      if (pupil_chromatic_ && hi_um_ > 0.0) kinks.push_back(touch / hi_um_);
+      kinks.push_back(touch / (pupil_chromatic_ ? lo_um_ : 1.0));
+    }
+    std::sort(kinks.begin(), kinks.end());
+    return kinks;
+  }
+  /// Frequencies where few wavelengths would do worst: of kinks at wavelengths amid the rate.
+  std::vector<double> worst_cy_mm() {
+    std::vector<double> worst;
+    if (!pupil_chromatic_) return worst;
+    constexpr int kAmid = 3;
+    for (const double wavelength_um : band_nodes(kAmid).wavelength_um)
+      for (const double touch : touch_) worst.push_back(touch / wavelength_um);
+    return worst;
   }
 
   /// Area of the unaberrated pupil's OTF, (cy/mm)^2: pi (1 - e^2) / (lambda N)^2 / 4, averaged over the band.
   S ideal_area() const {
     if (!chromatic()) return ideal_area(middle_);
-    S mean{};
-    const WavelengthNodes& nodes = band_nodes();
-    for (std::size_t w = 0; w < nodes.weight.size(); ++w)
-      mean += S(nodes.weight[w]) * ideal_area(system_->context(S(nodes.wavelength_um[w])));
-    return mean;
+    const auto area = [this](double wavelength_um) {
+      return std::array{Complex<S>{ideal_area(system_->context(S(wavelength_um))), S(0)}};
+    };
+    constexpr double kTightest = 1e-14;
+    const double scale = value_of(ideal_area(system_->context(S(lo_um_))));
+    return split_mean<S, 1>(weights_, {}, kInfinity, kTightest * scale, area).value[0].re;
   }
 
-  int wavelengths() const { return wavelengths_; }
-  void set_wavelengths(int n) { wavelengths_ = n; }
+  /// The largest number of wavelengths at a frequency.
+  int wavelengths() const { return most_wavelengths_; }
+  /// n wavelengths for every frequency, of the Gauss rule; `error`: what is known of theirs.
+  void use_wavelengths(int n, double error) {
+    wavelengths_ = most_wavelengths_ = n;
+    band_error_ = error;
+  }
+  /// As many as each frequency takes to that tolerance.
+  void use_tolerance(double tolerance) {
+    wavelengths_ = most_wavelengths_ = 0;
+    split_tolerance_ = tolerance;
+    band_error_ = 0.0;
+  }
+  /// Of the means over the band since then, estimated.
+  double band_error() const { return band_error_; }
 
   /// The optics in any direction.
   void optics(std::span<const Freq<S>> f, std::vector<Complex<S>>& product) {
@@ -185,6 +216,7 @@ class OtfParts {
   struct Kept {
     std::vector<S> f_cy_mm;
     int wavelengths = 0;
+    double tolerance = 0.0;
     bool optics_alone = false;
     Products<S> products;  ///< each of its own components alone
     BandMeans means;
@@ -225,7 +257,8 @@ class OtfParts {
     if (kValuesAlone)
       for (std::size_t i = 0; i < kept_count_; ++i)
         if (const Kept& kept = kept_[i];
-            kept.wavelengths == wavelengths_ && kept.optics_alone <= optics_alone &&
+            kept.wavelengths == wavelengths_ && kept.tolerance == split_tolerance_ &&
+            kept.optics_alone <= optics_alone &&
             std::equal(f_cy_mm.begin(), f_cy_mm.end(), kept.f_cy_mm.begin(), kept.f_cy_mm.end()))
           return kept;
     if (!kValuesAlone) kept_count_ = 0;
@@ -233,6 +266,7 @@ class OtfParts {
     Kept& kept = kept_[kept_count_++];
     kept.f_cy_mm.assign(f_cy_mm.begin(), f_cy_mm.end());
     kept.wavelengths = wavelengths_;
+    kept.tolerance = split_tolerance_;
     kept.optics_alone = optics_alone;
     const std::span<const Freq<S>> f = places(Axis::x, f_cy_mm);
     const auto wanted = [&](const Member& m) { return same_along_both(m) && (!optics_alone || m.is_optics()); };
@@ -248,19 +282,33 @@ class OtfParts {
     const S cutoff = S(1e3) / (p.wavelength_um * p.f_number);
     return S(0.25 * 3.14159265358979323846) * (S(1) - p.obscuration * p.obscuration) * cutoff * cutoff;
   }
-  const WavelengthNodes& band_nodes() {
-    auto& nodes = nodes_[wavelengths_];
-    if (nodes.weight.empty()) nodes = wavelength_nodes(*system_->band, wavelengths_);
+  const WavelengthNodes& band_nodes(int n) {
+    auto& nodes = nodes_[n];
+    if (nodes.weight.empty()) nodes = wavelength_nodes(*system_->band, n);
     return nodes;
   }
-  const WavelengthNodes& band_nodes() const { return const_cast<OtfParts*>(this)->band_nodes(); }
+
+  void find_kinks() {
+    touch_.clear();
+    pupil_chromatic_ = pupil_ != nullptr && std::any_of(chromatic_.begin(), chromatic_.end(),
+                                                        [this](const Member& m) { return m.component == pupil_; });
+    if (pupil_ == nullptr) return;
+    const Context<S> ctx = pupil_chromatic_ ? system_->context(S(lo_um_)) : middle_;
+    const double end = pupil_->cutoff_cy_mm(ctx) * (pupil_chromatic_ ? lo_um_ : 1.0);
+    const double e = value_of(pupil_numbers(*pupil_, ctx).obscuration);
+    if (!(end < kInfinity)) return;
+    if (e > 0.0) touch_ = {0.5 * (1.0 - e) * end, e * end, 0.5 * (1.0 + e) * end};
+    std::sort(touch_.begin(), touch_.end());
+    touch_.push_back(end);
+  }
 
   void average(std::span<const Freq<S>> f, BandMeans& means, bool optics_alone) {
-    const WavelengthNodes& nodes = band_nodes();
     const bool beyond = !optics_alone && !std::all_of(chromatic_.begin(), chromatic_.end(),
                                                       [](const Member& m) { return m.is_optics(); });
     means.optics.assign(f.size(), Complex<S>{S(0), S(0)});
     means.presample = means.optics;
+    if (wavelengths_ == 0) return split_average(f, means, beyond);
+    const WavelengthNodes& nodes = band_nodes(wavelengths_);
     for (std::size_t w = 0; w < nodes.weight.size(); ++w) {
       const Context<S> ctx = system_->context(S(nodes.wavelength_um[w]));
       node_.assign(f.size(), Complex<S>{S(nodes.weight[w]), S(0)});
@@ -275,6 +323,35 @@ class OtfParts {
     if (!beyond) means.presample = means.optics;
   }
 
+  void split_average(std::span<const Freq<S>> f, BandMeans& means, bool beyond) {
+    std::vector<double> kinks_um;
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      const double radius_cy_mm = std::hypot(value_of(f[i].x), value_of(f[i].y));
+      kinks_um.clear();
+      double end_um = kInfinity;
+      if (pupil_chromatic_ && radius_cy_mm > 0.0) {
+        for (const double touch : touch_) kinks_um.push_back(touch / radius_cy_mm);
+        if (!touch_.empty()) end_um = kinks_um.back();
+      }
+      const auto at = [&](double wavelength_um) {
+        const Context<S> ctx = system_->context(S(wavelength_um));
+        std::array<Complex<S>, 2> value{one(), one()};
+        for (const Member& m : chromatic_)
+          if (m.is_optics()) m.component->multiply({&f[i], 1}, ctx, {&value[0], 1});
+        value[1] = value[0];
+        if (!beyond) return value;
+        for (const Member& m : chromatic_)
+          if (!m.is_optics()) m.component->multiply({&f[i], 1}, ctx, {&value[1], 1});
+        return value;
+      };
+      const SplitMean<S, 2> mean = split_mean<S, 2>(weights_, kinks_um, end_um, split_tolerance_, at);
+      means.optics[i] = mean.value[0];
+      means.presample[i] = mean.value[1];
+      band_error_ = std::max(band_error_, mean.error);
+      most_wavelengths_ = std::max(most_wavelengths_, mean.wavelengths);
+    }
+  }
+
   const System<S>* system_ = nullptr;
   Context<S> middle_;
   const Component<S>* pupil_ = nullptr;
@@ -284,7 +361,11 @@ class OtfParts {
   double lo_um_ = 0.0, hi_um_ = 0.0;
   std::shared_ptr<const ElectronRate> rate_;
   std::map<int, WavelengthNodes> nodes_;
-  int wavelengths_ = 4;
+  mutable BandWeights weights_;
+  std::vector<double> touch_;     ///< frequencies where edges of the pupil touch, the cutoff last; x um in a band
+  bool pupil_chromatic_ = false;  ///< and so touch_ moves with the wavelength
+  int wavelengths_ = 4, most_wavelengths_ = 4;  ///< 0: split
+  double split_tolerance_ = 1e-6, band_error_ = 0.0;
   std::vector<Freq<S>> places_;
   BandMeans own_means_;
   std::vector<Complex<S>> node_;

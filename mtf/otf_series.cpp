@@ -13,16 +13,9 @@ namespace {
 
 double share_at(double t) { return PanelMap{0.0, 1.0}.f(t); }
 
-/// c_k = 2/n sum of v_j cos(pi j k / n), half of it where j is 0 or n, and where k is.
 ChebyshevPoints make_points(int degree) {
-  ChebyshevPoints points;
-  const auto half_at_ends = [degree](int i) { return i == 0 || i == degree ? 0.5 : 1.0; };
-  for (int j = 0; j <= degree; ++j) {
-    points.share.push_back(share_at(cos_pi(static_cast<double>(j) / degree)));
-    for (int k = 0; k <= degree; ++k)
-      points.transform.push_back(2.0 / degree * half_at_ends(j) * half_at_ends(k) *
-                                 cos_pi(static_cast<double>(j * k % (2 * degree)) / degree));
-  }
+  ChebyshevPoints points{{}, chebyshev_transform(degree)};
+  for (int j = 0; j <= degree; ++j) points.share.push_back(share_at(cos_pi(static_cast<double>(j) / degree)));
   return points;
 }
 
@@ -112,9 +105,20 @@ PanelPlaces PanelMap::at(std::span<const double> t) const {
   return places;
 }
 
+/// c_k = 2/n sum of v_j cos(pi j k / n), half of it where j is 0 or n, and where k is.
+std::vector<double> chebyshev_transform(int degree) {
+  std::vector<double> transform;
+  const auto half_at_ends = [degree](int i) { return i == 0 || i == degree ? 0.5 : 1.0; };
+  for (int j = 0; j <= degree; ++j)
+    for (int k = 0; k <= degree; ++k)
+      transform.push_back(2.0 / degree * half_at_ends(j) * half_at_ends(k) *
+                          cos_pi(static_cast<double>(j * k % (2 * degree)) / degree));
+  return transform;
+}
+
 const ChebyshevPoints& chebyshev_points(int degree) {
-  static const std::array points{make_points(kLeastDegree), make_points(kMostDegree)};
-  return points[degree == kLeastDegree ? 0 : 1];
+  static const std::array points{make_points(kLeastDegree), make_points(2 * kLeastDegree), make_points(kMostDegree)};
+  return points[degree == kLeastDegree ? 0 : degree == kMostDegree ? 2 : 1];
 }
 
 const FineNodes& fine_nodes(int degree, double cycles) {

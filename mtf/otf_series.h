@@ -5,8 +5,8 @@
 // On a panel f = lo + (hi - lo) sin^2(pi s / 2), 0 <= s <= 1, so that half powers of the distance to either end, as an
 // aperture's OTF has them at its cutoff and turbulence at 0, are smooth in s; t = 2 s - 1 = cos(pi k / n), k = 0 .. n,
 // are the points of the series of degree n. Doubling n keeps the points there are; a panel that 64 do not resolve is
-// halved. The error of a series is taken from its last three coefficients, as they have fallen by then. (Trefethen,
-// Approximation Theory and Approximation Practice, SIAM 2013, ch. 3, 4 and 8.)
+// halved, or parted at a kink where one is known in it. The error of a series is taken from its last coefficients, as
+// they have fallen by then. (Trefethen, Approximation Theory and Approximation Practice, SIAM 2013, ch. 3, 4 and 8.)
 
 #include <algorithm>
 #include <array>
@@ -20,7 +20,7 @@
 
 namespace mtf {
 
-inline constexpr int kLeastDegree = 32, kMostDegree = 64;  ///< of a series
+inline constexpr int kLeastDegree = 16, kMostDegree = 64;  ///< of a series
 
 /// What a degree needs, made once: the share of the panel below each point, and what turns values into coefficients.
 struct ChebyshevPoints {
@@ -28,6 +28,8 @@ struct ChebyshevPoints {
   std::vector<double> transform;  ///< [point][coefficient]
 };
 const ChebyshevPoints& chebyshev_points(int degree);
+/// Its transform, for any degree.
+std::vector<double> chebyshev_transform(int degree);
 
 /// Gauss-Legendre nodes on a panel for a series of that degree, made once: what each basis function is there.
 struct FineNodes {
@@ -95,13 +97,22 @@ std::vector<S> chebyshev_at(const std::vector<S>& coefficient, std::span<const d
   }
 }
 
-/// What the coefficients beyond the last amount to: half of the last three, which where they fall by as little as 0.75
-/// from one to the next is still a bound; tests hold errors against it.
+/// What the coefficients beyond the last amount to, from the sums of the last two quarters: exact for those that fall
+/// by the same factor from each to the next, three times that since a kink's fall ever slower (as k^-2.5 for one of
+/// power 3/2, of which the exact part is 0.39; a power of 1/2, k^-1.5, is bounded through the limit of the factor).
+/// Tests hold errors against it.
 template <class S>
 double series_tail(const std::vector<S>& coefficient) {
-  double tail = 0.0;
-  for (std::size_t i = 1; i <= 3; ++i) tail += std::abs(value_of(coefficient[coefficient.size() - i]));
-  return 0.5 * tail;
+  const std::size_t end = coefficient.size(), quarter = end / 4;
+  const auto sum = [&](std::size_t from) {
+    double all = 0.0;
+    for (std::size_t k = from; k < from + quarter; ++k) all += std::abs(value_of(coefficient[k]));
+    return all;
+  };
+  const double last = sum(end - quarter), before = sum(end - 2 * quarter);
+  constexpr double kSlowest = 0.75, kSafety = 3.0;
+  const double factor = before > 0.0 ? std::min(last / before, kSlowest) : kSlowest;
+  return kSafety * last * factor / (1.0 - factor);
 }
 
 /// Place and slope of a panel's frequencies.
@@ -210,12 +221,27 @@ struct SeriesPanel {
 template <class S, std::size_t N>
 using SeriesValues = std::array<std::vector<Complex<S>>, N>;
 
-/// The panel and those it is halved into, in rising order, appended to `panels`. `evaluate(f, values)` appends the OTFs
-/// at frequencies f. Stops at the tolerance, or at `most` panels.
+/// Where a panel is parted: at the kink that is nearest to its middle, else in the middle.
+inline double parting_place(const PanelMap& map, std::span<const double> kinks, bool& kinked) {
+  const double middle = 0.5 * (map.lo + map.hi), margin = 1e-9 * map.hi;
+  double place = middle;
+  kinked = false;
+  for (const double kink : kinks)
+    if (kink > map.lo + margin && kink < map.hi - margin &&
+        (!kinked || std::abs(kink - middle) < std::abs(place - middle)))
+      kinked = true, place = kink;
+  return place;
+}
+
+/// The panel and those it is parted into, in rising order, appended to `panels`. `evaluate(f, values)` appends the OTFs
+/// at frequencies f. Stops at the tolerance, or at `most` panels. A panel with a kink that the least degree does not
+/// resolve is parted there: more points would not help.
 template <class S, std::size_t N, class Evaluate>
 void append_series(std::vector<SeriesPanel<S, N>>& panels, PanelMap map, double tolerance, std::size_t most,
-                   Evaluate& evaluate, int depth = 0) {
+                   std::span<const double> kinks, Evaluate& evaluate, int depth = 0) {
   constexpr int kDeepest = 40;
+  bool kinked = false;
+  const double parting = parting_place(map, kinks, kinked);
   constexpr int kFirst = kLeastDegree, kLast = kMostDegree;
   SeriesValues<S, N> values;
   std::vector<double> f;
@@ -241,14 +267,14 @@ void append_series(std::vector<SeriesPanel<S, N>>& panels, PanelMap map, double 
         largest = std::max({largest, std::abs(value_of(h.re)), std::abs(value_of(h.im))});
       panel.error = std::max(panel.error, tail(panel.otf[i]) / largest);
     }
-    if (panel.error <= tolerance || (n == kLast && (panels.size() >= most || depth >= kDeepest))) {
+    const bool last_chance = panels.size() >= most || depth >= kDeepest;
+    if (panel.error <= tolerance || (n == kLast && last_chance)) {
       panels.push_back(std::move(panel));
       return;
     }
-    if (n < kLast) continue;
-    const double middle = 0.5 * (map.lo + map.hi);
-    append_series<S, N>(panels, {map.lo, middle}, tolerance, most, evaluate, depth + 1);
-    append_series<S, N>(panels, {middle, map.hi}, tolerance, most, evaluate, depth + 1);
+    if (n < kLast && (!kinked || last_chance)) continue;
+    append_series<S, N>(panels, {map.lo, parting}, tolerance, most, kinks, evaluate, depth + 1);
+    append_series<S, N>(panels, {parting, map.hi}, tolerance, most, kinks, evaluate, depth + 1);
     return;
   }
 }

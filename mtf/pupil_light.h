@@ -96,14 +96,11 @@ PupilLight<S> light_of(OtfParts<S>& parts, double cutoff_cy_mm, double tolerance
     }
   };
   std::vector<SeriesPanel<S, 2>> panels;
-  std::vector<double> breaks{0.0, cutoff_cy_mm};
-  for (const double kink : parts.kinks_cy_mm()) breaks.push_back(kink);
-  std::sort(breaks.begin(), breaks.end());
   const S area = parts.ideal_area();
   const double amplified = amplification(value_of(area), value_of(px), value_of(py), cutoff_cy_mm, ensquared, radial);
-  for (std::size_t i = 1; i < breaks.size(); ++i)
-    if (breaks[i] - breaks[i - 1] > 1e-9 * cutoff_cy_mm)
-      append_series<S, 2>(panels, {breaks[i - 1], breaks[i]}, tolerance / amplified, 256, evaluate);
+  if (parts.chromatic() && !(parts.band_error() * amplified <= 0.3 * tolerance))
+    parts.use_tolerance(0.1 * tolerance / amplified);
+  append_series<S, 2>(panels, {0.0, cutoff_cy_mm}, tolerance / amplified, 256, parts.kinks_cy_mm(), evaluate);
 
   S strehl{}, boxed{};
   double error = 0.0;
@@ -124,6 +121,7 @@ PupilLight<S> light_of(OtfParts<S>& parts, double cutoff_cy_mm, double tolerance
   }
   constexpr double kNoNumber = 0.05;  // an energy known no better says nothing: pitches of hundreds of spots
   if (error * amplified > kNoNumber) boxed = S(std::numeric_limits<double>::quiet_NaN());
+  error += parts.chromatic() ? parts.band_error() : 0.0;
   const double known =
       error * (error * amplified > kNoNumber ? amplification(value_of(area), 0.0, 0.0, cutoff_cy_mm, false, radial)
                                              : amplified);

@@ -24,11 +24,12 @@ struct ResolutionMeter<S>::Impl {
   EdgeSums<S> edge{};
   std::vector<detail::AxisPanel<S>> panels{};
   int evaluations = 0;
-  double shift_px = 0.0;          ///< of the image along the axis at hand, about
-  double series_error = 0.0;      ///< of the OTF's series
-  double wavelength_error = 0.0;  ///< the change of the OTF when the number of wavelengths was last doubled
-  double replica_error = 0.0;     ///< of integrals over replicas
-  double figure_error = 0.0;      ///< of what is found by a slope, or by integrals of its own
+  double shift_px = 0.0;       ///< of the image along the axis at hand, about
+  double series_error = 0.0;   ///< of the OTF's series
+  double replica_error = 0.0;  ///< of integrals over replicas
+  double figure_error = 0.0;   ///< of what is found by a slope, or by integrals of its own
+
+  static constexpr double kBandShare = 0.3;  ///< of the tolerance of an OTF, for its mean over the band
 
   /// How near to a zero is near enough: values there err by its square, derivatives by itself.
   double near() const { return std::clamp(needs.tolerance, 1e-9, 1e-3); }
@@ -46,10 +47,25 @@ struct ResolutionMeter<S>::Impl {
   S replicas(const detail::AxisPanel<S>& panel, Axis axis, double lo, double hi, Shift shift, int depth = 0);
   void moduli(Axis axis, AxisFigures<S>& figures);
   double measure_axis(Axis axis, double cutoff, AxisFigures<S>& figures, OtfCurve<S>& curve);
-  double choose_wavelengths(double cutoff);
+  double amplification(Axis axis, double cutoff) const;
+  /// The part of the tolerance that the OTF gets, before it is amplified: what slopes and small bases make of it takes
+  /// a factor of about four.
+  double for_otf() const {
+    const bool divided = needs.axis.fwhm || needs.axis.mtf50 || needs.axis.aliasing || needs.axis.spurious;
+    return (divided ? 0.25 : 1.0) * needs.tolerance;
+  }
+  double band_error() const { return parts.chromatic() ? parts.band_error() : 0.0; }
+  void choose_wavelengths(double cutoff);
   Resolution<S> measure_once();
   Resolution<S> measure(const System<S>& system);
 };
+
+/// A figure is an integral of H with a kernel of at most 2 over the width in cycles per pixel.
+template <class S>
+double ResolutionMeter<S>::Impl::amplification(Axis axis, double cutoff) const {
+  const double end = cutoff < kInfinity ? cutoff : 2.0 * value_of(parts.system().frame.nyquist_cy_mm(axis));
+  return std::max(1.0, 2.0 * value_of(pitch_mm(axis)) * end);
+}
 
 /// The series of an axis. Returns the error of what is computed from them.
 template <class S>
@@ -75,27 +91,18 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
       values[kUnfiltered].push_back(products.presample[i] * products.readout[i]);
   };
   const double nyquist = value_of(parts.system().frame.nyquist_cy_mm(axis));
-  // A figure is an integral of H with a kernel of at most 2 over the width in cycles per pixel.
-  const double pitch = value_of(pitch_mm(axis));
-  const double amplified = std::max(1.0, 2.0 * pitch * (cutoff < kInfinity ? cutoff : 2.0 * nyquist));
-  // What slopes and small bases make of it takes a factor of about four; the band has its share.
-  const bool divided = needs.axis.fwhm || needs.axis.mtf50 || presample;
-  const double share = (parts.chromatic() ? 0.7 : 1.0) * (divided ? 0.25 : 1.0) * needs.tolerance / amplified;
+  const double pitch = value_of(pitch_mm(axis)), amplified = amplification(axis, cutoff);
+  const double share = (parts.chromatic() ? 1.0 - kBandShare : 1.0) * for_otf() / amplified;
   constexpr std::size_t kMostPanels = 256;
   std::vector<SeriesPanel<S, kOtfs>> series;
   double beyond = 0.0;
   if (cutoff < kInfinity) {
-    std::vector<double> breaks{0.0, cutoff};
-    for (const double kink : parts.kinks_cy_mm()) breaks.push_back(kink);
-    std::sort(breaks.begin(), breaks.end());
-    for (std::size_t i = 1; i < breaks.size(); ++i)
-      if (breaks[i] - breaks[i - 1] > 1e-9 * cutoff)
-        append_series<S, kOtfs>(series, {breaks[i - 1], breaks[i]}, share, kMostPanels, evaluate);
+    append_series<S, kOtfs>(series, {0.0, cutoff}, share, kMostPanels, parts.kinks_cy_mm(), evaluate);
   } else {
     // Nothing ends the OTF: go on until what is left is too little to count, at most to 2^16 times Nyquist.
     double lo = 0.0, hi = 2.0 * nyquist;
     for (int i = 0; i < 16; ++i, lo = hi, hi *= 2.0) {
-      append_series<S, kOtfs>(series, {lo, hi}, share, kMostPanels, evaluate);
+      append_series<S, kOtfs>(series, {lo, hi}, share, kMostPanels, {}, evaluate);
       // Over the last octave, at places that no zero of a footprint keeps to.
       std::vector<double> octave;
       for (int k = 0; k < 29; ++k) octave.push_back(hi * (0.5 + 0.5 * (k + 0.61) / 29.3));
@@ -112,12 +119,11 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
   const Complex<S> h_low = products.presample[0] * products.after[0];
   shift_px = -std::atan2(value_of(h_low.im), value_of(h_low.re)) / (2.0 * kPi * 1e-3);
   const double reach_px = (needs.axis.overshoot ? 3.0 : needs_edge() ? 1.0 : 0.0) + std::abs(shift_px);
-  double error = 0.0;
   panels.clear();
   series_error = 0.0;
   for (SeriesPanel<S, kOtfs>& one : series) {
     const double width = pitch * (one.map.hi - one.map.lo);
-    series_error = error = std::max(error, one.error);
+    series_error = std::max(series_error, one.error);
     const FineNodes& nodes = fine_nodes(one.degree, reach_px * width);
     detail::AxisPanel<S> panel{{}, &nodes, at_nodes(one.otf[kSystem], nodes), {}, {}};
     if (presample) panel.presample = at_nodes(one.otf[kPresample], nodes);
@@ -125,7 +131,8 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
     panel.series = std::move(one);
     panels.push_back(std::move(panel));
   }
-  return error * amplified + beyond + wavelength_error * std::max(1.0, 0.25 * amplified);
+  series_error += band_error();
+  return series_error * amplified + beyond;
 }
 
 /// The OTF at single frequencies: Nyquist, its replicas, those asked for.
@@ -193,7 +200,7 @@ double ResolutionMeter<S>::Impl::measure_axis(Axis axis, double cutoff, AxisFigu
       figures.fwhm_px = nan;
   figures.aliasing = figures.spurious_in = figures.spurious_out = nan;
   points(axis, cutoff, figures);
-  if (!needs_edge() && !needs_moduli() && !needs.axis.mtf50 && !needs.curves) return wavelength_error;
+  if (!needs_edge() && !needs_moduli() && !needs.axis.mtf50 && !needs.curves) return band_error();
   const double error = fill_panels(axis, cutoff);
   curve.clear();
   if (needs.curves)
@@ -204,17 +211,22 @@ double ResolutionMeter<S>::Impl::measure_axis(Axis axis, double cutoff, AxisFigu
   return error;
 }
 
-/// As many wavelengths as the presample OTF needs; the change when their number was last doubled.
+/// Few wavelengths, the same for all frequencies, where these do; else the kinks of each frequency are minded, which
+/// takes more time at a loose tolerance and far less at a tight one. The change when their number is doubled is looked
+/// at over the whole range, and where they would do worst; that of twice as many is at most half of it.
 template <class S>
-double ResolutionMeter<S>::Impl::choose_wavelengths(double cutoff) {
-  if (!parts.chromatic()) return 0.0;
+void ResolutionMeter<S>::Impl::choose_wavelengths(double cutoff) {
+  if (!parts.chromatic()) return;
   constexpr std::size_t kProbes = 16;
   const double end = cutoff < kInfinity ? cutoff : 2.0 * value_of(parts.system().frame.nyquist_cy_mm(Axis::x));
+  const double amplified = std::max(amplification(Axis::x, cutoff), needs.y ? amplification(Axis::y, cutoff) : 1.0);
+  const double tolerance = kBandShare * for_otf() / amplified;
   f.clear();
   for (std::size_t i = 0; i < kProbes; ++i)
     f.push_back(S(end * (static_cast<double>(i) + 0.5) / static_cast<double>(kProbes)));
-  const auto at = [&](int n) {
-    parts.set_wavelengths(n);
+  for (const double worst : parts.worst_cy_mm()) f.push_back(S(worst));
+  const auto at = [&](int n, double error) {
+    parts.use_wavelengths(n, error);
     parts.along(Axis::x, f, products);
     evaluations += static_cast<int>(f.size());
   };
@@ -225,14 +237,16 @@ double ResolutionMeter<S>::Impl::choose_wavelengths(double cutoff) {
                                        value_of(products.presample[i].im) - value_of(before[i].im)));
     return most;
   };
-  constexpr int kMost = 256;
-  at(2);  // from the start for every system: a result has no memory
-  for (int n = 4;; n *= 2) {
+  constexpr int kMost = 64;
+  at(2, kInfinity);  // from the start for every system: a result has no memory
+  for (int n = 4; n <= kMost; n *= 2) {
     const std::vector<Complex<S>> before = products.presample;
-    at(n);
-    const double difference = change(before);
-    if (difference <= 0.3 * needs.tolerance || n >= kMost) return difference;
+    at(n, kInfinity);
+    const double error = 0.5 * change(before);
+    if (error <= tolerance) return parts.use_wavelengths(n, error);
   }
+  // What differs from one frequency to the next as the tolerance allows stays below what the series have to resolve.
+  parts.use_tolerance(tolerance / 3.0);
 }
 
 template <class S>
@@ -240,8 +254,7 @@ Resolution<S> ResolutionMeter<S>::Impl::measure_once() {
   Resolution<S> result;
   const double cutoff = result.cutoff_cy_mm = parts.cutoff_cy_mm();
   figure_error = 0.0;
-  wavelength_error = choose_wavelengths(cutoff);
-  result.wavelengths = parts.chromatic() ? parts.wavelengths() : 1;
+  choose_wavelengths(cutoff);
   double error = measure_axis(Axis::x, cutoff, result.x, result.curve_x);
   if (needs.y) error = std::max(error, measure_axis(Axis::y, cutoff, result.y, result.curve_y));
   result.strehl = result.ensquared = S(std::numeric_limits<double>::quiet_NaN());
@@ -249,8 +262,9 @@ Resolution<S> ResolutionMeter<S>::Impl::measure_once() {
     const PupilLight<S> light = pupil_light(parts, cutoff, needs.tolerance, needs.ensquared, evaluations);
     if (needs.strehl) result.strehl = light.strehl;
     if (needs.ensquared) result.ensquared = light.ensquared;
-    error = std::max(error, light.error + wavelength_error);
+    error = std::max(error, light.error);
   }
+  result.wavelengths = parts.chromatic() ? parts.wavelengths() : 1;
   result.error = std::max(error, figure_error);
   result.evaluations = evaluations;
   return result;
