@@ -22,7 +22,9 @@ Command sweep_command() {
   SweepOptions& options = *shared;
   Command app{"sweep", "every design of a trade study, here or in shards on many machines",
               "Writes a folder with designs.csv, designs.npy, sweep.json, the study with its sensor files, and sensor\n"
-              "files of the best designs. A run that was stopped goes on when the same command is given again.\n\n"
+              "files of the best designs. A run that was stopped goes on when the same command is given again.\n"
+              "--accuracy holds a sample of the designs at every tolerance against a tight one; where a difference is\n"
+              "larger than promised, the files are written and the exit code is 3.\n\n"
               "Beyond one machine, in a folder PLAN that all of them see:\n"
               "  mtf sweep plan STUDY -o PLAN --shards N      copies the study and cuts its designs into N shards\n"
               "  mtf sweep run PLAN --shard I/N               makes shard I, from 1; without --shard that of\n"
@@ -46,6 +48,8 @@ Command sweep_command() {
            });
   add_choice(app, "--format", "FORMAT", "of standard output: table (default) or json", kTableOrJson, options.format);
   add_force(app, options.force);
+  add_flag(app, "--accuracy", "measure the error against run time too, at every tolerance: takes longer",
+           options.accuracy);
   add_word(app, "--shards", "N", "plan: how many",
            [&](const std::string& text) { options.shards = whole_number("--shards", text, 1, study::kMostShards); });
   add_word(app, "--shard", "I/N", "run: which one, such as 2/8",

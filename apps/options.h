@@ -171,6 +171,7 @@ struct SweepOptions {
   bool force = false;
   std::optional<double> tolerance;          ///< in place of the study's
   Format format = Format::table;            ///< of standard output: table or json
+  bool accuracy = false;                    ///< error against run time, at every tolerance
   std::optional<int> shards;                ///< to plan
   std::optional<std::array<int, 2>> shard;  ///< to run: number from 1, and of how many
   std::optional<Engine> engine;

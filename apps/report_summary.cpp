@@ -34,6 +34,13 @@ std::string tiles(const Sweep& sweep) {
   body += tile(std::to_string(sweep.feasible), sweep.constraints.empty()
                                                    ? "feasible: nothing is asked of them"
                                                    : "feasible (" + percent(sweep.feasible, sweep.designs) + ")");
+  if (sweep.invalid > 0) {
+    std::string what = "invalid: ";
+    if (sweep.no_sensor > 0) what += "no sensor can be " + std::to_string(sweep.no_sensor);
+    for (const auto& [text, designs] : sweep.not_finite)
+      what += (what.ends_with(": ") ? "" : "; ") + html(text) + " not finite in " + std::to_string(designs);
+    body += tile(std::to_string(sweep.invalid), what);
+  }
   if (sweep.objectives.size() > 1) body += tile(std::to_string(sweep.pareto_size), "on the Pareto front");
   if (std::isfinite(sweep.worst_error))
     body += tile(significant(sweep.worst_error, 2), "largest error, " + significant(sweep.tolerance, 2) + " allowed");

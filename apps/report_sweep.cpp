@@ -101,6 +101,12 @@ void read_results(const Node& root, Sweep& sweep) {
     return number;
   };
   sweep.feasible = root.count("feasible");
+  if (root.has("invalid")) {
+    sweep.invalid = root.at("invalid").count("designs");
+    sweep.no_sensor = root.at("invalid").count("no_sensor");
+    for (const Node& node : root.at("invalid").list("not_finite"))
+      sweep.not_finite.emplace_back(node.at("text").text(), node.count("designs"));
+  }
   if (root.has("nearest")) {
     sweep.nearest = design(root.at("nearest").at("design"));
     sweep.violated = root.at("nearest").texts("violated");

@@ -78,8 +78,11 @@ struct Sweep {
   std::vector<SweepConstraint> constraints;
   std::vector<SweepObjective> objectives;
   std::int64_t feasible = 0;
-  std::optional<std::int64_t> nearest;  ///< to being feasible, when no design is
-  std::vector<std::string> violated;    ///< by that one
+  std::int64_t no_sensor = 0;  ///< of the invalid ones
+  std::int64_t invalid = 0;    ///< no sensor can be so, or what is asked of it is not finite
+  std::vector<std::pair<std::string, std::int64_t>> not_finite;  ///< objective or constraint, designs
+  std::optional<std::int64_t> nearest;                           ///< to being feasible, when no design is
+  std::vector<std::string> violated;                             ///< by that one
   std::vector<SweepBest> best;
   std::vector<std::int64_t> pareto;  ///< rising
   std::int64_t pareto_size = 0;

@@ -27,13 +27,13 @@ using Clock = std::chrono::steady_clock;
 struct Verb {
   std::string_view name;
   int (*run)(const SweepOptions&, const Global&);
-  bool out, tolerance, shards, shard, engine;
+  bool out, tolerance, shards, shard, engine, accuracy;
 };
 
-constexpr std::array kVerbs{Verb{"plan", sweep_plan, true, true, true, false, false},
-                            Verb{"run", sweep_run, false, false, false, true, false},
-                            Verb{"merge", sweep_merge, true, false, false, false, false},
-                            Verb{"submit", sweep_submit, false, false, false, false, true}};
+constexpr std::array kVerbs{Verb{"plan", sweep_plan, true, true, true, false, false, false},
+                            Verb{"run", sweep_run, false, false, false, true, false, false},
+                            Verb{"merge", sweep_merge, true, false, false, false, false, true},
+                            Verb{"submit", sweep_submit, false, false, false, false, true, false}};
 
 void check_options(const SweepOptions& options, const std::string& command, const Verb& takes) {
   const auto refuse = [&](std::string_view option, bool given, bool taken) {
@@ -47,6 +47,7 @@ void check_options(const SweepOptions& options, const std::string& command, cons
   refuse("--shard", options.shard.has_value(), takes.shard);
   refuse("--engine", options.engine.has_value(), takes.engine);
   refuse("--submit", options.submit, takes.engine);
+  refuse("--accuracy", options.accuracy, takes.accuracy);
   if (takes.out && options.out.empty())
     throw mtf::UsageError("--out: `" + command + "` needs a folder to write; add -o FOLDER");
 }
@@ -103,15 +104,16 @@ int sweep_here(const SweepOptions& options, const Global& global) {
   // From the copies: what is in the folder is what the rows were made of.
   const SweepStudy sweep = open_study(folder / "study.toml", options.tolerance);
   const study::RowRange all{0, sweep.study->designs};
+  int status = 0;
   {
     const InterruptNote interrupted("mtf: finished designs are kept; the same command goes on from them\n");
     run.tally = make_rows(sweep, all, parts_of(folder), global, run.seconds);
     run.pieces = study::rows_of(row_run(sweep, all, parts_of(folder), global));
-    finish_sweep(sweep, run, options, global);
+    status = finish_sweep(sweep, run, options, global);
   }
   std::error_code ignored;
   fs::remove_all(parts_of(folder), ignored);
-  return 0;
+  return status;
 }
 
 }  // namespace
@@ -166,7 +168,7 @@ int run_sweep(const SweepOptions& options, const Global& global) {
                           (meant ? "; did you mean " + *meant + "?" : " (plan, run, merge or submit)"));
   }
   if (!is_verb) {
-    check_options(options, command, {"", nullptr, true, true, false, false, false});
+    check_options(options, command, {"", nullptr, true, true, false, false, false, true});
     return sweep_here(options, global);
   }
   if (options.words.size() == 1)

@@ -10,6 +10,7 @@
 #include "apps/progress_line.h"
 #include "apps/study/judge.h"
 #include "apps/sweep_report.h"
+#include "apps/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/parallel.h"
@@ -123,7 +124,7 @@ std::vector<std::size_t> violated_constraints(const SweepReport& report, std::sp
   return constraints_of(report, row, false);
 }
 
-void finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptions& options, const Global& global) {
+int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptions& options, const Global& global) {
   const auto start = std::chrono::steady_clock::now();
   study::Tally tally(study::tally_job(sweep.study, sweep.columns));
   SweepReport report;
@@ -146,13 +147,24 @@ void finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptio
     ask_evaluator(report);
     report.indices = study::study_indices(sweep.study, sweep.columns, global.threads,
                                           [&](double share) { progress.update("sensitivities", share); });
-    progress.update("accuracy", 0.0);
-    report.accuracy = study::accuracy_table(*sweep.study, kAccuracySeconds);
+    if (options.accuracy) {
+      progress.update("accuracy", 0.0);
+      report.accuracy = study::accuracy_table(*sweep.study, kAccuracySeconds);
+    }
   }
   report.finish_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::string json = to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   mtf::io::write_text_file((run.folder / "sweep.json").string(), json);
   print(options.format == Format::json ? json : sweep_summary(report));
+  int status = 0;
+  for (const study::AccuracyRow& row : report.accuracy.rows) {
+    if (!study::broken(report.accuracy, row)) continue;
+    note(global, "mtf: at tolerance " + mtf::format_double(row.tolerance) + " a metric is off by " +
+                     significant(row.realised, 2) + ", more than the promised " + significant(row.promised, 2) +
+                     "; take a tighter tolerance, and please report the study");
+    status = 3;
+  }
+  return status;
 }
 
 }  // namespace apps

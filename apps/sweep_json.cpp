@@ -148,6 +148,19 @@ Json yield_json(const SweepReport& report, std::size_t column) {
   return {{"draws", draws}, {"best", best}};
 }
 
+/// Designs that no sensor can be, or whose objectives or constraints are not finite; the latter by their texts.
+Json invalid_json(const SweepReport& report) {
+  const study::InvalidDesigns& invalid = report.tally->invalid();
+  const study::Study& study = *report.sweep->study;
+  Json by = Json::array();
+  for (std::size_t g = 0; g < invalid.by_goal.size(); ++g)
+    if (invalid.by_goal[g] > 0) by.push_back({{"text", study.objectives[g].text}, {"designs", invalid.by_goal[g]}});
+  for (std::size_t k = 0; k < invalid.by_limit.size(); ++k)
+    if (invalid.by_limit[k] > 0) by.push_back({{"text", study.constraints[k].text}, {"designs", invalid.by_limit[k]}});
+  return {
+      {"designs", invalid.designs}, {"first", invalid.first}, {"no_sensor", invalid.impossible}, {"not_finite", by}};
+}
+
 Json accuracy_json(const SweepReport& report) {
   Json rows = Json::array();
   for (const study::AccuracyRow& row : report.accuracy.rows)
@@ -191,6 +204,7 @@ Json to_json(const SweepReport& report) {
                                   {"column", report.sweep->columns[tally.job().goals[o].column].name},
                                   {"maximize", study.objectives[o].maximize}});
   json["feasible"] = tally.feasible();
+  if (tally.invalid().designs > 0) json["invalid"] = invalid_json(report);
   if (tally.feasible() == 0 && tally.nearest().design >= 0) {
     json["nearest"] = {{"design", tally.nearest().design},
                        {"violated", texts_of(report, violated_constraints(report, tally.nearest().row))}};
@@ -210,7 +224,7 @@ Json to_json(const SweepReport& report) {
   json["sensitivities"] = sensitivities_json(report);
   if (const auto column = study::column_of(report.sweep->columns, study::Column::Role::yield))
     json["yield"] = yield_json(report, *column);
-  json["accuracy"] = accuracy_json(report);
+  if (!report.accuracy.rows.empty()) json["accuracy"] = accuracy_json(report);
   json["timing"] = {{"seconds", number(run.seconds)},
                     {"designs_per_second", number(static_cast<double>(run.tally.made) / run.seconds)},
                     {"threads", report.threads},

@@ -48,8 +48,8 @@ struct SweepRun {
 };
 
 /// All that comes after the rows: tables, counts, chosen designs, sensitivities, sweep.json, and what standard output
-/// says.
-void finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptions& options, const Global& global);
+/// says. Returns the exit code: 3 where --accuracy finds a promise broken.
+int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptions& options, const Global& global);
 
 // The verbs.
 int sweep_plan(const SweepOptions& options, const Global& global);

@@ -164,10 +164,10 @@ int sweep_merge(const SweepOptions& options, const Global& global) {
   run.seconds = std::numeric_limits<double>::quiet_NaN();
   prepare_folder(folder, options.force);
   copy_files(run.files, plan_folder, folder);
-  finish_sweep(open_study(folder / "study.toml", open.plan.tolerance), run, options, global);
+  const int code = finish_sweep(open_study(folder / "study.toml", open.plan.tolerance), run, options, global);
   for (int shard = 1; shard <= open.plan.shards; ++shard)
     study::remove_parts(study::shard_file(open.plan, plan_folder, shard));
-  return 0;
+  return code;
 }
 
 int sweep_submit(const SweepOptions& options, const Global& global) {

@@ -68,6 +68,25 @@ std::string infeasible(const SweepReport& report) {
 
 std::string share(std::int64_t count, std::int64_t of) { return std::to_string(count) + " of " + std::to_string(of); }
 
+/// What makes designs invalid, and how many.
+std::string invalid(const SweepReport& report) {
+  const study::InvalidDesigns& invalid = report.tally->invalid();
+  if (invalid.designs == 0) return "";
+  const study::Study& study = *report.sweep->study;
+  std::string text = "invalid " + share(invalid.designs, report.tally->designs()) + ", the first is design " +
+                     std::to_string(invalid.first) + "\n";
+  if (invalid.impossible > 0) text += "  no sensor can be so: " + std::to_string(invalid.impossible) + "\n";
+  for (std::size_t g = 0; g < invalid.by_goal.size(); ++g)
+    if (invalid.by_goal[g] > 0)
+      text +=
+          "  " + one_line(study.objectives[g].text) + " is not finite: " + std::to_string(invalid.by_goal[g]) + "\n";
+  for (std::size_t k = 0; k < invalid.by_limit.size(); ++k)
+    if (invalid.by_limit[k] > 0)
+      text += "  " + one_line(study.constraints[k].text) +
+              " compares what is not finite: " + std::to_string(invalid.by_limit[k]) + "\n";
+  return text;
+}
+
 }  // namespace
 
 std::string sweep_summary(const SweepReport& report) {
@@ -85,6 +104,7 @@ std::string sweep_summary(const SweepReport& report) {
     text += table.aligned({Align::left, Align::right});
     if (tally.feasible() == 0) text += infeasible(report);
   }
+  text += invalid(report);
   text += best_table(report);
   if (study.objectives.size() > 1) text += "Pareto front: " + std::to_string(report.front.size()) + " designs\n";
   if (const auto column = study::column_of(columns, study::Column::Role::yield);
@@ -111,7 +131,9 @@ std::string sweep_summary(const SweepReport& report) {
     text += "merged from shards";
   else if (run.tally.resumed > 0)
     text += std::string(run.tally.made > 0 ? "; " : "") + std::to_string(run.tally.resumed) + " designs were there";
-  return text + "; tables, sensitivities and accuracy " + fixed(report.finish_seconds, 2) + " s\n";
+  return text +
+         (report.accuracy.rows.empty() ? "; tables and sensitivities " : "; tables, sensitivities and accuracy ") +
+         fixed(report.finish_seconds, 2) + " s\n";
 }
 
 }  // namespace apps

@@ -52,6 +52,11 @@ double metric_error(double value, double truth, bool plain) {
   return plain && std::abs(truth) <= 1.0 ? difference : difference / std::abs(truth);
 }
 
+bool broken(const AccuracyTable& table, const AccuracyRow& row) {
+  constexpr double kRounding = 1e-13;  // of metrics that are made of many numbers
+  return row.realised > std::fmax(row.promised, 0.0) + std::fmax(table.reference_error, 0.0) + kRounding;
+}
+
 AccuracyTable accuracy_table(const Study& study, double seconds) {
   const std::vector<Column> columns = columns_of(study);
   AccuracyTable table;
@@ -71,6 +76,10 @@ AccuracyTable accuracy_table(const Study& study, double seconds) {
   const auto fit = static_cast<std::int64_t>(std::min(seconds / each, static_cast<double>(kMostDesigns)));
   table.designs = std::min(study.designs, std::max(kLeastDesigns, fit));
   const std::vector<double> truth = sample_rows(study, table.reference, table.designs, columns.size(), us);
+  table.reference_error = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    if (columns[i % columns.size()].role == Column::Role::error)
+      table.reference_error = std::fmax(table.reference_error, truth[i]);
   for (int decade = kLoosest; decade <= last; ++decade) {
     AccuracyRow row{.tolerance = std::pow(10.0, -decade), .promised = std::numeric_limits<double>::quiet_NaN()};
     const std::vector<double> values =

@@ -19,8 +19,12 @@ struct AccuracyRow {
 struct AccuracyTable {
   std::vector<AccuracyRow> rows;  ///< 1e-2 ... 1e-9, or to the decade before the reference
   double reference = 1e-10;       ///< tolerance of what they are held against
+  double reference_error = 0.0;   ///< largest of its own column `error`; NaN where no design has one
   std::int64_t designs = 0;       ///< of the sample
 };
+
+/// Whether a difference is larger than what both sides promise allows. A row without an error promises nothing.
+bool broken(const AccuracyTable& table, const AccuracyRow& row);
 
 /// How far a metric is from its true value as a tolerance counts it: absolute where its unit is plain and it is at most
 /// 1, else relative. 0 where both are NaN or equal.

@@ -118,7 +118,9 @@ DesignSlopes DesignProblem::slopes(std::span<const double> z) {
 
 bool DesignProblem::feasible(const DesignPoint& point) const {
   for (std::size_t j = 0; j < point.margin.size(); ++j)
-    if (!(study_->constraints[j].strict ? point.margin[j] > 0.0 : point.margin[j] >= 0.0)) return false;
+    if (!std::isfinite(point.margin[j]) ||
+        !(study_->constraints[j].strict ? point.margin[j] > 0.0 : point.margin[j] >= 0.0))
+      return false;
   return std::isfinite(point.f);
 }
 
@@ -154,7 +156,7 @@ ProblemScale scale_of(DesignProblem& problem, const std::vector<std::vector<doub
 double violation(const DesignPoint& point, const ProblemScale& scale) {
   double worst = 0.0;
   for (std::size_t j = 0; j < point.margin.size(); ++j) {
-    if (!std::isfinite(point.margin[j]) && !(point.margin[j] > 0.0)) return HUGE_VAL;
+    if (!std::isfinite(point.margin[j])) return HUGE_VAL;
     worst = std::max(worst, -point.margin[j] / scale.margin[j]);
   }
   return worst;

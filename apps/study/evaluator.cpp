@@ -6,6 +6,7 @@
 
 #include "apps/study/design_work.h"
 #include "apps/study/gradient.h"
+#include "apps/study/metric_gap.h"
 #include "mtf/error.h"
 
 namespace study {
@@ -64,6 +65,7 @@ struct Evaluator::Impl {
   std::vector<Sides> sides{};
   std::vector<int> levels{};
   std::uint64_t uses = 0;
+  bool valid = false;
   std::string problem{}, first_problem{}, first_refusal{};
 
   explicit Impl(std::shared_ptr<const Study> s) : study(std::move(s)), plan(plan_metrics(*study, study->tolerance)) {
@@ -99,6 +101,7 @@ struct Evaluator::Impl {
 
   /// A value out of the range of its field; "" when it is inside.
   static std::string out_of_range(const Parameter& p, double value) {
+    if (!std::isfinite(value)) return p.name + " = " + mtf::format_double(value) + " is no finite number";
     const bool above = p.lo_open ? value > p.lo : value >= p.lo, below = p.hi_open ? value < p.hi : value <= p.hi;
     if (above && below) return {};
     return p.name + " = " + mtf::format_double(value) + (p.unit.empty() ? "" : " " + p.unit) + " is outside " +
@@ -210,16 +213,19 @@ void Evaluator::Impl::write_row(std::span<double> row) {
   for (std::size_t i = 0; i < objectives.size(); ++i) {
     const Objective& objective = study->objectives[i];
     objectives[i] = possible ? objective.expression.evaluate<double>(slots) / objective.si : kNan;
-    if (has_column(*study, objective)) row[c++] = objectives[i];
+    if (has_column(*study, objective)) row[c++] = std::isfinite(objectives[i]) ? objectives[i] : kNan;
   }
-  bool feasible = possible;
+  const auto finite = [](double value) { return std::isfinite(value); };
+  valid = possible && std::all_of(objectives.begin(), objectives.end(), finite);
+  bool feasible = valid;
   for (std::size_t i = 0; i < sides.size(); ++i) {
     const Constraint& constraint = study->constraints[i];
     sides[i] = possible ? Sides{constraint.left.evaluate<double>(slots), constraint.right.evaluate<double>(slots)}
                         : Sides{kNan, kNan};
     const double margin = sides[i].margin(constraint.less);
-    feasible = feasible && (constraint.strict ? margin > 0.0 : margin >= 0.0);  // false for NaN
+    feasible = feasible && sides[i].finite() && (constraint.strict ? margin > 0.0 : margin >= 0.0);
   }
+  valid = valid && std::all_of(sides.begin(), sides.end(), [](const Sides& s) { return s.finite(); });
   if (!sides.empty()) row[c] = feasible ? 1.0 : 0.0;
 }
 
@@ -237,6 +243,7 @@ void Evaluator::evaluate_at(std::span<const double> axis_values, std::span<doubl
 }
 
 const std::string& Evaluator::last_problem() const { return impl_->problem; }
+bool Evaluator::last_valid() const { return impl_->valid; }
 std::span<const double> Evaluator::last_objectives() const { return impl_->objectives; }
 std::span<const Sides> Evaluator::last_sides() const { return impl_->sides; }
 
@@ -257,34 +264,8 @@ std::vector<std::string> Evaluator::gaps() const {
   const std::vector<double> levels(study.axes.size(), 0.0);
   const VariantSensor& sensor = impl_->ready(levels).sensor;
   for (const Column& column : columns_of(study)) {
-    std::string gap;
     const auto choice = column.role == Column::Role::metric ? choose_metric(column.name) : std::nullopt;
-    if (choice) {
-      const Effort effort = choice->row->effort;
-      const bool budget =
-          effort == Effort::budget || effort == Effort::giqe || effort == Effort::grd || effort == Effort::range;
-      const Metric metric = choice->row->metric;
-      if (budget && !sensor.no_budget.empty()) gap = sensor.no_budget;
-      const bool ranged = metric == Metric::gsd || effort == Effort::giqe || effort == Effort::grd;
-      if (gap.empty() && ranged && !study.conditions.range_m) gap = "no [conditions] range";
-      const bool contrasted = metric == Metric::target_snr || effort == Effort::giqe || effort == Effort::grd;
-      if (gap.empty() && contrasted && !study.conditions.contrast_k && !study.conditions.signal_contrast)
-        gap = "no [conditions] contrast or signal_contrast";
-      if (gap.empty() && effort == Effort::range && metric != Metric::mrtd && !study.conditions.contrast_k)
-        gap = "no [conditions] contrast";
-      if (gap.empty() && effort == Effort::range && metric != Metric::mrtd && metric != Metric::ttp &&
-          !study.conditions.target_size_m)
-        gap = "no [conditions] target_size";
-      const bool pupil = effort == Effort::light || metric == Metric::cutoff || metric == Metric::q;
-      const auto& list = sensor.system.list(mtf::Stage::presample);
-      if (pupil && std::none_of(list.begin(), list.end(), [](const auto& e) { return e.component.is_pupil(); }))
-        gap = "no pupil: diffraction, defocus or wavefront";
-      if (metric == Metric::fov && (sensor.system.frame.columns <= 0 || sensor.system.frame.rows <= 0))
-        gap = "no [frame] format";
-      if (effort == Effort::spurious && !mtf::ends_after_sampling(sensor.system))
-        gap = "no display, interpolation or eye in [[postsample]]";
-    }
-    gaps.push_back(std::move(gap));
+    gaps.push_back(choice ? metric_gap(*choice, study, sensor) : "");
   }
   return gaps;
 }

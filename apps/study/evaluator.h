@@ -21,7 +21,7 @@ struct Column {
     link,       ///< value of a linked parameter
     metric,     ///< NaN where the design cannot have it; `gap` says why
     objective,  ///< that is not just one metric or parameter
-    feasible,   ///< 1 when all constraints hold, else 0
+    feasible,   ///< 1 when all constraints hold and all objectives are finite, else 0
     yield,      ///< share of as-built draws that meet all constraints
     error       ///< largest error of the metrics, each as `tolerance` counts it: estimated
   };
@@ -58,6 +58,8 @@ class Evaluator {
   /// To `tolerance`, or the study's where that is smaller.
   Gradient gradient_at(std::span<const double> axis_values, double tolerance = 1e-9);
   const std::string& last_problem() const;  ///< "" when the last design was fine
+  /// The last design is a sensor, and its objectives and both sides of its constraints are finite.
+  bool last_valid() const;
   /// Of the last design that was evaluated: all objectives as shown, and the sides of the constraints.
   std::span<const double> last_objectives() const;
   std::span<const Sides> last_sides() const;

@@ -67,6 +67,9 @@ StudyResult parse_study(const std::string& text, const std::string& file) {
   read_settings(s);
   read_metrics(s);
   if (read_sensors(s)) read_on_sensor(s);
+  const bool good = std::none_of(s.reader.diagnostics.begin(), s.reader.diagnostics.end(),
+                                 [](const Diagnostic& d) { return d.error; });
+  if (good) check_gaps(s);
   result.diagnostics = std::move(s.reader.diagnostics);
   if (result.ok()) try {
       s.study.sha256 = hash_of(s.study);

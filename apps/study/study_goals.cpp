@@ -3,7 +3,9 @@
 // [metrics], constraints and objectives.
 
 #include <algorithm>
+#include <map>
 
+#include "apps/study/metric_gap.h"
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
@@ -196,6 +198,21 @@ void register_names(StudyReader& s, const std::vector<Source>& sources) {
 void read_goals(StudyReader& s) {
   for (const Source& constraint : strings_of(s, "constraints")) read_constraint(s, constraint);
   for (const Source& objective : strings_of(s, "objectives")) read_objective(s, objective);
+}
+
+void check_gaps(StudyReader& s) {
+  std::map<std::string, std::string> gaps;  // by metric: each is looked at once
+  for (const char* key : {"constraints", "objectives"})
+    for (const Source& source : strings_of(s, key))
+      for (const NameAt& at : names_in(source.text)) {
+        const auto metric = std::find(s.metric_names.begin(), s.metric_names.end(), at.name);
+        if (metric == s.metric_names.end()) continue;
+        const auto [gap, fresh] = gaps.try_emplace(at.name);
+        if (fresh)
+          gap->second = metric_gap(s.study.metrics[static_cast<std::size_t>(metric - s.metric_names.begin())], s.study);
+        if (!gap->second.empty())
+          s.error_in(source, at.column, "needs " + at.name + ", which no design has: " + gap->second);
+      }
 }
 
 }  // namespace study

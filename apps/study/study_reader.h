@@ -82,6 +82,8 @@ void read_metrics(StudyReader& s);
 void register_names(StudyReader& s, const std::vector<Source>& sources);
 std::vector<Source> goal_sources(StudyReader& s);
 void read_goals(StudyReader& s);
+/// Refuses constraints and objectives over metrics that no design can have.
+void check_gaps(StudyReader& s);
 
 /// Index of the parameter that `name` stands for, made when it is not there yet; -1 with a problem when there is none.
 int parameter_named(StudyReader& s, const std::string& name, std::string& problem);

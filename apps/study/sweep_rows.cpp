@@ -64,7 +64,7 @@ double DesignRows::yield_of(std::span<const double> row) {
       shift_[k] = spread * (*draws_)[static_cast<std::size_t>(d) * shift_.size() + k];
     }
     evaluator_.evaluate_at(axis_values_, built_row_, shift_);
-    good += (feasible_ ? built_row_[*feasible_] == 1.0 : evaluator_.last_problem().empty()) ? 1 : 0;
+    good += (feasible_ ? built_row_[*feasible_] == 1.0 : evaluator_.last_valid()) ? 1 : 0;
   }
   return static_cast<double>(good) / study_->draws;
 }

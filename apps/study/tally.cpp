@@ -17,6 +17,7 @@ constexpr double kUnknown = 1000.0;  // counts for a constraint without a number
 struct Tally::Part {
   std::int64_t designs = 0, feasible = 0;
   double worst_error = std::numeric_limits<double>::quiet_NaN();
+  InvalidDesigns invalid;
   std::vector<std::int64_t> met, missing;
   std::vector<TallyDesign> best;
   TallyDesign nearest, highest_yield;
@@ -25,6 +26,7 @@ struct Tally::Part {
 };
 
 bool meets(const TallyLimit& limit, Sides sides) {
+  if (!sides.finite()) return false;
   if (!limit.less) std::swap(sides.left, sides.right);
   return limit.strict ? sides.left < sides.right : sides.left <= sides.right;
 }
@@ -34,10 +36,10 @@ bool active(Sides sides, double share) {
 }
 
 double violation(const TallyLimit& limit, Sides sides) {
-  if (std::isnan(sides.left) || std::isnan(sides.right)) return std::numeric_limits<double>::quiet_NaN();
+  if (!sides.finite()) return std::numeric_limits<double>::quiet_NaN();
   if (meets(limit, sides) || sides.left == sides.right) return 0.0;
   const double scale = std::max(std::abs(sides.left), std::abs(sides.right));
-  return std::isinf(scale) ? 2.0 : std::abs(sides.left - sides.right) / scale;
+  return std::abs(sides.left - sides.right) / scale;
 }
 
 Tally::Tally(TallyJob job)
@@ -45,12 +47,25 @@ Tally::Tally(TallyJob job)
       met_(job_.limits.size()),
       missing_(job_.columns),
       best_(job_.goals.size()),
-      front_(std::max<std::size_t>(1, job_.goals.size())) {}
+      front_(std::max<std::size_t>(1, job_.goals.size())) {
+  invalid_.by_goal.resize(job_.goals.size());
+  invalid_.by_limit.resize(job_.limits.size());
+}
+
+void InvalidDesigns::add(const InvalidDesigns& others) {
+  if (first < 0) first = others.first;
+  designs += others.designs;
+  impossible += others.impossible;
+  for (std::size_t i = 0; i < by_goal.size(); ++i) by_goal[i] += others.by_goal[i];
+  for (std::size_t i = 0; i < by_limit.size(); ++i) by_limit[i] += others.by_limit[i];
+}
 
 std::function<void()> Tally::look(RowRange range, std::span<const double> rows) {
   const auto shared = std::make_shared<Part>();
   Part& part = *shared;
   part.designs = range.count;
+  part.invalid.by_goal.resize(job_.goals.size());
+  part.invalid.by_limit.resize(job_.limits.size());
   part.met.resize(met_.size());
   part.missing.resize(missing_.size());
   part.best.resize(best_.size());
@@ -79,23 +94,35 @@ std::function<void()> Tally::look(RowRange range, std::span<const double> rows) 
         if (good && k < kMostInPattern) pattern |= std::uint64_t{1} << k;
         const double by = violation(job_.limits[k], sides[k]);
         distance += std::isnan(by) ? kUnknown : by;
+        part.invalid.by_limit[k] += possible && !sides[k].finite() ? 1 : 0;
       }
       if (part.patterns.size() <= kMostPatterns) part.patterns.insert(pattern);
       if (part.nearest.design < 0 || distance < part.nearest.value) take(part.nearest, design, distance, row);
     }
-    if (job_.feasible ? row[*job_.feasible] != 1.0 : !possible) continue;
+    bool whole = true;  // every objective has a number
+    for (std::size_t g = 0; g < job_.goals.size(); ++g) {
+      const bool finite = std::isfinite(row[job_.goals[g].column]);
+      whole = whole && finite;
+      part.invalid.by_goal[g] += possible && !finite ? 1 : 0;
+    }
+    const bool valid =
+        possible && whole && std::all_of(sides.begin(), sides.end(), [](const Sides& s) { return s.finite(); });
+    if (!valid) {
+      if (part.invalid.first < 0) part.invalid.first = design;
+      ++part.invalid.designs;
+      part.invalid.impossible += possible ? 0 : 1;
+      continue;
+    }
+    if (job_.feasible && row[*job_.feasible] != 1.0) continue;
     ++part.feasible;
-    bool whole = true;
     for (std::size_t g = 0; g < job_.goals.size(); ++g) {
       const TallyGoal& goal = job_.goals[g];
       const double value = row[goal.column];
       values[g] = goal.maximize ? value : -value;
-      whole = whole && !std::isnan(value);
       TallyDesign& best = part.best[g];
-      if (std::isnan(value)) continue;
       if (best.design < 0 || (goal.maximize ? value > best.value : value < best.value)) take(best, design, value, row);
     }
-    if (whole && values.size() > 1) part.front.add(design, values);
+    if (values.size() > 1) part.front.add(design, values);
   }
   part.front = front_of(part.front);
   return [this, shared] { add(std::move(*shared)); };
@@ -104,6 +131,7 @@ std::function<void()> Tally::look(RowRange range, std::span<const double> rows) 
 void Tally::add(Part part) {
   designs_ += part.designs;
   feasible_ += part.feasible;
+  invalid_.add(part.invalid);
   worst_error_ = std::fmax(worst_error_, part.worst_error);
   for (std::size_t k = 0; k < met_.size(); ++k) met_[k] += part.met[k];
   for (std::size_t c = 0; c < missing_.size(); ++c) missing_[c] += part.missing[c];

@@ -41,11 +41,21 @@ struct TallyDesign {
   std::vector<double> row{};
 };
 
+/// Designs that count for nothing: those that no sensor can be, and those with an objective or a side of a constraint
+/// that is infinite or no number.
+struct InvalidDesigns {
+  std::int64_t designs = 0, first = -1;
+  std::int64_t impossible = 0;                  ///< no sensor can be so
+  std::vector<std::int64_t> by_goal, by_limit;  ///< of the others: what is not finite; a design may count for several
+  void add(const InvalidDesigns& others);
+};
+
+/// False where a side is not finite.
 bool meets(const TallyLimit& limit, Sides sides);
 /// The sides lie within `share` of the larger of them.
 bool active(Sides sides, double share);
 /// How far a constraint is from being met, as a share of its larger side, 0 to 2; 0 where it is met, NaN where a side
-/// is none.
+/// is not finite.
 double violation(const TallyLimit& limit, Sides sides);
 
 class Tally {
@@ -56,8 +66,9 @@ class Tally {
   std::function<void()> look(RowRange range, std::span<const double> rows);
 
   std::int64_t designs() const { return designs_; }
-  /// With no constraints: designs that a sensor can be.
+  /// With no constraints: designs that are not invalid.
   std::int64_t feasible() const { return feasible_; }
+  const InvalidDesigns& invalid() const { return invalid_; }
   double worst_error() const { return worst_error_; }                    ///< NaN where no design has one
   const std::vector<std::int64_t>& met() const { return met_; }          ///< by constraint
   const std::vector<std::int64_t>& missing() const { return missing_; }  ///< NaN by column
@@ -82,6 +93,7 @@ class Tally {
   TallyJob job_;
   std::int64_t designs_ = 0, feasible_ = 0;
   double worst_error_ = std::numeric_limits<double>::quiet_NaN();
+  InvalidDesigns invalid_;
   std::vector<std::int64_t> met_, missing_;
   std::vector<TallyDesign> best_;
   TallyDesign nearest_, highest_yield_;

@@ -42,7 +42,7 @@ std::vector<double> numbers_of(const std::string& npy) {
 TEST(SweepCommand, LeavesAFolderThatAgreesWithItself) {
   const Scratch scratch;
   add_study(scratch);
-  const Result result = scratch.run("mtf sweep study.toml -o out");
+  const Result result = scratch.run("mtf sweep study.toml -o out --accuracy");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(result.err, "");
   expect_says(result.out, "out  pitch against jitter: 117 designs\n");
@@ -106,6 +106,82 @@ TEST(SweepCommand, LeavesAFolderThatAgreesWithItself) {
     const Result check = scratch.run("mtf config check out/" + std::string(chosen["file"]));
     EXPECT_EQ(check.status, 0) << check.out << check.err;
   }
+}
+
+TEST(SweepCommand, TheErrorAgainstTimeIsMeasuredWhereItIsAskedFor) {
+  const Scratch scratch;
+  add_study(scratch);
+  const Result result = scratch.run("mtf sweep study.toml -o out");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_FALSE(json::parse(read_file(scratch / "out/sweep.json")).contains("accuracy"));
+  EXPECT_EQ(result.out.find("accuracy"), std::string::npos) << result.out;
+  const Result refused = scratch.run("mtf sweep plan study.toml -o plan --shards 2 --accuracy");
+  EXPECT_EQ(refused.status, 2);
+  expect_says(refused.err, "--accuracy: `mtf sweep plan` does not take it");
+}
+
+// What a sensor lacks is an error of the study where it is asked to be best, and a gap where it is only listed.
+TEST(SweepCommand, AGoalThatNoDesignCanHaveIsRefusedByTheCheck) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const std::string axis = "[[axis]]\nparameter = \"frame.pitch\"\nvalues = [\"8 um\", \"10 um\"]\n";
+  const std::string head = "schema = 1\nsensor = \"sensor.toml\"\n";
+  const auto check = [&](const std::string& text) {
+    write_file(scratch / "study.toml", text);
+    const Result result = scratch.run("mtf config check study.toml");
+    return std::pair(result.status, result.out + result.err);
+  };
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"objectives = [\"maximize gsd\"]\n", "needs gsd, which no design has: no [conditions] range"},
+      {"objectives = [\"minimize frame.pitch\"]\nconstraints = [\"spurious_response < 1\"]\n",
+       "needs spurious_response, which no design has: no display, interpolation or eye in [[postsample]]"},
+      {"objectives = [\"minimize gsd / niirs_giqe5\"]\n", "needs niirs_giqe5, which no design has"}};
+  for (const auto& [goals, says] : cases) {
+    const auto [status, text] = check(head + goals + axis);
+    EXPECT_EQ(status, 2) << text;
+    expect_says(text, says);
+  }
+  EXPECT_EQ(check(head + axis + "[metrics]\nlist = [\"gsd\", \"netd\"]\n").first, 0);
+}
+
+// A design at a pole of an objective or of a constraint wins nothing: it is invalid, counted and named.
+TEST(SweepCommand, InfinitiesAreInvalidAndNeverBest) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const std::string axis =
+      "[[axis]]\nparameter = \"frame.pitch\"\nvalues = [\"8 um\", \"10 um\", \"12 um\", \"14 um\"]\n"
+      "[metrics]\nlist = [\"mtf_nyquist\"]\n";
+  const std::string head = "schema = 1\nsensor = \"sensor.toml\"\n";
+  write_file(scratch / "study.toml", head +
+                                         "objectives = [\"maximize 1 / (frame.pitch / (10 um) - 1)\", "
+                                         "\"maximize mtf_nyquist / 0\"]\n" +
+                                         axis);
+  Result result = scratch.run("mtf sweep study.toml -o pole");
+  ASSERT_EQ(result.status, 0) << result.err;
+  expect_says(result.out, "invalid 4 of 4, the first is design 0\n");
+  expect_says(result.out, "1 / (frame.pitch / (10 um) - 1) is not finite: 1\n");
+  expect_says(result.out, "mtf_nyquist / 0 is not finite: 4\n");
+  json sweep = json::parse(read_file(scratch / "pole/sweep.json"));
+  EXPECT_EQ(sweep["feasible"], 0);
+  EXPECT_TRUE(sweep["best"].empty());
+  EXPECT_EQ(sweep["invalid"]["designs"], 4);
+  EXPECT_EQ(sweep["invalid"]["not_finite"].size(), 2U);
+  EXPECT_EQ(read_file(scratch / "pole/designs.csv").find("inf"), std::string::npos);
+  const Result report = scratch.run("mtf report pole -o pole.html");
+  EXPECT_EQ(report.status, 0) << report.err;
+  expect_says(read_file(scratch / "pole.html"), "mtf_nyquist / 0 not finite in 4");
+
+  write_file(scratch / "study.toml", head +
+                                         "constraints = [\"1 / (frame.pitch / (10 um) - 1) > 0\"]\n"
+                                         "objectives = [\"minimize frame.pitch\"]\n" +
+                                         axis);
+  result = scratch.run("mtf sweep study.toml -o limit");
+  ASSERT_EQ(result.status, 0) << result.err;
+  sweep = json::parse(read_file(scratch / "limit/sweep.json"));
+  EXPECT_EQ(sweep["feasible"], 2);
+  EXPECT_EQ(sweep["constraints"][0]["met"], 2);
+  EXPECT_EQ(sweep["best"][0]["design"], 2);
+  EXPECT_EQ(sweep["invalid"]["first"], 1);
 }
 
 TEST(SweepCommand, TheTablesAreTheSameForAnyThreads) {

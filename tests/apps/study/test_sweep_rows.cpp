@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "apps/study/accuracy.h"
@@ -121,6 +123,40 @@ TEST(Accuracy, ErrorsCountAsATolerancesDo) {
   EXPECT_EQ(study::metric_error(none, none, true), 0.0);
   EXPECT_EQ(study::metric_error(0.0, 0.0, false), 0.0);
   EXPECT_EQ(study::metric_error(none, 1.0, true), std::numeric_limits<double>::infinity());
+}
+
+TEST(Accuracy, APromiseIsBrokenByMoreThanBothSidesAllow) {
+  study::AccuracyTable table;
+  table.reference_error = 1e-10;
+  EXPECT_FALSE(study::broken(table, {.tolerance = 1e-7, .promised = 7e-8, .realised = 7e-8}));
+  EXPECT_FALSE(study::broken(table, {.tolerance = 1e-7, .promised = 7e-8, .realised = 7.005e-8}));
+  EXPECT_TRUE(study::broken(table, {.tolerance = 1e-7, .promised = 7e-8, .realised = 2.6e-7}));
+  EXPECT_FALSE(study::broken(table, {.tolerance = 1e-7, .promised = std::nan(""), .realised = 0.0}));
+  EXPECT_TRUE(study::broken(table, {.tolerance = 1e-7, .promised = 7e-8, .realised = HUGE_VAL}));
+}
+
+// The rise of the edge of the README's satellite, with the wavelength outside and the frequency inside (numpy, the same
+// to 2e-15 with other numbers of nodes).
+TEST(Accuracy, TheSatelliteIsAsTheOtherOrderOfIntegralsSays) {
+  const auto study = study::load_study(MTFKIT_SOURCE_DIR "/notebooks-data/studies/aperture_against_pitch.toml");
+  const auto columns = study::columns_of(*study);
+  const auto column = [&](const std::string& name) {
+    return static_cast<std::size_t>(
+        std::find_if(columns.begin(), columns.end(), [&](const auto& c) { return c.name == name; }) - columns.begin());
+  };
+  for (int decade = 2; decade <= 10; ++decade) {
+    study::Study copy = *study;
+    copy.tolerance = std::pow(10.0, -decade);
+    study::Evaluator evaluator(std::make_shared<const study::Study>(copy));
+    std::vector<double> row(columns.size());
+    for (const auto& [aperture_mm, pitch_um, rer] :
+         {std::array{300.0, 4.0, 0.229548717252939}, std::array{425.0, 8.0, 0.316979003089328},
+          std::array{1200.0, 12.0, 0.556254625746971}}) {
+      evaluator.evaluate_at(std::array{aperture_mm, pitch_um}, row);
+      EXPECT_LE(std::abs(row[column("rer_x")] - rer), row[column("error")] + 1e-13) << decade << " " << aperture_mm;
+      EXPECT_LE(row[column("error")], 1.01 * copy.tolerance) << decade << " " << aperture_mm;
+    }
+  }
 }
 
 TEST(Accuracy, TheTableHoldsWhatItPromises) {
