@@ -2,8 +2,8 @@
 #pragma once
 
 // Output files that appear whole or not at all: bytes go to `name.tmp.<pid>` in the same folder; `commit` flushes,
-// syncs and renames. Without a commit (exception, early return) the temporary is removed and the old file stays. One that
-// a killed process left is removed when the file is written again (temporaries.h).
+// syncs and renames. Without a commit (exception, early return) the temporary is removed and the old file stays. One
+// that a killed process left is removed when the file is written again (temporaries.h).
 
 #include <cstdint>
 #include <string>
