@@ -18,26 +18,44 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Rows = std::vector<radiometry::BudgetRow>;
 
-std::string as_table(const Rows& rows) {
+std::string value_cell(const radiometry::BudgetRow& row) {
+  if (!row.refused.empty()) return "saturated";
+  return std::isfinite(row.value) ? significant(row.value, 7) : "-";
+}
+
+std::string as_table(const Rows& rows, const radiometry::Saturation& saturation) {
   TextTable table({"term", "value", "unit", "what it is"});
-  for (const auto& row : rows)
-    table.add({row.name, std::isfinite(row.value) ? significant(row.value, 7) : "-", row.unit, row.doc});
-  return table.aligned({Align::left, Align::right});
+  for (const auto& row : rows) table.add({row.name, value_cell(row), row.unit, row.doc});
+  const std::string said = words(saturation);
+  return table.aligned({Align::left, Align::right}) + (said.empty() ? "" : said + "\n");
 }
 
 std::string as_csv(const Rows& rows) {
-  TextTable table({"term", "value", "unit", "doc"});
-  for (const auto& row : rows) table.add({row.name, csv_number(row.value), row.unit, row.doc});
+  TextTable table({"term", "value", "unit", "doc", "reason"});
+  for (const auto& row : rows) table.add({row.name, csv_number(row.value), row.unit, row.doc, row.refused});
   return table.csv();
 }
 
-std::string as_json(const Rows& rows, const BudgetOptions& options, const mtf::io::SensorConfig& config) {
+Json saturation_json(const radiometry::Saturation& saturation) {
+  Json json{{"saturated", saturation.saturated()}, {"end", nullptr}, {"share_held", saturation.held}};
+  if (saturation.end != radiometry::RangeEnd::none) json["end"] = range_end_name(saturation.end);
+  if (const std::string said = words(saturation); !said.empty())
+    json[saturation.saturated() ? "reason" : "note"] = said;
+  return json;
+}
+
+std::string as_json(const Rows& rows, const radiometry::Saturation& saturation, const BudgetOptions& options,
+                    const mtf::io::SensorConfig& config) {
   Json json{{"sensor", options.sensor},
             {"name", config.system.name},
             {"config_sha256", config.sha256},
-            {"temperature_k", options.temperature_k}};
+            {"temperature_k", options.temperature_k},
+            {"saturation", saturation_json(saturation)}};
   Json& terms = json["terms"] = Json::object();
-  for (const auto& row : rows) terms[row.name] = {{"value", row.value}, {"unit", row.unit}, {"doc", row.doc}};
+  for (const auto& row : rows) {
+    terms[row.name] = {{"value", row.value}, {"unit", row.unit}, {"doc", row.doc}};
+    if (!row.refused.empty()) terms[row.name]["reason"] = row.refused;
+  }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -54,15 +72,18 @@ int run_budget(const BudgetOptions& options, const Global& global) {
     note(global, "note: spatial noise has no number: " + gap);
   Rows rows = radiometry::rows(budget);
   rows.push_back(dstar_row(config.system, loaded.sensor, budget));
+  const radiometry::Saturation& saturation = budget.saturation;
+  if (const std::string said = words(saturation); !said.empty() && options.format != Format::table)
+    note(global, (saturation.saturated() ? "warning: " : "note: ") + said);
   switch (options.format) {
     case Format::table:
-      emit(options.out, as_table(rows));
+      emit(options.out, as_table(rows, saturation));
       break;
     case Format::csv:
       emit(options.out, as_csv(rows));
       break;
     case Format::json:
-      emit(options.out, as_json(rows, options, config));
+      emit(options.out, as_json(rows, saturation, options, config));
       break;
   }
   return 0;

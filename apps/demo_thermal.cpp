@@ -113,7 +113,8 @@ std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& 
   const mtf::SensorPlan plan = compile_reachable(
       false, options, loosened, [&] { return mtf::compile_sensor(physical->system, thermal.grid, options); });
   const radiometry::Chain chain(plan, physical->system, physical->loaded.sensor, {}, threads);
-  image = std::move(chain.run(std::move(thermal.planes[0]), 0, physical->tap, 0.0, threads).image);
+  radiometry::ChainFrame frame = chain.run(std::move(thermal.planes[0]), 0, physical->tap, 0.0, threads);
+  image = std::move(frame.image);
   metadata = provenance(config, thermal, plan, options.tolerance);
   add_chain(metadata, *physical, 0);
   mtf::io::write_exr(path("camera.exr"), {{"Y", image.view()}}, metadata);
@@ -123,7 +124,8 @@ std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& 
   for (const radiometry::BudgetRow& row : rows(budget))
     if (row.value != 0.0) table.add({row.name, significant(row.value, 5), row.unit, row.doc});
   return "\nthermal scene through the whole chain of camera.toml, and its noise budget\n" +
-         table.aligned({Align::left, Align::right});
+         table.aligned({Align::left, Align::right}) +
+         (frame.held.any() ? "camera.exr is " + words(frame.held) + "\n" : "");
 }
 
 }  // namespace apps

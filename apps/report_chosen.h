@@ -40,6 +40,7 @@ struct ChosenDesign {
   ChosenCurve system;
   std::vector<radiometry::BudgetRow> budget;
   std::string budget_gap;  ///< why there is none
+  std::string saturation;  ///< which of its figures are refused or off, and why; "" when all are true
   ChosenImage image;
   std::string image_gap;
 };

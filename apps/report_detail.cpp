@@ -140,6 +140,10 @@ std::string noise_budget(const Chosen& chosen, double temperature_k) {
     if (design.budget.empty() && design.problem.empty())
       gaps += "<p class=\"gap\"><strong>Design " + std::to_string(design.chosen.design) +
               "</strong> has no noise budget: " + html(design.budget_gap) + ".</p>\n";
+  for (const ChosenDesign& design : chosen)
+    if (!design.saturation.empty())
+      gaps += "<p class=\"gap\"><strong>Design " + std::to_string(design.chosen.design) + "</strong> is " +
+              html(design.saturation) + ".</p>\n";
   if (with == chosen.end()) return "<h3>Noise budget</h3>\n" + gaps;
   const std::string surface = mtf::format_double(temperature_k) + " K";
   HtmlTable rows("Noise budget of a pixel that looks at " + surface, header_of("Term", chosen), all_but_first(chosen));
@@ -148,13 +152,16 @@ std::string noise_budget(const Chosen& chosen, double temperature_k) {
     std::vector<std::string> cells{"<abbr title=\"" + html(row.doc) + "\">" + html(row.name) +
                                    "</abbr> <span class=\"unit\">" + html(row.unit) + "</span>"};
     for (const ChosenDesign& design : chosen)
-      cells.push_back(i < design.budget.size() ? html_value(design.budget[i].value) : html_value(""));
+      cells.push_back(i >= design.budget.size()           ? html_value("")
+                      : !design.budget[i].refused.empty() ? "saturated"
+                                                          : html_value(design.budget[i].value));
     rows.add(cells);
   }
   std::vector<Bar> bars;
   for (const ChosenDesign& design : chosen)
     for (const radiometry::BudgetRow& row : design.budget)
-      if (row.name == "temporal") bars.push_back({"design " + std::to_string(design.chosen.design), row.value, 0.0});
+      if (row.name == "temporal" && row.refused.empty())
+        bars.push_back({"design " + std::to_string(design.chosen.design), row.value, 0.0});
   return "<h3>Noise budget</h3>\n<p>Of a pixel on the axis that looks at a surface of " + surface +
          ", as <code>mtf budget</code> has it. Variances add: bars are shares of the temporal variance.</p>\n" +
          html_chart("noise", svg_bars("Temporal noise", "electrons rms", bars)) +

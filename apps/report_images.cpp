@@ -111,13 +111,7 @@ mtf::Image simulate(const mtf::io::SensorConfig& config, mtf::io::Scene scene, b
   const radiometry::Chain chain(plan, physical->system, physical->loaded.sensor, {}, threads);
   radiometry::ChainFrame frame =
       chain.run(std::move(scene.planes.front()), 0, physical->tap, defaults.border_value, threads);
-  const auto full = [&](std::int64_t clipped, const char* what) {
-    const double share =
-        static_cast<double>(clipped) / static_cast<double>(std::max<std::int64_t>(frame.image.size(), 1));
-    if (share > 0.001) out.notes.push_back(significant(100.0 * share, 2) + " % of the pixels " + what);
-  };
-  full(frame.well.high, "have a full well");
-  full(frame.adc.high, "are at the converter's end");
+  if (frame.held.any()) out.notes.push_back(words(frame.held));
   return std::move(frame.image);
 }
 

@@ -59,6 +59,13 @@ Json plan_json(const mtf::Plan& plan) {
           {"buffer_bytes", r.run_bytes}};
 }
 
+Json held_json(const radiometry::HeldPixels& held) {
+  return {{"pixels", held.pixels},
+          {"at_full_well", held.full_well},
+          {"at_most_count", held.most_count},
+          {"at_least_count", held.least_count}};
+}
+
 Json sequence_json(const SequenceReport& s) {
   Json json = {{"frames", s.frames},
                {"first", s.first},
@@ -71,6 +78,12 @@ Json sequence_json(const SequenceReport& s) {
                {"schedule_changes", s.schedule_changes},
                {"predicted_error", s.predicted_error},
                {"frames_with_bad_pixels", s.frames_with_bad_pixels}};
+  json["saturated_frames"] = Json::array();
+  for (const auto& [frame, held] : s.saturated) {
+    Json one{{"frame", frame}};
+    one.update(held_json(held));
+    json["saturated_frames"].push_back(std::move(one));
+  }
   if (!s.schedule.empty()) json["schedule"] = s.schedule;
   if (!s.schedule.empty()) json["schedule_sha256"] = s.schedule_sha256;
   return json;
@@ -81,9 +94,14 @@ Json chain_json(const ChainReport& chain) {
   for (const radiometry::ChainStage& stage : chain.stages)
     stages.push_back({{"name", stage.name}, {"on", stage.on}, {"what", stage.what}});
   for (const auto& [name, ms] : chain.timing_ms) times[name] = ms;
+  Json saturation = held_json(chain.held);
+  saturation["share"] = chain.held.share();
+  saturation["defective_or_blinking"] = held_json(chain.held_defects);
+  saturation["warning"] = chain.held.any() ? Json(words(chain.held)) : Json();
   return {{"tap", chain.tap},
           {"stages", stages},
           {"timing_ms", times},
+          {"saturation", saturation},
           {"pixels_at_full_well", chain.well.high},
           {"pixels_at_least_count", chain.adc.low},
           {"pixels_at_most_count", chain.adc.high},
@@ -106,6 +124,17 @@ void add_tiles(Json& json, const TilesReport& tiles) {
 }
 
 }  // namespace
+
+void ChainReport::add(const radiometry::ChainFrame& frame) {
+  well.low += frame.well.low;
+  well.high += frame.well.high;
+  adc.low += frame.adc.low;
+  adc.high += frame.adc.high;
+  spilled.drained_e += frame.spilled.drained_e;
+  spilled.left_e += frame.spilled.left_e;
+  held += frame.held;
+  held_defects += frame.held_defects;
+}
 
 std::string RunReport::quantity() const {
   return chain ? chain->quantity : std::string(mtf::io::quantity_name(scene->quantity));

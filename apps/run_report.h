@@ -26,6 +26,7 @@ struct SequenceReport {
   std::int64_t frames_with_bad_pixels = 0;
   double predicted_error = 0.0;  ///< of the worst frame
   std::string schedule, schedule_sha256;
+  std::vector<std::pair<std::int64_t, radiometry::HeldPixels>> saturated;  ///< frames with pixels that light saturated
 };
 
 /// What was special about a run in tiles.
@@ -41,8 +42,11 @@ struct ChainReport {
   std::string tap, quantity, unit;
   std::vector<radiometry::ChainStage> stages;
   std::vector<std::pair<std::string, double>> timing_ms;  ///< of the stages that ran
-  radiometry::Clipped well, adc;
+  radiometry::Clipped well, adc;                          ///< of one image, or the sum over a sequence, as all below
   radiometry::Spilled spilled;
+  radiometry::HeldPixels held, held_defects;
+
+  void add(const radiometry::ChainFrame& frame);
 };
 
 struct RunReport {

@@ -133,11 +133,22 @@ void run_pipeline(SequenceFrames& frames, std::int64_t in_flight, int threads, c
   });
 }
 
+/// Of all frames together; "" where none has saturated pixels.
+std::string saturation_warning(const SequenceReport& report) {
+  const auto& frames = report.saturated;
+  const auto most = std::max_element(frames.begin(), frames.end(),
+                                     [](const auto& a, const auto& b) { return a.second.share() < b.second.share(); });
+  if (most == frames.end()) return {};
+  return std::to_string(frames.size()) + " of " + plural(report.frames, "frame") +
+         " with saturated pixels, the most in " + std::to_string(most->first) + ": " + words(most->second);
+}
+
 /// Reads, runs and writes all frames, and says what there is to say when they are done, or when one has failed. Returns
 /// how many were on their way at a time.
 std::int64_t run_frames(SequenceFrames& frames, int threads, const Global& global) {
   const auto say = [&] {
     for (const std::string& text : frames.warnings()) note(global, "warning: " + one_line(text));
+    if (const std::string text = saturation_warning(frames.report()); !text.empty()) note(global, "warning: " + text);
     for (const std::string& text : frames.notes()) note(global, "note: " + one_line(text));
   };
   try {
@@ -204,8 +215,9 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
   report.tolerance = frames.last_plan().options.tolerance;
   report.timing_ms = frames.timing_ms();
   report.warnings = frames.warnings();
+  if (std::string text = saturation_warning(facts); !text.empty()) report.warnings.push_back(std::move(text));
   report.sequence = facts;
-  if (const Physical* first = frames.first_physical()) report.chain = report_of(*first);
+  report.chain = frames.chain_report();
   if (!options.report.empty()) emit(options.report, to_json(report));
   if (options.report == "-") return 0;  // standard output is the report
   if (options.explain)

@@ -109,6 +109,7 @@ void SequenceFrames::prepare() {
   prepared_ = frame;
   first_plan_ = frame->plan;
   first_physical_ = frame->physical;
+  if (first_physical_) chain_report_ = report_of(*first_physical_);
   if (frame->chain) frame->chain->prepare(frame->physical->tap, threads_);
   const mtf::io::Scene& scene = frame->input->scene;
   first_scene_.names = scene.names;
@@ -214,15 +215,14 @@ void SequenceFrames::plan(Frame& frame) {
   });
 }
 
-std::vector<mtf::Image> SequenceFrames::run_planes(const Frame& frame) {
+std::vector<mtf::Image> SequenceFrames::run_planes(Frame& frame) {
   const SceneInput& input = *frame.input;
   if (frame.chain) {
     radiometry::ChainState* state = remembers() ? &state_ : nullptr;
+    frame.counted = frame.chain->run(input.scene.planes.front().clone(), static_cast<std::uint32_t>(frame.number),
+                                     frame.physical->tap, input.border_value, threads_, state);
     std::vector<mtf::Image> images;
-    images.push_back(std::move(frame.chain
-                                   ->run(input.scene.planes.front().clone(), static_cast<std::uint32_t>(frame.number),
-                                         frame.physical->tap, input.border_value, threads_, state)
-                                   .image));
+    images.push_back(std::move(frame.counted.image));
     return images;
   }
   std::vector<mtf::ImageView<const float>> planes;
@@ -264,6 +264,8 @@ void SequenceFrames::finish(const Frame& frame) {
   if (!frame.input->bad_pixels.empty() && report_.frames_with_bad_pixels++ == 0)
     notes_.push_back("frame " + std::to_string(frame.number) + ": " + frame.input->bad_pixels +
                      " (the report counts such frames)");
+  if (chain_report_) chain_report_->add(frame.counted);
+  if (frame.counted.held.any()) report_.saturated.emplace_back(frame.number, frame.counted.held);
   ++report_.frames;
   report_.predicted_error = std::max(report_.predicted_error, frame.plan->predicted_error);
   last_plan_ = frame.plan;

@@ -34,6 +34,7 @@ struct Frame {
   std::shared_ptr<const SceneInput> input;
   std::shared_ptr<const mtf::SensorPlan> plan;
   std::shared_ptr<const radiometry::Chain> chain;
+  radiometry::ChainFrame counted;  ///< what the chain says of it, without its image
   std::vector<std::string> warnings;
   double read_ms = 0.0, plan_ms = 0.0, run_ms = 0.0, write_ms = 0.0;
   std::exception_ptr error;
@@ -62,8 +63,6 @@ class SequenceFrames {
 
   /// True when frames have to run one after another: each leaves something to the next.
   bool remembers() const;
-  /// Of the first frame, of a sensor with a chain.
-  const Physical* first_physical() const { return first_physical_.get(); }
 
   double share_done() const { return static_cast<double>(report_.frames) / static_cast<double>(count()); }
   std::int64_t count() const { return static_cast<std::int64_t>(names_.frames.size()); }
@@ -77,10 +76,12 @@ class SequenceFrames {
   /// Sums over frames: read, plan, run, write.
   std::vector<std::pair<std::string, double>> timing_ms() const;
   SequenceReport report() const;
+  /// What the chain says of all frames; nothing for a sensor without one.
+  const std::optional<ChainReport>& chain_report() const { return chain_report_; }
 
  private:
   SceneInput load(const std::string& path, const mtf::io::SensorConfig& sensor, const Physical* physical) const;
-  std::vector<mtf::Image> run_planes(const Frame& frame);
+  std::vector<mtf::Image> run_planes(Frame& frame);
   void require_like_first(const Frame& frame);
 
   const SimulateOptions& options_;
@@ -103,6 +104,7 @@ class SequenceFrames {
   std::size_t at_ = 0;  ///< of the next frame
   std::vector<std::string> warnings_, notes_;
   SequenceReport report_;
+  std::optional<ChainReport> chain_report_;
   double read_ms_ = 0.0, plan_ms_ = 0.0, run_ms_ = 0.0, write_ms_ = 0.0;
 };
 

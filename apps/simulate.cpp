@@ -65,9 +65,7 @@ std::vector<mtf::Image> run_chain(const Physical& physical, const mtf::SensorPla
   radiometry::ChainFrame frame = chain.run(std::move(radiance), 0, physical.tap, border_value, threads);
   report.chain = report_of(physical);
   report.chain->timing_ms.assign(frame.timing_ms.begin(), frame.timing_ms.end());
-  report.chain->well = frame.well;
-  report.chain->adc = frame.adc;
-  report.chain->spilled = frame.spilled;
+  report.chain->add(frame);
   std::vector<mtf::Image> images;
   images.push_back(std::move(frame.image));
   return images;
@@ -145,6 +143,10 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
           ? run_chain(*physical, plan, std::move(scene.planes.front()), defaults.border_value, report, global.threads)
       : tiles ? run_flat_tiles(*tiles, scene, config.scene.border_value, report)
               : plan.run(std::move(scene.planes), config.scene.border_value, global.threads);
+  if (physical && report.chain->held.any()) {
+    report.warnings.push_back(words(report.chain->held));
+    note(global, "warning: " + report.warnings.back());
+  }
   for (std::size_t c = 0; c < masks.size(); ++c)
     if (masks[c].size() > 0)
       mtf::propagate_bad_pixels(plan, masks[c], plan_options.tolerance, global.threads, images[c].view());

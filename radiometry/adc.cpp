@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/adc.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <type_traits>
@@ -58,6 +59,12 @@ Clipped over_rows(std::int64_t height, int threads, Work work) {
   return {low, high};
 }
 
+float well_of(double full_well_e) {
+  if (!(full_well_e > 0.0))
+    throw mtf::UsageError("full well of " + mtf::format_double(full_well_e) + " electrons; it has to be above 0");
+  return static_cast<float>(full_well_e);
+}
+
 Scale scale_of(const Adc& adc) {
   require_valid("adc", adc);
   return {1.0 / adc.electrons_per_count, adc.offset_counts + (adc.rounding == Rounding::nearest ? 0.5 : 0.0),
@@ -77,15 +84,21 @@ Adc adc_for_well(double full_well_e, int bits) {
 }
 
 Clipped fill_well(mtf::ImageView<float> image, double full_well_e, int threads) {
-  if (!(full_well_e > 0.0))
-    throw mtf::UsageError("full well of " + mtf::format_double(full_well_e) + " electrons; it has to be above 0");
-  const auto well = static_cast<float>(full_well_e);
+  const float well = well_of(full_well_e);
   return over_rows(image.height, threads, [&](std::int64_t y, Clipped& clipped) {
     float* row = image.row(y);
     for (std::int64_t x = 0; x < image.width; ++x) {
       clipped.high += row[x] > well ? 1 : 0;
       row[x] = row[x] > well ? well : row[x];
     }
+  });
+}
+
+Clipped above_well(mtf::ImageView<const float> image, double full_well_e, int threads) {
+  const float well = well_of(full_well_e);
+  return over_rows(image.height, threads, [&](std::int64_t y, Clipped& clipped) {
+    const float* row = image.row(y);
+    clipped.high += std::count_if(row, row + image.width, [&](float value) { return value > well; });
   });
 }
 

@@ -69,6 +69,9 @@ struct Clipped {
 /// 0.
 Clipped fill_well(mtf::ImageView<float> image, double full_well_e, int threads = 1);
 
+/// What fill_well would hold, which stays as it is.
+Clipped above_well(mtf::ImageView<const float> image, double full_well_e, int threads = 1);
+
 /// Electrons become counts in place. NaN stays NaN, infinities are at the ends. Throws UsageError for an Adc out of its
 /// bounds.
 Clipped digitise(mtf::ImageView<float> image, const Adc& adc, int threads = 1);

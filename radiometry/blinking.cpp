@@ -56,17 +56,21 @@ bool is_high(const Blinking& blinking, const NoiseKey& key, std::int64_t column,
   return coin_of(key.seed, x, y, 0xffffffffU, 0).high;
 }
 
-void apply_blinking(mtf::ImageView<float> image, std::span<const BlinkingPixel> pixels, const Blinking& blinking,
-                    const NoiseKey& key, Origin origin) {
+std::vector<BlinkingPixel> apply_blinking(mtf::ImageView<float> image, std::span<const BlinkingPixel> pixels,
+                                          const Blinking& blinking, const NoiseKey& key, Origin origin) {
   require_valid("blinking", blinking);
   require_on_detector(origin, image.width, image.height);
+  std::vector<BlinkingPixel> high;
   for (const BlinkingPixel& pixel : pixels) {
     if (pixel.x < 0 || pixel.y < 0 || pixel.x >= image.width || pixel.y >= image.height)
       throw mtf::UsageError("blinking: pixel " + std::to_string(pixel.x) + ", " + std::to_string(pixel.y) +
                             " is outside an image of " + std::to_string(image.width) + " x " +
                             std::to_string(image.height));
-    if (is_high(blinking, key, origin.x + pixel.x, origin.y + pixel.y)) image.at(pixel.x, pixel.y) += pixel.excess_e;
+    if (!is_high(blinking, key, origin.x + pixel.x, origin.y + pixel.y)) continue;
+    image.at(pixel.x, pixel.y) += pixel.excess_e;
+    high.push_back(pixel);
   }
+  return high;
 }
 
 }  // namespace radiometry

@@ -59,9 +59,9 @@ std::vector<BlinkingPixel> find_blinking(std::int64_t width, std::int64_t height
 /// Whether the pixel at a place of the detector is high in a frame.
 bool is_high(const Blinking& blinking, const NoiseKey& key, std::int64_t column, std::int64_t row);
 
-/// Adds the excess of those that are high to mean electrons. `origin` is that of the region they were found in.
-/// UsageError for a pixel outside the image.
-void apply_blinking(mtf::ImageView<float> image, std::span<const BlinkingPixel> pixels, const Blinking& blinking,
-                    const NoiseKey& key, Origin origin = {});
+/// Adds the excess of those that are high to mean electrons and returns these. `origin` is that of the region they were
+/// found in. UsageError for a pixel outside the image.
+std::vector<BlinkingPixel> apply_blinking(mtf::ImageView<float> image, std::span<const BlinkingPixel> pixels,
+                                          const Blinking& blinking, const NoiseKey& key, Origin origin = {});
 
 }  // namespace radiometry

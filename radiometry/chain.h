@@ -70,7 +70,9 @@ struct ChainStage {
 struct ChainFrame {
   mtf::Image image;
   Spilled spilled{};                                           ///< by [blooming]
-  Clipped well, adc;                                           ///< pixels held at the ends
+  Clipped well, adc;                                           ///< pixels held at the ends, whatever held them
+  HeldPixels held;                                             ///< the same by light: of pixels as they should be,
+  HeldPixels held_defects;                                     ///< of those defective, or blinking and high by now
   std::vector<std::pair<std::string_view, double>> timing_ms;  ///< of the stages that ran, in their order
 };
 

@@ -71,8 +71,10 @@ double dstar_of(const mtf::System<double>& system, const Sensor& sensor, const B
 }
 
 BudgetRow dstar_row(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget) {
-  return {"dstar", "cm Hz^1/2 W^-1", dstar_of(system, sensor, budget),
-          "D* at " + mtf::format_double(middle_um(sensor)) + " um, the middle of the band, temporal noise"};
+  const double dstar = dstar_of(system, sensor, budget);
+  return {"dstar", "cm Hz^1/2 W^-1", dstar,
+          "D* at " + mtf::format_double(middle_um(sensor)) + " um, the middle of the band, temporal noise",
+          refusal_of(budget, dstar)};
 }
 
 }  // namespace radiometry

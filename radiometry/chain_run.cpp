@@ -8,6 +8,7 @@
 
 #include "mtf/parallel.h"
 #include "radiometry/chain_impl.h"
+#include "radiometry/held_counter.h"
 
 namespace radiometry {
 namespace {
@@ -60,6 +61,7 @@ struct Chain::Impl::Run {
   int threads;
   ChainFrame frame{};
   double border = 0.0;  ///< what a constant border is worth at this place of the chain
+  HeldCounter counter{};
   std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
 
   /// Times of a stage that runs for several positions add up.
@@ -127,21 +129,33 @@ struct Chain::Impl::Run {
   /// Mean electrons to what the readout gives.
   void detect(mtf::Image& image, const NoiseKey& key) {
     const SensorSettings& s = chain.settings;
+    counter.begin(image);
     if (!chain.defects.empty()) apply_defects(image.view(), chain.defects);
-    if (!chain.blinking.empty()) apply_blinking(image.view(), chain.blinking, *s.blinking, key, chain.origin);
+    counter.mark(chain.defects);
+    if (!chain.blinking.empty())
+      counter.mark(apply_blinking(image.view(), chain.blinking, *s.blinking, key, chain.origin));
+    counter.count(frame.held, frame.held_defects);
     if (s.defects || s.blinking) lap("defects");
     if (s.noise && s.noise->shot) {
       shot_noise(image.view(), key, chain.origin, threads);
       lap("shot");
     }
+    const double well_e = chain.pixel.full_well_e;
+    const auto hold_well = [&](const auto& stage) {
+      const HeldCounter::Counts held =
+          counter.run(image, [&](mtf::ImageView<float> electrons) { return stage(electrons, well_e, threads); });
+      frame.well.high += held.all.high;
+      frame.held.full_well += held.light().high;
+      frame.held_defects.full_well += held.stuck.high;
+    };
     if (s.blooming) {
-      const Spilled spilled = bloom(image.view(), *s.blooming, chain.pixel.full_well_e, threads);
+      hold_well(above_well);
+      const Spilled spilled = bloom(image.view(), *s.blooming, well_e, threads);
       frame.spilled.drained_e += spilled.drained_e;
       frame.spilled.left_e += spilled.left_e;
       lap("blooming");
-    } else if (std::isfinite(chain.pixel.full_well_e)) {
-      const Clipped held = fill_well(image.view(), chain.pixel.full_well_e, threads);
-      frame.well.high += held.high;
+    } else if (std::isfinite(well_e)) {
+      hold_well(fill_well);
       lap("full well");
     }
     if (chain.response) {
@@ -177,16 +191,33 @@ struct Chain::Impl::Run {
 
   void convert(mtf::Image& image) {
     if (!chain.adc) return;
-    const Clipped held = digitise(image.view(), *chain.adc, threads);
-    frame.adc.low += held.low;
-    frame.adc.high += held.high;
+    const HeldCounter::Counts held =
+        counter.run(image, [&](mtf::ImageView<float> electrons) { return digitise(electrons, *chain.adc, threads); });
+    frame.adc.low += held.all.low;
+    frame.adc.high += held.all.high;
+    const auto add = [](HeldPixels& sum, const Clipped& clipped) {
+      sum.least_count += clipped.low;
+      sum.most_count += clipped.high;
+    };
+    add(frame.held, held.light());
+    add(frame.held_defects, held.stuck);
     border = border / chain.adc->electrons_per_count + chain.adc->offset_counts;
     lap("adc");
   }
 
+  /// Where no flat frames can be had, a tenth of the scene or more may be saturated as well: the message names both.
+  const TwoPoint& correction() const {
+    try {
+      return chain.correction(threads);
+    } catch (const mtf::UsageError& refused) {
+      if (frame.held.share() < 0.1) throw;
+      throw mtf::UsageError(std::string(refused.what()) + ". The scene is saturated too: " + where_held(frame.held));
+    }
+  }
+
   void correct(mtf::Image& image) {
     if (!chain.settings.correction) return;
-    const TwoPoint& maps = chain.correction(threads);
+    const TwoPoint& maps = correction();
     lap("flat frames");
     radiometry::correct(image.view(), maps);
     if (chain.settings.correction->replace_bad && !maps.bad.empty()) replace_bad(image.view(), maps.bad);
@@ -269,20 +300,13 @@ const TwoPoint& Chain::Impl::correction(int threads) const {
 TwoPoint Chain::Impl::measure(int threads) const {
   const std::int64_t steps = plan.samples_a_pitch;
   const auto flat = [&](double fill, std::uint32_t number, mtf::ImageView<float> out) {
-    const double electrons = fill * pixel.full_well_e - glow.number;
+    require_reachable(*settings.correction, fill, glow.number, pixel.full_well_e);
     Run run{*this, threads};
-    run.border = std::max(0.0, electrons) / gain;
+    run.border = (fill * pixel.full_well_e - glow.number) / gain;
     mtf::Image image(out.width, out.height);
     std::fill_n(image.data(), image.size(), static_cast<float>(run.border));
     run.detector(image, {seed, number}, Tap::dn, nullptr);
-    const std::int64_t clipped = std::max({run.frame.adc.high, run.frame.adc.low, run.frame.well.high});
-    if (electrons < 0.0 || 10 * clipped > image.size())
-      throw mtf::UsageError("[correction]: the flat frame at " + mtf::format_double(fill) + " of full well " +
-                            (electrons < 0.0
-                                 ? "has less charge than the background of " + mtf::format_double(glow.number) + " e-"
-                                 : std::to_string(clipped) + " of " + std::to_string(image.size()) +
-                                       " pixels at an end of the well or of the converter") +
-                            "; choose another level, or change [adc]");
+    require_unsaturated(*settings.correction, fill, run.frame.held);
     for (std::int64_t y = 0; y < out.height; ++y) std::copy_n(image.data() + y * out.width, out.width, out.row(y));
   };
   return measure_correction(plan.out().width / steps, plan.out().height / steps, *settings.correction, flat);

@@ -18,7 +18,38 @@ mtf::Image mean_flat(std::int64_t width, std::int64_t height, double fill, int f
   return image;
 }
 
+/// "low = 0.2"
+std::string level_of(const CorrectionSettings& settings, double fill) {
+  return (fill == settings.low ? "low = " : "high = ") + mtf::format_double(fill);
+}
+
 }  // namespace
+
+void require_reachable(const CorrectionSettings& settings, double fill, double background_e, double full_well_e) {
+  const double filled = background_e / full_well_e;
+  if (fill >= filled) return;
+  std::string change = "shorten frame.integration_time";
+  // All of the background grows with the time.
+  if (fill > 0.0) change += " to less than " + at_most(fill / filled) + " of what it is";
+  change += ", or raise detector.full_well";
+  if (filled < settings.high) change += " or correction.low";
+  throw mtf::UsageError("[correction]: a flat frame at " + level_of(settings, fill) +
+                        " of the full well cannot be had: without any scene warm optics, stop and dark current fill " +
+                        three_digits(filled) + " of it (" + three_digits(background_e) + " e-)" +
+                        (filled >= 1.0 ? ", the detector is saturated" : "") + "; " + change);
+}
+
+void require_unsaturated(const CorrectionSettings& settings, double fill, const HeldPixels& held) {
+  if (held.share() <= 0.1) return;
+  const bool low = held.least_count > held.most_count;
+  const bool converter = held.most_count > held.full_well;
+  throw mtf::UsageError("[correction]: the flat frame at " + level_of(settings, fill) +
+                        " of the full well is saturated: " + where_held(held) + "; " +
+                        (low ? "raise adc.offset or correction.low"
+                         : converter
+                             ? "raise adc.electrons_per_count or adc.bits, or lower adc.offset or correction.high"
+                             : "lower correction.high"));
+}
 
 TwoPoint measure_correction(std::int64_t width, std::int64_t height, const CorrectionSettings& settings,
                             const FlatFrame& flat) {

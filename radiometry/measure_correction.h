@@ -9,6 +9,7 @@
 
 #include "radiometry/correction.h"
 #include "radiometry/fields.h"
+#include "radiometry/saturation.h"
 
 namespace radiometry {
 
@@ -44,6 +45,13 @@ struct CorrectionSettings {
                             &CorrectionSettings::replace_bad}};
   }
 };
+
+/// Throws UsageError, which names the cause, for a flat frame that no scene gives: that part of the full well is less
+/// than what the detector has without one.
+void require_reachable(const CorrectionSettings& settings, double fill, double background_e, double full_well_e);
+
+/// The same for a flat frame with more than a tenth of its pixels at an end of the range.
+void require_unsaturated(const CorrectionSettings& settings, double fill, const HeldPixels& held);
 
 /// Makes the flat frame of a number: a scene that fills that part of the well, with all that the detector does to it,
 /// in the unit that is to be corrected.

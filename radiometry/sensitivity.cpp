@@ -4,8 +4,9 @@
 #include <cmath>
 
 namespace radiometry {
+namespace {
 
-std::vector<BudgetRow> rows(const Budget<double>& b) {
+std::vector<BudgetRow> terms(const Budget<double>& b) {
   const Signal<double>& s = b.signal;
   return {{"scene", "e-", s.scene_e, "electrons of the scene"},
           {"path", "e-", s.path_e, "electrons of the path between scene and camera"},
@@ -34,6 +35,18 @@ std::vector<BudgetRow> rows(const Budget<double>& b) {
           {"spatial_netd", "mK", 1e3 * b.spatial_netd_k, "the same from the spatial noise"},
           {"nei", "s-1 m-2", b.nei_ph, "noise-equivalent irradiance, photons of the scene's spectrum"},
           {"dynamic_range", "dB", 20.0 * std::log10(b.dynamic_range), "full well / floor"}};
+}
+
+}  // namespace
+
+std::vector<BudgetRow> rows(const Budget<double>& budget) {
+  std::vector<BudgetRow> all = terms(budget);
+  for (BudgetRow& row : all) row.refused = refusal_of(budget, row.value);
+  return all;
+}
+
+std::string refusal_of(const Budget<double>& budget, double value) {
+  return budget.saturation.saturated() && std::isnan(value) ? words(budget.saturation) : std::string();
 }
 
 }  // namespace radiometry

@@ -13,11 +13,17 @@
 //   D*    sqrt(A df) / NEP, df = 1/(2 t), NEP = noise h c / (lambda QE t), at one wavelength: QE there
 //   NETD from D* = sqrt(df) / (cone tau sqrt(A) integral of D* dL/dT dlambda), cone as in signal.h
 // (Lloyd, Thermal Imaging Systems, ch. 5, with pi/(4 N^2) for the cone.)
+// A pixel or converter that is full (saturation.h) gives the same value whatever the scene: slope, noise of light and
+// dark current and every figure made of them are NaN then, the electrons by source and the noise of the readout stay.
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "radiometry/constants.h"
+#include "radiometry/saturation.h"
 #include "radiometry/signal.h"
 
 namespace radiometry {
@@ -115,6 +121,7 @@ struct Budget {
   S spatial_netd_k{};  ///< from the spatial noise
   S nei_ph{};          ///< photons s^-1 m^-2 at the detector
   S dynamic_range{};   ///< full well / floor, a ratio
+  Saturation saturation{};
 };
 
 /// spatial_e and spatial_netd_k from the spatial terms.
@@ -124,11 +131,36 @@ void set_spatial(Budget<S>& b) {
   b.spatial_netd_k = b.spatial_e / b.signal_per_k;
 }
 
-/// `signal_per_k` in electrons per K: electrons_per_radiance x scene_derivative, or a difference of signals.
-/// `pixel.quantum_efficiency`: the whole one, with mean_quantum_efficiency where curves have a part in it.
+/// What a saturated budget has no number for.
 template <class S>
-Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const NoiseTerms<S>& noise,
-                      const S& signal_per_k) {
+void refuse_saturated(Budget<S>& b) {
+  const S none(std::numeric_limits<double>::quiet_NaN());
+  for (S Budget<S>::*figure :
+       {&Budget<S>::signal_per_k, &Budget<S>::scene_shot_e, &Budget<S>::background_shot_e, &Budget<S>::dark_shot_e,
+        &Budget<S>::temporal_e, &Budget<S>::prnu_e, &Budget<S>::correction_e, &Budget<S>::spatial_e, &Budget<S>::snr,
+        &Budget<S>::shot_netd_k, &Budget<S>::netd_k, &Budget<S>::spatial_netd_k, &Budget<S>::nei_ph})
+    b.*figure = none;
+  // The dark current alone may be too much.
+  const Saturation& s = b.saturation;
+  if (s.end != RangeEnd::least_count && mtf::value_of(b.signal.dark_e) >= s.end_e) b.floor_e = b.dynamic_range = none;
+}
+
+/// How the values of all pixels and frames scatter where the range ends, before any correction; rounding comes later.
+template <class S>
+PixelScatter scatter_of(const Budget<S>& b, const PixelRange& range) {
+  const double total_e = mtf::value_of(b.signal.total_e()), dark_e = mtf::value_of(b.signal.dark_e);
+  const double prnu_e = range.prnu * (total_e - dark_e), shot_e = std::sqrt(std::max(total_e, 0.0));
+  const double readout_e = std::hypot(mtf::value_of(b.read_e), mtf::value_of(b.reset_e), mtf::value_of(b.other_e));
+  const double well_e = std::hypot(shot_e, prnu_e);
+  return {.mean_e = total_e, .well_e = well_e, .converter_e = std::hypot(well_e, readout_e, range.dsnu_e)};
+}
+
+/// `signal_per_k` in electrons per K: electrons_per_radiance x scene_derivative, or a difference of signals.
+/// `pixel.quantum_efficiency`: the whole one, with mean_quantum_efficiency where curves have a part in it. `range`: of
+/// the converter, where there is one.
+template <class S>
+Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const NoiseTerms<S>& noise, const S& signal_per_k,
+                      const PixelRange& range = {}) {
   using detail::root;
   Budget<S> b;
   b.signal = signal;
@@ -154,6 +186,8 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
   set_spatial(b);
   b.nei_ph = b.temporal_e / (pixel.quantum_efficiency * pixel.area_m2() * pixel.integration_s);
   b.dynamic_range = pixel.full_well_e / b.floor_e;
+  b.saturation = saturation_of(scatter_of(b, range), range, mtf::value_of(pixel.full_well_e));
+  if (b.saturation.saturated()) refuse_saturated(b);
   return b;
 }
 
@@ -162,7 +196,10 @@ struct BudgetRow {
   std::string name, unit;
   double value = 0.0;
   std::string doc;
+  std::string refused{};  ///< why there is no value, "" where there is one
 };
+/// For a figure of that budget.
+std::string refusal_of(const Budget<double>& budget, double value);
 /// All of the budget in the order of the physics; the NETDs in mK, the dynamic range in dB.
 std::vector<BudgetRow> rows(const Budget<double>& budget);
 

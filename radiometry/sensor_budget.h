@@ -70,7 +70,8 @@ Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& sett
   }
   const NoiseTerms<S> noise = noise_numbers(settings, pixel, flicker_e, numbers);
   pixel.quantum_efficiency = pixel.quantum_efficiency * spectral.quantum_efficiency;
-  Budget<S> budget = make_budget(pixel, electrons, noise, S(gain * spectral.per_k));
+  Budget<S> budget =
+      make_budget(pixel, electrons, noise, S(gain * spectral.per_k), range_numbers(settings, pixel, numbers));
   budget.contrast_e = gain * spectral.contrast;
   if (settings.correction) {
     if (const auto flats = flat_frames(settings, pixel, electrons, lost, budget, numbers)) {
@@ -79,6 +80,7 @@ Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& sett
       budget.prnu_e = budget.dsnu_e = budget.correction_e = S(std::numeric_limits<double>::quiet_NaN());
       set_spatial(budget);
     }
+    if (budget.saturation.saturated()) refuse_saturated(budget);
   }
   return budget;
 }
@@ -86,7 +88,7 @@ Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& sett
 /// Why the spatial terms of that budget have no number, "" where they have.
 template <class S>
 std::string spatial_gap(const SensorSettings& settings, const Budget<S>& budget) {
-  if (!settings.correction || !std::isnan(mtf::value_of(budget.spatial_e))) return "";
+  if (!settings.correction || budget.saturation.saturated() || !std::isnan(mtf::value_of(budget.spatial_e))) return "";
   const Signal<S>& electrons = budget.signal;
   return "[correction]: no flat frame at " + mtf::format_double(settings.correction->low) +
          " of full well can be made: the background alone has " +

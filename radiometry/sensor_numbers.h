@@ -122,6 +122,28 @@ S electrons_per_count(const SensorSettings& settings, const S& full_well_e, cons
   return full_well_e / (S(most) - numbers("adc.offset", adc.offset_counts));
 }
 
+/// The ends of the converter as electrons of the well, where they are held by adc.h, and the spread of the pixels.
+template <class S>
+PixelRange range_numbers(const SensorSettings& settings, const Pixel<S>& pixel, const Overrides<S>& numbers = {}) {
+  const NonuniformitySettings unequal = settings.nonuniformity.value_or(NonuniformitySettings{});
+  PixelRange range{.prnu = mtf::value_of(numbers("nonuniformity.prnu", unequal.prnu)),
+                   .dsnu_e = mtf::value_of(numbers("nonuniformity.dsnu", unequal.dsnu_e))};
+  if (!settings.adc) return range;
+  const AdcSettings& adc = *settings.adc;
+  const double step_e = mtf::value_of(electrons_per_count(settings, pixel.full_well_e, numbers));
+  const double zero =
+      mtf::value_of(numbers("adc.offset", adc.offset_counts)) + (adc.rounding == Rounding::nearest ? 0.5 : 0.0);
+  range.least_e = -zero * step_e;
+  range.most_e = (Adc{.bits = adc.bits}.most_counts() + 1.0 - zero) * step_e;
+  const double well_e = mtf::value_of(pixel.full_well_e);
+  if (settings.nonlinearity && std::isfinite(well_e)) {
+    const Response response(*settings.nonlinearity, well_e);
+    range.least_e = response.inverse(range.least_e);
+    range.most_e = response.inverse(range.most_e);
+  }
+  return range;
+}
+
 /// All temporal and spatial terms. `flicker_e`: rms of the 1/f noise over the detector.
 template <class S>
 NoiseTerms<S> noise_numbers(const SensorSettings& settings, const Pixel<S>& pixel, double flicker_e,

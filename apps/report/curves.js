@@ -53,9 +53,12 @@ const noiseTerms = { scene_shot: "shot noise of scene and path", background_shot
 
 async function startNoise() {
   const values = [];
-  for (const one of report.chosen)
-    for (const [name, value] of one.budget ?? [])
+  for (const one of report.chosen) {
+    const budget = one.budget ?? [];
+    if (budget.some(([name, value]) => name === "temporal" && value === null)) continue; // saturated: shares of nothing
+    for (const [name, value] of budget)
       if (noiseTerms[name] && value > 0) values.push({ design: `design ${one.design}`, term: noiseTerms[name], rms: value, variance: value * value, place: Object.keys(noiseTerms).indexOf(name) });
+  }
   if (values.length === 0) return;
   const terms = Object.values(noiseTerms).filter((term) => values.some((one) => one.term === term));
   await draw("noise", {

@@ -76,6 +76,7 @@ TEST_F(ChainCommand, BudgetsOfTwoCamerasAreAsPublished) {
   EXPECT_NEAR(terms["shot_netd"]["value"].get<double>(), 10.6, 0.05);
   std::string text = kSensor;
   for (const auto& [from, to] : {std::pair{"\"10 ms\"", "\"200 us\""},
+                                 {"\"10 Me-\"", "\"30 Me-\""},
                                  {"f_number = 2.5", "f_number = 2.0"},
                                  {"[\"3 um\", \"5 um\"]", "[\"8 um\", \"12 um\"]"},
                                  {"\"15 um\"", "\"24 um\""},

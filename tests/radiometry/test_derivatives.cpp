@@ -48,6 +48,12 @@ S netd(const S& f_number, const S& integration_s, const S& temperature_k) {
   return make_budget(pixel, signal(camera, pixel, radiances), noise, slope).netd_k;
 }
 
+TEST(RadiometryJets, a_full_well_has_no_netd_and_no_slope_of_it) {
+  const Jet full = netd(Jet(2.5, 0), Jet(0.1, 1), Jet(300.0, 2));
+  EXPECT_TRUE(std::isnan(full.a));
+  EXPECT_TRUE(std::isnan(netd(2.5, 0.1, 300.0)));
+}
+
 TEST(RadiometryJets, netd_against_differences) {
   const Jet n(2.5, 0), t(0.01, 1), k(300.0, 2);
   const Jet value = netd(n, t, k);

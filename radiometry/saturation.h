@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Whether the value of a pixel still follows its light. Electrons are held at the full well, counts at 0 and at the
+// largest one. Values scatter about their mean m with a standard deviation sigma, so that an end at c holds the share
+//   Q((c - m) / sigma) above, Q((m - c) / sigma) below,   Q(x) = erfc(x / sqrt 2) / 2, for Gaussian scatter,
+// and the mean of what is held rises by d E[min(x, c)] / dm = 1 - share of what the signal does. From half of the
+// values on, where the mean itself is beyond an end, no figure of sensitivity is true any more; below that the share
+// says how far they are off.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "mtf/components/field.h"
+
+namespace radiometry {
+
+enum class RangeEnd { none, full_well, most_count, least_count };
+/// "", "full_well", "most_count", "least_count".
+std::string_view range_end_name(RangeEnd end);
+
+/// The ends of a converter, and how pixels differ before any correction.
+struct PixelRange {
+  double least_e = -mtf::kInfinity;  ///< electrons of the well below which counts are held at 0,
+  double most_e = mtf::kInfinity;    ///< and from which on they are held at the largest one
+  double prnu = 0.0;                 ///< rms, fraction of the electrons of light
+  double dsnu_e = 0.0;               ///< rms
+};
+
+/// Mean electrons of a pixel, and how they scatter.
+struct PixelScatter {
+  double mean_e = 0.0;
+  double well_e = 0.0;       ///< rms in the well: shot noise, responsivity
+  double converter_e = 0.0;  ///< rms before the converter: all noise
+};
+
+/// The end of the range that holds most of the values.
+struct Saturation {
+  RangeEnd end = RangeEnd::none;  ///< none where no end holds values
+  double mean_e = 0.0, end_e = 0.0;
+  double sigmas = mtf::kInfinity;  ///< from the mean to that end, in standard deviations
+  double held = 0.0;               ///< share of the values that are held at any end
+
+  bool saturated() const { return held >= 0.5; }
+};
+
+/// What an end x standard deviations away leaves of the slope of the mean and of the standard deviation, both 1 without
+/// it. Their quotient is by how much a NETD is too good.
+struct HeldScatter {
+  double slope = 1.0, sd = 1.0;
+};
+HeldScatter held_scatter(double x);
+
+Saturation saturation_of(const PixelScatter& pixel, const PixelRange& range, double full_well_e);
+
+/// Numbers for messages: three digits; two digits that are not more than a value above 0, so that a limit that is
+/// written is kept.
+std::string three_digits(double value);
+std::string at_most(double value);
+
+/// What is held where, and which setting to change; "" where it changes no figure by 1e-4: the ends are 4 sigma away.
+std::string words(const Saturation& saturation);
+
+/// Pixels of frames that are held at an end of the range.
+struct HeldPixels {
+  std::int64_t pixels = 0;  ///< of which
+  std::int64_t full_well = 0, most_count = 0, least_count = 0;
+
+  /// Of the end that holds most: pixels at the full well may be at the largest count too.
+  double share() const;
+  bool any() const { return full_well > 0 || most_count > 0 || least_count > 0; }
+  HeldPixels& operator+=(const HeldPixels& other);
+  friend bool operator==(const HeldPixels&, const HeldPixels&) = default;
+};
+
+/// "12 % of the pixels (9830 of 81920) at the full well, 6 % (4920) at the converter's largest count"; "" where none is
+/// held.
+std::string where_held(const HeldPixels& held);
+/// The same as a warning, with the setting to change.
+std::string words(const HeldPixels& held);
+
+}  // namespace radiometry

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// A full well or a clipped converter is said: by `mtf budget` in place of its figures, by `mtf simulate` beside its
+// image. The camera is that of `mtf demo`, which fills half of its well in 2 ms at 288 K.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/command.h"
+
+namespace apps_test {
+namespace {
+
+using Json = nlohmann::json;
+
+class SaturatedCamera : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    demo = std::make_unique<Scratch>();
+    ASSERT_EQ(demo->run("mtf demo -o d").status, 0);
+  }
+  static void TearDownTestSuite() { demo.reset(); }
+
+  /// camera.toml with other texts as NAME.
+  static void camera(const std::string& name,
+                     std::initializer_list<std::pair<std::string_view, std::string_view>> changes) {
+    std::string text = read_file(*demo / "d/camera.toml");
+    for (const auto& [from, to] : changes) {
+      ASSERT_NE(text.find(from), std::string::npos) << from;
+      text.replace(text.find(from), from.size(), to);
+    }
+    write_file(*demo / name, text);
+  }
+  static Json report(const std::string& name) { return Json::parse(read_file(*demo / name)); }
+  static bool has(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+  static std::unique_ptr<Scratch> demo;
+};
+std::unique_ptr<Scratch> SaturatedCamera::demo;
+
+constexpr std::pair<std::string_view, std::string_view> kNoCorrection{"[correction]", "[agc]\n#"},
+    kFrames{"frames = 8", ""}, k4ms{"\"2 ms\"", "\"4 ms\""}, k20ms{"\"2 ms\"", "\"20 ms\""};
+
+TEST_F(SaturatedCamera, TheBudgetRefusesItsFiguresAndKeepsWhatIsTrue) {
+  camera("4ms.toml", {k4ms});
+  const Result json = demo->run("mtf budget 4ms.toml --temperature 288 --format json");
+  ASSERT_EQ(json.status, 0);
+  EXPECT_TRUE(has(json.err, "warning: saturated")) << json.err;
+  const Json budget = Json::parse(json.out);
+  EXPECT_EQ(budget["saturation"]["saturated"], true);
+  EXPECT_EQ(budget["saturation"]["end"], "full_well");
+  EXPECT_TRUE(has(budget["saturation"]["reason"], "to less than 0.91 of what it is"));  // 1 / 1.0927
+  const Json& terms = budget["terms"];
+  for (const char* name : {"snr", "netd", "shot_netd", "spatial_netd", "nei", "dstar", "temporal"}) {
+    EXPECT_TRUE(terms[name]["value"].is_null()) << name;
+    EXPECT_TRUE(has(terms[name]["reason"], "saturated")) << name;
+  }
+  EXPECT_NEAR(terms["well_fill"]["value"].get<double>(), 1.0927, 1e-4);
+  EXPECT_EQ(terms["read"]["value"], 150.0);
+  EXPECT_FALSE(terms["read"].contains("reason"));
+  const std::string table = demo->run("mtf budget 4ms.toml --temperature 288").out;
+  EXPECT_TRUE(has(table, "netd              saturated  mK")) << table;
+  EXPECT_TRUE(has(table, "\nsaturated: 100 % of the values are held at the full well of 2e+06 e-")) << table;
+  const std::string csv = demo->run("mtf budget 4ms.toml --temperature 288 --format csv").out;
+  EXPECT_TRUE(has(csv, "term,value,unit,doc,reason\n")) << csv;
+  EXPECT_TRUE(has(csv, "snr,,,scene / temporal noise,\"saturated")) << csv;
+}
+
+TEST_F(SaturatedCamera, TheBudgetSeesBothEndsOfTheConverter) {
+  for (const auto& [adc, end, change] :
+       {std::tuple{"bits = 14\nelectrons_per_count = \"50 e-\"", "most_count", "raise adc.electrons_per_count"},
+        {"bits = 14\noffset = -12000", "least_count", "raise adc.offset"}}) {
+    camera("adc.toml", {{"bits = 14", adc}});
+    const Json budget = Json::parse(demo->run("mtf budget adc.toml --temperature 288 --format json").out);
+    EXPECT_EQ(budget["saturation"]["end"], end);
+    EXPECT_TRUE(budget["terms"]["netd"]["value"].is_null());
+    EXPECT_TRUE(has(budget["terms"]["netd"]["reason"], change)) << budget["terms"]["netd"]["reason"];
+    EXPECT_GT(budget["terms"]["scene"]["value"], 7e5);
+  }
+}
+
+TEST_F(SaturatedCamera, ABudgetCloseToAnEndHasANote) {
+  camera("near.toml", {{"\"2 ms\"", "\"3.6 ms\""}});  // 0.983 of the well; pixels differ by 2 %
+  const Result near = demo->run("mtf budget near.toml --temperature 288 --format json");
+  const Json budget = Json::parse(near.out);
+  EXPECT_EQ(budget["saturation"]["saturated"], false);
+  EXPECT_TRUE(has(budget["saturation"]["note"], "near saturation"));
+  EXPECT_TRUE(has(near.err, "note: near saturation"));
+  EXPECT_TRUE(budget["terms"]["netd"]["value"].is_number());
+  const Result fine = demo->run("mtf budget d/camera.toml --temperature 288 --format json");
+  EXPECT_EQ(fine.err, "");
+  EXPECT_FALSE(Json::parse(fine.out)["saturation"].contains("note"));
+}
+
+TEST_F(SaturatedCamera, SimulateWarnsWithTheShareAndTheSetting) {
+  camera("20ms.toml", {k20ms, kNoCorrection, kFrames});
+  const Result r = demo->run("mtf simulate 20ms.toml d/thermal.exr -o full.exr --tap dn --report r.json");
+  ASSERT_EQ(r.status, 0) << r.err;
+  EXPECT_TRUE(has(r.err, "warning: saturated: 100 % of the pixels")) << r.err;
+  EXPECT_TRUE(has(r.err, "frame.integration_time")) << r.err;
+  const Json json = report("r.json"), &saturation = json["chain"]["saturation"];
+  EXPECT_EQ(saturation["share"], 1.0);
+  EXPECT_EQ(saturation["at_full_well"], saturation["pixels"]);
+  EXPECT_TRUE(has(json["warnings"].back(), "saturated"));
+  // Dead pixels are none of them.
+  EXPECT_GT(saturation["defective_or_blinking"]["pixels"], 0);
+  EXPECT_EQ(saturation["defective_or_blinking"]["at_full_well"], 0);
+  const Result one =
+      demo->run("mtf simulate 20ms.toml d/thermal.exr -o one.exr --tap dn --report one.json --threads 1");
+  EXPECT_EQ(report("one.json")["chain"]["saturation"], saturation);
+}
+
+TEST_F(SaturatedCamera, SimulateIsSilentWhereOnlyDefectsAreStuck) {
+  camera("hot.toml", {{"\"2 ms\"", "\"1 ms\""}, {"dead_fraction = 0.0005", "hot_fraction = 0.001\nhot = \"50 Me-\""}});
+  const Result r = demo->run("mtf simulate hot.toml d/thermal.exr -o hot.exr --report hot.json");
+  ASSERT_EQ(r.status, 0) << r.err;
+  EXPECT_FALSE(has(r.err, "saturated")) << r.err;
+  const Json saturation = report("hot.json")["chain"]["saturation"];
+  EXPECT_EQ(saturation["share"], 0.0);
+  EXPECT_TRUE(saturation["warning"].is_null());
+  EXPECT_GT(saturation["defective_or_blinking"]["at_full_well"], 10);
+}
+
+TEST_F(SaturatedCamera, ASequenceCountsFrameByFrame) {
+  camera("s.toml", {{"\"2 ms\"", "\"1 ms\""}, kNoCorrection, kFrames});
+  write_file(*demo / "plan.csv",
+             "frame,parameter,value\n2,frame.integration_time,20 ms\n4,frame.integration_time,1 ms\n");
+  const Result r = demo->run(
+      "mtf simulate s.toml d/thermal.exr -o f.%d.exr --tap dn --schedule plan.csv --frames 1:4 --report s.json");
+  ASSERT_EQ(r.status, 0) << r.err;
+  EXPECT_TRUE(has(r.err, "warning: 2 of 4 frames with saturated pixels, the most in 2: saturated: 100 %")) << r.err;
+  const Json json = report("s.json"), &frames = json["sequence"]["saturated_frames"];
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_EQ(frames[0]["frame"], 2);
+  EXPECT_EQ(frames[1]["frame"], 3);
+  EXPECT_EQ(frames[0]["at_full_well"], frames[0]["pixels"]);
+  EXPECT_EQ(json["chain"]["saturation"]["at_full_well"], 2 * frames[0]["pixels"].get<int>());
+  EXPECT_EQ(json["chain"]["pixels_at_full_well"], 2 * frames[0]["pixels"].get<int>());
+  EXPECT_NEAR(json["chain"]["saturation"]["share"].get<double>(), 0.5, 1e-12);
+}
+
+TEST_F(SaturatedCamera, TheCorrectionNamesTheCause) {
+  camera("c.toml", {k20ms});
+  const Result r = demo->run("mtf simulate c.toml d/thermal.exr -o c.exr");
+  EXPECT_EQ(r.status, 2);
+  for (const char* part : {"[correction]", "warm optics, stop and dark current fill 0.714 of it",
+                           "shorten frame.integration_time to less than 0.28", "The scene is saturated too: 100 %"})
+    EXPECT_TRUE(has(r.err, part)) << part << "\n" << r.err;
+  EXPECT_FALSE(fs::exists(*demo / "c.exr"));
+}
+
+}  // namespace
+}  // namespace apps_test
