@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kSpreadOverFront = 6;  // designs of the front that get a sensor file
-constexpr std::int64_t kLookedAt = 64;       // designs after which an evaluator can say what neighbours share
+constexpr std::int64_t kLookedAt = 64;       // designs after which an evaluator can say what they share and lack
 constexpr double kAccuracySeconds = 3.0;     // for the table of error against time
 constexpr double kActiveShare = 0.01;
 
@@ -92,7 +92,10 @@ void ask_evaluator(SweepReport& report) {
   const study::Study& study = *report.sweep->study;
   study::Evaluator evaluator(report.sweep->study);
   std::vector<double> row(report.sweep->columns.size());
-  for (std::int64_t design = 0; design < std::min(kLookedAt, study.designs); ++design) evaluator.evaluate(design, row);
+  // From all over the study: what is saturated or impossible may be at one end of it only.
+  const std::int64_t some = std::min(kLookedAt, study.designs);
+  for (std::int64_t i = 0; i < some; ++i)
+    evaluator.evaluate(i * (study.designs - 1) / std::max<std::int64_t>(some - 1, 1), row);
   report.gaps = evaluator.gaps();
   for (const std::string& text : evaluator.skipped()) report.skipped.push_back(text);
   report.chosen = choose(report);

@@ -58,8 +58,10 @@ class DesignProblem {
   DesignSlopes slopes(std::span<const double> z);
   /// True when every constraint holds and F is a number.
   bool feasible(const DesignPoint& point) const;
-  /// Of the last point.
-  const std::string& problem() const { return evaluator_.last_problem(); }
+  /// Of the last point: why it can be no design, or has no F.
+  const std::string& problem() const {
+    return evaluator_.last_problem().empty() ? evaluator_.last_refusal() : evaluator_.last_problem();
+  }
   std::span<const Sides> sides() const { return evaluator_.last_sides(); }
   std::span<const double> objectives() const { return evaluator_.last_objectives(); }
   std::span<const double> row() const { return row_; }

@@ -71,6 +71,7 @@ class DesignWork {
     if (plan_->resolution) design_.resolution = meter_.measure(system_);
     design_.budget.reset();
     if (plan_->budget && variant_->loaded) design_.budget = budget(spectral);
+    const bool saturated = design_.budget && design_.budget->saturation.saturated();
     if (plan_->giqe) design_.noise_gain = noise_gain();
     design_.ranges.reset();
     refusal_.clear();
@@ -85,10 +86,12 @@ class DesignWork {
         return false;
       }
     };
-    if (plan_->range && design_.budget) taken([this] { design_.ranges = range_figures(design_); });
+    if (plan_->range && design_.budget && !saturated) taken([this] { design_.ranges = range_figures(design_); });
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!taken([&] { values[i] = metric_value(plan_->choices[i], design_, plan_->at[i]); }))
         values[i] = detail::not_there<S>();
+    const auto has_none = [](const S& value) { return std::isnan(mtf::value_of(value)); };
+    if (saturated && std::any_of(values.begin(), values.end(), has_none)) refusal_ = words(design_.budget->saturation);
   }
   /// Why a metric of the last design has no number, "" where all models took it.
   const std::string& refusal() const { return refusal_; }

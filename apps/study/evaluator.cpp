@@ -66,7 +66,7 @@ struct Evaluator::Impl {
   std::vector<int> levels{};
   std::uint64_t uses = 0;
   bool valid = false;
-  std::string problem{}, first_problem{}, first_refusal{};
+  std::string problem{}, refusal{}, first_problem{}, first_refusal{};
 
   explicit Impl(std::shared_ptr<const Study> s) : study(std::move(s)), plan(plan_metrics(*study, study->tolerance)) {
     axis_values.resize(study->axes.size());
@@ -166,6 +166,7 @@ bool Evaluator::Impl::set_system(Ready& variant) {
 void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<double> row,
                                   std::span<const double> shift) {
   problem.clear();
+  refusal.clear();
   Ready& variant = ready(values);
   std::fill(metrics.begin(), metrics.end(), kNan);
   std::fill(parameters.begin(), parameters.end(), kNan);
@@ -192,7 +193,8 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
       }
       variant.work->metrics(*spectral, metrics);
       error = variant.work->error();
-      if (first_refusal.empty()) first_refusal = variant.work->refusal();
+      refusal = variant.work->refusal();
+      if (first_refusal.empty()) first_refusal = refusal;
     } catch (const mtf::UsageError& refused) {
       problem = refused.what();
       std::fill(metrics.begin(), metrics.end(), kNan);
@@ -244,6 +246,7 @@ void Evaluator::evaluate_at(std::span<const double> axis_values, std::span<doubl
 
 const std::string& Evaluator::last_problem() const { return impl_->problem; }
 bool Evaluator::last_valid() const { return impl_->valid; }
+const std::string& Evaluator::last_refusal() const { return impl_->refusal; }
 std::span<const double> Evaluator::last_objectives() const { return impl_->objectives; }
 std::span<const Sides> Evaluator::last_sides() const { return impl_->sides; }
 

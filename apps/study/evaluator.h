@@ -60,6 +60,8 @@ class Evaluator {
   const std::string& last_problem() const;  ///< "" when the last design was fine
   /// The last design is a sensor, and its objectives and both sides of its constraints are finite.
   bool last_valid() const;
+  /// Why a metric of the last design has no number where others have theirs (it is saturated, a model refuses it).
+  const std::string& last_refusal() const;
   /// Of the last design that was evaluated: all objectives as shown, and the sides of the constraints.
   std::span<const double> last_objectives() const;
   std::span<const Sides> last_sides() const;

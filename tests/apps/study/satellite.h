@@ -18,6 +18,8 @@ focal_length = "4 m"
 pitch = "8 um"
 format = [4096, 512]
 integration_time = "1 ms"
+[scene]
+emissivity = 2.1e-6  # the sun's light on the ground: as in notebooks-data/studies/satellite.toml
 [optics]
 f_number = 12.0
 transmission = 0.8

@@ -37,8 +37,9 @@ TEST(Evaluator, RerAndNiirsOfGaussianSystemsAreClosedForms) {
   for (const double s : {0.3, 0.5, 1.0}) {
     const Folder folder;
     std::string camera = study_test::kCamera;
-    camera = camera.substr(0, camera.find("[[presample]]")) + "[[presample]]\nkind = \"gaussian\"\nsigma = \"" +
-             std::to_string(8.0 * s) + " um\"\n";
+    camera = camera.substr(0, camera.find("[[presample]]")) +
+             "[scene]\nemissivity = 2.1e-6\n[[presample]]\nkind = \"gaussian\"\nsigma = \"" + std::to_string(8.0 * s) +
+             " um\"\n";
     folder.write("camera.toml", camera);
     Evaluated e =
         evaluated(folder, with_metrics(R"("rer", "niirs_giqe5", "target_snr", "gsd")", "tolerance = 1e-11\n") +
@@ -122,6 +123,7 @@ TEST(Evaluator, DerivativesGoThroughTablesLinksAndSpectra) {
   camera.replace(camera.find("transmission = 0.8"), 18,
                  "transmission = 0.8\nemissivity = 0.1\ntemperature = \"290 K\"\nstop_temperature = \"250 K\"");
   camera.replace(camera.find("\"0.5 um\", \"0.7 um\""), 18, "\"8 um\", \"12 um\"");
+  camera.replace(camera.find("\"20 e-\"\n[[presample]]"), 7, "\"100 ke-\"");  // else the converter is saturated
   const std::string aberrated = "kind = \"wavefront\"\nzernike = [0.0, 0.0, 0.0, 0.05]";
   camera.replace(camera.find(aberrated), aberrated.size(), "kind = \"diffraction\"\nwavelength = \"10 um\"");
   folder.write("camera.toml", camera + "[path]\ntransmission = 0.7\nradiance = 0.5\n[nonuniformity]\nprnu = 0.001\n");
@@ -206,6 +208,50 @@ TEST(Evaluator, AModelThatRefusesLeavesTheOtherMetricsTheirNumbers) {
   EXPECT_TRUE(std::any_of(told.begin(), told.end(), [](const std::string& sentence) {
     return sentence.find("metrics without a number") != std::string::npos &&
            sentence.find("snr_threshold") != std::string::npos;
+  }));
+}
+
+// The longest time would have the least NETD; at 300 K the well is full then.
+TEST(Evaluator, ASaturatedDesignHasNoSensitivityAndSaysWhy) {
+  const Folder folder;
+  std::string camera = study_test::kCamera;
+  camera.replace(camera.find("[\"0.5 um\", \"0.7 um\"]"), 20, "[\"8 um\", \"12 um\"]");
+  const std::string aberrated = "kind = \"wavefront\"\nzernike = [0.0, 0.0, 0.0, 0.05]";
+  camera.replace(camera.find(aberrated), aberrated.size(), "kind = \"diffraction\"\nwavelength = \"10 um\"");
+  camera.replace(camera.find("read_noise"), 0, "full_well = \"10 Me-\"\n");
+  camera.replace(camera.find("electrons_per_count"), camera.npos,
+                 "offset = 0\n" + camera.substr(camera.find("[[presample]]")));
+  folder.write("camera.toml", camera);
+  Evaluated e = evaluated(folder, study_test::kHead + R"(objectives = ["minimize netd"]
+constraints = ["well_fill < 100"]
+[[axis]]
+parameter = "frame.integration_time"
+values = ["0.1 ms", "1 ms", "100 ms"]
+[metrics]
+list = ["netd", "snr", "nei", "spatial_netd", "target_snr", "temporal_noise", "mrtd", "signal", "read_noise", "rer"]
+[conditions]
+contrast = "2 K"
+)");
+  e.at(0);
+  ASSERT_LT(e["well_fill"], 1.0);
+  EXPECT_TRUE(std::isfinite(e["netd"]));
+  EXPECT_EQ(e.evaluator->last_refusal(), "");
+  const double signal = e["signal"];
+  e.at(2);
+  ASSERT_GT(e["well_fill"], 1.0);
+  for (const char* name : {"netd", "snr", "nei", "spatial_netd", "target_snr", "temporal_noise", "mrtd"})
+    EXPECT_TRUE(std::isnan(e[name])) << name;
+  EXPECT_NEAR(e["signal"] / signal, 1000.0, 1e-9);
+  EXPECT_EQ(e["read_noise"], 20.0);
+  EXPECT_TRUE(std::isfinite(e["rer"]));
+  EXPECT_EQ(e.evaluator->last_problem(), "");
+  EXPECT_NE(e.evaluator->last_refusal().find("saturated"), std::string::npos);
+  const study::Gradient gradient = e.evaluator->gradient_at(std::vector{e["frame.integration_time"]});
+  EXPECT_TRUE(std::isnan(gradient.objective.front()));
+  EXPECT_TRUE(std::isfinite(gradient.margin.front()));
+  const auto told = e.evaluator->skipped();
+  EXPECT_TRUE(std::any_of(told.begin(), told.end(), [](const std::string& sentence) {
+    return sentence.find("metrics without a number; the first: saturated") != std::string::npos;
   }));
 }
 
