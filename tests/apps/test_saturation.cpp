@@ -60,7 +60,7 @@ TEST_F(SaturatedCamera, TheBudgetRefusesItsFiguresAndKeepsWhatIsTrue) {
   EXPECT_EQ(terms["read"]["value"], 150.0);
   EXPECT_FALSE(terms["read"].contains("reason"));
   const std::string table = demo->run("mtf budget 4ms.toml --temperature 288").out;
-  EXPECT_TRUE(has(table, "netd              saturated  mK")) << table;
+  EXPECT_TRUE(has(table, "netd                saturated  mK")) << table;
   EXPECT_TRUE(has(table, "\nsaturated: 100 % of the values are held at the full well of 2e+06 e-")) << table;
   const std::string csv = demo->run("mtf budget 4ms.toml --temperature 288 --format csv").out;
   EXPECT_TRUE(has(csv, "term,value,unit,doc,reason\n")) << csv;
@@ -70,7 +70,7 @@ TEST_F(SaturatedCamera, TheBudgetRefusesItsFiguresAndKeepsWhatIsTrue) {
 TEST_F(SaturatedCamera, TheBudgetSeesBothEndsOfTheConverter) {
   for (const auto& [adc, end, change] :
        {std::tuple{"bits = 14\nelectrons_per_count = \"50 e-\"", "most_count", "raise adc.electrons_per_count"},
-        {"bits = 14\noffset = -12000", "least_count", "raise adc.offset"}}) {
+        {"bits = 14\noffset = -30000", "least_count", "raise adc.offset"}}) {
     camera("adc.toml", {{"bits = 14", adc}});
     const Json budget = Json::parse(demo->run("mtf budget adc.toml --temperature 288 --format json").out);
     EXPECT_EQ(budget["saturation"]["end"], end);
@@ -112,7 +112,8 @@ TEST_F(SaturatedCamera, SimulateWarnsWithTheShareAndTheSetting) {
 }
 
 TEST_F(SaturatedCamera, SimulateIsSilentWhereOnlyDefectsAreStuck) {
-  camera("hot.toml", {{"\"2 ms\"", "\"1 ms\""}, {"dead_fraction = 0.0005", "hot_fraction = 0.001\nhot = \"50 Me-\""}});
+  camera("hot.toml",
+         {{"\"2 Me-\"", "\"1000 Me-\""}, {"dead_fraction = 0.0005", "hot_fraction = 0.001\nhot = \"50000 Me-\""}});
   const Result r = demo->run("mtf simulate hot.toml d/thermal.exr -o hot.exr --report hot.json");
   ASSERT_EQ(r.status, 0) << r.err;
   EXPECT_FALSE(has(r.err, "saturated")) << r.err;
@@ -123,9 +124,8 @@ TEST_F(SaturatedCamera, SimulateIsSilentWhereOnlyDefectsAreStuck) {
 }
 
 TEST_F(SaturatedCamera, ASequenceCountsFrameByFrame) {
-  camera("s.toml", {{"\"2 ms\"", "\"1 ms\""}, kNoCorrection, kFrames});
-  write_file(*demo / "plan.csv",
-             "frame,parameter,value\n2,frame.integration_time,20 ms\n4,frame.integration_time,1 ms\n");
+  camera("s.toml", {{"\"2 Me-\"", "\"1000 Me-\""}, kNoCorrection, kFrames});
+  write_file(*demo / "plan.csv", "frame,parameter,value\n2,detector.full_well,20 ke-\n4,detector.full_well,1000 Me-\n");
   const Result r = demo->run(
       "mtf simulate s.toml d/thermal.exr -o f.%d.exr --tap dn --schedule plan.csv --frames 1:4 --report s.json");
   ASSERT_EQ(r.status, 0) << r.err;
