@@ -62,13 +62,15 @@ bool like_normal(const ProfileEnds& ends, const Variable& v, double x, double sd
 }
 
 /// The verdict on a parameter that has a profile, a flat bound being near to it or to a partner.
-void judge_by_profile(FittedParameter& p, double best, bool normal, const FlatBound* own, const ProfileEnds& ends) {
+void judge_by_profile(FittedParameter& p, const Variable& v, double best, bool normal, const FlatBound* own,
+                      const ProfileEnds& ends) {
   if (own != nullptr && own->reached) {
     const bool from_low = own->inward > 0.0;
     const bool has_limit = from_low ? !ends.high_open : !ends.low_open;
     p.knowledge = has_limit ? Knowledge::at_bound : Knowledge::not_determined;
     p.limit95 = has_limit ? std::optional(from_low ? ends.upper95 : ends.lower95) : std::nullopt;
     p.limit_is_upper = from_low;
+    p.value = v.value(own->bound);
     p.stderr_value.reset();
     p.pressed_sd = 0.0;
     return;
@@ -124,7 +126,7 @@ void report_intervals(FitProblem& problem, const Solved& solved, std::span<const
     const auto own = std::find_if(flat.begin(), flat.end(), [&](const FlatBound& f) { return f.parameter == i; });
     const auto index = static_cast<Eigen::Index>(i);
     const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
-    judge_by_profile(p, v.value(x), like_normal(*ends, v, x, sd), own == flat.end() ? nullptr : &*own, *ends);
+    judge_by_profile(p, v, v.value(x), like_normal(*ends, v, x, sd), own == flat.end() ? nullptr : &*own, *ends);
   }
   for (const FlatBound& f : flat) {
     if (!f.reached) continue;

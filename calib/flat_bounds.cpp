@@ -59,11 +59,10 @@ std::optional<FlatBound> flat_bound(FitProblem& problem, const Solved& solved, s
   flat.off = away;
   double effect = here;
   if (effect < kSeen_sd) {
-    // From the unit of x, if it acts there; it may be far too large where x started without effect.
-    effect = seen(flat.off = std::min(1.0, 0.5 * range));
-    if (!(effect >= kSeen_sd))
-      for (flat.off = kSmallest_x; !(effect >= kSeen_sd) && 4.0 * flat.off < std::min(range, kNear_x);)
-        effect = seen(flat.off *= 4.0);
+    // Upwards: far out the effect may have come to its end.
+    const double most = std::min(range, kNear_x);
+    for (flat.off = kSmallest_x; !(effect >= kSeen_sd) && flat.off < most;)
+      effect = seen(flat.off = std::min(4.0 * flat.off, most));
     while (effect > kClearly_sd) effect = seen(flat.off *= 0.5);
   }
   if (!(effect >= kSeen_sd)) return std::nullopt;  // no effect at all, or none that can be computed

@@ -12,9 +12,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "mtf/split_mean.h"
 #include "mtf/components/field.h"
 #include "mtf/resolution.h"
+#include "mtf/split_mean.h"
 
 namespace mtf {
 

@@ -153,6 +153,7 @@ class OtfSampler {
     Freq<double> direction;
     RadialTable table;
   };
+  static std::string join_labels(const std::vector<const Entry<double>*>& entries);
   void sort_components();
   double scene_cost(const Entry<double>& entry) const;
   void bound_correction();

@@ -141,7 +141,7 @@ struct SplitMean {
 /// Stops at the tolerance, or at some thousands of wavelengths.
 template <class S, std::size_t N, class At>
 SplitMean<S, N> split_mean(BandWeights& weights, std::span<const double> kinks_um, double end_um, double tolerance,
-                         At at) {
+                           At at) {
   constexpr int kMostValues = 4000;
   constexpr double kFloor = 1e-14;  // rounding of the values
   const double end = std::min(end_um, weights.hi_um());

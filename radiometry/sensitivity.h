@@ -137,8 +137,8 @@ void refuse_saturated(Budget<S>& b) {
   const S none(std::numeric_limits<double>::quiet_NaN());
   for (S Budget<S>::*figure :
        {&Budget<S>::signal_per_k, &Budget<S>::scene_shot_e, &Budget<S>::background_shot_e, &Budget<S>::dark_shot_e,
-        &Budget<S>::temporal_e, &Budget<S>::prnu_e, &Budget<S>::correction_e, &Budget<S>::spatial_e, &Budget<S>::snr,
-        &Budget<S>::shot_netd_k, &Budget<S>::netd_k, &Budget<S>::spatial_netd_k, &Budget<S>::nei_ph})
+        &Budget<S>::temporal_e, &Budget<S>::prnu_e, &Budget<S>::spatial_e, &Budget<S>::snr, &Budget<S>::shot_netd_k,
+        &Budget<S>::netd_k, &Budget<S>::spatial_netd_k, &Budget<S>::nei_ph})
     b.*figure = none;
   // The dark current alone may be too much.
   const Saturation& s = b.saturation;

@@ -80,7 +80,10 @@ Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& sett
       budget.prnu_e = budget.dsnu_e = budget.correction_e = S(std::numeric_limits<double>::quiet_NaN());
       set_spatial(budget);
     }
-    if (budget.saturation.saturated()) refuse_saturated(budget);
+    if (budget.saturation.saturated()) {  // nor has what the flat frames leave at a charge that follows no scene
+      refuse_saturated(budget);
+      budget.dsnu_e = budget.correction_e = S(std::numeric_limits<double>::quiet_NaN());
+    }
   }
   return budget;
 }

@@ -190,7 +190,7 @@ TEST(FitCommand, AModelThatDoesNotDescribeTheDataIsAFailedCheck) {
   const std::string command =
       "mtf fit fit.toml edge.exr -o fitted.toml --report fit.json --plot fit.svg --residuals residuals --format json";
   const auto all_written = [&] {
-    for (const char* file : {"fitted.toml", "fit.json", "fit.csv", "residuals/residual-1.exr"})
+    for (const char* file : {"fitted.toml", "fit.json", "fit.svg.csv", "residuals/residual-1.exr"})
       EXPECT_TRUE(std::filesystem::exists(scratch / file)) << file;
   };
   const Result wrong = scratch.run(command);
@@ -198,7 +198,7 @@ TEST(FitCommand, AModelThatDoesNotDescribeTheDataIsAFailedCheck) {
   EXPECT_EQ(Json::parse(wrong.out).at("status"), "converged_model_wrong");
   EXPECT_NE(wrong.err.find("--allow-misfit"), std::string::npos) << wrong.err;
   all_written();
-  for (const char* file : {"fitted.toml", "fit.json", "fit.csv", "residuals"})
+  for (const char* file : {"fitted.toml", "fit.json", "fit.svg.csv", "residuals"})
     std::filesystem::remove_all(scratch / file);
   const Result allowed = scratch.run(command + " --allow-misfit");
   EXPECT_EQ(allowed.status, 0) << allowed.err;

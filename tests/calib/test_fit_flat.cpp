@@ -41,6 +41,18 @@ FitResult one_fit(const Case& one, const FitOptions& options = {}) {
   return std::move(outcome.results.front());
 }
 
+TEST(FitFlat, AStartAtTheBoundIsLeft) {
+  Case one = flat_study::diffusion(4.0);
+  const FitResult off = one_fit(one);
+  one.fitted[1].start = 1e-6;
+  const FitResult at = one_fit(one);
+  for (std::size_t i = 0; i < 2; ++i) {
+    // The same minimum: to a twentieth of a standard deviation.
+    EXPECT_NEAR(at.parameters[i].value, off.parameters[i].value, 0.05 * off.parameters[i].linear_sd) << i;
+    EXPECT_EQ(at.parameters[i].knowledge, off.parameters[i].knowledge) << i;
+  }
+}
+
 TEST(FitFlat, AParameterThatActsInProportionIsLeftAlone) {
   // A jitter that may be 0 is fitted as its square: its standard error stands, and there is no profile.
   const FitResult result = one_fit(flat_study::lens_and_jitter(1.5));

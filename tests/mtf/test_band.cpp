@@ -141,8 +141,9 @@ TEST(Band, kinks_of_chromatic_components_go_with_one_over_wavelength) {
     const std::vector<double> twice = component.kinks_cy_mm(c.system.context(8.0));
     ASSERT_EQ(kinks.size(), twice.size()) << c.name;
     for (std::size_t i = 0; i < kinks.size(); ++i) EXPECT_NEAR(twice[i] / kinks[i], 0.5, 1e-12) << c.name;
-    if (const double cutoff = component.cutoff_cy_mm(c.system.context(4.0)); std::isfinite(cutoff))
+    if (const double cutoff = component.cutoff_cy_mm(c.system.context(4.0)); std::isfinite(cutoff)) {
       EXPECT_EQ(kinks.back(), cutoff) << c.name;
+    }
   }
 }
 

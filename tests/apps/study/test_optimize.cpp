@@ -261,7 +261,6 @@ TEST_F(Optimize, Refusals) {
   refused(goals("\"minimize x\", \"minimize y\"") + axes, {.weights = {1.0}}, "1 weights for 2");
   refused(goals("\"minimize x\"") + axes, {.weights = {0.0}}, "all are 0");
   refused(goals("\"minimize x\"") + axes, {.weights = {-1.0}}, ">= 0");
-  refused(goals("\"minimize gsd\"") + axes, {.weights = {1.0}}, "range");
   std::string levels = "1";
   for (int i = 2; i <= 15; ++i) levels += ", " + std::to_string(i);
   refused(goals("\"minimize x\"") + "[[axis]]\nparameter = \"adc.bits\"\nvalues = [" + levels +
