@@ -56,7 +56,7 @@ Direction make_direction(const mtf::Frame<double>& frame, const std::string& uni
 }
 
 bool has_coarse_average(const OtfColumn& column) {
-  return std::any_of(column.error.begin(), column.error.end(), [](double e) { return e > mtf::kBandError; });
+  return std::any_of(column.error.begin(), column.error.end(), [](double e) { return !(e <= mtf::kBandError); });
 }
 
 CurveValues curve_values(const System<double>& system, const Direction& direction, std::vector<double> frequency) {

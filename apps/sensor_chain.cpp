@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/sensor_chain.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -194,6 +195,10 @@ mtf::System<double> with_electron_rate(const mtf::System<double>& system, const 
   const bool even = camera.optics.empty() && camera.cold_filter.empty() && camera.quantum_efficiency.empty() &&
                     loaded.sensor.path.transmission.value.size() <= 1;
   if (!system.band || (even && !loaded.source_k)) return system;
+  const auto chromatic = [&](const auto& entry) { return entry.component.traits(system.context()).chromatic; };
+  if (std::none_of(system.stages.begin(), system.stages.end(),
+                   [&](const auto& list) { return std::any_of(list.begin(), list.end(), chromatic); }))
+    return system;  // nothing is averaged
   mtf::System<double> weighted = system;
   const radiometry::SceneBand band = radiometry::scene_band(camera, loaded.sensor.path);
   const radiometry::BandResponse response(band.band, band.curves);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "mtf/quadrature.h"
@@ -34,44 +35,109 @@ struct Part {
 int panel_nodes(double begin_x, double end_x, double begin_um, double end_um, int n) {
   const double turns = static_cast<double>(n) * (std::acos(begin_x) - std::acos(end_x)) / pi;
   const double width = (end_um - begin_um) / begin_um;
-  return std::min(kMostGaussNodes, static_cast<int>(std::ceil(turns)) + (width > 0.02 ? 20 : width > 1e-3 ? 12 : 8));
+  return std::min(kMostGaussNodes, static_cast<int>(std::ceil(turns)) + (width > 0.02 ? 20 : width > 1e-3 ? 12 : 5));
 }
 
-// Weights of the interpolating rule: the integral of the rate times Lagrange's polynomials in x, in barycentric form.
-std::vector<double> rate_weights(const ElectronRate& rate, const Part& part, const GaussRule& rule) {
-  const std::size_t n = rule.node.size();
-  std::vector<double> barycentric(n), weight(n, 0.0), term(n);
-  for (std::size_t i = 0; i < n; ++i)
-    barycentric[i] = (i % 2 == 0 ? 1.0 : -1.0) * std::sqrt((1.0 - rule.node[i] * rule.node[i]) * rule.weight[i]);
-  const auto add = [&](double x, double amount) {
+// Integrals of a weight times Lagrange's polynomials through the nodes of a Gauss rule, in barycentric form.
+class LagrangeWeights {
+ public:
+  explicit LagrangeWeights(const GaussRule& rule) : node_(&rule.node), weight(rule.node.size(), 0.0) {
+    for (std::size_t i = 0; i < rule.node.size(); ++i)
+      barycentric_.push_back((i % 2 == 0 ? 1.0 : -1.0) *
+                             std::sqrt((1.0 - rule.node[i] * rule.node[i]) * rule.weight[i]));
+    term_.resize(rule.node.size());
+  }
+  void add(double x, double amount) {
+    const std::vector<double>& node = *node_;
     double sum = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double away = x - rule.node[i];
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      const double away = x - node[i];
       if (away == 0.0) {
         weight[i] += amount;
         return;
       }
-      sum += term[i] = barycentric[i] / away;
+      sum += term_[i] = barycentric_[i] / away;
     }
-    for (std::size_t i = 0; i < n; ++i) weight[i] += amount * term[i] / sum;
-  };
-  const auto first = std::upper_bound(rate.breaks_um.begin(), rate.breaks_um.end(), part.begin_um);
-  double begin_um = std::max(part.begin_um, rate.breaks_um.front());
-  for (auto next = first; next != rate.breaks_um.end() && begin_um < part.end_um; ++next) {
-    const double end_um = std::min(*next, part.end_um), begin_x = part.x_of(begin_um), end_x = part.x_of(end_um);
-    const GaussRule& panel =
-        gauss_legendre(panel_nodes(begin_x, end_x, begin_um, end_um, static_cast<int>(rule.node.size())));
+    for (std::size_t i = 0; i < node.size(); ++i) weight[i] += amount * term_[i] / sum;
+  }
+
+ private:
+  const std::vector<double>* node_;
+  std::vector<double> barycentric_, term_;
+
+ public:
+  std::vector<double> weight;
+};
+
+// The rate from begin to end, panel by panel. `x_of(lambda)`, `lambda_of(x)` and `slope(x)` = d lambda / dx.
+template <class Map>
+void add_panels(const ElectronRate& rate, const Map& map, double begin_um, double end_um, int n, LagrangeWeights& sum) {
+  const std::vector<double>& breaks = rate.breaks_um();
+  begin_um = std::max(begin_um, breaks.front());
+  auto next = std::upper_bound(breaks.begin(), breaks.end(), begin_um);
+  for (; next != breaks.end() && begin_um < end_um; ++next) {
+    const double to_um = std::min(*next, end_um), begin_x = map.x_of(begin_um), end_x = map.x_of(to_um);
+    const GaussRule& panel = gauss_legendre(panel_nodes(begin_x, end_x, begin_um, to_um, n));
     const double middle = 0.5 * (begin_x + end_x), half = 0.5 * (end_x - begin_x);
     for (std::size_t i = 0; i < panel.node.size(); ++i) {
       const double x = middle + half * panel.node[i];
-      add(x, half * panel.weight[i] * part.slope_um(x) * rate.density(part.wavelength_um(x)));
+      sum.add(x, half * panel.weight[i] * map.slope_um(x) * rate.density(map.wavelength_um(x)));
     }
-    begin_um = end_um;
+    begin_um = to_um;
   }
-  return weight;
+}
+
+/// lambda = middle + half x.
+struct Straight {
+  double begin_um, end_um;
+  double wavelength_um(double x) const { return begin_um + 0.5 * (end_um - begin_um) * (1.0 + x); }
+  double slope_um(double) const { return 0.5 * (end_um - begin_um); }
+  double x_of(double wavelength_um) const {
+    return std::clamp(2.0 * (wavelength_um - begin_um) / (end_um - begin_um) - 1.0, -1.0, 1.0);
+  }
+};
+
+// Blocks that lie well within the part by their own rules: half-integer powers at its ends are smooth there. The others
+// panel by panel.
+std::vector<double> rate_weights(const ElectronRate& rate, const Part& part, const GaussRule& rule) {
+  const int n = static_cast<int>(rule.node.size());
+  LagrangeWeights sum(rule);
+  double done_um = part.begin_um;
+  for (const ElectronRate::Block& block : rate.blocks()) {
+    const double width = block.end_um - block.begin_um;
+    if (block.begin_um < part.begin_um + width || block.end_um > part.end_um - width) continue;
+    const double turns = n * (std::acos(part.x_of(block.begin_um)) - std::acos(part.x_of(block.end_um))) / pi;
+    if (turns > 4.0) continue;  // polynomials of high degree turn too fast for its rule
+    add_panels(rate, part, done_um, block.begin_um, n, sum);
+    for (std::size_t i = 0; i < block.rule.weight.size(); ++i)
+      sum.add(part.x_of(block.rule.wavelength_um[i]), block.rule.weight[i]);
+    done_um = block.end_um;
+  }
+  add_panels(rate, part, done_um, part.end_um, n, sum);
+  return sum.weight;
 }
 
 }  // namespace
+
+ElectronRate::ElectronRate(std::function<WavelengthNodes(int n)> nodes,
+                           std::function<double(double wavelength_um)> density, std::vector<double> breaks_um)
+    : nodes_(std::move(nodes)), density_(std::move(density)), breaks_um_(std::move(breaks_um)) {
+  constexpr int kNodes = 20;  // the next half-integer power is a block's width away: 5.8^-20
+  constexpr std::size_t kBlocks = 48, kWorthIt = 4 * kBlocks;
+  if (breaks_um_.size() < kWorthIt) return;
+  const GaussRule& rule = gauss_legendre(kNodes);
+  const double lo = breaks_um_.front(), step = (breaks_um_.back() - lo) / static_cast<double>(kBlocks);
+  for (std::size_t i = 0; i < kBlocks; ++i) {
+    const Straight map{lo + step * static_cast<double>(i),
+                       i + 1 < kBlocks ? lo + step * static_cast<double>(i + 1) : breaks_um_.back()};
+    LagrangeWeights sum(rule);
+    add_panels(*this, map, map.begin_um, map.end_um, kNodes, sum);
+    Block block{map.begin_um, map.end_um, {}};
+    for (const double x : rule.node) block.rule.wavelength_um.push_back(map.wavelength_um(x));
+    block.rule.weight = std::move(sum.weight);
+    blocks_.push_back(std::move(block));
+  }
+}
 
 WavelengthNodes wavelength_nodes(const Band& band, int n) {
   if (band.rate) return band.rate->nodes(n);
@@ -118,6 +184,8 @@ const WavelengthNodes& BandRule::at(double r_cy_mm, WavelengthNodes& own) const 
     own.wavelength_um.insert(own.wavelength_um.end(), nodes.wavelength_um.begin(), nodes.wavelength_um.end());
     own.weight.insert(own.weight.end(), nodes.weight.begin(), nodes.weight.end());
   }
+  const double sum = std::accumulate(own.weight.begin(), own.weight.end(), 0.0);
+  for (double& weight : own.weight) weight /= sum;
   return own;
 }
 

@@ -23,12 +23,31 @@ struct WavelengthNodes {
 };
 
 /// The electrons over a band (radiometry/band_response.h makes it from curves and a source).
-struct ElectronRate {
-  std::function<WavelengthNodes(int n)> nodes;  ///< the Gauss rule of n nodes with this weight; positive weights
-  std::function<double(double wavelength_um)> density;  ///< share of the electrons per um
-  /// Rising, from the first wavelength with electrons to the last; between neighbours the density is a polynomial of
-  /// degree 8 at most, or Planck's law times one over a ratio of wavelengths of at most 1.15.
-  std::vector<double> breaks_um;
+class ElectronRate {
+ public:
+  /// `nodes(n)`: the Gauss rule of n nodes with this weight, positive weights. `density`: share of the electrons per
+  /// um. `breaks_um`: rising, from the first wavelength with electrons to the last; between neighbours the density is a
+  /// polynomial of degree 8 at most, or Planck's law times one over a ratio of wavelengths of at most 1.15.
+  ElectronRate(std::function<WavelengthNodes(int n)> nodes, std::function<double(double wavelength_um)> density,
+               std::vector<double> breaks_um);
+
+  WavelengthNodes nodes(int n) const { return nodes_(n); }
+  double density(double wavelength_um) const { return density_(wavelength_um); }
+  const std::vector<double>& breaks_um() const { return breaks_um_; }
+
+  /// A stretch of the band with a rule for functions that are smooth well beyond it: a curve of thousands of samples
+  /// costs no more than one of a few.
+  struct Block {
+    double begin_um, end_um;
+    WavelengthNodes rule;
+  };
+  const std::vector<Block>& blocks() const { return blocks_; }
+
+ private:
+  std::function<WavelengthNodes(int n)> nodes_;
+  std::function<double(double wavelength_um)> density_;
+  std::vector<double> breaks_um_;
+  std::vector<Block> blocks_;
 };
 
 /// Wavelength interval with electron-rate weights.

@@ -72,6 +72,7 @@ BandMean::BandMean(Function p, std::size_t width, const Band& band, std::vector<
       breaks_(std::move(breaks)),
       ends_(ends),
       across_panel_(kPoints) {
+  for (int n = kFewestNodes; n <= kMostNodes; n *= 2) whole_.push_back(part_nodes(band_, band_.lo_um, band_.hi_um, n));
   if (most_t > 0.0) tabulate(ends_ ? std::min(most_t, breaks_.back()) : most_t);
 }
 
@@ -184,8 +185,7 @@ void BandMean::look_up(double u, double wavelength_um, double weight, std::span<
 }
 
 // Adds the integral over a part of the band.
-void BandMean::add_rule(double t, double begin_um, double end_um, int nodes, std::span<double> sum) const {
-  const WavelengthNodes rule = part_nodes(band_, begin_um, end_um, nodes);
+void BandMean::add_rule(double t, const WavelengthNodes& rule, std::span<double> sum) const {
   std::vector<double> values(width_);
   for (std::size_t i = 0; i < rule.weight.size(); ++i) {
     if (wavelengths_ > 0 && t > 0.0) {
@@ -214,10 +214,15 @@ void BandMean::at(double t, std::span<double> mean) const {
   std::fill(mean.begin(), mean.end(), 0.0);
   for (std::size_t piece = 1; piece < ends.size(); ++piece) {
     std::vector<double> part(width_);
-    add_rule(t, ends[piece - 1], ends[piece], kFewestNodes, part);
+    const bool whole = ends[piece - 1] == band_.lo_um && ends[piece] == band_.hi_um;
+    const auto rule_of = [&](int nodes, std::size_t doublings) {
+      return whole ? whole_[doublings] : part_nodes(band_, ends[piece - 1], ends[piece], nodes);
+    };
+    add_rule(t, rule_of(kFewestNodes, 0), part);
+    std::size_t doublings = 0;
     for (int nodes = 2 * kFewestNodes; nodes <= kMostNodes; nodes *= 2) {
       std::fill(finer.begin(), finer.end(), 0.0);
-      add_rule(t, ends[piece - 1], ends[piece], nodes, finer);
+      add_rule(t, rule_of(nodes, ++doublings), finer);
       double change = 0.0;
       for (std::size_t k = 0; k < options_.exact; ++k) change = std::max(change, std::abs(finer[k] - part[k]));
       part.swap(finer);

@@ -63,12 +63,13 @@ class BandMean {
   bool resolved(const Panel& panel, std::span<const double> allowed) const;
   double wavelength_at(std::size_t l) const;
   void look_up(double u, double wavelength_um, double weight, std::span<double> sum) const;
-  void add_rule(double t, double begin_um, double end_um, int nodes, std::span<double> sum) const;
+  void add_rule(double t, const WavelengthNodes& rule, std::span<double> sum) const;
 
   Function p_;
   std::size_t width_ = 0;
   Options options_;
   Band band_;
+  std::vector<WavelengthNodes> whole_;  ///< rules of the whole band, which most t share: 8, 16, 32 ... nodes
   std::vector<double> breaks_;
   bool ends_ = false;
   std::size_t wavelengths_ = 0;  ///< of the table; 0 = there is none

@@ -106,7 +106,7 @@ void BandWeights::set(const Band& band) {
   whole_ = {.a_um = lo_um_, .b_um = hi_um_};
   series_.clear();
   if (!rate_) return;
-  const std::vector<double>& ends = rate_->breaks_um;
+  const std::vector<double>& ends = rate_->breaks_um();
   for (std::size_t i = 1; i < ends.size(); ++i) add_series(ends[i - 1], ends[i], 0);
   double total = 0.0;
   for (const RateSeries& series : series_)  // the integral of T_k is 2 / (1 - k^2) for even k, else 0
@@ -125,7 +125,7 @@ double BandWeights::rate_at(double wavelength_um) const {
 
 /// No end of a smooth part lies inside.
 bool BandWeights::smooth(double a_um, double b_um) const {
-  const std::vector<double>& ends = rate_->breaks_um;
+  const std::vector<double>& ends = rate_->breaks_um();
   const auto next = std::upper_bound(ends.begin(), ends.end(), a_um);
   return next != ends.begin() && next != ends.end() && *next >= b_um;
 }

@@ -93,8 +93,10 @@ double add_piece(BandWeights& weights, double a_um, double b_um, double toleranc
   };
   const auto difference = [](const BandValues<S, N>& x, const BandValues<S, N>& y) {
     double most = 0.0;
-    for (std::size_t n = 0; n < N; ++n)
-      most = std::max(most, std::hypot(value_of(x[n].re) - value_of(y[n].re), value_of(x[n].im) - value_of(y[n].im)));
+    for (std::size_t n = 0; n < N; ++n) {
+      const double one = std::hypot(value_of(x[n].re) - value_of(y[n].re), value_of(x[n].im) - value_of(y[n].im));
+      if (!(one <= most)) most = one;  // NaN stays
+    }
     return most;
   };
   BandValues<S, N> before{}, sum{};

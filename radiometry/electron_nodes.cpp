@@ -115,11 +115,11 @@ mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> t
 
 mtf::ElectronRate BandResponse::electron_rate(std::optional<double> temperature_k) const {
   static_cast<void>(electron_nodes(1, temperature_k));  // refuses what has no electrons
-  mtf::ElectronRate rate;
+  std::vector<double> breaks_um;
   // As in electron_nodes, relative to the largest rate.
   std::vector<double> log_planck_of, amount;
   for (const Panel& panel : panels(temperature_k)) {
-    rate.breaks_um.push_back(panel.lo_um);
+    breaks_um.push_back(panel.lo_um);
     const mtf::GaussRule rule = mtf::mean_rule(panel.lo_um, panel.lo_um + panel.width_um, 32);
     for (std::size_t i = 0; i < rule.node.size(); ++i) {
       const double response = piece_value(*panel.piece, rule.node[i]);
@@ -128,17 +128,17 @@ mtf::ElectronRate BandResponse::electron_rate(std::optional<double> temperature_
       log_planck_of.push_back(temperature_k ? log_planck(Flux::photons, rule.node[i], *temperature_k) : 0.0);
     }
   }
-  rate.breaks_um.push_back(range_.hi_um);
+  breaks_um.push_back(range_.hi_um);
   const double largest = *std::max_element(log_planck_of.begin(), log_planck_of.end());
   double sum = 0.0;
   for (std::size_t i = 0; i < amount.size(); ++i) sum += amount[i] * std::exp(log_planck_of[i] - largest);
-  rate.nodes = [*this, temperature_k](int n) { return electron_nodes(std::min(n, kMostNodes), temperature_k); };
-  rate.density = [*this, temperature_k, largest, sum](double wavelength_um) {
+  auto nodes = [*this, temperature_k](int n) { return electron_nodes(std::min(n, kMostNodes), temperature_k); };
+  auto density = [*this, temperature_k, largest, sum](double wavelength_um) {
     const double response = value(wavelength_um);
     if (!(response > 0.0) || !temperature_k) return response / sum;
     return response * std::exp(log_planck(Flux::photons, wavelength_um, *temperature_k) - largest) / sum;
   };
-  return rate;
+  return {std::move(nodes), std::move(density), std::move(breaks_um)};
 }
 
 }  // namespace radiometry

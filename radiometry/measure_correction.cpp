@@ -41,7 +41,7 @@ void require_reachable(const CorrectionSettings& settings, double fill, double b
 
 void require_unsaturated(const CorrectionSettings& settings, double fill, const HeldPixels& held) {
   if (held.share() <= 0.1) return;
-  const bool low = held.least_count > held.most_count;
+  const bool low = held.least_count > std::max(held.most_count, held.full_well);
   const bool converter = held.most_count > held.full_well;
   throw mtf::UsageError("[correction]: the flat frame at " + level_of(settings, fill) +
                         " of the full well is saturated: " + where_held(held) + "; " +

@@ -4,9 +4,9 @@
 // Whether the value of a pixel still follows its light. Electrons are held at the full well, counts at 0 and at the
 // largest one. Values scatter about their mean m with a standard deviation sigma, so that an end at c holds the share
 //   Q((c - m) / sigma) above, Q((m - c) / sigma) below,   Q(x) = erfc(x / sqrt 2) / 2, for Gaussian scatter,
-// and the mean of what is held rises by d E[min(x, c)] / dm = 1 - share of what the signal does. From half of the
-// values on, where the mean itself is beyond an end, no figure of sensitivity is true any more; below that the share
-// says how far they are off.
+// and the mean of what is held rises by d E[min(x, c)] / dm = 1 - share of what the signal does. With more than half
+// of the values, where the mean itself is beyond an end, no figure of sensitivity is true any more; below that the
+// share says how far they are off.
 
 #include <cstdint>
 #include <string>
@@ -20,12 +20,10 @@ enum class RangeEnd { none, full_well, most_count, least_count };
 /// "", "full_well", "most_count", "least_count".
 std::string_view range_end_name(RangeEnd end);
 
-/// The ends of a converter, and how pixels differ before any correction.
+/// The ends of a converter.
 struct PixelRange {
   double least_e = -mtf::kInfinity;  ///< electrons of the well below which counts are held at 0,
   double most_e = mtf::kInfinity;    ///< and from which on they are held at the largest one
-  double prnu = 0.0;                 ///< rms, fraction of the electrons of light
-  double dsnu_e = 0.0;               ///< rms
 };
 
 /// Mean electrons of a pixel, and how they scatter.
@@ -42,7 +40,7 @@ struct Saturation {
   double sigmas = mtf::kInfinity;  ///< from the mean to that end, in standard deviations
   double held = 0.0;               ///< share of the values that are held at any end
 
-  bool saturated() const { return held >= 0.5; }
+  bool saturated() const { return held > 0.5; }
 };
 
 /// What an end x standard deviations away leaves of the slope of the mean and of the standard deviation, both 1 without

@@ -145,14 +145,14 @@ void refuse_saturated(Budget<S>& b) {
   if (s.end != RangeEnd::least_count && mtf::value_of(b.signal.dark_e) >= s.end_e) b.floor_e = b.dynamic_range = none;
 }
 
-/// How the values of all pixels and frames scatter where the range ends, before any correction; rounding comes later.
+/// How the values of all pixels and frames scatter where the range ends; rounding comes later. Of a budget whose
+/// spatial terms are those before any correction.
 template <class S>
-PixelScatter scatter_of(const Budget<S>& b, const PixelRange& range) {
-  const double total_e = mtf::value_of(b.signal.total_e()), dark_e = mtf::value_of(b.signal.dark_e);
-  const double prnu_e = range.prnu * (total_e - dark_e), shot_e = std::sqrt(std::max(total_e, 0.0));
+PixelScatter scatter_of(const Budget<S>& b) {
+  const double total_e = mtf::value_of(b.signal.total_e()), shot_e = std::sqrt(std::max(total_e, 0.0));
   const double readout_e = std::hypot(mtf::value_of(b.read_e), mtf::value_of(b.reset_e), mtf::value_of(b.other_e));
-  const double well_e = std::hypot(shot_e, prnu_e);
-  return {.mean_e = total_e, .well_e = well_e, .converter_e = std::hypot(well_e, readout_e, range.dsnu_e)};
+  const double well_e = std::hypot(shot_e, mtf::value_of(b.prnu_e));
+  return {.mean_e = total_e, .well_e = well_e, .converter_e = std::hypot(well_e, readout_e, mtf::value_of(b.dsnu_e))};
 }
 
 /// `signal_per_k` in electrons per K: electrons_per_radiance x scene_derivative, or a difference of signals.
@@ -186,7 +186,7 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
   set_spatial(b);
   b.nei_ph = b.temporal_e / (pixel.quantum_efficiency * pixel.area_m2() * pixel.integration_s);
   b.dynamic_range = pixel.full_well_e / b.floor_e;
-  b.saturation = saturation_of(scatter_of(b, range), range, mtf::value_of(pixel.full_well_e));
+  b.saturation = saturation_of(scatter_of(b), range, mtf::value_of(pixel.full_well_e));
   if (b.saturation.saturated()) refuse_saturated(b);
   return b;
 }

@@ -122,12 +122,10 @@ S electrons_per_count(const SensorSettings& settings, const S& full_well_e, cons
   return full_well_e / (S(most) - numbers("adc.offset", adc.offset_counts));
 }
 
-/// The ends of the converter as electrons of the well, where they are held by adc.h, and the spread of the pixels.
+/// The ends of the converter as electrons of the well, where they are held by adc.h.
 template <class S>
 PixelRange range_numbers(const SensorSettings& settings, const Pixel<S>& pixel, const Overrides<S>& numbers = {}) {
-  const NonuniformitySettings unequal = settings.nonuniformity.value_or(NonuniformitySettings{});
-  PixelRange range{.prnu = mtf::value_of(numbers("nonuniformity.prnu", unequal.prnu)),
-                   .dsnu_e = mtf::value_of(numbers("nonuniformity.dsnu", unequal.dsnu_e))};
+  PixelRange range;
   if (!settings.adc) return range;
   const AdcSettings& adc = *settings.adc;
   const double step_e = mtf::value_of(electrons_per_count(settings, pixel.full_well_e, numbers));

@@ -128,7 +128,7 @@ std::string unknown_metric(const std::string& name) {
   known.push_back("mtf_at_20_cy_mm");
   const auto guess = name.size() <= 64 ? mtf::nearest(name, known) : std::nullopt;
   return "unknown metric \"" + mtf::io::printable(name, 60) + "\"" +
-         (guess ? "; did you mean \"" + *guess + "\"?" : "; mtf metrics lists them");
+         (guess ? "; did you mean \"" + *guess + "\"?" : "; apps/study/README.md lists them");
 }
 
 void add_metric(StudyReader& s, const MetricInfo& metric, const std::string& as) {

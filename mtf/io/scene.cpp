@@ -96,8 +96,10 @@ ChosenEncoding encoding_of(const SensorConfig& config, const std::string& path, 
       warnings.push_back(path + ": OpenEXR is linear by definition; encoding of [scene] is for PNG and TIFF");
     return {{}, "OpenEXR"};
   }
+  if (!given && file.info.format == Format::exr) return {{}, "OpenEXR"};
   if (!given) return {{}, stated.word.empty() ? "assumed" : stated.source};
-  if (!stated.word.empty() && stated.word != given->name)
+  const std::string word = given->name == "gamma" ? "gamma:2.2" : given->name;
+  if (!stated.word.empty() && stated.word != word)
     warnings.push_back(path + " says " + stated.word + " (" + stated.source + "), encoding of [scene] says " +
                        given->name + "; [scene] wins");
   return {*given, "[scene]"};

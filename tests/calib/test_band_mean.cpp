@@ -78,7 +78,7 @@ TEST(BandMean, IsThatOfManyWavelengths) {
 // Nearly all electrons at the short end: the even mean is another one.
 TEST(BandMean, WeighsByTheElectronRate) {
   const auto density = [](double l) { return l < 0.5 ? 18.0 : 0.1 / 0.35; };
-  const auto rate = std::make_shared<const mtf::ElectronRate>(mtf::ElectronRate{{}, density, {0.45, 0.5, 0.85}});
+  const auto rate = std::make_shared<const mtf::ElectronRate>(nullptr, density, std::vector{0.45, 0.5, 0.85});
   const auto defocus = with("defocus", {{"waves", 0.7}, {"wavelength_reference", 0.6}, {"obscuration", 0.3}});
   System<double> sensor = in_a_band(defocus, 0.45, 0.85);
   const std::vector<PixelFreq> f = calib::along(0.4, std::vector{0.3});

@@ -19,7 +19,7 @@ Band sampled_band(std::vector<double> wavelength_um, std::vector<double> rate) {
     const double share = (w - wavelength_um[i - 1]) / (wavelength_um[i] - wavelength_um[i - 1]);
     return rate[i - 1] * (1.0 - share) + rate[i] * share;
   };
-  band.rate = std::make_shared<const ElectronRate>(ElectronRate{nullptr, at, std::move(wavelength_um)});
+  band.rate = std::make_shared<const ElectronRate>(nullptr, at, std::move(wavelength_um));
   return band;
 }
 
