@@ -105,8 +105,13 @@ Averaged<S> band_average(const System<S>& system, std::span<const Component<S>* 
   add_part<S>(system, chromatic, system.band->lo_um, system.band->hi_um, kAllowed, std::move(whole), f, mean, weight);
   // A curve as narrow as a line is known to fewer digits than 1e-12: the mean of 1 is 1 all the same.
   for (std::size_t i = 0; i < f.size(); ++i) {
-    const S scale(1.0 / weight[i]);
-    mean.value[i] = {mean.value[i].re * scale, mean.value[i].im * scale};
+    if constexpr (kFloat) {
+      const auto scale = static_cast<float>(1.0 / weight[i]);
+      mean.value[i] = {mean.value[i].re * scale, mean.value[i].im * scale};
+    } else {
+      const S scale(1.0 / weight[i]);
+      mean.value[i] = {mean.value[i].re * scale, mean.value[i].im * scale};
+    }
   }
   return mean;
 }
