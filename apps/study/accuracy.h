@@ -23,7 +23,8 @@ struct AccuracyTable {
   std::int64_t designs = 0;       ///< of the sample
 };
 
-/// Whether a difference is larger than what both sides promise allows. A row without an error promises that it is exact.
+/// Whether a difference is larger than what both sides promise allows. A row without an error promises that it is
+/// exact.
 bool broken(const AccuracyTable& table, const AccuracyRow& row);
 
 /// How far a metric is from its true value as a tolerance counts it: absolute where its unit is plain and it is at most
