@@ -97,23 +97,40 @@ struct Straight {
   }
 };
 
-// Blocks that lie well within the part by their own rules: half-integer powers at its ends are smooth there. The others
-// panel by panel.
+// Blocks are a binary tree in the order of a heap: the first is all of the band, those of i are 2 i + 1 and 2 i + 2.
+constexpr std::size_t kLeaves = 256;
+constexpr int kBlockNodes = 20;
+
+// A block that lies a width of its own within the part by its rule, which half-integer powers at the part's ends do not
+// disturb there: what is left of them is 5.8^-20. Of others the halves, and at last the panels.
+void add_block(const ElectronRate& rate, std::size_t index, const Part& part, int n, LagrangeWeights& sum) {
+  const ElectronRate::Block& block = rate.blocks()[index];
+  const double width = block.end_um - block.begin_um;
+  if (block.end_um <= part.begin_um || block.begin_um >= part.end_um) return;
+  if (block.begin_um >= part.begin_um + width && block.end_um <= part.end_um - width) {
+    const double turns = n * (std::acos(part.x_of(block.begin_um)) - std::acos(part.x_of(block.end_um))) / pi;
+    if (turns < 4.0) {  // faster polynomials are too much for the rule
+      for (std::size_t i = 0; i < block.rule.weight.size(); ++i)
+        sum.add(part.x_of(block.rule.wavelength_um[i]), block.rule.weight[i]);
+      return;
+    }
+  }
+  const std::size_t first = 2 * index + 1;
+  if (first < rate.blocks().size()) {
+    add_block(rate, first, part, n, sum);
+    add_block(rate, first + 1, part, n, sum);
+    return;
+  }
+  add_panels(rate, part, std::max(part.begin_um, block.begin_um), std::min(part.end_um, block.end_um), n, sum);
+}
+
 std::vector<double> rate_weights(const ElectronRate& rate, const Part& part, const GaussRule& rule) {
   const int n = static_cast<int>(rule.node.size());
   LagrangeWeights sum(rule);
-  double done_um = part.begin_um;
-  for (const ElectronRate::Block& block : rate.blocks()) {
-    const double width = block.end_um - block.begin_um;
-    if (block.begin_um < part.begin_um + width || block.end_um > part.end_um - width) continue;
-    const double turns = n * (std::acos(part.x_of(block.begin_um)) - std::acos(part.x_of(block.end_um))) / pi;
-    if (turns > 4.0) continue;  // polynomials of high degree turn too fast for its rule
-    add_panels(rate, part, done_um, block.begin_um, n, sum);
-    for (std::size_t i = 0; i < block.rule.weight.size(); ++i)
-      sum.add(part.x_of(block.rule.wavelength_um[i]), block.rule.weight[i]);
-    done_um = block.end_um;
-  }
-  add_panels(rate, part, done_um, part.end_um, n, sum);
+  if (rate.blocks().empty())
+    add_panels(rate, part, part.begin_um, part.end_um, n, sum);
+  else
+    add_block(rate, 0, part, n, sum);
   return sum.weight;
 }
 
@@ -122,20 +139,28 @@ std::vector<double> rate_weights(const ElectronRate& rate, const Part& part, con
 ElectronRate::ElectronRate(std::function<WavelengthNodes(int n)> nodes,
                            std::function<double(double wavelength_um)> density, std::vector<double> breaks_um)
     : nodes_(std::move(nodes)), density_(std::move(density)), breaks_um_(std::move(breaks_um)) {
-  constexpr int kNodes = 20;  // the next half-integer power is a block's width away: 5.8^-20
-  constexpr std::size_t kBlocks = 48, kWorthIt = 4 * kBlocks;
-  if (breaks_um_.size() < kWorthIt) return;
-  const GaussRule& rule = gauss_legendre(kNodes);
-  const double lo = breaks_um_.front(), step = (breaks_um_.back() - lo) / static_cast<double>(kBlocks);
-  for (std::size_t i = 0; i < kBlocks; ++i) {
-    const Straight map{lo + step * static_cast<double>(i),
-                       i + 1 < kBlocks ? lo + step * static_cast<double>(i + 1) : breaks_um_.back()};
+  if (breaks_um_.size() < kLeaves) return;  // panels are as quick
+  const GaussRule& rule = gauss_legendre(kBlockNodes);
+  const double lo = breaks_um_.front(), width = breaks_um_.back() - lo;
+  blocks_.resize(2 * kLeaves - 1);
+  for (std::size_t i = blocks_.size(); i-- > 0;) {
+    std::size_t of = 1;  // blocks at this depth
+    while (i + 1 >= 2 * of) of *= 2;
+    const auto end_at = [&](std::size_t k) {
+      return k == of ? breaks_um_.back() : lo + width * static_cast<double>(k) / static_cast<double>(of);
+    };
+    const Straight map{end_at(i + 1 - of), end_at(i + 2 - of)};
     LagrangeWeights sum(rule);
-    add_panels(*this, map, map.begin_um, map.end_um, kNodes, sum);
-    Block block{map.begin_um, map.end_um, {}};
+    if (of == kLeaves)
+      add_panels(*this, map, map.begin_um, map.end_um, kBlockNodes, sum);
+    else  // exact: the halves have rules for polynomials of the same degree
+      for (const std::size_t half : {2 * i + 1, 2 * i + 2})
+        for (std::size_t k = 0; k < rule.node.size(); ++k)
+          sum.add(map.x_of(blocks_[half].rule.wavelength_um[k]), blocks_[half].rule.weight[k]);
+    Block& block = blocks_[i];
+    block = {map.begin_um, map.end_um, {}};
     for (const double x : rule.node) block.rule.wavelength_um.push_back(map.wavelength_um(x));
     block.rule.weight = std::move(sum.weight);
-    blocks_.push_back(std::move(block));
   }
 }
 
