@@ -294,12 +294,7 @@ class OtfParts {
                                                         [this](const Member& m) { return m.component == pupil_; });
     if (pupil_ == nullptr) return;
     const Context<S> ctx = pupil_chromatic_ ? system_->context(S(lo_um_)) : middle_;
-    const double end = pupil_->cutoff_cy_mm(ctx) * (pupil_chromatic_ ? lo_um_ : 1.0);
-    const double e = value_of(pupil_numbers(*pupil_, ctx).obscuration);
-    if (!(end < kInfinity)) return;
-    if (e > 0.0) touch_ = {0.5 * (1.0 - e) * end, e * end, 0.5 * (1.0 + e) * end};
-    std::sort(touch_.begin(), touch_.end());
-    touch_.push_back(end);
+    for (const double f : pupil_->kinks_cy_mm(ctx)) touch_.push_back(f * (pupil_chromatic_ ? lo_um_ : 1.0));
   }
 
   void average(std::span<const Freq<S>> f, BandMeans& means, bool optics_alone) {
