@@ -67,7 +67,13 @@ class BandResponse {
     bool whole;  ///< all of the piece
   };
   std::vector<Panel> panels(std::optional<double> temperature_k) const;
-  void require_source(std::optional<double> temperature_k) const;
+  /// Electrons at many wavelengths, relative to the largest rate, whose logarithm may lie far below that of a double.
+  struct RatePoints {
+    std::vector<double> wavelength_um, rate;
+    double log_largest = 0.0, sum = 0.0;
+  };
+  /// Enough of them for a Gauss rule of n nodes.
+  RatePoints rate_points(int n, std::optional<double> temperature_k) const;
   double piece_value(const Piece& piece, double wavelength_um) const;
   double planck_integral(Flux flux, double temperature_k, bool derivative) const;
 

@@ -47,12 +47,6 @@ struct Jacobi {
 
 }  // namespace
 
-void BandResponse::require_source(std::optional<double> temperature_k) const {
-  if (temperature_k && !(*temperature_k > 0.0 && *temperature_k <= kHottest_k))
-    throw mtf::UsageError("electron_nodes: a source of " + mtf::format_double(*temperature_k) +
-                          " K; the temperature has to be above 0, at most " + mtf::format_double(kHottest_k) + " K");
-}
-
 std::vector<BandResponse::Panel> BandResponse::panels(std::optional<double> temperature_k) const {
   std::vector<Panel> all;
   for (const Piece& piece : pieces_) {
@@ -65,14 +59,13 @@ std::vector<BandResponse::Panel> BandResponse::panels(std::optional<double> temp
   return all;
 }
 
-mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> temperature_k) const {
-  if (n < 1 || n > kMostNodes)
-    throw mtf::UsageError("electron_nodes: " + std::to_string(n) + " wavelengths; give 1 to " +
-                          std::to_string(kMostNodes));
-  require_source(temperature_k);
-  // Points of the weight, per piece as many as a polynomial of degree 2n times the response needs, the points of narrow
-  // pieces fewer; relative to the largest rate, whose logarithm may lie far below that of a double.
-  std::vector<double> node, log_rate, weight;
+// As many per piece as a polynomial of degree 2n times the response needs, narrow pieces fewer.
+BandResponse::RatePoints BandResponse::rate_points(int n, std::optional<double> temperature_k) const {
+  if (temperature_k && !(*temperature_k > 0.0 && *temperature_k <= kHottest_k))
+    throw mtf::UsageError("electron_nodes: a source of " + mtf::format_double(*temperature_k) +
+                          " K; the temperature has to be above 0, at most " + mtf::format_double(kHottest_k) + " K");
+  RatePoints points;
+  std::vector<double> log_rate;
   const double whole = range_.hi_um - range_.lo_um;
   for (const Panel& panel : panels(temperature_k)) {
     const double lo = panel.lo_um, step = panel.width_um;
@@ -84,20 +77,30 @@ mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> t
     for (std::size_t i = 0; i < rule.node.size(); ++i) {
       const double response = piece_value(*panel.piece, rule.node[i]);
       if (!(response > 0.0)) continue;
-      node.push_back(rule.node[i]);
-      weight.push_back(rule.weight[i] * step * response);
+      points.wavelength_um.push_back(rule.node[i]);
+      points.rate.push_back(rule.weight[i] * step * response);
       log_rate.push_back(temperature_k ? log_planck(Flux::photons, rule.node[i], *temperature_k) : 0.0);
     }
   }
-  const double largest = log_rate.empty() ? 0.0 : *std::max_element(log_rate.begin(), log_rate.end());
-  Jacobi jacobi{.diagonal = {}, .square = {}, .most = static_cast<std::size_t>(n)};
-  for (std::size_t i = 0; i < node.size(); ++i) {
-    const double rate = weight[i] * std::exp(log_rate[i] - largest);
-    if (rate > 0.0) jacobi.add(node[i], rate);
+  if (!log_rate.empty()) points.log_largest = *std::max_element(log_rate.begin(), log_rate.end());
+  for (std::size_t i = 0; i < log_rate.size(); ++i) {
+    points.rate[i] *= std::exp(log_rate[i] - points.log_largest);
+    points.sum += points.rate[i];
   }
-  if (jacobi.points == 0)
+  if (!(points.sum > 0.0))
     throw mtf::UsageError("electron_nodes: no light, or a product of curves that is 0, over " + describe(range_) +
                           "; there are no electrons to weigh wavelengths by");
+  return points;
+}
+
+mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> temperature_k) const {
+  if (n < 1 || n > kMostNodes)
+    throw mtf::UsageError("electron_nodes: " + std::to_string(n) + " wavelengths; give 1 to " +
+                          std::to_string(kMostNodes));
+  const RatePoints points = rate_points(n, temperature_k);
+  Jacobi jacobi{.diagonal = {}, .square = {}, .most = static_cast<std::size_t>(n)};
+  for (std::size_t i = 0; i < points.rate.size(); ++i)
+    if (points.rate[i] > 0.0) jacobi.add(points.wavelength_um[i], points.rate[i]);
   const auto size = static_cast<Eigen::Index>(jacobi.diagonal.size());
   Eigen::VectorXd diagonal(size), side(std::max<Eigen::Index>(size - 1, 0));
   for (Eigen::Index k = 0; k < size; ++k) diagonal[k] = jacobi.diagonal[static_cast<std::size_t>(k)];
@@ -114,26 +117,12 @@ mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> t
 }
 
 mtf::ElectronRate BandResponse::electron_rate(std::optional<double> temperature_k) const {
-  static_cast<void>(electron_nodes(1, temperature_k));  // refuses what has no electrons
+  const RatePoints points = rate_points(1, temperature_k);
   std::vector<double> breaks_um;
-  // As in electron_nodes, relative to the largest rate.
-  std::vector<double> log_planck_of, amount;
-  for (const Panel& panel : panels(temperature_k)) {
-    breaks_um.push_back(panel.lo_um);
-    const mtf::GaussRule rule = mtf::mean_rule(panel.lo_um, panel.lo_um + panel.width_um, 32);
-    for (std::size_t i = 0; i < rule.node.size(); ++i) {
-      const double response = piece_value(*panel.piece, rule.node[i]);
-      if (!(response > 0.0)) continue;
-      amount.push_back(rule.weight[i] * panel.width_um * response);
-      log_planck_of.push_back(temperature_k ? log_planck(Flux::photons, rule.node[i], *temperature_k) : 0.0);
-    }
-  }
+  for (const Panel& panel : panels(temperature_k)) breaks_um.push_back(panel.lo_um);
   breaks_um.push_back(range_.hi_um);
-  const double largest = *std::max_element(log_planck_of.begin(), log_planck_of.end());
-  double sum = 0.0;
-  for (std::size_t i = 0; i < amount.size(); ++i) sum += amount[i] * std::exp(log_planck_of[i] - largest);
   auto nodes = [*this, temperature_k](int n) { return electron_nodes(std::min(n, kMostNodes), temperature_k); };
-  auto density = [*this, temperature_k, largest, sum](double wavelength_um) {
+  auto density = [*this, temperature_k, largest = points.log_largest, sum = points.sum](double wavelength_um) {
     const double response = value(wavelength_um);
     if (!(response > 0.0) || !temperature_k) return response / sum;
     return response * std::exp(log_planck(Flux::photons, wavelength_um, *temperature_k) - largest) / sum;
