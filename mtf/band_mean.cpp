@@ -72,8 +72,9 @@ BandMean::BandMean(Function p, std::size_t width, const Band& band, std::vector<
       breaks_(std::move(breaks)),
       ends_(ends),
       across_panel_(kPoints) {
+  if (!(most_t > 0.0)) return;
   for (int n = kFewestNodes; n <= kMostNodes; n *= 2) whole_.push_back(part_nodes(band_, band_.lo_um, band_.hi_um, n));
-  if (most_t > 0.0) tabulate(ends_ ? std::min(most_t, breaks_.back()) : most_t);
+  tabulate(ends_ ? std::min(most_t, breaks_.back()) : most_t);
 }
 
 double BandMean::wavelength_at(std::size_t l) const {
@@ -215,14 +216,17 @@ void BandMean::at(double t, std::span<double> mean) const {
   for (std::size_t piece = 1; piece < ends.size(); ++piece) {
     std::vector<double> part(width_);
     const bool whole = ends[piece - 1] == band_.lo_um && ends[piece] == band_.hi_um;
-    const auto rule_of = [&](int nodes, std::size_t doublings) {
-      return whole ? whole_[doublings] : part_nodes(band_, ends[piece - 1], ends[piece], nodes);
+    const auto add = [&](int nodes, std::size_t doublings, std::vector<double>& sum) {
+      if (whole && !whole_.empty())
+        add_rule(t, whole_[doublings], sum);
+      else
+        add_rule(t, part_nodes(band_, ends[piece - 1], ends[piece], nodes), sum);
     };
-    add_rule(t, rule_of(kFewestNodes, 0), part);
+    add(kFewestNodes, 0, part);
     std::size_t doublings = 0;
     for (int nodes = 2 * kFewestNodes; nodes <= kMostNodes; nodes *= 2) {
       std::fill(finer.begin(), finer.end(), 0.0);
-      add_rule(t, rule_of(nodes, ++doublings), finer);
+      add(nodes, ++doublings, finer);
       double change = 0.0;
       for (std::size_t k = 0; k < options_.exact; ++k) change = std::max(change, std::abs(finer[k] - part[k]));
       part.swap(finer);

@@ -69,7 +69,8 @@ class BandMean {
   std::size_t width_ = 0;
   Options options_;
   Band band_;
-  std::vector<WavelengthNodes> whole_;  ///< rules of the whole band, which most t share: 8, 16, 32 ... nodes
+  /// With a table: rules of the whole band, which most t share, of 8, 16, 32 ... nodes.
+  std::vector<WavelengthNodes> whole_;
   std::vector<double> breaks_;
   bool ends_ = false;
   std::size_t wavelengths_ = 0;  ///< of the table; 0 = there is none
