@@ -160,24 +160,20 @@ std::vector<mtf::Context<double>> contexts(const System<double>& system) {
   return {system.context(system.band->lo_um), system.context(system.band->hi_um)};
 }
 
-/// Of every stage. Kinks that do not go with 1 / wavelength are left to the quadrature.
+/// Of every stage.
 std::vector<Kinks> kinks_of(const System<double>& system) {
   std::vector<Kinks> all(mtf::kStages.size());
   if (!system.band) return all;
   constexpr double kSame = 1e-9;
-  const double lo = system.band->lo_um, hi = system.band->hi_um;
+  const mtf::Context<double> longest = system.context(system.band->hi_um);
   for (std::size_t stage = 0; stage < all.size(); ++stage) {
     Kinks& kinks = all[stage];
     double end = INFINITY;
     for (const auto& entry : system.list(mtf::kStages[stage])) {
       if (!entry.component.traits(system.context()).chromatic) continue;
-      const std::vector<double> longest = entry.component.kinks_cy_mm(system.context(hi)),
-                                shortest = entry.component.kinks_cy_mm(system.context(lo));
-      for (std::size_t i = 0; i < std::min(longest.size(), shortest.size()); ++i)
-        if (std::isfinite(longest[i]) && std::abs(shortest[i] * lo - longest[i] * hi) < kSame * longest[i] * hi)
-          kinks.at.push_back(longest[i]);
-      const double cutoff = entry.component.cutoff_cy_mm(system.context(hi));
-      if (std::find(kinks.at.begin(), kinks.at.end(), cutoff) != kinks.at.end()) end = std::min(end, cutoff);
+      const std::vector<double> own = entry.component.kinks_cy_mm(longest);
+      kinks.at.insert(kinks.at.end(), own.begin(), own.end());
+      end = std::min(end, entry.component.cutoff_cy_mm(longest));
     }
     kinks.ends = std::isfinite(end);
     std::erase_if(kinks.at, [end](double f) { return !(f > 0.0 && f <= end); });
