@@ -92,7 +92,7 @@ struct Search {
   Passed passed;            ///< by the last share that was tried
 
   double in_cells(double px) const { return px / cells.size_px; }
-  /// Integral images are made for levels of the gradient that are the threshold x 2^k: k for a share of a segment.
+  /// Integral images are made for gradients above the threshold x 2^k. This is the k for a share of a segment's peak.
   int level_of(const Segment& segment, double share) const {
     const double times = share * segment.peak / gradients.threshold;
     return times > 1.0 ? std::ilogb(times) : 0;

@@ -211,9 +211,10 @@ double ResolutionMeter<S>::Impl::measure_axis(Axis axis, double cutoff, AxisFigu
   return error;
 }
 
-/// Few wavelengths, the same for all frequencies, where these do; else the kinks of each frequency are minded, which
-/// takes more time at a loose tolerance and far less at a tight one. The change when their number is doubled is looked
-/// at over the whole range, and where they would do worst; that of twice as many is at most half of it.
+/// A few wavelengths serve all frequencies where they keep the tolerance. Elsewhere the band is split at the kinks of
+/// each frequency, which takes more time at a loose tolerance and far less at a tight one. The error of n wavelengths
+/// is judged by the change when n is doubled, at frequencies over the whole range and at those where n would do worst;
+/// the error of 2 n is at most half of that change.
 template <class S>
 void ResolutionMeter<S>::Impl::choose_wavelengths(double cutoff) {
   if (!parts.chromatic()) return;

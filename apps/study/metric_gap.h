@@ -13,8 +13,8 @@ namespace study {
 /// "no [detector]", "no [conditions] range" ...; "" where the sensor has all that the metric needs.
 std::string metric_gap(const MetricChoice& choice, const Study& study, const VariantSensor& sensor);
 
-/// The same for a metric that no level of the axis over `sensor` can have, each with the first levels of other axes;
-/// "" where one has it.
+/// The same for a study: why no sensor file of its axis over `sensor` has what the metric needs, the other axes being
+/// at their first values; "" where one of the files has it.
 std::string metric_gap(const MetricInfo& metric, const Study& study);
 
 }  // namespace study

@@ -201,7 +201,7 @@ void read_goals(StudyReader& s) {
 }
 
 void check_gaps(StudyReader& s) {
-  std::map<std::string, std::string> gaps;  // by metric: each is looked at once
+  std::map<std::string, std::string> gaps;  // by metric: the answer is worked out once for each
   for (const char* key : {"constraints", "objectives"})
     for (const Source& source : strings_of(s, key))
       for (const NameAt& at : names_in(source.text)) {

@@ -16,7 +16,7 @@ bool claim_temporary(int descriptor) noexcept;
 
 /// Removes the temporaries of `target` that killed processes left: no process of that id runs on this machine, nobody
 /// holds the lock, and, where other machines may write into the folder too and locks may not reach them, the file is
-/// untouched for a day. A folder is searched once by a process. What cannot be looked at or removed stays.
+/// untouched for a day. A process searches a folder once. A file that cannot be read or removed stays.
 void remove_dead_temporaries(const std::string& target);
 
 }  // namespace mtf::io
