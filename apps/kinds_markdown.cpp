@@ -3,6 +3,7 @@
 // `mtf config kinds --format markdown`: mtf/components/README.md.
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -19,32 +20,18 @@ using mtf::Component;
 using mtf::FieldRef;
 using mtf::Presence;
 
-/// The order of the page, along the path of the light and the signal. A kind of no group comes last.
+/// The order of the page, along the path of the light and the signal.
 struct Group {
+  mtf::SensorPart part;
   std::string_view title;
-  std::vector<std::string_view> kinds;
 };
-std::vector<Group> groups() {
-  std::vector<Group> all{
-      {"Optics", {"diffraction", "defocus", "wavefront", "rms_wavefront", "random_wavefront"}},
-      {"Path", {"turbulence", "aerosol"}},
-      {"Focal plane",
-       {"footprint", "circular_footprint", "polygon_footprint", "binning", "diffusion", "crosstalk", "charge_transfer",
-        "bolometer", "tdi"}},
-      {"Motion", {"jitter", "linear_motion", "accelerated_motion", "vibration"}},
-      {"Electronics", {"rc_lowpass", "butterworth", "rc_highpass", "boost"}},
-      {"After sampling",
-       {"fir", "unsharp", "sample_and_hold", "interpolation", "display_crt", "display_flat_panel", "eye"}},
-      {"Measured, or known by size alone", {"curve", "gaussian"}},
-      {"Others", {}}};
-  for (const std::string_view kind : mtf::component_kinds())
-    if (std::none_of(all.begin(), all.end(), [&](const Group& group) {
-          return std::find(group.kinds.begin(), group.kinds.end(), kind) != group.kinds.end();
-        }))
-      all.back().kinds.push_back(kind);
-  if (all.back().kinds.empty()) all.pop_back();
-  return all;
-}
+constexpr std::array kGroups{Group{mtf::SensorPart::optics, "Optics"},
+                             Group{mtf::SensorPart::path, "Path"},
+                             Group{mtf::SensorPart::detector, "Focal plane"},
+                             Group{mtf::SensorPart::motion, "Motion"},
+                             Group{mtf::SensorPart::electronics, "Electronics and digital filters"},
+                             Group{mtf::SensorPart::display, "Display and eye"},
+                             Group{mtf::SensorPart::unspecified, "Measured, or known by size alone"}};
 
 // Prose becomes paragraphs, indented lines become code blocks.
 std::string as_markdown(std::string_view notes) {
@@ -160,10 +147,11 @@ std::string section(std::string_view kind) {
 std::string kinds_markdown(const std::string& kind) {
   if (!kind.empty()) return section(kind);
   std::string contents, sections;
-  for (const auto& [title, kinds] : groups()) {
+  for (const auto& [part, title] : kGroups) {
     contents += "| **" + std::string(title) + "** | | |\n";
-    for (const std::string_view each : kinds) {
+    for (const std::string_view each : mtf::component_kinds()) {
       const Component<double> component = Component<double>::make(each);
+      if (component.part() != part) continue;
       contents += "| [" + std::string(each) + "](#" + std::string(each) + ") | " + cell(std::string(component.doc())) +
                   " | " + join_stages(component.stages(), "", "") + " |\n";
       sections += "\n" + section(each);

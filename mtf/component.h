@@ -3,6 +3,7 @@
 
 // What a component of a sensor is. A component is a value type `template <class S>` in mtf/components/ with
 //   kind, doc, stages      static: its name in the config, one sentence, the lists it may stand in
+//   part                   the part of a sensor that it stands for; where only the user knows, a field (part_field)
 //   fields()               the one table that drives config reading and writing, validation, fits and tests
 //   traits(ctx)            symmetry of its OTF for the present values
 //   otf(f, ctx)            OTF(f) = integral of psf(x) exp(-2 pi i f.x) dx at f in cycles/mm
@@ -15,6 +16,9 @@
 //                          has one; where they depend on the wavelength they go with 1/wavelength. Without it: the
 //                          cutoff
 //   is_slow                an OTF that costs microseconds, in two dimensions: plans tabulate it between its kinks
+//   is_footprint           it is the light-sensitive area of a pixel
+//   is_reconstruction      it turns samples into a continuous image (display, eye, interpolation), which digital
+//                          filters do not: their OTF is periodic in the sampling frequency
 //   rows(fx, ctx)          see Component::rows, for sums of products of functions of fx and of fy
 //   evaluator(ctx)         otf as a function of f alone, where work that does not depend on f is worth doing once
 //   variant_doc()          the sentence for the present values, where the kind holds several models
@@ -47,6 +51,12 @@ struct Stages {
     return stage == Stage::presample ? presample : stage == Stage::readout ? readout : postsample;
   }
 };
+
+/// The part of a sensor that a component stands for, along the path of the light and the signal. `unspecified`: blur
+/// known by its size or a measured curve, of which nobody has said where it comes from.
+enum class SensorPart { unspecified, optics, path, detector, motion, electronics, display };
+inline constexpr std::array<std::string_view, 7> kSensorPartNames{"unspecified", "optics",      "path",   "detector",
+                                                                  "motion",      "electronics", "display"};
 
 /// Properties of an OTF that the grid and the plan rely on; each is tested for every component.
 struct Traits {
@@ -150,8 +160,13 @@ class Component {
   /// doc(), or for a kind that holds several models the one in use.
   std::string_view description() const;
   Stages stages() const;
+  SensorPart part() const;
   /// True for a complete pupil OTF (diffraction): at most one in a list.
   bool is_pupil() const;
+  /// The light-sensitive area of a pixel.
+  bool is_footprint() const;
+  /// Turns samples into a continuous image.
+  bool is_reconstruction() const;
   Traits traits(const Context<S>& ctx) const;
   double cutoff_cy_mm(const Context<S>& ctx) const;
   double deviation(double fx_cy_mm, double fy_cy_mm, const Context<S>& ctx) const;

@@ -44,15 +44,12 @@ PupilNumbers<S> pupil_numbers(const Component<S>& component, const Context<S>& c
   return {f_number_of(f_number, ctx), obscuration_of(obscuration, ctx), wavelength_um.value_or(ctx.wavelength_um)};
 }
 
-/// What follows sampling ends somewhere: a display, an eye, an interpolation. Digital filters are periodic.
+/// The samples become a continuous image, so that the spectrum after sampling ends somewhere.
 template <class S>
-bool ends_after_sampling(const System<S>& system) {
-  constexpr std::array<std::string_view, 5> kinds{"interpolation", "sample_and_hold", "display_crt",
-                                                  "display_flat_panel", "eye"};
+bool is_reconstructed(const System<S>& system) {
   const auto& list = system.list(Stage::postsample);
-  return std::any_of(list.begin(), list.end(), [&](const Entry<S>& entry) {
-    return std::find(kinds.begin(), kinds.end(), entry.component.kind()) != kinds.end();
-  });
+  return std::any_of(list.begin(), list.end(),
+                     [](const Entry<S>& entry) { return entry.component.is_reconstruction(); });
 }
 
 template <class S>
@@ -68,11 +65,11 @@ class OtfParts {
     steady_.clear();
     after_.clear();
     for (const Entry<S>& entry : system.list(Stage::presample)) {
-      const Part part = part_of(entry.component.kind());
+      const SensorPart part = entry.component.part();
       const Member member{&entry.component, entry.component.traits(middle_),
-                          part == Part::optics     ? &Products<S>::optics
-                          : part == Part::detector ? &Products<S>::detector
-                                                   : &Products<S>::presample};
+                          part == SensorPart::optics     ? &Products<S>::optics
+                          : part == SensorPart::detector ? &Products<S>::detector
+                                                         : &Products<S>::presample};
       (system.band && member.traits.chromatic ? chromatic_ : steady_).push_back(member);
       if (entry.component.is_pupil()) pupil_ = &entry.component;
     }

@@ -37,10 +37,6 @@
 
 namespace mtf {
 
-/// Which part of a camera a component's kind belongs to, for the MTF of its parts.
-enum class Part { optics, detector, other };
-Part part_of(std::string_view kind);
-
 struct AxisNeeds {
   bool edge = false;        ///< rer
   bool unfiltered = false;  ///< rer_unfiltered

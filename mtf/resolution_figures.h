@@ -91,7 +91,7 @@ template <class S>
 void ResolutionMeter<S>::Impl::moduli(Axis axis, AxisFigures<S>& figures) {
   using namespace detail;
   const AxisNeeds& n = needs.axis;
-  const bool replicated = n.aliasing || n.spurious, ends = n.spurious && ends_after_sampling(parts.system());
+  const bool replicated = n.aliasing || n.spurious, ends = n.spurious && is_reconstructed(parts.system());
   const bool filters = parts.filters(axis);
   const S pitch = pitch_mm(axis), rate = S(2) * parts.system().frame.nyquist_cy_mm(axis);
   const double fs = value_of(rate), nyquist = 0.5 * fs;

@@ -186,9 +186,30 @@ Stages Component<S>::stages() const {
   return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::stages; });
 }
 template <class S>
+SensorPart Component<S>::part() const {
+  return detail::visit(*value_, [](const auto& c) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(c.part)>, Choice>)
+      return static_cast<SensorPart>(c.part.index);
+    else
+      return c.part;
+  });
+}
+template <class S>
 bool Component<S>::is_pupil() const {
   return detail::visit(*value_, [](const auto& c) {
     return requires { std::remove_cvref_t<decltype(c)>::is_pupil; };
+  });
+}
+template <class S>
+bool Component<S>::is_footprint() const {
+  return detail::visit(*value_, [](const auto& c) {
+    return requires { std::remove_cvref_t<decltype(c)>::is_footprint; };
+  });
+}
+template <class S>
+bool Component<S>::is_reconstruction() const {
+  return detail::visit(*value_, [](const auto& c) {
+    return requires { std::remove_cvref_t<decltype(c)>::is_reconstruction; };
   });
 }
 template <class S>

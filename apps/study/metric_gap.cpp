@@ -26,7 +26,7 @@ std::string metric_gap(const MetricChoice& choice, const Study& study, const Var
     return "no pupil: diffraction, defocus or wavefront";
   if (metric == Metric::fov && (sensor.system.frame.columns <= 0 || sensor.system.frame.rows <= 0))
     return "no [frame] format";
-  if (effort == Effort::spurious && !mtf::ends_after_sampling(sensor.system))
+  if (effort == Effort::spurious && !mtf::is_reconstructed(sensor.system))
     return "no display, interpolation or eye in [[postsample]]";
   if (metric == Metric::dynamic_range && sensor.loaded && sensor.loaded->sensor.settings.detector &&
       !std::isfinite(sensor.loaded->sensor.settings.detector->full_well_e))

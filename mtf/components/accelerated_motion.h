@@ -19,6 +19,7 @@ struct AcceleratedMotion {
   static constexpr std::string_view kind = "accelerated_motion";
   static constexpr std::string_view doc = "image motion of constant acceleration during the integration time";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::motion;
 
   std::optional<S> velocity_um_s;
   std::optional<S> acceleration_um_s2;

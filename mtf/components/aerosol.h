@@ -24,6 +24,7 @@ struct Aerosol {
   static constexpr std::string_view kind = "aerosol";
   static constexpr std::string_view doc = "aerosol scattering of the path: contrast loss, or blur";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::path;
 
   S scattering_1_km{};
   S path_length_km{};

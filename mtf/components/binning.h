@@ -17,6 +17,7 @@ struct Binning {
   static constexpr std::string_view kind = "binning";
   static constexpr std::string_view doc = "pixels summed n by m into one sample, gaps kept";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::detector;
 
   int columns = 0;
   int rows = 0;

@@ -17,6 +17,7 @@ struct BirefringentFilter {
   static constexpr std::string_view kind = "birefringent_filter";
   static constexpr std::string_view doc = "optical low-pass filter that splits each point into four";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::optics;
 
   AxisPair<S> separation;
 

@@ -18,6 +18,7 @@ struct Bolometer {
   static constexpr std::string_view kind = "bolometer";
   static constexpr std::string_view doc = "thermal time constant of a bolometer under image motion";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::detector;
 
   S time_constant_s{};
   std::optional<S> velocity_um_s;

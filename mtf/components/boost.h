@@ -16,6 +16,7 @@ struct Boost {
   static constexpr std::string_view kind = "boost";
   static constexpr std::string_view doc = "analog boost of high frequencies along one axis";
   static constexpr Stages stages{.readout = true, .postsample = true};
+  static constexpr SensorPart part = SensorPart::electronics;
 
   std::optional<S> gain;
   SpatialFrequency<S> peak;

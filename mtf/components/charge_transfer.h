@@ -18,6 +18,7 @@ struct ChargeTransfer {
   static constexpr std::string_view kind = "charge_transfer";
   static constexpr std::string_view doc = "charge-transfer inefficiency of a CCD, with its phase";
   static constexpr Stages stages{.readout = true};
+  static constexpr SensorPart part = SensorPart::detector;
 
   S inefficiency{};
   int transfers = 0;

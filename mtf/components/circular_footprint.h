@@ -17,6 +17,8 @@ struct CircularFootprint {
   static constexpr std::string_view kind = "circular_footprint";
   static constexpr std::string_view doc = "circular or elliptic detector footprint";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::detector;
+  static constexpr bool is_footprint = true;
 
   AxisPair<S> diameter;
 

@@ -17,6 +17,7 @@ struct Crosstalk {
   static constexpr std::string_view kind = "crosstalk";
   static constexpr std::string_view doc = "crosstalk or inter-pixel capacitance between neighbouring pixels";
   static constexpr Stages stages{.presample = true, .readout = true};
+  static constexpr SensorPart part = SensorPart::detector;
 
   S side{};
   std::optional<S> corner;

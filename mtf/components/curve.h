@@ -26,6 +26,7 @@ struct CurveOtf {
 
   std::shared_ptr<const Curve> curve;
   Choice axis{0, kCurveAxisNames};
+  Choice part{0, kSensorPartNames};
 
   static constexpr auto fields() {
     return std::tuple{
@@ -37,7 +38,8 @@ struct CurveOtf {
                         .presence = Presence::optional,
                         .example = "\"radial\"",
                         .doc = "radial, or the one axis it acts along"},
-              &CurveOtf::axis}};
+              &CurveOtf::axis},
+        part_field(&CurveOtf::part)};
   }
   Traits traits(const Context<S>& ctx) const {
     // A radial table in cycles per pixel of non-square pixels is elliptic.

@@ -22,6 +22,7 @@ struct Defocus {
   static constexpr std::string_view kind = "defocus";
   static constexpr std::string_view doc = "diffraction with defocus, exact at any amount";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::optics;
   static constexpr bool is_pupil = true;
 
   std::optional<S> waves;

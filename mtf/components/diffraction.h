@@ -20,6 +20,7 @@ struct Diffraction {
   static constexpr std::string_view kind = "diffraction";
   static constexpr std::string_view doc = "diffraction of a clear circular or annular pupil";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::optics;
   static constexpr bool is_pupil = true;
 
   std::optional<S> f_number;

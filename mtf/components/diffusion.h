@@ -18,6 +18,7 @@ struct Diffusion {
   static constexpr std::string_view kind = "diffusion";
   static constexpr std::string_view doc = "lateral charge diffusion with depth of absorption";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::detector;
 
   std::optional<S> absorption_length_um;
   S depletion_depth_um{};

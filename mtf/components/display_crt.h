@@ -16,6 +16,8 @@ struct DisplayCrt {
   static constexpr std::string_view kind = "display_crt";
   static constexpr std::string_view doc = "Gaussian spot of a cathode-ray tube";
   static constexpr Stages stages{.postsample = true};
+  static constexpr SensorPart part = SensorPart::display;
+  static constexpr bool is_reconstruction = true;
 
   AxisPair<S> sigma;
 

@@ -20,6 +20,8 @@ struct DisplayFlatPanel {
   static constexpr std::string_view kind = "display_flat_panel";
   static constexpr std::string_view doc = "active area of a flat-panel display, monochrome or colour LCD";
   static constexpr Stages stages{.postsample = true};
+  static constexpr SensorPart part = SensorPart::display;
+  static constexpr bool is_reconstruction = true;
 
   AxisPair<S> width;
   AxisPair<S> lcd_pitch;

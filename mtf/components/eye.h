@@ -28,6 +28,8 @@ struct Eye {
   static constexpr std::string_view kind = "eye";
   static constexpr std::string_view doc = "the observer's eye at the display";
   static constexpr Stages stages{.postsample = true};
+  static constexpr SensorPart part = SensorPart::display;
+  static constexpr bool is_reconstruction = true;
 
   static constexpr std::array<std::string_view, 4> kModelNames{"mtf", kContrastModelNames[0], kContrastModelNames[1],
                                                                kContrastModelNames[2]};

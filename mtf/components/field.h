@@ -67,6 +67,16 @@ inline constexpr FieldInfo kWavelengthReferenceInfo{
     .example = "\"0.6328 um\"",
     .doc = "wavelength at which the waves are stated; without it they hold at every wavelength"};
 
+/// Of a component whose place in the sensor the user knows alone.
+template <class T>
+constexpr auto part_field(Choice T::*part) {
+  return Field{FieldInfo{.name = "part",
+                         .presence = Presence::optional,
+                         .example = "\"optics\"",
+                         .doc = "part of the sensor it stands for, for the figures of optics and detector alone"},
+               part};
+}
+
 /// The shared optics of a field marked Presence::shared; a component's own value wins. Evaluated only after check().
 template <class S>
 S f_number_of(const std::optional<S>& own, const Context<S>& ctx) {

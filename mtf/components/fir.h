@@ -17,6 +17,7 @@ struct Fir {
   static constexpr std::string_view kind = "fir";
   static constexpr std::string_view doc = "digital filter by its taps, on the detector grid";
   static constexpr Stages stages{.postsample = true};
+  static constexpr SensorPart part = SensorPart::electronics;
 
   Taps<S> taps;
 

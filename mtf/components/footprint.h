@@ -16,6 +16,8 @@ struct Footprint {
   static constexpr std::string_view kind = "footprint";
   static constexpr std::string_view doc = "rectangular detector footprint";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::detector;
+  static constexpr bool is_footprint = true;
 
   AxisPair<S> width;
   std::optional<S> fill_factor;

@@ -35,6 +35,7 @@ struct Gaussian {
   static constexpr Stages stages{.presample = true, .readout = true, .postsample = true};
 
   AxisPair<S> sigma;
+  Choice part{0, kSensorPartNames};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "sigma",
@@ -43,7 +44,8 @@ struct Gaussian {
                                       .hi = 1e9,
                                       .example = "\"3 um\"",
                                       .doc = "standard deviation of the point spread, per axis"},
-                            &Gaussian::sigma}};
+                            &Gaussian::sigma},
+                      part_field(&Gaussian::part)};
   }
   Traits traits(const Context<S>& ctx) const { return GaussianOtf<S>::traits(sigma, ctx); }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return GaussianOtf<S>::otf(sigma, f, ctx); }

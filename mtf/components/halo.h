@@ -23,6 +23,7 @@ struct Halo {
   static constexpr std::string_view kind = "halo";
   static constexpr std::string_view doc = "light scattered into a wide halo around every point";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::optics;
 
   S fraction{};
   AxisPair<S> width;

@@ -96,6 +96,8 @@ struct Interpolation {
   static constexpr std::string_view kind = "interpolation";
   static constexpr std::string_view doc = "interpolation between samples: nearest, linear, cubic, spline, zoom filter";
   static constexpr Stages stages{.postsample = true};
+  static constexpr SensorPart part = SensorPart::display;
+  static constexpr bool is_reconstruction = true;
 
   enum Kernel { nearest, linear, cubic, bspline, six_coefficient };
   static constexpr std::array<std::string_view, 5> kKernelNames{"nearest", "linear", "cubic", "bspline",

@@ -16,6 +16,7 @@ struct Jitter {
   static constexpr std::string_view kind = "jitter";
   static constexpr std::string_view doc = "random line-of-sight motion, rms per axis";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::motion;
 
   AxisPair<S> rms;
 

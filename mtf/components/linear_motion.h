@@ -17,6 +17,7 @@ struct LinearMotion {
   static constexpr std::string_view kind = "linear_motion";
   static constexpr std::string_view doc = "constant-velocity image motion during the integration time";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::motion;
 
   AxisPair<S> travel;
   std::optional<S> velocity_um_s;

@@ -19,6 +19,7 @@ struct RcLowpass : ElectronicFilter<S> {
   static constexpr std::string_view kind = "rc_lowpass";
   static constexpr std::string_view doc = "one-pole electronic low-pass with its phase";
   static constexpr Stages stages{.presample = true, .readout = true};
+  static constexpr SensorPart part = SensorPart::electronics;
 
   Traits traits(const Context<S>&) const {
     const bool x = this->axis.index == 0;
@@ -47,6 +48,7 @@ struct Butterworth : ElectronicFilter<S> {
   static constexpr std::string_view kind = "butterworth";
   static constexpr std::string_view doc = "Butterworth low-pass of n poles, modulus only";
   static constexpr Stages stages{.presample = true, .readout = true};
+  static constexpr SensorPart part = SensorPart::electronics;
 
   int poles = 0;
 

@@ -18,6 +18,8 @@ struct PolygonFootprint {
   static constexpr std::string_view kind = "polygon_footprint";
   static constexpr std::string_view doc = "detector footprint of any simple polygon";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::detector;
+  static constexpr bool is_footprint = true;
   static constexpr std::size_t kMostVertices = 200;
 
   Taps<S> vertices;

@@ -19,6 +19,7 @@ struct RandomWavefront {
   static constexpr std::string_view kind = "random_wavefront";
   static constexpr std::string_view doc = "random wavefront error by rms and correlation length";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::optics;
 
   S rms_waves{};
   std::optional<S> wavelength_reference_um;

@@ -20,6 +20,7 @@ struct RcHighpass : ElectronicFilter<S> {
   static constexpr std::string_view kind = "rc_highpass";
   static constexpr std::string_view doc = "AC coupling: one-pole electronic high-pass with its phase";
   static constexpr Stages stages{.presample = true, .readout = true};
+  static constexpr SensorPart part = SensorPart::electronics;
 
   static constexpr std::array<std::string_view, 2> kDcNames{"keep", "remove"};
   Choice dc{0, kDcNames};

@@ -18,6 +18,7 @@ struct RmsWavefront {
   static constexpr std::string_view kind = "rms_wavefront";
   static constexpr std::string_view doc = "aberrations by rms wavefront error (Hufnagel/Shannon factor)";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::optics;
   static constexpr double kLimit = 0.18;
 
   S rms_waves{};

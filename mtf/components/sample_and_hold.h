@@ -16,6 +16,8 @@ struct SampleAndHold {
   static constexpr std::string_view kind = "sample_and_hold";
   static constexpr std::string_view doc = "samples held for a width along one axis";
   static constexpr Stages stages{.postsample = true};
+  static constexpr SensorPart part = SensorPart::display;
+  static constexpr bool is_reconstruction = true;
 
   AxisPair<S> width;
   Choice axis{0, kAxisNames};

@@ -17,6 +17,7 @@ struct Tdi {
   static constexpr std::string_view kind = "tdi";
   static constexpr std::string_view doc = "time delay and integration with slip and clock phases";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::detector;
 
   int stage_count = 0;
   AxisPair<S> slip;

@@ -46,6 +46,7 @@ struct Turbulence {
   static constexpr std::string_view kind = "turbulence";
   static constexpr std::string_view doc = "atmospheric turbulence, long or short exposure";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::path;
   static constexpr double kExact = 3.441938591146905807646779;
 
   std::optional<S> fried_parameter_mm;

@@ -53,6 +53,7 @@ struct Unsharp {
   static constexpr std::string_view kind = "unsharp";
   static constexpr std::string_view doc = "unsharp mask with a box or Gaussian blur, on the detector grid";
   static constexpr Stages stages{.postsample = true};
+  static constexpr SensorPart part = SensorPart::electronics;
 
   S amount{};
   int size = 3;

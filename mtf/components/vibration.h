@@ -28,6 +28,7 @@ struct Vibration {
   static constexpr std::string_view doc =
       "sinusoidal vibration, many cycles in the integration time or any part of them";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::motion;
 
   AxisPair<S> amplitude;
   S direction_deg{};

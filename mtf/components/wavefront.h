@@ -32,6 +32,7 @@ struct Wavefront {
   static constexpr std::string_view kind = "wavefront";
   static constexpr std::string_view doc = "diffraction with aberrations by Seidel and Zernike coefficients";
   static constexpr Stages stages{.presample = true};
+  static constexpr SensorPart part = SensorPart::optics;
   static constexpr bool is_pupil = true;
   static constexpr bool is_slow = true;
 

@@ -48,7 +48,7 @@ void note_what_is_missing(cfg::Reader& reader, const System<double>& system) {
                 "no diffraction: [optics] and [band] add none by themselves; add [[presample]] with "
                 "kind = \"diffraction\" unless the optics are meant to be perfect",
                 true);
-  if (!any([](const auto& component) { return component.kind() == "footprint"; }))
+  if (!any([](const auto& component) { return component.is_footprint(); }))
     reader.note({}, "presample",
                 "no detector footprint: the pitch adds none by itself; add [[presample]] with "
                 "kind = \"footprint\" unless the pixels are meant to be points",
