@@ -48,6 +48,7 @@ std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy
   std::int64_t total = 0;
   for (std::size_t c = 0; c < scene.planes.size(); ++c) {
     const mtf::Statistics s = mtf::statistics(scene.planes[c].view());
+  if (policy == NanPolicy::refuse) require_decoded(scene);
     if (s.not_finite == 0) continue;
     if (policy == NanPolicy::refuse)
       throw mtf::RuntimeError("channel " + scene.names[c] + ": " + std::to_string(s.not_finite) +

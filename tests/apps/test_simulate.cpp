@@ -128,6 +128,24 @@ TEST_F(Simulate, EncodedScenesAskForTheirCurve) {
   EXPECT_NE(explained.out.find("scene.encoding"), std::string::npos) << explained.out;
 }
 
+TEST_F(Simulate, ValuesBeyondTheEncodingTableAreSaid) {
+  Image plane = pattern(64, 48, 100.0, 50.0);
+  plane.at(5, 3) = 201.0F;
+  mtf::io::write_integer((scratch / "coded.png").string(), {{"Y", plane.view()}}, {1.0, 0.0}, {});
+  write_file(scratch / "oecf.csv", "stored,linear\n0,0\n200,20\n");
+  add_to_scene("gain = 1.0\noffset = 0.0\nencoding = \"./oecf.csv\"\n");
+  for (const char* more : {"", " --roi 0,0,4,4"}) {
+    const std::string command = std::string("mtf simulate sensor.toml coded.png -o out.exr") + more;
+    expect_refused(command, 2, "coded.png: 1 samples lie outside the encoding table ");
+    expect_refused(command, 2, "oecf.csv, which goes from 0 to 200; the first is 201 at column 5, row 3");
+  }
+  ASSERT_EQ(scratch.run("mkdir b").status, 0);
+  EXPECT_EQ(scratch.run("mtf bench sensor.toml coded.png -o b").status, 2);
+  const Result filled = scratch.run("mtf simulate sensor.toml coded.png -o filled.exr --nan fill");
+  EXPECT_EQ(filled.status, 0) << filled.err;
+  EXPECT_NE(filled.err.find("the first is 201"), std::string::npos) << filled.err;
+}
+
 TEST_F(Simulate, SixteenBitOutputSaysItsScale) {
   for (const char* name : {"out16.png", "out16.tif"}) {
     const Result r = scratch.run("mtf simulate sensor.toml scene.exr -o " + std::string(name) + " --report run.json");
