@@ -84,7 +84,8 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
   std::vector<std::string> inputs = files_of(config);
   inputs.push_back(options.scene);
-  require_writable(outputs_of(options), inputs);
+  const std::vector<std::string> outputs = outputs_of(options);
+  require_writable(outputs, inputs);
   const std::shared_ptr<const Physical> physical = physical_of(config, options);
   const bool in_tiles = !physical && wants_tiles(options);
   if (physical && options.memory)
@@ -92,9 +93,14 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
         "--memory: tiles hold the filtered scene; a sensor with [detector] takes the whole image. "
         "Remove --memory, or [detector] and what belongs to it");
   if (in_tiles)
-    for (const char* suffix : {".part", ".part.tiles"})  // where finished tiles are kept
+    for (const char* suffix : {".part", ".part.tiles"}) {  // where finished tiles are kept
       for (const std::string& input : inputs) require_different(input, options.out + suffix);
   if (in_tiles) return simulate_tiles(options, global, config);
+      for (const std::string& output : outputs)
+        if (is_same_file(output, options.out + suffix))
+          throw mtf::UsageError(one_line(output) + ": is where finished tiles of " + one_line(options.out) +
+                                " are kept; give it another name");
+    }
   mtf::io::Scene scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
   report.warnings = scene.warnings;
   for (std::string& warning : mtf::io::sampling_warnings(config.system, scene.grid))

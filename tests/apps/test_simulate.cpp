@@ -246,6 +246,22 @@ TEST_F(Simulate, RefusesBeforeAnythingIsWritten) {
   expect_refused("mtf simulate sensor.toml tiny.exr -o out.exr", 2, "smaller than one detector pixel");
 }
 
+// Two names of one file are one output too many, whatever leads from one to the other.
+TEST_F(Simulate, OutputsThatAreOneFileAreRefused) {
+  ASSERT_EQ(scratch.run("ln -s o.exr soft.json; echo old > hard.json; ln hard.json h.exr; ln -s . folder").status, 0);
+  for (const char* outputs : {"-o o.exr --report o.exr", "-o o.exr --report ./o.exr", "-o o.exr --report soft.json",
+                              "-o h.exr --report hard.json", "-o o.exr --report folder/o.exr"}) {
+    const Result r = scratch.run(std::string("mtf simulate sensor.toml scene.exr ") + outputs);
+    EXPECT_EQ(r.status, 2) << outputs << r.err;
+    EXPECT_NE(r.err.find("named for two outputs; give each its own name"), std::string::npos) << r.err;
+  }
+  EXPECT_EQ(read_file(scratch / "hard.json"), "old\n");
+  const Result tiles = scratch.run("mtf simulate sensor.toml scene.exr -o o.exr --memory 1GiB --report o.exr.part");
+  EXPECT_EQ(tiles.status, 2) << tiles.err;
+  EXPECT_NE(tiles.err.find("where finished tiles"), std::string::npos) << tiles.err;
+  EXPECT_EQ(scratch.run("mtf simulate sensor.toml scene.exr -o soft.json.exr --report hard.json").status, 0);
+}
+
 TEST_F(Simulate, FullDiskLeavesNothing) {
   write_scene(scratch / "big.exr", {"Y"}, 1024);
   // A limit on the size of files stands in for a full disk.
