@@ -270,6 +270,8 @@ TEST(StudyErrors, OfGoals) {
       {kHead + kAxis + "[metrics]\nlist = [\"mtf_nyqist\", 3]\n",
        {"7:9: error: metrics.list: unknown metric \"mtf_nyqist\"; did you mean \"mtf_nyquist\"?",
         "7:23: error: metrics.list: 3 has to be"}},
+      {kHead + kAxis + "[metrics]\nlist = [\"sharpness\"]\n",
+       {"unknown metric \"sharpness\"; there are cutoff, nyquist, "}},
       {kHead + kAxis + "[metrics]\nlist = [\"mtf_nyquist\", \"mtf_nyquist\"]\n",
        {"warning: metrics.list: mtf_nyquist is listed twice"}},
       {kHead + kAxis + kMetrics + "[conditions]\nrange = 5\ncontrst = \"2 K\"\n",
