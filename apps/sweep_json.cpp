@@ -205,7 +205,7 @@ Json to_json(const SweepReport& report) {
                                   {"maximize", study.objectives[o].maximize}});
   json["feasible"] = tally.feasible();
   if (tally.invalid().designs > 0) json["invalid"] = invalid_json(report);
-  if (tally.feasible() == 0 && tally.nearest().design >= 0) {
+  if (tally.feasible() == 0 && tally.nearest().design >= 0 && !none_valid(report)) {
     json["nearest"] = {{"design", tally.nearest().design},
                        {"violated", texts_of(report, violated_constraints(report, tally.nearest().row))}};
     json["contradictions"] = Json::array();  // smallest sets of constraints that no design meets together

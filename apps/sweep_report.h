@@ -35,6 +35,9 @@ struct SweepReport {
 };
 
 /// Constraints of a row that are within 1 % of their limit, and those that it does not meet: indices.
+/// True when every design is invalid: there is nothing to choose.
+bool none_valid(const SweepReport& report);
+
 std::vector<std::size_t> active_constraints(const SweepReport& report, std::span<const double> row);
 std::vector<std::size_t> violated_constraints(const SweepReport& report, std::span<const double> row);
 

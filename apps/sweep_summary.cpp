@@ -60,7 +60,7 @@ std::string infeasible(const SweepReport& report) {
     text += set.size() == 1 ? "no design meets " + list(report, set, "") + "\n"
                             : "no design meets all of: " + list(report, set, "; ") + "\n";
   const study::TallyDesign& nearest = report.tally->nearest();
-  if (nearest.design >= 0)
+  if (nearest.design >= 0 && !none_valid(report))
     text += "nearest is design " + std::to_string(nearest.design) +
             ", which misses: " + list(report, violated_constraints(report, nearest.row), "; ") + "\n";
   return text;
