@@ -101,6 +101,10 @@ void ask_evaluator(SweepReport& report) {
   report.gaps = evaluator.gaps();
   for (const std::string& text : evaluator.skipped()) report.skipped.push_back(text);
   report.chosen = choose(report);
+  for (ChosenFile& chosen : report.chosen) {
+    evaluator.evaluate(chosen.design, row);
+    chosen.caution = evaluator.last_caution();
+  }
   write_chosen(report, evaluator);
   const auto& best = report.tally->best();
   const auto first = std::find_if(best.begin(), best.end(), [](const auto& b) { return b.design >= 0; });
@@ -121,11 +125,11 @@ std::vector<std::size_t> constraints_of(const SweepReport& report, std::span<con
 
 }  // namespace
 
+bool none_valid(const SweepReport& report) { return report.tally->invalid().designs == report.tally->designs(); }
+
 std::vector<std::size_t> active_constraints(const SweepReport& report, std::span<const double> row) {
   return constraints_of(report, row, true);
 }
-
-bool none_valid(const SweepReport& report) { return report.tally->invalid().designs == report.tally->designs(); }
 
 std::vector<std::size_t> violated_constraints(const SweepReport& report, std::span<const double> row) {
   return constraints_of(report, row, false);
@@ -164,16 +168,16 @@ int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOption
   mtf::io::write_text_file((run.folder / "sweep.json").string(), json);
   print(options.format == Format::json ? json : sweep_summary(report));
   int status = 0;
-  for (const study::AccuracyRow& row : report.accuracy.rows) {
-    if (!study::broken(report.accuracy, row)) continue;
-    note(global, "mtf: at tolerance " + mtf::format_double(row.tolerance) + " a metric is off by " +
-                     significant(row.realised, 2) + ", more than the promised " + significant(row.promised, 2) +
   if (none_valid(report)) {
     complain(
         "mtf: every design is invalid, so none is chosen: change the axes, or what the objectives and constraints "
         "ask for");
     status = 3;
   }
+  for (const study::AccuracyRow& row : report.accuracy.rows) {
+    if (!study::broken(report.accuracy, row)) continue;
+    note(global, "mtf: at tolerance " + mtf::format_double(row.tolerance) + " a metric is off by " +
+                     significant(row.realised, 2) + ", more than the promised " + significant(row.promised, 2) +
                      "; take a tighter tolerance, and please report the study");
     status = 3;
   }

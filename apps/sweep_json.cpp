@@ -219,8 +219,10 @@ Json to_json(const SweepReport& report) {
     json["pareto_size"] = front.size();
   }
   json["chosen"] = Json::array();
-  for (const ChosenFile& chosen : report.chosen)
+  for (const ChosenFile& chosen : report.chosen) {
     json["chosen"].push_back({{"design", chosen.design}, {"file", chosen.file}, {"why", chosen.why}});
+    if (!chosen.caution.empty()) json["chosen"].back()["caution"] = chosen.caution;
+  }
   json["sensitivities"] = sensitivities_json(report);
   if (const auto column = study::column_of(report.sweep->columns, study::Column::Role::yield))
     json["yield"] = yield_json(report, *column);

@@ -106,6 +106,9 @@ std::string sweep_summary(const SweepReport& report) {
   }
   text += invalid(report);
   text += best_table(report);
+  for (const ChosenFile& chosen : report.chosen)
+    if (!chosen.caution.empty())
+      text += "design " + std::to_string(chosen.design) + " (" + one_line(chosen.why) + ") is " + chosen.caution + "\n";
   if (study.objectives.size() > 1) text += "Pareto front: " + std::to_string(report.front.size()) + " designs\n";
   if (const auto column = study::column_of(columns, study::Column::Role::yield);
       column && tally.highest_yield().design >= 0) {
