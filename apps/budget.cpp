@@ -10,6 +10,7 @@
 #include "apps/sensor_chain.h"
 #include "apps/sensor_file.h"
 #include "apps/text_table.h"
+#include "apps/sensor_place.h"
 #include "radiometry/sensor_budget.h"
 
 namespace apps {
@@ -67,7 +68,8 @@ int run_budget(const BudgetOptions& options, const Global& global) {
     for (const std::string& input : files_of(config)) require_different(input, options.out);
   const LoadedSensor loaded = load_chain(config);
   if (loaded.paths) note(global, "note: the path has the range of each pixel; this budget is for none");
-  const radiometry::Budget<double> budget = budget_of(config.system, loaded.sensor, options.temperature_k);
+  const radiometry::Budget<double> budget =
+      at_its_place(config, [&] { return budget_of(config.system, loaded.sensor, options.temperature_k); });
   if (const std::string gap = spatial_gap(loaded.sensor.settings, budget); !gap.empty())
     note(global, "note: spatial noise has no number: " + gap);
   Rows rows = radiometry::rows(budget);
