@@ -138,6 +138,7 @@ int run_bench(const BenchOptions& options, const Global& global) {
   check_folder(folder, options.force);
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
   mtf::io::Scene scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
+  require_decoded(scene);
 
   BenchReport report;
   report.notes = scene.warnings;

@@ -2,6 +2,7 @@
 
 // `mtf budget SENSOR`: what a pixel collects, each noise term, and what that lets one see.
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +10,7 @@
 #include "apps/output.h"
 #include "apps/sensor_chain.h"
 #include "apps/sensor_file.h"
+#include "apps/sensor_place.h"
 #include "apps/text_table.h"
 #include "radiometry/sensor_budget.h"
 
@@ -18,16 +20,32 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Rows = std::vector<radiometry::BudgetRow>;
 
-std::string value_cell(const radiometry::BudgetRow& row) {
-  if (!row.refused.empty()) return "saturated";
-  return std::isfinite(row.value) ? significant(row.value, 7) : "-";
+/// Why figures have no value, but for saturation: each reason once, behind the names of its rows.
+std::string reasons(const Rows& rows) {
+  std::vector<std::pair<std::string, std::string>> found;  // reason, names
+  for (const auto& row : rows) {
+    if (row.refused.empty() || is_saturated(row)) continue;
+    const auto same = std::find_if(found.begin(), found.end(), [&](const auto& f) { return f.first == row.refused; });
+    if (same == found.end())
+      found.emplace_back(row.refused, row.name);
+    else
+      same->second += ", " + row.name;
+  }
+  std::string text;
+  for (const auto& [reason, names] : found) text += "no " + names + ": " + reason + "\n";
+  return text;
 }
 
 std::string as_table(const Rows& rows, const radiometry::Saturation& saturation) {
   TextTable table({"term", "value", "unit", "what it is"});
-  for (const auto& row : rows) table.add({row.name, value_cell(row), row.unit, row.doc});
+  for (const auto& row : rows)
+    table.add({row.name,
+               is_saturated(row)          ? "saturated"
+               : std::isfinite(row.value) ? significant(row.value, 7)
+                                          : "-",
+               row.unit, row.doc});
   const std::string said = words(saturation);
-  return table.aligned({Align::left, Align::right}) + (said.empty() ? "" : said + "\n");
+  return table.aligned({Align::left, Align::right}) + reasons(rows) + (said.empty() ? "" : said + "\n");
 }
 
 std::string as_csv(const Rows& rows) {
@@ -44,13 +62,14 @@ Json saturation_json(const radiometry::Saturation& saturation) {
   return json;
 }
 
-std::string as_json(const Rows& rows, const radiometry::Saturation& saturation, const BudgetOptions& options,
-                    const mtf::io::SensorConfig& config) {
+std::string as_json(const Rows& rows, const radiometry::Saturation& saturation, const std::vector<std::string>& notes,
+                    const BudgetOptions& options, const mtf::io::SensorConfig& config) {
   Json json{{"sensor", options.sensor},
             {"name", config.system.name},
             {"config_sha256", config.sha256},
             {"temperature_k", options.temperature_k},
-            {"saturation", saturation_json(saturation)}};
+            {"saturation", saturation_json(saturation)},
+            {"notes", notes}};
   Json& terms = json["terms"] = Json::object();
   for (const auto& row : rows) {
     terms[row.name] = {{"value", row.value}, {"unit", row.unit}, {"doc", row.doc}};
@@ -67,9 +86,12 @@ int run_budget(const BudgetOptions& options, const Global& global) {
     for (const std::string& input : files_of(config)) require_different(input, options.out);
   const LoadedSensor loaded = load_chain(config);
   if (loaded.paths) note(global, "note: the path has the range of each pixel; this budget is for none");
-  const radiometry::Budget<double> budget = budget_of(config.system, loaded.sensor, options.temperature_k);
+  const radiometry::Budget<double> budget =
+      at_its_place(config, [&] { return budget_of(config.system, loaded.sensor, options.temperature_k); });
   if (const std::string gap = spatial_gap(loaded.sensor.settings, budget); !gap.empty())
     note(global, "note: spatial noise has no number: " + gap);
+  const std::vector<std::string> notes = budget_notes(loaded.sensor);
+  for (const std::string& text : notes) note(global, "note: " + text);
   Rows rows = radiometry::rows(budget);
   rows.push_back(dstar_row(config.system, loaded.sensor, budget));
   const radiometry::Saturation& saturation = budget.saturation;
@@ -83,7 +105,7 @@ int run_budget(const BudgetOptions& options, const Global& global) {
       emit(options.out, as_csv(rows));
       break;
     case Format::json:
-      emit(options.out, as_json(rows, saturation, options, config));
+      emit(options.out, as_json(rows, saturation, notes, options, config));
       break;
   }
   return 0;

@@ -56,8 +56,9 @@ Command budget_command() {
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
   add_word(app, "--temperature", "K", "of the surface; default 300", [&](const std::string& text) {
     options.temperature_k = number("--temperature", text);
-    if (!(options.temperature_k >= 0.0))
-      throw mtf::UsageError("--temperature " + text + ": a temperature in K is 0 or above");
+    constexpr double kMost_k = 1e9;  // as temperatures in sensor files
+    if (!(options.temperature_k >= 0.0 && options.temperature_k <= kMost_k))
+      throw mtf::UsageError("--temperature " + text + ": a temperature in K is from 0 to 1e9");
   });
   add_format(app, "table (default), csv or json", options.format);
   add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);

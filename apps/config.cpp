@@ -10,6 +10,7 @@
 #include "apps/output.h"
 #include "apps/sensor_chain.h"
 #include "apps/sensor_file.h"
+#include "apps/sensor_place.h"
 #include "apps/study_file.h"
 #include "apps/text_table.h"
 #include "mtf/error.h"
@@ -85,7 +86,8 @@ mtf::io::SensorConfig read_sensor(const std::string& file, const Global& global)
 
 mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global) {
   mtf::io::SensorConfig config = read_sensor(file, global);
-  if (has_chain(config) && config.system.band) config.system = with_electron_rate(config.system, load_chain(config));
+  if (has_chain(config) && config.system.band)
+    config.system = at_its_place(config, [&] { return with_electron_rate(config.system, load_chain(config)); });
   return config;
 }
 
@@ -108,8 +110,7 @@ int check_sensor(const std::string& file, Format format) {
       mtf::io::parse_config(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file, radiometry::sensor_tables());
   if (result.ok()) {
     for (mtf::io::Diagnostic& warning : chain_warnings(result.config)) result.diagnostics.push_back(std::move(warning));
-    if (const std::string problem = chain_problem(result.config); !problem.empty())
-      result.diagnostics.push_back({.error = true, .position = {}, .path = {}, .text = problem});
+    if (auto problem = chain_problem(result.config)) result.diagnostics.push_back(std::move(*problem));
   }
   return report_verdict({.file = file,
                          .ok = result.ok(),

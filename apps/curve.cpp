@@ -126,9 +126,10 @@ void check_outputs(const CurveOptions& options, const std::vector<std::string>& 
   const std::string data = figure_data_path(options.plot);
   for (const std::string& path : {options.plot, data}) {
     for (const std::string& input : inputs) require_different(input, path);
-    if (!to_stdout && path == options.out)
-      throw mtf::UsageError(path + ": the figure " + options.plot + " writes " + data +
-                            " too; choose another name for -o");
+    if (!to_stdout && is_same_file(path, options.out))
+      throw mtf::UsageError(one_line(options.out) + ": -o names the " +
+                            (path == data ? "data file that is written beside the figure " : "file of the figure ") +
+                            one_line(options.plot) + "; choose another name for -o");
   }
 }
 

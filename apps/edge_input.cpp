@@ -207,7 +207,8 @@ std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInpu
     plane.image = image;
     if (outside > 0)
       plane.warning = one_line(image) + ": " + std::to_string(outside) + " samples lie outside the table " +
-                      one_line(encoding.name) + " and are taken as no data";
+                      one_line(encoding.name) + " (" + mtf::format_double(encoding.stored.front()) + " to " +
+                      mtf::format_double(encoding.stored.back()) + ") and are taken as no data";
     plane.channel = named.name;
     if (regions == Regions::wanted) plane.regions = given_regions(input);
     plane.options = options_of(file, encoding, scale, input, named.plane);

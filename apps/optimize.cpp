@@ -68,6 +68,12 @@ std::string sensor_text(const std::shared_ptr<const study::Study>& study, const 
   return mtf::io::write_config(evaluator.sensor_at(optimum.axis_values), file);
 }
 
+/// Where the best design of a goal is written.
+std::string sensor_file(const OptimizeCommandOptions& options, std::size_t goal) {
+  return options.each ? (std::filesystem::path(options.out) / ("best-" + std::to_string(goal + 1) + ".toml")).string()
+                      : options.out;
+}
+
 std::vector<std::string> inputs_of(const study::Study& study) {
   std::vector<std::string> inputs{study.file};
   for (const std::string& file : files_of(study.base)) inputs.push_back(file);
@@ -87,7 +93,13 @@ int run_optimize(const OptimizeCommandOptions& options, const Global& global) {
   if (!options.report.empty()) files.push_back(options.report);
   if (!options.out.empty() && !options.each) files.push_back(options.out);
   require_writable(files, inputs_of(*study));
-  if (!options.out.empty() && options.each) check_folder(options.out, options.force);
+  if (!options.out.empty() && options.each) {
+    check_folder(options.out, options.force);
+    for (std::size_t g = 0; g < goals.size() && !options.report.empty(); ++g)
+      if (is_same_file(options.report, sensor_file(options, g)))
+        throw mtf::UsageError(one_line(options.report) +
+                              ": --report names a sensor file that --each writes; give it another name");
+  }
   if (study->draws > 0 && study->as_built.size() > 0)
     note(global, "mtf: note: variation as built has no part in the optimum");
 
@@ -112,9 +124,7 @@ int run_optimize(const OptimizeCommandOptions& options, const Global& global) {
   if (!options.out.empty()) {
     if (options.each) prepare_folder(options.out, options.force);
     for (std::size_t g = 0; g < goals.size(); ++g) {
-      const std::string file =
-          options.each ? (std::filesystem::path(options.out) / ("best-" + std::to_string(g + 1) + ".toml")).string()
-                       : options.out;
+      const std::string file = sensor_file(options, g);
       if (!goals[g].outcome.best.feasible) {
         note(global, "mtf: note: no feasible design: " + one_line(file) + " is not written");
         continue;

@@ -14,6 +14,8 @@
 
 namespace apps {
 
+namespace fs = std::filesystem;
+
 void print(std::string_view text) {
   const bool whole = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
   if (whole && std::fflush(stdout) == 0) return;
@@ -53,10 +55,28 @@ std::string shell_word(std::string_view text) {
   return quoted + "'";
 }
 
+fs::path place_of(const std::string& name) {
+  constexpr int kMostLinks = 40;  // as many as the kernel follows
+  std::error_code error;
+  fs::path path = name;
+  for (int links = 0; links < kMostLinks && fs::is_symlink(fs::symlink_status(path, error)); ++links) {
+    const fs::path target = fs::read_symlink(path, error);
+    if (error) break;
+    path = path.parent_path() / target;
+  }
+  const fs::path whole = fs::weakly_canonical(fs::absolute(path, error), error);
+  return error ? path.lexically_normal() : whole;
+}
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return place_of(a) == place_of(b) || fs::equivalent(a, b, ignored);
+}
+
 void require_different(const std::string& input, const std::string& output) {
   if (output.empty()) return;
   std::error_code ignored;
-  if (std::filesystem::equivalent(input, output, ignored))
+  if (fs::equivalent(input, output, ignored))
     throw mtf::UsageError(output + ": is the input; name another file for the output");
 }
 

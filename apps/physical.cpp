@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "apps/sensor_place.h"
 #include "mtf/error.h"
 
 namespace apps {
@@ -13,20 +14,20 @@ std::shared_ptr<const Physical> physical_of(const mtf::io::SensorConfig& config,
       throw mtf::UsageError(config.file +
                             ": --tap is for sensors with [detector]; this one gives the filtered scene only");
     if (const std::string unused = unused_table(config); !unused.empty())
-      throw mtf::UsageError(config.file + ": " + unused);
+      throw mtf::UsageError(placed(config, config.file + ": " + unused));
     return nullptr;
   }
   auto physical = std::make_shared<Physical>();
   physical->loaded = load_chain(config);
   const radiometry::Sensor& sensor = physical->loaded.sensor;
-  physical->system = with_electron_rate(config.system, physical->loaded);
+  physical->system = at_its_place(config, [&] { return with_electron_rate(config.system, physical->loaded); });
   const radiometry::Tap last = last_tap(config.system, sensor);
   physical->tap = options.tap.value_or(last);
   try {
     require_tap(physical->tap, last, sensor.settings.adc.has_value());
     require_consistent(config.system, sensor);
   } catch (const mtf::UsageError& error) {
-    throw mtf::UsageError(config.file + ": " + error.what());
+    throw mtf::UsageError(placed(config, config.file + ": " + error.what()));
   }
   return physical;
 }
@@ -60,7 +61,7 @@ double to_light(const mtf::io::SensorConfig& config, const Physical& physical, m
   }
   masks.clear();
   masks.push_back(std::move(bad));
-  return to_light(config, physical.loaded, scene, path, threads);
+  return at_its_place(config, [&] { return to_light(config, physical.loaded, scene, path, threads); });
 }
 
 ChainReport report_of(const Physical& physical) {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "apps/sensor_place.h"
 #include "mtf/error.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/spectrum_csv.h"
@@ -160,7 +161,9 @@ std::optional<double> source_temperature_k(const radiometry::SensorSettings& set
   return surfaces ? std::optional(kSurface_k) : std::nullopt;
 }
 
-LoadedSensor load_chain(const mtf::io::SensorConfig& config) try {
+namespace {
+
+LoadedSensor load_parts(const mtf::io::SensorConfig& config) {
   LoadedSensor loaded;
   radiometry::Sensor& sensor = loaded.sensor;
   sensor.settings = radiometry::sensor_settings(config.tables);
@@ -185,9 +188,24 @@ LoadedSensor load_chain(const mtf::io::SensorConfig& config) try {
   }
   loaded.source_k = source_temperature_k(settings, config.scene.quantity);
   if (settings.vignetting) sensor.vignetting = map_of(settings.vignetting->map, "vignetting.map", true);
+  if (settings.detector) require_response(sensor);
   return loaded;
+}
+
+/// The message with its place, or with the file at least.
+std::string told(const mtf::io::SensorConfig& config, const std::string& message) {
+  const std::string text = placed(config, message);
+  return text.starts_with(config.file + ":") ? text : config.file + ": " + text;
+}
+
+}  // namespace
+
+LoadedSensor load_chain(const mtf::io::SensorConfig& config) try {
+  return load_parts(config);
 } catch (const mtf::UsageError& error) {
-  throw mtf::UsageError(config.file + ": " + error.what());
+  throw mtf::UsageError(told(config, error.what()));
+} catch (const mtf::RuntimeError& error) {
+  throw mtf::RuntimeError(told(config, error.what()));
 }
 
 mtf::System<double> with_electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded) {
@@ -244,17 +262,18 @@ std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& con
   return warnings;
 }
 
-std::string chain_problem(const mtf::io::SensorConfig& config) {
-  if (!has_chain(config)) return unused_table(config);
-  try {
-    const LoadedSensor loaded = load_chain(config);
-    require_consistent(config.system, loaded.sensor);
-    static_cast<void>(with_electron_rate(config.system, loaded));
-  } catch (const mtf::Error& error) {
-    const std::string text = error.what();  // the caller names the file
-    return text.starts_with(config.file + ": ") ? text.substr(config.file.size() + 2) : text;
-  }
-  return "";
+std::optional<mtf::io::Diagnostic> chain_problem(const mtf::io::SensorConfig& config) {
+  std::string text = unused_table(config);
+  if (has_chain(config)) try {
+      const LoadedSensor loaded = load_parts(config);
+      require_consistent(config.system, loaded.sensor);
+      static_cast<void>(with_electron_rate(config.system, loaded));
+    } catch (const mtf::Error& error) {
+      text = error.what();
+    }
+  if (text.empty()) return std::nullopt;
+  const mtf::io::Diagnostic whole{.error = true, .position = {}, .path = {}, .text = text};
+  return finding_of(config, text).value_or(whole);
 }
 
 }  // namespace apps

@@ -30,12 +30,12 @@ struct LoadedSensor {
   std::optional<double> source_k;                      ///< source_temperature_k() of the quantity that [scene] states
 };
 
-/// The sensor with its curves, tables and maps. Throws UsageError with file and key for what does not fit, RuntimeError
-/// for files that cannot be read.
+/// The sensor with its curves, tables and maps. Throws UsageError with file, line and key for what does not fit,
+/// RuntimeError for files that cannot be read.
 LoadedSensor load_chain(const mtf::io::SensorConfig& config);
 
 /// The system whose band is weighted by the electrons that light of that spectrum gives behind all curves; unchanged
-/// where there is neither a curve nor a source temperature.
+/// where there is neither a curve nor a source temperature. Throws UsageError where that light gives no electrons.
 mtf::System<double> with_electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded);
 
 /// What a file without [detector] says of a chain all the same; empty when nothing.
@@ -44,7 +44,8 @@ std::string unused_table(const mtf::io::SensorConfig& config);
 /// What components and tables of the chain count twice: warnings, as such a pair can be meant.
 std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& config);
 
-/// Settings that contradict each other, as `mtf config check` tells them: empty when there are none.
-std::string chain_problem(const mtf::io::SensorConfig& config);
+/// What makes no chain of a file, as `mtf config check` tells it, with its place where it is about a key of the file;
+/// nothing where all is well.
+std::optional<mtf::io::Diagnostic> chain_problem(const mtf::io::SensorConfig& config);
 
 }  // namespace apps

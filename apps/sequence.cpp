@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
+#include <set>
 
 #include "apps/frame_names.h"
 #include "apps/output.h"
@@ -63,8 +65,19 @@ void check_files(const SimulateOptions& options, const SequenceNames& names, std
     if (is_frame(names.out->frame_of(input)))
       throw mtf::UsageError(one_line(input) + ": is an input; name other files for the output");
   for (std::size_t i = 1; i < outputs.size(); ++i)
-    if (is_frame(names.out->frame_of(outputs[i])))
+    if (is_frame(names.out->frame_of(outputs[i])) || is_frame(names.out->frame_of(place_of(outputs[i]).string())))
       throw mtf::UsageError(one_line(outputs[i]) + ": is the name of an output frame; give it its own name");
+  std::set<std::filesystem::path> linked;
+  for (std::size_t i = 1; i < outputs.size(); ++i) linked.insert(place_of(outputs[i]));
+  for (const std::int64_t frame : frames) {
+    const std::string name = names.out->name(frame);
+    std::error_code error;
+    if (!std::filesystem::is_symlink(std::filesystem::symlink_status(name, error))) continue;
+    const std::filesystem::path place = place_of(name);
+    if (is_frame(names.out->frame_of(place.string())) || !linked.insert(place).second)
+      throw mtf::UsageError(one_line(name) + ": is a link to " + one_line(place.string()) +
+                            ", which another output is too; remove the link");
+  }
   if (!names.scenes) return;
   for (const std::int64_t frame : frames) {
     if (is_frame(names.scenes->frame_of(names.out->name(frame))))

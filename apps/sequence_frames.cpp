@@ -8,6 +8,7 @@
 
 #include "apps/output.h"
 #include "apps/sensor_image.h"
+#include "apps/sensor_place.h"
 #include "apps/simulate_parts.h"
 #include "mtf/bad_pixels.h"
 #include "mtf/error.h"
@@ -206,9 +207,11 @@ void SequenceFrames::plan(Frame& frame) {
     frame.plan = planner_.plan_for(*frame.sensor, frame.physical.get(), *frame.input, frame.warnings);
     if (!frame.physical) return;
     if (chain_physical_ != frame.physical || chain_plan_ != frame.plan)
-      chain_ =
-          std::make_shared<const radiometry::Chain>(*frame.plan, frame.physical->system, frame.physical->loaded.sensor,
-                                                    radiometry::Origin{}, threads_, chain_.get());
+      chain_ = at_its_place(*frame.sensor, [&] {
+        return std::make_shared<const radiometry::Chain>(*frame.plan, frame.physical->system,
+                                                         frame.physical->loaded.sensor, radiometry::Origin{}, threads_,
+                                                         chain_.get());
+      });
     chain_physical_ = frame.physical;
     chain_plan_ = frame.plan;
     frame.chain = chain_;

@@ -14,6 +14,7 @@
 #include "apps/run_summary.h"
 #include "apps/sensor_file.h"
 #include "apps/sensor_image.h"
+#include "apps/sensor_place.h"
 #include "apps/sequence.h"
 #include "apps/simulate_parts.h"
 #include "apps/simulate_tiles.h"
@@ -84,7 +85,8 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
   std::vector<std::string> inputs = files_of(config);
   inputs.push_back(options.scene);
-  require_writable(outputs_of(options), inputs);
+  const std::vector<std::string> outputs = outputs_of(options);
+  require_writable(outputs, inputs);
   const std::shared_ptr<const Physical> physical = physical_of(config, options);
   const bool in_tiles = !physical && wants_tiles(options);
   if (physical && options.memory)
@@ -92,8 +94,13 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
         "--memory: tiles hold the filtered scene; a sensor with [detector] takes the whole image. "
         "Remove --memory, or [detector] and what belongs to it");
   if (in_tiles)
-    for (const char* suffix : {".part", ".part.tiles"})  // where finished tiles are kept
+    for (const char* suffix : {".part", ".part.tiles"}) {  // where finished tiles are kept
       for (const std::string& input : inputs) require_different(input, options.out + suffix);
+      for (const std::string& output : outputs)
+        if (is_same_file(output, options.out + suffix))
+          throw mtf::UsageError(one_line(output) + ": is where finished tiles of " + one_line(options.out) +
+                                " are kept; give it another name");
+    }
   if (in_tiles) return simulate_tiles(options, global, config);
   mtf::io::Scene scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
   report.warnings = scene.warnings;
@@ -139,10 +146,13 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   watch.lap("plan", report.timing_ms);
 
   std::vector<mtf::Image> images =
-      physical
-          ? run_chain(*physical, plan, std::move(scene.planes.front()), defaults.border_value, report, global.threads)
-      : tiles ? run_flat_tiles(*tiles, scene, config.scene.border_value, report)
-              : plan.run(std::move(scene.planes), config.scene.border_value, global.threads);
+      physical ? at_its_place(config,
+                              [&] {
+                                return run_chain(*physical, plan, std::move(scene.planes.front()),
+                                                 defaults.border_value, report, global.threads);
+                              })
+      : tiles  ? run_flat_tiles(*tiles, scene, config.scene.border_value, report)
+               : plan.run(std::move(scene.planes), config.scene.border_value, global.threads);
   if (physical && report.chain->held.any()) {
     report.warnings.push_back(words(report.chain->held));
     note(global, "warning: " + report.warnings.back());

@@ -26,8 +26,12 @@ void require_writable(const std::vector<std::string>& outputs, const std::vector
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     for (const std::string& input : inputs) require_different(input, outputs[i]);
     for (std::size_t j = 0; j < i; ++j)
-      if (std::filesystem::path(outputs[i]).lexically_normal() == std::filesystem::path(outputs[j]).lexically_normal())
-        throw mtf::UsageError(one_line(outputs[i]) + " is named for two outputs; give each its own name");
+      if (is_same_file(outputs[i], outputs[j]))
+        throw mtf::UsageError(one_line(outputs[i]) +
+                              (outputs[i] == outputs[j]
+                                   ? " is named for two outputs"
+                                   : " and " + one_line(outputs[j]) + " are one file, named for two outputs") +
+                              "; give each its own name");
     const std::filesystem::path folder = std::filesystem::path(outputs[i]).parent_path();
     std::error_code error;
     if (std::filesystem::is_directory(outputs[i], error))
@@ -44,6 +48,7 @@ void refuse_overflow(const std::string& channel) {
 }
 
 std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary) {
+  if (policy == NanPolicy::refuse) require_decoded(scene);
   std::vector<mtf::Image> masks(scene.planes.size());
   std::int64_t total = 0;
   for (std::size_t c = 0; c < scene.planes.size(); ++c) {

@@ -20,7 +20,7 @@ std::vector<std::string> outputs_of(const SimulateOptions& options);
 void require_writable(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
 
 /// Masks of bad pixels per channel (empty where there are none), the planes filled; `summary` says so. Throws
-/// RuntimeError when the policy is to refuse.
+/// RuntimeError when the policy is to refuse, UsageError when an encoding table does not cover them.
 std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary);
 
 /// Throws RuntimeError: a channel of this name has filtered values beyond what float32 holds.

@@ -26,9 +26,10 @@ constexpr double kAccuracySeconds = 3.0;     // for the table of error against t
 constexpr double kActiveShare = 0.01;
 
 /// Designs worth a look, each once: the best of each objective, then some spread over the front; the nearest one where
-/// none is feasible, the middle one where nothing is asked for.
+/// none is feasible, the middle one where nothing is asked for, none where all are invalid.
 std::vector<ChosenFile> choose(const SweepReport& report) {
   std::vector<ChosenFile> chosen;
+  if (none_valid(report)) return chosen;
   const auto add = [&](std::int64_t design, const std::string& why) {
     const auto same = std::find_if(chosen.begin(), chosen.end(), [&](const auto& c) { return c.design == design; });
     if (same == chosen.end())
@@ -63,6 +64,7 @@ std::vector<double> axis_values(const study::Study& study, std::int64_t design) 
 
 /// Writes the sensor files of the chosen designs; those that a sensor cannot be are taken off the list.
 void write_chosen(SweepReport& report, study::Evaluator& evaluator) {
+  if (report.chosen.empty()) return;
   const fs::path folder = report.run->folder;
   std::error_code error;
   fs::create_directory(folder / "chosen", error);
@@ -99,6 +101,10 @@ void ask_evaluator(SweepReport& report) {
   report.gaps = evaluator.gaps();
   for (const std::string& text : evaluator.skipped()) report.skipped.push_back(text);
   report.chosen = choose(report);
+  for (ChosenFile& chosen : report.chosen) {
+    evaluator.evaluate(chosen.design, row);
+    chosen.caution = evaluator.last_caution();
+  }
   write_chosen(report, evaluator);
   const auto& best = report.tally->best();
   const auto first = std::find_if(best.begin(), best.end(), [](const auto& b) { return b.design >= 0; });
@@ -118,6 +124,8 @@ std::vector<std::size_t> constraints_of(const SweepReport& report, std::span<con
 }
 
 }  // namespace
+
+bool none_valid(const SweepReport& report) { return report.tally->invalid().designs == report.tally->designs(); }
 
 std::vector<std::size_t> active_constraints(const SweepReport& report, std::span<const double> row) {
   return constraints_of(report, row, true);
@@ -160,6 +168,12 @@ int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOption
   mtf::io::write_text_file((run.folder / "sweep.json").string(), json);
   print(options.format == Format::json ? json : sweep_summary(report));
   int status = 0;
+  if (none_valid(report)) {
+    complain(
+        "mtf: every design is invalid, so none is chosen: change the axes, or what the objectives and constraints "
+        "ask for");
+    status = 3;
+  }
   for (const study::AccuracyRow& row : report.accuracy.rows) {
     if (!study::broken(report.accuracy, row)) continue;
     note(global, "mtf: at tolerance " + mtf::format_double(row.tolerance) + " a metric is off by " +

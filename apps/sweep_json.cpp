@@ -205,7 +205,7 @@ Json to_json(const SweepReport& report) {
                                   {"maximize", study.objectives[o].maximize}});
   json["feasible"] = tally.feasible();
   if (tally.invalid().designs > 0) json["invalid"] = invalid_json(report);
-  if (tally.feasible() == 0 && tally.nearest().design >= 0) {
+  if (tally.feasible() == 0 && tally.nearest().design >= 0 && !none_valid(report)) {
     json["nearest"] = {{"design", tally.nearest().design},
                        {"violated", texts_of(report, violated_constraints(report, tally.nearest().row))}};
     json["contradictions"] = Json::array();  // smallest sets of constraints that no design meets together
@@ -219,8 +219,10 @@ Json to_json(const SweepReport& report) {
     json["pareto_size"] = front.size();
   }
   json["chosen"] = Json::array();
-  for (const ChosenFile& chosen : report.chosen)
+  for (const ChosenFile& chosen : report.chosen) {
     json["chosen"].push_back({{"design", chosen.design}, {"file", chosen.file}, {"why", chosen.why}});
+    if (!chosen.caution.empty()) json["chosen"].back()["caution"] = chosen.caution;
+  }
   json["sensitivities"] = sensitivities_json(report);
   if (const auto column = study::column_of(report.sweep->columns, study::Column::Role::yield))
     json["yield"] = yield_json(report, *column);

@@ -16,6 +16,7 @@ namespace apps {
 struct ChosenFile {
   std::int64_t design = 0;
   std::string file, why;
+  std::string caution{};  ///< how far its signal and noise are off, close to saturation; "" where they are not
 };
 
 struct SweepReport {
@@ -33,6 +34,9 @@ struct SweepReport {
   int threads = 1;
   double finish_seconds = 0.0;  ///< of tables, sensitivities and the accuracy against time
 };
+
+/// True when every design is invalid: there is nothing to choose.
+bool none_valid(const SweepReport& report);
 
 /// Constraints of a row that are within 1 % of their limit, and those that it does not meet: indices.
 std::vector<std::size_t> active_constraints(const SweepReport& report, std::span<const double> row);

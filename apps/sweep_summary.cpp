@@ -60,7 +60,7 @@ std::string infeasible(const SweepReport& report) {
     text += set.size() == 1 ? "no design meets " + list(report, set, "") + "\n"
                             : "no design meets all of: " + list(report, set, "; ") + "\n";
   const study::TallyDesign& nearest = report.tally->nearest();
-  if (nearest.design >= 0)
+  if (nearest.design >= 0 && !none_valid(report))
     text += "nearest is design " + std::to_string(nearest.design) +
             ", which misses: " + list(report, violated_constraints(report, nearest.row), "; ") + "\n";
   return text;
@@ -106,6 +106,9 @@ std::string sweep_summary(const SweepReport& report) {
   }
   text += invalid(report);
   text += best_table(report);
+  for (const ChosenFile& chosen : report.chosen)
+    if (!chosen.caution.empty())
+      text += "design " + std::to_string(chosen.design) + " (" + one_line(chosen.why) + ") is " + chosen.caution + "\n";
   if (study.objectives.size() > 1) text += "Pareto front: " + std::to_string(report.front.size()) + " designs\n";
   if (const auto column = study::column_of(columns, study::Column::Role::yield);
       column && tally.highest_yield().design >= 0) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mtf/parallel.h"
+#include "radiometry/band_response.h"
 #include "radiometry/chain_impl.h"
 #include "radiometry/sensor_numbers.h"
 
@@ -49,6 +50,7 @@ void refuse(const char* where, const std::string& why) { throw mtf::UsageError(s
 void require_consistent(const mtf::System<double>& system, const Sensor& sensor) {
   const SensorSettings& s = sensor.settings;
   if (!s.detector) return;
+  require_response(sensor);
   camera_of(system, sensor);
   stop_range(sensor.curves, s.optics.value_or(OpticsSettings{}).stop_band);
   const Pixel<double> pixel = pixel_of(system, sensor);
@@ -77,6 +79,34 @@ void require_consistent(const mtf::System<double>& system, const Sensor& sensor)
     refuse("[detector]", "capacitance and temperature go together; they give the reset noise");
   if (s.detector->capacitance_f && s.detector->reset_e > 0.0)
     refuse("detector.reset_noise", "given beside capacitance; remove one of them");
+}
+
+void require_response(const Sensor& sensor) {
+  const char* const detector = "detector.quantum_efficiency";
+  if (sensor.settings.detector && sensor.settings.detector->quantum_efficiency.file.empty() &&
+      sensor.settings.detector->quantum_efficiency.number == 0.0)
+    refuse(detector, "0, so that no light makes electrons; give the electrons per photon, for example 0.75");
+  const SceneBand all = scene_band(sensor.curves);
+  std::string names;
+  const auto look = [&](const char* key, const std::vector<Spectrum>& curves) {
+    for (const Spectrum& curve : curves) {
+      names += (names.empty() ? "" : ", ") + curve.source;
+      try {
+        if (BandResponse(all.band, {&curve, 1}).integral() > 0.0) continue;
+      } catch (const mtf::UsageError& outside) {
+        refuse(key, outside.what());
+      }
+      refuse(key, curve.source + " is 0 everywhere in the band of " + describe(all.band) +
+                      ", so that no light makes electrons; check its values, and that its wavelengths are in um");
+    }
+  };
+  look(detector, sensor.curves.quantum_efficiency);
+  look("optics.transmission", sensor.curves.optics);
+  look("optics.cold_transmission", sensor.curves.cold_filter);
+  if (names.empty() || BandResponse(all.band, all.curves).integral() > 0.0) return;
+  refuse(sensor.curves.quantum_efficiency.empty() ? "optics.transmission" : detector,
+         "the curves " + names + " multiply to 0 everywhere in the band of " + describe(all.band) +
+             ", so that no light makes electrons; check that they overlap there, with wavelengths in um");
 }
 
 Camera<double> camera_of(const mtf::System<double>& system, const Sensor& sensor) {

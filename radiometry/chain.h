@@ -39,6 +39,9 @@ struct Sensor {
 /// Throws UsageError for settings that need or exclude each other: what no table can say by itself.
 void require_consistent(const mtf::System<double>& system, const Sensor& sensor);
 
+/// Throws UsageError for a detector or for curves that make no electrons of any light in the band.
+void require_response(const Sensor& sensor);
+
 /// Camera and pixel of a sensor as the camera equation takes them. What a curve gives is 1 there. Throws UsageError for
 /// what is missing: an f-number, an integration time, [detector]; and as cone_sr.
 Camera<double> camera_of(const mtf::System<double>& system, const Sensor& sensor);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mtf/statistics.h"
 #include "radiometry/sensor_budget.h"
 
 namespace radiometry {
@@ -43,10 +44,39 @@ SpectralNumbers<double> spectral_numbers(const Sensor& sensor, double temperatur
           .quantum_efficiency = mean_quantum_efficiency(sensor.curves, surface, path)};
 }
 
+SensorSettings budget_settings(const Sensor& sensor) {
+  SensorSettings settings = sensor.settings;
+  if (!settings.nonuniformity) return settings;
+  if (sensor.responsivity) settings.nonuniformity->prnu = mtf::statistics(sensor.responsivity->view()).std;
+  if (sensor.offset) settings.nonuniformity->dsnu_e = mtf::statistics(sensor.offset->view()).std;
+  return settings;
+}
+
+std::vector<std::string> budget_notes(const Sensor& sensor) {
+  std::vector<std::string> notes;
+  if (const auto& noise = sensor.settings.noise; noise && !noise->shot)
+    notes.emplace_back(
+        "[noise] shot = false leaves shot noise out of simulated frames; the budget counts it, as light and dark "
+        "current have it whatever is simulated");
+  if (sensor.responsivity) {
+    const double mean = mtf::statistics(sensor.responsivity->view()).mean;
+    if (!(std::abs(mean - 1.0) <= 1e-3))
+      notes.push_back("the mean of nonuniformity.responsivity is " + three_digits(mean) +
+                      "; the budget is that of a pixel whose factor is 1");
+  }
+  if (sensor.offset) {
+    const mtf::Statistics offset = mtf::statistics(sensor.offset->view());
+    if (!(std::abs(offset.mean) <= 1e-3 * offset.std))
+      notes.push_back("the mean of nonuniformity.offset is " + three_digits(offset.mean) +
+                      " e-, which the budget leaves out of the level at the converter");
+  }
+  return notes;
+}
+
 Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor, double temperature_k) {
   require_consistent(system, sensor);
   pixel_of(system, sensor);  // that there is a [detector]
-  return sensor_budget(system, sensor.settings, spectral_numbers(sensor, temperature_k),
+  return sensor_budget(system, budget_settings(sensor), spectral_numbers(sensor, temperature_k),
                        flicker_rms_e(system, sensor.settings));
 }
 

@@ -62,7 +62,7 @@ std::vector<BandResponse::Panel> BandResponse::panels(std::optional<double> temp
 // As many per piece as a polynomial of degree 2n times the response needs, narrow pieces fewer.
 BandResponse::RatePoints BandResponse::rate_points(int n, std::optional<double> temperature_k) const {
   if (temperature_k && !(*temperature_k > 0.0 && *temperature_k <= kHottest_k))
-    throw mtf::UsageError("electron_nodes: a source of " + mtf::format_double(*temperature_k) +
+    throw mtf::UsageError("a source of " + mtf::format_double(*temperature_k) +
                           " K; the temperature has to be above 0, at most " + mtf::format_double(kHottest_k) + " K");
   RatePoints points;
   std::vector<double> log_rate;
@@ -88,15 +88,16 @@ BandResponse::RatePoints BandResponse::rate_points(int n, std::optional<double> 
     points.sum += points.rate[i];
   }
   if (!(points.sum > 0.0))
-    throw mtf::UsageError("electron_nodes: no light, or a product of curves that is 0, over " + describe(range_) +
-                          "; there are no electrons to weigh wavelengths by");
+    throw mtf::UsageError(
+        "no electrons to weigh wavelengths by: the curves of the path, the optics and the detector "
+        "multiply to 0 everywhere from " +
+        describe(range_) + "; check that they overlap there, with wavelengths in um");
   return points;
 }
 
 mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> temperature_k) const {
   if (n < 1 || n > kMostNodes)
-    throw mtf::UsageError("electron_nodes: " + std::to_string(n) + " wavelengths; give 1 to " +
-                          std::to_string(kMostNodes));
+    throw mtf::UsageError(std::to_string(n) + " wavelengths of a band; give 1 to " + std::to_string(kMostNodes));
   const RatePoints points = rate_points(n, temperature_k);
   Jacobi jacobi{.diagonal = {}, .square = {}, .most = static_cast<std::size_t>(n)};
   for (std::size_t i = 0; i < points.rate.size(); ++i)

@@ -4,9 +4,9 @@
 // Whether the value of a pixel still follows its light. Electrons are held at the full well, counts at 0 and at the
 // largest one. Values scatter about their mean m with a standard deviation sigma, so that an end at c holds the share
 //   Q((c - m) / sigma) above, Q((m - c) / sigma) below,   Q(x) = erfc(x / sqrt 2) / 2, for Gaussian scatter,
-// and the mean of what is held rises by d E[min(x, c)] / dm = 1 - share of what the signal does. With more than half
-// of the values, where the mean itself is beyond an end, no figure of sensitivity is true any more; below that the
-// share says how far they are off.
+// and the mean of what is held rises by d E[min(x, c)] / dm = 1 - share of what the signal does. With half of the
+// values or more, where the mean itself is at an end or beyond it, no figure of sensitivity is true any more; below
+// that the share says how far they are off.
 
 #include <cstdint>
 #include <string>
@@ -33,6 +33,10 @@ struct PixelScatter {
   double converter_e = 0.0;  ///< rms before the converter: all noise
 };
 
+/// Half of the values in the three digits of messages: also a mean that meets an end but for rounding, or for the 1e-7
+/// within which studies keep a constraint on the well, is at it.
+inline constexpr double kHalfHeld = 0.4995;
+
 /// The end of the range that holds most of the values.
 struct Saturation {
   RangeEnd end = RangeEnd::none;  ///< none where no end holds values
@@ -40,7 +44,7 @@ struct Saturation {
   double sigmas = mtf::kInfinity;  ///< from the mean to that end, in standard deviations
   double held = 0.0;               ///< share of the values that are held at any end
 
-  bool saturated() const { return held > 0.5; }
+  bool saturated() const { return held >= kHalfHeld; }
 };
 
 /// What an end x standard deviations away leaves of the slope of the mean and of the standard deviation, both 1 without

@@ -198,7 +198,9 @@ struct BudgetRow {
   std::string doc;
   std::string refused{};  ///< why there is no value, "" where there is one
 };
-/// For a figure of that budget.
+/// True for a row without a value since the pixel or the converter is full.
+inline bool is_saturated(const BudgetRow& row) { return row.refused.starts_with("saturated"); }
+/// Why a figure of that budget has no finite value, "" where it has one.
 std::string refusal_of(const Budget<double>& budget, double value);
 /// All of the budget in the order of the physics; the NETDs in mK, the dynamic range in dB.
 std::vector<BudgetRow> rows(const Budget<double>& budget);

@@ -88,6 +88,12 @@ Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& sett
   return budget;
 }
 
+/// The settings that the budget of a sensor counts: its maps in place of prnu and dsnu, by their standard deviation.
+SensorSettings budget_settings(const Sensor& sensor);
+
+/// What simulated frames do otherwise than the budget, sentences; none where they agree.
+std::vector<std::string> budget_notes(const Sensor& sensor);
+
 /// Why the spatial terms of that budget have no number, "" where they have.
 template <class S>
 std::string spatial_gap(const SensorSettings& settings, const Budget<S>& budget) {

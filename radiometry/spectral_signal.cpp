@@ -7,6 +7,7 @@
 #include "mtf/quadrature.h"
 #include "radiometry/band_response.h"
 #include "radiometry/constants.h"
+#include "radiometry/exponent.h"
 
 namespace radiometry {
 namespace {
@@ -30,9 +31,9 @@ double thermal(const Interval& band, Curves curves, const Spectrum& emissivity, 
 }
 
 void require_temperature(const char* what, double temperature_k) {
-  if (!(temperature_k >= 0.0) || !std::isfinite(temperature_k))
+  if (!(temperature_k >= 0.0 && temperature_k <= kHottest_k))
     throw mtf::UsageError(std::string(what) + " of " + mtf::format_double(temperature_k) +
-                          " K; a temperature is 0 or above, in kelvin");
+                          " K; a temperature is from 0 K to " + mtf::format_double(kHottest_k) + " K");
 }
 
 Curves scene_curves(const SpectralCamera& camera, const Path& path) {

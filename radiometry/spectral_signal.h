@@ -46,8 +46,8 @@ struct CameraEmission {
 Interval stop_range(const SpectralCamera& camera, StopBand stop_band);
 
 /// The scene through the path and the camera's curves; path, optics and stop likewise, each through what lies between
-/// it and the detector. Throws UsageError as BandResponse and stop_range do, and for a negative or infinite
-/// temperature.
+/// it and the detector. Throws UsageError as BandResponse and stop_range do, and for a temperature below 0 or
+/// beyond what Planck's law is worked out for (exponent.h).
 BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface& surface, const Path& path,
                                      const CameraEmission& emission);
 

@@ -75,6 +75,7 @@ class DesignWork {
     if (plan_->giqe) design_.noise_gain = noise_gain();
     design_.ranges.reset();
     refusal_.clear();
+    caution_ = design_.budget && !saturated ? words(design_.budget->saturation) : "";
     if (design_.budget && plan_->spatial)
       refusal_ = radiometry::spatial_gap(variant_->loaded->sensor.settings, *design_.budget);
     const auto taken = [this](auto model) {  // what one model refuses leaves the others their numbers
@@ -95,6 +96,8 @@ class DesignWork {
   }
   /// Why a metric of the last design has no number, "" where all models took it.
   const std::string& refusal() const { return refusal_; }
+  /// How far signal and noise of the last design are off, close to saturation; "" where they are not.
+  const std::string& caution() const { return caution_; }
   double error() const { return plan_->resolution ? design_.resolution.error : 0.0; }
 
  private:
@@ -146,7 +149,7 @@ class DesignWork {
   std::vector<std::vector<S*>> sites_;
   std::vector<radiometry::Override<S>> overrides_;
   Design<S> design_;
-  std::string refusal_;
+  std::string refusal_, caution_;
 };
 
 }  // namespace study

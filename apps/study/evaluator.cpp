@@ -66,7 +66,7 @@ struct Evaluator::Impl {
   std::vector<int> levels{};
   std::uint64_t uses = 0;
   bool valid = false;
-  std::string problem{}, refusal{}, first_problem{}, first_refusal{};
+  std::string problem{}, refusal{}, caution{}, first_problem{}, first_refusal{};
 
   explicit Impl(std::shared_ptr<const Study> s) : study(std::move(s)), plan(plan_metrics(*study, study->tolerance)) {
     axis_values.resize(study->axes.size());
@@ -167,6 +167,7 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
                                   std::span<const double> shift) {
   problem.clear();
   refusal.clear();
+  caution.clear();
   Ready& variant = ready(values);
   std::fill(metrics.begin(), metrics.end(), kNan);
   std::fill(parameters.begin(), parameters.end(), kNan);
@@ -194,6 +195,7 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
       variant.work->metrics(*spectral, metrics);
       error = variant.work->error();
       refusal = variant.work->refusal();
+      caution = variant.work->caution();
       if (first_refusal.empty()) first_refusal = refusal;
     } catch (const mtf::UsageError& refused) {
       problem = refused.what();
@@ -247,6 +249,7 @@ void Evaluator::evaluate_at(std::span<const double> axis_values, std::span<doubl
 const std::string& Evaluator::last_problem() const { return impl_->problem; }
 bool Evaluator::last_valid() const { return impl_->valid; }
 const std::string& Evaluator::last_refusal() const { return impl_->refusal; }
+const std::string& Evaluator::last_caution() const { return impl_->caution; }
 std::span<const double> Evaluator::last_objectives() const { return impl_->objectives; }
 std::span<const Sides> Evaluator::last_sides() const { return impl_->sides; }
 

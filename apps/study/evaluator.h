@@ -62,6 +62,8 @@ class Evaluator {
   bool last_valid() const;
   /// Why a metric of the last design has no number where others have theirs (it is saturated, a model refuses it).
   const std::string& last_refusal() const;
+  /// How far signal and noise of the last design are off, close to saturation; "" where they are not.
+  const std::string& last_caution() const;
   /// Of the last design that was evaluated: all objectives as shown, and the sides of the constraints.
   std::span<const double> last_objectives() const;
   std::span<const Sides> last_sides() const;

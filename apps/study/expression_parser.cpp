@@ -165,6 +165,11 @@ class ExpressionParser {
     return alone.evaluate<double>({});
   }
 
+  /// A constant is what it is for every design: one that is not finite can only be a mistake.
+  void require_finite(const Part& part) const {
+    if (part.constant && !std::isfinite(*part.constant))
+      fail(part.start, "'" + source(part, at_) + "' is no finite number, whatever the design; correct it");
+  }
   void require_same(const Part& a, const Part& b, const std::string& verb) {
     if (a.dimensions == b.dimensions) return;
     fail(a.start, "cannot " + verb + " " + describe(a.dimensions) + " (" + source(a, b.start) + ") and " +
@@ -187,6 +192,7 @@ class ExpressionParser {
       require_same(left, right, plus ? "add" : "subtract");
       --waiting_;
       left.constant = apply(plus ? Op::add : Op::subtract, left.constant, right.constant);
+      require_finite(left);
     }
   }
 
@@ -202,6 +208,7 @@ class ExpressionParser {
       left.dimensions = *both;
       --waiting_;
       left.constant = apply(times ? Op::multiply : Op::divide, left.constant, right.constant);
+      require_finite(left);
     }
   }
 
@@ -237,6 +244,7 @@ class ExpressionParser {
     }
     --waiting_;
     base.constant = apply(Op::power, base.constant, exponent.constant);
+    require_finite(base);
     after_unit_ = false;
     return base;
   }
@@ -269,8 +277,10 @@ class ExpressionParser {
     } else if (is_letter(peek())) {
       fail(at_, here() + " after a number is no unit; for a product write *");
     }
-    push({.op = Op::number, .number = number * scale.si}, start);
-    return {scale.dimensions, start, number * scale.si};
+    const Part part{scale.dimensions, start, number * scale.si};
+    require_finite(part);
+    push({.op = Op::number, .number = *part.constant}, start);
+    return part;
   }
 
   Part name(std::size_t length) {
@@ -334,6 +344,7 @@ class ExpressionParser {
     expect(')', opened);
     after_unit_ = false;
     part.start = start;
+    require_finite(part);
     return part;
   }
 

@@ -168,6 +168,7 @@ OptimizeOutcome optimize(const Study& study, const OptimizeOptions& options) {
   outcome.best = std::move(best.local.optimum);
   Evaluator whole(sharpened(study));  // with the metrics that are only listed
   whole.evaluate_at(outcome.best.axis_values, outcome.best.row);
+  outcome.best.caution = whole.last_caution();
   return outcome;
 }
 

@@ -53,9 +53,10 @@ struct Optimum {
                            ///< the goal's spread; NaN without slopes
   bool converged = false;  ///< residual at most 1e-5
   OptimizeOptions::Method method = OptimizeOptions::Method::smooth;  ///< that found it
-  std::string why;   ///< why it was not the method asked for; "" when it was
-  std::string edge;  ///< what keeps designs from going on where no limit does: a problem of Evaluator
-  int starts = 1;    ///< that ended here
+  std::string why;      ///< why it was not the method asked for; "" when it was
+  std::string edge;     ///< what keeps designs from going on where no limit does: a problem of Evaluator
+  int starts = 1;       ///< that ended here
+  std::string caution;  ///< Evaluator::last_caution, of the best design only
 };
 
 struct OptimizeOutcome {

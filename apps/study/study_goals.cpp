@@ -127,8 +127,11 @@ std::string unknown_metric(const std::string& name) {
   for (const MetricInfo& metric : metric_catalogue()) known.push_back(metric.name);
   known.push_back("mtf_at_20_cy_mm");
   const auto guess = name.size() <= 64 ? mtf::nearest(name, known) : std::nullopt;
-  return "unknown metric \"" + mtf::io::printable(name, 60) + "\"" +
-         (guess ? "; did you mean \"" + *guess + "\"?" : "; apps/study/README.md lists them");
+  const std::string unknown = "unknown metric \"" + mtf::io::printable(name, 60) + "\"; ";
+  if (guess) return unknown + "did you mean \"" + *guess + "\"?";
+  std::string all;
+  for (const MetricRow& row : metric_rows()) all += std::string(row.name) + ", ";
+  return unknown + "there are " + all + "and mtf_at_20_cy_mm at any frequency in cy_mm, cy_px or cy_mrad";
 }
 
 void add_metric(StudyReader& s, const MetricInfo& metric, const std::string& as) {

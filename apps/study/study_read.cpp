@@ -69,8 +69,8 @@ std::optional<SensorView> read_sensor(StudyReader& s, const Node& node, const st
     if (diagnostic.error && ++errors <= kMostSensorErrors)
       s.error(node.position, path, mtf::io::printable(mtf::io::format_diagnostic(diagnostic, file), 800));
   if (errors == 0)
-    if (const std::string problem = apps::chain_problem(result.config); !problem.empty())
-      return fail(mtf::io::printable(file + ": " + problem, 800));
+    if (const auto problem = apps::chain_problem(result.config))
+      return fail(mtf::io::printable(mtf::io::format_diagnostic(*problem, file), 800));
   if (errors > kMostSensorErrors)
     fail(std::to_string(errors - kMostSensorErrors) + " more errors; see mtf config check " + file);
   return errors > 0 ? std::nullopt : std::optional(view_of(std::move(result.config)));

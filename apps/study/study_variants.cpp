@@ -144,9 +144,10 @@ void check_levels(StudyReader& s) {
       levels[a] = static_cast<int>(i);
       ConfigResult result = with_levels(study, s.tree, s.views.front(), levels);
       if (result.ok() && ++chains <= kMostChains)
-        if (const std::string problem = apps::chain_problem(result.config); !problem.empty())
-          result.diagnostics.push_back(
-              {.error = true, .position = {}, .path = parameter_of(study, a).path, .text = problem});
+        if (auto problem = apps::chain_problem(result.config)) {
+          if (problem->path.empty()) problem->path = parameter_of(study, a).path;
+          result.diagnostics.push_back(std::move(*problem));
+        }
       for (const mtf::io::Diagnostic& diagnostic : result.diagnostics)
         if (diagnostic.error)
           s.error(table.find("values")->items.at(i).position, path + ".values",

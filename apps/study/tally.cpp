@@ -84,10 +84,16 @@ std::function<void()> Tally::look(RowRange range, std::span<const double> rows) 
     const double yield = job_.yield ? row[*job_.yield] : std::numeric_limits<double>::quiet_NaN();
     if (yield > part.highest_yield.value || (part.highest_yield.design < 0 && !std::isnan(yield)))
       take(part.highest_yield, design, yield, row);
+    bool whole = true;  // every objective has a number
+    for (std::size_t g = 0; g < job_.goals.size(); ++g) {
+      const bool finite = std::isfinite(row[job_.goals[g].column]);
+      whole = whole && finite;
+      part.invalid.by_goal[g] += possible && !finite ? 1 : 0;
+    }
     if (!sides.empty()) {
       job_.sides(row, sides);
       std::uint64_t pattern = 0;
-      double distance = possible ? 0.0 : kUnknown;
+      double distance = possible && whole ? 0.0 : kUnknown;
       for (std::size_t k = 0; k < sides.size(); ++k) {
         const bool good = meets(job_.limits[k], sides[k]);
         part.met[k] += good ? 1 : 0;
@@ -98,12 +104,6 @@ std::function<void()> Tally::look(RowRange range, std::span<const double> rows) 
       }
       if (part.patterns.size() <= kMostPatterns) part.patterns.insert(pattern);
       if (part.nearest.design < 0 || distance < part.nearest.value) take(part.nearest, design, distance, row);
-    }
-    bool whole = true;  // every objective has a number
-    for (std::size_t g = 0; g < job_.goals.size(); ++g) {
-      const bool finite = std::isfinite(row[job_.goals[g].column]);
-      whole = whole && finite;
-      part.invalid.by_goal[g] += possible && !finite ? 1 : 0;
     }
     const bool valid =
         possible && whole && std::all_of(sides.begin(), sides.end(), [](const Sides& s) { return s.finite(); });

@@ -75,7 +75,7 @@ class Tally {
   const std::vector<TallyDesign>& best() const { return best_; }         ///< feasible, by goal; the first of equal ones
   const TallyDesign& highest_yield() const { return highest_yield_; }
   /// The design of least violation (summed over the constraints; `value`; one that has no number counts 1000, and
-  /// so does a design without an error, which no sensor can be), the first of equal ones.
+  /// so does a design that no sensor can be or that has no number for an objective), the first of equal ones.
   const TallyDesign& nearest() const { return nearest_; }
   /// Feasible designs of the Pareto front in the order of their numbers, with their goals (negative where less is
   /// better); none with fewer than two goals.

@@ -49,6 +49,7 @@ VariantSensor load_variant(const Study& study, std::span<const int> levels) {
       result.system = apps::with_electron_rate(result.config.system, *result.loaded);
       result.flicker_e = radiometry::flicker_rms_e(result.system, result.loaded->sensor.settings);
       result.spectral = spectral_numbers(study.conditions, result.loaded->sensor);
+      result.loaded->sensor.settings = radiometry::budget_settings(result.loaded->sensor);
       if (result.loaded->paths) result.no_budget = "the path has the range of each pixel";
     } catch (const mtf::UsageError& error) {
       result.loaded.reset();

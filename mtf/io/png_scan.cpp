@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <map>
+#include <set>
 
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
@@ -81,16 +83,72 @@ void read_text(const std::string& type, const unsigned char* data, std::size_t s
   header.attributes[all.substr(0, key_end)] = all.substr(text);
 }
 
-/// Chunks that say how values follow from light; one that is too short says nothing that is known.
-void read_colour(const std::string& type, const unsigned char* data, std::size_t size, PngColour& colour) {
-  if (type == "sRGB") colour.srgb = true;
-  if (type == "gAMA") colour.gamma_e5 = size == 4 ? big_endian(data) : 0;
-  if (type == "cICP") colour.transfer = size == 4 ? data[1] : 0;
-  if (type == "iCCP") {
-    const auto length = static_cast<std::size_t>(std::find(data, data + size, 0) - data);
-    colour.profile = printable({reinterpret_cast<const char*>(data), length}, 79);
+/// What is wrong with a chunk that says how values follow from light (PNG specification, 11.3.2); "" for a good one,
+/// and for chunks that say other things.
+std::string fault_of(const std::string& type, const unsigned char* data, std::size_t size) {
+  const auto length = [&](std::size_t wanted) {
+    return size == wanted ? "" : std::to_string(size) + " bytes in place of " + std::to_string(wanted);
+  };
+  if (type == "gAMA") return length(4);
+  if (type == "sRGB") {
+    if (size == 1 && data[0] > 3) return "rendering intent " + std::to_string(data[0]) + ", which is 0 to 3";
+    return length(1);
   }
+  if (type == "cICP") {
+    if (size == 4 && data[3] > 1) return "range flag " + std::to_string(data[3]) + ", which is 0 or 1";
+    return length(4);
+  }
+  if (type == "iCCP") {
+    const auto name = static_cast<std::size_t>(std::find(data, data + size, 0) - data);
+    if (name == 0 || name > 79 || name + 2 > size) return "no profile name of 1 to 79 characters";
+    if (data[name + 1] != 0) return "compression method " + std::to_string(data[name + 1]) + ", which is 0";
+  }
+  return "";
 }
+
+/// The chunks that say how values follow from light. One that breaks the specification is not used, and said to be so.
+class ColourChunks {
+ public:
+  void add(const std::string& type, const unsigned char* data, std::size_t size, bool after_pixels) {
+    if (type != "sRGB" && type != "gAMA" && type != "cICP" && type != "iCCP") return;
+    std::string fault = fault_of(type, data, size);
+    if (fault.empty() && after_pixels) fault = "behind the pixels";
+    if (!seen_.insert(type).second) {  // which of them counts nobody can tell
+      fault = "more than one";
+      forget(type);
+    }
+    if (!fault.empty()) {
+      malformed_[type] = fault;
+      return;
+    }
+    if (type == "sRGB") colour_.srgb = true;
+    if (type == "gAMA") colour_.gamma_e5 = big_endian(data);
+    if (type == "cICP") colour_.transfer = data[1];
+    if (type == "iCCP") {
+      const auto length = static_cast<std::size_t>(std::find(data, data + size, 0) - data);
+      colour_.profile = printable({reinterpret_cast<const char*>(data), length}, 79);
+    }
+  }
+
+  StatedEncoding stated() const {
+    StatedEncoding stated = stated_by_png(colour_);
+    for (const auto& [type, fault] : malformed_)
+      stated.source += (stated.source.empty() ? "" : " beside ") + type + " chunk (malformed: " + fault + "; not used)";
+    return stated;
+  }
+
+ private:
+  void forget(const std::string& type) {
+    if (type == "sRGB") colour_.srgb = false;
+    if (type == "gAMA") colour_.gamma_e5.reset();
+    if (type == "cICP") colour_.transfer.reset();
+    if (type == "iCCP") colour_.profile.reset();
+  }
+
+  PngColour colour_;
+  std::set<std::string> seen_;
+  std::map<std::string, std::string> malformed_;
+};
 
 }  // namespace
 
@@ -108,7 +166,7 @@ RasterHeader scan_png(const std::string& path, Bytes* critical) {
   if (critical != nullptr) *critical = chunk;
 
   RasterHeader header;
-  PngColour colour;
+  ColourChunks colour;
   bool first = true, any_data = false;
   for (std::int64_t left = file_bytes - 8;;) {
     if (left < 12 || !read(8)) damaged(path, "it ends before the end mark");
@@ -130,7 +188,7 @@ RasterHeader scan_png(const std::string& path, Bytes* critical) {
     any_data = any_data || type == "IDAT";
     if (type == "tRNS") header.alpha = true;
     if (type == "tEXt" || type == "iTXt") read_text(type, data, data_size, header);
-    read_colour(type, data, data_size, colour);
+    colour.add(type, data, data_size, any_data);
     const bool needed = type == "IHDR" || type == "PLTE" || type == "tRNS" || type == "IDAT" || type == "IEND";
     if (!needed && type[0] >= 'A' && type[0] <= 'Z') damaged(path, "unknown critical chunk " + printable(type));
     if (critical != nullptr && needed) {
@@ -140,7 +198,7 @@ RasterHeader scan_png(const std::string& path, Bytes* critical) {
     if (type == "IEND") break;
   }
   if (!any_data) damaged(path, "it holds no pixels");
-  header.encoding = stated_by_png(colour);
+  header.encoding = colour.stated();
   const double pixel_bytes = (header.colours + (header.alpha ? 1 : 0)) * (header.type == "uint16" ? 2.0 : 0.125);
   check_compression(path, static_cast<double>(header.width) * static_cast<double>(header.height) * pixel_bytes,
                     file_bytes, 2048);

@@ -105,6 +105,17 @@ ChosenEncoding encoding_of(const SensorConfig& config, const std::string& path, 
   return {*given, "[scene]"};
 }
 
+/// "255 at column 3, row 4": the first stored value that a table does not cover; "" where it covers all.
+std::string first_outside(const Encoding& encoding, ImageView<const float> image) {
+  if (encoding.kind != Encoding::Kind::table) return {};
+  const double low = encoding.stored.front(), high = encoding.stored.back();
+  for (std::int64_t y = 0; y < image.height; ++y)
+    for (std::int64_t x = 0; x < image.width; ++x)
+      if (const double stored = image.at(x, y); stored < low || stored > high)
+        return format_double(stored) + " at column " + std::to_string(x) + ", row " + std::to_string(y);
+  return {};
+}
+
 }  // namespace
 
 std::int64_t make_physical(const Scene& scene, ImageView<float> image) {
@@ -159,11 +170,24 @@ Scene load_scene(const SensorConfig& config, const std::string& path, const Read
   Scene scene = describe_scene(config, path, file);
   scene.planes = std::move(file.planes);
   std::int64_t outside = 0;
-  for (Image& plane : scene.planes) outside += make_physical(scene, plane.view());
-  if (outside > 0)
-    scene.warnings.push_back(path + ": " + std::to_string(outside) + " samples lie outside the table " +
-                             printable(scene.encoding.encoding.name) + " and have no value");
+  std::string first;
+  for (std::size_t c = 0; c < scene.planes.size(); ++c) {
+    const Image& plane = scene.planes[c];
+    if (first.empty()) first = first_outside(scene.encoding.encoding, plane.view());
+    outside += make_physical(scene, scene.planes[c].view());
+  }
+  if (outside == 0) return scene;
+  const Encoding& table = scene.encoding.encoding;
+  scene.undecoded = path + ": " + std::to_string(outside) + " samples lie outside the encoding table " +
+                    printable(table.name) + ", which goes from " + format_double(table.stored.front()) + " to " +
+                    format_double(table.stored.back()) + "; the first is " + first;
+  scene.warnings.push_back(scene.undecoded);
   return scene;
+}
+
+void require_decoded(const Scene& scene) {
+  if (scene.undecoded.empty()) return;
+  throw UsageError(scene.undecoded + ": extend the table to what the file stores, or take another encoding in [scene]");
 }
 
 SceneAperture scene_aperture(const SceneDefaults& defaults, const SampleGrid& grid) {

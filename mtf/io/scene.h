@@ -22,6 +22,8 @@ struct Scene {
   FileInfo info;
   ChosenEncoding encoding;  ///< undone first; done already to `planes`, as the scaling
   IntegerScaling scaling;   ///< value = gain x file + offset
+  /// Samples that the table of the encoding does not cover and that are NaN in `planes`, as a sentence; "" for none.
+  std::string undecoded;
 };
 
 /// Reads `path`. The sample spacing comes from the file (attribute mtf:pixelPitch) or [scene]; integer files need gain,
@@ -34,6 +36,9 @@ Scene load_scene(const SensorConfig& config, const std::string& path, const Read
 Scene describe_scene(const SensorConfig& config, const std::string& path, const ImageFile& file);
 /// Stored values of the scene's file to its quantity. Returns how many have no value in the table of the encoding: NaN.
 std::int64_t make_physical(const Scene& scene, ImageView<float> image);
+
+/// Throws UsageError for a scene with samples that the table of its encoding does not cover.
+void require_decoded(const Scene& scene);
 
 /// The blur that [scene] aperture says is in the samples.
 SceneAperture scene_aperture(const SceneDefaults& defaults, const SampleGrid& grid);

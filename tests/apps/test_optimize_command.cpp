@@ -90,6 +90,18 @@ TEST(OptimizeCommand, SeveralObjectives) {
   EXPECT_NEAR(value_of(best, "focal_length"), 200.0, 1e-3);
 }
 
+// The report would replace a design.
+TEST(OptimizeCommand, AReportThatIsADesignIsRefused) {
+  const Scratch scratch;
+  add_study(scratch, "\"gsd <= 1 m\"", "\"minimize focal_length\", \"maximize frame.pitch\"");
+  ASSERT_EQ(scratch.run("mkdir best; ln -s best/best-2.toml report.json; ln -s x.toml y.json").status, 0);
+  for (const char* outputs : {"--each -o best --report report.json", "--objective 1 -o x.toml --report y.json"}) {
+    const Result result = scratch.run(std::string("mtf optimize study.toml ") + outputs);
+    EXPECT_EQ(result.status, 2) << outputs << result.err;
+    EXPECT_FALSE(std::filesystem::exists(scratch / "x.toml"));
+  }
+}
+
 TEST(OptimizeCommand, BadRequests) {
   const Scratch scratch;
   add_study(scratch, "\"gsd <= 1 m\"", "\"minimize focal_length\", \"maximize frame.pitch\"");

@@ -247,6 +247,12 @@ TEST_F(Sequence, MisuseIsSaidBeforeAnythingIsWritten) {
     expect_refused("frame.%04d.exr -o out.%04d.exr --frames " + range, 2, {"--frames"});
   expect_refused("scene.exr -o out.%04d.exr --schedule s.csv --frames 0:999999999", 2, {"--frames"});
   EXPECT_EQ(outputs(), 0U);
+  ASSERT_EQ(scratch.run("ln -s l.0002.exr l.0001.exr; ln -s m.0001.exr report.json").status, 0);
+  for (const char* linked : {"-o l.%04d.exr", "-o m.%04d.exr --report report.json"}) {
+    const Result r = scratch.run(std::string("mtf simulate sensor.toml frame.%04d.exr ") + linked);
+    EXPECT_EQ(r.status, 2) << r.err;
+    EXPECT_FALSE(fs::exists(scratch / "l.0002.exr") || fs::exists(scratch / "m.0001.exr"));
+  }
   EXPECT_EQ(scratch.run("mtf --quiet simulate sensor.toml frame.%04d.exr -o out.%04d.png --range 0:20").status, 0);
   EXPECT_EQ(outputs(), 2U);
 }

@@ -128,6 +128,24 @@ TEST_F(Simulate, EncodedScenesAskForTheirCurve) {
   EXPECT_NE(explained.out.find("scene.encoding"), std::string::npos) << explained.out;
 }
 
+TEST_F(Simulate, ValuesBeyondTheEncodingTableAreSaid) {
+  Image plane = pattern(64, 48, 100.0, 50.0);
+  plane.at(5, 3) = 201.0F;
+  mtf::io::write_integer((scratch / "coded.png").string(), {{"Y", plane.view()}}, {1.0, 0.0}, {});
+  write_file(scratch / "oecf.csv", "stored,linear\n0,0\n200,20\n");
+  add_to_scene("gain = 1.0\noffset = 0.0\nencoding = \"./oecf.csv\"\n");
+  for (const char* more : {"", " --roi 0,0,4,4"}) {
+    const std::string command = std::string("mtf simulate sensor.toml coded.png -o out.exr") + more;
+    expect_refused(command, 2, "coded.png: 1 samples lie outside the encoding table ");
+    expect_refused(command, 2, "oecf.csv, which goes from 0 to 200; the first is 201 at column 5, row 3");
+  }
+  ASSERT_EQ(scratch.run("mkdir b").status, 0);
+  EXPECT_EQ(scratch.run("mtf bench sensor.toml coded.png -o b").status, 2);
+  const Result filled = scratch.run("mtf simulate sensor.toml coded.png -o filled.exr --nan fill");
+  EXPECT_EQ(filled.status, 0) << filled.err;
+  EXPECT_NE(filled.err.find("the first is 201"), std::string::npos) << filled.err;
+}
+
 TEST_F(Simulate, SixteenBitOutputSaysItsScale) {
   for (const char* name : {"out16.png", "out16.tif"}) {
     const Result r = scratch.run("mtf simulate sensor.toml scene.exr -o " + std::string(name) + " --report run.json");
@@ -226,6 +244,22 @@ TEST_F(Simulate, RefusesBeforeAnythingIsWritten) {
   expect_refused("mtf simulate sensor.toml empty.exr -o out.exr", 1, "empty.exr");
   write_scene(scratch / "tiny.exr", {"Y"}, 3);
   expect_refused("mtf simulate sensor.toml tiny.exr -o out.exr", 2, "smaller than one detector pixel");
+}
+
+// Two names of one file are one output too many, whatever leads from one to the other.
+TEST_F(Simulate, OutputsThatAreOneFileAreRefused) {
+  ASSERT_EQ(scratch.run("ln -s o.exr soft.json; echo old > hard.json; ln hard.json h.exr; ln -s . folder").status, 0);
+  for (const char* outputs : {"-o o.exr --report o.exr", "-o o.exr --report ./o.exr", "-o o.exr --report soft.json",
+                              "-o h.exr --report hard.json", "-o o.exr --report folder/o.exr"}) {
+    const Result r = scratch.run(std::string("mtf simulate sensor.toml scene.exr ") + outputs);
+    EXPECT_EQ(r.status, 2) << outputs << r.err;
+    EXPECT_NE(r.err.find("named for two outputs; give each its own name"), std::string::npos) << r.err;
+  }
+  EXPECT_EQ(read_file(scratch / "hard.json"), "old\n");
+  const Result tiles = scratch.run("mtf simulate sensor.toml scene.exr -o o.exr --memory 1GiB --report o.exr.part");
+  EXPECT_EQ(tiles.status, 2) << tiles.err;
+  EXPECT_NE(tiles.err.find("where finished tiles"), std::string::npos) << tiles.err;
+  EXPECT_EQ(scratch.run("mtf simulate sensor.toml scene.exr -o soft.json.exr --report hard.json").status, 0);
 }
 
 TEST_F(Simulate, FullDiskLeavesNothing) {

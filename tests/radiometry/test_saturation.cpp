@@ -57,6 +57,20 @@ TEST(Saturation, TheShareHeldIsTheTailOfTheScatter) {
   EXPECT_EQ(saturation_of(exact, {}, mtf::kInfinity).end, RangeEnd::none);
 }
 
+// A mean that meets an end is at it, whatever the last digits say; a note begins beside it.
+TEST(Saturation, AMeanThatMeetsTheEndIsSaturated) {
+  for (const double off : {0.0, 1e-15, 1e-7}) {
+    const Saturation s = saturation_of({.mean_e = 1e7 * (1.0 - off), .well_e = 3200.0, .converter_e = 3300.0}, {}, 1e7);
+    EXPECT_TRUE(s.saturated()) << off;
+    EXPECT_EQ(words(s).find("saturated: 50 %"), 0U) << words(s);
+  }
+  const Saturation near = saturation_of({.mean_e = 1e7 - 320.0, .well_e = 3200.0, .converter_e = 3300.0}, {}, 1e7);
+  EXPECT_FALSE(near.saturated());
+  EXPECT_EQ(words(near).find("near saturation: about 46 %"), 0U) << words(near);
+  const Budget<double> b = budget_of(mwir_system(), sensor_at_fill(1.0), 300.0);
+  EXPECT_TRUE(std::isnan(b.netd_k));
+}
+
 // Moments of min(value, x) by a sum over 5 million points (numpy), good to 1e-10; at 0 sqrt(2 - 2 / pi).
 TEST(Saturation, AnEndTakesSlopeAndNoiseAwayAsTheMomentsOfAHeldGaussian) {
   EXPECT_NEAR(held_scatter(0.0).sd / held_scatter(0.0).slope, std::sqrt(2.0 - 2.0 / M_PI), 1e-15);

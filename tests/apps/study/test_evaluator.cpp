@@ -255,6 +255,42 @@ contrast = "2 K"
   }));
 }
 
+// Where the mean meets the full well a NETD would be 17 % too good: refused there, with a caution close to it.
+TEST(Evaluator, AMeanAtTheFullWellIsSaturatedAndOneCloseToItIsSaid) {
+  const Folder folder;
+  std::string camera = study_test::kCamera;
+  camera.replace(camera.find("[\"0.5 um\", \"0.7 um\"]"), 20, "[\"8 um\", \"12 um\"]");
+  const std::string aberrated = "kind = \"wavefront\"\nzernike = [0.0, 0.0, 0.0, 0.05]";
+  camera.replace(camera.find(aberrated), aberrated.size(), "kind = \"diffraction\"\nwavelength = \"10 um\"");
+  camera.replace(camera.find("read_noise"), 0, "full_well = \"10 Me-\"\n");
+  camera.replace(camera.find("electrons_per_count"), camera.npos,
+                 "offset = 0\n" + camera.substr(camera.find("[[presample]]")));
+  folder.write("camera.toml", camera);
+  Evaluated e = evaluated(folder, study_test::kHead + R"(objectives = ["minimize netd"]
+constraints = ["well_fill < 100"]
+[[axis]]
+parameter = "frame.integration_time"
+from = "0.01 ms"
+to = "10 ms"
+count = 3
+[metrics]
+list = ["netd"]
+)");
+  e.at(0);
+  const double full_ms = e["frame.integration_time"] / e["well_fill"];
+  const auto at_fill = [&](double fill) { e.evaluator->evaluate_at(std::vector{fill * full_ms}, e.row); };
+  at_fill(1.0);
+  EXPECT_TRUE(std::isnan(e["netd"])) << e["well_fill"];
+  EXPECT_FALSE(e.evaluator->last_valid());
+  EXPECT_NE(e.evaluator->last_refusal().find("saturated"), std::string::npos);
+  EXPECT_EQ(e.evaluator->last_caution(), "");
+  at_fill(0.9999);
+  EXPECT_TRUE(std::isfinite(e["netd"]));
+  EXPECT_NE(e.evaluator->last_caution().find("near saturation"), std::string::npos);
+  at_fill(0.5);
+  EXPECT_EQ(e.evaluator->last_caution(), "");
+}
+
 TEST(Evaluator, DesignsThatNoSensorCanBeHaveAReasonAndNoNumbers) {
   const Folder folder;
   Evaluated e = evaluated(folder, R"(schema = 1

@@ -157,13 +157,16 @@ TEST(SweepCommand, InfinitiesAreInvalidAndNeverBest) {
                                          "\"maximize mtf_nyquist / 0\"]\n" +
                                          axis);
   Result result = scratch.run("mtf sweep study.toml -o pole");
-  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.status, 3) << result.err;  // there is no result
+  expect_says(result.err, "every design is invalid, so none is chosen");
+  EXPECT_FALSE(fs::exists(scratch / "pole/chosen"));
   expect_says(result.out, "invalid 4 of 4, the first is design 0\n");
   expect_says(result.out, "1 / (frame.pitch / (10 um) - 1) is not finite: 1\n");
   expect_says(result.out, "mtf_nyquist / 0 is not finite: 4\n");
   json sweep = json::parse(read_file(scratch / "pole/sweep.json"));
   EXPECT_EQ(sweep["feasible"], 0);
   EXPECT_TRUE(sweep["best"].empty());
+  EXPECT_TRUE(sweep["chosen"].empty());
   EXPECT_EQ(sweep["invalid"]["designs"], 4);
   EXPECT_EQ(sweep["invalid"]["not_finite"].size(), 2U);
   EXPECT_EQ(read_file(scratch / "pole/designs.csv").find("inf"), std::string::npos);
@@ -182,6 +185,23 @@ TEST(SweepCommand, InfinitiesAreInvalidAndNeverBest) {
   EXPECT_EQ(sweep["constraints"][0]["met"], 2);
   EXPECT_EQ(sweep["best"][0]["design"], 2);
   EXPECT_EQ(sweep["invalid"]["first"], 1);
+}
+
+// Designs that no sensor can be are nearest to nothing.
+TEST(SweepCommand, OfInvalidDesignsNoneIsNearest) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  write_file(scratch / "study.toml",
+             "schema = 1\nsensor = \"sensor.toml\"\nconstraints = [\"mtf_nyquist > 0.1\"]\n"
+             "objectives = [\"maximize mtf_nyquist\"]\n[[axis]]\nparameter = \"frame.pitch\"\n"
+             "values = [\"8 um\", \"10 um\"]\n[links]\n\"jitter.rms\" = \"-frame.pitch\"\n");
+  const Result result = scratch.run("mtf sweep study.toml -o none");
+  EXPECT_EQ(result.status, 3) << result.out << result.err;
+  EXPECT_EQ(result.out.find("nearest"), std::string::npos) << result.out;
+  expect_says(result.out, "no sensor can be so: 2");
+  EXPECT_FALSE(fs::exists(scratch / "none/chosen"));
+  EXPECT_FALSE(json::parse(read_file(scratch / "none/sweep.json")).contains("nearest"));
+  EXPECT_EQ(scratch.run("mtf report none -o none.html").status, 0);
 }
 
 TEST(SweepCommand, TheTablesAreTheSameForAnyThreads) {

@@ -95,6 +95,9 @@ TEST(TallyOfRows, NearestIsOfLeastScaledViolation) {
     EXPECT_EQ(tally.best()[0].design, -1);
     EXPECT_TRUE(tally.front().designs.empty());
   }
+  // A design that meets more, but has no number for an objective, is no design to go to.
+  const double infinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(tally_of({row_of(-infinite, 2.0), row_of(6.0, 3.0)}, 1).nearest().design, 1);
   EXPECT_EQ(tally_of({row_of(kNone, 0.9), row_of(kNone, 2.0)}, 1).nearest().design, 1);
   EXPECT_EQ(tally_of({row_of(kNone, kNone), row_of(kNone, 0.9)}, 1).nearest().design, 1);
 }

@@ -40,7 +40,6 @@ TEST(StatedEncoding, PngChunksOneByOne) {
     EXPECT_EQ(stated.word, "") << senseless;
     EXPECT_NE(stated.source, "") << senseless;
   }
-  EXPECT_EQ(png_with({{"gAMA", "ab"}}), (StatedEncoding{"", "gAMA chunk (0)"}));
   EXPECT_EQ(png_with({io_test::profile_chunk("sRGB IEC61966-2.1")}).word, "srgb");
   EXPECT_EQ(png_with({io_test::profile_chunk("Adobe RGB (1998)")}),
             (StatedEncoding{"", "ICC profile \"Adobe RGB (1998)\""}));
@@ -60,6 +59,25 @@ TEST(StatedEncoding, TheStrongerPngChunkCounts) {
             (StatedEncoding{"gamma:2.2", "gAMA chunk (0.45455) beside ICC profile \"Adobe RGB (1998)\""}));
   EXPECT_EQ(png_with({io_test::profile_chunk("sRGB built-in"), gamma}).word, "srgb");
   EXPECT_EQ(png_with({srgb, perceptual}).word, "");
+}
+
+/// A chunk that breaks the PNG specification says nothing that can be believed.
+TEST(StatedEncoding, MalformedPngChunksAreNamedAndNotUsed) {
+  const auto malformed = [](const std::string& type, const std::string& fault) {
+    return StatedEncoding{"", type + " chunk (malformed: " + fault + "; not used)"};
+  };
+  EXPECT_EQ(png_with({{"gAMA", "ab"}}), malformed("gAMA", "2 bytes in place of 4"));
+  EXPECT_EQ(png_with({{"sRGB", ""}}), malformed("sRGB", "0 bytes in place of 1"));
+  EXPECT_EQ(png_with({{"sRGB", "\x09"}}), malformed("sRGB", "rendering intent 9, which is 0 to 3"));
+  EXPECT_EQ(png_with({{"cICP", "\x01\x0d"}}), malformed("cICP", "2 bytes in place of 4"));
+  EXPECT_EQ(png_with({{"iCCP", "sRGB"}}), malformed("iCCP", "no profile name of 1 to 79 characters"));
+  const auto gamma = io_test::gamma_chunk(45455);
+  EXPECT_EQ(png_with({gamma, gamma}), malformed("gAMA", "more than one"));
+  EXPECT_EQ(png_with({gamma, io_test::gamma_chunk(100000)}), malformed("gAMA", "more than one"));
+  EXPECT_EQ(png_with({{"sRGB", "\x09"}, gamma}),
+            (StatedEncoding{"gamma:2.2",
+                            "gAMA chunk (0.45455) beside sRGB chunk (malformed: rendering intent 9, which is 0 to 3; "
+                            "not used)"}));
 }
 
 /// The exponent that is named is one that a writer would have stored like this, whatever the value.

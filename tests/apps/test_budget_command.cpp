@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What `mtf budget` says beside its figures, and what every command says of a sensor file that makes no chain.
+
+#include <gtest/gtest.h>
+
+#include <span>
+
+#include "tests/apps/chain_sensor.h"
+
+namespace apps_test {
+namespace {
+
+class BudgetCommand : public ChainSensor {};
+
+TEST_F(BudgetCommand, ABudgetSaysWhyAFigureHasNoValue) {
+  sensor("");
+  for (const char* hot : {"1e100", "1.1e9", "-1", "nan"}) {
+    const Result r = scratch.run(std::string("mtf budget s.toml --temperature ") + hot);
+    EXPECT_EQ(r.status, 2) << hot;
+    EXPECT_NE(r.err.find("temperature"), std::string::npos) << r.err;
+  }
+  EXPECT_NE(scratch.run("mtf budget s.toml --temperature 1e100").err.find("from 0 to 1e9"), std::string::npos);
+  const std::string table = scratch.run("mtf budget s.toml --temperature 0").out;
+  EXPECT_NE(table.find("no shot_netd, netd, "), std::string::npos) << table;
+  EXPECT_NE(table.find(": no light of the scene makes electrons\n"), std::string::npos) << table;
+  sensor("", "full_well = \"10 Me-\"\n", "");
+  const Json terms = budget();
+  EXPECT_TRUE(terms["dynamic_range"]["value"].is_null());
+  EXPECT_EQ(terms["dynamic_range"]["reason"], "no detector.full_well");
+  for (const auto& [name, term] : terms.items()) EXPECT_EQ(term["value"].is_null(), term.contains("reason")) << name;
+}
+
+// One message for every command, in the words of the sensor file.
+TEST_F(BudgetCommand, ADetectorThatMakesNoElectronsIsRefusedAlike) {
+  const auto all_say = [&](const std::string& part) {
+    for (const std::string command : {"budget s.toml", "simulate s.toml t300.exr -o out.exr", "config check s.toml",
+                                      "curve s.toml", "config explain s.toml"}) {
+      expect_refused("mtf " + command, {"s.toml:22:1: error: detector.quantum_efficiency: ", part});
+      EXPECT_EQ(scratch.run("mtf " + command).err.find("electron_nodes"), std::string::npos);
+    }
+  };
+  sensor("", "quantum_efficiency = 0.75", "quantum_efficiency = 0.0");
+  all_say("no light makes electrons");
+  sensor("", "quantum_efficiency = 0.75", "quantum_efficiency = \"qe.csv\"");
+  write_file(scratch / "qe.csv", "wavelength_um,quantum_efficiency\n2,0\n6,0\n");
+  all_say("qe.csv is 0 everywhere in the band of 3 um to 5 um");
+  write_file(scratch / "qe.csv", "wavelength_um,quantum_efficiency\n3000,0.5\n5000,0.5\n");
+  all_say("qe.csv: covers 3000 um to 5000 um");
+  std::string text = kSensor;
+  text.replace(text.find("transmission = 0.85"), 19, "transmission = \"tau.csv\"");
+  text.replace(text.find("quantum_efficiency = 0.75"), 25, "quantum_efficiency = \"qe.csv\"");
+  write_file(scratch / "s.toml", text);
+  write_file(scratch / "qe.csv", "wavelength_um,quantum_efficiency\n2,0.5\n3.5,0.5\n3.501,0\n6,0\n");
+  write_file(scratch / "tau.csv", "wavelength_um,transmission\n2,0\n4,0\n4.001,0.9\n6,0.9\n");
+  all_say("multiply to 0");
+}
+
+TEST_F(BudgetCommand, ABudgetSaysWhatFramesDoOtherwise) {
+  sensor("[noise]\nseed = 1\n");
+  EXPECT_EQ(Json::parse(scratch.run("mtf budget s.toml --format json").out)["notes"], Json::array());
+  const double netd = budget()["netd"]["value"];
+  sensor("[noise]\nseed = 1\nshot = false\n");
+  const Result r = scratch.run("mtf budget s.toml --format json");
+  EXPECT_NE(r.err.find("[noise] shot = false leaves shot noise out of simulated frames"), std::string::npos) << r.err;
+  EXPECT_EQ(Json::parse(r.out)["notes"].size(), 1U);
+  EXPECT_EQ(budget()["netd"]["value"], netd);  // photons arrive as they do
+}
+
+// The spread of a map is its standard deviation, as that of random factors is.
+TEST_F(BudgetCommand, MapsCountInTheBudget) {
+  Image gain(32, 24), offset(32, 24);
+  for (std::int64_t i = 0; i < gain.size(); ++i) {
+    gain.data()[i] = i % 2 == 0 ? 0.75F : 1.25F;
+    offset.data()[i] = i % 2 == 0 ? -64.0F : 64.0F;
+  }
+  mtf::io::write_exr((scratch / "gain.exr").string(), {{"Y", gain.view()}}, {});
+  mtf::io::write_exr((scratch / "offset.exr").string(), {{"Y", offset.view()}}, {});
+  sensor("[nonuniformity]\nprnu = 0.25\ndsnu = \"64 e-\"\n");
+  const Json random = budget();
+  sensor("[nonuniformity]\nresponsivity = \"gain.exr\"\noffset = \"offset.exr\"\n");
+  const Json maps = budget();
+  for (const char* name : {"prnu", "dsnu", "spatial", "spatial_netd"}) EXPECT_EQ(maps[name], random[name]) << name;
+  EXPECT_EQ(Json::parse(scratch.run("mtf budget s.toml --format json").out)["notes"], Json::array());
+  for (float& value : std::span(gain.data(), static_cast<std::size_t>(gain.size()))) value *= 0.5F;
+  mtf::io::write_exr((scratch / "gain.exr").string(), {{"Y", gain.view()}}, {});
+  const std::string err = scratch.run("mtf budget s.toml").err;
+  EXPECT_NE(err.find("the mean of nonuniformity.responsivity is 0.5"), std::string::npos) << err;
+}
+
+// What radiometry refuses is told at the line of the key it is about.
+TEST_F(BudgetCommand, RefusalsOfTheChainHaveTheirLine) {
+  sensor("[blooming]\ndirection = \"columns\"\n", "full_well = \"10 Me-\"\n", "");
+  for (const char* command :
+       {"mtf budget s.toml", "mtf simulate s.toml t300.exr -o out.exr", "mtf config check s.toml"})
+    expect_refused(command, {"s.toml:24:2: error: [blooming]: needs detector.full_well"});
+  sensor("", "integration_time = \"10 ms\"\n", "");
+  expect_refused("mtf budget s.toml", {"s.toml:3:2: error: frame.integration_time: missing"});
+  sensor("[nonuniformity]\nresponsivity = \"small.exr\"\n");
+  write_flat(scratch / "small.exr", 1.0F);
+  expect_refused("mtf simulate s.toml t300.exr -o out.exr",
+                 {"s.toml:26:1: error: nonuniformity.responsivity: the map has 64x48 pixels, the detector 32x24"});
+  sensor("[nonuniformity]\nresponsivity = \"none.exr\"\n");
+  expect_refused("mtf budget s.toml", {"s.toml:26:1: error: nonuniformity.responsivity: cannot read"}, 1);
+}
+
+}  // namespace
+}  // namespace apps_test
