@@ -256,6 +256,17 @@ TEST(ConfigErrors, NotesAndWarningsAreNoErrors) {
   EXPECT_TRUE(warnings[2].starts_with("s.toml:11:7: warning: presample[0].rms: ")) << warnings[2];
 }
 
+TEST(ConfigErrors, EveryKindOfFootprintIsOne) {
+  for (const std::string footprint :
+       {"kind = \"footprint\"\nwidth = \"10 um\"\n", "kind = \"circular_footprint\"\ndiameter = \"10 um\"\n",
+        "kind = \"polygon_footprint\"\nvertices = [[-0.5, -0.5], [0.5, -0.5], [0, 0.5]]\n"
+        "unit_length = \"10 um\"\n"}) {
+    const auto notes = messages(kHead + "[[presample]]\n" + footprint, false);
+    ASSERT_EQ(notes.size(), 1u) << footprint << notes.back();
+    EXPECT_TRUE(notes[0].starts_with("s.toml: note: presample: no diffraction")) << notes[0];
+  }
+}
+
 TEST(ConfigErrors, ManyAndLongOnesStayBounded) {
   std::string text = kHead + "[scene]\n";
   for (int i = 0; i < 90000; ++i) text += "gai" + std::to_string(i) + "=1\n";  // each of them near a known key
