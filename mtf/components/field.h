@@ -142,12 +142,13 @@ inline constexpr FieldInfo kDirectionInfo{.name = "direction",
                                           .example = "\"30 deg\"",
                                           .doc = "from +x (right) to +y (down)"};
 
-/// (cos, sin) of a direction, exact at multiples of 90 degrees.
+/// (cos, sin) of a direction, exact at multiples of 90 degrees. The angle is divided in double: a direction rounded to
+/// float would turn a frequency of many cycles by more than float's own rounding.
 template <class S>
 Freq<S> unit_vector(const S& direction_deg) {
-  const S half_turns = direction_deg / S(180);
-  const auto [sine, cosine] = sin_cos_pi(value_of(half_turns));
-  return {lift({cosine, -kPi * sine}, half_turns), lift({sine, kPi * cosine}, half_turns)};
+  constexpr double kSlope = kPi / 180.0;
+  const auto [sine, cosine] = sin_cos_pi(value_of(direction_deg) / 180.0);
+  return {lift({cosine, -kSlope * sine}, direction_deg), lift({sine, kSlope * cosine}, direction_deg)};
 }
 
 /// Of a motion in a straight line: that it leaves y or x alone, and whether it goes to and fro alike.

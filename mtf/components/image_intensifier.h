@@ -21,7 +21,7 @@ struct ImageIntensifier {
   static constexpr SensorPart part = SensorPart::detector;
 
   SpatialFrequency<S> frequency;
-  S index{};
+  S index{1};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "frequency",
