@@ -78,6 +78,23 @@ TEST(FitFlat, AStartAtTheBoundIsLeft) {
   }
 }
 
+// Nothing can be seen from where the diffusion has come to its end. In micrometres, beside a jitter of 2.5.
+TEST(FitFlat, AStartBeyondAllEffectFindsTheMinimum) {
+  Case one = flat_study::diffusion(4.0);
+  const FitResult near = one_fit(one);
+  for (const double start : {1e5, 1e6}) {
+    one.fitted[1].start = start;
+    const FitResult far = one_fit(one);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_EQ(far.parameters[i].knowledge, near.parameters[i].knowledge) << start;
+      EXPECT_NEAR(far.parameters[i].value, near.parameters[i].value, 0.05 * near.parameters[i].linear_sd) << start;
+      EXPECT_NEAR(far.parameters[i].linear_sd, near.parameters[i].linear_sd, 0.01 * near.parameters[i].linear_sd);
+    }
+    ASSERT_EQ(far.warnings.size(), 1u);
+    EXPECT_NE(far.warnings[0].find("the fit begins at"), std::string::npos) << far.warnings[0];
+  }
+}
+
 TEST(FitFlat, WhatPressesAgainstABoundLeavesItsPartnersAtTheirMinimum) {
   // The fourth draw wants a negative square: the f-number is that of a fit without a jitter.
   Case both = flat_study::lens_and_jitter(0.0), one = both;
