@@ -36,6 +36,12 @@ void expect_held(const Case& one, int draws, int least_percent, std::uint64_t se
 // Few draws: 80 of 100 is what 95 of 100 seldom fall below.
 TEST(FitFlat, APartnerOfAVanishedDiffusionHoldsTheTruth) { expect_held(flat_study::diffusion(2.0), 12, 80); }
 
+// Value +- 1.96 standard errors of a square's root never holds 0: 80 of 100.
+TEST(FitFlat, AJitterNearZeroHoldsTheTruth) { expect_held(flat_study::lens_and_jitter(0.5), 30, 90); }
+
+// Two of these three draws end between one and two standard deviations of the square above 0.
+TEST(FitFlat, ADefocusAtZeroHoldsTheTruth) { expect_held(flat_study::lens_out_of_focus(0.0), 3, 100, 5); }
+
 constexpr std::array<std::uint64_t, 2> kSeeds{kSeed, 4711};
 
 TEST(FitFlatLong, Diffusion) {
@@ -92,6 +98,22 @@ TEST(FitFlat, AStartBeyondAllEffectFindsTheMinimum) {
     }
     ASSERT_EQ(far.warnings.size(), 1u);
     EXPECT_NE(far.warnings[0].find("the fit begins at"), std::string::npos) << far.warnings[0];
+  }
+}
+
+TEST(FitFlat, OneLimitIsStated) {
+  // The end of the interval, with and without profiles, at a bound that is flat and at one that is not.
+  for (const bool jitter : {false, true}) {
+    const Case one = jitter ? flat_study::lens_and_jitter(0.0) : flat_study::diffusion(0.4);
+    const FittedParameter plain = one_fit(one).parameters[1];
+    FitOptions options;
+    options.profile = true;
+    const FittedParameter profiled = one_fit(one, options).parameters[1];
+    ASSERT_EQ(plain.knowledge, Knowledge::at_bound);
+    ASSERT_TRUE(plain.limit95 && profiled.limit95 && profiled.interval95 && profiled.interval);
+    EXPECT_EQ(*profiled.limit95, (*profiled.interval95)[1]);
+    EXPECT_EQ(*profiled.limit95, profiled.interval->high.value_or(0.0));
+    EXPECT_NEAR(*plain.limit95, *profiled.limit95, 0.02 * *profiled.limit95);
   }
 }
 
