@@ -144,6 +144,7 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
     judge(solved, parameters);
     flat = flat_bounds(problem, solved);
   }
+  set_apart(solved, flat);
   result.iterations = solution.iterations;
   result.starts_agreeing = solution.agreeing;
   result.status = solution.stopped     ? FitStatus::stopped

@@ -101,6 +101,23 @@ TEST(FitFlat, AStartBeyondAllEffectFindsTheMinimum) {
   }
 }
 
+TEST(FitFlat, PartnersAreKnownWhateverTheStartOfWhatIsAtItsBound) {
+  Case one = flat_study::diffusion(0.4);
+  for (const double start : {3.0, 100.0, 1e6}) {
+    one.fitted[1].start = start;
+    const FitResult result = one_fit(one);
+    EXPECT_EQ(result.parameters[0].knowledge, Knowledge::interval) << start;
+    EXPECT_EQ(result.parameters[1].knowledge, Knowledge::at_bound) << start;
+    EXPECT_TRUE(result.not_separable.empty()) << start;
+  }
+}
+
+TEST(FitFlat, ABoundSeventeenStandardDeviationsAwayIsSeen) {
+  // Lopsided by a fifth: 3 um + 0.6 um - 0.8 um.
+  const Outcome outcome = flat_study::run(flat_study::diffusion(3.0), 4, kSeed);
+  for (const FitResult& result : outcome.results) EXPECT_TRUE(result.parameters[1].interval95.has_value());
+}
+
 TEST(FitFlat, OneLimitIsStated) {
   // The end of the interval, with and without profiles, at a bound that is flat and at one that is not.
   for (const bool jitter : {false, true}) {
@@ -126,6 +143,23 @@ TEST(FitFlat, WhatPressesAgainstABoundLeavesItsPartnersAtTheirMinimum) {
   ASSERT_EQ(held.parameters[1].knowledge, Knowledge::at_bound);
   EXPECT_NEAR(held.parameters[0].value, alone.parameters[0].value, 0.05 * alone.parameters[0].linear_sd);
   EXPECT_LT(held.parameters[1].pressed_sd, 3.0);
+}
+
+TEST(FitFlat, ASecondFootprintIsUndeterminedOrItsIntervalHolds) {
+  const Case one = flat_study::two_footprints(0.0);
+  const Outcome outcome = flat_study::run(one, 14, kSeed);
+  int stated = 0;
+  for (const FitResult& result : outcome.results)
+    for (std::size_t i = 0; i < 2; ++i) {
+      const FittedParameter& p = result.parameters[i];
+      EXPECT_FALSE(p.stderr_value.has_value());
+      if (p.knowledge == Knowledge::not_determined) continue;
+      ++stated;
+      ASSERT_TRUE(p.interval95.has_value());
+      EXPECT_LE((*p.interval95)[0], one.fitted[i].value + 1e-3);
+      EXPECT_GE((*p.interval95)[1], one.fitted[i].value);
+    }
+  EXPECT_GE(stated, 2);
 }
 
 TEST(FitFlat, AParameterThatActsInProportionIsLeftAlone) {
