@@ -144,6 +144,7 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
     judge(solved, parameters);
     flat = flat_bounds(problem, solved);
   }
+  set_apart(solved, flat);
   result.iterations = solution.iterations;
   result.starts_agreeing = solution.agreeing;
   result.status = solution.stopped     ? FitStatus::stopped
@@ -168,8 +169,12 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
   report_mtf(solved, result);
   if (options.residual_otf) result.residual_otf.assign(result.frequency_cy_px.size(), 0.0);
   report_data(data, setup.block_of, solved, result);
-  if ((options.profile || !flat.empty()) && solution.converged)
-    report_intervals(problem, solved, flat, solution.cost, progress.asks(), result);
+  if (solution.converged) {
+    const bool bent = report_squares(problem, solved, solution.cost, progress.asks(), result);
+    const bool judge = bent || !flat.empty();
+    if (options.profile || judge)
+      report_intervals(problem, solved, flat, judge, solution.cost, progress.asks(), result);
+  }
   report_obstacles(result);
   if (progress.stopped() && result.status != FitStatus::stopped) {
     result.status = FitStatus::stopped;

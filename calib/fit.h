@@ -82,8 +82,8 @@ struct FitOptions {
   std::function<bool(double share)> progress{};
 };
 
-/// 95 % by profile likelihood. A size ends at its own bound near zero, if nothing speaks against that; any other end at
-/// which chi-square has not risen enough is none.
+/// 95 % by profile likelihood, or of the square of a size that is fitted as one. A size ends at its own bound near
+/// zero, if nothing speaks against that; any other end at which chi-square has not risen enough is none.
 struct ProfiledInterval {
   std::optional<double> low, high;
   std::string reason;  ///< of an end that is missing; "" otherwise
@@ -95,7 +95,7 @@ enum class Knowledge {
   at_bound,        ///< a one-sided limit: `limit95`
   prior_only,      ///< the data add nothing to the prior
   not_determined,  ///< part of a direction that the data do not see, or no minimum was found: no value is given
-  interval         ///< a value whose error is no standard deviation: `interval` holds, about a flat bound
+  interval         ///< a value whose error is no standard deviation: `interval` holds, about a bound
 };
 std::string_view knowledge_name(Knowledge knowledge);
 
@@ -107,10 +107,12 @@ struct FittedParameter {
   std::optional<double> stderr_value{};  ///< one standard deviation, when determined
   double linear_sd = 0.0;  ///< what the covariance says, also when not determined: then only how little is known
   /// Profile likelihood, when asked for, or where a flat bound is near (flat_bounds.h); an end may be a bound up to
-  /// which chi-square does not rise enough, what `interval` says.
+  /// which chi-square does not rise enough, what `interval` says. Of a size that is fitted as its square and known to a
+  /// tenth or worse, also without a profile: from the standard deviation of the square.
   std::optional<std::array<double, 2>> interval68{}, interval95{};
   std::optional<ProfiledInterval> interval{};
-  /// When at a bound, which is the value then: the 95 % limit on the free side, and whether it is the upper one.
+  /// When at a bound, which is the value then: the far end of the 95 % interval that begins there, and whether it is
+  /// the upper one. With a profile it is that end of `interval95`.
   std::optional<double> limit95{};
   bool limit_is_upper = true;
   double pressed_sd = 0.0;  ///< when at a bound: by how many sd of the data the minimum lies beyond it

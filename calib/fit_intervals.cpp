@@ -11,7 +11,6 @@
 namespace calib {
 namespace {
 
-constexpr double k95 = 1.959963984540054;
 constexpr double kLikeNormal = 0.1;  // of a half interval: to within this the standard error says the same
 constexpr double kOwnSd = 3.0;       // a first step of the profile, in sd of the parameter with the others fixed
 
@@ -54,11 +53,22 @@ ProfiledInterval interval_of(const ProfileEnds& ends, const Variable& v, const F
   return interval;
 }
 
+bool same_as(const std::array<double, 2>& interval, double value, double half) {
+  return std::abs(interval[0] - (value - half)) < kLikeNormal * half &&
+         std::abs(interval[1] - (value + half)) < kLikeNormal * half;
+}
+
 /// Whether chi-square is the parabola of the covariance as far as the ends, in the variable of the fit.
 bool like_normal(const ProfileEnds& ends, const Variable& v, double x, double sd) {
   const auto [low, high] = std::minmax({v.x_of(ends.interval95[0]), v.x_of(ends.interval95[1])});
-  const double half = k95 * sd;
-  return std::abs(low - (x - half)) < kLikeNormal * half && std::abs(high - (x + half)) < kLikeNormal * half;
+  return same_as({low, high}, x, k95_sd * sd);
+}
+
+/// Of the parameter, from an interval of its square that may reach beyond its range.
+std::array<double, 2> interval_of_square(const Variable& v, double low, double high) {
+  const double at_low = low > v.lo ? v.value(low) : v.sign * v.step * std::sqrt(v.lo);
+  const double at_high = v.value(std::min(v.hi, high));
+  return {std::min(at_low, at_high), std::max(at_low, at_high)};
 }
 
 /// The verdict on a parameter that has a profile, a flat bound being near to it or to a partner.
@@ -68,9 +78,9 @@ void judge_by_profile(FittedParameter& p, const Variable& v, double best, bool n
     const bool from_low = own->inward > 0.0;
     const bool has_limit = from_low ? !ends.high_open : !ends.low_open;
     p.knowledge = has_limit ? Knowledge::at_bound : Knowledge::not_determined;
-    p.limit95 = has_limit ? std::optional(from_low ? ends.upper95 : ends.lower95) : std::nullopt;
+    p.limit95 = has_limit ? std::optional(ends.interval95[from_low ? 1 : 0]) : std::nullopt;
     p.limit_is_upper = from_low;
-    p.value = v.value(own->bound);
+    p.value = v.squared && own->bound <= 1e-8 ? 0.0 : v.value(own->bound);
     p.stderr_value.reset();
     p.pressed_sd = 0.0;
     return;
@@ -109,8 +119,37 @@ bool leave_flat_bounds(FitProblem& problem, Solved& solved, std::span<const Flat
   return true;
 }
 
-void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatBound> flat, double cost,
-                      const std::function<bool()>& go_on, FitResult& result) {
+bool report_squares(FitProblem& problem, const Solved& solved, double cost, const std::function<bool()>& go_on,
+                    FitResult& result) {
+  const double factor = noise_factor_of(problem, solved);
+  bool bent = false;
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    FittedParameter& p = result.parameters[i];
+    const Variable& v = problem.variables[i];
+    if (!v.squared || (p.knowledge != Knowledge::determined && p.knowledge != Knowledge::at_bound)) continue;
+    const auto index = static_cast<Eigen::Index>(i);
+    const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
+    const auto between = [&](double half) { return interval_of_square(v, x - half, x + half); };
+    const std::array<double, 2> interval = between(k95_sd * sd);
+    if (p.knowledge == Knowledge::determined && !same_as(interval, p.value, k95_sd * *p.stderr_value)) {
+      p.interval68 = between(sd);
+      p.interval95 = interval;
+      p.interval = {interval[0], interval[1], ""};
+    }
+    if (x - v.lo >= k95_sd * sd) continue;
+    if (p.knowledge == Knowledge::determined) {
+      p.knowledge = Knowledge::interval;
+      p.stderr_value.reset();
+    }
+    const double far = std::min(v.hi, p.limit95 ? v.x_of(*p.limit95) : x + k95_sd * sd);
+    const double rise = rise_at(problem, i, far, cost, factor, {}, go_on);
+    bent = bent || std::abs(rise - k95_sd) > kLikeNormal * k95_sd;
+  }
+  return bent;
+}
+
+void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatBound> flat, bool judge,
+                      double cost, const std::function<bool()>& go_on, FitResult& result) {
   const double factor = noise_factor_of(problem, solved);
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     FittedParameter& p = result.parameters[i];
@@ -121,8 +160,8 @@ void report_intervals(FitProblem& problem, const Solved& solved, std::span<const
     p.interval68 = ends->interval68;
     p.interval95 = ends->interval95;
     p.interval = interval_of(*ends, v, p.parameter);
-    if (p.limit95) p.limit95 = problem.x[i] - v.lo < v.hi - problem.x[i] ? ends->upper95 : ends->lower95;
-    if (flat.empty()) continue;
+    if (p.limit95) p.limit95 = ends->interval95[p.limit_is_upper ? 1 : 0];
+    if (!judge) continue;
     const auto own = std::find_if(flat.begin(), flat.end(), [&](const FlatBound& f) { return f.parameter == i; });
     const auto index = static_cast<Eigen::Index>(i);
     const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));

@@ -16,10 +16,16 @@ namespace calib {
 bool leave_flat_bounds(FitProblem& problem, Solved& solved, std::span<const FlatBound> flat, Solution& solution,
                        const MinimiseOptions& options);
 
+/// Intervals of parameters that are fitted as squares and known to a tenth or worse: that of the square, cut to its
+/// range, as value +- 1.96 stderr never holds 0. Where the interval holds the bound, chi-square at its far end is
+/// computed; true when that is not what the covariance foretells, so that only profiles can be trusted.
+bool report_squares(FitProblem& problem, const Solved& solved, double cost, const std::function<bool()>& go_on,
+                    FitResult& result);
+
 /// Sets intervals, limits, knowledge; takes back correlations and directions that stand for no more than the missing
-/// derivative. `cost`: at the minimum, where the problem stands. Parameters of which the data say nothing are left out
-/// unless a flat bound is near.
-void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatBound> flat, double cost,
-                      const std::function<bool()>& go_on, FitResult& result);
+/// derivative. `cost`: at the minimum, where the problem stands. `judge`: standard errors that the profile contradicts
+/// are taken back, as about flat bounds. Parameters of which the data say nothing are left out unless one is near.
+void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatBound> flat, bool judge,
+                      double cost, const std::function<bool()>& go_on, FitResult& result);
 
 }  // namespace calib

@@ -196,8 +196,7 @@ std::vector<Eigen::MatrixXd> FitProblem::normals(bool gradients) const {
   return all;
 }
 
-Solution solve(FitProblem& problem, const SolveOptions& asked) {
-  const std::optional<std::size_t>& fixed = asked.fixed;
+Solution solve_holding(FitProblem& problem, const SolveOptions& asked, const std::vector<int>& held) {
   const Unknowns unknowns(problem);
   Evaluator evaluator(problem, unknowns);
   ceres::Problem::Options problem_options;
@@ -221,9 +220,10 @@ Solution solve(FitProblem& problem, const SolveOptions& asked) {
     ceres_problem.SetParameterLowerBound(x, static_cast<int>(i), problem.variables[i].lo);
     ceres_problem.SetParameterUpperBound(x, static_cast<int>(i), problem.variables[i].hi);
   }
-  if (fixed && n == 1) ceres_problem.SetParameterBlockConstant(x);
-  if (fixed && n > 1)
-    ceres_problem.SetManifold(x, new ceres::SubsetManifold(static_cast<int>(n), {static_cast<int>(*fixed)}));
+  if (held.size() == n)
+    ceres_problem.SetParameterBlockConstant(x);
+  else if (!held.empty())
+    ceres_problem.SetManifold(x, new ceres::SubsetManifold(static_cast<int>(n), held));
 
   ceres::Solver::Options options;
   constexpr std::size_t kFewBlocks = 4;  // beyond, eliminating each block's own unknowns first is quicker

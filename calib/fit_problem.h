@@ -54,4 +54,7 @@ struct SolveOptions {
 };
 Solution solve(FitProblem& problem, const SolveOptions& options = {});
 
+/// One run of the minimiser, `held` variables as they are, whatever `fixed` says.
+Solution solve_holding(FitProblem& problem, const SolveOptions& options, const std::vector<int>& held);
+
 }  // namespace calib

@@ -10,7 +10,6 @@
 namespace calib {
 namespace {
 
-constexpr double kOneSided95 = 1.6448536269514722;
 constexpr double kRadian_deg = 180.0 / std::numbers::pi;
 constexpr double kUnseen = 1e18;  // variance of an x that nothing in the data depends on
 
@@ -118,7 +117,7 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
       p.stderr_value = p.linear_sd;
     } else if (near_lo || near_hi) {
       // The minimum may press against the bound: its gradient, the others at their best, is the first term of the
-      // profile g t + t^2 / (2 sd^2), which reaches the 95 % point of one side at t.
+      // profile g t + t^2 / (2 sd^2), which reaches the 95 % point at t.
       p.knowledge = Knowledge::at_bound;
       double gradient = 0.0;
       for (std::size_t b = 0; b < solved.normals.size(); ++b) {
@@ -131,7 +130,7 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
         gradient += (v.value(x) - mean) / (width * width) * v.slope(x);
       }
       const double push = std::max(0.0, near_lo ? gradient : -gradient), variance = sd * sd;
-      const double t = variance * (std::sqrt(push * push + kOneSided95 * kOneSided95 / variance) - push);
+      const double t = variance * (std::sqrt(push * push + k95_sd * k95_sd / variance) - push);
       p.limit95 = v.value(near_lo ? std::min(v.hi, x + t) : std::max(v.lo, x - t));
       const double bound = near_lo ? v.lo : v.hi;
       p.value = v.squared && bound <= 1e-8 ? 0.0 : v.value(bound);

@@ -8,6 +8,11 @@
 
 namespace calib {
 
+/// Half of a 95 % interval, in standard deviations. A limit at a bound is the far end of such an interval, whose near
+/// end is the bound: that of one side only (1.645) would fail too often, as the data themselves choose between limit
+/// and interval. (Feldman and Cousins, Phys. Rev. D 57, 3873 (1998).)
+inline constexpr double k95_sd = 1.959963984540054;
+
 /// A function of the shared variables at the solution, with its derivatives by x.
 struct Functional {
   double value = 0.0;

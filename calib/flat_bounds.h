@@ -31,4 +31,8 @@ struct FlatBound {
 /// few passes over the data for a parameter that a bound is near to, nothing for the others.
 std::vector<FlatBound> flat_bounds(FitProblem& problem, const Solved& solved);
 
+/// At a bound that is reached first derivatives say nothing of what the parameter and the others have in common, but
+/// for rounding: it is taken out of the information.
+void set_apart(Solved& solved, std::span<const FlatBound> flat);
+
 }  // namespace calib

@@ -70,20 +70,30 @@ std::optional<ProfileEnds> profile(FitProblem& problem, std::size_t i, double sd
     return v.squared && end <= 1e-8 ? 0.0 : v.value(end);
   };
   const double lower68 = value_at_end(-1.0, 1.0), upper68 = value_at_end(1.0, 1.0);
-  const double lower95 = value_at_end(-1.0, 1.959963984540054);
+  const double lower95 = value_at_end(-1.0, k95_sd);
   const bool lower_open = open;
-  const double upper95 = value_at_end(1.0, 1.959963984540054);
+  const double upper95 = value_at_end(1.0, k95_sd);
   const bool upper_open = open, rises = lower95 <= upper95;
   ProfileEnds ends{.interval68 = {std::min(lower68, upper68), std::max(lower68, upper68)},
                    .interval95 = {std::min(lower95, upper95), std::max(lower95, upper95)},
-                   .lower95 = value_at_end(-1.0, 1.6448536269514722),
-                   .upper95 = value_at_end(1.0, 1.6448536269514722),
                    .low_open = rises ? lower_open : upper_open,
                    .high_open = rises ? upper_open : lower_open};
   problem.x = x;
   problem.own = own;
   problem.apply();
   return profiler.stopped ? std::nullopt : std::optional(ends);
+}
+
+double rise_at(FitProblem& problem, std::size_t i, double x, double cost, double noise_factor,
+               std::span<const FlatBound> flat, const std::function<bool()>& go_on) {
+  const std::vector<double> minimum = problem.x;
+  const std::vector<std::vector<double>> own = problem.own;
+  Profiler profiler{problem, i, cost, noise_factor, flat, go_on};
+  const double rise = profiler.at(x);
+  problem.x = minimum;
+  problem.own = own;
+  problem.apply();
+  return rise;
 }
 
 }  // namespace calib

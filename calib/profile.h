@@ -10,7 +10,6 @@ namespace calib {
 
 struct ProfileEnds {
   std::array<double, 2> interval68{}, interval95{};  ///< values; a bound where chi-square does not rise that far
-  double lower95 = 0.0, upper95 = 0.0;               ///< one-sided limits
   bool low_open = false, high_open = false;          ///< of interval95: an end is the bound
 };
 
@@ -19,5 +18,9 @@ struct ProfileEnds {
 /// is no way back. Nothing when stopped.
 std::optional<ProfileEnds> profile(FitProblem& problem, std::size_t i, double sd, double cost, double noise_factor,
                                    std::span<const FlatBound> flat, const std::function<bool()>& go_on);
+
+/// The root of the rise of chi-square, in sd of the noise, where variable i is held at x; otherwise as above.
+double rise_at(FitProblem& problem, std::size_t i, double x, double cost, double noise_factor,
+               std::span<const FlatBound> flat, const std::function<bool()>& go_on);
 
 }  // namespace calib

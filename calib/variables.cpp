@@ -167,6 +167,26 @@ std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParame
   return all;
 }
 
+std::vector<double> seen_values(Sensors& sensors, std::span<const Variable> variables, std::span<const double> start,
+                                std::span<const Probe> probes) {
+  constexpr double kUnseen = 0.1;  // of a unit effect, for a change by the parameter's own size
+  constexpr double kBlurred = 0.02, kLeast = 1e-12;
+  const Prober prober{sensors, probes, start};
+  std::vector<double> values(start.begin(), start.end());
+  for (std::size_t i = 0; i < variables.size(); ++i) {
+    const Variable& v = variables[i];
+    const auto effect = [&](const Response& at, double value) { return value * largest(at.slope) / kUnitEffect; };
+    if (v.squared || !v.positive) continue;
+    // Where nothing of the contrast is left the start is wrong in another way, and the fit says so.
+    if (const Response here = prober.at(i, start[i]); !(effect(here, start[i]) < kUnseen && largest(here.h) > kBlurred))
+      continue;
+    const double least = std::max(v.value(v.lo), kLeast * start[i]);
+    for (double value = 0.25 * start[i]; value > least && values[i] == start[i]; value *= 0.25)
+      if (effect(prober.at(i, value), value) >= 1.0) values[i] = value;
+  }
+  return values;
+}
+
 std::vector<double> values_at(std::span<const Variable> variables, std::span<const double> x) {
   std::vector<double> values;
   for (std::size_t i = 0; i < variables.size(); ++i) values.push_back(variables[i].value(x[i]));

@@ -47,6 +47,12 @@ std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParame
                                      std::span<const double> start, std::span<const mtf::FieldInfo* const> infos,
                                      std::span<const Probe> probes);
 
+/// Where a size is so large that more of it changes nothing, no slope leads back: the next smaller quarter, sixteenth
+/// ... of it at which it acts. Other starting values as they are. `variables`: made at `start`. Leaves the sensors at
+/// any values.
+std::vector<double> seen_values(Sensors& sensors, std::span<const Variable> variables, std::span<const double> start,
+                                std::span<const Probe> probes);
+
 /// Values of the parameters at x.
 std::vector<double> values_at(std::span<const Variable> variables, std::span<const double> x);
 

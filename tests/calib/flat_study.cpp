@@ -44,6 +44,25 @@ Case lens_and_jitter(double rms_um) {
   return one;
 }
 
+Case lens_out_of_focus(double waves) {
+  Case one{.name = "defocus " + std::to_string(waves), .sensor = fit_cases::camera(8.0), .fitted = {}};
+  auto pupil = mtf::Component<double>::make("defocus");
+  mtf::test::set(pupil, "waves", waves);
+  one.sensor.stages[0][0].component = pupil;
+  one.fitted = {{"presample[0].waves", waves, 0.15}, {"optics.f_number", 8.0, 9.0}};
+  return one;
+}
+
+Case two_footprints(double width_um) {
+  Case one{.name = "second footprint " + std::to_string(width_um), .sensor = fit_cases::camera(8.0), .fitted = {}};
+  one.sensor.add(mtf::Stage::presample, mtf::test::jitter(2.5, "um"));
+  auto second = mtf::Component<double>::make("footprint");
+  mtf::test::set(second, "width", width_um, "um");
+  one.sensor.add(mtf::Stage::presample, second);
+  one.fitted = {{"presample[2].rms", 2.5, 3.0}, {"presample[3].width", width_um, 3.0}};
+  return one;
+}
+
 Outcome run(const Case& one, int draws, std::uint64_t seed, const calib::FitOptions& options) {
   const double top = one.sensor.frame.pitch_x_um / (*one.sensor.optics.wavelength_um * *one.sensor.optics.f_number);
   const made::Step step([&](double f) { return fit_cases::mtf_along(one.sensor, one.angle_deg, f); }, top, 120.0);

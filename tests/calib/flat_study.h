@@ -33,6 +33,10 @@ struct Case {
 Case diffusion(double diffusion_um);
 /// The f-number and a jitter.
 Case lens_and_jitter(double rms_um);
+/// A defocus of so many waves at the pupil's edge, and the f-number.
+Case lens_out_of_focus(double waves);
+/// A jitter of 2.5 um beside a second footprint of that width, which acts as the jitter does but for the fourth order.
+Case two_footprints(double width_um);
 
 struct Held {
   int inside = 0;      ///< the statement holds the truth
