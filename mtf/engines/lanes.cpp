@@ -2,17 +2,20 @@
 #include "mtf/engines/lanes.h"
 
 #include <algorithm>
-#include <cassert>
 #include <map>
 #include <mutex>
 #include <string>
 #include <utility>
 
-#include "mtf/engines/butterfly.h"
 #include "mtf/error.h"
 #include "mtf/special.h"
 
 namespace mtf {
+
+using lanes::run_step;
+using lanes::Step;
+using lanes::Way;
+
 namespace {
 
 constexpr std::int64_t kNearBytes = 24 << 10;      // of a part that is taken through its remaining steps at once
@@ -38,53 +41,6 @@ std::vector<int> radices(std::int64_t n) {
 }  // namespace
 
 bool in_small_steps(std::int64_t n) { return n == 1 || !radices(n).empty(); }
-
-// Sign -1 on (re, im); sign +1 is the same with re and im exchanged. `gather` reads row n of one block at row rows[n]
-// of `from`.
-template <class S>
-template <int R, typename LaneTransform<S>::Way way>
-struct LaneTransform<S>::Radix {
-  template <int Bytes>
-  static MTFKIT_INLINE void run(S* re, S* im, std::int64_t stride, std::int64_t blocks, const S* twiddles,
-                                const S* from, const std::int32_t* rows) {
-    const std::int64_t size = R * stride;
-    for (std::int64_t b = 0; b < blocks; ++b, re += size * kRow, im += size * kRow) {
-      butterflies<Bytes, false>(re, im, stride, 0, nullptr, from, rows);
-      const S* w = twiddles;
-      for (std::int64_t p = 1; p < stride; ++p, w += 2 * (R - 1))
-        butterflies<Bytes, true>(re, im, stride, p, w, from, rows);
-    }
-  }
-
-  template <int Bytes, bool turned>
-  static MTFKIT_INLINE void butterflies(S* re, S* im, std::int64_t stride, std::int64_t p, const S* w, const S* from,
-                                        const std::int32_t* rows) {
-    using P = simd::Packet<S, Bytes>;
-    const std::int64_t apart = stride * kRow;
-    for (int lane = 0; lane < kLanes; lane += P::size) {
-      S *const re_p = re + p * kRow + lane, *const im_p = im + p * kRow + lane;
-      P z[R];
-#pragma GCC unroll 16
-      for (int j = 0; j < R; ++j) {
-        if constexpr (way == Way::gather) {
-          const S* row = from + std::int64_t{rows[p + j * stride]} * kRow + lane;
-          z[j] = P::load(row, row + kLanes);
-        } else {
-          z[j] = P::load(re_p + j * apart, im_p + j * apart);
-        }
-      }
-      if constexpr (turned && way == Way::inverse)
-#pragma GCC unroll 16
-        for (int j = 1; j < R; ++j) z[j] = z[j].turned(w[2 * j - 2], w[2 * j - 1]);
-      simd::dft(z);
-      if constexpr (turned && way != Way::inverse)
-#pragma GCC unroll 16
-        for (int j = 1; j < R; ++j) z[j] = z[j].turned(w[2 * j - 2], w[2 * j - 1]);
-#pragma GCC unroll 16
-      for (int j = 0; j < R; ++j) z[j].store(re_p + j * apart, im_p + j * apart);
-    }
-  }
-};
 
 template <class S>
 LaneTransform<S>::LaneTransform(std::int64_t n, fft::Rigor rigor) {
@@ -117,7 +73,7 @@ auto LaneTransform<S>::make_tables(std::int64_t n, fft::Rigor rigor) -> std::sha
   }
   std::int64_t size = n;
   for (const int radix : factors) {
-    Step step{radix, size / radix, {}};
+    Step<S> step{radix, size / radix, {}};
     for (std::int64_t p = 1; p < step.stride; ++p)
       for (int j = 1; j < radix; ++j) {
         const double half_turns = 2.0 * static_cast<double>(p * j % size) / static_cast<double>(size);
@@ -130,7 +86,7 @@ auto LaneTransform<S>::make_tables(std::int64_t n, fft::Rigor rigor) -> std::sha
   // A step of radix r puts frequencies k = r q + j into its part j, there at the place of q.
   for (std::int64_t k = 0; k < n; ++k) {
     std::int64_t rest = k, row = 0;
-    for (const Step& step : tables->steps) {
+    for (const Step<S>& step : tables->steps) {
       row += rest % step.radix * step.stride;
       rest /= step.radix;
     }
@@ -140,61 +96,31 @@ auto LaneTransform<S>::make_tables(std::int64_t n, fft::Rigor rigor) -> std::sha
 }
 
 template <class S>
-template <typename LaneTransform<S>::Way way>
-void LaneTransform<S>::run(const Step& step, S* data, std::int64_t blocks, const S* from, const std::int32_t* rows) {
-  S *const re = way == Way::inverse ? data + kLanes : data, *const im = way == Way::inverse ? data : data + kLanes;
-  const auto run = [&]<int R>() {
-    simd::run<Radix<R, way>>(re, im, step.stride, blocks, step.twiddles.data(), from, rows);
-  };
-  switch (step.radix) {
-    case 2:
-      return run.template operator()<2>();
-    case 3:
-      return run.template operator()<3>();
-    case 4:
-      return run.template operator()<4>();
-    case 5:
-      return run.template operator()<5>();
-    case 7:
-      return run.template operator()<7>();
-    case 8:
-      return run.template operator()<8>();
-    case 11:
-      return run.template operator()<11>();
-    case 13:
-      return run.template operator()<13>();
-    default:
-      assert(step.radix == 16);
-      return run.template operator()<16>();
-  }
-}
-
-template <class S>
 void LaneTransform<S>::forward_from(std::size_t first, S* data) const {
-  const std::vector<Step>& steps = tables_->steps;
+  const std::vector<Step<S>>& steps = tables_->steps;
   const std::int64_t size = steps[first].radix * steps[first].stride;
   if (size * kRow * static_cast<std::int64_t>(sizeof(S)) <= kNearBytes) {
     for (std::size_t i = first; i < steps.size(); ++i)
-      run<Way::forward>(steps[i], data, size / (steps[i].radix * steps[i].stride));
+      run_step<S, Way::forward>(steps[i], data, size / (steps[i].radix * steps[i].stride));
     return;
   }
-  run<Way::forward>(steps[first], data, 1);
+  run_step<S, Way::forward>(steps[first], data, 1);
   if (first + 1 == steps.size()) return;
   for (int j = 0; j < steps[first].radix; ++j) forward_from(first + 1, data + j * steps[first].stride * kRow);
 }
 
 template <class S>
 void LaneTransform<S>::inverse_from(std::size_t first, S* data) const {
-  const std::vector<Step>& steps = tables_->steps;
+  const std::vector<Step<S>>& steps = tables_->steps;
   const std::int64_t size = steps[first].radix * steps[first].stride;
   if (size * kRow * static_cast<std::int64_t>(sizeof(S)) <= kNearBytes) {
     for (std::size_t i = steps.size(); i-- > first;)
-      run<Way::inverse>(steps[i], data, size / (steps[i].radix * steps[i].stride));
+      run_step<S, Way::inverse>(steps[i], data, size / (steps[i].radix * steps[i].stride));
     return;
   }
   if (first + 1 < steps.size())
     for (int j = 0; j < steps[first].radix; ++j) inverse_from(first + 1, data + j * steps[first].stride * kRow);
-  run<Way::inverse>(steps[first], data, 1);
+  run_step<S, Way::inverse>(steps[first], data, 1);
 }
 
 template <class S>
@@ -205,13 +131,13 @@ void LaneTransform<S>::forward(S* data) const {
 
 template <class S>
 void LaneTransform<S>::forward(const S* from, std::span<const std::int32_t> rows, S* data) const {
-  const std::vector<Step>& steps = tables_->steps;
+  const std::vector<Step<S>>& steps = tables_->steps;
   if (steps.empty()) {
     for (std::size_t n = 0; n < rows.size(); ++n)
       std::copy_n(from + std::int64_t{rows[n]} * kRow, kRow, data + static_cast<std::int64_t>(n) * kRow);
     return forward(data);
   }
-  run<Way::gather>(steps[0], data, 1, from, rows.data());
+  run_step<S, Way::gather>(steps[0], data, 1, from, rows.data());
   if (steps.size() == 1) return;
   for (int j = 0; j < steps[0].radix; ++j) forward_from(1, data + j * steps[0].stride * kRow);
 }

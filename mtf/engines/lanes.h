@@ -15,12 +15,9 @@
 #include <vector>
 
 #include "mtf/engines/fftw.h"
+#include "mtf/engines/lane_steps.h"
 
 namespace mtf {
-
-/// Sequences that are transformed together, and numbers of one row.
-inline constexpr int kLanes = 16;
-inline constexpr int kRow = 2 * kLanes;
 
 /// Whether a length has no prime factor above 13. FFTW takes the others by sums and convolutions, whose rounding is
 /// larger.
@@ -43,25 +40,13 @@ class LaneTransform {
   void inverse(S* data) const;
 
  private:
-  /// One radix step on blocks of radix x stride rows.
-  struct Step {
-    int radix = 0;
-    std::int64_t stride = 0;
-    std::vector<S> twiddles;  ///< of row p > 0, factor j > 0: cos and sin of -2 pi p j / (radix stride)
-  };
   struct Tables {
     std::int64_t length = 0;
-    std::vector<Step> steps;
+    std::vector<lanes::Step<S>> steps;
     std::vector<std::int32_t> place;
     fft::Split<S> fftw;  ///< for lengths without steps
   };
   static std::shared_ptr<const Tables> make_tables(std::int64_t n, fft::Rigor rigor);
-  enum class Way { forward, gather, inverse };
-  template <int R, Way way>
-  struct Radix;
-  template <Way way>
-  static void run(const Step& step, S* data, std::int64_t blocks, const S* from = nullptr,
-                  const std::int32_t* rows = nullptr);
   void forward_from(std::size_t first, S* data) const;
   void inverse_from(std::size_t first, S* data) const;
 
