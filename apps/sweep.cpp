@@ -97,10 +97,11 @@ int sweep_here(const SweepOptions& options, const Global& global) {
   const SweepStudy named = open_study(options.words[0], options.tolerance);
   for (const auto& warning : named.study->warnings)
     note(global, one_line(mtf::io::format_diagnostic(warning, options.words[0])));
+  const std::vector<StudyCopy> copies = copies_of(*named.study);
   open_folder(folder, named.layout, options.force, global);
   SweepRun run;
   run.folder = folder;
-  run.files = copy_study(*named.study, folder);
+  run.files = write_copies(copies, folder);
   // From the copies: what is in the folder is what the rows were made of.
   const SweepStudy sweep = open_study(folder / "study.toml", options.tolerance);
   const study::RowRange all{0, sweep.study->designs};

@@ -42,14 +42,9 @@ bool reserved(const fs::path& name) {
 
 }  // namespace
 
-std::vector<study::PlanFile> copy_study(const study::Study& study, const fs::path& folder) {
+std::vector<StudyCopy> copies_of(const study::Study& study) {
   const fs::path home = fs::weakly_canonical(fs::absolute(study.file)).parent_path();
-  std::vector<study::PlanFile> copies;
-  const auto copy = [&](const std::string& bytes, const fs::path& name) {
-    write_below(folder, name, bytes);
-    copies.push_back({name.generic_string(), mtf::io::sha256_hex(bytes)});
-  };
-  copy(study.text, "study.toml");
+  std::vector<StudyCopy> copies{{"study.toml", study.text}};
   for (const std::string& file : study::files_of(study)) {
     const fs::path name = fs::weakly_canonical(fs::absolute(file)).lexically_relative(home);
     if (name.empty() || *name.begin() == "..")
@@ -57,11 +52,19 @@ std::vector<study::PlanFile> copy_study(const study::Study& study, const fs::pat
                             "; copy it beside the study, so that the results can hold all they were made of");
     if (reserved(name))
       throw mtf::UsageError(one_line(file) + ": has a name that the folder of a sweep uses itself; rename it");
-    if (std::none_of(copies.begin(), copies.end(),
-                     [&](const study::PlanFile& each) { return each.file == name.generic_string(); }))
-      copy(bytes_of(file), name);
+    if (std::none_of(copies.begin(), copies.end(), [&](const StudyCopy& each) { return each.name == name; }))
+      copies.push_back({name, bytes_of(file)});
   }
   return copies;
+}
+
+std::vector<study::PlanFile> write_copies(const std::vector<StudyCopy>& copies, const fs::path& folder) {
+  std::vector<study::PlanFile> files;
+  for (const StudyCopy& copy : copies) {
+    write_below(folder, copy.name, copy.bytes);
+    files.push_back({copy.name.generic_string(), mtf::io::sha256_hex(copy.bytes)});
+  }
+  return files;
 }
 
 void copy_files(const std::vector<study::PlanFile>& files, const fs::path& from, const fs::path& to) {

@@ -23,9 +23,16 @@ struct SweepStudy {
 /// Reads a study file; `tolerance` in place of the study's. Throws as load_study.
 SweepStudy open_study(const std::filesystem::path& file, std::optional<double> tolerance);
 
-/// Copies the study (as study.toml), its sensor files and the files these name into a folder, by their names beside the
-/// study. Returns them, the study first. Throws UsageError for a file that lies elsewhere, RuntimeError.
-std::vector<study::PlanFile> copy_study(const study::Study& study, const std::filesystem::path& folder);
+/// A file that the folder of a sweep gets a copy of: its name there, and what is in it.
+struct StudyCopy {
+  std::filesystem::path name;
+  std::string bytes;
+};
+/// The study (as study.toml, the first), its sensor files and the files these name, by their names beside the study.
+/// Nothing is written. Throws UsageError for a file that lies elsewhere, RuntimeError.
+std::vector<StudyCopy> copies_of(const study::Study& study);
+/// Writes them into a folder. Throws RuntimeError.
+std::vector<study::PlanFile> write_copies(const std::vector<StudyCopy>& copies, const std::filesystem::path& folder);
 
 /// Copies the files of one folder into another, checking that each is still what it was. Throws RuntimeError.
 void copy_files(const std::vector<study::PlanFile>& files, const std::filesystem::path& from,

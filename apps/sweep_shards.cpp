@@ -106,6 +106,7 @@ int sweep_plan(const SweepOptions& options, const Global& global) {
     throw mtf::UsageError(one_line(folder.string()) + " holds " + std::to_string(made) +
                           " finished shards; choose another folder, or remove " +
                           one_line((folder / "shards").string()) + " when they are not needed");
+  const std::vector<StudyCopy> copies = copies_of(*sweep.study);
   prepare_folder(folder, options.force);
   study::ShardPlan plan{.version = mtf::version,
                         .commit = mtf::git_commit,
@@ -115,7 +116,7 @@ int sweep_plan(const SweepOptions& options, const Global& global) {
                         .designs = sweep.study->designs,
                         .shards = *options.shards,
                         .layout = sweep.layout,
-                        .files = copy_study(*sweep.study, folder)};
+                        .files = write_copies(copies, folder)};
   study::write_plan(plan, folder);
   open_plan(folder);  // what every shard will do first
   const std::string word = shell_word(options.out), first = "1/" + std::to_string(plan.shards);

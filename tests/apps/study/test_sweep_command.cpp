@@ -330,6 +330,7 @@ TEST(SweepCommand, FilesOutsideOfTheStudysFolderAreRefused) {
   const Result result = scratch.run("mtf sweep below/study.toml -o out");
   EXPECT_EQ(result.status, 2);
   expect_says(result.err, "lies outside of the study's folder");
+  EXPECT_FALSE(fs::exists(scratch / "out"));  // where the corrected study would find a sweep that was stopped
 }
 
 }  // namespace
