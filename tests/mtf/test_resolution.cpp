@@ -258,29 +258,6 @@ Component<double> tilt(double waves) {
   return wavefront;
 }
 
-// exp(-2 pi^2 s^2 f^2) at Nyquist, s in pixels and f = 1/2: in the MTF of the part of which the user says it is.
-TEST(Resolution, BlurCountsToThePartThatTheUserSays) {
-  const double s = 0.2, blur = std::exp(-0.5 * kPi * kPi * s * s);
-  struct {
-    SensorPart part;
-    double optics, detector;
-  } const rows[] = {{SensorPart::unspecified, 1.0, 1.0},
-                    {SensorPart::optics, blur, 1.0},
-                    {SensorPart::detector, 1.0, blur},
-                    {SensorPart::motion, 1.0, 1.0}};
-  for (const auto& row : rows) {
-    auto component = gaussian(10.0 * s);
-    choose(component, "part", static_cast<int>(row.part));
-    EXPECT_EQ(component.part(), row.part);
-    System<double> system = empty_system();
-    system.add(Stage::presample, component);
-    const AxisFigures<double> x = measured(system, 1e-9).x;
-    EXPECT_NEAR(x.optics_nyquist, row.optics, 1e-15);
-    EXPECT_NEAR(x.detector_nyquist, row.detector, 1e-15);
-    EXPECT_NEAR(x.presample_nyquist, blur, 1e-15);
-  }
-}
-
 // A shifted image has the same edges; its shift only moves them.
 TEST(Resolution, AShiftChangesNoEdge) {
   std::optional<AxisFigures<double>> still;
