@@ -64,11 +64,18 @@ bool like_normal(const ProfileEnds& ends, const Variable& v, double x, double sd
   return same_as({low, high}, x, k95_sd * sd);
 }
 
-/// Of the parameter, from an interval of its square that may reach beyond its range.
-std::array<double, 2> interval_of_square(const Variable& v, double low, double high) {
-  const double at_low = low > v.lo ? v.value(low) : v.sign * v.step * std::sqrt(v.lo);
-  const double at_high = v.value(std::min(v.hi, high));
-  return {std::min(at_low, at_high), std::max(at_low, at_high)};
+/// Of the parameter, from intervals of its square that may reach beyond its range: an end there is open.
+ProfileEnds ends_of_square(const Variable& v, double x, double sd) {
+  const auto within = [&](double half) {
+    const double at_low = x - half > v.lo ? v.value(x - half) : v.sign * v.step * std::sqrt(v.lo);
+    const double at_high = v.value(std::min(v.hi, x + half));
+    return std::array{std::min(at_low, at_high), std::max(at_low, at_high)};
+  };
+  const bool from_low = x - k95_sd * sd <= v.lo, from_high = x + k95_sd * sd >= v.hi, rises = v.sign > 0.0;
+  return {.interval68 = within(sd),
+          .interval95 = within(k95_sd * sd),
+          .low_open = rises ? from_low : from_high,
+          .high_open = rises ? from_high : from_low};
 }
 
 /// The verdict on a parameter that has a profile, a flat bound being near to it or to a partner.
@@ -129,15 +136,15 @@ bool report_squares(FitProblem& problem, const Solved& solved, double cost, cons
     if (!v.squared || (p.knowledge != Knowledge::determined && p.knowledge != Knowledge::at_bound)) continue;
     const auto index = static_cast<Eigen::Index>(i);
     const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
-    const auto between = [&](double half) { return interval_of_square(v, x - half, x + half); };
-    const std::array<double, 2> interval = between(k95_sd * sd);
-    if (p.knowledge == Knowledge::determined && !same_as(interval, p.value, k95_sd * *p.stderr_value)) {
-      p.interval68 = between(sd);
-      p.interval95 = interval;
-      p.interval = {interval[0], interval[1], ""};
+    const ProfileEnds ends = ends_of_square(v, x, sd);
+    const bool holds_bound = x - v.lo < k95_sd * sd, determined = p.knowledge == Knowledge::determined;
+    if (determined && (holds_bound || !same_as(ends.interval95, p.value, k95_sd * *p.stderr_value))) {
+      p.interval68 = ends.interval68;
+      p.interval95 = ends.interval95;
+      p.interval = interval_of(ends, v, p.parameter);
     }
-    if (x - v.lo >= k95_sd * sd) continue;
-    if (p.knowledge == Knowledge::determined) {
+    if (!holds_bound) continue;
+    if (determined) {
       p.knowledge = Knowledge::interval;
       p.stderr_value.reset();
     }

@@ -101,8 +101,10 @@ void set_apart(Solved& solved, std::span<const FlatBound> flat) {
     solved.information.row(i).setZero();
     solved.information.col(i).setZero();
     solved.information(i, i) = own;
-    solved.identified = identify(solved.information, solved.reference);
   }
+  const auto reached = [](const FlatBound& f) { return f.reached; };
+  if (std::any_of(flat.begin(), flat.end(), reached))
+    solved.identified = identify(solved.information, solved.reference);
 }
 
 }  // namespace calib

@@ -71,6 +71,7 @@ Outcome run(const Case& one, int draws, std::uint64_t seed, const calib::FitOpti
   std::vector<calib::FitParameter> parameters;
   for (const Truth& truth : one.fitted) {
     parameters.push_back(fit_cases::parameter(truth.path));
+    if (truth.min) parameters.back().min = truth.min;
     calib::set_parameter(start, truth.path, truth.start);
   }
   std::mt19937_64 bits(seed);

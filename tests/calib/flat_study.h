@@ -6,6 +6,7 @@
 // statement of a parameter is its 95 % interval, else value +- 1.96 standard errors, else its limit.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace flat_study {
 struct Truth {
   std::string path;
   double value = 0.0, start = 0.0;
+  std::optional<double> min{};  ///< of the user's
 };
 
 /// A camera with diffraction, and one edge.

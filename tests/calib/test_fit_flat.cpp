@@ -134,6 +134,27 @@ TEST(FitFlat, OneLimitIsStated) {
   }
 }
 
+// A bound of the user's own, 1 to 3 standard deviations away, is no end of an interval.
+TEST(FitFlat, ABoundOfTheUsersIsNotStatedAsAnEnd) {
+  const FitResult open = one_fit(flat_study::lens_and_jitter(1.5));
+  const double value = open.parameters[1].value, sd = open.parameters[1].linear_sd;
+  int held = 0;
+  for (double away = 1.05; away < 3.0; away += 0.1) {
+    Case one = flat_study::lens_and_jitter(1.5);
+    one.fitted[1].min = value - away * sd;
+    const FittedParameter p = one_fit(one).parameters[1];
+    EXPECT_NE(p.knowledge == Knowledge::determined, p.knowledge == Knowledge::interval) << away;
+    EXPECT_EQ(p.stderr_value.has_value(), p.knowledge == Knowledge::determined) << away;
+    if (p.knowledge != Knowledge::interval) continue;
+    ++held;
+    ASSERT_TRUE(p.interval && p.interval95) << away;
+    EXPECT_FALSE(p.interval->low.has_value()) << away;
+    EXPECT_NE(p.interval->reason.find("do not bound it from below"), std::string::npos) << p.interval->reason;
+    EXPECT_GT(p.interval->high.value_or(0.0), value) << away;
+  }
+  EXPECT_GT(held, 5);
+}
+
 TEST(FitFlat, WhatPressesAgainstABoundLeavesItsPartnersAtTheirMinimum) {
   // The fourth draw wants a negative square: the f-number is that of a fit without a jitter.
   Case both = flat_study::lens_and_jitter(0.0), one = both;
