@@ -187,12 +187,7 @@ Stages Component<S>::stages() const {
 }
 template <class S>
 SensorPart Component<S>::part() const {
-  return detail::visit(*value_, [](const auto& c) {
-    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(c.part)>, Choice>)
-      return static_cast<SensorPart>(c.part.index);
-    else
-      return c.part;
-  });
+  return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::part; });
 }
 template <class S>
 bool Component<S>::is_pupil() const {

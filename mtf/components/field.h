@@ -67,16 +67,6 @@ inline constexpr FieldInfo kWavelengthReferenceInfo{
     .example = "\"0.6328 um\"",
     .doc = "wavelength at which the waves are stated; without it they hold at every wavelength"};
 
-/// Of a component whose place in the sensor the user knows alone.
-template <class T>
-constexpr auto part_field(Choice T::*part) {
-  return Field{FieldInfo{.name = "part",
-                         .presence = Presence::optional,
-                         .example = "\"optics\"",
-                         .doc = "part of the sensor it stands for, for the figures of optics and detector alone"},
-               part};
-}
-
 /// The shared optics of a field marked Presence::shared; a component's own value wins. Evaluated only after check().
 template <class S>
 S f_number_of(const std::optional<S>& own, const Context<S>& ctx) {
@@ -142,13 +132,12 @@ inline constexpr FieldInfo kDirectionInfo{.name = "direction",
                                           .example = "\"30 deg\"",
                                           .doc = "from +x (right) to +y (down)"};
 
-/// (cos, sin) of a direction, exact at multiples of 90 degrees. The angle is divided in double: a direction rounded to
-/// float would turn a frequency of many cycles by more than float's own rounding.
+/// (cos, sin) of a direction, exact at multiples of 90 degrees.
 template <class S>
 Freq<S> unit_vector(const S& direction_deg) {
-  constexpr double kSlope = kPi / 180.0;
-  const auto [sine, cosine] = sin_cos_pi(value_of(direction_deg) / 180.0);
-  return {lift({cosine, -kSlope * sine}, direction_deg), lift({sine, kSlope * cosine}, direction_deg)};
+  const S half_turns = direction_deg / S(180);
+  const auto [sine, cosine] = sin_cos_pi(value_of(half_turns));
+  return {lift({cosine, -kPi * sine}, half_turns), lift({sine, kPi * cosine}, half_turns)};
 }
 
 /// Of a motion in a straight line: that it leaves y or x alone, and whether it goes to and fro alike.
