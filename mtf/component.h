@@ -3,7 +3,7 @@
 
 // What a component of a sensor is. A component is a value type `template <class S>` in mtf/components/ with
 //   kind, doc, stages      static: its name in the config, one sentence, the lists it may stand in
-//   part                   the part of a sensor that it stands for; where only the user knows, a field (part_field)
+//   part                   the part of a sensor that it stands for
 //   fields()               the one table that drives config reading and writing, validation, fits and tests
 //   traits(ctx)            symmetry of its OTF for the present values
 //   otf(f, ctx)            OTF(f) = integral of psf(x) exp(-2 pi i f.x) dx at f in cycles/mm
@@ -55,8 +55,6 @@ struct Stages {
 /// The part of a sensor that a component stands for, along the path of the light and the signal. `unspecified`: blur
 /// known by its size or a measured curve, of which nobody has said where it comes from.
 enum class SensorPart { unspecified, optics, path, detector, motion, electronics, display };
-inline constexpr std::array<std::string_view, 7> kSensorPartNames{"unspecified", "optics",      "path",   "detector",
-                                                                  "motion",      "electronics", "display"};
 
 /// Properties of an OTF that the grid and the plan rely on; each is tested for every component.
 struct Traits {
