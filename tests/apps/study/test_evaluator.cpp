@@ -211,9 +211,8 @@ TEST(Evaluator, AModelThatRefusesLeavesTheOtherMetricsTheirNumbers) {
   }));
 }
 
-// The longest time would have the least NETD; at 300 K the well is full then.
-TEST(Evaluator, ASaturatedDesignHasNoSensitivityAndSaysWhy) {
-  const Folder folder;
+/// The camera of the tests from 8 um to 12 um, with a well that a surface at 300 K can fill.
+std::string thermal_camera() {
   std::string camera = study_test::kCamera;
   camera.replace(camera.find("[\"0.5 um\", \"0.7 um\"]"), 20, "[\"8 um\", \"12 um\"]");
   const std::string aberrated = "kind = \"wavefront\"\nzernike = [0.0, 0.0, 0.0, 0.05]";
@@ -221,7 +220,13 @@ TEST(Evaluator, ASaturatedDesignHasNoSensitivityAndSaysWhy) {
   camera.replace(camera.find("read_noise"), 0, "full_well = \"10 Me-\"\n");
   camera.replace(camera.find("electrons_per_count"), camera.npos,
                  "offset = 0\n" + camera.substr(camera.find("[[presample]]")));
-  folder.write("camera.toml", camera);
+  return camera;
+}
+
+// The longest time would have the least NETD; at 300 K the well is full then.
+TEST(Evaluator, ASaturatedDesignHasNoSensitivityAndSaysWhy) {
+  const Folder folder;
+  folder.write("camera.toml", thermal_camera());
   Evaluated e = evaluated(folder, study_test::kHead + R"(objectives = ["minimize netd"]
 constraints = ["well_fill < 100"]
 [[axis]]
@@ -258,14 +263,7 @@ contrast = "2 K"
 // Where the mean meets the full well a NETD would be 17 % too good: refused there, with a caution close to it.
 TEST(Evaluator, AMeanAtTheFullWellIsSaturatedAndOneCloseToItIsSaid) {
   const Folder folder;
-  std::string camera = study_test::kCamera;
-  camera.replace(camera.find("[\"0.5 um\", \"0.7 um\"]"), 20, "[\"8 um\", \"12 um\"]");
-  const std::string aberrated = "kind = \"wavefront\"\nzernike = [0.0, 0.0, 0.0, 0.05]";
-  camera.replace(camera.find(aberrated), aberrated.size(), "kind = \"diffraction\"\nwavelength = \"10 um\"");
-  camera.replace(camera.find("read_noise"), 0, "full_well = \"10 Me-\"\n");
-  camera.replace(camera.find("electrons_per_count"), camera.npos,
-                 "offset = 0\n" + camera.substr(camera.find("[[presample]]")));
-  folder.write("camera.toml", camera);
+  folder.write("camera.toml", thermal_camera());
   Evaluated e = evaluated(folder, study_test::kHead + R"(objectives = ["minimize netd"]
 constraints = ["well_fill < 100"]
 [[axis]]
