@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "mtf/io/schedule.h"
+#include "mtf/io/config/schedule.h"
 
 namespace apps {
 namespace {

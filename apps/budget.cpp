@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/options.h"
-#include "apps/output.h"
-#include "apps/sensor_chain.h"
-#include "apps/sensor_file.h"
-#include "apps/sensor_place.h"
-#include "apps/text_table.h"
-#include "radiometry/sensor_budget.h"
+#include "apps/sensor/sensor_chain.h"
+#include "apps/sensor/sensor_file.h"
+#include "apps/sensor/sensor_place.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
+#include "radiometry/performance/sensor_budget.h"
 
 namespace apps {
 namespace {

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/options.h"
-#include "apps/output.h"
-#include "apps/text_table.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
 #include "mtf/units.h"
 
 namespace apps {

@@ -38,11 +38,12 @@ Command demo_command() {
   return app;
 }
 
-constexpr std::array kTaps{std::pair{std::string_view("radiance"), std::optional(radiometry::Tap::radiance)},
-                           std::pair{std::string_view("irradiance"), std::optional(radiometry::Tap::irradiance)},
-                           std::pair{std::string_view("electrons"), std::optional(radiometry::Tap::electrons)},
-                           std::pair{std::string_view("dn"), std::optional(radiometry::Tap::dn)},
-                           std::pair{std::string_view("display"), std::optional(radiometry::Tap::display)}};
+constexpr std::array kOutputStages{
+    std::pair{std::string_view("radiance"), std::optional(radiometry::OutputStage::radiance)},
+    std::pair{std::string_view("irradiance"), std::optional(radiometry::OutputStage::irradiance)},
+    std::pair{std::string_view("electrons"), std::optional(radiometry::OutputStage::electrons)},
+    std::pair{std::string_view("dn"), std::optional(radiometry::OutputStage::dn)},
+    std::pair{std::string_view("display"), std::optional(radiometry::OutputStage::display)}};
 
 Command simulate_command() {
   const auto shared = std::make_shared<SimulateOptions>();
@@ -66,7 +67,7 @@ Command simulate_command() {
       app, "--tap", "PLACE",
       "of a sensor with [detector]: radiance, irradiance, electrons, dn (counts) or display; default: the end of "
       "its chain",
-      kTaps, options.tap);
+      kOutputStages, options.stage);
   add_choice(app, "--nan", "POLICY", "NaN and infinite pixels: refuse (default), fill or propagate", kNan, options.nan);
   add_flag(app, "--explain", "show what the plan left out, merged and chose", options.explain);
   add_choice(app, "--rigor", "RIGOR", "estimate (default, reproducible) or measure (times candidates first)", kRigor,

@@ -4,7 +4,7 @@
 
 #include "apps/command_line.h"
 #include "apps/commands.h"
-#include "apps/study/shard_plan.h"
+#include "apps/study/rows/shard_plan.h"
 
 namespace apps {
 namespace {

@@ -7,16 +7,16 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/kinds.h"
-#include "apps/output.h"
-#include "apps/sensor_chain.h"
-#include "apps/sensor_file.h"
-#include "apps/sensor_place.h"
-#include "apps/study_file.h"
-#include "apps/text_table.h"
+#include "apps/sensor/sensor_chain.h"
+#include "apps/sensor/sensor_file.h"
+#include "apps/sensor/sensor_place.h"
+#include "apps/sweep/study_file.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
 #include "mtf/error.h"
-#include "mtf/io/config.h"
-#include "mtf/io/config_tree.h"
-#include "mtf/io/curve_csv.h"
+#include "mtf/io/config/config.h"
+#include "mtf/io/config/config_tree.h"
+#include "mtf/io/csv/curve_csv.h"
 #include "radiometry/sensor_settings.h"
 
 namespace apps {

@@ -6,11 +6,11 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 
-#include "apps/image_facts.h"
-#include "apps/output.h"
-#include "apps/sensor_file.h"
-#include "apps/study_file.h"
-#include "apps/text_table.h"
+#include "apps/sensor/sensor_file.h"
+#include "apps/simulate/image_facts.h"
+#include "apps/sweep/study_file.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/units.h"
 

@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "apps/text_table.h"
+#include "apps/terminal/text_table.h"
 #include "mtf/component_docs.h"
 
 namespace apps {

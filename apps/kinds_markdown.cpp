@@ -11,7 +11,7 @@
 
 #include "apps/kinds.h"
 #include "mtf/component_docs.h"
-#include "mtf/io/config.h"
+#include "mtf/io/config/config.h"
 
 namespace apps {
 namespace {

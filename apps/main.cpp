@@ -12,10 +12,10 @@
 #include <new>
 
 #include "apps/commands.h"
-#include "apps/interrupt.h"
-#include "apps/output.h"
-#include "apps/usage_errors.h"
-#include "mtf/engines/fftw.h"
+#include "apps/terminal/interrupt.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/usage_errors.h"
+#include "mtf/engines/fft/fftw.h"
 #include "mtf/error.h"
 #include "mtf/version.h"
 

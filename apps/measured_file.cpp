@@ -4,12 +4,12 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "apps/machine.h"
-#include "apps/output.h"
+#include "apps/bench/machine.h"
+#include "apps/terminal/output.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
-#include "mtf/io/curve_csv.h"
-#include "mtf/measured.h"
+#include "mtf/io/csv/curve_csv.h"
+#include "mtf/plan/measured.h"
 
 namespace apps {
 namespace {

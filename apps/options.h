@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "radiometry/tap.h"
+#include "radiometry/output_stage.h"
 
 namespace apps {
 
@@ -66,7 +66,7 @@ struct SimulateOptions {
   bool explain = false;
   bool measure = false;                               ///< --rigor measure
   std::string wisdom;                                 ///< file with what measuring learnt; read before, written after
-  std::optional<radiometry::Tap> tap;                 ///< place in the chain; default: its end
+  std::optional<radiometry::OutputStage> stage;       ///< place in the chain; default: its end
   std::optional<double> range_low, range_high;        ///< of PNG and TIFF; default: integer_range()
   std::optional<FrameRange> frames;                   ///< of a sequence; default: all on disk, or those of the schedule
   std::string schedule;                               ///< CSV of parameters that change over frames; "" = none

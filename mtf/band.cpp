@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "mtf/quadrature.h"
+#include "mtf/math/quadrature.h"
 
 namespace mtf {
 namespace {

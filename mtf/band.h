@@ -22,7 +22,7 @@ struct WavelengthNodes {
   std::vector<double> weight;
 };
 
-/// The electrons over a band (radiometry/band_response.h makes it from curves and a source).
+/// The electrons over a band (radiometry/light/band_response.h makes it from curves and a source).
 class ElectronRate {
  public:
   /// `nodes(n)`: the Gauss rule of n nodes with this weight, positive weights. `density`: share of the electrons per

@@ -13,7 +13,7 @@
 #include <limits>
 #include <numeric>
 
-#include "mtf/special.h"
+#include "mtf/math/special.h"
 #include "mtf/system.h"
 
 namespace mtf::detail {

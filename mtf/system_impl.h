@@ -2,7 +2,7 @@
 #pragma once
 
 // Template bodies of Component<S> and System<S>. Included only where a scalar type is instantiated: system_double.cpp,
-// system_float.cpp, calib/system_jet.cpp.
+// system_float.cpp, calib/fit/system_jet.cpp.
 
 #include <algorithm>
 #include <cmath>

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "mtf/parallel.h"
-#include "radiometry/band_response.h"
 #include "radiometry/chain_impl.h"
-#include "radiometry/sensor_numbers.h"
+#include "radiometry/light/band_response.h"
+#include "radiometry/performance/sensor_numbers.h"
 
 namespace radiometry {
 namespace {
@@ -156,32 +156,33 @@ std::optional<double> adc_tolerance(const mtf::System<double>& system, const Sen
   return std::isfinite(tolerance) ? std::optional(std::min(tolerance, 1e-2)) : std::nullopt;
 }
 
-void require_tap(Tap tap, Tap last, bool has_converter) {
-  if (tap > last)
-    throw mtf::UsageError("tap " + tap_name(tap) + ": this sensor has no such stage; its last one is " +
-                          tap_name(last));
-  if (tap == Tap::dn && !has_converter) throw mtf::UsageError("tap dn: this sensor has no [adc], so no counts");
+void require_output_stage(OutputStage stage, OutputStage last, bool has_converter) {
+  if (stage > last)
+    throw mtf::UsageError("tap " + output_stage_name(stage) + ": this sensor has no such stage; its last one is " +
+                          output_stage_name(last));
+  if (stage == OutputStage::dn && !has_converter)
+    throw mtf::UsageError("tap dn: this sensor has no [adc], so no counts");
 }
 
-Tap last_tap(const mtf::System<double>& system, const Sensor& sensor) {
+OutputStage last_output_stage(const mtf::System<double>& system, const Sensor& sensor) {
   const SensorSettings& s = sensor.settings;
-  if (!system.list(mtf::Stage::postsample).empty() || s.correction || s.agc) return Tap::display;
-  return s.adc ? Tap::dn : Tap::electrons;
+  if (!system.list(mtf::Stage::postsample).empty() || s.correction || s.agc) return OutputStage::display;
+  return s.adc ? OutputStage::dn : OutputStage::electrons;
 }
 
-std::string_view tap_unit(const Sensor& sensor, Tap tap) {
-  if (tap == Tap::radiance) return "ph.s^-1.m^-2.sr^-1";
-  if (tap == Tap::irradiance) return "ph.s^-1.m^-2";
-  if (tap == Tap::display && sensor.settings.agc) return "levels";
-  return tap == Tap::electrons || !sensor.settings.adc ? "e-" : "counts";
+std::string_view output_unit(const Sensor& sensor, OutputStage stage) {
+  if (stage == OutputStage::radiance) return "ph.s^-1.m^-2.sr^-1";
+  if (stage == OutputStage::irradiance) return "ph.s^-1.m^-2";
+  if (stage == OutputStage::display && sensor.settings.agc) return "levels";
+  return stage == OutputStage::electrons || !sensor.settings.adc ? "e-" : "counts";
 }
 
-std::string_view tap_quantity(const Sensor& sensor, Tap tap) {
+std::string_view output_quantity(const Sensor& sensor, OutputStage stage) {
   const SpectralCamera& curves = sensor.curves;
   const bool weighted = !(curves.optics.empty() && curves.cold_filter.empty() && curves.quantum_efficiency.empty());
-  if (tap == Tap::radiance) return weighted ? "weighted_photon_radiance" : "photon_radiance";
-  if (tap == Tap::irradiance) return weighted ? "weighted_photon_irradiance" : "photon_irradiance";
-  const std::string_view unit = tap_unit(sensor, tap);
+  if (stage == OutputStage::radiance) return weighted ? "weighted_photon_radiance" : "photon_radiance";
+  if (stage == OutputStage::irradiance) return weighted ? "weighted_photon_irradiance" : "photon_irradiance";
+  const std::string_view unit = output_unit(sensor, stage);
   return unit == "e-" ? "electrons" : unit == "levels" ? "display" : "counts";
 }
 
@@ -194,7 +195,7 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
              int threads, const Chain* before) {
   const SensorSettings& s = sensor.settings;
   auto impl = std::make_shared<Impl>(plan);
-  impl->last = last_tap(system, sensor);
+  impl->last = last_output_stage(system, sensor);
   impl->camera = camera_of(system, sensor);
   impl->pixel = pixel_of(system, sensor);
   require_consistent(system, sensor);

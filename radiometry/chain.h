@@ -3,26 +3,26 @@
 
 // The whole sensor, in the order of the physics (DESIGN section 2):
 //   scene radiance, photons s^-1 m^-2 sr^-1 at the aperture, weighted by the camera's curves (scene_radiance.h)
-//     -> distortion -> presample OTF, sampling at the pitch -> veiling glare, ghost          tap `radiance`
-//     -> cone of light, transmission, vignetting                                             tap `irradiance`
+//     -> distortion -> presample OTF, sampling at the pitch -> veiling glare, ghost          stage `radiance`
+//     -> cone of light, transmission, vignetting                                             stage `irradiance`
 //     -> shutter -> mean electrons of light + warm optics + stop (narcissus), x responsivity, + dark current -> lag
 //     -> defects, blinking -> shot noise -> full well or blooming -> nonlinearity -> readout OTF
-//     -> offsets, read, 1/f, row, column, 3-D noise                                           tap `electrons`
-//     -> gain, offset, rounding, saturation                                                   tap `dn`
-//     -> two-point correction, bad pixels -> postsample filters -> automatic gain, polarity   tap `display`
+//     -> offsets, read, 1/f, row, column, 3-D noise                                           stage `electrons`
+//     -> gain, offset, rounding, saturation                                                   stage `dn`
+//     -> two-point correction, bad pixels -> postsample filters -> automatic gain, polarity   stage `display`
 // Each stage is a free function on one frame; chain_run.cpp is where their order stands. A stage whose table is not in
-// the sensor file is not called; nothing after the tap is. With [microscan] the sampling is finer than the pitch: the
+// the sensor file is not called; nothing after the stage is. With [microscan] the sampling is finer than the pitch: the
 // stages from `shutter` to the correction run for each position, and the frames are put together.
 
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "mtf/sensor_plan.h"
-#include "radiometry/sensitivity.h"
+#include "mtf/plan/sensor_plan.h"
+#include "radiometry/light/spectral_signal.h"
+#include "radiometry/output_stage.h"
+#include "radiometry/performance/sensitivity.h"
 #include "radiometry/sensor_settings.h"
-#include "radiometry/spectral_signal.h"
-#include "radiometry/tap.h"
 
 namespace radiometry {
 
@@ -53,14 +53,14 @@ Adc adc_of(const Sensor& sensor);
 int samples_a_pitch(const Sensor& sensor);
 
 /// Throws UsageError for a place that a sensor whose last one is `last` does not have.
-void require_tap(Tap tap, Tap last, bool has_converter);
+void require_output_stage(OutputStage stage, OutputStage last, bool has_converter);
 
 /// The last place that a sensor has: display where anything follows the converter, dn with [adc], else electrons.
-Tap last_tap(const mtf::System<double>& system, const Sensor& sensor);
+OutputStage last_output_stage(const mtf::System<double>& system, const Sensor& sensor);
 /// Where the camera has curves of the wavelength, radiance and irradiance are weighted by them: their quantity says so.
-/// Unit of its image at a tap: "ph.s^-1.m^-2.sr^-1", "ph.s^-1.m^-2", "e-", "counts", "levels"; and the quantity.
-std::string_view tap_unit(const Sensor& sensor, Tap tap);
-std::string_view tap_quantity(const Sensor& sensor, Tap tap);
+/// Unit of its image at a stage: "ph.s^-1.m^-2.sr^-1", "ph.s^-1.m^-2", "e-", "counts", "levels"; and the quantity.
+std::string_view output_unit(const Sensor& sensor, OutputStage stage);
+std::string_view output_quantity(const Sensor& sensor, OutputStage stage);
 
 /// One stage as a sensor file gives it, for people.
 struct ChainStage {
@@ -99,13 +99,13 @@ class Chain {
         int threads = 0, const Chain* before = nullptr);
 
   /// Measures now what the first image at that place would: before frames run at once.
-  void prepare(Tap tap, int threads = 0) const;
-  /// The image at a tap of frame number `frame`. `radiance` is used up. `state`: of the sequence, whose frames come in
-  /// rising order (numbers left out are time that passes); without one a frame stands for itself. The first image of a
-  /// sensor with [correction] at `display` measures its flat frames, which takes 2 x frames of them. Throws UsageError
-  /// for a tap beyond last_tap() and a plane of another size, RuntimeError as Plan::run.
-  ChainFrame run(mtf::Image radiance, std::uint32_t frame, Tap tap, double border_value = 0.0, int threads = 0,
-                 ChainState* state = nullptr) const;
+  void prepare(OutputStage stage, int threads = 0) const;
+  /// The image at a stage of frame number `frame`. `radiance` is used up. `state`: of the sequence, whose frames come
+  /// in rising order (numbers left out are time that passes); without one a frame stands for itself. The first image of
+  /// a sensor with [correction] at `display` measures its flat frames, which takes 2 x frames of them. Throws
+  /// UsageError for a stage beyond last_output_stage() and a plane of another size, RuntimeError as Plan::run.
+  ChainFrame run(mtf::Image radiance, std::uint32_t frame, OutputStage stage, double border_value = 0.0,
+                 int threads = 0, ChainState* state = nullptr) const;
 
   /// Electrons for one unit of weighted radiance, on the axis.
   double electrons_per_radiance() const;

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mtf/statistics.h"
-#include "radiometry/sensor_budget.h"
+#include "mtf/survey/statistics.h"
+#include "radiometry/performance/sensor_budget.h"
 
 namespace radiometry {
 

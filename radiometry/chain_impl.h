@@ -25,7 +25,7 @@ struct Chain::Impl {
 
   mtf::SensorPlan plan;
   SensorSettings settings;
-  Tap last = Tap::electrons;
+  OutputStage last = OutputStage::electrons;
   std::uint64_t seed = 0;
   Origin origin;
   FocalPlane detector;

@@ -8,7 +8,7 @@
 
 #include "mtf/parallel.h"
 #include "radiometry/chain_impl.h"
-#include "radiometry/held_counter.h"
+#include "radiometry/stages/detector/held_counter.h"
 
 namespace radiometry {
 namespace {
@@ -224,23 +224,23 @@ struct Chain::Impl::Run {
     lap("correction");
   }
 
-  /// One frame of the detector from radiance to a tap.
-  void detector(mtf::Image& image, const NoiseKey& key, Tap tap, ChainState* state) {
+  /// One frame of the detector from radiance to a stage.
+  void detector(mtf::Image& image, const NoiseKey& key, OutputStage stage, ChainState* state) {
     collect(image, key.frame, state);
     detect(image, key);
-    if (tap == Tap::electrons) return;
+    if (stage == OutputStage::electrons) return;
     convert(image);
-    if (tap == Tap::display) correct(image);
+    if (stage == OutputStage::display) correct(image);
   }
 
-  void positions(mtf::Image& image, const Microscan& scan, const NoiseKey& key, Tap tap) {
+  void positions(mtf::Image& image, const Microscan& scan, const NoiseKey& key, OutputStage stage) {
     const double border_here = border;
     std::vector<mtf::Image> frames;
     for (int k = 0; k < scan.positions(); ++k) {
       frames.push_back(microscan_frame(image.view(), scan, k));
       border = border_here;
       lap("microscan");
-      detector(frames.back(), microscan_key(key, scan, k), tap, nullptr);
+      detector(frames.back(), microscan_key(key, scan, k), stage, nullptr);
     }
     image = microscan_interlace(frames, scan);
     lap("microscan");
@@ -259,16 +259,16 @@ struct Chain::Impl::Run {
   }
 };
 
-ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, Tap tap, double border_value, int threads,
+ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, OutputStage stage, double border_value, int threads,
                       ChainState* state) const {
-  require_tap(tap, impl_->last, impl_->adc.has_value());
+  require_output_stage(stage, impl_->last, impl_->adc.has_value());
   Impl::Run run{*impl_, mtf::threads_of(threads)};
   run.border = border_value;
   mtf::Image& image = run.frame.image;
   image = std::move(radiance);
   run.optics(image);
-  if (tap == Tap::radiance) return std::move(run.frame);
-  if (tap == Tap::irradiance) {
+  if (stage == OutputStage::radiance) return std::move(run.frame);
+  if (stage == OutputStage::irradiance) {
     multiply_add(image, {.number = irradiance(impl_->camera, 1.0)}, {.number = 0.0}, run.threads);
     if (impl_->corners.size() > 0) {
       const std::int64_t steps = impl_->plan.samples_a_pitch;
@@ -280,15 +280,15 @@ ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, Tap tap, double
   }
   const NoiseKey key{impl_->seed, number};
   if (impl_->settings.microscan)
-    run.positions(image, *impl_->settings.microscan, key, tap);
+    run.positions(image, *impl_->settings.microscan, key, stage);
   else
-    run.detector(image, key, tap, state);
-  if (tap == Tap::display) run.display(image);
+    run.detector(image, key, stage, state);
+  if (stage == OutputStage::display) run.display(image);
   return std::move(run.frame);
 }
 
-void Chain::prepare(Tap tap, int threads) const {
-  if (tap == Tap::display && impl_->settings.correction) impl_->correction(mtf::threads_of(threads));
+void Chain::prepare(OutputStage stage, int threads) const {
+  if (stage == OutputStage::display && impl_->settings.correction) impl_->correction(mtf::threads_of(threads));
 }
 
 const TwoPoint& Chain::Impl::correction(int threads) const {
@@ -305,7 +305,7 @@ TwoPoint Chain::Impl::measure(int threads) const {
     run.border = (fill * pixel.full_well_e - glow.number) / gain;
     mtf::Image image(out.width, out.height);
     std::fill_n(image.data(), image.size(), static_cast<float>(run.border));
-    run.detector(image, {seed, number}, Tap::dn, nullptr);
+    run.detector(image, {seed, number}, OutputStage::dn, nullptr);
     require_unsaturated(*settings.correction, fill, run.frame.held);
     for (std::int64_t y = 0; y < out.height; ++y) std::copy_n(image.data() + y * out.width, out.width, out.row(y));
   };

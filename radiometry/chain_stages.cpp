@@ -64,7 +64,8 @@ std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Se
   add("veiling glare", s.glare ? terms({{"spread", s.glare->fraction}, {"added", s.glare->offset}}, "of the mean") : "",
       "no [veiling_glare]");
   add("ghost", s.ghost ? rounded(s.ghost->fraction) + " of the light, mirrored" : "", "no [ghost]");
-  const bool weighted = tap_quantity(sensor, Tap::irradiance) != tap_quantity({}, Tap::irradiance);
+  const bool weighted =
+      output_quantity(sensor, OutputStage::irradiance) != output_quantity({}, OutputStage::irradiance);
   add("light",
       rounded(electrons_per_radiance(camera, pixel)) + " e- for 1 ph s^-1 m^-2 sr^-1" +
           (weighted ? ", weighted by the curves" : "") + "; cone of " + rounded(cone_sr(camera)) + " sr by the " +

@@ -18,8 +18,8 @@
 
 #include "mtf/components/field.h"
 #include "mtf/error.h"
+#include "mtf/math/special.h"
 #include "mtf/settings.h"
-#include "mtf/special.h"
 
 namespace radiometry {
 

@@ -1,28 +1,35 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks who includes what, the SPDX line and the length of every source, and that no two types share a qualified name.
+"""Checks who includes what, the SPDX line and the length of every source, that no two types share a qualified name, and
+that folders stay small and are described.
 Usage: layering.py [ROOT]
 
-Dependencies point one way, and each outside library is seen by the few files that wrap it (RULES).
+Dependencies point one way, and each outside library is seen by the few files that wrap it (RULES). A folder holds at
+most 30 files (flat lists of components and of tests are exempt), no two headers of a library have the same name, and
+every folder has a README or a row in its parent's.
 """
 
 import re
 import sys
+from collections import Counter
 from pathlib import Path
 
 import type_names
 
 FOLDERS = ("mtf", "radiometry", "calib", "apps", "tests")
 MAX_LINES = 400
+LIBRARIES = ("mtf", "radiometry", "calib", "apps")
+MAX_FILES = 30
+FLAT_LISTS = {"mtf/components"}
 INCLUDE = re.compile(r"^\s*#\s*include\s*[<\"]([^>\"]+)[>\"]", re.MULTILINE)
 SCRIPT_NAMES = re.compile(r"(CMakeLists\.txt|packages\.txt|\.cmake(\.in)?|\.py|\.sh|/setup|/quickstart|tests/run)$")
 
 # What is included, the files that may, the reason a reader needs.
 RULES = [
-    (r"fftw3\.h$", r"mtf/engines/fftw\.cpp|tests/bench/", "FFTW is private to the FFT engine"),
+    (r"fftw3\.h$", r"mtf/engines/fft/fftw\.cpp|tests/bench/", "FFTW is private to the FFT engine"),
     (r"(OpenEXR|Imath)/|Imf\w*\.h$|openexr\w*\.h$", r"mtf/io/|tests/mtf/io/", "OpenEXR is private to mtf/io"),
-    (r"opencv2?/", r"mtf/io/codecs_|calib/|tests/bench/", "OpenCV is private to the codec module and calib"),
-    (r"(png|tiff|tiffio)\.h$", r"mtf/io/codecs_|tests/mtf/io/", "image codecs are private to the codec module"),
+    (r"opencv2?/", r"mtf/io/codecs/codecs_|calib/|tests/bench/", "OpenCV is private to the codec module and calib"),
+    (r"(png|tiff|tiffio)\.h$", r"mtf/io/codecs/codecs_|tests/mtf/io/", "image codecs are private to the codec module"),
     (r"toml\+\+|toml\.hpp$", r"mtf/io/", "toml++ is private to mtf/io"),
     (r"ceres/", r"calib/|tests/|apps/study/", "Ceres is private to calib and apps/study"),
     (r"CLI/", r"apps/main\.cpp$", "CLI11 is private to apps/main.cpp"),
@@ -61,6 +68,35 @@ def problems_of_script(path, text):
         yield f"{path}:1: no SPDX-License-Identifier in the first two lines"
 
 
+def described(root, folder):
+    """Whether the folder has a README or its name, as `name/`, stands in the README of a folder above it."""
+    if (root / folder / "README.md").exists():
+        return True
+    for parent in folder.parents[:-1]:
+        readme = root / parent / "README.md"
+        if readme.exists() and f"`{folder.relative_to(parent).as_posix()}/`" in readme.read_text(encoding="utf-8"):
+            return True
+    return False
+
+
+def problems_of_folders(root, paths):
+    """`paths`: of all sources, relative to `root`."""
+    folders = Counter(path.parent for path in paths if path.parts[0] in LIBRARIES)
+    for folder, _ in sorted(folders.items()):
+        files = sum(1 for file in (root / folder).iterdir() if file.is_file())
+        if files > MAX_FILES and folder.as_posix() not in FLAT_LISTS:
+            yield f"{folder}: {files} files, at most {MAX_FILES}: divide it by what the files are for"
+        if not described(root, folder):
+            yield f"{folder}: no README, and no row of it in the README of a folder above"
+    headers = {}
+    for path in paths:
+        if path.suffix == ".h" and path.parts[0] in LIBRARIES:
+            headers.setdefault((path.parts[0], path.name), []).append(path.as_posix())
+    for same in headers.values():
+        if len(same) > 1:
+            yield f"{same[0]}: a header of this name is also {', '.join(same[1:])}"
+
+
 def check(root):
     found, sources = [], []
     for folder in FOLDERS:
@@ -75,6 +111,7 @@ def check(root):
             elif SCRIPT_NAMES.search(path):
                 found += problems_of_script(path, file.read_text(encoding="utf-8"))
     found += type_names.problems(sources)
+    found += problems_of_folders(root, [Path(path) for path, _ in sources])
     if not sources:
         found.append(f"{root}: no sources found, nothing was checked")
     return found

@@ -21,15 +21,15 @@ def found_in(path, text):
 class Layering(unittest.TestCase):
     def test_each_outside_library_has_its_place(self):
         cases = [
-            ("<fftw3.h>", "mtf/engines/fftw.cpp", "mtf/plan.cpp"),
-            ("<OpenEXR/ImfInputFile.h>", "mtf/io/exr_read.cpp", "apps/simulate.cpp"),
-            ("<ImfHeader.h>", "mtf/io/exr_read.cpp", "mtf/image.h"),
-            ("<opencv2/core.hpp>", "mtf/io/codecs_png.cpp", "mtf/io/image_io.cpp"),
+            ("<fftw3.h>", "mtf/engines/fft/fftw.cpp", "mtf/plan/plan.cpp"),
+            ("<OpenEXR/ImfInputFile.h>", "mtf/io/exr/exr_read.cpp", "apps/simulate/simulate.cpp"),
+            ("<ImfHeader.h>", "mtf/io/exr/exr_read.cpp", "mtf/image.h"),
+            ("<opencv2/core.hpp>", "mtf/io/codecs/codecs_png.cpp", "mtf/io/image_io.cpp"),
             ("<opencv2/core.hpp>", "calib/edge_roi.cpp", "apps/main.cpp"),
-            ("<toml++/toml.h>", "mtf/io/config.cpp", "calib/fit.cpp"),
-            ("<ceres/jet.h>", "calib/system_jet.cpp", "mtf/system.h"),
-            ("<CLI/CLI.hpp>", "apps/main.cpp", "apps/simulate.cpp"),
-            ('"mtf/components/all.h"', "mtf/system_double.cpp", "mtf/plan.cpp"),
+            ("<toml++/toml.h>", "mtf/io/config/config.cpp", "calib/fit/fit.cpp"),
+            ("<ceres/jet.h>", "calib/fit/system_jet.cpp", "mtf/system.h"),
+            ("<CLI/CLI.hpp>", "apps/main.cpp", "apps/simulate/simulate.cpp"),
+            ('"mtf/components/all.h"', "mtf/system_double.cpp", "mtf/plan/plan.cpp"),
         ]
         for header, allowed, refused in cases:
             text = f"{SPDX}#include {header}\n"
@@ -37,15 +37,32 @@ class Layering(unittest.TestCase):
             self.assertEqual(len(found_in(refused, text)), 1, (header, refused))
 
     def test_dependencies_point_one_way(self):
-        for path, header in [("mtf/plan.h", "mtf/io/image_io.h"), ("mtf/io/a.h", "calib/fit.h"),
-                             ("calib/fit.cpp", "apps/run.h"), ("radiometry/adc.h", "calib/fit.h")]:
+        for path, header in [("mtf/plan/plan.h", "mtf/io/image_io.h"), ("mtf/io/a.h", "calib/fit/fit.h"),
+                             ("calib/fit/fit.cpp", "apps/run.h"), ("radiometry/stages/detector/adc.h", "calib/fit/fit.h")]:
             self.assertEqual(len(found_in(path, f'{SPDX}#include "{header}"\n')), 1, path)
-        self.assertEqual(found_in("calib/fit.cpp", f'{SPDX}#include "mtf/io/config.h"\n'), [])
+        self.assertEqual(found_in("calib/fit/fit.cpp", f'{SPDX}#include "mtf/io/config/config.h"\n'), [])
 
     def test_length_and_licence_line(self):
         self.assertEqual(found_in("mtf/a.h", SPDX + "\n" * (layering.MAX_LINES - 1)), [])
         self.assertEqual(len(found_in("mtf/a.h", SPDX + "\n" * layering.MAX_LINES)), 1)
         self.assertEqual(len(found_in("mtf/a.h", "#pragma once\n")), 1)
+
+    def test_folders_are_described_and_small_and_headers_have_names_of_their_own(self):
+        with tempfile.TemporaryDirectory() as name:
+            root = Path(name)
+            (root / "mtf/plan").mkdir(parents=True)
+            (root / "mtf/README.md").write_text("| `plan/` | plans |\n", encoding="utf-8")
+            (root / "mtf/plan/plan.h").write_text(SPDX, encoding="utf-8")
+            self.assertEqual(layering.check(root), [])
+            (root / "mtf/tiles").mkdir()
+            (root / "mtf/tiles/plan.h").write_text(SPDX, encoding="utf-8")
+            found = layering.check(root)
+            self.assertEqual(len(found), 2, found)
+            self.assertTrue(any("mtf/tiles: no README" in line for line in found), found)
+            self.assertTrue(any("a header of this name" in line for line in found), found)
+            for number in range(layering.MAX_FILES):
+                (root / f"mtf/plan/part{number}.h").write_text(SPDX, encoding="utf-8")
+            self.assertEqual(len(layering.check(root)), 3)
 
     def test_an_empty_tree_is_not_a_pass(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -72,6 +89,7 @@ class TypeNames(unittest.TestCase):
             self.assertTrue(found[0].startswith("study::Limit: defined in a.h and in b.cpp"), found)
             with tempfile.TemporaryDirectory() as folder:
                 (Path(folder) / "mtf").mkdir()
+                (Path(folder) / "mtf/README.md").write_text("# mtf\n", encoding="utf-8")
                 (Path(folder) / "mtf/a.h").write_text(SPDX + one, encoding="utf-8")
                 (Path(folder) / "mtf/b.cpp").write_text(SPDX + other, encoding="utf-8")
                 self.assertEqual(len(layering.check(Path(folder))), 1, other)
@@ -129,13 +147,13 @@ class ReadmeBlocks(unittest.TestCase):
 
 class ReportPackages(unittest.TestCase):
     def test_the_lock_file_names_no_address_and_pins_every_package(self):
-        lock = json.loads((readme_blocks.ROOT / "apps/report/package-lock.json").read_text(encoding="utf-8"))
+        lock = json.loads((readme_blocks.ROOT / "apps/report/page/package-lock.json").read_text(encoding="utf-8"))
         packages = {name: package for name, package in lock["packages"].items() if name}
         self.assertGreater(len(packages), 10)
         for name, package in packages.items():
             self.assertNotIn("resolved", package, name)
             self.assertTrue(package["integrity"].startswith("sha512-"), name)
-        wanted = json.loads((readme_blocks.ROOT / "apps/report/package.json").read_text(encoding="utf-8"))
+        wanted = json.loads((readme_blocks.ROOT / "apps/report/page/package.json").read_text(encoding="utf-8"))
         for name, version in (wanted["dependencies"] | wanted["devDependencies"]).items():
             self.assertEqual(packages[f"node_modules/{name}"]["version"], version)
 

@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "apps/check/families.h"
-#include "mtf/components/defocus_pupil.h"
-#include "mtf/components/wavefront_pupil.h"
+#include "mtf/components/pupil/defocus_pupil.h"
+#include "mtf/components/pupil/wavefront_pupil.h"
 #include "mtf/error.h"
 
 namespace apps::check {

@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "apps/check/families.h"
-#include "mtf/plan.h"
-#include "mtf/statistics.h"
+#include "mtf/plan/plan.h"
+#include "mtf/survey/statistics.h"
 
 namespace apps::check {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "apps/check/families.h"
 #include "mtf/components/chirp.h"
-#include "mtf/fresnel.h"
+#include "mtf/math/fresnel.h"
 
 namespace apps::check {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/components/pupil.h"
+#include "mtf/components/pupil/pupil.h"
 
 #include <cmath>
 

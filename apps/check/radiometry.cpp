@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "apps/check/families.h"
-#include "radiometry/blackbody.h"
+#include "radiometry/light/blackbody.h"
 
 namespace apps::check {
 namespace {

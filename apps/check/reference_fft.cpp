@@ -6,9 +6,9 @@
 #include <memory>
 #include <utility>
 
-#include "mtf/engines/fftw.h"
+#include "mtf/engines/fft/fftw.h"
 #include "mtf/parallel.h"
-#include "mtf/plan.h"
+#include "mtf/plan/plan.h"
 
 namespace apps::check {
 namespace {
@@ -186,9 +186,9 @@ std::vector<double> reference(mtf::ImageView<const T> scene, const mtf::SampleGr
 OtfColumn exact_otf(const mtf::System<double>& system, std::vector<mtf::Stage> stages,
                     const mtf::SceneAperture& aperture, const mtf::SampleGrid& in) {
   const auto owned = std::make_shared<const mtf::System<double>>(system);
-  std::shared_ptr<const mtf::OtfSampler> correction;
+  std::shared_ptr<const mtf::FactoredOtf> correction;
   if (aperture.kind != mtf::SceneAperture::Kind::point)
-    correction = std::make_shared<const mtf::OtfSampler>(
+    correction = std::make_shared<const mtf::FactoredOtf>(
         system, std::span<const mtf::Stage>{}, aperture,
         mtf::SamplerOptions{.fx_max = 500.0 / in.step_x_um, .fy_max = 500.0 / in.step_y_um});
   bool even = true;  // along y: half of the values are the other half

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "apps/check/reference_image.h"
-#include "mtf/sample.h"
+#include "mtf/otf/factored_otf.h"
 
 namespace apps::check {
 

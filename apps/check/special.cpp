@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/special.h"
+#include "mtf/math/special.h"
 
 #include <limits>
 

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "apps/study/variant_sensor.h"
-#include "calib/parameter_site.h"
-#include "mtf/io/config_reader.h"
+#include "apps/study/design/variant_sensor.h"
+#include "calib/fit/parameter_site.h"
+#include "mtf/io/config/config_reader.h"
 #include "mtf/io/file_checks.h"
 
 namespace study {

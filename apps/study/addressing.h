@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "mtf/io/config_edit.h"
+#include "mtf/io/config/config_edit.h"
 
 namespace study {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "calib/system_jet.h"
+#include "calib/fit/system_jet.h"
 
 namespace study {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
-#include "mtf/io/curve_csv.h"
+#include "mtf/io/csv/curve_csv.h"
 #include "mtf/io/sha256.h"
 
 namespace study {

@@ -49,10 +49,10 @@
 #include <vector>
 
 #include "apps/study/conditions.h"
+#include "apps/study/design/metric_list.h"
 #include "apps/study/expression.h"
-#include "apps/study/metric_list.h"
-#include "apps/study/sampling.h"
-#include "mtf/io/config.h"
+#include "apps/study/statistics/sampling.h"
+#include "mtf/io/config/config.h"
 
 namespace study {
 

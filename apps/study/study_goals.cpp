@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "apps/study/metric_gap.h"
+#include "apps/study/design/metric_gap.h"
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
@@ -50,17 +50,17 @@ Source part_of(const Source& whole, std::size_t from, std::size_t to) {
   return {whole.text.substr(from, to - from), whole.position, whole.path, static_cast<int>(from)};
 }
 
-struct Sides {
+struct ConstraintValues {
   Source left, right;
   bool less = true, strict = true;
 };
 
-std::optional<Sides> sides_of(const Source& source) {
+std::optional<ConstraintValues> sides_of(const Source& source) {
   const std::size_t at = comparison(source.text);
   if (at == std::string::npos) return std::nullopt;
   const bool strict = source.text.compare(at + 1, 1, "=") != 0;
-  return Sides{part_of(source, 0, at), part_of(source, at + (strict ? 1 : 2), source.text.size()),
-               source.text[at] == '<', strict};
+  return ConstraintValues{part_of(source, 0, at), part_of(source, at + (strict ? 1 : 2), source.text.size()),
+                          source.text[at] == '<', strict};
 }
 
 /// The expression of an objective behind its first word; null when that is no direction.

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/sensor_chain.h"
+#include "apps/sensor/sensor_chain.h"
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
-#include "mtf/io/curve_csv.h"
+#include "mtf/io/csv/curve_csv.h"
 #include "mtf/io/file_checks.h"
 #include "radiometry/sensor_settings.h"
 

@@ -10,7 +10,7 @@
 
 #include "apps/study/addressing.h"
 #include "apps/study/study.h"
-#include "mtf/io/config_reader.h"
+#include "mtf/io/config/config_reader.h"
 
 namespace study {
 

@@ -6,7 +6,7 @@
 #include <cassert>
 #include <filesystem>
 
-#include "apps/sensor_chain.h"
+#include "apps/sensor/sensor_chain.h"
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"

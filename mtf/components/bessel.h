@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "mtf/special.h"
+#include "mtf/math/special.h"
 
 namespace mtf {
 

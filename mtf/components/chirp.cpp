@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/components/chirp.h"
 
-#include "mtf/fresnel.h"
-#include "mtf/quadrature.h"
+#include "mtf/math/fresnel.h"
+#include "mtf/math/quadrature.h"
 
 namespace mtf {
 namespace {

@@ -11,9 +11,9 @@
 // carry 3 x 2^-53 each, times the slopes of the OTF. (Hopkins, Proc. R. Soc. A 231, 91 (1955); Goodman, Introduction to
 // Fourier Optics, ch. 6.)
 
-#include "mtf/components/defocus_pupil.h"
 #include "mtf/components/field.h"
-#include "mtf/components/pupil.h"
+#include "mtf/components/pupil/defocus_pupil.h"
+#include "mtf/components/pupil/pupil.h"
 
 namespace mtf {
 

@@ -11,7 +11,7 @@
 // Fourier Optics, ch. 6; O'Neill, J. Opt. Soc. Am. 46, 285 (1956).)
 
 #include "mtf/components/field.h"
-#include "mtf/components/pupil.h"
+#include "mtf/components/pupil/pupil.h"
 
 namespace mtf {
 

@@ -11,15 +11,15 @@
 //   barten_short_squared  the same with (1 + u/3)^2
 // u = frequency at the eye = frequency in object space / magnification, which is angle at the eye / angle in object
 // space. mtf is optics x retina x tremor; f0 and i0 follow from the pupil, the pupil from the luminance L in cd/m^2
-// (`mtf/eye.h`). The others are filters of visibility, not of luminance: 0 at f = 0 (the mean is no contrast), 1 at
-// their peak; X = angular size of the picture in degrees. Both short forms are in use under one name. Real, not
-// negative, radial. All have a tip at f = 0, where the derivatives are taken as 0; the slope on its sides is that of
-// the models, unbounded for mtf (u^i0 with i0 < 1). Fits for 3.4e-4 to 3.5e3 cd/m^2 (mtf), about 0.1 to 1000 cd/m^2 and
-// 0.5 to 60 degrees (the others). (Overington, Vision and Acquisition; Barten, Proc. SPIE 5294, 231 (2003); Barten, J.
-// Opt. Soc. Am. A 7, 2024 (1990).)
+// (`mtf/components/eye_fits.h`). The others are filters of visibility, not of luminance: 0 at f = 0 (the mean is no
+// contrast), 1 at their peak; X = angular size of the picture in degrees. Both short forms are in use under one name.
+// Real, not negative, radial. All have a tip at f = 0, where the derivatives are taken as 0; the slope on its sides is
+// that of the models, unbounded for mtf (u^i0 with i0 < 1). Fits for 3.4e-4 to 3.5e3 cd/m^2 (mtf), about 0.1 to 1000
+// cd/m^2 and 0.5 to 60 degrees (the others). (Overington, Vision and Acquisition; Barten, Proc. SPIE 5294, 231 (2003);
+// Barten, J. Opt. Soc. Am. A 7, 2024 (1990).)
 
+#include "mtf/components/eye_fits.h"
 #include "mtf/components/field.h"
-#include "mtf/eye.h"
 
 namespace mtf {
 

@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "mtf/component.h"
-#include "mtf/special.h"
+#include "mtf/math/special.h"
 
 namespace mtf {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "mtf/components/bessel.h"
-#include "mtf/fresnel.h"
-#include "mtf/quadrature.h"
+#include "mtf/math/fresnel.h"
+#include "mtf/math/quadrature.h"
 
 namespace mtf {
 namespace {

@@ -7,16 +7,16 @@
 // u = |f| x focal length in cycles/rad, lambda = wavelength, r0 = Fried parameter, D = aperture. c = (24/5
 // Gamma(6/5))^(5/6) = 3.44193859..., or the usual 3.44 by name. alpha = 1: near field, 0.5: far field, 0: the long
 // exposure. Real, positive, radial; multiplies `diffraction`. r0 is given, scaled as lambda^(6/5) from
-// wavelength_reference where that is stated; or it follows from a path (`mtf/fried.h`): profile "constant" with cn2 and
-// path_length, or "hufnagel_valley" with wind, ground_cn2, the altitudes of target and sensor, and path_length or
-// zenith_angle (flat Earth: up to 80 degrees). Valid within the inertial range (outer scale far above D, inner scale
-// far below r0). The short exposure is a formula for lambda u < D; beyond, where the aperture passes nothing, the
-// bracket keeps its value 1 - alpha, so the otf never grows above 1. Conditioning: with E the exponent of the long
-// exposure, the relative error is within (4 + 2 E) 2^-52, and what the rounding of lambda u / r0 adds; a path integral
-// adds some 1e-14 E. (Fried, J. Opt. Soc. Am. 56, 1372 (1966).)
+// wavelength_reference where that is stated; or it follows from a path (`mtf/components/fried.h`): profile "constant"
+// with cn2 and path_length, or "hufnagel_valley" with wind, ground_cn2, the altitudes of target and sensor, and
+// path_length or zenith_angle (flat Earth: up to 80 degrees). Valid within the inertial range (outer scale far above D,
+// inner scale far below r0). The short exposure is a formula for lambda u < D; beyond, where the aperture passes
+// nothing, the bracket keeps its value 1 - alpha, so the otf never grows above 1. Conditioning: with E the exponent of
+// the long exposure, the relative error is within (4 + 2 E) 2^-52, and what the rounding of lambda u / r0 adds; a path
+// integral adds some 1e-14 E. (Fried, J. Opt. Soc. Am. 56, 1372 (1966).)
 
 #include "mtf/components/field.h"
-#include "mtf/fried.h"
+#include "mtf/components/fried.h"
 
 namespace mtf {
 
@@ -182,7 +182,7 @@ struct Turbulence {
   Traits traits(const Context<S>&) const {
     return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};
   }
-  /// M of mtf/fried.h, in m^(1/3).
+  /// M of mtf/components/fried.h, in m^(1/3).
   S path() const {
     const Wave kind_of_wave = wave.index == 0 ? Wave::spherical : Wave::plane;
     if (profile.index == 0)

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "mtf/flat_map.h"
 #include "mtf/image.h"
+#include "mtf/survey/uniform_runs.h"
 
 namespace mtf {
 
@@ -21,7 +21,7 @@ struct Channel {
   bool sampled = false;  ///< both are of a few samples only: an engine that is told so checks them by all
   double dc = 1.0;       ///< gain of the mean
   double border_value = 0.0;
-  const FlatMap* flat = nullptr;  ///< of `in`; null: nothing is known
+  const UniformRuns* flat = nullptr;  ///< of `in`; null: nothing is known
   double allowance = 0.0;  ///< rms contrast over `out`, relative to the std of `in`, that may be left out of lines
 
   /// Added back at the end.

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "mtf/error.h"
+#include "mtf/io/exr/spectral_exr.h"
 #include "mtf/io/file_checks.h"
-#include "mtf/io/spectral_exr.h"
 
 namespace mtf::io {
 namespace {

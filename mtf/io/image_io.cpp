@@ -9,10 +9,10 @@
 
 #include "mtf/error.h"
 #include "mtf/io/channel_choice.h"
-#include "mtf/io/codecs.h"
-#include "mtf/io/exr_read.h"
+#include "mtf/io/codecs/codecs.h"
+#include "mtf/io/codecs/png_scan.h"
+#include "mtf/io/exr/exr_read.h"
 #include "mtf/io/file_checks.h"
-#include "mtf/io/png_scan.h"
 
 namespace mtf::io {
 namespace {

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "mtf/image.h"
-#include "mtf/io/drawing.h"
-#include "mtf/io/stated_encoding.h"
+#include "mtf/io/codecs/drawing.h"
+#include "mtf/io/codecs/stated_encoding.h"
 
 namespace mtf::io {
 

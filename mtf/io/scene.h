@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "mtf/io/config.h"
+#include "mtf/io/config/config.h"
 #include "mtf/io/image_io.h"
-#include "mtf/plan.h"
+#include "mtf/plan/plan.h"
 
 namespace mtf::io {
 

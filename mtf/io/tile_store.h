@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "mtf/image.h"
-#include "mtf/survey.h"
+#include "mtf/survey/survey.h"
 
 namespace mtf::io {
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mtf/component.h"
-#include "mtf/io/config.h"
+#include "mtf/io/config/config.h"
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
 

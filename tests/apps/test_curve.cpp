@@ -9,7 +9,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "mtf/io/config.h"
+#include "mtf/io/config/config.h"
 #include "tests/apps/command.h"
 
 namespace {

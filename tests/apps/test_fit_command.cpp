@@ -8,7 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "mtf/io/config.h"
+#include "mtf/io/config/config.h"
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
 #include "tests/calib/made_edges.h"

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "apps/interleave.h"
+#include "apps/bench/interleave.h"
 
 namespace {
 

@@ -9,9 +9,9 @@
 #include <cstdlib>
 #include <map>
 
-#include "mtf/engines/fftw.h"
+#include "mtf/engines/fft/fftw.h"
 #include "mtf/version.h"
-#include "radiometry/blackbody.h"
+#include "radiometry/light/blackbody.h"
 #include "tests/bench/interleave.h"
 #include "tests/mtf/reference.h"
 #include "tests/radiometry/chain_cases.h"
@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
     std::vector<std::string_view> order;
     std::map<std::string_view, std::vector<double>> stages;
     const auto frame = [&] {
-      const ChainFrame done = chain.run(scene.clone(), number++, Tap::display, 0.0, threads);
+      const ChainFrame done = chain.run(scene.clone(), number++, OutputStage::display, 0.0, threads);
       for (const auto& [name, ms] : done.timing_ms) {
         if (!stages.contains(name)) order.push_back(name);
         stages[name].push_back(ms);

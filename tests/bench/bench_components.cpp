@@ -3,7 +3,7 @@
 // What OTFs cost. First every kind on the half-plane of a 1024 x 1024 transform (513 x 1024 frequencies up to 67
 // cy/mm), a row at a time through Component<S>::multiply, in double and float: ns a sample, for the case that gives the
 // most fields of its table, at their example values. Then a chromatic system of 20 components with 17 wavelengths on
-// the same grid through OtfSampler, sampler made anew each time, beside one bare real FFTW transform of that size. One
+// the same grid through FactoredOtf, sampler made anew each time, beside one bare real FFTW transform of that size. One
 // thread; all cases of a table are interleaved. Last, an aberrated pupil by quadrature, with derivatives.
 
 #include <fftw3.h>
@@ -14,10 +14,10 @@
 #include <map>
 #include <string>
 
-#include "mtf/components/wavefront_pupil.h"
+#include "mtf/components/pupil/wavefront_pupil.h"
 #include "mtf/grid.h"
-#include "mtf/plan.h"
-#include "mtf/sample.h"
+#include "mtf/otf/factored_otf.h"
+#include "mtf/plan/plan.h"
 #include "mtf/version.h"
 #include "tests/bench/interleave.h"
 #include "tests/mtf/builders.h"
@@ -138,11 +138,11 @@ void whole_system() {
   std::vector<Complex<float>> row(fx.size());
   int wavelengths = 0;
   const auto make = [&] {
-    return OtfSampler(system, kStages, {}, {.fx_max = limit, .fy_max = limit, .table_share = 1e-6, .wavelengths = 17});
+    return FactoredOtf(system, kStages, {}, {.fx_max = limit, .fy_max = limit, .table_share = 1e-6, .wavelengths = 17});
   };
   const auto sample = [&] {
-    const OtfSampler sampler = make();
-    const OtfSampler::Grid grid(sampler, fx, fy);
+    const FactoredOtf sampler = make();
+    const FactoredOtf::Grid grid(sampler, fx, fy);
     for (std::size_t j = 0; j < fy.size(); ++j) grid.complex_row(j, row);
     wavelengths = sampler.wavelengths();
   };
@@ -151,7 +151,7 @@ void whole_system() {
       fftwf_plan_dft_r2c_2d(kSize, kSize, real.data(), reinterpret_cast<fftwf_complex*>(half.data()), FFTW_ESTIMATE);
   std::fill_n(real.data(), real.size(), 0.0F);
   const auto t =
-      bench::interleave({sample, [&] { const OtfSampler sampler = make(); }, [&] { fftwf_execute(plan); }}, 15);
+      bench::interleave({sample, [&] { const FactoredOtf sampler = make(); }, [&] { fftwf_execute(plan); }}, 15);
   fftwf_destroy_plan(plan);
   std::printf(
       "\n%zu components, %d wavelengths, 513x1024: %.2f %.2f ms (sampler alone %.2f %.2f) | r2c 1024x1024 %.2f %.2f ms "

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "calib/measure.h"
+#include "calib/measure/measure.h"
 #include "tests/calib/made_edges.h"
 
 namespace {

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "mtf/version.h"
-#include "radiometry/adc.h"
-#include "radiometry/fixed_pattern.h"
+#include "radiometry/stages/detector/adc.h"
+#include "radiometry/stages/noise/fixed_pattern.h"
 
 namespace {
 

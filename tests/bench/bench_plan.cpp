@@ -12,7 +12,7 @@
 #include <optional>
 #include <string>
 
-#include "mtf/plan.h"
+#include "mtf/plan/plan.h"
 #include "mtf/version.h"
 #include "tests/bench/interleave.h"
 #include "tests/mtf/builders.h"

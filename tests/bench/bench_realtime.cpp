@@ -13,7 +13,7 @@
 #include <ctime>
 #include <vector>
 
-#include "mtf/plan.h"
+#include "mtf/plan/plan.h"
 #include "mtf/version.h"
 #include "tests/bench/interleave.h"
 #include "tests/mtf/builders.h"

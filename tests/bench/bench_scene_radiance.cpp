@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "mtf/version.h"
-#include "radiometry/path_planes.h"
-#include "radiometry/radiance_table.h"
-#include "radiometry/raw_counts.h"
+#include "radiometry/light/path_planes.h"
+#include "radiometry/light/radiance_table.h"
+#include "radiometry/light/raw_counts.h"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <ctime>
 
-#include "apps/study/evaluator.h"
+#include "apps/study/design/evaluator.h"
 #include "tests/apps/study/satellite.h"
 #include "tests/apps/study/study_files.h"
 

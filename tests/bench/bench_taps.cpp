@@ -9,7 +9,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "mtf/plan.h"
+#include "mtf/plan/plan.h"
 #include "mtf/version.h"
 #include "tests/bench/interleave.h"
 #include "tests/mtf/builders.h"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// apps/interleave.h for the benchmark programs: rounds from the environment. (Google Benchmark repeats one case in a
-// block, or shuffles.)
+// apps/bench/interleave.h for the benchmark programs: rounds from the environment. (Google Benchmark repeats one case
+// in a block, or shuffles.)
 
 #include <algorithm>
 #include <cstdlib>
 
-#include "apps/interleave.h"
+#include "apps/bench/interleave.h"
 
 namespace bench {
 

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "mtf/image.h"
-#include "mtf/io/encoding.h"
+#include "mtf/io/codecs/encoding.h"
 #include "mtf/io/image_io.h"
-#include "mtf/quadrature.h"
+#include "mtf/math/quadrature.h"
 
 namespace calib::test {
 

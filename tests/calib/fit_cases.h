@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/fit.h"
+#include "calib/fit/fit.h"
 #include "tests/calib/made_edges.h"
 #include "tests/mtf/builders.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/fit.h"
+#include "calib/fit/fit.h"
 #include "tests/calib/made_edges.h"
 
 namespace fit_study {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/fit.h"
+#include "calib/fit/fit.h"
 
 namespace flat_study {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "mtf/quadrature.h"
+#include "mtf/math/quadrature.h"
 
 namespace made {
 namespace {

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "calib/edge_curve.h"
+#include "calib/edge/edge_curve.h"
 #include "mtf/image.h"
 
 namespace calib::test {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "calib/adequacy.h"
+#include "calib/fit/confidence/adequacy.h"
 #include "tests/calib/fit_cases.h"
 
 namespace calib {

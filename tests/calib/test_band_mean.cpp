@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "calib/sensors.h"
+#include "calib/fit/sensors.h"
 #include "tests/calib/fit_cases.h"
 
 namespace {

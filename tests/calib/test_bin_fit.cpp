@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "calib/edge_bin_fit.h"
-#include "calib/edge_start.h"
-#include "calib/edge_sums.h"
-#include "calib/edge_terms.h"
+#include "calib/measure/edge_bin_fit.h"
+#include "calib/measure/edge_start.h"
+#include "calib/measure/edge_sums.h"
+#include "calib/measure/edge_terms.h"
 #include "tests/calib/made_edges.h"
 
 namespace {

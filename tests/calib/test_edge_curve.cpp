@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "calib/edge_curve.h"
+#include "calib/edge/edge_curve.h"
 
 namespace {
 

@@ -2,7 +2,7 @@
 // The joint solution where there is nothing to correct with: Eigen must not be asked to solve for no columns (the
 // undefined-behaviour sanitizer stops there), and what is left is plain least squares.
 
-#include "calib/esf_correction.h"
+#include "calib/measure/esf_correction.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calib/edge_pixels.h"
-#include "calib/edge_start.h"
-#include "calib/edge_terms.h"
+#include "calib/edge/edge_pixels.h"
+#include "calib/measure/edge_start.h"
+#include "calib/measure/edge_terms.h"
 #include "tests/calib/made_edges.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/find_edges.h"
+#include "calib/find/find_edges.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "calib/iso12233.h"
+#include "calib/iso12233/iso12233.h"
 #include "edge_truth.h"
 #include "made_scenes.h"
 #include "mtf/error.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "mtf/sensor_plan.h"
+#include "mtf/plan/sensor_plan.h"
 
 #include "tests/calib/fit_cases.h"
 #include "tests/calib/fit_study.h"

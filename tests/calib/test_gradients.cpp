@@ -8,7 +8,7 @@
 #include <iostream>
 #include <set>
 
-#include "calib/system_jet.h"
+#include "calib/fit/system_jet.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/conformance.h"
 #include "tests/mtf/reference_table.h"

@@ -7,7 +7,7 @@
 #include <map>
 #include <numbers>
 
-#include "calib/identifiability.h"
+#include "calib/fit/confidence/identifiability.h"
 #include "tests/calib/fit_cases.h"
 
 namespace calib {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/iso12233.h"
+#include "calib/iso12233/iso12233.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <set>
 
-#include "calib/system_jet.h"
+#include "calib/fit/system_jet.h"
 #include "tests/mtf/conformance.h"
 
 namespace calib {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "calib/measure.h"
+#include "calib/measure/measure.h"
 #include "tests/calib/made_edges.h"
 
 namespace {

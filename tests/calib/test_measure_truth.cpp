@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-#include "calib/measure.h"
+#include "calib/measure/measure.h"
 #include "tests/calib/made_edges.h"
 #include "tests/calib/public_edges.h"
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "calib/bayer.h"
-#include "calib/mask.h"
-#include "calib/roi_file.h"
+#include "calib/find/bayer.h"
+#include "calib/find/mask.h"
+#include "calib/find/roi_file.h"
 #include "mtf/error.h"
 
 namespace calib {

@@ -2,7 +2,7 @@
 // Paths of the sensor file to the numbers of a System.
 #include <gtest/gtest.h>
 
-#include "calib/system_jet.h"
+#include "calib/fit/system_jet.h"
 #include "tests/calib/fit_cases.h"
 
 namespace calib {

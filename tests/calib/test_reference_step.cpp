@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "calib/lanes.h"
-#include "calib/reference_step.h"
+#include "calib/edge/lanes.h"
+#include "calib/edge/reference_step.h"
 #include "tests/calib/made_edges.h"
 
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <map>
 
-#include "calib/system_jet.h"
+#include "calib/fit/system_jet.h"
 #include "tests/mtf/conformance.h"
 
 namespace calib {

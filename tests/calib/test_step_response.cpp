@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/step_response.h"
+#include "calib/edge/step_response.h"
 
 #include <gtest/gtest.h>
 

@@ -2,13 +2,13 @@
 
 // The installed headers of radiometry are complete, and its library links by itself.
 
-#include "radiometry/adc.h"
-#include "radiometry/band_response.h"
-#include "radiometry/fixed_pattern.h"
-#include "radiometry/noise_3d.h"
-#include "radiometry/poisson.h"
-#include "radiometry/sensitivity.h"
-#include "radiometry/spectral_signal.h"
+#include "radiometry/light/band_response.h"
+#include "radiometry/light/spectral_signal.h"
+#include "radiometry/performance/sensitivity.h"
+#include "radiometry/stages/detector/adc.h"
+#include "radiometry/stages/noise/fixed_pattern.h"
+#include "radiometry/stages/noise/noise_3d.h"
+#include "radiometry/stages/noise/poisson.h"
 
 int main() {
   const radiometry::BandResponse band({3.0, 5.0}, {});

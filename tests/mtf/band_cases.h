@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "mtf/plan.h"
+#include "mtf/plan/plan.h"
 #include "tests/mtf/builders.h"
 
 namespace mtf::test {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "mtf/error.h"
-#include "mtf/plan.h"
-#include "mtf/statistics.h"
+#include "mtf/plan/plan.h"
+#include "mtf/survey/statistics.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/reference.h"
 

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "mtf/io/image_io.h"
-#include "mtf/statistics.h"
+#include "mtf/survey/statistics.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/random_systems.h"
 

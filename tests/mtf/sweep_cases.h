@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "mtf/plan.h"
+#include "mtf/plan/plan.h"
 
 namespace mtf::test {
 

@@ -31,12 +31,12 @@ TEST(BandPlan, the_table_is_the_average_within_its_error) {
   const std::array stages{Stage::presample};
   for (const BandCase& c : kBandCases) {
     const System<double> system = band_case(c, true);
-    const OtfSampler sampler(system, stages, {},
-                             {.fx_max = 83.0, .fy_max = 83.0, .table_share = 1e-6, .samples = 1 << 19});
+    const FactoredOtf sampler(system, stages, {},
+                              {.fx_max = 83.0, .fy_max = 83.0, .table_share = 1e-6, .samples = 1 << 19});
     std::vector<double> fx, fy;
     for (int i = 0; i < 40; ++i) fx.push_back(83.0 * (i + 0.3) / 40.0);
     for (const double y : {0.0, 3.1, 17.0, 44.4}) fy.push_back(y);
-    const OtfSampler::Grid grid(sampler, fx, fy);
+    const FactoredOtf::Grid grid(sampler, fx, fy);
     std::vector<Complex<float>> row(fx.size());
     double worst = 0.0;
     for (std::size_t j = 0; j < fy.size(); ++j) {

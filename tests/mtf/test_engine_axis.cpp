@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One axis of the engine: the terms of both resamplings and the chirp, against the sums that they stand for.
-#include "mtf/engines/axis.h"
+#include "mtf/engines/fft/axis.h"
 
 #include <gtest/gtest.h>
 
@@ -15,8 +15,8 @@ namespace {
 
 using C = std::complex<double>;
 
-AxisJob job(Basis basis, std::int64_t length, double ratio, std::int64_t outputs, std::int64_t keep) {
-  AxisJob j;
+AxisTransform job(Basis basis, std::int64_t length, double ratio, std::int64_t outputs, std::int64_t keep) {
+  AxisTransform j;
   j.frequency = {basis, length, 10.0};
   j.samples = length;
   j.outputs = outputs;
@@ -33,7 +33,7 @@ TEST(EngineAxis, chirp_evaluates_the_polynomial_at_every_output) {
   std::normal_distribution<double> normal;
   for (const double ratio : {3.7, M_PI, 0.77, 12.3})
     for (const std::int64_t keep : {1, 7, 400}) {
-      const AxisJob j = job(Basis::fourier, 101, ratio, static_cast<std::int64_t>(101 / ratio), keep);
+      const AxisTransform j = job(Basis::fourier, 101, ratio, static_cast<std::int64_t>(101 / ratio), keep);
       const std::int64_t rows = inverse_length(j);
       AlignedBuffer<float> data(static_cast<std::size_t>(rows * kRow));
       std::fill_n(data.data(), data.size(), 0.0F);
@@ -65,7 +65,7 @@ TEST(EngineAxis, fold_adds_every_frequency_to_its_alias) {
   for (const Basis basis : {Basis::fourier, Basis::cosine})
     for (const std::int64_t ratio : {1, 2, 3, 4, 6})
       for (const std::int64_t length : {12, 24, 60}) {
-        const AxisJob j = job(basis, length, static_cast<double>(ratio), length / ratio, length);
+        const AxisTransform j = job(basis, length, static_cast<double>(ratio), length / ratio, length);
         for (const Term& term : axis_terms(j, Parity::even))
           for (std::int64_t o = 0; o < j.outputs; ++o) {
             const double at = static_cast<double>(o), out = static_cast<double>(j.out_length);
@@ -88,7 +88,7 @@ TEST(EngineAxis, fold_adds_every_frequency_to_its_alias) {
 TEST(EngineAxis, a_sine_folds_to_a_cosine_of_alternating_sign) {
   for (const std::int64_t ratio : {1, 2, 3, 4, 6})
     for (const std::int64_t length : {12, 24, 60}) {
-      const AxisJob j = job(Basis::cosine, length, static_cast<double>(ratio), length / ratio, length);
+      const AxisTransform j = job(Basis::cosine, length, static_cast<double>(ratio), length / ratio, length);
       std::vector<bool> seen(static_cast<std::size_t>(length));
       for (const Term& term : axis_terms(j, Parity::odd)) {
         seen[static_cast<std::size_t>(term.k)] = true;

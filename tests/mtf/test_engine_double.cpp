@@ -4,14 +4,15 @@
 
 #include <limits>
 
-#include "mtf/plan_spectral.h"
+#include "mtf/plan/plan_spectral.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {
 namespace {
 
-AxisJob axis_job(Basis basis, Border border, std::int64_t n, double step_um, std::int64_t outputs, double pitch_um) {
-  AxisJob job;
+AxisTransform axis_job(Basis basis, Border border, std::int64_t n, double step_um, std::int64_t outputs,
+                       double pitch_um) {
+  AxisTransform job;
   job.border = border;
   job.samples = n;
   job.outputs = outputs;
@@ -58,14 +59,14 @@ constexpr double kLevel = 8.5;
 
 std::shared_ptr<const SpectralFilter> filter_of(const Case& c, const SampleGrid& in, const SampleGrid& out,
                                                 Precision precision, const Engine* relative = nullptr) {
-  AxisJob x =
+  AxisTransform x =
       axis_job(c.cosine_x ? Basis::cosine : Basis::fourier, c.border, in.width, in.step_x_um, out.width, out.step_x_um);
-  AxisJob y = axis_job(c.cosine_y ? Basis::cosine : Basis::fourier, c.border, in.height, in.step_y_um, out.height,
-                       out.step_y_um);
+  AxisTransform y = axis_job(c.cosine_y ? Basis::cosine : Basis::fourier, c.border, in.height, in.step_y_um, out.height,
+                             out.step_y_um);
   x.odd = c.odd_x;
   y.odd = c.odd_y;
   constexpr std::array stages{Stage::presample};
-  const OtfSampler sampler(c.system, stages, {}, {.fx_max = 500.0 / in.step_x_um, .fy_max = 500.0 / in.step_y_um});
+  const FactoredOtf sampler(c.system, stages, {}, {.fx_max = 500.0 / in.step_x_um, .fy_max = 500.0 / in.step_y_um});
   return make_spectral_filter(sampler, {x, y, precision}, fft::Rigor::estimate, 1, relative);
 }
 

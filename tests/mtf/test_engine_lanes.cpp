@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Transforms and loops on rows of lanes, against the sums that they stand for.
-#include "mtf/engines/lanes.h"
+#include "mtf/engines/fft/batched_fft.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <complex>
 #include <random>
 
-#include "mtf/engines/lane_kernels.h"
+#include "mtf/engines/fft/lane_kernels.h"
 #include "mtf/grid.h"
 #include "mtf/image.h"
 
@@ -36,7 +36,7 @@ L at(const AlignedBuffer<S>& data, std::int64_t row, std::int64_t lane) {
 template <class S>
 double transform_error(std::int64_t n, std::int64_t step) {
   const AlignedBuffer<S> in = random_rows<S>(n, 3), data = random_rows<S>(n, 3);
-  const LaneTransform<S> transform(n, fft::Rigor::estimate);
+  const BatchedFft<S> transform(n, fft::Rigor::estimate);
   transform.forward(data.data());
   std::vector<L> roots(static_cast<std::size_t>(n));
   for (std::int64_t j = 0; j < n; ++j)
@@ -66,8 +66,8 @@ class EngineLanes : public testing::Test {};
 using Scalars = testing::Types<float, double>;
 TYPED_TEST_SUITE(EngineLanes, Scalars);
 
-// Plans count on 0.5 units a doubling and axis, and two for the ends (mtf/plan_error.cpp); lengths with large primes
-// are FFTW's.
+// Plans count on 0.5 units a doubling and axis, and two for the ends (mtf/plan/plan_error.cpp); lengths with large
+// primes are FFTW's.
 TYPED_TEST(EngineLanes, every_length_is_a_fourier_transform_and_rounds_less_than_plans_count_on) {
   for (std::int64_t n = 1; n <= 200; ++n) {
     const double doublings = std::log2(1.0 + static_cast<double>(n));
@@ -83,7 +83,7 @@ TYPED_TEST(EngineLanes, lanes_do_not_see_one_another) {
     for (std::int64_t j = 0; j < n; ++j)
       for (std::int64_t lane = 0; lane < kRow; ++lane)
         if (lane % kLanes != 5) other[static_cast<std::size_t>(j * kRow + lane)] = TypeParam(-3);
-    const LaneTransform<TypeParam> transform(n, fft::Rigor::estimate);
+    const BatchedFft<TypeParam> transform(n, fft::Rigor::estimate);
     transform.forward(data.data());
     transform.forward(other.data());
     for (std::int64_t j = 0; j < n; ++j) ASSERT_EQ(at(data, j, 5), at(other, j, 5)) << n << " " << j;
@@ -99,7 +99,7 @@ TYPED_TEST(EngineLanes, rows_are_gathered_from_anywhere) {
       rows.push_back(static_cast<std::int32_t>(i * i % 7));
       std::copy_n(from.data() + rows.back() * kRow, kRow, expected.data() + i * kRow);
     }
-    const LaneTransform<TypeParam> transform(n, fft::Rigor::estimate);
+    const BatchedFft<TypeParam> transform(n, fft::Rigor::estimate);
     transform.forward(from.data(), rows, gathered.data());
     transform.forward(expected.data());
     for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_EQ(gathered[i], expected[i]) << n;
@@ -133,8 +133,8 @@ TYPED_TEST(EngineLanes, lines_become_lanes_and_lines_again) {
 }
 
 TEST(EngineLanesTables, a_length_out_of_range_is_refused) {
-  EXPECT_ANY_THROW(LaneTransform<float>(0, fft::Rigor::estimate));
-  EXPECT_ANY_THROW(LaneTransform<float>(std::int64_t{1} << 40, fft::Rigor::estimate));
+  EXPECT_ANY_THROW(BatchedFft<float>(0, fft::Rigor::estimate));
+  EXPECT_ANY_THROW(BatchedFft<float>(std::int64_t{1} << 40, fft::Rigor::estimate));
 }
 
 }  // namespace

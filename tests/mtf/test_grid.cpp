@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "mtf/border.h"
+#include "mtf/plan/border.h"
 
 namespace mtf::test {
 namespace {

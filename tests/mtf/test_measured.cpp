@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What measuring learns outlives the plan that measured, as text too; other text is refused and changes nothing.
-#include "mtf/measured.h"
+#include "mtf/plan/measured.h"
 
 #include "tests/mtf/plan_support.h"
 

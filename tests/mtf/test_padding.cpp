@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shorter canvases: chosen where the point spread ends soon, and their wrap-around stays below its bound.
-#include "mtf/padding.h"
+#include "mtf/plan/padding.h"
 
 #include "tests/mtf/plan_support.h"
 
@@ -84,7 +84,7 @@ TEST(Padding, chosen_lengths_are_smooth_and_within_a_tenth_of_the_least) {
   const System<double> system = with(bare(), {test::gaussian(15.0)});
   constexpr std::array stages{Stage::presample};
   for (const std::int64_t n : {33, 100, 641, 1021}) {
-    const OtfSampler sampler(system, stages, {}, {.fx_max = 66.7, .fy_max = 83.4, .table_share = 1e-7});
+    const FactoredOtf sampler(system, stages, {}, {.fx_max = 66.7, .fy_max = 83.4, .table_share = 1e-7});
     const CanvasRequest request{Axis::x, Border::replicate, n, 7.5, 83.4, 15.0, 2.0, 1e-4};
     const CanvasLength canvas = choose_canvas(sampler, request);
     EXPECT_TRUE(is_smooth(canvas.length)) << canvas.length;
@@ -98,7 +98,7 @@ TEST(Padding, chosen_lengths_are_smooth_and_within_a_tenth_of_the_least) {
 TEST(Padding, periodic_small_and_tight_requests_get_the_defined_canvas) {
   const System<double> system = with(bare(), {test::gaussian(6.0)});
   constexpr std::array stages{Stage::presample};
-  const OtfSampler sampler(system, stages, {}, {.fx_max = 66.7, .fy_max = 83.4, .table_share = 1e-7});
+  const FactoredOtf sampler(system, stages, {}, {.fx_max = 66.7, .fy_max = 83.4, .table_share = 1e-7});
   CanvasRequest request{Axis::x, Border::periodic, 101, 7.5, 83.4, 15.0, 2.0, 1e-4};
   EXPECT_EQ(choose_canvas(sampler, request).length, 101);
   request.border = Border::replicate;

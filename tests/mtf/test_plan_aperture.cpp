@@ -3,7 +3,7 @@
 #include <functional>
 #include <random>
 
-#include "mtf/special.h"
+#include "mtf/math/special.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {

@@ -4,10 +4,10 @@
 #include <limits>
 
 #include "apps/check/reference_fft.h"
-#include "mtf/engines/axis.h"
-#include "mtf/engines/level.h"
-#include "mtf/flat_map.h"
-#include "mtf/scene_spectrum.h"
+#include "mtf/engines/fft/axis.h"
+#include "mtf/engines/mean_and_deviation.h"
+#include "mtf/survey/scene_spectrum.h"
+#include "mtf/survey/uniform_runs.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {
@@ -217,9 +217,9 @@ TEST(SampledLevel, is_of_its_places) {
   for (const float corner :
        {1000.0F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     scene.at(0, 0) = corner;
-    EXPECT_FALSE(sampled_level(scene.view()).has_value()) << corner;
+    EXPECT_FALSE(sampled_mean_and_deviation(scene.view()).has_value()) << corner;
   }
-  const auto level = sampled_level(random_image(kWidth, kHeight, 1, 300.0, 20.0).view());
+  const auto level = sampled_mean_and_deviation(random_image(kWidth, kHeight, 1, 300.0, 20.0).view());
   ASSERT_TRUE(level.has_value());
   EXPECT_NEAR(level->mean, 300.0, 5.0);
   EXPECT_GT(level->deviation, 40.0);
@@ -230,7 +230,8 @@ TEST(PlanFlatParts, few_samples_that_mislead_do_no_harm) {
   const System<double> system = blur();
   const SampleGrid in = scene_grid(system, kWidth, kHeight, 1.0, 1.0);
   const Image noise = random_image(kWidth, kHeight, 9);
-  const auto seen = [](std::int64_t x, std::int64_t y) {  // by sampled_level: 16 samples at each of 8 x 8 places
+  const auto seen = [](std::int64_t x,
+                       std::int64_t y) {  // by sampled_mean_and_deviation: 16 samples at each of 8 x 8 places
     const auto at = [](std::int64_t i, std::int64_t n, std::int64_t k) { return (2 * k + 1) * n / 16 <= i; };
     for (std::int64_t j = 0; j < 8; ++j)
       for (std::int64_t i = 0; i < 8; ++i)
@@ -302,18 +303,18 @@ TEST(PlanFlatParts, lines_that_are_not_finite_are_refused) {
     }
 }
 
-TEST(FlatMap, tells_groups_of_one_level_from_others) {
+TEST(UniformRuns, tells_groups_of_one_level_from_others) {
   const Image scene = scene_of({75, 0, 74, 118}, 300.0, 20.0);
-  FlatMap map(scene.view());
+  UniformRuns map(scene.view());
   ASSERT_TRUE(map.any());
   ASSERT_EQ(map.groups(), 10);
-  const FlatMap::Kind* kinds = map.look(50);
+  const UniformRuns::Kind* kinds = map.classify_row(50);
   for (std::int64_t g = 0; g < 10; ++g) EXPECT_EQ(kinds[g] != 0, g < 4) << g;
   EXPECT_EQ(map.level(kinds[0]), 300.0F);
   EXPECT_EQ(map.kind_of(300.0F), kinds[0]);
   EXPECT_EQ(map.kind_of(301.0F), 0);
-  EXPECT_FALSE(FlatMap(random_image(kWidth, kHeight, 1).view()).any());
-  EXPECT_FALSE(FlatMap(Image(1, 1).view()).any());
+  EXPECT_FALSE(UniformRuns(random_image(kWidth, kHeight, 1).view()).any());
+  EXPECT_FALSE(UniformRuns(Image(1, 1).view()).any());
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 // promised <= tolerance. And what a plan says when a way is impossible.
 #include <random>
 
-#include "mtf/scene_spectrum.h"
+#include "mtf/survey/scene_spectrum.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {

@@ -113,8 +113,8 @@ TEST(PlanParity, rows_at_mirrored_frequencies_are_those_of_the_grid_turned_over)
   const std::vector<double> fx{0.0, 3.0, 11.0, 29.0}, fy{0.0, 5.0, 17.0, 31.0}, turned{-0.0, -5.0, -17.0, -31.0};
   for (const double table_share : {0.0, 1e-7}) {
     const SamplerOptions options{.fx_max = 40.0, .fy_max = 40.0, .table_share = table_share};
-    const OtfSampler a(real, stages, {}, options), b(complex, stages, {}, options);
-    const OtfSampler::Grid up(a, fx, fy), over(a, fx, turned), complex_up(b, fx, fy), complex_over(b, fx, turned);
+    const FactoredOtf a(real, stages, {}, options), b(complex, stages, {}, options);
+    const FactoredOtf::Grid up(a, fx, fy), over(a, fx, turned), complex_up(b, fx, fy), complex_over(b, fx, turned);
     for (std::size_t j = 0; j < fy.size(); ++j) {
       std::vector<float> first(4), second(4), expected(4);
       up.real_rows(j, std::span(first), std::span(second));

@@ -2,9 +2,9 @@
 // Plans that know their scene's spectrum: what is left out is charged to the frequencies where this scene has its
 // power, at the places where a bound could be lost: aliases, alias zones inside of a cell, padded canvases, filters
 // behind the sampling, other scenes.
-#include "mtf/scene_spectrum.h"
+#include "mtf/survey/scene_spectrum.h"
 
-#include "mtf/sensor_plan.h"
+#include "mtf/plan/sensor_plan.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/radial_table.h"
+#include "mtf/otf/radial_table.h"
 
 #include <gtest/gtest.h>
 

@@ -134,18 +134,18 @@ TEST_P(RandomSystemsPart, grid_is_the_otf_pointwise_within_its_stated_error) {
     const double reach = random.decades(0.2, 5.0), reach_x = reach * system.frame.nyquist_cy_mm(Axis::x),
                  reach_y = reach * system.frame.nyquist_cy_mm(Axis::y);
     const double budget = i % 3 == 0 ? 0.0 : random.decades(1e-7, 1e-2);
-    const OtfSampler sampler(system, stages, {},
-                             {.fx_max = reach_x,
-                              .fy_max = reach_y,
-                              .drop_budget = budget,
-                              .table_share = i % 25 == 0 ? 1e-5 : 0.0,
-                              .samples = 16});
+    const FactoredOtf sampler(system, stages, {},
+                              {.fx_max = reach_x,
+                               .fy_max = reach_y,
+                               .drop_budget = budget,
+                               .table_share = i % 25 == 0 ? 1e-5 : 0.0,
+                               .samples = 16});
     std::vector<double> fx{0.0, reach_x}, fy{0.0, reach_y};
     for (int k = 0; k < 2; ++k) {
       fx.push_back(random.uniform(sampler.is_even_x() ? 0.0 : -reach_x, reach_x));
       fy.push_back(random.uniform(sampler.is_even_y() ? 0.0 : -reach_y, reach_y));
     }
-    const OtfSampler::Grid grid(sampler, fx, fy);
+    const FactoredOtf::Grid grid(sampler, fx, fy);
     for (std::size_t row = 0; row < fy.size(); ++row) {
       std::vector<Complex<float>> h(fx.size());
       if (sampler.is_real()) {

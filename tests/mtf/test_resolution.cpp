@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/resolution.h"
+#include "mtf/metrics/resolution.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <numbers>
 
 #include "mtf/error.h"
-#include "mtf/quadrature.h"
-#include "mtf/special.h"
-#include "mtf/turns.h"
+#include "mtf/math/quadrature.h"
+#include "mtf/math/special.h"
+#include "mtf/math/turns.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/random_systems.h"
 

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "mtf/resolution.h"
+#include "mtf/metrics/resolution.h"
 #include "tests/mtf/builders.h"
 
 namespace mtf::test {

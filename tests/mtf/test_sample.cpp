@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "mtf/grid.h"
-#include "mtf/sample.h"
+#include "mtf/otf/factored_otf.h"
 #include "tests/mtf/builders.h"
 
 namespace mtf::test {
@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kEnd = 66.0;
 
-double worst_distance(const System<double>& system, const OtfSampler& sampler, double end = kEnd,
+double worst_distance(const System<double>& system, const FactoredOtf& sampler, double end = kEnd,
                       std::int64_t samples = 96) {
   const FrequencyAxis axis{Basis::fourier, samples, 500.0 / end};
   const std::vector<double> fx = axis.half_frequencies(), fy = axis.all_frequencies();
-  const OtfSampler::Grid grid(sampler, fx, fy);
+  const FactoredOtf::Grid grid(sampler, fx, fy);
   std::vector<Complex<float>> row(fx.size());
   std::vector<float> real(fx.size());
   double worst = 0.0;
@@ -35,7 +35,7 @@ double worst_distance(const System<double>& system, const OtfSampler& sampler, d
   return worst;
 }
 
-bool mentions(const OtfSampler& sampler, std::string_view word) {
+bool mentions(const FactoredOtf& sampler, std::string_view word) {
   return std::any_of(sampler.merged().begin(), sampler.merged().end(),
                      [&](const std::string& line) { return line.find(word) != std::string::npos; });
 }
@@ -60,7 +60,7 @@ TEST(Sampler, motion_at_an_angle_is_one_table_along_its_direction) {
       System<double> system = mwir();
       system.add(Stage::presample, motion(travel_um, direction_deg));
       system.add(Stage::presample, vibration(0.4 * travel_um, -direction_deg));
-      const OtfSampler sampler(system, kStages, {}, {.fx_max = kEnd, .fy_max = kEnd, .table_share = 1e-6});
+      const FactoredOtf sampler(system, kStages, {}, {.fx_max = kEnd, .fy_max = kEnd, .table_share = 1e-6});
       EXPECT_TRUE(mentions(sampler, "linear_motion -> one table along its direction"));
       EXPECT_LE(worst_distance(system, sampler), sampler.error() + 3e-7) << travel_um << " um " << direction_deg;
       EXPECT_LE(sampler.error(), 5e-5);
@@ -70,7 +70,7 @@ TEST(Sampler, motion_at_an_angle_is_one_table_along_its_direction) {
 TEST(Sampler, motion_too_long_for_a_table_is_evaluated_at_every_frequency) {
   System<double> system = mwir();
   system.add(Stage::presample, motion(1e6, 30.0));
-  const OtfSampler sampler(system, kStages, {}, {.fx_max = kEnd, .fy_max = kEnd, .table_share = 1e-6});
+  const FactoredOtf sampler(system, kStages, {}, {.fx_max = kEnd, .fy_max = kEnd, .table_share = 1e-6});
   EXPECT_FALSE(mentions(sampler, "direction"));
   EXPECT_LE(worst_distance(system, sampler), sampler.error() + 3e-7);
 }
@@ -81,7 +81,7 @@ TEST(Sampler, filters_and_crosstalk_are_evaluated_a_row_at_a_time) {
   system.add(Stage::postsample, fir({{0.0, -0.2, 0.1}, {-0.1, 1.4, -0.2}, {0.05, -0.1, 0.05}}));
   system.add(Stage::postsample, fir({{0.0, -0.2, 0.0}, {-0.1, 1.6, -0.1}, {0.0, -0.2, 0.0}}));
   system.add(Stage::readout, rc(50.0, 1));
-  const OtfSampler sampler(system, kStages, {}, {.fx_max = kEnd, .fy_max = kEnd, .table_share = 1e-6});
+  const FactoredOtf sampler(system, kStages, {}, {.fx_max = kEnd, .fy_max = kEnd, .table_share = 1e-6});
   EXPECT_LE(worst_distance(system, sampler), sampler.error() + 1e-6);
 }
 
@@ -89,7 +89,8 @@ TEST(Sampler, the_number_of_wavelengths_can_be_given) {
   System<double> system = mwir();
   system.band = Band{3.4, 4.8};
   system.band_nodes = 64;
-  const OtfSampler given(system, kStages, {}, {.fx_max = kEnd, .fy_max = kEnd, .table_share = 1e-6, .wavelengths = 17});
+  const FactoredOtf given(system, kStages, {},
+                          {.fx_max = kEnd, .fy_max = kEnd, .table_share = 1e-6, .wavelengths = 17});
   EXPECT_EQ(given.wavelengths(), 17);
   EXPECT_LE(worst_distance(system, given), given.error() + 3e-7);
 }
@@ -115,7 +116,7 @@ TEST(Sampler, aberrated_pupils_are_one_table_over_radius_and_direction) {
     for (const double waves : {0.05, 1.0})
       for (const double end : {30.0, 66.0, 150.0}) {  // the cutoff is 125 cycles/mm
         const System<double> system = aberrated(waves, obscuration);
-        const OtfSampler sampler(system, kStages, {}, {.fx_max = end, .fy_max = end, .table_share = 1e-6});
+        const FactoredOtf sampler(system, kStages, {}, {.fx_max = end, .fy_max = end, .table_share = 1e-6});
         EXPECT_TRUE(mentions(sampler, "one table over radius and direction"));
         EXPECT_FALSE(sampler.is_real());
         EXPECT_LE(worst_distance(system, sampler, end, 32), sampler.error() + 3e-7)
@@ -123,8 +124,8 @@ TEST(Sampler, aberrated_pupils_are_one_table_over_radius_and_direction) {
         EXPECT_LE(sampler.error(), 2e-5);
         EXPECT_EQ(sampler.axis_bound(Axis::x, 126.0), 0.0);
       }
-  const OtfSampler few(aberrated(0.4, 0.0), kStages, {},
-                       {.fx_max = kEnd, .fy_max = kEnd, .table_share = 1e-6, .samples = 500});
+  const FactoredOtf few(aberrated(0.4, 0.0), kStages, {},
+                        {.fx_max = kEnd, .fy_max = kEnd, .table_share = 1e-6, .samples = 500});
   EXPECT_FALSE(mentions(few, "direction"));
 }
 
@@ -132,7 +133,7 @@ TEST(Sampler, a_band_of_aberrated_pupils_is_averaged_before_it_is_tabulated) {
   System<double> system = aberrated(0.3, 0.25);
   system.band = Band{3.4, 4.8};
   system.band_nodes = 32;
-  const OtfSampler sampler(system, kStages, {}, {.fx_max = kEnd, .fy_max = kEnd, .table_share = 1e-5});
+  const FactoredOtf sampler(system, kStages, {}, {.fx_max = kEnd, .fy_max = kEnd, .table_share = 1e-5});
   EXPECT_TRUE(mentions(sampler, "one table over radius and direction"));
   EXPECT_LE(worst_distance(system, sampler, kEnd, 20), sampler.error() + 3e-7);
   EXPECT_LE(sampler.error(), 2e-4);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "mtf/error.h"
-#include "mtf/sensor_plan.h"
+#include "mtf/plan/sensor_plan.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/reference.h"
 

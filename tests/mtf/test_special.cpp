@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "mtf/components/bessel.h"
-#include "mtf/special.h"
+#include "mtf/math/special.h"
 #include "tests/mtf/conformance.h"
 #include "tests/mtf/reference_table.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/split_mean.h"
+#include "mtf/otf/split_mean.h"
 
 #include <gtest/gtest.h>
 

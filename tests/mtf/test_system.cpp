@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "mtf/components/pupil.h"
+#include "mtf/components/pupil/pupil.h"
 #include "mtf/error.h"
 #include "mtf/system_impl.h"
 #include "tests/mtf/builders.h"

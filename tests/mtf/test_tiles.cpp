@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tiles: the same image as the exact reference and as the whole-image route, within the tolerance, for every border.
-#include "mtf/tiles.h"
+#include "mtf/tiles/tiles.h"
 
 #include <cstdlib>
 #include <limits>

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "radiometry/contrast_threshold.h"
+#include "radiometry/performance/contrast_threshold.h"
 #include "tests/mtf/reference_table.h"
 
 namespace radiometry::test {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "radiometry/adc.h"
-#include "radiometry/noise.h"
+#include "radiometry/stages/detector/adc.h"
+#include "radiometry/stages/noise/noise.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"

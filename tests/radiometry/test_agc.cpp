@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "radiometry/agc.h"
-#include "radiometry/noise.h"
+#include "radiometry/stages/noise/noise.h"
+#include "radiometry/stages/processing/agc.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <random>
 
-#include "mtf/quadrature.h"
-#include "radiometry/band_response.h"
-#include "radiometry/constants.h"
+#include "mtf/math/quadrature.h"
+#include "radiometry/light/band_response.h"
+#include "radiometry/light/constants.h"
 #include "tests/radiometry/expect_refused.h"
 
 namespace radiometry {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "mtf/quadrature.h"
-#include "radiometry/blackbody.h"
-#include "radiometry/constants.h"
+#include "mtf/math/quadrature.h"
+#include "radiometry/light/blackbody.h"
+#include "radiometry/light/constants.h"
 #include "tests/mtf/reference_table.h"
 
 namespace radiometry {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "radiometry/blinking.h"
+#include "radiometry/stages/noise/blinking.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"

@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "radiometry/adc.h"
-#include "radiometry/blooming.h"
-#include "radiometry/noise.h"
+#include "radiometry/stages/detector/adc.h"
+#include "radiometry/stages/detector/blooming.h"
+#include "radiometry/stages/noise/noise.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "radiometry/blackbody.h"
-#include "radiometry/noise_3d.h"
+#include "radiometry/light/blackbody.h"
+#include "radiometry/stages/noise/noise_3d.h"
 #include "tests/radiometry/chain_cases.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/statistics.h"
@@ -37,7 +37,7 @@ TEST(Chain, AFlatSceneGivesTheElectronsOfTheBudget) {
   sensor.settings.optics->stop_temperature_k = 120.0;
   const Chain chain = make_chain(mwir_system(), sensor, 96, 64, 7.5);
   for (const double t : {200.0, 300.0, 340.0}) {
-    const ChainFrame frame = chain.run(flat(96, 64, static_cast<float>(radiance_of(t))), 0, Tap::electrons);
+    const ChainFrame frame = chain.run(flat(96, 64, static_cast<float>(radiance_of(t))), 0, OutputStage::electrons);
     const double expected = budget_of(mwir_system(), sensor, t).signal.total_e();
     ASSERT_EQ(frame.image.width(), 48);
     for (const float v : samples(frame.image)) EXPECT_NEAR(v / expected, 1.0, 1e-6) << t;
@@ -56,7 +56,7 @@ TEST(Chain, AFlatSceneHasTheVarianceOfTheBudget) {
   constexpr int frames = 400;
   std::vector<double> sum(24 * 24), squares(24 * 24);
   for (int n = 0; n < frames; ++n) {
-    const ChainFrame frame = chain.run(flat(24, 24, radiance), static_cast<std::uint32_t>(n), Tap::dn);
+    const ChainFrame frame = chain.run(flat(24, 24, radiance), static_cast<std::uint32_t>(n), OutputStage::dn);
     for (std::size_t i = 0; i < sum.size(); ++i) {
       const double electrons = (static_cast<double>(frame.image.data()[i]) - 100.0) * 450.0;
       sum[i] += electrons;
@@ -87,7 +87,7 @@ TEST(Chain, KeepsTheEnergyOfAnIsolatedSource) {
       mtf::Image scene = flat(side, side, 0.0F);
       scene.at(side / 2 + 1, side / 3) = 1e20F;
       const double expected = chain.electrons_per_radiance() * 1e20 / (ratio * ratio);
-      const ChainFrame frame = chain.run(std::move(scene), 0, Tap::electrons);
+      const ChainFrame frame = chain.run(std::move(scene), 0, OutputStage::electrons);
       EXPECT_NEAR(sum_of(frame.image) / expected, 1.0, 1e-5) << ratio;
     }
 }
@@ -116,7 +116,7 @@ TEST(Chain, KeepsTheEnergyThatFillFactorAndFoldingLeave) {
       }
     const double expected = chain.electrons_per_radiance() * 1e20 / (ratio * ratio) * sum;
     EXPECT_GT(std::abs(sum - 1.0), 0.003);
-    EXPECT_NEAR(sum_of(chain.run(std::move(scene), 0, Tap::electrons).image) / expected, 1.0, 1e-5) << at;
+    EXPECT_NEAR(sum_of(chain.run(std::move(scene), 0, OutputStage::electrons).image) / expected, 1.0, 1e-5) << at;
   }
 }
 
@@ -124,30 +124,30 @@ TEST(Chain, TapsAreWhatTheySay) {
   const Sensor sensor = noisy_sensor();
   const Chain chain = make_chain(mwir_system(), sensor, 32, 32, 15.0);
   const double radiance = radiance_of(300.0);
-  const auto at = [&](Tap tap) { return chain.run(flat(32, 32, static_cast<float>(radiance)), 3, tap); };
-  EXPECT_NEAR(at(Tap::radiance).image.at(5, 5) / radiance, 1.0, 1e-6);
+  const auto at = [&](OutputStage stage) { return chain.run(flat(32, 32, static_cast<float>(radiance)), 3, stage); };
+  EXPECT_NEAR(at(OutputStage::radiance).image.at(5, 5) / radiance, 1.0, 1e-6);
   const double cone = 3.14159265358979 / (1.0 + 4.0 * 2.5 * 2.5) * 0.85;
-  EXPECT_NEAR(at(Tap::irradiance).image.at(5, 5) / (radiance * cone), 1.0, 1e-6);
-  const mtf::Image electrons = at(Tap::electrons).image, counts = at(Tap::dn).image;
+  EXPECT_NEAR(at(OutputStage::irradiance).image.at(5, 5) / (radiance * cone), 1.0, 1e-6);
+  const mtf::Image electrons = at(OutputStage::electrons).image, counts = at(OutputStage::dn).image;
   for (std::int64_t i = 0; i < counts.size(); ++i)
     EXPECT_EQ(counts.data()[i], std::floor(electrons.data()[i] / 450.0F + 100.0F + 0.5F));
-  EXPECT_EQ(last_tap(mwir_system(), sensor), Tap::dn);
-  EXPECT_EQ(tap_unit(sensor, Tap::dn), "counts");
-  test::expect_refused({"display", "dn"}, [&] { at(Tap::display); });
+  EXPECT_EQ(last_output_stage(mwir_system(), sensor), OutputStage::dn);
+  EXPECT_EQ(output_unit(sensor, OutputStage::dn), "counts");
+  test::expect_refused({"display", "dn"}, [&] { at(OutputStage::display); });
 }
 
 TEST(Chain, StagesThatAreOffDoNotRun) {
-  const auto stages = [](const Chain& chain, Tap tap) {
+  const auto stages = [](const Chain& chain, OutputStage stage) {
     std::string names;
-    for (const auto& [name, ms] : chain.run(flat(16, 16, 1e18F), 0, tap).timing_ms) names += std::string(name) + ";";
+    for (const auto& [name, ms] : chain.run(flat(16, 16, 1e18F), 0, stage).timing_ms) names += std::string(name) + ";";
     return names;
   };
   Sensor bare = mwir_sensor();
   bare.settings.detector->full_well_e = mtf::kInfinity;
-  EXPECT_EQ(stages(make_chain(mwir_system(), bare, 16, 16, 15.0), Tap::electrons), "presample;collect;");
+  EXPECT_EQ(stages(make_chain(mwir_system(), bare, 16, 16, 15.0), OutputStage::electrons), "presample;collect;");
   const Chain all = make_chain(mwir_system(), noisy_sensor(), 16, 16, 15.0);
-  EXPECT_EQ(stages(all, Tap::radiance), "presample;");
-  EXPECT_EQ(stages(all, Tap::dn), "presample;collect;shot;full well;offset;read;rows and columns;adc;");
+  EXPECT_EQ(stages(all, OutputStage::radiance), "presample;");
+  EXPECT_EQ(stages(all, OutputStage::dn), "presample;collect;shot;full well;offset;read;rows and columns;adc;");
 }
 
 TEST(Chain, SameBitsForAnyThreadsAndSameNoiseForAnyRegion) {
@@ -155,14 +155,14 @@ TEST(Chain, SameBitsForAnyThreadsAndSameNoiseForAnyRegion) {
   const Sensor sensor = noisy_sensor();
   const Chain chain = make_chain(system, sensor, 150, 70, 15.0);
   const auto radiance = static_cast<float>(radiance_of(300.0));
-  const mtf::Image one = chain.run(flat(150, 70, radiance), 5, Tap::dn, 0.0, 1).image;
-  const mtf::Image two = chain.run(flat(150, 70, radiance), 5, Tap::dn, 0.0, 2).image;
+  const mtf::Image one = chain.run(flat(150, 70, radiance), 5, OutputStage::dn, 0.0, 1).image;
+  const mtf::Image two = chain.run(flat(150, 70, radiance), 5, OutputStage::dn, 0.0, 2).image;
   EXPECT_TRUE(std::equal(one.data(), one.data() + one.size(), two.data()));
   const Chain part = make_chain(system, sensor, 40, 30, 15.0, {37, 21});
-  const mtf::Image region = part.run(flat(40, 30, radiance), 5, Tap::dn).image;
+  const mtf::Image region = part.run(flat(40, 30, radiance), 5, OutputStage::dn).image;
   for (std::int64_t y = 0; y < 30; ++y)
     for (std::int64_t x = 0; x < 40; ++x) ASSERT_EQ(region.at(x, y), one.at(x + 37, y + 21));
-  const mtf::Image next = chain.run(flat(150, 70, radiance), 6, Tap::dn).image;
+  const mtf::Image next = chain.run(flat(150, 70, radiance), 6, OutputStage::dn).image;
   EXPECT_FALSE(std::equal(one.data(), one.data() + one.size(), next.data()));
 }
 
@@ -177,7 +177,7 @@ TEST(Chain, ReadoutFiltersShotNoiseButNotReadNoise) {
     sensor.settings.noise = NoiseSettings{.seed = 3, .shot = shot};
     sensor.settings.detector->read_e = read_e;
     const Chain chain = make_chain(system, sensor, 128, 128, 15.0, {}, mtf::Border::periodic);
-    const mtf::Image image = chain.run(flat(128, 128, 1e19F), 0, Tap::electrons).image;
+    const mtf::Image image = chain.run(flat(128, 128, 1e19F), 0, OutputStage::electrons).image;
     return test::moments(samples(image)).variance;
   };
   const double electrons = make_chain(system, mwir_sensor(), 16, 16, 15.0).electrons_per_radiance() * 1e19;
@@ -195,7 +195,7 @@ TEST(Chain, The3dNoiseThatIsPutInIsMeasured) {
   const Chain chain = make_chain(mwir_system(), sensor, 160, 120, 15.0);
   Noise3dEstimator estimator(160, 120);
   for (std::uint32_t n = 0; n < 60; ++n)
-    estimator.add(chain.run(flat(160, 120, 1e18F), n, Tap::electrons).image.view());
+    estimator.add(chain.run(flat(160, 120, 1e18F), n, OutputStage::electrons).image.view());
   const Noise3d found = estimator.estimate();
   EXPECT_NEAR(found.tvh, put.tvh, 0.1);
   EXPECT_NEAR(found.vh, put.vh, 0.01 * put.vh);
@@ -210,7 +210,7 @@ TEST(Chain, TheNetdThatIsMeasuredIsThatOfTheBudget) {
   sensor.settings.noise->row_e = sensor.settings.noise->column_e = 0.0;
   const Chain chain = make_chain(mwir_system(), sensor, 256, 256, 15.0);
   const auto moments_at = [&](double t) {
-    const mtf::Image image = chain.run(flat(256, 256, static_cast<float>(radiance_of(t))), 1, Tap::dn).image;
+    const mtf::Image image = chain.run(flat(256, 256, static_cast<float>(radiance_of(t))), 1, OutputStage::dn).image;
     return test::moments(samples(image));
   };
   const test::Moments low = moments_at(299.5), high = moments_at(300.5);
@@ -233,7 +233,7 @@ TEST(Chain, ExtremesAreFiniteMonotoneAndSaturate) {
         const Chain chain = make_chain(system, sensor, 8, 8, 15.0);
         float before = -1.0F;
         for (const double radiance : {0.0, 1e7, 1e19, radiance_of(300.0), radiance_of(6000.0), 1e31}) {
-          const ChainFrame frame = chain.run(flat(8, 8, static_cast<float>(radiance)), 0, Tap::dn);
+          const ChainFrame frame = chain.run(flat(8, 8, static_cast<float>(radiance)), 0, OutputStage::dn);
           const float v = frame.image.at(3, 3);
           EXPECT_TRUE(std::isfinite(v));
           EXPECT_GE(v, before);
@@ -249,7 +249,7 @@ TEST(Chain, TheConverterRoundsAsItsTableSays) {
   Sensor sensor = mwir_sensor();
   sensor.settings.adc = AdcSettings{.bits = 14, .electrons_per_count = 450.0, .rounding = Rounding::down};
   const auto counts = [&] {
-    return make_chain(mwir_system(), sensor, 16, 16, 15.0).run(flat(16, 16, 1e19F), 0, Tap::dn).image.at(3, 3);
+    return make_chain(mwir_system(), sensor, 16, 16, 15.0).run(flat(16, 16, 1e19F), 0, OutputStage::dn).image.at(3, 3);
   };
   const double exact = make_chain(mwir_system(), sensor, 16, 16, 15.0).electrons_per_radiance() * 1e19 / 450.0;
   EXPECT_EQ(counts(), static_cast<float>(std::floor(exact)));
@@ -281,7 +281,7 @@ TEST(Chain, MicroscanSamplesBetweenTheSamePixels) {
     Sensor sensor = mwir_sensor();
     if (scan) sensor.settings.microscan = Microscan{.steps = 2};
     return make_chain(system, sensor, 128, 128, 3.75, {}, mtf::Border::reflect, 1e-5)
-        .run(waves(128, 128, 0), 0, Tap::electrons)
+        .run(waves(128, 128, 0), 0, OutputStage::electrons)
         .image;
   };
   const mtf::Image coarse = image(false), fine = image(true);
@@ -304,7 +304,7 @@ TEST(Chain, LineNoiseAnd3dNoiseAreIndependent) {
   sensor.settings.noise = NoiseSettings{.seed = 9, .shot = false, .column_e = 100.0};
   sensor.settings.noise_3d = Noise3d{.th = 100.0};
   const Chain chain = make_chain(mwir_system(), sensor, 4096, 2, 15.0);
-  const mtf::Image image = chain.run(flat(4096, 2, 1e18F), 0, Tap::electrons).image;
+  const mtf::Image image = chain.run(flat(4096, 2, 1e18F), 0, OutputStage::electrons).image;
   const double variance = test::moments(samples(image).first(4096)).variance;
   EXPECT_NEAR(variance / 2e4, 1.0, kMostSigmas * std::sqrt(2.0 / 4096.0));
 }
@@ -318,7 +318,7 @@ TEST(Chain, DistortionAndGhostDoNotDependOnAMarginOfTheScene) {
   sensor.settings.ghost = Ghost{.fraction = 0.1};
   const auto image = [&](std::int64_t margin) {
     return make_chain(system, sensor, 64 + margin, 64 + margin, 7.5)
-        .run(waves(64, 64, margin), 0, Tap::electrons)
+        .run(waves(64, 64, margin), 0, OutputStage::electrons)
         .image;
   };
   const mtf::Image tight = image(0), loose = image(32);
@@ -334,7 +334,8 @@ TEST(Chain, TwoPointCorrectionTakesTheFixedPatternOut) {
   const auto scatter = [&] {
     const Chain chain = make_chain(mwir_system(), sensor, 64, 64, 15.0);
     return std::sqrt(
-        test::moments(samples(chain.run(flat(64, 64, 1e20F), 0, last_tap(mwir_system(), sensor)).image)).variance);
+        test::moments(samples(chain.run(flat(64, 64, 1e20F), 0, last_output_stage(mwir_system(), sensor)).image))
+            .variance);
   };
   const double before = scatter();
   sensor.settings.correction = CorrectionSettings{.frames = 32};
@@ -353,7 +354,7 @@ TEST(Chain, LagTakesFramesThatAreLeftOutAsTime) {
   const Chain chain = make_chain(mwir_system(), sensor, 8, 8, 15.0);
   ChainState state;
   const auto level = [&](std::uint32_t number, float radiance) {
-    return chain.run(flat(8, 8, radiance), number, Tap::electrons, 0.0, 1, &state).image.at(2, 2) /
+    return chain.run(flat(8, 8, radiance), number, OutputStage::electrons, 0.0, 1, &state).image.at(2, 2) /
            static_cast<float>(chain.electrons_per_radiance() * 1e19);
   };
   EXPECT_NEAR(level(10, 1e19F), 1.0, 1e-6);

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "radiometry/correction.h"
-#include "radiometry/fixed_pattern.h"
+#include "radiometry/stages/noise/fixed_pattern.h"
+#include "radiometry/stages/processing/correction.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"

@@ -2,8 +2,8 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
-#include "radiometry/blackbody.h"
-#include "radiometry/correction_residual.h"
+#include "radiometry/light/blackbody.h"
+#include "radiometry/performance/correction_residual.h"
 
 // One body for double and Jet: values are equal, derivatives those of the double functions.
 

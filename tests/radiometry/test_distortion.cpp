@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "radiometry/distortion.h"
-#include "radiometry/noise.h"
+#include "radiometry/stages/noise/noise.h"
+#include "radiometry/stages/optics/distortion.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 

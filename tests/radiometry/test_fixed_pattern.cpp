@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "radiometry/fixed_pattern.h"
+#include "radiometry/stages/noise/fixed_pattern.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"

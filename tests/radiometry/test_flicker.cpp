@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "radiometry/flicker.h"
+#include "radiometry/stages/noise/flicker.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"

@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include "radiometry/adc.h"
-#include "radiometry/blackbody.h"
-#include "radiometry/fixed_pattern.h"
-#include "radiometry/noise_3d.h"
-#include "radiometry/sensitivity.h"
+#include "radiometry/light/blackbody.h"
+#include "radiometry/performance/sensitivity.h"
+#include "radiometry/stages/detector/adc.h"
+#include "radiometry/stages/noise/fixed_pattern.h"
+#include "radiometry/stages/noise/noise_3d.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"
 

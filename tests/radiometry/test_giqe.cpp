@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/giqe.h"
+#include "radiometry/performance/giqe.h"
 
 #include <gtest/gtest.h>
 
-#include "radiometry/ground_resolution.h"
+#include "radiometry/performance/ground_resolution.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/performance_cases.h"
 

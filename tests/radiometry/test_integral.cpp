@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "radiometry/adaptive_integral.h"
-#include "radiometry/implicit_root.h"
+#include "radiometry/light/adaptive_integral.h"
+#include "radiometry/performance/implicit_root.h"
 
 namespace radiometry {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "radiometry/lag.h"
+#include "radiometry/stages/detector/lag.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <set>
 
-#include "radiometry/fixed_pattern.h"
-#include "radiometry/measure_correction.h"
-#include "radiometry/nonlinearity.h"
+#include "radiometry/stages/detector/nonlinearity.h"
+#include "radiometry/stages/noise/fixed_pattern.h"
+#include "radiometry/stages/processing/measure_correction.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "radiometry/microscan.h"
-#include "radiometry/noise.h"
+#include "radiometry/stages/detector/microscan.h"
+#include "radiometry/stages/noise/noise.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/mrtd.h"
+#include "radiometry/performance/mrtd.h"
 
 #include <gtest/gtest.h>
 
-#include "radiometry/johnson.h"
+#include "radiometry/performance/johnson.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/performance_cases.h"
 

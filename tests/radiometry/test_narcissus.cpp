@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "radiometry/narcissus.h"
+#include "radiometry/stages/optics/narcissus.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 

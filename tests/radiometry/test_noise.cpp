@@ -6,8 +6,8 @@
 #include <numbers>
 #include <vector>
 
-#include "radiometry/noise.h"
-#include "radiometry/poisson.h"
+#include "radiometry/stages/noise/noise.h"
+#include "radiometry/stages/noise/poisson.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"

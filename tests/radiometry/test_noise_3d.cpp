@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "radiometry/noise_3d.h"
+#include "radiometry/stages/noise/noise_3d.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 

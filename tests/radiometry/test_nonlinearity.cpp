@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "radiometry/nonlinearity.h"
+#include "radiometry/stages/detector/nonlinearity.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "radiometry/path.h"
+#include "radiometry/light/path.h"
 #include "tests/radiometry/expect_refused.h"
 
 namespace radiometry {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "radiometry/path_planes.h"
+#include "radiometry/light/path_planes.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 

@@ -2,11 +2,11 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
-#include "radiometry/acquisition.h"
-#include "radiometry/giqe.h"
-#include "radiometry/ground_resolution.h"
-#include "radiometry/johnson.h"
-#include "radiometry/mrtd.h"
+#include "radiometry/performance/acquisition.h"
+#include "radiometry/performance/giqe.h"
+#include "radiometry/performance/ground_resolution.h"
+#include "radiometry/performance/johnson.h"
+#include "radiometry/performance/mrtd.h"
 #include "tests/radiometry/performance_cases.h"
 
 // One body for double and Jet: derivatives by every parameter against central differences, to 1e-6 of the largest

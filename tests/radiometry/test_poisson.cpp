@@ -7,8 +7,8 @@
 #include <numbers>
 #include <vector>
 
-#include "radiometry/noise_lanes.h"
-#include "radiometry/poisson.h"
+#include "radiometry/stages/noise/noise_lanes.h"
+#include "radiometry/stages/noise/poisson.h"
 
 namespace radiometry {
 namespace {

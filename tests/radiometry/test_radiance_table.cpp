@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "radiometry/radiance_table.h"
+#include "radiometry/light/radiance_table.h"
 #include "tests/radiometry/expect_refused.h"
 
 namespace radiometry {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "radiometry/random.h"
+#include "radiometry/stages/noise/random.h"
 
 namespace radiometry {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "mtf/io/image_io.h"
-#include "radiometry/raw_counts.h"
+#include "radiometry/light/raw_counts.h"
 #include "tests/mtf/reference_table.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"

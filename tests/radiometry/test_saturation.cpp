@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/saturation.h"
+#include "radiometry/stages/detector/saturation.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 
-#include "radiometry/blackbody.h"
-#include "radiometry/sensor_numbers.h"
+#include "radiometry/light/blackbody.h"
+#include "radiometry/performance/sensor_numbers.h"
 #include "tests/radiometry/chain_cases.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/statistics.h"
@@ -169,7 +169,7 @@ TEST(Saturation, NearTheEndTheBudgetSaysWhatFramesDo) {
     EXPECT_NE(words(b.saturation).find("near saturation"), std::string::npos);
     const Chain chain = make_chain(mwir_system(), sensor, 400, 300, 15.0);
     const auto frame = [&](double t) {
-      return chain.run(flat(400, 300, static_cast<float>(radiance_of(t))), 0, Tap::electrons);
+      return chain.run(flat(400, 300, static_cast<float>(radiance_of(t))), 0, OutputStage::electrons);
     };
     const double n = 120000.0, share = static_cast<double>(frame(300.0).held.full_well) / n;
     EXPECT_NEAR(share, b.saturation.held,
@@ -191,7 +191,7 @@ TEST(Saturation, PixelsThatAreMeantToBeStuckAreCountedApart) {
   sensor.settings.blinking = Blinking{.fraction = 0.01, .excess_e = 100.0 * well, .dwell_frames = 3.0};
   const Chain chain = make_chain(mwir_system(), sensor, 200, 150, 15.0);
   const auto run = [&](double t, int threads) {
-    return chain.run(flat(200, 150, static_cast<float>(radiance_of(t))), 4, Tap::dn, 0.0, threads);
+    return chain.run(flat(200, 150, static_cast<float>(radiance_of(t))), 4, OutputStage::dn, 0.0, threads);
   };
   const ChainFrame fine = run(300.0, 1);
   EXPECT_FALSE(fine.held.any());
@@ -209,7 +209,7 @@ TEST(Saturation, PixelsThatAreMeantToBeStuckAreCountedApart) {
 
   sensor.settings.blooming = Blooming{};
   const ChainFrame spilled = make_chain(mwir_system(), sensor, 200, 150, 15.0)
-                                 .run(flat(200, 150, static_cast<float>(radiance_of(400.0))), 4, Tap::dn);
+                                 .run(flat(200, 150, static_cast<float>(radiance_of(400.0))), 4, OutputStage::dn);
   EXPECT_EQ(spilled.held, full.held);
 }
 
@@ -219,7 +219,7 @@ TEST(Saturation, FlatFramesThatCannotBeHadSayWhy) {
   sensor.settings.detector->dark_e_s = 0.3 * sensor.settings.detector->full_well_e / 2e-3;
   const auto run = [&](double t) {
     return make_chain(mwir_system(), sensor, 16, 16, 15.0)
-        .run(flat(16, 16, static_cast<float>(radiance_of(t))), 0, Tap::display);
+        .run(flat(16, 16, static_cast<float>(radiance_of(t))), 0, OutputStage::display);
   };
   test::expect_refused({"[correction]", "low = 0.2", "fill 0.3 of it", "to less than 0.66", "correction.low"},
                        [&] { run(200.0); });

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "radiometry/constants.h"
-#include "radiometry/scene_radiance.h"
+#include "radiometry/light/constants.h"
+#include "radiometry/light/scene_radiance.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "radiometry/blackbody.h"
-#include "radiometry/sensitivity.h"
+#include "radiometry/light/blackbody.h"
+#include "radiometry/performance/sensitivity.h"
 #include "tests/radiometry/expect_refused.h"
 
 namespace radiometry {

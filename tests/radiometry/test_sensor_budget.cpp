@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/sensor_budget.h"
+#include "radiometry/performance/sensor_budget.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "mtf/quadrature.h"
+#include "mtf/math/quadrature.h"
 #include "tests/radiometry/chain_cases.h"
 #include "tests/radiometry/statistics.h"
 
@@ -104,7 +104,7 @@ TEST(SensorBudget, a_flat_scene_comes_out_as_the_budget_says_for_either_cone_and
       const SpectralNumbers<double> spectral = spectral_numbers(sensor, 300.0);
       const Chain chain = make_chain(mwir_system(), sensor, 16, 16, 15.0);
       const auto light = static_cast<float>(spectral.radiances.scene + spectral.radiances.path);
-      const mtf::Image image = chain.run(test::flat(16, 16, light), 0, Tap::electrons).image;
+      const mtf::Image image = chain.run(test::flat(16, 16, light), 0, OutputStage::electrons).image;
       EXPECT_NEAR(image.at(5, 5) / budget.signal.total_e(), 1.0, 3e-7);  // floats
       totals.push_back(budget.signal.total_e());
     }
@@ -121,7 +121,7 @@ double pattern_e(const Sensor& sensor, double temperature_k) {
   const auto light = static_cast<float>(spectral.radiances.scene + spectral.radiances.path);
   std::vector<double> sum(128 * 128, 0.0), squares(128 * 128, 0.0);
   for (std::uint32_t n = 0; n < kFrames; ++n) {
-    const mtf::Image frame = chain.run(test::flat(128, 128, light), n, Tap::display).image;
+    const mtf::Image frame = chain.run(test::flat(128, 128, light), n, OutputStage::display).image;
     for (std::size_t i = 0; i < sum.size(); ++i) {
       const double value = static_cast<double>(frame.data()[i]);
       sum[i] += value;

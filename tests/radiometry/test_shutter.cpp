@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "radiometry/shutter.h"
+#include "radiometry/stages/detector/shutter.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "mtf/quadrature.h"
-#include "radiometry/band_response.h"
-#include "radiometry/constants.h"
-#include "radiometry/spectral_signal.h"
+#include "mtf/math/quadrature.h"
+#include "radiometry/light/band_response.h"
+#include "radiometry/light/constants.h"
+#include "radiometry/light/spectral_signal.h"
 #include "tests/radiometry/expect_refused.h"
 
 namespace radiometry {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <string>
 
-#include "mtf/io/spectrum_csv.h"
-#include "mtf/io/tape7.h"
-#include "radiometry/path_planes.h"
+#include "mtf/io/csv/spectrum_csv.h"
+#include "mtf/io/csv/tape7.h"
+#include "radiometry/light/path_planes.h"
 
 // From files to radiometry: what mtf/io reads as plain numbers is what the types here are made of.
 

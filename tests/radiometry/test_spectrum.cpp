@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "radiometry/spectrum.h"
+#include "radiometry/light/spectrum.h"
 #include "tests/radiometry/expect_refused.h"
 
 namespace radiometry {

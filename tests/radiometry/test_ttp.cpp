@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/ttp.h"
+#include "radiometry/performance/ttp.h"
 
 #include <gtest/gtest.h>
 
-#include "radiometry/acquisition.h"
+#include "radiometry/performance/acquisition.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/performance_cases.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "radiometry/noise.h"
-#include "radiometry/veiling_glare.h"
+#include "radiometry/stages/noise/noise.h"
+#include "radiometry/stages/optics/veiling_glare.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 

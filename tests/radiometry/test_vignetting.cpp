@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "radiometry/vignetting.h"
+#include "radiometry/stages/optics/vignetting.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 

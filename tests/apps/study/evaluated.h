@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/study/evaluator.h"
+#include "apps/study/design/evaluator.h"
 #include "tests/apps/study/study_files.h"
 
 namespace study_test {

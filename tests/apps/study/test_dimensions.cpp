@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "apps/study/design/metric_list.h"
 #include "apps/study/dimensions.h"
-#include "apps/study/metric_list.h"
 #include "mtf/error.h"
 
 namespace study {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/sensor_chain.h"
+#include "apps/sensor/sensor_chain.h"
 #include "mtf/error.h"
-#include "mtf/resolution.h"
+#include "mtf/metrics/resolution.h"
 #include "tests/apps/study/evaluated.h"
 #include "tests/apps/study/satellite.h"
 

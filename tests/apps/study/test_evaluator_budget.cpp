@@ -2,8 +2,8 @@
 
 // What a study takes from the budget: spectral responses, the target's contrast, cones, what a correction leaves.
 
-#include "apps/sensor_chain.h"
-#include "apps/study/metric_rows.h"
+#include "apps/sensor/sensor_chain.h"
+#include "apps/study/design/metric_rows.h"
 #include "radiometry/chain.h"
 #include "tests/apps/study/evaluated.h"
 

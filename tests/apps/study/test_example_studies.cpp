@@ -13,9 +13,9 @@
 #include <numbers>
 #include <sstream>
 
-#include "apps/study/row_table.h"
-#include "apps/study/sweep_rows.h"
-#include "apps/study/tally.h"
+#include "apps/study/rows/row_table.h"
+#include "apps/study/rows/sweep_rows.h"
+#include "apps/study/statistics/tally.h"
 #include "tests/apps/study/temp_folder.h"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "apps/study/expression.h"
-#include "calib/system_jet.h"
+#include "calib/fit/system_jet.h"
 
 namespace study {
 namespace {

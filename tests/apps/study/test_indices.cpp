@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/study/indices.h"
+#include "apps/study/statistics/indices.h"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/study/optimize.h"
+#include "apps/study/optimum/optimize.h"
 #include "mtf/error.h"
 #include "tests/apps/study/study_files.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-#include "apps/study/pareto.h"
+#include "apps/study/statistics/pareto.h"
 
 namespace {
 

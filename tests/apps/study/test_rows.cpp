@@ -13,8 +13,8 @@
 #include <cstring>
 #include <thread>
 
-#include "apps/study/row_run.h"
-#include "apps/study/row_table.h"
+#include "apps/study/rows/row_run.h"
+#include "apps/study/rows/row_table.h"
 #include "mtf/error.h"
 #include "tests/apps/study/temp_folder.h"
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "apps/study/sampling.h"
+#include "apps/study/statistics/sampling.h"
 #include "apps/study/study.h"
 #include "tests/apps/study/study_files.h"
 

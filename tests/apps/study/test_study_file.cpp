@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calib/parameter_site.h"
+#include "calib/fit/parameter_site.h"
 #include "mtf/error.h"
 #include "tests/apps/study/study_files.h"
 

@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 
-#include "apps/study/accuracy.h"
-#include "apps/study/judge.h"
-#include "apps/study/sweep_rows.h"
+#include "apps/study/result_columns.h"
+#include "apps/study/rows/sweep_rows.h"
+#include "apps/study/statistics/accuracy.h"
 #include "tests/apps/study/small_study.h"
 
 namespace {
@@ -85,7 +85,7 @@ TEST(RowsOfAStudy, ConstraintsReadFromARowAreThoseOfTheEvaluator) {
   const study::TallyJob job = study::tally_job(study, columns);
   study::Evaluator evaluator(study);
   std::vector<double> row(columns.size());
-  std::vector<study::Sides> sides(job.limits.size());
+  std::vector<study::ConstraintValues> sides(job.limits.size());
   std::int64_t feasible = 0;
   for (std::int64_t design = 0; design < study->designs; ++design) {
     evaluator.evaluate(design, row);

@@ -5,11 +5,11 @@
 
 #include <cmath>
 
-#include "apps/study/tally.h"
+#include "apps/study/statistics/tally.h"
 
 namespace {
 
-using study::Sides;
+using study::ConstraintValues;
 using study::Tally;
 using study::TallyJob;
 
@@ -23,7 +23,7 @@ TallyJob job() {
           .feasible = 2,
           .error = 3,
           .limits = {{true, true}, {false, true}, {true, false}},
-          .sides = [](std::span<const double> row, std::span<Sides> sides) {
+          .sides = [](std::span<const double> row, std::span<ConstraintValues> sides) {
             sides[0] = {row[0], 5.0};
             sides[1] = {row[1], 1.0};
             sides[2] = {row[0] + row[1], 9.0};

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "mtf/components/chirp.h"
-#include "mtf/fresnel.h"
+#include "mtf/math/fresnel.h"
 #include "tests/mtf/components/one_component.h"
 #include "tests/mtf/reference_table.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "mtf/special.h"
+#include "mtf/math/special.h"
 #include "tests/mtf/components/one_component.h"
 
 namespace mtf::test {

@@ -3,7 +3,7 @@
 
 #include <complex>
 
-#include "mtf/special.h"
+#include "mtf/math/special.h"
 #include "tests/mtf/components/one_component.h"
 
 namespace mtf::test {

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "mtf/components/defocus_pupil.h"
-#include "mtf/components/pupil.h"
-#include "mtf/special.h"
+#include "mtf/components/pupil/defocus_pupil.h"
+#include "mtf/components/pupil/pupil.h"
+#include "mtf/math/special.h"
 #include "tests/mtf/components/one_component.h"
 #include "tests/mtf/reference_table.h"
 

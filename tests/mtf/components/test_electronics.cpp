@@ -4,8 +4,8 @@
 
 #include <complex>
 
-#include "mtf/sensor_plan.h"
-#include "mtf/special.h"
+#include "mtf/math/special.h"
+#include "mtf/plan/sensor_plan.h"
 #include "tests/mtf/components/one_component.h"
 
 namespace mtf::test {

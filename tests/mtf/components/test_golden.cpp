@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "mtf/special.h"
+#include "mtf/math/special.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/conformance.h"
 

@@ -8,8 +8,8 @@
 #include <iostream>
 #include <set>
 
-#include "mtf/components/pupil.h"
-#include "mtf/special.h"
+#include "mtf/components/pupil/pupil.h"
+#include "mtf/math/special.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/conformance.h"
 #include "tests/mtf/reference_table.h"

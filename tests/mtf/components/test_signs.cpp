@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "mtf/plan.h"
-#include "mtf/special.h"
+#include "mtf/math/special.h"
+#include "mtf/plan/plan.h"
 #include "tests/mtf/builders.h"
 
 namespace mtf::test {

@@ -3,8 +3,8 @@
 
 #include <limits>
 
+#include "mtf/components/fried.h"
 #include "mtf/components/turbulence.h"
-#include "mtf/fried.h"
 #include "tests/mtf/components/one_component.h"
 #include "tests/mtf/reference_table.h"
 

@@ -8,10 +8,10 @@
 #include <set>
 #include <sstream>
 
-#include "mtf/components/defocus_pupil.h"
-#include "mtf/components/wavefront_pupil.h"
-#include "mtf/quadrature.h"
-#include "mtf/special.h"
+#include "mtf/components/pupil/defocus_pupil.h"
+#include "mtf/components/pupil/wavefront_pupil.h"
+#include "mtf/math/quadrature.h"
+#include "mtf/math/special.h"
 #include "tests/mtf/components/one_component.h"
 #include "tests/mtf/conformance.h"
 #include "tests/mtf/reference_table.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bands that several readers share.
-#include "mtf/io/band_cache.h"
+#include "mtf/io/exr/band_cache.h"
 
 #include <gtest/gtest.h>
 

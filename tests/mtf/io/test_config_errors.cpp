@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "mtf/error.h"
-#include "mtf/io/config.h"
+#include "mtf/io/config/config.h"
 
 namespace mtf::io {
 namespace {

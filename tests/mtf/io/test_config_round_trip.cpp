@@ -10,7 +10,7 @@
 #include <fstream>
 #include <random>
 
-#include "mtf/io/config.h"
+#include "mtf/io/config/config.h"
 
 namespace mtf::io {
 namespace {

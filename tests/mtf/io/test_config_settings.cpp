@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "mtf/io/config.h"
+#include "mtf/io/config/config.h"
 
 // Tables that another library brings: a made-up one with a row of every type, and a row added to [optics].
 

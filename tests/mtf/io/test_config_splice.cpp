@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mtf/io/config.h"
+#include "mtf/io/config/config.h"
 
 namespace {
 

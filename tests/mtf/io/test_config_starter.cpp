@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "mtf/io/config.h"
+#include "mtf/io/config/config.h"
 #include "mtf/io/sha256.h"
 
 namespace mtf::io {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "mtf/error.h"
-#include "mtf/io/curve_csv.h"
+#include "mtf/io/csv/curve_csv.h"
 #include "mtf/io/sha256.h"
 
 namespace mtf::io {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "mtf/error.h"
-#include "mtf/io/curve_samples.h"
+#include "mtf/io/csv/curve_samples.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/io/encoding.h"
+#include "mtf/io/codecs/encoding.h"
 
 #include <gtest/gtest.h>
 

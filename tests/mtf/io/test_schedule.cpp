@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/io/schedule.h"
+#include "mtf/io/config/schedule.h"
 
 #include <gtest/gtest.h>
 

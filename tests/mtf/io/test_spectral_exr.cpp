@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "mtf/error.h"
+#include "mtf/io/exr/spectral_exr.h"
 #include "mtf/io/scene.h"
-#include "mtf/io/spectral_exr.h"
 #include "tests/mtf/io/io_test_files.h"
 
 namespace mtf::io {

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "mtf/error.h"
-#include "mtf/io/spectral_units.h"
-#include "mtf/io/spectrum_csv.h"
+#include "mtf/io/csv/spectral_units.h"
+#include "mtf/io/csv/spectrum_csv.h"
 #include "tests/mtf/io/io_test_files.h"
 
 namespace mtf::io {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What PNG and TIFF say of the curve of their values.
 
-#include "mtf/io/stated_encoding.h"
+#include "mtf/io/codecs/stated_encoding.h"
 
 #include <gtest/gtest.h>
 #include <tiffio.h>
@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "io_test_files.h"
-#include "mtf/io/encoding.h"
+#include "mtf/io/codecs/encoding.h"
 #include "mtf/io/image_io.h"
 #include "png_chunks.h"
 

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "mtf/error.h"
-#include "mtf/io/tape7.h"
+#include "mtf/io/csv/tape7.h"
 #include "tests/mtf/io/io_test_files.h"
 
 namespace mtf::io {

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Plain OpenCV doing the same job, as somebody who knows it would: cv::dft with the exact OTF on a padded image,
+// filter2D with the kernel cut to the smallest size that is exact enough, sepFilter2D where the kernel factors; then,
+// for scenes finer than the pitch, picking the detector's samples.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "apps/bench/bench_job.h"
+#include "mtf/io/codecs/opencv_filters.h"
+
+namespace apps {
+
+class Rivals {
+ public:
+  /// Makes the point spread. The job has to outlive this; its images go to `out`. Ways that take longer than
+  /// `slowest_ms` are left out. Throws RuntimeError when OpenCV is not there.
+  Rivals(const BenchJob& job, mtf::ImageView<float> out, double slowest_ms);
+
+  /// Why OpenCV cannot do this job: stages after the sampling, or a pitch that is no whole number of samples.
+  static std::string obstacle(const BenchJob& job);
+
+  /// One of each kind, of the smallest kernel or padding whose own error is within the tolerance; the largest that is
+  /// tried where none is.
+  std::vector<Contender> at(double tolerance);
+  /// What was left out for its run time.
+  const std::vector<std::string>& too_slow() const { return too_slow_; }
+
+ private:
+  using Method = mtf::io::OpenCvJob::Method;
+  struct Side {
+    std::int64_t samples, period, stride, first;
+    bool between;  ///< a detector centre lies half way between two samples
+  };
+  Side side(std::int64_t samples, double step, double pitch) const;
+  double spread(std::int64_t shift_x, std::int64_t shift_y) const;
+  mtf::io::OpenCvJob kernel_job(Method method, std::int64_t radius) const;
+  mtf::io::OpenCvJob transform_job(std::int64_t pad) const;
+  struct Trial {
+    Contender contender;
+    double ms;
+  };
+  Trial make(Method method, std::int64_t extent) const;
+  bool fits(Method method, std::int64_t extent, double tolerance);
+  std::vector<std::int64_t> pads() const;
+
+  const BenchJob* job_;
+  mtf::ImageView<float> out_;
+  Side x_, y_;
+  std::vector<double> spread_;  ///< shift (0, 0) in the middle: [period / 2]
+  double sum_ = 0.0;
+  bool separable_ = false;
+  double slowest_ms_;
+  std::map<std::pair<Method, std::int64_t>, double> error_;  ///< of what was tried
+  std::map<std::pair<Method, std::int64_t>, Contender> best_;
+  std::vector<std::string> too_slow_;
+};
+
+}  // namespace apps

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf demo`: a sensor, a scene, its image, the plots, and a check that anybody can follow: the modulation of sine
+// targets in the simulated image against the analytic MTF.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "apps/demo/demo_edge.h"
+#include "apps/demo/demo_scene.h"
+#include "apps/demo/demo_thermal.h"
+#include "apps/figures/curve_figure.h"
+#include "apps/figures/plot.h"
+#include "apps/options.h"
+#include "apps/simulate/sensor_image.h"
+#include "apps/sweep/output_folder.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/survey/scene_spectrum.h"
+#include "mtf/survey/statistics.h"
+
+namespace apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kSize = 1024;
+constexpr double kPass = 1e-4;  // the default tolerance: what the plan promises to keep
+// Half cycles over the frame of 3.84 mm: 3.9 to 57 cy/mm; Nyquist is 256. No two have the same alias.
+const std::vector<int> kTargets{30, 60, 90, 120, 150, 170, 190, 210, 225, 240, 250, 280, 310, 340, 390, 440};
+
+mtf::io::Metadata scene_metadata(const mtf::SampleGrid& grid) {
+  mtf::io::Metadata m;
+  m.text["mtf:quantity"] = mtf::io::quantity_name(mtf::io::Quantity::radiance);
+  m.text["mtf:units"] = mtf::io::quantity_unit(mtf::io::Quantity::radiance);
+  m.pairs["mtf:pixelPitch"] = {grid.step_x_um / 1e6, grid.step_y_um / 1e6};
+  m.history = {"mtf demo: computed scene"};
+  return m;
+}
+
+/// Scene and sensor image at one size, side by side; each detector pixel becomes a square.
+mtf::Image side_by_side(const mtf::Image& scene, const mtf::Image& sensor) {
+  const std::int64_t ratio = scene.width() / sensor.width(), gap = 16;
+  mtf::Image pair(2 * scene.width() + gap, scene.height());
+  for (std::int64_t y = 0; y < scene.height(); ++y) {
+    for (std::int64_t x = 0; x < scene.width(); ++x) {
+      pair.at(x, y) = scene.at(x, y);
+      pair.at(scene.width() + gap + x, y) = sensor.at(x / ratio, y / ratio);
+    }
+    for (std::int64_t x = 0; x < gap; ++x) pair.at(scene.width() + x, y) = scene.at(0, 0);
+  }
+  return pair;
+}
+
+/// The image on a scale of its own: 0 the mean, 1 a standard deviation.
+mtf::Image alike(mtf::ImageView<const float> image) {
+  const mtf::Statistics s = mtf::statistics(image);
+  mtf::Image scaled(image.width, image.height);
+  for (std::int64_t y = 0; y < image.height; ++y)
+    for (std::int64_t x = 0; x < image.width; ++x)
+      scaled.at(x, y) = static_cast<float>((static_cast<double>(image.at(x, y)) - s.mean) / s.std);
+  return scaled;
+}
+
+struct Target {
+  double frequency_cy_mm, measured, analytic;
+};
+
+std::vector<Target> measure_targets(const mtf::System<double>& system, const mtf::Image& scene, const mtf::Image& image,
+                                    double step_um) {
+  std::vector<Target> results;
+  for (const int k : kTargets) {
+    const double f = k * 1e3 / (2.0 * static_cast<double>(scene.width()) * step_um);
+    const double measured = cosine_amplitude(image.view(), k) / cosine_amplitude(scene.view(), k);
+    results.push_back({f, measured, system.otf({f, 0.0}).re});
+  }
+  return results;
+}
+
+std::string target_table(const std::vector<Target>& targets, double nyquist, double& worst) {
+  TextTable table({"cy/mm", "measured", "analytic", "difference", ""});
+  worst = 0.0;
+  for (const Target& t : targets) {
+    const double difference = t.measured - t.analytic;
+    worst = std::max(worst, std::abs(difference));
+    table.add({fixed(t.frequency_cy_mm, 2), fixed(t.measured, 6), fixed(t.analytic, 6), significant(difference, 2),
+               t.frequency_cy_mm > nyquist ? "beyond Nyquist, read at its alias" : ""});
+  }
+  return table.aligned({Align::right, Align::right, Align::right, Align::right});
+}
+
+}  // namespace
+
+int run_demo(const DemoOptions& options, const Global& global) {
+  const mtf::io::SensorConfig config = mtf::io::parse_config(mtf::io::starter_config(), "sensor.toml").config;
+  const mtf::System<double>& system = config.system;
+  const mtf::SampleGrid grid{kSize, kSize, config.scene.sample_x_um.value(), config.scene.sample_y_um.value()};
+  const mtf::Image landscape = demo_landscape(kSize);
+  const mtf::Image targets = demo_sine_targets(kSize, kTargets, 4.0, 1.0);
+
+  mtf::PlanOptions plan_options;
+  plan_options.tolerance = options.tolerance.value_or(plan_options.tolerance);
+  plan_options.border = config.scene.border;
+  plan_options.threads = global.threads;
+  // As `mtf simulate` does it: each scene has its own plan, from its own contrast and spectrum.
+  const auto plan_for = [&](const mtf::Image& image) {
+    mtf::PlanOptions own = plan_options;
+    own.scene = mtf::summarise(image.view(), own.border, 0.0);
+    own.spectrum = mtf::scene_spectrum(image.view(), own.border, global.threads);
+    return mtf::compile_sensor(system, grid, own);
+  };
+  const mtf::SensorPlan plan = plan_for(landscape), targets_plan = plan_for(targets);
+
+  const fs::path folder = options.out;
+  prepare_folder(folder, options.force);
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  mtf::io::write_text_file(path("sensor.toml"), mtf::io::starter_config());
+  mtf::io::write_exr(path("scene.exr"), {{"Y", landscape.view()}}, scene_metadata(grid));
+  mtf::io::write_exr(path("targets.exr"), {{"Y", targets.view()}}, scene_metadata(grid));
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<mtf::Image> images;
+  for (const auto& [image_plan, image] : {std::pair{&plan, &landscape}, std::pair{&targets_plan, &targets}}) {
+    const mtf::ImageView<const float> view = image->view();
+    images.push_back(std::move(image_plan->run(std::span(&view, 1), 0.0, global.threads).front()));
+  }
+  const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+
+  mtf::io::Scene scene;
+  scene.quantity = mtf::io::Quantity::radiance;
+  const mtf::io::Metadata metadata = provenance(config, scene, plan, plan_options.tolerance);
+  mtf::io::write_exr(path("sensor.exr"), {{"Y", images[0].view()}}, metadata);
+  mtf::io::write_exr(path("targets_sensor.exr"), {{"Y", images[1].view()}},
+                     provenance(config, scene, targets_plan, plan_options.tolerance));
+  const mtf::Image edge = demo_edge(config, global.threads);
+  mtf::io::write_exr(path("edge.exr"), {{"Y", edge.view()}}, scene_metadata(plan.out()));
+  mtf::io::write_text_file(path("fit.toml"), demo_fit_config(config));
+  const mtf::Statistics s = mtf::statistics(landscape.view());
+  const double low = s.mean - 1.7 * s.std, high = s.mean + 2.3 * s.std;
+  mtf::io::write_preview_png(path("preview.png"), {{"Y", side_by_side(landscape, images[0]).view()}}, low, high);
+  mtf::Image temperatures, counts;
+  const std::string thermal = demo_thermal(folder, landscape, grid.step_x_um, global.threads, temperatures, counts);
+  mtf::io::write_preview_png(path("thermal.png"),
+                             {{"Y", side_by_side(alike(temperatures.view()), alike(counts.view())).view()}}, -1.7, 2.3);
+  mtf::io::write_preview_png(path("targets.png"), {{"Y", side_by_side(targets, images[1]).view()}}, 3.0, 5.0);
+
+  const Direction along_x = make_direction(system.frame, "cy/mm", 0.0);
+  const KeyFigures figures = key_figures(system, along_x);
+  std::vector<double> frequency;
+  for (int i = 0; i <= 130; ++i) frequency.push_back(i);
+  const Figure figure = curve_figure(system, curve_values(system, along_x, frequency));
+  const std::vector<Target> results = measure_targets(system, targets, images[1], grid.step_x_um);
+  mtf::io::write_text_file(path("mtf.csv"), figure_csv(figure));
+  if (!draw_figure(path("mtf.svg"), figure))
+    note(global,
+         "note: gnuplot is not installed; mtf.csv has the curves, the figures mtf.svg and mtf.png are left out");
+  else
+    draw_figure(path("mtf.png"), figure);
+
+  double worst = 0.0;
+  std::string text = "sensor    " + one_line(system.name) + "\n" + curve_footer(system, along_x, figures);
+  text += "image     " + std::to_string(kSize) + "x" + std::to_string(kSize) + " samples -> " +
+          std::to_string(plan.out().width) + "x" + std::to_string(plan.out().height) + " pixels, two scenes in " +
+          fixed(elapsed.count(), 1) + " ms\n";
+  text += "\nsine targets in the simulated image against the analytic system MTF\n";
+  text += target_table(results, figures.nyquist, worst);
+  const double allowed = std::max(kPass, plan_options.tolerance);
+  const bool pass = worst <= allowed;
+  text += std::string(pass ? "PASS" : "FAIL") + "  largest difference " + significant(worst, 2) + ", allowed " +
+          significant(allowed, 2) + "\n" + thermal + "\nwritten to " + one_line(folder.string()) +
+          "/: sensor.toml scene.exr sensor.exr preview.png mtf.svg mtf.png mtf.csv targets.exr targets_sensor.exr "
+          "targets.png edge.exr fit.toml thermal.exr camera.toml camera.exr thermal.png\nnext: edit " +
+          one_line(path("sensor.toml")) + ", then  mtf simulate " + shell_word(path("sensor.toml")) + " " +
+          shell_word(path("scene.exr")) + " -o out.exr\n";
+#ifdef MTFKIT_HAVE_CALIB
+  text += "      or  mtf measure " + shell_word(path("edge.exr")) + "  and  mtf fit " + shell_word(path("fit.toml")) +
+          " " + shell_word(path("edge.exr")) + " -o fitted.toml\n";
+#endif
+  print(text);
+  return pass ? 0 : 3;
+}
+
+}  // namespace apps

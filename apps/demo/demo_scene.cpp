@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/demo/demo_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace apps {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+struct Point {
+  double x, y;  // 0..1 from the upper left corner
+};
+
+bool in_disk(Point p, Point centre, double radius) { return std::hypot(p.x - centre.x, p.y - centre.y) < radius; }
+bool in_box(Point p, double x0, double y0, double x1, double y1) {
+  return p.x >= x0 && p.x < x1 && p.y >= y0 && p.y < y1;
+}
+/// Trapezoid with horizontal edges; x0, x1 at the top, x2, x3 at the bottom.
+bool in_trapezoid(Point p, double y0, double y1, double x0, double x1, double x2, double x3) {
+  if (p.y < y0 || p.y >= y1) return false;
+  const double t = (p.y - y0) / (y1 - y0);
+  return p.x >= x0 + t * (x2 - x0) && p.x < x1 + t * (x3 - x1);
+}
+
+double lattice(std::int64_t x, std::int64_t y) {
+  auto h =
+      static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15ULL ^ static_cast<std::uint64_t>(y) * 0xC2B2AE3D27D4EB4FULL;
+  h = (h ^ (h >> 31)) * 0xBF58476D1CE4E5B9ULL;
+  return static_cast<double>((h ^ (h >> 29)) >> 11) * 0x1.0p-52 - 1.0;
+}
+
+// Smooth noise in -1..1 with features of size 1.
+double noise(double x, double y) {
+  const double fx = std::floor(x), fy = std::floor(y), u = x - fx, v = y - fy;
+  const double s = u * u * (3.0 - 2.0 * u), t = v * v * (3.0 - 2.0 * v);
+  const auto i = static_cast<std::int64_t>(fx), j = static_cast<std::int64_t>(fy);
+  return std::lerp(std::lerp(lattice(i, j), lattice(i + 1, j), s),
+                   std::lerp(lattice(i, j + 1), lattice(i + 1, j + 1), s), t);
+}
+
+double layered_noise(double x, double y, int octaves) {
+  double sum = 0.0, weight = 0.5;
+  for (int o = 0; o < octaves; ++o, weight *= 0.5, x *= 2.0, y *= 2.0) sum += weight * noise(x, y);
+  return sum;
+}
+
+// Sky, a ridge and the ground; `step` is the width over which one fades into the next. Their noise is costly and
+// smooth: evaluated once a sample, unlike the edges of everything else.
+double background(Point p, double step) {
+  const double ridge = 0.40 + 0.05 * layered_noise(3.0 * p.x, 0.5, 4);
+  const double ground = 0.47 + 0.01 * layered_noise(5.0 * p.x, 7.5, 3);
+  const auto below = [&](double line) { return std::clamp((p.y - line) / step + 0.5, 0.0, 1.0); };
+  double l = 2.0 + 1.0 * p.y + 0.3 * layered_noise(4.0 * p.x, 9.0 * p.y, 5);
+  if (below(ridge) > 0.0) l = std::lerp(l, 3.0 + 0.15 * layered_noise(20.0 * p.x, 30.0 * p.y, 5), below(ridge));
+  if (below(ground) > 0.0)
+    l = std::lerp(l, 3.5 + 0.35 * layered_noise(14.0 * p.x / (p.y + 0.2), 26.0 * p.y, 7), below(ground));
+  return l;
+}
+
+// Cold track, warm hull, hot engine deck and exhaust: the four regions of a vehicle in the literature's examples.
+void vehicle(Point p, double& l) {
+  if (in_trapezoid(p, 0.645, 0.70, 0.33, 0.69, 0.36, 0.66)) l = 3.9;
+  for (int w = 0; w < 6; ++w)
+    if (in_disk(p, {0.385 + 0.05 * w, 0.677}, 0.021)) l = in_disk(p, {0.385 + 0.05 * w, 0.677}, 0.009) ? 3.7 : 4.9;
+  if (in_trapezoid(p, 0.60, 0.65, 0.35, 0.67, 0.32, 0.70)) l = 4.3;
+  if (in_box(p, 0.59, 0.602, 0.665, 0.628)) l = 6.4 + 0.5 * std::sin(300.0 * p.x);
+  if (in_disk(p, {0.688, 0.622}, 0.012)) l = 9.0;
+  if (in_trapezoid(p, 0.548, 0.60, 0.44, 0.55, 0.42, 0.58)) l = 4.1;
+  if (in_box(p, 0.235, 0.566, 0.44, 0.574)) l = 4.0;
+}
+
+void targets(Point p, double& l) {
+  if (in_box(p, 0.04, 0.76, 0.38, 0.96)) l = 3.4;  // board with bars of 2, 1.5, 1 and 0.75 pixels of a 256-pixel frame
+  constexpr std::array<double, 4> widths{4.0 / 512, 3.0 / 512, 2.0 / 512, 1.5 / 512};
+  double left = 0.06;
+  for (const double width : widths) {
+    for (int bar = 0; bar < 4; ++bar)
+      if (in_box(p, left + 2 * bar * width, 0.79, left + (2 * bar + 1) * width, 0.93)) l = 5.4;
+    left += 9.0 * width + 0.02;
+  }
+  const Point centre{0.80, 0.82};
+  if (in_disk(p, centre, 0.135))
+    l = in_disk(p, centre, 0.004) || std::sin(18.0 * std::atan2(p.y - centre.y, p.x - centre.x)) > 0.0 ? 5.4 : 3.4;
+}
+
+double objects(Point p, double l) {
+  if (in_box(p, 0.23, 0.54, 0.71, 0.71)) vehicle(p, l);
+  if (p.y > 0.68) targets(p, l);
+  if (p.y > 0.25) return l;
+  for (const Point star : {Point{0.21, 0.13}, Point{0.62, 0.08}, Point{0.84, 0.22}})
+    if (in_disk(p, star, 0.0011)) l = 60.0;
+  return l;
+}
+
+}  // namespace
+
+mtf::Image demo_landscape(std::int64_t size) {
+  constexpr int kFine = 4;
+  mtf::Image image(size, size);
+  const double step = 1.0 / static_cast<double>(size);
+  for (std::int64_t y = 0; y < size; ++y)
+    for (std::int64_t x = 0; x < size; ++x) {
+      const Point corner{static_cast<double>(x) * step, static_cast<double>(y) * step};
+      const double behind = background({corner.x + 0.5 * step, corner.y + 0.5 * step}, step);
+      double sum = 0.0;
+      for (int j = 0; j < kFine; ++j)
+        for (int i = 0; i < kFine; ++i)
+          sum += objects({corner.x + (i + 0.5) / kFine * step, corner.y + (j + 0.5) / kFine * step}, behind);
+      image.at(x, y) = static_cast<float>(sum / (kFine * kFine));
+    }
+  return image;
+}
+
+mtf::Image demo_sine_targets(std::int64_t size, const std::vector<int>& half_cycles, double mean, double amplitude) {
+  mtf::Image image(size, size);
+  const auto strips = static_cast<std::int64_t>(half_cycles.size());
+  for (std::int64_t y = 0; y < size; ++y) {
+    const int k = half_cycles[static_cast<std::size_t>(y * strips / size)];
+    for (std::int64_t x = 0; x < size; ++x)
+      image.at(x, y) = static_cast<float>(
+          mean + amplitude * std::cos(kPi * k * (static_cast<double>(x) + 0.5) / static_cast<double>(size)));
+  }
+  return image;
+}
+
+double cosine_amplitude(mtf::ImageView<const float> image, int half_cycles) {
+  double sum = 0.0;
+  for (std::int64_t x = 0; x < image.width; ++x) {
+    double column = 0.0;
+    for (std::int64_t y = 0; y < image.height; ++y) column += static_cast<double>(image.at(x, y));
+    sum += column * std::cos(kPi * half_cycles * (static_cast<double>(x) + 0.5) / static_cast<double>(image.width));
+  }
+  return 2.0 * sum / (static_cast<double>(image.width) * static_cast<double>(image.height));
+}
+
+}  // namespace apps

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/demo/demo_thermal.h"
+
+#include <cmath>
+
+#include "apps/simulate/radiometric_chain.h"
+#include "apps/simulate/sensor_image.h"
+#include "apps/simulate/simulate_parts.h"
+#include "apps/terminal/text_table.h"
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/io/image_io.h"
+#include "mtf/survey/statistics.h"
+
+namespace apps {
+namespace {
+
+constexpr const char* kCamera = R"toml(schema = 1
+name = "MWIR camera with noise"
+
+[frame]
+focal_length = "100 mm"
+pitch = "15 um"
+integration_time = "2 ms"
+
+[scene]
+quantity = "temperature"        # K; or radiance, photon_radiance, spectral_radiance, counts of a thermal camera
+emissivity = 0.95
+surroundings = "280 K"          # what the rest reflects
+
+[path]
+transmission = 0.8              # or a CSV of the wavelength, or table = a CSV over range and wavelength, or a tape7
+air_temperature = "285 K"       # what it takes it also emits
+
+[optics]
+f_number = 2.0
+transmission = 0.85
+emissivity = 0.1
+temperature = "293 K"
+stop_temperature = "77 K"
+
+[band]
+wavelength = ["3.4 um", "4.8 um"]
+
+[[presample]]
+kind = "diffraction"
+[[presample]]
+kind = "footprint"
+width = "15 um"
+[[presample]]
+kind = "jitter"
+rms = "2 um"
+
+[vignetting]                    # cos^4 of the field angle
+
+[detector]
+quantum_efficiency = 0.75
+full_well = "2 Me-"
+dark_current = "1 Me-/s"
+read_noise = "150 e-"
+
+[nonuniformity]
+prnu = 0.02
+dsnu = "500 e-"
+
+[defects]
+dead_fraction = 0.0005
+
+[noise]                         # shot and read noise, new in every frame
+seed = 1
+column = "60 e-"
+
+[adc]
+bits = 14
+
+[correction]                    # two points, from flat frames with their own noise
+frames = 8
+)toml";
+
+}  // namespace
+
+std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& landscape, double step_um, int threads,
+                         mtf::Image& scene, mtf::Image& image) {
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  mtf::io::write_text_file(path("camera.toml"), kCamera);
+  mtf::io::ConfigResult parsed = mtf::io::parse_config(kCamera, path("camera.toml"), radiometry::sensor_tables());
+  const mtf::io::SensorConfig& config = parsed.config;
+
+  const mtf::Statistics s = mtf::statistics(landscape.view());
+  mtf::io::Scene thermal;
+  thermal.names = {"Y"};
+  thermal.grid = {landscape.width(), landscape.height(), step_um, step_um};
+  thermal.quantity = mtf::io::Quantity::temperature;
+  thermal.planes.push_back(landscape.clone());
+  for (float& v : std::span(thermal.planes[0].data(), static_cast<std::size_t>(landscape.size())))
+    v = static_cast<float>(288.0 + 5.0 * (static_cast<double>(v) - s.mean) / s.std);
+  scene = thermal.planes[0].clone();
+  mtf::io::Metadata metadata;
+  metadata.text["mtf:quantity"] = "temperature";
+  metadata.text["mtf:units"] = "K";
+  metadata.pairs["mtf:pixelPitch"] = {step_um / 1e6, step_um / 1e6};
+  mtf::io::write_exr(path("thermal.exr"), {{"Y", scene.view()}}, metadata);
+
+  const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(config, {});
+  std::vector<mtf::Image> no_masks;
+  to_light(config, *radiometric, thermal, no_masks, path("thermal.exr"), threads);
+  mtf::PlanOptions options;
+  options.scene = mtf::summarise(thermal.planes[0].view(), options.border, 0.0);
+  options.separate_readout = true;
+  options.threads = threads;
+  options.tolerance = radiometric->tolerance(options.tolerance, options.scene->std);
+  std::vector<std::string> loosened;  // the converter may ask for more than floats hold
+  const mtf::SensorPlan plan = compile_reachable(
+      false, options, loosened, [&] { return mtf::compile_sensor(radiometric->system, thermal.grid, options); });
+  const radiometry::Chain chain(plan, radiometric->system, radiometric->loaded.sensor, {}, threads);
+  radiometry::ChainFrame frame = chain.run(std::move(thermal.planes[0]), 0, radiometric->stage, 0.0, threads);
+  image = std::move(frame.image);
+  metadata = provenance(config, thermal, plan, options.tolerance);
+  add_chain(metadata, *radiometric, 0);
+  mtf::io::write_exr(path("camera.exr"), {{"Y", image.view()}}, metadata);
+
+  const radiometry::Budget<double> budget = budget_of(radiometric->system, radiometric->loaded.sensor, 288.0);
+  TextTable table({"at 288 K", "value", "", ""});
+  for (const radiometry::BudgetRow& row : rows(budget))
+    if (row.value != 0.0) table.add({row.name, significant(row.value, 5), row.unit, row.doc});
+  return "\nthermal scene through the whole chain of camera.toml, and its noise budget\n" +
+         table.aligned({Align::left, Align::right}) +
+         (frame.held.any() ? "camera.exr is " + words(frame.held) + "\n" : "");
+}
+
+}  // namespace apps

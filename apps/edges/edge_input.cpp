@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/edges/edge_input.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "apps/terminal/output.h"
+#include "calib/find/bayer.h"
+#include "calib/find/find_edges.h"
+#include "calib/find/mask.h"
+#include "calib/find/roi_file.h"
+#include "mtf/error.h"
+#include "mtf/io/codecs/encoding.h"
+#include "mtf/io/csv/curve_csv.h"
+
+namespace apps {
+namespace {
+
+using mtf::Image;
+
+/// Luminance of linear R, G, B with the primaries of ITU-R BT.709.
+constexpr std::array kLuminance{0.2126F, 0.7152F, 0.0722F};
+
+/// Of a file of regions.
+constexpr std::size_t kMostRegionBytes = std::size_t{16} << 20;
+
+struct NamedImage {
+  std::string name;
+  Image plane;
+};
+
+bool same(const Image& a, const Image& b) { return std::equal(a.data(), a.data() + a.size(), b.data()); }
+
+/// Takes the planes out of the file. `clipped_from`: linear value at the end of the scale.
+std::vector<NamedImage> chosen_planes(mtf::io::ImageFile& file, double clipped_from, const std::string& image,
+                                      const EdgeInput& input) {
+  std::vector<NamedImage> planes;
+  if (file.planes.size() == 1) {
+    planes.push_back({"", std::move(file.planes.front())});
+    return planes;
+  }
+  const bool all = input.channel == "all", luminance = input.channel == "luminance";
+  const bool grey =
+      file.planes.size() == 3 && same(file.planes[0], file.planes[1]) && same(file.planes[0], file.planes[2]);
+  if (grey && !all) {
+    planes.push_back({"", std::move(file.planes.front())});
+  } else if (all) {
+    for (std::size_t i = 0; i < file.planes.size(); ++i) planes.push_back({file.names[i], std::move(file.planes[i])});
+  } else if (luminance && file.planes.size() == 3) {
+    Image sum(file.planes[0].width(), file.planes[0].height());
+    const float clipped = file.integer ? static_cast<float>(clipped_from) : std::numeric_limits<float>::infinity();
+    for (std::int64_t i = 0; i < sum.size(); ++i)
+      // A pixel with one clipped colour has no luminance.
+      sum.data()[i] =
+          std::max({file.planes[0].data()[i], file.planes[1].data()[i], file.planes[2].data()[i]}) >= clipped
+              ? std::numeric_limits<float>::quiet_NaN()
+              : kLuminance[0] * file.planes[0].data()[i] + kLuminance[1] * file.planes[1].data()[i] +
+                    kLuminance[2] * file.planes[2].data()[i];
+    planes.push_back({"luminance", std::move(sum)});
+  } else {
+    std::string names;
+    for (const std::string& name : file.names) names += (names.empty() ? "" : ", ") + one_line(name);
+    throw mtf::UsageError(one_line(image) + ": has the channels " + names +
+                          "; an edge is measured in one: --channel NAME, or luminance, or all for each by itself");
+  }
+  return planes;
+}
+
+std::vector<NamedImage> mosaic_planes(std::vector<NamedImage>&& planes, const std::string& image,
+                                      const EdgeInput& input) {
+  if (input.bayer.empty() && !input.pattern.empty())
+    throw mtf::UsageError("--cfa-pattern: say with --bayer which colours of the mosaic to measure");
+  if (input.bayer.empty()) return std::move(planes);
+  if (planes.size() != 1 || planes.front().name == "luminance")
+    throw mtf::UsageError(one_line(image) + ": a mosaic has one channel, this image " + std::to_string(planes.size()) +
+                          "; choose one with --channel, or leave out --bayer");
+  static const std::vector<std::string> kAll{"r", "gr", "gb", "b"};
+  std::vector<NamedImage> colours;
+  for (const std::string& colour : input.bayer == "all" ? kAll : std::vector{input.bayer})
+    colours.push_back({colour, calib::bayer_plane(planes.front().plane.view(),
+                                                  input.pattern.empty() ? "rggb" : input.pattern, colour)});
+  return colours;
+}
+
+void hide_masked(const std::string& file, const std::string& image, std::vector<NamedImage>& planes) {
+  if (file.empty()) return;
+  const mtf::io::ImageFile mask = mtf::io::read_image(file);
+  for (NamedImage& plane : planes) {
+    try {
+      calib::apply_mask(plane.plane.view(), mask.planes.front().view());
+    } catch (const mtf::UsageError& error) {
+      throw mtf::UsageError("mask " + one_line(file) + " for " + one_line(image) + ": " + error.what());
+    }
+  }
+}
+
+/// Least and largest linear value of the file's scale; a table may fall, and then its end is the least.
+std::array<double, 2> linear_scale(const mtf::io::ImageFile& file, const mtf::io::Encoding& encoding) {
+  const double full = mtf::io::full_scale(file.info);
+  const double start = mtf::io::decode(encoding, 0.0, full), end = mtf::io::decode(encoding, full, full);
+  return {std::min(start, end), std::max(start, end)};
+}
+
+/// What the file's numbers say of the values: their step at mid level, and where they end.
+calib::MeasureOptions options_of(const mtf::io::ImageFile& file, const mtf::io::Encoding& encoding,
+                                 const std::array<double, 2>& scale, const EdgeInput& input, const Image& plane) {
+  calib::MeasureOptions options;
+  options.noise_sd = input.noise_sd;
+  const double full = mtf::io::full_scale(file.info);
+  if (input.saturation) {
+    options.saturation = mtf::io::decode(encoding, *input.saturation, full);
+    if (!std::isfinite(*options.saturation))
+      throw mtf::UsageError(
+          "--saturation: the encoding has no linear value for it; give a stored value inside the table");
+  }
+  if (!file.integer) return options;
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (std::int64_t i = 0; i < plane.size(); ++i) {
+    low = std::fmin(low, plane.data()[i]);  // passes over NaN
+    high = std::fmax(high, plane.data()[i]);
+  }
+  options.quantum = mtf::io::quantum_at(encoding, 0.5 * (static_cast<double>(low) + high), full);
+  if (encoding.kind != mtf::io::Encoding::Kind::linear)
+    options.quantum_at = [encoding, full](double level) { return mtf::io::quantum_at(encoding, level, full); };
+  if (!options.saturation && std::isfinite(scale[1])) options.saturation = scale[1];
+  if (std::isfinite(scale[0])) options.floor = scale[0];
+  return options;
+}
+
+/// The user's word, else the file's, else linear.
+mtf::io::ChosenEncoding encoding_of(const mtf::io::FileInfo& info, const EdgeInput& input) {
+  if (!input.encoding.empty()) return {mtf::io::parse_encoding(input.encoding), "--encoding"};
+  if (!info.encoding.word.empty()) return {mtf::io::parse_encoding(info.encoding.word), info.encoding.source};
+  return {{}, "assumed"};
+}
+
+/// What a reader of the numbers has to know of a curve that nobody asked for, or that is not known here.
+std::string curve_note(const std::string& image, const mtf::io::FileInfo& info, const EdgeInput& input) {
+  const auto& [word, source] = info.encoding;
+  if (!input.encoding.empty() || source.empty() || word == "linear") return "";
+  const std::string says = one_line(image) + ": " + one_line(source);
+  if (word.empty())
+    return says + " is not applied: the values are taken as linear; say with --encoding what their curve is, or linear";
+  return says + ": the curve " + word + " is undone; --encoding linear takes the values as they are";
+}
+
+/// Which of the edges found are not among the regions.
+std::string left_out_note(const EdgePlane& plane, const EdgeInput& input) {
+  std::string text;
+  if (plane.left_out > 0)
+    text = "the best " + std::to_string(input.most) + " of " + std::to_string(input.most + plane.left_out) +
+           " usable edges are taken; --edges N takes more";
+  if (plane.not_tried > 0)
+    text +=
+        (text.empty() ? "" : "; ") + std::to_string(plane.not_tried) +
+        " pieces of edges, the least promising ones, were not tried for want of memory; give regions with --roi, or "
+        "a larger --min-length";
+  if (text.empty()) return text;
+  return one_line(plane.image) + (plane.channel.empty() ? "" : " " + one_line(plane.channel)) + ": " + text;
+}
+
+Linearisation linearisation_of(const mtf::io::ImageFile& file, const mtf::io::ChosenEncoding& chosen,
+                               const calib::MeasureOptions& options, const EdgeInput& input) {
+  return {.encoding = chosen.encoding.name,
+          .encoding_source = chosen.source,
+          .stated = file.info.encoding,
+          .storage = file.info.storage,
+          .integer = file.integer,
+          .full_scale = mtf::io::full_scale(file.info),
+          .dark_end = options.floor,
+          .light_end = options.saturation,
+          .mosaic = input.bayer.empty()     ? ""
+                    : input.pattern.empty() ? "rggb"
+                                            : input.pattern,
+          .mask = input.mask};
+}
+
+std::vector<EdgeRegion> given_regions(const EdgeInput& input) {
+  std::vector<EdgeRegion> regions;
+  for (const auto& [x, y, width, height] : input.regions) regions.push_back({{x, y, width, height}, ""});
+  if (!input.region_file.empty())
+    for (const calib::NamedRoi& named :
+         calib::parse_roi_file(mtf::io::read_text_file(input.region_file, kMostRegionBytes), input.region_file))
+      regions.push_back({named.roi, named.name});
+  return regions;
+}
+
+}  // namespace
+
+std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInput& input, Regions regions) {
+  mtf::io::ReadOptions read{.channel = input.channel, .layer = input.layer, .part = input.part};
+  if (input.channel == "all" || input.channel == "luminance") read.channel.reset();
+  mtf::io::ImageFile file = mtf::io::read_image(image, read);
+  const mtf::io::ChosenEncoding chosen = encoding_of(file.info, input);
+  const mtf::io::Encoding& encoding = chosen.encoding;
+  std::int64_t outside = 0;
+  for (Image& plane : file.planes) outside += mtf::io::decode(encoding, plane.view(), mtf::io::full_scale(file.info));
+
+  const std::array<double, 2> scale = linear_scale(file, encoding);
+  std::vector<NamedImage> planes = mosaic_planes(chosen_planes(file, scale[1], image, input), image, input);
+  hide_masked(input.mask, image, planes);
+  std::vector<EdgePlane> result;
+  for (NamedImage& named : planes) {
+    EdgePlane& plane = result.emplace_back();
+    plane.image = image;
+    if (outside > 0)
+      plane.warning = one_line(image) + ": " + std::to_string(outside) + " samples lie outside the table " +
+                      one_line(encoding.name) + " (" + mtf::format_double(encoding.stored.front()) + " to " +
+                      mtf::format_double(encoding.stored.back()) + ") and are taken as no data";
+    plane.channel = named.name;
+    if (regions == Regions::wanted) plane.regions = given_regions(input);
+    plane.options = options_of(file, encoding, scale, input, named.plane);
+    plane.options.sparse = !input.bayer.empty() || !input.mask.empty();
+    plane.linearisation = linearisation_of(file, chosen, plane.options, input);
+    if (result.size() == 1)
+      if (std::string note = curve_note(image, file.info, input); !note.empty()) plane.notes.push_back(std::move(note));
+    if (regions == Regions::wanted && plane.regions.empty()) {
+      const calib::FindOptions find{
+          .most = static_cast<std::size_t>(input.most), .min_length_px = input.min_length_px, .min_cnr = input.min_cnr};
+      calib::FoundEdges found = calib::find_edges(named.plane.view(), find);
+      for (const calib::FoundEdge& edge : found.edges) plane.regions.push_back({edge.roi, ""});
+      plane.left_out = found.left_out;
+      plane.not_tried = found.not_tried;
+      if (std::string note = left_out_note(plane, input); !note.empty()) plane.notes.push_back(std::move(note));
+      plane.reason = std::move(found.reason);
+    }
+    plane.plane = std::move(named.plane);
+  }
+  return result;
+}
+
+std::vector<std::string> files_of(const EdgeInput& input) {
+  std::vector<std::string> files = input.images;
+  for (const std::string& file : {input.mask, input.region_file, input.encoding})
+    if (!file.empty()) files.push_back(file);
+  return files;
+}
+
+}  // namespace apps

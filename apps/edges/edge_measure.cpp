@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/edges/edge_measure.h"
+
+#include <limits>
+#include <numbers>
+
+#include "calib/iso12233/iso12233.h"
+#include "mtf/parallel.h"
+
+namespace apps {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// The same fields as of the regression; what that method does not know stays empty.
+calib::EdgeMeasurement as_measurement(const calib::Iso12233Result& result, const calib::Roi& roi) {
+  calib::EdgeMeasurement edge;
+  edge.roi = roi;
+  edge.trouble = result.trouble;
+  edge.reason = result.reason;
+  edge.warnings = result.warnings;
+  edge.curve.origin = {static_cast<double>(roi.x) + 0.5 * static_cast<double>(roi.width),
+                       static_cast<double>(roi.y) + 0.5 * static_cast<double>(roi.height)};
+  edge.curve.angle_rad = result.angle_deg * std::numbers::pi / 180.0;
+  edge.angle_deg = {result.angle_deg, kUnknown};
+  for (double* unknown : {&edge.length_px, &edge.sagitta_px, &edge.dark, &edge.bright, &edge.noise_sd, &edge.noise_gain,
+                          &edge.cnr, &edge.oversampling, &edge.chi2_per_dof, &edge.clipped_share})
+    *unknown = kUnknown;
+  edge.frequency_cy_px = result.frequency_cy_px;
+  edge.mtf = result.sfr;
+  const auto figure = [&](const char* name, const std::optional<double>& value, const char* why) {
+    if (!value && result.trouble == calib::Trouble::none) edge.absent.emplace_back(name, why);
+    return value ? std::optional(calib::Estimate{*value, kUnknown}) : std::nullopt;
+  };
+  edge.mtf50 = figure("mtf50", result.mtf50, "the curve does not fall to 50 %");
+  edge.mtf10 = figure("mtf10", result.mtf10, "the curve does not fall to 10 %");
+  edge.nyquist = figure("nyquist", result.nyquist, "the curve ends before 0.5 cycles/pixel");
+  edge.sampling_efficiency =
+      figure("sampling_efficiency", result.sampling_efficiency, "the curve does not fall to 10 %");
+  return edge;
+}
+
+calib::EdgeMeasurement measure(const EdgePlane& plane, const calib::Roi& roi, const EdgeMethod& method) {
+  const mtf::Image& image = plane.plane;
+  if (roi.x < 0 || roi.y < 0 || roi.x > image.width() - roi.width || roi.y > image.height() - roi.height) {
+    calib::EdgeMeasurement outside;
+    outside.roi = roi;
+    outside.trouble = calib::Trouble::off_region;
+    outside.reason = "the region leaves the image of " + std::to_string(image.width()) + " x " +
+                     std::to_string(image.height()) + " pixels: give one inside";
+    return outside;
+  }
+  if (method.iso12233)
+    return as_measurement(calib::measure_iso12233(image.view(), roi, {.order = method.order.value_or(5)}), roi);
+  calib::MeasureOptions how = plane.options;
+  how.order = method.order;
+  how.circle = method.circle;
+  return calib::measure_edge(image.view(), roi, how);
+}
+
+}  // namespace
+
+std::vector<MeasuredEdge> measure_plane(const EdgePlane& plane, const EdgeMethod& method, int threads) {
+  const MeasuredEdge blank{.image = plane.image,
+                           .channel = plane.channel,
+                           .name = "",
+                           .linearisation = plane.linearisation,
+                           .quantum = plane.options.quantum,
+                           .edge = {},
+                           .place = {}};
+  std::vector<MeasuredEdge> edges(std::max<std::size_t>(1, plane.regions.size()), blank);
+  if (plane.regions.empty()) {
+    edges.front().edge.roi = {0, 0, plane.plane.width(), plane.plane.height()};
+    edges.front().edge.trouble = calib::Trouble::no_edge;
+    edges.front().edge.reason = plane.reason;
+    return edges;
+  }
+  mtf::parallel_for(std::ssize(edges), 1, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      edges[i].name = plane.regions[i].name;
+      edges[i].edge = measure(plane, plane.regions[i].roi, method);
+      if (edges[i].edge.trouble == calib::Trouble::none)
+        edges[i].place = field_place(edges[i].edge, plane.plane.width(), plane.plane.height());
+    }
+  });
+  return edges;
+}
+
+}  // namespace apps

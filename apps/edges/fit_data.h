@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What `mtf fit` is given, loaded: images and their measured edges, curves, spots, and the sensor of each.
+
+#include <list>
+#include <string>
+#include <vector>
+
+#include "apps/edges/edge_input.h"
+#include "apps/edges/measure_report.h"
+#include "calib/fit/fit.h"
+#include "mtf/io/config/config.h"
+
+namespace apps {
+
+struct LoadedData {
+  calib::FitData data;                 ///< refers to `planes`
+  std::list<EdgePlane> planes;         ///< stay where they are
+  std::vector<MeasuredEdge> measured;  ///< one for each edge of `data`
+  std::vector<std::string> files;      ///< that hold the data, for provenance
+  std::vector<std::string> warnings;   ///< what was left out, and why
+  std::size_t left_out = 0;            ///< files that could not be read
+};
+
+/// "FILE@DEGREES" or "FILE" of --curve.
+struct CurveWord {
+  std::string file;
+  double angle_deg = 0.0;
+};
+CurveWord curve_word(const std::string& word);
+
+/// Numbers that the sensor file marks fit = true. Throws UsageError when there is none.
+std::vector<calib::FitParameter> fit_parameters(const mtf::io::SensorConfig& sensor);
+
+/// Loads and measures. One of several that cannot be read is left out with a warning. Throws as load_edge_planes.
+LoadedData load_fit_data(const FitOptions& options, const mtf::io::SensorConfig& sensor, int threads);
+
+}  // namespace apps

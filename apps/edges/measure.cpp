@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf measure`: MTF and figures of merit of the edges in images.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "apps/edges/edge_measure.h"
+#include "apps/edges/measure_report.h"
+#include "apps/simulate/simulate_parts.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/progress_line.h"
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/io/image_io.h"
+
+namespace apps {
+namespace {
+
+void annotate(const std::string& path, const EdgePlane& plane, std::span<const MeasuredEdge> edges) {
+  const mtf::Image& image = plane.plane;
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (std::int64_t i = 0; i < image.size(); ++i) {
+    if (!std::isfinite(image.data()[i])) continue;
+    low = std::min(low, image.data()[i]);
+    high = std::max(high, image.data()[i]);
+  }
+  if (!(low <= high)) low = high = 0.0F;
+  mtf::io::write_annotated_png(path, image.view(), low, high, edge_drawing(edges, image.width(), image.height()));
+}
+
+std::vector<std::string> outputs_of(const MeasureOptions& options) {
+  std::vector<std::string> outputs;
+  if (options.out != "-") outputs.push_back(options.out);
+  outputs.push_back(options.curves);
+  for (const std::string& figure : {options.plot, options.map}) {
+    if (figure.empty()) continue;
+    check_figure_path(figure);
+    outputs.push_back(figure);
+    outputs.push_back(figure_data_path(figure));
+  }
+  outputs.push_back(options.annotate);
+  std::erase(outputs, "");
+  if (!options.annotate.empty() && mtf::io::format_from_extension(options.annotate) != mtf::io::Format::png)
+    throw mtf::UsageError(options.annotate + ": annotated images are PNG; end the name in .png");
+  return outputs;
+}
+
+void write_figures_of(const MeasureOptions& options, const MeasureReport& report, const Global& global) {
+  const auto drawn = [&](bool made, const std::string& path) {
+    note(global, made ? "wrote " + one_line(path) + " and its data " + one_line(figure_data_path(path))
+                      : "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
+                            one_line(figure_data_path(path)));
+  };
+  if (!options.plot.empty()) {
+    const auto best = std::find_if(report.edges.begin(), report.edges.end(),
+                                   [](const MeasuredEdge& e) { return e.edge.trouble == calib::Trouble::none; });
+    if (best == report.edges.end())
+      note(global, "mtf: note: no edge was measured: no figure " + one_line(options.plot));
+    else
+      drawn(write_figures(options.plot, edge_figures(*best)), options.plot);
+  }
+  if (!options.map.empty()) {
+    const std::vector<Figure> map = field_map(report.edges);
+    if (map.empty()) {
+      note(global, "mtf: note: no edge has an MTF50: no map " + one_line(options.map));
+    } else {
+      mtf::io::write_text_file(figure_data_path(options.map), field_map_csv(report.edges));
+      drawn(draw_figures(options.map, map), options.map);
+    }
+  }
+}
+
+/// What is wrong with a file, less its name in front.
+std::string without_name(std::string message, const std::string& file) {
+  const std::string name = one_line(file) + ": ";
+  return message.starts_with(name) ? message.substr(name.size()) : message;
+}
+
+std::string formatted(const MeasureReport& report, Format format) {
+  if (format == Format::csv) return measure_csv(report);
+  return format == Format::json ? measure_json(report) : measure_table(report);
+}
+
+}  // namespace
+
+int run_measure(const MeasureOptions& options, const Global& global) {
+  require_writable(outputs_of(options), files_of(options.input));
+  if (options.iso12233 && options.circle)
+    throw mtf::UsageError("--circle: --method iso12233 knows polynomials only; leave out one of the two");
+  MeasureReport report{
+      .method = options.iso12233 ? "iso12233" : "regression", .edges = {}, .left_out = {}, .failed = {}};
+  const std::vector<std::string>& images = options.input.images;
+  ProgressLine progress(global);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    progress.update("measuring", static_cast<double>(i) / static_cast<double>(images.size()));
+    try {
+      bool first = i == 0;
+      for (const EdgePlane& plane : load_edge_planes(images[i], options.input)) {
+        if (!plane.warning.empty()) note(global, "mtf: warning: " + plane.warning);
+        for (const std::string& remark : plane.notes) note(global, "mtf: note: " + remark);
+        if (plane.left_out + plane.not_tried > 0)
+          report.left_out.push_back({images[i], plane.channel, plane.left_out, plane.not_tried});
+        const EdgeMethod method{.order = options.order, .circle = options.circle, .iso12233 = options.iso12233};
+        std::vector<MeasuredEdge> edges = measure_plane(plane, method, global.threads);
+        if (first && !options.annotate.empty()) annotate(options.annotate, plane, edges);
+        first = false;
+        std::move(edges.begin(), edges.end(), std::back_inserter(report.edges));
+      }
+    } catch (const mtf::Error& error) {
+      if (images.size() == 1) throw;
+      report.failed.push_back({images[i], without_name(error.what(), images[i])});
+    }
+  }
+  progress.update("measuring", 1.0);
+  write_figures_of(options, report, global);
+  if (!options.curves.empty()) emit(options.curves, curves_csv(report));
+  emit(options.out, formatted(report, options.format));
+
+  const auto measured = std::count_if(report.edges.begin(), report.edges.end(),
+                                      [](const MeasuredEdge& e) { return e.edge.trouble == calib::Trouble::none; });
+  if (images.size() > 1) {
+    std::set<std::string> with_edges;
+    for (const MeasuredEdge& edge : report.edges)
+      if (edge.edge.trouble == calib::Trouble::none) with_edges.insert(edge.image);
+    note(global, "measured " + std::to_string(measured) + " edges in " + std::to_string(with_edges.size()) + " of " +
+                     std::to_string(images.size()) + " images");
+  }
+  return measured > 0 && report.failed.empty() ? 0 : 1;
+}
+
+}  // namespace apps

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apps/edges/measure_report.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
+
+namespace apps {
+namespace {
+
+using calib::EdgeMeasurement;
+using calib::Trouble;
+
+constexpr mtf::io::Colour kRegionColour{90, 200, 255}, kEdgeColour{255, 210, 0}, kTroubleColour{255, 90, 60};
+/// Distances from the edge that figures show.
+constexpr double kShown_px = 8.0;
+
+Series with_band(std::string name, const std::vector<double>& x, const std::vector<double>& y,
+                 const std::vector<double>& sd) {
+  Series series{.name = std::move(name), .x = x, .y = y, .emphasised = true};
+  if (sd.size() != y.size()) return series;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    series.low.push_back(y[i] - 2.0 * sd[i]);
+    series.high.push_back(y[i] + 2.0 * sd[i]);
+  }
+  return series;
+}
+
+std::string mtf50_text(const EdgeMeasurement& edge) {
+  return edge.mtf50 ? fixed(edge.mtf50->value, 3) : std::string("-");
+}
+
+}  // namespace
+
+std::vector<Figure> edge_figures(const MeasuredEdge& measured) {
+  const EdgeMeasurement& edge = measured.edge;
+  std::vector<Figure> figures(edge.distance_px.empty() ? 1 : 3);
+  Figure& mtf = figures.back();
+  mtf.title = "MTF50 " + mtf50_text(edge) + " cy/px";
+  mtf.x_label = "spatial frequency [cycles/pixel]";
+  mtf.y_label = "MTF";
+  mtf.series.push_back(
+      with_band(edge.mtf_sd.empty() ? "MTF" : "MTF, 2 sd", edge.frequency_cy_px, edge.mtf, edge.mtf_sd));
+  mtf.vertical_lines.push_back({0.5, "Nyquist"});
+  if (edge.mtf50) mtf.vertical_lines.push_back({edge.mtf50->value, "MTF50"});
+  mtf.y_low = 0.0;
+  if (figures.size() == 1) return figures;
+
+  Figure& esf = figures[0];
+  esf.title = one_line(measured.image);
+  esf.x_label = "distance from the edge [pixels]";
+  esf.y_label = "edge spread function";
+  esf.series.push_back(with_band("ESF, 2 sd", edge.distance_px, edge.esf, edge.esf_sd));
+  Figure& lsf = figures[1];
+  lsf.x_label = esf.x_label;
+  lsf.y_label = "line spread function [1/pixel]";
+  lsf.series.push_back({.name = "LSF", .x = edge.distance_px, .y = edge.lsf, .emphasised = true});
+  const double reach = std::min(kShown_px, edge.distance_px.back());
+  esf.x_range = lsf.x_range = {-reach, reach};
+  return figures;
+}
+
+std::vector<Figure> field_map(std::span<const MeasuredEdge> edges) {
+  constexpr std::size_t kMostWords = 40;  // beside places: more would cover each other
+  std::vector<Figure> maps;
+  double low = std::numeric_limits<double>::infinity(), high = -low, width = 0.0, height = 0.0;
+  for (const MeasuredEdge& edge : edges) {
+    if (!edge.edge.mtf50) continue;
+    low = std::min(low, edge.edge.mtf50->value);
+    high = std::max(high, edge.edge.mtf50->value);
+    width = std::max(width, static_cast<double>(edge.place.width_px));
+    height = std::max(height, static_cast<double>(edge.place.height_px));
+  }
+  if (low > high) return maps;
+  for (const char* direction : {"sagittal", "tangential", ""}) {
+    const bool between = *direction == '\0';
+    Series series{.name = between ? "between" : direction, .x = {}, .y = {}, .mark = Mark::large_points};
+    for (const MeasuredEdge& edge : edges) {
+      if (!edge.edge.mtf50 || edge.place.direction != direction) continue;
+      series.x.push_back(edge.edge.curve.origin.x);
+      series.y.push_back(edge.edge.curve.origin.y);
+      series.value.push_back(edge.edge.mtf50->value);
+    }
+    if (between && series.x.empty()) continue;  // the two that a map is for are always there
+    if (series.x.size() <= kMostWords)
+      for (const double value : series.value) series.words.push_back(fixed(value, 3));
+    Figure& map = maps.emplace_back();
+    map.title = "MTF50, " + (between ? std::string("edges between the two") : series.name + " edges");
+    map.x_label = "x [pixels]";
+    map.y_label = "y, downwards [pixels]";
+    map.x_range = {0.0, width};
+    map.y_low = height;
+    map.y_high = 0.0;
+    map.equal_axes = true;
+    map.colour_range = {low, high > low ? high : low + 0.01};
+    map.colour_label = "MTF50 [cycles/pixel]";
+    map.series.push_back(std::move(series));
+  }
+  return maps;
+}
+
+std::string field_map_csv(std::span<const MeasuredEdge> edges) {
+  std::string text = "edge,image,channel,direction,x_px,y_px,field_x_px,field_y_px,field_radius_px,mtf50,mtf50_sd\n";
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const MeasuredEdge& edge = edges[i];
+    if (!edge.edge.mtf50) continue;
+    text += std::to_string(i + 1) + "," + csv_field(edge.image) + "," + csv_field(edge.channel) + "," +
+            edge.place.direction;
+    for (const double value : {edge.edge.curve.origin.x, edge.edge.curve.origin.y, edge.place.x_px, edge.place.y_px,
+                               edge.place.radius_px, edge.edge.mtf50->value, edge.edge.mtf50->sd})
+      text += "," + csv_number(value);
+    text += "\n";
+  }
+  return text;
+}
+
+mtf::io::Drawing edge_drawing(std::span<const MeasuredEdge> edges, std::int64_t width, std::int64_t height) {
+  mtf::io::Drawing drawing;
+  // Small images are enlarged so that words can be read.
+  drawing.zoom = static_cast<int>(std::clamp<std::int64_t>(800 / std::max<std::int64_t>({width, height, 1}), 1, 8));
+  int number = 0;
+  for (const MeasuredEdge& measured : edges) {
+    const EdgeMeasurement& edge = measured.edge;
+    const std::string label = std::to_string(++number) + ": ";
+    const bool good = edge.trouble == Trouble::none;
+    const auto x0 = static_cast<double>(edge.roi.x), y0 = static_cast<double>(edge.roi.y);
+    const double x1 = x0 + static_cast<double>(edge.roi.width), y1 = y0 + static_cast<double>(edge.roi.height);
+    const mtf::io::Colour colour = good ? kRegionColour : kTroubleColour;
+    drawing.strokes.push_back({{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}, {x0, y0}}, colour});
+    const double margin = 4.0 / drawing.zoom, line = 14.0 / drawing.zoom;
+    if (!good) {
+      drawing.captions.push_back(
+          {x0 + margin, y0 + line, label + std::string(trouble_name(edge.trouble)), kTroubleColour});
+      continue;
+    }
+    const calib::Point n = edge.curve.normal();
+    mtf::io::Stroke stroke{{}, kEdgeColour};
+    for (int i = -32; i <= 32; ++i) {
+      const double s = 0.5 * edge.length_px * i / 32.0;
+      const double u = offset_at(edge.curve, s);
+      stroke.points.push_back({edge.curve.origin.x - s * n.y + u * n.x, edge.curve.origin.y + s * n.x + u * n.y});
+    }
+    drawing.strokes.push_back(std::move(stroke));
+    drawing.captions.push_back({x0 + margin, y0 + line, label + "MTF50 " + mtf50_text(edge), kEdgeColour});
+  }
+  return drawing;
+}
+
+}  // namespace apps

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/edges/measure_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
+#include "mtf/units.h"
+#include "mtf/version.h"
+
+namespace apps {
+namespace {
+
+using calib::EdgeMeasurement;
+using calib::Estimate;
+using Json = nlohmann::ordered_json;
+
+struct Merit {
+  const char* name;
+  std::optional<Estimate> EdgeMeasurement::*value;
+};
+/// The figures of merit in the order of every output.
+constexpr std::array kMerits{Merit{"mtf50", &EdgeMeasurement::mtf50},
+                             Merit{"mtf30", &EdgeMeasurement::mtf30},
+                             Merit{"mtf10", &EdgeMeasurement::mtf10},
+                             Merit{"nyquist", &EdgeMeasurement::nyquist},
+                             Merit{"rer", &EdgeMeasurement::rer},
+                             Merit{"overshoot", &EdgeMeasurement::overshoot},
+                             Merit{"fwhm_px", &EdgeMeasurement::fwhm_px},
+                             Merit{"mtfa", &EdgeMeasurement::mtfa},
+                             Merit{"sampling_efficiency", &EdgeMeasurement::sampling_efficiency}};
+
+/// "0.3021 +- 0.0017", as many digits as the deviation has.
+std::string shown(const std::optional<Estimate>& estimate) {
+  if (!estimate) return "-";
+  if (!(estimate->sd > 0.0)) return fixed(estimate->value, 4);
+  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(estimate->sd))), 2, 12);
+  return fixed(estimate->value, digits) + " +- " + fixed(estimate->sd, digits);
+}
+
+std::string label_of(const MeasuredEdge& edge) {
+  std::string text = one_line(edge.image);
+  if (!edge.channel.empty()) text += " " + one_line(edge.channel);
+  if (!edge.name.empty()) text += " " + one_line(edge.name);
+  return text;
+}
+
+std::string region_text(const calib::Roi& roi) {
+  return std::to_string(roi.x) + "," + std::to_string(roi.y) + "," + std::to_string(roi.width) + "," +
+         std::to_string(roi.height);
+}
+
+Json as_json(const std::optional<Estimate>& estimate) {
+  if (!estimate) return {};
+  return {{"value", estimate->value}, {"sd", std::isfinite(estimate->sd) ? Json(estimate->sd) : Json()}};
+}
+
+/// Why values are missing: the trouble, or what each absent figure says.
+std::string reason_of(const EdgeMeasurement& edge) {
+  std::string reason = edge.reason;
+  for (const auto& [name, why] : edge.absent) reason += (reason.empty() ? "" : "; ") + name + ": " + why;
+  return reason;
+}
+
+Json geometry(const EdgeMeasurement& edge) {
+  static constexpr std::array kShapes{"line", "polynomial", "circle"};
+  return {{"shape", kShapes[static_cast<std::size_t>(edge.curve.shape)]},
+          {"order", edge.curve.order()},
+          {"origin", {edge.curve.origin.x, edge.curve.origin.y}},
+          {"bright_side_deg", edge.curve.angle_rad * 180.0 / std::numbers::pi},
+          {"half_length_px", edge.curve.half_length_px},
+          {"coefficient_px", edge.curve.coefficient},
+          {"curvature_per_px", edge.curve.curvature_per_px}};
+}
+
+/// Where the numbers come from: what was undone to make them proportional to light.
+Json provenance(const MeasuredEdge& measured) {
+  const Linearisation& from = measured.linearisation;
+  const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
+  const auto word_or_null = [](const std::string& word) { return word.empty() ? Json() : Json(word); };
+  return {{"encoding", from.encoding},
+          {"encoding_source", from.encoding_source},
+          {"stated_encoding", word_or_null(from.stated.word)},
+          {"stated_by", word_or_null(from.stated.source)},
+          {"storage", from.storage},
+          {"whole_numbers", from.integer},
+          {"full_scale", from.full_scale},
+          {"step_at_mid_level", measured.quantum > 0.0 ? Json(measured.quantum) : Json()},
+          {"floor", or_null(from.dark_end)},
+          {"saturation", or_null(from.light_end)},
+          {"cfa_pattern", word_or_null(from.mosaic)},
+          {"mask", word_or_null(from.mask)}};
+}
+
+Json as_json(const MeasuredEdge& measured) {
+  const EdgeMeasurement& edge = measured.edge;
+  Json json{{"image", measured.image}};
+  json["channel"] = measured.channel.empty() ? Json() : Json(measured.channel);
+  json["name"] = measured.name.empty() ? Json() : Json(measured.name);
+  json["roi"] = {edge.roi.x, edge.roi.y, edge.roi.width, edge.roi.height};
+  json["linearisation"] = provenance(measured);
+  json["outcome"] = edge.trouble == calib::Trouble::none ? "measured" : trouble_name(edge.trouble);
+  const std::string reason = reason_of(edge);
+  json["reason"] = reason.empty() ? Json() : Json(reason);
+  json["warnings"] = edge.warnings;
+  const bool measured_it = edge.trouble == calib::Trouble::none;
+  json["angle_deg"] = measured_it ? Json(edge.angle_deg.value) : Json();
+  for (const Merit& figure : kMerits) json[figure.name] = as_json(edge.*figure.value);
+  if (!measured_it) {
+    json["mtf"] = Json();
+    return json;
+  }
+  json["angle_sd_deg"] = edge.angle_deg.sd;
+  json["edge"] = geometry(edge);
+  json["position_px"] = {edge.curve.origin.x, edge.curve.origin.y};
+  json["field"] = {{"x_px", measured.place.x_px},
+                   {"y_px", measured.place.y_px},
+                   {"radius_px", measured.place.radius_px},
+                   {"direction", measured.place.direction.empty() ? Json() : Json(measured.place.direction)}};
+  json["length_px"] = edge.length_px;
+  json["sagitta_px"] = edge.sagitta_px;
+  json["dark"] = edge.dark;
+  json["bright"] = edge.bright;
+  json["noise_sd"] = edge.noise_sd;
+  json["noise_gain"] = edge.noise_gain;
+  json["cnr"] = edge.cnr;
+  json["oversampling"] = edge.oversampling;
+  json["chi2_per_dof"] = edge.chi2_per_dof;
+  json["clipped_share"] = edge.clipped_share;
+  json["missing_pixels"] = edge.missing;
+  json["mtf"] = {{"frequency", edge.frequency_cy_px}, {"value", edge.mtf}, {"sd", edge.mtf_sd}};
+  json["otf"] = {{"re", edge.otf_re}, {"im", edge.otf_im}};
+  json["esf"] = {{"distance_px", edge.distance_px}, {"value", edge.esf}, {"sd", edge.esf_sd}};
+  json["lsf"] = {{"distance_px", edge.distance_px}, {"value", edge.lsf}};
+  return json;
+}
+
+std::string joined(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& warning : warnings) text += (text.empty() ? "" : "; ") + warning;
+  return text;
+}
+
+}  // namespace
+
+FieldPlace field_place(const EdgeMeasurement& edge, std::int64_t width, std::int64_t height) {
+  FieldPlace place{edge.curve.origin.x - 0.5 * static_cast<double>(width),
+                   edge.curve.origin.y - 0.5 * static_cast<double>(height),
+                   0.0,
+                   width,
+                   height,
+                   ""};
+  place.radius_px = std::hypot(place.x_px, place.y_px);
+  if (!(place.radius_px > 0.0)) return place;
+  const calib::Point normal = edge.curve.normal();
+  const double along = std::abs(normal.x * place.x_px + normal.y * place.y_px) / place.radius_px;
+  if (along > std::sqrt(0.75)) place.direction = "tangential";
+  if (along < 0.5) place.direction = "sagittal";
+  return place;
+}
+
+std::string measure_table(const MeasureReport& report) {
+  TextTable table(
+      {"edge", "region", "normal [deg]", "MTF50 [cy/px]", "MTF at 0.5", "FWHM [px]", "RER", "CNR", "length"});
+  std::string notes;
+  bool any = false;
+  for (std::size_t i = 0; i < report.edges.size(); ++i) {
+    const MeasuredEdge& measured = report.edges[i];
+    const EdgeMeasurement& edge = measured.edge;
+    const std::string number = std::to_string(i + 1);
+    if (edge.trouble != calib::Trouble::none) {
+      notes += number + "  " + label_of(measured) + " " + region_text(edge.roi) + ": " +
+               std::string(trouble_name(edge.trouble)) + ": " + edge.reason + "\n";
+      continue;
+    }
+    any = true;
+    table.add({number, region_text(edge.roi), fixed(edge.angle_deg.value, 2), shown(edge.mtf50), shown(edge.nyquist),
+               shown(edge.fwhm_px), shown(edge.rer), std::isfinite(edge.cnr) ? significant(edge.cnr, 3) : "-",
+               std::isfinite(edge.length_px) ? fixed(edge.length_px, 0) : "-"});
+    for (const auto& [name, why] : edge.absent) notes += number + "  " + name + ": " + why + "\n";
+    for (const std::string& warning : edge.warnings) notes += number + "  " + warning + "\n";
+  }
+  std::string text;
+  for (std::size_t i = 0; i < report.edges.size();) {
+    std::size_t last = i;
+    while (last + 1 < report.edges.size() && label_of(report.edges[last + 1]) == label_of(report.edges[i])) ++last;
+    text += (last == i ? "edge " : "edges ") + std::to_string(i + 1) +
+            (last == i ? "" : "-" + std::to_string(last + 1)) + ": " + label_of(report.edges[i]) + "\n";
+    i = last + 1;
+  }
+  if (any) text += "\n" + table.aligned({Align::right, Align::left, Align::right});
+  if (any)
+    text += std::string("\nMTF and frequencies along the normal of the edge, in cycles per pixel; ") +
+            (report.method == "iso12233" ? "" : "+- is one standard deviation; ") + "method " + report.method + "\n";
+  for (const FailedImage& failed : report.failed) {
+    const bool named = failed.reason.find(one_line(failed.image)) != std::string::npos;
+    notes += (named ? "" : one_line(failed.image) + ": ") + failed.reason + "\n";
+  }
+  return text + (notes.empty() ? "" : (text.empty() ? "" : "\n") + notes);
+}
+
+std::string measure_csv(const MeasureReport& report) {
+  std::string text = "edge,image,channel,name,x,y,width,height,outcome,angle_deg";
+  for (const Merit& figure : kMerits) text += "," + std::string(figure.name) + "," + figure.name + "_sd";
+  text +=
+      ",cnr,length_px,sagitta_px,order,oversampling,chi2_per_dof,missing_pixels,field_x_px,field_y_px,field_radius_px,"
+      "direction,encoding,reason,warnings\n";
+  std::size_t number = 0;
+  for (const MeasuredEdge& measured : report.edges) {
+    const EdgeMeasurement& edge = measured.edge;
+    const bool measured_it = edge.trouble == calib::Trouble::none;
+    text += std::to_string(++number) + "," + csv_field(measured.image) + "," + csv_field(measured.channel) + "," +
+            csv_field(measured.name) + "," + region_text(edge.roi) + "," +
+            (measured_it ? "measured" : std::string(trouble_name(edge.trouble))) + "," +
+            (measured_it ? csv_number(edge.angle_deg.value) : "");
+    for (const Merit& figure : kMerits) {
+      const auto& estimate = edge.*figure.value;
+      text += "," + (estimate ? csv_number(estimate->value) + "," + csv_number(estimate->sd) : std::string(","));
+    }
+    if (measured_it)
+      for (const double value : {edge.cnr, edge.length_px, edge.sagitta_px, static_cast<double>(edge.curve.order()),
+                                 edge.oversampling, edge.chi2_per_dof, static_cast<double>(edge.missing),
+                                 measured.place.x_px, measured.place.y_px, measured.place.radius_px})
+        text += "," + csv_number(value);
+    else
+      text += ",,,,,,,,,,";
+    text += "," + measured.place.direction + "," + csv_field(measured.linearisation.encoding) + "," +
+            csv_field(reason_of(edge)) + "," + csv_field(joined(edge.warnings)) + "\n";
+  }
+  return text;
+}
+
+std::string measure_json(const MeasureReport& report) {
+  Json json{{"version", mtf::version}, {"method", report.method}, {"unit", "cycles/pixel"}, {"edges", Json::array()}};
+  for (const MeasuredEdge& edge : report.edges) json["edges"].push_back(as_json(edge));
+  json["left_out"] = Json::array();
+  for (const LeftOutEdges& left : report.left_out)
+    json["left_out"].push_back({{"image", left.image},
+                                {"channel", left.channel.empty() ? Json() : Json(left.channel)},
+                                {"usable", left.usable},
+                                {"not_tried", left.not_tried}});
+  json["failed"] = Json::array();
+  for (const FailedImage& failed : report.failed)
+    json["failed"].push_back({{"image", failed.image}, {"reason", failed.reason}});
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string curves_csv(const MeasureReport& report) {
+  std::string text = "edge,curve,x,value,sd\n";
+  for (std::size_t i = 0; i < report.edges.size(); ++i) {
+    const EdgeMeasurement& edge = report.edges[i].edge;
+    const auto add = [&](const char* curve, const std::vector<double>& x, const std::vector<double>& value,
+                         const std::vector<double>& sd) {
+      for (std::size_t k = 0; k < value.size(); ++k)
+        text += std::to_string(i + 1) + "," + curve + "," + csv_number(x[k]) + "," + csv_number(value[k]) + "," +
+                (k < sd.size() ? csv_number(sd[k]) : "") + "\n";
+    };
+    add("mtf", edge.frequency_cy_px, edge.mtf, edge.mtf_sd);
+    add("otf_re", edge.frequency_cy_px, edge.otf_re, {});
+    add("otf_im", edge.frequency_cy_px, edge.otf_im, {});
+    add("esf", edge.distance_px, edge.esf, edge.esf_sd);
+    add("lsf", edge.distance_px, edge.lsf, {});
+  }
+  return text;
+}
+
+}  // namespace apps

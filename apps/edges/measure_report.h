@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Measured edges as table, CSV, JSON and figures.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/edges/edge_input.h"
+#include "apps/figures/plot.h"
+#include "calib/measure/measure.h"
+#include "mtf/io/codecs/drawing.h"
+
+namespace apps {
+
+/// Where an edge lies in the field: from the image's centre.
+struct FieldPlace {
+  double x_px = 0.0, y_px = 0.0;
+  double radius_px = 0.0;
+  std::int64_t width_px = 0, height_px = 0;  ///< of the image
+  /// The MTF across lines along the radius is sagittal, across lines at right angles to it tangential; between 30 and
+  /// 60 degrees, and at the centre, neither.
+  std::string direction;
+};
+FieldPlace field_place(const calib::EdgeMeasurement& edge, std::int64_t width, std::int64_t height);
+
+struct MeasuredEdge {
+  std::string image, channel, name;
+  Linearisation linearisation;
+  double quantum = 0.0;  ///< linear step between neighbouring stored values, at mid level; 0 = none
+  calib::EdgeMeasurement edge;
+  FieldPlace place;
+};
+
+/// An image that could not be used at all.
+struct FailedImage {
+  std::string image, reason;
+};
+
+/// Edges of a plane that were found and not measured (calib/find/find_edges.h).
+struct LeftOutEdges {
+  std::string image, channel;
+  std::size_t usable = 0, not_tried = 0;
+};
+
+struct MeasureReport {
+  std::string method;
+  std::vector<MeasuredEdge> edges;
+  std::vector<LeftOutEdges> left_out;
+  std::vector<FailedImage> failed;
+};
+
+std::string measure_table(const MeasureReport& report);
+/// A line an edge.
+std::string measure_csv(const MeasureReport& report);
+std::string measure_json(const MeasureReport& report);
+/// A line a frequency or distance: edge,curve,x,value,sd.
+std::string curves_csv(const MeasureReport& report);
+
+/// ESF, LSF and MTF of one edge, with bands of two standard deviations.
+std::vector<Figure> edge_figures(const MeasuredEdge& edge);
+/// Maps of the image's field: MTF50 by colour where the edges lie, a panel for sagittal ones, one for tangential ones
+/// and, where there are any, one for those between; none when no edge has an MTF50.
+std::vector<Figure> field_map(std::span<const MeasuredEdge> edges);
+/// The data of the maps: edge,image,channel,direction,x_px,y_px,field_x_px,field_y_px,field_radius_px,mtf50,mtf50_sd.
+std::string field_map_csv(std::span<const MeasuredEdge> edges);
+/// Regions, edges and their MTF50.
+mtf::io::Drawing edge_drawing(std::span<const MeasuredEdge> edges, std::int64_t width, std::int64_t height);
+
+}  // namespace apps

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/figures/curve_figure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
+
+namespace apps {
+namespace {
+
+std::string budget(const mtf::System<double>& system, const Direction& direction, double nyquist) {
+  const CurveValues at = curve_values(system, direction, {nyquist});
+  std::string text = "MTF at Nyquist  ";
+  for (const OtfColumn& component : at.components)
+    text += (&component == at.components.data() ? "" : " x ") + one_line(component.label) + " " +
+            fixed(modulus(component.otf.front()), 4);
+  text += (at.components.empty() ? "" : " = ") + fixed(modulus(at.system.otf.front()), 4) + "\n";
+  const mtf::Context<double> middle = system.context();
+  const auto& list = system.list(mtf::Stage::presample);
+  const auto chromatic = std::count_if(list.begin(), list.end(),
+                                       [&](const auto& entry) { return entry.component.traits(middle).chromatic; });
+  if (system.band && chromatic > 1)
+    text += "(factors that depend on wavelength are averaged as a product: it is not the product of their averages)\n";
+  return text;
+}
+
+}  // namespace
+
+std::string curve_footer(const mtf::System<double>& system, const Direction& direction, const KeyFigures& figures) {
+  const std::string& unit = direction.unit;
+  std::string text = "cutoff          ";
+  text += figures.cutoff ? significant(*figures.cutoff, 4, true) + " " + unit : "none: no component ends the response";
+  if (figures.cutoff && system.band) text += " (at " + significant(system.band->lo_um, 4) + " um)";
+  text += "\nNyquist         " + significant(figures.nyquist, 4, true) + " " + unit + "\n";
+  if (figures.q) {
+    text += "Q               " + significant(*figures.q, 4, true) + " (lambda N / pitch";
+    if (system.band) text += " at " + significant(0.5 * (system.band->lo_um + system.band->hi_um), 4) + " um";
+    text += ")\n";
+  }
+  return text + budget(system, direction, figures.nyquist);
+}
+
+std::vector<const OtfColumn*> columns_of(const CurveValues& values) {
+  std::vector<const OtfColumn*> columns;
+  for (const OtfColumn& column : values.components) columns.push_back(&column);
+  for (const OtfColumn& stage : values.stages) {
+    const bool any = std::any_of(values.components.begin(), values.components.end(),
+                                 [&](const OtfColumn& c) { return c.stage == stage.stage; });
+    if (any || stage.stage == "presample") columns.push_back(&stage);
+  }
+  columns.push_back(&values.system);
+  return columns;
+}
+
+Figure curve_figure(const mtf::System<double>& system, const CurveValues& values) {
+  const KeyFigures figures = key_figures(system, values.direction);
+  Figure figure;
+  figure.title = system.name.empty() ? "MTF" : system.name;
+  figure.x_label = "spatial frequency [" + values.direction.unit + "]";
+  if (values.direction.angle_deg != 0.0) figure.x_label += " at " + significant(values.direction.angle_deg, 6) + " deg";
+  figure.y_label = "MTF = |OTF|";
+  double highest = 1.0;
+  for (const OtfColumn* column : columns_of(values)) {
+    // The product of a single component, and that of the only list, would hide another line.
+    const auto in_list = std::count_if(values.components.begin(), values.components.end(),
+                                       [&](const OtfColumn& c) { return c.stage == column->stage; });
+    const bool product = column->kind.empty() && column != &values.system;
+    if (product && (in_list < 2 || in_list == std::ssize(values.components))) continue;
+    Series series{column->label, values.frequency, {}, column == &values.system};
+    for (const auto& h : column->otf) series.y.push_back(modulus(h));
+    highest = std::max(highest, *std::max_element(series.y.begin(), series.y.end()));
+    figure.series.push_back(std::move(series));
+  }
+  figure.vertical_lines.push_back({figures.nyquist, "Nyquist " + significant(figures.nyquist, 4)});
+  if (figures.cutoff) figure.vertical_lines.push_back({*figures.cutoff, "cutoff " + significant(*figures.cutoff, 4)});
+  figure.y_low = 0.0;
+  figure.y_high = 1.05 * highest;
+  return figure;
+}
+
+}  // namespace apps

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Static charts of a report as SVG: what is seen where scripts do not run, and in builds without the chart libraries.
+// Colours come from the page's style sheet, so they follow its light, dark and printed form.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/figures/plot.h"
+
+namespace apps {
+
+/// Lines and points of a figure of plot.h, with axes, ticks and a legend. What is not finite, or not positive on a log
+/// axis, is left out.
+std::string svg_figure(const Figure& figure);
+
+struct HeatMap {
+  std::string title, x_label, y_label;
+  std::vector<std::string> x, y;  ///< levels
+  std::vector<double> value;      ///< row by row of y; NaN for none
+};
+
+/// Cells coloured from the smallest to the largest value, with a scale of colours.
+std::string svg_heat_map(const HeatMap& map);
+
+struct Bar {
+  std::string label;
+  double value = 0.0, spread = 0.0;  ///< with a whisker where the spread is above 0
+};
+
+/// Horizontal bars from 0.
+std::string svg_bars(const std::string& title, const std::string& x_label, std::span<const Bar> bars);
+
+}  // namespace apps

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/sensor/sensor_chain.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "apps/sensor/sensor_place.h"
+#include "mtf/error.h"
+#include "mtf/io/csv/spectrum_csv.h"
+#include "mtf/io/csv/tape7.h"
+#include "mtf/io/image_io.h"
+#include "mtf/survey/statistics.h"
+#include "radiometry/light/band_response.h"
+
+namespace apps {
+namespace {
+
+using radiometry::NumberOrFile;
+using radiometry::Spectrum;
+
+constexpr double kAny = std::numeric_limits<double>::max();
+
+/// Runs `read`, and says which key asked for it when it fails.
+template <class Read>
+auto at_key(const char* key, const Read& read) {
+  try {
+    return read();
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(std::string(key) + ": " + error.what());
+  } catch (const mtf::RuntimeError& error) {
+    throw mtf::RuntimeError(std::string(key) + ": " + error.what());
+  }
+}
+
+/// The last part of "detector.quantum_efficiency", which is the name of the column too.
+std::string column_of(const std::string& key) { return key.substr(key.rfind('.') + 1); }
+
+Spectrum curve_of(const NumberOrFile& value, const char* key, double most) {
+  if (value.file.empty()) return radiometry::constant_spectrum(key, value.number, most);
+  return at_key(key, [&] {
+    mtf::io::SpectrumColumns curve = mtf::io::read_spectrum_csv(value.file, {column_of(key)});
+    return radiometry::make_spectrum(value.file, std::move(curve.wavelength_um), std::move(curve.columns.front()),
+                                     most);
+  });
+}
+
+void add_curve(std::vector<Spectrum>& curves, const NumberOrFile& value, const char* key) {
+  if (!value.file.empty()) curves.push_back(curve_of(value, key, 1.0));
+}
+
+std::shared_ptr<const mtf::Image> map_of(const std::string& file, const char* key, bool factors) {
+  if (file.empty()) return nullptr;
+  return at_key(key, [&] {
+    mtf::io::ImageFile image = mtf::io::read_image(file, {});
+    if (image.planes.size() != 1)
+      throw mtf::UsageError(file + ": has " + std::to_string(image.planes.size()) + " channels; a map has one");
+    if (image.integer) throw mtf::UsageError(file + ": holds whole numbers; a map is a float image (EXR)");
+    if (!mtf::all_finite(image.planes.front().view()))
+      throw mtf::UsageError(file + ": holds NaN or infinite values; a map has a number for every pixel");
+    if (factors && mtf::statistics(image.planes.front().view()).min < 0.0)
+      throw mtf::UsageError(file + ": holds factors below 0");
+    return std::make_shared<const mtf::Image>(std::move(image.planes.front()));
+  });
+}
+
+/// A field of a component that is one number; 0 where it is not given.
+double number_of(const mtf::Component<double>& component, std::string_view name) {
+  for (const auto& field : component.fields()) {
+    if (field.info->name != name) continue;
+    if (const auto* number = std::get_if<double*>(&field.value)) return **number;
+    if (const auto* number = std::get_if<std::optional<double>*>(&field.value)) return (*number)->value_or(0.0);
+  }
+  return 0.0;
+}
+
+/// A tape7 of one run has the range that is given; a CSV names its own.
+radiometry::PathTable table_of(const radiometry::PathSettings& settings, bool by_pixel) {
+  return at_key("path.table", [&] {
+    const std::string& file = settings.table;
+    if (file.ends_with(".csv")) {
+      mtf::io::PathColumns c = mtf::io::read_path_csv(file);
+      return radiometry::PathTable(file, c.range_m, c.wavelength_um, c.transmission, c.radiance);
+    }
+    if (by_pixel)
+      throw mtf::UsageError(file +
+                            ": a tape7 has one range for each run and does not say which; for "
+                            "scene.depth_channel write a CSV with a column range_m");
+    const std::vector<mtf::io::Tape7Run> runs = mtf::io::read_tape7(file);
+    if (runs.size() == 1 && !settings.range_m)
+      throw mtf::UsageError(file + ": a tape7 does not say how long its path is; give path.range");
+    if (runs.size() > 1)
+      throw mtf::UsageError(file + ": holds " + std::to_string(runs.size()) +
+                            " runs without their ranges; write them as a CSV with a column range_m");
+    const mtf::io::PathColumns c = mtf::io::path_columns(runs, {*settings.range_m});
+    return radiometry::PathTable(file, c.range_m, c.wavelength_um, c.transmission, c.radiance);
+  });
+}
+
+void read_path(const radiometry::SensorSettings& settings, LoadedSensor& loaded) {
+  const radiometry::PathSettings& given = *settings.path;
+  const bool by_pixel = settings.scene && !settings.scene->depth_channel.name.empty();
+  radiometry::Path& path = loaded.sensor.path;
+  if (given.table.empty()) {
+    if (by_pixel || given.range_m)
+      throw mtf::UsageError(std::string(by_pixel ? "scene.depth_channel" : "path.range") +
+                            ": needs path.table, which says what a path of that length does");
+    const Spectrum transmission = curve_of(given.transmission, "path.transmission", 1.0);
+    if (given.air_temperature_k)
+      path = radiometry::absorbing_path(transmission, *given.air_temperature_k);
+    else
+      path.transmission = transmission;
+    path.radiance = curve_of(given.radiance, "path.radiance", kAny);
+    return;
+  }
+  if (given.air_temperature_k || !given.transmission.file.empty() || given.transmission.number != 1.0 ||
+      !given.radiance.file.empty() || given.radiance.number != 0.0)
+    throw mtf::UsageError("path.table: given beside transmission, radiance or air_temperature; it has both terms");
+  auto table = std::make_shared<const radiometry::PathTable>(table_of(given, by_pixel));
+  if (by_pixel && given.range_m)
+    throw mtf::UsageError("path.range: given beside scene.depth_channel; remove one of them");
+  if (by_pixel)
+    loaded.paths = std::move(table);
+  else if (given.range_m)
+    path = at_key("path.range", [&] { return table->at(*given.range_m); });
+  else
+    throw mtf::UsageError("path.range: missing; path.table needs it, or scene.depth_channel");
+}
+
+}  // namespace
+
+std::vector<std::string> files_of(const mtf::io::SensorConfig& config) {
+  std::vector<std::string> files{config.file};
+  const auto add = [&](const std::shared_ptr<const mtf::Curve>& curve) {
+    if (curve) files.push_back(curve->source);
+  };
+  for (const auto& list : config.system.stages)
+    for (const auto& entry : list)
+      for (const auto& field : entry.component.fields())
+        if (const auto* curve = std::get_if<std::shared_ptr<const mtf::Curve>*>(&field.value)) add(**curve);
+  add(config.scene.aperture_curve);
+  if (const auto& encoding = config.scene.encoding; encoding && encoding->kind == mtf::io::Encoding::Kind::table)
+    files.push_back(encoding->name);
+  for (const mtf::TableInfo& info : config.schema)
+    for (const mtf::SettingInfo& row : info.settings)
+      if (const mtf::SettingsTable* table = find_table(config.tables, info.name))
+        if (const mtf::SettingValue* value = table->find(row.info.name); value != nullptr && names_file(row))
+          if (const auto* path = std::get_if<std::string>(value)) files.push_back(*path);
+  return files;
+}
+
+bool has_chain(const mtf::io::SensorConfig& config) { return find_table(config.tables, "detector") != nullptr; }
+
+std::optional<double> source_temperature_k(const radiometry::SensorSettings& settings,
+                                           std::optional<mtf::io::Quantity> quantity) {
+  using mtf::io::Quantity;
+  if (settings.scene && settings.scene->source_temperature_k) return settings.scene->source_temperature_k;
+  const bool surfaces = quantity == Quantity::temperature || quantity == Quantity::counts;
+  return surfaces ? std::optional(kSurface_k) : std::nullopt;
+}
+
+namespace {
+
+LoadedSensor load_parts(const mtf::io::SensorConfig& config) {
+  LoadedSensor loaded;
+  radiometry::Sensor& sensor = loaded.sensor;
+  sensor.settings = radiometry::sensor_settings(config.tables);
+  const radiometry::SensorSettings& settings = sensor.settings;
+  if (!config.system.band)
+    throw mtf::UsageError("band: missing; electrons need it: write [band] wavelength = [\"3.4 um\", \"4.8 um\"]");
+  sensor.curves.band = {config.system.band->lo_um, config.system.band->hi_um};
+  if (settings.optics) {
+    add_curve(sensor.curves.optics, settings.optics->transmission, "optics.transmission");
+    add_curve(sensor.curves.cold_filter, settings.optics->cold_transmission, "optics.cold_transmission");
+  }
+  if (settings.detector)
+    add_curve(sensor.curves.quantum_efficiency, settings.detector->quantum_efficiency, "detector.quantum_efficiency");
+  if (settings.scene) sensor.emissivity = curve_of(settings.scene->emissivity, "scene.emissivity", 1.0);
+  if (settings.path)
+    read_path(settings, loaded);
+  else if (settings.scene && !settings.scene->depth_channel.name.empty())
+    throw mtf::UsageError("scene.depth_channel: needs path.table, which says what a path of that length does");
+  if (settings.nonuniformity) {
+    sensor.responsivity = map_of(settings.nonuniformity->responsivity, "nonuniformity.responsivity", true);
+    sensor.offset = map_of(settings.nonuniformity->offset, "nonuniformity.offset", false);
+  }
+  loaded.source_k = source_temperature_k(settings, config.scene.quantity);
+  if (settings.vignetting) sensor.vignetting = map_of(settings.vignetting->map, "vignetting.map", true);
+  if (settings.detector) require_response(sensor);
+  return loaded;
+}
+
+/// The message with its place, or with the file at least.
+std::string told(const mtf::io::SensorConfig& config, const std::string& message) {
+  const std::string text = placed(config, message);
+  return text.starts_with(config.file + ":") ? text : config.file + ": " + text;
+}
+
+}  // namespace
+
+LoadedSensor load_chain(const mtf::io::SensorConfig& config) try {
+  return load_parts(config);
+} catch (const mtf::UsageError& error) {
+  throw mtf::UsageError(told(config, error.what()));
+} catch (const mtf::RuntimeError& error) {
+  throw mtf::RuntimeError(told(config, error.what()));
+}
+
+mtf::System<double> with_electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded) {
+  const radiometry::SpectralCamera& camera = loaded.sensor.curves;
+  const bool even = camera.optics.empty() && camera.cold_filter.empty() && camera.quantum_efficiency.empty() &&
+                    loaded.sensor.path.transmission.value.size() <= 1;
+  if (!system.band || (even && !loaded.source_k)) return system;
+  const auto chromatic = [&](const auto& entry) { return entry.component.traits(system.context()).chromatic; };
+  if (std::none_of(system.stages.begin(), system.stages.end(),
+                   [&](const auto& list) { return std::any_of(list.begin(), list.end(), chromatic); }))
+    return system;  // nothing is averaged
+  mtf::System<double> weighted = system;
+  const radiometry::SceneBand band = radiometry::scene_band(camera, loaded.sensor.path);
+  const radiometry::BandResponse response(band.band, band.curves);
+  weighted.band->rate = std::make_shared<const mtf::ElectronRate>(response.electron_rate(loaded.source_k));
+  return weighted;
+}
+
+std::string unused_table(const mtf::io::SensorConfig& config) {
+  if (has_chain(config) || config.tables.empty()) return "";
+  const mtf::SettingsTable& table = config.tables.front();
+  const bool row = table.name == "frame" || table.name == "scene" || table.name == "optics";
+  return (row ? std::string(table.name) + "." + std::string(table.settings.front().name)
+              : "[" + std::string(table.name) + "]") +
+         ": part of the chain to electrons, which begins with [detector]; add that, or remove this";
+}
+
+std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& config) {
+  std::vector<mtf::io::Diagnostic> warnings;
+  if (find_table(config.tables, "lag") == nullptr) return warnings;
+  const double lag_s = radiometry::sensor_settings(config.tables).lag->time_constant_s;
+  for (const auto& entry : config.system.list(mtf::Stage::presample)) {
+    if (entry.component.kind() != "bolometer") continue;
+    const double other_s = number_of(entry.component, "time_constant");
+    if (other_s == 0.0 || (number_of(entry.component, "velocity") == 0.0 && number_of(entry.component, "rate") == 0.0))
+      continue;
+    const bool same = std::abs(other_s - lag_s) <= 1e-6 * lag_s;
+    const auto milliseconds = [](double s) {
+      std::array<char, 32> text{};
+      std::snprintf(text.data(), text.size(), "%.6g ms", 1e3 * s);
+      return std::string(text.data());
+    };
+    warnings.push_back(
+        {.error = false,
+         .position = {},
+         .path = "lag.time_constant",
+         .text = milliseconds(lag_s) + " here, " + (same ? "the same" : milliseconds(other_s)) + " in \"" +
+                 entry.label + "\" of [[presample]]: both are the thermal lag of the detector" +
+                 (same ? "" : ", which has one time constant") +
+                 ", and a sequence whose frames show the motion counts it twice; keep [lag] for such sequences, "
+                 "the component for single images, curves and budgets" +
+                 (same ? "" : ", unless one of them is another effect")});
+  }
+  return warnings;
+}
+
+std::optional<mtf::io::Diagnostic> chain_problem(const mtf::io::SensorConfig& config) {
+  std::string text = unused_table(config);
+  if (has_chain(config)) try {
+      const LoadedSensor loaded = load_parts(config);
+      require_consistent(config.system, loaded.sensor);
+      static_cast<void>(with_electron_rate(config.system, loaded));
+    } catch (const mtf::Error& error) {
+      text = error.what();
+    }
+  if (text.empty()) return std::nullopt;
+  const mtf::io::Diagnostic whole{.error = true, .position = {}, .path = {}, .text = text};
+  return finding_of(config, text).value_or(whole);
+}
+
+}  // namespace apps

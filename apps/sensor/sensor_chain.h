@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// From a sensor file to the chain of radiometry: the files that its tables name, read and checked.
+
+#include "mtf/io/config/config.h"
+#include "radiometry/chain.h"
+#include "radiometry/light/path.h"
+
+namespace apps {
+
+/// The sensor file and every file it names (curves, tables, maps): what no output may replace.
+std::vector<std::string> files_of(const mtf::io::SensorConfig& config);
+
+/// True when the file says more than the OTF: its output is electrons or what comes after them.
+bool has_chain(const mtf::io::SensorConfig& config);
+
+/// Temperature whose spectrum the light of surfaces has where only one is to be had.
+inline constexpr double kSurface_k = 300.0;
+
+/// Of the blackbody whose spectrum light of that quantity has where nothing better is known: [scene]
+/// source_temperature, else kSurface_k for temperatures and counts, else none (even in photons).
+std::optional<double> source_temperature_k(const radiometry::SensorSettings& settings,
+                                           std::optional<mtf::io::Quantity> quantity);
+
+/// A sensor and what lies before its aperture.
+struct LoadedSensor {
+  radiometry::Sensor sensor;
+  std::shared_ptr<const radiometry::PathTable> paths;  ///< for the range of each pixel, where the file says so
+  std::optional<double> source_k;                      ///< source_temperature_k() of the quantity that [scene] states
+};
+
+/// The sensor with its curves, tables and maps. Throws UsageError with file, line and key for what does not fit,
+/// RuntimeError for files that cannot be read.
+LoadedSensor load_chain(const mtf::io::SensorConfig& config);
+
+/// The system whose band is weighted by the electrons that light of that spectrum gives behind all curves; unchanged
+/// where there is neither a curve nor a source temperature. Throws UsageError where that light gives no electrons.
+mtf::System<double> with_electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded);
+
+/// What a file without [detector] says of a chain all the same; empty when nothing.
+std::string unused_table(const mtf::io::SensorConfig& config);
+
+/// What components and tables of the chain count twice: warnings, as such a pair can be meant.
+std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& config);
+
+/// What makes no chain of a file, as `mtf config check` tells it, with its place where it is about a key of the file;
+/// nothing where all is well.
+std::optional<mtf::io::Diagnostic> chain_problem(const mtf::io::SensorConfig& config);
+
+}  // namespace apps

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/options.h"
+#include "apps/sensor/sensor_chain.h"
+#include "mtf/io/config/config.h"
+
+namespace apps {
+
+/// Reads a sensor file for a subcommand; its warnings and notes go to standard error. Throws as load_config.
+mtf::io::SensorConfig read_sensor(const std::string& file, const Global& global);
+
+/// The same with the electron rate of its band, for commands that look at the OTF alone. Throws as load_chain too.
+mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global);
+
+/// What `mtf config check` found in a sensor or study file.
+struct Verdict {
+  std::string file;
+  bool ok = false;
+  std::string name, sha256;
+  std::string summary;  ///< of a good one
+  std::vector<mtf::io::Diagnostic> diagnostics;
+};
+
+/// The verdict and notes on standard output, errors as file:line:col lines on standard error; JSON has both. Returns
+/// the exit code, 0 or 2.
+int report_verdict(const Verdict& verdict, Format format);
+
+/// `mtf config check` of a sensor file. Returns the exit code. Throws RuntimeError when the file cannot be read.
+int check_sensor(const std::string& file, Format format);
+
+/// The same for a sensor or a study, as the file itself says.
+int check_config(const std::string& file, Format format);
+
+}  // namespace apps

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What radiometry refuses of a sensor file, at its place in that file: messages that begin with the key they are about
+// ("detector.full_well: ...", "[blooming]: ...") get the line that it stands in.
+
+#include <optional>
+#include <string>
+
+#include "mtf/error.h"
+#include "mtf/io/config/config.h"
+
+namespace apps {
+
+/// The key of a message, its place and the rest of the text; nothing where it begins with no key of that file.
+std::optional<mtf::io::Diagnostic> finding_of(const mtf::io::SensorConfig& config, const std::string& message);
+
+/// "camera.toml:14:1: error: detector.full_well: ..."; the message as it is where it begins with no key of that file.
+std::string placed(const mtf::io::SensorConfig& config, const std::string& message);
+
+/// Runs `action`; what it refuses is told with its place.
+template <class Action>
+auto at_its_place(const mtf::io::SensorConfig& config, const Action& action) {
+  try {
+    return action();
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(placed(config, error.what()));
+  }
+}
+
+}  // namespace apps

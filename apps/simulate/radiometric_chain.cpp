@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulate/radiometric_chain.h"
+
+#include <algorithm>
+
+#include "apps/sensor/sensor_place.h"
+#include "mtf/error.h"
+
+namespace apps {
+
+std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::SensorConfig& config,
+                                                             const SimulateOptions& options) {
+  if (!has_chain(config)) {
+    if (options.stage)
+      throw mtf::UsageError(config.file +
+                            ": --tap is for sensors with [detector]; this one gives the filtered scene only");
+    if (const std::string unused = unused_table(config); !unused.empty())
+      throw mtf::UsageError(placed(config, config.file + ": " + unused));
+    return nullptr;
+  }
+  auto radiometric = std::make_shared<RadiometricChain>();
+  radiometric->loaded = load_chain(config);
+  const radiometry::Sensor& sensor = radiometric->loaded.sensor;
+  radiometric->system = at_its_place(config, [&] { return with_electron_rate(config.system, radiometric->loaded); });
+  const radiometry::OutputStage last = last_output_stage(config.system, sensor);
+  radiometric->stage = options.stage.value_or(last);
+  try {
+    require_output_stage(radiometric->stage, last, sensor.settings.adc.has_value());
+    require_consistent(config.system, sensor);
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(placed(config, config.file + ": " + error.what()));
+  }
+  return radiometric;
+}
+
+double RadiometricChain::tolerance(double otherwise, double std) const {
+  return stage < radiometry::OutputStage::dn ? otherwise
+                                             : adc_tolerance(system, loaded.sensor, std).value_or(otherwise);
+}
+
+bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
+  const auto band = [](const mtf::io::SensorConfig& config) {
+    return config.system.band ? std::pair{config.system.band->lo_um, config.system.band->hi_um} : std::pair{0.0, 0.0};
+  };
+  const auto same = [&](std::string_view name) {
+    const auto *first = find_table(a.tables, name), *second = find_table(b.tables, name);
+    return first == nullptr || second == nullptr ? first == second : *first == *second;
+  };
+  return band(a) == band(b) && same("scene") && same("camera_counts") && same("path") && same("optics") &&
+         same("detector") && a.scene.border_value == b.scene.border_value && a.scene.gain == b.scene.gain &&
+         a.scene.offset == b.scene.offset;
+}
+
+double to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,
+                std::vector<mtf::Image>& masks, const std::string& path, int threads) {
+  mtf::Image bad;
+  for (mtf::Image& mask : masks) {
+    if (mask.size() == 0) continue;
+    if (bad.size() == 0)
+      bad = std::move(mask);
+    else
+      for (std::int64_t i = 0; i < bad.size(); ++i) bad.data()[i] = std::max(bad.data()[i], mask.data()[i]);
+  }
+  masks.clear();
+  masks.push_back(std::move(bad));
+  return at_its_place(config, [&] { return to_light(config, radiometric.loaded, scene, path, threads); });
+}
+
+ChainReport report_of(const RadiometricChain& radiometric) {
+  ChainReport report;
+  report.stage = radiometry::output_stage_name(radiometric.stage);
+  report.quantity = radiometric.quantity();
+  report.unit = radiometric.unit();
+  report.stages = chain_stages(radiometric.system, radiometric.loaded.sensor);
+  return report;
+}
+
+void add_chain(mtf::io::Metadata& metadata, const RadiometricChain& radiometric, std::uint32_t frame) {
+  metadata.text["mtf:quantity"] = radiometric.quantity();
+  metadata.text["mtf:units"] = radiometric.unit();
+  metadata.text["mtf:tap"] = radiometry::output_stage_name(radiometric.stage);
+  const auto& noise = radiometric.loaded.sensor.settings.noise;
+  if (noise) metadata.text["mtf:noise"] = "seed " + std::to_string(noise->seed) + ", frame " + std::to_string(frame);
+  metadata.history.back() = "mtf simulate: chain to " + metadata.text["mtf:tap"];
+}
+
+IntegerRange integer_range(const RadiometricChain* radiometric, const SimulateOptions& options) {
+  IntegerRange range{.low = options.range_low, .high = options.range_high};
+  if (radiometric == nullptr) return range;
+  const radiometry::SensorSettings& settings = radiometric->loaded.sensor.settings;
+  const bool levels = radiometric->unit() == "levels";
+  if (levels && settings.agc->most_level <= 255.0) range.bits = 8;
+  if (range.low) return range;
+  if (levels) return {.low = 0.0, .high = settings.agc->most_level, .bits = range.bits};
+  if (radiometric->unit() == "counts" && settings.adc && settings.adc->bits <= 16) return {.low = 0.0, .high = 65535.0};
+  return range;
+}
+
+mtf::Image cropped(const mtf::Image& image, const std::array<std::int64_t, 4>& region) {
+  const auto& [x, y, width, height] = region;
+  if (x < 0 || y < 0 || width < 1 || height < 1 || x + width > image.width() || y + height > image.height())
+    throw mtf::UsageError("--roi: " + std::to_string(width) + "x" + std::to_string(height) + " pixels from (" +
+                          std::to_string(x) + ", " + std::to_string(y) + ") are not all inside the image of " +
+                          std::to_string(image.width()) + "x" + std::to_string(image.height()));
+  mtf::Image part(width, height);
+  for (std::int64_t row = 0; row < height; ++row)
+    std::copy_n(image.data() + (y + row) * image.width() + x, width, part.data() + row * width);
+  return part;
+}
+
+}  // namespace apps

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What `mtf simulate` needs for a sensor file that says more than the OTF: its chain, and the place in it whose image
+// is written.
+
+#include "apps/options.h"
+#include "apps/simulate/run_report.h"
+#include "apps/simulate/scene_light.h"
+#include "apps/simulate/sensor_image.h"
+#include "mtf/plan/sensor_plan.h"
+
+namespace apps {
+
+struct RadiometricChain {
+  LoadedSensor loaded;
+  mtf::System<double> system;  ///< with the electron rate of the band
+  radiometry::OutputStage stage{};
+
+  int samples_a_pitch() const { return radiometry::samples_a_pitch(loaded.sensor); }
+  /// The default tolerance for a scene of that standard deviation: a tenth of a count behind the converter.
+  double tolerance(double otherwise, double std) const;
+  std::string_view quantity() const { return output_quantity(loaded.sensor, stage); }
+  std::string_view unit() const { return output_unit(loaded.sensor, stage); }
+};
+
+/// Nothing for a sensor file without [detector]. Throws UsageError for --tap where there is none, and as load_chain.
+std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::SensorConfig& config,
+                                                             const SimulateOptions& options);
+
+/// True when scenes have the same light in both.
+bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
+
+/// to_light() of scene_light.h; the masks of bad pixels become one.
+double to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,
+                std::vector<mtf::Image>& masks, const std::string& path, int threads);
+
+/// What reports say of it before anything has run.
+ChainReport report_of(const RadiometricChain& radiometric);
+
+/// Says in the attributes of an image what its numbers are, and which frame of the noise it is.
+void add_chain(mtf::io::Metadata& metadata, const RadiometricChain& radiometric, std::uint32_t frame);
+
+/// How the output becomes whole numbers where no range was asked for: counts as they are, display levels from 0 to the
+/// largest, which is white. Up to 255 levels take 8 bits, so that viewers show them as the display does.
+IntegerRange integer_range(const RadiometricChain* radiometric, const SimulateOptions& options);
+
+/// The part of an image that a region of the output wants.
+mtf::Image cropped(const mtf::Image& image, const std::array<std::int64_t, 4>& region);
+
+}  // namespace apps

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulate/scene_light.h"
+
+#include "mtf/error.h"
+#include "mtf/io/exr/spectral_exr.h"
+#include "radiometry/light/path_planes.h"
+#include "radiometry/light/scene_radiance.h"
+
+namespace apps {
+namespace {
+
+using mtf::io::Quantity;
+
+class Converter {
+ public:
+  Converter(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, Quantity quantity, int threads)
+      : file_(config.file),
+        loaded_(loaded),
+        settings_(loaded.sensor.settings),
+        scene_(settings_.scene.value_or(radiometry::SceneSettings{})),
+        band_(loaded.paths ? radiometry::scene_band(loaded.sensor.curves)
+                           : radiometry::scene_band(loaded.sensor.curves, loaded.sensor.path)),
+        quantity_(quantity),
+        options_{.negative = scene_.negative, .threads = threads} {
+    const bool surfaces = quantity == Quantity::temperature || quantity == Quantity::counts;
+    const bool finish = scene_.surroundings_k || !scene_.emissivity.file.empty() || scene_.emissivity.number != 1.0 ||
+                        !scene_.emissivity_channel.name.empty();
+    if (!surfaces && finish)
+      throw mtf::UsageError(file_ +
+                            ": scene.emissivity, emissivity_channel and surroundings are for scenes of "
+                            "temperatures or counts; this one is " +
+                            std::string(mtf::io::quantity_name(quantity)) + ": remove them");
+    if (quantity == Quantity::counts && scene_.emissivity.number < 1.0 && !scene_.surroundings_k)
+      throw mtf::UsageError(file_ +
+                            ": scene.surroundings: missing; counts of a surface with emissivity below 1 hold "
+                            "what it reflects, for example \"293 K\"");
+    if (quantity == Quantity::counts && (!scene_.emissivity.file.empty() || !scene_.emissivity_channel.name.empty()))
+      throw mtf::UsageError(file_ +
+                            ": scene.emissivity of counts is the one number that the thermometer assumes; a "
+                            "curve or channel is for scenes of temperatures");
+  }
+
+  /// Values of the scene's quantity to radiance at the aperture, but for a path that differs from pixel to pixel.
+  void to_radiance(mtf::Image& image, const mtf::Image& emissivity) const {
+    switch (quantity_) {
+      case Quantity::temperature:
+        radiance_of_temperature(image.view(), band_,
+                                {loaded_.sensor.emissivity, emissivity.view(), scene_.surroundings_k.value_or(0.0)},
+                                options_);
+        break;
+      case Quantity::radiance:
+      case Quantity::photon_radiance: {
+        const auto flux = quantity_ == Quantity::radiance ? radiometry::Flux::watts : radiometry::Flux::photons;
+        radiance_of_band(image.view(), photons_per_radiance(flux, band_, source_k()), options_);
+        break;
+      }
+      case Quantity::spectral_radiance: {
+        const double middle_um = 0.5 * (band_.band.lo_um + band_.band.hi_um);
+        radiance_of_band(image.view(), channel_weights(band_, std::array{middle_um}).weight.front(), options_);
+        break;
+      }
+      case Quantity::counts:
+        if (!settings_.counts)
+          throw mtf::UsageError(file_ +
+                                ": a scene of counts needs [camera_counts] with the constants of the camera that wrote "
+                                "it, or [scene] quantity and gain that make a radiance or temperature of them");
+        // The surface's own temperature, then what it emits and reflects in this band.
+        temperature_of_counts(
+            image.view(), *settings_.counts,
+            {.emissivity = scene_.emissivity.number, .reflected_k = scene_.surroundings_k.value_or(0.0)},
+            options_.threads);
+        radiance_of_temperature(image.view(), band_,
+                                {loaded_.sensor.emissivity, {}, scene_.surroundings_k.value_or(0.0)}, options_);
+        break;
+    }
+  }
+
+  /// What a path that is the same for all pixels adds.
+  void add_path(mtf::Image& image) const {
+    if (loaded_.paths) return;
+    const auto added = static_cast<float>(path_photon_radiance(loaded_.sensor.curves, loaded_.sensor.path));
+    if (added == 0.0F) return;
+    for (float& v : std::span(image.data(), static_cast<std::size_t>(image.size()))) v += added;
+  }
+
+  void through_paths(mtf::Image& image, const mtf::Image& range_m) const {
+    radiometry::RangeTable(band_, *loaded_.paths, source_k()).apply(image.view(), range_m.view(), options_.threads);
+  }
+
+  const radiometry::SceneSettings& scene() const { return scene_; }
+  const radiometry::SceneBand& band() const { return band_; }
+
+ private:
+  /// Of this scene's own quantity, which its file may state.
+  std::optional<double> source_k() const { return source_temperature_k(settings_, quantity_); }
+
+  std::string file_;
+  const LoadedSensor& loaded_;
+  const radiometry::SensorSettings& settings_;
+  radiometry::SceneSettings scene_;
+  radiometry::SceneBand band_;
+  Quantity quantity_;
+  radiometry::PlaneOptions options_;
+};
+
+/// The plane of that name beside the scene; empty for no name.
+mtf::Image channel_of(const std::string& path, const std::string& name, const char* key) {
+  if (name.empty()) return {};
+  try {
+    return mtf::io::read_plane(path, {name});
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError("scene." + std::string(key) + ": " + error.what());
+  }
+}
+
+/// Channels of a spectrum become their sum, weighted.
+void merge_spectrum(mtf::io::Scene& scene, const Converter& convert, int threads) {
+  const radiometry::ChannelWeights weights = channel_weights(convert.band(), scene.wavelength_um);
+  std::vector<mtf::ImageView<const float>> channels;
+  for (const mtf::Image& plane : scene.planes) channels.push_back(plane.view());
+  radiometry::radiance_of_channels(channels, weights.weight, scene.planes.front().view(),
+                                   {.negative = convert.scene().negative, .threads = threads});
+  scene.planes.resize(1);
+  scene.names = {"spectrum"};
+}
+
+}  // namespace
+
+double to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, mtf::io::Scene& scene,
+                const std::string& path, int threads) {
+  const Converter convert(config, loaded, scene.quantity, threads);
+  const mtf::Image emissivity = channel_of(path, convert.scene().emissivity_channel.name, "emissivity_channel");
+  const mtf::Image range_m = channel_of(path, convert.scene().depth_channel.name, "depth_channel");
+  const bool spectrum = !scene.wavelength_um.empty();
+  if (!spectrum && scene.planes.size() != 1) {
+    std::string names;
+    for (const std::string& name : scene.names) names += (names.empty() ? "" : ", ") + name;
+    throw mtf::UsageError(path + ": the sensor makes one image of one channel, the scene has " +
+                          std::to_string(scene.planes.size()) + " (" + names + "); choose one with --channel");
+  }
+  if (spectrum) merge_spectrum(scene, convert, threads);
+  mtf::Image& plane = scene.planes.front();
+  if (!spectrum) convert.to_radiance(plane, emissivity);
+  convert.add_path(plane);
+  if (loaded.paths) convert.through_paths(plane, range_m);
+  if (config.scene.border != mtf::Border::constant) return 0.0;
+  if (loaded.paths)
+    throw mtf::UsageError(config.file +
+                          ": scene.border: a constant border has no range, which scene.depth_channel gives each pixel; "
+                          "use border = \"reflect\"");
+  mtf::Image border(1, 1);
+  border.at(0, 0) = static_cast<float>(config.scene.border_value);
+  convert.to_radiance(border, {});
+  convert.add_path(border);
+  return static_cast<double>(border.at(0, 0));
+}
+
+}  // namespace apps

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulate/sequence_frames.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "apps/sensor/sensor_place.h"
+#include "apps/simulate/sensor_image.h"
+#include "apps/simulate/simulate_parts.h"
+#include "apps/terminal/output.h"
+#include "mtf/error.h"
+#include "mtf/survey/bad_pixels.h"
+#include "mtf/survey/statistics.h"
+
+namespace apps {
+namespace {
+
+template <class Work>
+void timed(double& ms, const Work& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Does the work of a step unless an earlier one has failed.
+template <class Work>
+void attempt(Frame& frame, double& ms, const Work& work) {
+  if (frame.error) return;
+  try {
+    timed(ms, work);
+  } catch (...) {
+    frame.error = std::current_exception();
+  }
+}
+
+[[noreturn]] void rethrow(const Frame& frame) {
+  const std::string where = "frame " + std::to_string(frame.number) + ": ";
+  try {
+    std::rethrow_exception(frame.error);
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(where + error.what());
+  } catch (const mtf::RuntimeError& error) {
+    throw mtf::RuntimeError(where + error.what());
+  }
+}
+
+std::string size_text(const mtf::SampleGrid& grid) {
+  return std::to_string(grid.width) + "x" + std::to_string(grid.height);
+}
+
+std::string step_text(const mtf::SampleGrid& grid) {
+  return mtf::format_double(grid.step_x_um) + " x " + mtf::format_double(grid.step_y_um) + " um";
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + one_line(name);
+  return text;
+}
+
+bool same_spacing(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& b) {
+  return a.sample_x_um == b.sample_x_um && a.sample_y_um == b.sample_y_um;
+}
+
+}  // namespace
+
+double machine_bytes() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+SequenceFrames::SequenceFrames(const SimulateOptions& options, const mtf::io::SensorConfig& sensor,
+                               std::shared_ptr<const RadiometricChain> radiometric, mtf::io::Schedule schedule,
+                               const SequenceNames& names, int threads)
+    : options_(options),
+      names_(names),
+      threads_(threads),
+      schedule_(sensor, std::move(schedule)),
+      planner_(options, threads),
+      sensor_(std::make_shared<const mtf::io::SensorConfig>(sensor)),
+      radiometric_(std::move(radiometric)) {
+  report_.first = names.frames.front();
+  report_.last = names.frames.back();
+  if (radiometric_ && (names.frames.front() < 0 || names.frames.back() > 0x7fffffff))
+    throw mtf::UsageError("frames " + std::to_string(names.frames.front()) + " to " +
+                          std::to_string(names.frames.back()) + ": noise is numbered from 0 to 2147483647");
+}
+
+SceneInput SequenceFrames::load(const std::string& path, const mtf::io::SensorConfig& sensor,
+                                const RadiometricChain* radiometric) const {
+  SceneInput input{.scene = mtf::io::load_scene(sensor, path, {options_.channel, options_.layer, options_.part}),
+                   .masks = {},
+                   .bad_pixels = {},
+                   .summary = {},
+                   .border_value = sensor.scene.border_value};
+  input.masks = treat_bad_pixels(input.scene, options_.nan, input.bad_pixels);
+  mtf::io::SceneDefaults defaults = sensor.scene;
+  if (radiometric != nullptr)
+    defaults.border_value = input.border_value =
+        to_light(sensor, *radiometric, input.scene, input.masks, path, threads_);
+  input.summary = summarise_all(input.scene, defaults);
+  return input;
+}
+
+void SequenceFrames::prepare() {
+  const std::shared_ptr<Frame> frame = next();
+  read(*frame);
+  plan(*frame);
+  if (frame->error) rethrow(*frame);
+  prepared_ = frame;
+  first_plan_ = frame->plan;
+  first_radiometric_ = frame->radiometric;
+  if (first_radiometric_) chain_report_ = report_of(*first_radiometric_);
+  if (frame->chain) frame->chain->prepare(frame->radiometric->stage, threads_);
+  const mtf::io::Scene& scene = frame->input->scene;
+  first_scene_.names = scene.names;
+  first_scene_.grid = scene.grid;
+  first_scene_.quantity = scene.quantity;
+  first_scene_.info = scene.info;
+  for (const std::string& text : scene.warnings) warnings_.push_back(text);
+  for (const std::string& text : mtf::io::sampling_warnings(frame->sensor->system, scene.grid))
+    warnings_.push_back(text);
+  for (const std::string& text : frame->plan->presample.report().notes) warnings_.push_back(text);
+  if (options_.measure)
+    notes_.push_back("--rigor measure chose FFT plans by timing; the last bits may differ between runs");
+}
+
+// A schedule may switch a shutter to rolling later on.
+bool SequenceFrames::remembers() const {
+  return first_radiometric_ &&
+         (first_radiometric_->loaded.sensor.settings.lag || first_radiometric_->loaded.sensor.settings.shutter);
+}
+
+double SequenceFrames::bytes_a_frame() const {
+  const mtf::SensorPlan& plan = *first_plan_;
+  const auto pixels = [](const mtf::SampleGrid& grid) {
+    return static_cast<double>(grid.width) * static_cast<double>(grid.height);
+  };
+  const auto channels = static_cast<double>(first_scene_.names.size());
+  // The scene, the sampled image, the final one and what a file format makes of it; buffers and an OTF of its own.
+  const double planes = 4.0 * (2.0 * pixels(plan.in()) + 3.0 * pixels(plan.out()));
+  const mtf::PlanReport& report = plan.presample.report();
+  return channels * (planes + static_cast<double>(report.run_bytes)) + static_cast<double>(report.otf_bytes);
+}
+
+std::shared_ptr<Frame> SequenceFrames::next() {
+  if (prepared_) return std::exchange(prepared_, nullptr);
+  if (at_ == names_.frames.size()) return nullptr;
+  auto frame = std::make_shared<Frame>();
+  frame->number = names_.frames[at_++];
+  attempt(*frame, frame->plan_ms, [&] {
+    if (schedule_.advance(frame->number)) {
+      ++report_.schedule_changes;
+      sensor_ = std::make_shared<const mtf::io::SensorConfig>(schedule_.sensor());
+      radiometric_ = radiometric_chain_of(*sensor_, options_);
+    }
+  });
+  frame->sensor = sensor_;
+  frame->radiometric = radiometric_;
+  frame->settings = schedule_.in_force();
+  if (names_.scenes) return frame;
+  // The samples of a still scene may be angles, whose size follows the focal length.
+  attempt(*frame, frame->read_ms, [&] {
+    if (!still_ || !same_spacing(spacing_sensor_->scene, sensor_->scene) ||
+        (radiometric_ && !same_light(*spacing_sensor_, *sensor_)))
+      still_ = std::make_shared<const SceneInput>(load(names_.still, *sensor_, radiometric_.get()));
+    spacing_sensor_ = sensor_;
+  });
+  frame->input = still_;
+  return frame;
+}
+
+void SequenceFrames::read(Frame& frame) {
+  if (frame.input) return;
+  attempt(frame, frame.read_ms, [&] {
+    frame.input = std::make_shared<const SceneInput>(
+        load(names_.scenes->name(frame.number), *frame.sensor, frame.radiometric.get()));
+  });
+}
+
+// Frames of another kind are a mistake in the sequence, whatever could be made of them.
+void SequenceFrames::require_like_first(const Frame& frame) {
+  const mtf::io::Scene& scene = frame.input->scene;
+  const auto fail = [&](const std::string& what, const std::string& is, const std::string& was) {
+    throw mtf::RuntimeError(names_.scenes->name(frame.number) + " has " + what + " " + is +
+                            ", the sequence began with " + was + "; bring it to the same, or leave it out by --frames");
+  };
+  if (first_plan_) {
+    const mtf::io::Scene& first = first_scene_;
+    if (scene.grid.width != first.grid.width || scene.grid.height != first.grid.height)
+      fail("size", size_text(scene.grid), size_text(first.grid));
+    if (scene.names != first.names) fail("channels", joined(scene.names), joined(first.names));
+    if (scene.quantity != first.quantity)
+      fail("quantity", std::string(mtf::io::quantity_name(scene.quantity)),
+           std::string(mtf::io::quantity_name(first.quantity)));
+    if (same_spacing(spacing_sensor_->scene, frame.sensor->scene) && scene.grid != spacing_)
+      fail("samples of", step_text(scene.grid), step_text(spacing_));
+  }
+  spacing_sensor_ = frame.sensor;
+  spacing_ = scene.grid;
+}
+
+void SequenceFrames::plan(Frame& frame) {
+  if (frame.plan) return;
+  attempt(frame, frame.plan_ms, [&] {
+    if (names_.scenes) require_like_first(frame);
+    frame.plan = planner_.plan_for(*frame.sensor, frame.radiometric.get(), *frame.input, frame.warnings);
+    if (!frame.radiometric) return;
+    if (chain_radiometric_ != frame.radiometric || chain_plan_ != frame.plan)
+      chain_ = at_its_place(*frame.sensor, [&] {
+        return std::make_shared<const radiometry::Chain>(*frame.plan, frame.radiometric->system,
+                                                         frame.radiometric->loaded.sensor, radiometry::Origin{},
+                                                         threads_, chain_.get());
+      });
+    chain_radiometric_ = frame.radiometric;
+    chain_plan_ = frame.plan;
+    frame.chain = chain_;
+  });
+}
+
+std::vector<mtf::Image> SequenceFrames::run_planes(Frame& frame) {
+  const SceneInput& input = *frame.input;
+  if (frame.chain) {
+    radiometry::ChainState* state = remembers() ? &state_ : nullptr;
+    frame.counted = frame.chain->run(input.scene.planes.front().clone(), static_cast<std::uint32_t>(frame.number),
+                                     frame.radiometric->stage, input.border_value, threads_, state);
+    std::vector<mtf::Image> images;
+    images.push_back(std::move(frame.counted.image));
+    return images;
+  }
+  std::vector<mtf::ImageView<const float>> planes;
+  for (const mtf::Image& plane : input.scene.planes) planes.push_back(plane.view());
+  return frame.plan->run(planes, input.border_value, threads_);
+}
+
+void SequenceFrames::run(Frame& frame) {
+  std::vector<mtf::Image> images;
+  attempt(frame, frame.run_ms, [&] {
+    const SceneInput& input = *frame.input;
+    images = run_planes(frame);
+    for (std::size_t c = 0; c < input.masks.size(); ++c)
+      if (input.masks[c].size() > 0)
+        mtf::propagate_bad_pixels(*frame.plan, input.masks[c], frame.plan->options.tolerance, threads_,
+                                  images[c].view());
+      else if (!mtf::all_finite(images[c].view()))
+        refuse_overflow(input.scene.names[c]);
+  });
+  attempt(frame, frame.write_ms, [&] {
+    const mtf::io::Scene& scene = frame.input->scene;
+    mtf::io::Metadata metadata = provenance(*frame.sensor, scene, *frame.plan, frame.plan->options.tolerance);
+    metadata.text["mtf:frame"] = std::to_string(frame.number);
+    if (!frame.settings.empty()) metadata.text["mtf:schedule"] = frame.settings;
+    if (frame.radiometric) add_chain(metadata, *frame.radiometric, static_cast<std::uint32_t>(frame.number));
+    write_sensor_image(names_.out->name(frame.number), output_names(scene.names), images, metadata,
+                       integer_range(frame.radiometric.get(), options_));
+  });
+}
+
+void SequenceFrames::finish(const Frame& frame) {
+  for (const std::string& text : frame.warnings)
+    warnings_.push_back("frame " + std::to_string(frame.number) + ": " + text);
+  if (frame.error) {
+    notes_.push_back("" + std::to_string(report_.frames) + " of " + std::to_string(count()) +
+                     " frames were finished before this one and are whole");
+    rethrow(frame);
+  }
+  if (!frame.input->bad_pixels.empty() && report_.frames_with_bad_pixels++ == 0)
+    notes_.push_back("frame " + std::to_string(frame.number) + ": " + frame.input->bad_pixels +
+                     " (the report counts such frames)");
+  if (chain_report_) chain_report_->add(frame.counted);
+  if (frame.counted.held.any()) report_.saturated.emplace_back(frame.number, frame.counted.held);
+  ++report_.frames;
+  report_.predicted_error = std::max(report_.predicted_error, frame.plan->predicted_error);
+  last_plan_ = frame.plan;
+  read_ms_ += frame.read_ms;
+  plan_ms_ += frame.plan_ms;
+  run_ms_ += frame.run_ms;
+  write_ms_ += frame.write_ms;
+}
+
+std::vector<std::pair<std::string, double>> SequenceFrames::timing_ms() const {
+  return {{"read", read_ms_}, {"plan", plan_ms_}, {"run", run_ms_}, {"write", write_ms_}};
+}
+
+SequenceReport SequenceFrames::report() const {
+  SequenceReport report = report_;
+  report.plans_compiled = planner_.compiled();
+  report.plans_updated = planner_.updated();
+  return report;
+}
+
+}  // namespace apps

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulate/sequence_plan.h"
+
+#include <algorithm>
+
+#include "apps/terminal/text_table.h"
+#include "mtf/same_list.h"
+
+namespace apps {
+namespace {
+
+// Room for frames that are harder to keep the promise for: storage costs little, the canvas scales everything. A
+// reflected canvas is twice the image for every frame.
+constexpr double kRoomStorage = 2.0, kRoomCanvas = 1.1, kRounding = 1.0 + 1e-6;
+constexpr double kFloatUnit = 0x1p-24, kSmallestFloat = 0x1p-150;  // of float32: relative, and half a denormal step
+
+SceneDifficulty difficulty(const mtf::SceneSummary& scene) {
+  return {std::max(scene.largest * kFloatUnit, kSmallestFloat) / scene.std, scene.canvas_norm / scene.std};
+}
+
+SceneDifficulty harder(const SceneDifficulty& a, const SceneDifficulty& b) {
+  return {std::max(a.storage, b.storage), std::max(a.canvas, b.canvas)};
+}
+
+/// The summary, on the scale of a scene, of one that is as hard.
+mtf::SceneSummary summary_of(const SceneDifficulty& d, double std) {
+  return {std, d.storage * std / kFloatUnit, d.canvas * std};
+}
+
+/// True when a plan compiled for `plan` keeps its promise for a scene of this summary; a flat one asks for nothing.
+bool serves(const std::optional<mtf::SceneSummary>& plan, const std::optional<mtf::SceneSummary>& scene) {
+  if (!scene) return true;
+  if (!plan) return false;
+  const SceneDifficulty able = difficulty(*plan), needed = difficulty(*scene);
+  return needed.storage <= able.storage && needed.canvas <= able.canvas;
+}
+
+bool same_system(const mtf::System<double>& a, const mtf::System<double>& b) {
+  return std::all_of(mtf::kStages.begin(), mtf::kStages.end(),
+                     [&](mtf::Stage stage) { return mtf::same_list(a, b, stage); });
+}
+
+const mtf::System<double>& system_of(const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric) {
+  return radiometric != nullptr ? radiometric->system : sensor.system;
+}
+
+int steps_of(const RadiometricChain* radiometric) {
+  return radiometric != nullptr ? radiometric->samples_a_pitch() : 1;
+}
+
+}  // namespace
+
+SequencePlanner::SequencePlanner(const SimulateOptions& options, int threads) : asked_(options.tolerance.has_value()) {
+  options_.tolerance = options.tolerance.value_or(options_.tolerance);
+  options_.rigor = options.measure ? mtf::fft::Rigor::measure : mtf::fft::Rigor::estimate;
+  options_.threads = threads;
+}
+
+std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::SensorConfig& sensor,
+                                                                const RadiometricChain* radiometric,
+                                                                const SceneInput& input,
+                                                                std::vector<std::string>& warnings) {
+  options_.border = sensor.scene.border;
+  options_.separate_readout = radiometric != nullptr;
+  if (radiometric != nullptr && !asked_ && input.summary)
+    options_.tolerance = radiometric->tolerance(options_.tolerance, input.summary->std);
+  options_.aperture = mtf::io::scene_aperture(sensor.scene, input.scene.grid);
+  if (input.summary) met_ = harder(met_, difficulty(*input.summary));
+  ++compiled_;
+  const auto attempt = [&](const std::optional<mtf::SceneSummary>& summary) {
+    options_.scene = summary;
+    return std::make_shared<const mtf::SensorPlan>(
+        mtf::compile_sensor(system_of(sensor, radiometric), input.scene.grid, options_, steps_of(radiometric)));
+  };
+  const double canvas = options_.border == mtf::Border::reflect ? kRounding : kRoomCanvas;
+  const SceneDifficulty room{met_.storage * kRoomStorage, met_.canvas * canvas};
+  if (input.summary) try {
+      return attempt(summary_of(room, input.summary->std));
+    } catch (const mtf::UnreachableTolerance&) {  // there is no room
+    }
+  try {
+    return attempt(input.summary);
+  } catch (const mtf::UnreachableTolerance& e) {
+    if (asked_ || !(e.reachable() < 1.0)) throw;
+    warnings.push_back("the default tolerance " + mtf::format_double(options_.tolerance) +
+                       " cannot be kept for this scene; " + significant(e.reachable(), 2) + " is used from here on");
+    options_.tolerance = e.reachable();
+  }
+  return attempt(input.summary);
+}
+
+std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::SensorConfig& sensor,
+                                                                 const RadiometricChain* radiometric,
+                                                                 const SceneInput& input,
+                                                                 std::vector<std::string>& warnings) {
+  const mtf::System<double>& system = system_of(sensor, radiometric);
+  const bool fits = plan_ && plan_->in() == input.scene.grid && serves(plan_->options.scene, input.summary) &&
+                    mtf::sensor_grid(system, input.scene.grid, steps_of(radiometric)) == plan_->out();
+  if (!fits) return plan_ = compile(sensor, radiometric, input, warnings);
+  if (same_system(plan_->system, system)) return plan_;
+  try {
+    plan_ = std::make_shared<const mtf::SensorPlan>(plan_->with(system));
+    ++(plan_->updated ? updated_ : compiled_);
+  } catch (const mtf::UnreachableTolerance&) {
+    plan_ = compile(sensor, radiometric, input, warnings);
+  }
+  return plan_;
+}
+
+}  // namespace apps

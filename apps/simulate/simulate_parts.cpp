@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulate/simulate_parts.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
+#include "mtf/error.h"
+#include "mtf/survey/bad_pixels.h"
+#include "mtf/survey/scene_spectrum.h"
+#include "mtf/survey/statistics.h"
+
+namespace apps {
+std::vector<std::string> outputs_of(const SimulateOptions& options) {
+  if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
+  mtf::io::format_from_extension(options.out);
+  std::vector<std::string> outputs{options.out};
+  if (options.wisdom == "-") throw mtf::UsageError("--wisdom: name a file; \"-\" is for --report only");
+  for (const std::string& more : {options.report, options.wisdom})
+    if (!more.empty() && more != "-") outputs.push_back(more);
+  return outputs;
+}
+
+void require_writable(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (const std::string& input : inputs) require_different(input, outputs[i]);
+    for (std::size_t j = 0; j < i; ++j)
+      if (is_same_file(outputs[i], outputs[j]))
+        throw mtf::UsageError(one_line(outputs[i]) +
+                              (outputs[i] == outputs[j]
+                                   ? " is named for two outputs"
+                                   : " and " + one_line(outputs[j]) + " are one file, named for two outputs") +
+                              "; give each its own name");
+    const std::filesystem::path folder = std::filesystem::path(outputs[i]).parent_path();
+    std::error_code error;
+    if (std::filesystem::is_directory(outputs[i], error))
+      throw mtf::RuntimeError("cannot write " + one_line(outputs[i]) + ": it is a folder; name a file in it");
+    if (!folder.empty() && !std::filesystem::is_directory(folder, error))
+      throw mtf::RuntimeError("cannot write " + one_line(outputs[i]) + ": there is no folder " +
+                              one_line(folder.string()) + "; create it first");
+  }
+}
+
+void refuse_overflow(const std::string& channel) {
+  throw mtf::RuntimeError("channel " + one_line(channel) +
+                          ": filtered values exceed what float32 holds (3.4e38); scale the scene with scene.gain");
+}
+
+std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary) {
+  if (policy == NanPolicy::refuse) require_decoded(scene);
+  std::vector<mtf::Image> masks(scene.planes.size());
+  std::int64_t total = 0;
+  for (std::size_t c = 0; c < scene.planes.size(); ++c) {
+    const mtf::Statistics s = mtf::statistics(scene.planes[c].view());
+    if (s.not_finite == 0) continue;
+    if (policy == NanPolicy::refuse)
+      throw mtf::RuntimeError("channel " + scene.names[c] + ": " + std::to_string(s.not_finite) +
+                              " pixels are NaN or infinite, the first at column " + std::to_string(s.first_x) +
+                              ", row " + std::to_string(s.first_y) +
+                              "; use --nan fill (from neighbours) or --nan propagate");
+    if (policy == NanPolicy::propagate) masks[c] = mtf::bad_pixel_mask(scene.planes[c].view());
+    total += mtf::fill_bad_pixels(scene.planes[c].view());
+  }
+  if (total > 0)
+    summary = std::to_string(total) + " NaN or infinite pixels were filled from their neighbours" +
+              (policy == NanPolicy::propagate ? "; output pixels that depend on them are NaN" : "");
+  return masks;
+}
+
+std::optional<mtf::SceneSummary> harder_of(std::optional<mtf::SceneSummary> a,
+                                           const std::optional<mtf::SceneSummary>& b) {
+  if (!a || !b) return a ? a : b;
+  a->largest = std::max(a->largest, b->largest / b->std * a->std);
+  a->canvas_norm = std::max(a->canvas_norm, b->canvas_norm / b->std * a->std);
+  a->flat_rows = std::min(a->flat_rows, b->flat_rows);
+  a->flat_columns = std::min(a->flat_columns, b->flat_columns);
+  return a;
+}
+
+std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults) {
+  std::optional<mtf::SceneSummary> worst;
+  for (const mtf::Image& plane : scene.planes)
+    worst = harder_of(worst, mtf::summarise(plane.view(), defaults.border, defaults.border_value));
+  return worst;
+}
+
+void loosen_default(const mtf::UnreachableTolerance& refusal, mtf::PlanOptions& options,
+                    std::vector<std::string>& warnings) {
+  warnings.push_back("the default tolerance " + significant(options.tolerance, 2) + " cannot be kept for this scene; " +
+                     significant(refusal.reachable(), 2) + " is used");
+  options.tolerance = refusal.reachable();
+}
+
+std::shared_ptr<const mtf::SceneSpectrum> spectrum_of_all(const mtf::io::Scene& scene, mtf::Border border,
+                                                          int threads) {
+  constexpr std::int64_t kWorthIt = std::int64_t{1} << 26;  // beyond, its memory counts
+  std::vector<std::shared_ptr<const mtf::SceneSpectrum>> spectra;
+  for (const mtf::Image& plane : scene.planes) {
+    if (plane.size() > kWorthIt) return nullptr;
+    if (auto spectrum = mtf::scene_spectrum(plane.view(), border, threads)) spectra.push_back(std::move(spectrum));
+  }
+  return mtf::largest_of(spectra);
+}
+
+}  // namespace apps

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Steps of `mtf simulate` that a single image and a sequence share.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/options.h"
+#include "mtf/io/scene.h"
+
+namespace apps {
+
+/// Files that the command line names for writing. Throws UsageError when --out is missing or of no known format.
+std::vector<std::string> outputs_of(const SimulateOptions& options);
+
+/// What can be seen to fail is said before any work is done: outputs that are inputs, two of one name (UsageError), no
+/// folder to write into (RuntimeError).
+void require_writable(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
+
+/// Masks of bad pixels per channel (empty where there are none), the planes filled; `summary` says so. Throws
+/// RuntimeError when the policy is to refuse, UsageError when an encoding table does not cover them.
+std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary);
+
+/// Throws RuntimeError: a channel of this name has filtered values beyond what float32 holds.
+[[noreturn]] void refuse_overflow(const std::string& channel);
+
+/// The parts of two channels that make the promise harder to keep, on the scale of the first; a flat one has none.
+std::optional<mtf::SceneSummary> harder_of(std::optional<mtf::SceneSummary> a,
+                                           const std::optional<mtf::SceneSummary>& b);
+
+/// Takes what can be kept for the tolerance, and says so.
+void loosen_default(const mtf::UnreachableTolerance& refusal, mtf::PlanOptions& options,
+                    std::vector<std::string>& warnings);
+
+/// compile() for the tolerance asked for; without one, for the default or, where that is out of reach, for what can be
+/// kept. `compile` uses `options`.
+template <class Compile>
+auto compile_reachable(bool asked, mtf::PlanOptions& options, std::vector<std::string>& warnings,
+                       const Compile& compile) {
+  try {
+    return compile();
+  } catch (const mtf::UnreachableTolerance& refusal) {
+    if (asked || !(refusal.reachable() < 1.0)) throw;
+    loosen_default(refusal, options, warnings);
+  }
+  return compile();
+}
+
+/// One summary for all channels: the parts that make the promise hardest to keep, on the scale of one of them. Nothing
+/// when all are flat.
+std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults);
+
+/// One spectrum for all channels that have contrast, where the border has one (mtf/survey/scene_spectrum.h) and the
+/// planes are not huge.
+std::shared_ptr<const mtf::SceneSpectrum> spectrum_of_all(const mtf::io::Scene& scene, mtf::Border border, int threads);
+
+}  // namespace apps

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// One design worked out in a scalar: numbers of the parameters in, metrics out. evaluator.cpp has it for double,
+// gradient.cpp for jets.
+
+#include <algorithm>
+
+#include "apps/study/design/range_models.h"
+#include "apps/study/design/variant_sensor.h"
+#include "calib/fit/parameter_site.h"
+#include "mtf/error.h"
+
+namespace study {
+
+/// The metrics of a study, and what they ask for.
+struct MetricPlan {
+  std::vector<MetricChoice> choices;  ///< of Study::metrics
+  std::vector<std::size_t> at;        ///< index into needs.at, for mtf_at
+  mtf::ResolutionNeeds needs;
+  bool resolution = false, budget = false, spatial = false, giqe = false, range = false;
+  std::vector<UnitScale> scale;
+};
+
+MetricPlan plan_metrics(const Study& study, double tolerance);
+
+template <class S>
+class DesignWork {
+ public:
+  DesignWork(const Study& study, const MetricPlan& plan, const VariantSensor& variant, mtf::System<S> system)
+      : study_(&study), plan_(&plan), variant_(&variant), system_(std::move(system)), meter_(plan.needs) {
+    for (const Parameter& parameter : study.parameters)
+      sites_.push_back(calib::parameter_site(system_, parameter.path).numbers);
+  }
+  DesignWork(const DesignWork&) = delete;  // the sites are places in its own system
+  DesignWork& operator=(const DesignWork&) = delete;
+
+  /// Values of all parameters, in their units. A parameter of a table becomes an override.
+  void set(std::span<const S> parameters) {
+    overrides_.clear();
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      const Parameter& parameter = study_->parameters[i];
+      if (parameter.path.empty() || parameter.role == Parameter::Role::fixed) continue;
+      for (S* number : sites_[i]) *number = parameters[i];
+      if (sites_[i].empty()) overrides_.push_back({parameter.path, parameters[i]});
+    }
+  }
+  /// As set(), for parameters that vary as built, too.
+  void set_fixed(std::size_t parameter, const S& value) {
+    for (S* number : sites_[parameter]) *number = value;
+    if (!sites_[parameter].empty()) return;
+    const std::string& path = study_->parameters[parameter].path;
+    const auto found =
+        std::find_if(overrides_.begin(), overrides_.end(), [&](const auto& o) { return o.path == path; });
+    if (found != overrides_.end())
+      found->value = value;
+    else
+      overrides_.push_back({path, value});
+  }
+
+  const mtf::System<S>& system() const { return system_; }
+  std::span<const radiometry::Override<S>> overrides() const { return overrides_; }
+
+  /// Metrics in their units. `spectral`: of the overrides that are set.
+  void metrics(const radiometry::SpectralNumbers<S>& spectral, std::span<S> values) {
+    design_.system = &system_;
+    design_.conditions = &study_->conditions;
+    design_.frame_time_s = system_.frame.integration_time_s;
+    if (variant_->loaded && variant_->loaded->sensor.settings.frame)
+      if (const auto& given = variant_->loaded->sensor.settings.frame->frame_time_s) design_.frame_time_s = S(*given);
+    if (plan_->resolution) design_.resolution = meter_.measure(system_);
+    design_.budget.reset();
+    if (plan_->budget && variant_->loaded) design_.budget = budget(spectral);
+    const bool saturated = design_.budget && design_.budget->saturation.saturated();
+    if (plan_->giqe) design_.noise_gain = noise_gain();
+    design_.ranges.reset();
+    refusal_.clear();
+    caution_ = design_.budget && !saturated ? words(design_.budget->saturation) : "";
+    if (design_.budget && plan_->spatial)
+      refusal_ = radiometry::spatial_gap(variant_->loaded->sensor.settings, *design_.budget);
+    const auto taken = [this](auto model) {  // what one model refuses leaves the others their numbers
+      try {
+        model();
+        return true;
+      } catch (const mtf::UsageError& refused) {
+        if (refusal_.empty()) refusal_ = refused.what();
+        return false;
+      }
+    };
+    if (plan_->range && design_.budget && !saturated) taken([this] { design_.ranges = range_figures(design_); });
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!taken([&] { values[i] = metric_value(plan_->choices[i], design_, plan_->at[i]); }))
+        values[i] = detail::not_there<S>();
+    const auto has_none = [](const S& value) { return std::isnan(mtf::value_of(value)); };
+    if (saturated && std::any_of(values.begin(), values.end(), has_none)) refusal_ = words(design_.budget->saturation);
+  }
+  /// Why a metric of the last design has no number, "" where all models took it.
+  const std::string& refusal() const { return refusal_; }
+  /// How far signal and noise of the last design are off, close to saturation; "" where they are not.
+  const std::string& caution() const { return caution_; }
+  double error() const { return plan_->resolution ? design_.resolution.error : 0.0; }
+
+ private:
+  radiometry::Budget<S> budget(const radiometry::SpectralNumbers<S>& spectral) const {
+    return radiometry::sensor_budget(system_, variant_->loaded->sensor.settings, spectral, variant_->flicker_e,
+                                     radiometry::Overrides<S>{std::span<const radiometry::Override<S>>(overrides_)});
+  }
+
+  /// Root of the mean of |OTF|^2 of the digital filters over the base band: by what they raise white noise.
+  S noise_gain() const {
+    using std::sqrt;
+    const auto& list = system_.list(mtf::Stage::postsample);
+    if (list.empty()) return S(1);
+    const mtf::Context<S> context = system_.context();
+    const bool separable = std::all_of(list.begin(), list.end(),
+                                       [&](const auto& entry) { return entry.component.traits(context).separable; });
+    constexpr std::size_t kNodes = 12, kHalf = kNodes / 2;
+    const mtf::GaussRule& rule = mtf::gauss_legendre(kNodes);
+    const S nyquist_x = system_.frame.nyquist_cy_mm(mtf::Axis::x),
+            nyquist_y = system_.frame.nyquist_cy_mm(mtf::Axis::y);
+    // |OTF| is the same at f and -f: half of the nodes, with twice their weights.
+    std::vector<mtf::Freq<S>> f;
+    for (std::size_t i = 0; i < kHalf; ++i)
+      if (separable) {
+        f.push_back({S(rule.node[i]) * nyquist_x, S(0)});
+        f.push_back({S(0), S(rule.node[i]) * nyquist_y});
+      } else {
+        for (const double y : rule.node) f.push_back({S(rule.node[i]) * nyquist_x, S(y) * nyquist_y});
+      }
+    const auto h = system_.otf(std::span(list), f);
+    const auto square = [&](std::size_t i) { return h[i].re * h[i].re + h[i].im * h[i].im; };
+    S mean(0), mean_x(0), mean_y(0);
+    for (std::size_t i = 0; i < kHalf; ++i)
+      if (separable) {
+        mean_x += S(rule.weight[i]) * square(2 * i);
+        mean_y += S(rule.weight[i]) * square(2 * i + 1);
+      } else {
+        for (std::size_t j = 0; j < kNodes; ++j)
+          mean += S(0.5 * rule.weight[i] * rule.weight[j]) * square(kNodes * i + j);
+      }
+    return sqrt(separable ? S(mean_x * mean_y) : mean);
+  }
+
+  const Study* study_;
+  const MetricPlan* plan_;
+  const VariantSensor* variant_;
+  mtf::System<S> system_;
+  mtf::ResolutionMeter<S> meter_;
+  std::vector<std::vector<S*>> sites_;
+  std::vector<radiometry::Override<S>> overrides_;
+  Design<S> design_;
+  std::string refusal_, caution_;
+};
+
+}  // namespace study

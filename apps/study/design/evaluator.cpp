@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/study/design/evaluator.h"
+
+#include <cmath>
+#include <map>
+
+#include "apps/study/design/design_work.h"
+#include "apps/study/design/gradient.h"
+#include "apps/study/design/metric_gap.h"
+#include "mtf/error.h"
+
+namespace study {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// An objective that is nothing but a metric or a parameter has no column of its own.
+bool has_column(const Study& study, const Objective& objective) {
+  const std::optional<int> slot = objective.expression.only_slot();
+  if (!slot) return true;
+  const auto i = static_cast<std::size_t>(*slot);
+  return i < study.parameters.size() && study.parameters[i].role == Parameter::Role::fixed;  // no column of its own
+}
+
+}  // namespace
+
+std::vector<Column> columns_of(const Study& study) {
+  std::vector<Column> columns;
+  for (const Axis& axis : study.axes) {
+    const Parameter& parameter = study.parameters[static_cast<std::size_t>(axis.parameter)];
+    columns.push_back({parameter.name, parameter.unit, "varied", "study file", Column::Role::axis, axis.levels});
+  }
+  for (const Link& link : study.links) {
+    const Parameter& parameter = study.parameters[static_cast<std::size_t>(link.parameter)];
+    columns.push_back(
+        {parameter.name, parameter.unit, "= " + link.expression.text(), "study file", Column::Role::link});
+  }
+  for (const MetricInfo& metric : study.metrics)
+    columns.push_back({metric.name, metric.unit, metric.definition, metric.source, Column::Role::metric});
+  for (const Objective& objective : study.objectives)
+    if (has_column(study, objective))
+      columns.push_back({objective.text, objective.unit, objective.maximize ? "to be maximized" : "to be minimized",
+                         "study file", Column::Role::objective});
+  if (!study.constraints.empty())
+    columns.push_back({"feasible", "", "1 where every constraint holds", "study file", Column::Role::feasible});
+  if (study.draws > 0)
+    columns.push_back(
+        {"yield", "", "share of as-built draws that meet every constraint", "study file", Column::Role::yield});
+  columns.push_back({"error", "",
+                     "largest error of the metrics, estimated: absolute where they are at most 1, else relative",
+                     "mtf/otf/otf_series.h", Column::Role::error});
+  return columns;
+}
+
+struct Evaluator::Impl {
+  std::shared_ptr<const Study> study;
+  MetricPlan plan;
+  struct Ready {
+    VariantSensor sensor;
+    std::unique_ptr<DesignWork<double>> work;
+    std::uint64_t used = 0;  ///< when last
+  };
+  std::map<std::vector<int>, std::unique_ptr<Ready>> variants{};
+  std::vector<double> axis_values{}, parameters{}, metrics{}, slots{}, objectives{};
+  std::vector<ConstraintValues> sides{};
+  std::vector<int> levels{};
+  std::uint64_t uses = 0;
+  bool valid = false;
+  std::string problem{}, refusal{}, caution{}, first_problem{}, first_refusal{};
+
+  explicit Impl(std::shared_ptr<const Study> s) : study(std::move(s)), plan(plan_metrics(*study, study->tolerance)) {
+    axis_values.resize(study->axes.size());
+    levels.resize(study->axes.size());
+    parameters.resize(study->parameters.size());
+    metrics.resize(study->metrics.size());
+    slots.resize(study->slots());
+    objectives.resize(study->objectives.size());
+    sides.resize(study->constraints.size());
+  }
+
+  /// Sensor of the levels of the discrete axes; the oldest go when there are many.
+  Ready& ready(std::span<const double> values) {
+    for (std::size_t a = 0; a < study->axes.size(); ++a)
+      levels[a] = study->axes[a].discrete() ? static_cast<int>(values[a]) : 0;
+    const auto found = variants.find(levels);
+    if (found != variants.end()) {
+      found->second->used = ++uses;
+      return *found->second;
+    }
+    constexpr std::size_t kMost = 64;
+    if (variants.size() >= kMost)
+      variants.erase(std::min_element(variants.begin(), variants.end(),
+                                      [](const auto& a, const auto& b) { return a.second->used < b.second->used; }));
+    auto fresh = std::make_unique<Ready>();
+    fresh->used = ++uses;
+    fresh->sensor = load_variant(*study, levels);
+    if (fresh->sensor.problems.empty())
+      fresh->work = std::make_unique<DesignWork<double>>(*study, plan, fresh->sensor, fresh->sensor.system);
+    return *variants.emplace(levels, std::move(fresh)).first->second;
+  }
+
+  /// A value out of the range of its field; "" when it is inside.
+  static std::string out_of_range(const Parameter& p, double value) {
+    if (!std::isfinite(value)) return p.name + " = " + mtf::format_double(value) + " is no finite number";
+    const bool above = p.lo_open ? value > p.lo : value >= p.lo, below = p.hi_open ? value < p.hi : value <= p.hi;
+    if (above && below) return {};
+    return p.name + " = " + mtf::format_double(value) + (p.unit.empty() ? "" : " " + p.unit) + " is outside " +
+           (p.lo_open ? "(" : "[") + mtf::format_double(p.lo) + ", " + mtf::format_double(p.hi) +
+           (p.hi_open ? ")" : "]");
+  }
+
+  bool fill_parameters(const Ready& variant, std::span<const double> values, std::span<const double> shift);
+  bool set_system(Ready& variant);
+  void write_row(std::span<double> row);
+  void evaluate_at(std::span<const double> values, std::span<double> row, std::span<const double> shift);
+};
+
+/// Axes, then links, then what is built differently. False when a value is out of range.
+bool Evaluator::Impl::fill_parameters(const Ready& variant, std::span<const double> values,
+                                      std::span<const double> shift) {
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const Parameter& p = study->parameters[i];
+    parameters[i] = p.path.empty() ? p.base : variant.sensor.base[i];
+    slots[i] = parameters[i] * p.scale.si;
+  }
+  const auto put = [&](int parameter, double value) {
+    const auto i = static_cast<std::size_t>(parameter);
+    parameters[i] = value;
+    slots[i] = value * study->parameters[i].scale.si;
+    if (problem.empty()) problem = out_of_range(study->parameters[i], value);
+  };
+  for (std::size_t a = 0; a < study->axes.size(); ++a) {
+    const Axis& axis = study->axes[a];
+    if (!axis.discrete()) {
+      put(axis.parameter, values[a]);
+      continue;
+    }
+    const auto i = static_cast<std::size_t>(axis.parameter);
+    parameters[i] = axis.values[static_cast<std::size_t>(values[a])];
+    slots[i] = parameters[i] * study->parameters[i].scale.si;
+  }
+  for (const Link& link : study->links)
+    put(link.parameter,
+        link.expression.evaluate<double>(slots) / study->parameters[static_cast<std::size_t>(link.parameter)].scale.si);
+  for (std::size_t k = 0; k < shift.size(); ++k) {
+    const int parameter = study->as_built[k].parameter;
+    put(parameter, parameters[static_cast<std::size_t>(parameter)] + shift[k]);
+  }
+  return problem.empty();
+}
+
+/// The sensor with these numbers. False when it could not be one.
+bool Evaluator::Impl::set_system(Ready& variant) {
+  variant.work->set(parameters);
+  for (const AsBuilt& built : study->as_built) {
+    const auto i = static_cast<std::size_t>(built.parameter);
+    if (study->parameters[i].role == Parameter::Role::fixed) variant.work->set_fixed(i, parameters[i]);
+  }
+  const auto errors = variant.work->system().errors();
+  if (errors.empty()) return true;
+  const auto& [where, what] = errors.front();
+  problem = where + (what.field.empty() ? "" : "." + what.field) + ": " + what.text;
+  return false;
+}
+
+void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<double> row,
+                                  std::span<const double> shift) {
+  problem.clear();
+  refusal.clear();
+  caution.clear();
+  Ready& variant = ready(values);
+  std::fill(metrics.begin(), metrics.end(), kNan);
+  std::fill(parameters.begin(), parameters.end(), kNan);
+  std::fill(row.begin(), row.end(), kNan);
+  double error = kNan;
+  if (!variant.sensor.problems.empty()) {
+    problem = variant.sensor.problems.front();
+    for (std::size_t a = 0; a < study->axes.size(); ++a) {
+      const Axis& axis = study->axes[a];
+      parameters[static_cast<std::size_t>(axis.parameter)] =
+          axis.discrete() ? axis.values[static_cast<std::size_t>(values[a])] : values[a];
+    }
+  } else if (fill_parameters(variant, values, shift) && set_system(variant)) {
+    try {
+      radiometry::SpectralNumbers<double> changed;
+      const radiometry::SpectralNumbers<double>* spectral = &variant.sensor.spectral;
+      const auto overrides = variant.work->overrides();
+      const bool moved = std::any_of(overrides.begin(), overrides.end(),
+                                     [](const auto& o) { return radiometry::is_spectral(o.path); });
+      if (moved && plan.budget && variant.sensor.loaded) {
+        changed = spectral_numbers(study->conditions, variant.sensor.loaded->sensor,
+                                   radiometry::Overrides<double>{overrides});
+        spectral = &changed;
+      }
+      variant.work->metrics(*spectral, metrics);
+      error = variant.work->error();
+      refusal = variant.work->refusal();
+      caution = variant.work->caution();
+      if (first_refusal.empty()) first_refusal = refusal;
+    } catch (const mtf::UsageError& refused) {
+      problem = refused.what();
+      std::fill(metrics.begin(), metrics.end(), kNan);
+    }
+  }
+  if (!problem.empty() && first_problem.empty()) first_problem = problem;
+  for (std::size_t i = 0; i < metrics.size(); ++i) slots[study->parameters.size() + i] = metrics[i] * plan.scale[i].si;
+  write_row(row);
+  row.back() = error;
+}
+
+void Evaluator::Impl::write_row(std::span<double> row) {
+  std::size_t c = 0;
+  for (const Axis& axis : study->axes) row[c++] = parameters[static_cast<std::size_t>(axis.parameter)];
+  for (const Link& link : study->links) row[c++] = parameters[static_cast<std::size_t>(link.parameter)];
+  for (const double metric : metrics) row[c++] = metric;
+  const bool possible = problem.empty();
+  for (std::size_t i = 0; i < objectives.size(); ++i) {
+    const Objective& objective = study->objectives[i];
+    objectives[i] = possible ? objective.expression.evaluate<double>(slots) / objective.si : kNan;
+    if (has_column(*study, objective)) row[c++] = std::isfinite(objectives[i]) ? objectives[i] : kNan;
+  }
+  const auto finite = [](double value) { return std::isfinite(value); };
+  valid = possible && std::all_of(objectives.begin(), objectives.end(), finite);
+  bool feasible = valid;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const Constraint& constraint = study->constraints[i];
+    sides[i] = possible
+                   ? ConstraintValues{constraint.left.evaluate<double>(slots), constraint.right.evaluate<double>(slots)}
+                   : ConstraintValues{kNan, kNan};
+    const double margin = sides[i].margin(constraint.less);
+    feasible = feasible && sides[i].finite() && (constraint.strict ? margin > 0.0 : margin >= 0.0);
+  }
+  valid = valid && std::all_of(sides.begin(), sides.end(), [](const ConstraintValues& s) { return s.finite(); });
+  if (!sides.empty()) row[c] = feasible ? 1.0 : 0.0;
+}
+
+Evaluator::Evaluator(std::shared_ptr<const Study> study) : impl_(std::make_unique<Impl>(std::move(study))) {}
+Evaluator::~Evaluator() = default;
+Evaluator::Evaluator(Evaluator&&) noexcept = default;
+
+void Evaluator::evaluate(std::int64_t design, std::span<double> row) {
+  design_at(*impl_->study, design, impl_->axis_values);
+  impl_->evaluate_at(impl_->axis_values, row, {});
+}
+
+void Evaluator::evaluate_at(std::span<const double> axis_values, std::span<double> row, std::span<const double> shift) {
+  impl_->evaluate_at(axis_values, row, shift);
+}
+
+const std::string& Evaluator::last_problem() const { return impl_->problem; }
+bool Evaluator::last_valid() const { return impl_->valid; }
+const std::string& Evaluator::last_refusal() const { return impl_->refusal; }
+const std::string& Evaluator::last_caution() const { return impl_->caution; }
+std::span<const double> Evaluator::last_objectives() const { return impl_->objectives; }
+std::span<const ConstraintValues> Evaluator::last_sides() const { return impl_->sides; }
+
+Gradient Evaluator::gradient_at(std::span<const double> axis_values, double tolerance) {
+  Impl& impl = *impl_;
+  Impl::Ready& variant = impl.ready(axis_values);
+  impl.problem.clear();
+  const bool possible =
+      variant.sensor.problems.empty() && impl.fill_parameters(variant, axis_values, {}) && impl.set_system(variant);
+  return gradient_of(*impl.study, variant.sensor,
+                     possible ? std::span<const double>(impl.parameters) : std::span<const double>{}, tolerance);
+}
+
+std::vector<std::string> Evaluator::gaps() const {
+  // Of the base variant: what a metric needs and neither sensor nor study has.
+  const Study& study = *impl_->study;
+  std::vector<std::string> gaps;
+  const std::vector<double> levels(study.axes.size(), 0.0);
+  const VariantSensor& sensor = impl_->ready(levels).sensor;
+  for (const Column& column : columns_of(study)) {
+    const auto choice = column.role == Column::Role::metric ? choose_metric(column.name) : std::nullopt;
+    gaps.push_back(choice ? metric_gap(*choice, study, sensor) : "");
+  }
+  return gaps;
+}
+
+std::vector<std::string> Evaluator::skipped() const {
+  const MetricPlan& plan = impl_->plan;
+  const mtf::AxisNeeds& axis = plan.needs.axis;
+  std::vector<std::string> sentences;
+  if (!impl_->first_problem.empty())
+    sentences.push_back("designs that no sensor can be, without numbers; the first: " + impl_->first_problem);
+  if (!impl_->first_refusal.empty())
+    sentences.push_back("metrics without a number; the first: " + impl_->first_refusal);
+  const auto skip = [&](bool needed, const char* what) {
+    if (!needed) sentences.emplace_back(std::string(what) + ": no metric asks for it");
+  };
+  skip(plan.resolution, "the OTF");
+  if (plan.resolution) {
+    skip(plan.needs.y, "the OTF along y");
+    skip(axis.edge || axis.overshoot || axis.fwhm, "edge and line spread");
+    skip(axis.aliasing || axis.spurious, "aliasing");
+    skip(plan.needs.strehl || plan.needs.ensquared, "integrals over the pupil's OTF");
+  }
+  skip(plan.budget, "signal and noise");
+  skip(plan.range, "MRTD and range models");
+  if (plan.budget)
+    sentences.emplace_back(
+        "band integrals of the scene's radiance: worked out once a variant, shared by all its designs");
+  if (impl_->study->variants > 0)
+    sentences.emplace_back("sensor files, curves and wavelength nodes: read once for " +
+                           std::to_string(impl_->study->variants) +
+                           (impl_->study->variants == 1 ? " variant" : " variants"));
+  return sentences;
+}
+
+mtf::io::SensorConfig Evaluator::sensor_at(std::span<const double> axis_values) {
+  Impl& impl = *impl_;
+  Impl::Ready& variant = impl.ready(axis_values);
+  impl.problem.clear();
+  if (!variant.sensor.problems.empty()) throw mtf::UsageError(variant.sensor.problems.front());
+  if (!impl.fill_parameters(variant, axis_values, {}) || !impl.set_system(variant)) throw mtf::UsageError(impl.problem);
+  mtf::io::SensorConfig config = variant.sensor.config;
+  config.system = variant.work->system();
+  for (auto& list : config.system.stages)  // components of its own: those of the work are written to
+    for (auto& entry : list) entry.component.fields();
+  config.system.band = variant.sensor.config.system.band;  // without the electron rate, which no file has
+  for (const auto& override_ : variant.work->overrides()) {
+    const std::size_t dot = override_.path.find('.');
+    for (mtf::SettingsTable& table : config.tables)
+      if (table.name == override_.path.substr(0, dot))
+        for (mtf::GivenSetting& setting : table.settings)
+          if (setting.name == override_.path.substr(dot + 1)) setting.value = override_.value;
+  }
+  return config;
+}
+
+}  // namespace study

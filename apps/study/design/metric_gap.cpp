@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/study/design/metric_gap.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/otf/otf_parts.h"
+
+namespace study {
+
+std::string metric_gap(const MetricChoice& choice, const Study& study, const VariantSensor& sensor) {
+  const Effort effort = choice.row->effort;
+  const Metric metric = choice.row->metric;
+  const Conditions& given = study.conditions;
+  const bool quality = effort == Effort::giqe || effort == Effort::grd, acquisition = effort == Effort::range;
+  if ((effort == Effort::budget || quality || acquisition) && !sensor.no_budget.empty()) return sensor.no_budget;
+  if ((metric == Metric::gsd || quality) && !given.range_m) return "no [conditions] range";
+  if ((metric == Metric::target_snr || quality) && !given.contrast_k && !given.signal_contrast)
+    return "no [conditions] contrast or signal_contrast";
+  if (acquisition && metric != Metric::mrtd && !given.contrast_k) return "no [conditions] contrast";
+  if (acquisition && metric != Metric::mrtd && metric != Metric::ttp && !given.target_size_m)
+    return "no [conditions] target_size";
+  const auto& list = sensor.system.list(mtf::Stage::presample);
+  const bool pupil = effort == Effort::light || metric == Metric::cutoff || metric == Metric::q;
+  if (pupil && std::none_of(list.begin(), list.end(), [](const auto& e) { return e.component.is_pupil(); }))
+    return "no pupil: diffraction, defocus or wavefront";
+  if (metric == Metric::fov && (sensor.system.frame.columns <= 0 || sensor.system.frame.rows <= 0))
+    return "no [frame] format";
+  if (effort == Effort::spurious && !mtf::is_reconstructed(sensor.system))
+    return "no display, interpolation or eye in [[postsample]]";
+  if (metric == Metric::dynamic_range && sensor.loaded && sensor.loaded->sensor.settings.detector &&
+      !std::isfinite(sensor.loaded->sensor.settings.detector->full_well_e))
+    return "no [detector] full_well";
+  return "";
+}
+
+std::string metric_gap(const MetricInfo& metric, const Study& study) {
+  const auto choice = choose_metric(metric.name);
+  if (!choice) return "";
+  std::vector<int> levels(study.axes.size(), 0);
+  const auto over_sensor = std::find_if(study.axes.begin(), study.axes.end(), [&](const Axis& axis) {
+    return study.parameters[static_cast<std::size_t>(axis.parameter)].path == "sensor";
+  });
+  const std::size_t count = over_sensor == study.axes.end() ? 1 : over_sensor->levels.size();
+  std::string gap;
+  for (std::size_t level = 0; level < count; ++level) {
+    if (over_sensor != study.axes.end())
+      levels[static_cast<std::size_t>(over_sensor - study.axes.begin())] = static_cast<int>(level);
+    const VariantSensor sensor = load_variant(study, levels);
+    if (!sensor.problems.empty()) return "";  // said elsewhere
+    gap = metric_gap(*choice, study, sensor);
+    if (gap.empty()) return "";
+  }
+  return gap;
+}
+
+}  // namespace study

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// From the metrics of a study to what has to be worked out for them.
+
+#include "apps/study/design/design_work.h"
+
+namespace study {
+
+MetricPlan plan_metrics(const Study& study, double tolerance) {
+  MetricPlan plan;
+  plan.needs.tolerance = tolerance;
+  plan.needs.y = false;
+  for (const MetricInfo& info : study.metrics) {
+    const MetricChoice choice = *choose_metric(info.name);
+    plan.choices.push_back(choice);
+    plan.scale.push_back(unit_scale(info.unit));
+    plan.at.push_back(plan.needs.at.size());
+    if (choice.row->metric == Metric::mtf_at) plan.needs.at.push_back(choice.at);
+    mtf::AxisNeeds& axis = plan.needs.axis;
+    const Effort effort = choice.row->effort;
+    plan.resolution = plan.resolution || (effort != Effort::geometry && effort != Effort::budget);
+    plan.needs.y = plan.needs.y || effort == Effort::giqe || (choice.row->directional && choice.axis != mtf::Axis::x);
+    plan.budget = plan.budget || effort == Effort::budget || effort == Effort::giqe || effort == Effort::grd ||
+                  effort == Effort::range;
+    const Metric metric = choice.row->metric;
+    plan.spatial = plan.spatial || effort == Effort::range || metric == Metric::prnu_noise ||
+                   metric == Metric::dsnu_noise || metric == Metric::correction_noise ||
+                   metric == Metric::spatial_noise || metric == Metric::spatial_netd;
+    switch (effort) {
+      case Effort::geometry:
+      case Effort::points:
+      case Effort::budget:
+        break;
+      case Effort::grd:
+        plan.needs.curves = plan.needs.y = true;
+        break;
+      case Effort::edge:
+        axis.edge = true;
+        break;
+      case Effort::overshoot:
+        axis.overshoot = true;
+        break;
+      case Effort::fwhm:
+        axis.fwhm = true;
+        break;
+      case Effort::mtf50:
+        axis.mtf50 = true;
+        break;
+      case Effort::area:
+        axis.area = true;
+        break;
+      case Effort::aliasing:
+        axis.aliasing = true;
+        break;
+      case Effort::spurious:
+        axis.aliasing = axis.spurious = true;
+        break;
+      case Effort::light:
+        (choice.row->metric == Metric::strehl ? plan.needs.strehl : plan.needs.ensquared) = true;
+        break;
+      case Effort::giqe:
+        if (choice.row->metric == Metric::niirs_giqe5)
+          axis.unfiltered = true;
+        else
+          axis.edge = axis.overshoot = plan.giqe = true;
+        break;
+      case Effort::range:
+        plan.range = plan.needs.curves = plan.needs.y = true;
+        break;
+    }
+  }
+  return plan;
+}
+
+}  // namespace study

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Values of metrics at one design, for any scalar: what was worked out about the design in, a number out. NaN where the
+// design has none; why is said once for a study, see gaps of evaluator.h.
+
+#include <limits>
+
+#include "apps/study/conditions.h"
+#include "apps/study/design/metric_rows.h"
+#include "mtf/metrics/resolution.h"
+#include "mtf/otf/otf_parts.h"
+#include "radiometry/performance/giqe.h"
+#include "radiometry/performance/ground_resolution.h"
+#include "radiometry/performance/sensitivity.h"
+
+namespace study {
+
+/// What the range models found.
+template <class S>
+struct RangeFigures {
+  S mrtd_k{}, ttp_cy_mrad{};
+  S johnson_m[3]{}, ttp_m[3]{};  ///< detect, recognise, identify
+};
+
+template <class S>
+struct Design {
+  const mtf::System<S>* system = nullptr;
+  const Conditions* conditions = nullptr;
+  S frame_time_s{};  ///< from one frame to the next
+  mtf::Resolution<S> resolution{};
+  std::optional<radiometry::Budget<S>> budget{};
+  S noise_gain{1};  ///< of what follows the read noise: root of the mean of |OTF|^2 over the band, for GIQE
+  std::optional<RangeFigures<S>> ranges{};
+};
+
+namespace detail {
+
+template <class S>
+S not_there() {
+  return S(std::numeric_limits<double>::quiet_NaN());
+}
+
+template <class S>
+S geometric_mean(const S& x, const S& y) {
+  using std::sqrt;
+  if (mtf::value_of(x) == mtf::value_of(y)) return S(0.5) * (x + y);  // also where both are 0 or negative
+  const S product = x * y;
+  return mtf::value_of(product) > 0.0 ? S(sqrt(product)) : mtf::value_of(product) == 0.0 ? S(0) : not_there<S>();
+}
+
+template <class S>
+S ifov_urad(const Design<S>& d, mtf::Axis axis) {
+  return d.system->frame.pitch_um(axis) * S(1e3) / d.system->frame.focal_length_mm;
+}
+
+template <class S>
+S gsd_m(const Design<S>& d, mtf::Axis axis) {
+  if (!d.conditions->range_m) return not_there<S>();
+  return radiometry::ground_sample_distance_m(d.system->frame.pitch_um(axis), d.system->frame.focal_length_mm,
+                                              S(*d.conditions->range_m));
+}
+
+template <class S>
+S fov_deg(const Design<S>& d, mtf::Axis axis) {
+  using std::atan;
+  const int pixels = axis == mtf::Axis::x ? d.system->frame.columns : d.system->frame.rows;
+  if (pixels <= 0) return not_there<S>();
+  const S half = S(0.5e-3 * pixels) * d.system->frame.pitch_um(axis) / d.system->frame.focal_length_mm;
+  return S(360.0 / mtf::kPi) * atan(half);
+}
+
+/// lambda N / pitch, of the pupil and the middle of the band.
+template <class S>
+S q_of(const Design<S>& d, mtf::Axis axis) {
+  for (const mtf::Entry<S>& entry : d.system->list(mtf::Stage::presample))
+    if (entry.component.is_pupil()) {
+      const mtf::PupilNumbers<S> pupil = mtf::pupil_numbers(entry.component, d.system->context());
+      return pupil.wavelength_um * pupil.f_number / d.system->frame.pitch_um(axis);
+    }
+  return not_there<S>();
+}
+
+/// The optical cutoff at the shortest wavelength that gets there.
+template <class S>
+S cutoff_cy_mm(const Design<S>& d) {
+  if (!(d.resolution.cutoff_cy_mm < mtf::kInfinity)) return not_there<S>();
+  for (const mtf::Entry<S>& entry : d.system->list(mtf::Stage::presample))
+    if (entry.component.is_pupil()) {
+      const mtf::System<S>& system = *d.system;
+      const auto context = system.band ? system.context(S(system.band->lo_um)) : system.context();
+      const mtf::PupilNumbers<S> pupil = mtf::pupil_numbers(entry.component, context);
+      return S(1e3) / (pupil.wavelength_um * pupil.f_number);
+    }
+  return not_there<S>();
+}
+
+template <class S>
+S axis_value(const MetricRow& row, const mtf::AxisFigures<S>& f, std::size_t at) {
+  switch (row.metric) {
+    case Metric::optics_mtf_nyquist:
+      return f.optics_nyquist;
+    case Metric::detector_mtf_nyquist:
+      return f.detector_nyquist;
+    case Metric::presample_mtf_nyquist:
+      return f.presample_nyquist;
+    case Metric::mtf_nyquist:
+      return f.nyquist;
+    case Metric::folded_mtf_nyquist:
+      return f.folded_nyquist;
+    case Metric::mtf_at:
+      return f.mtf_at[at];
+    case Metric::mtf50:
+      return f.mtf50_cy_px;
+    case Metric::mtfa:
+      return f.mtfa;
+    case Metric::rer:
+      return f.rer;
+    case Metric::edge_overshoot:
+      return f.overshoot;
+    case Metric::edge_height:
+      return f.edge_height;
+    case Metric::fwhm:
+      return f.fwhm_px;
+    case Metric::aliasing_ratio:
+      return f.aliasing;
+    case Metric::spurious_in_band:
+      return f.spurious_in;
+    case Metric::spurious_out_of_band:
+      return f.spurious_out;
+    case Metric::spurious_response:
+      return f.spurious_in + f.spurious_out;
+    default:
+      return not_there<S>();
+  }
+}
+
+template <class S>
+S along(const Design<S>& d, const MetricRow& row, mtf::Axis axis, std::size_t at) {
+  switch (row.metric) {
+    case Metric::nyquist:
+      return d.system->frame.nyquist_cy_mm(axis);
+    case Metric::ifov:
+      return ifov_urad(d, axis);
+    case Metric::gsd:
+      return gsd_m(d, axis);
+    case Metric::fov:
+      return fov_deg(d, axis);
+    case Metric::q:
+      return q_of(d, axis);
+    default:
+      return axis_value(row, axis == mtf::Axis::x ? d.resolution.x : d.resolution.y, at);
+  }
+}
+
+/// Electrons of the target's contrast over the noise of its background: the difference that a surface so much warmer
+/// makes, or a share of the scene's electrons.
+template <class S>
+S target_snr(const Design<S>& d) {
+  if (!d.budget) return not_there<S>();
+  const radiometry::Budget<S>& b = *d.budget;
+  if (d.conditions->contrast_k) return b.contrast_e / b.temporal_e;
+  if (d.conditions->signal_contrast) return S(*d.conditions->signal_contrast) * b.signal.scene_e / b.temporal_e;
+  return not_there<S>();
+}
+
+template <class S>
+S budget_value(Metric metric, const radiometry::Budget<S>& b) {
+  switch (metric) {
+    case Metric::signal:
+      return b.signal.scene_e;
+    case Metric::background:
+      return b.signal.path_e + b.signal.optics_e + b.signal.stop_e + b.signal.dark_e;
+    case Metric::well_fill:
+      return b.well_fill;
+    case Metric::scene_shot_noise:
+      return b.scene_shot_e;
+    case Metric::background_shot_noise:
+      return b.background_shot_e;
+    case Metric::dark_shot_noise:
+      return b.dark_shot_e;
+    case Metric::read_noise:
+      return b.read_e;
+    case Metric::reset_noise:
+      return b.reset_e;
+    case Metric::other_noise:
+      return b.other_e;
+    case Metric::quantisation_noise:
+      return b.quantisation_e;
+    case Metric::temporal_noise:
+      return b.temporal_e;
+    case Metric::prnu_noise:
+      return b.prnu_e;
+    case Metric::dsnu_noise:
+      return b.dsnu_e;
+    case Metric::correction_noise:
+      return b.correction_e;
+    case Metric::spatial_noise:
+      return b.spatial_e;
+    case Metric::snr:
+      return b.snr;
+    case Metric::netd:
+      return S(1e3) * b.netd_k;
+    case Metric::shot_netd:
+      return S(1e3) * b.shot_netd_k;
+    case Metric::spatial_netd:
+      return S(1e3) * b.spatial_netd_k;
+    case Metric::nei:
+      return b.nei_ph;
+    case Metric::dynamic_range:
+      return b.dynamic_range;
+    default:
+      return not_there<S>();
+  }
+}
+
+template <class S>
+S niirs(Metric metric, const Design<S>& d) {
+  const S gsd = geometric_mean(gsd_m(d, mtf::Axis::x), gsd_m(d, mtf::Axis::y)), snr = target_snr(d);
+  const mtf::AxisFigures<S>&x = d.resolution.x, &y = d.resolution.y;
+  const bool there =
+      mtf::value_of(gsd) > 0.0 && mtf::value_of(snr) > 0.0 && mtf::value_of(x.rer) > 0.0 && mtf::value_of(y.rer) > 0.0;
+  if (!there) return not_there<S>();
+  const S elevation(d.conditions->elevation_deg);
+  if (metric == Metric::niirs_giqe5)
+    return radiometry::niirs_giqe5<S>({gsd, x.rer_unfiltered, y.rer_unfiltered, snr, elevation});
+  const radiometry::Giqe4Input<S> in{
+      gsd, geometric_mean(x.rer, y.rer), geometric_mean(x.edge_height, y.edge_height), d.noise_gain, snr, elevation};
+  return metric == Metric::niirs_giqe3 ? radiometry::niirs_giqe3(in) : radiometry::niirs_giqe4(in);
+}
+
+/// System MTF along an axis at f in cycles/mrad.
+template <class S>
+S mtf_at_mrad(const Design<S>& d, mtf::Axis axis, double f_cy_mrad) {
+  const S f = d.system->frame.cy_mm_from_mrad(S(f_cy_mrad));
+  return (axis == mtf::Axis::x ? d.resolution.curve_x : d.resolution.curve_y).modulus(f);
+}
+
+template <class S>
+S grd_m(const Design<S>& d) {
+  const S snr = target_snr(d);
+  if (!d.conditions->range_m || !(mtf::value_of(snr) > 0.0)) return not_there<S>();
+  S worst(0);
+  for (const mtf::Axis axis : {mtf::Axis::x, mtf::Axis::y}) {
+    const radiometry::GrdInput<S> in{snr, S(1e-3) * ifov_urad(d, axis), S(*d.conditions->range_m)};
+    const S grd = radiometry::ground_resolved_distance(in, [&](double f) { return mtf_at_mrad(d, axis, f); }).grd_m;
+    if (mtf::value_of(grd) > mtf::value_of(worst)) worst = grd;
+  }
+  return mtf::value_of(worst) < mtf::kInfinity ? worst : not_there<S>();
+}
+
+template <class S>
+S range_value(Metric metric, const RangeFigures<S>& r) {
+  switch (metric) {
+    case Metric::mrtd:
+      return S(1e3) * r.mrtd_k;
+    case Metric::johnson_detect:
+      return r.johnson_m[0];
+    case Metric::johnson_recognise:
+      return r.johnson_m[1];
+    case Metric::johnson_identify:
+      return r.johnson_m[2];
+    case Metric::ttp:
+      return r.ttp_cy_mrad;
+    case Metric::ttp_detect:
+      return r.ttp_m[0];
+    case Metric::ttp_recognise:
+      return r.ttp_m[1];
+    case Metric::ttp_identify:
+      return r.ttp_m[2];
+    default:
+      return not_there<S>();
+  }
+}
+
+}  // namespace detail
+
+/// In the unit of the row. `at`: which of ResolutionNeeds::at, for mtf_at. NaN where the design has none.
+template <class S>
+S metric_value(const MetricChoice& choice, const Design<S>& d, std::size_t at) {
+  using namespace detail;
+  const MetricRow& row = *choice.row;
+  const auto finite = [](const S& value) { return std::isfinite(mtf::value_of(value)) ? value : not_there<S>(); };
+  if (row.directional) {
+    if (choice.axis) return finite(along(d, row, *choice.axis, at));
+    // What lies below 0 where nothing overshoots has a mean of the edge itself.
+    const S shift(row.metric == Metric::edge_overshoot ? 1.0 : 0.0);
+    return finite(
+        geometric_mean(S(along(d, row, mtf::Axis::x, at) + shift), S(along(d, row, mtf::Axis::y, at) + shift)) - shift);
+  }
+  switch (row.metric) {
+    case Metric::cutoff:
+      return cutoff_cy_mm(d);
+    case Metric::strehl:
+      return d.resolution.strehl;
+    case Metric::ensquared_energy:
+      return d.resolution.ensquared;
+    case Metric::target_snr:
+      return finite(target_snr(d));
+    case Metric::niirs_giqe3:
+    case Metric::niirs_giqe4:
+    case Metric::niirs_giqe5:
+      return finite(niirs(row.metric, d));
+    case Metric::grd:
+      return grd_m(d);
+    default:
+      break;
+  }
+  if (row.effort == Effort::range) return d.ranges ? finite(range_value(row.metric, *d.ranges)) : not_there<S>();
+  return d.budget ? finite(budget_value(row.metric, *d.budget)) : not_there<S>();
+}
+
+}  // namespace study

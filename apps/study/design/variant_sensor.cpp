@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/study/design/variant_sensor.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "calib/fit/parameter_site.h"
+#include "mtf/error.h"
+
+namespace study {
+namespace {
+
+/// Numbers of tables that are not the system's: found in the settings as given, or as their defaults.
+double table_number(const mtf::io::SensorConfig& config, const std::string& path) {
+  const std::size_t dot = path.find('.');
+  const mtf::SettingsTable* table = mtf::find_table(config.tables, path.substr(0, dot));
+  const mtf::SettingValue* value = table != nullptr ? table->find(path.substr(dot + 1)) : nullptr;
+  const double* number = value != nullptr ? std::get_if<double>(value) : nullptr;
+  return number != nullptr ? *number : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+bool is_overridable(std::string_view path) {
+  const auto& numbers = radiometry::kBudgetNumbers;
+  return radiometry::is_spectral(path) || std::find(numbers.begin(), numbers.end(), path) != numbers.end();
+}
+
+radiometry::SpectralNumbers<double> spectral_numbers(const Conditions& conditions, const radiometry::Sensor& sensor,
+                                                     const radiometry::Overrides<double>& numbers) {
+  return radiometry::spectral_numbers(sensor, conditions.temperature_k, conditions.contrast_k.value_or(0.0), numbers);
+}
+
+VariantSensor load_variant(const Study& study, std::span<const int> levels) {
+  VariantSensor result;
+  try {
+    result.config = variant(study, levels);
+  } catch (const mtf::UsageError& error) {
+    result.problems.emplace_back(error.what());
+    return result;
+  }
+  result.system = result.config.system;
+  if (!apps::has_chain(result.config)) {
+    result.no_budget = "no [detector]";
+  } else {
+    try {
+      result.loaded = apps::load_chain(result.config);
+      require_consistent(result.system, result.loaded->sensor);
+      result.system = apps::with_electron_rate(result.config.system, *result.loaded);
+      result.flicker_e = radiometry::flicker_rms_e(result.system, result.loaded->sensor.settings);
+      result.spectral = spectral_numbers(study.conditions, result.loaded->sensor);
+      result.loaded->sensor.settings = radiometry::budget_settings(result.loaded->sensor);
+      if (result.loaded->paths) result.no_budget = "the path has the range of each pixel";
+    } catch (const mtf::UsageError& error) {
+      result.loaded.reset();
+      result.no_budget = error.what();
+    }
+  }
+  for (const Parameter& parameter : study.parameters) {
+    const auto site = calib::parameter_site(result.system, parameter.path);
+    result.base.push_back(!site.numbers.empty() ? *site.numbers.front() : table_number(result.config, parameter.path));
+  }
+  return result;
+}
+
+}  // namespace study

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A sensor of a study with one choice of levels for its discrete axes, ready for numbers to be set: the system with its
+// band weighted by electrons, the budget's spectra, and where each parameter of the study is held.
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/sensor/sensor_chain.h"
+#include "apps/study/study.h"
+#include "radiometry/performance/sensor_budget.h"
+
+namespace study {
+
+struct VariantSensor {
+  mtf::io::SensorConfig config;
+  mtf::System<double> system;                ///< band with electron rate
+  std::optional<apps::LoadedSensor> loaded;  ///< with [detector]
+  std::string no_budget;                     ///< why there is none: "no [detector]", ...
+  double flicker_e = 0.0;
+  radiometry::SpectralNumbers<double> spectral;  ///< without overrides
+  std::vector<double> base;                      ///< of each parameter, NaN where this sensor has no such number
+  std::vector<std::string> problems;             ///< of a variant that no sensor file could hold
+};
+
+/// Reads the variant, its curves and tables. Throws RuntimeError for files that cannot be read.
+VariantSensor load_variant(const Study& study, std::span<const int> levels);
+
+/// Of the study's surface and target, see radiometry/performance/sensor_budget.h.
+radiometry::SpectralNumbers<double> spectral_numbers(const Conditions& conditions, const radiometry::Sensor& sensor,
+                                                     const radiometry::Overrides<double>& numbers = {});
+
+/// True for a number of a table that a design may override; any other needs a variant of its own.
+bool is_overridable(std::string_view path);
+
+}  // namespace study

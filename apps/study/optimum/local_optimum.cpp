@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/study/optimum/local_optimum.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/study/optimum/free_search.h"
+#include "apps/study/optimum/optimality.h"
+
+namespace study {
+namespace {
+
+using Method = OptimizeOptions::Method;
+constexpr double kConverged = 1e-5;  // residual
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// One start: the searches, and the best that they have found.
+class Start {
+ public:
+  Start(const std::shared_ptr<const Study>& sharp, const Goal& goal, const Combination& combination, std::size_t start)
+      : problem_(sharp, goal, combination.levels),
+        scale_(combination.scale),
+        z_(combination.starts[start]),
+        seed_(sharp->seed * 1000003U + start),
+        whole_box_(start == 0) {
+    take(z_);
+  }
+
+  LocalEnd run(Method method);
+
+ private:
+  double rank(const DesignPoint& point, bool feasible) const {
+    return feasible ? point.f : total_violation(point, scale_);
+  }
+  /// Keeps the better one.
+  void take(const std::vector<double>& z) {
+    const DesignPoint point = problem_.at(z);
+    const bool feasible = problem_.feasible(point);
+    if (!taken_ || (feasible && !feasible_) || (feasible == feasible_ && rank(point, feasible) < rank_)) {
+      z_ = z;
+      feasible_ = feasible;
+      rank_ = rank(point, feasible);
+      taken_ = true;
+    }
+  }
+  void smooth();
+  void search() {
+    FreeTask task;
+    task.most_evaluations = 500 * (static_cast<int>(z_.size()) + 1);
+    task.whole_box = whole_box_;
+    task.seed = seed_;
+    take(free_search(problem_, scale_, z_, task).z);
+    if (feasible_) return;
+    task.only_constraints = true;
+    task.whole_box = false;
+    take(free_search(problem_, scale_, z_, task).z);
+  }
+  /// At a place that nothing nearby is nearer than, by the slopes.
+  bool settled() {
+    const Optimality nearness = nearness_at(problem_, scale_, z_);
+    return nearness.smooth && nearness.residual <= kConverged;
+  }
+  bool converged() {
+    if (!feasible_) return false;
+    const Optimality optimality = optimality_at(problem_, scale_, z_);
+    return optimality.smooth && optimality.residual <= kConverged;
+  }
+  void snap();
+  void describe(LocalEnd& end);
+
+  DesignProblem problem_;
+  const ProblemScale& scale_;
+  std::vector<double> z_;
+  std::uint64_t seed_;
+  bool whole_box_;
+  bool taken_ = false, feasible_ = false, no_slopes_ = false;
+  double rank_ = HUGE_VAL;
+};
+
+void Start::smooth() {
+  const std::vector<double> first = z_;
+  const auto walk = [&](const std::vector<double>& from, bool only_constraints) {
+    const SearchEnd end = smooth_search(problem_, scale_, from, {.only_constraints = only_constraints});
+    no_slopes_ = no_slopes_ || end.no_slopes;
+    take(end.z);
+  };
+  walk(z_, false);
+  if (!feasible_) {
+    walk(z_, true);
+    if (!feasible_) walk(first, true);
+    if (feasible_) walk(z_, false);
+  }
+  // An end of the box holds a walk whose theta has come too close to it, whatever the slope there.
+  for (int again = 0; again < 3 && feasible_ && !converged(); ++again) {
+    snap();
+    const Optimality optimality = optimality_at(problem_, scale_, z_);
+    if (!optimality.smooth) return;
+    std::vector<double> inside = z_;
+    for (std::size_t i = 0; i < inside.size(); ++i)
+      if ((inside[i] < 0.01 && optimality.downhill[i] > kConverged) ||
+          (inside[i] > 0.99 && optimality.downhill[i] < -kConverged))
+        inside[i] = inside[i] < 0.5 ? 0.05 : 0.95;
+    const double before = rank_;
+    walk(inside, false);
+    if (!(rank_ < before)) return;
+  }
+}
+
+/// Onto the ends of axes that it has come to.
+void Start::snap() {
+  for (std::size_t i = 0; i < z_.size(); ++i) {
+    const double end = std::round(z_[i]);
+    if (z_[i] == end || std::abs(z_[i] - end) > kReached) continue;
+    std::vector<double> snapped = z_;
+    snapped[i] = end;
+    const DesignPoint point = problem_.at(snapped);
+    const bool feasible = problem_.feasible(point);
+    const double rank = this->rank(point, feasible);
+    if (feasible != feasible_ || !(rank <= rank_ + 1e-9 * (feasible ? scale_.f : 1.0))) continue;
+    z_ = snapped;
+    rank_ = rank;
+  }
+}
+
+void Start::describe(LocalEnd& end) {
+  Optimum& optimum = end.optimum;
+  const Study& study = problem_.study();
+  const Optimality optimality = feasible_ ? optimality_at(problem_, scale_, z_) : nearness_at(problem_, scale_, z_);
+  const DesignPoint point = problem_.at(z_);
+  optimum.axis_values = problem_.axis_values(z_);
+  optimum.row.assign(problem_.row().begin(), problem_.row().end());
+  optimum.objectives.assign(problem_.objectives().begin(), problem_.objectives().end());
+  optimum.goal = point.f;
+  optimum.feasible = feasible_;
+  optimum.residual = optimality.smooth ? optimality.residual : kNan;
+  optimum.converged = feasible_ && optimum.residual <= kConverged;
+  optimum.shared = optimality.shared;
+  end.z = z_;
+  end.violation = total_violation(point, scale_);
+  const std::vector<ConstraintValues> sides(problem_.sides().begin(), problem_.sides().end());
+  for (std::size_t j = 0; j < point.margin.size(); ++j) {
+    if (point.margin[j] > 0.0 || (point.margin[j] == 0.0 && !study.constraints[j].strict)) continue;
+    const std::string unit = unit_of(study, study.constraints[j]);
+    optimum.violations.push_back(
+        {j, -point.margin[j] / unit_scale(unit).si, -point.margin[j] / scale_.margin[j], unit});
+    end.contradiction.push_back(study.constraints[j].text);
+  }
+  for (const ReachedLimit& reached : optimality.limits) {
+    const bool constraint = reached.kind == ReachedLimit::Kind::constraint;
+    std::size_t index = reached.index;
+    if (!constraint) index = static_cast<std::size_t>(&problem_.axis(reached.index) - study.axes.data());
+    const auto kind = constraint                                  ? Limit::Kind::constraint
+                      : reached.kind == ReachedLimit::Kind::lower ? Limit::Kind::lower
+                                                                  : Limit::Kind::upper;
+    Limit limit = limit_of(study, kind, index);
+    if (constraint)
+      limit.value = (study.constraints[index].left.constant() ? sides[index].left : sides[index].right) /
+                    unit_scale(limit.unit).si;
+    if (!constraint) limit.value = optimum.axis_values[index];
+    if (!constraint) limit.text += mtf::format_double(limit.value) + (limit.unit.empty() ? "" : " " + limit.unit);
+    limit.gain = optimum.converged ? reached.gain * (constraint ? unit_scale(limit.unit).si : 1.0) : kNan;
+    // Below the residual a multiplier is none.
+    if (optimum.converged && reached.multiplier <= std::max(1e-9, 2.0 * optimality.residual)) limit.gain = 0.0;
+    if (!feasible_ && reached.multiplier > 1e-9) end.contradiction.push_back(limit.text);
+    optimum.limits.push_back(std::move(limit));
+  }
+  // A little further the same way: is there a design at all?
+  if (feasible_ && !optimum.converged && optimality.smooth) {
+    std::vector<double> beyond = z_;
+    for (std::size_t i = 0; i < z_.size(); ++i)
+      beyond[i] = std::clamp(z_[i] + 1e-4 * optimality.downhill[i] / optimality.residual, 0.0, 1.0);
+    if (!std::isfinite(problem_.at(beyond).f)) optimum.edge = problem_.problem();
+  }
+}
+
+LocalEnd Start::run(Method method) {
+  LocalEnd end;
+  Optimum& optimum = end.optimum;
+  optimum.method = method;
+  if (method == Method::smooth && !z_.empty()) {
+    smooth();
+    if (feasible_ ? !converged() : !settled()) {
+      const bool feasible = feasible_;
+      const double before = rank_;
+      search();
+      if (feasible_ && !converged()) smooth();  // off a kink, perhaps to an optimum that is smooth
+      if (rank_ < before || feasible_ != feasible) optimum.method = Method::search;
+      optimum.why = no_slopes_  ? "the smooth method met designs without derivatives"
+                    : !feasible ? "the smooth method found no feasible design"
+                                : "the smooth method stalled short of an optimum";
+    }
+  } else if (!z_.empty()) {
+    search();
+  }
+  snap();
+  describe(end);
+  if (optimum.method == method) optimum.why.clear();
+  end.evaluations = problem_.evaluations();
+  return end;
+}
+
+}  // namespace
+
+std::string unit_of(const Study& study, const Constraint& constraint) {
+  for (const Expression* side : {&constraint.left, &constraint.right})
+    if (const auto slot = side->only_slot()) {
+      const auto i = static_cast<std::size_t>(*slot);
+      const std::size_t parameters = study.parameters.size();
+      return i < parameters ? study.parameters[i].unit : study.metrics[i - parameters].unit;
+    }
+  return si_unit(constraint.left.dimensions());
+}
+
+Limit limit_of(const Study& study, Limit::Kind kind, std::size_t index) {
+  Limit limit{.kind = kind, .index = index, .text = {}, .unit = {}};
+  if (kind == Limit::Kind::constraint) {
+    limit.text = study.constraints[index].text;
+    limit.unit = unit_of(study, study.constraints[index]);
+    return limit;
+  }
+  const Parameter& parameter = study.parameters[static_cast<std::size_t>(study.axes[index].parameter)];
+  limit.text = parameter.name + (kind == Limit::Kind::lower ? " >= " : " <= ");
+  limit.unit = parameter.unit;
+  return limit;
+}
+
+Combination prepare_combination(const std::shared_ptr<const Study>& sharp, const Goal& goal, std::vector<int> levels,
+                                int starts) {
+  Combination combination;
+  combination.levels = levels;
+  DesignProblem problem(sharp, goal, std::move(levels));
+  const std::size_t axes = sharp->axes.size();
+  const std::vector<SobolAxis> directions = sobol_axes(axes);
+  std::vector<double> unit(axes), values(axes);
+  std::vector<std::vector<double>> points;
+  // Where much of the box cannot be, further on in the sequence.
+  for (std::uint64_t i = 0; i < 64U * static_cast<std::uint64_t>(starts); ++i) {
+    for (std::size_t a = 0; a < axes; ++a)
+      unit[a] = sobol(directions[a], i, static_cast<std::uint32_t>(a), sharp->seed);
+    design_at_quantiles(*sharp, unit, values);
+    std::vector<double> z = problem.cube(values);
+    const DesignPoint point = problem.at(z);
+    if (!std::isfinite(point.f) || std::isinf(violation(point, {1.0, 0.0, std::vector(point.margin.size(), 1.0)}))) {
+      if (combination.problem.empty()) combination.problem = problem.problem();
+    } else {
+      points.push_back(std::move(z));
+    }
+    if (problem.variables() == 0 || (points.size() >= static_cast<std::size_t>(starts) && i >= 31)) break;
+  }
+  combination.scale = scale_of(problem, points);
+  points.resize(std::min(points.size(), static_cast<std::size_t>(starts)));
+  combination.starts = std::move(points);
+  combination.evaluations = problem.evaluations();
+  return combination;
+}
+
+LocalEnd local_optimum(const std::shared_ptr<const Study>& sharp, const Goal& goal, const Combination& combination,
+                       std::size_t start, OptimizeOptions::Method method) {
+  return Start(sharp, goal, combination, start).run(method);
+}
+
+}  // namespace study

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// An outcome in words.
+
+#include <cmath>
+#include <cstdio>
+
+#include "apps/study/optimum/optimize.h"
+#include "mtf/units.h"
+
+namespace study {
+namespace {
+
+using Status = OptimizeOutcome::Status;
+
+std::string digits(double value, int count) {
+  char text[40];
+  static_cast<void>(std::snprintf(text, sizeof text, "%.*g", count, value));
+  return text;
+}
+
+std::string with_unit(const std::string& number, const std::string& unit) {
+  return unit.empty() ? number : number + " " + unit;
+}
+
+/// The power of ten about a hundredth of the limit, to say what a little more room gives.
+double little(double limit) {
+  return limit == 0.0 || !std::isfinite(limit) ? 1.0 : std::pow(10.0, std::floor(std::log10(0.05 * std::abs(limit))));
+}
+
+/// "raise niirs_giqe5 by 0.012".
+std::string gain_text(const Study& study, const OptimizeOptions& options, double gain) {
+  std::size_t used = 0, which = 0;
+  for (std::size_t i = 0; i < options.weights.size(); ++i)
+    if (options.weights[i] != 0.0) {
+      ++used;
+      which = i;
+    }
+  if (used > 1) return "improve the weighted sum by " + digits(gain, 3);
+  const Objective& objective = study.objectives[which];
+  return (objective.maximize ? "raise " : "lower ") + objective.text + " by " +
+         with_unit(digits(gain / options.weights[which], 3), objective.unit);
+}
+
+std::string joined(const std::vector<std::string>& parts) {
+  std::string text;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
+  return text;
+}
+
+void limits(const Study& study, const OptimizeOptions& options, const Optimum& best, std::vector<std::string>& lines) {
+  std::vector<std::string> idle;
+  bool limited = false;
+  for (const Limit& limit : best.limits) {
+    if (std::isnan(limit.gain)) {
+      lines.push_back(limit.text + " is reached; what it costs cannot be told without slopes that hold it there");
+    } else if (limit.gain == 0.0) {
+      idle.push_back(limit.text);
+    } else {
+      const double step = little(limit.value);
+      limited = true;
+      lines.push_back(limit.text + " limits: relaxing it by " + with_unit(digits(step, 3), limit.unit) + " would " +
+                      gain_text(study, options, limit.gain * step));
+    }
+  }
+  if (!idle.empty()) lines.push_back("reached without limiting: " + joined(idle));
+  if (best.shared && limited)
+    lines.push_back("these limits depend on each other: relaxing one alone may gain less than it says");
+  if (best.converged && !limited) lines.push_back("nothing limits: the best design lies inside of all limits");
+}
+
+}  // namespace
+
+std::vector<std::string> sentences(const Study& study, const OptimizeOptions& options, const OptimizeOutcome& outcome) {
+  std::vector<std::string> lines;
+  const Optimum& best = outcome.best;
+  if (outcome.status == Status::impossible) {
+    lines.push_back("no design could be worked out: " + outcome.problem);
+    return lines;
+  }
+  if (!best.caution.empty()) lines.push_back("the best design is " + best.caution);
+  if (outcome.status == Status::infeasible) {
+    lines.push_back("no design found that meets every constraint; this is the nearest");
+    for (const Violation& v : best.violations)
+      lines.push_back(study.constraints[v.constraint].text + " is missed by " + with_unit(digits(v.by, 4), v.unit) +
+                      " (" + digits(100.0 * v.share, 3) + " %)");
+    if (outcome.contradiction.size() > 1) lines.push_back("contradict each other: " + joined(outcome.contradiction));
+    return lines;
+  }
+  limits(study, options, best, lines);
+  if (outcome.status == Status::stopped) {
+    lines.push_back(best.edge.empty()
+                        ? "the slopes do not show that this is an optimum: it lies on a kink, or the search has stopped"
+                        : "designs stop being possible there: " + best.edge);
+  }
+  if (!best.why.empty()) lines.push_back("found by search: " + best.why);
+  int elsewhere = 0;
+  for (const Optimum& other : outcome.others)
+    if (std::abs(other.goal - best.goal) <= 1e-6 * std::abs(best.goal)) elsewhere += other.starts;
+  if (elsewhere > 0) {
+    lines.push_back(std::to_string(elsewhere + best.starts) + " starts came to this value, at different designs: " +
+                    "something in the study makes no difference to it");
+    return lines;
+  }
+  if (outcome.starts_of_best > 1)
+    lines.push_back(std::to_string(best.starts) + " of " + std::to_string(outcome.starts_of_best) +
+                    " starts came to it" + (best.starts == 1 ? "; more (--starts) may find a better one" : ""));
+  return lines;
+}
+
+}  // namespace study

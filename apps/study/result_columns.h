@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Reads rows of results as a study's constraints and objectives see them.
+
+#include <memory>
+
+#include "apps/study/design/evaluator.h"
+#include "apps/study/statistics/tally.h"
+
+namespace study {
+
+/// The column that shows an objective: that of its metric or parameter, else its own. Throws RuntimeError when there is
+/// none (columns of another study).
+std::size_t objective_column(const Study& study, const std::vector<Column>& columns, std::size_t objective);
+
+/// The column of a role that a table has once (feasible, yield, error).
+std::optional<std::size_t> column_of(const std::vector<Column>& columns, Column::Role role);
+
+/// Values of all slots of expressions in SI, from a row. Numbers that no column has are those of the row's variant of
+/// the sensor. Safe to use from several threads.
+class SlotReader {
+ public:
+  explicit SlotReader(std::shared_ptr<const Study> study);
+  /// slots.size() = Study::slots(). Throws as load_variant.
+  void read(std::span<const double> row, std::span<double> slots) const;
+
+ private:
+  struct Variants;
+  const std::vector<double>& fixed(std::span<const double> row) const;
+
+  std::shared_ptr<const Study> study_;
+  std::vector<double> metric_si_;
+  std::vector<double> base_;              // in SI, of the base sensor
+  std::shared_ptr<Variants> variants_{};  // where they differ
+};
+
+/// What a tally needs to know of a study.
+TallyJob tally_job(std::shared_ptr<const Study> study, const std::vector<Column>& columns);
+
+/// The columns as a table shows them: words for the levels of a discrete axis that are no numbers.
+std::vector<TableColumn> table_columns(const Study& study, const std::vector<Column>& columns);
+
+}  // namespace study

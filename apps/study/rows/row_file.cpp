@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/study/rows/row_file.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <fstream>
+#include <optional>
+
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/io/file_checks.h"
+#include "mtf/io/sha256.h"
+
+namespace study {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "row files hold the numbers as they lie in memory");
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kMagic = "mtfkit rows 1\n";
+constexpr std::size_t kMostHead = 400;  // bytes; the lines take some 240
+constexpr std::int64_t kMostDesigns = 1'000'000'000, kMostColumns = 100'000;
+
+/// The lines that a hash covers besides the numbers.
+std::string lines_of(const RowLayout& layout, RowRange range) {
+  return std::string(kMagic) + "key " + layout.key + "\nfirst " + std::to_string(range.first) + "\ncount " +
+         std::to_string(range.count) + "\ncolumns " + std::to_string(layout.columns) + "\n";
+}
+
+std::string hash_of(const RowLayout& layout, RowRange range, std::span<const double> rows) {
+  const std::string numbers =
+      mtf::io::sha256_hex({reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(double)});
+  return mtf::io::sha256_hex(lines_of(layout, range) + numbers);
+}
+
+std::string shown(const fs::path& file) { return mtf::io::printable(file.string()); }
+
+[[noreturn]] void damaged(const fs::path& file, const std::string& what) {
+  throw mtf::RuntimeError(shown(file) + ": damaged: " + what + "; remove it and run its designs again");
+}
+
+/// Takes "<word> <value>\n" off the front of `text`; null where that is not there.
+std::optional<std::string_view> take_line(std::string_view& text, std::string_view word) {
+  const std::size_t end = text.find('\n');
+  if (end == std::string_view::npos || !text.starts_with(word) || end <= word.size() || text[word.size()] != ' ')
+    return std::nullopt;
+  const std::string_view value = text.substr(word.size() + 1, end - word.size() - 1);
+  text.remove_prefix(end + 1);
+  return value;
+}
+
+bool take_number(std::string_view& text, std::string_view word, std::int64_t low, std::int64_t high,
+                 std::int64_t& number) {
+  const auto value = take_line(text, word);
+  if (!value) return false;
+  const char* const end = value->data() + value->size();
+  const auto [stop, error] = std::from_chars(value->data(), end, number);
+  return error == std::errc{} && stop == end && number >= low && number <= high;
+}
+
+bool take_hash(std::string_view& text, std::string_view word, std::string& hash) {
+  const auto value = take_line(text, word);
+  if (!value || value->size() != 64 || value->find_first_not_of("0123456789abcdef") != std::string_view::npos)
+    return false;
+  hash = *value;
+  return true;
+}
+
+}  // namespace
+
+std::uint64_t RowPiece::bytes() const {
+  return static_cast<std::uint64_t>(range.count) * static_cast<std::uint64_t>(layout.columns) * sizeof(double);
+}
+
+void write_rows(const fs::path& file, const RowLayout& layout, RowRange range, std::span<const double> rows) {
+  mtf::io::AtomicFile out(file.string());
+  const std::string head = lines_of(layout, range) + "sha256 " + hash_of(layout, range, rows) + "\n\n";
+  out.write(head.data(), head.size());
+  out.write(rows.data(), rows.size() * sizeof(double));
+  out.commit();
+}
+
+std::vector<RowPiece> list_rows(const fs::path& file) {
+  const auto size = static_cast<std::uint64_t>(mtf::io::input_file_size(file.string()));
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw mtf::RuntimeError(shown(file) + ": cannot be opened");
+  std::vector<RowPiece> pieces;
+  for (std::uint64_t at = 0; at < size;) {
+    std::array<char, kMostHead> bytes{};
+    in.clear();
+    in.seekg(static_cast<std::streamoff>(at));
+    in.read(bytes.data(), bytes.size());
+    std::string_view text(bytes.data(), static_cast<std::size_t>(in.gcount()));
+    RowPiece piece{.file = file, .offset = at, .layout = {}, .range = {}, .sha256 = {}};
+    const std::size_t all = text.size();
+    if (!text.starts_with(kMagic)) damaged(file, at == 0 ? "no row file" : "cut in the middle");
+    text.remove_prefix(kMagic.size());
+    if (!take_hash(text, "key", piece.layout.key) || !take_number(text, "first", 0, kMostDesigns, piece.range.first) ||
+        !take_number(text, "count", 1, kMostDesigns, piece.range.count) ||
+        !take_number(text, "columns", 1, kMostColumns, piece.layout.columns) ||
+        !take_hash(text, "sha256", piece.sha256) || !text.starts_with('\n'))
+      damaged(file, "its first lines cannot be read");
+    piece.head = all - text.size() + 1;
+    if (piece.bytes() > size - at - piece.head) damaged(file, "it ends too early");
+    at += piece.head + piece.bytes();
+    pieces.push_back(std::move(piece));
+  }
+  return pieces;
+}
+
+void read_rows(const RowPiece& piece, std::vector<double>& rows) {
+  rows.resize(piece.bytes() / sizeof(double));
+  std::ifstream in(piece.file, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(piece.offset + piece.head));
+  in.read(reinterpret_cast<char*>(rows.data()), static_cast<std::streamsize>(piece.bytes()));
+  if (!in) throw mtf::RuntimeError(shown(piece.file) + ": cannot be read");
+  if (hash_of(piece.layout, piece.range, rows) != piece.sha256)
+    damaged(piece.file, "the numbers of " + describe(piece.range) + " are not those that were written");
+}
+
+void join_rows(const std::vector<RowPiece>& pieces, const fs::path& file) {
+  mtf::io::AtomicFile out(file.string());
+  std::vector<char> bytes;
+  for (const RowPiece& piece : pieces) {
+    bytes.resize(piece.head + piece.bytes());
+    std::ifstream in(piece.file, std::ios::binary);
+    in.seekg(static_cast<std::streamoff>(piece.offset));
+    in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (!in) throw mtf::RuntimeError(shown(piece.file) + ": cannot be read");
+    out.write(bytes.data(), bytes.size());
+  }
+  out.commit();
+}
+
+std::string describe(RowRange range) {
+  return range.count == 1 ? "design " + std::to_string(range.first)
+                          : "designs " + std::to_string(range.first) + " to " + std::to_string(range.end() - 1);
+}
+
+std::vector<RowPiece> in_order(std::vector<RowPiece> pieces, const RowLayout& layout, RowRange range) {
+  for (const RowPiece& piece : pieces)
+    if (piece.layout != layout)
+      throw mtf::RuntimeError(shown(piece.file) + ": foreign: made for another study, tolerance or version; remove it");
+  std::sort(pieces.begin(), pieces.end(),
+            [](const RowPiece& a, const RowPiece& b) { return a.range.first < b.range.first; });
+  std::int64_t next = range.first;
+  for (const RowPiece& piece : pieces) {
+    if (piece.range.first > next)
+      throw mtf::RuntimeError(describe({next, piece.range.first - next}) + ": missing, " + shown(piece.file) +
+                              " comes after them");
+    if (piece.range.first < next || piece.range.end() > range.end())
+      throw mtf::RuntimeError(shown(piece.file) + ": foreign: holds " + describe(piece.range) +
+                              ", which others hold or nothing asks for; remove it");
+    next = piece.range.end();
+  }
+  if (next < range.end()) throw mtf::RuntimeError(describe({next, range.end() - next}) + ": missing");
+  return pieces;
+}
+
+}  // namespace study

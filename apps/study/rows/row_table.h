@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Row files into one table, as CSV and as NPY, and past whoever counts them: one pass, piece by piece, so that memory
+// does not grow with the number of designs.
+
+#include <functional>
+
+#include "apps/study/rows/row_file.h"
+
+namespace study {
+
+struct TableColumn {
+  std::string name;
+  /// Of a column whose values are indices of words: the words, which the CSV shows. Empty: numbers.
+  std::vector<std::string> levels{};
+};
+
+/// Looks at one piece, in any thread and any order; what it returns is called in the order of the designs, one call at
+/// a time.
+using LookAtRows = std::function<std::function<void()>(RowRange, std::span<const double>)>;
+
+struct TableJob {
+  std::vector<RowPiece> pieces;  ///< in_order
+  std::vector<TableColumn> columns;
+  std::filesystem::path csv, npy;            ///< each "" for none
+  LookAtRows look{};                         ///< may be empty
+  int threads = 0;                           ///< 0 = all cores
+  std::function<void(std::int64_t)> done{};  ///< designs written so far; may be empty
+};
+
+/// CSV: a header `design,<columns>`, a line a design, numbers in the shortest text that reads back as the same double,
+/// NaN as an empty cell. NPY 1.0: '<f8', C order, shape (designs, columns). Both are written whole or not at all, the
+/// same bytes for any pieces and threads. Throws RuntimeError (a damaged piece, disk full, ...).
+void write_table(const TableJob& job);
+
+/// A cell of text, in quotes where CSV needs them.
+std::string csv_cell(std::string_view text);
+
+}  // namespace study

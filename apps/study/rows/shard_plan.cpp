@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/study/rows/shard_plan.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/io/file_checks.h"
+#include "mtf/io/sha256.h"
+#include "mtf/io/temporaries.h"
+
+namespace study {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kShownHash = 12;  // digits of a hash in a file's name
+constexpr int kNamedShards = 20;        // that a message names one by one
+
+std::string shown(const fs::path& path) { return mtf::io::printable(path.string()); }
+
+fs::path plan_file(const fs::path& folder) { return folder / "plan.json"; }
+fs::path shards_folder(const fs::path& folder) { return folder / "shards"; }
+
+Json read_json(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_regular_file(plan_file(folder), error))
+    throw mtf::UsageError(shown(folder) + ": holds no plan.json; make a plan with `mtf sweep plan STUDY -o " +
+                          shown(folder) + " --shards N`");
+  std::ifstream in(plan_file(folder), std::ios::binary);
+  return Json::parse(in, nullptr, false);
+}
+
+void check_copies(const ShardPlan& plan, const fs::path& folder) {
+  std::string changed;
+  for (const PlanFile& copy : plan.files)
+    if (mtf::io::sha256_file((folder / copy.file).string()) != copy.sha256)
+      changed += (changed.empty() ? "" : ", ") + shown(folder / copy.file);
+  if (!changed.empty())
+    throw mtf::UsageError(changed +
+                          ": changed since the plan was made, so its shards would not belong together; put the file "
+                          "back as it was, or make a new plan in another folder");
+}
+
+/// "shard 2", "shards 2, 5 and 7".
+std::string shard_words(const std::vector<int>& shards) {
+  std::string text = shards.size() == 1 ? "shard " : "shards ";
+  const std::size_t named = std::min<std::size_t>(shards.size(), kNamedShards);
+  for (std::size_t i = 0; i < named; ++i)
+    text += (i == 0 ? "" : i + 1 == shards.size() ? " and " : ", ") + std::to_string(shards[i]);
+  return named < shards.size() ? text + " and " + std::to_string(shards.size() - named) + " more" : text;
+}
+
+/// The pieces of a finished shard. Throws RuntimeError.
+std::vector<RowPiece> pieces_of(const ShardPlan& plan, const fs::path& file, int shard) {
+  return in_order(list_rows(file), plan.layout, shard_range(plan, shard));
+}
+
+}  // namespace
+
+void write_plan(const ShardPlan& plan, const fs::path& folder) {
+  Json files = Json::array();
+  for (const PlanFile& copy : plan.files) files.push_back({{"file", copy.file}, {"sha256", copy.sha256}});
+  const Json json = {{"schema", 1},
+                     {"kind", "sweep plan"},
+                     {"version", plan.version},
+                     {"commit", plan.commit},
+                     {"study", {{"name", plan.name}, {"sha256", plan.study_sha256}}},
+                     {"tolerance", plan.tolerance},
+                     {"designs", plan.designs},
+                     {"columns", plan.layout.columns},
+                     {"key", plan.layout.key},
+                     {"shards", plan.shards},
+                     {"files", files}};
+  std::error_code error;
+  fs::create_directory(shards_folder(folder), error);
+  if (error) throw mtf::RuntimeError("cannot create " + shown(shards_folder(folder)) + ": " + error.message());
+  mtf::io::write_text_file(plan_file(folder).string(), json.dump(2) + "\n");
+}
+
+ShardPlan read_plan(const fs::path& folder) {
+  const Json json = read_json(folder);
+  ShardPlan plan;
+  try {
+    if (json.at("schema") != 1 || json.at("kind") != "sweep plan") throw mtf::UsageError("");
+    plan.version = json.at("version");
+    plan.commit = json.at("commit");
+    plan.name = json.at("study").at("name");
+    plan.study_sha256 = json.at("study").at("sha256");
+    plan.tolerance = json.at("tolerance");
+    plan.designs = json.at("designs");
+    plan.shards = json.at("shards");
+    plan.layout = {json.at("key"), json.at("columns")};
+    for (const Json& copy : json.at("files")) plan.files.push_back({copy.at("file"), copy.at("sha256")});
+    for (const PlanFile& copy : plan.files) {  // nothing outside of the folder
+      const fs::path name = copy.file;
+      if (name.empty() || name.is_absolute() || std::find(name.begin(), name.end(), "..") != name.end())
+        throw mtf::UsageError("");
+    }
+    if (plan.shards < 1 || plan.shards > plan.designs || plan.shards > kMostShards || plan.layout.columns < 1)
+      throw mtf::UsageError("");
+  } catch (const std::exception&) {
+    throw mtf::UsageError(shown(plan_file(folder)) +
+                          ": is not a plan as `mtf sweep plan` writes it; make the plan again in another folder");
+  }
+  check_copies(plan, folder);
+  return plan;
+}
+
+RowRange shard_range(const ShardPlan& plan, int shard) {
+  const std::int64_t whole = plan.designs / plan.shards, rest = plan.designs % plan.shards, before = shard - 1;
+  return {before * whole + std::min(before, rest), whole + (before < rest ? 1 : 0)};
+}
+
+fs::path shard_file(const ShardPlan& plan, const fs::path& folder, int shard) {
+  const std::string part = plan.layout.key + " " + std::to_string(shard) + "/" + std::to_string(plan.shards);
+  return shards_folder(folder) /
+         ("part-" + std::to_string(shard) + "-" + mtf::io::sha256_hex(part).substr(0, kShownHash));
+}
+
+fs::path parts_folder(const fs::path& shard_file) { return shard_file.string() + ".parts"; }
+
+void remove_parts(const fs::path& shard_file) {
+  std::error_code ignored;
+  fs::remove_all(parts_folder(shard_file), ignored);
+  mtf::io::remove_dead_temporaries(shard_file.string());
+}
+
+std::vector<RowPiece> find_shard(const ShardPlan& plan, const fs::path& folder, int shard) {
+  const fs::path file = shard_file(plan, folder, shard);
+  std::error_code error;
+  if (!fs::exists(file, error)) return {};
+  std::vector<RowPiece> pieces = pieces_of(plan, file, shard);
+  std::vector<double> rows;
+  for (const RowPiece& piece : pieces) read_rows(piece, rows);
+  return pieces;
+}
+
+std::vector<fs::path> files_in_shards(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(shards_folder(folder), error)) {
+    const std::string name = entry.path().filename().string();
+    // A shard that is being written has its name with .tmp.<process>.
+    if (entry.is_regular_file(error) && name.find(".tmp.") == std::string::npos) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<RowPiece> all_shards(const ShardPlan& plan, const fs::path& folder) {
+  std::vector<RowPiece> pieces;
+  std::vector<int> missing;
+  std::set<fs::path> expected;
+  std::string problems;
+  const auto report = [&](const std::string& text) { problems += (problems.empty() ? "" : "\n") + text; };
+  for (int shard = 1; shard <= plan.shards; ++shard) {
+    const fs::path file = shard_file(plan, folder, shard);
+    expected.insert(file);
+    std::error_code error;
+    if (!fs::exists(file, error)) {
+      missing.push_back(shard);
+      continue;
+    }
+    try {
+      for (RowPiece& piece : pieces_of(plan, file, shard)) pieces.push_back(std::move(piece));
+    } catch (const mtf::RuntimeError& problem) {
+      report("shard " + std::to_string(shard) + ": " + problem.what());
+    }
+  }
+  if (!missing.empty())
+    report(shard_words(missing) + " of " + std::to_string(plan.shards) + (missing.size() == 1 ? " is" : " are") +
+           " missing; make each with `mtf sweep run " + shown(folder) + " --shard " + std::to_string(missing[0]) + "/" +
+           std::to_string(plan.shards) + "`");
+  for (const fs::path& file : files_in_shards(folder))
+    if (!expected.contains(file))
+      report(shown(file) + ": foreign: no shard of this plan has that name; move it elsewhere");
+  if (!problems.empty()) throw mtf::RuntimeError(problems);
+  return in_order(std::move(pieces), plan.layout, {0, plan.designs});
+}
+
+}  // namespace study

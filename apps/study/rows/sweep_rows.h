@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Rows of a study's designs, with the yield of what is built: the share of draws about the design that meet all
+// constraints. The draws are common random numbers, the same for every design, so that yields of neighbours differ by
+// the designs and not by luck; each is a function of (seed, draw, parameter), by counter.
+
+#include <memory>
+
+#include "apps/study/design/evaluator.h"
+#include "apps/study/result_columns.h"
+#include "apps/study/rows/row_run.h"
+
+namespace study {
+
+/// Draws of what is built, in units of the spread: standard normal numbers, or uniform ones in (-1, 1).
+/// [draw][as_built]
+std::vector<double> as_built_draws(const Study& study);
+
+/// Makes the row of a design with its yield. One a thread.
+class DesignRows {
+ public:
+  DesignRows(std::shared_ptr<const Study> study, std::shared_ptr<const std::vector<double>> draws);
+  void operator()(std::int64_t design, std::span<double> row);
+
+ private:
+  double yield_of(std::span<const double> row);
+
+  std::shared_ptr<const Study> study_;
+  std::shared_ptr<const std::vector<double>> draws_;
+  Evaluator evaluator_;
+  SlotReader reader_;
+  std::optional<std::size_t> feasible_, yield_;
+  std::vector<double> axis_values_, built_row_, shift_, slots_;
+  std::int64_t design_ = 0;
+};
+
+/// Standard error of a share of `draws`: sqrt(p (1 - p) / n).
+double yield_error(double yield, int draws);
+
+/// One maker of rows a thread.
+std::function<RowMaker()> row_makers(const std::shared_ptr<const Study>& study);
+
+/// What rows of the study are kept under: they are those of this study at this tolerance, made by this version.
+RowLayout layout_of(const Study& study, const std::vector<Column>& columns);
+
+}  // namespace study

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a sweep says about its rows: how many meet the constraints, which are best, which lie on the Pareto front, which
+// comes nearest where none is feasible. Fed piece by piece (row_table.h).
+
+#include <functional>
+#include <limits>
+#include <optional>
+#include <set>
+
+#include "apps/study/constraint_values.h"
+#include "apps/study/rows/row_table.h"
+#include "apps/study/statistics/pareto.h"
+
+namespace study {
+
+struct TallyLimit {
+  bool less = true;  ///< left < right, else left > right
+  bool strict = true;
+};
+
+struct TallyGoal {
+  std::size_t column = 0;
+  bool maximize = false;
+};
+
+/// Where in a row to look.
+struct TallyJob {
+  std::size_t columns = 0;
+  std::vector<TallyGoal> goals{};
+  std::optional<std::size_t> feasible{}, error{}, yield{};
+  std::vector<TallyLimit> limits{};
+  /// ConstraintValues of every constraint of a row; called from several threads.
+  std::function<void(std::span<const double> row, std::span<ConstraintValues> sides)> sides{};
+};
+
+struct TallyDesign {
+  std::int64_t design = -1;  ///< -1 = there is none
+  double value = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> row{};
+};
+
+/// Designs that count for nothing: those that no sensor can be, and those with an objective or a side of a constraint
+/// that is infinite or no number.
+struct InvalidDesigns {
+  std::int64_t designs = 0, first = -1;
+  std::int64_t impossible = 0;                  ///< no sensor can be so
+  std::vector<std::int64_t> by_goal, by_limit;  ///< of the others: what is not finite; a design may count for several
+  void add(const InvalidDesigns& others);
+};
+
+/// False where a side is not finite.
+bool meets(const TallyLimit& limit, ConstraintValues sides);
+/// The sides lie within `share` of the larger of them.
+bool active(ConstraintValues sides, double share);
+/// How far a constraint is from being met, as a share of its larger side, 0 to 2; 0 where it is met, NaN where a side
+/// is not finite.
+double violation(const TallyLimit& limit, ConstraintValues sides);
+
+class Tally {
+ public:
+  explicit Tally(TallyJob job);
+
+  /// For TableJob::look.
+  std::function<void()> look(RowRange range, std::span<const double> rows);
+
+  std::int64_t designs() const { return designs_; }
+  /// With no constraints: designs that are not invalid.
+  std::int64_t feasible() const { return feasible_; }
+  const InvalidDesigns& invalid() const { return invalid_; }
+  double worst_error() const { return worst_error_; }                    ///< NaN where no design has one
+  const std::vector<std::int64_t>& met() const { return met_; }          ///< by constraint
+  const std::vector<std::int64_t>& missing() const { return missing_; }  ///< NaN by column
+  const std::vector<TallyDesign>& best() const { return best_; }         ///< feasible, by goal; the first of equal ones
+  const TallyDesign& highest_yield() const { return highest_yield_; }
+  /// The design of least violation (summed over the constraints; `value`; one that has no number counts 1000, and
+  /// so does a design that no sensor can be or that has no number for an objective), the first of equal ones.
+  const TallyDesign& nearest() const { return nearest_; }
+  /// Feasible designs of the Pareto front in the order of their numbers, with their goals (negative where less is
+  /// better); none with fewer than two goals.
+  FrontPoints front() const;
+  /// Sets of constraints that no design meets together though it meets any fewer of them; the smallest sets, of at most
+  /// four constraints, the first ten. Empty when a design meets all.
+  std::vector<std::vector<std::size_t>> contradictions() const;
+
+  const TallyJob& job() const { return job_; }
+
+ private:
+  struct Part;
+  void add(Part part);
+
+  TallyJob job_;
+  std::int64_t designs_ = 0, feasible_ = 0;
+  double worst_error_ = std::numeric_limits<double>::quiet_NaN();
+  InvalidDesigns invalid_;
+  std::vector<std::int64_t> met_, missing_;
+  std::vector<TallyDesign> best_;
+  TallyDesign nearest_, highest_yield_;
+  StreamingFront front_;
+  std::set<std::uint64_t> patterns_;  // of constraints met together; all of them unless too_many_
+  bool too_many_ = false;
+};
+
+}  // namespace study

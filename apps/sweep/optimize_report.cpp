@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/sweep/optimize_report.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
+#include "mtf/version.h"
+
+namespace apps {
+namespace {
+
+using study::Column;
+using study::Limit;
+using study::OptimizeOutcome;
+using study::Optimum;
+using study::Study;
+using Json = nlohmann::ordered_json;
+using Status = OptimizeOutcome::Status;
+
+constexpr int kDigits = 8;
+
+std::string method_name(study::OptimizeOptions::Method method) {
+  return method == study::OptimizeOptions::Method::smooth ? "smooth" : "search";
+}
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+/// What a column says about a design and has no other place: axes, links, metrics, objectives of their own.
+bool is_value(const Column& column) {
+  return column.role == Column::Role::axis || column.role == Column::Role::link ||
+         column.role == Column::Role::metric || column.role == Column::Role::objective;
+}
+
+/// The word of a discrete axis, else null.
+const std::string* level_of(const Study& study, const Optimum& optimum, std::size_t column) {
+  if (column >= study.axes.size() || !study.axes[column].discrete()) return nullptr;
+  return &study.axes[column].levels[static_cast<std::size_t>(optimum.axis_values[column])];
+}
+
+std::string value_text(const Study& study, const Optimum& optimum, std::size_t column) {
+  if (const std::string* level = level_of(study, optimum, column)) return one_line(*level);
+  const double value = optimum.row[column];
+  return std::isfinite(value) ? significant(value, kDigits) : "-";
+}
+
+std::string reached_text(const Optimum& optimum, std::size_t axis) {
+  for (const Limit& limit : optimum.limits)
+    if (limit.kind != Limit::Kind::constraint && limit.index == axis)
+      return limit.kind == Limit::Kind::lower ? "at its lower end" : "at its upper end";
+  return {};
+}
+
+std::string constraint_text(const Study& study, const Optimum& optimum, std::size_t i) {
+  for (const study::Violation& violation : optimum.violations)
+    if (violation.constraint == i)
+      return "missed by " + significant(violation.by, 4) + (violation.unit.empty() ? "" : " " + violation.unit);
+  for (const Limit& limit : optimum.limits)
+    if (limit.kind == Limit::Kind::constraint && limit.index == i) return "at its limit";
+  return study.constraints.empty() ? "" : "holds";
+}
+
+std::string role_name(Column::Role role) {
+  return role == Column::Role::axis     ? "axis"
+         : role == Column::Role::link   ? "link"
+         : role == Column::Role::metric ? "metric"
+                                        : "objective";
+}
+
+std::string headline(const OptimizedGoal& goal) {
+  const OptimizeOutcome& outcome = goal.outcome;
+  switch (outcome.status) {
+    case Status::optimal:
+      return "optimal (slope left " + significant(outcome.best.residual, 2) + " of the objective's spread)";
+    case Status::stopped:
+      return "feasible, not shown to be optimal";
+    case Status::infeasible:
+      return "infeasible; the nearest design:";
+    case Status::impossible:
+      break;
+  }
+  return "impossible";
+}
+
+std::string others_table(const Study& study, const OptimizedGoal& goal) {
+  std::vector<std::string> header{"other places", "starts"};
+  const std::vector<Column> columns = columns_of(study);
+  for (std::size_t a = 0; a < study.axes.size(); ++a)
+    header.push_back(one_line(columns[a].name) + (columns[a].unit.empty() ? "" : " [" + columns[a].unit + "]"));
+  for (std::size_t i = 0; i < study.objectives.size(); ++i) header.push_back(one_line(study.objectives[i].text));
+  TextTable table(std::move(header));
+  for (const Optimum& other : goal.outcome.others) {
+    std::vector<std::string> row{other.converged ? "optimum" : "stopped", std::to_string(other.starts)};
+    for (std::size_t a = 0; a < study.axes.size(); ++a) row.push_back(value_text(study, other, a));
+    for (const double value : other.objectives) row.push_back(significant(value, kDigits));
+    table.add(std::move(row));
+  }
+  return table.aligned();
+}
+
+/// `whole`: with its metrics.
+Json optimum_json(const Study& study, const Optimum& optimum, bool whole) {
+  Json json{{"design", Json::array()}, {"objectives", Json::array()}, {"constraints", Json::array()}};
+  const std::vector<Column> columns = columns_of(study);
+  for (std::size_t c = 0; c < columns.size() && c < optimum.row.size(); ++c) {
+    if (!is_value(columns[c]) || (!whole && columns[c].role == Column::Role::metric)) continue;
+    const std::string* level = level_of(study, optimum, c);
+    json["design"].push_back({{"name", columns[c].name},
+                              {"role", role_name(columns[c].role)},
+                              {"value", level != nullptr ? Json(*level) : number(optimum.row[c])},
+                              {"unit", columns[c].unit}});
+  }
+  for (std::size_t i = 0; i < optimum.objectives.size(); ++i)
+    json["objectives"].push_back({{"text", study.objectives[i].text},
+                                  {"maximize", study.objectives[i].maximize},
+                                  {"value", number(optimum.objectives[i])},
+                                  {"unit", study.objectives[i].unit}});
+  for (std::size_t i = 0; i < study.constraints.size(); ++i)
+    json["constraints"].push_back({{"text", study.constraints[i].text}, {"state", constraint_text(study, optimum, i)}});
+  json["goal"] = number(optimum.goal);
+  json["feasible"] = optimum.feasible;
+  json["limits"] = Json::array();
+  for (const Limit& limit : optimum.limits)
+    json["limits"].push_back({{"text", limit.text},
+                              {"kind", limit.kind == Limit::Kind::constraint ? "constraint"
+                                       : limit.kind == Limit::Kind::lower    ? "lower"
+                                                                             : "upper"},
+                              {"value", number(limit.value)},
+                              {"unit", limit.unit},
+                              {"gain", number(limit.gain)}});
+  json["limits_depend"] = optimum.shared;
+  json["violations"] = Json::array();
+  for (const study::Violation& violation : optimum.violations)
+    json["violations"].push_back({{"text", study.constraints[violation.constraint].text},
+                                  {"by", number(violation.by)},
+                                  {"unit", violation.unit},
+                                  {"share", number(violation.share)}});
+  json["residual"] = number(optimum.residual);
+  json["converged"] = optimum.converged;
+  json["method"] = method_name(optimum.method);
+  json["why"] = optimum.why;
+  json["edge"] = optimum.edge;
+  json["starts"] = optimum.starts;
+  return json;
+}
+
+}  // namespace
+
+std::string status_name(Status status) {
+  return status == Status::optimal      ? "optimal"
+         : status == Status::stopped    ? "stopped"
+         : status == Status::infeasible ? "infeasible"
+                                        : "impossible";
+}
+
+std::string optimize_table(const Study& study, const std::vector<OptimizedGoal>& goals) {
+  std::string text;
+  const std::vector<Column> columns = columns_of(study);
+  for (const OptimizedGoal& goal : goals) {
+    const OptimizeOutcome& outcome = goal.outcome;
+    text += (text.empty() ? "" : "\n") + one_line(goal.name) + ": " + headline(goal) + "\n";
+    if (outcome.status != Status::impossible) {
+      TextTable table({"", "value", "unit", ""});
+      for (std::size_t c = 0; c < columns.size(); ++c)
+        if (is_value(columns[c]))
+          table.add({one_line(columns[c].name), value_text(study, outcome.best, c), columns[c].unit,
+                     c < study.axes.size() ? reached_text(outcome.best, c) : ""});
+      for (std::size_t i = 0; i < study.constraints.size(); ++i)
+        table.add({one_line(study.constraints[i].text), constraint_text(study, outcome.best, i), "", ""});
+      text += table.aligned();
+    }
+    for (const std::string& line : sentences(study, goal.options, outcome)) text += "- " + one_line(line) + "\n";
+    if (!outcome.others.empty()) text += others_table(study, goal);
+    text += std::to_string(outcome.evaluations) + " evaluations, " + std::to_string(outcome.starts) +
+            (outcome.starts == 1 ? " start" : " starts") + "\n";
+  }
+  return text;
+}
+
+std::string optimize_json(const Study& study, const std::vector<OptimizedGoal>& goals) {
+  Json json{{"schema", 1},
+            {"program", std::string("mtf ") + mtf::version},
+            {"study", study.file},
+            {"name", study.name},
+            {"sha256", study.sha256},
+            {"seed", study.seed},
+            {"goals", Json::array()}};
+  for (const OptimizedGoal& goal : goals) {
+    const OptimizeOutcome& outcome = goal.outcome;
+    Json one{{"goal", goal.name},
+             {"weights", goal.options.weights},
+             {"status", status_name(outcome.status)},
+             {"method", method_name(goal.options.method)},
+             {"starts", outcome.starts},
+             {"starts_of_best", outcome.starts_of_best},
+             {"evaluations", outcome.evaluations},
+             {"best", outcome.status == Status::impossible ? Json() : optimum_json(study, outcome.best, true)},
+             {"others", Json::array()},
+             {"contradiction", outcome.contradiction},
+             {"problem", outcome.problem},
+             {"says", sentences(study, goal.options, outcome)},
+             {"file", goal.file.empty() ? Json() : Json(goal.file)}};
+    for (const Optimum& other : outcome.others) one["others"].push_back(optimum_json(study, other, false));
+    json["goals"].push_back(std::move(one));
+  }
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace apps

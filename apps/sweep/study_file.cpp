@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf config check` of a study.
+
+#include "apps/sweep/study_file.h"
+
+#include "apps/sensor/sensor_file.h"
+#include "mtf/error.h"
+#include "mtf/io/config/config_tree.h"
+#include "mtf/io/csv/curve_csv.h"
+#ifdef MTFKIT_HAVE_CALIB
+#include "apps/sensor/sensor_chain.h"
+#include "apps/study/study.h"
+#include "apps/terminal/output.h"
+#endif
+
+namespace apps {
+
+bool is_study_file(const std::string& file) {
+  const auto tree = mtf::io::cfg::read_tree(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes));
+  return tree.root.find("axis") != nullptr || tree.root.find("sensor") != nullptr;
+}
+
+#ifdef MTFKIT_HAVE_CALIB
+namespace {
+
+std::string plural(std::size_t n, const std::string& word) {
+  return std::to_string(n) + " " + word + (n == 1 ? "" : "s");
+}
+
+std::string summary(const study::Study& study) {
+  using study::Method;
+  const std::string method = study.method == Method::grid              ? "a grid"
+                             : study.method == Method::latin_hypercube ? "a Latin hypercube"
+                                                                       : "a Sobol sequence";
+  std::string text = study.name.empty() ? "" : one_line(study.name) + ", ";
+  text += plural(static_cast<std::size_t>(study.designs), "design") + " (" + method + "), " +
+          (study.axes.size() == 1 ? "1 axis" : std::to_string(study.axes.size()) + " axes") + ", " +
+          plural(study.metrics.size(), "metric") + ", " + plural(study.constraints.size(), "constraint") + ", " +
+          plural(study.objectives.size(), "objective");
+  if (study.variants > 1) text += ", " + plural(static_cast<std::size_t>(study.variants), "sensor");
+  return text;
+}
+
+}  // namespace
+
+int check_study(const std::string& file, Format format) {
+  const study::StudyResult result = study::parse_study(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file);
+  return report_verdict({.file = file,
+                         .ok = result.ok(),
+                         .name = result.study.name,
+                         .sha256 = result.study.sha256,
+                         .summary = summary(result.study),
+                         .diagnostics = result.diagnostics},
+                        format);
+}
+#else
+int check_study(const std::string& file, Format) {
+  throw mtf::UsageError(file + ": a study; this command was built without studies (they need Ceres)");
+}
+#endif
+
+}  // namespace apps

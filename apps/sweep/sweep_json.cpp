@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// sweep.json. Numbers that are none are null.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "apps/bench/machine.h"
+#include "apps/study/result_columns.h"
+#include "apps/study/rows/sweep_rows.h"
+#include "apps/sweep/sweep_report.h"
+#include "mtf/version.h"
+
+namespace apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostFront = 10'000;  // designs of the front that are listed
+constexpr std::array kRoles{"axis", "link", "metric", "objective", "feasible", "yield", "error"};
+constexpr std::array kMethods{"grid", "latin_hypercube", "sobol"};
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+std::string machine_text() {
+  const Machine machine = this_machine();
+  return (machine.cpu.empty() ? "unknown processor" : machine.cpu) + ", " + std::to_string(machine.cores) + " cores, " +
+         std::to_string(machine.memory_bytes >> 20) + " MiB";
+}
+
+Json texts_of(const SweepReport& report, const std::vector<std::size_t>& constraints) {
+  Json texts = Json::array();
+  for (const std::size_t k : constraints) texts.push_back(report.sweep->study->constraints[k].text);
+  return texts;
+}
+
+Json columns_json(const SweepReport& report) {
+  const auto shown = study::table_columns(*report.sweep->study, report.sweep->columns);
+  Json columns = Json::array();
+  for (std::size_t c = 0; c < report.sweep->columns.size(); ++c) {
+    const study::Column& column = report.sweep->columns[c];
+    Json one = {{"name", column.name},
+                {"unit", column.unit},
+                {"role", kRoles[static_cast<std::size_t>(column.role)]},
+                {"definition", column.definition},
+                {"source", column.source}};
+    if (!shown[c].levels.empty()) one["levels"] = shown[c].levels;
+    if (c < report.gaps.size() && !report.gaps[c].empty()) one["gap"] = report.gaps[c];
+    one["missing"] = report.tally->missing()[c];
+    columns.push_back(one);
+  }
+  return columns;
+}
+
+/// Values of an axis that has a fixed set of them, as its column holds them.
+Json axis_values_json(const study::Study& study, std::size_t axis) {
+  const study::Axis& a = study.axes[axis];
+  Json values = Json::array();
+  if (a.discrete() || study.method != study::Method::grid) {
+    for (const double v : a.values) values.push_back(number(v));
+    return values;
+  }
+  std::int64_t stride = 1;  // the last axis is the fastest
+  for (std::size_t later = axis + 1; later < study.axes.size(); ++later) stride *= study.axes[later].points();
+  std::vector<double> point(study.axes.size());
+  for (std::int64_t i = 0; i < a.points(); ++i) {
+    study::design_at(study, i * stride, point);
+    values.push_back(number(point[axis]));
+  }
+  return values;
+}
+
+Json axes_json(const SweepReport& report) {
+  const study::Study& study = *report.sweep->study;
+  Json axes = Json::array();
+  for (std::size_t a = 0; a < study.axes.size(); ++a) {
+    Json one = {{"column", report.sweep->columns[a].name},
+                {"scale", study.axes[a].scale == study::Scale::log ? "log" : "linear"}};
+    if (const Json values = axis_values_json(study, a); !values.empty()) one["values"] = values;
+    axes.push_back(one);
+  }
+  return axes;
+}
+
+Json best_json(const SweepReport& report) {
+  const study::Study& study = *report.sweep->study;
+  Json best = Json::array();
+  for (std::size_t o = 0; o < study.objectives.size(); ++o) {
+    const study::TallyDesign& design = report.tally->best()[o];
+    if (design.design < 0) continue;
+    best.push_back({{"objective", study.objectives[o].text},
+                    {"design", design.design},
+                    {"value", number(design.value)},
+                    {"active", texts_of(report, active_constraints(report, design.row))}});
+  }
+  return best;
+}
+
+Json sensitivities_json(const SweepReport& report) {
+  const std::vector<study::Column>& columns = report.sweep->columns;
+  const study::Gradient& gradient = report.gradient;
+  const auto unit_of = [&](const std::string& name) {
+    for (const study::Column& column : columns)
+      if (column.name == name) return column.unit;
+    return std::string();
+  };
+  Json derivatives = Json::array();
+  for (std::size_t c = 0; c < gradient.columns.size(); ++c)
+    for (std::size_t p = 0; p < gradient.parameters.size(); ++p) {
+      const std::string of = unit_of(gradient.columns[c]), by = unit_of(gradient.parameters[p]);
+      derivatives.push_back({{"column", gradient.columns[c]},
+                             {"parameter", gradient.parameters[p]},
+                             {"value", number(gradient.value[c * gradient.parameters.size() + p])},
+                             {"unit", by.empty() ? of : (of.empty() ? "1" : of) + " per " + by}});
+    }
+  Json indices = Json::array();
+  for (std::size_t r = 0; r < report.indices.columns.size(); ++r)
+    for (std::size_t a = 0; a < report.sweep->study->axes.size(); ++a) {
+      const study::Index& index = report.indices.indices.of[r][a];
+      indices.push_back({{"column", columns[report.indices.columns[r]].name},
+                         {"parameter", columns[a].name},
+                         {"first", number(index.first)},
+                         {"first_sd", number(index.first_sd)},
+                         {"total", number(index.total)},
+                         {"total_sd", number(index.total_sd)}});
+    }
+  return {{"design", report.gradient_design},
+          {"derivatives", derivatives},
+          {"samples", report.indices.samples},
+          {"indices", indices}};
+}
+
+Json yield_json(const SweepReport& report, std::size_t column) {
+  const int draws = report.sweep->study->draws;
+  Json best = Json::array();
+  std::vector<std::int64_t> seen;
+  const auto add = [&](const study::TallyDesign& design) {
+    if (design.design < 0 || std::find(seen.begin(), seen.end(), design.design) != seen.end()) return;
+    seen.push_back(design.design);
+    const double yield = design.row[column];
+    best.push_back(
+        {{"design", design.design}, {"yield", number(yield)}, {"sd", number(study::yield_error(yield, draws))}});
+  };
+  for (const study::TallyDesign& design : report.tally->best()) add(design);
+  add(report.tally->highest_yield());
+  return {{"draws", draws}, {"best", best}};
+}
+
+/// Designs that no sensor can be, or whose objectives or constraints are not finite; the latter by their texts.
+Json invalid_json(const SweepReport& report) {
+  const study::InvalidDesigns& invalid = report.tally->invalid();
+  const study::Study& study = *report.sweep->study;
+  Json by = Json::array();
+  for (std::size_t g = 0; g < invalid.by_goal.size(); ++g)
+    if (invalid.by_goal[g] > 0) by.push_back({{"text", study.objectives[g].text}, {"designs", invalid.by_goal[g]}});
+  for (std::size_t k = 0; k < invalid.by_limit.size(); ++k)
+    if (invalid.by_limit[k] > 0) by.push_back({{"text", study.constraints[k].text}, {"designs", invalid.by_limit[k]}});
+  return {
+      {"designs", invalid.designs}, {"first", invalid.first}, {"no_sensor", invalid.impossible}, {"not_finite", by}};
+}
+
+Json accuracy_json(const SweepReport& report) {
+  Json rows = Json::array();
+  for (const study::AccuracyRow& row : report.accuracy.rows)
+    rows.push_back({{"tolerance", row.tolerance},
+                    {"promised", number(row.promised)},
+                    {"realised", number(row.realised)},
+                    {"us_per_design", number(row.us_per_design)}});
+  return rows;
+}
+
+}  // namespace
+
+Json to_json(const SweepReport& report) {
+  const study::Study& study = *report.sweep->study;
+  const study::Tally& tally = *report.tally;
+  const SweepRun& run = *report.run;
+  Json json = {{"schema", 1},
+               {"kind", "sweep"},
+               {"version", mtf::version},
+               {"commit", mtf::git_commit},
+               {"machine", machine_text()},
+               {"study", {{"name", study.name}, {"file", "study.toml"}, {"sha256", study.sha256}}},
+               {"conditions", {{"temperature_k", study.conditions.temperature_k}}}};
+  json["sensors"] = Json::array();
+  for (std::size_t i = 1; i < run.files.size(); ++i)
+    json["sensors"].push_back({{"file", run.files[i].file}, {"sha256", run.files[i].sha256}});
+  json["designs"] = study.designs;
+  json["evaluated"] = tally.designs();
+  json["method"] = kMethods[static_cast<std::size_t>(study.method)];
+  json["seed"] = study.seed;
+  json["tolerance"] = study.tolerance;
+  json["worst_error"] = number(tally.worst_error());
+  json["columns"] = columns_json(report);
+  json["axes"] = axes_json(report);
+  json["constraints"] = Json::array();
+  for (std::size_t k = 0; k < study.constraints.size(); ++k)
+    json["constraints"].push_back({{"text", study.constraints[k].text}, {"met", tally.met()[k]}});
+  json["objectives"] = Json::array();
+  for (std::size_t o = 0; o < study.objectives.size(); ++o)
+    json["objectives"].push_back({{"text", study.objectives[o].text},
+                                  {"column", report.sweep->columns[tally.job().goals[o].column].name},
+                                  {"maximize", study.objectives[o].maximize}});
+  json["feasible"] = tally.feasible();
+  if (tally.invalid().designs > 0) json["invalid"] = invalid_json(report);
+  if (tally.feasible() == 0 && tally.nearest().design >= 0 && !none_valid(report)) {
+    json["nearest"] = {{"design", tally.nearest().design},
+                       {"violated", texts_of(report, violated_constraints(report, tally.nearest().row))}};
+    json["contradictions"] = Json::array();  // smallest sets of constraints that no design meets together
+    for (const auto& set : tally.contradictions()) json["contradictions"].push_back(texts_of(report, set));
+  }
+  json["best"] = best_json(report);
+  if (study.objectives.size() > 1) {
+    const auto& front = report.front.designs;
+    json["pareto"] =
+        std::vector(front.begin(), front.begin() + static_cast<std::ptrdiff_t>(std::min(front.size(), kMostFront)));
+    json["pareto_size"] = front.size();
+  }
+  json["chosen"] = Json::array();
+  for (const ChosenFile& chosen : report.chosen) {
+    json["chosen"].push_back({{"design", chosen.design}, {"file", chosen.file}, {"why", chosen.why}});
+    if (!chosen.caution.empty()) json["chosen"].back()["caution"] = chosen.caution;
+  }
+  json["sensitivities"] = sensitivities_json(report);
+  if (const auto column = study::column_of(report.sweep->columns, study::Column::Role::yield))
+    json["yield"] = yield_json(report, *column);
+  if (!report.accuracy.rows.empty()) json["accuracy"] = accuracy_json(report);
+  json["timing"] = {{"seconds", number(run.seconds)},
+                    {"designs_per_second", number(static_cast<double>(run.tally.made) / run.seconds)},
+                    {"threads", report.threads},
+                    {"resumed_designs", run.tally.resumed}};
+  json["skipped"] = report.skipped;
+  return json;
+}
+
+}  // namespace apps

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What `mtf sweep` and its verbs share.
+
+#include <filesystem>
+#include <memory>
+
+#include "apps/options.h"
+#include "apps/study/design/evaluator.h"
+#include "apps/study/rows/row_run.h"
+#include "apps/study/rows/shard_plan.h"
+
+namespace apps {
+
+/// A study with what its rows look like.
+struct SweepStudy {
+  std::shared_ptr<const study::Study> study;
+  std::vector<study::Column> columns;
+  study::RowLayout layout;
+};
+
+/// Reads a study file; `tolerance` in place of the study's. Throws as load_study.
+SweepStudy open_study(const std::filesystem::path& file, std::optional<double> tolerance);
+
+/// A file that the folder of a sweep gets a copy of: its name there, and what is in it.
+struct StudyCopy {
+  std::filesystem::path name;
+  std::string bytes;
+};
+/// The study (as study.toml, the first), its sensor files and the files these name, by their names beside the study.
+/// Nothing is written. Throws UsageError for a file that lies elsewhere, RuntimeError.
+std::vector<StudyCopy> copies_of(const study::Study& study);
+/// Writes them into a folder. Throws RuntimeError.
+std::vector<study::PlanFile> write_copies(const std::vector<StudyCopy>& copies, const std::filesystem::path& folder);
+
+/// Copies the files of one folder into another, checking that each is still what it was. Throws RuntimeError.
+void copy_files(const std::vector<study::PlanFile>& files, const std::filesystem::path& from,
+                const std::filesystem::path& to);
+
+/// Makes the rows that are not there yet, with progress. `seconds`: what it took.
+study::RowTally make_rows(const SweepStudy& sweep, study::RowRange range, const std::filesystem::path& folder,
+                          const Global& global, double& seconds);
+/// The run that make_rows makes or made.
+study::RowRun row_run(const SweepStudy& sweep, study::RowRange range, const std::filesystem::path& folder,
+                      const Global& global);
+
+/// How the rows came about.
+struct SweepRun {
+  std::filesystem::path folder;
+  std::vector<study::PlanFile> files;
+  std::vector<study::RowPiece> pieces;
+  study::RowTally tally;
+  double seconds = 0.0;  ///< of making rows; NaN where that was done elsewhere
+};
+
+/// All that comes after the rows: tables, counts, chosen designs, sensitivities, sweep.json, and what standard output
+/// says. Returns the exit code: 3 where --accuracy finds a promise broken.
+int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptions& options, const Global& global);
+
+// The verbs.
+int sweep_plan(const SweepOptions& options, const Global& global);
+int sweep_run(const SweepOptions& options, const Global& global);
+int sweep_merge(const SweepOptions& options, const Global& global);
+int sweep_submit(const SweepOptions& options, const Global& global);
+
+}  // namespace apps

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What is known of a finished sweep: for sweep.json and for standard output.
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "apps/study/statistics/accuracy.h"
+#include "apps/study/statistics/sensitivity.h"
+#include "apps/study/statistics/tally.h"
+#include "apps/sweep/sweep_parts.h"
+
+namespace apps {
+
+/// A design whose sensor file is written.
+struct ChosenFile {
+  std::int64_t design = 0;
+  std::string file, why;
+  std::string caution{};  ///< how far its signal and noise are off, close to saturation; "" where they are not
+};
+
+struct SweepReport {
+  const SweepStudy* sweep = nullptr;
+  const SweepRun* run = nullptr;
+  const study::Tally* tally = nullptr;
+  study::FrontPoints front;
+  std::vector<std::string> gaps;  ///< by column
+  std::vector<ChosenFile> chosen;
+  std::int64_t gradient_design = 0;
+  study::Gradient gradient;
+  study::StudyIndices indices;
+  study::AccuracyTable accuracy;
+  std::vector<std::string> skipped;
+  int threads = 1;
+  double finish_seconds = 0.0;  ///< of tables, sensitivities and the accuracy against time
+};
+
+/// True when every design is invalid: there is nothing to choose.
+bool none_valid(const SweepReport& report);
+
+/// Constraints of a row that are within 1 % of their limit, and those that it does not meet: indices.
+std::vector<std::size_t> active_constraints(const SweepReport& report, std::span<const double> row);
+std::vector<std::size_t> violated_constraints(const SweepReport& report, std::span<const double> row);
+
+/// sweep.json.
+nlohmann::ordered_json to_json(const SweepReport& report);
+
+/// What the command says, for people.
+std::string sweep_summary(const SweepReport& report);
+
+}  // namespace apps

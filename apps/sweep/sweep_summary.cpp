@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What `mtf sweep` says when it is done.
+
+#include <cmath>
+
+#include "apps/study/result_columns.h"
+#include "apps/study/rows/sweep_rows.h"
+#include "apps/sweep/sweep_report.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
+#include "mtf/units.h"
+
+namespace apps {
+namespace {
+
+std::string list(const SweepReport& report, const std::vector<std::size_t>& constraints, const std::string& between) {
+  std::string text;
+  for (const std::size_t k : constraints)
+    text += (text.empty() ? "" : between) + one_line(report.sweep->study->constraints[k].text);
+  return text;
+}
+
+/// The best designs with their axes.
+std::string best_table(const SweepReport& report) {
+  const study::Study& study = *report.sweep->study;
+  const std::vector<study::Column>& columns = report.sweep->columns;
+  std::vector<std::string> header{"best", "value", "design"};
+  for (std::size_t a = 0; a < study.axes.size(); ++a)
+    header.push_back(one_line(columns[a].name) + (columns[a].unit.empty() ? "" : " [" + columns[a].unit + "]"));
+  header.push_back("limited by");
+  const auto shown = study::table_columns(study, columns);
+  TextTable table(header);
+  std::vector<Align> align(header.size(), Align::right);
+  align.front() = align.back() = Align::left;
+  bool any = false;
+  for (std::size_t o = 0; o < study.objectives.size(); ++o) {
+    const study::TallyDesign& best = report.tally->best()[o];
+    if (best.design < 0) continue;
+    any = true;
+    const study::Objective& objective = study.objectives[o];
+    std::vector<std::string> cells{(objective.maximize ? "maximize " : "minimize ") + one_line(objective.text),
+                                   significant(best.value, 5) + (objective.unit.empty() ? "" : " " + objective.unit),
+                                   std::to_string(best.design)};
+    for (std::size_t a = 0; a < study.axes.size(); ++a) {
+      const auto& levels = shown[a].levels;
+      const bool named = !levels.empty() && best.row[a] >= 0.0 && best.row[a] < static_cast<double>(levels.size());
+      cells.push_back(named ? one_line(levels[static_cast<std::size_t>(best.row[a])]) : significant(best.row[a], 5));
+    }
+    const std::string active = list(report, active_constraints(report, best.row), ", ");
+    cells.push_back(active.empty() ? "-" : active);
+    table.add(cells);
+  }
+  return any ? table.aligned(align) : "";
+}
+
+std::string infeasible(const SweepReport& report) {
+  std::string text = "no design meets all constraints\n";
+  for (const auto& set : report.tally->contradictions())
+    text += set.size() == 1 ? "no design meets " + list(report, set, "") + "\n"
+                            : "no design meets all of: " + list(report, set, "; ") + "\n";
+  const study::TallyDesign& nearest = report.tally->nearest();
+  if (nearest.design >= 0 && !none_valid(report))
+    text += "nearest is design " + std::to_string(nearest.design) +
+            ", which misses: " + list(report, violated_constraints(report, nearest.row), "; ") + "\n";
+  return text;
+}
+
+std::string share(std::int64_t count, std::int64_t of) { return std::to_string(count) + " of " + std::to_string(of); }
+
+/// What makes designs invalid, and how many.
+std::string invalid(const SweepReport& report) {
+  const study::InvalidDesigns& invalid = report.tally->invalid();
+  if (invalid.designs == 0) return "";
+  const study::Study& study = *report.sweep->study;
+  std::string text = "invalid " + share(invalid.designs, report.tally->designs()) + ", the first is design " +
+                     std::to_string(invalid.first) + "\n";
+  if (invalid.impossible > 0) text += "  no sensor can be so: " + std::to_string(invalid.impossible) + "\n";
+  for (std::size_t g = 0; g < invalid.by_goal.size(); ++g)
+    if (invalid.by_goal[g] > 0)
+      text +=
+          "  " + one_line(study.objectives[g].text) + " is not finite: " + std::to_string(invalid.by_goal[g]) + "\n";
+  for (std::size_t k = 0; k < invalid.by_limit.size(); ++k)
+    if (invalid.by_limit[k] > 0)
+      text += "  " + one_line(study.constraints[k].text) +
+              " compares what is not finite: " + std::to_string(invalid.by_limit[k]) + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::string sweep_summary(const SweepReport& report) {
+  const study::Study& study = *report.sweep->study;
+  const study::Tally& tally = *report.tally;
+  const SweepRun& run = *report.run;
+  const auto& columns = report.sweep->columns;
+  std::string text = one_line(run.folder.string()) + "  " + one_line(study.name) + ": " +
+                     std::to_string(tally.designs()) + " designs\n";
+  if (!study.constraints.empty()) {
+    text += "feasible " + share(tally.feasible(), tally.designs()) + "\n";
+    TextTable table({"constraint", "met by"});
+    for (std::size_t k = 0; k < study.constraints.size(); ++k)
+      table.add({one_line(study.constraints[k].text), std::to_string(tally.met()[k])});
+    text += table.aligned({Align::left, Align::right});
+    if (tally.feasible() == 0) text += infeasible(report);
+  }
+  text += invalid(report);
+  text += best_table(report);
+  for (const ChosenFile& chosen : report.chosen)
+    if (!chosen.caution.empty())
+      text += "design " + std::to_string(chosen.design) + " (" + one_line(chosen.why) + ") is " + chosen.caution + "\n";
+  if (study.objectives.size() > 1) text += "Pareto front: " + std::to_string(report.front.size()) + " designs\n";
+  if (const auto column = study::column_of(columns, study::Column::Role::yield);
+      column && tally.highest_yield().design >= 0) {
+    const double yield = tally.highest_yield().value;
+    text += "highest yield " + fixed(100.0 * yield, 1) + " % +- " +
+            fixed(100.0 * study::yield_error(yield, study.draws), 1) + " % of " + std::to_string(study.draws) +
+            " draws: design " + std::to_string(tally.highest_yield().design) + "\n";
+  }
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    if (c < report.gaps.size() && !report.gaps[c].empty())
+      text += "no " + one_line(columns[c].name) + ": " + one_line(report.gaps[c]) + "\n";
+  for (const std::string& skipped : report.skipped) text += one_line(skipped) + "\n";
+  text += "error at most " + (std::isnan(tally.worst_error()) ? "unknown" : significant(tally.worst_error(), 2)) +
+          " (tolerance " + mtf::format_double(study.tolerance) + ")" +
+          (tally.worst_error() > 1.01 * study.tolerance
+               ? ": above it where the column error says so, at the ends of what can be resolved\n"
+               : "\n");
+  if (run.tally.made > 0)
+    text += "time " + fixed(run.seconds, 2) + " s, " +
+            significant(static_cast<double>(run.tally.made) / run.seconds, 3) + " designs/s on " +
+            std::to_string(report.threads) + (report.threads == 1 ? " thread" : " threads");
+  if (std::isnan(run.seconds))
+    text += "merged from shards";
+  else if (run.tally.resumed > 0)
+    text += std::string(run.tally.made > 0 ? "; " : "") + std::to_string(run.tally.resumed) + " designs were there";
+  return text +
+         (report.accuracy.rows.empty() ? "; tables and sensitivities " : "; tables, sensitivities and accuracy ") +
+         fixed(report.finish_seconds, 2) + " s\n";
+}
+
+}  // namespace apps

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The pixels that an edge is measured from, as lists.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "calib/edge/edge_curve.h"
+#include "mtf/image.h"
+
+namespace calib {
+
+/// Positions in pixels from the middle of the region, values less `offset` over `scale`, so that sums of squares
+/// neither overflow nor lose their digits. Three lists in one piece of memory: the C library hands pieces that are
+/// smaller back to the system after each edge, to ask for them again page by page.
+class EdgePixels {
+ public:
+  explicit EdgePixels(std::size_t most) : most_(most), data_(std::make_unique_for_overwrite<double[]>(3 * most)) {}
+  std::size_t size() const { return size_; }
+  const double* x() const { return data_.get(); }
+  const double* y() const { return data_.get() + most_; }
+  const double* value() const { return data_.get() + 2 * most_; }
+  double* x() { return data_.get(); }
+  double* y() { return data_.get() + most_; }
+  double* value() { return data_.get() + 2 * most_; }
+  /// The first `size` of `most` pixels.
+  void resize(std::size_t size) { size_ = size; }
+  void add(double x_px, double y_px, double one) {
+    x()[size_] = x_px;
+    y()[size_] = y_px;
+    value()[size_++] = one;
+  }
+
+ private:
+  std::size_t most_, size_ = 0;
+  std::unique_ptr<double[]> data_;
+};
+
+/// Every how many of the pixels to take so that about `some` are: prime to the length of the rows, so that no column is
+/// left out of all of them, as an upright edge is seen in few columns.
+std::size_t step_for(const EdgePixels& pixels, std::size_t some);
+
+/// What is in a region before anything is known of its edge.
+struct RegionFacts {
+  Point middle;                      ///< of the region, pixels of the image
+  std::int64_t finite = 0;           ///< pixels with data
+  std::int64_t clipped = 0;          ///< of these, at the saturation or floor
+  double low = 0.0, high = 0.0;      ///< of the pixels that are not wild
+  std::int64_t wild = 0;             ///< pixels further from nearly all others than these from each other, many times
+  double offset = 0.0, scale = 1.0;  ///< value = offset + scale x EdgePixels::value
+  bool holds(double value) const { return value >= low && value <= high; }  ///< neither wild nor no number
+};
+
+/// Values that mean no data, are clipped or wild (NaN, infinite, at the limits) are left out of the lists.
+struct ValueLimits {
+  std::optional<double> saturation, floor;
+  /// Limits as the pixels' float32 holds them.
+  bool clipped(float value) const {
+    return (saturation && value >= static_cast<float>(*saturation)) || (floor && value <= static_cast<float>(*floor));
+  }
+};
+
+/// Calls visit(x, y) for every `step`-th pixel of a region, row by row.
+template <class Visit>
+void visit_some(const Roi& roi, std::int64_t step, const Visit& visit) {
+  for (std::int64_t i = 0, j = 0;; i += step) {
+    if (i >= roi.width) {
+      j += i / roi.width;
+      i %= roi.width;
+    }
+    if (j >= roi.height) return;
+    visit(roi.x + i, roi.y + j);
+  }
+}
+
+RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const ValueLimits& limits);
+
+/// Means of square blocks, at most about 48 x 48 of them; `block_px` is set to their side.
+EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
+                         const ValueLimits& limits, std::int64_t& block_px);
+
+/// All pixels within `reach_px` of the curve's tangent at its origin.
+EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
+                         const ValueLimits& limits, const EdgeCurve& curve, double reach_px);
+
+}  // namespace calib

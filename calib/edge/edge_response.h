@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The response that a joint fit found, reference + its change + correction, as OTF and as edge spread function about
+// the edge's location. Everything is linear in the fit's unknowns, so variances are quadratic forms of its covariance.
+//
+// The offset of the edge is one of them: the line spread is its derivative, and the even splines span that too, so that
+// only the sum of both is known where they act. The location is that of the sum, at which its phase is least,
+//   sum over f of 2 pi f |H| Im H(f) = 0,
+// and what noise moves together with the location does not count as noise of the response about it.
+
+#include <Eigen/Core>
+#include <cmath>
+#include <vector>
+
+#include "calib/measure/esf_correction.h"
+
+namespace calib {
+
+class EdgeResponse {
+ public:
+  EdgeResponse(const EdgeModel& model, const JointFit& joint);
+
+  struct Otf {
+    double re = 1.0, im = 0.0;
+    double var_along = 0.0, var_across = 0.0;  ///< of the modulus; of the part at right angles to it
+    double mtf() const;                        ///< |OTF| less what the noise across its phase adds on average
+    double mtf_sd() const;
+  };
+  /// Of the location from where the joint fit's equations were taken, towards the bright side.
+  double shift_px() const { return shift_px_; }
+  Otf otf(double f_cy_px) const;
+  /// At 0, step .. (count - 1) step.
+  std::vector<Otf> otfs(double step_cy_px, std::size_t count) const;
+  double esf(double d_px) const;
+  double lsf(double d_px) const;
+
+  /// Derivatives by the unknowns that the response depends on.
+  using Row = Eigen::VectorXd;
+  struct Step {
+    double esf = 0.0, lsf = 0.0;
+    Row row;  ///< of E
+  };
+  Step step(double d_px) const;
+  Row mtf_row(double f_cy_px) const;
+  Row esf_row(double d_px) const { return step(d_px).row; }
+  Row lsf_row(double d_px) const;
+  double variance(const Row& row) const { return covariance(row, row); }
+  double covariance(const Row& a, const Row& b) const;
+
+ private:
+  // OTF, about where the equations were taken, and derivatives: by the first `real` unknowns of its real part, by the
+  // others of its imaginary part.
+  struct Parts {
+    double re = 1.0, im = 0.0;
+    Row slope;
+    Eigen::Index real = 0;
+    double modulus() const { return std::sqrt(re * re + im * im); }
+    Row along() const;
+  };
+  // Splines of one kind, evenly spaced by their knots' distance.
+  struct Run {
+    SplinePair first;
+    Eigen::Index at = 0, count = 0;  // among the unknowns
+  };
+  void find_runs();
+  // cos and sin of 2 pi f x, of each spline.
+  struct Phases {
+    Eigen::ArrayXd cos, sin;
+  };
+  Phases phases(double f_cy_px) const;
+  Parts parts(double f_cy_px) const;
+  /// Calls visit(f, parts) at 0, step .. (count - 1) step.
+  template <class Visit>
+  void walk(double step_cy_px, std::size_t count, const Visit& visit) const;
+  void add_up(double f_cy_px, const ReferenceOtf& reference, const Phases& phases, Parts& parts) const;
+  Otf otf_of(double f_cy_px, const Parts& at) const;
+  void locate();
+  Row change_row(double d_px) const;  // of E, about where the equations were taken
+  Row slope_row(double d_px) const;
+  double reference_esf(double d_px) const;
+  double at_knots(const std::array<double, kSideBins + 1>& values, double d_px) const;
+
+  ReferenceShape shape_;
+  Point normal_;
+  ReferenceTable table_;
+  std::vector<std::size_t> shapes_;  // which of S, v, q are free
+  std::vector<SplinePair> splines_;
+  std::vector<Run> runs_;
+  Eigen::Index real_ = 0;  // so many unknowns make the real part; the offset follows, then even splines
+  Eigen::VectorXd value_;
+  double shift_px_ = 0.0;
+  Row shift_row_;         // derivatives of the location
+  Row shift_covariance_;  // of it with each unknown
+  double shift_variance_ = 0.0;
+  Eigen::MatrixXd covariance_;
+};
+
+}  // namespace calib

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/edge/reference_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <vector>
+
+#include "calib/edge/lanes.h"
+#include "mtf/engines/clones.h"
+#include "mtf/math/quadrature.h"
+#include "mtf/math/special.h"
+
+namespace calib {
+namespace {
+
+constexpr std::size_t kSums = 2 + kShapes;  // E, its slope, its derivatives
+constexpr std::size_t kLanes = 8;           // knots that are summed together; every zone is a multiple of them
+constexpr std::size_t kTogether = 4;        // frequencies that are summed together
+constexpr std::size_t kZones = kDistanceZones.size();
+constexpr double kPi = mtf::kPi;
+
+// sinc(f sqrt(q) c) and its derivative by q: with x = f c sqrt(q), d sinc / d(x^2) = (cos(pi x) - sinc x) / (2 x^2).
+[[gnu::always_inline]] inline mtf::ValueSlope footprint(double fc, double q_px2) {
+  constexpr double kSmall = 1e-3;
+  const double square = kPi * kPi * fc * fc, a = square * q_px2, large = std::max(a, kSmall);
+  const double angle = std::sqrt(large);
+  const SineCosine turn = sine_cosine(angle);
+  const double sinc = turn.sin / angle;
+  return {a < kSmall ? 1.0 - a / 6.0 * (1.0 - a / 20.0) : sinc,
+          square * (a < kSmall ? a / 60.0 - 1.0 / 6.0 : (turn.cos - sinc) / (2.0 * large))};
+}
+
+// D(x) and sqrt(1 - x^2).
+struct Pupil {
+  double value = 1.0, root = 1.0;
+};
+Pupil pupil_of(double x) {
+  if (x >= 1.0) return {0.0, 0.0};
+  if (x <= 0.0) return {};
+  const double root = std::sqrt(1.0 - x * x);
+  return {2.0 / kPi * (std::acos(x) - x * root), root};
+}
+
+[[gnu::always_inline]] inline ReferenceOtf otf_of(const ReferenceShape& shape, Point normal, double f, Pupil pupil) {
+  const double square = 2.0 * kPi * kPi * f * f;
+  const double gauss = exponential(std::max(-square * shape.v_px2, -690.0));
+  const mtf::ValueSlope a = footprint(f * normal.x, shape.q_px2), b = footprint(f * normal.y, shape.q_px2);
+  const double value = pupil.value * gauss * a.value * b.value;
+  return {.value = value,
+          .slope = {-4.0 / kPi * f * pupil.root * gauss * a.value * b.value, -square * value,
+                    pupil.value * gauss * (a.slope * b.value + a.value * b.slope)}};
+}
+
+// Frequencies: their weights in E, the line spread and the derivatives, and the rotation by the finest step; a row
+// each.
+struct Nodes {
+  explicit Nodes(std::size_t n) : size(n), list(n * (kSums + 2)) {}
+  double* weight(std::size_t k) { return list.data() + k * size; }
+  double* cos() { return weight(kSums); }
+  double* sin() { return weight(kSums + 1); }
+  std::size_t size;
+  std::vector<double> list;
+};
+
+// `value` and `by_s` come as the pupil's value and root.
+MTFKIT_CLONES void fill_otf(const ReferenceShape& the_shape, Point normal, std::size_t size,
+                            const double* __restrict f_cy_px, double* __restrict value, double* __restrict by_s,
+                            double* __restrict by_v, double* __restrict by_q) {
+  const ReferenceShape shape = the_shape;
+  for (std::size_t i = 0; i < size; ++i) {
+    const ReferenceOtf h = otf_of(shape, normal, f_cy_px[i], {value[i], by_s[i]});
+    value[i] = h.value;
+    by_s[i] = h.slope[0];
+    by_v[i] = h.slope[1];
+    by_q[i] = h.slope[2];
+  }
+}
+
+// f_cy_px, df and the pupil's value and root become the rows of the nodes.
+MTFKIT_CLONES void fill(const ReferenceShape& the_shape, Point normal, std::size_t size,
+                        const double* __restrict f_cy_px, const double* __restrict df, double* __restrict odd,
+                        double* __restrict lsf, double* __restrict by_s, double* __restrict by_v,
+                        double* __restrict by_q, double* __restrict cos, double* __restrict sin) {
+  const ReferenceShape shape = the_shape;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double f = f_cy_px[i], per_f = df[i] / (kPi * f);
+    const ReferenceOtf h = otf_of(shape, normal, f, {cos[i], sin[i]});
+    const SineCosine turn = sine_cosine(2.0 * kPi / kFinest * f);
+    odd[i] = per_f * h.value;
+    lsf[i] = 2.0 * df[i] * h.value;
+    by_s[i] = per_f * h.slope[0];
+    by_v[i] = per_f * h.slope[1];
+    by_q[i] = per_f * h.slope[2];
+    cos[i] = turn.cos;
+    sin[i] = turn.sin;
+  }
+}
+
+// A Gauss-Legendre rule in t, f = top t (2 - t): smooth at the cutoff, where D ends with the power 3/2.
+Nodes make_nodes(const ReferenceShape& shape, Point normal, double top_cy_px, double reach_px) {
+  const double phase = 2.0 * kPi * top_cy_px * reach_px;
+  const int wanted = static_cast<int>(0.5 * phase + std::cbrt(phase)) + 10;  // 1e-8
+  const int n = std::min((wanted + 7) / 8 * 8, mtf::kMostGaussNodes);
+  const mtf::GaussRule& rule = mtf::gauss_legendre(n);
+  Nodes nodes(static_cast<std::size_t>(n));
+  std::vector<double> f_cy_px(nodes.size), df(nodes.size);
+  for (std::size_t i = 0; i < nodes.size; ++i) {
+    const double t = 0.5 * (rule.node[i] + 1.0);
+    f_cy_px[i] = top_cy_px * t * (2.0 - t);
+    df[i] = rule.weight[i] * top_cy_px * (1.0 - t);
+    const Pupil pupil = pupil_of(f_cy_px[i] * shape.s_px);
+    nodes.cos()[i] = pupil.value;
+    nodes.sin()[i] = pupil.root;
+  }
+  fill(shape, normal, nodes.size, f_cy_px.data(), df.data(), nodes.weight(0), nodes.weight(1), nodes.weight(2),
+       nodes.weight(3), nodes.weight(4), nodes.cos(), nodes.sin());
+  return nodes;
+}
+
+// How many blocks of kLanes knots of each zone are within reach.
+std::array<std::size_t, kZones> blocks_within(double reach_px) {
+  std::array<std::size_t, kZones> blocks{};
+  double start = 0.0;
+  for (std::size_t z = 0; z < kZones && start < reach_px; ++z) {
+    const DistanceZone& zone = kDistanceZones[z];
+    const double px = std::min(zone.end_px, reach_px) - start;
+    blocks[z] = static_cast<std::size_t>(std::ceil(px / (zone.step_px * static_cast<double>(kLanes))));
+    start = zone.end_px;
+  }
+  return blocks;
+}
+
+using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+
+struct Rows {
+  double *odd, *lsf, *by_s, *by_v, *by_q;
+};
+
+// Adds the frequencies from `first` on, `kTogether` of them. c and s are cos and sin of 2 pi f d at the knots of a
+// block.
+MTFKIT_CLONES void add_nodes(Nodes& nodes, std::size_t first, const std::array<std::size_t, kZones>& blocks,
+                             Rows rows) {
+  // Of 0, 1 .. steps of a zone, and at its first knot.
+  std::array<Lanes, kTogether> steps_c, steps_s, c, s;
+  std::array<double, kTogether> at_c, at_s, block_c, block_s;
+  for (std::size_t j = 0; j < kTogether; ++j) {
+    const double dc = nodes.cos()[first + j], ds = nodes.sin()[first + j];
+    double one_c = 1.0, one_s = 0.0;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      steps_c[j][k] = one_c;
+      steps_s[j][k] = one_s;
+      const double next = one_c * dc - one_s * ds;
+      one_s = one_s * dc + one_c * ds;
+      one_c = next;
+    }
+    at_c[j] = 1.0;
+    at_s[j] = 0.0;
+  }
+  double step_px = kDistanceZones[0].step_px;
+  for (std::size_t z = 0; z < kZones && blocks[z] > 0; ++z) {
+    for (; step_px < kDistanceZones[z].step_px; step_px *= 2.0)
+      for (std::size_t j = 0; j < kTogether; ++j) {
+        const Lanes twice = steps_c[j] * steps_c[j] - steps_s[j] * steps_s[j];
+        steps_s[j] = 2.0 * steps_c[j] * steps_s[j];
+        steps_c[j] = twice;
+      }
+    for (std::size_t j = 0; j < kTogether; ++j) {
+      c[j] = at_c[j] * steps_c[j] - at_s[j] * steps_s[j];
+      s[j] = at_s[j] * steps_c[j] + at_c[j] * steps_s[j];
+      const double last_c = steps_c[j][kLanes - 1], last_s = steps_s[j][kLanes - 1];
+      block_c[j] = last_c * steps_c[j][1] - last_s * steps_s[j][1];
+      block_s[j] = last_s * steps_c[j][1] + last_c * steps_s[j][1];
+    }
+    for (std::size_t block = 0; block < blocks[z]; ++block) {
+      Lanes odd, lsf, by_s, by_v, by_q;
+      std::memcpy(&odd, rows.odd, sizeof odd);
+      std::memcpy(&lsf, rows.lsf, sizeof lsf);
+      std::memcpy(&by_s, rows.by_s, sizeof by_s);
+      std::memcpy(&by_v, rows.by_v, sizeof by_v);
+      std::memcpy(&by_q, rows.by_q, sizeof by_q);
+      for (std::size_t j = 0; j < kTogether; ++j) {
+        odd += nodes.weight(0)[first + j] * s[j];
+        lsf += nodes.weight(1)[first + j] * c[j];
+        by_s += nodes.weight(2)[first + j] * s[j];
+        by_v += nodes.weight(3)[first + j] * s[j];
+        by_q += nodes.weight(4)[first + j] * s[j];
+        const Lanes next = c[j] * block_c[j] - s[j] * block_s[j];
+        s[j] = s[j] * block_c[j] + c[j] * block_s[j];
+        c[j] = next;
+      }
+      std::memcpy(rows.odd, &odd, sizeof odd);
+      std::memcpy(rows.lsf, &lsf, sizeof lsf);
+      std::memcpy(rows.by_s, &by_s, sizeof by_s);
+      std::memcpy(rows.by_v, &by_v, sizeof by_v);
+      std::memcpy(rows.by_q, &by_q, sizeof by_q);
+      rows = {rows.odd + kLanes, rows.lsf + kLanes, rows.by_s + kLanes, rows.by_v + kLanes, rows.by_q + kLanes};
+    }
+    for (std::size_t j = 0; j < kTogether; ++j) {
+      at_c[j] = c[j][0];
+      at_s[j] = s[j][0];
+    }
+  }
+}
+
+}  // namespace
+
+ReferenceOtf reference_otf(const ReferenceShape& shape, double angle_rad, double f_cy_px) {
+  return reference_otf(shape, {std::cos(angle_rad), std::sin(angle_rad)}, f_cy_px);
+}
+
+ReferenceOtf reference_otf(const ReferenceShape& shape, Point normal, double f_cy_px) {
+  return otf_of(shape, normal, f_cy_px, pupil_of(f_cy_px * shape.s_px));
+}
+
+std::vector<ReferenceOtf> reference_otfs(const ReferenceShape& shape, Point normal, std::span<const double> f_cy_px) {
+  const std::size_t n = f_cy_px.size();
+  std::vector<double> value(n), by_s(n), by_v(n), by_q(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Pupil pupil = pupil_of(f_cy_px[i] * shape.s_px);
+    value[i] = pupil.value;
+    by_s[i] = pupil.root;
+  }
+  fill_otf(shape, normal, n, f_cy_px.data(), value.data(), by_s.data(), by_v.data(), by_q.data());
+  std::vector<ReferenceOtf> all(n);
+  for (std::size_t i = 0; i < n; ++i) all[i] = {value[i], {by_s[i], by_v[i], by_q[i]}};
+  return all;
+}
+
+// By quadrature as far as the footprint, the Gaussian and the first rings of diffraction reach, by the first two terms
+// of the asymptotic series in 1/d from there on: H = 1 - a f + c f^3 in odd powers of f gives
+//   E - 1 = -a / (2 pi^2 d) - 2 c / (pi (2 pi d)^3),  a = 4 S / pi,  c = (2 S^3 / 3 + 4 S b) / pi,  H's Gaussian and
+// footprint being 1 - b f^2.
+ReferenceTable tabulate(const ReferenceShape& shape, double angle_rad) {
+  const double s = shape.s_px, sigma = std::sqrt(shape.v_px2);
+  const double top = s > 0.0 ? std::min(1.0 / s, 1.0 / sigma) : 1.0 / sigma;  // exp(-2 pi^2) = 3e-9
+  const double reach = std::min(kReach_px, 10.0 * s + 1.5 * std::sqrt(shape.q_px2) + 5.5 * sigma);
+  ReferenceTable table;
+  const Rows rows{table.odd.data(), table.lsf.data(), table.slope[0].data(), table.slope[1].data(),
+                  table.slope[2].data()};
+  const std::array<std::size_t, kZones> blocks = blocks_within(reach);
+  Nodes nodes = make_nodes(shape, {std::cos(angle_rad), std::sin(angle_rad)}, top, reach);
+  for (std::size_t first = 0; first < nodes.size; first += kTogether) add_nodes(nodes, first, blocks, rows);
+  const std::size_t summed = kLanes * std::accumulate(blocks.begin(), blocks.end(), std::size_t{0});
+  const double b = 2.0 * kPi * kPi * shape.v_px2 + kPi * kPi * shape.q_px2 / 6.0;
+  const double c = (2.0 / 3.0 * s * s * s + 4.0 * s * b) / kPi;
+  constexpr double kNear = 2.0 / (kPi * kPi * kPi), kFar = 2.0 / (8.0 * kPi * kPi * kPi * kPi);
+  for (std::size_t i = summed; i <= kSideBins; ++i) {
+    const double per_d = 1.0 / DistanceBins::get().knot(kSideBins + static_cast<int>(i));
+    const double near = kNear * per_d, far = kFar * per_d * per_d * per_d;
+    table.odd[i] = 0.5 - near * s - far * c;
+    table.lsf[i] = (near * s + 3.0 * far * c) * per_d;
+    table.slope[0][i] = -near - far * (2.0 * s * s + 4.0 * b) / kPi;
+    table.slope[1][i] = -far * 8.0 * kPi * s;
+    table.slope[2][i] = -far * 2.0 * kPi * s / 3.0;
+  }
+  return table;
+}
+
+}  // namespace calib

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A step's E(d) for many pixels, and what its derivatives need, bin by bin.
+
+#include <vector>
+
+#include "calib/edge/reference_step.h"
+
+namespace calib {
+
+/// Row by row: E as a cubic in d - centre, c0 and c1 of which are E and the line spread at the middle of the bin; the
+/// derivatives by the shape there.
+class StepProfile {
+ public:
+  StepProfile() = default;
+  explicit StepProfile(const ReferenceTable& table);
+
+  const BinRow& esf() const { return rows_[0]; }
+  const BinRow& lsf() const { return rows_[1]; }
+  const BinRow& cubic(std::size_t k) const { return rows_[k]; }
+  const BinRow& slope(std::size_t k) const { return rows_[kCubic + k]; }
+  /// Adds to E, the line spread and c2.
+  void correct(const BinRow& esf, const BinRow& lsf, const BinRow& c2);
+  /// Takes the derivatives by the shape from another.
+  void set_slopes(const StepProfile& other);
+
+  /// The bins [first, end) outside which the line spread is below a thousandth of that at the edge, in whole lots:
+  /// where bends of the edge are seen. Their derivatives, the terms t^2 and higher, count as zero elsewhere.
+  int bend_first = 0, bend_end = kBins;
+
+ private:
+  void find_bend_bins();
+  static constexpr std::size_t kCubic = 4;
+  std::vector<BinRow> rows_;
+};
+
+}  // namespace calib

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/find/bayer.h"
+
+#include <algorithm>
+#include <cctype>
+#include <limits>
+#include <span>
+#include <string>
+
+#include "mtf/error.h"
+
+namespace calib {
+namespace {
+
+std::string lower(std::string_view word) {
+  std::string text(word);
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+std::string known(std::string_view word, std::span<const std::string_view> names, const char* what) {
+  const std::string text = lower(word);
+  if (std::find(names.begin(), names.end(), text) != names.end()) return text;
+  std::string list;
+  for (const std::string_view name : names) list += (list.empty() ? "" : ", ") + std::string(name);
+  throw mtf::UsageError("unknown Bayer " + std::string(what) + " \"" + text.substr(0, 40) + "\"; it is one of " + list);
+}
+
+}  // namespace
+
+mtf::Image bayer_plane(mtf::ImageView<const float> image, std::string_view pattern, std::string_view plane) {
+  const std::string filters = known(pattern, kBayerPatterns, "pattern"), wanted = known(plane, kBayerPlanes, "plane");
+  std::array<bool, 4> keep{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const bool red_row = filters[i & 2] == 'r' || filters[(i & 2) + 1] == 'r';
+    keep[i] = wanted[0] == filters[i] && (wanted.size() == 1 || (wanted[1] == 'r') == red_row);
+  }
+  mtf::Image result(image.width, image.height);
+  for (std::int64_t y = 0; y < image.height; ++y)
+    for (std::int64_t x = 0; x < image.width; ++x)
+      result.at(x, y) = keep[static_cast<std::size_t>((y & 1) * 2 + (x & 1))] ? image.at(x, y)
+                                                                              : std::numeric_limits<float>::quiet_NaN();
+  return result;
+}
+
+}  // namespace calib

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "calib/edge/median.h"
+
+#include "calib/find/find_parts.h"
+
+namespace calib::find {
+namespace {
+
+constexpr std::int64_t kMostCells = std::int64_t{1} << 24;
+constexpr double kSparse = 0.6;                 // share of numbers below which pixels are paired
+constexpr std::int64_t kMostSamples = 1 << 20;  // for the noise
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+/// Smoothing along an axis, and what it leaves of white noise in a gradient: central differences along x of binomials
+/// along x and y.
+constexpr std::array<float, 5> kBinomial{1.0F / 16, 4.0F / 16, 6.0F / 16, 4.0F / 16, 1.0F / 16};
+constexpr double kGradientNoise = 0.1498;
+/// Standard deviations of a gradient's component that noise does not reach in millions of cells.
+constexpr double kNoiseMargin = 6.0;
+double valid_share(mtf::ImageView<const float> image) {
+  std::int64_t valid = 0;
+  for (std::int64_t y = 0; y < image.height; ++y)
+    for (std::int64_t x = 0; x < image.width; ++x) valid += std::isfinite(image.at(x, y)) ? 1 : 0;
+  return static_cast<double>(valid) / static_cast<double>(image.width * image.height);
+}
+
+/// The median of |second differences along both axes|, which planes and straight edges along an axis do not show.
+/// J. Immerkaer, Fast noise variance estimation, CVIU 64, 300 (1996), with a median in place of the mean.
+double noise_of(const Cells& cells) {
+  const std::int64_t inner = std::max<std::int64_t>(0, cells.width - 2) * std::max<std::int64_t>(0, cells.height - 2);
+  const std::int64_t stride = 1 + inner / kMostSamples;
+  std::vector<float> sample;
+  for (std::int64_t i = 0; i < inner; i += stride) {
+    const std::int64_t x = 1 + i % (cells.width - 2), y = 1 + i / (cells.width - 2);
+    const auto row = [&](std::int64_t at) {
+      return cells.at(x - 1, at) - 2.0F * cells.at(x, at) + cells.at(x + 1, at);
+    };
+    const float second = row(y - 1) - 2.0F * row(y) + row(y + 1);
+    if (std::isfinite(second)) sample.push_back(std::abs(second));
+  }
+  if (sample.empty()) return 0.0;
+  return static_cast<double>(median(sample)) / (0.6745 * 6.0);
+}
+
+/// Weighted mean of five neighbours, `step` elements apart, of those that are numbers; `at` of `count` is the middle
+/// one.
+float binomial_mean(const float* middle, std::int64_t at, std::int64_t count, std::int64_t step) {
+  float sum = 0.0F, weight = 0.0F;
+  for (std::int64_t k = std::max<std::int64_t>(-2, -at); k <= std::min<std::int64_t>(2, count - 1 - at); ++k) {
+    const float v = middle[k * step];
+    if (std::isnan(v)) continue;
+    const float w = kBinomial[static_cast<std::size_t>(k + 2)];
+    sum += w * v;
+    weight += w;
+  }
+  return weight > 0.3F ? sum / weight : kNone;
+}
+
+std::vector<float> smoothed(const Cells& cells) {
+  std::vector<float> rows(cells.value.size()), both(cells.value.size());
+  std::size_t i = 0;
+  for (std::int64_t y = 0; y < cells.height; ++y)
+    for (std::int64_t x = 0; x < cells.width; ++x, ++i) rows[i] = binomial_mean(&cells.value[i], x, cells.width, 1);
+  i = 0;
+  for (std::int64_t y = 0; y < cells.height; ++y)
+    for (std::int64_t x = 0; x < cells.width; ++x, ++i) both[i] = binomial_mean(&rows[i], y, cells.height, cells.width);
+  return both;
+}
+
+}  // namespace
+
+Cells make_cells(mtf::ImageView<const float> image) {
+  Cells cells;
+  const double share = valid_share(image);
+  if (share < kSparse) cells.size_px = 2;
+  const auto count = [&](std::int64_t pixels) { return (pixels + cells.size_px - 1) / cells.size_px; };
+  while (count(image.width) * count(image.height) > kMostCells) cells.size_px *= 2;
+  cells.width = count(image.width);
+  cells.height = count(image.height);
+  cells.value.resize(static_cast<std::size_t>(cells.width * cells.height));
+
+  std::vector<double> sum(static_cast<std::size_t>(cells.width));
+  std::vector<int> numbers(static_cast<std::size_t>(cells.width));
+  float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+  std::int64_t known = 0;
+  double pixels = 0.0;
+  for (std::int64_t row = 0; row < cells.height; ++row) {
+    std::fill(sum.begin(), sum.end(), 0.0);
+    std::fill(numbers.begin(), numbers.end(), 0);
+    const std::int64_t end = std::min(image.height, (row + 1) * cells.size_px);
+    for (std::int64_t y = row * cells.size_px; y < end; ++y)
+      for (std::int64_t x = 0; x < image.width; ++x) {
+        const float v = image.at(x, y);
+        if (!std::isfinite(v)) continue;
+        sum[static_cast<std::size_t>(x / cells.size_px)] += v;
+        ++numbers[static_cast<std::size_t>(x / cells.size_px)];
+      }
+    for (std::int64_t x = 0; x < cells.width; ++x) {
+      const auto i = static_cast<std::size_t>(x);
+      float& v = cells.value[static_cast<std::size_t>(row * cells.width + x)];
+      v = numbers[i] > 0 ? static_cast<float>(sum[i] / numbers[i]) : kNone;
+      if (numbers[i] == 0) continue;
+      ++known;
+      pixels += numbers[i];
+      low = std::min(low, v);
+      high = std::max(high, v);
+    }
+  }
+  cells.valid = static_cast<double>(known) / static_cast<double>(cells.value.size());
+  if (known > 0) {
+    cells.range = static_cast<double>(high) - static_cast<double>(low);
+    cells.pixels_a_cell = pixels / static_cast<double>(known);
+    const double largest = std::max(std::abs(static_cast<double>(low)), std::abs(static_cast<double>(high)));
+    cells.rounding = std::numeric_limits<float>::epsilon() * std::max(1.0, largest / cells.range);
+    if (cells.range > 0.0)
+      for (float& v : cells.value)
+        v = static_cast<float>((static_cast<double>(v) - static_cast<double>(low)) / cells.range);
+    cells.noise_sd = noise_of(cells);
+  }
+  return cells;
+}
+
+Gradients make_gradients(const Cells& cells) {
+  const std::vector<float> value = smoothed(cells);
+  Gradients gradients;
+  gradients.width = cells.width;
+  gradients.height = cells.height;
+  gradients.magnitude.assign(value.size(), 0.0F);
+  gradients.direction.assign(value.size(), 0);
+  gradients.threshold = std::max(kNoiseMargin * kGradientNoise * cells.noise_sd, cells.rounding);
+  for (std::int64_t y = 1; y + 1 < cells.height; ++y)
+    for (std::int64_t x = 1; x + 1 < cells.width; ++x) {
+      const auto i = static_cast<std::size_t>(y * cells.width + x);
+      const auto row = static_cast<std::size_t>(cells.width);
+      const float gx = 0.5F * (value[i + 1] - value[i - 1]), gy = 0.5F * (value[i + row] - value[i - row]);
+      const float magnitude = std::sqrt(gx * gx + gy * gy);
+      if (std::isnan(magnitude)) continue;
+      gradients.magnitude[i] = magnitude;
+      if (magnitude <= gradients.threshold) continue;
+      const float turn = std::atan2(gy, gx) / (2.0F * std::numbers::pi_v<float>);
+      gradients.direction[i] = static_cast<std::uint8_t>(std::lround(turn * 256.0F) & 255);
+    }
+  // What runs to the border goes on there.
+  if (cells.width < 3 || cells.height < 3) return gradients;
+  for (std::int64_t y = 0; y < cells.height; ++y)
+    for (std::int64_t x = 0; x < cells.width; ++x) {
+      const auto i = static_cast<std::size_t>(y * cells.width + x);
+      const auto inner = static_cast<std::size_t>(std::clamp<std::int64_t>(y, 1, cells.height - 2) * cells.width +
+                                                  std::clamp<std::int64_t>(x, 1, cells.width - 2));
+      gradients.magnitude[i] = gradients.magnitude[inner];
+      gradients.direction[i] = gradients.direction[inner];
+    }
+  return gradients;
+}
+
+}  // namespace calib::find

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/fit/confidence/adequacy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace calib {
+namespace {
+
+constexpr double kFineBin_px = 0.125;
+constexpr std::size_t kFewestInBin = 24;
+constexpr double kModelError = 1e-6;  // of the contrast
+constexpr double kOutlierSd = 4.0;
+
+/// Probability that a normal variable is at least z.
+double normal_tail(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
+
+struct Cell {
+  double n = 0.0, distance = 0.0, sum = 0.0, squares = 0.0, bias2 = 0.0;
+  void add(const Cell& c) { n += c.n, distance += c.distance, sum += c.sum, squares += c.squares, bias2 += c.bias2; }
+};
+
+/// Cells of equal width, joined where they hold too few pixels.
+std::vector<Cell> cells_of(std::span<const Residual> residuals, double contrast, double quantum) {
+  double lo = 0.0, hi = 0.0;
+  for (const Residual& r : residuals) lo = std::min(lo, r.distance_px), hi = std::max(hi, r.distance_px);
+  const auto count = static_cast<std::size_t>(std::min(1e6, (hi - lo) / kFineBin_px)) + 1;
+  std::vector<Cell> fine(count);
+  for (const Residual& r : residuals) {
+    const auto i = std::min(count - 1, static_cast<std::size_t>((r.distance_px - lo) / kFineBin_px));
+    const double value = bent(r.value, true).value;
+    // Rounding of values whose noise is small against the step is no noise: what is left of its mean.
+    const double step = quantum / r.sd, before = std::max(0.0, 1.0 - step * step / 12.0);
+    const double rounding =
+        step > 0.0 ? step * step / 12.0 * std::exp(-4.0 * std::numbers::pi * std::numbers::pi * before / (step * step))
+                   : 0.0;
+    const double model = kModelError * contrast / r.sd;
+    fine[i].add({1.0, r.distance_px, value, value * value, rounding + model * model});
+  }
+  std::vector<Cell> cells;
+  for (const Cell& cell : fine) {
+    if (cells.empty() || cells.back().n >= static_cast<double>(kFewestInBin)) cells.emplace_back();
+    cells.back().add(cell);
+  }
+  if (cells.size() > 1 && cells.back().n < static_cast<double>(kFewestInBin)) {
+    const Cell rest = cells.back();
+    cells.pop_back();
+    cells.back().add(rest);
+  }
+  return cells;
+}
+
+Adequacy sums(std::span<const Residual> residuals) {
+  Adequacy a;
+  double beyond = 0.0;
+  for (const Residual& r : residuals) {
+    const double size = bent(r.value, true).value;
+    a.chi2 += size * size;
+    beyond += std::abs(r.value) > kOutlierSd;
+  }
+  if (!residuals.empty()) a.outlier_share = beyond / static_cast<double>(residuals.size());
+  return a;
+}
+
+double incomplete_beta(double x, double a, double b) {
+  constexpr double kTiny = 1e-300;
+  const auto away_from_zero = [](double v) { return std::abs(v) < kTiny ? kTiny : v; };
+  double c = 1.0, d = 1.0 / away_from_zero(1.0 - (a + b) * x / (a + 1.0)), fraction = d;
+  for (int m = 1; m < 10000; ++m) {
+    const double even = m * (b - m) * x / ((a + 2 * m - 1.0) * (a + 2 * m));
+    d = 1.0 / away_from_zero(1.0 + even * d);
+    c = away_from_zero(1.0 + even / c);
+    fraction *= c * d;
+    const double odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1.0));
+    d = 1.0 / away_from_zero(1.0 + odd * d);
+    c = away_from_zero(1.0 + odd / c);
+    fraction *= c * d;
+    if (std::abs(c * d - 1.0) < 1e-12) break;
+  }
+  const double log_front = std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x);
+  return std::clamp(std::exp(log_front) * fraction / a, 0.0, 1.0);
+}
+
+}  // namespace
+
+// The regularised incomplete beta function I_x(b, a), by its continued fraction (Numerical Recipes 6.4; DLMF 8.17.22).
+double f_tail(double ratio, double dof1, double dof2) {
+  if (!(dof1 > 0.0 && dof2 > 0.0 && ratio > 0.0)) return 1.0;
+  const double a = 0.5 * dof2, b = 0.5 * dof1, x = dof2 / (dof2 + dof1 * ratio);
+  // It converges quickly on the near side of the mean; beyond, I_x(a, b) = 1 - I_(1-x)(b, a).
+  if (x > (a + 1.0) / (a + b + 2.0)) return 1.0 - incomplete_beta(1.0 - x, b, a);
+  return incomplete_beta(x, a, b);
+}
+
+Adequacy judge_edge(std::span<const Residual> residuals, std::size_t fitted, double contrast, double quantum) {
+  Adequacy a = sums(residuals);
+  const std::vector<Cell> cells = cells_of(residuals, contrast, quantum);
+  double within = 0.0;
+  for (const Cell& c : cells) within += c.squares - c.sum * c.sum / c.n;
+  const double all = static_cast<double>(residuals.size()), groups = static_cast<double>(cells.size());
+  const double dof = groups - static_cast<double>(fitted), dof_within = all - groups;
+  if (dof < 4.0 || dof_within < 4.0) return a;
+  const double scatter = within / dof_within;
+
+  double between = 0.0, excess = 0.0, neighbours = 0.0, previous = 0.0;
+  for (const Cell& c : cells) {
+    const double mean = c.sum / c.n, variance = scatter / c.n + c.bias2 / c.n;
+    const double z = variance > 0.0 ? mean / std::sqrt(variance) : 0.0;
+    between += z * z;
+    excess += c.n * (mean * mean - variance);
+    // What rounding leaves in one mean it leaves in the next.
+    neighbours += z * previous - (variance > 0.0 ? c.bias2 / c.n / variance : 0.0);
+    previous = z;
+    a.bins.push_back({c.distance / c.n, 0.0, mean, variance});
+  }
+  for (std::size_t i = 0; i < a.bins.size(); ++i) {
+    const double left = i == 0 ? a.bins[i].distance_px : a.bins[i - 1].distance_px;
+    const double right = i + 1 == a.bins.size() ? a.bins[i].distance_px : a.bins[i + 1].distance_px;
+    a.bins[i].width_px = 0.5 * (right - left);
+  }
+  a.structure = std::sqrt(std::max(0.0, excess / all));
+  const double by_means = f_tail(between / dof, dof, dof_within);
+  const double by_neighbours = normal_tail(neighbours / std::sqrt(groups));
+  a.whiteness_p = std::min(1.0, 2.0 * std::min(by_means, by_neighbours));
+  return a;
+}
+
+Adequacy judge_sequence(std::span<const Residual> residuals) {
+  Adequacy a = sums(residuals);
+  double neighbours = 0.0;
+  for (std::size_t i = 1; i < residuals.size(); ++i)
+    if (residuals[i].y == residuals[i - 1].y)
+      neighbours += bent(residuals[i].value, true).value * bent(residuals[i - 1].value, true).value;
+  const double mean_square = a.chi2 / std::max<double>(1.0, static_cast<double>(residuals.size()));
+  if (residuals.size() >= 8 && mean_square > 0.0)
+    a.whiteness_p = normal_tail(neighbours / mean_square / std::sqrt(static_cast<double>(residuals.size())));
+  return a;
+}
+
+// The step's residual r(d) has the transform of a line spread 2 pi i f R(f), R the integral of r exp(-2 pi i f d).
+std::vector<double> residual_otf(const Adequacy& adequacy, double contrast_sd, std::span<const double> f_cy_px) {
+  std::vector<double> all(f_cy_px.size(), 0.0);
+  if (adequacy.whiteness_p > 0.01 || !(contrast_sd > 0.0)) return all;
+  for (std::size_t k = 0; k < f_cy_px.size(); ++k) {
+    std::complex<double> sum;
+    double variance = 0.0;
+    const double turn = 2.0 * std::numbers::pi * f_cy_px[k];
+    for (const ResidualBin& bin : adequacy.bins) {
+      sum += bin.width_px * bin.mean * std::polar(1.0, -turn * bin.distance_px);
+      variance += bin.width_px * bin.width_px * bin.variance;
+    }
+    const double size = std::norm(sum);
+    const double keep = size > 0.0 ? std::max(0.0, 1.0 - 2.0 * variance / size) : 0.0;
+    all[k] = keep * turn * std::sqrt(size) / contrast_sd;
+  }
+  return all;
+}
+
+}  // namespace calib

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Whether residuals are noise. Of an edge: their means over fine bins of the distance d are compared with the scatter
+// inside the bins (the ratio needs no noise level), and neighbouring means with each other; a wrong E shows in both.
+// Rounded images without noise have means off by up to half a step at any d: their share is added to the variance of a
+// mean, and so is what tables and quadratures leave, 1e-6 of the contrast.
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "calib/fit/data/data_block.h"
+
+namespace calib {
+
+struct ResidualBin {
+  double distance_px = 0.0;  ///< mean of its pixels
+  double width_px = 0.0;
+  double mean = 0.0;      ///< in sd of the noise
+  double variance = 0.0;  ///< of the mean, were the residuals noise
+};
+
+struct Adequacy {
+  double chi2 = 0.0;           ///< sum of squares, outliers bent (data_block.h)
+  double outlier_share = 0.0;  ///< beyond 4 sd
+  double whiteness_p = 1.0;    ///< of residuals at least as structured, were they noise
+  double structure = 0.0;      ///< rms of the means beyond their noise, in sd of the noise
+  std::vector<ResidualBin> bins;
+};
+
+/// `fitted` unknowns that shape E or the levels; `contrast` and `quantum` in the image's unit, 0 for what has none.
+Adequacy judge_edge(std::span<const Residual> residuals, std::size_t fitted, double contrast, double quantum);
+
+/// Of curves and spots: neighbours in the order given.
+Adequacy judge_sequence(std::span<const Residual> residuals);
+
+/// |OTF| of the edge's residual step, shrunk by its variance; zero where the residuals are noise. In units of the
+/// contrast, given the contrast in sd of the noise.
+std::vector<double> residual_otf(const Adequacy& adequacy, double contrast_sd, std::span<const double> f_cy_px);
+
+/// Probability that the ratio of two mean squares of noise is at least as large.
+double f_tail(double ratio, double dof1, double dof2);
+
+}  // namespace calib

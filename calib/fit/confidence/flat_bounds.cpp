@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/fit/confidence/flat_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace calib {
+namespace {
+
+// An effect that grows as u^p, at k linear standard deviations from its bound, has an interval that is lopsided by
+// 0.98 (p - 1) / k of its half: a tenth at 10 (p - 1). The third power is the highest that components have.
+constexpr double kNear_sd = 20.0;
+constexpr double kNear_x = 20.0;      // in units of 0.05 of the OTF: further, no bound is within reach
+constexpr double kFlat = 0.5;         // of the information, at half the distance; 1 where the effect is linear
+constexpr double kSeen_sd = 1.0;      // u sqrt(S) of an effect to start from ...
+constexpr double kClearly_sd = 30.0;  // ... within what the others can make good
+constexpr double kUnseen_sd = 0.1;
+constexpr double kMadeGood = 10.0;  // variance of a square with its partners unknown, in that with them known
+constexpr double kSmallest_x = 1e-6;
+
+/// The information of parameter i alone, the unknowns of each set of data projected out, at another x; of a square, in
+/// which the effect of the parameter itself is in proportion, that which its partners leave. NaN where the sensor does
+/// not allow it.
+class InformationAt {
+ public:
+  InformationAt(FitProblem& problem, const Solved& solved, std::size_t i)
+      : problem_(&problem), solved_(&solved), i_(i), x_(problem.x[i]) {}
+  InformationAt(const InformationAt&) = delete;
+  InformationAt& operator=(const InformationAt&) = delete;
+  ~InformationAt() {
+    problem_->x[i_] = x_;
+    problem_->apply();
+  }
+  double operator()(double x) const {
+    problem_->x[i_] = x;
+    if (!problem_->apply()) return std::nan("");
+    return left_of(information_of(*problem_, problem_->normals(), solved_->noise_factor));
+  }
+  double left_of(const Eigen::MatrixXd& information) const {
+    const auto i = static_cast<Eigen::Index>(i_);
+    if (!problem_->variables[i_].squared) return information(i, i);
+    return 1.0 / identify(information, solved_->reference).covariance(i, i);
+  }
+
+ private:
+  FitProblem* problem_;
+  const Solved* solved_;
+  std::size_t i_;
+  double x_;
+};
+
+std::optional<FlatBound> flat_bound(FitProblem& problem, const Solved& solved, std::size_t i) {
+  const Variable& v = problem.variables[i];
+  if (v.period > 0.0) return std::nullopt;  // no bound
+  const auto index = static_cast<Eigen::Index>(i);
+  const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
+  // A square acts in proportion by itself, and as its own square where its partners can make good what it does. Where
+  // that leaves it undetermined, this is said.
+  const bool made_good = sd * sd * solved.information(index, index) > kMadeGood;
+  if (v.squared && !(made_good && solved.identified.determined[i])) return std::nullopt;
+  const bool low = x - v.lo <= v.hi - x;
+  const double away = low ? x - v.lo : v.hi - x, range = v.hi - v.lo;
+  if (!(away < kNear_sd * sd && away < kNear_x)) return std::nullopt;
+
+  FlatBound flat{.parameter = i, .bound = low ? v.lo : v.hi, .inward = low ? 1.0 : -1.0};
+  const InformationAt information(problem, solved, i);
+  const auto seen = [&](double u) { return u * std::sqrt(information(flat.bound + flat.inward * u)); };
+  const double here = away * std::sqrt(information.left_of(solved.information));
+  flat.reached = here < kUnseen_sd || away < sd;
+  flat.off = away;
+  double effect = here;
+  if (effect < kSeen_sd) {
+    // Upwards: far out the effect may have come to its end.
+    const double most = std::min(range, kNear_x);
+    for (flat.off = kSmallest_x; !(effect >= kSeen_sd) && flat.off < most;)
+      effect = seen(flat.off = std::min(4.0 * flat.off, most));
+    while (effect > kClearly_sd) effect = seen(flat.off *= 0.5);
+  }
+  if (!(effect >= kSeen_sd)) return std::nullopt;  // no effect at all, or none that can be computed
+  const double half = seen(0.5 * flat.off);
+  // Both are u sqrt(S).
+  return 4.0 * half * half < kFlat * effect * effect ? std::optional(flat) : std::nullopt;
+}
+
+}  // namespace
+
+double FlatBound::off_bound(double x) const { return (x - bound) * inward < off ? bound + inward * off : x; }
+
+std::vector<FlatBound> flat_bounds(FitProblem& problem, const Solved& solved) {
+  std::vector<FlatBound> all;
+  for (std::size_t i = 0; i < problem.variables.size(); ++i)
+    if (const auto flat = flat_bound(problem, solved, i)) all.push_back(*flat);
+  return all;
+}
+
+void set_apart(Solved& solved, std::span<const FlatBound> flat) {
+  for (const FlatBound& f : flat) {
+    if (!f.reached) continue;
+    const auto i = static_cast<Eigen::Index>(f.parameter);
+    const double own = solved.information(i, i);
+    solved.information.row(i).setZero();
+    solved.information.col(i).setZero();
+    solved.information(i, i) = own;
+  }
+  const auto reached = [](const FlatBound& f) { return f.reached; };
+  if (std::any_of(flat.begin(), flat.end(), reached))
+    solved.identified = identify(solved.information, solved.reference);
+}
+
+}  // namespace calib

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/fit/confidence/identifiability.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "calib/fit/normal_matrix.h"
+
+namespace calib {
+namespace {
+
+/// A part of an eigenvector below is none.
+constexpr double kRounding = 1e-6;
+
+}  // namespace
+
+// The last rows of the triangular factor belong to what the columns before them cannot explain.
+Eigen::MatrixXd project_out(const Eigen::MatrixXd& normal, std::size_t own, std::size_t shared) {
+  const auto o = static_cast<Eigen::Index>(own), n = static_cast<Eigen::Index>(shared);
+  const Eigen::MatrixXd factor = triangular_factor(normal.topLeftCorner(o + n, o + n));
+  const auto corner = factor.block(o, o, n, n);
+  return corner.transpose() * corner;
+}
+
+Identified identify(const Eigen::MatrixXd& information, std::span<const double> reference) {
+  const Eigen::Index n = information.rows();
+  const Eigen::Map<const Eigen::VectorXd> scale(reference.data(), n);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information * scale.asDiagonal());
+  // What is below rounding of the largest is no information.
+  const double least = std::max(1e-14 * eigen.eigenvalues().maxCoeff(), 1e-24);
+  const Eigen::VectorXd step = eigen.eigenvalues().cwiseMax(least).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd moves = eigen.eigenvectors() * step.asDiagonal();
+
+  Identified result{.covariance = scale.asDiagonal() * (moves * moves.transpose()) * scale.asDiagonal(),
+                    .weak = {},
+                    .determined = std::vector<bool>(static_cast<std::size_t>(n), true)};
+  for (Eigen::Index d = 0; d < n; ++d) {
+    if (moves.col(d).cwiseAbs().maxCoeff() <= kUndetermined) continue;
+    WeakDirection weak;
+    for (Eigen::Index i = 0; i < n; ++i)
+      // A vast step moves everything a little; only what the direction is made of belongs to it, and what it alone
+      // leaves open.
+      if (const double share = std::abs(eigen.eigenvectors()(i, d)), move = std::abs(moves(i, d));
+          (move > kPartOfDirection && share > 0.02) || (move > kUndetermined && share > kRounding))
+        weak.members.push_back(static_cast<std::size_t>(i));
+    const auto strength = [&](std::size_t i) { return eigen.eigenvectors()(static_cast<Eigen::Index>(i), d); };
+    std::sort(weak.members.begin(), weak.members.end(),
+              [&](std::size_t a, std::size_t b) { return std::abs(strength(a)) > std::abs(strength(b)); });
+    for (const std::size_t i : weak.members) {
+      weak.weight.push_back(strength(i));
+      result.determined[i] = false;
+    }
+    result.weak.push_back(std::move(weak));
+  }
+  return result;
+}
+
+}  // namespace calib

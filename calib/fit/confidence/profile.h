@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Profile likelihood: how far a parameter can move, everything else fitted anew, until chi-square has risen by
+// a quantile. Right where the likelihood is not a parabola; costs a few fits an end.
+
+#include "calib/fit/confidence/flat_bounds.h"
+
+namespace calib {
+
+struct ProfileEnds {
+  std::array<double, 2> interval68{}, interval95{};  ///< values; a bound where chi-square does not rise that far
+  bool low_open = false, high_open = false;          ///< of interval95: an end is the bound
+};
+
+/// Of variable i around the minimum, where the problem stands, and stands again afterwards. `sd`: of x. `noise_factor`:
+/// chi-square per degree of freedom, by which rises are divided. Refits begin off the `flat` bounds, from which there
+/// is no way back. Nothing when stopped.
+std::optional<ProfileEnds> profile(FitProblem& problem, std::size_t i, double sd, double cost, double noise_factor,
+                                   std::span<const FlatBound> flat, const std::function<bool()>& go_on);
+
+/// The root of the rise of chi-square, in sd of the noise, where variable i is held at x; otherwise as above.
+double rise_at(FitProblem& problem, std::size_t i, double x, double cost, double noise_factor,
+               std::span<const FlatBound> flat, const std::function<bool()>& go_on);
+
+}  // namespace calib

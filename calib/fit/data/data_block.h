@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// One set of data as the minimiser sees it: residuals as a function of its own unknowns (geometry, levels) and of the
+// shared parameters, weighted by the noise, bent by the Huber loss, condensed to a normal matrix.
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "calib/fit/normal_matrix.h"
+#include "calib/fit/sensors.h"
+
+namespace calib {
+
+/// Residuals beyond this many sd count linearly.
+inline constexpr double kHuberSd = 3.0;
+
+/// A residual whose square is the Huber loss of r, and its derivative by r.
+struct BentResidual {
+  double value = 0.0, slope = 1.0;
+};
+inline BentResidual bent(double r, bool robust) {
+  const double size = std::abs(r);
+  if (!robust || size <= kHuberSd) return {r, 1.0};
+  const double value = std::sqrt(kHuberSd * (2.0 * size - kHuberSd));
+  return {std::copysign(value, r), kHuberSd / value};
+}
+
+/// A residual as reports and tests of the model need it: unbent, in sd.
+struct Residual {
+  std::int64_t x = 0, y = 0;  ///< pixel
+  double value = 0.0;
+  double distance_px = 0.0;  ///< from an edge; 0 otherwise
+  double sd = 0.0;           ///< of the noise that was assumed
+};
+
+}  // namespace calib

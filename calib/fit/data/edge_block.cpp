@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/fit/data/edge_block.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "calib/edge/edge_pixels.h"
+
+namespace calib {
+namespace {
+
+/// |dH / d angle| from which the turn of the blur counts: an angle is known to a milliradian, and the step of a fit
+/// needs no more than that.
+constexpr double kTurns = 0.05;
+
+/// Pixels farther from the starting curve tell of the levels only, as in measure_edge.
+constexpr double kReach_px = 96.0;
+/// Of 32 bytes.
+constexpr std::size_t kMostPixels = 1000000;
+
+/// t^k of t = s / half_length for k = 2, 3, ..; beyond the ends they go on along their tangents (edge_curve.h).
+class Powers {
+ public:
+  Powers(const EdgeCurve& curve, double s)
+      : t_(std::clamp(s / curve.half_length_px, -1.0, 1.0)), beyond_(s / curve.half_length_px - t_), slope_(2.0 * t_) {}
+  double value() const { return slope_ * (t_ / k_ + beyond_); }
+  double slope() const { return slope_; }  ///< by t
+  void advance() {
+    slope_ *= t_ * (k_ + 1.0) / k_;
+    k_ += 1.0;
+  }
+
+ private:
+  double t_, beyond_, slope_, k_ = 2.0;
+};
+
+}  // namespace
+
+EdgeBlock::Place EdgeBlock::on_curve(const EdgeCurve& curve, double across, double along, double near) {
+  // Third order: the distance is exact to 1e-8 px on an edge that bends by a tenth of its length.
+  constexpr double kSmallStep_px = 0.02;
+  const CurveFoot foot = foot_near(curve, across, along, near, kSmallStep_px);
+  const double scale = 1.0 / std::sqrt(1.0 + foot.slope * foot.slope);
+  return {
+      foot.distance_px, foot.along_px, across, -scale, scale * (foot.along_px + foot.height_px * foot.slope), scale};
+}
+
+inline EdgeBlock::Place EdgeBlock::place_of(const EdgeCurve& curve, Point normal, const Pixel& pixel) {
+  const double px = pixel.x + 0.5 - curve.origin.x, py = pixel.y + 0.5 - curve.origin.y;
+  const double across = normal.x * px + normal.y * py, along = normal.x * py - normal.y * px;
+  if (curve.shape == EdgeCurve::Shape::line) return {across, along, across, -1.0, along, 1.0};
+  return on_curve(curve, across, along, along);
+}
+
+bool EdgeBlock::keeps_places() const {
+  constexpr std::size_t kMostKept = 500000;  // of 48 bytes
+  return data_->start.curve.shape != EdgeCurve::Shape::line && pixels_.size() <= kMostKept;
+}
+
+// The curve has moved a little since the last pass: each foot is searched from where it was.
+const std::vector<EdgeBlock::Place>& EdgeBlock::places(std::span<const double> own) const {
+  const std::span<const double> shape = own.first(2 + curve_unknowns());
+  if (std::equal(shape.begin(), shape.end(), placed_for_.begin(), placed_for_.end())) return places_;
+  placed_for_.assign(shape.begin(), shape.end());
+  const EdgeCurve edge = curve(own);
+  const Point normal = edge.normal();
+  const bool placed = !places_.empty();
+  places_.resize(pixels_.size());
+  for (std::size_t p = 0; p < pixels_.size(); ++p) {
+    const double px = pixels_[p].x + 0.5 - edge.origin.x, py = pixels_[p].y + 0.5 - edge.origin.y;
+    const double across = normal.x * px + normal.y * py, along = normal.x * py - normal.y * px;
+    places_[p] = on_curve(edge, across, along, placed ? places_[p].along : along);
+  }
+  return places_;
+}
+
+EdgeBlock::EdgeBlock(const EdgeData& data) : data_(&data) {
+  const Roi& roi = data.roi;
+  const EdgeCurve& curve = data.start.curve;
+  const Point normal = curve.normal();
+  const ValueLimits limits{data.saturation, data.floor};
+  // The curve stays this near its tangent, over the region and some more.
+  double rises = 0.0;
+  const double longest = std::hypot(static_cast<double>(roi.width), static_cast<double>(roi.height));
+  for (int i = -64; i <= 64; ++i) rises = std::max(rises, std::abs(offset_at(curve, longest * i / 64.0)));
+
+  const auto visit = [&](const auto& take) {
+    for (std::int64_t y = roi.y; y < roi.y + roi.height; ++y)
+      for (std::int64_t x = roi.x; x < roi.x + roi.width; ++x) {
+        const double px = static_cast<double>(x) + 0.5 - curve.origin.x,
+                     py = static_cast<double>(y) + 0.5 - curve.origin.y;
+        if (std::abs(normal.x * px + normal.y * py) > kReach_px + 2.0 * rises) continue;
+        const float value = data.image.at(x, y);
+        if (!std::isfinite(value) || limits.clipped(value)) continue;
+        const Pixel pixel{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<double>(value), 1.0};
+        const double distance = place_of(curve, normal, pixel).distance;
+        if (!(std::abs(distance) > kReach_px)) take(pixel, distance);
+      }
+  };
+  // Scattered, as rows or columns left out would leave out phases of the edge.
+  const auto scatter = [](const Pixel& pixel) {
+    std::uint64_t h = (static_cast<std::uint64_t>(pixel.x) << 32) ^ static_cast<std::uint64_t>(pixel.y);
+    h = (h ^ (h >> 31)) * 0x9E3779B97F4A7C15U;
+    h = (h ^ (h >> 29)) * 0xBF58476D1CE4E5B9U;
+    return static_cast<double>(h >> 11) * 0x1p-53;
+  };
+  double share = 1.0;
+  if (static_cast<std::size_t>(roi.width) > kMostPixels / static_cast<std::size_t>(roi.height)) {
+    std::size_t count = 0;
+    visit([&](const Pixel&, double) { ++count; });
+    thinned_ = count > kMostPixels;
+    if (thinned_) share = static_cast<double>(kMostPixels) / static_cast<double>(count);
+  }
+  visit([&](Pixel pixel, double distance) {
+    if (thinned_ && scatter(pixel) >= share) return;
+    reach_px_ = std::max(reach_px_, std::abs(distance));
+    pixel.sd = sd_at(distance < 0.0 ? data.start.dark : data.start.bright);
+    pixels_.push_back(pixel);
+  });
+  reach_px_ += 2.0;
+}
+
+// What rounding adds: half a step of the image's values, and of the float that holds them.
+double EdgeBlock::sd_at(double level) const {
+  const EdgeMeasurement& start = data_->start;
+  const double size = std::max(std::abs(start.dark), std::abs(start.bright));
+  const double rounding = std::max(data_->quantum / std::sqrt(12.0), size * 3e-8);
+  const double middle = 0.5 * (start.dark + start.bright);
+  const double variance = start.noise_sd * start.noise_sd + start.noise_gain * (level - middle);
+  // A gain that leaves no variance on one side was estimated too large.
+  const double floor = 0.01 * start.noise_sd * start.noise_sd;
+  return noise_factor_ * std::sqrt(std::max({variance, floor, rounding * rounding}));
+}
+
+void EdgeBlock::scale_noise(double factor) {
+  noise_factor_ *= std::sqrt(factor);
+  for (Pixel& pixel : pixels_) pixel.sd *= std::sqrt(factor);
+}
+
+std::size_t EdgeBlock::curve_unknowns() const {
+  const EdgeCurve& curve = data_->start.curve;
+  return curve.shape == EdgeCurve::Shape::circle       ? 1
+         : curve.shape == EdgeCurve::Shape::polynomial ? curve.coefficient.size()
+                                                       : 0;
+}
+
+std::vector<double> EdgeBlock::start() const {
+  const EdgeMeasurement& measured = data_->start;
+  std::vector<double> own{0.0, 0.0};
+  if (measured.curve.shape == EdgeCurve::Shape::circle) own.push_back(measured.curve.curvature_per_px);
+  if (measured.curve.shape == EdgeCurve::Shape::polynomial)
+    own.insert(own.end(), measured.curve.coefficient.begin(), measured.curve.coefficient.end());
+  own.push_back(measured.dark);
+  own.push_back(measured.bright - measured.dark);
+  if (gradients_) own.resize(own.size() + 4, 0.0);
+  return own;
+}
+
+EdgeCurve EdgeBlock::curve(std::span<const double> own) const {
+  EdgeCurve curve = data_->start.curve;
+  const Point normal = curve.normal();
+  curve.origin = {curve.origin.x + own[0] * normal.x, curve.origin.y + own[0] * normal.y};
+  curve.angle_rad += own[1];
+  if (curve.shape == EdgeCurve::Shape::circle) curve.curvature_per_px = own[2];
+  if (curve.shape == EdgeCurve::Shape::polynomial)
+    for (std::size_t k = 0; k < curve.coefficient.size(); ++k) curve.coefficient[k] = own[2 + k];
+  return curve;
+}
+
+const StepResponse& EdgeBlock::response(const Sensors& sensors, const EdgeCurve& curve) const {
+  if (kept_.sensors == &sensors && kept_.version == sensors.version() && kept_.angle_rad == curve.angle_rad)
+    return *kept_.step;
+  const SliceNodes nodes = sensors.slice(data_->condition, curve.angle_rad, reach_px_);
+  OtfTable h = sensors.otf(data_->condition, along(curve.angle_rad, nodes.f_cy_px));
+  double most = 0.0;
+  for (const auto& by_angle : h.back()) most = std::max(most, std::hypot(by_angle.re, by_angle.im));
+  const bool turns = most > kTurns;
+  if (!turns) h.pop_back();
+  kept_ = {&sensors, sensors.version(), curve.angle_rad, turns, StepResponse(nodes, h)};
+  return *kept_.step;
+}
+
+NormalMatrix EdgeBlock::accumulate(const Sensors& sensors, std::span<const double> own, bool gradients) const {
+  const EdgeCurve edge = curve(own);
+  const Point normal = edge.normal();
+  const StepResponse& step = response(sensors, edge);
+  const std::size_t bends = curve_unknowns(), levels = 2 + bends, parameters = sensors.parameters();
+  const std::size_t first_parameter = levels + (gradients ? 6 : 2);
+  NormalMatrix all(first_parameter + parameters);
+
+  const double length = edge.half_length_px, dark = own[levels], contrast = own[levels + 1];
+  std::array<double, 4> g{};
+  if (own.size() > levels + 2) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
+  std::vector<double> e(step.count());
+  const std::vector<Place>* const kept = keeps_places() && every_ == 1 ? &places(own) : nullptr;
+  for (std::size_t p = 0; p < pixels_.size(); p += every_) {
+    const Pixel& pixel = pixels_[p];
+    const Place at = kept != nullptr ? (*kept)[p] : place_of(edge, normal, pixel);
+    const double spread = step.at(at.distance, e);
+    const double s = at.along / length, u = at.across / length;
+    const double low = dark + g[0] * s + g[1] * u, rise = contrast + (g[2] - g[0]) * s + (g[3] - g[1]) * u;
+    const BentResidual r = bent((pixel.value - low - rise * e[0]) / pixel.sd, robust_);
+    const double weight = -r.slope / pixel.sd, by_distance = weight * rise * spread;
+
+    const std::span<double> row = all.next();
+    row[0] = by_distance * at.by_offset;
+    row[1] = by_distance * at.by_turn + (kept_.turns ? weight * rise * e[parameters + 1] : 0.0);
+    if (edge.shape == EdgeCurve::Shape::circle) {
+      row[2] = -by_distance * at.scale * 0.5 * at.along * at.along;  // of a small curvature
+    } else if (bends > 0) {
+      Powers power(edge, at.along);
+      for (std::size_t k = 0; k < bends; ++k, power.advance()) row[2 + k] = -by_distance * at.scale * power.value();
+    }
+    row[levels] = weight;
+    row[levels + 1] = weight * e[0];
+    if (gradients) {
+      row[levels + 2] = weight * s * (1.0 - e[0]);
+      row[levels + 3] = weight * u * (1.0 - e[0]);
+      row[levels + 4] = weight * s * e[0];
+      row[levels + 5] = weight * u * e[0];
+    }
+    for (std::size_t i = 0; i < parameters; ++i) row[first_parameter + i] = weight * rise * e[1 + i];
+    row[first_parameter + parameters] = r.value;
+    all.add();
+  }
+  return all;
+}
+
+NormalMatrix EdgeBlock::normal(const Sensors& sensors, std::span<const double> own) const {
+  return accumulate(sensors, own, gradients_);
+}
+NormalMatrix EdgeBlock::normal_with_gradients(const Sensors& sensors, std::span<const double> own) const {
+  return accumulate(sensors, own, true);
+}
+
+std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<const double> own,
+                                           std::size_t every) const {
+  const EdgeCurve edge = curve(own);
+  const Point normal = edge.normal();
+  const StepResponse& step = response(sensors, edge);
+  const std::size_t levels = 2 + curve_unknowns();
+  const double length = edge.half_length_px, dark = own[levels], contrast = own[levels + 1];
+  std::array<double, 4> g{};
+  if (gradients_) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
+  std::vector<double> e(step.count());
+  const std::vector<Place>* const kept = keeps_places() && every == 1 ? &places(own) : nullptr;
+  std::vector<Residual> all;
+  all.reserve(pixels_.size() / every + 1);
+  for (std::size_t p = 0; p < pixels_.size(); p += every) {
+    const Pixel& pixel = pixels_[p];
+    const Place at = kept != nullptr ? (*kept)[p] : place_of(edge, normal, pixel);
+    step.at(at.distance, e);
+    const double s = at.along / length, u = at.across / length;
+    const double low = dark + g[0] * s + g[1] * u, rise = contrast + (g[2] - g[0]) * s + (g[3] - g[1]) * u;
+    all.push_back({pixel.x, pixel.y, (pixel.value - low - rise * e[0]) / pixel.sd, at.distance, pixel.sd});
+  }
+  return all;
+}
+
+// Rounding errors of noise below half a step repeat among the pixels that round alike: those whose values differ by
+// less than a step, `run` of them along d. Together they tell no more than one: a plateau is known to half a step,
+// however many pixels it has.
+void EdgeBlock::update_noise(const Sensors& sensors, std::span<const double> own) {
+  const std::vector<Residual> all = residuals(sensors, own);
+  const StepResponse& step = response(sensors, curve(own));
+  const double quantum = data_->quantum, rounding = quantum * quantum / 12.0;
+  const double contrast = std::abs(own[contrast_index()]),
+               per_px = static_cast<double>(pixels_.size()) / (2.0 * reach_px_);
+  std::vector<double> e(step.count());
+  for (std::size_t i = 0; i < pixels_.size(); ++i) {
+    const double level = pixels_[i].value - all[i].value * pixels_[i].sd, sd = sd_at(level);
+    double variance = sd * sd;
+    if (rounds_coarsely()) {
+      const double before = std::max(0.0, variance - rounding);
+      const double alike = std::exp(-4.0 * std::numbers::pi * std::numbers::pi * before / (quantum * quantum));
+      const double slope = contrast * std::abs(step.at(all[i].distance_px, e));
+      const double run = per_px * std::min(reach_px_, quantum / std::max(slope, 1e-300));
+      variance += rounding * alike * std::max(0.0, run - 1.0);
+    }
+    pixels_[i].sd = std::sqrt(variance);
+  }
+}
+
+bool EdgeBlock::rounds_coarsely() const {
+  const EdgeMeasurement& start = data_->start;
+  return data_->quantum > 1e-3 * std::abs(start.bright - start.dark) && start.noise_sd < 0.6 * data_->quantum;
+}
+
+bool EdgeBlock::noise_follows() const { return data_->start.noise_gain != 0.0 || rounds_coarsely(); }
+
+}  // namespace calib

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The pixels of an edge as residuals. At the signed distance d from the edge and (s, u) along and across it
+//   pixel = D + (B - D) E(d),   D = dark + g1 s + g2 u,  B = dark + contrast + g3 s + g4 u
+// The edge's own unknowns: offset along the normal (px), turn (rad), the curve's coefficients (px) or its curvature
+// (1/px), dark, contrast, and where the data ask for them the four gradients (per half_length). A turn moves the
+// curve's foot point at s by cos(phi) (s + g g'), an offset by cos(phi), a coefficient by cos(phi) (s / half_length)^k,
+// with tan(phi) = g'(s) the slope of the curve there: that is how d follows. The blur is that of the normal at the
+// curve's origin: over a bend of phi the OTF differs by the square of phi.
+
+#include <optional>
+
+#include "calib/fit/data/data_block.h"
+#include "calib/fit/fit.h"
+
+namespace calib {
+
+class EdgeBlock {
+ public:
+  explicit EdgeBlock(const EdgeData& data);
+
+  std::size_t condition() const { return data_->condition; }
+  const EdgeData& data() const { return *data_; }
+  std::size_t pixels() const { return pixels_.size(); }
+  /// A part of the pixels, so that no region takes unbounded memory.
+  bool thinned() const { return thinned_; }
+  double reach_px() const { return reach_px_; }
+  bool gradients() const { return gradients_; }
+  void use_gradients() { gradients_ = true; }
+  void set_robust(bool robust) { robust_ = robust; }
+  /// Every so many pixels count in normal(): enough to come close.
+  void thin_out(std::size_t every) { every_ = every; }
+  /// All noise variances are multiplied.
+  void scale_noise(double factor);
+  /// Variance in use / variance given.
+  double noise_scale() const { return noise_factor_ * noise_factor_; }
+
+  std::vector<double> start() const;
+  EdgeCurve curve(std::span<const double> own) const;
+  std::size_t contrast_index() const { return 3 + curve_unknowns(); }
+
+  /// Of the noise of a pixel, half way between the levels.
+  double middle_sd() const { return sd_at(0.5 * (data_->start.dark + data_->start.bright)); }
+
+  /// Columns: own unknowns, parameters (as the sensors hold them).
+  NormalMatrix normal(const Sensors& sensors, std::span<const double> own) const;
+  /// The same with the gradients, whether they are in use or not; `own` without them.
+  NormalMatrix normal_with_gradients(const Sensors& sensors, std::span<const double> own) const;
+  /// For adequacy: unbent. `own` as normal() takes it.
+  std::vector<Residual> residuals(const Sensors& sensors, std::span<const double> own, std::size_t every = 1) const;
+  /// Whether weights follow from the fit: noise that grows with the signal, or rounding that is coarse against it.
+  bool noise_follows() const;
+  /// Weights from the fitted levels and slopes.
+  void update_noise(const Sensors& sensors, std::span<const double> own);
+
+ private:
+  struct Pixel {
+    std::int32_t x = 0, y = 0;
+    double value = 0.0;
+    double sd = 1.0;
+  };
+  /// How d at a pixel follows the curve's unknowns: times cos(phi), see above.
+  struct Place {
+    double distance = 0.0, along = 0.0, across = 0.0;
+    double by_offset = -1.0, by_turn = 0.0;
+    double scale = 1.0;  ///< cos(phi)
+  };
+  static Place place_of(const EdgeCurve& curve, Point normal, const Pixel& pixel);
+  /// `near`: along, from where its foot is searched.
+  static Place on_curve(const EdgeCurve& curve, double across, double along, double near);
+  /// Of all pixels on a curve that is not straight: worth keeping for the next pass at the same point.
+  const std::vector<Place>& places(std::span<const double> own) const;
+  bool keeps_places() const;
+  std::size_t curve_unknowns() const;
+  bool rounds_coarsely() const;
+  const StepResponse& response(const Sensors& sensors, const EdgeCurve& curve) const;
+  NormalMatrix accumulate(const Sensors& sensors, std::span<const double> own, bool gradients) const;
+  double sd_at(double level) const;
+
+  const EdgeData* data_;
+  bool robust_ = false;
+  std::size_t every_ = 1;
+  bool gradients_ = false;
+  double noise_factor_ = 1.0;  // of the sd
+  double reach_px_ = 0.0;
+  bool thinned_ = false;
+  std::vector<Pixel> pixels_;
+
+  // The last table, for the next pass over the pixels at the same point. A block belongs to one thread at a time.
+  struct Kept {
+    const Sensors* sensors = nullptr;
+    std::size_t version = 0;
+    double angle_rad = 0.0;
+    bool turns = false;  // the table's last function is the derivative by the angle
+    std::optional<StepResponse> step;
+  };
+  mutable Kept kept_;
+  mutable std::vector<double> placed_for_;
+  mutable std::vector<Place> places_;
+};
+
+}  // namespace calib

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The pixels of a point source as residuals: pixel = unit x (background + flux x psf(x - x0, y - y0)), the transform of
+// H taken as a sum over a grid of frequencies of step 1 / period: that is the PSF repeated every `period` pixels, the
+// region and as much again, or what the spot's width asks for if that is more. Frequencies that differ by a cycle per
+// pixel turn alike from pixel to pixel, so they are added up before the transform. Of a large region the surroundings
+// of the peak count. Its own unknowns: x0, y0 (px), flux and background in units of the peak's light.
+
+#include "calib/fit/data/data_block.h"
+#include "calib/fit/fit.h"
+
+namespace calib {
+
+class SpotBlock {
+ public:
+  explicit SpotBlock(const SpotData& data);
+
+  std::size_t condition() const { return data_->condition; }
+  const SpotData& data() const { return *data_; }
+  /// The part of the data's region that counts.
+  const Roi& roi() const { return roi_; }
+  bool cut() const { return roi_.width < data_->roi.width || roi_.height < data_->roi.height; }
+  /// sd of a Gaussian as wide as the spot at half its peak.
+  double width_px() const { return width_px_; }
+  /// Pixels with a value; too few, no light above the background, a saturated peak: `reason` says so.
+  std::size_t pixels() const { return pixels_; }
+  const std::string& reason() const { return reason_; }
+  void set_robust(bool robust) { robust_ = robust; }
+  void scale_noise(double factor) {
+    sd_ *= std::sqrt(factor);
+    scale_ *= factor;
+  }
+  double noise_scale() const { return scale_; }
+  std::vector<double> start() const { return {x0_, y0_, flux_, background_}; }
+  NormalMatrix normal(const Sensors& sensors, std::span<const double> own) const;
+  std::vector<Residual> residuals(const Sensors& sensors, std::span<const double> own) const;
+
+ private:
+  /// The PSF, its slopes by x0 and y0, its derivatives by the parameters, at every pixel of the region.
+  std::vector<std::vector<double>> images(const Sensors& sensors, double x0, double y0) const;
+  void find_peak();
+  void measure_rim();
+  void start_from_light();
+  std::size_t period_px(double top_cy_px) const;
+
+  const SpotData* data_;
+  bool robust_ = false;
+  std::size_t pixels_ = 0;
+  std::string reason_;
+  Roi roi_{};
+  std::int64_t peak_x_ = 0, peak_y_ = 0;
+  double width_px_ = 1.0;
+  double unit_ = 1.0;  ///< light of the peak; the numbers below are in it
+  double x0_ = 0.0, y0_ = 0.0, flux_ = 0.0, background_ = 0.0, sd_ = 1.0, scale_ = 1.0;
+};
+
+}  // namespace calib

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/fit/fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calib/fit/confidence/fit_intervals.h"
+#include "calib/fit/fit_build.h"
+#include "calib/fit/fit_rounds.h"
+#include "mtf/units.h"
+
+namespace calib {
+namespace {
+
+/// Tells the caller how far the work is, about: in steps of the minimiser.
+class Progress {
+ public:
+  Progress(const FitOptions& options, double steps) : options_(&options), steps_(steps) {}
+  bool stopped() const { return stopped_; }
+  std::function<bool()> asks() {
+    if (!options_->progress) return {};
+    return [this] {
+      stopped_ = stopped_ || !options_->progress(std::min(0.99, ++done_ / steps_));
+      return !stopped_;
+    };
+  }
+
+ private:
+  const FitOptions* options_;
+  double steps_ = 1.0, done_ = 0.0;
+  bool stopped_ = false;
+};
+
+void report_mtf(const Solved& solved, FitResult& result) {
+  for (int i = 0; i < kCurveSamples; ++i) result.frequency_cy_px.push_back(i * kCurveStep_cy_px);
+  const std::vector<Functional> h = mtf_of(solved, result.frequency_cy_px);
+  for (const Functional& m : h) {
+    result.mtf.push_back(m.value);
+    result.mtf_sd.push_back(sd_of(solved, m));
+  }
+  const Functional variance = equivalent_variance(solved);
+  // What another polynomial makes of it tells how exact it is.
+  const double numerical = std::abs(variance.value - equivalent_variance(solved, 6).value);
+  result.equivalent_variance_px2 = {variance.value, std::hypot(sd_of(solved, variance), numerical)};
+  for (std::size_t k = 1; k < h.size(); ++k) {
+    if (!(h[k - 1].value >= 0.5 && h[k].value < 0.5)) continue;
+    // The secant, refined on the curve itself.
+    double lo = result.frequency_cy_px[k - 1], hi = result.frequency_cy_px[k];
+    for (int i = 0; i < 40; ++i) {
+      const double middle = 0.5 * (lo + hi);
+      const std::vector<PixelFreq> at = along(solved.angle_rad, {&middle, 1});
+      (solved.problem->sensors->modulus(solved.condition, at).front() >= 0.5 ? lo : hi) = middle;
+    }
+    const Functional at = mtf_of(solved, {&lo, 1}).front();
+    const double slope = (h[k].value - h[k - 1].value) / kCurveStep_cy_px;
+    result.mtf50 = {lo, sd_of(solved, at) / std::abs(slope)};
+    return;
+  }
+}
+
+std::string name_of(const FitParameter& parameter) { return parameter.name.empty() ? parameter.path : parameter.name; }
+
+std::string rounded(double value) { return mtf::format_double(std::round(10.0 * value) / 10.0); }
+
+/// What holds the fit off the minimum of the data: bounds, priors, a start from which nothing can be seen.
+void report_obstacles(FitResult& result) {
+  constexpr double kClearly_sd = 4.0, kFar_chi2 = 4.0, kNoContrast = 0.02;
+  constexpr std::size_t kLow = 20;  // 0.1 cycles/px
+  std::string held;
+  for (const FittedParameter& p : result.parameters) {
+    if (p.knowledge == Knowledge::at_bound && p.pressed_sd > kClearly_sd)
+      held = "the " + std::string(p.limit_is_upper ? "lower" : "upper") + " bound of " + name_of(p.parameter) +
+             " keeps the fit from its minimum: the data want " + (p.limit_is_upper ? "less" : "more") +
+             "; move it, or look for what the model lacks";
+    if (p.parameter.prior && p.knowledge != Knowledge::not_determined) {
+      const auto [mean, width] = *p.parameter.prior;
+      const double free = width * width - p.linear_sd * p.linear_sd;
+      const double off = std::abs(p.value - mean) / std::sqrt(std::max(free, 1e-6 * width * width));
+      if (off > kClearly_sd)
+        held = "the prior of " + name_of(p.parameter) + " contradicts the data by " + rounded(off) +
+               " sd; check its mean and sd";
+    }
+    if (held.empty()) continue;
+    result.warnings.push_back(held);
+    if (result.status == FitStatus::converged_model_wrong) result.reason = held + "; " + result.reason;
+    held.clear();
+  }
+  const bool unknown = std::all_of(result.parameters.begin(), result.parameters.end(),
+                                   [](const FittedParameter& p) { return p.knowledge == Knowledge::not_determined; });
+  const bool done = result.status == FitStatus::converged || result.status == FitStatus::converged_model_wrong;
+  if (!done || !unknown || result.chi2_per_dof < kFar_chi2 || result.mtf[kLow] > kNoContrast) return;
+  result.status = FitStatus::not_converged;
+  result.reason = "the starting values blur everything, so that nothing leads away from them; start closer";
+}
+
+/// Where no minimum was found there is no value with an error.
+void withdraw_values(FitResult& result) {
+  for (FittedParameter& p : result.parameters) {
+    p.knowledge = Knowledge::not_determined;
+    p.stderr_value = p.limit95 = std::nullopt;
+    p.interval68 = p.interval95 = std::nullopt;
+    p.interval.reset();
+  }
+}
+
+}  // namespace
+
+std::string_view knowledge_name(Knowledge knowledge) {
+  constexpr std::array<std::string_view, 5> kNames{"determined", "at_bound", "prior_only", "not_determined",
+                                                   "interval"};
+  return kNames[static_cast<std::size_t>(knowledge)];
+}
+std::string_view status_name(FitStatus status) {
+  constexpr std::array<std::string_view, 5> kNames{"converged", "converged_model_wrong", "not_converged", "no_data",
+                                                   "stopped"};
+  return kNames[static_cast<std::size_t>(status)];
+}
+
+FitResult fit(const FitData& data, std::span<const FitParameter> parameters, const FitOptions& options) {
+  FitSetup setup = make_setup(data, parameters, options);
+  FitProblem& problem = setup.problem;
+  FitResult result;
+  result.warnings = setup.warnings;
+  if (problem.blocks.empty()) {
+    result.status = FitStatus::no_data;
+    result.reason = setup.warnings.empty() ? "no edges, curves or spots were given" : setup.warnings.front();
+    for (std::size_t i = 0; i < parameters.size(); ++i)
+      result.parameters.push_back({.parameter = parameters[i], .start = setup.start[i], .value = setup.start[i]});
+    result.system = data.conditions.front();
+    return result;
+  }
+
+  const int starts = std::max(1, options.starts);
+  constexpr double kSteps = 8.0, kProfileSteps = 120.0;  // of a run, of a profile
+  Progress progress(options, kSteps * (starts + 1) +
+                                 (options.profile ? kProfileSteps * static_cast<double>(parameters.size()) : 0.0));
+  Solved solved{.problem = &problem};
+  const MinimiseOptions how{options.robust, starts, progress.asks()};
+  Solution solution = minimise(problem, solved, how);
+  judge(solved, parameters);
+  std::vector<FlatBound> flat;
+  if (solution.converged) flat = flat_bounds(problem, solved);
+  if (leave_flat_bounds(problem, solved, flat, solution, how)) {
+    judge(solved, parameters);
+    flat = flat_bounds(problem, solved);
+  }
+  set_apart(solved, flat);
+  result.iterations = solution.iterations;
+  result.starts_agreeing = solution.agreeing;
+  result.status = solution.stopped     ? FitStatus::stopped
+                  : solution.converged ? FitStatus::converged
+                                       : FitStatus::not_converged;
+  if (solution.stopped)
+    result.reason = "stopped before the fit had converged; the values are those of the last step";
+  else if (!solution.converged)
+    result.reason = "no minimum was found within the allowed steps; start closer, set bounds, or ask for more starts";
+
+  for (std::size_t b = 0; b < problem.blocks.size(); ++b)
+    if (const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b])) {
+      if (solved.normals_rad.empty()) {
+        solved.condition = edge->condition();
+        solved.angle_rad = edge->curve(problem.own[b]).angle_rad;
+      }
+      solved.normals_rad.push_back(edge->curve(problem.own[b]).angle_rad);
+    }
+  result.not_separable = null_directions(problem, solved, parameters);
+  result.parameters = fitted_parameters(solved, parameters, setup.start);
+  result.correlation = correlations(solved);
+  report_mtf(solved, result);
+  if (options.residual_otf) result.residual_otf.assign(result.frequency_cy_px.size(), 0.0);
+  report_data(data, setup.block_of, solved, result);
+  if (solution.converged) {
+    const bool bent = report_squares(problem, solved, solution.cost, progress.asks(), result);
+    const bool judge = bent || !flat.empty();
+    if (options.profile || judge)
+      report_intervals(problem, solved, flat, judge, solution.cost, progress.asks(), result);
+  }
+  report_obstacles(result);
+  if (progress.stopped() && result.status != FitStatus::stopped) {
+    result.status = FitStatus::stopped;
+    result.reason = "stopped; what had been finished is given";
+  }
+  if (result.status != FitStatus::converged && result.status != FitStatus::converged_model_wrong)
+    withdraw_values(result);
+  // The system last: it shares its components with the sensors, which are not changed any more. Bounds at zero are
+  // meant exactly.
+  std::vector<double> values;
+  for (const FittedParameter& p : result.parameters) values.push_back(p.value);
+  setup.sensors->set(values);
+  result.system = setup.sensors->system(0);
+  return result;
+}
+
+}  // namespace calib

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Fitting the parameters of a sensor to what it measured, by weighted least squares over pixels.
+//
+// An edge: the pixel at (x, y) is  L_dark + (L_bright - L_dark) E(d) + gradients of both sides + noise, with d its
+// distance from the edge (edge_curve.h) and E the step response of the whole system's OTF along the edge's normal
+// (step_response.h). Levels, gradients and geometry are each edge's own unknowns; the sensor's parameters are shared by
+// all data. Residuals are weighted by a Poisson + Gaussian noise model of the image. Curves of other instruments and
+// images of point sources join as further residuals, prior knowledge as one residual each.
+//
+// Parameters whose effect vanishes with their square (rms of a jitter, width of a footprint) are fitted as squares: the
+// likelihood is flat at zero in the parameter, not in its square. What the data do not determine is found from the
+// singular values of the scaled Jacobian after the edges' own unknowns are projected out, and said in words.
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "calib/measure/measure.h"
+#include "mtf/system.h"
+
+namespace calib {
+
+/// A number of the sensor that is to be found. Values are in the unit that the System holds them in.
+struct FitParameter {
+  std::string path;  ///< "presample[1].rms", "frame.focal_length", "optics.f_number", "presample[0].zernike[3]"
+  std::string name;  ///< what reports call it: "jitter.rms"
+  std::string unit;  ///< "" for plain numbers
+  std::optional<double> min, max;              ///< beside the bounds of the field
+  std::optional<std::array<double, 2>> prior;  ///< mean, sd
+};
+
+/// One edge of an image.
+struct EdgeData {
+  std::string name;  ///< for reports: file and region
+  mtf::ImageView<const float> image;
+  Roi roi;
+  std::size_t condition = 0;  ///< index of the sensor it was taken with
+  EdgeMeasurement start;      ///< of measure_edge: geometry, levels, noise
+  double quantum = 0.0;       ///< step between neighbouring values of the image (1 for counts); 0 = none
+  std::optional<double> saturation{}, floor{};  ///< pixels at or beyond them are clipped and do not count
+};
+
+/// An MTF curve of another instrument, along one direction.
+struct CurveData {
+  std::string name;
+  std::size_t condition = 0;
+  double angle_deg = 0.0;           ///< of the frequency, from +x towards +y, in the plane of its unit
+  const mtf::Unit* unit = nullptr;  ///< cy/mm, cy/mrad or cy/px; the fitted focal length and pitch convert them
+  std::vector<double> frequency, mtf;
+  std::vector<double> sd;  ///< one value, or one a frequency
+};
+
+/// An image of a point source on a flat background.
+struct SpotData {
+  std::string name;
+  mtf::ImageView<const float> image;
+  Roi roi;
+  std::size_t condition = 0;
+};
+
+struct FitData {
+  /// The sensor under each condition (exposure, band, focus ...): the same components; the parameters are set in all.
+  std::vector<mtf::System<double>> conditions;
+  std::vector<EdgeData> edges;
+  std::vector<CurveData> curves;
+  std::vector<SpotData> spots;
+};
+
+struct FitOptions {
+  bool robust = true;         ///< Huber loss at 3 sd: outliers count less
+  int starts = 1;             ///< runs from different starting values, spread over the bounds; the best one counts
+  bool profile = false;       ///< profile-likelihood intervals of every parameter, also where they are not needed
+  bool residual_otf = false;  ///< the shrunk OTF of the residuals as an estimate of the systematic error
+  int threads = 0;            ///< 0 = all cores
+  /// Called now and then with the share of the work done; returning false stops the fit.
+  std::function<bool(double share)> progress{};
+};
+
+/// 95 % by profile likelihood, or of the square of a size that is fitted as one. A size ends at its own bound near
+/// zero, if nothing speaks against that; any other end at which chi-square has not risen enough is none.
+struct ProfiledInterval {
+  std::optional<double> low, high;
+  std::string reason;  ///< of an end that is missing; "" otherwise
+};
+
+/// How much the data say of a parameter.
+enum class Knowledge {
+  determined,      ///< value +- stderr
+  at_bound,        ///< a one-sided limit: `limit95`
+  prior_only,      ///< the data add nothing to the prior
+  not_determined,  ///< part of a direction that the data do not see, or no minimum was found: no value is given
+  interval         ///< a value whose error is no standard deviation: `interval` holds, about a bound
+};
+std::string_view knowledge_name(Knowledge knowledge);
+
+struct FittedParameter {
+  FitParameter parameter;
+  Knowledge knowledge = Knowledge::not_determined;
+  double start = 0.0;
+  double value = 0.0;                    ///< best fit; to be shown when determined, at_bound or interval
+  std::optional<double> stderr_value{};  ///< one standard deviation, when determined
+  double linear_sd = 0.0;  ///< what the covariance says, also when not determined: then only how little is known
+  /// Profile likelihood, when asked for, or where a flat bound is near (flat_bounds.h); an end may be a bound up to
+  /// which chi-square does not rise enough, what `interval` says. Of a size that is fitted as its square and known to a
+  /// tenth or worse, also without a profile: from the standard deviation of the square.
+  std::optional<std::array<double, 2>> interval68{}, interval95{};
+  std::optional<ProfiledInterval> interval{};
+  /// When at a bound, which is the value then: the far end of the 95 % interval that begins there, and whether it is
+  /// the upper one. With a profile it is that end of `interval95`.
+  std::optional<double> limit95{};
+  bool limit_is_upper = true;
+  double pressed_sd = 0.0;  ///< when at a bound: by how many sd of the data the minimum lies beyond it
+};
+
+/// A combination of parameters that the data do not determine.
+struct NullDirection {
+  std::vector<std::size_t> parameters;  ///< indices, strongest first
+  std::vector<double> weight;           ///< of their (squared, scaled) values in the direction
+  std::string text;                     ///< in words, with the way out
+};
+
+/// Residuals of one set of data.
+struct FitResiduals {
+  std::string name;
+  std::size_t count = 0;
+  double chi2_per_dof = 0.0;
+  double outlier_share = 0.0;  ///< beyond 4 sd
+  double whiteness_p = 1.0;    ///< probability of residuals at least as structured along d, were they noise
+  EdgeCurve curve;             ///< edges: geometry as fitted
+  Estimate contrast;           ///< edges: bright - dark
+  mtf::Image residual;         ///< edges and spots: (pixel - model) / sd, NaN where not used; of a large spot region
+                               ///< the part around the peak
+};
+
+enum class FitStatus {
+  converged,
+  converged_model_wrong,  ///< converged, but the residuals have structure beyond the noise
+  not_converged,
+  no_data,
+  stopped
+};
+std::string_view status_name(FitStatus status);
+
+struct FitResult {
+  FitStatus status = FitStatus::not_converged;
+  std::string reason;  ///< one sentence; "" when converged
+  std::vector<std::string> warnings;
+  std::vector<FittedParameter> parameters;
+  std::vector<std::vector<double>> correlation;  ///< of the parameters, in their order; NaN where the data
+                                                 ///< do not depend on one at all, or one is at a flat bound
+  std::vector<NullDirection> not_separable;
+  /// Second moment of the blur along x and y in px^2, what one edge always determines: -H''(0) / (4 pi^2) beyond the
+  /// linear term of diffraction (what a lens adds by it is not in here), with its standard deviation, which holds the
+  /// numerical error of the extraction.
+  std::optional<Estimate> equivalent_variance_px2;
+  double chi2_per_dof = 0.0;
+  double whiteness_p = 1.0;
+  /// The MTF of the fitted system along the first edge's normal (or x), with the error band that the covariance gives,
+  /// at the frequencies of measure.h.
+  std::vector<double> frequency_cy_px, mtf, mtf_sd;
+  std::optional<Estimate> mtf50;
+  std::vector<double> residual_otf;  ///< |shrunk OTF of the residuals| at the same frequencies, when asked for
+  std::vector<FitResiduals> data;    ///< edges, curves, spots in order
+  mtf::System<double> system;        ///< of the first condition with the fitted values
+  int iterations = 0;
+  int starts_agreeing = 1;  ///< runs that ended at the same minimum
+};
+
+/// Data never throw: what went wrong is in the status. Throws UsageError for parameters that do not exist, two with the
+/// same meaning, none, bounds that leave nothing, non-finite numbers. Same bits for any number of threads.
+FitResult fit(const FitData& data, std::span<const FitParameter> parameters, const FitOptions& options = {});
+
+/// The number that a path of the sensor file names, in any scalar type; nullptr when there is none. Lists by index:
+/// "presample[0].zernike[3]". A field that falls back to [optics] is given a value of its own by the first call.
+template <class S>
+S* parameter_at(mtf::System<S>& system, std::string_view path);
+
+/// Sets all numbers that the path stands for: "frame.pitch" is that of both axes. False when there is none.
+bool set_parameter(mtf::System<double>& system, std::string_view path, double value);
+
+}  // namespace calib

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The least-squares problem of a fit, and its solution by Ceres: shared variables x, the unknowns of each set of data,
+// priors as residuals. Sets of data are evaluated in parallel and enter as their triangular factors (normal_matrix.h),
+// so that Ceres itself works on a dozen residuals each, in one thread: the same bits for any number of threads.
+
+#include <functional>
+#include <optional>
+#include <variant>
+
+#include "calib/fit/data/curve_block.h"
+#include "calib/fit/data/edge_block.h"
+#include "calib/fit/data/spot_block.h"
+#include "calib/fit/variables.h"
+
+namespace calib {
+
+using Block = std::variant<EdgeBlock, CurveBlock, SpotBlock>;
+
+struct FitProblem {
+  Sensors* sensors = nullptr;
+  std::vector<Variable> variables;
+  std::vector<std::optional<std::array<double, 2>>> priors;  ///< mean and sd, of every parameter
+  std::vector<Block> blocks;
+  int threads = 0;
+
+  std::vector<double> x;                 ///< present values
+  std::vector<std::vector<double>> own;  ///< of every block
+
+  /// Sets the sensors to x; false when they do not allow it.
+  bool apply() const { return sensors->set(values_at(variables, x)); }
+  /// C^T C of every block at the present values, columns: own, x, residual. Apply first. `gradients`: those of an
+  /// edge's levels stand after its own also where they are not in use.
+  std::vector<Eigen::MatrixXd> normals(bool gradients = false) const;
+};
+
+struct Solution {
+  bool converged = false;
+  bool stopped = false;
+  double cost = 0.0;  ///< at x
+  int iterations = 0;
+  int agreeing = 1;  ///< of several runs, those that ended here
+};
+
+/// Minimises from the present values, and leaves the minimum in x and own, with the sensors set to it. `fixed`: this
+/// variable stays. `go_on` is asked after every iteration. `tolerance`: relative change of the cost that ends it.
+struct SolveOptions {
+  std::optional<std::size_t> fixed{};
+  std::function<bool()> go_on{};
+  /// Of half the number of pixels: the last step was less than a hundredth of a standard deviation for each 10000 of
+  /// them.
+  double tolerance = 1e-8;
+};
+Solution solve(FitProblem& problem, const SolveOptions& options = {});
+
+/// One run of the minimiser, `held` variables as they are, whatever `fixed` says.
+Solution solve_holding(FitProblem& problem, const SolveOptions& options, const std::vector<int>& held);
+
+}  // namespace calib

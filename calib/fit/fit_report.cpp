@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/fit/fit_report.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace calib {
+namespace {
+
+constexpr double kRadian_deg = 180.0 / std::numbers::pi;
+constexpr double kUnseen = 1e18;  // variance of an x that nothing in the data depends on
+
+/// The size against which an error of x counts as large, see identifiability.h.
+double reference_of(const Variable& v, double x, const FitParameter& parameter) {
+  if (v.period > 0.0) return kRadian_deg / v.step;
+  double reference = std::max(std::abs(x), 1.0);
+  // A size that is known to a fraction of itself; one near zero by what it does.
+  if (parameter.min || parameter.max) reference = std::min(reference, v.hi - v.lo);
+  return reference;
+}
+
+}  // namespace
+
+Eigen::MatrixXd information_of(const FitProblem& problem, std::span<const Eigen::MatrixXd> normals,
+                               std::span<const double> noise_factor) {
+  const auto n = static_cast<Eigen::Index>(problem.variables.size());
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t b = 0; b < problem.blocks.size(); ++b)
+    information +=
+        project_out(normals[b], problem.own[b].size(), problem.variables.size()) / trusted_noise(noise_factor[b]);
+  for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+    if (!problem.priors[i]) continue;
+    const double weight = problem.variables[i].slope(problem.x[i]) / (*problem.priors[i])[1];
+    information(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) += weight * weight;
+  }
+  return information;
+}
+
+void judge(Solved& solved, std::span<const FitParameter> parameters) {
+  const FitProblem& problem = *solved.problem;
+  solved.information = information_of(problem, solved.normals, solved.noise_factor);
+  solved.reference.clear();
+  for (std::size_t i = 0; i < problem.variables.size(); ++i)
+    solved.reference.push_back(reference_of(problem.variables[i], problem.x[i], parameters[i]));
+  solved.identified = identify(solved.information, solved.reference);
+}
+
+double sd_of(const Solved& solved, const Functional& functional) {
+  const double variance = functional.gradient.dot(solved.identified.covariance * functional.gradient);
+  return std::sqrt(std::max(0.0, variance));
+}
+
+std::vector<Functional> mtf_of(const Solved& solved, std::span<const double> f_cy_px) {
+  const FitProblem& problem = *solved.problem;
+  const OtfTable h = problem.sensors->otf(solved.condition, along(solved.angle_rad, f_cy_px));
+  std::vector<Functional> all;
+  for (std::size_t k = 0; k < f_cy_px.size(); ++k) {
+    const auto [re, im] = h[0][k];
+    const double size = std::hypot(re, im);
+    Functional m{size, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.variables.size()))};
+    for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+      const auto [d_re, d_im] = h[1 + i][k];
+      const double slope = size > 1e-12 ? (re * d_re + im * d_im) / size : std::hypot(d_re, d_im);
+      m.gradient[static_cast<Eigen::Index>(i)] = slope * problem.variables[i].slope(problem.x[i]);
+    }
+    all.push_back(std::move(m));
+  }
+  return all;
+}
+
+// |H| at a few small frequencies, and the second coefficient of the polynomial through them and 1 at f = 0.
+Functional equivalent_variance(const Solved& solved, int nodes) {
+  // As far as the modulus has fallen to 0.9.
+  const Sensors& sensors = *solved.problem->sensors;
+  double top = 0.25 * sensors.top_cy_px(solved.condition, solved.angle_rad);
+  const auto modulus = [&](double f) {
+    return sensors.modulus(solved.condition, along(solved.angle_rad, {&f, 1})).front();
+  };
+  while (top > 1e-6 && modulus(top) < 0.9) top *= 0.8;
+  std::vector<double> f;
+  Eigen::MatrixXd powers(nodes, nodes);
+  for (int k = 0; k < nodes; ++k) {
+    f.push_back(top * 0.5 * (1.0 - std::cos(std::numbers::pi * (k + 1.0) / nodes)));
+    for (int p = 0; p < nodes; ++p) powers(k, p) = std::pow(f.back() / top, p + 1);
+  }
+  const Eigen::VectorXd weight = powers.transpose().fullPivLu().solve(Eigen::VectorXd::Unit(nodes, 1));
+  const std::vector<Functional> h = mtf_of(solved, f);
+  const double scale = -2.0 / (4.0 * std::numbers::pi * std::numbers::pi * top * top);
+  Functional v{0.0, Eigen::VectorXd::Zero(h[0].gradient.size())};
+  for (int k = 0; k < nodes; ++k) {
+    v.value += scale * weight[k] * (h[static_cast<std::size_t>(k)].value - 1.0);
+    v.gradient += scale * weight[k] * h[static_cast<std::size_t>(k)].gradient;
+  }
+  return v;
+}
+
+std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<const FitParameter> parameters,
+                                               std::span<const double> start) {
+  const FitProblem& problem = *solved.problem;
+  std::vector<FittedParameter> all;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const Variable& v = problem.variables[i];
+    const auto index = static_cast<Eigen::Index>(i);
+    const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
+    FittedParameter p{.parameter = parameters[i], .start = start[i]};
+    const bool at_zero = v.squared && x <= 1e-8;
+    p.value = at_zero ? 0.0 : v.value(x);
+    p.linear_sd = std::abs(sd * v.slope(x));
+    const bool near_lo = x - v.lo < sd, near_hi = v.hi - x < sd;
+    if (!solved.identified.determined[i]) {
+      p.knowledge = Knowledge::not_determined;
+    } else if (problem.priors[i] && p.linear_sd > 0.9 * (*problem.priors[i])[1]) {
+      p.knowledge = Knowledge::prior_only;
+      p.stderr_value = p.linear_sd;
+    } else if (near_lo || near_hi) {
+      // The minimum may press against the bound: its gradient, the others at their best, is the first term of the
+      // profile g t + t^2 / (2 sd^2), which reaches the 95 % point at t.
+      p.knowledge = Knowledge::at_bound;
+      double gradient = 0.0;
+      for (std::size_t b = 0; b < solved.normals.size(); ++b) {
+        const Eigen::MatrixXd& normal = solved.normals[b];
+        gradient += normal(static_cast<Eigen::Index>(problem.own[b].size()) + index, normal.cols() - 1) /
+                    trusted_noise(solved.noise_factor[b]);
+      }
+      if (problem.priors[i]) {
+        const auto [mean, width] = *problem.priors[i];
+        gradient += (v.value(x) - mean) / (width * width) * v.slope(x);
+      }
+      const double push = std::max(0.0, near_lo ? gradient : -gradient), variance = sd * sd;
+      const double t = variance * (std::sqrt(push * push + k95_sd * k95_sd / variance) - push);
+      p.limit95 = v.value(near_lo ? std::min(v.hi, x + t) : std::max(v.lo, x - t));
+      const double bound = near_lo ? v.lo : v.hi;
+      p.value = v.squared && bound <= 1e-8 ? 0.0 : v.value(bound);
+      p.limit_is_upper = *p.limit95 > p.value;
+      p.pressed_sd = push * sd;
+    } else {
+      p.knowledge = Knowledge::determined;
+      p.stderr_value = p.linear_sd;
+    }
+    all.push_back(std::move(p));
+  }
+  return all;
+}
+
+std::vector<std::vector<double>> correlations(const Solved& solved) {
+  const Eigen::MatrixXd& c = solved.identified.covariance;
+  const auto n = static_cast<std::size_t>(c.rows());
+  std::vector<std::vector<double>> all(n, std::vector<double>(n, std::numeric_limits<double>::quiet_NaN()));
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) {
+      const auto a = static_cast<Eigen::Index>(i), b = static_cast<Eigen::Index>(j);
+      const std::vector<Variable>& v = solved.problem->variables;
+      if (!(c(a, a) < kUnseen && c(b, b) < kUnseen)) continue;
+      // A value may fall as its variable rises.
+      all[i][j] = i == j ? 1.0 : v[i].sign * v[j].sign * c(a, b) / std::sqrt(c(a, a) * c(b, b));
+    }
+  return all;
+}
+
+}  // namespace calib

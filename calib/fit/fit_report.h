@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What follows from a finished fit: errors, limits, what is not separable and its words, the fitted MTF with its band.
+
+#include "calib/fit/confidence/identifiability.h"
+#include "calib/fit/fit_problem.h"
+
+namespace calib {
+
+/// Half of a 95 % interval, in standard deviations. A limit at a bound is the far end of such an interval, whose near
+/// end is the bound: that of one side only (1.645) would fail too often, as the data themselves choose between limit
+/// and interval. (Feldman and Cousins, Phys. Rev. D 57, 3873 (1998).)
+inline constexpr double k95_sd = 1.959963984540054;
+
+/// A function of the shared variables at the solution, with its derivatives by x.
+struct Functional {
+  double value = 0.0;
+  Eigen::VectorXd gradient;
+};
+
+struct Solved {
+  const FitProblem* problem = nullptr;
+  std::vector<Eigen::MatrixXd> normals{};  ///< C^T C of every block
+  std::vector<double> noise_factor{};  ///< chi2 per degree of freedom of every block: its noise variances times this
+  Eigen::MatrixXd information{};       ///< of x, priors included
+  std::vector<double> reference{};     ///< of every x, see identifiability.h
+  Identified identified{};
+  std::size_t condition = 0;
+  double angle_rad = 0.0;             ///< of the normal along which MTF and variance are given
+  std::vector<double> normals_rad{};  ///< directions of all edges
+};
+
+/// The factor on noise variances that residuals of this chi-square per degree of freedom stand for. Far below 1 they
+/// are those of an image without noise, or of one that rounding has cleaned: then the noise that was given counts.
+inline double trusted_noise(double chi2_per_dof) { return chi2_per_dof > 0.7 ? chi2_per_dof : 1.0; }
+
+/// Of x, from the normal matrices of the blocks with their factors on the noise variances, priors included.
+Eigen::MatrixXd information_of(const FitProblem& problem, std::span<const Eigen::MatrixXd> normals,
+                               std::span<const double> noise_factor);
+
+/// Information and what it determines, from the problem at its solution.
+void judge(Solved& solved, std::span<const FitParameter> parameters);
+
+double sd_of(const Solved& solved, const Functional& functional);
+
+/// |H| at each frequency along the normal.
+std::vector<Functional> mtf_of(const Solved& solved, std::span<const double> f_cy_px);
+
+/// -|H|''(0) / (4 pi^2) in px^2, the linear term of diffraction apart, by a polynomial through `nodes` samples of |H|.
+Functional equivalent_variance(const Solved& solved, int nodes = 7);
+
+/// One sentence a weak direction, with the way out.
+std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& solved,
+                                           std::span<const FitParameter> parameters);
+
+/// Parameters with their errors, one-sided limits and what is known of them.
+std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<const FitParameter> parameters,
+                                               std::span<const double> start);
+
+/// Of the parameters' values; NaN where the data do not depend on one at all.
+std::vector<std::vector<double>> correlations(const Solved& solved);
+
+/// Residuals of every set of data; `block_of`: its block, or none when it was left out. Sets chi-square, whiteness,
+/// warnings, and the status of a model that does not fit.
+void report_data(const FitData& data, std::span<const std::optional<std::size_t>> block_of, const Solved& solved,
+                 FitResult& result);
+
+}  // namespace calib

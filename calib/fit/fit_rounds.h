@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The course of a fit: plain least squares on some pixels to come close, then the robust loss on all; from further
+// starts where asked; then, where the residuals ask for it, again with gradients of the levels, with noise by the
+// fitted levels, with noise levels that fit the residuals.
+
+#include "calib/fit/fit_report.h"
+
+namespace calib {
+
+struct MinimiseOptions {
+  bool robust = true;
+  int starts = 1;
+  std::function<bool()> go_on{};
+};
+
+/// Leaves the minimum in the problem, and its normal matrices and noise factors in `solved`. May enlarge the unknowns
+/// of edges.
+Solution minimise(FitProblem& problem, Solved& solved, const MinimiseOptions& options);
+
+/// The rounds that follow a first minimum, with its count of steps; as above.
+Solution finish(FitProblem& problem, Solved& solved, const Solution& first, const MinimiseOptions& options);
+
+/// Pixels or samples of every block.
+std::vector<std::size_t> counts_of(const FitProblem& problem);
+
+}  // namespace calib

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/fit/parameter_site.h"
+
+#include <charconv>
+
+#include "calib/fit/fit.h"
+#include "calib/fit/system_jet.h"
+#include "mtf/math/special.h"
+
+namespace calib {
+namespace {
+
+using mtf::FieldInfo;
+using mtf::FieldRef;
+using mtf::Stage;
+using mtf::System;
+
+// What System::check asks of the numbers outside components.
+constexpr FieldInfo kFocalLength{.name = "focal_length", .unit = "mm", .lo = 1e-6, .hi = 1e7};
+constexpr FieldInfo kPitch{.name = "pitch", .unit = "um", .lo = 1e-6, .hi = 1e6};
+constexpr FieldInfo kIntegrationTime{.name = "integration_time", .unit = "s", .lo = 0.0, .hi = 1e9};
+constexpr FieldInfo kFNumber{.name = "f_number", .lo = 0.1, .hi = 1e4};
+constexpr FieldInfo kAperture{.name = "aperture", .unit = "mm", .lo = 1e-6, .hi = 1e6};
+constexpr FieldInfo kObscuration{.name = "obscuration", .lo = 0.0, .hi = 1.0, .hi_open = true};
+constexpr FieldInfo kWavelength{.name = "wavelength", .unit = "um", .lo = 0.01, .hi = 1e5};
+
+template <class S>
+ParameterSite<S> in_frame(System<S>& system, std::string_view name) {
+  mtf::Frame<S>& frame = system.frame;
+  if (name == "focal_length") return {{&frame.focal_length_mm}, &kFocalLength};
+  if (name == "integration_time") return {{&frame.integration_time_s}, &kIntegrationTime};
+  if (name == "pitch") return {{&frame.pitch_x_um, &frame.pitch_y_um}, &kPitch};
+  if (name == "pitch_x") return {{&frame.pitch_x_um}, &kPitch};
+  if (name == "pitch_y") return {{&frame.pitch_y_um}, &kPitch};
+  return {};
+}
+
+template <class S>
+ParameterSite<S> in_optics(System<S>& system, std::string_view name) {
+  const auto site = [](std::optional<S>& number, const FieldInfo& info) {
+    return number ? ParameterSite<S>{{&*number}, &info} : ParameterSite<S>{};
+  };
+  if (name == "f_number") return site(system.optics.f_number, kFNumber);
+  if (name == "aperture") return site(system.optics.aperture_mm, kAperture);
+  if (name == "obscuration") return site(system.optics.obscuration, kObscuration);
+  if (name == "wavelength") return site(system.optics.wavelength_um, kWavelength);
+  return {};
+}
+
+/// What a shared field takes from [optics].
+template <class S>
+std::optional<S> shared_value(const System<S>& system, std::string_view name) {
+  const mtf::Optics<S>& optics = system.optics;
+  if (name == "obscuration") return optics.obscuration.value_or(S(0));
+  if (name == "wavelength") return system.band ? std::nullopt : optics.wavelength_um;
+  if (name == "aperture" && optics.f_number && !optics.aperture_mm)
+    return S(system.frame.focal_length_mm / *optics.f_number);
+  if (name == "aperture") return optics.aperture_mm;
+  if (name == "f_number" && optics.aperture_mm && !optics.f_number)
+    return S(system.frame.focal_length_mm / *optics.aperture_mm);
+  return name == "f_number" ? optics.f_number : std::nullopt;
+}
+
+/// Takes "[12]" off the end of a path.
+std::optional<std::size_t> take_index(std::string_view& path) {
+  if (path.empty() || path.back() != ']') return std::nullopt;
+  const std::size_t open = path.rfind('[');
+  if (open == std::string_view::npos) return std::nullopt;
+  std::size_t index = 0;
+  const char* const end = path.data() + path.size() - 1;
+  const auto [stop, error] = std::from_chars(path.data() + open + 1, end, index);
+  if (error != std::errc{} || stop != end || open + 2 == path.size()) return std::nullopt;
+  path = path.substr(0, open);
+  return index;
+}
+
+template <class S>
+S* number_in(const System<S>& system, const FieldRef<S>& field, std::string_view name,
+             std::span<const std::size_t> index) {
+  const std::string_view own = field.info->name;
+  const std::string_view suffix = name.substr(own.size());  // "", "_x" or "_y"
+  return std::visit(
+      [&](auto* value) -> S* {
+        using T = std::remove_pointer_t<decltype(value)>;
+        if constexpr (std::is_same_v<T, mtf::AxisPair<S>>) {
+          if (!index.empty() || !value->given() || value->split == suffix.empty()) return nullptr;
+          return suffix == "_y" ? &value->y.value : &value->x.value;
+        } else {
+          if (!suffix.empty()) return nullptr;
+          if constexpr (std::is_same_v<T, mtf::Coefficients<S>>)
+            return index.size() == 1 && index[0] < value->size() ? &(*value)[index[0]] : nullptr;
+          else if constexpr (std::is_same_v<T, mtf::Taps<S>>)
+            return index.size() == 2 && index[0] < value->size() && index[1] < (*value)[index[0]].size()
+                       ? &(*value)[index[0]][index[1]]
+                       : nullptr;
+          else if (!index.empty())
+            return nullptr;
+          else if constexpr (std::is_same_v<T, S>)
+            return value;
+          else if constexpr (std::is_same_v<T, mtf::SpatialFrequency<S>>)
+            return value->unit != nullptr ? &value->value : nullptr;
+          else if constexpr (std::is_same_v<T, std::optional<S>>) {
+            if (!*value && field.info->presence == mtf::Presence::shared) *value = shared_value(system, own);
+            return *value ? &**value : nullptr;
+          }
+        }
+        return nullptr;
+      },
+      field.value);
+}
+
+}  // namespace
+
+template <class S>
+ParameterSite<S> parameter_site(System<S>& system, std::string_view path) {
+  const std::size_t dot = path.find('.');
+  if (dot == std::string_view::npos) return {};
+  std::string_view place = path.substr(0, dot), name = path.substr(dot + 1);
+  if (place == "frame") return in_frame(system, name);
+  if (place == "optics") return in_optics(system, name);
+
+  std::vector<std::size_t> index;
+  while (const auto i = take_index(name)) index.insert(index.begin(), *i);
+  const auto entry = take_index(place);
+  for (const Stage stage : mtf::kStages) {
+    if (!entry || place != mtf::stage_name(stage) || *entry >= system.list(stage).size()) continue;
+    for (const FieldRef<S>& field : system.list(stage)[*entry].component.fields()) {
+      const std::string own(field.info->name);
+      if (name != own && name != own + "_x" && name != own + "_y") continue;
+      if (S* number = number_in(system, field, name, index)) return {{number}, field.info};
+    }
+  }
+  return {};
+}
+
+template <class S>
+S* parameter_at(System<S>& system, std::string_view path) {
+  const ParameterSite<S> site = parameter_site(system, path);
+  return site.numbers.empty() ? nullptr : site.numbers.front();
+}
+
+bool set_parameter(System<double>& system, std::string_view path, double value) {
+  const ParameterSite<double> site = parameter_site(system, path);
+  for (double* number : site.numbers) *number = value;
+  return !site.numbers.empty();
+}
+
+template ParameterSite<double> parameter_site(System<double>&, std::string_view);
+template ParameterSite<Jet4> parameter_site(System<Jet4>&, std::string_view);
+template double* parameter_at(System<double>&, std::string_view);
+template Jet4* parameter_at(System<Jet4>&, std::string_view);
+
+}  // namespace calib

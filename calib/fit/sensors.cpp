@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/fit/sensors.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "calib/fit/parameter_site.h"
+#include "mtf/error.h"
+#include "mtf/otf/band_mean.h"
+
+namespace calib {
+namespace {
+
+using mtf::Complex;
+using mtf::Component;
+using mtf::Freq;
+using mtf::Stage;
+using mtf::System;
+
+constexpr std::size_t kStride = 4;
+constexpr double kNothingLeft = 1e-8;
+constexpr double kMostTop_cy_px = 32.0;
+
+/// Numbers of a complex value for mtf::BandMean: real and imaginary part, then their derivatives.
+template <class S>
+constexpr std::size_t kNumbers = 2;
+template <>
+constexpr std::size_t kNumbers<Jet4> = 2 + 2 * kStride;
+
+void pack(const Complex<double>& h, double* to) { to[0] = h.re, to[1] = h.im; }
+void pack(const Complex<Jet4>& h, double* to) {
+  to[0] = h.re.a, to[1] = h.im.a;
+  for (std::size_t k = 0; k < kStride; ++k) {
+    to[2 + k] = h.re.v[static_cast<Eigen::Index>(k)];
+    to[2 + kStride + k] = h.im.v[static_cast<Eigen::Index>(k)];
+  }
+}
+void unpack(const double* from, Complex<double>& h) { h = {from[0], from[1]}; }
+void unpack(const double* from, Complex<Jet4>& h) {
+  h.re.a = from[0], h.im.a = from[1];
+  for (std::size_t k = 0; k < kStride; ++k) {
+    h.re.v[static_cast<Eigen::Index>(k)] = from[2 + k];
+    h.im.v[static_cast<Eigen::Index>(k)] = from[2 + kStride + k];
+  }
+}
+
+double plain(double value) { return value; }
+double plain(const Jet4& value) { return value.a; }
+double largest_part(double value) { return std::abs(value); }
+double largest_part(const Jet4& value) { return std::max(std::abs(value.a), value.v.cwiseAbs().maxCoeff()); }
+
+/// Frequencies as multiples of one vector of unit length, where that is what they are.
+template <class S>
+struct Ray {
+  Freq<S> unit;
+  std::vector<double> t;
+};
+template <class S>
+double length(const Freq<S>& f) {
+  return std::hypot(plain(f.x), plain(f.y));
+}
+template <class S>
+Ray<S> unit_ray(const Freq<S>& f) {
+  const double t = length(f);
+  return t > 0.0 ? Ray<S>{{f.x / t, f.y / t}, {t}} : Ray<S>{{S(1), S(0)}, {0.0}};
+}
+template <class S>
+std::optional<Ray<S>> common_ray(std::span<const Freq<S>> f) {
+  constexpr double kSame = 1e-12;
+  const auto longest = std::max_element(f.begin(), f.end(), [](auto& a, auto& b) { return length(a) < length(b); });
+  Ray<S> ray{unit_ray(*longest).unit, {}};
+  const double scale = kSame * std::max({largest_part(longest->x), largest_part(longest->y), 1e-300});
+  for (const Freq<S>& one : f) {
+    const double t = length(one);
+    if (largest_part(one.x - ray.unit.x * t) > scale || largest_part(one.y - ray.unit.y * t) > scale)
+      return std::nullopt;
+    ray.t.push_back(t);
+  }
+  return ray;
+}
+
+/// Where the chromatic components of a list have their kinks, cycles/mm at the band's longest wavelength.
+struct Kinks {
+  std::vector<double> at;
+  bool ends = false;  ///< nothing is left beyond the last
+};
+
+/// The mean of the product over the band, at frequencies of one ray from f = 0.
+template <class S>
+void mean_over_band(const System<S>& system, std::span<const Component<S>* const> chromatic, const Kinks& kinks,
+                    const Ray<S>& ray, std::span<Complex<S>> h) {
+  constexpr std::size_t width = kNumbers<S>, kFew = 8;
+  std::vector<Freq<S>> f;
+  std::vector<Complex<S>> node;
+  const auto p = [&](double wavelength_um, std::span<const double> t, std::span<double> values) {
+    f.clear();
+    for (const double one : t) f.push_back({ray.unit.x * one, ray.unit.y * one});
+    node.assign(t.size(), {S(1), S(0)});
+    const mtf::Context<S> context = system.context(S(wavelength_um));
+    for (const Component<S>* component : chromatic) component->multiply(f, context, node);
+    for (std::size_t i = 0; i < t.size(); ++i) pack(node[i], &values[i * width]);
+  };
+  const double most = ray.t.size() > kFew ? *std::max_element(ray.t.begin(), ray.t.end()) : 0.0;
+  const mtf::BandMean band(p, width, *system.band, kinks.at, kinks.ends, most);
+  std::array<double, width> mean{};
+  for (std::size_t i = 0; i < h.size(); ++i) {
+    band.at(ray.t[i], mean);
+    unpack(mean.data(), h[i]);
+  }
+}
+
+template <class S>
+std::vector<Complex<S>> product(const System<S>& system, std::span<const Kinks> kinks, std::span<const Freq<S>> f) {
+  std::vector<Complex<S>> h(f.size(), {S(1), S(0)}), mean(f.size());
+  const mtf::Context<S> middle = system.context();
+  for (std::size_t stage = 0; stage < mtf::kStages.size(); ++stage) {
+    std::vector<const Component<S>*> chromatic;
+    for (const auto& entry : system.list(mtf::kStages[stage]))
+      if (system.band && entry.component.traits(middle).chromatic)
+        chromatic.push_back(&entry.component);
+      else
+        entry.component.multiply(f, middle, h);
+    if (chromatic.empty() || f.empty()) continue;
+    if (const auto ray = common_ray(f)) {
+      mean_over_band<S>(system, chromatic, kinks[stage], *ray, mean);
+    } else {
+      for (std::size_t i = 0; i < f.size(); ++i)
+        mean_over_band<S>(system, chromatic, kinks[stage], unit_ray(f[i]), {&mean[i], 1});
+    }
+    for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * mean[i];
+  }
+  return h;
+}
+
+template <class S>
+Freq<S> to_focal_plane(const mtf::Frame<S>& frame, const S& x, const S& y, const mtf::Unit* unit) {
+  if (unit == nullptr) return {frame.cy_mm_from_px(x, mtf::Axis::x), frame.cy_mm_from_px(y, mtf::Axis::y)};
+  return {mtf::SpatialFrequency<S>{x, unit}.cy_mm(frame, mtf::Axis::x),
+          mtf::SpatialFrequency<S>{y, unit}.cy_mm(frame, mtf::Axis::y)};
+}
+
+std::vector<Freq<double>> to_focal_plane(const System<double>& system, std::span<const PixelFreq> f) {
+  std::vector<Freq<double>> all;
+  all.reserve(f.size());
+  for (const PixelFreq& p : f)
+    all.push_back({system.frame.cy_mm_from_px(p.x, mtf::Axis::x), system.frame.cy_mm_from_px(p.y, mtf::Axis::y)});
+  return all;
+}
+
+/// Cycles/mm in one cycle/px along a direction.
+double scale_of(const System<double>& system, double angle_rad) {
+  return std::hypot(system.frame.cy_mm_from_px(std::cos(angle_rad), mtf::Axis::x),
+                    system.frame.cy_mm_from_px(std::sin(angle_rad), mtf::Axis::y));
+}
+
+/// Contexts at which the components have their limits: the band's ends, or the one wavelength.
+std::vector<mtf::Context<double>> contexts(const System<double>& system) {
+  if (!system.band) return {system.context()};
+  return {system.context(system.band->lo_um), system.context(system.band->hi_um)};
+}
+
+/// Of every stage.
+std::vector<Kinks> kinks_of(const System<double>& system) {
+  std::vector<Kinks> all(mtf::kStages.size());
+  if (!system.band) return all;
+  constexpr double kSame = 1e-9;
+  const mtf::Context<double> longest = system.context(system.band->hi_um);
+  for (std::size_t stage = 0; stage < all.size(); ++stage) {
+    Kinks& kinks = all[stage];
+    double end = INFINITY;
+    for (const auto& entry : system.list(mtf::kStages[stage])) {
+      if (!entry.component.traits(system.context()).chromatic) continue;
+      const std::vector<double> own = entry.component.kinks_cy_mm(longest);
+      kinks.at.insert(kinks.at.end(), own.begin(), own.end());
+      end = std::min(end, entry.component.cutoff_cy_mm(longest));
+    }
+    kinks.ends = std::isfinite(end);
+    std::erase_if(kinks.at, [end](double f) { return !(f > 0.0 && f <= end); });
+    std::sort(kinks.at.begin(), kinks.at.end());
+    // Twice the same, or within rounding of it, is one.
+    const auto same = [](double a, double b) { return b - a < kSame * b; };
+    kinks.at.erase(std::unique(kinks.at.begin(), kinks.at.end(), same), kinks.at.end());
+    if (kinks.ends) kinks.at.back() = end;
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<PixelFreq> along(double angle_rad, std::span<const double> f_cy_px) {
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  std::vector<PixelFreq> all;
+  all.reserve(f_cy_px.size());
+  for (const double f : f_cy_px) all.push_back({f * c, f * s, -f * s, f * c});
+  return all;
+}
+
+Sensors::Sensors(std::span<const System<double>> conditions, std::span<const std::string> paths)
+    : count_(paths.size()), systems_(conditions.begin(), conditions.end()) {
+  for (std::size_t c = 0; c < systems_.size(); ++c) {
+    auto& numbers = numbers_.emplace_back();
+    for (const std::string& path : paths) numbers.push_back(parameter_site(systems_[c], path).numbers);
+    auto& seeded = jets_.emplace_back(count_ / kStride + 1);  // the direction is one more variable
+    for (std::size_t chunk = 0; chunk < seeded.size(); ++chunk) {
+      seeded[chunk].system = mtf::cast<Jet4>(systems_[c]);
+      for (std::size_t i = 0; i < count_; ++i) {
+        seeded[chunk].numbers.push_back(parameter_site(seeded[chunk].system, paths[i]).numbers);
+        if (i / kStride != chunk) continue;
+        for (Jet4* number : seeded[chunk].numbers.back()) number->v[static_cast<Eigen::Index>(i % kStride)] = 1.0;
+      }
+    }
+  }
+}
+
+bool Sensors::set(std::span<const double> values) {
+  if (std::equal(values.begin(), values.end(), values_.begin(), values_.end())) return allowed_;
+  values_.assign(values.begin(), values.end());
+  ++version_;
+  allowed_ = true;
+  for (std::size_t c = 0; c < systems_.size(); ++c) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      for (double* number : numbers_[c][i]) *number = values[i];
+      for (Seeded& seeded : jets_[c])
+        for (Jet4* number : seeded.numbers[i]) number->a = values[i];
+    }
+    for (const auto& finding : systems_[c].check()) allowed_ = allowed_ && !finding.problem.error;
+  }
+  return allowed_;
+}
+
+OtfTable Sensors::otf(std::size_t condition, std::span<const PixelFreq> f, const mtf::Unit* unit) const {
+  const std::size_t n = f.size();
+  OtfTable table(count_ + 2, std::vector<Complex<double>>(n));
+  std::vector<Freq<Jet4>> at(n + 1);
+  const std::vector<Kinks> kinks = kinks_of(systems_[condition]);
+  for (std::size_t chunk = 0; chunk < jets_[condition].size(); ++chunk) {
+    const System<Jet4>& system = jets_[condition][chunk].system;
+    const std::size_t first = chunk * kStride, last = std::min(first + kStride, count_ + 1);
+    at[0] = {Jet4(0.0), Jet4(0.0)};  // the level
+    for (std::size_t i = 0; i < n; ++i) {
+      Jet4 x(f[i].x), y(f[i].y);
+      if (last == count_ + 1) {
+        x.v[static_cast<Eigen::Index>(count_ - first)] = f[i].dx;
+        y.v[static_cast<Eigen::Index>(count_ - first)] = f[i].dy;
+      }
+      at[i + 1] = to_focal_plane(system.frame, x, y, unit);
+    }
+    const std::vector<Complex<Jet4>> h = product<Jet4>(system, kinks, at);
+    const Jet4 level = h[0].re;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Jet4 re = h[i + 1].re / level, im = h[i + 1].im / level;
+      table[0][i] = {re.a, im.a};
+      for (std::size_t k = first; k < last; ++k) {
+        const auto lane = static_cast<Eigen::Index>(k - first);
+        table[k + 1][i] = {re.v[lane], im.v[lane]};
+      }
+    }
+  }
+  return table;
+}
+
+double Sensors::level(std::size_t condition) const {
+  const System<double>& system = systems_[condition];
+  const Freq<double> none{0.0, 0.0};
+  return product<double>(system, kinks_of(system), {&none, 1}).front().re;
+}
+
+std::vector<double> Sensors::modulus(std::size_t condition, std::span<const PixelFreq> f) const {
+  std::vector<PixelFreq> with_level{{}};
+  with_level.insert(with_level.end(), f.begin(), f.end());
+  const System<double>& system = systems_[condition];
+  const auto h = product<double>(system, kinks_of(system), to_focal_plane(system, with_level));
+  std::vector<double> all;
+  for (std::size_t i = 1; i < h.size(); ++i) all.push_back(std::hypot(h[i].re, h[i].im) / std::abs(h[0].re));
+  return all;
+}
+
+double Sensors::top_cy_px(std::size_t condition, double angle_rad) const {
+  const System<double>& system = systems_[condition];
+  double top = kMostTop_cy_px;
+  for (const Stage stage : mtf::kStages)
+    for (const auto& entry : system.list(stage)) {
+      double cutoff = 0.0;  // of a chromatic one: that of the shortest wavelength
+      for (const auto& context : contexts(system)) cutoff = std::max(cutoff, entry.component.cutoff_cy_mm(context));
+      top = std::min(top, cutoff / scale_of(system, angle_rad));
+    }
+  // Where nothing cuts off, the product fades. Steps too small to fall between the zeros of one factor for long. A
+  // pupil has its cutoff and is no more than 1 before; of other components at several wavelengths the largest counts.
+  std::vector<double> f;
+  for (double here = 0.25; here < top; here *= 1.06) f.push_back(here);
+  if (f.empty()) return top;
+  const std::vector<Freq<double>> at = to_focal_plane(system, along(angle_rad, f));
+  std::vector<double> most(f.size());
+  for (const auto& context : contexts(system)) {
+    std::vector<Complex<double>> h(f.size(), {1.0 / std::abs(level(condition)), 0.0});
+    for (const Stage stage : mtf::kStages)
+      for (const auto& entry : system.list(stage))
+        if (!entry.component.is_pupil()) entry.component.multiply(at, context, h);
+    for (std::size_t i = 0; i < f.size(); ++i) most[i] = std::max(most[i], std::hypot(h[i].re, h[i].im));
+  }
+  std::size_t last = f.size();
+  while (last > 0 && most[last - 1] < kNothingLeft) --last;
+  return last < f.size() ? std::min(top, f[last] * 1.06) : top;
+}
+
+SliceNodes Sensors::slice(std::size_t condition, double angle_rad, double reach_px) const {
+  const System<double>& system = systems_[condition];
+  const double scale = scale_of(system, angle_rad);
+  std::vector<double> breaks;
+  for (const Stage stage : mtf::kStages)
+    for (const auto& entry : system.list(stage))
+      for (const auto& context : contexts(system))
+        for (const double f : entry.component.kinks_cy_mm(context)) breaks.push_back(f / scale);
+  constexpr double kLeastTop_cy_px = 1e-6;  // a sensor that passes nothing is no error here
+  return slice_nodes(std::max(kLeastTop_cy_px, top_cy_px(condition, angle_rad)), reach_px, breaks);
+}
+
+}  // namespace calib

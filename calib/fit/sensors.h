@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The sensor under every condition, with derivatives of its OTF by the fitted parameters: H(f) as Jets, four parameters
+// an evaluation. The direction of a slice is one more variable, for the angle of an edge in blur that is not round.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "calib/edge/step_response.h"
+#include "calib/fit/system_jet.h"
+
+namespace calib {
+
+/// A frequency in cycles per pixel, along rows and columns, and its derivative by one further variable.
+struct PixelFreq {
+  double x = 0.0, y = 0.0;
+  double dx = 0.0, dy = 0.0;
+};
+
+/// h[0] = H(f) / H(0); h[1 + i] its derivative by parameter i; the last one that by the variable of PixelFreq.
+using OtfTable = std::vector<std::vector<mtf::Complex<double>>>;
+
+class Sensors {
+ public:
+  /// The paths have to exist in all conditions, which hold their numbers as their own (parameter_site).
+  Sensors(std::span<const mtf::System<double>> conditions, std::span<const std::string> paths);
+  Sensors(const Sensors&) = delete;
+  Sensors& operator=(const Sensors&) = delete;
+
+  std::size_t parameters() const { return count_; }
+  /// Sets the parameters in all conditions. False when a condition does not allow them (System::check).
+  bool set(std::span<const double> values);
+  /// Changes when the parameters do.
+  std::size_t version() const { return version_; }
+  const mtf::System<double>& system(std::size_t condition) const { return systems_[condition]; }
+
+  /// `unit`: of f, where that is not cy/px; the present frame converts it, and its numbers may be parameters.
+  OtfTable otf(std::size_t condition, std::span<const PixelFreq> f, const mtf::Unit* unit = nullptr) const;
+  /// H(0), to which the others are relative.
+  double level(std::size_t condition) const;
+  /// |H| only.
+  std::vector<double> modulus(std::size_t condition, std::span<const PixelFreq> f) const;
+
+  /// Frequencies for the step response along a normal: up to the cutoff, or to where less than 1e-8 of H is left, 32
+  /// cycles/px at most.
+  SliceNodes slice(std::size_t condition, double angle_rad, double reach_px) const;
+  /// The frequency above which H is taken as 0, along that direction.
+  double top_cy_px(std::size_t condition, double angle_rad) const;
+
+ private:
+  struct Seeded {
+    mtf::System<Jet4> system;
+    std::vector<std::vector<Jet4*>> numbers;  // of every parameter
+  };
+
+  std::size_t count_ = 0;
+  std::size_t version_ = 0;
+  bool allowed_ = true;
+  std::vector<double> values_;
+  std::vector<mtf::System<double>> systems_;
+  std::vector<std::vector<std::vector<double*>>> numbers_;  // [condition][parameter]
+  std::vector<std::vector<Seeded>> jets_;                   // [condition][four parameters]
+};
+
+/// Frequencies of a slice in the direction of an angle from +x to +y, with their derivative by the angle.
+std::vector<PixelFreq> along(double angle_rad, std::span<const double> f_cy_px);
+
+}  // namespace calib

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The variables of the fit: what the parameters become for the minimiser.
+//   value = step x                        in general
+//   value = +- step sqrt(x), x >= 0       where H depends on the square of the parameter
+//   value = step x modulo the period      of a direction, which has no bounds then
+// `step` is such that x = 1 changes the OTF by about 0.05: then sizes, trust regions and directions mean something.
+// Squares: the likelihood of an rms, a width, a defocus is flat at zero, in its square it is not.
+
+#include <span>
+#include <vector>
+
+#include "calib/fit/fit.h"
+#include "calib/fit/sensors.h"
+
+namespace calib {
+
+/// Change of the OTF, at the frequencies that the data hold, for x = 1.
+inline constexpr double kUnitEffect = 0.05;
+
+struct Variable {
+  bool squared = false;
+  double sign = 1.0;
+  double step = 1.0;
+  double lo = 0.0, hi = 0.0;  ///< of x
+  double start = 0.0;         ///< x
+  double period = 0.0;        ///< of a direction's value: it is given within half of it from 0; 0 = none
+  bool positive = false;      ///< the parameter cannot be negative: its size is its own scale
+
+  double value(double x) const;
+  /// d value / dx, finite at x = 0.
+  double slope(double x) const;
+  double x_of(double value) const;
+};
+
+/// Frequencies at which the data of a condition feel the parameters.
+struct Probe {
+  std::size_t condition = 0;
+  std::vector<PixelFreq> f;
+  const mtf::Unit* unit = nullptr;  ///< of f, where that is not cy/px
+};
+
+/// Finds steps and squares at the present values. Leaves the sensors at the starting values. Throws UsageError for
+/// bounds that leave nothing, priors without a width, numbers that are not finite.
+std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParameter> parameters,
+                                     std::span<const double> start, std::span<const mtf::FieldInfo* const> infos,
+                                     std::span<const Probe> probes);
+
+/// Where a size is so large that more of it changes nothing, no slope leads back: the next smaller quarter, sixteenth
+/// ... of it at which it acts. Other starting values as they are. `variables`: made at `start`. Leaves the sensors at
+/// any values.
+std::vector<double> seen_values(Sensors& sensors, std::span<const Variable> variables, std::span<const double> start,
+                                std::span<const Probe> probes);
+
+/// Values of the parameters at x.
+std::vector<double> values_at(std::span<const Variable> variables, std::span<const double> x);
+
+}  // namespace calib

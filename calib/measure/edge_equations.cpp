@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// The normal equations of a fit, from the sums that a look at the pixels left.
+#include <algorithm>
+
+#include "calib/measure/edge_fit.h"
+#include "mtf/engines/clones.h"
+
+namespace calib {
+namespace {
+
+// Bins, whole lots of them.
+struct Range {
+  std::size_t first, end;
+};
+
+[[gnu::always_inline]] inline double total(std::array<double, kLot>& sum) {
+  for (std::size_t half = kLot / 2; half > 0; half /= 2)
+    for (std::size_t k = 0; k < half; ++k) sum[k] += sum[k + half];
+  return sum[0];
+}
+
+// Sums of a b c over bins, whole lots of them, for a few c: a b is made once.
+constexpr std::size_t kFew = 4;
+using Few = std::array<const BinRow*, kFew>;
+MTFKIT_CLONES std::array<double, kFew> sums_of_products(const BinRow& a, const BinRow& b, const Few& c, Range range) {
+  const BinRow &c0 = *c[0], &c1 = *c[1], &c2 = *c[2], &c3 = *c[3];
+  std::array<double, kLot> sum0{}, sum1{}, sum2{}, sum3{};
+  for (std::size_t i = range.first; i < range.end; i += kLot)
+    for (std::size_t k = 0; k < kLot; ++k) {
+      const double product = a[i + k] * b[i + k];
+      sum0[k] += product * c0[i + k];
+      sum1[k] += product * c1[i + k];
+      sum2[k] += product * c2[i + k];
+      sum3[k] += product * c3[i + k];
+    }
+  return {total(sum0), total(sum1), total(sum2), total(sum3)};
+}
+
+MTFKIT_CLONES double sum_of_products(const BinRow& a, const BinRow& b, Range range = {0, kBins}) {
+  std::array<double, kLot> sum{};
+  for (std::size_t i = range.first; i < range.end; i += kLot)
+    for (std::size_t k = 0; k < kLot; ++k) sum[k] += a[i + k] * b[i + k];
+  return total(sum);
+}
+
+MTFKIT_CLONES void multiply(const BinRow& a, const BinRow& b, BinRow& product, Range range) {
+  for (std::size_t i = range.first; i < range.end; ++i) product[i] = a[i] * b[i];
+}
+
+}  // namespace
+
+int order_of(const Unknowns& unknowns) {
+  int order = kHighestOrder;
+  while (order > 1 && !unknowns[static_cast<std::size_t>(kFirstShift + order)]) --order;
+  return order;
+}
+
+int basis_power(int a) {
+  if (a < kFirstShift) return a / 4;
+  return a < kFirstShape ? a - kFirstShift : 0;
+}
+
+Basis::Basis(const StepProfile& profile, double contrast, const Unknowns& unknowns)
+    : profile_(profile), contrast_(contrast) {
+  for (std::size_t i = 0; i < kBins; ++i) dark_[i] = 1.0 - profile.esf()[i];
+  if (!unknowns[2] && !unknowns[3]) return;
+  const BinRow& centre = DistanceBins::get().centres();
+  for (std::size_t i = 0; i < kBins; ++i) {
+    dark_d_[i] = dark_[i] * centre[i];
+    bright_d_[i] = profile.esf()[i] * centre[i];
+  }
+}
+
+const BinRow& Basis::row(int a) const {
+  if (a >= kFirstShape) return profile_.slope(static_cast<std::size_t>(a - kFirstShape));
+  if (a >= kFirstShift) return profile_.lsf();
+  if (a == 2 || a == 3) return a == 2 ? dark_d_ : bright_d_;
+  return a % 2 == 0 ? dark_ : profile_.esf();
+}
+
+double Basis::scale(int a) const {
+  if (a >= kFirstShape) return contrast_;
+  return a >= kFirstShift ? -contrast_ : 1.0;
+}
+
+double chi2_of(const EdgeSums& sums, const BinRow& weight) { return sum_of_products(sums.square(), weight); }
+
+void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) {
+  const EdgeSums& sums = state.sums;
+  NormalEquations& normal = state.normal = {};
+  state.weight = pixel_weights(sums, model, state.profile, state.noise, rounds.rounding);
+  normal.chi2 = chi2_of(sums, state.weight);
+  const Range everywhere{0, kBins},
+      bent{static_cast<std::size_t>(state.profile.bend_first), static_cast<std::size_t>(state.profile.bend_end)};
+  BinRow ratio;  // of the noise's variance to what the weight counts as it
+  multiply(state.weight, variances(state.noise, state.profile), ratio, everywhere);
+  normal.count = sum_of_products(sums.moment(0), ratio);
+  const int order = order_of(rounds.unknowns);
+  std::array<BinRow, 2 * kHighestOrder + 1> moment;  // these two weighted
+  std::array<BinRow, kHighestOrder + 1> residual;
+  for (int k = 0; k <= 2 * order; ++k)
+    multiply(state.weight, sums.moment(k), moment[static_cast<std::size_t>(k)], k < 3 ? everywhere : bent);
+  for (int k = 0; k <= order; ++k)
+    multiply(state.weight, sums.residual(k), residual[static_cast<std::size_t>(k)], k < 2 ? everywhere : bent);
+
+  struct List {
+    std::array<int, kUnknowns> unknown{};
+    std::size_t size = 0;
+  };
+  std::array<List, kHighestOrder + 1> by_power;  // those of one power share a moment
+  for (int a = 0; a < kUnknowns; ++a) {
+    if (!rounds.unknowns[static_cast<std::size_t>(a)]) continue;
+    List& list = by_power[static_cast<std::size_t>(basis_power(a))];
+    list.unknown[list.size++] = a;
+  }
+  const Basis basis(state.profile, model.contrast(), rounds.unknowns);
+  for (int a = 0; a < kUnknowns; ++a) {
+    if (!rounds.unknowns[static_cast<std::size_t>(a)]) continue;
+    const auto p = static_cast<std::size_t>(basis_power(a));
+    normal.gradient[a] = basis.scale(a) * sum_of_products(basis.row(a), residual[p], is_bend(a) ? bent : everywhere);
+    for (std::size_t q = 0; q <= p; ++q) {
+      const Range range = is_bend(a) || q > 1 ? bent : everywhere;
+      const auto& [list, size] = by_power[q];
+      for (std::size_t from = 0; from < size; from += kFew) {
+        Few few;
+        for (std::size_t k = 0; k < kFew; ++k) few[k] = &basis.row(list[std::min(from + k, size - 1)]);
+        const auto found = sums_of_products(basis.row(a), moment[p + q], few, range);
+        for (std::size_t k = 0; k < std::min(kFew, size - from); ++k) {
+          const int b = list[from + k];
+          normal.matrix(a, b) = normal.matrix(b, a) = basis.scale(a) * basis.scale(b) * found[k];
+        }
+      }
+    }
+  }
+}
+
+}  // namespace calib

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/measure/edge_figures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+namespace calib {
+namespace {
+
+constexpr int kEsfSamples = 129;
+constexpr double kEsfStep_px = 0.125;  // at the edge
+constexpr double kMethod = 1e-4;       // how well curves without noise are known: the bars of test_measure_truth.cpp
+
+// Distances from -reach to reach, kEsfStep_px apart at the edge and wider in the tails: d = a sinh(b t), t in [-1, 1].
+std::array<double, kEsfSamples> distances(double reach_px) {
+  constexpr int kHalf = kEsfSamples / 2;
+  const double stretch = reach_px / (kEsfStep_px * kHalf);  // = sinh(b) / b
+  double b = 0.0;
+  if (stretch > 1.0) {
+    b = std::log(2.0 * stretch) + 1.0;
+    for (int round = 0; round < 50; ++round)  // Newton's method from above
+      b -= (std::sinh(b) - stretch * b) / (std::cosh(b) - stretch);
+  }
+  std::array<double, kEsfSamples> d{};
+  for (int i = 0; i < kEsfSamples; ++i) {
+    const double t = static_cast<double>(i - kHalf) / kHalf;
+    d[static_cast<std::size_t>(i)] = reach_px * (b > 1e-3 ? std::sinh(b * t) / std::sinh(b) : t);
+  }
+  return d;
+}
+
+void curves_of_frequency(const EdgeResponse& response, EdgeMeasurement& out) {
+  for (auto* list : {&out.frequency_cy_px, &out.mtf, &out.mtf_sd, &out.otf_re, &out.otf_im})
+    list->resize(kCurveSamples);
+  const std::vector<EdgeResponse::Otf> otfs = response.otfs(kCurveStep_cy_px, kCurveSamples);
+  for (std::size_t i = 0; i < kCurveSamples; ++i) {
+    const double f = static_cast<double>(i) * kCurveStep_cy_px;
+    const EdgeResponse::Otf& otf = otfs[i];
+    out.frequency_cy_px[i] = f;
+    out.otf_re[i] = otf.re;
+    out.otf_im[i] = otf.im;
+    out.mtf[i] = otf.mtf();
+    out.mtf_sd[i] = f > 0.0 ? std::sqrt(otf.mtf_sd() * otf.mtf_sd() + kMethod * kMethod) : 0.0;
+  }
+}
+
+void curves_of_distance(const EdgeResponse& response, double reach_px, EdgeMeasurement& out) {
+  for (auto* list : {&out.distance_px, &out.esf, &out.esf_sd, &out.lsf}) list->resize(kEsfSamples);
+  const auto at = distances(reach_px);
+  for (std::size_t i = 0; i < kEsfSamples; ++i) {
+    const double d = at[i];
+    out.distance_px[i] = d;
+    const EdgeResponse::Step step = response.step(d);
+    out.esf[i] = step.esf;
+    out.esf_sd[i] = std::sqrt(std::max(0.0, response.variance(step.row)));
+    out.lsf[i] = step.lsf;
+  }
+}
+
+struct Sample {
+  double at, value;
+};
+// Where a function falls to `level` between a place above it and one at or below: regula falsi with halved ends
+// (Illinois).
+template <class Function>
+double falls_to(double level, Sample above, Sample below, const Function& function) {
+  above.value -= level;
+  below.value -= level;
+  for (int round = 0; round < 8 && std::abs(below.at - above.at) > 1e-9; ++round) {
+    const double at = above.at + (below.at - above.at) * above.value / (above.value - below.value);
+    const double value = function(at) - level;
+    if (std::abs(value) < 1e-9) return at;
+    Sample& moved = value > 0.0 ? above : below;
+    (value > 0.0 ? below : above).value *= 0.5;
+    moved = {at, value};
+  }
+  return 0.5 * (above.at + below.at);
+}
+
+// The frequency at which the MTF first falls to `contrast`, with its sd = sd of the MTF / slope.
+std::optional<Estimate> crossing(const EdgeResponse& response, const EdgeMeasurement& out, double contrast) {
+  std::size_t i = 1;
+  while (i < out.mtf.size() && out.mtf[i] > contrast) ++i;
+  if (i == out.mtf.size()) return std::nullopt;
+  const double f = falls_to(contrast, {out.frequency_cy_px[i - 1], out.mtf[i - 1]},
+                            {out.frequency_cy_px[i], out.mtf[i]}, [&](double at) { return response.otf(at).mtf(); });
+  // The mean of a crossing of noisy curves is off in second order of the noise: with M' and M'' the derivatives by f,
+  //   <df> = cov(M, M') / M'^2 - M'' var(M) / (2 M'^3).
+  const double step = std::min(2e-3, 0.5 * f);
+  if (step <= 0.0) return Estimate{f, 0.0};
+  const double above = response.otf(f + step).mtf(), below = response.otf(f - step).mtf();
+  const double slope = (above - below) / (2.0 * step), bend = (above - 2.0 * contrast + below) / (step * step);
+  if (!(slope < 0.0)) return Estimate{f, 0.0};
+  const EdgeResponse::Row row = response.mtf_row(f);
+  const EdgeResponse::Row slope_row = (response.mtf_row(f + step) - response.mtf_row(f - step)) / (2.0 * step);
+  const double variance = response.variance(row);
+  const double shift =
+      response.covariance(row, slope_row) / (slope * slope) - bend * variance / (2.0 * slope * slope * slope);
+  const double sd = std::hypot(std::sqrt(std::max(0.0, variance)), kMethod) / -slope;
+  return Estimate{f - std::clamp(shift, -0.2 * sd, 0.2 * sd), sd};
+}
+
+Estimate linear(const EdgeResponse& response, double value, const EdgeResponse::Row& row) {
+  return {value, std::sqrt(std::max(0.0, response.variance(row)))};
+}
+
+Estimate area_of_mtf(const EdgeResponse& response, const EdgeMeasurement& out) {
+  constexpr int kEvery = 4, kNyquist = 100;  // Simpson's rule on samples 0 .. 100, the variance on every fourth
+  double sum = 0.0;
+  for (int i = 0; i <= kNyquist; ++i)
+    sum += (i == 0 || i == kNyquist ? 1.0 : i % 2 == 1 ? 4.0 : 2.0) * out.mtf[static_cast<std::size_t>(i)];
+  EdgeResponse::Row row = response.mtf_row(0.0) * 0.5;
+  for (int i = kEvery; i <= kNyquist; i += kEvery)
+    row += response.mtf_row(i * kCurveStep_cy_px) * (i == kNyquist ? 0.5 : 1.0);
+  return linear(response, 2.0 * kCurveStep_cy_px / 3.0 * sum, 2.0 * kEvery * kCurveStep_cy_px * row);
+}
+
+// Where the line spread falls to half of its largest value on one side of the peak.
+double half_height(const EdgeResponse& response, const EdgeMeasurement& out, std::size_t peak, int direction) {
+  const double half = 0.5 * out.lsf[peak];
+  auto i = static_cast<std::ptrdiff_t>(peak);
+  const auto last = static_cast<std::ptrdiff_t>(out.lsf.size()) - 1;
+  while (i > 0 && i < last && out.lsf[static_cast<std::size_t>(i)] > half) i += direction;
+  const auto sample = [&out](std::ptrdiff_t k) {
+    return Sample{out.distance_px[static_cast<std::size_t>(k)], out.lsf[static_cast<std::size_t>(k)]};
+  };
+  if (sample(i).value > half) return NAN;
+  return falls_to(half, sample(i - direction), sample(i), [&](double at) { return response.lsf(at); });
+}
+
+std::optional<Estimate> full_width(const EdgeResponse& response, const EdgeMeasurement& out) {
+  const auto peak = static_cast<std::size_t>(std::max_element(out.lsf.begin(), out.lsf.end()) - out.lsf.begin());
+  if (peak == 0 || peak + 1 == out.lsf.size() || !(out.lsf[peak] > 0.0)) return std::nullopt;
+  const double right = half_height(response, out, peak, 1), left = half_height(response, out, peak, -1);
+  if (std::isnan(left) || std::isnan(right)) return std::nullopt;
+  // The width moves by (half of the peak's change - change there) / slope on either side.
+  constexpr double kStep_px = 0.02;
+  const EdgeResponse::Row top = 0.5 * response.lsf_row(out.distance_px[peak]);
+  const auto side = [&](double at) {
+    const double slope = (response.lsf(at + kStep_px) - response.lsf(at - kStep_px)) / (2.0 * kStep_px);
+    return EdgeResponse::Row((top - response.lsf_row(at)) / (slope == 0.0 ? 1.0 : slope));
+  };
+  return linear(response, right - left, side(right) - side(left));
+}
+
+Estimate overshoot(const EdgeResponse& response) {
+  double at = 1.0, most = response.esf(at);
+  for (double d = 1.0625; d <= 3.0; d += 0.0625)
+    if (const double esf = response.esf(d); esf > most) at = d, most = esf;
+  return linear(response, most - 1.0, response.esf_row(at));
+}
+
+}  // namespace
+
+void describe(const EdgeResponse& response, EdgeMeasurement& out) {
+  curves_of_frequency(response, out);
+  const double width_px = 1.0 / std::max(1e-3, response.lsf(0.0));
+  curves_of_distance(response, std::clamp(4.0 * width_px, 8.0, 64.0), out);
+  const auto find = [&](double contrast, const char* name, std::optional<Estimate>& place) {
+    place = crossing(response, out, contrast);
+    if (!place)
+      out.absent.emplace_back(
+          name, "the MTF stays above " + std::to_string(std::lround(100.0 * contrast)) + " % up to 1 cycle per pixel");
+  };
+  find(0.1, "mtf10", out.mtf10);
+  find(0.3, "mtf30", out.mtf30);
+  find(0.5, "mtf50", out.mtf50);
+  constexpr std::size_t kNyquist = 100;
+  out.nyquist = Estimate{out.mtf[kNyquist], out.mtf_sd[kNyquist]};
+  out.rer = linear(response, response.esf(0.5) - response.esf(-0.5), response.esf_row(0.5) - response.esf_row(-0.5));
+  out.overshoot = overshoot(response);
+  out.fwhm_px = full_width(response, out);
+  if (!out.fwhm_px)
+    out.absent.emplace_back("fwhm_px", "the line spread function has no peak of half height on both sides");
+  out.mtfa = area_of_mtf(response, out);
+  if (out.mtf10)
+    out.sampling_efficiency = Estimate{2.0 * out.mtf10->value, 2.0 * out.mtf10->sd};
+  else
+    out.absent.emplace_back("sampling_efficiency", "the MTF stays above 10 % up to 1 cycle per pixel");
+}
+
+void hold_difference(const EdgeMeasurement& other, EdgeMeasurement& out) {
+  for (std::size_t i = 0; i < out.mtf.size(); ++i) out.mtf_sd[i] = std::hypot(out.mtf_sd[i], out.mtf[i] - other.mtf[i]);
+  for (std::size_t i = 0; i < out.esf.size(); ++i) {
+    const bool same = i < other.distance_px.size() && other.distance_px[i] == out.distance_px[i];
+    if (same) out.esf_sd[i] = std::hypot(out.esf_sd[i], out.esf[i] - other.esf[i]);
+  }
+  for (auto figure : {&EdgeMeasurement::mtf10, &EdgeMeasurement::mtf30, &EdgeMeasurement::mtf50,
+                      &EdgeMeasurement::nyquist, &EdgeMeasurement::rer, &EdgeMeasurement::overshoot,
+                      &EdgeMeasurement::fwhm_px, &EdgeMeasurement::mtfa, &EdgeMeasurement::sampling_efficiency}) {
+    std::optional<Estimate>& one = out.*figure;
+    if (!one) continue;
+    // A frequency that the other does not reach is beyond the curves.
+    const bool frequency =
+        figure == &EdgeMeasurement::mtf10 || figure == &EdgeMeasurement::mtf30 || figure == &EdgeMeasurement::mtf50;
+    const double beyond = frequency ? 1.0 : one->value;
+    one->sd = std::hypot(one->sd, (other.*figure ? (other.*figure)->value : beyond) - one->value);
+  }
+}
+
+}  // namespace calib

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/measure/edge_fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace calib {
+namespace {
+
+// Bounds of a step.
+struct Box {
+  Vector low = Vector::Constant(-INFINITY), high = Vector::Constant(INFINITY);
+  bool holds(const Vector& step) const { return (step.array() >= low.array() && step.array() <= high.array()).all(); }
+};
+
+Box parameter_bounds(const ReferenceShape& shape) {
+  constexpr double kMostFootprint_px2 = 64.0;
+  Box box;
+  box.low.tail<kShapes>() << -shape.s_px, kLeastVariance_px2 - shape.v_px2, -shape.q_px2;
+  box.high[kFirstShape + 2] = kMostFootprint_px2 - shape.q_px2;
+  return box;
+}
+
+// Steps that the linear model can be trusted for, in parts of the whole blur.
+Box trusted(const ReferenceShape& shape) {
+  const double blur_px2 = shape.blur_px2();
+  const double blur_px = std::sqrt(blur_px2);
+  Box box;
+  box.high.segment<kHighestOrder + 1>(kFirstShift).setConstant(2.0 + 3.0 * blur_px);
+  box.high.tail<kShapes>() << 0.2 + blur_px, 0.05 + 1.5 * blur_px2, 0.5 + 6.0 * blur_px2;
+  box.low = -box.high;
+  // Both at once must not leave an edge so sharp that no pixel lies on it.
+  box.low[kFirstShape + 1] = -0.7 * blur_px2;
+  box.low[kFirstShape + 2] = -0.5 - 0.7 * shape.q_px2;
+  return box;
+}
+
+// Damped least squares within bounds: the unknown that would leave them furthest is put on its wall and the others are
+// solved again.
+Vector solve_within(const NormalEquations& normal, const Unknowns& unknowns, const Box& box, double damping) {
+  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kUnknowns, kUnknowns>;
+  using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kUnknowns, 1>;
+  Vector step = Vector::Zero();
+  Unknowns free = unknowns;
+  while (free.any()) {
+    std::array<int, kUnknowns> list{};
+    int n = 0;
+    for (int a = 0; a < kUnknowns; ++a)
+      if (free[static_cast<std::size_t>(a)]) list[static_cast<std::size_t>(n++)] = a;
+    Small m(n, n);
+    SmallVector r(n), scale(n);
+    const Vector rest = normal.gradient - normal.matrix * step;  // of the unknowns on walls
+    for (int i = 0; i < n; ++i) {
+      const double diagonal = normal.matrix(list[i], list[i]);
+      scale[i] = diagonal > 0.0 ? 1.0 / std::sqrt(diagonal) : 0.0;
+      r[i] = scale[i] * rest[list[i]];
+      for (int j = 0; j <= i; ++j) m(i, j) = m(j, i) = scale[i] * scale[j] * normal.matrix(list[i], list[j]);
+      m(i, i) += 1e-13 + (list[i] >= kFirstShift ? damping : 0.0);
+    }
+    const SmallVector x = m.ldlt().solve(r);
+    int worst = -1;
+    double excess = 0.0, wall = 0.0;
+    for (int i = 0; i < n; ++i) {
+      const double value = std::isfinite(x[i]) ? x[i] * scale[i] : 0.0;
+      const double inside = std::clamp(value, box.low[list[i]], box.high[list[i]]);
+      if (const double beyond = std::abs(value - inside) / std::max(scale[i], 1e-300); beyond > excess)
+        excess = beyond, worst = list[i], wall = inside;
+    }
+    if (worst < 0) {
+      for (int i = 0; i < n; ++i) step[list[i]] = std::isfinite(x[i]) ? x[i] * scale[i] : 0.0;
+      break;
+    }
+    step[worst] = wall;
+    free.reset(static_cast<std::size_t>(worst));
+  }
+  return step;
+}
+
+// The least damped step that can be trusted.
+Vector next_step(const NormalEquations& normal, const EdgeModel& model, const Unknowns& unknowns, double& damping) {
+  const Box bounds = parameter_bounds(model.shape), trust = trusted(model.shape);
+  for (;; damping = std::max(1e-4, 2.0 * damping)) {
+    const Vector step = solve_within(normal, unknowns, bounds, damping);
+    if (damping > 1e6 || (trust.holds(step) && normal.gradient.dot(step) >= 0.0)) return step;
+  }
+}
+
+// Of the footprint.
+constexpr double kMean_px2 = 0.75, kSd_px2 = 0.5;
+
+// The prior's part of what is minimised.
+double misfit_of(const ReferenceShape& shape, const Unknowns& unknowns) {
+  const double off = (shape.q_px2 - kMean_px2) / kSd_px2;
+  return unknowns[kFirstShape + 2] ? off * off : 0.0;
+}
+
+}  // namespace
+
+void move(EdgeModel& model, const Vector& step) {
+  for (int a = 0; a < kLevels; ++a) model.level[static_cast<std::size_t>(a)] += step[a];
+  EdgeCurve& curve = model.curve;
+  const Point n = curve.normal();
+  curve.origin.x += n.x * step[kFirstShift];
+  curve.origin.y += n.y * step[kFirstShift];
+  // A curve that gains u = c t has its normal turned towards -t.
+  curve.angle_rad =
+      std::remainder(curve.angle_rad - std::atan(step[kFirstShift + 1] / curve.half_length_px), 2.0 * std::numbers::pi);
+  if (curve.shape == EdgeCurve::Shape::circle)
+    curve.curvature_per_px += 2.0 * step[kFirstShift + 2] / (curve.half_length_px * curve.half_length_px);
+  for (std::size_t k = 0; k < curve.coefficient.size(); ++k)
+    curve.coefficient[k] += step[kFirstShift + 2 + static_cast<int>(k)];
+  model.shape.s_px = std::max(0.0, model.shape.s_px + step[kFirstShape]);
+  model.shape.v_px2 = std::max(kLeastVariance_px2, model.shape.v_px2 + step[kFirstShape + 1]);
+  model.shape.q_px2 = std::max(0.0, model.shape.q_px2 + step[kFirstShape + 2]);
+}
+
+Vector way(const EdgeModel& from, const EdgeModel& to) {
+  Vector step = Vector::Zero();
+  for (int a = 0; a < kLevels; ++a)
+    step[a] = to.level[static_cast<std::size_t>(a)] - from.level[static_cast<std::size_t>(a)];
+  const EdgeCurve &a = from.curve, &b = to.curve;
+  const Point n = a.normal();
+  const double half = a.half_length_px;
+  step[kFirstShift] = n.x * (b.origin.x - a.origin.x) + n.y * (b.origin.y - a.origin.y);
+  step[kFirstShift + 1] = half * std::tan(a.angle_rad - b.angle_rad);
+  step[kFirstShift + 2] = 0.5 * half * half * (b.curvature_per_px - a.curvature_per_px);
+  for (std::size_t k = 0; k < std::min(a.coefficient.size(), b.coefficient.size()); ++k)
+    step[kFirstShift + 2 + static_cast<int>(k)] += b.coefficient[k] - a.coefficient[k];
+  return step;
+}
+
+void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns) {
+  constexpr int q = kFirstShape + 2;
+  if (!unknowns[q]) return;
+  normal.matrix(q, q) += 1.0 / (kSd_px2 * kSd_px2);
+  normal.gradient[q] += (kMean_px2 - shape.q_px2) / (kSd_px2 * kSd_px2);
+}
+
+NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitRounds& rounds) {
+  if (rounds.variance) return {.dark = *rounds.variance, .bright = *rounds.variance};
+  return estimate_noise(sums, profile, rounds.least_variance, rounds.rounding);
+}
+
+FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRounds& rounds) {
+  FitState state;
+  state.profile = StepProfile(tabulate(model.shape, model.curve.angle_rad));
+  state.sums = accumulate(pixels, model, state.profile, order_of(rounds.unknowns), rounds.step);
+  state.noise = noise_of(state.sums, state.profile, rounds);
+  assemble(state, model, rounds);
+  return state;
+}
+
+FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds) {
+  return fit_reference(pixels, model, rounds, evaluate(pixels, model, rounds));
+}
+
+FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds, FitState state) {
+  return descend(model, rounds, std::move(state),
+                 [&](const EdgeModel& next) { return evaluate(pixels, next, rounds); });
+}
+
+FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, const Look& look) {
+  double damping = 0.0;
+  for (int round = 1; round <= rounds.rounds; ++round) {
+    NormalEquations normal = state.normal;
+    add_prior(normal, model.shape, rounds.unknowns);
+    const Vector step = next_step(normal, model, rounds.unknowns, damping);
+    const double expected = normal.gradient.dot(step);
+    state.converged = expected < rounds.enough;
+    state.left = expected;
+    if (state.converged || round == rounds.rounds) break;
+    EdgeModel next = model;
+    move(next, step);
+    FitState tried = look(next);
+    // Pixels out of reach leave chi2: an edge that runs away from them is no better.
+    constexpr double kKept = 0.7;
+    const double more = chi2_of(tried.sums, state.weight) - state.normal.chi2;
+    const bool better = more <= 2.0 && tried.normal.count >= kKept * state.normal.count;
+    // Along the valley where shapes hardly differ steps may go to and fro.
+    constexpr double kShort = 10.0;
+    const double gained = misfit_of(model.shape, rounds.unknowns) - misfit_of(next.shape, rounds.unknowns) - more;
+    const bool idle = expected < kShort * rounds.enough && gained < rounds.enough;
+    damping = better ? 0.1 * damping : std::max(1e-4, 30.0 * damping);
+    if (damping < 1e-6) damping = 0.0;
+    if (better && !(idle && gained < 0.0)) model = next, state = std::move(tried);
+    if (idle) state.left = expected;
+    state.converged = idle;
+    if (idle) break;
+  }
+  return state;
+}
+
+}  // namespace calib

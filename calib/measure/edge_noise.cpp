@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/measure/edge_noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "mtf/engines/clones.h"
+
+namespace calib {
+namespace {
+
+struct Spread {
+  double sum = 0.0, dof = 0.0;
+  double variance() const { return dof > 0.0 ? sum / dof : 0.0; }
+  double error() const { return std::sqrt(2.0 / std::max(dof, 1.0)); }  // relative, of the variance
+};
+
+// By the place on the step: the dark plateau, the edge, the bright plateau.
+struct Spreads {
+  Spread dark, edge, bright;
+};
+
+constexpr double kPlateau = 0.08;
+
+// What pixels of a bin differ by.
+MTFKIT_CLONES Spreads spreads(const EdgeSums& sums, const BinRow& esf) {
+  const BinRow &count = sums.moment(0), &residual = sums.residual(0), &square = sums.square();
+  std::array<std::array<double, kLot>, 3> sum{}, dof{};
+  for (std::size_t i = 0; i < kBins; i += kLot)
+    for (std::size_t k = 0; k < kLot; ++k) {
+      const double n = count[i + k], r = residual[i + k], e = esf[i + k];
+      const bool some = n >= 2.0;
+      const double more = some ? n - 1.0 : 0.0;
+      const double own = std::max(0.0, square[i + k] - r * r / std::max(n, 1.0));
+      const double error = some ? own : 0.0;
+      const double dark = e < kPlateau ? 1.0 : 0.0, bright = e > 1.0 - kPlateau ? 1.0 : 0.0, edge = 1.0 - dark - bright;
+      sum[0][k] += dark * error;
+      sum[1][k] += edge * error;
+      sum[2][k] += bright * error;
+      dof[0][k] += dark * more;
+      dof[1][k] += edge * more;
+      dof[2][k] += bright * more;
+    }
+  const auto spread = [&](std::size_t j) {
+    return Spread{std::accumulate(sum[j].begin(), sum[j].end(), 0.0),
+                  std::accumulate(dof[j].begin(), dof[j].end(), 0.0)};
+  };
+  return {spread(0), spread(1), spread(2)};
+}
+
+// What pixels on the edge are expected to differ by, in sum.
+MTFKIT_CLONES double expected_on_edge(const EdgeSums& sums, const BinRow& esf, const NoiseModel& noise) {
+  const BinRow& count = sums.moment(0);
+  std::array<double, kLot> sum{};
+  for (std::size_t i = 0; i < kBins; i += kLot)
+    for (std::size_t k = 0; k < kLot; ++k) {
+      const double e = esf[i + k];
+      sum[k] += e >= kPlateau && e <= 1.0 - kPlateau ? std::max(0.0, count[i + k] - 1.0) * noise.at(e) : 0.0;
+    }
+  return std::accumulate(sum.begin(), sum.end(), 0.0);
+}
+
+MTFKIT_CLONES void fill_variances(const NoiseModel& noise, const BinRow& esf, BinRow& variance) {
+  for (std::size_t i = 0; i < kBins; ++i) variance[i] = noise.at(esf[i]);
+}
+
+}  // namespace
+
+NoiseModel estimate_noise(const EdgeSums& sums, const StepProfile& profile, double least, const Rounding& rounding) {
+  const auto [dark, edge, bright] = spreads(sums, profile.esf());
+  NoiseModel noise{.least_dark = std::max(least, rounding.dark * rounding.dark / 12.0),
+                   .least_bright = std::max(least, rounding.bright * rounding.bright / 12.0)};
+  constexpr double kFewest = 20.0;
+  const Spread both{dark.sum + bright.sum, dark.dof + bright.dof};
+  noise.dark = std::max(noise.least_dark, both.variance());
+  noise.bright = std::max(noise.least_bright, both.variance());
+  if (std::min(dark.dof, bright.dof) >= kFewest) {
+    const double a = std::max(noise.least_dark, dark.variance()), b = std::max(noise.least_bright, bright.variance());
+    if (std::abs(std::log(b / a)) > 3.5 * std::hypot(dark.error(), bright.error())) noise.dark = a, noise.bright = b;
+  }
+  // Across the edge the same pixels may show more: rounding that the plateaus hide.
+  if (edge.dof < kFewest) return noise;
+  const double expected = expected_on_edge(sums, profile.esf(), noise);
+  if (edge.sum > expected * (1.0 + 5.0 * edge.error())) {
+    noise.dark *= edge.sum / expected;
+    noise.bright *= edge.sum / expected;
+  }
+  return noise;
+}
+
+BinRow variances(const NoiseModel& noise, const StepProfile& profile) {
+  BinRow variance;
+  fill_variances(noise, profile.esf(), variance);
+  return variance;
+}
+
+BinRow pixel_weights(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile, const NoiseModel& noise,
+                     const Rounding& rounding) {
+  constexpr double kLong = 0.25;  // of the blur's width
+  BinRow weight = variances(noise, profile);
+  for (double& one : weight) one = 1.0 / one;
+  const double long_px = kLong / std::max(1e-3, std::abs(profile.lsf()[kSideBins]));
+  const auto share = [&](bool bright, double step, double variance) {
+    const double dither = std::max(0.0, variance / (step * step) - 1.0 / 12.0);
+    const double shared = step * step / 12.0 * std::exp(-4.0 * std::numbers::pi * std::numbers::pi * dither);
+    const auto bin = [&](int k) { return bright ? kBins - 1 - k : k; };  // from the far end inwards
+    const auto step_of = [&](int k) {
+      const double esf = profile.esf()[static_cast<std::size_t>(bin(k))];
+      return std::round(2.0 * model.contrast() * (bright ? 1.0 - esf : esf) / step);
+    };
+    for (int first = 0, last = 0; first < kSideBins; first = last) {
+      double n = 0.0, length_px = 0.0;
+      for (; last < kSideBins && step_of(last) == step_of(first); ++last) {
+        n += sums.count(bin(last));
+        length_px += DistanceBins::get().width(bin(last));
+      }
+      if (length_px < long_px) break;
+      for (int k = first; k < last; ++k) {
+        double& one = weight[static_cast<std::size_t>(bin(k))];
+        one = 1.0 / (1.0 / one + n * shared);
+      }
+    }
+  };
+  if (rounding.dark > 0.0) share(false, rounding.dark, noise.dark);
+  if (rounding.bright > 0.0) share(true, rounding.bright, noise.bright);
+  return weight;
+}
+
+}  // namespace calib

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/measure/edge_sums.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include "calib/edge/edge_distances.h"
+#include "mtf/engines/clones.h"
+
+namespace calib {
+namespace {
+
+constexpr std::size_t kChunk = 128;
+
+struct Chunk {
+  std::array<double, kChunk> distance, along;  // px, then parts of the half length
+  std::array<double, kChunk> esf, residual;    // residual: the value, then less the model
+  std::array<double, kChunk> offset;           // from the bin's centre
+  std::array<std::int32_t, kChunk> bin;        // kBins for pixels out of reach
+  std::size_t size = 0;
+};
+
+// Coordinates about the tangent at the curve's origin.
+MTFKIT_CLONES void place(const double* x, const double* y, const double* value, std::size_t step, Point origin, Point n,
+                         Chunk& chunk) {
+  const std::size_t size = chunk.size;
+  for (std::size_t k = 0; k < size; ++k) {
+    const double dx = x[k * step] - origin.x, dy = y[k * step] - origin.y;
+    chunk.distance[k] = n.x * dx + n.y * dy;
+    chunk.along[k] = n.x * dy - n.y * dx;
+    chunk.residual[k] = value[k * step];
+  }
+}
+
+// Bins from the edge outwards are a line over the distance in each zone, flatter in each: their number is the least of
+// the lines.
+struct ZoneLine {
+  double start, per_px;
+};
+constexpr std::array<ZoneLine, kDistanceZones.size()> zone_lines() {
+  std::array<ZoneLine, kDistanceZones.size()> lines{};
+  double bins = 0.0, from = 0.0;
+  for (std::size_t z = 0; z < lines.size(); ++z) {
+    const DistanceZone& zone = kDistanceZones[z];
+    lines[z] = {bins - from / zone.step_px, 1.0 / zone.step_px};
+    bins += (zone.end_px - from) / zone.step_px;
+    from = zone.end_px;
+  }
+  return lines;
+}
+
+// kBins for pixels out of reach.
+MTFKIT_CLONES void find_bins(const double* __restrict distance, std::int32_t* __restrict bin, std::size_t size) {
+  constexpr std::array kLines = zone_lines();
+  for (std::size_t k = 0; k < size; ++k) {
+    const double d = distance[k], away = std::abs(d);
+    double outwards = kLines[0].per_px * away;
+    for (std::size_t z = 1; z < kLines.size(); ++z)
+      outwards = std::min(outwards, kLines[z].start + kLines[z].per_px * away);
+    const bool inside = outwards < kSideBins;  // rounded as it is: a hair within the reach is beyond the last bin
+    const auto whole = static_cast<std::int32_t>(inside ? outwards : 0.0);
+    const std::int32_t found = d < 0.0 ? kSideBins - 1 - whole : kSideBins + whole;
+    bin[k] = inside ? found : kBins;
+  }
+}
+
+MTFKIT_CLONES void look_up(const StepProfile& profile, const DistanceBins& bins, Chunk& chunk) {
+  const double *const c0 = profile.cubic(0).data(), *const c1 = profile.cubic(1).data(),
+                      *const c2 = profile.cubic(2).data(), *const c3 = profile.cubic(3).data();
+  const std::size_t size = chunk.size;
+  for (std::size_t k = 0; k < size; ++k) {
+    const int i = std::min(chunk.bin[k], kBins - 1);  // any number for pixels out of reach
+    const double x = chunk.distance[k] - bins.centre(i);
+    chunk.offset[k] = x;
+    chunk.esf[k] = c0[i] + x * (c1[i] + x * (c2[i] + x * c3[i]));
+  }
+}
+
+MTFKIT_CLONES void subtract_model(const std::array<double, kLevels>& level, const double* __restrict distance,
+                                  const double* __restrict along, const double* __restrict esf,
+                                  double* __restrict residual, std::size_t size) {
+  const double a0 = level[0], b0 = level[1], a_d = level[2], b_d = level[3], a_t = level[4], b_t = level[5];
+  for (std::size_t k = 0; k < size; ++k) {
+    const double d = distance[k], t = along[k];
+    const double dark = a0 + a_d * d + a_t * t, bright = b0 + b_d * d + b_t * t;
+    residual[k] -= dark + (bright - dark) * esf[k];
+  }
+}
+
+using Four [[gnu::vector_size(4 * sizeof(double))]] = double;
+
+// 1, t, t^2, r and r t, r^2, d - centre: the first four as products of two rows of 0, 1, t and r.
+MTFKIT_CLONES void add_plain(const Chunk& chunk, double* sums) {
+  constexpr Four kOne{1, 0, 0, 0}, kT{0, 1, 1, 0}, kR{0, 0, 0, 1}, kOtherOne{1, 1, 0, 1}, kOtherT{0, 0, 1, 0};
+  const std::size_t size = chunk.size;
+  for (std::size_t k = 0; k < size; ++k) {
+    const double t = chunk.along[k], r = chunk.residual[k];
+    double* s = sums + 8 * static_cast<std::ptrdiff_t>(chunk.bin[k]);
+    Four first, second;
+    std::memcpy(&first, s, sizeof first);
+    std::memcpy(&second, s + 4, sizeof second);
+    first += (kOne + kT * t + kR * r) * (kOtherOne + kOtherT * t);
+    second += Four{t * r, r * r, chunk.offset[k], 0.0};
+    std::memcpy(s, &first, sizeof first);
+    std::memcpy(s + 4, &second, sizeof second);
+  }
+}
+
+// t^3, t^4, r t^2, then t^5, t^6, r t^3 and so on, four numbers an order above the first, in bins from `first` on.
+MTFKIT_CLONES void add_bent(const Chunk& chunk, int orders, int first, int bins, double* sums) {
+  const std::size_t size = chunk.size;
+  for (std::size_t k = 0; k < size; ++k) {
+    const int bin = chunk.bin[k] - first;
+    if (bin < 0 || bin >= bins) continue;
+    const double t = chunk.along[k], t2 = t * t;
+    const Four more{t2, t2, t, 0.0};
+    Four powers{t2 * t, t2 * t2, chunk.residual[k] * t2, 0.0};
+    double* s = sums + 4 * static_cast<std::ptrdiff_t>(bin * orders);
+    for (int order = 0; order < orders; ++order, s += 4, powers *= more) {
+      Four sum;
+      std::memcpy(&sum, s, sizeof sum);
+      sum += powers;
+      std::memcpy(s, &sum, sizeof sum);
+    }
+  }
+}
+
+// From four numbers a bin, `stride` apart from those of the next, to four rows; a whole number of lots.
+MTFKIT_CLONES void turn(const double* sums, std::size_t stride, std::size_t first, std::size_t end,
+                        const std::array<double*, 4>& rows) {
+  for (std::size_t i = first; i < end; i += 4, sums += 4 * stride) {
+    Four a, b, c, d;
+    std::memcpy(&a, sums, sizeof a);
+    std::memcpy(&b, sums + stride, sizeof b);
+    std::memcpy(&c, sums + 2 * stride, sizeof c);
+    std::memcpy(&d, sums + 3 * stride, sizeof d);
+    const Four ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const Four cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    a = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5);
+    b = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5);
+    c = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7);
+    d = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
+    std::memcpy(rows[0] + i, &a, sizeof a);
+    std::memcpy(rows[1] + i, &b, sizeof b);
+    std::memcpy(rows[2] + i, &c, sizeof c);
+    std::memcpy(rows[3] + i, &d, sizeof d);
+  }
+}
+
+// Residuals less by the sum of change[k] t^k, k <= highest.
+MTFKIT_CLONES void take_rows(const std::array<BinRow, kHighestOrder + 1>& change,
+                             const std::array<const BinRow*, 2 * kHighestOrder + 1>& moment,
+                             const std::array<BinRow*, kHighestOrder + 1>& residual, BinRow& square, std::size_t first,
+                             std::size_t end, std::size_t highest) {
+  for (std::size_t k = 0; k <= highest; ++k) {
+    BinRow taken;
+    for (std::size_t i = first; i < end; ++i) taken[i] = change[0][i] * (*moment[k])[i];
+    for (std::size_t j = 1; j <= highest; ++j) {
+      const BinRow &one = change[j], &power = *moment[j + k];
+      for (std::size_t i = first; i < end; ++i) taken[i] += one[i] * power[i];
+    }
+    const BinRow& mine = change[k];
+    BinRow& r = *residual[k];
+    for (std::size_t i = first; i < end; ++i) {
+      square[i] -= mine[i] * (2.0 * r[i] - taken[i]);
+      r[i] -= taken[i];
+    }
+  }
+}
+
+}  // namespace
+
+EdgeSums EdgeSums::up_to(int order) const {
+  EdgeSums part;
+  part.rows_.assign(rows_.begin(), rows_.begin() + static_cast<std::ptrdiff_t>(std::min(rows_of(order), rows_.size())));
+  return part;
+}
+
+void EdgeSums::take_from_residual(const std::array<BinRow, kHighestOrder + 1>& change, const StepProfile& profile) {
+  std::array<const BinRow*, 2 * kHighestOrder + 1> moments{};
+  std::array<BinRow*, kHighestOrder + 1> residuals{};
+  for (int k = 0; k <= 2 * order(); ++k) moments[static_cast<std::size_t>(k)] = &moment(k);
+  for (int k = 0; k <= order(); ++k) residuals[static_cast<std::size_t>(k)] = &rows_[residual_row(k)];
+  const auto take = [&](int first, int end, int highest) {
+    take_rows(change, moments, residuals, rows_[1], static_cast<std::size_t>(first), static_cast<std::size_t>(end),
+              static_cast<std::size_t>(highest));
+  };
+  take(0, profile.bend_first, 1);
+  take(profile.bend_first, profile.bend_end, order());
+  take(profile.bend_end, kBins, 1);
+}
+
+double EdgeSums::pure_error(int i) const {
+  const auto at = static_cast<std::size_t>(i);
+  const double n = moment(0)[at], r = residual(0)[at];
+  return n > 1.0 ? std::max(0.0, square()[at] - r * r / n) : 0.0;
+}
+
+EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, int order,
+                    std::size_t step) {
+  const double per_length = 1.0 / model.curve.half_length_px;
+  const Point normal = model.curve.normal();
+  const int first_bent = profile.bend_first, orders = order - 1;
+  const int bent_bins = orders > 0 ? profile.bend_end - first_bent : 0;
+  // One cache line a bin, and one more bin for pixels out of reach.
+  constexpr std::size_t kPlain = 8, kBent = 4;
+  alignas(64) std::array<double, (kBins + 1) * kPlain> plain{};
+  std::vector<double> bent(kBent * static_cast<std::size_t>(bent_bins * orders));
+  Chunk chunk;
+  for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
+    chunk.size = std::min(kChunk, (pixels.size() - first + step - 1) / step);
+    place(pixels.x() + first, pixels.y() + first, pixels.value() + first, step, model.curve.origin, normal, chunk);
+    bend_all(model.curve, {chunk.distance.data(), chunk.size}, {chunk.along.data(), chunk.size});
+    for (std::size_t k = 0; k < chunk.size; ++k) chunk.along[k] *= per_length;
+    find_bins(chunk.distance.data(), chunk.bin.data(), chunk.size);
+    look_up(profile, DistanceBins::get(), chunk);
+    subtract_model(model.level, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
+                   chunk.size);
+    add_plain(chunk, plain.data());
+    if (orders > 0) add_bent(chunk, orders, first_bent, bent_bins, bent.data());
+  }
+  EdgeSums sums;
+  sums.rows_.resize(EdgeSums::rows_of(order));
+  const auto moment = [&](int k) { return sums.rows_[EdgeSums::moment_row(k)].data(); };
+  const auto residual = [&](int k) { return sums.rows_[EdgeSums::residual_row(k)].data(); };
+  BinRow unused;
+  turn(plain.data(), kPlain, 0, kBins, {moment(0), moment(1), moment(2), residual(0)});
+  turn(plain.data() + 4, kPlain, 0, kBins, {residual(1), sums.rows_[1].data(), sums.rows_[0].data(), unused.data()});
+  for (int k = 2; k <= order; ++k)
+    turn(bent.data() + kBent * static_cast<std::size_t>(k - 2), kBent * static_cast<std::size_t>(orders),
+         static_cast<std::size_t>(first_bent), static_cast<std::size_t>(profile.bend_end),
+         {moment(2 * k - 1), moment(2 * k), residual(k), unused.data()});
+  return sums;
+}
+
+}  // namespace calib

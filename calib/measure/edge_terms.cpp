@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/measure/edge_terms.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace calib {
+namespace {
+
+// The equations of some unknowns, scaled to a unit diagonal.
+struct Selection {
+  std::vector<int> list;
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd gradient, scale;
+};
+
+Selection select(const NormalEquations& normal, const Unknowns& unknowns) {
+  Selection all;
+  for (int a = 0; a < kUnknowns; ++a)
+    if (unknowns[static_cast<std::size_t>(a)] && normal.matrix(a, a) > 0.0) all.list.push_back(a);
+  const auto n = static_cast<Eigen::Index>(all.list.size());
+  all.matrix.resize(n, n);
+  all.gradient.resize(n);
+  all.scale.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int a = all.list[static_cast<std::size_t>(i)];
+    all.scale[i] = 1.0 / std::sqrt(normal.matrix(a, a));
+    all.gradient[i] = normal.gradient[a] * all.scale[i];
+    for (Eigen::Index j = 0; j <= i; ++j)
+      all.matrix(i, j) = all.matrix(j, i) =
+          normal.matrix(a, all.list[static_cast<std::size_t>(j)]) * all.scale[i] * all.scale[j];
+    all.matrix(i, i) += 1e-12;
+  }
+  return all;
+}
+
+struct Gain {
+  double chi2 = 0.0;
+  Vector step = Vector::Zero();
+};
+
+// What a linear step in these unknowns takes off chi2.
+Gain gain_of(const NormalEquations& normal, const Unknowns& unknowns) {
+  const Selection all = select(normal, unknowns);
+  const Eigen::VectorXd x = all.matrix.ldlt().solve(all.gradient);
+  Gain gain{.chi2 = x.dot(all.gradient)};
+  for (std::size_t i = 0; i < all.list.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    gain.step[all.list[i]] = x[k] * all.scale[k];
+  }
+  return gain;
+}
+
+// Largest height of the terms t^first .. t^last over the edge.
+double largest_bend(const Vector& step, int first, int last) {
+  constexpr int kSteps = 20;
+  double most = 0.0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double t = 2.0 * i / kSteps - 1.0;
+    double height = 0.0;
+    for (int k = last; k >= first; --k) height = (height + step[kFirstShift + k]) * t;
+    most = std::max(most, std::abs(height * std::pow(t, first - 1)));
+  }
+  return most;
+}
+
+}  // namespace
+
+Unknowns basic_unknowns() {
+  Unknowns unknowns;
+  for (const int a : {0, 1, kFirstShift, kFirstShift + 1}) unknowns.set(static_cast<std::size_t>(a));
+  for (int k = 0; k < kShapes; ++k) unknowns.set(static_cast<std::size_t>(kFirstShape + k));
+  return unknowns;
+}
+
+Unknowns with_order(Unknowns unknowns, int order) {
+  for (int k = 2; k <= order; ++k) unknowns.set(static_cast<std::size_t>(kFirstShift + k));
+  return unknowns;
+}
+
+Unknowns with_gradients(Unknowns unknowns) {
+  for (std::size_t a = 2; a < kLevels; ++a) unknowns.set(a);
+  return unknowns;
+}
+
+Unknowns without_bounds(Unknowns unknowns, const EdgeModel& model) {
+  if (model.shape.s_px < 1e-9) unknowns.reset(kFirstShape);
+  if (model.shape.v_px2 <= kLeastVariance_px2 * 1.0001) unknowns.reset(kFirstShape + 1);
+  if (model.shape.q_px2 < 1e-9) unknowns.reset(kFirstShape + 2);
+  return unknowns;
+}
+
+Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_px, const MeasureOptions& options,
+                   int least_order) {
+  constexpr double kSureGradient = 8.0, kSureBend = 12.0;  // F: once in 10^5 and in 2000 straight, even edges
+  constexpr double kLeastGradient = 2e-3;                  // of the contrast, at the end of the reach
+  constexpr double kLeastBend_px = 3e-3;                   // changes no MTF by more than 1e-4
+  const Unknowns base = without_bounds(basic_unknowns(), model);
+  const Gain all = gain_of(state.normal, with_gradients(with_order(base, kHighestOrder)));
+  const double unit = std::max(1.0, (state.normal.chi2 - all.chi2) / std::max(1.0, state.normal.count - kUnknowns));
+  Terms terms;
+  const int tested = options.order || options.circle ? options.order.value_or(2) : least_order;
+  const Gain flat = gain_of(state.normal, with_order(base, tested));
+  const Gain tilted = gain_of(state.normal, with_gradients(with_order(base, tested)));
+  const double across = std::max(std::abs(tilted.step[2]), std::abs(tilted.step[3])) * reach_px;
+  const double along = std::max(std::abs(tilted.step[4]), std::abs(tilted.step[5]));
+  terms.gradients = (tilted.chi2 - flat.chi2) / 4.0 > kSureGradient * unit &&
+                    std::max(across, along) > kLeastGradient * std::abs(model.contrast());
+  if (options.circle || options.order) {
+    terms.order = options.circle ? 2 : *options.order;
+    return terms;
+  }
+  terms.order = least_order;
+  const Unknowns rest = with_order(terms.gradients ? with_gradients(base) : base, least_order);
+  double reached = gain_of(state.normal, rest).chi2;
+  for (int order = least_order + 1; order <= kHighestOrder; ++order) {
+    const Gain bent = gain_of(state.normal, with_order(rest, order));
+    if ((bent.chi2 - reached) / (order - terms.order) <= kSureBend * unit) continue;
+    if (largest_bend(bent.step, terms.order + 1, order) < kLeastBend_px) continue;
+    terms.order = order;
+    reached = bent.chi2;
+  }
+  return terms;
+}
+
+bool levels_bend(const FitState& state, const EdgeModel& model, double width_px, double reach_px) {
+  constexpr double kSure = 15.0;     // chi2: once in 10^4 straight sides
+  constexpr double kLeast = 1.5e-3;  // of the contrast: the bend's height over the part
+  const DistanceBins& bins = DistanceBins::get();
+  const double from = std::max(3.0 * width_px, 0.3 * reach_px);
+  for (const int sign : {-1, 1}) {
+    Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    double end = 0.0;
+    for (int i = 0; i < kBins; ++i) {
+      const double d = sign * bins.centre(i), n = state.sums.count(i);
+      if (d < from || n == 0.0) continue;
+      const double weight = state.weight[static_cast<std::size_t>(i)], x = d / reach_px;
+      const Eigen::Vector3d row(1.0, x, x * x);
+      matrix += weight * n * row * row.transpose();
+      right += weight * state.sums.residual(0)[static_cast<std::size_t>(i)] * row;
+      end = std::max(end, x);
+    }
+    const Eigen::LDLT<Eigen::Matrix3d> factor(matrix);
+    if (!(matrix(2, 2) > 0.0) || factor.rcond() < 1e-12) continue;
+    const double bend = factor.solve(right)[2];
+    const double variance = factor.solve(Eigen::Vector3d::Unit(2))[2];
+    const double half = 0.5 * (end - from / reach_px);
+    if (bend * bend > kSure * variance && std::abs(bend) * half * half > kLeast * model.contrast()) return true;
+  }
+  return false;
+}
+
+bool shows_diffraction(const FitState& state, const EdgeModel& model, const Unknowns& unknowns) {
+  constexpr double kSure = 6.0;  // chi2: once in 140 blurs without diffraction
+  NormalEquations normal = state.normal;
+  add_prior(normal, model.shape, unknowns);
+  const Selection all = select(normal, without_bounds(unknowns, model));
+  for (std::size_t i = 0; i < all.list.size(); ++i) {
+    if (all.list[i] != kFirstShape) continue;
+    const auto k = static_cast<Eigen::Index>(i);
+    const Eigen::VectorXd column = all.matrix.ldlt().solve(Eigen::VectorXd::Unit(all.matrix.rows(), k));
+    const double variance = column[k] * all.scale[k] * all.scale[k];
+    const double s_px = std::max(0.0, model.shape.s_px + column.dot(all.gradient) * all.scale[k]);
+    return s_px * s_px > kSure * variance;
+  }
+  return false;
+}
+
+void set_order(EdgeCurve& curve, int order, bool circle) {
+  if (circle) {
+    curve.shape = EdgeCurve::Shape::circle;
+  } else if (order > 1) {
+    curve.shape = EdgeCurve::Shape::polynomial;
+    curve.coefficient.resize(static_cast<std::size_t>(order - 1));
+  }
+}
+
+}  // namespace calib

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/measure/esf_refine.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calib/edge/edge_response.h"
+
+namespace calib {
+namespace {
+
+// Changes of E and of its slope, the line spread, at the middle of each bin.
+struct Change {
+  BinRow esf{}, lsf{};
+};
+
+// `taken`: how much of the changes the model moves by; the rest stays with the step.
+Change change_of(const StepProfile& reference, const JointFit& joint, const Vector& taken) {
+  const DistanceBins& bins = DistanceBins::get();
+  Change change;
+  for (std::size_t i = 0; i < joint.unknowns.size(); ++i) {
+    const int a = joint.unknowns[i];
+    if (a < kFirstShape && a != kFirstShift) continue;
+    const double left = joint.contrast_ratio * joint.value[static_cast<Eigen::Index>(i)] - taken[a];
+    const bool offset = a == kFirstShift;
+    const auto& slope = offset ? reference.lsf() : reference.slope(static_cast<std::size_t>(a - kFirstShape));
+    const double value = offset ? -left : left;
+    for (int b = 0; b < kBins; ++b) {
+      const auto at = static_cast<std::size_t>(b), before = at - (b > 0), after = at + (b + 1 < kBins);
+      change.esf[at] += value * slope[at];
+      change.lsf[at] += value * (slope[after] - slope[before]) /
+                        (bins.centre(static_cast<int>(after)) - bins.centre(static_cast<int>(before)));
+    }
+  }
+  for (std::size_t j = 0; j < joint.splines.size(); ++j) {
+    const SplinePair& pair = joint.splines[j];
+    const double value = joint.contrast_ratio * joint.value[static_cast<Eigen::Index>(joint.unknowns.size() + j)];
+    for (int b = 0; b < kBins; ++b) {
+      const double d = bins.centre(b), sign = d < 0.0 ? -1.0 : 1.0;
+      const double e = pair_value(pair, std::abs(d)), slope = pair_slope(pair, std::abs(d));
+      change.esf[static_cast<std::size_t>(b)] += value * (pair.odd ? sign * e : e);
+      change.lsf[static_cast<std::size_t>(b)] += value * (pair.odd ? slope : sign * slope);
+    }
+  }
+  return change;
+}
+
+// The splines can take the place of the shape's changes, so that these may be far larger than they are linear: at most
+// a factor of two in the Gaussian, half a blur in the others.
+double trusted_part(const ReferenceShape& shape, const Eigen::Vector3d& step) {
+  const double blur_px2 = shape.blur_px2();
+  const double most = std::max({std::abs(step[0]) / std::sqrt(blur_px2), 2.0 * std::abs(step[1]) / blur_px2,
+                                std::abs(step[2]) / (6.0 * blur_px2)});
+  return most > 1.0 ? 1.0 / most : 1.0;
+}
+
+}  // namespace
+
+Vector movement(const JointFit& joint, double shift_px) {
+  Vector step = Vector::Zero();
+  for (std::size_t i = 0; i < joint.unknowns.size(); ++i)
+    step[joint.unknowns[i]] = joint.value[static_cast<Eigen::Index>(i)];
+  step[kFirstShift] = shift_px;
+  return step;
+}
+
+StepProfile corrected_profile(const StepProfile& reference, const JointFit& joint, const Vector& taken) {
+  const Change change = change_of(reference, joint, taken);
+  const DistanceBins& bins = DistanceBins::get();
+  StepProfile profile = reference;
+  BinRow c2;
+  for (std::size_t i = 0; i < kBins; ++i) {
+    const std::size_t before = i - (i > 0), after = i + (i + 1 < kBins);
+    const double apart = bins.centre(static_cast<int>(after)) - bins.centre(static_cast<int>(before));
+    c2[i] = 0.5 * (change.lsf[after] - change.lsf[before]) / apart;
+  }
+  profile.correct(change.esf, change.lsf, c2);
+  return profile;
+}
+
+FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& reference, const JointFit& joint,
+                const FitRounds& rounds) {
+  Vector step = movement(joint, EdgeResponse(model, joint).shift_px());
+  step.tail<kShapes>() *= trusted_part(model.shape, step.tail<kShapes>());
+  move(model, step);
+  FitState next;
+  next.profile = corrected_profile(reference, joint, step);
+  next.sums = accumulate(pixels, model, next.profile, order_of(rounds.unknowns));
+  next.noise = noise_of(next.sums, next.profile, rounds);
+  reference = StepProfile(tabulate(model.shape, model.curve.angle_rad));
+  std::array<BinRow, kHighestOrder + 1> change{};
+  for (std::size_t i = 0; i < kBins; ++i)
+    change[0][i] = model.contrast() * (reference.esf()[i] - next.profile.esf()[i]);
+  next.sums.take_from_residual(change, next.profile);
+  next.profile.set_slopes(reference);
+  assemble(next, model, rounds);
+  next.converged = true;
+  return next;
+}
+
+}  // namespace calib

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// One more look at the pixels with what the correction found: residuals, noise and the line spread are taken about the
+// corrected edge spread function, at the moved geometry, so that a reference far from the truth (a blur with contrast
+// reversal, a sharpened image) does not pass for noise or turn the edge.
+
+#include "calib/measure/esf_correction.h"
+
+namespace calib {
+
+/// The step with the joint fit's changes of shape and its splines, less what a move of the model by `taken` does.
+StepProfile corrected_profile(const StepProfile& reference, const JointFit& joint, const Vector& taken);
+
+/// The state of the model moved by the joint fit, in levels, geometry and shape: residuals and noise are those about
+/// the corrected step, the equations are about the reference of the new shape, so that solve_jointly() starts over from
+/// it. `reference` is that of the model and becomes that of the moved one.
+FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& reference, const JointFit& joint,
+                const FitRounds& rounds);
+
+/// What a joint fit moves the model by; `shift_px`: the location of its response (EdgeResponse).
+Vector movement(const JointFit& joint, double shift_px);
+
+}  // namespace calib

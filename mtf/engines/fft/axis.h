@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// One axis of the spectral engine: how an image axis becomes frequencies, and how filtered frequencies become detector
+// samples. The same trigonometric polynomial is sampled in both ways of `Resampling`:
+//   fold   the canvas is a whole number of pitches: frequencies that alias onto one another are added, then one
+//          transform of the detector's length gives the samples;
+//   chirp  any other ratio: the polynomial is evaluated at the detector centres (Bluestein's chirp transform).
+
+#include <cstdint>
+#include <vector>
+
+#include "mtf/engines/fft/batched_fft.h"
+#include "mtf/grid.h"
+#include "mtf/image.h"
+#include "mtf/plan/border.h"
+
+namespace mtf {
+
+enum class Resampling { fold, chirp };
+
+/// What is transformed first, and last again: the rows of an image, or its columns. Which is a matter of speed only:
+/// lines of one level are not transformed.
+enum class Lines { rows, columns };
+
+/// Of a part of an OTF along one axis.
+enum class Parity { even, odd };
+
+struct AxisTransform {
+  bool operator==(const AxisTransform&) const = default;
+  FrequencyAxis frequency;  ///< basis, canvas length, scene step
+  Border border{};
+  std::int64_t samples = 0;  ///< image samples of the scene
+  std::int64_t outputs = 0;  ///< detector samples wanted, from the shared corner
+  double pitch_um = 0.0;
+  Resampling resampling{};
+  std::int64_t out_length = 0;  ///< fold: length of the detector transform
+  std::int64_t keep = 0;        ///< frequencies with |k| < keep are used, the others are zero
+  bool odd = false;             ///< cosine: the OTF has parts that are odd along this axis and make cosines sines
+
+  /// Phase advance of frequency 1 per detector sample, and at detector sample 0, in turns.
+  double turns_per_output() const { return pitch_um / frequency.period_um(); }
+  double turns_at_first() const;
+};
+
+/// Contribution of one frequency to the input of the inverse transform: target += factor x OTF x source.
+struct Term {
+  std::int32_t k = 0;       ///< signed frequency
+  std::int32_t source = 0;  ///< transform row (fourier) or k (cosine)
+  std::int32_t target = 0;
+  std::int32_t otf = 0;  ///< row of the OTF
+  double re = 1.0, im = 0.0;
+};
+
+/// Signed frequencies k of the rows of an OTF: those that are kept; in the cosine basis those that are not negative.
+std::vector<std::int64_t> otf_frequencies(const AxisTransform& job);
+
+/// All terms of an axis, of a part of the OTF. A sine is a cosine whose frequency counts from the far end, with
+/// alternating signs: sin(pi k (j + 1/2) / n) = (-1)^j cos(pi (n - k) (j + 1/2) / n). The terms of the odd parity make
+/// those cosines where they fold, and the sines themselves where they chirp.
+std::vector<Term> axis_terms(const AxisTransform& job, Parity parity);
+
+/// Length of the transform that `target` counts in: out_length for fold, the chirp's convolution length else.
+std::int64_t inverse_length(const AxisTransform& job);
+
+/// Bluestein evaluation of sum_k g_k exp(2 pi i k (t0 + j t)), |k| < keep, j = 0 .. outputs-1, on lanes. The input
+/// holds g_k at row k + keep - 1, times the factors of its terms.
+template <class S>
+class Chirp {
+ public:
+  Chirp() = default;
+  Chirp(const AxisTransform& job, fft::Rigor rigor);
+  void run(S* data) const;  ///< inverse_length rows in, outputs rows out, in place
+
+ private:
+  std::int64_t outputs_ = 0;
+  BatchedFft<S> transform_;
+  std::vector<S> kernel_, after_;
+};
+
+extern template class Chirp<float>;
+extern template class Chirp<double>;
+
+/// Rotation exp(2 pi i turns), the argument reduced first.
+Complex<double> rotation(long double turns);
+
+/// exp(-i pi k / 2n), k = 0 .. n-1, real and imaginary part: between the transform of n samples in Makhoul's order and
+/// their cosines.
+template <class S>
+std::vector<S> cosine_twiddles(std::int64_t n);
+
+}  // namespace mtf

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The only door to FFTW: one-dimensional transforms of fixed length, one thread each. Planning is serialised behind one
+// lock (FFTW's planner is not thread-safe); execution is const and re-entrant. Data are aligned to 64 bytes
+// (AlignedBuffer).
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mtf/frame.h"
+#include "mtf/image.h"
+
+namespace mtf::fft {
+
+/// How much planning: estimate is reproducible between runs; measure times candidates (slow planning, faster runs).
+enum class Rigor { estimate, measure };
+
+/// Complex sequences side by side, in place, unnormalised: element n of lane l at re[2 n lanes + l] and the same of im,
+/// im = re + lanes. For the lengths that BatchedFft leaves to FFTW.
+template <class S>
+class Split {
+ public:
+  Split() = default;
+  Split(std::int64_t n, int lanes, Rigor rigor);
+  void forward(S* re, S* im) const;  ///< sign -1
+  void inverse(S* re, S* im) const;  ///< sign +1
+
+ private:
+  std::shared_ptr<void> forward_, inverse_;
+};
+
+/// n reals -> n/2 + 1 complex numbers, sign -1. `in` is destroyed or not, as FFTW likes; in != out.
+class RealForward {
+ public:
+  RealForward() = default;
+  RealForward(std::int64_t n, Rigor rigor);
+  void execute(float* in, float* out) const;
+
+ private:
+  std::shared_ptr<void> plan_;
+};
+
+/// One complex sequence in double, in place, unnormalised: for references.
+class ComplexDouble {
+ public:
+  ComplexDouble() = default;
+  ComplexDouble(std::int64_t n, bool forward);
+  void execute(Complex<double>* data) const;
+
+ private:
+  std::shared_ptr<void> plan_;
+};
+
+/// Real two-dimensional transform and back, float, one thread, on memory of its own: the floor that benchmarks compare
+/// with.
+class RealPair2d {
+ public:
+  enum class Place { out, in };
+  RealPair2d(std::int64_t width, std::int64_t height, Place place, Rigor rigor);
+  void execute() const;
+
+ private:
+  AlignedBuffer<float> real_, half_;
+  std::shared_ptr<void> forward_, backward_;
+};
+
+/// In-place complex transform in double, sign +1, unnormalised: for plan-time work on one sequence.
+void inverse(std::vector<Complex<double>>& data);
+
+/// Wisdom: what Rigor::measure has learnt, as text to be kept per host. False when the text is not wisdom.
+bool import_wisdom(const std::string& text);
+std::string export_wisdom();
+
+/// "fftw-3.3.10-sse2-avx".
+std::string version();
+
+}  // namespace mtf::fft

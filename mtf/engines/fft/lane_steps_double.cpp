@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/engines/fft/lane_steps_impl.h"
+
+namespace mtf::lanes {
+
+template void run_step<double, Way::forward>(const Step<double>&, double*, std::int64_t, const double*,
+                                             const std::int32_t*);
+template void run_step<double, Way::gather>(const Step<double>&, double*, std::int64_t, const double*,
+                                            const std::int32_t*);
+template void run_step<double, Way::inverse>(const Step<double>&, double*, std::int64_t, const double*,
+                                             const std::int32_t*);
+
+}  // namespace mtf::lanes

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/engines/fft/spectral.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+
+#include "mtf/engines/mean_and_deviation.h"
+#include "mtf/parallel.h"
+
+namespace mtf {
+namespace {
+
+static_assert(kRow == kernels::kColumns);
+
+constexpr std::int64_t round_up(std::int64_t n, std::int64_t step) { return (n + step - 1) / step * step; }
+
+template <class S>
+void add(const S* __restrict from, std::int64_t count, S* __restrict to) {
+  for (std::int64_t i = 0; i < count; ++i) to[i] += from[i];
+}
+
+}  // namespace
+
+std::vector<OtfPart> otf_parts(const AxisTransform& x, const AxisTransform& y, bool real) {
+  std::vector<OtfPart> parts{{Parity::even, Parity::even}};
+  if (y.odd && !real) parts.push_back({Parity::even, Parity::odd});
+  if (x.odd && !real) parts.push_back({Parity::odd, Parity::even});
+  if (x.odd && y.odd) parts.push_back({Parity::odd, Parity::odd});
+  return parts;
+}
+
+template <class S>
+SpectralEngine<S>::SpectralEngine(const AxisTransform& x, const AxisTransform& y, Lines lines, fft::Rigor rigor)
+    : x_(x, true, rigor), y_(y, false, rigor), lines_(lines) {
+  assert(x.frequency.basis == Basis::fourier ? !y.odd : y.frequency.basis == Basis::cosine);
+}
+
+template <class S>
+OtfBlocks<S> SpectralEngine<S>::make_blocks(bool real) const {
+  const std::vector<OtfPart> parts = otf_parts(x(), y(), real);
+  const auto rows = static_cast<std::int64_t>(otf_frequencies(y()).size());
+  const auto count = static_cast<std::int64_t>(parts.size()) * blocks() * rows * kRow;
+  return {!real && x().frequency.basis == Basis::fourier, parts, blocks(), rows,
+          BufferPool::Loan<S>(pool_, static_cast<std::size_t>(count))};
+}
+
+template <class S>
+double SpectralEngine<S>::otf_scale() const {
+  return 1.0 / (static_cast<double>(x().frequency.length) * static_cast<double>(y().frequency.length));
+}
+
+template <class S>
+std::int64_t SpectralEngine<S>::block_rows() const {
+  // Whole groups of rows, and one more for the level beyond a border, which also keeps the blocks of one row out of the
+  // same cache sets.
+  return round_up(std::max(y().samples, y().outputs), kRow) + 1;
+}
+
+template <class S>
+std::int64_t SpectralEngine<S>::coefficient_rows() const {
+  return blocks() * kRow;
+}
+
+template <class S>
+std::int64_t SpectralEngine<S>::line_stride() const {
+  return round_up(std::max(x().samples, x().outputs), kLanes) + kLanes;
+}
+
+template <class S>
+std::int64_t SpectralEngine<S>::run_bytes(std::int64_t channels, int threads) const {
+  const std::int64_t planes = x().odd ? 2 : 1, areas = x().odd || y().odd ? 3 : 2;
+  const std::int64_t rows =
+      coefficient_rows() + line_stride() + x().samples + 1 + areas * std::max(x_.rows(), y_.rows());
+  const std::int64_t numbers = planes * channels * blocks() * block_rows() + std::int64_t{std::max(threads, 1)} * rows;
+  return numbers * kRow * static_cast<std::int64_t>(sizeof(S));
+}
+
+template <class S>
+void SpectralEngine<S>::run(const std::vector<Channel>& channels, const OtfBlocks<S>& otf, int threads) const {
+  std::vector<BufferPool::Loan<S>> loans;
+  const auto buffer = [&] {
+    loans.emplace_back(pool_, static_cast<std::size_t>(blocks() * block_rows() * kRow));
+    return loans.back().data();
+  };
+  std::vector<Plane> planes;
+  for (const Channel& channel : channels) {
+    S* even = buffer();
+    planes.push_back(read(channel, {even, x().odd ? buffer() : nullptr}, threads));
+  }
+  columns(planes, otf, threads);
+  for (const Plane& plane : planes) lines_inverse(plane, threads);
+}
+
+template <class S>
+auto SpectralEngine<S>::read(const Channel& channel, const Buffers& buffers, int threads) const -> Plane {
+  Plane plane{channel, buffers};
+  const std::int64_t samples = x().samples * y().samples;
+  kernels::Moments all = lines_forward(plane, threads);
+  if (channel.sampled && !is_near(all, samples)) {
+    plane.channel = recentred(channel, x().border, threads);
+    all = lines_forward(plane, threads);
+  }
+  plane.std = std_of(all, samples);
+  leave_out_levels(plane);
+  return plane;
+}
+
+// A cosine coefficient is a row of 2 x kLanes lines: a tile of kLanes frequencies fills half the width of a block. A
+// complex one is two rows, of the first and the last kLanes lines, and its real and imaginary parts fill both halves.
+template <class S>
+void SpectralEngine<S>::for_tiles(auto* coefficients, auto* buffer, std::int64_t first_row, const auto& tile) const {
+  const bool pairs = x_.rows_per_coefficient() == 2;
+  for (std::int64_t b = 0; b < blocks(); ++b)
+    for (int half = 0; half < 2; ++half)
+      for (int lines = 0; lines < 2; ++lines) {
+        auto* from = coefficients + b * kRow * kRow;
+        from += pairs ? lines * kRow + half * kLanes : half * kLanes * kRow + lines * kLanes;
+        tile(from, buffer + (b * block_rows() + first_row + lines * kLanes) * kRow + half * kLanes);
+      }
+}
+
+// Samples of lines begin .. end - 1 about the mean, a line a lane; lines that are missing are zeros.
+template <class S>
+kernels::Moments SpectralEngine<S>::load(const Channel& channel, std::int64_t begin, std::int64_t end,
+                                         S* samples) const {
+  const std::int64_t n = x().samples;
+  if (lines_ == Lines::columns) {
+    kernels::center_columns(channel.in.data + begin, channel.in.stride, n, end - begin, channel.mean, channel.scale,
+                            samples);
+    kernels::MomentSums all;
+    kernels::add(samples, n * kRow, all);
+    return all.total();
+  }
+  const std::int64_t stride = line_stride();
+  const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride));
+  kernels::MomentSums all;
+  for (std::int64_t i = 0; i < kRow; ++i) {
+    S* line = lines.data() + i * stride;
+    if (begin + i < end) {
+      kernels::center(channel.in.row(begin + i), n, channel.mean, channel.scale, line);
+      kernels::add(line, n, all);
+    } else {
+      std::fill_n(line, n, S(0));
+    }
+  }
+  lanes::lines_to_lanes(lines.data(), stride, n, samples);
+  return all.total();
+}
+
+template <class S>
+void SpectralEngine<S>::store(const Channel& channel, std::int64_t begin, std::int64_t end, const S* samples) const {
+  const double unscale = 1.0 / channel.scale;
+  if (lines_ == Lines::columns)
+    return kernels::restore_columns(samples, x_.out_rows(), end - begin, channel.out_mean(), unscale,
+                                    channel.out.stride, channel.out.data + begin);
+  const std::int64_t stride = line_stride();
+  const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride));
+  lanes::lanes_to_lines<S>(samples, x_.out_rows(), lines.data(), stride);
+  for (std::int64_t i = begin; i < end; ++i)
+    kernels::restore(lines.data() + (i - begin) * stride, x().outputs, channel.out_mean(), unscale, channel.out.row(i));
+}
+
+template <class S>
+kernels::Moments SpectralEngine<S>::lines_forward(Plane& plane, int threads) const {
+  const Channel& channel = plane.channel;
+  S* const buffer = plane.buffers.even;
+  const std::int64_t used = x().keep * x_.rows_per_coefficient();
+  const auto groups = static_cast<std::size_t>(groups_in());
+  const bool by_row = lines_ == Lines::rows;
+  plane.level = by_row ? std::vector<char>(groups, 0) : level_columns(channel, threads);
+  std::vector<kernels::Moments> moments(groups);
+  parallel_for(y().samples, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
+    const auto group = static_cast<std::size_t>(begin / kRow);
+    if (by_row && level_rows(channel, begin, end)) plane.level[group] = 1;
+    if (plane.level[group] != 0) {
+      moments[group] = read_levels(channel, begin, end, buffer);
+      return;
+    }
+    const BufferPool::Loan<S> samples(pool_, static_cast<std::size_t>((x().samples + 1) * kRow)),
+        work(pool_, static_cast<std::size_t>(x_.rows() * kRow)),
+        coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));
+    moments[group] = load(channel, begin, end, samples.data());
+    std::fill_n(samples.data() + x().samples * kRow, kRow, level(channel));
+    x_.forward(samples.data(), x_.canvas(), work.data());
+    x_.coefficients(work.data(), coefficients.data());
+    std::fill_n(coefficients.data() + used * kRow, (coefficient_rows() - used) * kRow, S(0));
+    const std::int64_t step = kRow * x_.rows_per_coefficient();
+    for_tiles(coefficients.data(), buffer, begin,
+              [&](const S* from, S* to) { lanes::transpose(from, step, to, kRow); });
+  });
+  kernels::Moments all;
+  for (const kernels::Moments& group : moments) all += group;
+  return all;
+}
+
+template <class S>
+void SpectralEngine<S>::columns(std::vector<Plane>& planes, const OtfBlocks<S>& otf, int threads) const {
+  parallel_for(blocks(), 1, threads, [&](std::int64_t b, std::int64_t) {
+    const auto area = static_cast<std::size_t>(y_.rows() * kRow);
+    const BufferPool::Loan<S> work(pool_, area), target(pool_, area);
+    std::optional<BufferPool::Loan<S>> other;
+    if (otf.parts.size() > 1) other.emplace(pool_, area);
+    for (Plane& plane : planes) {
+      column_block(plane, otf, b, {work.data(), target.data(), other ? other->data() : nullptr});
+      add_energies(plane, b);
+    }
+  });
+}
+
+template <class S>
+void SpectralEngine<S>::column_block(const Plane& plane, const OtfBlocks<S>& otf, std::int64_t block,
+                                     const std::array<S*, 3>& areas) const {
+  const auto [work, target, other] = areas;
+  const auto [even, odd] = plane.buffers.of_rows(block * block_rows());
+  // A row of the constant level has one coefficient only: that of frequency zero.
+  S* const level_row = even + y().samples * kRow;
+  std::fill_n(level_row, kRow, S(0));
+  if (block == 0) level_row[0] = level(plane.channel) * static_cast<S>(x().frequency.length);
+  y_.forward(even, block == 0 || plane.canvas.empty() ? y_.canvas() : plane.canvas, work);
+  for (std::size_t p = 0; p < otf.parts.size(); ++p) {
+    const auto [along_x, along_y] = otf.parts[p];
+    const bool last = p + 1 == otf.parts.size(), more = p > 0 && otf.parts[p - 1].x == along_x;
+    const S* samples = y_.inverse(along_y, work, otf.row(p, block, 0), otf.complex, target, last ? work : other);
+    S* to = along_x == Parity::even ? even : odd;
+    for (const std::int32_t row : y_.out_rows()) {
+      const S* sample = samples + std::int64_t{row} * kRow;
+      if (more)
+        add(sample, kRow, to);
+      else
+        std::memcpy(to, sample, kRow * sizeof(S));
+      to += kRow;
+    }
+    // Lines come in pairs: what has no partner is one of zeros.
+    std::fill_n(to, (round_up(y().outputs, kRow) - y().outputs) * kRow, S(0));
+  }
+}
+
+template <class S>
+void SpectralEngine<S>::lines_inverse(const Plane& plane, int threads) const {
+  const Channel& channel = plane.channel;
+  const Buffers& buffers = plane.buffers;
+  const std::int64_t step = kRow * x_.rows_per_coefficient();
+  const std::vector<bool> silent = negligible_lines(plane);
+  store_levels(plane, silent, threads);
+  parallel_for(y().outputs, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
+    if (silent[static_cast<std::size_t>(begin / kRow)]) return;
+    const auto area = static_cast<std::size_t>(x_.rows() * kRow);
+    const BufferPool::Loan<S> work(pool_, area), target(pool_, area),
+        coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));
+    const auto samples_of = [&](Parity parity, const S* buffer, S* a, S* b) {
+      for_tiles(coefficients.data(), buffer, begin,
+                [&](S* to, const S* from) { lanes::transpose(from, kRow, to, step); });
+      return x_.inverse(parity, coefficients.data(), nullptr, false, a, b);
+    };
+    S* samples = samples_of(Parity::even, buffers.even, target.data(), work.data());
+    if (buffers.odd != nullptr) {
+      const BufferPool::Loan<S> other(pool_, area);
+      S* spare = samples == work.data() ? target.data() : work.data();
+      add(samples_of(Parity::odd, buffers.odd, spare, other.data()), inverse_length(x()) * kRow, samples);
+    }
+    store(channel, begin, end, samples);
+  });
+}
+
+template class SpectralEngine<float>;
+template class SpectralEngine<double>;
+
+}  // namespace mtf

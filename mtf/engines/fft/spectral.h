@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The spectral engine: filter by an OTF and sample on the detector grid, in three passes over one buffer.
+//   1. lines forward     kRow image rows at once, a row a lane -> coefficients of the kept x frequencies
+//   2. columns           blocks of kLanes complex columns, each in cache: transform, multiply by the OTF, fold to the
+//                        detector grid, inverse transform
+//   3. lines inverse     x coefficients, folded -> detector rows
+// Rows that are of one level have one coefficient, which takes no transform; filtered rows whose other coefficients are
+// together below what may be left out (Parseval: exactly their rms) are of one level again. Where an image has columns
+// of one level instead, its columns are the lines, and x and y change places from end to end.
+// Columns beyond the cutoff never exist, border rows are never transformed twice, and the inverse works on the detector
+// grid only. Threads share groups of rows and blocks; every result is independent of their number.
+//
+// Buffer and OTF are stored block by block: numbers [block][row][kRow]. In the cosine basis a row holds kRow real x
+// coefficients (the first kLanes and the last kLanes pass through the complex column transforms as one number, which is
+// exact because everything there is real-linear with real factors); in the fourier basis kLanes complex ones, real
+// parts first.
+//
+// A mirrored scene is a sum of C cos(a) cos(b), a and b the phases of an x and a y frequency. With the OTF in its parts
+// by parity along x and y, H = ee + oo + i (eo + oe) (real because psf is: H(-f) = conj H(f)), it comes out as
+//   sum C (ee cos(a) cos(b) - eo cos(a) sin(b) - oe sin(a) cos(b) - oo sin(a) sin(b)).
+// So columns are transformed once and come back once a part; of the x frequencies the cosines and the sines, in a
+// buffer each, once a row.
+//
+// Images are float32; S is the type of everything between them.
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "mtf/engines/buffer_pool.h"
+#include "mtf/engines/engine.h"
+#include "mtf/engines/fft/axis_pass.h"
+#include "mtf/engines/kernels.h"
+#include "mtf/image.h"
+
+namespace mtf {
+
+/// A part of an OTF.
+struct OtfPart {
+  Parity x = Parity::even, y = Parity::even;
+};
+
+/// The parts of an OTF that these axes take, those even along x first; a single one where x is in the fourier basis.
+std::vector<OtfPart> otf_parts(const AxisTransform& x, const AxisTransform& y, bool real);
+
+/// OTF values in the engine's layout, times 1/(transform lengths): numbers [part][block][row][kRow], where the parts
+/// but the first have the sign of the sum above.
+template <class S>
+struct OtfBlocks {
+  bool complex = false;  ///< multiplies lane by lane (fourier basis along x); else number by number
+  std::vector<OtfPart> parts;
+  std::int64_t blocks = 0;
+  std::int64_t rows = 0;  ///< y frequencies
+  BufferPool::Loan<S> data;
+
+  std::int64_t size() const { return static_cast<std::int64_t>(parts.size()) * blocks * rows * kRow; }
+  S* row(std::size_t part, std::int64_t block, std::int64_t r) const {
+    return data.data() + ((static_cast<std::int64_t>(part) * blocks + block) * rows + r) * kRow;
+  }
+};
+
+template <class S>
+class SpectralEngine {
+ public:
+  /// The axis along the lines and the one across them: x and y of the image, or y and x with Lines::columns.
+  /// x.basis cosine needs y.basis cosine, y.odd needs x.basis cosine.
+  SpectralEngine(const AxisTransform& x, const AxisTransform& y, Lines lines, fft::Rigor rigor);
+
+  const AxisTransform& x() const { return x_.job(); }
+  const AxisTransform& y() const { return y_.job(); }
+  Lines lines() const { return lines_; }
+  /// x frequencies per block: kRow cosines or kLanes complex exponentials.
+  std::int64_t columns_per_block() const { return kRow / x_.rows_per_coefficient(); }
+  std::int64_t blocks() const { return (x().keep + columns_per_block() - 1) / columns_per_block(); }
+  /// Memory for an OTF, uninitialised; the engine has to outlive it.
+  OtfBlocks<S> make_blocks(bool real) const;
+  /// Factor that the OTF has to carry: the inverse of what the unnormalised transforms multiply.
+  double otf_scale() const;
+  /// Bytes of buffers that one run of `channels` planes takes, at most.
+  std::int64_t run_bytes(std::int64_t channels, int threads) const;
+
+  /// Filters all channels with one OTF, read once. Const and re-entrant.
+  void run(const std::vector<Channel>& channels, const OtfBlocks<S>& otf, int threads) const;
+
+ private:
+  /// Coefficients of one plane: of the cosines along x (or the exponentials), and of the sines where there are any.
+  struct Buffers {
+    S* even = nullptr;
+    S* odd = nullptr;
+    Buffers of_rows(std::int64_t first) const {
+      return {even + first * kRow, odd == nullptr ? nullptr : odd + first * kRow};
+    }
+  };
+  /// A channel on its way.
+  struct Plane {
+    Channel channel;
+    Buffers buffers;
+    double std = 0.0;                       ///< of the image, scaled
+    std::vector<char> level = {};           ///< groups of lines that are of one level each
+    std::vector<std::int32_t> canvas = {};  ///< where there are: of the columns beyond the first block
+    std::vector<std::int64_t> over = {};    ///< and groups of filtered lines that lie over them
+    std::vector<double> energies = {};      ///< of those: [group][block]
+  };
+  Plane read(const Channel& channel, const Buffers& buffers, int threads) const;
+  kernels::Moments lines_forward(Plane& plane, int threads) const;
+  void columns(std::vector<Plane>& planes, const OtfBlocks<S>& otf, int threads) const;
+  void lines_inverse(const Plane& plane, int threads) const;
+  kernels::Moments load(const Channel& channel, std::int64_t begin, std::int64_t end, S* samples) const;
+  void store(const Channel& channel, std::int64_t begin, std::int64_t end, const S* samples) const;
+  void column_block(const Plane& plane, const OtfBlocks<S>& otf, std::int64_t block,
+                    const std::array<S*, 3>& areas) const;
+  // Lines of one level: spectral_flat.cpp.
+  std::vector<char> level_columns(const Channel& channel, int threads) const;
+  bool level_rows(const Channel& channel, std::int64_t begin, std::int64_t end) const;
+  kernels::Moments read_levels(const Channel& channel, std::int64_t begin, std::int64_t end, S* buffer) const;
+  void store_levels(const Plane& plane, const std::vector<bool>& silent, int threads) const;
+  void leave_out_levels(Plane& plane) const;
+  void add_energies(Plane& plane, std::int64_t block) const;
+  std::vector<bool> negligible_lines(const Plane& plane) const;
+  /// Calls tile(coefficients of kLanes lines, rows in the buffer) for all kLanes lines x kLanes numbers of a group.
+  void for_tiles(auto* coefficients, auto* buffer, std::int64_t first_row, const auto& tile) const;
+
+  std::int64_t block_rows() const;        ///< rows of one block of a buffer
+  std::int64_t coefficient_rows() const;  ///< rows of the coefficients of one group of lines
+  std::int64_t line_stride() const;
+  std::int64_t groups_in() const { return (y().samples + kRow - 1) / kRow; }
+  std::int64_t groups_out() const { return (y().outputs + kRow - 1) / kRow; }
+  S level(const Channel& channel) const {
+    return static_cast<S>((channel.border_value - channel.mean) * channel.scale);
+  }
+
+  AxisPass<S> x_, y_;
+  Lines lines_;
+  mutable BufferPool pool_;
+};
+
+extern template class SpectralEngine<float>;
+extern template class SpectralEngine<double>;
+
+}  // namespace mtf

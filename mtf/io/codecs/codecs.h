@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The door to PNG and TIFF. OpenCV's codecs pull in GDAL and much more, so everything behind this table lives in a
+// separately loaded module (CMake target `mtfkit_codecs`), opened on first use: a command that reads no PNG never pays.
+// Both sides are built together from this header; `codecs_version` refuses a module of another build.
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mtf/image.h"
+#include "mtf/io/codecs/drawing.h"
+#include "mtf/io/codecs/opencv_filters.h"
+#include "mtf/io/codecs/stated_encoding.h"
+
+namespace mtf::io {
+
+inline constexpr int codecs_version = 4;
+
+/// A PNG or TIFF as its header describes it, sizes already checked against the file.
+struct RasterHeader {
+  std::int64_t width = 0, height = 0;
+  int colours = 1;     ///< 1 grey, 3 R,G,B
+  bool alpha = false;  ///< one more channel, never read
+  std::string type;    ///< "uint8", "uint16", "float", "double"
+  int scale = 1;       ///< decoded values are this many times the stored counts (PNG of 1, 2 or 4 bits)
+  std::string storage;
+  std::map<std::string, std::string> attributes;
+  StatedEncoding encoding;
+};
+
+/// Samples to be written, row-major, colours interleaved as R,G,B, 8 or 16 bits each.
+struct RasterData {
+  std::int64_t width = 0, height = 0;
+  int colours = 1;
+  int bits = 16;
+  std::vector<std::uint16_t> samples;
+  std::vector<std::pair<std::string, std::string>> text;
+};
+
+/// Functions of the module. Reading throws RuntimeError naming `path`; writing goes to a descriptor at position 0 and
+/// returns 0 or the error number of the write that failed.
+struct Codecs {
+  int version;
+  RasterHeader (*tiff_header)(const std::string& path, std::int64_t file_bytes);
+  /// First page, planes in the order R,G,B or Y, values as stored.
+  std::vector<Image> (*decode_png)(const std::string& path, const RasterHeader& header);
+  std::vector<Image> (*decode_tiff)(const std::string& path, const RasterHeader& header);
+  int (*encode_png)(int descriptor, const RasterData& data);
+  int (*encode_tiff)(int descriptor, const RasterData& data);
+  OpenCvFilter (*opencv_filter)(const OpenCvJob& job);
+  /// The picture, enlarged and drawn upon; `data` has 3 colours of 8 bits.
+  RasterData (*draw)(const RasterData& data, const Drawing& drawing);
+};
+
+/// Name of the function that the module exports: `const Codecs* mtfkit_codecs()`.
+inline constexpr const char* codecs_symbol = "mtfkit_codecs";
+
+/// The module, loaded on first use. Looked for at the path in the environment variable MTFKIT_CODECS, else beside the
+/// running library or executable, in the build tree around it, in `lib/mtfkit` of the installation. Thread-safe.
+/// Throws RuntimeError that says where it looked.
+const Codecs& codecs();
+
+}  // namespace mtf::io

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "mtf/error.h"
+#include "mtf/io/codecs/codecs_parts.h"
+
+namespace mtf::io::module {
+namespace {
+
+constexpr int kShift = 4;  // sixteenths of a pixel
+constexpr double kFarthest = 1e6;
+
+cv::Scalar scalar(const Colour& colour) { return {double(colour[0]), double(colour[1]), double(colour[2])}; }
+
+/// OpenCV puts centres of pixels at whole numbers.
+cv::Point sixteenths(double x, double y, int zoom) {
+  const auto place = [&](double at) {
+    return cvRound(std::clamp(at * zoom - 0.5, -kFarthest, kFarthest) * (1 << kShift));
+  };
+  return {place(x), place(y)};
+}
+
+}  // namespace
+
+RasterData draw(const RasterData& data, const Drawing& drawing) {
+  try {
+    cv::Mat picture(static_cast<int>(data.height), static_cast<int>(data.width), CV_8UC3);
+    std::copy(data.samples.begin(), data.samples.end(), picture.ptr<std::uint8_t>());
+    if (drawing.zoom > 1) cv::resize(picture, picture, {}, drawing.zoom, drawing.zoom, cv::INTER_NEAREST);
+    for (const Stroke& stroke : drawing.strokes) {
+      std::vector<cv::Point> points;
+      for (const auto& [x, y] : stroke.points) points.push_back(sixteenths(x, y, drawing.zoom));
+      cv::polylines(picture, points, false, scalar(stroke.colour), 1, cv::LINE_AA, kShift);
+    }
+    for (const Caption& caption : drawing.captions) {
+      cv::Point at = sixteenths(caption.x, caption.y, drawing.zoom);
+      at = {at.x >> kShift, at.y >> kShift};
+      // A dark rim keeps the words readable on any ground.
+      for (const auto& [colour, thickness] : {std::pair{cv::Scalar(0, 0, 0), 3}, std::pair{scalar(caption.colour), 1}})
+        cv::putText(picture, caption.text, at, cv::FONT_HERSHEY_SIMPLEX, 0.4, colour, thickness, cv::LINE_AA);
+    }
+    RasterData drawn = data;
+    drawn.width = picture.cols;
+    drawn.height = picture.rows;
+    drawn.samples.assign(picture.ptr<std::uint8_t>(), picture.ptr<std::uint8_t>() + picture.total() * 3);
+    return drawn;
+  } catch (const cv::Exception& e) {
+    throw RuntimeError("OpenCV refuses to draw: " + e.err);
+  }
+}
+
+}  // namespace mtf::io::module

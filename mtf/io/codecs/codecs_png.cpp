@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <png.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csetjmp>
+
+#include "mtf/io/codecs/codecs_parts.h"
+
+namespace mtf::io::module {
+namespace {
+
+struct Output {
+  int descriptor = -1;
+  int error = 0;
+};
+
+void write_bytes(png_structp png, png_bytep bytes, png_size_t size) {
+  auto& output = *static_cast<Output*>(png_get_io_ptr(png));
+  output.error = write_all(output.descriptor, bytes, size);
+  if (output.error != 0) png_error(png, "write failed");
+}
+
+void on_error(png_structp png, png_const_charp) { png_longjmp(png, 1); }
+void on_warning(png_structp, png_const_charp) {}
+
+// Text chunks; anything beyond ASCII goes as UTF-8. Keys are 1 to 79 bytes in this format.
+std::vector<png_text> text_chunks(const RasterData& data, std::vector<std::string>& keys) {
+  keys.reserve(data.text.size());
+  std::vector<png_text> chunks;
+  for (const auto& [key, text] : data.text) {
+    keys.push_back(key.substr(0, 79));
+    const bool ascii = std::all_of(text.begin(), text.end(), [](char c) { return static_cast<signed char>(c) >= 0; });
+    png_text chunk{};
+    chunk.compression = ascii ? PNG_TEXT_COMPRESSION_NONE : PNG_ITXT_COMPRESSION_NONE;
+    chunk.key = keys.back().data();
+    chunk.text = const_cast<char*>(text.c_str());
+    (ascii ? chunk.text_length : chunk.itxt_length) = text.size();
+    chunks.push_back(chunk);
+  }
+  return chunks;
+}
+
+// No object with a destructor lives in here: libpng leaves by longjmp.
+bool encode(png_structp png, png_infop info, const RasterData& data, png_text* chunks, int chunk_count,
+            unsigned char* row_bytes) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_set_compression_level(png, 4);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(data.width), static_cast<png_uint_32>(data.height), data.bits,
+               data.colours == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  if (chunk_count > 0) png_set_text(png, info, chunks, chunk_count);
+  png_write_info(png, info);
+  const std::int64_t row_samples = data.width * data.colours;
+  for (std::int64_t y = 0; y < data.height; ++y) {
+    const std::uint16_t* row = data.samples.data() + y * row_samples;
+    for (std::int64_t i = 0; i < row_samples; ++i) {
+      if (data.bits == 8) {
+        row_bytes[i] = static_cast<unsigned char>(row[i]);
+      } else {
+        row_bytes[2 * i] = static_cast<unsigned char>(row[i] >> 8U);
+        row_bytes[2 * i + 1] = static_cast<unsigned char>(row[i] & 0xffU);
+      }
+    }
+    png_write_row(png, row_bytes);
+  }
+  png_write_end(png, info);
+  return true;
+}
+
+}  // namespace
+
+int encode_png(int descriptor, const RasterData& data) {
+  Output output{descriptor, 0};
+  std::vector<std::string> keys;
+  std::vector<png_text> chunks = text_chunks(data, keys);
+  std::vector<unsigned char> row(static_cast<std::size_t>(data.width * data.colours * (data.bits / 8)));
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);
+  png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
+  if (info == nullptr) {
+    png_destroy_write_struct(&png, nullptr);
+    return ENOMEM;
+  }
+  png_set_write_fn(png, &output, write_bytes, nullptr);
+  const bool ok = encode(png, info, data, chunks.data(), static_cast<int>(chunks.size()), row.data());
+  png_destroy_write_struct(&png, &info);
+  return output.error != 0 ? output.error : (ok ? 0 : EIO);
+}
+
+}  // namespace mtf::io::module

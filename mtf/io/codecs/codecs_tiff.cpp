@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <sys/stat.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "mtf/error.h"
+#include "mtf/io/codecs/codecs_parts.h"
+#include "mtf/io/csv/number_text.h"
+#include "mtf/io/file_checks.h"
+
+namespace mtf::io::module {
+namespace {
+
+struct CloseTiff {
+  void operator()(TIFF* tiff) const { TIFFClose(tiff); }
+};
+using TiffHandle = std::unique_ptr<TIFF, CloseTiff>;
+
+[[noreturn]] void damaged(const std::string& path, const std::string& why) {
+  throw RuntimeError("cannot read " + path + ": damaged or incomplete TIFF file (" + why +
+                     "); copy or export the file again");
+}
+
+[[noreturn]] void unsupported(const std::string& path, const std::string& what) {
+  throw RuntimeError(path + ": TIFF with " + what +
+                     " is not read; convert it to 8 or 16-bit unsigned or float, grey (min is black) or RGB");
+}
+
+template <class T>
+T field(TIFF* tiff, std::uint32_t tag, T missing) {
+  T value = missing;
+  return TIFFGetFieldDefaulted(tiff, tag, &value) == 1 ? value : missing;
+}
+
+std::string sample_type(const std::string& path, int bits, int format) {
+  if (format == SAMPLEFORMAT_UINT && bits == 8) return "uint8";
+  if (format == SAMPLEFORMAT_UINT && bits == 16) return "uint16";
+  if (format == SAMPLEFORMAT_IEEEFP && bits == 32) return "float";
+  if (format == SAMPLEFORMAT_IEEEFP && bits == 64) return "double";
+  const std::string kind = format == SAMPLEFORMAT_INT      ? "signed "
+                           : format == SAMPLEFORMAT_IEEEFP ? "floating-point "
+                                                           : "";
+  unsupported(path, kind + std::to_string(bits) + "-bit samples");
+}
+
+int colours_of(const std::string& path, int samples, int photometric, bool& alpha) {
+  if (photometric == PHOTOMETRIC_MINISBLACK && (samples == 1 || samples == 2)) {
+    alpha = samples == 2;
+    return 1;
+  }
+  if (photometric == PHOTOMETRIC_RGB && (samples == 3 || samples == 4)) {
+    alpha = samples == 4;
+    return 3;
+  }
+  if (photometric == PHOTOMETRIC_PALETTE && samples == 1) return 3;
+  unsupported(path, "photometric interpretation " + std::to_string(photometric) + " and " + std::to_string(samples) +
+                        " samples a pixel");
+}
+
+// OpenCV fills missing strips with zeros for some layouts; here a file that is cut short is refused.
+void check_pieces(const std::string& path, TIFF* tiff, std::int64_t file_bytes) {
+  const std::uint32_t count = TIFFIsTiled(tiff) ? TIFFNumberOfTiles(tiff) : TIFFNumberOfStrips(tiff);
+  if (count == 0 || static_cast<std::int64_t>(count) > file_bytes) damaged(path, "its pixels are missing");
+  for (std::uint32_t i = 0; i < count; ++i) {
+    int error = 0;
+    const std::uint64_t offset = TIFFGetStrileOffsetWithErr(tiff, i, &error);
+    const std::uint64_t bytes = error == 0 ? TIFFGetStrileByteCountWithErr(tiff, i, &error) : 0;
+    const auto size = static_cast<std::uint64_t>(file_bytes);
+    if (error != 0 || offset == 0 || bytes == 0 || offset > size || bytes > size - offset)
+      damaged(path, "piece " + std::to_string(i) + " of " + std::to_string(count) + " of its pixels is missing");
+  }
+}
+
+// "key=value" lines become attributes; any other description is kept whole.
+void read_description(TIFF* tiff, RasterHeader& header) {
+  const char* raw = nullptr;
+  if (TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &raw) != 1 || raw == nullptr) return;
+  const std::string text = raw;
+  std::map<std::string, std::string> found;
+  for (std::size_t start = 0; start < text.size();) {
+    const std::size_t end = std::min(text.find('\n', start), text.size());
+    const std::size_t equals = text.find('=', start);
+    if (equals == start || equals >= end) {
+      header.attributes["ImageDescription"] = text;
+      return;
+    }
+    std::string& value = found[text.substr(start, equals - start)];
+    append_word(value, std::string_view(text).substr(equals + 1, end - equals - 1), '\n');
+    start = end + 1;
+  }
+  header.attributes = found;
+}
+
+StatedEncoding read_encoding(TIFF* tiff, int bits, bool integer) {
+  std::array<std::uint16_t*, 3> raw{};
+  std::vector<std::span<const std::uint16_t>> tables;
+  if (integer && TIFFGetField(tiff, TIFFTAG_TRANSFERFUNCTION, &raw[0], &raw[1], &raw[2]) == 1)
+    for (const std::uint16_t* table : raw)  // libtiff sets the first only where there is one colour
+      if (table != nullptr) tables.emplace_back(table, std::size_t{1} << static_cast<unsigned>(bits));
+  std::uint32_t size = 0;
+  const unsigned char* profile = nullptr;
+  if (TIFFGetField(tiff, TIFFTAG_ICCPROFILE, &size, &profile) != 1 || profile == nullptr) size = 0;
+  return stated_by_tiff(tables, {profile, size});
+}
+
+struct Output {
+  int descriptor = -1;
+  int error = 0;
+};
+
+tmsize_t write_bytes(thandle_t handle, void* bytes, tmsize_t size) {
+  auto& output = *static_cast<Output*>(handle);
+  if (output.error == 0) output.error = write_all(output.descriptor, bytes, static_cast<std::size_t>(size));
+  return output.error == 0 ? size : 0;
+}
+
+tmsize_t read_bytes(thandle_t handle, void* bytes, tmsize_t size) {
+  return ::read(static_cast<Output*>(handle)->descriptor, bytes, static_cast<std::size_t>(size));
+}
+
+toff_t seek_bytes(thandle_t handle, toff_t position, int whence) {
+  return static_cast<toff_t>(::lseek(static_cast<Output*>(handle)->descriptor, static_cast<off_t>(position), whence));
+}
+
+toff_t file_size(thandle_t handle) {
+  struct stat status {};
+  return ::fstat(static_cast<Output*>(handle)->descriptor, &status) == 0 ? static_cast<toff_t>(status.st_size) : 0;
+}
+
+int keep_open(thandle_t) { return 0; }
+
+// Eight-bit samples side by side at the start of the row.
+void pack_bytes(std::vector<std::uint16_t>& row) {
+  std::vector<unsigned char> bytes(row.begin(), row.end());
+  std::memcpy(row.data(), bytes.data(), bytes.size());
+}
+
+bool write_image(TIFF* tiff, const RasterData& data, const std::string& description) {
+  const auto bits = static_cast<unsigned>(data.bits);
+  bool ok = TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(data.width)) == 1 &&
+            TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(data.height)) == 1 &&
+            TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, bits) == 1 &&
+            TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, static_cast<unsigned>(data.colours)) == 1 &&
+            TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT) == 1 &&
+            TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == 1 &&
+            TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE) == 1 &&
+            TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, data.colours == 3 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK) == 1;
+  if (ok && !description.empty()) ok = TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, description.c_str()) == 1;
+  if (ok) ok = TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, TIFFDefaultStripSize(tiff, 0)) == 1;
+  std::vector<std::uint16_t> row(static_cast<std::size_t>(data.width * data.colours));  // libtiff may change it
+  for (std::int64_t y = 0; ok && y < data.height; ++y) {
+    const auto from = data.samples.begin() + y * static_cast<std::int64_t>(row.size());
+    std::copy(from, from + static_cast<std::int64_t>(row.size()), row.begin());
+    if (data.bits == 8) pack_bytes(row);
+    ok = TIFFWriteScanline(tiff, row.data(), static_cast<std::uint32_t>(y), 0) == 1;
+  }
+  return ok && TIFFFlush(tiff) == 1;
+}
+
+}  // namespace
+
+void silence_tiff() {
+  TIFFSetErrorHandler(nullptr);
+  TIFFSetWarningHandler(nullptr);
+  TIFFSetErrorHandlerExt(nullptr);
+  TIFFSetWarningHandlerExt(nullptr);
+}
+
+RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes) {
+  silence_tiff();
+  const TiffHandle handle(TIFFOpen(path.c_str(), "rm"));  // m: no memory map, a file that shrinks must not kill us
+  TIFF* tiff = handle.get();
+  if (tiff == nullptr) damaged(path, "its directory cannot be read");
+
+  RasterHeader header;
+  header.width = field<std::uint32_t>(tiff, TIFFTAG_IMAGEWIDTH, 0);
+  header.height = field<std::uint32_t>(tiff, TIFFTAG_IMAGELENGTH, 0);
+  const int bits = field<std::uint16_t>(tiff, TIFFTAG_BITSPERSAMPLE, 1);
+  const int samples = field<std::uint16_t>(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
+  if (header.width == 0 || header.height == 0) damaged(path, "the image has no pixels");
+  header.type = sample_type(path, bits, field<std::uint16_t>(tiff, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT));
+  header.colours = colours_of(path, samples, field<std::uint16_t>(tiff, TIFFTAG_PHOTOMETRIC, 0xffff), header.alpha);
+  if (samples > 1 && field<std::uint16_t>(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) != PLANARCONFIG_CONTIG)
+    unsupported(path, "colours in separate planes");
+  // OpenCV refuses the first and multiplies alpha into the second: not the values as stored.
+  std::uint16_t extra_count = 0;
+  const std::uint16_t* extra = nullptr;
+  const bool separate_alpha = TIFFGetField(tiff, TIFFTAG_EXTRASAMPLES, &extra_count, &extra) == 1 && extra_count > 0 &&
+                              extra[0] == EXTRASAMPLE_UNASSALPHA;
+  if (header.alpha && (bits == 8 ? separate_alpha : header.colours == 1))
+    unsupported(path, std::to_string(bits) + "-bit samples and an alpha channel of this kind");
+  if (field<std::uint16_t>(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT) != ORIENTATION_TOPLEFT)
+    unsupported(path, "a rotated or mirrored orientation");
+  constexpr std::int64_t max_side = 1 << 20;
+  if (header.width > max_side || header.height > max_side || header.width * header.height > max_plane_pixels / 2)
+    throw RuntimeError(path + ": a TIFF of " + std::to_string(header.width) + " x " + std::to_string(header.height) +
+                       " pixels needs " +
+                       shown_bytes(static_cast<double>(header.width) * static_cast<double>(header.height) * 4) +
+                       " a plane; the limit is 2^30 pixels and 2^20 a side: crop it, or store the image as OpenEXR");
+  check_compression(path, static_cast<double>(header.width * header.height) * samples * bits / 8, file_bytes, 2048);
+  if (TIFFIsTiled(tiff) != 0) {
+    const double tile = static_cast<double>(field<std::uint32_t>(tiff, TIFFTAG_TILEWIDTH, 0)) *
+                        field<std::uint32_t>(tiff, TIFFTAG_TILELENGTH, 0) * samples * bits / 8;
+    constexpr double harmless_bytes = 64.0 * 1024 * 1024;
+    if (tile > harmless_bytes) check_compression(path, tile, file_bytes, 2048);
+  }
+  check_pieces(path, tiff, file_bytes);
+  read_description(tiff, header);
+  const bool integer = header.type == "uint8" || header.type == "uint16";
+  header.encoding = read_encoding(tiff, bits, integer);
+  header.storage = std::to_string(bits) + (integer ? "-bit" : "-bit float") + (TIFFIsTiled(tiff) != 0 ? " tiled" : "");
+  // A damaged chain of directories may be long or circular; libtiff stops at the first one it has seen.
+  int pages = 1;
+  while (pages < 1000 && TIFFReadDirectory(tiff) == 1) ++pages;
+  if (pages > 1) header.storage += ", first of " + std::to_string(pages) + (pages == 1000 ? " or more" : "") + " pages";
+  return header;
+}
+
+void verify_tiff(const std::string& path) {
+  const TiffHandle handle(TIFFOpen(path.c_str(), "rm"));
+  TIFF* tiff = handle.get();
+  if (tiff == nullptr) damaged(path, "its directory cannot be read");
+  const bool tiled = TIFFIsTiled(tiff) != 0;
+  const tmsize_t size = tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff);
+  const std::uint32_t count = tiled ? TIFFNumberOfTiles(tiff) : TIFFNumberOfStrips(tiff);
+  const auto rows = field<std::uint32_t>(tiff, TIFFTAG_IMAGELENGTH, 0);
+  const auto strip_rows = std::min(field<std::uint32_t>(tiff, TIFFTAG_ROWSPERSTRIP, rows), rows);
+  if (size <= 0 || (!tiled && strip_rows == 0)) damaged(path, "its pieces have no size");
+  const std::uint32_t strips_a_plane = tiled ? 1 : (rows - 1) / strip_rows + 1;
+  std::vector<unsigned char> piece(static_cast<std::size_t>(size));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    tmsize_t expected = size;
+    if (!tiled) expected = TIFFVStripSize(tiff, std::min(strip_rows, rows - i % strips_a_plane * strip_rows));
+    const tmsize_t read =
+        tiled ? TIFFReadEncodedTile(tiff, i, piece.data(), size) : TIFFReadEncodedStrip(tiff, i, piece.data(), size);
+    if (read < expected)
+      damaged(path, "piece " + std::to_string(i) + " of " + std::to_string(count) + " of its pixels cannot be decoded");
+  }
+}
+
+int encode_tiff(int descriptor, const RasterData& data) {
+  silence_tiff();
+  std::string description;
+  for (const auto& [key, text] : data.text) {
+    for (std::size_t start = 0; start <= text.size();) {
+      const std::size_t end = std::min(text.find('\n', start), text.size());
+      description += key + "=" + text.substr(start, end - start) + "\n";
+      start = end + 1;
+    }
+  }
+  Output output{descriptor, 0};
+  const double bytes = static_cast<double>(data.samples.size()) * data.bits / 8;
+  const char* mode = bytes > 3.9e9 ? "w8" : "w";  // beyond 4 GiB only BigTIFF can address the strips
+  TiffHandle handle(TIFFClientOpen("output", mode, &output, read_bytes, write_bytes, seek_bytes, keep_open, file_size,
+                                   nullptr, nullptr));
+  const bool ok = handle && write_image(handle.get(), data, description);
+  handle.reset();
+  return output.error != 0 ? output.error : (ok ? 0 : EIO);
+}
+
+}  // namespace mtf::io::module

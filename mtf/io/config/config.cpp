@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/io/config/config.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "mtf/error.h"
+#include "mtf/io/config/config_reader.h"
+#include "mtf/io/csv/curve_csv.h"
+#include "mtf/io/file_checks.h"
+#include "mtf/io/sha256.h"
+
+namespace mtf::io {
+namespace {
+
+using cfg::Node;
+
+constexpr std::size_t kMaxName = 200;
+
+/// False when the file is of another schema, so that nothing else in it can be judged.
+bool read_schema(const cfg::Section& root) {
+  const std::string supported = "this version reads schema = " + std::to_string(cfg::kSchema);
+  const Node* schema = root.find("schema");
+  if (schema == nullptr) {
+    if (!root.reader.has_failed("schema"))
+      root.reader.error({}, "schema", "missing; write schema = 1 as the first line");
+    return true;
+  }
+  if (schema->kind == Node::Kind::integer && schema->integer == cfg::kSchema) return true;
+  root.error("schema", cfg::shown(*schema) + " is not supported; " + supported);
+  return false;
+}
+
+void read_name(const cfg::Section& root, System<double>& system) {
+  const auto name = cfg::read_string(root, "name");
+  if (!name) return;
+  if (name->size() > kMaxName) return root.error("name", "longer than " + std::to_string(kMaxName) + " characters");
+  system.name = *name;
+}
+
+void note_what_is_missing(cfg::Reader& reader, const System<double>& system) {
+  const auto& list = system.list(Stage::presample);
+  const auto any = [&](auto test) {
+    return std::any_of(list.begin(), list.end(), [&](const auto& entry) { return test(entry.component); });
+  };
+  if (!any([](const auto& component) { return component.is_pupil(); }))
+    reader.note({}, "presample",
+                "no diffraction: [optics] and [band] add none by themselves; add [[presample]] with "
+                "kind = \"diffraction\" unless the optics are meant to be perfect",
+                true);
+  if (!any([](const auto& component) { return component.is_footprint(); }))
+    reader.note({}, "presample",
+                "no detector footprint: the pitch adds none by itself; add [[presample]] with "
+                "kind = \"footprint\" unless the pixels are meant to be points",
+                true);
+}
+
+void sort_diagnostics(std::vector<Diagnostic>& diagnostics) {
+  std::stable_sort(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& a, const Diagnostic& b) {
+    return std::tuple(!a.error, a.position.line, a.position.column) <
+           std::tuple(!b.error, b.position.line, b.position.column);
+  });
+}
+
+}  // namespace
+
+std::string_view quantity_name(Quantity quantity) { return cfg::kQuantityNames[static_cast<std::size_t>(quantity)]; }
+
+std::string_view quantity_unit(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::radiance:
+      return "W.m^-2.sr^-1";
+    case Quantity::photon_radiance:
+      return "ph.s^-1.m^-2.sr^-1";
+    case Quantity::spectral_radiance:
+      return "W.m^-2.sr^-1.um^-1";
+    case Quantity::temperature:
+      return "K";
+    case Quantity::counts:
+      return "counts";
+  }
+  return "";
+}
+
+bool ConfigResult::ok() const {
+  return std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.error; });
+}
+
+namespace cfg {
+
+void interpret(const Node& tree, ConfigResult& result) {
+  Reader reader{.folder = folder_of(result.config.file),
+                .schema = result.config.schema,
+                .diagnostics = {},
+                .positions = {},
+                .failed = {},
+                .fits = {}};
+  const Section root{reader, tree, "", ""};
+  if (read_schema(root)) {
+    System<double>& system = result.config.system;
+    check_keys(root, known_tables(reader.schema));
+    read_name(root, system);
+    read_sections(root, result.config);
+    result.config.tables = read_settings(root);
+    const Origin origin = read_components(root, system);
+    check_system(reader, system, origin);
+    if (reader.failed.empty()) note_what_is_missing(reader, system);
+  }
+  result.config.fits = std::move(reader.fits);
+  result.diagnostics = std::move(reader.diagnostics);
+  sort_diagnostics(result.diagnostics);
+}
+
+}  // namespace cfg
+
+ConfigResult parse_config(const std::string& text, const std::string& file, std::vector<TableInfo> schema) {
+  ConfigResult result;
+  result.config.file = file;
+  result.config.text = text;
+  result.config.schema = std::move(schema);
+  result.config.sha256 = sha256_hex(text);
+  const cfg::Tree tree = cfg::read_tree(text);
+  if (tree.error)
+    result.diagnostics.push_back(*tree.error);
+  else
+    cfg::interpret(tree.root, result);
+  return result;
+}
+
+std::string format_diagnostic(const Diagnostic& diagnostic, const std::string& file) {
+  std::string line = file + ":";
+  if (diagnostic.position.line > 0)
+    line += std::to_string(diagnostic.position.line) + ":" + std::to_string(diagnostic.position.column) + ":";
+  line += diagnostic.error ? " error: " : diagnostic.remark ? " note: " : " warning: ";
+  return line + (diagnostic.path.empty() ? "" : diagnostic.path + ": ") + diagnostic.text;
+}
+
+SensorConfig load_config(const std::string& file, std::vector<Diagnostic>* warnings, std::vector<TableInfo> schema) {
+  ConfigResult result = parse_config(read_text_file(file, cfg::kMaxBytes), file, std::move(schema));
+  std::string errors;
+  for (Diagnostic& diagnostic : result.diagnostics) {
+    if (diagnostic.error)
+      errors += (errors.empty() ? "" : "\n") + format_diagnostic(diagnostic, file);
+    else if (warnings != nullptr)
+      warnings->push_back(std::move(diagnostic));
+  }
+  if (!errors.empty()) throw UsageError(errors);
+  return std::move(result.config);
+}
+
+}  // namespace mtf::io

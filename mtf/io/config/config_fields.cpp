@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// One value of each type, from the tree into a number, word, list or curve.
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "mtf/error.h"
+#include "mtf/io/config/config_reader.h"
+#include "mtf/io/csv/curve_csv.h"
+#include "mtf/io/file_checks.h"
+
+namespace mtf::io::cfg {
+namespace {
+
+// No quantity, word or file name is longer; messages and guesses stay short and fast.
+constexpr std::size_t kMaxText = 1024;
+
+std::string_view remedy_unit(const FieldInfo& info) {
+  if (!info.unit.empty()) return info.unit;
+  if (info.dimension == Dimension::frequency || info.dimension == Dimension::cutoff) return "cy/mm";
+  return info.dimension == Dimension::pixel ? "px" : "um";
+}
+
+bool is_number(std::string_view text) {
+  double value = 0.0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return status == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
+}
+
+std::optional<double> read_bare(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path) {
+  const std::string name(info.name);
+  if (node.kind == Node::Kind::string) {
+    reader.error(node.position, path,
+                 is_number(node.text)
+                     ? shown(node) + " is a string; write " + name + " = " + node.text + " without quotes"
+                     : shown(node) + " where a plain number belongs; write for example " + name + " = " +
+                           std::string(info.example.empty() ? "1.0" : info.example));
+    return std::nullopt;
+  }
+  if (!node.is_number()) {
+    reader.error(node.position, path, std::string(kind_word(node.kind)) + " where a plain number belongs");
+    return std::nullopt;
+  }
+  if (!std::isfinite(node.number)) {
+    reader.error(node.position, path, shown(node) + " is not finite; write an ordinary number");
+    return std::nullopt;
+  }
+  return node.number;
+}
+
+}  // namespace
+
+std::optional<Scalar> read_plain(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path) {
+  reader.positions[path] = node.position;
+  if (info.dimension == Dimension::none) {
+    const auto value = read_bare(reader, node, info, path);
+    return value ? std::optional(Scalar{*value, nullptr}) : std::nullopt;
+  }
+  const auto fail = [&](const std::string& text) {
+    reader.error(node.position, path, text);
+    return std::nullopt;
+  };
+  if (node.is_number())
+    return fail(shown(node) + " has no unit; write \"" + (std::isfinite(node.number) ? shown(node) : "1") + " " +
+                std::string(remedy_unit(info)) + "\"");
+  const std::string expected(describe(info.dimension));
+  if (node.kind != Node::Kind::string)
+    return fail(std::string(kind_word(node.kind)) + " where a number with unit belongs; expected " + expected);
+  if (node.text.size() > kMaxText) return fail("a text of this length is no number with unit; expected " + expected);
+  try {
+    const mtf::Quantity quantity = parse_quantity(node.text, info.dimension);
+    if (info.unit.empty()) return Scalar{quantity.value, quantity.unit};
+    const Scalar scalar{convert(quantity, info.unit), find_unit(info.unit)};
+    if (!std::isfinite(scalar.value)) return fail(shown(node) + ": number out of range; expected " + expected);
+    return scalar;
+  } catch (const UsageError& error) {
+    return fail(printable(error.what(), 400));
+  }
+}
+
+namespace {
+
+std::optional<Scalar> read_plain_or_fit(Reader& reader, const Node& node, const FieldInfo& info,
+                                        const std::string& path) {
+  return node.kind == Node::Kind::table ? read_fit(reader, node, info, path) : read_plain(reader, node, info, path);
+}
+
+}  // namespace
+
+std::optional<Scalar> read_scalar(const Section& section, const FieldInfo& info, std::string_view key) {
+  const Node* node = section.find(key);
+  if (node == nullptr) return std::nullopt;
+  return read_plain_or_fit(section.reader, *node, info, section.at(key));
+}
+
+std::optional<double> read_number(const Section& section, const FieldInfo& info, std::string_view key) {
+  const Node* node = section.find(key);
+  if (node == nullptr) return std::nullopt;
+  const auto scalar = read_plain(section.reader, *node, info, section.at(key));
+  if (!scalar) return std::nullopt;
+  if (in_range(info, scalar->value)) return scalar->value;
+  section.error(key, format_double(scalar->value) + (info.unit.empty() ? "" : " ") + std::string(info.unit) +
+                         " is outside " + range_text(info));
+  return std::nullopt;
+}
+
+bool read_axis_pair(const Section& section, const FieldInfo& info, AxisPair<double>& pair, bool fittable) {
+  const std::string name(info.name), name_x = name + "_x", name_y = name + "_y";
+  const auto read = [&](const std::string& key, Extent<double>& extent) {
+    const Node* node = section.find(key);
+    const auto scalar =
+        fittable ? read_scalar(section, info, key) : read_plain(section.reader, *node, info, section.at(key));
+    if (!scalar) return false;
+    extent = {scalar->value, scalar->unit};
+    return true;
+  };
+  const bool both = section.find(name) != nullptr, x = section.find(name_x) != nullptr,
+             y = section.find(name_y) != nullptr;
+  if (both && (x || y)) {
+    section.error(x ? name_x : name_y, "given beside " + name + "; remove one of them");
+    return false;
+  }
+  if (both) {
+    pair.split = false;
+    return read(name, pair.x);
+  }
+  if (x != y) {
+    section.error(x ? name_x : name_y, "given without " + (x ? name_y : name_x) + "; give both, or only " + name);
+    return false;
+  }
+  if (!x) return false;
+  section.reader.positions[section.at(name)] = section.find(name_x)->position;
+  Extent<double> along_x, along_y;
+  const bool read_x = read(name_x, along_x), read_y = read(name_y, along_y);
+  if (!read_x || !read_y) return false;
+  pair = {along_x, along_y, true};
+  return true;
+}
+
+std::optional<std::string> read_string(const Section& section, std::string_view key) {
+  const Node* node = section.find(key);
+  if (node == nullptr) return std::nullopt;
+  section.reader.positions[section.at(key)] = node->position;
+  if (node->kind != Node::Kind::string) {
+    section.error(key, std::string(kind_word(node->kind)) + " where a text in quotes belongs");
+    return std::nullopt;
+  }
+  if (node->text.size() <= kMaxText) return node->text;
+  section.error(key, "longer than " + std::to_string(kMaxText) + " characters");
+  return std::nullopt;
+}
+
+std::optional<int> read_word(const Section& section, std::string_view key, std::span<const std::string_view> names) {
+  const auto word = read_string(section, key);
+  if (!word) return std::nullopt;
+  const auto found = std::find(names.begin(), names.end(), *word);
+  if (found != names.end()) return static_cast<int>(found - names.begin());
+  section.error(key, "unknown word \"" + printable(*word, 60) + "\"" + suggestion(*word, names));
+  return std::nullopt;
+}
+
+std::optional<int> read_whole(const Section& section, const FieldInfo& info) {
+  const Node* node = section.find(info.name);
+  if (node == nullptr) return std::nullopt;
+  section.reader.positions[section.at(info.name)] = node->position;
+  if (node->kind != Node::Kind::integer) {
+    section.error(info.name, (node->kind == Node::Kind::real ? shown(*node) : std::string(kind_word(node->kind))) +
+                                 " where a whole number belongs; write for example " + std::string(info.name) + " = " +
+                                 std::string(info.example));
+    return std::nullopt;
+  }
+  if (in_range(info, node->number)) return static_cast<int>(node->integer);
+  section.error(info.name, shown(*node) + " is outside " + range_text(info));
+  return std::nullopt;
+}
+
+std::optional<Taps<double>> read_taps(const Section& section, std::string_view key) {
+  const Node* node = section.find(key);
+  if (node == nullptr) return std::nullopt;
+  Reader& reader = section.reader;
+  const std::string path = section.at(key);
+  reader.positions[path] = node->position;
+  const auto is_row = [](const Node& item) { return item.kind == Node::Kind::array; };
+  if (node->kind != Node::Kind::array || !std::all_of(node->items.begin(), node->items.end(), is_row)) {
+    section.error(key, "has to be a list of rows, each a list of plain numbers, such as [[1.0, 2.0, 1.0]]");
+    return std::nullopt;
+  }
+  Taps<double> taps;
+  bool good = true;
+  for (const Node& row : node->items) {
+    taps.emplace_back();
+    for (const Node& item : row.items) {
+      const auto value = read_bare(reader, item, {.name = "tap", .example = "0.25"}, path);
+      good = good && value;
+      taps.back().push_back(value.value_or(0.0));
+    }
+  }
+  return good ? std::optional(std::move(taps)) : std::nullopt;
+}
+
+std::optional<Coefficients<double>> read_coefficients(const Section& section, const FieldInfo& info) {
+  const Node* node = section.find(info.name);
+  if (node == nullptr) return std::nullopt;
+  const std::string path = section.at(info.name);
+  section.reader.positions[path] = node->position;
+  if (node->kind != Node::Kind::array) {
+    section.error(info.name, std::string(kind_word(node->kind)) + " where a list of plain numbers belongs; write for " +
+                                 "example " + std::string(info.name) + " = " + std::string(info.example));
+    return std::nullopt;
+  }
+  Coefficients<double> list;
+  bool good = true;
+  for (std::size_t i = 0; i < node->items.size(); ++i) {
+    const FieldInfo element{.name = info.name, .lo = info.lo, .hi = info.hi, .example = "0.25"};
+    const auto value = read_plain_or_fit(section.reader, node->items[i], element, path + "[" + std::to_string(i) + "]");
+    good = good && value;
+    list.push_back(value ? value->value : 0.0);
+  }
+  return good ? std::optional(std::move(list)) : std::nullopt;
+}
+
+std::optional<Encoding> read_encoding(const Section& section, std::string_view key) {
+  const auto word = read_string(section, key);
+  if (!word) return std::nullopt;
+  try {
+    return parse_encoding(*word, section.reader.folder);
+  } catch (const Error& error) {
+    section.error(key, printable(error.what(), 600));
+    return std::nullopt;
+  }
+}
+
+std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view key) {
+  const auto name = read_string(section, key);
+  if (!name) return nullptr;
+  const auto fail = [&](const std::string& text) {
+    section.error(key, printable(text, 600));
+    return nullptr;
+  };
+  if (name->empty() || name->find('\0') != std::string::npos) return fail("no file name");
+  try {
+    return std::make_shared<const Curve>(read_curve_csv(beside(section.reader.folder, *name)));
+  } catch (const Error& error) {
+    return fail(error.what());
+  }
+}
+
+}  // namespace mtf::io::cfg

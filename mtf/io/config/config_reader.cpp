@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/io/config/config_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "mtf/io/file_checks.h"
+
+namespace mtf::io::cfg {
+namespace {
+
+constexpr std::size_t kMaxDiagnostics = 1000;
+// Longer words are never a slip of the finger, and the edit distance is quadratic.
+constexpr std::size_t kMaxGuess = 64;
+
+bool is_axis_part(std::string_view path) { return path.ends_with("_x") || path.ends_with("_y"); }
+
+}  // namespace
+
+void Reader::error(Position position, std::string path, std::string text) {
+  failed.insert(path);
+  if (is_axis_part(path)) failed.insert(path.substr(0, path.size() - 2));
+  if (diagnostics.size() < kMaxDiagnostics)
+    diagnostics.push_back({.error = true, .position = position, .path = std::move(path), .text = std::move(text)});
+}
+
+void Reader::note(Position position, std::string path, std::string text, bool remark) {
+  if (diagnostics.size() < kMaxDiagnostics)
+    diagnostics.push_back(
+        {.error = false, .position = position, .path = std::move(path), .text = std::move(text), .remark = remark});
+}
+
+bool Reader::has_failed(std::string_view path) const {
+  for (;;) {
+    if (failed.contains(path)) return true;
+    const std::size_t dot = path.rfind('.');
+    if (dot == std::string_view::npos) return false;
+    path = path.substr(0, dot);
+  }
+}
+
+Position Reader::position_of(std::string path) const {
+  while (!path.empty()) {
+    for (const std::string& candidate : {path, is_axis_part(path) ? path.substr(0, path.size() - 2) : path})
+      if (const auto found = positions.find(candidate); found != positions.end()) return found->second;
+    const std::size_t dot = path.rfind('.');
+    path = dot == std::string::npos ? "" : path.substr(0, dot);
+  }
+  return {};
+}
+
+void Section::error(std::string_view key, std::string text) const {
+  const Node* node = find(key);
+  reader.error(node != nullptr ? node->position : table.position, at(key), std::move(text));
+}
+
+std::string suggestion(std::string_view word, std::span<const std::string_view> known) {
+  std::string text;
+  if (word.size() <= kMaxGuess)
+    if (const auto guess = nearest(word, known)) text += "; did you mean \"" + *guess + "\"?";
+  text += text.empty() ? "; known: " : " (known: ";
+  for (std::size_t i = 0; i < known.size(); ++i) text += (i > 0 ? ", " : "") + std::string(known[i]);
+  return text + (text.find("(known: ") != std::string::npos ? ")" : "");
+}
+
+void check_keys(const Section& section, std::span<const std::string_view> known) {
+  for (const Member& member : section.table.members) {
+    if (section.reader.diagnostics.size() >= kMaxDiagnostics) return;  // nothing more would be shown
+    const std::string path = section.at(printable(member.key, kMaxGuess));
+    const auto is = [&](std::string_view key) { return key == member.key; };
+    if (std::any_of(known.begin(), known.end(), is)) continue;
+    section.reader.error(
+        member.position, path,
+        "unknown key" + (section.title.empty() ? "" : " in " + section.title) + suggestion(member.key, known));
+    // The key that was meant is missing for this reason.
+    if (member.key.size() > kMaxGuess) continue;
+    if (const auto guess = nearest(std::string_view(member.key), known))
+      if (section.find(*guess) == nullptr) section.reader.failed.insert(section.at(*guess));
+  }
+}
+
+const Node* find_table(const Section& parent, std::string_view key) {
+  const Node* node = parent.find(key);
+  if (node == nullptr) return nullptr;
+  const std::string path = parent.at(key);
+  parent.reader.positions[path] = node->position;
+  if (node->kind == Node::Kind::table) return node;
+  parent.reader.error(node->position, path,
+                      std::string(kind_word(node->kind)) + " where a table belongs; write [" + std::string(key) +
+                          "] on a line of its own and its keys below it");
+  return nullptr;
+}
+
+bool in_range(const FieldInfo& info, double value) {
+  return std::isfinite(value) && (info.lo_open ? value > info.lo : value >= info.lo) &&
+         (info.hi_open ? value < info.hi : value <= info.hi);
+}
+
+std::string range_text(const FieldInfo& info) {
+  return (info.lo_open ? "(" : "[") + format_double(info.lo) + ", " + format_double(info.hi) +
+         (info.hi_open ? ")" : "]");
+}
+
+std::string missing_text(const FieldInfo& info) {
+  return "missing; write for example " + std::string(info.name) + " = " + std::string(info.example) + " (" +
+         std::string(info.doc) + ")";
+}
+
+std::string folder_of(const std::string& file) {
+  const std::size_t slash = file.rfind('/');
+  return slash == std::string::npos ? "" : file.substr(0, slash + 1);
+}
+
+std::string beside(const std::string& folder, const std::string& name) {
+  return name.starts_with('/') ? name : folder + name;
+}
+
+}  // namespace mtf::io::cfg

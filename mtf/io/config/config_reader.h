@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Reading the tree of a sensor file: one Reader collects what is wrong, one Section stands for the table being read,
+// and a function per type of value turns keys into numbers. Nothing here throws for what is in the file: a value that
+// cannot be read is reported, its path is marked as failed, and reading goes on.
+
+#include <map>
+#include <set>
+#include <span>
+
+#include "mtf/io/config/config_schema.h"
+#include "mtf/io/config/config_tree.h"
+
+namespace mtf::io::cfg {
+
+struct Reader {
+  std::string folder;                 ///< of the sensor file, with a final slash; "" for the current one
+  std::span<const TableInfo> schema;  ///< tables beyond those of the system
+  std::vector<Diagnostic> diagnostics;
+  std::map<std::string, Position, std::less<>> positions;  ///< of values, by path
+  std::set<std::string, std::less<>> failed;               ///< paths that were reported already
+  std::vector<FitSpec> fits;
+
+  void error(Position position, std::string path, std::string text);
+  void note(Position position, std::string path, std::string text, bool remark);
+  /// True when the path or a table around it was reported.
+  bool has_failed(std::string_view path) const;
+  /// Position of the path, of its stem without _x or _y, or of the nearest table around it.
+  Position position_of(std::string path) const;
+};
+
+/// A table being read. `title` is how messages call it: "[frame]", "[[presample]] jitter".
+struct Section {
+  Reader& reader;
+  const Node& table;
+  std::string path;
+  std::string title;
+
+  std::string at(std::string_view key) const { return path.empty() ? std::string(key) : path + "." + std::string(key); }
+  const Node* find(std::string_view key) const { return table.find(key); }
+  /// Reports at the value of `key`, or at the table when the key is absent.
+  void error(std::string_view key, std::string text) const;
+};
+
+/// Reports every key that is not known, with the nearest and the known ones.
+void check_keys(const Section& section, std::span<const std::string_view> known);
+
+/// The table under `key` of `parent`; null when absent, and when it is no table (reported).
+const Node* find_table(const Section& parent, std::string_view key);
+
+/// A number in `unit`; unit is null for plain numbers.
+struct Scalar {
+  double value = 0.0;
+  const Unit* unit = nullptr;
+};
+
+/// The value in info.unit; in the unit it was written in where info.unit is empty. No table.
+std::optional<Scalar> read_plain(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path);
+
+/// A value or a table { value, fit, min, max, prior, stderr }, which leaves a FitSpec.
+std::optional<Scalar> read_scalar(const Section& section, const FieldInfo& info, std::string_view key);
+
+/// A value within the range of `info`, no table: for what is never fitted.
+std::optional<double> read_number(const Section& section, const FieldInfo& info, std::string_view key);
+
+/// `name`, or `name_x` and `name_y`. False when absent or reported. `fittable`: tables allowed.
+bool read_axis_pair(const Section& section, const FieldInfo& info, AxisPair<double>& pair, bool fittable);
+
+std::optional<std::string> read_string(const Section& section, std::string_view key);
+/// Index into `names`.
+std::optional<int> read_word(const Section& section, std::string_view key, std::span<const std::string_view> names);
+std::optional<int> read_whole(const Section& section, const FieldInfo& info);
+std::optional<Taps<double>> read_taps(const Section& section, std::string_view key);
+/// A list of plain numbers or fit tables, which leave a FitSpec of the path name[i].
+std::optional<Coefficients<double>> read_coefficients(const Section& section, const FieldInfo& info);
+/// A word of mtf/io/codecs/encoding.h, or a table beside the sensor file.
+std::optional<Encoding> read_encoding(const Section& section, std::string_view key);
+std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view key);
+
+/// A number as sensor files have it: 8.0, or "8 urad". In config_write.cpp.
+std::string toml_scalar(const Scalar& scalar);
+
+/// A fit table; the value of it when usable. In config_fit.cpp.
+std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path);
+
+bool in_range(const FieldInfo& info, double value);
+std::string range_text(const FieldInfo& info);
+/// `missing; write rms = "8 urad" (rms displacement of one axis, one sigma)`
+std::string missing_text(const FieldInfo& info);
+/// "did you mean …" and the list of what is known.
+std::string suggestion(std::string_view word, std::span<const std::string_view> known);
+
+/// Findings of System::check at their positions. `origin[stage][i]` is the place in the file of list(stage)[i].
+using Origin = std::array<std::vector<std::size_t>, 3>;
+void check_system(Reader& reader, const System<double>& system, const Origin& origin);
+
+/// [frame], [optics], [band], [scene] into the configuration. In config_sections.cpp.
+void read_sections(const Section& root, SensorConfig& config);
+
+/// [[presample]], [[readout]], [[postsample]]. In config_components.cpp.
+Origin read_components(const Section& root, System<double>& system);
+
+/// The whole tree of a sensor file into system, scene and fits of `result`, with everything that is wrong in it; the
+/// file's name has to be there already. In config.cpp.
+void interpret(const Node& tree, ConfigResult& result);
+
+/// Names of all tables; `keys` with the rows that the schema adds to a table. In config_settings.cpp.
+std::vector<std::string_view> known_tables(std::span<const TableInfo> schema);
+std::vector<std::string_view> with_rows(std::span<const std::string_view> keys, std::span<const TableInfo> schema,
+                                        std::string_view table);
+
+/// The tables of the schema that are in the file. In config_settings.cpp.
+std::vector<SettingsTable> read_settings(const Section& root);
+
+/// Labels of a list of components, explicit where given: the kind, numbered from the second one.
+std::vector<std::string> complete_labels(const std::vector<std::string>& kinds,
+                                         const std::vector<std::optional<std::string>>& labels);
+
+/// Curve file as written in a sensor file, to a path.
+std::string beside(const std::string& folder, const std::string& name);
+std::string folder_of(const std::string& file);
+
+}  // namespace mtf::io::cfg

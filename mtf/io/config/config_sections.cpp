@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// [frame], [optics], [band] and [scene].
+
+#include "mtf/io/config/config_reader.h"
+
+namespace mtf::io::cfg {
+namespace {
+
+void read_pitch(const Section& section, Frame<double>& frame) {
+  const bool both = section.find("pitch") != nullptr, x = section.find("pitch_x") != nullptr,
+             y = section.find("pitch_y") != nullptr;
+  if (both && (x || y)) return section.error(x ? "pitch_x" : "pitch_y", "given beside pitch; remove one of them");
+  if (x != y)
+    return section.error(x ? "pitch_x" : "pitch_y",
+                         std::string("given without ") + (x ? "pitch_y" : "pitch_x") + "; give both, or only pitch");
+  if (both) {
+    if (const auto pitch = read_scalar(section, kPitch, "pitch")) frame.pitch_x_um = frame.pitch_y_um = pitch->value;
+  } else if (x) {
+    if (const auto pitch = read_scalar(section, kPitch, "pitch_x")) frame.pitch_x_um = pitch->value;
+    if (const auto pitch = read_scalar(section, kPitch, "pitch_y")) frame.pitch_y_um = pitch->value;
+  } else if (!section.reader.has_failed("frame.pitch") && !section.reader.has_failed("frame.pitch_x")) {
+    section.error("pitch", missing_text(kPitch));
+  }
+}
+
+void read_format(const Section& section, Frame<double>& frame) {
+  constexpr std::int64_t limit = 1'000'000;
+  const Node* node = section.find("format");
+  if (node == nullptr) return;
+  section.reader.positions[section.at("format")] = node->position;
+  const auto is_size = [](const Node& item) {
+    return item.kind == Node::Kind::integer && item.integer >= 1 && item.integer <= limit;
+  };
+  if (node->kind != Node::Kind::array || node->items.size() != 2 || !is_size(node->items[0]) ||
+      !is_size(node->items[1]))
+    return section.error("format", shown(*node) + " has to be [columns, rows], whole numbers in [1, " +
+                                       std::to_string(limit) + "], such as [640, 512]");
+  frame.columns = static_cast<int>(node->items[0].integer);
+  frame.rows = static_cast<int>(node->items[1].integer);
+}
+
+void read_frame(const Section& root, Frame<double>& frame) {
+  const Node* table = find_table(root, "frame");
+  if (table == nullptr) {
+    if (!root.reader.has_failed("frame"))
+      root.reader.error({}, "frame", "missing; write [frame] with focal_length = \"100 mm\" and pitch = \"15 um\"");
+    return;
+  }
+  const Section section{root.reader, *table, "frame", "[frame]"};
+  check_keys(section, with_rows(kFrameKeys, root.reader.schema, "frame"));
+  if (const auto focal_length = read_scalar(section, kFocalLength, "focal_length"))
+    frame.focal_length_mm = focal_length->value;
+  else if (!root.reader.has_failed("frame.focal_length"))
+    section.error("focal_length", missing_text(kFocalLength));
+  read_pitch(section, frame);
+  read_format(section, frame);
+  if (const auto time = read_scalar(section, kIntegrationTime, "integration_time"))
+    frame.integration_time_s = time->value;
+}
+
+void read_optics(const Section& root, Optics<double>& optics) {
+  const Node* table = find_table(root, "optics");
+  if (table == nullptr) return;
+  const Section section{root.reader, *table, "optics", "[optics]"};
+  check_keys(section, with_rows(kOpticsKeys, root.reader.schema, "optics"));
+  const auto read = [&](const FieldInfo& info, std::optional<double>& value) {
+    if (const auto scalar = read_scalar(section, info, info.name)) value = scalar->value;
+  };
+  read(kFNumber, optics.f_number);
+  read(kApertureDiameter, optics.aperture_mm);
+  read(kObscuration, optics.obscuration);
+  read(kWavelength, optics.wavelength_um);
+}
+
+void read_band(const Section& root, std::optional<Band>& band) {
+  const Node* table = find_table(root, "band");
+  if (table == nullptr) return;
+  const Section section{root.reader, *table, "band", "[band]"};
+  check_keys(section, kBandKeys);
+  constexpr std::string_view remedy = "write wavelength = [\"3.4 um\", \"4.8 um\"], shortest and longest";
+  const Node* node = section.find("wavelength");
+  if (node == nullptr) {
+    if (!root.reader.has_failed("band.wavelength")) section.error("wavelength", "missing; " + std::string(remedy));
+    return;
+  }
+  if (node->kind != Node::Kind::array || node->items.size() != 2) {
+    section.error("wavelength", shown(*node) + " is no pair of wavelengths; " + std::string(remedy));
+    return;
+  }
+  const std::string path = section.at("wavelength");
+  const auto lo = read_plain(root.reader, node->items[0], kWavelength, path);
+  const auto hi = read_plain(root.reader, node->items[1], kWavelength, path);
+  root.reader.positions[path] = node->position;
+  if (lo && hi) band = Band{lo->value, hi->value};
+}
+
+void read_sample(const Section& section, const Frame<double>& frame, SceneDefaults& scene) {
+  const auto given = [&](std::string_view key) { return section.find(key) != nullptr; };
+  std::string first;
+  for (const std::string_view way : {"sample", "sample_x", "ifov", "gsd"}) {
+    const std::string_view also = way == "sample_x" ? "sample_y" : way == "gsd" ? "range" : way;
+    if (!given(way) && !given(also)) continue;
+    if (given(way) != given(also))
+      return section.error(given(way) ? way : also,
+                           "given without " + std::string(given(way) ? also : way) + "; they go together");
+    if (!first.empty())
+      return section.error(way, "the sample spacing is given already by " + first + "; remove one of them");
+    first = way;
+  }
+  const auto focal_plane_um = [&](double angle_urad, std::string_view key) -> std::optional<double> {
+    if (!(frame.focal_length_mm > 0.0)) return std::nullopt;  // reported there
+    const double um = frame.um_from_urad(angle_urad);
+    if (in_range(kSample, um)) return um;
+    section.error(key, "a sample of " + format_double(um) + " um at the focal plane is outside " + range_text(kSample));
+    return std::nullopt;
+  };
+  if (first == "sample") scene.sample_x_um = scene.sample_y_um = read_number(section, kSample, "sample");
+  if (first == "sample_x") {
+    scene.sample_x_um = read_number(section, kSample, "sample_x");
+    scene.sample_y_um = read_number(section, kSample, "sample_y");
+  }
+  if (first == "ifov") {
+    if (const auto angle = read_number(section, kIfov, "ifov"))
+      scene.sample_x_um = scene.sample_y_um = focal_plane_um(*angle, "ifov");
+  }
+  if (first == "gsd") {
+    const auto gsd = read_number(section, kGsd, "gsd"), range = read_number(section, kRange, "range");
+    if (gsd && range) scene.sample_x_um = scene.sample_y_um = focal_plane_um(*gsd / *range * 1e6, "gsd");
+  }
+}
+
+void read_scene_aperture(const Section& section, SceneDefaults& scene) {
+  if (const auto word = read_word(section, "aperture", kApertureNames)) scene.aperture = static_cast<Aperture>(*word);
+  if (section.reader.has_failed("scene.aperture")) return;
+  const bool sized = scene.aperture == Aperture::box || scene.aperture == Aperture::gaussian;
+  const auto only_with = [&](std::string_view key, bool fits, const std::string& needed) {
+    if (section.find(key) == nullptr || fits) return fits;
+    section.error(key, "needs aperture = " + needed + "; remove it or set that");
+    return false;
+  };
+  for (const std::string_view key : {"aperture_size", "aperture_size_x", "aperture_size_y"})
+    only_with(key, sized, "\"box\" or \"gaussian\"");
+  if (sized && read_axis_pair(section, kApertureSize, scene.aperture_size, false)) {
+    const auto check = [&](std::string_view key, const Extent<double>& size) {
+      if (!in_range(kApertureSize, size.value))
+        section.error(key, format_double(size.value) + " " + std::string(size.unit->name) + " is outside " +
+                               range_text(kApertureSize));
+    };
+    check(scene.aperture_size.split ? "aperture_size_x" : "aperture_size", scene.aperture_size.x);
+    if (scene.aperture_size.split) check("aperture_size_y", scene.aperture_size.y);
+  }
+  if (scene.aperture == Aperture::gaussian && !scene.aperture_size.given() &&
+      !section.reader.has_failed("scene.aperture_size"))
+    section.error("aperture_size", "missing; write its sigma, for example aperture_size = \"2 um\"");
+  if (only_with("aperture_file", scene.aperture == Aperture::curve, "\"curve\"")) {
+    scene.aperture_curve = read_curve(section, "aperture_file");
+    if (!scene.aperture_curve && !section.reader.has_failed("scene.aperture_file"))
+      section.error("aperture_file",
+                    "missing; name the CSV file of the curve, for example aperture_file = \"scene.csv\"");
+  }
+  if (only_with("aperture_gain_limit", scene.aperture != Aperture::point, "\"box\", \"gaussian\" or \"curve\""))
+    scene.aperture_gain_limit =
+        read_number(section, kApertureGainLimit, "aperture_gain_limit").value_or(scene.aperture_gain_limit);
+}
+
+void read_scene(const Section& root, const Frame<double>& frame, SceneDefaults& scene) {
+  const Node* table = find_table(root, "scene");
+  if (table == nullptr) return;
+  const Section section{root.reader, *table, "scene", "[scene]"};
+  check_keys(section, with_rows(kSceneKeys, root.reader.schema, "scene"));
+  read_sample(section, frame, scene);
+  if (const auto word = read_word(section, "quantity", kQuantityNames)) scene.quantity = static_cast<Quantity>(*word);
+  scene.gain = read_number(section, kGain, "gain");
+  if (scene.gain == 0.0) section.error("gain", "0 would make every pixel the same; value = gain x file + offset");
+  scene.offset = read_number(section, kOffset, "offset");
+  scene.encoding = read_encoding(section, "encoding");
+  if (const auto word = read_word(section, "border", kBorderNames)) scene.border = static_cast<Border>(*word);
+  if (section.find("border_value") != nullptr && scene.border != Border::constant &&
+      !root.reader.has_failed("scene.border"))
+    section.error("border_value", "needs border = \"constant\"; remove it or set that");
+  else
+    scene.border_value = read_number(section, kBorderValue, "border_value").value_or(0.0);
+  read_scene_aperture(section, scene);
+}
+
+}  // namespace
+
+void read_sections(const Section& root, SensorConfig& config) {
+  read_frame(root, config.system.frame);
+  read_optics(root, config.system.optics);
+  read_band(root, config.system.band);
+  read_scene(root, config.system.frame, config.scene);
+}
+
+}  // namespace mtf::io::cfg

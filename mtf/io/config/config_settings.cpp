@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Tables of the file that other libraries own (mtf/settings.h): read by their rows, kept as values.
+
+#include <algorithm>
+#include <limits>
+
+#include "mtf/error.h"
+#include "mtf/io/config/config_reader.h"
+
+namespace mtf::io::cfg {
+namespace {
+
+bool is_own(std::string_view table) { return std::find(kTopKeys.begin(), kTopKeys.end(), table) != kTopKeys.end(); }
+
+/// Path of a file: what is in it is for others to judge.
+std::optional<SettingValue> read_file(const Section& section, std::string_view key) {
+  const auto name = read_string(section, key);
+  if (!name) return std::nullopt;
+  if (!name->empty() && name->find('\0') == std::string::npos) return beside(section.reader.folder, *name);
+  section.error(key, "no file name");
+  return std::nullopt;
+}
+
+std::optional<SettingValue> read_flag(const Section& section, std::string_view key) {
+  const Node& node = *section.find(key);
+  section.reader.positions[section.at(key)] = node.position;
+  if (node.kind == Node::Kind::boolean) return node.boolean;
+  section.error(key, std::string(kind_word(node.kind)) + " where true or false belongs");
+  return std::nullopt;
+}
+
+/// A number, also out of a fit table whose `fit` is false: only the OTF is fitted.
+std::optional<SettingValue> read_bounded(const Section& section, const FieldInfo& info) {
+  const Node& node = *section.find(info.name);
+  if (node.kind != Node::Kind::table) {
+    const auto value = read_number(section, info, info.name);
+    return value ? std::optional<SettingValue>(*value) : std::nullopt;
+  }
+  const auto scalar = read_scalar(section, info, info.name);
+  if (!scalar) return std::nullopt;
+  const FitSpec& spec = section.reader.fits.back();
+  if (spec.path == section.at(info.name) && spec.fit) {
+    section.error(info.name, "cannot be fitted: it is no part of the OTF; remove fit = true");
+    return std::nullopt;
+  }
+  if (in_range(info, scalar->value)) return scalar->value;
+  section.error(info.name, format_double(scalar->value) + (info.unit.empty() ? "" : " ") + std::string(info.unit) +
+                               " is outside " + range_text(info));
+  return std::nullopt;
+}
+
+template <class T>
+std::optional<SettingValue> as_value(const std::optional<T>& value) {
+  return value ? std::optional<SettingValue>(*value) : std::nullopt;
+}
+
+std::optional<SettingValue> read_setting(const Section& section, const SettingInfo& row) {
+  const FieldInfo& info = row.info;
+  const Node* node = section.find(info.name);
+  if (node == nullptr) return std::nullopt;
+  switch (row.type) {
+    case SettingType::number:
+      return read_bounded(section, info);
+    case SettingType::whole:
+      return as_value(read_whole(section, info));
+    case SettingType::flag:
+      return read_flag(section, info.name);
+    case SettingType::word:
+      return as_value(read_word(section, info.name, row.words));
+    case SettingType::text:
+      return as_value(read_string(section, info.name));
+    case SettingType::file:
+      return read_file(section, info.name);
+    case SettingType::number_or_file:
+      // A text that is no number of this unit is the name of a file.
+      if (node->kind != Node::Kind::string) return read_bounded(section, info);
+      if (info.dimension == Dimension::none) return read_file(section, info.name);
+      try {
+        static_cast<void>(parse_quantity(node->text, info.dimension));
+      } catch (const UsageError&) {
+        return read_file(section, info.name);
+      }
+      return read_bounded(section, info);
+  }
+  return std::nullopt;
+}
+
+SettingsTable read_table(const Section& section, const TableInfo& info) {
+  SettingsTable table{info.name, {}};
+  for (const SettingInfo& row : info.settings) {
+    if (auto value = read_setting(section, row))
+      table.settings.push_back({row.info.name, *std::move(value)});
+    else if (row.info.presence == Presence::required && !section.reader.has_failed(section.at(row.info.name)))
+      section.error(row.info.name, missing_text(row.info));
+  }
+  return table;
+}
+
+}  // namespace
+
+std::vector<std::string_view> known_tables(std::span<const TableInfo> schema) {
+  std::vector<std::string_view> known(kTopKeys.begin(), kTopKeys.end());
+  for (const TableInfo& table : schema)
+    if (!is_own(table.name)) known.push_back(table.name);
+  return known;
+}
+
+std::vector<std::string_view> with_rows(std::span<const std::string_view> keys, std::span<const TableInfo> schema,
+                                        std::string_view table) {
+  std::vector<std::string_view> known(keys.begin(), keys.end());
+  for (const TableInfo& info : schema)
+    if (info.name == table)
+      for (const SettingInfo& row : info.settings) known.push_back(row.info.name);
+  return known;
+}
+
+std::vector<SettingsTable> read_settings(const Section& root) {
+  std::vector<SettingsTable> tables;
+  for (const TableInfo& info : root.reader.schema) {
+    const bool own = is_own(info.name);
+    // The keys of a table of the system were checked with it, and whether it is a table at all.
+    if (own && (root.find(info.name) == nullptr || root.find(info.name)->kind != Node::Kind::table)) continue;
+    const Node* node = own ? root.find(info.name) : find_table(root, info.name);
+    if (node == nullptr) continue;
+    const std::string name(info.name);
+    const Section section{root.reader, *node, name, "[" + name + "]"};
+    if (!own) check_keys(section, with_rows({}, root.reader.schema, info.name));
+    SettingsTable table = read_table(section, info);
+    if (!own || !table.settings.empty()) tables.push_back(std::move(table));
+  }
+  return tables;
+}
+
+}  // namespace mtf::io::cfg

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The lines of a schedule, before anybody asks what they mean.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mtf/io/config/schedule.h"
+
+namespace mtf::io {
+
+/// Settings in the order of the file. What is wrong with its form goes to `errors` as "file:line: error: ..." lines.
+std::vector<Setting> read_settings(std::string_view text, const std::string& file, std::vector<std::string>& errors);
+
+/// "file:line: error: text"
+std::string schedule_error(const std::string& file, int line, const std::string& text);
+
+}  // namespace mtf::io

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/io/csv/csv_numbers.h"
+
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+
+#include "mtf/error.h"
+#include "mtf/io/csv/csv_cells.h"
+#include "mtf/io/csv/curve_csv.h"
+#include "mtf/io/file_checks.h"
+
+namespace mtf::io {
+namespace {
+
+constexpr std::size_t kMaxRows = 1'000'000;
+constexpr std::size_t kMaxColumns = 64;
+
+}  // namespace
+
+CsvNumbers read_csv_numbers(std::string_view text, const std::string& source, const std::string& remedy,
+                            const ChooseColumns& choose) {
+  text = without_mark(text);
+  CsvNumbers numbers;
+  std::vector<std::size_t> chosen;
+  char separator = ',';
+  std::size_t cells_of_header = 0;
+  for (std::size_t line = 1; !text.empty(); ++line) {
+    const std::string_view row = take_text_line(text);
+    if (is_comment(row)) continue;
+    const auto where = [&] { return source + ":" + std::to_string(line) + ": "; };
+    if (cells_of_header == 0) {
+      separator = separator_of(row);
+      const auto cells = split_cells(row, separator, kMaxColumns);
+      cells_of_header = cells.size();
+      if (cell_number(cells.front())) throw UsageError(where() + "the header is missing; " + remedy);
+      if (cells.size() < 2)
+        throw UsageError(where() + "one column only, two are needed (separator: comma, semicolon or tab); " + remedy);
+      if (cells.size() > kMaxColumns)
+        throw UsageError(where() + "more than " + std::to_string(kMaxColumns) + " columns");
+      chosen = choose(cells, where());
+      numbers.column.resize(chosen.size());
+      continue;
+    }
+    const auto cells = split_cells(row, separator, kMaxColumns);
+    if (cells.size() != cells_of_header)
+      throw UsageError(where() + std::to_string(cells.size()) + " values where the header has " +
+                       std::to_string(cells_of_header) + "; numbers have a decimal point, not a comma");
+    if (numbers.line.size() == kMaxRows) throw UsageError(where() + "more than a million rows; thin the table out");
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const std::optional<double> value = cell_number(cells[chosen[i]]);
+      if (!value || !std::isfinite(*value))
+        throw UsageError(where() + "\"" + printable(cells[chosen[i]], 40) +
+                         "\" is no finite number; write it like 0.93");
+      numbers.column[i].push_back(*value);
+    }
+    numbers.line.push_back(line);
+  }
+  if (cells_of_header == 0) throw UsageError(source + ": no header and no data; " + remedy);
+  if (numbers.line.empty()) throw UsageError(source + ": a header and no rows; add at least one");
+  return numbers;
+}
+
+std::string read_table_text(const std::string& path, std::size_t limit) {
+  std::error_code ignored;
+  // A pipe without a writer would hang the reader of a sensor file.
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored) &&
+      !std::filesystem::is_directory(path, ignored))
+    throw RuntimeError("cannot read " + path + ": it is not an ordinary file");
+  return read_text_file(path, limit);
+}
+
+}  // namespace mtf::io

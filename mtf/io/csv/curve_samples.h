@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// MTF curves as data to fit, with their standard deviations, from any CSV that the toolkit reads or writes:
+//   frequency_cy_mm,mtf[,sd]        other instruments (mtf/io/csv/curve_csv.h); further columns are ignored
+//   frequency,...,system            `mtf curve --format csv`: the system's column, or system_re and system_im; the unit
+//   of
+//                                   the frequency is not in the file
+//   edge,curve,x,value,sd           `mtf measure --curves`: one curve an edge, the rows called mtf, in cycles/pixel
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mtf/component.h"
+
+namespace mtf::io {
+
+struct CurveSamples {
+  std::string name;            ///< "edge 2"; "" where the file is one curve
+  const Unit* unit = nullptr;  ///< cy/mm, cy/mrad or cy/px
+  std::vector<double> frequency, mtf;
+  std::vector<double> sd;  ///< of every sample, above 0; empty where the file has none
+};
+
+/// Samples without an error (f = 0 of a measured curve, where every MTF is 1) and cells without a number where an sd
+/// belongs are left out. Errors as read_curve_csv; UsageError, too, where no curve is in the file.
+/// `bare`: the unit of a column that is called frequency and no more, beside a system's column.
+std::vector<CurveSamples> read_curve_samples(const std::string& path, const Unit* bare = nullptr);
+std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::string& source,
+                                              const Unit* bare = nullptr);
+
+}  // namespace mtf::io

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/io/exr/exr_info.h"
+
+#include <OpenEXR/ImfBoxAttribute.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticitiesAttribute.h>
+#include <OpenEXR/ImfCompression.h>
+#include <OpenEXR/ImfDoubleAttribute.h>
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfFloatVectorAttribute.h>
+#include <OpenEXR/ImfIntAttribute.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfRationalAttribute.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <OpenEXR/ImfStringVectorAttribute.h>
+#include <OpenEXR/ImfTileDescription.h>
+#include <OpenEXR/ImfVecAttribute.h>
+
+#include <algorithm>
+#include <array>
+#include <initializer_list>
+
+#include "mtf/io/channel_choice.h"
+#include "mtf/io/csv/number_text.h"
+
+namespace mtf::io {
+namespace {
+
+template <class T>
+std::string numbers(std::initializer_list<T> values) {
+  std::string text;
+  for (const T value : values) append_word(text, number_text(value));
+  return text;
+}
+
+// "" for types that have no useful text.
+std::string attribute_text(const Imf::Attribute& attribute) {
+  const auto* a = &attribute;
+  if (const auto* s = dynamic_cast<const Imf::StringAttribute*>(a)) return s->value();
+  if (const auto* i = dynamic_cast<const Imf::IntAttribute*>(a)) return number_text(i->value());
+  if (const auto* f = dynamic_cast<const Imf::FloatAttribute*>(a)) return number_text(f->value());
+  if (const auto* d = dynamic_cast<const Imf::DoubleAttribute*>(a)) return number_text(d->value());
+  if (const auto* v = dynamic_cast<const Imf::V2dAttribute*>(a)) return numbers({v->value().x, v->value().y});
+  if (const auto* v = dynamic_cast<const Imf::V2fAttribute*>(a)) return numbers({v->value().x, v->value().y});
+  if (const auto* v = dynamic_cast<const Imf::V2iAttribute*>(a)) return numbers({v->value().x, v->value().y});
+  if (const auto* v = dynamic_cast<const Imf::V3fAttribute*>(a))
+    return numbers({v->value().x, v->value().y, v->value().z});
+  if (const auto* v = dynamic_cast<const Imf::V3dAttribute*>(a))
+    return numbers({v->value().x, v->value().y, v->value().z});
+  if (const auto* b = dynamic_cast<const Imf::Box2iAttribute*>(a))
+    return numbers({b->value().min.x, b->value().min.y, b->value().max.x, b->value().max.y});
+  if (const auto* r = dynamic_cast<const Imf::RationalAttribute*>(a))
+    return number_text(static_cast<double>(r->value()));
+  if (const auto* c = dynamic_cast<const Imf::ChromaticitiesAttribute*>(a)) {
+    const Imf::Chromaticities& p = c->value();
+    return numbers({p.red.x, p.red.y, p.green.x, p.green.y, p.blue.x, p.blue.y, p.white.x, p.white.y});
+  }
+  std::string text;
+  if (const auto* list = dynamic_cast<const Imf::FloatVectorAttribute*>(a))
+    for (const float value : list->value()) append_word(text, number_text(value));
+  if (const auto* list = dynamic_cast<const Imf::StringVectorAttribute*>(a))
+    for (const std::string& line : list->value()) append_word(text, line, '\n');
+  return text;
+}
+
+std::string type_name(Imf::PixelType type) {
+  switch (type) {
+    case Imf::UINT:
+      return "uint";
+    case Imf::HALF:
+      return "half";
+    default:
+      return "float";
+  }
+}
+
+std::string compression_name(Imf::Compression compression) {
+  constexpr std::array names{"uncompressed", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"};
+  return names.at(static_cast<std::size_t>(compression));
+}
+
+std::string part_storage(const Imf::Header& header) {
+  std::string text = header.hasType() && header.type().starts_with("deep") ? "deep " : "";
+  text += (exr_part_tiled(header) ? "tiled " : "scanline ") + compression_name(header.compression());
+  if (!header.hasTileDescription()) return text;
+  const Imf::TileDescription tiles = header.tileDescription();
+  if (tiles.mode == Imf::ONE_LEVEL) return text;
+  const auto& window = header.dataWindow();
+  const auto levels = [&](std::int64_t size) {
+    int count = 1;
+    for (; size > 1; size = tiles.roundingMode == Imf::ROUND_DOWN ? size / 2 : (size + 1) / 2) ++count;
+    return count;
+  };
+  const int x = levels(std::int64_t{window.max.x} - window.min.x + 1);
+  const int y = levels(std::int64_t{window.max.y} - window.min.y + 1);
+  if (tiles.mode == Imf::MIPMAP_LEVELS) return text + ", " + std::to_string(std::max(x, y)) + " mip-map levels";
+  return text + ", " + std::to_string(x) + " x " + std::to_string(y) + " rip-map levels";
+}
+
+std::array<int, 4> window_of(const Imath::Box2i& box) { return {box.min.x, box.min.y, box.max.x, box.max.y}; }
+
+void add_part(FileInfo& info, const Imf::Header& header, int part) {
+  const bool deep = header.hasType() && header.type().starts_with("deep");
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
+    ChannelInfo channel;
+    channel.name = c.name();
+    channel.type = std::string(deep ? "deep " : "") + type_name(c.channel().type);
+    channel.layer = layer_of(channel.name);
+    channel.part = part;
+    channel.part_name = header.hasName() ? header.name() : "";
+    channel.x_sampling = c.channel().xSampling;
+    channel.y_sampling = c.channel().ySampling;
+    info.channels.push_back(channel);
+  }
+  for (auto a = header.begin(); a != header.end(); ++a) {
+    const std::string name = a.name();
+    if (name == "dataWindow" || name == "displayWindow" || name == "chunkCount") continue;
+    const std::string text = attribute_text(a.attribute());
+    if (!text.empty()) info.attributes.emplace(name, text);  // the first part that has it wins
+  }
+}
+
+}  // namespace
+
+bool exr_part_tiled(const Imf::Header& header) {
+  if (header.hasType()) return header.type() == Imf::TILEDIMAGE || header.type() == Imf::DEEPTILE;
+  return header.hasTileDescription();
+}
+
+FileInfo describe_exr(const Imf::MultiPartInputFile& file) {
+  FileInfo info;
+  info.format = Format::exr;
+  const Imf::Header& first = file.header(0);
+  info.data_window = window_of(first.dataWindow());
+  info.display_window = window_of(first.displayWindow());
+  info.width = std::int64_t{info.display_window[2]} - info.display_window[0] + 1;
+  info.height = std::int64_t{info.display_window[3]} - info.display_window[1] + 1;
+  if (file.parts() > 1) info.storage = std::to_string(file.parts()) + " parts: ";
+  constexpr int shown = 8;
+  for (int part = 0; part < file.parts(); ++part) {
+    if (part < shown) info.storage += std::string(part > 0 ? ", " : "") + part_storage(file.header(part));
+    if (part == shown) info.storage += ", ...";
+    add_part(info, file.header(part), part);
+  }
+  return info;
+}
+
+}  // namespace mtf::io

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Scalar functions with value and slope right at their limits, for double, float and ceres::Jet.
+// Each is a pair (value, slope) of doubles; `lift` carries it to S by the chain rule, so no derivative of sqrt(0) or
+// acos(1) is ever formed. Branches depend on values only.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mtf/component.h"
+#include "mtf/math/turns.h"
+
+namespace mtf {
+
+inline constexpr double kPi = std::numbers::pi;
+
+/// The value part of a scalar of any kind.
+template <class S>
+double value_of(const S& s) {
+  if constexpr (requires { s.a; })
+    return s.a;
+  else
+    return static_cast<double>(s);
+}
+
+/// f(x) with the derivative carried: x - value(x) is zero with the derivative part of x alone. A slope of 0 ends it,
+/// also where x is infinite.
+template <class S>
+S lift(const ValueSlope& f, const S& x) {
+  if constexpr (requires { x.a; })
+    return f.slope == 0.0 ? S(f.value) : S(f.value) + S(f.slope) * (x - S(value_of(x)));
+  else
+    return static_cast<S>(f.value);
+}
+
+/// f(x, y) with both derivatives.
+template <class S>
+S lift(double value, double slope_x, const S& x, double slope_y, const S& y) {
+  if constexpr (requires { x.a; })
+    return S(value) + S(slope_x) * (x - S(value_of(x))) + S(slope_y) * (y - S(value_of(y)));
+  else
+    return static_cast<S>(value);
+}
+
+/// sin(pi x) and cos(pi x), the argument reduced exactly: zeros are exact, any finite x.
+double sin_pi(double x);
+double cos_pi(double x);
+SinCos sin_cos_pi(double x);
+
+/// sin(pi x)/(pi x); 0 at infinity. The value alone: the same bits.
+ValueSlope sinc(double x);
+double sinc_value(double x);
+
+/// sin(n pi x)/(n sin(pi x)), n >= 1: the mean of n phases 2 pi x apart, measured from their middle. Exact where the
+/// denominator is zero; 1 at infinity, as for every double beyond 2^54, a whole, even number.
+ValueSlope dirichlet(int n, double x);
+double dirichlet_value(int n, double x);
+
+/// Bound of |1 - dirichlet| up to x: it falls monotonically to its first zero, at x = 1/n.
+double dirichlet_deviation(int n, double x);
+
+/// exp(-2 pi^2 x^2), x = sigma f; 0 at infinity.
+ValueSlope gaussian(double x);
+
+template <class S>
+S sinc_of(const S& x) {
+  if constexpr (requires { x.a; })
+    return lift(sinc(value_of(x)), x);
+  else
+    return static_cast<S>(sinc_value(value_of(x)));
+}
+
+template <class S>
+S dirichlet_of(int n, const S& x) {
+  if constexpr (requires { x.a; })
+    return lift(dirichlet(n, value_of(x)), x);
+  else
+    return static_cast<S>(dirichlet_value(n, value_of(x)));
+}
+
+template <class S>
+S gaussian_of(const S& x) {
+  return lift(gaussian(value_of(x)), x);
+}
+
+/// sqrt(x^2 + y^2) without overflow; at the origin its derivative is taken as 0 (OTFs are even there).
+template <class S>
+S radius(const S& x, const S& y) {
+  const double r = std::hypot(value_of(x), value_of(y));
+  if (r == 0.0) return S(0);
+  return lift(r, value_of(x) / r, x, value_of(y) / r, y);
+}
+
+/// exp(-i pi x) as a complex number: the phase of a shift, argument reduced exactly.
+template <class S>
+Complex<S> phase_of(const S& x) {
+  const auto [s, c] = sin_cos_pi(value_of(x));
+  return {lift({c, -kPi * s}, x), lift({-s, -kPi * c}, x)};
+}
+
+}  // namespace mtf

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The mean over a band of OTFs that cost microseconds a sample, at many frequencies of one direction.
+//   mean(t) = integral over the band of w(lambda) P(t, lambda) dlambda
+// t = |f|, w the electron rate, P the product of the chromatic components. An aberrated pupil has its cutoff and its
+// kinks where t lambda is a constant: in the plane of t they run across the band, in that of u = t lambda / hi they
+// stand still, and at one u what is left to change with the wavelength (waves of aberration, a turbulent r0) is smooth
+// in 1 / lambda. So P becomes a table over u and 1 / lambda: Chebyshev points, in u on panels between the kinks, in the
+// angle that takes away the half-integer powers at their ends (as mtf/otf/polar_table.h). A few hundred samples of P
+// serve all frequencies. The integral itself is taken between the wavelengths at which t meets a kink (mtf/band.h), the
+// number of nodes doubled until the mean stands still.
+
+#include <functional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "mtf/band.h"
+
+namespace mtf {
+
+class BandMean {
+ public:
+  /// values[width i + k]: number k at t[i], one wavelength. The first two are real and imaginary part of P, the others
+  /// their derivatives or whatever else is averaged with them.
+  using Function = std::function<void(double wavelength_um, std::span<const double> t, std::span<double> values)>;
+
+  struct Options {
+    std::size_t exact = 2;     ///< of the numbers the first so many are known to `error`, absolute,
+    double error = 1e-7;       ///< the others to 1e-5 of their largest value
+    std::size_t panels = 256;  ///< at most: a P that needs more is known less well
+  };
+
+  /// `breaks`: values of u between which P is smooth, in rising order; P is 0 beyond the last one when `ends` is set. A
+  /// few frequencies are cheaper without the table: `most_t` <= 0 makes none, otherwise it reaches as far as
+  /// frequencies up to most_t need.
+  BandMean(Function p, std::size_t width, const Band& band, std::vector<double> breaks, bool ends, double most_t)
+      : BandMean(std::move(p), width, band, std::move(breaks), ends, most_t, Options()) {}
+  BandMean(Function p, std::size_t width, const Band& band, std::vector<double> breaks, bool ends, double most_t,
+           const Options& options);
+
+  /// The mean at t >= 0.
+  void at(double t, std::span<double> mean) const;
+
+  /// n Chebyshev points in (-1, 1), rising, and their barycentric weights.
+  struct Points {
+    explicit Points(std::size_t n);
+    std::vector<double> x, weight;
+  };
+
+ private:
+  /// Chebyshev points of an angle between two kinks: u = begin + (end - begin) (1 - cos angle) / 2.
+  struct Panel {
+    double u_begin = 0.0, u_end = 0.0;          ///< of its piece, between two kinks
+    double angle_begin = 0.0, angle_end = 0.0;  ///< of the panel, within [0, pi]
+    double from_u = 0.0;                        ///< where it begins
+    std::vector<double> values;                 ///< [point][wavelength][number]
+  };
+  void tabulate(double most_u);
+  Panel sampled(double u_begin, double u_end, double angle_begin, double angle_end) const;
+  std::vector<double> choose_wavelengths(double most_u);
+  bool resolved(const Panel& panel, std::span<const double> allowed) const;
+  double wavelength_at(std::size_t l) const;
+  void look_up(double u, double wavelength_um, double weight, std::span<double> sum) const;
+  void add_rule(double t, const WavelengthNodes& rule, std::span<double> sum) const;
+
+  Function p_;
+  std::size_t width_ = 0;
+  Options options_;
+  Band band_;
+  /// With a table: rules of the whole band, which most t share, of 8, 16, 32 ... nodes.
+  std::vector<WavelengthNodes> whole_;
+  std::vector<double> breaks_;
+  bool ends_ = false;
+  std::size_t wavelengths_ = 0;  ///< of the table; 0 = there is none
+  Points across_panel_, across_band_{0};
+  std::vector<Panel> panels_;  ///< in rising order
+};
+
+}  // namespace mtf

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/otf/factored_otf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "mtf/error.h"
+#include "mtf/math/special.h"
+
+namespace mtf {
+namespace {
+
+// 1/A up to the limit g, then g^2 A: continuous at |A| = 1/g, and no frequency is amplified more than g.
+double limited_inverse(double a, double limit) { return std::abs(a) * limit >= 1.0 ? 1.0 / a : limit * limit * a; }
+
+// About 30 ns a value (tests/bench/bench_components): vectors and tables are short, the rest is evaluated everywhere.
+double saved_ms(const Traits& traits, std::int64_t samples) {
+  const auto count = static_cast<double>(samples);
+  return 30e-6 * (traits.separable ? 2.0 * std::sqrt(count) : traits.radial ? std::min(count, 2048.0) : count);
+}
+
+}  // namespace
+
+std::string FactoredOtf::join_labels(const std::vector<const Entry<double>*>& entries) {
+  std::string text;
+  for (const Entry<double>* entry : entries) text += (text.empty() ? "" : ", ") + entry->label;
+  return text;
+}
+
+FactoredOtf::FactoredOtf(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture,
+                         const SamplerOptions& options)
+    : system_(system), aperture_(aperture), stages_(stages.begin(), stages.end()), options_(options) {
+  const double target = std::clamp(options.table_share, 1e-7, 1e-6);
+  if (aperture_.kind == SceneAperture::Kind::curve && aperture_.curve->unit->name == "cy/px" &&
+      system_.frame.pitch_x_um != system_.frame.pitch_y_um)
+    throw UsageError(
+        "scene.aperture: a curve in cy/px has no one meaning with pixels that are not square; give it in cy/mm");
+  bound_correction();
+  sort_components();
+
+  // A radial table ends where all of its components do; what others cut off is not its concern.
+  const Context<double> shortest = system_.band ? system_.context(system_.band->lo_um) : system_.context();
+  const auto end_of = [&](std::initializer_list<const std::vector<const Entry<double>*>*> lists) {
+    double end = std::hypot(options.fx_max, options.fy_max);
+    for (const auto* list : lists)
+      for (const Entry<double>* entry : *list) end = std::min(end, entry->component.cutoff_cy_mm(shortest));
+    return end;
+  };
+  for (const Entry<double>* entry : entries_) cutoff_ = std::min(cutoff_, entry->component.cutoff_cy_mm(shortest));
+  const auto& chromatic = chromatic_general_.empty() ? chromatic_radial_ : chromatic_general_;
+  // Slow components are given what they may err by, not the least that a table can.
+  const double slow_target = std::clamp(4.0 * options.table_share, 1e-7, 1e-4);
+  if (!chromatic.empty()) {
+    // Slow ones are tabulated by other means, and these values say how well.
+    choose_wavelengths(end_of({&chromatic}), chromatic_general_.empty() ? target : 0.05 * slow_target);
+    if (chromatic_general_.empty()) tabulate_band(end_of({&chromatic}));
+  }
+
+  const bool aperture_radial = aperture_.kind == SceneAperture::Kind::curve || !options.split.is_whole();
+  if (!radial_.empty() || !chromatic_radial_.empty() || aperture_radial) {
+    if (options.table_share > 0.0)
+      table_.emplace(
+          [this](std::span<const double> radius, std::span<double> value) {
+            for (std::size_t i = 0; i < radius.size(); ++i) value[i] = radial_product(radius[i]);
+          },
+          end_of({&radial_, &chromatic_radial_}), target, std::min(options.samples, RadialTable::kMostSamples));
+    std::string names = join_labels(radial_);
+    if (!chromatic_radial_.empty()) names += (names.empty() ? "" : ", ") + join_labels(chromatic_radial_);
+    if (!table_ || table_->error() > 20.0 * options.table_share) {
+      // Steep or kinked beyond what a table resolves (a thin annulus, a ragged curve): exact, and slower.
+      table_.reset();
+      radial_per_sample_ = true;
+    }
+    if (!names.empty())
+      merged_.push_back(names +
+                        (table_ ? " -> one radial table" : " -> one radial factor, evaluated at every frequency"));
+  }
+  tabulate_lines(target);
+  tabulate_slow(slow_target);
+  if (!separable_.empty()) merged_.push_back(join_labels(separable_) + " -> one vector per axis");
+}
+
+// The limit may be met anywhere in the band: a box or a curve rises again behind its zeros.
+void FactoredOtf::bound_correction() {
+  const double fx_max = options_.fx_max, fy_max = options_.fy_max;
+  if (aperture_.kind == SceneAperture::Kind::point) return;
+  constexpr int kSteps = 4096;
+  const auto highest = [this](const auto& mtf, double end, double limit) {
+    double least = 1.0;
+    for (int i = 1; i <= kSteps; ++i) least = std::min(least, std::abs(mtf(end * static_cast<double>(i) / kSteps)));
+    aperture_limited_ = aperture_limited_ || least * limit < 1.0;
+    return least * limit < 1.0 ? limit : 1.0 / least;
+  };
+  const double limit = aperture_.gain_limit, root = std::sqrt(limit);
+  correction_ = highest([this](double f) { return aperture_mtf(Axis::x, f); }, fx_max, root) *
+                highest([this](double f) { return aperture_mtf(Axis::y, f); }, fy_max, root) *
+                highest([this](double r) { return aperture_mtf(r); }, std::hypot(fx_max, fy_max), limit);
+}
+
+double FactoredOtf::scene_cost(const Entry<double>& entry) const {
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  if (!options_.scene || options_.scene->spectrum == nullptr) return kUnknown;
+  const Component<double>& component = entry.component;
+  // Pupils by quadrature cost more to sample than they would save.
+  if (component.is_slow()) return kUnknown;
+  constexpr int kCells = SceneSpectrum::kCells;
+  std::vector<Freq<double>> f;
+  const double cell_x = SceneSpectrum::corner_cy_mm(1, options_.fx_max);
+  const double cell_y = SceneSpectrum::corner_cy_mm(1, options_.fy_max);
+  for (int j = -kCells; j <= kCells; ++j)
+    for (int i = 0; i <= kCells; ++i) f.push_back({i * cell_x, j * cell_y});
+  // One more in each of the cells on four lines through the half-plane, at irregular places.
+  std::vector<std::size_t> corner_of;
+  for (int line = 0; line < 4; ++line)
+    for (int i = 0; i < kCells; ++i) {
+      const int j = std::array{0, i, -1 - i, kCells / 2}[static_cast<std::size_t>(line)];
+      const double jitter = std::fmod(0.381966011250105 + 0.618033988749895 * static_cast<double>(4 * i + line), 1.0);
+      f.push_back({(i + jitter) * cell_x, (j + 1.0 - jitter) * cell_y});
+      corner_of.push_back(static_cast<std::size_t>((j + kCells) * SceneSpectrum::kColumns + i));
+    }
+  std::vector<double> error(f.size(), 0.0);
+  const auto visit = [&](const Context<double>& ctx) {
+    std::vector<Complex<double>> h(f.size(), {1.0, 0.0});
+    component.multiply(f, ctx, h);
+    for (std::size_t i = 0; i < h.size(); ++i) error[i] = std::max(error[i], std::hypot(h[i].re - 1.0, h[i].im));
+  };
+  if (system_.band && component.traits(system_.context()).chromatic) {
+    visit(system_.context(system_.band->lo_um));
+    visit(system_.context(system_.band->hi_um));
+  } else {
+    visit(system_.context());
+  }
+  // Where it turns faster than the corners can show, they say nothing.
+  const std::size_t corners = error.size() - corner_of.size();
+  for (std::size_t p = 0; p < corner_of.size(); ++p) {
+    const double* corner = error.data() + corner_of[p];
+    const double about =
+        std::max({corner[0], corner[1], corner[SceneSpectrum::kColumns], corner[SceneSpectrum::kColumns + 1]});
+    if (error[corners + p] > 1.5 * about + 1e-9) return kUnknown;
+  }
+  const SceneCost& scene = *options_.scene;
+  return scene.scale * scene.spectrum->rms_error(error, scene.ratio_x, scene.ratio_y);
+}
+
+void FactoredOtf::sort_components() {
+  const Context<double> ctx = system_.context();
+  struct Candidate {
+    const Entry<double>* entry;
+    double deviation;  ///< bound of |otf - 1|
+    double cost;       ///< what it costs to leave out
+  };
+  std::vector<Candidate> candidates;
+  for (const Stage stage : stages_)
+    for (const Entry<double>& entry : system_.list(stage)) {
+      // A chromatic deviation is largest at one end of the band.
+      double deviation = entry.component.deviation(options_.fx_max, options_.fy_max, ctx);
+      if (system_.band)
+        for (const double wavelength : {system_.band->lo_um, system_.band->hi_um})
+          deviation = std::max(
+              deviation, entry.component.deviation(options_.fx_max, options_.fy_max, system_.context(wavelength)));
+      candidates.push_back({&entry, deviation, std::min(deviation, scene_cost(entry))});
+    }
+  // What is left out would have been multiplied by the components that amplify.
+  double amplified = correction_;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.entry->component.traits(ctx).gain) amplified *= 1.0 + candidate.deviation;
+    identity_error_ += candidate.cost;
+  }
+  const double budget = options_.drop_budget / amplified;
+  identity_error_ *= amplified;
+  std::vector<std::size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return candidates[a].cost < candidates[b].cost; });
+  std::vector<bool> drop(candidates.size());
+  double spent = 0.0;
+  for (const std::size_t i : order) {
+    if (spent + candidates[i].cost > budget) break;
+    spent += candidates[i].cost;
+    drop[i] = true;
+  }
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Entry<double>* entry = candidates[i].entry;
+    const Traits traits = entry->component.traits(ctx);
+    if (drop[i]) {
+      dropped_.push_back({entry->label, candidates[i].cost, saved_ms(traits, options_.samples)});
+      continue;
+    }
+    const bool chromatic = system_.band && traits.chromatic;
+    real_ = real_ && traits.real;
+    even_x_ = even_x_ && traits.even_x;
+    even_y_ = even_y_ && traits.even_y;
+    if (traits.gain) gain_ *= 1.0 + candidates[i].deviation;
+    entries_.push_back(entry);
+    auto& list = chromatic          ? (traits.radial ? chromatic_radial_ : chromatic_general_)
+                 : traits.separable ? separable_
+                 : traits.radial    ? radial_
+                                    : general_;
+    list.push_back(entry);
+  }
+  if (chromatic_general_.empty()) return;
+  // The product over wavelengths is averaged as one: a single non-radial factor takes the radial ones along.
+  chromatic_general_.insert(chromatic_general_.end(), chromatic_radial_.begin(), chromatic_radial_.end());
+  chromatic_radial_.clear();
+}
+
+double FactoredOtf::radial_product(double r) const {
+  const Freq<double> f{r, 0.0};
+  double product = aperture_radial(r) * options_.split.factor(r);
+  for (const Entry<double>* entry : radial_) product *= entry->component.otf(f, system_.context()).re;
+  if (chromatic_radial_.empty()) return product;
+  if (!radial_mean_) return product * chromatic_product(f).re;
+  double mean = 0.0;
+  radial_mean_->at(r, {&mean, 1});
+  return product * mean;
+}
+
+double FactoredOtf::aperture_mtf(Axis axis, double f) const {
+  if (aperture_.kind != SceneAperture::Kind::box && aperture_.kind != SceneAperture::Kind::gaussian) return 1.0;
+  const Frame<double>& frame = system_.frame;
+  const double size_mm = 1e-3 * (axis == Axis::x ? aperture_.size.x_um(frame) : aperture_.size.y_um(frame));
+  return aperture_.kind == SceneAperture::Kind::box ? sinc(size_mm * f).value : gaussian(size_mm * f).value;
+}
+
+double FactoredOtf::aperture_mtf(double r) const {
+  if (aperture_.kind != SceneAperture::Kind::curve) return 1.0;
+  const std::string_view unit = aperture_.curve->unit->name;
+  const double f = unit == "cy/mrad" ? system_.frame.cy_per_mrad(r)
+                   : unit == "cy/px" ? system_.frame.cy_per_px(r, Axis::x)
+                                     : r;
+  return evaluate(*aperture_.curve, f).value;
+}
+
+double FactoredOtf::aperture_factor(Axis axis, double f) const {
+  return limited_inverse(aperture_mtf(axis, f), std::sqrt(aperture_.gain_limit));
+}
+
+double FactoredOtf::aperture_radial(double r) const { return limited_inverse(aperture_mtf(r), aperture_.gain_limit); }
+
+double FactoredOtf::error() const {
+  double sum = (table_ ? table_->error() : 0.0) + quadrature_error_;
+  for (const Line& line : lines_) sum += line.table.line_error();
+  for (const PolarTable& table : polar_) sum += table.error();
+  for (const Dropped& dropped : dropped_) sum += dropped.bound;
+  return sum * gain();
+}
+
+Complex<double> FactoredOtf::at(const Freq<double>& f) const {
+  const double correction = aperture_factor(Axis::x, f.x) * aperture_factor(Axis::y, f.y) *
+                            aperture_radial(std::hypot(f.x, f.y)) * options_.split.factor(std::hypot(f.x, f.y));
+  Complex<double> h{correction, 0.0};
+  for (const Stage stage : stages_) h = h * system_.otf(stage, f);
+  return h;
+}
+
+double FactoredOtf::axis_bound(Axis axis, double f_cy_mm) const {
+  if (std::abs(f_cy_mm) >= cutoff_) return 0.0;
+  const Freq<double> f = axis == Axis::x ? Freq<double>{f_cy_mm, 0.0} : Freq<double>{0.0, f_cy_mm};
+  Complex<double> h{aperture_factor(axis, f_cy_mm), 0.0};
+  for (const Entry<double>* entry : separable_) h = h * entry->component.otf(f, system_.context());
+  const double radial = table_ ? table_->bound_from(std::abs(f_cy_mm))
+                               : std::max(1.0, options_.split.factor(std::hypot(options_.fx_max, options_.fy_max)));
+  return std::hypot(h.re, h.im) * radial * gain();
+}
+
+}  // namespace mtf

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The OTF of one list of a system on a frequency grid, cheaply: H(fx, fy) = R(|f|) X(fx) Y(fy) L(f.u) G(fx, fy).
+//   separable components  -> two vectors X and Y
+//   radial ones           -> one table R, chromatic ones averaged over the band as a product before they enter it
+//   motion at an angle    -> one table each along its direction, L(f.u)
+//   slow ones             -> a table in polar coordinates, where the grid is large enough to be worth it
+//   all others            -> evaluated per sample in G, a row at a time
+// Each component is visited once per vector, table or tile, never per sample.
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mtf/otf/band_mean.h"
+#include "mtf/otf/polar_table.h"
+#include "mtf/otf/radial_table.h"
+#include "mtf/plan/border.h"
+#include "mtf/survey/scene_spectrum.h"
+#include "mtf/system.h"
+#include "mtf/tiles/split.h"
+
+namespace mtf {
+
+/// Blur that the scene's samples already carry (a renderer's pixel average); divided out of the OTF. 1/A is limited:
+/// where |A| < 1/limit per factor the correction is limit^2 A, so it falls with A instead of growing.
+struct SceneAperture {
+  enum class Kind { point, box, gaussian, curve };
+  Kind kind = Kind::point;
+  AxisPair<double> size;  ///< box: full width; gaussian: sigma
+  std::shared_ptr<const Curve> curve;
+  double gain_limit = 10.0;
+};
+
+/// What was put aside before evaluation, for the plan's report.
+struct Dropped {
+  std::string label;
+  double bound = 0.0;     ///< of |otf - 1| over the grid, or its mean over the scene's own spectrum (SceneCost)
+  double saved_ms = 0.0;  ///< of making the OTF, estimated
+};
+
+/// What a change of the OTF costs the scene at hand: its rms error, in units in which the largest |change| of any
+/// scene's OTF would count. At most that, so the smaller of the two is taken.
+struct SceneCost {
+  const SceneSpectrum* spectrum = nullptr;
+  double ratio_x = 1.0, ratio_y = 1.0;  ///< samples a pitch
+  double scale = 1.0;                   ///< unit of the spectrum's rms_error
+};
+
+/// Called now and then by the threads that make an OTF, several at once, with the number of values of slow components
+/// that were made since. What it throws ends the work.
+using OtfProgress = std::function<void(std::int64_t values)>;
+
+struct SamplerOptions {
+  double fx_max = 0.0, fy_max = 0.0;  ///< |fx|, |fy| up to these
+  double drop_budget = 0.0;           ///< components whose deviations add up to no more are left out
+  double table_share = 0.0;  ///< error that a table should not exceed (one that errs by much more is not used);
+                             ///< 0: no tables
+  int wavelengths = 0;  ///< of the band: a Gauss rule of so many; 0 = split at the kinks, as many as that error needs
+  std::int64_t samples = std::numeric_limits<std::int64_t>::max();  ///< frequencies that will be asked for, about
+  int threads = 0;  ///< that fill tables of slow components; 0 = all cores
+  std::optional<SceneCost> scene = std::nullopt;
+  ScaleSplit split = {};  ///< the part of the OTF by scale
+  OtfProgress progress = {};
+};
+
+class FactoredOtf {
+ public:
+  FactoredOtf(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture,
+              const SamplerOptions& options);
+  FactoredOtf(const FactoredOtf&) = delete;  // its lists point into its own copy of the system
+  FactoredOtf& operator=(const FactoredOtf&) = delete;
+
+  bool is_real() const { return real_; }
+  bool is_even_x() const { return even_x_; }
+  bool is_even_y() const { return even_y_; }
+  /// H(fx, fy) H(0, 0) = H(fx, 0) H(0, fy): nothing but vectors along the axes.
+  bool is_separable() const { return !table_ && lines_.empty() && !has_general(); }
+  /// Some factor is evaluated at every frequency: no table or vector holds it.
+  bool is_slow() const { return has_general(); }
+  bool is_identity() const {
+    return entries_.empty() && aperture_.kind == SceneAperture::Kind::point && options_.split.is_whole();
+  }
+  const std::vector<Dropped>& dropped() const { return dropped_; }
+  /// Sentences on what was merged: "jitter, footprint -> two vectors".
+  const std::vector<std::string>& merged() const { return merged_; }
+  /// Bound of |H - 1| that counts as the dropped ones do: what leaving out everything would cost.
+  double identity_error() const { return identity_error_; }
+  bool has_gain() const { return gain_ > 1.0; }
+  /// Bound of |H|, at least 1: what amplifying components and the aperture's correction may multiply.
+  double gain() const { return gain_ * correction_; }
+  int wavelengths() const { return wavelengths_; }
+  /// Bound of |H_used - H| from dropping and from the table.
+  double error() const;
+  /// The part of it that comes from the number of wavelengths: the change when it was last doubled.
+  double quadrature_error() const { return quadrature_error_ * gain(); }
+  /// Some frequencies on the grid hit the aperture's gain limit.
+  bool aperture_limited() const { return aperture_limited_; }
+  /// OTF at zero frequency: the gain of the mean.
+  double dc() const { return at({0.0, 0.0}).re; }
+
+  /// Exact value in double, nothing dropped.
+  Complex<double> at(const Freq<double>& f) const;
+
+  /// Bound of |H| over all frequencies whose component along `axis` is f: for leaving out what no factor lets through.
+  double axis_bound(Axis axis, double f_cy_mm) const;
+
+  /// The grid: row j holds H(fx[i], fy[j]) for i = 0 .. count-1. One sampler of fixed axes; const and re-entrant.
+  class Grid {
+   public:
+    Grid(const FactoredOtf& sampler, std::vector<double> fx, std::vector<double> fy);
+    Grid(const Grid&) = delete;  // its rows look at its own frequencies
+    Grid& operator=(const Grid&) = delete;
+    /// value[i] = H(fx[i], fy[j]), or H(fx[i], -fy[j]) where mirrored; `value` may be shorter than fx. real_row: real
+    /// systems only.
+    void real_row(std::size_t j, std::span<float> value, bool mirrored = false) const;
+    void complex_row(std::size_t j, std::span<Complex<float>> value, bool mirrored = false) const;
+    /// The same in double, throughout where the sampler has no tables (table_share = 0).
+    void real_row(std::size_t j, std::span<double> value, bool mirrored = false) const;
+    void complex_row(std::size_t j, std::span<Complex<double>> value, bool mirrored = false) const;
+    /// real_row and its mirror image, which have most factors in common.
+    void real_rows(std::size_t j, std::span<float> value, std::span<float> mirrored) const;
+    void real_rows(std::size_t j, std::span<double> value, std::span<double> mirrored) const;
+
+   private:
+    /// Factors of a real system that are even along y, and the others.
+    void even_row(std::size_t j, std::span<float> value) const;
+    void multiply_uneven(std::size_t j, std::span<float> value, bool mirrored) const;
+    void multiply_radial(std::size_t j, std::span<float> value) const;
+    void multiply_lines(std::size_t j, std::span<float> value, bool mirrored) const;
+    /// What no table or vector holds, at fy[j].
+    std::vector<Complex<double>> general_row(std::size_t j, std::size_t count, bool mirrored) const;
+
+    const FactoredOtf* sampler_;
+    std::vector<double> fx_, fy_;
+    std::vector<float> fx2_, fy2_;        ///< squares, in units of the radial table's end
+    std::vector<Complex<double>> x_, y_;  ///< product of the separable factors, per axis
+    std::vector<Complex<float>> narrow_x_, narrow_y_;
+    std::vector<std::vector<float>> line_x_, line_y_;  ///< parts of f.u in units of each line table's end
+    std::vector<Component<double>::Rows> rows_;
+  };
+
+ private:
+  friend class Grid;
+  /// A real factor of f.u alone.
+  struct Line {
+    Freq<double> direction;
+    RadialTable table;
+  };
+  static std::string join_labels(const std::vector<const Entry<double>*>& entries);
+  void sort_components();
+  double scene_cost(const Entry<double>& entry) const;
+  void bound_correction();
+  void tabulate_lines(double target);
+  void tabulate_slow(double target);
+  Complex<double> chromatic_product(const Freq<double>& f) const;
+  /// The product of chromatic components at one wavelength.
+  Complex<double> product_at(const Freq<double>& f, double wavelength_um) const;
+  std::vector<double> chromatic_kinks() const;
+  void choose_wavelengths(double end, double target);
+  void tabulate_band(double end);
+  PolarTable::Rings reported(PolarTable::Rings rings) const;
+  PolarTable::Rings band_rings(double end, double target) const;
+  double radial_product(double r) const;
+  bool has_general() const {
+    return radial_per_sample_ || !general_.empty() || !chromatic_general_.empty() || !polar_.empty();
+  }
+  double aperture_mtf(Axis axis, double f) const;  ///< the scene's own blur along one axis
+  double aperture_mtf(double r) const;             ///< and of a radial curve
+  double aperture_factor(Axis axis, double f) const;
+  double aperture_radial(double r) const;
+
+  System<double> system_;
+  SceneAperture aperture_;
+  std::vector<Stage> stages_;
+  SamplerOptions options_;
+  std::vector<const Entry<double>*> entries_, separable_, radial_, chromatic_radial_, general_, chromatic_general_;
+  double gain_ = 1.0;        ///< bound of the product of the components that amplify
+  double correction_ = 1.0;  ///< bound of the aperture's correction
+  double identity_error_ = 0.0;
+  std::vector<Dropped> dropped_;
+  std::vector<std::string> merged_;
+  BandRule wavelength_rule_;
+  std::optional<BandMean> radial_mean_;  ///< of slow radial components
+  std::optional<RadialTable> table_;
+  std::vector<Line> lines_;
+  std::vector<PolarTable> polar_;
+  double cutoff_ = std::numeric_limits<double>::infinity();  ///< |f| from which some component lets nothing through
+  bool real_ = true, even_x_ = true, even_y_ = true, aperture_limited_ = false;
+  bool radial_per_sample_ = false;  ///< no table resolves the radial factors
+  double quadrature_error_ = 0.0;
+  int wavelengths_ = 1;
+};
+
+}  // namespace mtf

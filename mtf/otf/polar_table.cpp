@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/otf/polar_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "mtf/math/special.h"
+#include "mtf/parallel.h"
+
+namespace mtf {
+namespace {
+
+using Cplx = std::complex<double>;
+
+constexpr std::size_t kFirstSpokes = 16, kMostSpokes = 256;
+constexpr std::size_t kFirstPoints = 12, kMostPoints = 96;
+constexpr std::size_t kKnots = 512;  // a piece: the cubic between them errs by less than 1e-9 of what varies smoothly
+constexpr std::size_t kMostProbes = 24, kAllProbes = 96;  // of a piece, of the table; of each kind
+
+// r = begin + (end - begin) (1 - cos(pi t))/2, t in 0..1: the square root of the distance at both ends.
+double radius_at(double begin, double end, double t) {
+  const double s = std::sin(0.5 * kPi * t);
+  return begin + (end - begin) * s * s;
+}
+double variable_at(double begin, double end, double r) {
+  return (2.0 / kPi) * std::asin(std::sqrt(std::clamp((r - begin) / (end - begin), 0.0, 1.0)));
+}
+
+// Chebyshev points of the first kind on 0..1.
+double chebyshev(std::size_t i, std::size_t n) {
+  return 0.5 * (1.0 - std::cos(kPi * (static_cast<double>(i) + 0.5) / static_cast<double>(n)));
+}
+
+// Weights of the values at n Chebyshev points for the polynomial through them at t (barycentric form).
+std::vector<double> lagrange(std::size_t n, double t) {
+  std::vector<double> weight(n);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double distance = t - chebyshev(i, n);
+    if (distance == 0.0) {
+      std::fill(weight.begin(), weight.end(), 0.0);
+      weight[i] = 1.0;
+      return weight;
+    }
+    const double sign = i % 2 == 0 ? 1.0 : -1.0;
+    weight[i] = sign * std::sin(kPi * (static_cast<double>(i) + 0.5) / static_cast<double>(n)) / distance;
+    sum += weight[i];
+  }
+  for (double& w : weight) w /= sum;
+  return weight;
+}
+
+}  // namespace
+
+PolarTable::PolarTable(const Function& h, const Rings& rings, std::vector<double> breaks, double target,
+                       std::int64_t most, int threads) {
+  double begin = 0.0;
+  for (const double end : breaks) {
+    if (end > begin * (1.0 + 1e-9)) pieces_.push_back({begin, end, {}}), begin = end;
+  }
+  std::size_t spokes = kFirstSpokes, points = kFirstPoints;
+  for (;;) {
+    const std::int64_t before = evaluations_;
+    tabulate(rings, spokes, points);
+    const std::int64_t last = evaluations_ - before;
+    const double around = probe(h, spokes, points, true, threads), outwards = probe(h, spokes, points, false, threads);
+    error_ = 2.0 * (around + outwards);
+    const bool more_spokes =
+        around > 0.25 * target && spokes<kMostSpokes, more_points = outwards> 0.25 * target && points < kMostPoints;
+    if (more_spokes) spokes *= 2;
+    if (more_points) points *= 2;
+    const auto next =
+        last * (more_spokes ? 2 : 1) * (more_points ? 2 : 1) + static_cast<std::int64_t>(2 * probes() * pieces_.size());
+    if ((!more_spokes && !more_points) || evaluations_ + next > most) return;
+  }
+}
+
+PolarTable::Rings PolarTable::rings_of(Function h, int threads) {
+  // H(r, a + pi) = conj H(r, a): half of the spokes. With H = A + i B the series of A has even orders, that of B odd
+  // ones: c_m exp(i m a) below is the part of A (m even) or of B (m odd) whose real part counts.
+  return [h = std::move(h), threads](std::span<const double> r, std::size_t spokes, std::span<Cplx> rows) {
+    const std::size_t half = spokes / 2;
+    std::vector<Cplx> turn(spokes), value(r.size() * half);
+    for (std::size_t k = 0; k < spokes; ++k) {
+      const double a = 2.0 * static_cast<double>(k) / static_cast<double>(spokes);
+      turn[k] = {cos_pi(a), sin_pi(a)};
+    }
+    parallel_for(static_cast<std::int64_t>(value.size()), 8, threads, [&](std::int64_t first, std::int64_t last) {
+      for (std::int64_t k = first; k < last; ++k) {
+        const auto i = static_cast<std::size_t>(k) / half, j = static_cast<std::size_t>(k) % half;
+        const Complex<double> z = h({r[i] * turn[j].real(), r[i] * turn[j].imag()});
+        value[static_cast<std::size_t>(k)] = {z.re, z.im};
+      }
+    });
+    for (std::size_t i = 0; i < r.size(); ++i)
+      for (std::size_t m = 0; m < half; ++m) {
+        Cplx sum{};
+        for (std::size_t j = 0; j < half; ++j) {
+          const double part = m % 2 == 0 ? value[i * half + j].real() : value[i * half + j].imag();
+          sum += part * std::conj(turn[j * m % spokes]);
+        }
+        rows[i * half + m] = (m == 0 ? 1.0 : 2.0) / static_cast<double>(half) * sum;
+      }
+    return static_cast<std::int64_t>(value.size());
+  };
+}
+
+void PolarTable::tabulate(const Rings& rings, std::size_t spokes, std::size_t points) {
+  orders_ = spokes / 2;
+  for (Piece& piece : pieces_) {
+    std::vector<double> r(points);
+    for (std::size_t i = 0; i < points; ++i) r[i] = radius_at(piece.begin, piece.end, chebyshev(i, points));
+    std::vector<Cplx> series(points * orders_);
+    evaluations_ += rings(r, spokes, series);
+    piece.rows.assign((kKnots + 3) * orders_, {});
+    for (std::size_t k = 0; k < kKnots + 3; ++k) {
+      const double t = (static_cast<double>(k) - 1.0) / static_cast<double>(kKnots);
+      const std::vector<double> weight = lagrange(points, t);
+      for (std::size_t i = 0; i < points; ++i)
+        for (std::size_t m = 0; m < orders_; ++m) piece.rows[k * orders_ + m] += weight[i] * series[i * orders_ + m];
+    }
+  }
+}
+
+Complex<double> PolarTable::at(const Freq<double>& f) const {
+  const double r = std::hypot(f.x, f.y);
+  const auto piece = std::find_if(pieces_.begin(), pieces_.end(), [r](const Piece& p) { return r < p.end; });
+  if (piece == pieces_.end()) return {};
+  const double position = static_cast<double>(kKnots) * variable_at(piece->begin, piece->end, r);
+  const std::size_t knot = std::min(static_cast<std::size_t>(position), kKnots - 1);
+  const double t = position - static_cast<double>(knot);
+  // Lagrange's cubic through the knots at -1, 0, 1, 2.
+  const std::array<double, 4> weight{-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+                                     -(t + 1.0) * t * (t - 2.0) / 2.0, (t + 1.0) * t * (t - 1.0) / 6.0};
+  const Cplx* const row = piece->rows.data() + knot * orders_;
+  const double cosine = r > 0.0 ? f.x / r : 1.0, sine = r > 0.0 ? f.y / r : 0.0;
+  double re = 0.0, im = 0.0, c = 1.0, s = 0.0;
+  for (std::size_t m = 0; m < orders_; ++m) {
+    Cplx sum{};
+    for (std::size_t q = 0; q < weight.size(); ++q) sum += weight[q] * row[q * orders_ + m];
+    (m % 2 == 0 ? re : im) += sum.real() * c - sum.imag() * s;
+    const double next = c * cosine - s * sine;
+    s = c * sine + s * cosine;
+    c = next;
+  }
+  return {re, im};
+}
+
+std::size_t PolarTable::probes() const { return std::clamp(kAllProbes / pieces_.size(), std::size_t{8}, kMostProbes); }
+
+// The largest error between the spokes, or between the points; there the series and the polynomial are worst.
+double PolarTable::probe(const Function& h, std::size_t spokes, std::size_t points, bool around, int threads) {
+  const std::size_t count = probes();
+  std::vector<double> error(pieces_.size() * count);
+  parallel_for(static_cast<std::int64_t>(error.size()), 4, threads, [&](std::int64_t first, std::int64_t last) {
+    for (std::int64_t k = first; k < last; ++k) {
+      const Piece& piece = pieces_[static_cast<std::size_t>(k) / count];
+      const std::size_t n = static_cast<std::size_t>(k) % count;
+      // Spread over the piece and all directions, on no pattern of the table's own.
+      const double spread = std::fmod(static_cast<double>(n) * 0.6180339887498949, 1.0);
+      const std::size_t i = n * points / count;
+      const auto j = static_cast<double>(static_cast<std::size_t>(spread * static_cast<double>(spokes)));
+      const double t = around ? chebyshev(i, points)
+                              : 0.5 * (chebyshev(i, points) + (i + 1 < points ? chebyshev(i + 1, points) : 1.0));
+      const double a = 2.0 * (around ? j + 0.5 : j) / static_cast<double>(spokes);
+      const double r = radius_at(piece.begin, piece.end, t);
+      const Freq<double> f{r * cos_pi(a), r * sin_pi(a)};
+      const Complex<double> exact = h(f), table = at(f);
+      error[static_cast<std::size_t>(k)] = std::hypot(exact.re - table.re, exact.im - table.im);
+    }
+  });
+  evaluations_ += static_cast<std::int64_t>(error.size());
+  return *std::max_element(error.begin(), error.end());
+}
+
+void PolarTable::multiply(std::span<const double> fx, double fy, std::span<Complex<double>> h) const {
+  for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * at({fx[i], fy});
+}
+
+}  // namespace mtf

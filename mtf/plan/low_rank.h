@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A two-dimensional kernel as a sum of products of one-dimensional ones, best in the least-squares sense (singular
+// value decomposition; Eckart and Young, Psychometrika 1, 211 (1936)).
+
+#include <vector>
+
+#include "mtf/plan/point_response.h"
+
+namespace mtf {
+
+/// value(r, c) = sum over k of columns[k][r] x rows[k][c], terms in falling order of their share. Kernels that equal
+/// their mirror images along both axes give terms that do, bit by bit.
+struct SeparableTerms {
+  std::vector<std::vector<double>> along_y, along_x;
+};
+
+/// The `most` largest terms.
+SeparableTerms separable_terms(const TapBox& kernel, std::size_t most);
+
+/// The kernel that the first `count` terms make.
+TapBox product_of(const SeparableTerms& terms, std::size_t count);
+
+}  // namespace mtf

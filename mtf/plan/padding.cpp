@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/plan/padding.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/engines/fft/axis.h"
+
+namespace mtf {
+namespace {
+
+constexpr int kSections = 9;
+constexpr std::int64_t kShortest = 32;      // below this the defined canvas costs nothing
+constexpr std::int64_t kLongest = 1 << 20;  // canvases beyond this are not analysed
+
+}  // namespace
+
+std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest& request, std::int64_t length,
+                                 double noise, const TailLimit& limit) {
+  const FrequencyAxis along{Basis::fourier, length, request.step_um};
+  std::vector<double> f(static_cast<std::size_t>(length)), across(kSections);
+  for (std::size_t r = 0; r < f.size(); ++r) f[r] = along.cy_mm(along.signed_index(static_cast<std::int64_t>(r)));
+  for (std::size_t s = 0; s < kSections; ++s)
+    across[s] = request.other_nyquist_cy_mm * static_cast<double>(s) / (kSections - 1);
+  const bool x = request.axis == Axis::x;
+  const FactoredOtf::Grid grid(sampler, x ? f : across, x ? across : f);
+  std::vector<std::vector<Complex<double>>> spectra(kSections, std::vector<Complex<double>>(f.size()));
+  std::vector<Complex<float>> row(x ? f.size() : kSections);
+  for (std::size_t j = 0; !x && j < f.size(); ++j) {
+    grid.complex_row(j, row);
+    for (std::size_t s = 0; s < kSections; ++s) spectra[s][j] = {row[s].re, row[s].im};
+  }
+
+  std::vector<double> tails(f.size() / 2 + 1, 0.0);
+  const double ratio = request.pitch_um / request.step_um;
+  const double silent = noise * static_cast<double>(length);                  // the transform is not normalised
+  const bool on_samples = std::abs(std::remainder(ratio - 1.0, 2.0)) < 1e-9;  // odd ratios
+  std::vector<Complex<double>> half_sample(f.size());
+  for (std::size_t r = 0; !on_samples && r < f.size(); ++r)
+    half_sample[r] = rotation(static_cast<long double>(0.5 * f[r] * request.step_um * 1e-3));
+  for (std::size_t s = 0; s < kSections; ++s) {
+    if (x) {
+      grid.complex_row(s, row);
+      for (std::size_t i = 0; i < f.size(); ++i) spectra[s][i] = {row[i].re, row[i].im};
+    }
+    for (const bool between : {false, true}) {
+      if (between && on_samples) break;
+      std::vector<Complex<double>> kernel = spectra[s];
+      for (std::size_t r = 0; between && r < f.size(); ++r) kernel[r] = kernel[r] * half_sample[r];
+      fft::inverse(kernel);
+      double sum = 0.0;
+      for (std::size_t d = f.size() / 2; d-- > 0;) {
+        // Distances d + 1 to both sides; the middle of an even canvas is both.
+        for (const std::size_t i : {d + 1, f.size() - d - 1})
+          if (const double k = std::hypot(kernel[i].re, kernel[i].im); k > silent) sum += k;
+        tails[d] = std::max(tails[d], sum / static_cast<double>(length));
+      }
+      if (tails[static_cast<std::size_t>(limit.distance)] > limit.sum) return tails;
+    }
+  }
+  return tails;
+}
+
+CanvasLength choose_canvas(const FactoredOtf& sampler, const CanvasRequest& request) {
+  const std::int64_t n = request.samples, defined = canvas_length(request.border, n);
+  if (request.border == Border::periodic || n < kShortest || defined > kLongest || request.budget <= 0.0)
+    return {defined, 0.0};
+  const double scale = 2.0 * request.norm, allowed = request.budget / scale;
+  const std::int64_t most = (std::clamp(request.longest, n, defined) - n) / 2;
+  const std::vector<double> tails = kernel_tails(sampler, request, next_smooth(2 * defined), 0.0, {most, allowed});
+  const auto fits = [&](std::int64_t d) { return tails[static_cast<std::size_t>(d)] <= allowed; };
+  if (!fits(most)) return {defined, 0.0};
+  std::int64_t pad = 0;
+  while (!fits(pad)) ++pad;
+  const std::int64_t least = next_smooth(n + 2 * pad);
+  if (least >= defined) return {defined, 0.0};
+
+  std::int64_t length = least;
+  for (std::int64_t m = least; m < defined && static_cast<double>(m) <= 1.1 * static_cast<double>(least); ++m) {
+    const double pitches = static_cast<double>(m) * request.step_um / request.pitch_um;
+    if (!is_smooth(m) || !is_whole(pitches)) continue;
+    length = m;
+    break;
+  }
+  return {length, scale * tails[static_cast<std::size_t>(std::min<std::int64_t>((length - n) / 2, defined - 1))]};
+}
+
+}  // namespace mtf

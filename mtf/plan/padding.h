@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+
+#include "mtf/grid.h"
+#include "mtf/otf/factored_otf.h"
+
+namespace mtf {
+
+/// Length of the periodic canvas of one axis, and what its wrap-around costs.
+struct CanvasLength {
+  std::int64_t length = 0;
+  double bound = 0.0;  ///< wrap-around error, rms relative to the scene's std; 0 when the canvas is the defined one
+};
+
+struct CanvasRequest {
+  Axis axis{};
+  Border border{};
+  std::int64_t samples = 0;
+  double step_um = 0.0;
+  double other_nyquist_cy_mm = 0.0;  ///< of the other axis
+  double pitch_um = 0.0;             ///< a length that is a whole number of pitches is preferred
+  double norm = 1.0;                 ///< canvas_norm / std of the scene, x sqrt(samples per output)
+  double budget = 0.0;
+  std::int64_t longest = std::numeric_limits<std::int64_t>::max();  ///< longer ones are of no use
+};
+
+/// What of the tails is looked for: once they exceed `sum` beyond `distance` samples they are not worked out further.
+struct TailLimit {
+  std::int64_t distance = 0;
+  double sum = std::numeric_limits<double>::infinity();
+};
+
+/// tails[d] = largest sum of |kernel| at distances beyond d samples, over sections of the OTF; a canvas of `length`.
+/// Values below `noise` count as none: the rounding of the OTF's floats, spread over the whole canvas.
+std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest& request, std::int64_t length,
+                                 double noise = 0.0, const TailLimit& limit = {});
+
+/// The defined canvas (mtf/plan/border.h) or, where the tails of the point spread beyond it fit the budget, a shorter
+/// smooth one. The tails are those of the OTF itself: for nine frequencies of the other axis the kernel along this axis
+/// is summed from outside, the largest sum counts; for outputs that stand between two samples the kernel is the one
+/// shifted by half a sample, whose tails are longer. One that would be longer than the longest of use is not looked
+/// for: the answer is the defined one. A filter error e = t * u obeys |e| <= sum|t| |u| (Young), hence the bound.
+CanvasLength choose_canvas(const FactoredOtf& sampler, const CanvasRequest& request);
+
+}  // namespace mtf

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// From a system, two sample grids and one tolerance to a compiled, immutable plan that filters images.
+//
+//   Plan plan = compile(system, scene_grid, detector_grid(system, scene_grid), options);
+//   std::puts(plan.explain().c_str());
+//   plan.run(scene.view(), sensor.view());
+//
+// The tolerance is the rms error over the output pixels, before noise, relative to the scene's standard deviation. The
+// reference is the exact OTF applied to the periodic canvas of mtf/plan/border.h and evaluated at the detector centres.
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mtf/engines/fft/fftw.h"
+#include "mtf/error.h"
+#include "mtf/grid.h"
+#include "mtf/image.h"
+#include "mtf/otf/factored_otf.h"
+#include "mtf/plan/border.h"
+#include "mtf/system.h"
+
+namespace mtf {
+
+/// What the plan knows of the scene before it runs; predictions hold for scenes like it.
+struct SceneSummary {
+  double std = 1.0;           ///< > 0
+  double largest = 1.0;       ///< largest |value| or |constant border level|: the float32 storage error
+  double canvas_norm = 2.0;   ///< canvas_norm of mtf/survey/statistics.h, in units of value
+  double flat_rows = 0.0;     ///< share of the rows that are of one level each
+  double flat_columns = 0.0;  ///< share of the columns, counted in groups of 16 that are flat together
+};
+
+/// Summary of a plane, or nothing when it is flat: every tolerance is met then, but for what a constant border of
+/// another level shines into it.
+std::optional<SceneSummary> summarise(ImageView<const float> scene, Border border, double border_value);
+
+/// The tolerance asked for is below what can be kept for this scene and system.
+class UnreachableTolerance : public UsageError {
+ public:
+  UnreachableTolerance(const std::string& what, double reachable) : UsageError(what), reachable_(reachable) {}
+  double reachable() const {
+    return reachable_;
+  }  ///< a tolerance that is accepted; infinity when there is none below 1
+
+ private:
+  double reachable_;
+};
+
+/// Message for a tolerance that cannot be kept, and what limits it. `in_float`: what transforms in float could keep.
+UnreachableTolerance unreachable_tolerance(double asked, double reachable, const std::optional<SceneSummary>& scene,
+                                           double in_float = 0.0);
+
+/// The ways of doing the work. All FFT methods inverse-transform on the detector grid only.
+enum class Method {
+  identity,       ///< nothing to do
+  separable,      ///< taps along the rows, then along the columns
+  low_rank,       ///< a sum of such pairs, for point spreads that nearly factor
+  direct_square,  ///< one two-dimensional kernel on a square, a disc
+  direct_disc,    ///< or a diamond |x| + |y| <= r of samples, mirrored samples added first
+  direct_diamond,
+  fft_float,  ///< real transforms in float
+  fft_cut,    ///< the same, only the columns below the cutoff
+  fft_double  ///< real transforms in double
+};
+inline constexpr std::array<std::string_view, 9> kMethodNames{"identity",      "separable",   "low_rank",
+                                                              "direct_square", "direct_disc", "direct_diamond",
+                                                              "fft_float",     "fft_cut",     "fft_double"};
+
+class SceneSpectrum;
+
+struct PlanOptions {
+  double tolerance = 1e-4;
+  std::optional<Method> method;  ///< insist on it; otherwise the cheapest that keeps the tolerance
+  Border border = Border::reflect;
+  fft::Rigor rigor = fft::Rigor::estimate;
+  SceneAperture aperture;
+  std::optional<SceneSummary> scene;
+  ScaleSplit split = {};                          ///< the near or far part only (mtf/tiles/tiles.h)
+  std::shared_ptr<const SceneSpectrum> spectrum;  ///< of this very scene: what an omission costs it, not any scene
+  int threads = 0;                                ///< for making the OTF; 0 = all cores
+  OtfProgress progress = {};      ///< where slow components take long: how many of their values were made; may throw
+  bool separate_readout = false;  ///< noise comes between readout and postsample filters: a plan for each (SensorPlan)
+};
+
+/// Predicted error, each part as rms relative to the scene's std; the parts add linearly.
+struct PredictedError {
+  double dropped = 0.0;     ///< components left out
+  double table = 0.0;       ///< interpolation of radial factors
+  double band = 0.0;        ///< average over the wavelengths of the band
+  double cut = 0.0;         ///< frequencies left out
+  double wrap = 0.0;        ///< canvas shorter than the defined one
+  double kernel = 0.0;      ///< taps left out
+  double flat = 0.0;        ///< contrast that reaches lines of one level, left out
+  double arithmetic = 0.0;  ///< float32 transforms and storage
+  double total() const { return dropped + table + band + cut + wrap + kernel + flat + arithmetic; }
+};
+
+/// One way to do the work, as the plan judged it.
+struct Candidate {
+  Method method{};
+  std::string detail;        ///< "17 x 15 taps, rank 2"; "cosine 1024, fold to 256"
+  PredictedError predicted;  ///< where the way exists at all
+  double cost_ms = 0.0;      ///< of a run on one thread, one channel: predicted
+  bool measured = false;     ///< or measured (Rigor::measure)
+  std::int64_t bytes = 0;    ///< filter, and buffers of one run
+  bool possible = false;     ///< keeps the tolerance
+  std::string reason;        ///< why not, or why another was chosen; "" for the chosen one
+};
+
+/// Something a plan leaves out because the tolerance does not need it.
+struct Omission {
+  std::string what;
+  double bound = 0.0;     ///< rms relative to the scene's std
+  double saved_ms = 0.0;  ///< a run, estimated; 0 when only planning got cheaper
+};
+
+/// What a plan decided, for reports.
+struct PlanReport {
+  std::string method;  ///< name of the chosen one
+  std::vector<Candidate> candidates;
+  std::vector<Omission> omitted;
+  SampleGrid in, out;
+  std::int64_t whole_pitches_x = 0, whole_pitches_y = 0;  ///< that the scene holds; out may be less (format)
+  std::array<std::int64_t, 2> size{};                     ///< transform lengths x, y
+  std::array<std::string, 2> axes;                        ///< "cosine 1024, fold to 256"
+  std::array<std::int64_t, 2> kept{};                     ///< frequencies k >= 0 in use, per axis
+  std::array<std::int64_t, 2> available{};
+  std::vector<Dropped> dropped;
+  std::vector<std::string> merged;
+  std::vector<std::string> notes;
+  int wavelengths = 1;
+  PredictedError predicted;
+  double tolerance = 0.0;
+  double largest_gain = 1.0;                  ///< of |otf| over the frequencies in use
+  std::int64_t otf_bytes = 0, run_bytes = 0;  ///< run_bytes: one channel and thread, besides input and output
+};
+
+/// Detector grid of a system over a scene: min(format, whole pitches in the scene) from the shared corner. Throws
+/// UsageError when the scene is smaller than one pixel.
+SampleGrid detector_grid(const System<double>& system, const SampleGrid& scene);
+
+class Plan {
+ public:
+  const PlanReport& report() const;
+  const SampleGrid& in() const { return report().in; }
+  const SampleGrid& out() const { return report().out; }
+  /// Several lines: what was dropped, merged, chosen, and the predicted error in its parts.
+  std::string explain() const;
+  /// Gain of the mean.
+  double dc() const;
+
+  /// Filters one plane. Sizes have to be those of in() and out() (UsageError). NaN or infinite pixels: RuntimeError
+  /// with their number and first position. A plane of zero contrast comes out as dc x value, exactly. `out` may lie in
+  /// the memory of `in`, from its start: all of an input is read before any of its output is written. A plan made with
+  /// a scene's spectrum keeps its promise for that scene.
+  void run(ImageView<const float> in, ImageView<float> out, double border_value = 0.0, int threads = 0) const;
+  /// All planes in one pass over the OTF.
+  void run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value = 0.0,
+           int threads = 0) const;
+
+  /// The plan of another system on the same grids and options. FFT plans are shared where the sizes stay, and the way
+  /// of doing the work stays unless it has become impossible or clearly dearer.
+  Plan with(const System<double>& system) const;
+
+ private:
+  struct Impl;
+  friend Plan compile(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
+  struct Recompile;
+  friend Plan compile_stages(const System<double>&, std::span<const Stage>, const SampleGrid&, const SampleGrid&,
+                             const PlanOptions&, const Recompile&);
+  std::shared_ptr<const Impl> impl_;
+};
+
+/// The presample OTF and the sampling at the pitch. Throws UsageError for an invalid system, a tolerance that is not in
+/// (0, 1) or that this scene cannot reach (UnreachableTolerance, with the value it can), a method that cannot do the
+/// work, and sizes that do not fit memory.
+Plan compile(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
+             const PlanOptions& options);
+
+/// Readout and postsample filters on the detector grid, same size in and out. The border rule is the scene's.
+Plan compile_post(const System<double>& system, const SampleGrid& detector, std::span<const Stage> stages,
+                  const PlanOptions& options);
+
+}  // namespace mtf

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+// The FFT methods of a plan: the frequencies in use, predicted error and cost.
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/engines/fft/spectral.h"
+#include "mtf/plan/plan_cost.h"
+#include "mtf/plan/plan_parts.h"
+#include "mtf/plan/plan_spectral.h"
+#include "mtf/survey/scene_spectrum.h"
+
+namespace mtf {
+namespace {
+
+constexpr double kCutShare = 0.25;
+constexpr double kDoubleCost = 2.2;  // half the samples a vector, twice the memory
+constexpr double kCutCost = 1.06;    // frequencies that end anywhere
+constexpr double kFlatShare = 0.25, kFewFlatLines = 0.1;
+constexpr double kLinesCost = 0.5;  // of a transform is what it saves in lines that are flat (measured)
+
+// Leaves out the frequencies from the far end that no component lets through. Returns the largest |H| among them.
+double cut_frequencies(const FactoredOtf& sampler, Axis axis, double allowed, AxisTransform& job) {
+  double largest = 0.0;
+  for (; job.keep > 1; --job.keep) {
+    const double bound = sampler.axis_bound(axis, job.frequency.cy_mm(job.keep - 1));
+    if (bound > allowed) break;
+    largest = std::max(largest, bound);
+  }
+  return largest;
+}
+
+// Largest |H| about each corner of the scene's spectrum: there, and at the axis' own frequencies in both cells beside
+// it.
+std::vector<double> bounds_about_corners(const FactoredOtf& sampler, Axis axis, const AxisTransform& job) {
+  constexpr int kCells = SceneSpectrum::kCells;
+  std::vector<double> bounds;
+  for (int i = 0; i <= kCells; ++i)
+    bounds.push_back(sampler.axis_bound(axis, SceneSpectrum::corner_cy_mm(i, job.frequency.nyquist_cy_mm())));
+  for (std::int64_t k = 0; k < job.frequency.half_count(); ++k) {
+    const double f = job.frequency.cy_mm(k), bound = sampler.axis_bound(axis, f);
+    // A frequency on a corner belongs to both of its cells, whatever rounding says.
+    const double place = f / job.frequency.nyquist_cy_mm() * kCells;
+    const int first = std::clamp(static_cast<int>(std::floor(place - 1e-6)), 0, kCells);
+    const int last = std::clamp(static_cast<int>(std::floor(place + 1e-6)) + 1, 0, kCells);
+    for (int corner = first; corner <= last; ++corner) {
+      double& largest = bounds[static_cast<std::size_t>(corner)];
+      largest = std::max(largest, bound);
+    }
+  }
+  return bounds;
+}
+
+// Leaves out those that cost this scene no more than `budget`, each axis half of it. Returns what they cost.
+double cut_by_spectrum(const PlanTask& task, double budget, double spectrum_gain, AxisTransform& x, AxisTransform& y) {
+  constexpr int kCells = SceneSpectrum::kCells, kColumns = SceneSpectrum::kColumns;
+  const SampleGrid &in = task.in, &out = task.out;
+  const std::vector<double> bound_x = bounds_about_corners(task.sampler, Axis::x, x),
+                            bound_y = bounds_about_corners(task.sampler, Axis::y, y);
+  const auto cost = [&](int from_x, int from_y) {
+    std::vector<double> error(static_cast<std::size_t>(SceneSpectrum::kRows * kColumns), 0.0);
+    for (int j = -kCells; j <= kCells; ++j)
+      for (int i = 0; i <= kCells; ++i)
+        if (i >= from_x || std::abs(j) >= from_y)
+          error[static_cast<std::size_t>((j + kCells) * kColumns + i)] =
+              std::min(bound_x[static_cast<std::size_t>(i)], bound_y[static_cast<std::size_t>(std::abs(j))]);
+    return spectrum_gain *
+           task.options.spectrum->rms_error(error, out.step_x_um / in.step_x_um, out.step_y_um / in.step_y_um);
+  };
+  const auto first = [&](const auto& cost_from) {
+    int low = 1, high = kCells + 1;  // high: nothing is cut
+    while (low < high) {
+      const int middle = (low + high) / 2;
+      if (cost_from(middle) <= 0.5 * budget)
+        high = middle;
+      else
+        low = middle + 1;
+    }
+    return high;
+  };
+  const int from_x = first([&](int i) { return cost(i, kCells + 1); });
+  const int from_y = first([&](int j) { return cost(kCells + 1, j); });
+  // A cell more than the corner: errors are counted from the corner on.
+  const auto keep = [](int from, AxisTransform& job) {
+    const double share = static_cast<double>(from) / kCells;
+    const auto count =
+        static_cast<std::int64_t>(std::ceil(share * static_cast<double>(job.frequency.half_count()))) + 1;
+    job.keep = std::min(job.keep, count);
+  };
+  if (from_x > kCells && from_y > kCells) return 0.0;
+  if (from_x <= kCells) keep(from_x, x);
+  if (from_y <= kCells) keep(from_y, y);
+  return cost(from_x, from_y);
+}
+
+// Leaves out the frequencies that cost at most `budget`: those that no component lets through, or those that this scene
+// does not miss, whichever are more. Returns what they cost.
+double cut(const PlanTask& task, double budget, double gathering, bool full_canvas, bool symmetric, AxisTransform& x,
+           AxisTransform& y) {
+  AxisTransform worst_x = x, worst_y = y, scene_x = x, scene_y = y;
+  const double spread = gathering * std::sqrt(aliases(x) * aliases(y));
+  const double largest = std::max(cut_frequencies(task.sampler, Axis::x, budget / spread, worst_x),
+                                  cut_frequencies(task.sampler, Axis::y, budget / spread, worst_y));
+  // The spectrum is that of the defined canvas.
+  double cost = 0.0;
+  if (task.options.spectrum && full_canvas)
+    cost = cut_by_spectrum(task, budget, task.spectrum_gain / (symmetric ? 2.0 : 1.0), scene_x, scene_y);
+  const bool by_scene = cost > 0.0 && scene_x.keep * scene_y.keep < worst_x.keep * worst_y.keep;
+  x = by_scene ? scene_x : worst_x;
+  y = by_scene ? scene_y : worst_y;
+  return by_scene ? cost : largest * spread;
+}
+
+}  // namespace
+
+std::string axis_text(const AxisTransform& job) {
+  const bool cosine = job.frequency.basis == Basis::cosine;
+  std::string text =
+      (cosine ? job.odd ? "cosine-sine " : "cosine " : "fourier ") + std::to_string(job.frequency.length);
+  if (job.keep < job.frequency.half_count()) text += ", " + std::to_string(job.keep) + " kept";
+  if (job.resampling == Resampling::chirp) return text + ", chirp to " + std::to_string(job.outputs);
+  if (job.out_length == job.frequency.length) return text;
+  return text + ", fold to " + std::to_string(job.out_length);
+}
+
+namespace {
+
+/// A layout as the prediction of errors sees it.
+struct Judged {
+  explicit Judged(const PlanTask& task, const Layout& l) : layout(l) {
+    double mirrors = 1.0;
+    const auto canvas = [&](const AxisTransform& job) {
+      const bool cosine = job.frequency.basis == Basis::cosine;
+      defined = defined && (cosine || job.frequency.length == canvas_length(job.border, job.samples));
+      // Where only cosines come of cosines, error and canvas have the same mirror symmetry: nothing of the canvas's
+      // energy can gather inside.
+      if (cosine && !job.odd) mirrors *= 2.0;
+      return static_cast<double>(job.frequency.length) * (cosine ? 2.0 : 1.0);
+    };
+    const double samples = canvas(l.x) * canvas(l.y);
+    const double image_area = static_cast<double>(task.in.width) * static_cast<double>(task.in.height);
+    canvas_rms = task.canvas_norm * std::sqrt(image_area / samples);
+    symmetric = std::sqrt(mirrors);
+    gathering = task.norm / symmetric;
+    spread = gathering * std::sqrt(aliases(l.x) * aliases(l.y));
+  }
+  Layout layout;
+  bool defined = true;     ///< the canvas is the defined one
+  double symmetric = 1.0;  ///< norm of the canvas over that of the part in which an error may gather
+  double canvas_rms = 0.0;
+  double gathering = 0.0;  ///< rms error over the scene's std that an OTF error of 1 may become in a single alias zone
+  double spread = 0.0;     ///< and in all of them
+};
+
+double rounding(const PlanTask& task, bool in_double, const Judged& judged, double canvas_rms) {
+  const double gain = task.sampler.gain();
+  if (in_double) return gain * storage_error(task.options) * (1.0 + 1e-6);
+  return arithmetic_error(judged.layout.x, judged.layout.y, canvas_rms, gain, task.options);
+}
+
+/// An order of the axes: the lines, and what lies across them.
+struct Order {
+  Lines lines = Lines::rows;
+  const AxisTransform &along, &across;
+  double flat = 0.0;     ///< share of the lines that are left out for being of one level
+  double cost_ms = 0.0;  ///< without them
+};
+
+Order order_of(Lines lines, const AxisTransform& x, const AxisTransform& y, bool real, const PlanOptions& options) {
+  const bool rows = lines == Lines::rows;
+  Order order{lines, rows ? x : y, rows ? y : x};
+  order.cost_ms = fft_cost_ms(order.along, order.across, real);
+  if (!options.scene || order.along.resampling != Resampling::fold) return order;
+  const double flat = rows ? options.scene->flat_rows : options.scene->flat_columns;
+  // They go in groups.
+  if (flat >= kFewFlatLines && flat * static_cast<double>(order.across.outputs) >= 2.0 * kRow) order.flat = flat;
+  return order;
+}
+
+// Columns first where leaving out flat ones makes up for it: an OTF with phase may take more series that way.
+Order cheaper_order(const AxisTransform& x, const AxisTransform& y, bool real, const PlanOptions& options) {
+  const auto cost_ms = [](const Order& order) { return (1.0 - kLinesCost * order.flat) * order.cost_ms; };
+  const Order rows = order_of(Lines::rows, x, y, real, options);
+  if (x.frequency.basis != y.frequency.basis) return rows;
+  const Order columns = order_of(Lines::columns, x, y, real, options);
+  return columns.flat > 0.0 && cost_ms(columns) < cost_ms(rows) ? columns : rows;
+}
+
+MethodCandidate make_candidate(const PlanTask& task, Method method, const Judged& judged) {
+  const FactoredOtf& sampler = task.sampler;
+  const PlanOptions& options = task.options;
+  const bool in_double = method == Method::fft_double;
+  const double dropped = dropped_error(sampler);
+  AxisTransform x = judged.layout.x, y = judged.layout.y;
+  MethodCandidate d;
+  d.report.method = method;
+  PredictedError& predicted = d.report.predicted;
+  predicted.dropped = dropped * judged.gathering * task.alias;
+  predicted.table = (sampler.error() - dropped - sampler.quadrature_error()) * judged.spread;
+  predicted.band = sampler.quadrature_error() * judged.spread;
+  predicted.wrap = judged.layout.wrap;
+  predicted.arithmetic = rounding(task, in_double, judged, judged.canvas_rms);
+  if (method == Method::fft_cut) {
+    // Of what the other parts leave of the tolerance: a bound that is looser than the others.
+    const double budget = std::min(kCutShare * options.tolerance, 0.9 * (options.tolerance - predicted.total()));
+    if (budget > 0.0) predicted.cut = cut(task, budget, judged.gathering, judged.defined, judged.symmetric > 1.5, x, y);
+  }
+  const std::size_t parts = otf_parts(x, y, sampler.is_real()).size();
+  const Order order = cheaper_order(x, y, sampler.is_real(), options);
+  d.lines = order.lines;
+  // What reaches lines of one level is left out of them, up to a share of the tolerance.
+  if (order.flat > 0.0)
+    predicted.flat =
+        std::max(0.0, std::min(kFlatShare * options.tolerance, 0.9 * (options.tolerance - predicted.total())));
+  d.report.detail = "x " + axis_text(x) + "; y " + axis_text(y);
+  if (parts > 1) d.report.detail += "; " + std::to_string(parts) + " parities";
+  const double dearer = in_double ? kDoubleCost : method == Method::fft_cut ? kCutCost : 1.0;
+  d.report.cost_ms = dearer * order.cost_ms;
+  if (predicted.flat > 0.0) d.lines_saved_ms = kLinesCost * order.flat * d.report.cost_ms;
+  d.report.cost_ms -= d.lines_saved_ms;
+  d.report.bytes =
+      static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(order.along, order.across, sampler.is_real()));
+  d.axes = {x, y};
+  d.error_per_otf = judged.gathering * task.alias;
+  const Precision precision = in_double ? Precision::double_precision : Precision::single_precision;
+  d.make = [&sampler, work = SpectralWork{x, y, precision, d.lines}, bytes = static_cast<double>(d.report.bytes),
+            rigor = options.rigor, threads = options.threads, out = task.out](const Engine* earlier) {
+    require_memory(bytes, out);
+    return make_spectral_filter(sampler, work, rigor, threads, earlier);
+  };
+  return d;
+}
+
+}  // namespace
+
+std::vector<MethodCandidate> fft_candidates(const PlanTask& task) {
+  std::vector<Judged> layouts;
+  for (const Layout& layout : fft_layouts(task)) layouts.emplace_back(task, layout);
+  // The last one keeps what any of them can. With cosines alone its canvas is the same at any tolerance.
+  const Judged& last = layouts.back();
+  const bool cosines = last.layout.x.frequency.basis == Basis::cosine && last.layout.y.frequency.basis == Basis::cosine;
+  const auto candidate = [&](Method method) {
+    MethodCandidate d = make_candidate(task, method, layouts.front());
+    for (std::size_t i = 1; i < layouts.size() && !keeps_tolerance(d, task.options); ++i)
+      d = make_candidate(task, method, layouts[i]);
+    const double least = rounding(task, method == Method::fft_double, last,
+                                  cosines ? last.canvas_rms : task.canvas_norm / last.symmetric);
+    const double band = task.sampler.quadrature_error() * last.spread;
+    d.reachable = reachable_tolerance(least, band, cosines ? 0.0 : kWrapShare);
+    return d;
+  };
+  std::vector<MethodCandidate> candidates{candidate(Method::fft_float)};
+  MethodCandidate cut = candidate(Method::fft_cut);
+  const auto cuts = [](const AxisTransform& job) { return job.keep < job.frequency.half_count(); };
+  if (cuts((*cut.axes)[0]) || cuts((*cut.axes)[1])) candidates.push_back(std::move(cut));
+  candidates.push_back(candidate(Method::fft_double));
+  return candidates;
+}
+
+}  // namespace mtf

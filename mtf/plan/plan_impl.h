@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Shared by plan.cpp (compiling), plan_run.cpp (running) and plan_explain.cpp (reporting); not installed as interface.
+
+#include "mtf/engines/engine.h"
+#include "mtf/plan/plan.h"
+
+namespace mtf {
+
+struct Plan::Impl {
+  System<double> system;
+  std::vector<Stage> stages;
+  PlanOptions options;
+  PlanReport report;
+  double dc = 1.0;
+  double cost_ms = 0.0;                  ///< predicted, of the chosen candidate
+  double family_choice_ms = 0.0;         ///< the same when all ways were last looked at
+  std::shared_ptr<const Engine> engine;  ///< null for the identity
+};
+
+/// How a compilation relates to one before.
+struct Plan::Recompile {
+  const Plan::Impl* earlier = nullptr;  ///< whose transforms are shared
+  bool keep_family = false;             ///< only the family of methods of `earlier`
+  bool tables = true;  ///< false: radial factors at every frequency, for tolerances that leave no room for a table
+};
+
+}  // namespace mtf

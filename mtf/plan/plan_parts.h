@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Parts of compiling a plan that stand on their own: the ways of doing the work that are proposed, judged and chosen
+// from, and the prediction of errors.
+
+#include <functional>
+#include <limits>
+
+#include "mtf/engines/engine.h"
+#include "mtf/engines/fft/axis.h"
+#include "mtf/plan/plan.h"
+
+namespace mtf {
+
+// How the tolerance is shared out; what is left over is for arithmetic.
+inline constexpr double kDropShare = 0.05, kTableShare = 0.02, kWrapShare = 0.25, kBandShare = 0.05;
+
+/// What all ways of doing one plan's work share.
+struct PlanTask {
+  const FactoredOtf& sampler;
+  SampleGrid in, out;
+  const PlanOptions& options;
+  double canvas_norm =
+      1.0;             ///< of the defined canvas (canvas_norm of mtf/survey/statistics.h), in units of the scene's std
+  double norm = 1.0;   ///< the same, gathered in the part of the scene that the detector sees
+  double alias = 1.0;  ///< sqrt(frequencies that may alias onto one)
+  double spectrum_gain = 1.0;  ///< largest factor between the rms_error of the scene's spectrum and the image's
+};
+
+/// One way to do the work: judged, not yet built.
+struct MethodCandidate {
+  Candidate report;
+  /// The least tolerance that this way could keep for this scene; infinity when it does not depend on the tolerance.
+  double reachable = std::numeric_limits<double>::infinity();
+  /// Makes the engine, sharing with `earlier` (may be null) what is the same.
+  std::function<std::shared_ptr<const Engine>(const Engine* earlier)> make;
+  std::optional<std::array<AxisTransform, 2>> axes;  ///< x and y of the FFT methods
+  double largest_gain = 1.0;                         ///< bound of |H|, of the other methods
+  double predicted_ms = 0.0;                         ///< cost_ms before anything was measured
+  Lines lines = Lines::rows;                         ///< that the FFT methods transform first
+  double lines_saved_ms = 0.0;                       ///< by those of one level
+  double error_per_otf = 0.0;                        ///< rms error relative to std that an OTF error of 1 may become
+};
+
+/// Both axes of an FFT method, all frequencies in use.
+struct Layout {
+  AxisTransform x, y;
+  double wrap = 0.0;  ///< error of canvases shorter than the defined ones
+};
+
+/// Basis and canvas of each axis: the cheapest, and behind it the one that has no wrap-around at any tolerance where
+/// that is dearer.
+std::vector<Layout> fft_layouts(const PlanTask& task);
+
+std::vector<MethodCandidate> fft_candidates(const PlanTask& task);
+/// `fft_ms`: cost of the cheapest FFT method; what is far slower is not worked out.
+std::vector<MethodCandidate> tap_candidates(const PlanTask& task, double fft_ms);
+
+/// Ways that share their engine, or all there are.
+enum class Family { all, identity, taps, fft };
+Family family(std::string_view method_name);
+std::vector<MethodCandidate> all_candidates(const PlanTask& task, Family family);
+
+/// The cheapest that keeps the tolerance (of the method asked for, if any), by prediction or, with `measure`, by timing
+/// those that might be; null when there is none. Says in each candidate why it was not taken.
+MethodCandidate* choose(std::vector<MethodCandidate>& candidates, const PlanTask& task, bool measure);
+
+/// Throws what is to be said when none was chosen: UnreachableTolerance, or UsageError for a method that cannot.
+[[noreturn]] void refuse(const std::vector<MethodCandidate>& candidates, const PlanOptions& options);
+
+/// What a report says of the candidate that was chosen from `candidates` and of its engine (null: nothing to do).
+void describe(const MethodCandidate& chosen, const std::vector<MethodCandidate>& candidates, const Engine* engine,
+              const PlanTask& task, PlanReport& report);
+
+/// "cosine 1024, fold to 256".
+std::string axis_text(const AxisTransform& job);
+
+/// Bound of |H_used - H| that comes from the components that the sampler left out.
+double dropped_error(const FactoredOtf& sampler);
+
+/// Whether the prediction keeps the tolerance. Without a scene only rounding can be said to break it.
+bool keeps_tolerance(const MethodCandidate& candidate, const PlanOptions& options);
+
+/// Frequencies that alias onto one detector frequency, at most.
+double aliases(const AxisTransform& job);
+
+/// What storing samples as float32 costs, rms relative to the scene's std.
+double storage_error(const PlanOptions& options);
+
+/// rms rounding of float32 relative to the scene's std. `canvas_rms`: of the canvas about the mean, in units of std.
+double arithmetic_error(const AxisTransform& x, const AxisTransform& y, double canvas_rms, double gain,
+                        const PlanOptions& options);
+
+/// The least tolerance, rounded up to three digits, that leaves room for a given rounding, for an error of the band
+/// average that cannot be made less, and for the share of a shortened canvas.
+double reachable_tolerance(double arithmetic, double band, double wrap_share);
+
+/// Throws UsageError, before anything is allocated, when that and one output plane exceed the machine's memory.
+void require_memory(double bytes, const SampleGrid& out);
+
+/// Bytes of OTF and buffers of an FFT method.
+double spectral_bytes(const AxisTransform& x, const AxisTransform& y, bool real_otf);
+
+}  // namespace mtf

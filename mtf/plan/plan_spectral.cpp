@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/plan/plan_spectral.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "mtf/engines/fft/spectral.h"
+#include "mtf/parallel.h"
+
+namespace mtf {
+namespace {
+
+// Rows of an OTF on their way to its blocks: where the lines are rows, a row of H is one of each block; where they are
+// columns, it is a column of one. Values beyond those that are kept are zero.
+template <class S>
+class OtfRow {
+ public:
+  OtfRow(const FactoredOtf& sampler, const FactoredOtf::Grid& grid, const SpectralEngine<S>& engine,
+         const OtfBlocks<S>& otf)
+      : grid_(&grid),
+        otf_(&otf),
+        columns_(engine.lines() == Lines::columns),
+        cosine_(engine.columns_per_block() == kRow),
+        width_(engine.columns_per_block()),
+        keep_(static_cast<std::size_t>(columns_ ? otf.rows : engine.x().keep)),
+        scale_(static_cast<S>(engine.otf_scale())) {
+    const auto count = columns_ ? keep_ : static_cast<std::size_t>(engine.blocks() * width_);
+    if (sampler.is_real()) {
+      up_.resize(count);
+      down_.resize(count);
+    } else {
+      complex_up_.resize(count);
+      complex_down_.resize(count);
+    }
+  }
+
+  void write(std::int64_t j) {
+    if (complex_up_.empty())
+      cosine_ ? real_parts(j) : real_exponentials(j);
+    else
+      cosine_ ? complex_parts(j) : complex_exponentials(j);
+  }
+
+ private:
+  // Both real columns that pass as one complex one are multiplied alike.
+  void real_exponentials(std::int64_t j) {
+    real_row(j);
+    for (const std::int64_t half : {0, kLanes}) put(0, j, half, [&](std::size_t i) { return scale_ * up_[i]; });
+  }
+
+  void complex_exponentials(std::int64_t j) {
+    complex_row(j);
+    put(0, j, [&](std::size_t i) { return scale_ * complex_up_[i].re; });
+    put(0, j, kLanes, [&](std::size_t i) { return scale_ * complex_up_[i].im; });
+  }
+
+  // What is odd along y in a real OTF is odd along x too.
+  void real_parts(std::int64_t j) {
+    if (otf_->parts.size() == 1) {
+      real_row(j);
+      return put(0, j, [&](std::size_t i) { return scale_ * up_[i]; });
+    }
+    grid_->real_rows(static_cast<std::size_t>(j), std::span(up_).first(keep_), std::span(down_).first(keep_));
+    const S half = S(0.5) * scale_;
+    put(0, j, [&](std::size_t i) { return half * (up_[i] + down_[i]); });
+    put(1, j, [&](std::size_t i) { return half * (down_[i] - up_[i]); });
+  }
+
+  // What is odd along one axis only is imaginary.
+  void complex_parts(std::int64_t j) {
+    complex_row(j);
+    const auto& up = complex_up_;
+    const auto& down = complex_down_;
+    if (otf_->parts.size() < 4) {
+      put(0, j, [&](std::size_t i) { return scale_ * up[i].re; });
+      if (otf_->parts.size() > 1) put(1, j, [&](std::size_t i) { return -scale_ * up[i].im; });
+      return;
+    }
+    grid_->complex_row(static_cast<std::size_t>(j), std::span(complex_down_).first(keep_), true);
+    const S half = S(0.5) * scale_;
+    const std::size_t odd_y = columns_ ? 2 : 1, odd_x = columns_ ? 1 : 2;      // along the axes of the image
+    put(0, j, [&](std::size_t i) { return half * (up[i].re + down[i].re); });  // even along both
+    put(odd_y, j, [&](std::size_t i) { return half * (down[i].im - up[i].im); });
+    put(odd_x, j, [&](std::size_t i) { return -half * (up[i].im + down[i].im); });
+    put(3, j, [&](std::size_t i) { return half * (down[i].re - up[i].re); });
+  }
+
+  void real_row(std::int64_t j) { grid_->real_row(static_cast<std::size_t>(j), std::span(up_).first(keep_)); }
+  void complex_row(std::int64_t j) {
+    grid_->complex_row(static_cast<std::size_t>(j), std::span(complex_up_).first(keep_));
+  }
+  // `half`: where in a row of kRow the numbers of exponentials start.
+  void put(std::size_t part, std::int64_t j, const auto& value) const { put(part, j, 0, value); }
+  void put(std::size_t part, std::int64_t j, std::int64_t half, const auto& value) const {
+    if (columns_) {
+      S* to = otf_->row(part, j / width_, 0) + half + j % width_;
+      for (std::size_t i = 0; i < keep_; ++i, to += kRow) *to = value(i);
+      return;
+    }
+    for (std::int64_t b = 0; b < otf_->blocks; ++b) {
+      S* to = otf_->row(part, b, j) + half;
+      const auto first = static_cast<std::size_t>(b * width_);
+      for (std::size_t l = 0; l < static_cast<std::size_t>(width_); ++l) to[l] = value(first + l);
+    }
+  }
+
+  const FactoredOtf::Grid* grid_;
+  const OtfBlocks<S>* otf_;
+  bool columns_, cosine_;
+  std::int64_t width_;  ///< frequencies of a block
+  std::size_t keep_;    ///< values of a row
+  S scale_;
+  std::vector<S> up_, down_;  // at fy and -fy
+  std::vector<Complex<S>> complex_up_, complex_down_;
+};
+
+// H on the engine's frequencies, times its scale.
+template <class S>
+OtfBlocks<S> make_otf(const FactoredOtf& sampler, const SpectralEngine<S>& engine, int threads) {
+  OtfBlocks<S> otf = engine.make_blocks(sampler.is_real());
+  std::vector<double> along, across;
+  for (std::int64_t k = 0; k < engine.x().keep; ++k) along.push_back(engine.x().frequency.cy_mm(k));
+  for (const std::int64_t k : otf_frequencies(engine.y())) across.push_back(engine.y().frequency.cy_mm(k));
+  const bool columns = engine.lines() == Lines::columns;
+  const std::int64_t width = engine.columns_per_block();
+  if (columns && engine.x().keep % width > 0)
+    for (std::size_t p = 0; p < otf.parts.size(); ++p)
+      std::fill_n(otf.row(p, otf.blocks - 1, 0), otf.rows * kRow, S(0));
+  const std::int64_t rows = columns ? engine.x().keep : otf.rows, together = columns ? width : 8;
+  const FactoredOtf::Grid grid(sampler, columns ? across : along, columns ? along : across);
+  parallel_for(rows, together, threads, [&](std::int64_t begin, std::int64_t end) {
+    OtfRow<S> row(sampler, grid, engine, otf);
+    for (std::int64_t j = begin; j < end; ++j) row.write(j);
+  });
+  return otf;
+}
+
+template <class S>
+class Filter final : public SpectralFilter {
+ public:
+  Filter(std::shared_ptr<const SpectralEngine<S>> transforms, OtfBlocks<S> otf)
+      : transforms_(std::move(transforms)), otf_(std::move(otf)) {}
+
+  void run(const std::vector<Channel>& channels, int threads) const override {
+    transforms_->run(channels, otf_, threads);
+  }
+  std::int64_t run_bytes(std::int64_t channels, int threads) const override {
+    return transforms_->run_bytes(channels, threads);
+  }
+  std::int64_t filter_bytes() const override { return otf_.size() * static_cast<std::int64_t>(sizeof(S)); }
+  double largest_gain() const override {
+    S square = 0;
+    for (std::int64_t b = 0; b < otf_.blocks; ++b)
+      for (std::int64_t r = 0; r < otf_.rows; ++r) square = std::max(square, largest_square(b, r));
+    return std::sqrt(static_cast<double>(square)) / transforms_->otf_scale();
+  }
+  const std::shared_ptr<const SpectralEngine<S>>& transforms() const { return transforms_; }
+
+ private:
+  // Of |H|^2 in a row of a block; of H(fx, fy) and H(fx, -fy) where the parts tell them apart.
+  S largest_square(std::int64_t block, std::int64_t row) const {
+    S largest = 0;
+    if (otf_.complex) {
+      const S* h = otf_.row(0, block, row);
+      for (int l = 0; l < kLanes; ++l) largest = std::max(largest, h[l] * h[l] + h[kLanes + l] * h[kLanes + l]);
+      return largest;
+    }
+    static constexpr std::array<S, kRow> kNone{};
+    const S *even = kNone.data(), *odd_x = even, *odd_y = even, *odd = even;
+    for (std::size_t p = 0; p < otf_.parts.size(); ++p) {
+      const auto [x, y] = otf_.parts[p];
+      (x == Parity::even   ? y == Parity::even ? even : odd_y
+       : y == Parity::even ? odd_x
+                           : odd) = otf_.row(p, block, row);
+    }
+    for (int l = 0; l < kRow; ++l) {
+      const S re = even[l] - odd[l], im = odd_x[l] + odd_y[l], mirrored_re = even[l] + odd[l],
+              mirrored_im = odd_x[l] - odd_y[l];
+      largest = std::max({largest, re * re + im * im, mirrored_re * mirrored_re + mirrored_im * mirrored_im});
+    }
+    return largest;
+  }
+
+  std::shared_ptr<const SpectralEngine<S>> transforms_;
+  OtfBlocks<S> otf_;  // on loan from the transforms
+};
+
+template <class S>
+std::shared_ptr<const SpectralFilter> make_filter(const FactoredOtf& sampler, const SpectralWork& work,
+                                                  fft::Rigor rigor, int threads, const Engine* earlier) {
+  const bool rows = work.lines == Lines::rows;
+  const AxisTransform &x = rows ? work.x : work.y, &y = rows ? work.y : work.x;
+  std::shared_ptr<const SpectralEngine<S>> transforms;
+  if (const auto* filter = dynamic_cast<const Filter<S>*>(earlier)) {
+    const SpectralEngine<S>& other = *filter->transforms();
+    if (other.x() == x && other.y() == y && other.lines() == work.lines) transforms = filter->transforms();
+  }
+  if (!transforms) transforms = std::make_shared<SpectralEngine<S>>(x, y, work.lines, rigor);
+  OtfBlocks<S> otf = make_otf(sampler, *transforms, threads);
+  return std::make_shared<Filter<S>>(std::move(transforms), std::move(otf));
+}
+
+}  // namespace
+
+std::shared_ptr<const SpectralFilter> make_spectral_filter(const FactoredOtf& sampler, const SpectralWork& work,
+                                                           fft::Rigor rigor, int threads, const Engine* earlier) {
+  return work.precision == Precision::single_precision ? make_filter<float>(sampler, work, rigor, threads, earlier)
+                                                       : make_filter<double>(sampler, work, rigor, threads, earlier);
+}
+
+}  // namespace mtf

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: Apache-2.0
+// The methods of a plan that work on samples: separable taps, sums of them, and direct kernels. The kernel is cut where
+// what is left out costs this scene (or the worst one) no more than its share of the tolerance.
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/engines/taps/taps.h"
+#include "mtf/plan/low_rank.h"
+#include "mtf/plan/plan_cost.h"
+#include "mtf/plan/plan_parts.h"
+#include "mtf/plan/point_response.h"
+
+namespace mtf {
+namespace {
+
+constexpr std::int64_t kLargestRatio = 16, kDirectReach = 8;
+constexpr std::size_t kLargestRank = 6;
+constexpr double kFloatUnit = 5.9604644775390625e-8;  // 2^-24
+
+std::optional<std::int64_t> whole_ratio(double step, double pitch) {
+  const double ratio = pitch / step;
+  if (!is_whole(ratio) || ratio < 0.5 || ratio > static_cast<double>(kLargestRatio)) return std::nullopt;
+  return std::llround(ratio);
+}
+
+// How errors of the OTF become errors of the image, and what is left of the tolerance for the kernel.
+class Judge {
+ public:
+  Judge(const PlanTask& task, std::int64_t ratio_x, std::int64_t ratio_y)
+      : task_(task), ratio_x_(static_cast<double>(ratio_x)), ratio_y_(static_cast<double>(ratio_y)) {
+    const FactoredOtf& sampler = task.sampler;
+    // An even OTF keeps the mirror symmetry of a reflected canvas: nothing of its energy can gather inside.
+    const bool mirror = task.options.border == Border::reflect;
+    const bool symmetric = mirror && sampler.is_real() && sampler.is_even_x() && sampler.is_even_y();
+    gathering_ = task.norm / (symmetric ? 2.0 : 1.0);
+    crop_ = task.spectrum_gain / (symmetric ? 2.0 : 1.0);
+    const double spread = gathering_ * task.alias, dropped = dropped_error(sampler),
+                 quadrature = sampler.quadrature_error();
+    parts_.dropped = dropped * spread;
+    parts_.table = (sampler.error() - dropped - quadrature) * spread;
+    parts_.band = quadrature * spread;
+  }
+
+  double error_per_otf() const { return gathering_ * task_.alias; }
+
+  /// rms error of an OTF error at the corners.
+  double rms(std::span<const double> error) const {
+    const double worst = gathering_ * SceneSpectrum::worst_error(error, ratio_x_, ratio_y_);
+    if (!task_.options.spectrum) return worst;
+    return std::min(worst, crop_ * task_.options.spectrum->rms_error(error, ratio_x_, ratio_y_));
+  }
+  /// What the kernel may cost when its sums err by `arithmetic`.
+  double budget(double arithmetic) const {
+    PredictedError parts = parts_;
+    parts.arithmetic = arithmetic;
+    return 0.98 * (task_.options.tolerance - parts.total());
+  }
+  /// Whether an error that the corners do not show is small enough all the same.
+  bool negligible(double excess) const { return error_per_otf() * excess <= 0.05 * task_.options.tolerance; }
+  PredictedError predicted(double kernel, double arithmetic) const {
+    PredictedError p = parts_;
+    p.kernel = kernel;
+    p.arithmetic = arithmetic;
+    return p;
+  }
+  // Sums of n products: random roundings of partial sums no larger than the sum of the moduli.
+  double arithmetic(double terms, double moduli) const {
+    const double canvas = std::max(1.0, task_.canvas_norm / (task_.options.border == Border::reflect ? 2.0 : 1.0));
+    return kFloatUnit * moduli * (2.0 + 0.5 * std::sqrt(terms)) * canvas +
+           task_.sampler.gain() * storage_error(task_.options);
+  }
+
+ private:
+  const PlanTask& task_;
+  double ratio_x_, ratio_y_, gathering_ = 1.0, crop_ = 1.0;
+  PredictedError parts_;
+};
+
+double moduli(const std::vector<double>& taps) {
+  double sum = 0.0;
+  for (const double tap : taps) sum += std::abs(tap);
+  return sum;
+}
+
+TapAxis tap_axis(std::int64_t samples, std::int64_t outputs, std::int64_t ratio, std::int64_t count) {
+  // The centre of detector sample 0 stands (ratio - 1) / 2 samples behind that of scene sample 0.
+  return {samples, outputs, ratio, (ratio - count) / 2, count};
+}
+
+std::vector<float> narrow(const std::vector<double>& taps) { return {taps.begin(), taps.end()}; }
+
+std::string taps_text(std::size_t x, std::size_t y) { return std::to_string(x) + " x " + std::to_string(y) + " taps"; }
+
+// The smallest reach for which `costs(reach)` fits; nothing when even the largest does not. Costs fall with the reach
+// but for ripples, which make the result somewhat larger than it need be.
+template <class Cost>
+std::optional<std::int64_t> smallest_reach(std::int64_t least, std::int64_t most, double budget, const Cost& cost) {
+  if (!(cost(most) <= budget)) return std::nullopt;
+  while (least < most) {
+    const std::int64_t middle = (least + most) / 2;
+    if (cost(middle) <= budget)
+      most = middle;
+    else
+      least = middle + 1;
+  }
+  return most;
+}
+
+MethodCandidate impossible(Method method, std::string reason) {
+  MethodCandidate candidate;
+  candidate.report.method = method;
+  candidate.report.reason = std::move(reason);
+  return candidate;
+}
+
+struct Work {
+  const PlanTask& task;
+  const Judge& judge;
+  std::int64_t ratio_x, ratio_y;
+
+  TapAxis x(std::size_t count) const {
+    return tap_axis(task.in.width, task.out.width, ratio_x, static_cast<std::int64_t>(count));
+  }
+  TapAxis y(std::size_t count) const {
+    return tap_axis(task.in.height, task.out.height, ratio_y, static_cast<std::int64_t>(count));
+  }
+};
+
+MethodCandidate separable_candidate(const Work& work, Method method, std::vector<std::vector<double>> x_taps,
+                                    std::vector<std::vector<double>> y_taps, double kernel) {
+  const TapAxis x = work.x(x_taps.front().size()), y = work.y(y_taps.front().size());
+  double sum = 0.0;
+  for (std::size_t k = 0; k < x_taps.size(); ++k) sum += moduli(x_taps[k]) * moduli(y_taps[k]);
+  const double terms = static_cast<double>(x.count + y.count * static_cast<std::int64_t>(x_taps.size()));
+  MethodCandidate candidate;
+  Candidate& c = candidate.report;
+  c.method = method;
+  c.detail = taps_text(x_taps.front().size(), y_taps.front().size());
+  if (method == Method::low_rank) c.detail += ", rank " + std::to_string(x_taps.size());
+  c.predicted = work.judge.predicted(kernel, work.judge.arithmetic(terms, sum));
+  c.cost_ms = separable_cost_ms(x, y, static_cast<std::int64_t>(x_taps.size()));
+  std::vector<std::vector<float>> fx, fy;
+  for (const auto& taps : x_taps) fx.push_back(narrow(taps));
+  for (const auto& taps : y_taps) fy.push_back(narrow(taps));
+  auto engine = std::make_shared<SeparableEngine>(x, y, work.task.options.border, std::move(fx), std::move(fy));
+  c.bytes = engine->filter_bytes() + engine->run_bytes(1, 1);
+  candidate.make = [engine](const Engine*) { return engine; };
+  return candidate;
+}
+
+// H factors by itself: each axis on its own, exactly, with half of the budget.
+MethodCandidate exact_separable(const Work& work) {
+  const Method method = Method::separable;
+  const FactoredOtf& sampler = work.task.sampler;
+  if (!sampler.is_separable()) return impossible(method, "the OTF does not factor");
+  const double dc = sampler.dc();
+  const AxisResponse x(sampler, Axis::x, work.task.in.step_x_um, work.ratio_x);
+  const AxisResponse y(sampler, Axis::y, work.task.in.step_y_um, work.ratio_y);
+  const std::vector<double> modulus_x = x.modulus(), modulus_y = y.modulus();
+  const auto cost = [&](const std::vector<double>& ex, const std::vector<double>& ey) {
+    std::vector<double> error;
+    for (int j = -SceneSpectrum::kCells; j <= SceneSpectrum::kCells; ++j)
+      for (std::size_t i = 0; i < ex.size(); ++i) {
+        const auto k = static_cast<std::size_t>(std::abs(j));
+        error.push_back(std::abs(dc) * (ex[i] * modulus_y[k] + (modulus_x[i] + ex[i]) * ey[k]));
+      }
+    return work.judge.rms(error);
+  };
+  const std::vector<double> none(modulus_x.size(), 0.0);
+  const double budget = work.judge.budget(work.judge.arithmetic(32.0, 1.0));
+  const auto reach_x = smallest_reach(1, AxisResponse::kReach, 0.5 * budget,
+                                      [&](std::int64_t r) { return cost(x.error(x.taps(r)), none); });
+  const auto reach_y = smallest_reach(1, AxisResponse::kReach, 0.5 * budget,
+                                      [&](std::int64_t r) { return cost(none, y.error(y.taps(r))); });
+  const std::string too_wide =
+      "the point spread is wider than " + std::to_string(2 * AxisResponse::kReach) + " samples at this tolerance";
+  if (!reach_x || !reach_y || !holds_most_of_spread(x.share(*reach_x)) || !holds_most_of_spread(y.share(*reach_y)))
+    return impossible(method, too_wide);
+  std::vector<double> x_taps = x.taps(*reach_x), y_taps = y.taps(*reach_y);
+  const std::vector<double> error_x = x.error(x_taps), error_y = y.error(y_taps);
+  if (!work.judge.negligible(std::abs(dc) * (x.excess(x_taps, error_x) + y.excess(y_taps, error_y))))
+    return impossible(method, too_wide);
+  const double kernel = cost(error_x, error_y);
+  for (double& tap : y_taps) tap *= dc;
+  return separable_candidate(work, method, {x_taps}, {y_taps}, kernel);
+}
+
+// Keeps the gain of the mean, so that slow contrast comes out exactly. A kernel that holds but a part of the point
+// spread is no kernel: it becomes zero.
+void normalise(TapBox& box, double dc) {
+  const double sum = box.sum();
+  const double factor = holds_most_of_spread(sum / dc) ? dc / sum : 0.0;
+  for (double& tap : box.value) tap *= factor;
+}
+
+MethodCandidate low_rank(const Work& work, const PointResponse& response, double limit_ms) {
+  const Method method = Method::low_rank;
+  if (work.task.sampler.is_separable()) return impossible(method, "the OTF factors exactly");
+  const double budget = work.judge.budget(work.judge.arithmetic(48.0, 1.5));
+  const auto normalised = [&](std::int64_t r) {
+    TapBox box = response.box(r, r);
+    normalise(box, work.task.sampler.dc());
+    return box;
+  };
+  const auto reach = smallest_reach(1, PointResponse::kReach, 0.6 * budget,
+                                    [&](std::int64_t r) { return work.judge.rms(response.error(normalised(r))); });
+  const std::string too_wide =
+      "the point spread is wider than " + std::to_string(2 * PointResponse::kReach) + " samples at this tolerance";
+  if (!reach) return impossible(method, too_wide);
+  const TapBox box = normalised(*reach);
+  if (box.sum() == 0.0) return impossible(method, too_wide);
+  const SeparableTerms terms = separable_terms(box, kLargestRank);
+  for (std::size_t rank = 1; rank <= terms.along_x.size(); ++rank) {
+    if (separable_cost_ms(work.x(terms.along_x.front().size()), work.y(terms.along_y.front().size()),
+                          static_cast<std::int64_t>(rank)) > limit_ms)
+      return impossible(method, "needs rank " + std::to_string(rank) + " or more: far slower than other ways");
+    const TapBox product = product_of(terms, rank);
+    const std::vector<double> error = response.error(product);
+    const double kernel = work.judge.rms(error);
+    if (kernel > budget) continue;
+    if (!work.judge.negligible(response.excess(product, error))) return impossible(method, too_wide);
+    const auto count = static_cast<std::ptrdiff_t>(rank);
+    return separable_candidate(work, method, {terms.along_x.begin(), terms.along_x.begin() + count},
+                               {terms.along_y.begin(), terms.along_y.begin() + count}, kernel);
+  }
+  return impossible(method, "needs a rank above " + std::to_string(kLargestRank));
+}
+
+// Zeroes what lies outside of the support of the given reach.
+void clip(TapBox& box, Method method, double reach) {
+  for (std::int64_t r = 0; r < box.rows; ++r)
+    for (std::int64_t c = 0; c < box.columns; ++c) {
+      const double x = std::abs(static_cast<double>(c) - 0.5 * static_cast<double>(box.columns - 1));
+      const double y = std::abs(static_cast<double>(r) - 0.5 * static_cast<double>(box.rows - 1));
+      const bool inside = method == Method::direct_square ? true
+                          : method == Method::direct_disc ? x * x + y * y <= reach * (reach + 1.0)
+                                                          : x + y <= reach;
+      if (!inside) box.at(r, c) = 0.0;
+    }
+}
+
+MethodCandidate direct(const Work& work, const PointResponse& response, Method method, double limit_ms) {
+  const double budget = work.judge.budget(work.judge.arithmetic(48.0, 1.2));
+  const auto taps = [&](std::int64_t r) {
+    TapBox box = response.box(r, r);
+    clip(box, method, static_cast<double>(r));
+    normalise(box, work.task.sampler.dc());
+    return box;
+  };
+  const std::int64_t most = kDirectReach;
+  const auto reach =
+      smallest_reach(1, most, budget, [&](std::int64_t r) { return work.judge.rms(response.error(taps(r))); });
+  const std::string too_wide = "needs more than " + std::to_string(2 * most) + " samples across at this tolerance";
+  if (!reach) return impossible(method, too_wide);
+  const TapBox box = taps(*reach);
+  if (box.sum() == 0.0) return impossible(method, too_wide);
+  const auto used = std::count_if(box.value.begin(), box.value.end(), [](double tap) { return tap != 0.0; });
+  const bool mirrored = work.task.sampler.is_real() && work.task.sampler.is_even_x() && work.task.sampler.is_even_y();
+  const TapAxis x = work.x(static_cast<std::size_t>(box.columns)), y = work.y(static_cast<std::size_t>(box.rows));
+  MethodCandidate candidate;
+  Candidate& c = candidate.report;
+  c.method = method;
+  c.detail = taps_text(static_cast<std::size_t>(box.columns), static_cast<std::size_t>(box.rows)) + ", " +
+             std::to_string(used) + " used";
+  c.cost_ms = direct_cost_ms(x, y, used, mirrored);
+  if (c.cost_ms > limit_ms) return impossible(method, c.detail + ": far slower than other ways");
+  const std::vector<double> error = response.error(box);
+  if (!work.judge.negligible(response.excess(box, error))) return impossible(method, too_wide);
+  c.predicted =
+      work.judge.predicted(work.judge.rms(error), work.judge.arithmetic(static_cast<double>(used), moduli(box.value)));
+  std::vector<float> narrowed = narrow(box.value);
+  if (mirrored)  // bit by bit, so that mirrored samples may be added first
+    for (std::int64_t r = 0; r < box.rows; ++r)
+      for (std::int64_t t = 0; t < box.columns; ++t) {
+        const std::int64_t mr = std::min(r, box.rows - 1 - r), mt = std::min(t, box.columns - 1 - t);
+        narrowed[static_cast<std::size_t>(r * box.columns + t)] =
+            narrowed[static_cast<std::size_t>(mr * box.columns + mt)];
+      }
+  auto engine = std::make_shared<DirectEngine>(x, y, work.task.options.border, std::move(narrowed));
+  c.bytes = engine->filter_bytes() + engine->run_bytes(1, 1);
+  candidate.make = [engine](const Engine*) { return engine; };
+  return candidate;
+}
+
+}  // namespace
+
+std::vector<MethodCandidate> tap_candidates(const PlanTask& task, double fft_ms) {
+  std::vector<MethodCandidate> candidates;
+  const auto ratio_x = whole_ratio(task.in.step_x_um, task.out.step_x_um);
+  const auto ratio_y = whole_ratio(task.in.step_y_um, task.out.step_y_um);
+  constexpr std::array direct_methods{Method::direct_square, Method::direct_disc, Method::direct_diamond};
+  const auto none = [&](const std::string& reason) {
+    for (const Method method : {Method::separable, Method::low_rank}) candidates.push_back(impossible(method, reason));
+    for (const Method method : direct_methods) candidates.push_back(impossible(method, reason));
+    return candidates;
+  };
+  if (!ratio_x || !ratio_y) return none("the pitch is not 1 to " + std::to_string(kLargestRatio) + " whole samples");
+  if (task.sampler.dc() == 0.0)
+    return none("the mean does not pass (the near part of a split OTF takes it from the far part)");
+  const Judge judge(task, *ratio_x, *ratio_y);
+  if (!(judge.budget(judge.arithmetic(1.0, 1.0)) > 0.0)) return none("float sums do not keep the tolerance");
+  const Work work{task, judge, *ratio_x, *ratio_y};
+  candidates.push_back(exact_separable(work));
+  // What is several times slower than another way is of no use to anyone; finding it would cost more than it is worth.
+  const double limit_ms = 4.0 * std::min(fft_ms, candidates.front().make ? candidates.front().report.cost_ms : fft_ms);
+  // A kernel of a slow OTF costs more frequencies to design than a small image has.
+  constexpr std::int64_t kCorners = std::int64_t{SceneSpectrum::kRows} * SceneSpectrum::kColumns;
+  if (task.sampler.is_slow() && task.in.width * task.in.height < 4 * kCorners) {
+    candidates.push_back(impossible(Method::low_rank, "designing a kernel of this OTF costs more than the image"));
+    for (const Method method : direct_methods)
+      candidates.push_back(impossible(method, "designing a kernel of this OTF costs more than the image"));
+    return candidates;
+  }
+  const PointResponse response(task.sampler, task.in, *ratio_x, *ratio_y);
+  candidates.push_back(low_rank(work, response, limit_ms));
+  for (const Method method : direct_methods) candidates.push_back(direct(work, response, method, limit_ms));
+  // Between the corners |H| may be somewhat larger.
+  const double gain = task.sampler.has_gain() ? std::min(task.sampler.gain(), 1.05 * response.largest()) : 1.0;
+  for (MethodCandidate& candidate : candidates) {
+    candidate.largest_gain = std::max(1.0, gain);
+    candidate.error_per_otf = judge.error_per_otf();
+  }
+  return candidates;
+}
+
+}  // namespace mtf

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/tiles/tiles.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/error.h"
+#include "mtf/parallel.h"
+#include "mtf/tiles/tile_fit.h"
+#include "mtf/tiles/tile_halo.h"
+
+namespace mtf {
+namespace {
+
+// Shares of the tolerance that the presample steps are given; near and far also hold the rounding.
+constexpr double kHaloShare = 0.25, kFarShare = 0.15, kNearShare = 0.55;
+constexpr std::array<std::int64_t, 2> kEvery{8, 16};
+constexpr double kCoarseBytes = 28.0;  // coarse image, its running sums, and plan: what is set aside for a sample
+constexpr int kAttempts = 4;           // at tiles that fit
+
+std::int64_t machine_bytes() {
+  return static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::int64_t>(sysconf(_SC_PAGESIZE));
+}
+
+double count(std::int64_t n) { return static_cast<double>(n); }
+
+double area(const SampleGrid& grid) { return count(grid.width) * count(grid.height); }
+
+double coarse_samples(const CoarseGrid& grid) { return count(grid.x.count) * count(grid.y.count); }
+
+// The coarse image of each channel, before and after its filter.
+TileNeeds needs_of(const Plan& near, const std::optional<Plan>& far, double channels) {
+  TileNeeds needs;
+  needs.otf = count(near.report().otf_bytes) / area(near.in());
+  needs.buffers = count(near.report().run_bytes) / area(near.in());
+  if (far) needs.coarse = 8.0 * channels + count(far->report().otf_bytes + far->report().run_bytes) / area(far->in());
+  return needs;
+}
+
+// True when something is needed beyond what was thought, which it then is.
+bool raise(TileNeeds& thought, const TileNeeds& found) {
+  constexpr double slack = 1.02;  // lengths that are rounded up
+  bool raised = false;
+  for (double TileNeeds::*part : {&TileNeeds::otf, &TileNeeds::buffers, &TileNeeds::coarse})
+    if (found.*part > slack * thought.*part) thought.*part = found.*part, raised = true;
+  return raised;
+}
+
+std::string mib(double bytes) {
+  return std::to_string(static_cast<std::int64_t>(std::ceil(bytes / 1048576.0))) + "MiB";
+}
+
+double canvas_norm_of(const PlanOptions& options, const SampleGrid& in) {
+  if (options.scene) return options.scene->canvas_norm / options.scene->std;
+  return std::sqrt(count(canvas_length(options.border, in.width) / in.width) *
+                   count(canvas_length(options.border, in.height) / in.height));
+}
+
+void require_region(const Region& region, const SampleGrid& detector) {
+  if (region.x >= 0 && region.y >= 0 && region.width > 0 && region.height > 0 &&
+      region.x <= detector.width - region.width && region.y <= detector.height - region.height)
+    return;
+  throw UsageError("the region " + std::to_string(region.x) + "," + std::to_string(region.y) + "," +
+                   std::to_string(region.width) + "," + std::to_string(region.height) +
+                   " does not lie within the output of " + std::to_string(detector.width) + "x" +
+                   std::to_string(detector.height) + " pixels; give x,y,width,height in pixels within it");
+}
+
+// What the whole image needs at once, one channel after the other, beside the bytes of the plans.
+double whole_bytes(const SampleGrid& in, const SampleGrid& out, const TileOptions& tiles, double plans) {
+  const double pixels = tiles.region ? count(tiles.region->width) * count(tiles.region->height) : area(out);
+  return count(kFixedBytes) + 4.0 * area(in) + 4.0 * area(out) + 4.0 * count(tiles.channels) * pixels +
+         2.0 * count(tiles.row_bytes) * count(tiles.more_rows) + plans;
+}
+
+double plan_bytes(const Plan& plan) { return count(plan.report().otf_bytes + plan.report().run_bytes); }
+
+}  // namespace
+
+std::int64_t coarse_every(const SampleGrid& scene, Border border, std::int64_t memory) {
+  const double limit = count(memory > 0 ? memory : machine_bytes()) / 5.0;
+  for (const std::int64_t every : kEvery) {
+    if (std::min(scene.width, scene.height) < 32 * every) return 0;  // a tile would be the scene
+    if (kCoarseBytes * coarse_samples(coarse_grid(scene, border, every)) <= limit) return every;
+  }
+  std::int64_t every = 2 * kEvery.back();
+  while (kCoarseBytes * coarse_samples(coarse_grid(scene, border, every)) > limit) every *= 2;
+  return every;
+}
+
+// The plan with the OTF split at `every`, or whole where that is 0. Nothing, and the reason, where tiles are no way.
+std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, const SampleGrid& scene,
+                                              const PlanOptions& options, const TileOptions& tiles, std::int64_t every,
+                                              std::string& reason) {
+  constexpr std::array presample{Stage::presample};
+  constexpr std::array behind{Stage::readout, Stage::postsample};
+  TiledSensorPlan plan;
+  plan.in_ = scene;
+  plan.detector_ = detector_grid(system, scene);
+  plan.border_ = options.border;
+  plan.threads_ = tiles.threads;
+  plan.region_ = tiles.region.value_or(Region{0, 0, plan.detector_.width, plan.detector_.height});
+  plan.out_ = plan.detector_;
+  plan.out_.width = plan.region_.width;
+  plan.out_.height = plan.region_.height;
+  const auto rx = pitch_ratio(plan.detector_.step_x_um, scene.step_x_um);
+  const auto ry = pitch_ratio(plan.detector_.step_y_um, scene.step_y_um);
+  if (!rx || !ry) {
+    reason = "the pitch is not a ratio of small whole numbers of samples";
+    return std::nullopt;
+  }
+  const bool has_post = !system.list(Stage::readout).empty() || !system.list(Stage::postsample).empty();
+  const double whole_x = count(scene.width) * count(rx->pixels) / count(rx->samples);
+  const double whole_y = count(scene.height) * count(ry->pixels) / count(ry->samples);
+  if (has_post && options.border == Border::periodic &&
+      (whole_x != count(plan.detector_.width) || whole_y != count(plan.detector_.height))) {
+    reason =
+        "filters behind the sampling of a periodic scene need its far side, which is no whole number of pixels away";
+    return std::nullopt;
+  }
+
+  // Filters behind the sampling take half of the tolerance; what comes before passes through their gain.
+  const double norm =
+      canvas_norm_of(options, scene) * std::sqrt(std::max(1.0, scene.area_um2() / plan.detector_.area_um2()));
+  const std::int64_t longest = kLongestSide / 2;
+  PlanOptions post_options = options;
+  post_options.spectrum = nullptr;
+  post_options.method = {};
+  post_options.aperture = {};
+  post_options.tolerance = 0.5 * options.tolerance;
+  TileHalo post_halo;
+  double post_norm = 1.0;
+  if (has_post) {
+    if (options.scene) post_options.scene = behind_sampling(*options.scene, options, scene, plan.detector_);
+    post_norm = canvas_norm_of(post_options, plan.detector_);
+    const auto found = find_halo(system, behind, post_options,
+                                 {plan.detector_, plan.detector_, (1.0 + std::sqrt(kMostOverlap)) * post_norm,
+                                  kHaloShare * post_options.tolerance, longest});
+    if (!found) {
+      reason = "the filters behind the sampling reach too far at this tolerance";
+      return std::nullopt;
+    }
+    post_halo = *found;
+  }
+  TileNeeds needs;
+  // Their gain has to be known before the tolerance of the tile is; it is that of the OTF wherever it is looked at.
+  double gain = 1.0;
+  if (has_post) {
+    PlanOptions probe = post_options;
+    probe.border = Border::reflect;
+    constexpr std::int64_t side = 256;
+    const Plan post =
+        compile_post(system, {side, side, plan.detector_.step_x_um, plan.detector_.step_y_um}, behind, probe);
+    gain = std::max(1.0, post.report().largest_gain);
+    gain *= gain > 1.0 ? 1.05 : 1.0;  // between the frequencies looked at
+    needs.post_otf = count(post.report().otf_bytes) / count(side * side);
+    needs.post_buffers = count(post.report().run_bytes) / count(side * side);
+  }
+
+  PlanOptions near_options = options;
+  near_options.spectrum = nullptr;  // of the whole scene, not of a tile
+  near_options.tolerance = (has_post ? 0.5 / gain : 1.0) * options.tolerance;
+  const double share = near_options.tolerance;
+  if (every > 0) {
+    plan.coarse_ = coarse_grid(scene, options.border, every);
+    near_options.split = {ScaleSplit::Part::fine, plan.coarse_->split_sigma_um()};
+  }
+  const double gather =
+      plan.coarse_ ? std::sqrt(std::max(1.0, plan.coarse_->grid().area_um2() / plan.detector_.area_um2())) : 1.0;
+  const auto compile_far = [&] {
+    const SampleGrid coarse = plan.coarse_->grid();
+    PlanOptions far = near_options;
+    far.border = plan.coarse_->x.coarse_border();
+    far.split.part = ScaleSplit::Part::coarse;
+    far.method = {};
+    far.tolerance = std::min(0.9, kFarShare * share / gather);
+    if (far.scene) far.scene->canvas_norm *= std::sqrt(std::min(1.0, scene.area_um2() / coarse.area_um2()));
+    return compile(system, coarse, coarse, far);
+  };
+  const auto halo =
+      find_halo(system, presample, near_options,
+                {scene, plan.detector_, (1.0 + std::sqrt(kMostOverlap)) * norm, kHaloShare * share, longest});
+  if (!halo) {
+    reason = "the point spread reaches further than a tile at this tolerance";
+    return std::nullopt;
+  }
+
+  FitRequest request;
+  request.x = {*rx, plan.region_.x, plan.region_.width, halo->samples[0], post_halo.samples[0], 0, tiles.side};
+  request.y = {*ry, plan.region_.y, plan.region_.height, halo->samples[1], post_halo.samples[1], 0, tiles.side};
+  request.limit = count(tiles.memory > 0 ? tiles.memory : machine_bytes());
+  request.row_bytes = count(tiles.row_bytes);
+  request.more_rows = count(tiles.more_rows);
+  request.channels = count(tiles.channels);
+  request.threads = threads_of(tiles.threads);
+  if (plan.coarse_) request.coarse_samples = coarse_samples(*plan.coarse_);
+  needs.coarse = 8.5 + 8.0 * request.channels;
+  request.needs = needs;
+  // What the plans need is known when there are plans; more than was thought, and they are made for smaller tiles.
+  std::optional<Plan> near;
+  std::optional<Fit> fit;
+  double overlap = 0.0;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    fit = fit_tiles(request, reason);
+    if (!fit) return std::nullopt;
+    overlap = fit->overlap();
+    PlanOptions inner = near_options;
+    inner.border = Border::reflect;
+    inner.tolerance = (every > 0 ? kNearShare : kNearShare + kFarShare) * share;
+    if (inner.scene) inner.scene->canvas_norm = norm * inner.scene->std * std::sqrt(std::max(1.0, overlap));
+    const SampleGrid canvas{fit->x.canvas_samples(), fit->y.canvas_samples(), scene.step_x_um, scene.step_y_um};
+    const SampleGrid wide{fit->x.canvas_pixels(), fit->y.canvas_pixels(), plan.detector_.step_x_um,
+                          plan.detector_.step_y_um};
+    near = compile(system, canvas, wide, inner);
+    if (every > 0 && !plan.far_) plan.far_ = compile_far();
+    if (!raise(request.needs, needs_of(*near, plan.far_, request.channels))) break;
+  }
+  plan.x_ = fit->x;
+  plan.y_ = fit->y;
+  plan.report_.in_flight = fit->in_flight;
+  plan.report_.bytes = static_cast<std::int64_t>(fit->bytes);
+  plan.dc_ = near->dc();
+  double predicted = near->report().predicted.total() + halo->bound;
+  if (plan.far_) {
+    plan.dc_ = plan.far_->dc();
+    predicted += plan.far_->report().predicted.total() * gather + kCoarseError * norm;
+  }
+  std::optional<Plan> post;
+  if (has_post) {
+    PlanOptions behind_options = post_options;
+    behind_options.border = Border::reflect;
+    behind_options.tolerance = (1.0 - kHaloShare) * post_options.tolerance;
+    if (behind_options.scene) behind_options.scene->canvas_norm *= std::sqrt(std::max(1.0, overlap));
+    post = compile_post(system,
+                        {plan.x_.tile + 2 * plan.x_.post, plan.y_.tile + 2 * plan.y_.post, plan.detector_.step_x_um,
+                         plan.detector_.step_y_um},
+                        behind, behind_options);
+    predicted = predicted * gain + post->report().predicted.total() + post_halo.bound;
+  }
+  plan.inner_ = SensorPlan{std::move(*near), std::nullopt, std::move(post), predicted, system, options};
+  TileReport& report = plan.report_;
+  report.count = plan.x_.count() * plan.y_.count();
+  report.side = {plan.x_.tile, plan.y_.tile};
+  report.halo = halo->samples;
+  report.post_halo = {plan.x_.post, plan.y_.post};
+  report.every = every;
+  report.halo_error = halo->bound * gain + post_halo.bound;
+  report.predicted_error = predicted;
+  report.tolerance = options.tolerance;
+  return plan;
+}
+
+namespace {
+
+// The least memory, within a quarter, with which the scene goes through: in tiles, else whole.
+std::int64_t least_memory(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
+                          const TileOptions& tiles, double whole) {
+  std::string reason;
+  for (double memory = 1.25 * static_cast<double>(tiles.memory > 0 ? tiles.memory : machine_bytes()); memory < whole;
+       memory *= 1.25) {
+    TileOptions larger = tiles;
+    larger.memory = static_cast<std::int64_t>(memory);
+    for (const std::int64_t every : {std::int64_t{0}, coarse_every(scene, options.border, larger.memory)}) try {
+        if (cut_into_tiles(system, scene, options, larger, every, reason)) return larger.memory;
+      } catch (const UnreachableTolerance&) {  // nor will more memory help
+        return static_cast<std::int64_t>(whole);
+      }
+  }
+  return static_cast<std::int64_t>(whole);
+}
+
+}  // namespace
+
+TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
+                              const TileOptions& tiles) {
+  const SampleGrid detector = detector_grid(system, scene);
+  if (tiles.region) require_region(*tiles.region, detector);
+  if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
+    throw UsageError("tolerance " + format_double(options.tolerance) + " is outside (0, 1)");
+  const double limit = count(tiles.memory > 0 ? tiles.memory : machine_bytes());
+
+  std::optional<TiledSensorPlan> best;
+  std::string reason;
+  const auto work = [](const TiledSensorPlan& plan) {
+    return count(plan.report().count) * count(plan.inner().presample.in().width) *
+           count(plan.inner().presample.in().height) * (plan.report().every > 0 ? 1.2 : 1.0);
+  };
+  for (const std::int64_t every : {std::int64_t{0}, coarse_every(scene, options.border, tiles.memory)}) {
+    if (best && every == 0) continue;
+    try {
+      auto plan = cut_into_tiles(system, scene, options, tiles, every, reason);
+      if (plan && (!best || work(*plan) < work(*best))) best = std::move(plan);
+    } catch (const UnreachableTolerance& e) {
+      reason = "the tolerance leaves no room for a halo";
+    }
+  }
+  // More tiles than the scene is worth: one plan for all of it is less work.
+  const double all = count(scene.width) * count(scene.height);
+  const bool useful = best && (tiles.side > 0 || work(*best) <= kMostOverlap * all);
+  if (useful) return std::move(*best);
+
+  const auto require_room = [&](double bytes) {
+    if (bytes > limit)
+      throw UsageError("the scene does not go through " + mib(limit) + " of memory: " + reason +
+                       ", and all of it at once needs " + mib(bytes) + "; allow " +
+                       mib(count(least_memory(system, scene, options, tiles, bytes))) +
+                       " or more, or a larger tolerance");
+  };
+  const TileNeeds least;  // before there is a plan, which is worth no time where even this is too much
+  double bytes = whole_bytes(scene, detector, tiles, (least.otf + least.buffers) * area(scene));
+  if (bytes > limit && best) return std::move(*best);
+  require_room(bytes);
+  TiledSensorPlan plan;
+  plan.in_ = scene;
+  plan.detector_ = detector;
+  plan.border_ = options.border;
+  plan.threads_ = tiles.threads;
+  plan.region_ = tiles.region.value_or(Region{0, 0, detector.width, detector.height});
+  plan.out_ = detector;
+  plan.out_.width = plan.region_.width;
+  plan.out_.height = plan.region_.height;
+  plan.inner_ = compile_sensor(system, scene, options);
+  const SensorPlan& whole = *plan.inner_;
+  bytes =
+      whole_bytes(scene, detector, tiles, plan_bytes(whole.presample) + (whole.post ? plan_bytes(*whole.post) : 0.0));
+  if (bytes > limit && best) return std::move(*best);
+  require_room(bytes);
+  TileReport& report = plan.report_;
+  report.whole = true;
+  report.reason = best ? "tiles with their halos are more work" : reason;
+  report.side = {plan.out_.width, plan.out_.height};
+  report.bytes = static_cast<std::int64_t>(bytes);
+  report.predicted_error = plan.inner_->predicted_error;
+  report.tolerance = options.tolerance;
+  return plan;
+}
+
+}  // namespace mtf

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A product of curves over a band (filter x optics x quantum efficiency ...), its integrals with Planck's law and the
+// Gauss rules for which it is the weight.
+//
+//   weighted radiance = integral over the band of product(lambda) L(lambda, T) dlambda
+//
+// The product is never sampled anew: between neighbouring samples of the curves it is a polynomial of the wavelength,
+// and the integral is taken there piece by piece in x = c2 / (lambda T), by 16 Gauss-Legendre nodes on panels no wider
+// than 4 and no longer than a ratio of 1.5. On such a panel the nearest poles, x = 0 and 2 pi i, lie 5 and 3.3 half
+// widths from its middle: what the rule leaves is below 1e-15 of the panel for up to 8 curves, at any temperature.
+// (Panels below a ratio of 1.02 take 6 nodes, to the same end.)
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "mtf/system.h"
+#include "radiometry/light/blackbody.h"
+#include "radiometry/light/spectrum.h"
+
+namespace radiometry {
+
+class BandResponse {
+ public:
+  /// The product of the curves over what the band and they have in common; no curves: 1. Throws UsageError as
+  /// common_range does, and for more than 8 curves.
+  BandResponse(const Interval& band, std::span<const Spectrum> factors);
+
+  /// What the band and the curves have in common.
+  const Interval& range() const { return range_; }
+  /// The product at a wavelength in the range.
+  double value(double wavelength_um) const;
+  /// Integral of the product over the range, um.
+  double integral() const;
+
+  /// Weighted radiance of a blackbody, W or photons per second, m^-2 sr^-1; 0 at 0 K, NaN below.
+  template <class S>
+  S radiance(Flux flux, const S& temperature_k) const {
+    const double t = mtf::value_of(temperature_k);
+    return mtf::lift({planck_integral(flux, t, false), planck_integral(flux, t, true)}, temperature_k);
+  }
+  /// Its derivative by the temperature, per K.
+  double derivative(Flux flux, double temperature_k) const { return planck_integral(flux, temperature_k, true); }
+
+  /// n wavelengths and weights such that the weighted sum is the mean of a function over the electrons that a blackbody
+  /// of `temperature_k` gives, the response being that per photon; without a temperature the photon radiance is the
+  /// same at all wavelengths. A Gauss rule: exact for polynomials of degree 2n - 1 in the wavelength, weights positive
+  /// with sum 1, wavelengths rising. To be used in place of mtf::wavelength_nodes. 1 <= n <= 256. Fewer
+  /// than n where the rate is a double at fewer points. Throws UsageError when there are no electrons.
+  mtf::WavelengthNodes electron_nodes(int n, std::optional<double> temperature_k) const;
+
+  /// The same electrons for mtf::Band::rate: these nodes, 256 at most, and their density. Throws as electron_nodes
+  /// does.
+  mtf::ElectronRate electron_rate(std::optional<double> temperature_k) const;
+
+ private:
+  struct Piece {
+    double lo_um, hi_um;
+    std::size_t ends;  ///< index into ends_: value of each curve at lo, then at hi
+  };
+  /// An interval within a piece over which Planck's law is nearly a polynomial.
+  struct Panel {
+    const Piece* piece;
+    double lo_um, width_um;
+    bool whole;  ///< all of the piece
+  };
+  std::vector<Panel> panels(std::optional<double> temperature_k) const;
+  /// Electrons at many wavelengths, relative to the largest rate, whose logarithm may lie far below that of a double.
+  struct RatePoints {
+    std::vector<double> wavelength_um, rate;
+    double log_largest = 0.0, sum = 0.0;
+  };
+  /// Enough of them for a Gauss rule of n nodes.
+  RatePoints rate_points(int n, std::optional<double> temperature_k) const;
+  double piece_value(const Piece& piece, double wavelength_um) const;
+  double planck_integral(Flux flux, double temperature_k, bool derivative) const;
+
+  Interval range_;
+  std::size_t factors_ = 0;
+  std::vector<Piece> pieces_;  ///< rising
+  std::vector<double> ends_;
+};
+
+}  // namespace radiometry

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/light/path_planes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <span>
+
+#include "radiometry/stages/detector/pixel_rules.h"
+
+namespace radiometry {
+namespace {
+
+constexpr double kError = 1e-7;
+constexpr std::size_t kMostCells = 4096, kFewestCells = 16;
+constexpr std::size_t kMostWork = 100'000'000;  ///< cells x wavelengths between two ranges
+
+/// A mean transmission and its change over a whole segment.
+struct Node {
+  double tau = 0.0, slope = 0.0;
+};
+
+/// The weighted mean of transmissions that go from tau0 to tau1 while t goes from 0 to 1, each as PathTable has it.
+class Mean {
+ public:
+  Mean(std::span<const double> weight, std::span<const double> tau0, std::span<const double> tau1) {
+    for (std::size_t j = 0; j < weight.size(); ++j) {
+      if (weight[j] == 0.0) continue;
+      if (tau0[j] > 0.0 && tau1[j] > 0.0) {
+        start_.push_back(weight[j] * tau0[j]);
+        log_ratio_.push_back(std::log(tau1[j] / tau0[j]));
+      } else {
+        line0_ += weight[j] * tau0[j];
+        line1_ += weight[j] * tau1[j];
+      }
+    }
+  }
+  Node at(double t) const {
+    Node node{line0_ * (1.0 - t) + line1_ * t, line1_ - line0_};
+    for (std::size_t j = 0; j < start_.size(); ++j) {
+      const double tau = start_[j] * std::exp(t * log_ratio_[j]);
+      node.tau += tau;
+      node.slope += tau * log_ratio_[j];
+    }
+    return node;
+  }
+
+ private:
+  std::vector<double> start_, log_ratio_;
+  double line0_ = 0.0, line1_ = 0.0;
+};
+
+double sum(std::span<const double> weight, std::span<const double> value) {
+  return std::inner_product(weight.begin(), weight.end(), value.begin(), 0.0);
+}
+
+}  // namespace
+
+RangeTable::RangeTable(const SceneBand& scene, const PathTable& table, std::optional<double> source_k)
+    : source_(table.source()), range_m_(table.range_m()) {
+  const std::size_t size = table.wavelength_um().size();
+  std::vector<double> weight = shape_weights(scene, table.wavelength_um(), source_k).weight;
+  const std::vector<double> added = channel_weights(scene, table.wavelength_um()).weight;
+  const BandResponse response(scene.band, scene.curves);
+  const double whole = source_k ? response.radiance(Flux::photons, *source_k) : response.integral();
+  if (!(whole > 0.0) || !std::isfinite(whole))
+    throw mtf::UsageError(source_ + ": a scene " +
+                          (source_k ? "of " + mtf::format_double(*source_k) + " K " : std::string()) +
+                          "gives nothing in the band " + describe(scene.band) +
+                          " to weigh transmissions by; give another source_temperature, or none");
+  for (double& w : weight) w /= whole;
+
+  // Clear at range 0; beyond the wavelengths of the table nothing passes.
+  std::vector<double> tau0(size, 1.0), radiance0(size, 0.0);
+  double from_m = 0.0;
+  const std::size_t most = std::clamp(kMostWork / size, kFewestCells, kMostCells);
+  for (std::size_t i = 0; i < range_m_.size(); ++i) {
+    const std::vector<double>&tau1 = table.transmission()[i], &radiance1 = table.radiance()[i];
+    const double length = range_m_[i] - from_m;
+    const Mean mean(weight, tau0, tau1);
+    std::size_t count = 2;
+    std::vector<Node> nodes{mean.at(0.0), mean.at(0.5), mean.at(1.0)};
+    for (bool fine = false; !fine && count < most; count *= 2) {
+      std::vector<Node> twice{nodes[0]};
+      fine = true;
+      for (std::size_t k = 0; k < count; ++k) {
+        const double h = 1.0 / static_cast<double>(count);
+        const Node &a = nodes[k], &b = nodes[k + 1], middle = mean.at((static_cast<double>(k) + 0.5) * h);
+        const double guess = 0.5 * (a.tau + b.tau) + 0.125 * h * (a.slope - b.slope);
+        fine = fine && std::abs(guess - middle.tau) <= 8.0 * kError * middle.tau;
+        twice.insert(twice.end(), {middle, b});
+      }
+      nodes = std::move(twice);
+    }
+    const double first_radiance = sum(added, radiance0);
+    segments_.push_back({from_m, static_cast<double>(count) / length, first_radiance,
+                         (sum(added, radiance1) - first_radiance) / length, cells_.size(), count});
+    for (std::size_t k = 0; k < count; ++k) {
+      const double h = 1.0 / static_cast<double>(count), a = nodes[k].slope * h, b = nodes[k + 1].slope * h;
+      const double rise = nodes[k + 1].tau - nodes[k].tau;
+      cells_.push_back({nodes[k].tau, a, 3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise});
+    }
+    tau0 = tau1;
+    radiance0 = radiance1;
+    from_m = range_m_[i];
+  }
+}
+
+const RangeTable::Segment& RangeTable::checked(double range_m) const {
+  if (!(range_m >= 0.0 && range_m <= longest_m()))
+    throw mtf::UsageError(source_ + ": a path of " + mtf::format_double(range_m) + " m; the table goes from 0 to " +
+                          mtf::format_double(longest_m()) + " m");
+  return segment(range_m);
+}
+
+const RangeTable::Segment& RangeTable::segment(double range_m) const {
+  const auto end = std::lower_bound(range_m_.begin(), range_m_.end() - 1, range_m);
+  return segments_[static_cast<std::size_t>(end - range_m_.begin())];
+}
+
+double RangeTable::transmission(const Segment& segment, double range_m) const {
+  const double place = (range_m - segment.from_m) * segment.cells_per_m;
+  const std::size_t k = std::min(static_cast<std::size_t>(place), segment.count - 1);
+  const Cell& cell = cells_[segment.first + k];
+  const double t = place - static_cast<double>(k);
+  return cell.c0 + t * (cell.c1 + t * (cell.c2 + t * cell.c3));
+}
+
+double RangeTable::transmission(double range_m) const { return transmission(checked(range_m), range_m); }
+
+double RangeTable::radiance(double range_m) const {
+  const Segment& s = checked(range_m);
+  return s.radiance + (range_m - s.from_m) * s.radiance_per_m;
+}
+
+void RangeTable::apply(mtf::ImageView<float> radiance, mtf::ImageView<const float> range_m, int threads) const {
+  require_size_of(radiance, range_m, "depth");
+  const auto most = static_cast<float>(longest_m());
+  refuse_pixels(
+      range_m,
+      {"depth", "without a range from above 0 to " + mtf::format_double(longest_m()) + " m, the end of " + source_,
+       "give every pixel its range in m, or a table that goes as far"},
+      threads, [most](float r) { return !(r > 0.0F && r <= most); });
+  for_each_pixel(radiance, range_m, threads, [&](float light, float range) {
+    const double r = std::min(static_cast<double>(range), longest_m());
+    const Segment& s = segment(r);
+    return static_cast<float>(transmission(s, r) * static_cast<double>(light) + s.radiance +
+                              (r - s.from_m) * s.radiance_per_m);
+  });
+}
+
+}  // namespace radiometry

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a two-point correction (correction.h) leaves of the spatial noise, in closed form. A pixel of responsivity 1 + p
+// with an offset o reads raw(e) = R(e + p (e - d)) + o for a mean charge e, d of it dark current, R being the response
+// of nonlinearity.h. Its flat frames at the charges c and h are means of n frames with noise n_c and n_h. Corrected,
+// less the mean of all pixels, it keeps
+//   p (D(e) - (1 - w) D(c) - w D(h)) - (1 - w) n_c - w n_h,
+//   D(x) = R'(x) (x - d),   w = (R(e) - R(c)) / (R(h) - R(c))
+// So an offset leaves nothing, PRNU only what the bow of the response makes of it (to first order in p, relative), and
+// the flat frames their own noise: sqrt(((1 - w)^2 v_c + w^2 v_h) / n), v the variance of one frame. All is divided by
+// R'(e), as charge like the rest of the budget.
+
+#include "radiometry/performance/sensitivity.h"
+#include "radiometry/stages/detector/nonlinearity.h"
+
+namespace radiometry {
+
+/// The flat frames, and the pixel that they correct.
+template <class S>
+struct FlatFrames {
+  S low_e{}, high_e{};  ///< charge of the mean pixel in them
+  S dark_e{};
+  S full_well_e{};
+  S variance{};  ///< of one frame beside the shot noise, e-^2, without what is common to all pixels of a frame
+  double frames = 1.0;
+  Nonlinearity response{};
+};
+
+template <class S>
+struct CorrectionResidual {
+  S prnu{};     ///< e- per unit of p
+  S flats_e{};  ///< of the flat frames, rms
+};
+
+namespace detail {
+/// R(x) - x, R'(x) - 1 and D(x) - R(x) + d, all exactly 0 where the response is linear; beyond the full well R goes on
+/// along its last slope.
+template <class S>
+struct Bow {
+  S value, slope, spread;
+
+  Bow(const FlatFrames<S>& f, const S& x) {
+    const S held = mtf::value_of(x) < mtf::value_of(f.full_well_e) ? x : f.full_well_e;
+    const S u = held / f.full_well_e, first = S(f.response.a2) * u, second = S(f.response.a3) * u * u;
+    slope = S(2) * first + S(3) * second;
+    value = held * (first + second) + (x - held) * slope;
+    spread = slope * (held - f.dark_e) - held * (first + second);
+  }
+};
+}  // namespace detail
+
+/// At a mean charge of the scene.
+template <class S>
+CorrectionResidual<S> correction_residual(const FlatFrames<S>& flats, const S& charge_e) {
+  const detail::Bow<S> here(flats, charge_e), low(flats, flats.low_e), high(flats, flats.high_e);
+  const S w = (charge_e - flats.low_e + here.value - low.value) / (flats.high_e - flats.low_e + high.value - low.value);
+  const S rest = S(1) - w, slope = S(1) + here.slope;
+  const auto variance = [&](const detail::Bow<S>& bow, const S& charge) {
+    const S gain = S(1) + bow.slope;
+    return gain * gain * charge + flats.variance;
+  };
+  const S flat2 = rest * rest * variance(low, flats.low_e) + w * w * variance(high, flats.high_e);
+  return {(here.spread - rest * low.spread - w * high.spread) / slope,
+          detail::root(S(flat2 / S(flats.frames))) / slope};
+}
+
+/// The spatial terms of the budget as the correction leaves them.
+template <class S>
+void apply_correction(Budget<S>& budget, const S& prnu, const FlatFrames<S>& flats) {
+  using std::abs;
+  const CorrectionResidual<S> left = correction_residual(flats, budget.signal.total_e());
+  budget.prnu_e = abs(prnu * left.prnu);
+  budget.dsnu_e = S(0);
+  budget.correction_e = left.flats_e;
+  set_spatial(budget);
+}
+
+}  // namespace radiometry

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Noise of a pixel and what it lets one see, in closed form. Temporal terms, electrons rms:
+//   shot       sqrt(electrons), of scene and path, of the background (optics, stop), of the dark current
+//   read, kTC  as given; kTC = sqrt(k T C) / q for a capacitance that is reset
+//   quantisation   step / sqrt(12), for a step of one count in electrons (values spread over several counts)
+// Spatial terms: responsivity (PRNU x electrons of light), offset (DSNU), both after correction (correction_residual.h
+// says what a two-point correction leaves), and the noise of the flat frames that it was made from.
+//   NETD  temporal noise / (d electrons / dT)
+//   NEI   noise / (QE A t), photons s^-1 m^-2 at the detector, of the spectrum that the scene has there; QE the mean
+//         over those photons
+//   D*    sqrt(A df) / NEP, df = 1/(2 t), NEP = noise h c / (lambda QE t), at one wavelength: QE there
+//   NETD from D* = sqrt(df) / (cone tau sqrt(A) integral of D* dL/dT dlambda), cone as in signal.h
+// (Lloyd, Thermal Imaging Systems, ch. 5, with pi/(4 N^2) for the cone.)
+// A pixel or converter that is full (saturation.h) gives the same value whatever the scene: slope, noise of light and
+// dark current and every figure made of them are NaN then, the electrons by source and the noise of the readout stay.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "radiometry/light/constants.h"
+#include "radiometry/light/signal.h"
+#include "radiometry/stages/detector/saturation.h"
+
+namespace radiometry {
+
+/// Noise sources beside shot noise, rms electrons but for prnu.
+template <class S>
+struct NoiseTerms {
+  S read_e{};
+  S reset_e{};  ///< kTC
+  S other_e{};  ///< further temporal noise
+  S step_e{};   ///< electrons per count of the ADC; 0: no quantisation
+  S prnu{};     ///< residual, fraction of the electrons of light
+  S dsnu_e{};   ///< residual offset
+
+  static constexpr auto fields() {
+    constexpr auto electrons = [](std::string_view name, std::string_view doc, auto member) {
+      return Field{FieldInfo{.name = name,
+                             .dimension = mtf::Dimension::electrons,
+                             .unit = "e-",
+                             .lo = 0.0,
+                             .hi = 1e15,
+                             .presence = mtf::Presence::optional,
+                             .example = "\"30 e-\"",
+                             .doc = doc},
+                   member};
+    };
+    return std::tuple{electrons("read", "read noise, rms", &NoiseTerms::read_e),
+                      electrons("reset", "kTC noise, rms", &NoiseTerms::reset_e),
+                      electrons("other", "further temporal noise, rms", &NoiseTerms::other_e),
+                      electrons("step", "electrons per count", &NoiseTerms::step_e),
+                      Field{FieldInfo{.name = "prnu",
+                                      .lo = 0.0,
+                                      .hi = 1.0,
+                                      .presence = mtf::Presence::optional,
+                                      .example = "0.01",
+                                      .doc = "responsivity non-uniformity, rms fraction"},
+                            &NoiseTerms::prnu},
+                      electrons("dsnu", "offset non-uniformity, rms", &NoiseTerms::dsnu_e)};
+  }
+};
+
+namespace detail {
+template <class S>
+S root(const S& x) {
+  using std::sqrt;
+  return mtf::value_of(x) <= 0.0 ? S(0) : S(sqrt(x));  // NaN stays NaN
+}
+}  // namespace detail
+
+/// sqrt(k T C) / q: rms electrons on a capacitance in farad at a temperature in K.
+template <class S>
+S reset_noise_e(const S& capacitance_f, const S& temperature_k) {
+  return detail::root(S(kBoltzmann_j_k * temperature_k * capacitance_f)) / S(kElementaryCharge_c);
+}
+
+/// What is reset, for the kTC noise of NoiseTerms::reset_e.
+struct ResetNoise {
+  double capacitance_f = 0.0;
+  double temperature_k = 0.0;
+
+  double rms_e() const { return reset_noise_e(capacitance_f, temperature_k); }
+
+  static constexpr auto fields() {
+    constexpr auto row = [](std::string_view name, mtf::Dimension dimension, std::string_view unit,
+                            std::string_view example, std::string_view doc, double ResetNoise::*member) {
+      return Field{
+          FieldInfo{
+              .name = name, .dimension = dimension, .unit = unit, .lo = 0.0, .hi = 1e6, .example = example, .doc = doc},
+          member};
+    };
+    return std::tuple{row("capacitance", mtf::Dimension::capacitance, "F", "\"50 fF\"",
+                          "capacitance that is reset before each integration", &ResetNoise::capacitance_f),
+                      row("temperature", mtf::Dimension::temperature, "K", "\"77 K\"",
+                          "temperature of the circuit that resets it", &ResetNoise::temperature_k)};
+  }
+};
+
+/// Every term of signal and noise, and the figures they give.
+template <class S>
+struct Budget {
+  Signal<S> signal;
+  S well_fill{};
+  S signal_per_k{};  ///< d electrons / dT
+  S contrast_e{};    ///< electrons that a target has more than the scene, where one is given (sensor_budget.h)
+  // Temporal noise, e- rms.
+  S scene_shot_e{}, background_shot_e{}, dark_shot_e{}, read_e{}, reset_e{}, other_e{}, quantisation_e{};
+  S temporal_e{};  ///< their root sum of squares
+  S floor_e{};     ///< without light: dark, read, reset, other, quantisation
+  // Spatial noise, e- rms.
+  S prnu_e{}, dsnu_e{}, correction_e{}, spatial_e{};
+  // Figures.
+  S snr{};             ///< electrons of the scene / temporal noise
+  S shot_netd_k{};     ///< from the shot noise of all light alone
+  S netd_k{};          ///< from the temporal noise
+  S spatial_netd_k{};  ///< from the spatial noise
+  S nei_ph{};          ///< photons s^-1 m^-2 at the detector
+  S dynamic_range{};   ///< full well / floor, a ratio
+  Saturation saturation{};
+};
+
+/// spatial_e and spatial_netd_k from the spatial terms.
+template <class S>
+void set_spatial(Budget<S>& b) {
+  b.spatial_e = detail::root(S(b.prnu_e * b.prnu_e + b.dsnu_e * b.dsnu_e + b.correction_e * b.correction_e));
+  b.spatial_netd_k = b.spatial_e / b.signal_per_k;
+}
+
+/// What a saturated budget has no number for.
+template <class S>
+void refuse_saturated(Budget<S>& b) {
+  const S none(std::numeric_limits<double>::quiet_NaN());
+  for (S Budget<S>::*figure :
+       {&Budget<S>::signal_per_k, &Budget<S>::scene_shot_e, &Budget<S>::background_shot_e, &Budget<S>::dark_shot_e,
+        &Budget<S>::temporal_e, &Budget<S>::prnu_e, &Budget<S>::spatial_e, &Budget<S>::snr, &Budget<S>::shot_netd_k,
+        &Budget<S>::netd_k, &Budget<S>::spatial_netd_k, &Budget<S>::nei_ph})
+    b.*figure = none;
+  // The dark current alone may be too much.
+  const Saturation& s = b.saturation;
+  if (s.end != RangeEnd::least_count && mtf::value_of(b.signal.dark_e) >= s.end_e) b.floor_e = b.dynamic_range = none;
+}
+
+/// How the values of all pixels and frames scatter where the range ends; rounding comes later. Of a budget whose
+/// spatial terms are those before any correction.
+template <class S>
+PixelScatter scatter_of(const Budget<S>& b) {
+  const double total_e = mtf::value_of(b.signal.total_e()), shot_e = std::sqrt(std::max(total_e, 0.0));
+  const double readout_e = std::hypot(mtf::value_of(b.read_e), mtf::value_of(b.reset_e), mtf::value_of(b.other_e));
+  const double well_e = std::hypot(shot_e, mtf::value_of(b.prnu_e));
+  return {.mean_e = total_e, .well_e = well_e, .converter_e = std::hypot(well_e, readout_e, mtf::value_of(b.dsnu_e))};
+}
+
+/// `signal_per_k` in electrons per K: electrons_per_radiance x scene_derivative, or a difference of signals.
+/// `pixel.quantum_efficiency`: the whole one, with mean_quantum_efficiency where curves have a part in it. `range`: of
+/// the converter, where there is one.
+template <class S>
+Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const NoiseTerms<S>& noise, const S& signal_per_k,
+                      const PixelRange& range = {}) {
+  using detail::root;
+  Budget<S> b;
+  b.signal = signal;
+  b.well_fill = radiometry::well_fill(signal, pixel);
+  b.signal_per_k = signal_per_k;
+  const S scene = signal.scene_e + signal.path_e, background = signal.optics_e + signal.stop_e;
+  b.scene_shot_e = root(scene);
+  b.background_shot_e = root(background);
+  b.dark_shot_e = root(signal.dark_e);
+  b.read_e = noise.read_e;
+  b.reset_e = noise.reset_e;
+  b.other_e = noise.other_e;
+  b.quantisation_e = noise.step_e * S(0.28867513459481288225);  // 1 / sqrt(12)
+  const S floor2 = signal.dark_e + b.read_e * b.read_e + b.reset_e * b.reset_e + b.other_e * b.other_e +
+                   b.quantisation_e * b.quantisation_e;
+  b.floor_e = root(floor2);
+  b.temporal_e = root(S(scene + background + floor2));
+  b.prnu_e = noise.prnu * (scene + background);
+  b.dsnu_e = noise.dsnu_e;
+  b.snr = signal.scene_e / b.temporal_e;
+  b.shot_netd_k = root(S(scene + background)) / signal_per_k;
+  b.netd_k = b.temporal_e / signal_per_k;
+  set_spatial(b);
+  b.nei_ph = b.temporal_e / (pixel.quantum_efficiency * pixel.area_m2() * pixel.integration_s);
+  b.dynamic_range = pixel.full_well_e / b.floor_e;
+  b.saturation = saturation_of(scatter_of(b), range, mtf::value_of(pixel.full_well_e));
+  if (b.saturation.saturated()) refuse_saturated(b);
+  return b;
+}
+
+/// One line of a printed budget.
+struct BudgetRow {
+  std::string name, unit;
+  double value = 0.0;
+  std::string doc;
+  std::string refused{};  ///< why there is no value, "" where there is one
+};
+/// True for a row without a value since the pixel or the converter is full.
+inline bool is_saturated(const BudgetRow& row) { return row.refused.starts_with("saturated"); }
+/// Why a figure of that budget has no finite value, "" where it has one.
+std::string refusal_of(const Budget<double>& budget, double value);
+/// All of the budget in the order of the physics; the NETDs in mK, the dynamic range in dB.
+std::vector<BudgetRow> rows(const Budget<double>& budget);
+
+/// D* in cm sqrt(Hz) / W at a wavelength, of a pixel with that temporal noise.
+template <class S>
+S dstar_jones(const Pixel<S>& pixel, const S& noise_e, const S& wavelength_um) {
+  const S area_cm2 = pixel.area_m2() * S(1e4);
+  const S electrons_per_joule = pixel.quantum_efficiency * wavelength_um / S(kPhotonEnergy_j_um);
+  return electrons_per_joule * detail::root(S(area_cm2 * pixel.integration_s * S(0.5))) / noise_e;
+}
+
+/// NETD in K from D*: `weighted` is the integral of D* dL/dT over the band, in cm sqrt(Hz) W^-1 x W m^-2 sr^-1 K^-1.
+template <class S>
+S netd_from_dstar_k(const Camera<S>& camera, const Pixel<S>& pixel, const S& weighted) {
+  const S bandwidth_hz = S(0.5) / pixel.integration_s;
+  const S per_metre = weighted * S(1e-2);  // D* in m sqrt(Hz) / W
+  return detail::root(bandwidth_hz) / (irradiance(camera, per_metre) * detail::root(pixel.area_m2()));
+}
+
+}  // namespace radiometry

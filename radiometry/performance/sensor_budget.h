@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The budget of a sensor file in two steps: integrals over the band as plain numbers, then the camera equation and the
+// noise in any scalar, so that studies differentiate through it.
+
+#include "radiometry/chain.h"
+#include "radiometry/performance/correction_residual.h"
+#include "radiometry/performance/sensor_numbers.h"
+
+namespace radiometry {
+
+/// Integrals over the band that a budget takes, all through the camera's curves.
+template <class S>
+struct SpectralNumbers {
+  BandRadiances<S> radiances{};
+  S per_k{};                ///< derivative of the scene's radiance by its temperature
+  S contrast{};             ///< scene_difference of a target
+  S quantum_efficiency{1};  ///< mean_quantum_efficiency
+
+  std::array<S*, 7> all() {
+    return {&radiances.scene, &radiances.path, &radiances.optics,  &radiances.stop,
+            &per_k,           &contrast,       &quantum_efficiency};
+  }
+};
+
+/// For a surface of that temperature and a target `warmer_k` above it, with numbers of [path], [scene] and [optics]
+/// overridden; overrides that have no part in the integrals are ignored. Throws UsageError as band_radiances.
+SpectralNumbers<double> spectral_numbers(const Sensor& sensor, double temperature_k, double warmer_k = 0.0,
+                                         const Overrides<double>& numbers = {});
+
+/// True for a number that only spectral_numbers reads.
+bool is_spectral(std::string_view path);
+
+/// The flat frames of [correction]; nothing where the background alone is above the level of the cold one, so that no
+/// scene is dark enough for it. `lost_e`: what narcissus takes of the background.
+template <class S>
+std::optional<FlatFrames<S>> flat_frames(const SensorSettings& settings, const Pixel<S>& pixel,
+                                         const Signal<S>& electrons, const S& lost_e, const Budget<S>& budget,
+                                         const Overrides<S>& numbers) {
+  const CorrectionSettings& correction = *settings.correction;
+  const S frame_wide = numbers("noise_3d.t", settings.noise_3d.value_or(Noise3d{}).t);
+  FlatFrames<S> flats{.low_e = S(correction.low) * pixel.full_well_e - lost_e,
+                      .high_e = S(correction.high) * pixel.full_well_e - lost_e,
+                      .dark_e = electrons.dark_e,
+                      .full_well_e = pixel.full_well_e,
+                      .variance = budget.floor_e * budget.floor_e - electrons.dark_e - frame_wide * frame_wide,
+                      .frames = static_cast<double>(correction.frames),
+                      .response = settings.nonlinearity.value_or(Nonlinearity{})};
+  const S background = electrons.optics_e + electrons.stop_e + electrons.dark_e;
+  if (mtf::value_of(flats.low_e) < mtf::value_of(background)) return std::nullopt;
+  return flats;
+}
+
+/// The budget, and in it the electrons of the target. Spatial terms are NaN where no flat frame of [correction] can be
+/// made, see spatial_gap. Throws UsageError as cone_sr.
+template <class S>
+Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& settings,
+                        const SpectralNumbers<S>& spectral, double flicker_e, const Overrides<S>& numbers = {}) {
+  const Camera<S> camera = camera_numbers(system, settings, numbers);
+  Pixel<S> pixel = pixel_numbers(system, settings, numbers);
+  const S gain = electrons_per_radiance(camera, pixel);
+  Signal<S> electrons = signal(camera, pixel, spectral.radiances);
+  S lost(0);
+  if (settings.narcissus) {
+    const S depth = numbers("narcissus.depth", settings.narcissus->depth);
+    lost = depth * (electrons.optics_e + electrons.stop_e);
+    electrons.optics_e = electrons.optics_e * (S(1) - depth);
+    electrons.stop_e = electrons.stop_e * (S(1) - depth);
+  }
+  const NoiseTerms<S> noise = noise_numbers(settings, pixel, flicker_e, numbers);
+  pixel.quantum_efficiency = pixel.quantum_efficiency * spectral.quantum_efficiency;
+  Budget<S> budget =
+      make_budget(pixel, electrons, noise, S(gain * spectral.per_k), range_numbers(settings, pixel, numbers));
+  budget.contrast_e = gain * spectral.contrast;
+  if (settings.correction) {
+    if (const auto flats = flat_frames(settings, pixel, electrons, lost, budget, numbers)) {
+      apply_correction(budget, noise.prnu, *flats);
+    } else {
+      budget.prnu_e = budget.dsnu_e = budget.correction_e = S(std::numeric_limits<double>::quiet_NaN());
+      set_spatial(budget);
+    }
+    if (budget.saturation.saturated()) {  // nor has what the flat frames leave at a charge that follows no scene
+      refuse_saturated(budget);
+      budget.dsnu_e = budget.correction_e = S(std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  return budget;
+}
+
+/// The settings that the budget of a sensor counts: its maps in place of prnu and dsnu, by their standard deviation.
+SensorSettings budget_settings(const Sensor& sensor);
+
+/// What simulated frames do otherwise than the budget, sentences; none where they agree.
+std::vector<std::string> budget_notes(const Sensor& sensor);
+
+/// Why the spatial terms of that budget have no number, "" where they have.
+template <class S>
+std::string spatial_gap(const SensorSettings& settings, const Budget<S>& budget) {
+  if (!settings.correction || budget.saturation.saturated() || !std::isnan(mtf::value_of(budget.spatial_e))) return "";
+  const Signal<S>& electrons = budget.signal;
+  return "[correction]: no flat frame at " + mtf::format_double(settings.correction->low) +
+         " of full well can be made: the background alone has " +
+         mtf::format_double(std::round(mtf::value_of(S(electrons.optics_e + electrons.stop_e + electrons.dark_e)))) +
+         " e-; choose a higher level, or a shorter integration time";
+}
+
+}  // namespace radiometry

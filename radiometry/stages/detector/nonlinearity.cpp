@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/stages/detector/nonlinearity.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/parallel.h"
+
+namespace radiometry {
+namespace {
+
+constexpr std::int64_t kRowsAtOnce = 16;
+
+template <class Map>
+void over_pixels(mtf::ImageView<float> image, int threads, Map map) {
+  mtf::parallel_for(image.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y) {
+      float* row = image.row(y);
+      for (std::int64_t x = 0; x < image.width; ++x) row[x] = static_cast<float>(map(static_cast<double>(row[x])));
+    }
+  });
+}
+
+}  // namespace
+
+Response::Response(const Nonlinearity& nonlinearity, double full_well_e)
+    : a2_(nonlinearity.a2),
+      a3_(nonlinearity.a3),
+      full_well_e_(full_well_e),
+      at_full_(1.0 + a2_ + a3_),
+      slope_at_full_(1.0 + 2.0 * a2_ + 3.0 * a3_) {
+  require_valid("nonlinearity", nonlinearity);
+  if (!(full_well_e > 0.0 && std::isfinite(full_well_e)))
+    throw mtf::UsageError("nonlinearity: a full well of " + mtf::format_double(full_well_e) +
+                          " electrons; it is relative to one above 0 and finite");
+  // 1 + 2 a2 u + 3 a3 u^2 over [0, 1]: at its ends, and between them at its lowest point.
+  double lowest = std::min(1.0, slope_at_full_);
+  const double u = a3_ > 0.0 ? -a2_ / (3.0 * a3_) : 0.0;
+  if (u > 0.0 && u < 1.0) lowest = std::min(lowest, 1.0 + a2_ * u);
+  if (!(lowest > 0.0))
+    throw mtf::UsageError("nonlinearity: with a2 = " + mtf::format_double(a2_) + ", a3 = " + mtf::format_double(a3_) +
+                          " the response does not rise all the way to full well; keep 1 + 2 a2 u + 3 a3 u^2 above 0 "
+                          "for u from 0 to 1");
+}
+
+double Response::operator()(double electrons) const {
+  const double u = electrons / full_well_e_;
+  if (!(u > 0.0)) return electrons;
+  if (u > 1.0) return full_well_e_ * at_full_ + (electrons - full_well_e_) * slope_at_full_;
+  return electrons * (1.0 + u * (a2_ + u * a3_));
+}
+
+double Response::inverse(double response_e) const {
+  const double v = response_e / full_well_e_;
+  if (!(v > 0.0)) return response_e;
+  if (v >= at_full_) return full_well_e_ + (response_e - full_well_e_ * at_full_) / slope_at_full_;
+  // Newton's method between ends that always hold the root.
+  double low = 0.0, high = 1.0, u = std::min(v, 1.0);
+  for (int i = 0; i < 100; ++i) {
+    const double miss = u * (1.0 + u * (a2_ + u * a3_)) - v;
+    (miss > 0.0 ? high : low) = u;
+    double next = u - miss / (1.0 + u * (2.0 * a2_ + u * 3.0 * a3_));
+    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+    const bool done = std::abs(next - u) <= 1e-15 * u;
+    u = next;
+    if (done) break;
+  }
+  return u * full_well_e_;
+}
+
+void apply_response(mtf::ImageView<float> image, const Response& response, int threads) {
+  over_pixels(image, threads, response);
+}
+
+void linearise(mtf::ImageView<float> image, const Response& response, int threads) {
+  over_pixels(image, threads, [&](double electrons) { return response.inverse(electrons); });
+}
+
+}  // namespace radiometry

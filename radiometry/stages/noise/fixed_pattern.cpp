@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/stages/noise/fixed_pattern.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "mtf/parallel.h"
+
+namespace radiometry {
+namespace {
+
+constexpr std::int64_t kRowsAtOnce = 16;
+
+void require_rms(const char* what, double rms, double most) {
+  if (!(rms >= 0.0 && rms <= most))
+    throw mtf::UsageError(std::string(what) + " of " + mtf::format_double(rms) + " rms; it has to be from 0 to " +
+                          mtf::format_double(most));
+}
+
+/// One number for each of `count` lines from the first one on.
+std::vector<float> line_numbers(double rms, const NoiseKey& key, Stream stream, std::int64_t first,
+                                std::int64_t count) {
+  std::vector<float> numbers(static_cast<std::size_t>(count));
+  gaussian_row({key, stream, 0}, first, count, numbers.data());
+  for (float& number : numbers) number *= static_cast<float>(rms);
+  return numbers;
+}
+
+void require_defects(const Defects& defects) {
+  require_valid("defects", defects);
+  if (defects.dead_fraction + defects.hot_fraction > 1.0)
+    throw mtf::UsageError("defects: dead_fraction " + mtf::format_double(defects.dead_fraction) + " and hot_fraction " +
+                          mtf::format_double(defects.hot_fraction) +
+                          " are more than all pixels together; lower one of them");
+}
+
+template <class Combine>
+void with_map(mtf::ImageView<float> image, mtf::ImageView<const float> map, Combine combine) {
+  if (map.width != image.width || map.height != image.height)
+    throw mtf::UsageError("a map of " + std::to_string(map.width) + " x " + std::to_string(map.height) +
+                          " pixels for an image of " + std::to_string(image.width) + " x " +
+                          std::to_string(image.height) + "; give one of its size");
+  for (std::int64_t y = 0; y < image.height; ++y) {
+    float* row = image.row(y);
+    const float* other = map.row(y);
+    for (std::int64_t x = 0; x < image.width; ++x) combine(row[x], other[x]);
+  }
+}
+
+}  // namespace
+
+void responsivity_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin, int threads) {
+  require_rms("responsivity non-uniformity", rms, 1.0);
+  require_on_detector(origin, map.width, map.height);
+  const auto s = static_cast<float>(rms);
+  mtf::parallel_for(map.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y) {
+      float* row = map.row(y);
+      gaussian_row({{seed, 0}, Stream::prnu, static_cast<std::uint32_t>(origin.y + y)}, origin.x, map.width, row);
+      for (std::int64_t x = 0; x < map.width; ++x) row[x] = std::max(0.0F, 1.0F + s * row[x]);
+    }
+  });
+}
+
+void offset_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin, int threads) {
+  for (std::int64_t y = 0; y < map.height; ++y) std::fill_n(map.row(y), map.width, 0.0F);
+  add_gaussian(map, rms, {seed, 0}, Stream::dsnu, origin, threads);
+}
+
+void multiply_by(mtf::ImageView<float> image, mtf::ImageView<const float> map) {
+  with_map(image, map, [](float& value, float factor) { value *= factor; });
+}
+
+void add_map(mtf::ImageView<float> image, mtf::ImageView<const float> map) {
+  with_map(image, map, [](float& value, float offset) { value += offset; });
+}
+
+void add_row_noise(mtf::ImageView<float> image, double rms, const NoiseKey& key, Stream stream, Origin origin) {
+  require_rms("row noise", rms, 1e30);
+  require_on_detector(origin, image.width, image.height);
+  if (rms == 0.0) return;
+  const std::vector<float> numbers = line_numbers(rms, key, stream, origin.y, image.height);
+  for (std::int64_t y = 0; y < image.height; ++y)
+    for (std::int64_t x = 0; x < image.width; ++x) image.at(x, y) += numbers[static_cast<std::size_t>(y)];
+}
+
+void add_column_noise(mtf::ImageView<float> image, double rms, const NoiseKey& key, Stream stream, Origin origin) {
+  require_rms("column noise", rms, 1e30);
+  require_on_detector(origin, image.width, image.height);
+  if (rms == 0.0) return;
+  const std::vector<float> numbers = line_numbers(rms, key, stream, origin.x, image.width);
+  for (std::int64_t y = 0; y < image.height; ++y)
+    for (std::int64_t x = 0; x < image.width; ++x) image.at(x, y) += numbers[static_cast<std::size_t>(x)];
+}
+
+std::vector<DefectivePixel> find_defects(std::int64_t width, std::int64_t height, const Defects& defects,
+                                         std::uint64_t seed, Origin origin) {
+  require_defects(defects);
+  require_on_detector(origin, width, height);
+  std::vector<DefectivePixel> found;
+  const double dead = defects.dead_fraction, hot = defects.hot_fraction;
+  if (dead + hot == 0.0) return found;
+  for (std::int64_t y = 0; y < height; ++y) {
+    const RandomRow random{{seed, 0}, Stream::defects, static_cast<std::uint32_t>(origin.y + y)};
+    for (std::int64_t x = 0; x < width; ++x) {
+      // [0, dead) is dead; [dead, dead + hot) is hot, the place in there giving the excess by inversion.
+      const double u = uniform_at(random, static_cast<std::uint64_t>(origin.x + x)).u;
+      if (u < dead)
+        found.push_back({x, y, true, 0.0F});
+      else if (u < dead + hot)
+        found.push_back({x, y, false, static_cast<float>(-defects.hot_e * std::log1p(-(u - dead) / hot))});
+    }
+  }
+  return found;
+}
+
+void apply_defects(mtf::ImageView<float> image, std::span<const DefectivePixel> pixels) {
+  for (const DefectivePixel& pixel : pixels) {
+    if (pixel.x < 0 || pixel.y < 0 || pixel.x >= image.width || pixel.y >= image.height)
+      throw mtf::UsageError("defects: pixel " + std::to_string(pixel.x) + ", " + std::to_string(pixel.y) +
+                            " is outside an image of " + std::to_string(image.width) + " x " +
+                            std::to_string(image.height));
+    float& value = image.at(pixel.x, pixel.y);
+    value = pixel.dead ? 0.0F : value + pixel.excess_e;
+  }
+}
+
+}  // namespace radiometry

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What differs from pixel to pixel. Fixed patterns depend on the seed alone (frame 0 of their streams) and are the same
+// in all frames and for any region; temporal row and column noise has a number for every frame too.
+
+#include <span>
+#include <vector>
+
+#include "radiometry/fields.h"
+#include "radiometry/stages/noise/noise.h"
+
+namespace radiometry {
+
+/// Responsivity non-uniformity as a map of factors, max(0, 1 + rms x standard normal), rms in [0, 1]. Made once for a
+/// sequence; or a map that was measured takes its place.
+void responsivity_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin = {}, int threads = 1);
+/// Offset non-uniformity: rms x standard normal.
+void offset_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin = {}, int threads = 1);
+
+/// image *= map: mean electrons of light, before the shot noise. UsageError for a map of another size.
+void multiply_by(mtf::ImageView<float> image, mtf::ImageView<const float> map);
+/// image += map.
+void add_map(mtf::ImageView<float> image, mtf::ImageView<const float> map);
+
+/// One number for every row, or column, of the detector.
+void add_row_noise(mtf::ImageView<float> image, double rms, const NoiseKey& key, Stream stream, Origin origin = {});
+void add_column_noise(mtf::ImageView<float> image, double rms, const NoiseKey& key, Stream stream, Origin origin = {});
+
+/// Defective pixels by chance: every pixel of the detector is dead with one probability, hot with another.
+struct Defects {
+  double dead_fraction = 0.0;  ///< answer 0
+  double hot_fraction = 0.0;
+  double hot_e = 0.0;  ///< mean excess electrons of a hot pixel in a frame; each has its own, exponentially distributed
+
+  static constexpr auto fields() {
+    constexpr auto part = [](std::string_view name, std::string_view doc, auto member) {
+      return Field{
+          FieldInfo{
+              .name = name, .lo = 0.0, .hi = 1.0, .presence = mtf::Presence::optional, .example = "0.001", .doc = doc},
+          member};
+    };
+    return std::tuple{part("dead_fraction", "part of the pixels that are dead", &Defects::dead_fraction),
+                      part("hot_fraction", "part of the pixels that are hot", &Defects::hot_fraction),
+                      Field{FieldInfo{.name = "hot",
+                                      .dimension = mtf::Dimension::electrons,
+                                      .unit = "e-",
+                                      .lo = 0.0,
+                                      .hi = 1e30,
+                                      .presence = mtf::Presence::optional,
+                                      .example = "\"5000 e-\"",
+                                      .doc = "mean excess of a hot pixel in a frame"},
+                            &Defects::hot_e}};
+  }
+};
+
+struct DefectivePixel {
+  std::int64_t x = 0, y = 0;  ///< in the region
+  bool dead = false;
+  float excess_e = 0.0F;  ///< of a hot one
+};
+
+/// The defective pixels of a region, row by row: found once for a sequence, the same for any region. Throws UsageError
+/// for values out of their bounds, and for fractions that are more than all pixels together.
+std::vector<DefectivePixel> find_defects(std::int64_t width, std::int64_t height, const Defects& defects,
+                                         std::uint64_t seed, Origin origin = {});
+
+/// Adds the excess of hot pixels to mean electrons and sets dead ones to 0. UsageError for a pixel outside the image.
+void apply_defects(mtf::ImageView<float> image, std::span<const DefectivePixel> pixels);
+
+}  // namespace radiometry

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Stray light: what the lens scatters all over the field, and an image of the scene reflected within the lens.
+//   glare   L' = (1 - g) L + g mean(L) + o mean(L)
+//   ghost   L' = (1 - q) L + q mirrored(L)
+// g, the fraction of the light spread evenly over the image, is the veiling glare index of ISO 9358 where the scene
+// fills the field; the sum of the image is kept. o is light on top of it, from beyond the field or from surfaces in
+// between, as a fraction of the same mean. The ghost of an even number of reflections near the axis is the image turned
+// by half a turn about the axis; out of focus it is spread evenly over a square of that side. Light that would come
+// from outside of the image has its mean; with the axis in the middle, nothing does and the sum is kept, but for what a
+// wide ghost loses over the edges to the mean. Both mix light of all the image: they take the whole one.
+
+#include "mtf/image.h"
+#include "radiometry/stages/optics/focal_plane.h"
+
+namespace radiometry {
+
+struct VeilingGlare {
+  double fraction = 0.0;
+  double offset = 0.0;
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "fraction",
+                                      .lo = 0.0,
+                                      .hi = 1.0,
+                                      .example = "0.03",
+                                      .doc = "part of the light that is spread evenly over the image"},
+                            &VeilingGlare::fraction},
+                      Field{FieldInfo{.name = "offset",
+                                      .lo = 0.0,
+                                      .hi = 100.0,
+                                      .presence = mtf::Presence::optional,
+                                      .example = "0.01",
+                                      .doc = "light on top of the image's own, as a part of its mean"},
+                            &VeilingGlare::offset}};
+  }
+};
+
+struct Ghost {
+  double fraction = 0.0;
+  double width_px = 1.0;
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "fraction",
+                                      .lo = 0.0,
+                                      .hi = 1.0,
+                                      .example = "0.001",
+                                      .doc = "part of the light in the ghost image"},
+                            &Ghost::fraction},
+                      Field{FieldInfo{.name = "width",
+                                      .dimension = mtf::Dimension::pixel,
+                                      .unit = "px",
+                                      .lo = 1.0,
+                                      .hi = 1e6,
+                                      .presence = mtf::Presence::optional,
+                                      .example = "\"40 px\"",
+                                      .doc = "side of the square that a point of the ghost image is spread over, to "
+                                             "the nearest odd number of pixels"},
+                            &Ghost::width_px}};
+  }
+};
+
+/// The mean of the finite pixels; 0 where there is none.
+double finite_mean(mtf::ImageView<const float> image);
+
+/// Adds the glare to an image or a region of one; `mean` is that of the whole image. NaN stays NaN. UsageError for
+/// values out of their bounds and a mean that is not finite.
+void add_glare(mtf::ImageView<float> image, const VeilingGlare& glare, double mean, int threads = 1);
+
+/// The ghost image alone, of the size of the image, whose pixels are `image`'s, of a grid with its axis. Pixels that
+/// are not finite count with the mean. The axis is taken to half a pixel.
+mtf::Image ghost_image(mtf::ImageView<const float> image, const Ghost& ghost, const FocalPlane& detector);
+
+/// image = (1 - fraction) image + fraction x ghosts, of the same size or the same region of both.
+void add_ghost(mtf::ImageView<float> image, const Ghost& ghost, mtf::ImageView<const float> ghosts, int threads = 1);
+
+}  // namespace radiometry

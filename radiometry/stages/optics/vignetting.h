@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Fall-off of the irradiance from the axis to the edge of the field.
+//   factor = cos^4(theta) x max(0, 1 + a2 r^2 + a4 r^4 + a6 r^6),   tan(theta) = distance from the axis / focal length
+// r in half diagonals of the detector (focal_plane.h). cos^4 is that of an ideal lens on a plane detector; what edges
+// of lenses cut away on top, the vignetting, is given by a polynomial or as a map of factors from a file, one a pixel.
+// Factors multiply the irradiance of everything that comes through the lens, before the shot noise. (Smith, Modern
+// Optical Engineering, ch. 9.)
+
+#include <string>
+
+#include "mtf/image.h"
+#include "radiometry/stages/optics/focal_plane.h"
+
+namespace radiometry {
+
+struct Vignetting {
+  bool cos4 = true;
+  double a2 = 0.0, a4 = 0.0, a6 = 0.0;
+  std::string map{};  ///< file of factors in place of the polynomial
+
+  static constexpr auto fields() {
+    constexpr auto coefficient = [](std::string_view name, std::string_view doc, double Vignetting::*member) {
+      return Field{FieldInfo{.name = name,
+                             .lo = -100.0,
+                             .hi = 100.0,
+                             .presence = mtf::Presence::optional,
+                             .example = "-0.15",
+                             .doc = doc},
+                   member};
+    };
+    constexpr auto optional = mtf::Presence::optional;
+    return std::tuple{
+        Field{FieldInfo{.name = "cos4",
+                        .presence = optional,
+                        .example = "false",
+                        .doc = "whether the irradiance falls with cos^4 of the field angle"},
+              &Vignetting::cos4},
+        coefficient("a2", "coefficient of r^2 in the vignetting, r = 1 at half the diagonal", &Vignetting::a2),
+        coefficient("a4", "coefficient of r^4", &Vignetting::a4),
+        coefficient("a6", "coefficient of r^6", &Vignetting::a6),
+        Field{FieldInfo{.name = "map",
+                        .presence = optional,
+                        .example = "\"flat.exr\"",
+                        .doc = "image of factors, one a pixel, instead of a2, a4, a6"},
+              &Vignetting::map}};
+  }
+};
+
+/// cos^4 of the field angle at a distance from the axis.
+inline double cos4_factor(double distance_um, double focal_length_mm) {
+  const double tangent = distance_um * 1e-3 / focal_length_mm;
+  const double cos2 = 1.0 / (1.0 + tangent * tangent);
+  return cos2 * cos2;
+}
+
+/// The factors of a region of the detector; made once for a sequence and applied by multiply_by (fixed_pattern.h).
+/// `given`: the same region of the map that the settings name; empty without one. Throws UsageError for settings out of
+/// their bounds, a map together with a polynomial, a map missing, of another size, with factors that are negative or
+/// not finite, and a focal length that is not above 0.
+void vignetting_map(mtf::ImageView<float> factors, const Vignetting& vignetting, const FocalPlane& detector,
+                    double focal_length_mm, Origin origin = {}, mtf::ImageView<const float> given = {});
+
+}  // namespace radiometry

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/stages/processing/correction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "mtf/error.h"
+#include "mtf/units.h"
+
+namespace radiometry {
+namespace {
+
+using mtf::UsageError;
+
+constexpr std::int64_t kReach = 8;
+
+std::string size_of(mtf::ImageView<const float> image) {
+  return std::to_string(image.width) + " x " + std::to_string(image.height);
+}
+
+struct Mean {
+  double sum = 0.0;
+  std::int64_t count = 0;
+
+  void add(float value) {
+    sum += static_cast<double>(value);
+    ++count;
+  }
+  double value() const { return sum / static_cast<double>(count); }
+};
+
+}  // namespace
+
+TwoPoint two_point_correction(mtf::ImageView<const float> cold, mtf::ImageView<const float> hot, double limit) {
+  if (cold.width != hot.width || cold.height != hot.height || cold.width < 1 || cold.height < 1)
+    throw UsageError("two-point correction: flat frames of " + size_of(cold) + " and " + size_of(hot) +
+                     " pixels; give both one size");
+  if (!(limit > 0.0 && limit <= 1.0))
+    throw UsageError("two-point correction: a limit of " + mtf::format_double(limit) + "; it has to be above 0 to 1");
+  const auto response = [&](std::int64_t x, std::int64_t y) {
+    return static_cast<double>(hot.at(x, y)) - static_cast<double>(cold.at(x, y));
+  };
+  std::vector<double> responses;
+  for (std::int64_t y = 0; y < cold.height; ++y)
+    for (std::int64_t x = 0; x < cold.width; ++x)
+      if (std::isfinite(response(x, y))) responses.push_back(response(x, y));
+  const auto middle = responses.begin() + static_cast<std::ptrdiff_t>(responses.size() / 2);
+  if (!responses.empty()) std::nth_element(responses.begin(), middle, responses.end());
+  if (responses.empty() || !(*middle > 0.0))
+    throw UsageError(
+        "two-point correction: the hot frame is not brighter than the cold one; exchange them, or take "
+        "frames of two levels");
+  const double median = *middle;
+  const auto is_good = [&](std::int64_t x, std::int64_t y) {
+    return std::abs(response(x, y) - median) <= limit * median;
+  };
+
+  Mean mean_cold, mean_hot;
+  for (std::int64_t y = 0; y < cold.height; ++y)
+    for (std::int64_t x = 0; x < cold.width; ++x)
+      if (is_good(x, y)) {
+        mean_cold.add(cold.at(x, y));
+        mean_hot.add(hot.at(x, y));
+      }
+  TwoPoint correction{mtf::Image(cold.width, cold.height), mtf::Image(cold.width, cold.height), {}};
+  for (std::int64_t y = 0; y < cold.height; ++y)
+    for (std::int64_t x = 0; x < cold.width; ++x) {
+      // A response of 0 is within a limit of 1 and yet of no use.
+      const bool good = is_good(x, y) && response(x, y) > 0.0;
+      const double gain = good ? (mean_hot.value() - mean_cold.value()) / response(x, y) : 1.0;
+      const double offset = good ? mean_cold.value() - gain * static_cast<double>(cold.at(x, y)) : 0.0;
+      correction.gain.at(x, y) = static_cast<float>(gain);
+      correction.offset.at(x, y) = static_cast<float>(offset);
+      if (!good) correction.bad.push_back({x, y});
+    }
+  return correction;
+}
+
+void correct(mtf::ImageView<float> image, const TwoPoint& correction) {
+  const auto gain = correction.gain.view(), offset = correction.offset.view();
+  if (gain.width != image.width || gain.height != image.height)
+    throw UsageError("two-point correction: maps of " + size_of(gain) + " for an image of " + size_of(image) +
+                     " pixels; measure the correction with frames of its size");
+  for (std::int64_t y = 0; y < image.height; ++y) {
+    float* row = image.row(y);
+    const float *g = gain.row(y), *o = offset.row(y);
+    for (std::int64_t x = 0; x < image.width; ++x) row[x] = g[x] * row[x] + o[x];
+  }
+}
+
+void replace_bad(mtf::ImageView<float> image, std::span<const Place> bad) {
+  if (bad.empty()) return;
+  std::vector<bool> is_bad(static_cast<std::size_t>(image.width * image.height), false);
+  const auto index = [&](std::int64_t x, std::int64_t y) { return static_cast<std::size_t>(y * image.width + x); };
+  for (const Place& place : bad) {
+    if (place.x < 0 || place.y < 0 || place.x >= image.width || place.y >= image.height)
+      throw UsageError("bad pixels: " + std::to_string(place.x) + ", " + std::to_string(place.y) +
+                       " is outside an image of " + size_of(image));
+    is_bad[index(place.x, place.y)] = true;
+  }
+  const auto mean_of = [&](std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1) {
+    Mean mean;
+    for (std::int64_t y = std::max<std::int64_t>(y0, 0); y <= std::min(y1, image.height - 1); ++y)
+      for (std::int64_t x = std::max<std::int64_t>(x0, 0); x <= std::min(x1, image.width - 1); ++x)
+        if (!is_bad[index(x, y)]) mean.add(image.at(x, y));
+    return mean;
+  };
+  const Mean all = mean_of(0, 0, image.width - 1, image.height - 1);
+  if (all.count == 0) throw UsageError("bad pixels: all " + size_of(image) + " pixels are bad; none is left to go by");
+  for (const Place& place : bad) {
+    Mean mean;
+    for (std::int64_t r = 1; r <= kReach && mean.count == 0; ++r)
+      mean = mean_of(place.x - r, place.y - r, place.x + r, place.y + r);
+    image.at(place.x, place.y) = static_cast<float>(mean.count > 0 ? mean.value() : all.value());
+  }
+}
+
+}  // namespace radiometry

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/stages/processing/measure_correction.h"
+
+#include <limits>
+
+namespace radiometry {
+namespace {
+
+mtf::Image mean_flat(std::int64_t width, std::int64_t height, double fill, int frames, std::uint32_t first,
+                     const FlatFrame& flat) {
+  mtf::Image image(width, height);
+  std::vector<double> sum(static_cast<std::size_t>(image.size()), 0.0);
+  for (int n = 0; n < frames; ++n) {
+    flat(fill, first - static_cast<std::uint32_t>(n), image.view());
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += static_cast<double>(image.data()[i]);
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i) image.data()[i] = static_cast<float>(sum[i] / frames);
+  return image;
+}
+
+/// "low = 0.2"
+std::string level_of(const CorrectionSettings& settings, double fill) {
+  return (fill == settings.low ? "low = " : "high = ") + mtf::format_double(fill);
+}
+
+}  // namespace
+
+void require_reachable(const CorrectionSettings& settings, double fill, double background_e, double full_well_e) {
+  const double filled = background_e / full_well_e;
+  if (fill >= filled) return;
+  std::string change = "shorten frame.integration_time";
+  // All of the background grows with the time.
+  if (fill > 0.0) change += " to less than " + at_most(fill / filled) + " of what it is";
+  change += ", or raise detector.full_well";
+  if (filled < settings.high) change += " or correction.low";
+  throw mtf::UsageError("[correction]: a flat frame at " + level_of(settings, fill) +
+                        " of the full well cannot be had: without any scene warm optics, stop and dark current fill " +
+                        three_digits(filled) + " of it (" + three_digits(background_e) + " e-)" +
+                        (filled >= 1.0 ? ", the detector is saturated" : "") + "; " + change);
+}
+
+void require_unsaturated(const CorrectionSettings& settings, double fill, const HeldPixels& held) {
+  if (held.share() <= 0.1) return;
+  const bool low = held.least_count > std::max(held.most_count, held.full_well);
+  const bool converter = held.most_count > held.full_well;
+  throw mtf::UsageError("[correction]: the flat frame at " + level_of(settings, fill) +
+                        " of the full well is saturated: " + where_held(held) + "; " +
+                        (low ? "raise adc.offset or correction.low"
+                         : converter
+                             ? "raise adc.electrons_per_count or adc.bits, or lower adc.offset or correction.high"
+                             : "lower correction.high"));
+}
+
+TwoPoint measure_correction(std::int64_t width, std::int64_t height, const CorrectionSettings& settings,
+                            const FlatFrame& flat) {
+  require_valid("correction", settings);
+  if (!(settings.low < settings.high))
+    throw mtf::UsageError("correction: low = " + mtf::format_double(settings.low) +
+                          " is not below high = " + mtf::format_double(settings.high) + "; two levels are needed");
+  if (width < 1 || height < 1)
+    throw mtf::UsageError("correction: a detector of " + std::to_string(width) + " x " + std::to_string(height) +
+                          " pixels; it needs one at least");
+  constexpr std::uint32_t kLast = std::numeric_limits<std::uint32_t>::max();
+  const mtf::Image cold = mean_flat(width, height, settings.low, settings.frames, kLast, flat);
+  const mtf::Image hot = mean_flat(width, height, settings.high, settings.frames,
+                                   kLast - static_cast<std::uint32_t>(settings.frames), flat);
+  return two_point_correction(cold.view(), hot.view(), settings.limit);
+}
+
+}  // namespace radiometry

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The two-point correction (correction.h) as a camera gets it: the means of flat frames at two levels, with all the
+// noise that these have. What it leaves, non-linearity between the levels and the noise of the means, is then the
+// residual of a simulation too.
+
+#include <functional>
+
+#include "radiometry/fields.h"
+#include "radiometry/stages/detector/saturation.h"
+#include "radiometry/stages/processing/correction.h"
+
+namespace radiometry {
+
+struct CorrectionSettings {
+  double low = 0.2, high = 0.8;
+  int frames = 64;
+  double limit = 0.5;
+  bool replace_bad = true;
+
+  static constexpr auto fields() {
+    constexpr auto row = [](std::string_view name, double lo, double hi, bool lo_open, std::string_view example,
+                            std::string_view doc, auto member) {
+      return Field{FieldInfo{.name = name,
+                             .lo = lo,
+                             .hi = hi,
+                             .lo_open = lo_open,
+                             .presence = mtf::Presence::optional,
+                             .example = example,
+                             .doc = doc},
+                   member};
+    };
+    return std::tuple{row("low", 0.0, 1.0, false, "0.2", "level of the cold flat frame, part of the full well",
+                          &CorrectionSettings::low),
+                      row("high", 0.0, 1.0, true, "0.8", "level of the hot flat frame", &CorrectionSettings::high),
+                      row("frames", 1, 4096, false, "64", "frames averaged at each level", &CorrectionSettings::frames),
+                      row("limit", 0.0, 1.0, true, "0.5",
+                          "a pixel is bad when its response differs from the median one by more than this part of it",
+                          &CorrectionSettings::limit),
+                      Field{FieldInfo{.name = "replace_bad",
+                                      .presence = mtf::Presence::optional,
+                                      .example = "false",
+                                      .doc = "whether bad pixels take the mean of their good neighbours"},
+                            &CorrectionSettings::replace_bad}};
+  }
+};
+
+/// Throws UsageError, which names the cause, for a flat frame that no scene gives: that part of the full well is less
+/// than what the detector has without one.
+void require_reachable(const CorrectionSettings& settings, double fill, double background_e, double full_well_e);
+
+/// The same for a flat frame with more than a tenth of its pixels at an end of the range.
+void require_unsaturated(const CorrectionSettings& settings, double fill, const HeldPixels& held);
+
+/// Makes the flat frame of a number: a scene that fills that part of the well, with all that the detector does to it,
+/// in the unit that is to be corrected.
+using FlatFrame = std::function<void(double fill, std::uint32_t frame, mtf::ImageView<float> out)>;
+
+/// The correction of a detector or a region of it. Frames are numbered from 2^32 - 1 downwards, so that their noise is
+/// none of a sequence that begins at 0; the same frames give the same correction. Throws UsageError for settings out of
+/// their bounds, levels that do not rise, no pixels, and what two_point_correction refuses.
+TwoPoint measure_correction(std::int64_t width, std::int64_t height, const CorrectionSettings& settings,
+                            const FlatFrame& flat);
+
+}  // namespace radiometry
