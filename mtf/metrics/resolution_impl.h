@@ -10,8 +10,8 @@
 #include "mtf/metrics/edge_sums.h"
 #include "mtf/metrics/pupil_light.h"
 #include "mtf/metrics/resolution_parts.h"
-#include "mtf/otf/otf_series.h"
 #include "mtf/otf/otf_parts.h"
+#include "mtf/otf/otf_series.h"
 
 namespace mtf {
 
