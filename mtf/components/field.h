@@ -67,6 +67,15 @@ inline constexpr FieldInfo kWavelengthReferenceInfo{
     .example = "\"0.6328 um\"",
     .doc = "wavelength at which the waves are stated; without it they hold at every wavelength"};
 
+/// For a component of which the user alone knows the part of the sensor: blur by its size, a measured curve.
+inline constexpr std::array<std::string_view, 7> kSensorPartNames{"unspecified", "optics",      "path",   "detector",
+                                                                  "motion",      "electronics", "display"};
+inline constexpr FieldInfo kPartInfo{
+    .name = "part",
+    .presence = Presence::optional,
+    .example = "\"optics\"",
+    .doc = "part of the sensor whose blur this is: figures of the optics or the detector alone count it there"};
+
 /// The shared optics of a field marked Presence::shared; a component's own value wins. Evaluated only after check().
 template <class S>
 S f_number_of(const std::optional<S>& own, const Context<S>& ctx) {
