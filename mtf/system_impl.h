@@ -187,7 +187,12 @@ Stages Component<S>::stages() const {
 }
 template <class S>
 SensorPart Component<S>::part() const {
-  return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::part; });
+  return detail::visit(*value_, [](const auto& c) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(c.part)>, Choice>)
+      return static_cast<SensorPart>(c.part.index);  // a field, in the order of kSensorPartNames
+    else
+      return c.part;
+  });
 }
 template <class S>
 bool Component<S>::is_pupil() const {

@@ -23,6 +23,7 @@
 #include "mtf/components/footprint.h"
 #include "mtf/components/gaussian.h"
 #include "mtf/components/halo.h"
+#include "mtf/components/image_intensifier.h"
 #include "mtf/components/interpolation.h"
 #include "mtf/components/jitter.h"
 #include "mtf/components/linear_motion.h"
@@ -47,7 +48,7 @@ struct ComponentVariant {
                Diffusion<S>, Crosstalk<S>, Tdi<S>, Bolometer<S>, Jitter<S>, LinearMotion<S>, AcceleratedMotion<S>,
                Vibration<S>, RcLowpass<S>, RcHighpass<S>, Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>,
                Boost<S>, SampleAndHold<S>, Unsharp<S>, Interpolation<S>, DisplayCrt<S>, DisplayFlatPanel<S>, Eye<S>,
-               BirefringentFilter<S>, Halo<S>>
+               BirefringentFilter<S>, Halo<S>, ImageIntensifier<S>>
       value;
 };
 

@@ -23,10 +23,10 @@ struct CurveOtf {
   static constexpr std::string_view kind = "curve";
   static constexpr std::string_view doc = "tabulated MTF from a CSV file, radial or along one axis";
   static constexpr Stages stages{.presample = true, .readout = true, .postsample = true};
-  static constexpr SensorPart part = SensorPart::unspecified;
 
   std::shared_ptr<const Curve> curve;
   Choice axis{0, kCurveAxisNames};
+  Choice part{0, kSensorPartNames};
 
   static constexpr auto fields() {
     return std::tuple{
@@ -38,7 +38,8 @@ struct CurveOtf {
                         .presence = Presence::optional,
                         .example = "\"radial\"",
                         .doc = "radial, or the one axis it acts along"},
-              &CurveOtf::axis}};
+              &CurveOtf::axis},
+        Field{kPartInfo, &CurveOtf::part}};
   }
   Traits traits(const Context<S>& ctx) const {
     // A radial table in cycles per pixel of non-square pixels is elliptic.

@@ -42,9 +42,12 @@ double structure_parameter(const HufnagelValley& profile, double altitude_m) {
   return altitude_m < kLayers.back() ? terms(profile, altitude_m).value : 0.0;
 }
 
-// With s = q^3 the weight s^(5/3) ds = 3 q^7 dq is smooth at the source; Gauss-Legendre in q, layer by layer.
+// With s = q^3 the weight s^(5/3) ds = 3 q^7 dq is smooth at the source; Gauss-Legendre in q, layer by layer. Altitudes
+// and q are counted from the face of the layer that is nearer to the target: seen from a satellite, target + s rise and
+// the difference of two cube roots would leave a layer few digits of its thickness.
 PathMean path_mean(const HufnagelValley& profile, double target_altitude_m, double sensor_altitude_m, Wave wave) {
   static const GaussRule rule = mean_rule(0.0, 1.0, 24);
+  const auto weight = [&](double q) { return 3.0 * q * q * (wave == Wave::spherical ? std::pow(q, 5.0) : 1.0); };
   const double rise = sensor_altitude_m - target_altitude_m;
   const double low = std::min(target_altitude_m, sensor_altitude_m),
                high = std::min(kLayers.back(), std::max(target_altitude_m, sensor_altitude_m));
@@ -53,19 +56,20 @@ PathMean path_mean(const HufnagelValley& profile, double target_altitude_m, doub
   if (std::abs(rise) < 1e-3 * (100.0 + low)) {  // one layer: the profile hardly changes
     for (std::size_t i = 0; i < rule.weight.size(); ++i) {
       const double q = rule.node[i], s = q * q * q;
-      const double w = 3.0 * q * q * (wave == Wave::spherical ? std::pow(q, 5.0) : 1.0);
-      add(sum, terms(profile, target_altitude_m + s * rise), s, w * rule.weight[i]);
+      add(sum, terms(profile, target_altitude_m + s * rise), s, weight(q) * rule.weight[i]);
     }
     return sum;
   }
   for (std::size_t k = 0; k + 1 < kLayers.size(); ++k) {
     const double a = std::max(low, kLayers[k]), b = std::min(high, kLayers[k + 1]);
     if (!(a < b)) continue;
-    const double qa = std::cbrt((a - target_altitude_m) / rise), qb = std::cbrt((b - target_altitude_m) / rise);
+    const double near = rise > 0.0 ? a : b, far = rise > 0.0 ? b : a, share = (b - a) / std::abs(rise);
+    const double q0 = std::cbrt((near - target_altitude_m) / rise), q1 = std::cbrt((far - target_altitude_m) / rise),
+                 thickness = share / (q1 * q1 + q1 * q0 + q0 * q0);  // q1 - q0, of q1^3 - q0^3 = share
     for (std::size_t i = 0; i < rule.weight.size(); ++i) {
-      const double q = qa + (qb - qa) * rule.node[i], s = q * q * q;
-      const double w = 3.0 * q * q * (wave == Wave::spherical ? std::pow(q, 5.0) : 1.0);
-      add(sum, terms(profile, target_altitude_m + s * rise), s, w * rule.weight[i] * std::abs(qb - qa));
+      const double step = thickness * rule.node[i], q = q0 + step;
+      const double altitude = near + step * (q * q + q * q0 + q0 * q0) * rise;
+      add(sum, terms(profile, altitude), q * q * q, weight(q) * rule.weight[i] * thickness);
     }
   }
   return sum;

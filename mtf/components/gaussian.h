@@ -33,9 +33,9 @@ struct Gaussian {
   static constexpr std::string_view kind = "gaussian";
   static constexpr std::string_view doc = "Gaussian blur of given standard deviation";
   static constexpr Stages stages{.presample = true, .readout = true, .postsample = true};
-  static constexpr SensorPart part = SensorPart::unspecified;
 
   AxisPair<S> sigma;
+  Choice part{0, kSensorPartNames};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "sigma",
@@ -44,7 +44,8 @@ struct Gaussian {
                                       .hi = 1e9,
                                       .example = "\"3 um\"",
                                       .doc = "standard deviation of the point spread, per axis"},
-                            &Gaussian::sigma}};
+                            &Gaussian::sigma},
+                      Field{kPartInfo, &Gaussian::part}};
   }
   Traits traits(const Context<S>& ctx) const { return GaussianOtf<S>::traits(sigma, ctx); }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return GaussianOtf<S>::otf(sigma, f, ctx); }

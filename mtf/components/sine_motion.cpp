@@ -11,6 +11,7 @@ namespace mtf {
 namespace {
 
 constexpr double kSeriesUpTo = 50.0, kRmsSeriesUpTo = 2000.0, kRmsBlend = 500.0;
+constexpr double kLargest = 1e300;                   // beyond it, and where products overflowed, the values of this x
 constexpr double kTurnMean = 16.0, kTurnRms = 64.0;  // radians that Gauss-Legendre takes
 
 using C = Complex<double>;
@@ -230,26 +231,30 @@ SineRms rms_of_many_turns(double x, double cycles) {
 }  // namespace
 
 SineMean sine_mean(double x, double cycles, double phase_turns) {
-  const double a = std::abs(x), window = 2.0 * kPi * std::min(cycles, 1.0);
-  if (!(a < 1e300)) return {};
-  const double steepest = std::min(1.0, std::abs(cos_pi(2.0 * phase_turns)) + 0.5 * window);
+  const bool finite = std::abs(x) < kLargest;
+  const double a = finite ? std::abs(x) : kLargest, window = 2.0 * kPi * std::min(cycles, 1.0);
+  // Half a turn reverses the motion. Without whole and half turns (exact) a short window about a crossing of the middle
+  // keeps its digits: added to a phase of one turn, its ends would be rounded to 2^-53.
+  const double turns = std::remainder(phase_turns, 0.5);
+  const bool reversed = (std::remainder(phase_turns - turns, 1.0) != 0.0) != (x < 0.0);
+  const double steepest = std::min(1.0, std::abs(cos_pi(2.0 * turns)) + 0.5 * window);
   SineMean h{};
   if (a <= kSeriesUpTo)
-    h = by_series(a, cycles, phase_turns);
+    h = by_series(a, cycles, turns);
   else if (a * window * steepest <= kTurnMean)
-    h = by_quadrature(a, cycles, phase_turns);
+    h = by_quadrature(a, cycles, turns);
   else
-    h = by_ends(a, cycles, phase_turns);
+    h = by_ends(a, cycles, turns);
   if (cycles > 0.0 && cycles == std::floor(cycles)) h.value = {bessel_j0(a).value, 0.0};
   // A mean of phases; the sum of its terms may round to more.
   if (const double modulus = std::hypot(h.value.re, h.value.im); modulus > 1.0) h.value = times(1.0 / modulus, h.value);
-  if (x >= 0.0) return h;
-  return {conj(h.value), times(-1.0, conj(h.by_x)), conj(h.by_cycles), conj(h.by_turns)};
+  h.by_x = times(!finite ? 0.0 : x < 0.0 ? -1.0 : 1.0, h.by_x);
+  return reversed ? SineMean{conj(h.value), conj(h.by_x), conj(h.by_cycles), conj(h.by_turns)} : h;
 }
 
 SineRms sine_rms(double x, double cycles) {
-  const double a = std::abs(x);
-  if (!(a < 1e300)) return {};
+  const bool finite = std::abs(x) < kLargest;
+  const double a = finite ? std::abs(x) : kLargest;
   SineRms r{};
   const double turn_by_x = 2.0 * sin_pi(cycles), turn = a * turn_by_x;
   if (cycles < 0.5 && turn <= kTurnRms) {
@@ -263,7 +268,7 @@ SineRms sine_rms(double x, double cycles) {
   } else {
     r = rms_of_many_turns(a, cycles);
   }
-  if (x < 0.0) r.by_x = -r.by_x;
+  r.by_x *= !finite ? 0.0 : x < 0.0 ? -1.0 : 1.0;
   return r;
 }
 

@@ -269,6 +269,21 @@ TEST(Jet, finite_over_the_whole_box) {
   }
 }
 
+// Where u^(n - 1) or 1/u of a formula would be infinite, or their product with 0 no number.
+TEST(Jet, finite_at_zero_and_the_smallest_frequencies) {
+  for (const Case& c : conformance_cases()) {
+    const auto list = parameters(c);
+    const System<Jet4> jets = mtf::cast<Jet4>(c.system);
+    for (std::size_t i = 0; i < list.size(); ++i)
+      for (const mtf::Freq<double>& f :
+           {mtf::Freq<double>{0.0, 0.0}, {5e-324, 0.0}, {0.0, -5e-324}, {5e-324, 5e-324}, {-1e-310, 0.0}}) {
+        const Gradient g = gradient(jets, f, i);
+        EXPECT_TRUE(std::isfinite(g.slope.re) && std::isfinite(g.slope.im))
+            << c.name << " by " << list[i].name << " at " << f.x << ", " << f.y << ": " << g.slope.re;
+      }
+  }
+}
+
 TEST(Jet, system_gradient_is_the_product_rule) {
   System<double> system;
   system.frame = {100.0, 15.0, 15.0, 0.01, 0, 0};

@@ -49,10 +49,10 @@ double draw_number(const FieldInfo& info, double example, Draw draw, Random& ran
     case Draw::whole_box:
       break;
   }
-  const int way = random.below(6);
-  if (way == 0) return lo;
-  if (way == 1) return hi;
-  if (way < 4) return std::clamp(random.uniform(lo, hi), lo, hi);
+  const int which = random.below(6);
+  if (which == 0) return lo;
+  if (which == 1) return hi;
+  if (which < 4) return std::clamp(random.uniform(lo, hi), lo, hi);
   return std::clamp(lo + (hi - lo) * random.decades(1e-15, 1.0), lo, hi);
 }
 
@@ -167,11 +167,13 @@ Component<double> filled(const Component<double>& blank, std::uint64_t chosen, D
   return component;
 }
 
+Stage first_stage(const Component<double>& component) {
+  return *std::find_if(kStages.begin(), kStages.end(), [&](Stage stage) { return component.stages().allows(stage); });
+}
+
 System<double> system_of(const Component<double>& component, Draw draw, Random& random) {
   System<double> system = empty_system(draw, random);
-  Stage stage = Stage::presample;
-  while (!component.stages().allows(stage)) stage = static_cast<Stage>(static_cast<int>(stage) + 1);
-  system.add(stage, component);
+  system.add(first_stage(component), component);
   return system;
 }
 
@@ -221,26 +223,28 @@ std::vector<std::uint64_t> field_subsets(const Component<double>& component) {
 
 std::vector<Case> make_cases() {
   std::vector<Case> cases;
-  Random random(20260201);
   for (const std::string_view kind : component_kinds()) {
     const Component<double> blank = Component<double>::make(kind);
     for (const std::uint64_t chosen : field_subsets(blank)) {
+      std::string name(kind);
+      std::vector<std::string> given;
+      const auto infos = blank.fields();
+      for (std::size_t i = 0; i < infos.size(); ++i) {
+        if ((chosen >> i & 1) == 0) continue;
+        name += " " + std::string(infos[i].info->name);
+        if (infos[i].info->presence != Presence::required) given.emplace_back(infos[i].info->name);
+      }
       for (int repeat = 0; repeat < 11; ++repeat) {
         const Draw draw = repeat == 0   ? Draw::example
                           : repeat < 4  ? Draw::near_example
                           : repeat < 9  ? Draw::whole_box
                           : repeat == 9 ? Draw::lower_bound
                                         : Draw::upper_bound;
+        const std::string case_name = name + " #" + std::to_string(repeat);
+        Random random(case_name);
         const Component<double> component = filled(blank, chosen, draw, random);
-        Case c{std::string(kind), system_of(component, draw, random), Stage::presample, {}, repeat < 4};
-        const auto refs = component.fields();
-        for (std::size_t i = 0; i < refs.size(); ++i) {
-          if ((chosen >> i & 1) == 0) continue;
-          c.name += " " + std::string(refs[i].info->name);
-          if (refs[i].info->presence != Presence::required) c.given.emplace_back(refs[i].info->name);
-        }
-        while (!component.stages().allows(c.stage)) c.stage = static_cast<Stage>(static_cast<int>(c.stage) + 1);
-        c.name += " #" + std::to_string(repeat);
+        const Stage stage = first_stage(component);
+        Case c{case_name, system_of(component, draw, random), stage, given, repeat < 4};
         if (!has_error(c.system))
           cases.push_back(std::move(c));
         else if (repeat == 0)
@@ -252,6 +256,11 @@ std::vector<Case> make_cases() {
 }
 
 }  // namespace
+
+Random::Random(std::string_view name, std::uint64_t stream) : state_(0xCBF29CE484222325u) {  // FNV-1a
+  for (const char c : name) state_ = (state_ ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
+  state_ += stream * 0xBF58476D1CE4E5B9u;
+}
 
 std::uint64_t Random::bits() {  // SplitMix64 (Steele, Lea, Flood 2014)
   std::uint64_t z = (state_ += 0x9E3779B97F4A7C15u);

@@ -3,12 +3,14 @@
 
 // Systems of one component, made from the field tables alone: every kind of component_kinds(), every combination of
 // optional fields that check() accepts, with the example values, values near them, and values from the whole parameter
-// box including its bounds. Seeded, the same list in every run.
+// box including its bounds. The same list in every run: the name of each case is the seed of its numbers, so that a new
+// kind or field leaves the cases of the others as they are.
 
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mtf/system.h"
@@ -19,6 +21,8 @@ namespace mtf::test {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
+  /// Streams that depend on nothing but a name and a number.
+  explicit Random(std::string_view name, std::uint64_t stream = 0);
   std::uint64_t bits();
   double uniform(double lo, double hi) { return lo + (hi - lo) * (static_cast<double>(bits() >> 11) * 0x1p-53); }
   /// lo <= result < hi, spread evenly over the decades; 0 < lo.

@@ -4,6 +4,7 @@
 // Valid systems of 1 to 8 components in all three lists, drawn from the conformance cases: every kind, with typical
 // values and values from the whole parameter box, each in the frame and optics of one of them. Seeded.
 
+#include <algorithm>
 #include <complex>
 #include <map>
 
@@ -34,16 +35,24 @@ inline bool has_no_errors(const System<double>& system) {
   return true;
 }
 
+/// First a kind, so that one with many combinations of fields does not crowd out the others; then one of its cases.
+/// Each is the one whose name draws the largest number (rendezvous hashing; Thaler and Ravishankar, IEEE/ACM Trans.
+/// Networking 6, 1 (1998)): a new kind or case takes its own share of the draws and leaves the others as they are.
+inline const Case& draw_case(Random& random) {
+  const auto drawn = [salt = random.bits()](const auto& list, auto name_of) -> decltype(auto) {
+    return *std::max_element(list.begin(), list.end(), [&](const auto& a, const auto& b) {
+      return Random(name_of(a), salt).bits() < Random(name_of(b), salt).bits();
+    });
+  };
+  const auto& group =
+      drawn(quick_cases_by_kind(), [](const auto& g) { return only_component(g.front()->system).kind(); });
+  return *drawn(group, [](const Case* c) { return std::string_view(c->name); });
+}
+
 /// The system of that number, one wavelength; with a band when asked for.
 inline System<double> random_system(int number, bool band = false) {
   Random random(0x5eed0000u + static_cast<std::uint64_t>(number));
-  // First the kind, so that one with many combinations of fields does not crowd out the others.
-  const auto draw = [&]() -> const Case& {
-    const auto& by_kind = quick_cases_by_kind();
-    const auto& group = by_kind[random.bits() % by_kind.size()];
-    return *group[random.bits() % group.size()];
-  };
-  System<double> system = draw().system;
+  System<double> system = draw_case(random).system;
   for (auto& list : system.stages) list.clear();
   if (band) {
     const double middle = random.decades(0.3, 12.0), half = 0.5 * middle * random.uniform(0.02, 0.6);
@@ -52,7 +61,7 @@ inline System<double> random_system(int number, bool band = false) {
     system.band_nodes = 1 + random.below(24);
   }
   for (int wanted = 1 + random.below(8), tries = 0; wanted > 0 && tries < 100; ++tries) {
-    const Component<double>& component = only_component(draw().system);
+    const Component<double>& component = only_component(draw_case(random).system);
     const Stage stage = kStages[static_cast<std::size_t>(random.below(3))];
     if (!component.stages().allows(stage)) continue;
     System<double> larger = system;

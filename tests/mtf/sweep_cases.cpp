@@ -65,11 +65,9 @@ System<double> compact_system(Random& random) {
 
 // Any kinds, as examples of the component tables have them (typical) or with any allowed value.
 System<double> any_system(Random& random, std::span<const Stage> stages, bool typical) {
-  const auto& by_kind = quick_cases_by_kind();
   const auto draw = [&]() -> const Case& {
     for (;;) {
-      const auto& group = by_kind[random.bits() % by_kind.size()];
-      const Case& found = *group[random.bits() % group.size()];
+      const Case& found = draw_case(random);
       if (found.typical || !typical) return found;
     }
   };

@@ -81,8 +81,8 @@ TYPED_TEST(Conformance, unity_at_zero_frequency) {
 }
 
 TYPED_TEST(Conformance, passive_ones_do_not_amplify) {
-  Random random(1);
   for (const Case& c : conformance_cases()) {
+    Random random(c.name, 1);
     const Subject<TypeParam> s(c);
     if (s.traits.gain) continue;
     for (int i = 0; i < 200; ++i) {
@@ -94,8 +94,8 @@ TYPED_TEST(Conformance, passive_ones_do_not_amplify) {
 }
 
 TYPED_TEST(Conformance, hermitian) {
-  Random random(2);
   for (const Case& c : conformance_cases()) {
+    Random random(c.name, 2);
     const Subject<TypeParam> s(c);
     for (int i = 0; i < 50; ++i) {
       const TypeParam x = static_cast<TypeParam>(random_frequency(random)),
@@ -107,8 +107,8 @@ TYPED_TEST(Conformance, hermitian) {
 }
 
 TYPED_TEST(Conformance, declared_symmetry_is_true) {
-  Random random(3);
   for (const Case& c : conformance_cases()) {
+    Random random(c.name, 3);
     const Subject<TypeParam> s(c);
     const double rounding = ulp<TypeParam>() * gain_scale(c.system);
     const Complex<TypeParam> zero = s.otf(TypeParam(0), TypeParam(0));
@@ -188,8 +188,8 @@ TYPED_TEST(Conformance, finite_everywhere) {
 }
 
 TYPED_TEST(Conformance, deviation_bounds_the_distance_from_one) {
-  Random random(5);
   for (const Case& c : conformance_cases()) {
+    Random random(c.name, 5);
     const Subject<TypeParam> s(c);
     const double rounding = 4.0 * ulp<TypeParam>() * gain_scale(c.system);
     for (int i = 0; i < 40; ++i) {
@@ -232,8 +232,8 @@ TYPED_TEST(Conformance, chromatic_flag_is_true) {
 
 // Parameters and frequencies that float holds exactly, so that only the arithmetic differs.
 TEST(ConformanceRows, equal_the_otf_pointwise) {
-  Random random(31);
   for (const Case& c : conformance_cases()) {
+    Random random(c.name, 31);
     const Subject<double> subject(c);
     std::vector<double> fx(5);
     for (double& f : fx) f = random_frequency(random);
@@ -251,9 +251,9 @@ TEST(ConformanceRows, equal_the_otf_pointwise) {
 }
 
 TEST(ConformanceLine, only_the_projection_counts) {
-  Random random(32);
   int lines = 0;
   for (const Case& c : conformance_cases()) {
+    Random random(c.name, 32);
     const Subject<double> subject(c);
     const auto u = only_component(subject.system).line(subject.ctx);
     if (!c.typical || !u) continue;
@@ -268,8 +268,8 @@ TEST(ConformanceLine, only_the_projection_counts) {
 }
 
 TEST(ConformanceFloat, equals_double_pointwise) {
-  Random random(6);
   for (const Case& c : conformance_cases()) {
+    Random random(c.name, 6);
     if (!c.typical) continue;
     Case rounded = c;
     for (const Scalar<double>& scalar : scalars_of(only_component(rounded.system)))

@@ -108,6 +108,17 @@ TEST(Fried, hufnagel_valley_5_7) {
   }
 }
 
+// To mpmath's digits: the atmosphere is the last or the first millionth of the path.
+TEST(Fried, paths_to_and_from_a_satellite_keep_their_digits) {
+  const HufnagelValley profile;
+  for (const auto& [altitude, down, up] : {std::tuple{6e5, 3.7154672724500722892e-18, 3.397923513244668294e-22},
+                                           {3.6e7, 6.2091458000113123534e-20, 6.1585281523927650006e-27},
+                                           {1e9, 2.2353911936044603611e-21, 8.701957003269104568e-31}}) {
+    EXPECT_NEAR(path_mean(profile, altitude, 0.0, Wave::spherical).value / down, 1.0, 1e-14) << altitude;
+    EXPECT_NEAR(path_mean(profile, 0.0, altitude, Wave::spherical).value / up, 1.0, 1e-14) << altitude;
+  }
+}
+
 // A constant profile: the weight s^(5/3) has the mean 3/8; the layers reach any altitude.
 TEST(Fried, second_routes) {
   const HufnagelValley calm{0.0, 0.0};  // 2.7e-16 exp(-h/1500) alone: closed form

@@ -118,6 +118,18 @@ TEST(SineMotion, is_the_mean_over_the_exposure) {
       }
 }
 
+// x c stays, x grows: a straight motion of that length about the crossing of the middle, sin(pi x c)/(pi x c), whatever
+// whole and half turns the phase holds.
+TEST(SineMotion, short_windows_keep_their_digits_at_whole_and_half_turns) {
+  for (const double turns : {0.0, 0.5, 1.0, -0.5, -1.0})
+    for (const double xc : {0.7, 2.4, 2.7, 31.3})
+      for (const double x : {1e8, 1e10, 1e12}) {
+        const SineMean h = sine_mean(x, xc / x, turns);
+        EXPECT_NEAR(h.value.re, sinc(xc).value, 1e-13) << x << " " << xc << " " << turns;
+        EXPECT_NEAR(h.value.im, 0.0, 1e-13) << x << " " << xc << " " << turns;
+      }
+}
+
 TEST(SineMotion, slopes_equal_differences) {
   for (const double x : {0.2, 3.0, 47.0, 61.0, 700.0})
     for (const double cycles : {0.003, 0.04, 0.26, 0.77, 2.3})
