@@ -25,7 +25,7 @@ struct CurveOtf {
   static constexpr Stages stages{.presample = true, .readout = true, .postsample = true};
   static constexpr SensorPart part = SensorPart::unspecified;
 
-  std::shared_ptr<const Curve> curve;
+  std::shared_ptr<const Curve> curve{};
   Choice axis{0, kCurveAxisNames};
 
   static constexpr auto fields() {

@@ -35,7 +35,7 @@ struct Gaussian {
   static constexpr Stages stages{.presample = true, .readout = true, .postsample = true};
   static constexpr SensorPart part = SensorPart::unspecified;
 
-  AxisPair<S> sigma;
+  AxisPair<S> sigma{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "sigma",
