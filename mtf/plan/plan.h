@@ -18,12 +18,12 @@
 #include <string_view>
 #include <vector>
 
-#include "mtf/engines/fft/fftw.h"
 #include "mtf/error.h"
 #include "mtf/grid.h"
 #include "mtf/image.h"
 #include "mtf/otf/factored_otf.h"
 #include "mtf/plan/border.h"
+#include "mtf/plan/rigor.h"
 #include "mtf/system.h"
 
 namespace mtf {
@@ -77,14 +77,13 @@ class SceneSpectrum;
 
 struct PlanOptions {
   double tolerance = 1e-4;
-  std::optional<Method> method;  ///< insist on it; otherwise the cheapest that keeps the tolerance
+  std::optional<Method> method{};  ///< insist on it; otherwise the cheapest that keeps the tolerance
   Border border = Border::reflect;
-  fft::Rigor rigor = fft::Rigor::estimate;
-  SceneAperture aperture;
-  std::optional<SceneSummary> scene;
-  ScaleSplit split = {};                          ///< the near or far part only (mtf/tiles/tiles.h)
-  std::shared_ptr<const SceneSpectrum> spectrum;  ///< of this very scene: what an omission costs it, not any scene
-  int threads = 0;                                ///< for making the OTF; 0 = all cores
+  Rigor rigor = Rigor::estimate;
+  SceneAperture aperture{};
+  std::optional<SceneSummary> scene{};            
+  std::shared_ptr<const SceneSpectrum> spectrum{};  ///< of this very scene: what an omission costs it, not any scene
+  int threads = 0;                                  ///< for making the OTF; 0 = all cores
   OtfProgress progress = {};      ///< where slow components take long: how many of their values were made; may throw
   bool separate_readout = false;  ///< noise comes between readout and postsample filters: a plan for each (SensorPlan)
 };
