@@ -22,9 +22,12 @@
 //   rows(fx, ctx)          see Component::rows, for sums of products of functions of fx and of fy
 //   evaluator(ctx)         otf as a function of f alone, where work that does not depend on f is worth doing once
 //   variant_doc()          the sentence for the present values, where the kind holds several models
-// Everybody else uses the type-erased handle `Component<S>`; the list of types is mtf/components/all.h.
+// Whoever builds a system in code includes the headers of its components and adds their values:
+//   system.add(Stage::presample, Jitter<double>{.rms = 20_urad});
+// The system keeps each as a type-erased handle `Component<S>`; the list of types is mtf/components/all.h.
 
 #include <array>
+#include <concepts>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -32,6 +35,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <typeinfo>
 #include <variant>
 #include <vector>
 
@@ -96,6 +100,9 @@ struct Choice {
   std::span<const std::string_view> names;
 };
 
+/// `.axis = choice_of(kAxisNames, "y")`. Throws UsageError, with the words there are, for another word.
+Choice choice_of(std::span<const std::string_view> names, std::string_view word);
+
 /// A measured curve of one frequency axis. Values are interpolated by monotone cubics (value and slope continuous).
 /// Before the first sample it starts from 1 at f = 0; beyond the last it goes to 0 along the last slope, or the mean
 /// fall 1/(last frequency) if steeper, and stays there.
@@ -145,10 +152,26 @@ struct Problem {
 template <class S>
 struct ComponentVariant;  // std::variant of all types, in mtf/components/all.h
 
+/// What the header of a component declares; see above.
+template <class C>
+concept ComponentType = requires {
+  { C::kind } -> std::convertible_to<std::string_view>;
+  C::fields();
+};
+
 /// Value handle of one component: copies share, edits through fields() copy first.
 template <class S>
 class Component {
  public:
+  /// The component of a known type: `Component<double> c = Jitter<double>{.rms = 20_urad}`, where only the header of
+  /// that component is needed. Throws UsageError for a type that is not in the list of mtf/components/all.h.
+  template <template <class> class C>
+  requires ComponentType<C<S>> Component(const C<S>& component) : Component(copy_of(&component, typeid(C<S>))) {}
+  /// The component as the type that it has, null for another type: `c.get_if<Jitter<double>>()->rms`.
+  template <ComponentType C>
+  const C* get_if() const {
+    return static_cast<const C*>(address_if(typeid(C)));
+  }
   /// A component of that kind with default values. Throws UsageError naming the nearest kind.
   static Component make(std::string_view kind);
   explicit Component(ComponentVariant<S> value);
@@ -190,6 +213,9 @@ class Component {
   std::vector<FieldRef<S>> fields() const;
 
  private:
+  static Component copy_of(const void* component, const std::type_info& type);
+  const void* address_if(const std::type_info& type) const;
+
   std::shared_ptr<ComponentVariant<S>> value_;
 };
 

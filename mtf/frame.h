@@ -12,7 +12,7 @@
 #include <optional>
 #include <string_view>
 
-#include "mtf/units.h"
+#include "mtf/quantity.h"
 
 namespace mtf {
 
@@ -72,12 +72,22 @@ struct Scan {
   }
 };
 
+template <Dimension dimension>
+inline constexpr bool kIsExtent =
+    dimension == Dimension::length || dimension == Dimension::angle || dimension == Dimension::pixel;
+
 /// A size in the image that is given as a focal-plane length, as an object angle, or in pixels, and stays what it was
 /// given as: an angle keeps its meaning when the focal length changes. The value is held in the unit it was written in.
 template <class S>
 struct Extent {
   S value{};
   const Unit* unit = nullptr;
+
+  Extent() = default;
+  Extent(const S& number, const Unit* its_unit) : value(number), unit(its_unit) {}
+  template <Dimension dimension>
+  requires kIsExtent<dimension> Extent(const QuantityOf<dimension>& given)
+      : Extent(S(given.quantity().value), given.quantity().unit) {}
 
   S um(const Frame<S>& frame, Axis axis) const {
     const S base = value * S(unit->factor);
@@ -94,6 +104,12 @@ struct AxisPair {
   Extent<S> y;
   bool split = false;  ///< written as name_x and name_y; otherwise y repeats x
 
+  AxisPair() = default;
+  AxisPair(const Extent<S>& along_x, const Extent<S>& along_y, bool apart = true)
+      : x(along_x), y(along_y), split(apart) {}
+  template <Dimension dimension>
+  requires kIsExtent<dimension> AxisPair(const QuantityOf<dimension>& both) : x(both) {}
+
   bool given() const { return x.unit != nullptr; }
   S x_um(const Frame<S>& frame) const { return x.um(frame, Axis::x); }
   S y_um(const Frame<S>& frame) const { return (split ? y : x).um(frame, Axis::y); }
@@ -107,6 +123,13 @@ template <class S>
 struct SpatialFrequency {
   S value{};
   const Unit* unit = nullptr;
+
+  SpatialFrequency() = default;
+  SpatialFrequency(const S& number, const Unit* its_unit) : value(number), unit(its_unit) {}
+  template <Dimension dimension>
+  requires(dimension == Dimension::frequency || dimension == Dimension::temporal)
+      SpatialFrequency(const QuantityOf<dimension>& given)
+      : SpatialFrequency(S(given.quantity().value), given.quantity().unit) {}
 
   bool temporal() const { return unit != nullptr && unit->dimension == Dimension::temporal; }
   S cy_mm(const Frame<S>& frame, Axis axis, const Scan<S>& scan = {}) const {

@@ -8,16 +8,25 @@
 #include <cmath>
 
 #include "mtf/band_average.h"
-#include "mtf/components/all.h"
 #include "mtf/error.h"
 #include "mtf/system.h"
+#include "mtf/system_components.h"
 
 namespace mtf {
 namespace detail {
 
-template <class S>
-auto visit(const ComponentVariant<S>& v, auto&& f) {
-  return std::visit(f, v.value);
+// Where a field keeps what FieldRef points to.
+template <class Member>
+Member* number_at(Member& field) {
+  return &field;
+}
+template <class S, auto unit>
+S* number_at(NumberIn<S, unit>& field) {
+  return &field.value;
+}
+template <class S, auto unit>
+std::optional<S>* number_at(OptionalIn<S, unit>& field) {
+  return &field;
 }
 
 template <class C, class S>
@@ -25,7 +34,11 @@ std::vector<FieldRef<S>> field_refs(C& component) {
   static constexpr auto table = C::fields();
   std::vector<FieldRef<S>> refs;
   refs.reserve(std::tuple_size_v<std::remove_const_t<decltype(table)>>);
-  std::apply([&](const auto&... field) { (refs.push_back({&field.info, &(component.*field.member)}), ...); }, table);
+  std::apply(
+      [&](const auto&... field) {
+        (refs.push_back({&field.info, number_at(component.*field.member)}), ...);
+      },
+      table);
   return refs;
 }
 
@@ -142,27 +155,6 @@ Component<To> cast_component(const Component<From>& from) {
 }
 
 }  // namespace detail
-
-template <class S>
-Component<S>::Component(ComponentVariant<S> value) : value_(std::make_shared<ComponentVariant<S>>(std::move(value))) {}
-
-template <class S>
-Component<S> Component<S>::make(std::string_view kind) {
-  std::optional<ComponentVariant<S>> made;
-  const auto try_type = [&]<class C>(C) {
-    if (C::kind == kind) made = ComponentVariant<S>{C{}};
-  };
-  [&]<class... C>(const std::variant<C...>*) {
-    (try_type(C{}), ...);
-  }(static_cast<decltype(ComponentVariant<S>::value)*>(nullptr));
-  if (made) return Component(std::move(*made));
-  const auto kinds = component_kinds();
-  const auto guess = nearest(kind, kinds);
-  std::string known;
-  for (const std::string_view k : kinds) known += (known.empty() ? "" : ", ") + std::string(k);
-  throw UsageError("unknown kind \"" + std::string(kind) + "\"" + (guess ? ", did you mean \"" + *guess + "\"?" : "") +
-                   " (known: " + known + ")");
-}
 
 template <class S>
 std::string_view Component<S>::kind() const {

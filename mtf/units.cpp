@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mtf/error.h"
+#include "mtf/quantity.h"
 
 namespace mtf {
 namespace {
@@ -129,6 +130,13 @@ Quantity parse_quantity(std::string_view text, Dimension expected) {
   }
   if (!accepts(expected, result.unit->dimension)) throw fail("unit " + quoted(text) + " does not fit");
   return result;
+}
+
+Quantity quantity_of(double value, std::string_view unit, Dimension dimension) {
+  const Unit* found = find_unit(unit);
+  if (found == nullptr || found->dimension != dimension)
+    throw UsageError(quoted(unit) + " is no unit here; expected " + std::string(describe(dimension)));
+  return {value, found};
 }
 
 double convert(const Quantity& quantity, std::string_view target) {

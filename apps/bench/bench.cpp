@@ -18,6 +18,7 @@
 #include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "mtf/engines/fft/fftw.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 
@@ -48,9 +49,8 @@ void time_all(const ToleranceRuns& results, const BenchOptions& options, double 
   using Pair = mtf::fft::RealPair2d;
   for (const Size& size : sizes)
     for (const Pair::Place place : {Pair::Place::out, Pair::Place::in})
-      cases.emplace_back([pair = std::make_shared<const Pair>(size[0], size[1], place, mtf::fft::Rigor::measure)] {
-        pair->execute();
-      });
+      cases.emplace_back(
+          [pair = std::make_shared<const Pair>(size[0], size[1], place, mtf::Rigor::measure)] { pair->execute(); });
   const std::vector<Timing> times =
       interleave(cases, {.rounds = options.rounds, .seconds = seconds, .progress = [&](double share) {
                            progress.update("timing", share);
@@ -146,7 +146,7 @@ int run_bench(const BenchOptions& options, const Global& global) {
     report.notes.push_back("the scene has " + std::to_string(scene.planes.size()) + " channels; " + scene.names[0] +
                            " is used (see --channel)");
   BenchJob job = make_job(config, scene, 0, global.threads);
-  job.options.rigor = options.measure ? mtf::fft::Rigor::measure : mtf::fft::Rigor::estimate;
+  job.options.rigor = options.measure ? mtf::Rigor::measure : mtf::Rigor::estimate;
   if (job.flat) report.notes.push_back("the scene is flat: every method gives it exactly, errors are 0");
   report.job = &job;
   report.command = command_line(options, global);

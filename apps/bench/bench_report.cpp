@@ -129,7 +129,7 @@ std::string bench_json(const BenchReport& report) {
   json["border"] = mtf::kBorderNames[static_cast<std::size_t>(job.options.border)];
   json["scene_std"] = job.flat ? 0.0 : job.scale;
   json["threads"] = report.threads;
-  json["rigor"] = job.options.rigor == mtf::fft::Rigor::measure ? "measure" : "estimate";
+  json["rigor"] = job.options.rigor == mtf::Rigor::measure ? "measure" : "estimate";
   json["rounds"] = report.rounds;
   json["floors"] = Json::array();
   for (const Floor& floor : report.floors)

@@ -52,7 +52,7 @@ int steps_of(const RadiometricChain* radiometric) {
 
 SequencePlanner::SequencePlanner(const SimulateOptions& options, int threads) : asked_(options.tolerance.has_value()) {
   options_.tolerance = options.tolerance.value_or(options_.tolerance);
-  options_.rigor = options.measure ? mtf::fft::Rigor::measure : mtf::fft::Rigor::estimate;
+  options_.rigor = options.measure ? mtf::Rigor::measure : mtf::Rigor::estimate;
   options_.threads = threads;
 }
 

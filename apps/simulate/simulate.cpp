@@ -119,7 +119,7 @@ int run_simulate(const SimulateOptions& options, const Global& global) {
   mtf::PlanOptions plan_options;
   plan_options.tolerance = options.tolerance.value_or(plan_options.tolerance);
   plan_options.border = config.scene.border;
-  plan_options.rigor = options.measure ? mtf::fft::Rigor::measure : mtf::fft::Rigor::estimate;
+  plan_options.rigor = options.measure ? mtf::Rigor::measure : mtf::Rigor::estimate;
   plan_options.aperture = mtf::io::scene_aperture(config.scene, scene.grid);
   plan_options.scene = summarise_all(scene, defaults);
   plan_options.separate_readout = radiometric != nullptr;

@@ -273,7 +273,7 @@ int simulate_tiles(const SimulateOptions& options, const Global& global, const m
   mtf::PlanOptions plan_options;
   plan_options.tolerance = options.tolerance.value_or(plan_options.tolerance);
   plan_options.border = config.scene.border;
-  plan_options.rigor = options.measure ? mtf::fft::Rigor::measure : mtf::fft::Rigor::estimate;
+  plan_options.rigor = options.measure ? mtf::Rigor::measure : mtf::Rigor::estimate;
   plan_options.aperture = mtf::io::scene_aperture(config.scene, scene.grid);
   plan_options.threads = global.threads;
   plan_options.progress = planning_progress(global);

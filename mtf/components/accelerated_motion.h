@@ -21,11 +21,11 @@ struct AcceleratedMotion {
   static constexpr Stages stages{.presample = true};
   static constexpr SensorPart part = SensorPart::motion;
 
-  std::optional<S> velocity_um_s;
-  std::optional<S> acceleration_um_s2;
-  std::optional<S> rate_urad_s;
-  std::optional<S> angular_acceleration_urad_s2;
-  S direction_deg{};
+  OptionalIn<S, micrometres_per_second> velocity_um_s{};
+  OptionalIn<S, micrometres_per_second2> acceleration_um_s2{};
+  OptionalIn<S, microradians_per_second> rate_urad_s{};
+  OptionalIn<S, microradians_per_second2> angular_acceleration_urad_s2{};
+  NumberIn<S, degrees> direction_deg{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "velocity",
@@ -78,11 +78,11 @@ struct AcceleratedMotion {
     return {speed * t * S(1e-3), acceleration * t * t * S(0.5e-3)};
   }
   Traits traits(const Context<S>& ctx) const {
-    const auto [cosine, sine] = unit_vector(direction_deg);
+    const auto [cosine, sine] = unit_vector(direction_deg.value);
     return motion_traits(value_of(sine) == 0.0, value_of(cosine) == 0.0, !accelerated(ctx));
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
-    const auto [cosine, sine] = unit_vector(direction_deg);
+    const auto [cosine, sine] = unit_vector(direction_deg.value);
     const Lengths length = lengths_mm(ctx);
     const S along = cosine * f.x + sine * f.y;
     const S d = along * length.velocity_part, b = along * length.acceleration_part;
@@ -93,7 +93,7 @@ struct AcceleratedMotion {
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// That of sinc(d), and |h(d, b) - sinc(d)| <= mean of 2 pi b s^2 = pi b/6.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
-    const auto [cosine, sine] = unit_vector(direction_deg);
+    const auto [cosine, sine] = unit_vector(direction_deg.value);
     const Lengths length = lengths_mm(ctx);
     const double along = std::abs(value_of(cosine)) * fx + std::abs(value_of(sine)) * fy;
     const double d = along * value_of(length.velocity_part), b = along * std::abs(value_of(length.acceleration_part));

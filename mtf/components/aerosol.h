@@ -27,11 +27,11 @@ struct Aerosol {
   static constexpr SensorPart part = SensorPart::path;
 
   S scattering_1_km{};
-  S path_length_km{};
+  NumberIn<S, kilometres> path_length_km{};
   Choice mode{0, kAerosolNames};
-  SpatialFrequency<S> cutoff;
-  std::optional<S> particle_radius_um;
-  std::optional<S> wavelength_um;
+  SpatialFrequency<S> cutoff{};
+  OptionalIn<S, micrometres> particle_radius_um{};
+  OptionalIn<S, micrometres> wavelength_um{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "scattering",
@@ -89,7 +89,7 @@ struct Aerosol {
     return radius(f.x, f.y) * (ctx.frame.focal_length_mm * wavelength) / particle_radius_um.value_or(S(1));
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
-    const S depth = scattering_1_km * path_length_km;
+    const S depth = scattering_1_km * path_length_km.value;
     const double most = std::exp(-value_of(depth));
     if (!is_blur()) {
       if (value_of(f.x) == 0.0 && value_of(f.y) == 0.0) return {S(1), S(0)};
@@ -108,7 +108,7 @@ struct Aerosol {
     return {1.0 / value_of(relative({S(1), S(0)}, ctx))};
   }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
-    const double depth = value_of(scattering_1_km) * value_of(path_length_km);
+    const double depth = value_of(scattering_1_km) * value_of(path_length_km.value);
     const double r = is_blur() ? std::min(1.0, value_of(relative({S(fx), S(fy)}, ctx))) : 1.0;
     return -std::expm1(-depth * r * r);
   }

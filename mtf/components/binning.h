@@ -21,7 +21,7 @@ struct Binning {
 
   int columns = 0;
   int rows = 0;
-  AxisPair<S> spacing;
+  AxisPair<S> spacing{};
 
   static constexpr auto fields() {
     return std::tuple{

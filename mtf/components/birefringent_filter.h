@@ -19,7 +19,7 @@ struct BirefringentFilter {
   static constexpr Stages stages{.presample = true};
   static constexpr SensorPart part = SensorPart::optics;
 
-  AxisPair<S> separation;
+  AxisPair<S> separation{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "separation",

@@ -20,9 +20,9 @@ struct Bolometer {
   static constexpr Stages stages{.presample = true};
   static constexpr SensorPart part = SensorPart::detector;
 
-  S time_constant_s{};
-  std::optional<S> velocity_um_s;
-  std::optional<S> rate_urad_s;
+  NumberIn<S, seconds> time_constant_s{};
+  OptionalIn<S, micrometres_per_second> velocity_um_s{};
+  OptionalIn<S, microradians_per_second> rate_urad_s{};
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
@@ -60,7 +60,7 @@ struct Bolometer {
   }
   S lag_mm(const Context<S>& ctx) const {
     const S speed = velocity_um_s ? *velocity_um_s : ctx.frame.um_from_urad(rate_urad_s.value_or(S(0)));
-    return speed * time_constant_s * S(1e-3);
+    return speed * time_constant_s.value * S(1e-3);
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const S x = lag_mm(ctx) * along(f, axis_of(axis));

@@ -18,8 +18,8 @@ struct Boost {
   static constexpr Stages stages{.readout = true, .postsample = true};
   static constexpr SensorPart part = SensorPart::electronics;
 
-  std::optional<S> gain;
-  SpatialFrequency<S> peak;
+  std::optional<S> gain{};
+  SpatialFrequency<S> peak{};
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {

@@ -20,7 +20,7 @@ struct CircularFootprint {
   static constexpr SensorPart part = SensorPart::detector;
   static constexpr bool is_footprint = true;
 
-  AxisPair<S> diameter;
+  AxisPair<S> diameter{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "diameter",

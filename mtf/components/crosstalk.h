@@ -20,7 +20,7 @@ struct Crosstalk {
   static constexpr SensorPart part = SensorPart::detector;
 
   S side{};
-  std::optional<S> corner;
+  std::optional<S> corner{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "side",

@@ -24,7 +24,7 @@ struct CurveOtf {
   static constexpr std::string_view doc = "tabulated MTF from a CSV file, radial or along one axis";
   static constexpr Stages stages{.presample = true, .readout = true, .postsample = true};
 
-  std::shared_ptr<const Curve> curve;
+  std::shared_ptr<const Curve> curve{};
   Choice axis{0, kCurveAxisNames};
   Choice part{0, kSensorPartNames};
 

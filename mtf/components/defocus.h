@@ -25,12 +25,12 @@ struct Defocus {
   static constexpr SensorPart part = SensorPart::optics;
   static constexpr bool is_pupil = true;
 
-  std::optional<S> waves;
-  std::optional<S> distance_um;
-  std::optional<S> wavelength_reference_um;
-  std::optional<S> f_number;
-  std::optional<S> obscuration;
-  std::optional<S> wavelength_um;
+  std::optional<S> waves{};
+  OptionalIn<S, micrometres> distance_um{};
+  OptionalIn<S, micrometres> wavelength_reference_um{};
+  std::optional<S> f_number{};
+  std::optional<S> obscuration{};
+  OptionalIn<S, micrometres> wavelength_um{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "waves",

@@ -23,9 +23,9 @@ struct Diffraction {
   static constexpr SensorPart part = SensorPart::optics;
   static constexpr bool is_pupil = true;
 
-  std::optional<S> f_number;
-  std::optional<S> obscuration;
-  std::optional<S> wavelength_um;
+  std::optional<S> f_number{};
+  std::optional<S> obscuration{};
+  OptionalIn<S, micrometres> wavelength_um{};
 
   static constexpr auto fields() {
     return std::tuple{Field{kFNumberInfo, &Diffraction::f_number}, Field{kObscurationInfo, &Diffraction::obscuration},

@@ -20,9 +20,9 @@ struct Diffusion {
   static constexpr Stages stages{.presample = true};
   static constexpr SensorPart part = SensorPart::detector;
 
-  std::optional<S> absorption_length_um;
-  S depletion_depth_um{};
-  std::optional<S> diffusion_length_um;
+  OptionalIn<S, micrometres> absorption_length_um{};
+  NumberIn<S, micrometres> depletion_depth_um{};
+  OptionalIn<S, micrometres> diffusion_length_um{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "absorption_length",
@@ -55,7 +55,7 @@ struct Diffusion {
   /// from 1 - otf = L0/(qA + L0) x A (1 - q)/(A + L0 s) x (1 - s), so that they vanish at f = 0 without cancellation.
   Complex<S> otf(const Freq<S>& f, const Context<S>&) const {
     const S a = absorption_length_um.value_or(S(1)), l = diffusion_length_um.value_or(S(1));
-    const S depth = depletion_depth_um / a;
+    const S depth = depletion_depth_um.value / a;
     const double left = std::exp(-value_of(depth));
     const S near = a * lift({-std::expm1(-value_of(depth)), left}, depth);
     const S x = radius(S(l * f.x * S(1e-3)), S(l * f.y * S(1e-3)));

@@ -19,7 +19,7 @@ struct DisplayCrt {
   static constexpr SensorPart part = SensorPart::display;
   static constexpr bool is_reconstruction = true;
 
-  AxisPair<S> sigma;
+  AxisPair<S> sigma{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "sigma",

@@ -23,8 +23,8 @@ struct DisplayFlatPanel {
   static constexpr SensorPart part = SensorPart::display;
   static constexpr bool is_reconstruction = true;
 
-  AxisPair<S> width;
-  AxisPair<S> lcd_pitch;
+  AxisPair<S> width{};
+  AxisPair<S> lcd_pitch{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "width",

@@ -14,10 +14,10 @@ namespace mtf {
 /// The fields and the argument u = f/f0 of every such filter.
 template <class S>
 struct ElectronicFilter {
-  SpatialFrequency<S> cutoff;
-  std::optional<S> scan_velocity_um_s;
-  std::optional<S> scan_rate_urad_s;
-  std::optional<S> pixel_clock_hz;
+  SpatialFrequency<S> cutoff{};
+  OptionalIn<S, micrometres_per_second> scan_velocity_um_s{};
+  OptionalIn<S, microradians_per_second> scan_rate_urad_s{};
+  OptionalIn<S, hertz> pixel_clock_hz{};
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {

@@ -40,9 +40,9 @@ struct Eye {
 
   Choice model{0, kModelNames};
   S magnification{1.0};
-  S luminance_cd_m2{100.0};
+  NumberIn<S, candelas_per_m2> luminance_cd_m2{candelas_per_m2(100.0)};
   int eyes = 2;
-  std::optional<S> field_deg;
+  OptionalIn<S, degrees> field_deg{};
 
   static constexpr auto fields() {
     return std::tuple{
@@ -91,9 +91,9 @@ struct Eye {
 
   /// The OTF for many frequencies, with what does not depend on them done once.
   auto evaluator(const Context<S>& ctx) const {
-    const S pupil = lift(pupil_diameter_mm(value_of(luminance_cd_m2), eyes), luminance_cd_m2);
+    const S pupil = lift(pupil_diameter_mm(value_of(luminance_cd_m2.value), eyes), luminance_cd_m2.value);
     const S field = field_deg.value_or(S(10.0));
-    const double luminance = value_of(luminance_cd_m2);
+    const double luminance = value_of(luminance_cd_m2.value);
     const double u_peak = is_mtf() ? 1.0 : peak_frequency_cy_deg(contrast_model(), luminance, value_of(field));
     // The derivative of a largest value by a parameter is that at its fixed place.
     const ContrastSensitivity peak =
@@ -108,7 +108,7 @@ struct Eye {
       const ContrastSensitivity s = contrast_sensitivity(contrast_model(), value_of(u), luminance, value_of(field));
       const double h = s.value / peak.value;
       return {lift(h, s.by_frequency / peak.value, u, (s.by_luminance - h * peak.by_luminance) / peak.value,
-                   luminance_cd_m2) +
+                   luminance_cd_m2.value) +
                   lift({0.0, (s.by_field - h * peak.by_field) / peak.value}, field),
               S(0)};
     };

@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "mtf/component.h"
+#include "mtf/components/number_in.h"
 #include "mtf/math/special.h"
 
 namespace mtf {

@@ -19,7 +19,7 @@ struct Fir {
   static constexpr Stages stages{.postsample = true};
   static constexpr SensorPart part = SensorPart::electronics;
 
-  Taps<S> taps;
+  Taps<S> taps{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "taps",

@@ -19,8 +19,8 @@ struct Footprint {
   static constexpr SensorPart part = SensorPart::detector;
   static constexpr bool is_footprint = true;
 
-  AxisPair<S> width;
-  std::optional<S> fill_factor;
+  AxisPair<S> width{};
+  std::optional<S> fill_factor{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "width",

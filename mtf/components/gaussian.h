@@ -34,7 +34,7 @@ struct Gaussian {
   static constexpr std::string_view doc = "Gaussian blur of given standard deviation";
   static constexpr Stages stages{.presample = true, .readout = true, .postsample = true};
 
-  AxisPair<S> sigma;
+  AxisPair<S> sigma{};
   Choice part{0, kSensorPartNames};
 
   static constexpr auto fields() {

@@ -26,7 +26,7 @@ struct Halo {
   static constexpr SensorPart part = SensorPart::optics;
 
   S fraction{};
-  AxisPair<S> width;
+  AxisPair<S> width{};
   Choice profile{0, kHaloNames};
 
   static constexpr auto fields() {

@@ -105,7 +105,7 @@ struct Interpolation {
   static constexpr std::array<double, 6> kSix{.6213, -.1704, .0693, -.0276, .0100, -.0030};
 
   Choice kernel{0, kKernelNames};
-  std::optional<S> a;
+  std::optional<S> a{};
 
   static constexpr auto fields() {
     return std::tuple{

@@ -18,7 +18,7 @@ struct Jitter {
   static constexpr Stages stages{.presample = true};
   static constexpr SensorPart part = SensorPart::motion;
 
-  AxisPair<S> rms;
+  AxisPair<S> rms{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "rms",

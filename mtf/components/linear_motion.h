@@ -19,10 +19,10 @@ struct LinearMotion {
   static constexpr Stages stages{.presample = true};
   static constexpr SensorPart part = SensorPart::motion;
 
-  AxisPair<S> travel;
-  std::optional<S> velocity_um_s;
-  std::optional<S> rate_urad_s;
-  S direction_deg{};
+  AxisPair<S> travel{};
+  OptionalIn<S, micrometres_per_second> velocity_um_s{};
+  OptionalIn<S, microradians_per_second> rate_urad_s{};
+  NumberIn<S, degrees> direction_deg{};
 
   static constexpr auto fields() {
     return std::tuple{
@@ -55,7 +55,7 @@ struct LinearMotion {
         Field{kDirectionInfo, &LinearMotion::direction_deg}};
   }
   Freq<S> displacement_mm(const Context<S>& ctx) const {
-    const auto [cosine, sine] = unit_vector(direction_deg);
+    const auto [cosine, sine] = unit_vector(direction_deg.value);
     if (travel.given()) return {travel.x_um(ctx.frame) * cosine * S(1e-3), travel.y_um(ctx.frame) * sine * S(1e-3)};
     const S speed = velocity_um_s ? *velocity_um_s : ctx.frame.um_from_urad(rate_urad_s.value_or(S(0)));
     const S length = speed * ctx.frame.integration_time_s * S(1e-3);

@@ -22,8 +22,8 @@ struct PolygonFootprint {
   static constexpr bool is_footprint = true;
   static constexpr std::size_t kMostVertices = 200;
 
-  Taps<S> vertices;
-  AxisPair<S> unit_length;
+  Taps<S> vertices{};
+  AxisPair<S> unit_length{};
 
   static constexpr auto fields() {
     return std::tuple{

@@ -22,11 +22,11 @@ struct RandomWavefront {
   static constexpr SensorPart part = SensorPart::optics;
 
   S rms_waves{};
-  std::optional<S> wavelength_reference_um;
-  std::optional<S> correlation;
-  std::optional<S> correlation_length_mm;
-  std::optional<S> aperture_mm;
-  std::optional<S> wavelength_um;
+  OptionalIn<S, micrometres> wavelength_reference_um{};
+  std::optional<S> correlation{};
+  OptionalIn<S, millimetres> correlation_length_mm{};
+  OptionalIn<S, millimetres> aperture_mm{};
+  OptionalIn<S, micrometres> wavelength_um{};
 
   static constexpr auto fields() {
     return std::tuple{

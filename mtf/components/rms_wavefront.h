@@ -22,9 +22,9 @@ struct RmsWavefront {
   static constexpr double kLimit = 0.18;
 
   S rms_waves{};
-  std::optional<S> wavelength_reference_um;
-  std::optional<S> f_number;
-  std::optional<S> wavelength_um;
+  OptionalIn<S, micrometres> wavelength_reference_um{};
+  std::optional<S> f_number{};
+  OptionalIn<S, micrometres> wavelength_um{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "rms",

@@ -19,7 +19,7 @@ struct SampleAndHold {
   static constexpr SensorPart part = SensorPart::display;
   static constexpr bool is_reconstruction = true;
 
-  AxisPair<S> width;
+  AxisPair<S> width{};
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {

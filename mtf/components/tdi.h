@@ -20,7 +20,7 @@ struct Tdi {
   static constexpr SensorPart part = SensorPart::detector;
 
   int stage_count = 0;
-  AxisPair<S> slip;
+  AxisPair<S> slip{};
   int clock_phases = 0;
   Choice axis{0, kAxisNames};
 

@@ -49,22 +49,22 @@ struct Turbulence {
   static constexpr SensorPart part = SensorPart::path;
   static constexpr double kExact = 3.441938591146905807646779;
 
-  std::optional<S> fried_parameter_mm;
-  std::optional<S> wavelength_reference_um;
+  OptionalIn<S, millimetres> fried_parameter_mm{};
+  OptionalIn<S, micrometres> wavelength_reference_um{};
   Choice exposure{0, kExposureNames};
-  std::optional<S> alpha;
-  std::optional<S> aperture_mm;
+  std::optional<S> alpha{};
+  OptionalIn<S, millimetres> aperture_mm{};
   Choice constant{0, kKolmogorovNames};
-  std::optional<S> wavelength_um;
+  OptionalIn<S, micrometres> wavelength_um{};
   Choice profile{0, kProfileNames};
   Choice wave{0, kWaveNames};
-  std::optional<S> cn2;
-  std::optional<S> path_length_m;
-  std::optional<S> wind_m_s;
-  std::optional<S> ground_cn2;
-  std::optional<S> target_altitude_m;
-  std::optional<S> sensor_altitude_m;
-  std::optional<S> zenith_angle_deg;
+  std::optional<S> cn2{};
+  OptionalIn<S, metres> path_length_m{};
+  std::optional<S> wind_m_s{};
+  std::optional<S> ground_cn2{};
+  OptionalIn<S, metres> target_altitude_m{};
+  OptionalIn<S, metres> sensor_altitude_m{};
+  OptionalIn<S, degrees> zenith_angle_deg{};
 
   static constexpr auto fields() {
     return std::tuple{

@@ -57,7 +57,7 @@ struct Unsharp {
 
   S amount{};
   int size = 3;
-  std::optional<S> sigma_px;
+  OptionalIn<S, pixels> sigma_px{};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "amount",

@@ -30,12 +30,12 @@ struct Vibration {
   static constexpr Stages stages{.presample = true};
   static constexpr SensorPart part = SensorPart::motion;
 
-  AxisPair<S> amplitude;
-  S direction_deg{};
+  AxisPair<S> amplitude{};
+  NumberIn<S, degrees> direction_deg{};
   Choice average{0, kVibrationNames};
-  std::optional<S> cycles;
-  std::optional<S> period_s;
-  S phase_deg{};
+  std::optional<S> cycles{};
+  OptionalIn<S, seconds> period_s{};
+  NumberIn<S, degrees> phase_deg{};
 
   static constexpr auto fields() {
     return std::tuple{
@@ -84,7 +84,7 @@ struct Vibration {
     return cycles ? *cycles : S(ctx.frame.integration_time_s / period_s.value_or(S(1)));
   }
   Freq<S> displacement_mm(const Context<S>& ctx) const {
-    const auto [cosine, sine] = unit_vector(direction_deg);
+    const auto [cosine, sine] = unit_vector(direction_deg.value);
     return {amplitude.x_um(ctx.frame) * cosine * S(1e-3), amplitude.y_um(ctx.frame) * sine * S(1e-3)};
   }
   Traits traits(const Context<S>& ctx) const {
@@ -100,7 +100,7 @@ struct Vibration {
       const SineRms r = sine_rms(value_of(x), value_of(c));
       return {lift({r.value, r.by_x}, x) + lift({0.0, r.by_cycles}, c), S(0)};
     }
-    const S turns = phase_deg / S(360);
+    const S turns = phase_deg.value / S(360);
     const SineMean h = sine_mean(value_of(x), value_of(c), value_of(turns));
     return {lift({h.value.re, h.by_x.re}, x) + lift({0.0, h.by_cycles.re}, c) + lift({0.0, h.by_turns.re}, turns),
             lift({h.value.im, h.by_x.im}, x) + lift({0.0, h.by_cycles.im}, c) + lift({0.0, h.by_turns.im}, turns)};
@@ -129,7 +129,7 @@ struct Vibration {
     if (period_s && value_of(cycles_in(ctx)) > 1e3)
       return {{.field = "period",
                .text = "more than 1000 periods in frame.integration_time: use average = \"many_cycles\""}};
-    if (!fixed_phase() && value_of(phase_deg) != 0.0)
+    if (!fixed_phase() && value_of(phase_deg.value) != 0.0)
       return {{.field = "phase", .text = "belongs to average = \"fixed_phase\""}};
     return {};
   }

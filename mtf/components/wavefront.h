@@ -37,13 +37,13 @@ struct Wavefront {
   static constexpr bool is_slow = true;
 
   std::optional<S> w020, w040, w131, w222, w311;
-  Coefficients<S> zernike;
+  Coefficients<S> zernike{};
   Choice numbering{0, kNumberingNames};
-  S orientation_deg{};
-  std::optional<S> wavelength_reference_um;
-  std::optional<S> f_number;
-  std::optional<S> obscuration;
-  std::optional<S> wavelength_um;
+  NumberIn<S, degrees> orientation_deg{};
+  OptionalIn<S, micrometres> wavelength_reference_um{};
+  std::optional<S> f_number{};
+  std::optional<S> obscuration{};
+  OptionalIn<S, micrometres> wavelength_um{};
 
   static constexpr auto fields() {
     return std::tuple{
@@ -111,7 +111,7 @@ struct Wavefront {
     const WavefrontSymmetry own = symmetry(wavefront(ctx));
     if (own.radial) return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};
     // Turned by a right angle the mirror axes change places; otherwise there are none along x and y.
-    const auto [cosine, sine] = unit_vector(value_of(orientation_deg));
+    const auto [cosine, sine] = unit_vector(value_of(orientation_deg.value));
     const bool mirror_x = cosine == 0.0 ? own.mirror_y : sine == 0.0 && own.mirror_x;
     const bool mirror_y = cosine == 0.0 ? own.mirror_x : sine == 0.0 && own.mirror_y;
     // An OTF that is real and even about one axis is so about the other.
@@ -123,7 +123,7 @@ struct Wavefront {
     const PupilPolynomial w = wavefront(ctx);
     const S e = obscuration_of(obscuration, ctx);
     // The frequency is turned back instead of the wavefront.
-    const auto [cosine, sine] = unit_vector(orientation_deg);
+    const auto [cosine, sine] = unit_vector(orientation_deg.value);
     const S x = nu(f.x, ctx), y = nu(f.y, ctx);
     const Freq<S> v{cosine * x + sine * y, cosine * y - sine * x};
     if constexpr (std::is_floating_point_v<S>) {

@@ -93,6 +93,7 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   impl->system = system;
   impl->stages.assign(stages.begin(), stages.end());
   impl->options = options;
+  impl->split = how.split;
   impl->options.progress = {};  // whoever asked for it may be gone when the plan is changed
   PlanReport& report = impl->report;
   report.in = in;
@@ -128,7 +129,7 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
                              .samples = in.width * in.height / 2,
                              .threads = options.threads,
                              .scene = scene_cost,
-                             .split = options.split,
+                             .split = how.split,
                              .progress = options.progress});
   impl->dc = sampler.dc();
   report.dropped = sampler.dropped();
@@ -138,17 +139,17 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
     report.notes.push_back("scene aperture: the correction is limited to " +
                            format_double(options.aperture.gain_limit) + "; beyond, part of the scene's own blur stays");
 
-  const PlanTask task{sampler, in, out, options, canvas_norm, norm, alias, spectrum_gain};
+  const PlanTask task{sampler, in, out, options, how.split, canvas_norm, norm, alias, spectrum_gain};
   Family wanted = Family::all;
   if (options.method) wanted = family(kMethodNames[static_cast<std::size_t>(*options.method)]);
   if (how.keep_family) wanted = family(how.earlier->report.method);
   std::vector<MethodCandidate> candidates = all_candidates(task, wanted);
-  MethodCandidate* chosen = choose(candidates, task, options.rigor == fft::Rigor::measure && !how.keep_family);
+  MethodCandidate* chosen = choose(candidates, task, options.rigor == Rigor::measure && !how.keep_family);
   if (chosen == nullptr) {
     const bool room_for_tables = std::any_of(candidates.begin(), candidates.end(),
                                              [](const MethodCandidate& d) { return d.report.predicted.table > 0.0; });
     if (how.tables && room_for_tables)
-      return compile_stages(system, stages, in, out, options, {how.earlier, how.keep_family, false});
+      return compile_stages(system, stages, in, out, options, {how.earlier, how.keep_family, false, how.split});
     refuse(candidates, options);
   }
   if (chosen->make) impl->engine = chosen->make(how.earlier != nullptr ? how.earlier->engine.get() : nullptr);
@@ -167,12 +168,19 @@ Plan compile(const System<double>& system, const SampleGrid& scene, const Sample
   return compile_stages(system, stages, scene, detector, options, {});
 }
 
+Plan compile_part(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
+                  const PlanOptions& options, const ScaleSplit& split) {
+  constexpr std::array stages{Stage::presample};
+  return compile_stages(system, stages, scene, detector, options, {.split = split});
+}
+
 // A frame of a sequence is worth no fresh look at every way: what was chosen stays while it keeps the tolerance and has
 // not become clearly dearer.
 Plan Plan::with(const System<double>& system) const {
   constexpr double kDearer = 1.5;
   const auto compiled = [&](bool keep_family) {
-    return compile_stages(system, impl_->stages, in(), out(), impl_->options, {impl_.get(), keep_family, true});
+    return compile_stages(system, impl_->stages, in(), out(), impl_->options,
+                          {impl_.get(), keep_family, true, impl_->split});
   };
   if (impl_->options.method) return compiled(false);
   try {

@@ -3,9 +3,10 @@
 
 // From a system, two sample grids and one tolerance to a compiled, immutable plan that filters images.
 //
-//   Plan plan = compile(system, scene_grid, detector_grid(system, scene_grid), options);
+//   Plan plan = compile(system, {scene.view(), 3.75_um}, {.tolerance = 1e-4});
 //   std::puts(plan.explain().c_str());
-//   plan.run(scene.view(), sensor.view());
+//   Image sampled(plan.out().width, plan.out().height);
+//   plan.run(scene.view(), sampled.view());
 //
 // The tolerance is the rms error over the output pixels, before noise, relative to the scene's standard deviation. The
 // reference is the exact OTF applied to the periodic canvas of mtf/plan/border.h and evaluated at the detector centres.
@@ -18,12 +19,13 @@
 #include <string_view>
 #include <vector>
 
-#include "mtf/engines/fft/fftw.h"
 #include "mtf/error.h"
 #include "mtf/grid.h"
 #include "mtf/image.h"
 #include "mtf/otf/factored_otf.h"
 #include "mtf/plan/border.h"
+#include "mtf/plan/rigor.h"
+#include "mtf/plan/scene_view.h"
 #include "mtf/system.h"
 
 namespace mtf {
@@ -77,14 +79,13 @@ class SceneSpectrum;
 
 struct PlanOptions {
   double tolerance = 1e-4;
-  std::optional<Method> method;  ///< insist on it; otherwise the cheapest that keeps the tolerance
+  std::optional<Method> method{};  ///< insist on it; otherwise the cheapest that keeps the tolerance
   Border border = Border::reflect;
-  fft::Rigor rigor = fft::Rigor::estimate;
-  SceneAperture aperture;
-  std::optional<SceneSummary> scene;
-  ScaleSplit split = {};                          ///< the near or far part only (mtf/tiles/tiles.h)
-  std::shared_ptr<const SceneSpectrum> spectrum;  ///< of this very scene: what an omission costs it, not any scene
-  int threads = 0;                                ///< for making the OTF; 0 = all cores
+  Rigor rigor = Rigor::estimate;
+  SceneAperture aperture{};
+  std::optional<SceneSummary> scene{};              ///< made by compile() where it is given a scene in memory
+  std::shared_ptr<const SceneSpectrum> spectrum{};  ///< of this very scene: what an omission costs it, not any scene
+  int threads = 0;                                  ///< for making the OTF; 0 = all cores
   OtfProgress progress = {};      ///< where slow components take long: how many of their values were made; may throw
   bool separate_readout = false;  ///< noise comes between readout and postsample filters: a plan for each (SensorPlan)
 };
@@ -178,9 +179,13 @@ class Plan {
   std::shared_ptr<const Impl> impl_;
 };
 
-/// The presample OTF and the sampling at the pitch. Throws UsageError for an invalid system, a tolerance that is not in
-/// (0, 1) or that this scene cannot reach (UnreachableTolerance, with the value it can), a method that cannot do the
-/// work, and sizes that do not fit memory.
+/// The presample OTF and the sampling at the pitch, for a scene that is in memory: options.scene is its summary,
+/// whatever it was before, and the detector grid is that of the system. Errors as below.
+Plan compile(const System<double>& system, const SceneView& scene, PlanOptions options);
+
+/// The same for scenes that are known by their grid, and by options.scene where it is given. Throws UsageError for an
+/// invalid system, a tolerance that is not in (0, 1) or that this scene cannot reach (UnreachableTolerance, with the
+/// value it can), a method that cannot do the work, and sizes that do not fit memory.
 Plan compile(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
              const PlanOptions& options);
 

@@ -29,7 +29,7 @@ std::vector<MethodCandidate> identity_candidates(const PlanTask& task) {
   const bool same_grid = in.step_x_um == out.step_x_um && in.step_y_um == out.step_y_um;
   // A gain may be dropped for the contrast, not for the mean.
   const bool unit_mean = std::abs(task.sampler.dc() - 1.0) < 1e-12;
-  const bool alone = task.options.split.is_whole() && task.options.aperture.kind == SceneAperture::Kind::point;
+  const bool alone = task.split.is_whole() && task.options.aperture.kind == SceneAperture::Kind::point;
   MethodCandidate candidate;
   candidate.report.method = Method::identity;
   if (!same_grid) candidate.report.reason = "samples and pixels differ";

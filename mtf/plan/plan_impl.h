@@ -12,6 +12,7 @@ struct Plan::Impl {
   System<double> system;
   std::vector<Stage> stages;
   PlanOptions options;
+  ScaleSplit split;
   PlanReport report;
   double dc = 1.0;
   double cost_ms = 0.0;                  ///< predicted, of the chosen candidate
@@ -19,11 +20,13 @@ struct Plan::Impl {
   std::shared_ptr<const Engine> engine;  ///< null for the identity
 };
 
-/// How a compilation relates to one before.
+/// What compiling is besides its options: how it relates to a compilation before, and the part of the OTF that tiles
+/// ask for.
 struct Plan::Recompile {
   const Plan::Impl* earlier = nullptr;  ///< whose transforms are shared
   bool keep_family = false;             ///< only the family of methods of `earlier`
   bool tables = true;  ///< false: radial factors at every frequency, for tolerances that leave no room for a table
+  ScaleSplit split = {};
 };
 
 }  // namespace mtf

@@ -16,11 +16,16 @@ namespace mtf {
 // How the tolerance is shared out; what is left over is for arithmetic.
 inline constexpr double kDropShare = 0.05, kTableShare = 0.02, kWrapShare = 0.25, kBandShare = 0.05;
 
+/// Compiles one part of the presample OTF by scale, for tiles (mtf/tiles/split.h). Errors as compile().
+Plan compile_part(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
+                  const PlanOptions& options, const ScaleSplit& split);
+
 /// What all ways of doing one plan's work share.
 struct PlanTask {
   const FactoredOtf& sampler;
   SampleGrid in, out;
   const PlanOptions& options;
+  ScaleSplit split;
   double canvas_norm =
       1.0;             ///< of the defined canvas (canvas_norm of mtf/survey/statistics.h), in units of the scene's std
   double norm = 1.0;   ///< the same, gathered in the part of the scene that the detector sees

@@ -24,6 +24,8 @@ struct SensorPlan {
 
   const SampleGrid& in() const { return presample.in(); }
   const SampleGrid& out() const { return presample.out(); }
+  /// The sensor's image of a scene; it has to lie as the one the plan was made for (UsageError).
+  Image run(const SceneView& scene, int threads = 0) const;
   /// Output planes of the given scene planes; arguments and errors as Plan::run.
   std::vector<Image> run(std::span<const ImageView<const float>> scene, double border_value = 0.0,
                          int threads = 0) const;
@@ -53,6 +55,10 @@ SceneSummary behind_sampling(SceneSummary scene, const PlanOptions& options, con
 /// divided by their largest gain. With `samples_a_pitch` the image is sampled that much finer than the pixels of the
 /// system, whose presample OTF stays theirs; filters behind the sampling act on the finer image. Errors as compile().
 SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
+                          int samples_a_pitch = 1);
+
+/// The same for a scene in memory: options.scene is its summary, whatever it was before.
+SensorPlan compile_sensor(const System<double>& system, const SceneView& scene, PlanOptions options,
                           int samples_a_pitch = 1);
 
 /// The grid that compile_sensor samples on.

@@ -30,7 +30,7 @@ std::optional<TileHalo> find_halo(const System<double>& system, std::span<const 
                              .table_share = kTableShare * share,
                              .samples = 9 * length,
                              .threads = options.threads,
-                             .split = options.split,
+                             .split = request.split,
                              .progress = options.progress});
   TileHalo halo;
   for (const Axis axis : {Axis::x, Axis::y}) {

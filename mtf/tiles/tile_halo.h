@@ -15,6 +15,7 @@ struct HaloRequest {
   double norm = 1.0;         ///< norm of the canvas relative to std, those of the tiles' own canvases added
   double budget = 0.0;       ///< rms error relative to std that both axes together may make
   std::int64_t longest = 0;  ///< halos beyond this are of no use
+  ScaleSplit split = {};     ///< the part of the OTF that the tiles do
 };
 
 struct TileHalo {

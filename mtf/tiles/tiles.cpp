@@ -8,6 +8,7 @@
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
+#include "mtf/plan/plan_parts.h"
 #include "mtf/tiles/tile_fit.h"
 #include "mtf/tiles/tile_halo.h"
 
@@ -163,9 +164,10 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
   near_options.spectrum = nullptr;  // of the whole scene, not of a tile
   near_options.tolerance = (has_post ? 0.5 / gain : 1.0) * options.tolerance;
   const double share = near_options.tolerance;
+  ScaleSplit split;
   if (every > 0) {
     plan.coarse_ = coarse_grid(scene, options.border, every);
-    near_options.split = {ScaleSplit::Part::fine, plan.coarse_->split_sigma_um()};
+    split = {ScaleSplit::Part::fine, plan.coarse_->split_sigma_um()};
   }
   const double gather =
       plan.coarse_ ? std::sqrt(std::max(1.0, plan.coarse_->grid().area_um2() / plan.detector_.area_um2())) : 1.0;
@@ -173,15 +175,14 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
     const SampleGrid coarse = plan.coarse_->grid();
     PlanOptions far = near_options;
     far.border = plan.coarse_->x.coarse_border();
-    far.split.part = ScaleSplit::Part::coarse;
     far.method = {};
     far.tolerance = std::min(0.9, kFarShare * share / gather);
     if (far.scene) far.scene->canvas_norm *= std::sqrt(std::min(1.0, scene.area_um2() / coarse.area_um2()));
-    return compile(system, coarse, coarse, far);
+    return compile_part(system, coarse, coarse, far, {ScaleSplit::Part::coarse, split.sigma_um});
   };
   const auto halo =
       find_halo(system, presample, near_options,
-                {scene, plan.detector_, (1.0 + std::sqrt(kMostOverlap)) * norm, kHaloShare * share, longest});
+                {scene, plan.detector_, (1.0 + std::sqrt(kMostOverlap)) * norm, kHaloShare * share, longest, split});
   if (!halo) {
     reason = "the point spread reaches further than a tile at this tolerance";
     return std::nullopt;
@@ -213,7 +214,7 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
     const SampleGrid canvas{fit->x.canvas_samples(), fit->y.canvas_samples(), scene.step_x_um, scene.step_y_um};
     const SampleGrid wide{fit->x.canvas_pixels(), fit->y.canvas_pixels(), plan.detector_.step_x_um,
                           plan.detector_.step_y_um};
-    near = compile(system, canvas, wide, inner);
+    near = compile_part(system, canvas, wide, inner, split);
     if (every > 0 && !plan.far_) plan.far_ = compile_far();
     if (!raise(request.needs, needs_of(*near, plan.far_, request.channels))) break;
   }

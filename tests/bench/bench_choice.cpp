@@ -20,6 +20,7 @@
 #include <string_view>
 #include <vector>
 
+#include "mtf/engines/fft/fftw.h"
 #include "mtf/survey/scene_spectrum.h"
 #include "mtf/version.h"
 #include "tests/mtf/sweep_cases.h"

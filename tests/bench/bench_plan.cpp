@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 
+#include "mtf/engines/fft/fftw.h"
 #include "mtf/plan/plan.h"
 #include "mtf/version.h"
 #include "tests/bench/interleave.h"

@@ -13,6 +13,7 @@
 #include <ctime>
 #include <vector>
 
+#include "mtf/engines/fft/fftw.h"
 #include "mtf/plan/plan.h"
 #include "mtf/version.h"
 #include "tests/bench/interleave.h"
@@ -87,7 +88,7 @@ class Stream {
     const SampleGrid in{kWidth, kHeight, 15.0 / ratio, 15.0 / ratio};
     scene_ = test::random_image(kWidth, kHeight, 1, 100.0, 10.0);
     PlanOptions options;
-    options.rigor = fft::Rigor::measure;
+    options.rigor = Rigor::measure;
     options.scene = summarise(scene_.view(), options.border, 0.0);
     options.threads = threads;
     const System<double> first = sensor_(0.0);

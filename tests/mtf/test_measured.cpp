@@ -28,7 +28,7 @@ TEST(Measured, a_plan_measures_once_and_says_so) {
   const SampleGrid in = scene_grid(system, 131, 97, 1.0, 1.0);
   const Image scene = random_image(in.width, in.height, 5);
   PlanOptions options = options_for(scene, Border::reflect, 1e-2);
-  options.rigor = fft::Rigor::measure;
+  options.rigor = Rigor::measure;
   const Plan first = compile(system, in, detector_grid(system, in), options);
   int measured = 0;
   for (const Candidate& c : first.report().candidates) measured += c.measured ? 1 : 0;

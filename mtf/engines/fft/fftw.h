@@ -12,11 +12,11 @@
 
 #include "mtf/frame.h"
 #include "mtf/image.h"
+#include "mtf/plan/rigor.h"
 
 namespace mtf::fft {
 
-/// How much planning: estimate is reproducible between runs; measure times candidates (slow planning, faster runs).
-enum class Rigor { estimate, measure };
+using mtf::Rigor;
 
 /// Complex sequences side by side, in place, unnormalised: element n of lane l at re[2 n lanes + l] and the same of im,
 /// im = re + lanes. For the lengths that BatchedFft leaves to FFTW.
