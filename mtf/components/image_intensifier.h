@@ -20,7 +20,7 @@ struct ImageIntensifier {
   static constexpr Stages stages{.presample = true};
   static constexpr SensorPart part = SensorPart::detector;
 
-  SpatialFrequency<S> frequency;
+  SpatialFrequency<S> frequency{};
   S index{1};
 
   static constexpr auto fields() {
