@@ -21,7 +21,8 @@ struct SineMean {
   Complex<double> value, by_x, by_cycles, by_turns;
 };
 
-/// Any x; cycles >= 0; the phase in turns. Whole cycles: J0(x).
+/// Any x, beyond 1e300 the value there; cycles >= 0; the phase in turns, of which whole and half ones are exact. Whole
+/// cycles: J0(x).
 SineMean sine_mean(double x, double cycles, double phase_turns);
 
 struct SineRms {

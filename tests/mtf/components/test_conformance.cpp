@@ -284,7 +284,12 @@ TEST(ConformanceFloat, equals_double_pointwise) {
       const float x = draw(Axis::x), y = draw(Axis::y);
       const Complex<double> h = exact.otf(static_cast<double>(x), static_cast<double>(y));
       const Complex<float> g = single.otf(x, y);
-      EXPECT_LE(distance(h, {static_cast<double>(g.re), static_cast<double>(g.im)}), 1e-6 * gain_scale(c.system))
+      const double off = distance(h, {static_cast<double>(g.re), static_cast<double>(g.im)});
+      if (off <= 1e-6 * gain_scale(c.system)) continue;
+      // A phase is the sum of two products, along x and y, each of which carries the roundings of four factors to
+      // float, 4 x 2^-24 of itself. Almost across a motion of ten cycles they cancel, their roundings do not.
+      const double nudge = 1.0 + 0x1p-22, u = static_cast<double>(x), v = static_cast<double>(y);
+      EXPECT_LE(off, distance(h, exact.otf(nudge * u, v)) + distance(h, exact.otf(u, nudge * v)))
           << c.name << " " << x << " " << y;
     }
   }
