@@ -10,9 +10,10 @@
 //     -> offsets, read, 1/f, row, column, 3-D noise                                           stage `electrons`
 //     -> gain, offset, rounding, saturation                                                   stage `dn`
 //     -> two-point correction, bad pixels -> postsample filters -> automatic gain, polarity   stage `display`
-// Each stage is a free function on one frame; chain_run.cpp is where their order stands. A stage whose table is not in
-// the sensor file is not called; nothing after the stage is. With [microscan] the sampling is finer than the pitch: the
-// stages from `shutter` to the correction run for each position, and the frames are put together.
+// Each stage is a free function on one frame, and a row of the table in chain_stages.cpp. A stage whose table is not in
+// the sensor file does not run, nor do the stages after the one whose output is wanted. With [microscan] the sampling
+// is finer than the pitch: the stages from `shutter` to the correction run for each position, and the frames are put
+// together.
 
 #include <memory>
 #include <string>
@@ -86,6 +87,8 @@ struct ChainState {
   std::optional<std::uint32_t> last;  ///< number of the frame before
 };
 
+struct CompiledChain;
+
 /// A sensor ready for frames of one size: what is the same in all of them is made once. Copies share; run() is const
 /// and re-entrant.
 class Chain {
@@ -111,8 +114,7 @@ class Chain {
   double electrons_per_radiance() const;
 
  private:
-  struct Impl;
-  std::shared_ptr<const Impl> impl_;
+  std::shared_ptr<const CompiledChain> compiled_;
 };
 
 /// The budget of a pixel on the axis that looks at a surface of that temperature (and of the emissivity that [scene]

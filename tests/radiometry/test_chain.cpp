@@ -150,6 +150,39 @@ TEST(Chain, StagesThatAreOffDoNotRun) {
   EXPECT_EQ(stages(all, OutputStage::dn), "presample;collect;shot;full well;offset;read;rows and columns;adc;");
 }
 
+TEST(Chain, AStageOfNoEffectIsLeftOutInWordsAndInFrames) {
+  Sensor sensor = noisy_sensor();
+  const auto on = [&] {
+    std::string names;
+    for (const ChainStage& stage : chain_stages(mwir_system(), sensor))
+      if (stage.on) names += stage.name + ";";
+    return names;
+  };
+  const auto ran = [&] {
+    std::string names;
+    const Chain chain = make_chain(mwir_system(), sensor, 16, 16, 15.0);
+    ChainState state;
+    for (const auto& [name, ms] : chain.run(flat(16, 16, 1e18F), 0, OutputStage::dn, 0.0, 1, &state).timing_ms)
+      names += std::string(name) + ";";
+    return names;
+  };
+  const std::string said = on(), done = ran();
+  sensor.settings.glare = VeilingGlare{};
+  sensor.settings.defects = Defects{};
+  sensor.settings.noise_3d = Noise3d{};
+  sensor.settings.shutter = Shutter{.kind = ShutterKind::global};
+  EXPECT_EQ(on(), said);
+  EXPECT_EQ(ran(), done);
+}
+
+TEST(Chain, APlanForOtherFiltersIsRefused) {
+  mtf::System<double> filtered = mwir_system();
+  filtered.list(mtf::Stage::readout).push_back({mtf::test::gaussian(4.0), "gaussian"});
+  const mtf::SensorPlan joint = mtf::compile_sensor(filtered, {16, 16, 15.0, 15.0}, {});
+  test::expect_refused({"plan", "separate_readout"},
+                       [&] { static_cast<void>(Chain(joint, filtered, noisy_sensor())); });
+}
+
 TEST(Chain, SameBitsForAnyThreadsAndSameNoiseForAnyRegion) {
   mtf::System<double> system = mwir_system();
   const Sensor sensor = noisy_sensor();
