@@ -7,7 +7,6 @@
 
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
-#include "mtf/io/image_io.h"
 #include "tests/apps/study/study_files.h"
 
 namespace {
@@ -67,36 +66,6 @@ TEST(StudyErrors, OfTheSensorAreShownWhereItIsNamed) {
   folder.write("nested.toml", kHead + kAxis);
   EXPECT_NE(folder.lines("schema = 1\nsensor = \"nested.toml\"\n" + kAxis + kMetrics).find("is a study itself"),
             std::string::npos);
-}
-
-TEST(StudyErrors, OfNumbersThatAMapReplaces) {
-  const Folder folder;
-  mtf::Image map(640, 512);
-  std::fill_n(map.data(), map.size(), 1.0F);
-  mtf::io::write_exr(folder / "gain.exr", {{"Y", map.view()}}, {});
-  const std::string camera = std::string(study_test::kCamera) + "[nonuniformity]\nprnu = 0.01\ndsnu = \"20 e-\"\n";
-  const auto lines = [&](const std::string& maps, const std::string& study) {
-    folder.write("camera.toml", camera + maps);
-    return folder.lines(kHead + study + kMetrics);
-  };
-  const std::string prnu = "[[axis]]\nparameter = \"prnu\"\nvalues = [0.01, 0.02]\n";
-  const std::string dsnu = "[[axis]]\nparameter = \"nonuniformity.dsnu\"\nvalues = [\"10 e-\"]\n";
-  const std::string gain = "responsivity = \"gain.exr\"\n", offset = "offset = \"gain.exr\"\n";
-  EXPECT_EQ(lines("", prnu + dsnu), "");
-  EXPECT_EQ(lines(gain, dsnu), "") << "the map of the responsivity leaves dsnu as it is";
-  std::string told = lines(gain, prnu);
-  for (const char* part : {"study.toml:4:13: error: axis[0].parameter", "gain.exr", "in place of prnu",
-                           "remove responsivity from the sensor file"})
-    EXPECT_NE(told.find(part), std::string::npos) << part << "\n" << told;
-  told = lines(offset, dsnu);
-  EXPECT_NE(told.find("in place of dsnu"), std::string::npos) << told;
-  told = lines(gain, kAxis + std::string("[[as_built]]\nparameter = \"prnu\"\nsd = 0.001\n"));
-  EXPECT_NE(told.find("in place of prnu"), std::string::npos) << told;
-  told = lines("", prnu + "[[axis]]\nparameter = \"nonuniformity.responsivity\"\nvalues = [\"gain.exr\"]\n");
-  EXPECT_NE(told.find("overlaps the axis 1 (prnu)"), std::string::npos) << told;
-  folder.write("mapped.toml", camera + gain);
-  told = lines("", prnu + "[[axis]]\nparameter = \"sensor\"\nvalues = [\"camera.toml\", \"mapped.toml\"]\n");
-  EXPECT_NE(told.find("mapped.toml: the sensor has the map"), std::string::npos) << told;
 }
 
 TEST(StudyErrors, OfAxes) {
