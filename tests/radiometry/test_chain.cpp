@@ -136,53 +136,6 @@ TEST(Chain, TapsAreWhatTheySay) {
   test::expect_refused({"display", "dn"}, [&] { at(OutputStage::display); });
 }
 
-TEST(Chain, StagesThatAreOffDoNotRun) {
-  const auto stages = [](const Chain& chain, OutputStage stage) {
-    std::string names;
-    for (const auto& [name, ms] : chain.run(flat(16, 16, 1e18F), 0, stage).timing_ms) names += std::string(name) + ";";
-    return names;
-  };
-  Sensor bare = mwir_sensor();
-  bare.settings.detector->full_well_e = mtf::kInfinity;
-  EXPECT_EQ(stages(make_chain(mwir_system(), bare, 16, 16, 15.0), OutputStage::electrons), "presample;collect;");
-  const Chain all = make_chain(mwir_system(), noisy_sensor(), 16, 16, 15.0);
-  EXPECT_EQ(stages(all, OutputStage::radiance), "presample;");
-  EXPECT_EQ(stages(all, OutputStage::dn), "presample;collect;shot;full well;offset;read;rows and columns;adc;");
-}
-
-TEST(Chain, AStageOfNoEffectIsLeftOutInWordsAndInFrames) {
-  Sensor sensor = noisy_sensor();
-  const auto on = [&] {
-    std::string names;
-    for (const ChainStage& stage : chain_stages(mwir_system(), sensor))
-      if (stage.on) names += stage.name + ";";
-    return names;
-  };
-  const auto ran = [&] {
-    std::string names;
-    const Chain chain = make_chain(mwir_system(), sensor, 16, 16, 15.0);
-    ChainState state;
-    for (const auto& [name, ms] : chain.run(flat(16, 16, 1e18F), 0, OutputStage::dn, 0.0, 1, &state).timing_ms)
-      names += std::string(name) + ";";
-    return names;
-  };
-  const std::string said = on(), done = ran();
-  sensor.settings.glare = VeilingGlare{};
-  sensor.settings.defects = Defects{};
-  sensor.settings.noise_3d = Noise3d{};
-  sensor.settings.shutter = Shutter{.kind = ShutterKind::global};
-  EXPECT_EQ(on(), said);
-  EXPECT_EQ(ran(), done);
-}
-
-TEST(Chain, APlanForOtherFiltersIsRefused) {
-  mtf::System<double> filtered = mwir_system();
-  filtered.list(mtf::Stage::readout).push_back({mtf::test::gaussian(4.0), "gaussian"});
-  const mtf::SensorPlan joint = mtf::compile_sensor(filtered, {16, 16, 15.0, 15.0}, {});
-  test::expect_refused({"plan", "separate_readout"},
-                       [&] { static_cast<void>(Chain(joint, filtered, noisy_sensor())); });
-}
-
 TEST(Chain, SameBitsForAnyThreadsAndSameNoiseForAnyRegion) {
   mtf::System<double> system = mwir_system();
   const Sensor sensor = noisy_sensor();
@@ -412,19 +365,6 @@ TEST(Chain, SaysWhatIsMissing) {
   sensor.settings.nonuniformity = NonuniformitySettings{.responsivity = "map.exr"};
   sensor.responsivity = std::make_shared<const mtf::Image>(flat(15, 16, 1.0F));
   test::expect_refused({"responsivity", "15x16", "16x16"}, build(mwir_system(), sensor));
-}
-
-TEST(Chain, ATableOfTheFileIsAStageInWords) {
-  const auto on = [](const Sensor& sensor) {
-    std::string names;
-    for (const ChainStage& stage : chain_stages(mwir_system(), sensor))
-      if (stage.on) names += stage.name + ";";
-    return names;
-  };
-  EXPECT_EQ(on(mwir_sensor()), "presample;light;full well;");
-  EXPECT_EQ(on(noisy_sensor()),
-            "presample;light;responsivity;dark current;shot noise;full well;offsets;read noise;row and column "
-            "noise;adc;");
 }
 
 }  // namespace
