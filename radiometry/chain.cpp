@@ -50,7 +50,6 @@ void refuse(const char* where, const std::string& why) { throw mtf::UsageError(s
 void require_consistent(const mtf::System<double>& system, const Sensor& sensor) {
   const SensorSettings& s = sensor.settings;
   if (!s.detector) return;
-  require_response(sensor);
   camera_of(system, sensor);
   stop_range(sensor.curves, s.optics.value_or(OpticsSettings{}).stop_band);
   const Pixel<double> pixel = pixel_of(system, sensor);
@@ -158,10 +157,10 @@ std::optional<double> adc_tolerance(const mtf::System<double>& system, const Sen
 
 void require_output_stage(OutputStage stage, OutputStage last, bool has_converter) {
   if (stage > last)
-    throw mtf::UsageError("tap " + output_stage_name(stage) + ": this sensor has no such stage; its last one is " +
+    throw mtf::UsageError("stage " + output_stage_name(stage) + ": this sensor has none such; its last one is " +
                           output_stage_name(last));
   if (stage == OutputStage::dn && !has_converter)
-    throw mtf::UsageError("tap dn: this sensor has no [adc], so no counts");
+    throw mtf::UsageError("stage dn: this sensor has no [adc], so no counts");
 }
 
 OutputStage last_output_stage(const mtf::System<double>& system, const Sensor& sensor) {
@@ -204,6 +203,7 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
   compiled->camera = camera_of(system, sensor);
   compiled->pixel = pixel_of(system, sensor);
   require_consistent(system, sensor);
+  require_response(sensor);
   compiled->stages = stages_to_run(system, sensor);
   compiled->settings = s;
   compiled->seed = s.noise ? static_cast<std::uint64_t>(s.noise->seed) : 0;

@@ -40,7 +40,8 @@ struct Sensor {
 /// Throws UsageError for settings that need or exclude each other: what no table can say by itself.
 void require_consistent(const mtf::System<double>& system, const Sensor& sensor);
 
-/// Throws UsageError for a detector or for curves that make no electrons of any light in the band.
+/// Throws UsageError for a detector or for curves that make no electrons of any light in the band. Whoever reads the
+/// curves from files checks them so.
 void require_response(const Sensor& sensor);
 
 /// Camera and pixel of a sensor as the camera equation takes them. What a curve gives is 1 there. Throws UsageError for

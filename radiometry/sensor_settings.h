@@ -31,6 +31,9 @@
 
 namespace radiometry {
 
+/// The largest temperature that a sensor file may give.
+inline constexpr double kMostTemperature_k = 1e9;
+
 /// Rows added to [frame].
 struct FrameSettings {
   std::optional<double> frame_time_s{};  ///< from a frame to the next; else the integration time
@@ -56,10 +59,10 @@ struct SceneSettings {
         Field{optional_row("emissivity", 0.0, 1.0, "0.95",
                            "emissivity of a scene in K: a number or the CSV file of a curve"),
               &SceneSettings::emissivity},
-        Field{optional_row("surroundings", temperature, "K", 0.0, 1e9, "\"293 K\"",
+        Field{optional_row("surroundings", temperature, "K", 0.0, kMostTemperature_k, "\"293 K\"",
                            "what a scene in K reflects where it does not emit"),
               &SceneSettings::surroundings_k},
-        Field{optional_row("source_temperature", temperature, "K", 0.0, 1e9, "\"300 K\"",
+        Field{optional_row("source_temperature", temperature, "K", 0.0, kMostTemperature_k, "\"300 K\"",
                            "whose spectrum a radiance in the band has; else even in photons"),
               &SceneSettings::source_temperature_k},
         Field{optional_row("emissivity_channel", "\"emissivity\"",
@@ -88,7 +91,7 @@ struct PathSettings {
         Field{optional_row("radiance", 0.0, 1e30, "0.02",
                            "of the path, W m^-2 sr^-1 um^-1: a number or the CSV file of a curve"),
               &PathSettings::radiance},
-        Field{optional_row("air_temperature", temperature, "K", 0.0, 1e9, "\"288 K\"",
+        Field{optional_row("air_temperature", temperature, "K", 0.0, kMostTemperature_k, "\"288 K\"",
                            "of air that absorbs: it emits 1 - transmission of a blackbody"),
               &PathSettings::air_temperature_k},
         Field{optional_row("table", "\"path.csv\"",
@@ -123,12 +126,12 @@ struct OpticsSettings {
         Field{optional_row("emissivity", 0.0, 1.0, "0.1", "of the warm optics"), &OpticsSettings::emissivity},
         Field{optional_row("obscuration_emissivity", 0.0, 1.0, "0.9", "of the back of the obscuration"),
               &OpticsSettings::obscuration_emissivity},
-        Field{optional_row("temperature", temperature, "K", 0.0, 1e9, "\"293 K\"",
+        Field{optional_row("temperature", temperature, "K", 0.0, kMostTemperature_k, "\"293 K\"",
                            "of the warm optics; without it they do not glow"),
               &OpticsSettings::temperature_k},
         Field{optional_row("stop_emissivity", 0.0, 1.0, "1.0", "of what surrounds the cone of light"),
               &OpticsSettings::stop_emissivity},
-        Field{optional_row("stop_temperature", temperature, "K", 0.0, 1e9, "\"77 K\"",
+        Field{optional_row("stop_temperature", temperature, "K", 0.0, kMostTemperature_k, "\"77 K\"",
                            "of what surrounds the cone of light"),
               &OpticsSettings::stop_temperature_k},
         Field{optional_row("stop_band", "\"response\"",

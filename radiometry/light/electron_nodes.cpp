@@ -87,6 +87,9 @@ BandResponse::RatePoints BandResponse::rate_points(int n, std::optional<double> 
     points.rate[i] *= std::exp(log_rate[i] - points.log_largest);
     points.sum += points.rate[i];
   }
+  if (!log_rate.empty() && !std::isfinite(points.log_largest))
+    throw mtf::UsageError("a source of " + mtf::format_double(*temperature_k) + " K sends no photons from " +
+                          describe(range_) + "; give it a temperature at which it does");
   if (!(points.sum > 0.0))
     throw mtf::UsageError(
         "no electrons to weigh wavelengths by: the curves of the path, the optics and the detector "

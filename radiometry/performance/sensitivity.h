@@ -196,10 +196,11 @@ struct BudgetRow {
   std::string name, unit;
   double value = 0.0;
   std::string doc;
-  std::string refused{};  ///< why there is no value, "" where there is one
+  std::string refused{};   ///< why there is no value, "" where there is one
+  bool saturated = false;  ///< no value since the pixel or the converter is full
 };
-/// True for a row without a value since the pixel or the converter is full.
-inline bool is_saturated(const BudgetRow& row) { return row.refused.starts_with("saturated"); }
+/// True for a figure of that budget without a value since the pixel or the converter is full.
+bool is_saturated(const Budget<double>& budget, double value);
 /// Why a figure of that budget has no finite value, "" where it has one.
 std::string refusal_of(const Budget<double>& budget, double value);
 /// All of the budget in the order of the physics; the NETDs in mK, the dynamic range in dB.
