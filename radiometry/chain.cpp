@@ -24,7 +24,7 @@ mtf::Image crop(const mtf::Image& map, const char* what, const FocalPlane& detec
   return part;
 }
 
-/// Multiplies the factors of the places that have their own.
+/// factors *= map; an empty image stands for factors of 1.
 void multiply(mtf::Image& factors, mtf::Image&& map) {
   if (map.size() == 0) return;
   if (factors.size() == 0)
@@ -73,7 +73,7 @@ void require_consistent(const mtf::System<double>& system, const Sensor& sensor)
   const bool well = std::isfinite(s.detector->full_well_e);
   if (s.nonlinearity && !well) refuse("[nonlinearity]", "needs detector.full_well, which its coefficients refer to");
   if (s.blooming && !well) refuse("[blooming]", "needs detector.full_well, above which charge spills");
-  if (s.correction && !well) refuse("[correction]", "needs detector.full_well, of which its levels are parts");
+  if (s.correction && !well) refuse("[correction]", "needs detector.full_well, of which low and high are parts");
   if (s.detector->capacitance_f.has_value() != s.detector->temperature_k.has_value())
     refuse("[detector]", "capacitance and temperature go together; they give the reset noise");
   if (s.detector->capacitance_f && s.detector->reset_e > 0.0)
@@ -87,7 +87,7 @@ void require_response(const Sensor& sensor) {
     refuse(detector, "0, so that no light makes electrons; give the electrons per photon, for example 0.75");
   const SceneBand all = scene_band(sensor.curves);
   std::string names;
-  const auto look = [&](const char* key, const std::vector<Spectrum>& curves) {
+  const auto check = [&](const char* key, const std::vector<Spectrum>& curves) {
     for (const Spectrum& curve : curves) {
       names += (names.empty() ? "" : ", ") + curve.source;
       try {
@@ -99,9 +99,9 @@ void require_response(const Sensor& sensor) {
                       ", so that no light makes electrons; check its values, and that its wavelengths are in um");
     }
   };
-  look(detector, sensor.curves.quantum_efficiency);
-  look("optics.transmission", sensor.curves.optics);
-  look("optics.cold_transmission", sensor.curves.cold_filter);
+  check(detector, sensor.curves.quantum_efficiency);
+  check("optics.transmission", sensor.curves.optics);
+  check("optics.cold_transmission", sensor.curves.cold_filter);
   if (names.empty() || BandResponse(all.band, all.curves).integral() > 0.0) return;
   refuse(sensor.curves.quantum_efficiency.empty() ? "optics.transmission" : detector,
          "the curves " + names + " multiply to 0 everywhere in the band of " + describe(all.band) +

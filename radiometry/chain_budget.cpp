@@ -30,7 +30,7 @@ SpectralNumbers<double> spectral_numbers(const Sensor& sensor, double temperatur
   constant("path.transmission", path.transmission, 1.0);
   constant("path.radiance", path.radiance, std::numeric_limits<double>::max());
   const double* air = numbers.find("path.air_temperature");
-  if (settings.path && (air != nullptr || settings.path->air_temperature_k)) {  // what air takes it emits
+  if (settings.path && (air != nullptr || settings.path->air_temperature_k)) {  // air emits what it absorbs
     const Path absorbing = absorbing_path(path.transmission, air != nullptr ? *air : *settings.path->air_temperature_k);
     path.emissivity = absorbing.emissivity;
     path.air_temperature_k = absorbing.air_temperature_k;
@@ -89,14 +89,14 @@ std::vector<std::string> budget_notes(const Sensor& sensor) {
 
 Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor, double temperature_k) {
   require_consistent(system, sensor);
-  pixel_of(system, sensor);  // that there is a [detector]
+  pixel_of(system, sensor);  // throws where there is no [detector]
   return sensor_budget(system, budget_settings(sensor), spectral_numbers(sensor, temperature_k),
                        flicker_rms_e(system, sensor.settings));
 }
 
 double flicker_rms_e(const mtf::System<double>& system, const SensorSettings& settings) {
   if (!settings.flicker) return 0.0;
-  // Without a format, that of a common detector: 1/f noise grows with the logarithm of its size.
+  // A sensor without a format gets that of a common detector: 1/f noise grows with the logarithm of the size only.
   const std::int64_t columns = system.frame.columns > 0 ? system.frame.columns : 640;
   const std::int64_t rows = system.frame.rows > 0 ? system.frame.rows : 512;
   return std::sqrt(flicker_variance(*settings.flicker, columns, rows));

@@ -32,7 +32,7 @@ struct StageWords {
   std::string what;
 };
 
-/// A row of the table of stages. A stage that is left out, in words, is not run.
+/// A row of the table of stages. A stage that its words leave out does not run.
 struct StageRow {
   /// The stages that run together: a part ends where the output may be taken or the positions of [microscan] begin or
   /// end.

@@ -13,7 +13,7 @@ namespace {
 
 using Part = StageRow::Part;
 
-/// Radiance at the detector's samples to irradiance on them.
+/// Turns the radiance of the detector's samples into the irradiance on them.
 void cast_on_detector(FrameRun& run, mtf::Image& image) {
   const CompiledChain& chain = run.chain;
   multiply_add(image, {.number = irradiance(chain.camera, 1.0)}, {.number = 0.0}, run.threads);
@@ -25,7 +25,7 @@ void cast_on_detector(FrameRun& run, mtf::Image& image) {
   run.lap("irradiance");
 }
 
-/// One frame of the detector from radiance to an output stage.
+/// Takes one frame of the detector from radiance to an output stage.
 void run_detector(FrameRun& run, mtf::Image& image, OutputStage stage) {
   run.counter.begin(image);
   run.run(Part::detector, image);
@@ -35,7 +35,7 @@ void run_detector(FrameRun& run, mtf::Image& image, OutputStage stage) {
   if (stage == OutputStage::display) run.run(Part::correction, image);
 }
 
-/// The frames of the positions of [microscan], put together.
+/// Runs the frames of the positions of [microscan] and puts them together.
 void run_positions(FrameRun& run, mtf::Image& image, const Microscan& scan, OutputStage stage) {
   const double border = run.border;
   const NoiseKey key = run.key;

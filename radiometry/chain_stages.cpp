@@ -14,7 +14,7 @@ namespace {
 
 using System = mtf::System<double>;
 
-/// A stage is on where there is something to say of it.
+/// The words of a stage that is on where it has something to say.
 StageWords said(std::string what, const std::string& otherwise) {
   if (what.empty()) return {false, otherwise};
   return {true, std::move(what)};

@@ -16,7 +16,7 @@ FocalPlane focal_plane_of(const CompiledChain& chain, const mtf::SampleGrid& gri
   return on_grid(chain.detector, chain.origin, grid.width, grid.height, grid.step_x_um, grid.step_y_um);
 }
 
-/// Runs a limit of the charge and counts the pixels that it holds. Limit: fill_well or above_well.
+/// Limits the charge and counts the pixels that are held. `limit` is fill_well or above_well.
 template <class Limit>
 void hold_well(FrameRun& run, mtf::Image& image, const Limit& limit) {
   const HeldCounter::Counts held = run.counter.run(image, [&](mtf::ImageView<float> electrons) {
@@ -27,7 +27,7 @@ void hold_well(FrameRun& run, mtf::Image& image, const Limit& limit) {
   run.frame.held_defects.full_well += held.stuck.high;
 }
 
-/// Where no flat frames can be had, a tenth of the scene or more may be saturated as well: the message names both.
+/// Where no flat frames can be made, a tenth of the scene or more may be saturated as well; the message names both.
 const TwoPoint& correction_of(const FrameRun& run) {
   try {
     return run.chain.correction(run.threads);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a sensor file says of everything but the OTF: one value type for each of its tables, in the order in which the
-// physics takes them. A table that is not there is a stage that is not there.
+// What a sensor file says of everything but the OTF: one value type for each of its tables, in the order of the chain.
+// A stage whose table is missing is left out.
 
 #include <optional>
 #include <vector>
@@ -48,8 +48,9 @@ struct FrameSettings {
 /// Rows added to [scene]: what its values stand for.
 struct SceneSettings {
   NumberOrFile emissivity{1.0};
-  std::optional<double> surroundings_k{};        ///< reflected by what does not emit
-  std::optional<double> source_temperature_k{};  ///< whose spectrum a scene given in a band has; else even in photons
+  std::optional<double> surroundings_k{};  ///< reflected by what does not emit
+  std::optional<double>
+      source_temperature_k{};  ///< whose spectrum a scene given in a band has; else constant in photons
   ChannelName emissivity_channel{}, depth_channel{};
   Negative negative = Negative::refuse;
 
@@ -106,7 +107,7 @@ struct PathSettings {
 /// Rows added to [optics].
 struct OpticsSettings {
   NumberOrFile transmission{1.0};
-  NumberOrFile cold_transmission{1.0};  ///< of what lies behind the cold stop
+  NumberOrFile cold_transmission{1.0};  ///< of what lies between cold stop and detector
   double emissivity = 0.0;              ///< of the warm optics
   double obscuration_emissivity = 0.0;
   double temperature_k = 0.0;
@@ -291,7 +292,7 @@ struct SensorSettings {
 /// The tables that a sensor file may hold, for mtf::io::load_config.
 std::vector<mtf::TableInfo> sensor_tables();
 
-/// The tables that one does hold.
+/// The settings of the tables that a sensor file holds.
 SensorSettings sensor_settings(const std::vector<mtf::SettingsTable>& tables);
 
 }  // namespace radiometry

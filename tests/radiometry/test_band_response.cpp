@@ -16,7 +16,7 @@ namespace {
 
 using test::expect_refused;
 
-/// By brute force: 64 panels of 32 nodes on every piece of the wavelength.
+/// The integral by brute force: 64 panels of 32 nodes on every piece of the wavelength.
 template <class F>
 double slow_integral(const Interval& range, std::span<const Spectrum> curves, F f) {
   const std::vector<double> grid = union_grid(range, curves);

@@ -71,7 +71,7 @@ TEST(Chain, AFlatSceneHasTheVarianceOfTheBudget) {
   for (const double s : sum) spatial += std::pow(s / frames - mean, 2) / static_cast<double>(sum.size() - 1);
   const double dof = (frames - 1.0) * static_cast<double>(sum.size());
   EXPECT_LT(std::abs(chi2 / dof - 1.0), kMostSigmas * std::sqrt(2.0 / dof));
-  // What stays of the temporal noise in a mean of frames is known; 575 pixels.
+  // The temporal noise that is left in a mean of frames is known; 575 pixels.
   const double expected = std::pow(budget.spatial_e, 2) + std::pow(budget.temporal_e, 2) / frames;
   EXPECT_LT(std::abs(spatial / expected - 1.0), kMostSigmas * std::sqrt(2.0 / 575.0));
   EXPECT_LT(std::abs(mean - budget.signal.total_e()), kMostSigmas * std::sqrt(expected / 576.0));
@@ -152,7 +152,7 @@ TEST(Chain, SameBitsForAnyThreadsAndSameNoiseForAnyRegion) {
   EXPECT_FALSE(std::equal(one.data(), one.data() + one.size(), next.data()));
 }
 
-// Readout filters shape the signal and its shot noise, not the read noise behind them.
+// Readout filters shape the signal and its shot noise, not the read noise, which comes after them.
 TEST(Chain, ReadoutFiltersShotNoiseButNotReadNoise) {
   mtf::System<double> system = mwir_system();
   auto crosstalk = mtf::Component<double>::make("crosstalk");
@@ -189,7 +189,7 @@ TEST(Chain, The3dNoiseThatIsPutInIsMeasured) {
   EXPECT_NEAR(found.th, put.th, 0.03 * put.th);
 }
 
-// Two flat scenes 1 K apart: the step of the mean over the noise is what the budget calls NETD.
+// Two flat scenes 1 K apart: the noise over the step of the mean is the NETD of the budget.
 TEST(Chain, TheNetdThatIsMeasuredIsThatOfTheBudget) {
   Sensor sensor = noisy_sensor();
   sensor.settings.nonuniformity.reset();
