@@ -24,7 +24,7 @@ using Rows = std::vector<radiometry::BudgetRow>;
 std::string reasons(const Rows& rows) {
   std::vector<std::pair<std::string, std::string>> found;  // reason, names
   for (const auto& row : rows) {
-    if (row.refused.empty() || is_saturated(row)) continue;
+    if (row.refused.empty() || row.saturated) continue;
     const auto same = std::find_if(found.begin(), found.end(), [&](const auto& f) { return f.first == row.refused; });
     if (same == found.end())
       found.emplace_back(row.refused, row.name);
@@ -40,7 +40,7 @@ std::string as_table(const Rows& rows, const radiometry::Saturation& saturation)
   TextTable table({"term", "value", "unit", "what it is"});
   for (const auto& row : rows)
     table.add({row.name,
-               is_saturated(row)          ? "saturated"
+               row.saturated              ? "saturated"
                : std::isfinite(row.value) ? significant(row.value, 7)
                                           : "-",
                row.unit, row.doc});

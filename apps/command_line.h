@@ -50,9 +50,10 @@ OptionSpec& add_file(Command& command, const std::string& name, const std::strin
 void add_flag(Command& command, const std::string& names, const std::string& doc, bool& target);
 
 template <class T, std::size_t N>
-void add_choice(Command& command, const std::string& name, const std::string& type, const std::string& doc,
+void add_choice(Command& command, const std::string& names, const std::string& type, const std::string& doc,
                 const std::array<std::pair<std::string_view, T>, N>& words, T& target) {
-  add_word(command, name, type, doc,
+  const std::string name = names.substr(0, names.find(','));
+  add_word(command, names, type, doc,
            [&words, &target, name](const std::string& text) { target = choice(name, text, words); });
 }
 

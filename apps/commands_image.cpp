@@ -63,11 +63,11 @@ Command simulate_command() {
   add_text(app, "--report", "FILE", "what was done, how exactly and how fast, as JSON", options.report);
   add_channel_choice(app, options.channel, options.layer, options.part);
   add_word(app, "--tolerance", "X", "rms error allowed; default 1e-4", set_tolerance(options.tolerance));
-  add_choice(
-      app, "--tap", "PLACE",
-      "of a sensor with [detector]: radiance, irradiance, electrons, dn (counts) or display; default: the end of "
-      "its chain",
-      kOutputStages, options.stage);
+  add_choice(app, "--stage,--tap", "STAGE",
+             "whose output is wanted, of a sensor with [detector]: radiance, irradiance, electrons, dn (counts) or "
+             "display; default: the end of "
+             "its chain",
+             kOutputStages, options.stage);
   add_choice(app, "--nan", "POLICY", "NaN and infinite pixels: refuse (default), fill or propagate", kNan, options.nan);
   add_flag(app, "--explain", "show what the plan left out, merged and chose", options.explain);
   add_choice(app, "--rigor", "RIGOR", "estimate (default, reproducible) or measure (times candidates first)", kRigor,

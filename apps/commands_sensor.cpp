@@ -5,6 +5,7 @@
 #include "apps/command_line.h"
 #include "apps/commands.h"
 #include "mtf/error.h"
+#include "radiometry/sensor_settings.h"
 
 namespace apps {
 namespace {
@@ -56,8 +57,7 @@ Command budget_command() {
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
   add_word(app, "--temperature", "K", "of the surface; default 300", [&](const std::string& text) {
     options.temperature_k = number("--temperature", text);
-    constexpr double kMost_k = 1e9;  // as temperatures in sensor files
-    if (!(options.temperature_k >= 0.0 && options.temperature_k <= kMost_k))
+    if (!(options.temperature_k >= 0.0 && options.temperature_k <= radiometry::kMostTemperature_k))
       throw mtf::UsageError("--temperature " + text + ": a temperature in K is from 0 to 1e9");
   });
   add_format(app, "table (default), csv or json", options.format);

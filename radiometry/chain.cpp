@@ -24,7 +24,7 @@ mtf::Image crop(const mtf::Image& map, const char* what, const FocalPlane& detec
   return part;
 }
 
-/// Multiplies the factors of the places that have their own.
+/// factors *= map; an empty image stands for factors of 1.
 void multiply(mtf::Image& factors, mtf::Image&& map) {
   if (map.size() == 0) return;
   if (factors.size() == 0)
@@ -50,7 +50,6 @@ void refuse(const char* where, const std::string& why) { throw mtf::UsageError(s
 void require_consistent(const mtf::System<double>& system, const Sensor& sensor) {
   const SensorSettings& s = sensor.settings;
   if (!s.detector) return;
-  require_response(sensor);
   camera_of(system, sensor);
   stop_range(sensor.curves, s.optics.value_or(OpticsSettings{}).stop_band);
   const Pixel<double> pixel = pixel_of(system, sensor);
@@ -74,7 +73,7 @@ void require_consistent(const mtf::System<double>& system, const Sensor& sensor)
   const bool well = std::isfinite(s.detector->full_well_e);
   if (s.nonlinearity && !well) refuse("[nonlinearity]", "needs detector.full_well, which its coefficients refer to");
   if (s.blooming && !well) refuse("[blooming]", "needs detector.full_well, above which charge spills");
-  if (s.correction && !well) refuse("[correction]", "needs detector.full_well, of which its levels are parts");
+  if (s.correction && !well) refuse("[correction]", "needs detector.full_well, of which low and high are parts");
   if (s.detector->capacitance_f.has_value() != s.detector->temperature_k.has_value())
     refuse("[detector]", "capacitance and temperature go together; they give the reset noise");
   if (s.detector->capacitance_f && s.detector->reset_e > 0.0)
@@ -88,7 +87,7 @@ void require_response(const Sensor& sensor) {
     refuse(detector, "0, so that no light makes electrons; give the electrons per photon, for example 0.75");
   const SceneBand all = scene_band(sensor.curves);
   std::string names;
-  const auto look = [&](const char* key, const std::vector<Spectrum>& curves) {
+  const auto check = [&](const char* key, const std::vector<Spectrum>& curves) {
     for (const Spectrum& curve : curves) {
       names += (names.empty() ? "" : ", ") + curve.source;
       try {
@@ -100,9 +99,9 @@ void require_response(const Sensor& sensor) {
                       ", so that no light makes electrons; check its values, and that its wavelengths are in um");
     }
   };
-  look(detector, sensor.curves.quantum_efficiency);
-  look("optics.transmission", sensor.curves.optics);
-  look("optics.cold_transmission", sensor.curves.cold_filter);
+  check(detector, sensor.curves.quantum_efficiency);
+  check("optics.transmission", sensor.curves.optics);
+  check("optics.cold_transmission", sensor.curves.cold_filter);
   if (names.empty() || BandResponse(all.band, all.curves).integral() > 0.0) return;
   refuse(sensor.curves.quantum_efficiency.empty() ? "optics.transmission" : detector,
          "the curves " + names + " multiply to 0 everywhere in the band of " + describe(all.band) +
@@ -158,10 +157,10 @@ std::optional<double> adc_tolerance(const mtf::System<double>& system, const Sen
 
 void require_output_stage(OutputStage stage, OutputStage last, bool has_converter) {
   if (stage > last)
-    throw mtf::UsageError("tap " + output_stage_name(stage) + ": this sensor has no such stage; its last one is " +
+    throw mtf::UsageError("stage " + output_stage_name(stage) + ": this sensor has none such; its last one is " +
                           output_stage_name(last));
   if (stage == OutputStage::dn && !has_converter)
-    throw mtf::UsageError("tap dn: this sensor has no [adc], so no counts");
+    throw mtf::UsageError("stage dn: this sensor has no [adc], so no counts");
 }
 
 OutputStage last_output_stage(const mtf::System<double>& system, const Sensor& sensor) {
@@ -194,19 +193,27 @@ int samples_a_pitch(const Sensor& sensor) {
 Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin,
              int threads, const Chain* before) {
   const SensorSettings& s = sensor.settings;
-  auto impl = std::make_shared<Impl>(plan);
-  impl->last = last_output_stage(system, sensor);
-  impl->camera = camera_of(system, sensor);
-  impl->pixel = pixel_of(system, sensor);
+  if (plan.readout.has_value() == system.list(mtf::Stage::readout).empty() ||
+      plan.post.has_value() == system.list(mtf::Stage::postsample).empty())
+    refuse("the plan of a chain",
+           "made for other filters than [[readout]] and [[postsample]] of its sensor; compile "
+           "it from the same system, with PlanOptions::separate_readout");
+  auto compiled = std::make_shared<CompiledChain>(plan);
+  compiled->last = last_output_stage(system, sensor);
+  compiled->camera = camera_of(system, sensor);
+  compiled->pixel = pixel_of(system, sensor);
   require_consistent(system, sensor);
-  impl->settings = s;
-  impl->seed = s.noise ? static_cast<std::uint64_t>(s.noise->seed) : 0;
-  impl->origin = origin;
-  if (s.adc) impl->adc = adc_of(sensor);
-  if (s.nonlinearity) impl->response.emplace(*s.nonlinearity, impl->pixel.full_well_e);
-  impl->frame_time_s = s.frame ? s.frame->frame_time_s.value_or(impl->pixel.integration_s) : impl->pixel.integration_s;
-  impl->read_e = std::hypot(s.detector->read_e, reset_e_of(*s.detector), s.detector->other_e);
-  impl->gain = radiometry::electrons_per_radiance(impl->camera, impl->pixel);
+  require_response(sensor);
+  compiled->stages = stages_to_run(system, sensor);
+  compiled->settings = s;
+  compiled->seed = s.noise ? static_cast<std::uint64_t>(s.noise->seed) : 0;
+  compiled->origin = origin;
+  if (s.adc) compiled->adc = adc_of(sensor);
+  if (s.nonlinearity) compiled->response.emplace(*s.nonlinearity, compiled->pixel.full_well_e);
+  compiled->frame_time_s =
+      s.frame ? s.frame->frame_time_s.value_or(compiled->pixel.integration_s) : compiled->pixel.integration_s;
+  compiled->read_e = std::hypot(s.detector->read_e, reset_e_of(*s.detector), s.detector->other_e);
+  compiled->gain = radiometry::electrons_per_radiance(compiled->camera, compiled->pixel);
 
   const int cores = mtf::threads_of(threads), steps = samples_a_pitch(sensor);
   const std::int64_t width = plan.out().width / steps, height = plan.out().height / steps;
@@ -214,22 +221,23 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
     refuse("[microscan]", "the image is not a whole number of " + std::to_string(steps) + " x " +
                               std::to_string(steps) + " positions; give frame.format, or a scene of whole pitches");
   require_on_detector(origin, width, height);
-  impl->detector = focal_plane(system.frame.columns > 0 ? system.frame.columns : origin.x + width,
-                               system.frame.rows > 0 ? system.frame.rows : origin.y + height, system.frame.pitch_x_um,
-                               system.frame.pitch_y_um, s.axis.value_or(OpticalAxis{}));
+  compiled->detector = focal_plane(system.frame.columns > 0 ? system.frame.columns : origin.x + width,
+                                   system.frame.rows > 0 ? system.frame.rows : origin.y + height,
+                                   system.frame.pitch_x_um, system.frame.pitch_y_um, s.axis.value_or(OpticalAxis{}));
 
   const OpticsSettings warm = s.optics.value_or(OpticsSettings{});
   const BandRadiances<double> radiances = band_radiances(sensor.curves, {.temperature_k = 0.0}, {}, emission_of(warm));
-  const Signal<double> background = signal(
-      impl->camera, impl->pixel, {.scene = 0.0, .path = 0.0, .optics = radiances.optics, .stop = radiances.stop});
+  const Signal<double> background =
+      signal(compiled->camera, compiled->pixel,
+             {.scene = 0.0, .path = 0.0, .optics = radiances.optics, .stop = radiances.stop});
 
   const auto detector_map = [&](const std::shared_ptr<const mtf::Image>& whole, const char* what) {
-    return whole ? crop(*whole, what, impl->detector, origin, width, height) : mtf::Image();
+    return whole ? crop(*whole, what, compiled->detector, origin, width, height) : mtf::Image();
   };
   if (s.vignetting) {
     const mtf::Image given = detector_map(sensor.vignetting, "vignetting.map");
-    impl->corners = mtf::Image(width, height);
-    vignetting_map(impl->corners.view(), *s.vignetting, impl->detector, system.frame.focal_length_mm, origin,
+    compiled->corners = mtf::Image(width, height);
+    vignetting_map(compiled->corners.view(), *s.vignetting, compiled->detector, system.frame.focal_length_mm, origin,
                    given.view());
   }
   mtf::Image responsivity, offset;
@@ -237,33 +245,34 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
     responsivity = detector_map(sensor.responsivity, "nonuniformity.responsivity");
     if (responsivity.size() == 0 && unequal->prnu > 0.0) {
       responsivity = mtf::Image(width, height);
-      responsivity_map(responsivity.view(), unequal->prnu, impl->seed, origin, cores);
+      responsivity_map(responsivity.view(), unequal->prnu, compiled->seed, origin, cores);
     }
     offset = detector_map(sensor.offset, "nonuniformity.offset");
     if (offset.size() == 0 && unequal->dsnu_e > 0.0) {
       offset = mtf::Image(width, height);
-      offset_map(offset.view(), unequal->dsnu_e, impl->seed, origin, cores);
+      offset_map(offset.view(), unequal->dsnu_e, compiled->seed, origin, cores);
     }
   }
-  impl->offset = std::move(offset);
+  compiled->offset = std::move(offset);
 
-  mtf::Image seen = impl->corners.clone(), around;
+  mtf::Image seen = compiled->corners.clone(), around;
   multiply(seen, responsivity.clone());
-  impl->light = factor_of(impl->gain, seen, 0.0);
+  compiled->light = factor_of(compiled->gain, seen, 0.0);
   if (s.narcissus) {
     around = mtf::Image(width, height);
-    narcissus_map(around.view(), *s.narcissus, impl->detector, origin);
+    narcissus_map(around.view(), *s.narcissus, compiled->detector, origin);
     for (float& missing : std::span(around.data(), static_cast<std::size_t>(around.size()))) missing = 1.0F - missing;
   }
   multiply(around, std::move(responsivity));
-  impl->glow = factor_of(background.optics_e + background.stop_e, around, background.dark_e);
+  compiled->glow = factor_of(background.optics_e + background.stop_e, around, background.dark_e);
 
-  if (s.defects) impl->defects = find_defects(width, height, *s.defects, impl->seed, origin);
-  if (s.blinking) impl->blinking = find_blinking(width, height, *s.blinking, impl->seed, origin);
-  if (before != nullptr) impl->corrected_by = before->impl_->corrected_by ? before->impl_->corrected_by : before->impl_;
-  impl_ = std::move(impl);
+  if (s.defects) compiled->defects = find_defects(width, height, *s.defects, compiled->seed, origin);
+  if (s.blinking) compiled->blinking = find_blinking(width, height, *s.blinking, compiled->seed, origin);
+  if (before != nullptr)
+    compiled->corrected_by = before->compiled_->corrected_by ? before->compiled_->corrected_by : before->compiled_;
+  compiled_ = std::move(compiled);
 }
 
-double Chain::electrons_per_radiance() const { return impl_->gain; }
+double Chain::electrons_per_radiance() const { return compiled_->gain; }
 
 }  // namespace radiometry

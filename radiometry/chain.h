@@ -10,9 +10,10 @@
 //     -> offsets, read, 1/f, row, column, 3-D noise                                           stage `electrons`
 //     -> gain, offset, rounding, saturation                                                   stage `dn`
 //     -> two-point correction, bad pixels -> postsample filters -> automatic gain, polarity   stage `display`
-// Each stage is a free function on one frame; chain_run.cpp is where their order stands. A stage whose table is not in
-// the sensor file is not called; nothing after the stage is. With [microscan] the sampling is finer than the pitch: the
-// stages from `shutter` to the correction run for each position, and the frames are put together.
+// Each stage is a free function on one frame, and a row of the table in chain_stages.cpp. A stage whose table is not in
+// the sensor file does not run, nor do the stages after the one whose output is wanted. With [microscan] the sampling
+// is finer than the pitch: the stages from `shutter` to the correction run for each position, and the frames are put
+// together.
 
 #include <memory>
 #include <string>
@@ -26,7 +27,7 @@
 
 namespace radiometry {
 
-/// A sensor with all that the files named in its settings hold.
+/// A sensor, with the contents of the files that its settings name.
 struct Sensor {
   SensorSettings settings;
   SpectralCamera curves;                                      ///< band, and the curves that were given as files
@@ -39,43 +40,45 @@ struct Sensor {
 /// Throws UsageError for settings that need or exclude each other: what no table can say by itself.
 void require_consistent(const mtf::System<double>& system, const Sensor& sensor);
 
-/// Throws UsageError for a detector or for curves that make no electrons of any light in the band.
+/// Throws UsageError for a detector or for curves that make no electrons of any light in the band. Whoever reads the
+/// curves from files checks them so.
 void require_response(const Sensor& sensor);
 
-/// Camera and pixel of a sensor as the camera equation takes them. What a curve gives is 1 there. Throws UsageError for
-/// what is missing: an f-number, an integration time, [detector]; and as cone_sr.
+/// Camera and pixel of a sensor as the camera equation takes them. A factor that is given as a curve is 1 there. Throws
+/// UsageError where an f-number, an integration time or [detector] is missing, and as cone_sr.
 Camera<double> camera_of(const mtf::System<double>& system, const Sensor& sensor);
 Pixel<double> pixel_of(const mtf::System<double>& system, const Sensor& sensor);
-/// Converter of a sensor with [adc]. Throws UsageError when it has neither electrons_per_count nor a full well.
+/// The converter of a sensor with [adc]. Throws UsageError when it has neither electrons_per_count nor a full well.
 Adc adc_of(const Sensor& sensor);
 
-/// Samples a pitch that plans are to be compiled with: the steps of [microscan], else 1.
+/// The number of samples a pitch that plans have to be compiled with: the steps of [microscan], or 1 without.
 int samples_a_pitch(const Sensor& sensor);
 
-/// Throws UsageError for a place that a sensor whose last one is `last` does not have.
+/// Throws UsageError for a stage that a sensor whose last one is `last` does not have.
 void require_output_stage(OutputStage stage, OutputStage last, bool has_converter);
 
-/// The last place that a sensor has: display where anything follows the converter, dn with [adc], else electrons.
+/// The last output stage of a sensor: display where anything follows the converter, dn with [adc], else electrons.
 OutputStage last_output_stage(const mtf::System<double>& system, const Sensor& sensor);
-/// Where the camera has curves of the wavelength, radiance and irradiance are weighted by them: their quantity says so.
-/// Unit of its image at a stage: "ph.s^-1.m^-2.sr^-1", "ph.s^-1.m^-2", "e-", "counts", "levels"; and the quantity.
+/// The unit of the image of a sensor at a stage, "ph.s^-1.m^-2.sr^-1", "ph.s^-1.m^-2", "e-", "counts" or "levels" (of
+/// the display), and its quantity. Where the camera has curves of the wavelength, radiance and irradiance are weighted
+/// by them, and the name of the quantity says so.
 std::string_view output_unit(const Sensor& sensor, OutputStage stage);
 std::string_view output_quantity(const Sensor& sensor, OutputStage stage);
 
-/// One stage as a sensor file gives it, for people.
+/// One stage of the chain of a sensor, in words.
 struct ChainStage {
   std::string name;
   bool on = false;
-  std::string what;  ///< with numbers; for a stage that is off the table that would switch it on
+  std::string what;  ///< what it does, with numbers; of a stage that is off, the table that would switch it on
 };
 
-/// One frame that came out.
+/// One frame that has gone through the chain.
 struct ChainFrame {
   mtf::Image image;
-  Spilled spilled{};                                           ///< by [blooming]
-  Clipped well, adc;                                           ///< pixels held at the ends, whatever held them
-  HeldPixels held;                                             ///< the same by light: of pixels as they should be,
-  HeldPixels held_defects;                                     ///< of those defective, or blinking and high by now
+  Spilled spilled{};        ///< by [blooming]
+  Clipped well, adc;        ///< all pixels that are held at an end of the range
+  HeldPixels held;          ///< those that light has brought there
+  HeldPixels held_defects;  ///< those that are defective, or blinking in the high state
   std::vector<std::pair<std::string_view, double>> timing_ms;  ///< of the stages that ran, in their order
 };
 
@@ -86,23 +89,25 @@ struct ChainState {
   std::optional<std::uint32_t> last;  ///< number of the frame before
 };
 
-/// A sensor ready for frames of one size: what is the same in all of them is made once. Copies share; run() is const
+struct CompiledChain;
+
+/// A sensor ready for frames of one size: what is the same in all of them is made once. Copies share it; run() is const
 /// and re-entrant.
 class Chain {
  public:
-  /// `plan`: of `system` for scenes of weighted radiance, with PlanOptions::separate_readout and samples_a_pitch().
-  /// `origin`: the first pixel of the image on the detector, whose format is [frame] format, or what the image needs.
-  /// `before`: a chain of the same sequence; its two-point correction is this one's too, as that of a camera which was
-  /// corrected once. Throws UsageError for a sensor without [detector], for maps that do not cover the image, and for
-  /// settings that contradict each other.
+  /// `plan` is that of `system` for scenes of weighted radiance, with PlanOptions::separate_readout and
+  /// samples_a_pitch(). `origin` is the first pixel of the image on the detector, whose format is [frame] format, or as
+  /// large as the image needs. `before` is a chain of the same sequence, whose two-point correction this one takes, as
+  /// a camera is corrected once. Throws UsageError for a sensor without [detector], for a plan with other filters, for
+  /// maps that do not cover the image, and for settings that contradict each other.
   Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin = {},
         int threads = 0, const Chain* before = nullptr);
 
-  /// Measures now what the first image at that place would: before frames run at once.
+  /// Measures now what the first image at that stage would measure; call it before frames run in parallel.
   void prepare(OutputStage stage, int threads = 0) const;
-  /// The image at a stage of frame number `frame`. `radiance` is used up. `state`: of the sequence, whose frames come
-  /// in rising order (numbers left out are time that passes); without one a frame stands for itself. The first image of
-  /// a sensor with [correction] at `display` measures its flat frames, which takes 2 x frames of them. Throws
+  /// The image at a stage of frame number `frame`. `radiance` is used up. `state` is that of the sequence, whose frames
+  /// come in rising order (numbers left out are time that passes); without one a frame stands for itself. The first
+  /// image of a sensor with [correction] at `display` measures its flat frames, which takes 2 x frames of them. Throws
   /// UsageError for a stage beyond last_output_stage() and a plane of another size, RuntimeError as Plan::run.
   ChainFrame run(mtf::Image radiance, std::uint32_t frame, OutputStage stage, double border_value = 0.0,
                  int threads = 0, ChainState* state = nullptr) const;
@@ -111,25 +116,25 @@ class Chain {
   double electrons_per_radiance() const;
 
  private:
-  struct Impl;
-  std::shared_ptr<const Impl> impl_;
+  std::shared_ptr<const CompiledChain> compiled_;
 };
 
-/// The budget of a pixel on the axis that looks at a surface of that temperature (and of the emissivity that [scene]
-/// gives, its surroundings reflected) through the path: all that [detector], [nonuniformity], [noise], [noise_3d] and
-/// [adc] say, whether or not it is simulated, and what [correction] leaves of the spatial noise. Row, column and 3-D
-/// noise count as other and offset noise. Throws UsageError as camera_of, pixel_of and band_radiances.
+/// The budget of a pixel on the axis that sees a surface of that temperature (and of the emissivity that [scene] gives,
+/// its surroundings reflected) through the path. It counts all that [detector], [nonuniformity], [noise], [noise_3d]
+/// and [adc] say, whether or not it is simulated, and what [correction] leaves of the spatial noise. Row, column and
+/// 3-D noise count as other and offset noise. Throws UsageError as camera_of, pixel_of and band_radiances.
 Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor, double temperature_k);
 
-/// Rms of [flicker] over the detector, e-; 0 without.
+/// Rms of [flicker] over the detector, e-; 0 without it.
 double flicker_rms_e(const mtf::System<double>& system, const SensorSettings& settings);
 
-/// D* in cm sqrt(Hz) / W of that budget's temporal noise, at the middle of the band: the quantum efficiency there.
+/// D* in cm sqrt(Hz) / W of that budget's temporal noise, at the middle of the band and with the quantum efficiency
+/// there.
 double dstar_of(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget);
 /// The same as a row of the budget, which says the wavelength.
 BudgetRow dstar_row(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget);
 
-/// Every stage in its order, those that are off with the table that would switch them on.
+/// Every stage in its order; those that are off name the table that would switch them on.
 std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Sensor& sensor);
 
 /// The tolerance that a converter asks for: a tenth of a count, relative to a scene of standard deviation `std` in

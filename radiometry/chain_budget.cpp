@@ -30,7 +30,7 @@ SpectralNumbers<double> spectral_numbers(const Sensor& sensor, double temperatur
   constant("path.transmission", path.transmission, 1.0);
   constant("path.radiance", path.radiance, std::numeric_limits<double>::max());
   const double* air = numbers.find("path.air_temperature");
-  if (settings.path && (air != nullptr || settings.path->air_temperature_k)) {  // what air takes it emits
+  if (settings.path && (air != nullptr || settings.path->air_temperature_k)) {  // air emits what it absorbs
     const Path absorbing = absorbing_path(path.transmission, air != nullptr ? *air : *settings.path->air_temperature_k);
     path.emissivity = absorbing.emissivity;
     path.air_temperature_k = absorbing.air_temperature_k;
@@ -52,6 +52,18 @@ SensorSettings budget_settings(const Sensor& sensor) {
   return settings;
 }
 
+namespace {
+
+/// True where the mean of a map is the expected one: within 1e-3 of `scale`, or within the sampling error that the mean
+/// of so many independent pixels has.
+bool has_mean(const mtf::Image& map, const mtf::Statistics& measured, double expected, double scale) {
+  constexpr double kSigmas = 4.0;
+  const double sampling = kSigmas * measured.std / std::sqrt(static_cast<double>(map.size()));
+  return std::abs(measured.mean - expected) <= std::max(1e-3 * scale, sampling);
+}
+
+}  // namespace
+
 std::vector<std::string> budget_notes(const Sensor& sensor) {
   std::vector<std::string> notes;
   if (const auto& noise = sensor.settings.noise; noise && !noise->shot)
@@ -59,30 +71,32 @@ std::vector<std::string> budget_notes(const Sensor& sensor) {
         "[noise] shot = false leaves shot noise out of simulated frames; the budget counts it, as light and dark "
         "current have it whatever is simulated");
   if (sensor.responsivity) {
-    const double mean = mtf::statistics(sensor.responsivity->view()).mean;
-    if (!(std::abs(mean - 1.0) <= 1e-3))
-      notes.push_back("the mean of nonuniformity.responsivity is " + three_digits(mean) +
-                      "; the budget is that of a pixel whose factor is 1");
+    const mtf::Statistics factors = mtf::statistics(sensor.responsivity->view());
+    if (!has_mean(*sensor.responsivity, factors, 1.0, 1.0))
+      notes.push_back("the mean of nonuniformity.responsivity is " + three_digits(factors.mean) +
+                      "; the budget is that of a pixel whose factor is 1, and its prnu is the standard deviation of "
+                      "the factors, " +
+                      three_digits(factors.std) + ", not divided by their mean");
   }
   if (sensor.offset) {
     const mtf::Statistics offset = mtf::statistics(sensor.offset->view());
-    if (!(std::abs(offset.mean) <= 1e-3 * offset.std))
+    if (!has_mean(*sensor.offset, offset, 0.0, offset.std))
       notes.push_back("the mean of nonuniformity.offset is " + three_digits(offset.mean) +
-                      " e-, which the budget leaves out of the level at the converter");
+                      " e-, which the budget leaves out of the mean signal at the converter");
   }
   return notes;
 }
 
 Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor, double temperature_k) {
   require_consistent(system, sensor);
-  pixel_of(system, sensor);  // that there is a [detector]
+  pixel_of(system, sensor);  // throws where there is no [detector]
   return sensor_budget(system, budget_settings(sensor), spectral_numbers(sensor, temperature_k),
                        flicker_rms_e(system, sensor.settings));
 }
 
 double flicker_rms_e(const mtf::System<double>& system, const SensorSettings& settings) {
   if (!settings.flicker) return 0.0;
-  // Without a format, that of a common detector: 1/f noise grows with the logarithm of its size.
+  // A sensor without a format gets that of a common detector: 1/f noise grows with the logarithm of the size only.
   const std::int64_t columns = system.frame.columns > 0 ? system.frame.columns : 640;
   const std::int64_t rows = system.frame.rows > 0 ? system.frame.rows : 512;
   return std::sqrt(flicker_variance(*settings.flicker, columns, rows));
@@ -102,9 +116,12 @@ double dstar_of(const mtf::System<double>& system, const Sensor& sensor, const B
 
 BudgetRow dstar_row(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget) {
   const double dstar = dstar_of(system, sensor, budget);
-  return {"dstar", "cm Hz^1/2 W^-1", dstar,
+  return {"dstar",
+          "cm Hz^1/2 W^-1",
+          dstar,
           "D* at " + mtf::format_double(middle_um(sensor)) + " um, the middle of the band, temporal noise",
-          refusal_of(budget, dstar)};
+          refusal_of(budget, dstar),
+          is_saturated(budget, dstar)};
 }
 
 }  // namespace radiometry

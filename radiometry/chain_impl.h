@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The parts of a compiled chain (chain.h): what is the same for every frame is made once.
+// The inside of a compiled chain (chain.h): what is the same for every frame and is made once, one frame on its way
+// through the stages, and the table of the stages.
 
+#include <chrono>
 #include <mutex>
+#include <span>
 
 #include "radiometry/chain.h"
+#include "radiometry/stages/detector/held_counter.h"
 
 namespace radiometry {
 
@@ -20,10 +24,38 @@ struct Factor {
 /// image = gain x image + offset.
 void multiply_add(mtf::Image& image, const Factor& gain, const Factor& offset, int threads);
 
-struct Chain::Impl {
-  explicit Impl(mtf::SensorPlan filters) : plan(std::move(filters)) {}
+struct FrameRun;
+
+/// What a stage does with a sensor, or why the sensor leaves it out.
+struct StageWords {
+  bool on = false;
+  std::string what;
+};
+
+/// A row of the table of stages. A stage that its words leave out does not run.
+struct StageRow {
+  /// The stages that run together: a part ends where the output may be taken or the positions of [microscan] begin or
+  /// end.
+  enum class Part { optics, detector, conversion, correction, display };
+
+  std::string_view name;
+  Part part = Part::optics;
+  /// Null for a step that is always needed and that the rows before it describe.
+  StageWords (*words)(const mtf::System<double>& system, const Sensor& sensor) = nullptr;
+  /// Acts on a frame. Null where a later row has the effect of this one too.
+  void (*step)(FrameRun& run, mtf::Image& image) = nullptr;
+  std::string_view timing = name;  ///< name of its time in reports
+  bool in_sequence = false;        ///< acts only on the frames of a sequence
+};
+
+/// The rows that run for a sensor with [detector], in their order.
+std::vector<StageRow> stages_to_run(const mtf::System<double>& system, const Sensor& sensor);
+
+struct CompiledChain {
+  explicit CompiledChain(mtf::SensorPlan filters) : plan(std::move(filters)) {}
 
   mtf::SensorPlan plan;
+  std::vector<StageRow> stages;
   SensorSettings settings;
   OutputStage last = OutputStage::electrons;
   std::uint64_t seed = 0;
@@ -43,13 +75,29 @@ struct Chain::Impl {
   std::vector<DefectivePixel> defects;
   std::vector<BlinkingPixel> blinking;
 
-  struct Run;  ///< of one frame, chain_run.cpp
-  /// Measured when it is first needed, by the first chain of a sequence.
+  /// The maps of the two-point correction, measured by the first chain of a sequence when it first needs them.
   const TwoPoint& correction(int threads) const;
   TwoPoint measure(int threads) const;
-  std::shared_ptr<const Impl> corrected_by;  ///< the first chain of a sequence; null: this one
+  std::shared_ptr<const CompiledChain> corrected_by;  ///< the first chain of a sequence; null: this one
   mutable std::once_flag measured_once;
   mutable TwoPoint measured;
+};
+
+/// One frame on its way through the chain.
+struct FrameRun {
+  const CompiledChain& chain;
+  int threads;
+  NoiseKey key{};
+  ChainState* state = nullptr;      ///< of the sequence; null: the frame stands for itself
+  double border = 0.0;              ///< value of a constant border at this place of the chain
+  std::uint32_t frames_passed = 1;  ///< since the frame before; frames that were left out are time that has passed
+  ChainFrame frame{};
+  HeldCounter counter{};
+  std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
+
+  /// Notes the time since the last lap; times of a stage that runs for several positions add up.
+  void lap(std::string_view stage);
+  void run(StageRow::Part part, mtf::Image& image);
 };
 
 }  // namespace radiometry

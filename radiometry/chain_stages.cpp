@@ -1,14 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// The chain in words, for `mtf config explain` and reports.
+// The table of the stages of the chain, in the order of chain.h: a row has the name of a stage, what it does with a
+// sensor or why the sensor leaves it out (`mtf config explain` and reports), what it does to a frame (chain_steps.h)
+// and the name of its time.
 
 #include <cmath>
 #include <cstdio>
 
-#include "radiometry/chain.h"
+#include "radiometry/chain_steps.h"
 
 namespace radiometry {
 namespace {
+
+using System = mtf::System<double>;
+
+/// The words of a stage that is on where it has something to say.
+StageWords said(std::string what, const std::string& otherwise) {
+  if (what.empty()) return {false, otherwise};
+  return {true, std::move(what)};
+}
 
 std::string rounded(double value) {
   std::array<char, 32> text{};
@@ -16,6 +26,7 @@ std::string rounded(double value) {
   return text.data();
 }
 
+/// The values above 0 with their names, "" where there are none.
 std::string terms(std::initializer_list<std::pair<const char*, double>> list, const char* unit) {
   std::string text;
   for (const auto& [name, value] : list)
@@ -23,122 +34,250 @@ std::string terms(std::initializer_list<std::pair<const char*, double>> list, co
   return text;
 }
 
-std::string components(const mtf::System<double>& system, mtf::Stage stage) {
-  std::string text;
-  for (const auto& entry : system.list(stage)) text += (text.empty() ? "" : " x ") + entry.label;
-  return text;
+StageWords filters(const System& system, mtf::Stage stage) {
+  std::string labels;
+  for (const auto& entry : system.list(stage)) labels += (labels.empty() ? "" : " x ") + entry.label;
+  return said(labels, "no [[" + std::string(mtf::stage_name(stage)) + "]]");
 }
+template <mtf::Stage stage>
+StageWords filters(const System& system, const Sensor&) {
+  return filters(system, stage);
+}
+
+StageWords distortion(const System&, const Sensor& sensor) {
+  const auto& radial = sensor.settings.distortion;
+  if (!radial) return {false, "no [distortion]"};
+  return {true, "k1 " + rounded(radial->k1) + ", k2 " + rounded(radial->k2) + ", k3 " + rounded(radial->k3) +
+                    "; interpolation MTF at a quarter cycle a sample " + rounded(distortion_mtf(0.25))};
+}
+
+StageWords veiling_glare(const System&, const Sensor& sensor) {
+  const VeilingGlare glare = sensor.settings.glare.value_or(VeilingGlare{});
+  return said(terms({{"spread", glare.fraction}, {"added", glare.offset}}, "of the mean"), "no [veiling_glare]");
+}
+
+StageWords ghost(const System&, const Sensor& sensor) {
+  const auto& ghost = sensor.settings.ghost;
+  return said(ghost ? rounded(ghost->fraction) + " of the light, mirrored" : "", "no [ghost]");
+}
+
+StageWords light(const System& system, const Sensor& sensor) {
+  const Camera<double> camera = camera_of(system, sensor);
+  const bool weighted =
+      output_quantity(sensor, OutputStage::irradiance) != output_quantity({}, OutputStage::irradiance);
+  return {true, rounded(electrons_per_radiance(camera, pixel_of(system, sensor))) + " e- for 1 ph s^-1 m^-2 sr^-1" +
+                    (weighted ? ", weighted by the curves" : "") + "; cone of " + rounded(cone_sr(camera)) +
+                    " sr by the " + std::string(kConeNames[static_cast<std::size_t>(camera.cone)])};
+}
+
+StageWords vignetting(const System&, const Sensor& sensor) {
+  const auto& corners = sensor.settings.vignetting;
+  if (!corners) return {false, "no [vignetting]"};
+  if (sensor.vignetting) return {true, corners->map};
+  return {true, corners->cos4 ? "cos^4 of the field angle, and a polynomial" : "a polynomial"};
+}
+
+StageWords microscan(const System&, const Sensor& sensor) {
+  const auto& scan = sensor.settings.microscan;
+  return said(scan ? std::to_string(scan->positions()) + " positions" : "", "no [microscan]");
+}
+
+StageWords shutter(const System&, const Sensor& sensor) {
+  const auto& shutter = sensor.settings.shutter;
+  if (!shutter) return {false, "no [shutter]: global"};
+  if (shutter->kind != ShutterKind::rolling) return {false, "global"};
+  return {true, "rolling, " + rounded(shutter->line_time_s) + " s a row, over a sequence"};
+}
+
+OpticsSettings optics_of(const Sensor& sensor) { return sensor.settings.optics.value_or(OpticsSettings{}); }
+
+StageWords warm_optics(const System&, const Sensor& sensor) {
+  const OpticsSettings warm = optics_of(sensor);
+  return said(terms({{"emit at", warm.emissivity > 0.0 ? warm.temperature_k : 0.0}}, "K"),
+              "no temperature or emissivity in [optics]");
+}
+
+StageWords stop(const System&, const Sensor& sensor) {
+  const OpticsSettings warm = optics_of(sensor);
+  const std::string emits = terms({{"emits at", warm.stop_emissivity > 0.0 ? warm.stop_temperature_k : 0.0}}, "K");
+  if (emits.empty()) return {false, "no stop_temperature in [optics]"};
+  return {true,
+          emits + ", counted from " + describe(stop_range(sensor.curves, warm.stop_band)) + ", past the cold filter"};
+}
+
+StageWords narcissus(const System&, const Sensor& sensor) {
+  const auto& dark = sensor.settings.narcissus;
+  return said(dark ? rounded(dark->depth) + " of the background" : "", "no [narcissus]");
+}
+
+NonuniformitySettings nonuniformity_of(const Sensor& sensor) {
+  return sensor.settings.nonuniformity.value_or(NonuniformitySettings{});
+}
+
+StageWords responsivity(const System&, const Sensor& sensor) {
+  const NonuniformitySettings unequal = nonuniformity_of(sensor);
+  return said(sensor.responsivity ? unequal.responsivity : terms({{"prnu", unequal.prnu}}, "rms"),
+              "no prnu in [nonuniformity]");
+}
+
+StageWords dark_current(const System& system, const Sensor& sensor) {
+  const Pixel<double> pixel = pixel_of(system, sensor);
+  return said(terms({{"mean", pixel.dark_e_s * pixel.integration_s}}, "e-"), "no dark_current in [detector]");
+}
+
+StageWords lag(const System&, const Sensor& sensor) {
+  const auto& lag = sensor.settings.lag;
+  return said(lag ? rounded(lag->time_constant_s) + " s, over a sequence" : "", "no [lag]");
+}
+
+StageWords defects(const System&, const Sensor& sensor) {
+  const auto& defects = sensor.settings.defects;
+  return said(defects ? terms({{"dead", defects->dead_fraction}, {"hot", defects->hot_fraction}}, "of all") : "",
+              "no [defects]");
+}
+
+StageWords blinking(const System&, const Sensor& sensor) {
+  const auto& blinking = sensor.settings.blinking;
+  return said(blinking ? rounded(blinking->fraction) + " of all" : "", "no [blinking]");
+}
+
+StageWords shot_noise(const System&, const Sensor& sensor) {
+  const auto& noise = sensor.settings.noise;
+  if (!noise) return {false, "no [noise]"};
+  return said(noise->shot ? "Poisson" : "", "shot = false in [noise]");
+}
+
+std::string well_of(const Sensor& sensor) {
+  const double well_e = sensor.settings.detector->full_well_e;
+  return std::isfinite(well_e) ? rounded(well_e) + " e-" : "";
+}
+
+StageWords full_well(const System&, const Sensor& sensor) {
+  if (sensor.settings.blooming) return {false, "[blooming] takes its place"};
+  return said(well_of(sensor), "no full_well in [detector]");
+}
+
+StageWords blooming(const System&, const Sensor& sensor) {
+  return said(sensor.settings.blooming ? "above " + well_of(sensor) : "", "no [blooming]");
+}
+
+StageWords nonlinearity(const System&, const Sensor& sensor) {
+  const auto& bent = sensor.settings.nonlinearity;
+  return said(bent ? "a2 " + rounded(bent->a2) + ", a3 " + rounded(bent->a3) : "", "no [nonlinearity]");
+}
+
+StageWords offsets(const System&, const Sensor& sensor) {
+  const NonuniformitySettings unequal = nonuniformity_of(sensor);
+  return said(sensor.offset ? unequal.offset : terms({{"dsnu", unequal.dsnu_e}}, "e- rms"),
+              "no dsnu in [nonuniformity]");
+}
+
+StageWords read_noise(const System&, const Sensor& sensor) {
+  if (!sensor.settings.noise) return {false, "no [noise]"};
+  const DetectorSettings& detector = *sensor.settings.detector;
+  return said(
+      terms({{"read", detector.read_e}, {"reset", reset_e_of(detector)}, {"other", detector.other_e}}, "e- rms"),
+      "no read_noise in [detector]");
+}
+
+StageWords flicker(const System&, const Sensor& sensor) {
+  const auto& flicker = sensor.settings.flicker;
+  return said(flicker ? "corner at " + rounded(flicker->corner_cy_px) + " of the pixel clock" : "", "no [flicker]");
+}
+
+StageWords line_noise(const System&, const Sensor& sensor) {
+  const auto& noise = sensor.settings.noise;
+  if (!noise) return {false, "no [noise]"};
+  return said(terms({{"row", noise->row_e},
+                     {"column", noise->column_e},
+                     {"fixed row", noise->fixed_row_e},
+                     {"fixed column", noise->fixed_column_e}},
+                    "e- rms"),
+              "no row or column in [noise]");
+}
+
+StageWords noise_3d(const System&, const Sensor& sensor) {
+  const auto& cube = sensor.settings.noise_3d;
+  return said(cube ? terms({{"total", cube->total()}}, "e- rms") : "", "no [noise_3d]");
+}
+
+StageWords converter(const System&, const Sensor& sensor) {
+  if (!sensor.settings.adc) return {false, "no [adc]"};
+  const Adc adc = adc_of(sensor);
+  return {true, std::to_string(adc.bits) + " bits, " + rounded(adc.electrons_per_count) + " e- a count"};
+}
+
+StageWords two_points(const System&, const Sensor& sensor) {
+  const auto& correction = sensor.settings.correction;
+  if (!correction) return {false, "no [correction]"};
+  return {true, "two points, flats at " + rounded(correction->low) + " and " + rounded(correction->high) +
+                    " of full well, mean of " + std::to_string(correction->frames)};
+}
+
+StageWords agc(const System&, const Sensor& sensor) {
+  const auto& agc = sensor.settings.agc;
+  return said(agc ? "to " + rounded(agc->most_level) + " levels" : "", "no [agc]");
+}
+
+using enum StageRow::Part;
+
+// Light, vignetting and the rows from the warm optics to the dark current act in `collect`; Chain::run makes the
+// positions of `microscan`.
+constexpr std::array kChain{
+    StageRow{"distortion", optics, distortion, step::distort},
+    StageRow{"presample", optics, filters<mtf::Stage::presample>},
+    StageRow{"presample", optics, nullptr, step::sample},  // the pitch samples the image without a filter too
+    StageRow{"veiling glare", optics, veiling_glare, step::glare},
+    StageRow{"ghost", optics, ghost, step::ghost},
+    StageRow{"light", detector, light},
+    StageRow{"vignetting", detector, vignetting},
+    StageRow{"microscan", detector, microscan},
+    StageRow{.name = "shutter", .part = detector, .words = shutter, .step = step::shutter, .in_sequence = true},
+    StageRow{"warm optics", detector, warm_optics},
+    StageRow{"stop", detector, stop},
+    StageRow{"narcissus", detector, narcissus},
+    StageRow{"responsivity", detector, responsivity},
+    StageRow{"dark current", detector, dark_current},
+    StageRow{"collect", detector, nullptr, step::collect},
+    StageRow{.name = "lag", .part = detector, .words = lag, .step = step::lag, .in_sequence = true},
+    StageRow{"defects", detector, defects, step::defects},
+    StageRow{"blinking", detector, blinking, step::blinking, "defects"},
+    StageRow{"shot noise", detector, shot_noise, step::shot_noise, "shot"},
+    StageRow{"full well", detector, full_well, step::full_well},
+    StageRow{"blooming", detector, blooming, step::blooming},
+    StageRow{"nonlinearity", detector, nonlinearity, step::nonlinearity},
+    StageRow{"readout", detector, filters<mtf::Stage::readout>, step::readout},
+    StageRow{"offsets", detector, offsets, step::offsets, "offset"},
+    StageRow{"read noise", detector, read_noise, step::read_noise, "read"},
+    StageRow{"1/f noise", detector, flicker, step::flicker, "flicker"},
+    StageRow{"row and column noise", detector, line_noise, step::line_noise, "rows and columns"},
+    StageRow{"3-D noise", detector, noise_3d, step::noise_3d},
+    StageRow{"adc", conversion, converter, step::convert},
+    StageRow{"correction", correction, two_points, step::correct},
+    StageRow{"postsample", display, filters<mtf::Stage::postsample>, step::postsample},
+    StageRow{"agc", display, agc, step::agc}};
 
 }  // namespace
 
-std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Sensor& sensor) {
-  const SensorSettings& s = sensor.settings;
+std::vector<ChainStage> chain_stages(const System& system, const Sensor& sensor) {
   std::vector<ChainStage> stages;
-  const auto add = [&](std::string name, std::string what, const std::string& otherwise) {
-    const bool on = !what.empty();
-    stages.push_back({std::move(name), on, on ? std::move(what) : otherwise});
+  const auto add = [&](std::string_view name, StageWords words) {
+    stages.push_back({std::string(name), words.on, std::move(words.what)});
   };
-  const auto list = [&](mtf::Stage stage) {
-    const std::string name(mtf::stage_name(stage));
-    add(name, components(system, stage), "no [[" + name + "]]");
-  };
-  if (!s.detector) {
-    for (const mtf::Stage stage : mtf::kStages) list(stage);
-    add("electrons", "", "no [detector]: the output stays in the quantity of the scene");
+  if (!sensor.settings.detector) {
+    for (const mtf::Stage stage : mtf::kStages) add(mtf::stage_name(stage), filters(system, stage));
+    add("electrons", {false, "no [detector]: the output stays in the quantity of the scene"});
     return stages;
   }
-  const Camera<double> camera = camera_of(system, sensor);
-  const Pixel<double> pixel = pixel_of(system, sensor);
-  const OpticsSettings warm = s.optics.value_or(OpticsSettings{});
-  const NonuniformitySettings unequal = s.nonuniformity.value_or(NonuniformitySettings{});
-  const std::string no_noise = s.noise ? "" : "no [noise]";
-  const auto or_else = [&](const std::string& reason) { return no_noise.empty() ? reason : no_noise; };
+  for (const StageRow& row : kChain)
+    if (row.words != nullptr) add(row.name, row.words(system, sensor));
+  return stages;
+}
 
-  add("distortion",
-      s.distortion ? "k1 " + rounded(s.distortion->k1) + ", k2 " + rounded(s.distortion->k2) + ", k3 " +
-                         rounded(s.distortion->k3) + "; interpolation MTF at a quarter cycle a sample " +
-                         rounded(distortion_mtf(0.25))
-                   : "",
-      "no [distortion]");
-  list(mtf::Stage::presample);
-  add("veiling glare", s.glare ? terms({{"spread", s.glare->fraction}, {"added", s.glare->offset}}, "of the mean") : "",
-      "no [veiling_glare]");
-  add("ghost", s.ghost ? rounded(s.ghost->fraction) + " of the light, mirrored" : "", "no [ghost]");
-  const bool weighted =
-      output_quantity(sensor, OutputStage::irradiance) != output_quantity({}, OutputStage::irradiance);
-  add("light",
-      rounded(electrons_per_radiance(camera, pixel)) + " e- for 1 ph s^-1 m^-2 sr^-1" +
-          (weighted ? ", weighted by the curves" : "") + "; cone of " + rounded(cone_sr(camera)) + " sr by the " +
-          std::string(kConeNames[static_cast<std::size_t>(camera.cone)]),
-      "");
-  add("vignetting",
-      !s.vignetting        ? ""
-      : sensor.vignetting  ? s.vignetting->map
-      : s.vignetting->cos4 ? "cos^4 of the field angle, and a polynomial"
-                           : "a polynomial",
-      "no [vignetting]");
-  add("microscan", s.microscan ? std::to_string(s.microscan->positions()) + " positions" : "", "no [microscan]");
-  add("shutter",
-      s.shutter && s.shutter->kind == ShutterKind::rolling
-          ? "rolling, " + rounded(s.shutter->line_time_s) + " s a row, over a sequence"
-          : "",
-      s.shutter ? "global" : "no [shutter]: global");
-  add("warm optics", terms({{"emit at", warm.emissivity > 0.0 ? warm.temperature_k : 0.0}}, "K"),
-      "no temperature or emissivity in [optics]");
-  const std::string stop = terms({{"emits at", warm.stop_emissivity > 0.0 ? warm.stop_temperature_k : 0.0}}, "K");
-  add("stop",
-      stop.empty()
-          ? ""
-          : stop + ", counted from " + describe(stop_range(sensor.curves, warm.stop_band)) + ", past the cold filter",
-      "no stop_temperature in [optics]");
-  add("narcissus", s.narcissus ? rounded(s.narcissus->depth) + " of the background" : "", "no [narcissus]");
-  add("responsivity", sensor.responsivity ? unequal.responsivity : terms({{"prnu", unequal.prnu}}, "rms"),
-      "no prnu in [nonuniformity]");
-  add("dark current", terms({{"mean", pixel.dark_e_s * pixel.integration_s}}, "e-"), "no dark_current in [detector]");
-  add("lag", s.lag ? rounded(s.lag->time_constant_s) + " s, over a sequence" : "", "no [lag]");
-  add("defects",
-      s.defects ? terms({{"dead", s.defects->dead_fraction}, {"hot", s.defects->hot_fraction}}, "of all") : "",
-      "no [defects]");
-  add("blinking", s.blinking ? rounded(s.blinking->fraction) + " of all" : "", "no [blinking]");
-  add("shot noise", s.noise && s.noise->shot ? "Poisson" : "", or_else("shot = false in [noise]"));
-  const std::string well = std::isfinite(pixel.full_well_e) ? rounded(pixel.full_well_e) + " e-" : "";
-  add("full well", s.blooming ? "" : well, s.blooming ? "[blooming] takes its place" : "no full_well in [detector]");
-  add("blooming", s.blooming ? "above " + well : "", "no [blooming]");
-  add("nonlinearity", s.nonlinearity ? "a2 " + rounded(s.nonlinearity->a2) + ", a3 " + rounded(s.nonlinearity->a3) : "",
-      "no [nonlinearity]");
-  list(mtf::Stage::readout);
-  add("offsets", sensor.offset ? unequal.offset : terms({{"dsnu", unequal.dsnu_e}}, "e- rms"),
-      "no dsnu in [nonuniformity]");
-  add("read noise",
-      s.noise
-          ? terms({{"read", s.detector->read_e}, {"reset", reset_e_of(*s.detector)}, {"other", s.detector->other_e}},
-                  "e- rms")
-          : "",
-      or_else("no read_noise in [detector]"));
-  add("1/f noise", s.flicker ? "corner at " + rounded(s.flicker->corner_cy_px) + " of the pixel clock" : "",
-      "no [flicker]");
-  add("row and column noise",
-      s.noise ? terms({{"row", s.noise->row_e},
-                       {"column", s.noise->column_e},
-                       {"fixed row", s.noise->fixed_row_e},
-                       {"fixed column", s.noise->fixed_column_e}},
-                      "e- rms")
-              : "",
-      or_else("no row or column in [noise]"));
-  add("3-D noise", s.noise_3d ? terms({{"total", s.noise_3d->total()}}, "e- rms") : "", "no [noise_3d]");
-  std::string converter;
-  if (s.adc) {
-    const Adc adc = adc_of(sensor);
-    converter = std::to_string(adc.bits) + " bits, " + rounded(adc.electrons_per_count) + " e- a count";
-  }
-  add("adc", converter, "no [adc]");
-  add("correction",
-      s.correction ? "two points, flats at " + rounded(s.correction->low) + " and " + rounded(s.correction->high) +
-                         " of full well, mean of " + std::to_string(s.correction->frames)
-                   : "",
-      "no [correction]");
-  list(mtf::Stage::postsample);
-  add("agc", s.agc ? "to " + rounded(s.agc->most_level) + " levels" : "", "no [agc]");
+std::vector<StageRow> stages_to_run(const System& system, const Sensor& sensor) {
+  std::vector<StageRow> stages;
+  for (const StageRow& row : kChain)
+    if (row.step != nullptr && (row.words == nullptr || row.words(system, sensor).on)) stages.push_back(row);
   return stages;
 }
 

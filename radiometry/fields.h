@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Field tables of the value types here, one row a field as for the components of a system (mtf::FieldInfo): what
-// checks, messages, documentation and files go by. A type takes part with `static constexpr auto fields()`, a tuple of
-// Field{FieldInfo, pointer to member}. The type of the member says how it stands in a sensor file: double (or optional)
-// a number with unit, int a whole number, bool, std::string the name of a file, ChannelName a text, NumberOrFile
-// either, an enum one of words(Enum), which stands beside it.
+// Field tables of the value types here, one row a field as for the components of a system (mtf::FieldInfo). Checks,
+// messages, documentation and files are made from them. A type takes part with `static constexpr auto fields()`, a
+// tuple of Field{FieldInfo, pointer to member}. The type of the member says how it stands in a sensor file: double (or
+// optional) a number with unit, int a whole number, bool, std::string the name of a file, ChannelName a text,
+// NumberOrFile either, an enum one of words(Enum), which stands beside it.
 
 #include <array>
 #include <cmath>

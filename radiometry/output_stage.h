@@ -8,7 +8,7 @@
 
 namespace radiometry {
 
-/// A place in the chain (chain.h) whose image is wanted.
+/// A stage of the chain (chain.h) whose output may be wanted.
 enum class OutputStage { radiance, irradiance, electrons, dn, display };
 inline constexpr std::array<std::string_view, 5> kOutputStageNames{"radiance", "irradiance", "electrons", "dn",
                                                                    "display"};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a sensor file says of everything but the OTF: one value type for each of its tables, in the order in which the
-// physics takes them. A table that is not there is a stage that is not there.
+// What a sensor file says of everything but the OTF: one value type for each of its tables, in the order of the chain.
+// A stage whose table is missing is left out.
 
 #include <optional>
 #include <vector>
@@ -31,6 +31,9 @@
 
 namespace radiometry {
 
+/// The largest temperature that a sensor file may give.
+inline constexpr double kMostTemperature_k = 1e9;
+
 /// Rows added to [frame].
 struct FrameSettings {
   std::optional<double> frame_time_s{};  ///< from a frame to the next; else the integration time
@@ -45,8 +48,9 @@ struct FrameSettings {
 /// Rows added to [scene]: what its values stand for.
 struct SceneSettings {
   NumberOrFile emissivity{1.0};
-  std::optional<double> surroundings_k{};        ///< reflected by what does not emit
-  std::optional<double> source_temperature_k{};  ///< whose spectrum a scene given in a band has; else even in photons
+  std::optional<double> surroundings_k{};  ///< reflected by what does not emit
+  std::optional<double>
+      source_temperature_k{};  ///< whose spectrum a scene given in a band has; else constant in photons
   ChannelName emissivity_channel{}, depth_channel{};
   Negative negative = Negative::refuse;
 
@@ -56,10 +60,10 @@ struct SceneSettings {
         Field{optional_row("emissivity", 0.0, 1.0, "0.95",
                            "emissivity of a scene in K: a number or the CSV file of a curve"),
               &SceneSettings::emissivity},
-        Field{optional_row("surroundings", temperature, "K", 0.0, 1e9, "\"293 K\"",
+        Field{optional_row("surroundings", temperature, "K", 0.0, kMostTemperature_k, "\"293 K\"",
                            "what a scene in K reflects where it does not emit"),
               &SceneSettings::surroundings_k},
-        Field{optional_row("source_temperature", temperature, "K", 0.0, 1e9, "\"300 K\"",
+        Field{optional_row("source_temperature", temperature, "K", 0.0, kMostTemperature_k, "\"300 K\"",
                            "whose spectrum a radiance in the band has; else even in photons"),
               &SceneSettings::source_temperature_k},
         Field{optional_row("emissivity_channel", "\"emissivity\"",
@@ -88,7 +92,7 @@ struct PathSettings {
         Field{optional_row("radiance", 0.0, 1e30, "0.02",
                            "of the path, W m^-2 sr^-1 um^-1: a number or the CSV file of a curve"),
               &PathSettings::radiance},
-        Field{optional_row("air_temperature", temperature, "K", 0.0, 1e9, "\"288 K\"",
+        Field{optional_row("air_temperature", temperature, "K", 0.0, kMostTemperature_k, "\"288 K\"",
                            "of air that absorbs: it emits 1 - transmission of a blackbody"),
               &PathSettings::air_temperature_k},
         Field{optional_row("table", "\"path.csv\"",
@@ -103,7 +107,7 @@ struct PathSettings {
 /// Rows added to [optics].
 struct OpticsSettings {
   NumberOrFile transmission{1.0};
-  NumberOrFile cold_transmission{1.0};  ///< of what lies behind the cold stop
+  NumberOrFile cold_transmission{1.0};  ///< of what lies between cold stop and detector
   double emissivity = 0.0;              ///< of the warm optics
   double obscuration_emissivity = 0.0;
   double temperature_k = 0.0;
@@ -123,12 +127,12 @@ struct OpticsSettings {
         Field{optional_row("emissivity", 0.0, 1.0, "0.1", "of the warm optics"), &OpticsSettings::emissivity},
         Field{optional_row("obscuration_emissivity", 0.0, 1.0, "0.9", "of the back of the obscuration"),
               &OpticsSettings::obscuration_emissivity},
-        Field{optional_row("temperature", temperature, "K", 0.0, 1e9, "\"293 K\"",
+        Field{optional_row("temperature", temperature, "K", 0.0, kMostTemperature_k, "\"293 K\"",
                            "of the warm optics; without it they do not glow"),
               &OpticsSettings::temperature_k},
         Field{optional_row("stop_emissivity", 0.0, 1.0, "1.0", "of what surrounds the cone of light"),
               &OpticsSettings::stop_emissivity},
-        Field{optional_row("stop_temperature", temperature, "K", 0.0, 1e9, "\"77 K\"",
+        Field{optional_row("stop_temperature", temperature, "K", 0.0, kMostTemperature_k, "\"77 K\"",
                            "of what surrounds the cone of light"),
               &OpticsSettings::stop_temperature_k},
         Field{optional_row("stop_band", "\"response\"",
@@ -288,7 +292,7 @@ struct SensorSettings {
 /// The tables that a sensor file may hold, for mtf::io::load_config.
 std::vector<mtf::TableInfo> sensor_tables();
 
-/// The tables that one does hold.
+/// The settings of the tables that a sensor file holds.
 SensorSettings sensor_settings(const std::vector<mtf::SettingsTable>& tables);
 
 }  // namespace radiometry

@@ -152,9 +152,9 @@ std::string noise_budget(const Chosen& chosen, double temperature_k) {
     std::vector<std::string> cells{"<abbr title=\"" + html(row.doc) + "\">" + html(row.name) +
                                    "</abbr> <span class=\"unit\">" + html(row.unit) + "</span>"};
     for (const ChosenDesign& design : chosen)
-      cells.push_back(i >= design.budget.size()        ? html_value("")
-                      : is_saturated(design.budget[i]) ? "saturated"
-                                                       : html_value(design.budget[i].value));
+      cells.push_back(i >= design.budget.size()    ? html_value("")
+                      : design.budget[i].saturated ? "saturated"
+                                                   : html_value(design.budget[i].value));
     rows.add(cells);
   }
   std::vector<Bar> bars;

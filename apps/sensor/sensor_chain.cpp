@@ -220,7 +220,12 @@ mtf::System<double> with_electron_rate(const mtf::System<double>& system, const 
   mtf::System<double> weighted = system;
   const radiometry::SceneBand band = radiometry::scene_band(camera, loaded.sensor.path);
   const radiometry::BandResponse response(band.band, band.curves);
-  weighted.band->rate = std::make_shared<const mtf::ElectronRate>(response.electron_rate(loaded.source_k));
+  const std::string key = response.integral() > 0.0 ? "scene.source_temperature" : "path.transmission";
+  try {
+    weighted.band->rate = std::make_shared<const mtf::ElectronRate>(response.electron_rate(loaded.source_k));
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(key + ": " + error.what());
+  }
   return weighted;
 }
 

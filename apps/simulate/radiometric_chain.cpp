@@ -13,7 +13,7 @@ std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::Sens
   if (!has_chain(config)) {
     if (options.stage)
       throw mtf::UsageError(config.file +
-                            ": --tap is for sensors with [detector]; this one gives the filtered scene only");
+                            ": --stage is for sensors with [detector]; this one gives the filtered scene only");
     if (const std::string unused = unused_table(config); !unused.empty())
       throw mtf::UsageError(placed(config, config.file + ": " + unused));
     return nullptr;

@@ -24,7 +24,7 @@ struct RadiometricChain {
   std::string_view unit() const { return output_unit(loaded.sensor, stage); }
 };
 
-/// Nothing for a sensor file without [detector]. Throws UsageError for --tap where there is none, and as load_chain.
+/// Nothing for a sensor file without [detector]. Throws UsageError for --stage where there is none, and as load_chain.
 std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::SensorConfig& config,
                                                              const SimulateOptions& options);
 

@@ -60,12 +60,32 @@ const mtf::SettingInfo* row_of(const SensorView& view, const Target& target) {
   return nullptr;
 }
 
+/// The key of the map that stands in the place of a number where the sensor has both, "" for other numbers.
+std::string_view map_in_place_of(std::string_view path) {
+  if (path == "nonuniformity.prnu") return "responsivity";
+  return path == "nonuniformity.dsnu" ? "offset" : "";
+}
+
+/// Why a number of the sensor changes nothing; "" where it does.
+std::string replaced_by_map(const SensorView& view, const Target& target) {
+  const std::string map(map_in_place_of(target.path()));
+  const mtf::SettingsTable* table = map.empty() ? nullptr : mtf::find_table(view.sensor.tables, target.table);
+  const mtf::SettingValue* value = table != nullptr ? table->find(map) : nullptr;
+  const std::string* file = value != nullptr ? std::get_if<std::string>(value) : nullptr;
+  if (file == nullptr || file->empty()) return "";
+  return "the sensor has the map " + map + " = \"" + mtf::io::printable(*file) + "\", which frames take in place of " +
+         target.key + ": another " + target.key + " would change nothing; remove " + map +
+         " from the sensor file, or name another parameter (an axis of files can vary the map: parameter = \"" +
+         target.table + "." + map + "\")";
+}
+
 Found of_setting(const SensorView& view, const Target& target, const mtf::SettingInfo& row) {
   Place place{.target = target, .file = mtf::names_file(row), .info = row.info};
   using enum mtf::SettingType;
   constexpr std::array names{"a number", "a whole number", "true or false", "a word", "a text", "a file", "a file"};
   place.what = names.at(static_cast<std::size_t>(row.type));
   if (row.type != number && row.type != number_or_file) return {place};
+  if (std::string problem = replaced_by_map(view, target); !problem.empty()) return {std::nullopt, std::move(problem)};
   const mtf::SettingsTable* table = mtf::find_table(view.sensor.tables, target.table);
   const mtf::SettingValue* value = table != nullptr ? table->find(target.key) : nullptr;
   if (value == nullptr) return {std::nullopt, not_given(view, target, row.info)};
@@ -230,7 +250,12 @@ bool overlap(std::string_view path, std::string_view other) {
            (part.starts_with(whole) && (part.substr(whole.size()) == "_x" || part.substr(whole.size()) == "_y" ||
                                         part.substr(whole.size()).starts_with("[")));
   };
-  return !path.empty() && !other.empty() && (within(path, other) || within(other, path));
+  const auto replaces = [](std::string_view map, std::string_view number) {
+    const std::string_view key = map_in_place_of(number);
+    return !key.empty() && map == "nonuniformity." + std::string(key);
+  };
+  return !path.empty() && !other.empty() &&
+         (within(path, other) || within(other, path) || replaces(path, other) || replaces(other, path));
 }
 
 }  // namespace study

@@ -41,10 +41,11 @@ struct Found {
 };
 
 /// "owner.key", "owner.key[3]", or the key alone where one owner has it. A number that the sensor file does not give is
-/// not found: its problem says what to write there.
+/// not found: its problem says what to write there. Nor is one that a map of the sensor file replaces.
 Found find_place(const SensorView& view, std::string_view name);
 
-/// True when setting one changes the other: "frame.pitch" and "frame.pitch_x", a list and its element.
+/// True when setting one changes the other, or what it does: "frame.pitch" and "frame.pitch_x", a list and its element,
+/// a map of [nonuniformity] and the number that it replaces.
 bool overlap(std::string_view path, std::string_view other);
 
 }  // namespace study

@@ -16,11 +16,11 @@ namespace radiometry {
 template <class S>
 struct Integral {
   S value{};
-  double error = 0.0;  ///< absolute, of the value; derivatives of a Jet are as smooth as the integrand's
+  double error = 0.0;  ///< absolute, of the value; the derivatives of a Jet are taken to be as smooth as it
 };
 
 inline constexpr double kIntegralTolerance = 1e-11;  ///< of the integral of |f|
-inline constexpr int kMostPanels = 2000;             ///< then what is left is taken as it is, with its error
+inline constexpr int kMostPanels = 2000;             ///< with so many the value is taken as it is, with its error
 
 /// Integral of f(double) -> S over [lo, hi], lo <= hi; `panels` equal ones to begin with.
 template <class S, class F>

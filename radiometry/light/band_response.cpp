@@ -12,7 +12,7 @@ namespace radiometry {
 namespace {
 
 constexpr std::size_t kMostFactors = 8;
-/// Beyond this distance into a piece e^-x has left nothing of it.
+/// Beyond this distance into a piece e^-x is below the precision of a double.
 constexpr double kDepth = 80.0;
 
 }  // namespace
@@ -60,7 +60,7 @@ double BandResponse::planck_integral(Flux flux, double temperature_k, bool deriv
   if (!radiates(temperature_k)) return no_radiance(temperature_k);
   const int p = flux == Flux::watts ? 3 : 2;
   if (temperature_k > kHottest_k) return std::numeric_limits<double>::infinity();
-  // From the longest wavelength down; the sum is scaled by e^(x of the first piece that adds to it).
+  // The sum runs from the longest wavelength down and is scaled by e^(x of the first piece that adds to it).
   double sum = 0.0;
   Exponent first{};
   for (auto piece = pieces_.rbegin(); piece != pieces_.rend(); ++piece) {

@@ -24,11 +24,11 @@ namespace radiometry {
 
 class BandResponse {
  public:
-  /// The product of the curves over what the band and they have in common; no curves: 1. Throws UsageError as
-  /// common_range does, and for more than 8 curves.
+  /// The product of the curves over the wavelengths that the band and all curves have in common; it is 1 without
+  /// curves. Throws UsageError as common_range does, and for more than 8 curves.
   BandResponse(const Interval& band, std::span<const Spectrum> factors);
 
-  /// What the band and the curves have in common.
+  /// The wavelengths that the band and the curves have in common.
   const Interval& range() const { return range_; }
   /// The product at a wavelength in the range.
   double value(double wavelength_um) const;
@@ -46,13 +46,13 @@ class BandResponse {
 
   /// n wavelengths and weights such that the weighted sum is the mean of a function over the electrons that a blackbody
   /// of `temperature_k` gives, the response being that per photon; without a temperature the photon radiance is the
-  /// same at all wavelengths. A Gauss rule: exact for polynomials of degree 2n - 1 in the wavelength, weights positive
-  /// with sum 1, wavelengths rising. To be used in place of mtf::wavelength_nodes. 1 <= n <= 256. Fewer
-  /// than n where the rate is a double at fewer points. Throws UsageError when there are no electrons.
+  /// same at all wavelengths. They are a Gauss rule, exact for polynomials of degree 2n - 1 in the wavelength, with
+  /// positive weights of sum 1 and rising wavelengths, and take the place of mtf::wavelength_nodes. 1 <= n <= 256.
+  /// There are fewer than n where the rate is above 0 at fewer points. Throws UsageError when there are no electrons.
   mtf::WavelengthNodes electron_nodes(int n, std::optional<double> temperature_k) const;
 
-  /// The same electrons for mtf::Band::rate: these nodes, 256 at most, and their density. Throws as electron_nodes
-  /// does.
+  /// The same electrons for mtf::Band::rate: these nodes, at most 256 of them, and their density. Throws as
+  /// electron_nodes does.
   mtf::ElectronRate electron_rate(std::optional<double> temperature_k) const;
 
  private:
@@ -72,7 +72,7 @@ class BandResponse {
     std::vector<double> wavelength_um, rate;
     double log_largest = 0.0, sum = 0.0;
   };
-  /// Enough of them for a Gauss rule of n nodes.
+  /// Enough points for a Gauss rule of n nodes.
   RatePoints rate_points(int n, std::optional<double> temperature_k) const;
   double piece_value(const Piece& piece, double wavelength_um) const;
   double planck_integral(Flux flux, double temperature_k, bool derivative) const;

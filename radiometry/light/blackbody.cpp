@@ -29,7 +29,7 @@ SpectralSlopes planck_slopes(Flux flux, double wavelength_um, double temperature
   const Exponent x = exponent(wavelength_um, temperature_k);
   const double factor = prefactor(law, wavelength_um), g = log_slope(x.x);
   const double log_by_wavelength = (g - law.power) / wavelength_um, log_by_temperature = g / temperature_k;
-  if (x.x >= kLargeExponent)  // each product for itself: a value that has underflowed gives no slopes
+  if (x.x >= kLargeExponent)  // each product by itself, since a value that has underflowed gives no slopes
     return {times_exp(factor, x), times_exp(factor * log_by_wavelength, x), times_exp(factor * log_by_temperature, x)};
   const double e = std::expm1(x.x), value = factor / e * (1.0 - x.rest * (1.0 + 1.0 / e));
   return {value, value * log_by_wavelength, value * log_by_temperature};

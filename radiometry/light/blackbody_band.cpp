@@ -27,7 +27,7 @@ Span span_of(double lo_um, double hi_um, double temperature_k) {
 // Below, p is the power of t; `derivative` stands for the integrand t^(p+1) e^t / (e^t - 1)^2 of d/dT instead of
 // t^p / (e^t - 1). Everything is scaled by e^x with x the lower limit.
 
-/// From x over a width of at most 2: the integrand is analytic to 2 pi i, 16 nodes leave less than 1e-20.
+/// The integral from x over a width of at most 2. The integrand is analytic to 2 pi i; 16 nodes err by less than 1e-20.
 double short_integral(int p, bool derivative, double x, double width) {
   const mtf::GaussRule& rule = mtf::gauss_legendre(16);
   double sum = 0.0;
@@ -39,7 +39,7 @@ double short_integral(int p, bool derivative, double x, double width) {
   return 0.5 * width * sum;
 }
 
-/// From x >= 1 to infinity, by the series.
+/// The integral from x >= 1 to infinity, by the series.
 double tail(int p, bool derivative, double x) {
   double sum = 0.0;
   for (int n = 1; n < 64; ++n) {
@@ -67,7 +67,7 @@ bool is_band(double lo_um, double hi_um) { return lo_um >= 0.0 && hi_um >= lo_um
 
 struct Law {
   double factor;
-  int p;  // of Bp; the radiance goes as T^(p + 1)
+  int p;  // of Bp; the radiance has the factor T^(p + 1)
 };
 Law law_of(Flux flux) { return {band_factor(flux), flux == Flux::watts ? 3 : 2}; }
 

@@ -59,7 +59,8 @@ std::vector<BandResponse::Panel> BandResponse::panels(std::optional<double> temp
   return all;
 }
 
-// As many per piece as a polynomial of degree 2n times the response needs, narrow pieces fewer.
+// A piece gets as many points as the integral of a polynomial of degree 2n times the response needs, a narrow one
+// fewer.
 BandResponse::RatePoints BandResponse::rate_points(int n, std::optional<double> temperature_k) const {
   if (temperature_k && !(*temperature_k > 0.0 && *temperature_k <= kHottest_k))
     throw mtf::UsageError("a source of " + mtf::format_double(*temperature_k) +
@@ -87,6 +88,9 @@ BandResponse::RatePoints BandResponse::rate_points(int n, std::optional<double> 
     points.rate[i] *= std::exp(log_rate[i] - points.log_largest);
     points.sum += points.rate[i];
   }
+  if (!log_rate.empty() && !std::isfinite(points.log_largest))
+    throw mtf::UsageError("a source of " + mtf::format_double(*temperature_k) + " K sends no photons from " +
+                          describe(range_) + "; give it a temperature at which it does");
   if (!(points.sum > 0.0))
     throw mtf::UsageError(
         "no electrons to weigh wavelengths by: the curves of the path, the optics and the detector "

@@ -11,7 +11,7 @@
 
 namespace radiometry {
 
-/// Above it T^4 is no double.
+/// About the largest temperature whose fourth power a double can hold.
 inline constexpr double kHottest_k = 1e77;
 
 struct Exponent {
@@ -27,7 +27,7 @@ inline Exponent exponent(double wavelength_um, double temperature_k) {
   return {x, (remainder + (kSecondRadiationRest_um_k - x * product_rest)) / product};
 }
 
-/// factor e^-x, underflowing only where the product does.
+/// The product factor e^-x, which underflows only where the product itself does.
 inline double times_exp(double factor, const Exponent& x) {
   const double half = std::exp(-0.5 * x.x);
   return half == 0.0 ? 0.0 : factor * half * half * (1.0 - x.rest);
@@ -41,7 +41,7 @@ inline double band_factor(Flux flux) {
   return flux == Flux::watts ? 2.779416505426625384960e-9 : 2.013123180059975696183e14;
 }
 
-/// T > 0 and not NaN; at 0 K all is 0, below it NaN.
+/// True for T > 0. At 0 K every radiance is 0; below it, and for NaN, it is NaN.
 inline bool radiates(double temperature_k) { return temperature_k > 0.0; }
 inline double no_radiance(double temperature_k) { return temperature_k == 0.0 ? 0.0 : std::nan(""); }
 

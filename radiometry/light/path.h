@@ -12,7 +12,7 @@
 
 namespace radiometry {
 
-/// Takes and adds nothing unless told so.
+/// By default a path that transmits all and adds nothing.
 struct Path {
   Spectrum transmission = constant_spectrum("transmission of the path", 1.0);
   Spectrum radiance = constant_spectrum("radiance of the path", 0.0);      ///< W m^-2 sr^-1 um^-1
@@ -20,9 +20,9 @@ struct Path {
   double air_temperature_k = 0.0;
 };
 
-/// The same at all wavelengths. transmission in [0, 1], radiance in W m^-2 sr^-1 um^-1, >= 0.
+/// A path that is the same at all wavelengths. transmission in [0, 1], radiance in W m^-2 sr^-1 um^-1, >= 0.
 Path constant_path(double transmission, double radiance);
-/// Absorbing air of one temperature: emissivity 1 - transmission.
+/// Air of one temperature that only absorbs: its emissivity is 1 - transmission.
 Path absorbing_path(const Spectrum& transmission, double air_temperature_k);
 
 /// 1 - curve, for a curve of values up to 1 (UsageError for others): reflectance of an opaque surface, absorption.

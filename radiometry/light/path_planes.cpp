@@ -70,7 +70,7 @@ RangeTable::RangeTable(const SceneBand& scene, const PathTable& table, std::opti
                           " to weigh transmissions by; give another source_temperature, or none");
   for (double& w : weight) w /= whole;
 
-  // Clear at range 0; beyond the wavelengths of the table nothing passes.
+  // The path is clear at range 0; beyond the wavelengths of the table no light passes.
   std::vector<double> tau0(size, 1.0), radiance0(size, 0.0);
   double from_m = 0.0;
   const std::size_t most = std::clamp(kMostWork / size, kFewestCells, kMostCells);

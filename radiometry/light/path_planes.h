@@ -7,9 +7,9 @@
 //   L(r)   = sum v_j L_j(r),         v_j = integral of hat_j R lambda/(hc)
 // with hat_j, the straight lines between the wavelengths of the table, and S, the photon radiance of a blackbody of
 // `source_k` or, without one, a constant. So tau(r) is exact for a scene of that spectrum, band and not Beer behaviour
-// included; for a scene of other spectra or temperatures it is an approximation: the spectrum of a pixel is gone by
-// then. Between the ranges of the table tau_j and L_j go as PathTable says; at range 0 the path is clear. tau is looked
-// up between nodes that are set so densely that cubics through value and slope are right within 1e-7 (at most 4096
+// included; for a scene of other spectra or temperatures it is an approximation, since the spectrum of a pixel is no
+// longer known here. Between the ranges of the table tau_j and L_j follow PathTable; at range 0 the path is clear. tau
+// is interpolated between nodes so dense that cubics through value and slope are right within 1e-7 (at most 4096 nodes
 // between two ranges, fewer for more than 24000 wavelengths); the radiance of the path is exact.
 
 #include <optional>
@@ -28,13 +28,13 @@ class RangeTable {
   RangeTable(const SceneBand& scene, const PathTable& table, std::optional<double> source_k);
 
   double longest_m() const { return range_m_.back(); }
-  /// Of a range in [0, longest]; UsageError for others.
+  /// The transmission at a range in [0, longest]. Throws UsageError for other ranges.
   double transmission(double range_m) const;
   double radiance(double range_m) const;  ///< photons s^-1 m^-2 sr^-1, weighted
 
-  /// radiance = transmission x radiance + path, pixel by pixel. Ranges are in m, above 0 and not beyond the table:
-  /// otherwise UsageError with the number of pixels and the first one; so for a plane of another size. Nothing is
-  /// changed then.
+  /// radiance = transmission x radiance + path, pixel by pixel. Ranges are in m, above 0 and not beyond the table.
+  /// Throws UsageError for others, with the number of pixels and the first one, and for a plane of another size; then
+  /// no pixel has been changed.
   void apply(mtf::ImageView<float> radiance, mtf::ImageView<const float> range_m, int threads = 1) const;
 
  private:

@@ -12,7 +12,7 @@
 namespace radiometry {
 namespace {
 
-/// Half of the smallest float: what is less becomes 0.
+/// Half of the smallest float: smaller values are rounded to 0.
 constexpr double kLeast = 7e-46;
 constexpr double kLogError = 1e-9;
 constexpr double kGrowth = 0.067;  ///< of L in a cell: the cubic is wrong by 1/384 of its fourth power
@@ -37,7 +37,7 @@ Knot between(const Knot& a, const Knot& b, double log_t) {
   return {log_t, a.log_l + t * rise + t * rest * bend, (rise + (rest - t) * bend + t * rest * (bend_b - bend_a)) / h};
 }
 
-/// Knots after `a` up to `b`. Halving leaves 1/16 of the error that is seen in the middle.
+/// Knots after `a` up to `b`. Halving leaves 1/16 of the error in the middle.
 void add_knots(const BandResponse& response, const Knot& a, const Knot& b, int depth, std::vector<Knot>& knots) {
   const Knot middle = knot(response, 0.5 * (a.log_t + b.log_t));
   const double error = std::abs(between(a, b, middle.log_t).log_l - middle.log_l);
@@ -80,7 +80,7 @@ RadianceTable::RadianceTable(const BandResponse& response, double lo_k, double h
     return;
   }
 
-  // A cell further at both ends.
+  // The table goes one cell further at both ends.
   std::vector<Knot> knots{knot(response, std::log(warm) - kWidestCell)};
   add_knots(response, knots[0], knot(response, std::log(hi_k) + kWidestCell), 16, knots);
   double growth = 1.0;

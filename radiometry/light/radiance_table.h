@@ -2,14 +2,14 @@
 #pragma once
 
 // Weighted photon radiance of a blackbody for every pixel of a temperature image: the integral of BandResponse, made
-// once into a table that is looked up by the bits of the temperature.
+// once into a table that the bits of the temperature index.
 //
 // First log L is sampled over log T, with its slope, densely enough that cubics through value and slope at both ends
 // are right within 1e-9: L itself runs over hundreds of decades, its logarithm over a few hundreds. Then each octave of
 // T is cut into 2^n cells, n such that L grows by less than 7 % in a cell, and each gets the cubic through L and dL/dT
-// at its ends. A float has its octave in the exponent and its cell in the leading bits of the mantissa: no logarithm,
-// no exponential, no search for a pixel. Relative error below 1e-7 before the result is rounded to float; L rises
-// strictly with T.
+// at its ends. A float has its octave in the exponent and its cell in the leading bits of the mantissa, so that a pixel
+// takes no logarithm, no exponential and no search. The relative error is below 1e-7 before the result is rounded to
+// float, and L rises strictly with T.
 
 #include <bit>
 #include <cstdint>

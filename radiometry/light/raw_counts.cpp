@@ -31,8 +31,9 @@ void temperature_of_counts(mtf::ImageView<float> plane, const CountCamera& camer
     throw mtf::UsageError("counts: an emissivity of " + mtf::format_double(e) + "; it has to be above 0, up to 1");
   const double reflected = e < 1.0 ? (1.0 - e) * (camera.count(reflection.reflected_k) + camera.o) : 0.0;
   if (e < 1.0 && !(reflection.reflected_k >= 0.0 && reflected >= 0.0 && std::isfinite(reflected)))
-    throw mtf::UsageError("counts: a reflected temperature of " + mtf::format_double(reflection.reflected_k) +
-                          " K; it has to be 0 or above, in kelvin, and within the reach of the camera's constants");
+    throw mtf::UsageError(
+        "counts: a reflected temperature of " + mtf::format_double(reflection.reflected_k) +
+        " K; it has to be 0 or above, in kelvin, and a temperature that the constants of the camera can give");
   const auto signal = [&](float count) { return (static_cast<double>(count) + camera.o - reflected) / e; };
   const auto bad = [&](float count) {
     const double s = signal(count);

@@ -18,7 +18,7 @@ using mtf::format_double;
 using mtf::UsageError;
 using Plane = mtf::ImageView<const float>;
 
-/// R times further curves.
+/// The product of R and further curves.
 BandResponse response_with(const SceneBand& scene, std::initializer_list<Spectrum> more) {
   std::vector<Spectrum> curves = scene.curves;
   curves.insert(curves.end(), more.begin(), more.end());
@@ -79,7 +79,7 @@ Spectrum around(const Spectrum& spectrum, const Interval& interval) {
           {spectrum.value.begin() + begin, spectrum.value.begin() + end}};
 }
 
-/// integral(scene around the channel, hat) for each channel: each looks at no more of the curves than it needs.
+/// integral(scene around the channel, hat) for each channel: each reads no more of the curves than it needs.
 template <class Integral>
 ChannelWeights weights_of(const SceneBand& scene, std::span<const double> wavelength_um, Integral integral) {
   const Spectrum all = make_spectrum("spectral channels", {wavelength_um.begin(), wavelength_um.end()},

@@ -12,8 +12,8 @@
 //   band radiance       says nothing of the spectrum. It is taken as that of a blackbody of `source_k` or, without one,
 //                       as constant in photons per wavelength (as BandResponse::electron_nodes does), over the band of
 //                       SceneBand, and 0 outside: L = factor x radiance.
-// Pixels: NaN stays NaN, +infinity stays. Below 0 (temperatures in K too) they are refused, or taken as 0 when asked.
-// Whatever is refused is a UsageError with the number of pixels and the first one, thrown before a pixel is changed.
+// NaN stays NaN and +infinity stays. Pixels below 0 (temperatures in K too) are refused, or taken as 0 when asked.
+// A refusal is a UsageError with the number of pixels and the first one, thrown before a pixel is changed.
 
 #include <array>
 #include <optional>
@@ -36,7 +36,8 @@ struct SceneBand {
 
 /// The curves of the camera alone: for paths that differ from pixel to pixel (path_planes.h), or none.
 SceneBand scene_band(const SpectralCamera& camera);
-/// The same behind a path that is the same for all pixels. What it adds is path_photon_radiance: always take both.
+/// The same with a path in front of the camera that is the same for all pixels. The path also adds
+/// path_photon_radiance: always take both.
 SceneBand scene_band(const SpectralCamera& camera, const Path& path);
 /// What a path adds, weighted by the camera's curves, photons s^-1 m^-2 sr^-1: BandRadiances::path.
 double path_photon_radiance(const SpectralCamera& camera, const Path& path);
@@ -53,8 +54,8 @@ struct PlaneOptions {
   int threads = 1;  ///< 0: all cores
 };
 
-/// What surfaces are made of. `plane`, where it has pixels, takes the place of the curve: the same at all wavelengths,
-/// in [0, 1], of the size of the scene.
+/// The emissivity of the surfaces of a scene. `plane`, where it has pixels, takes the place of the curve: it has the
+/// size of the scene, and its values, in [0, 1], are the same at all wavelengths.
 struct SurfaceFinish {
   Spectrum emissivity = constant_spectrum("blackbody", 1.0);
   mtf::ImageView<const float> plane{};

@@ -3,11 +3,11 @@
 
 // The camera equation: from radiance to electrons in a pixel.
 //   irradiance of a lens       E = cone (1 - eta^2) L tau
-//   its own emission           cone (1 - eta^2) eps_optics L_bb(T_optics), and of what obscures it, seen from behind,
+//   its own emission           cone (1 - eta^2) eps_optics L_bb(T_optics), and of the back of the obscuration,
 //                              cone eta^2 eps_obscuration L_bb(T_optics)
 //   around the cone of light   (pi - cone) eps_stop L_bb(T_stop), the rest of the hemisphere
-//   electrons                  (cold transmission x (lens + its emission) + stop) QE x area x time + dark current x
-//   time
+//   electrons                  (cold transmission x (lens + its emission) + stop) QE x area x time
+//                              + dark current x time
 // Radiances here are photons per second, m^-2 sr^-1, in the band. eta is the linear obscuration, cone = pi sin^2 theta'
 // the projected solid angle of the cone of light at the image, theta' its half angle. What the f-number N says of
 // theta' is a choice:
@@ -38,7 +38,7 @@ struct Camera {
   S f_number{};
   S obscuration{};         ///< linear, inner / outer diameter
   S transmission{1};       ///< of the warm optics
-  S cold_transmission{1};  ///< of filter and window behind the cold stop, at the detector's temperature
+  S cold_transmission{1};  ///< of filter and window between cold stop and detector, at its temperature
   S optics_emissivity{};   ///< of the warm optics
   S obscuration_emissivity{};
   S stop_emissivity{1};

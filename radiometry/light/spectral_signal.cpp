@@ -109,8 +109,8 @@ double scene_difference(const SpectralCamera& camera, const Surface& surface, co
   const BandResponse response(camera.band, curves);
   const double from = response.radiance(Flux::photons, from_k), to = response.radiance(Flux::photons, to_k);
   if (!(std::abs(to - from) < 1e-3 * from)) return to - from;
-  // So little that the difference would lose digits: the mean slope, whose course over it three nodes have to all
-  // digits.
+  // The warming is so small that a difference would lose digits. It is the mean slope instead, which three nodes give
+  // to all digits.
   const mtf::GaussRule rule = mtf::mean_rule(from_k, to_k, 3);
   double slope = 0.0;
   for (std::size_t i = 0; i < rule.node.size(); ++i)

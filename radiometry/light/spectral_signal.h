@@ -14,7 +14,7 @@ namespace radiometry {
 struct SpectralCamera {
   Interval band;
   std::vector<Spectrum> optics;              ///< transmission of the warm optics
-  std::vector<Spectrum> cold_filter;         ///< of what lies behind the cold stop
+  std::vector<Spectrum> cold_filter;         ///< of what lies between cold stop and detector
   std::vector<Spectrum> quantum_efficiency;  ///< of the detector
 };
 
@@ -25,8 +25,8 @@ struct Surface {
   double surroundings_k = 0.0;
 };
 
-/// Where the emission of the stop counts. No filter stands before it, so what the quantum efficiency does beyond the
-/// band adds electrons where nothing else cuts it.
+/// Where the emission of the stop counts. No filter stands between stop and detector, so that a quantum efficiency
+/// beyond the band gives electrons there.
 enum class StopBand {
   band,     ///< in the band alone, as all other light: the same for a curve and for a number
   response  ///< over the whole of the quantum-efficiency curve
@@ -51,11 +51,11 @@ Interval stop_range(const SpectralCamera& camera, StopBand stop_band);
 BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface& surface, const Path& path,
                                      const CameraEmission& emission);
 
-/// Mean of the quantum-efficiency curves over the photons of the scene (not of the path) that reach the detector: what
-/// a plain number stands for. 1 without curves, NaN where the scene sends no photon.
+/// Mean of the quantum-efficiency curves over the photons of the scene (not of the path) that arrive at the detector:
+/// what a plain number stands for. 1 without curves, NaN where the scene sends no photon.
 double mean_quantum_efficiency(const SpectralCamera& camera, const Surface& surface, const Path& path);
 
-/// What the scene's part grows by when the surface gets warmer by `warmer_k`, within 1e-12 of itself.
+/// The growth of the scene's part when the surface gets warmer by `warmer_k`, to a relative 1e-12.
 double scene_difference(const SpectralCamera& camera, const Surface& surface, const Path& path, double warmer_k);
 
 /// Derivative of the scene's part by the temperature of the surface, per K.

@@ -149,7 +149,7 @@ Spectrum resample(const Spectrum& spectrum, std::span<const double> wavelength_u
       sum[j] += weight * value * (1.0 - right);
       sum[j + 1] += weight * value * right;
     };
-    // Line times line: Simpson's rule is exact.
+    // Simpson's rule is exact for the product of two straight lines.
     share(a, at_a, (b - a) / 6.0);
     share(middle, 0.5 * (at_a + at_b), (b - a) * (2.0 / 3.0));
     share(b, at_b, (b - a) / 6.0);

@@ -7,7 +7,7 @@
 //   ttp_nvthermip  E = 1.51 + 0.24 x  (AMSEL-NV-TR-230, 2004)
 //   ttp_nvipm      E = 1.5            (NV-IPM and after)
 //   johnson        E = 2.7 + 0.7 x    (the target transfer probability function of Johnson's criteria; FLIR92, ACQUIRE)
-// At x = 2 they say 0.80, 0.74 and 0.94: results have to name theirs.
+// At x = 2 they give 0.80, 0.74 and 0.94, so that a result has to name its law.
 // V50 for vehicles: detection 2.0, recognition 7.5, identification 13.0. N50, cycles over the least dimension: 1, 4, 8
 // along one axis (Johnson 1958); 0.75, 3, 6 for a two-dimensional MRTD (Kennedy, Proc. SPIE 1488 (1991),
 // doi 10.1117/12.45802). Range by TTP: V(R) = TTP(C exp(-beta R)) sqrt(A)/R = V50 x(P). V falls with R, so there is one
@@ -67,7 +67,7 @@ inline double ratio_for_probability(Psychometric model, double probability) {
 
 enum class Reached {
   at_range,  ///< up to range_m
-  at_limit,  ///< up to range_m, where the frequencies end that were asked about
+  at_limit,  ///< up to range_m, where the highest frequency that counts ends it
   never,     ///< at no range: the contrast is below every threshold, or P = 1
   always     ///< at any: P = 0
 };

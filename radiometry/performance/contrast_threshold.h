@@ -3,8 +3,7 @@
 
 // The least contrast of a grating that an observer sees: CTF, by the eye alone and through a sensor with its display.
 //   eye     CTF(u) = sqrt(2/eyes) / S(u), S the contrast sensitivity of mtf/components/eye_fits.h, u in cycles/degree
-//   at the eye; the
-//           fits are for both eyes. Contrast is modulation, (bright - dark)/(bright + dark).
+//           at the eye; the fits are for both eyes. Contrast is modulation, (bright - dark)/(bright + dark).
 //   system  CTF_sys(f) = CTF(f/M)/(M_disp H(f)) sqrt(1 + alpha^2 Gamma^2 Q_along(f) Q_across / S_tmp^2)
 //           Q_along = integral of |B(f'/f) H_post(f')|^2 df', B = exp(-2.2 ln^2(f'/f)); Q_across without B; both over
 //           all f', negative ones too
@@ -31,7 +30,7 @@ using mtf::ContrastModel;
 inline constexpr double kDegreesPerMrad = 1e-3 * 180.0 / mtf::kPi;
 inline constexpr double kAlphaNvThermIp = 862.0;  ///< Hz^(1/2)
 
-/// Who looks at what.
+/// The observer and the display.
 template <class S>
 struct Observer {
   ContrastModel model = ContrastModel::barten_short_squared;
@@ -83,7 +82,7 @@ S eye_mtf_at(const Observer<S>& o, const S& f_cy_mrad) {
   return mtf::lift(h.value, h.by_frequency, at_eye, h.by_pupil, pupil);
 }
 
-/// B(f'/f), the channel of the eye about the frequency it looks for; ratio >= 0.
+/// B(f'/f), the channel of the eye about the frequency of the grating; ratio >= 0.
 inline double eye_channel(double ratio) {
   const double l = std::log(ratio);
   return ratio > 0.0 ? std::exp(-2.2 * l * l) : 0.0;

@@ -40,7 +40,7 @@ S sin_power(const S& elevation_deg, double power) {
   return mtf::lift<S>({value, power * value / sine * mtf::cos_pi(angle) * mtf::kPi / 180.0}, elevation_deg);
 }
 
-/// What GIQE 3 and 4 go by.
+/// What GIQE 3 and 4 take.
 template <class S>
 struct Giqe4Input {
   S gsd_m{};            ///< at the target, in the plane of the image, geometric mean of both directions; to 1e6
@@ -61,7 +61,7 @@ struct Giqe4Input {
   }
 };
 
-/// What GIQE 5 goes by.
+/// What GIQE 5 takes.
 template <class S>
 struct Giqe5Input {
   S gsd_m{};            ///< as Giqe4Input::gsd_m; it is projected here

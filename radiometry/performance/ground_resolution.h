@@ -38,8 +38,8 @@ struct GroundResolution {
   S grd_m{};                  ///< infinite for none
 };
 
-/// `system_mtf`: f in cycles/mrad (double) -> S, 1 at f = 0. The lowest crossing is looked for at 256 frequencies up to
-/// Nyquist and then followed to all digits. Throws UsageError for values out of range.
+/// `system_mtf`: f in cycles/mrad (double) -> S, 1 at f = 0. The lowest crossing is searched at 256 frequencies up to
+/// Nyquist and then found to all digits. Throws UsageError for values out of range.
 template <class S, class Mtf>
 GroundResolution<S> ground_resolved_distance(const GrdInput<S>& in, const Mtf& system_mtf) {
   require_valid("grd", in);

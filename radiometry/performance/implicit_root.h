@@ -14,7 +14,7 @@ namespace radiometry {
 
 /// Root of a function with g_lo = g(lo) and g_hi = g(hi) of different signs (one may be 0), by inverse quadratic
 /// interpolation where that is safe and halving where not (Chandrupatla, Adv. Eng. Softw. 28, 145 (1997)). The values
-/// may be infinite. NaN ends it.
+/// may be infinite; a NaN ends the search.
 template <class G>
 double find_root(const G& g, double lo, double hi, double g_lo, double g_hi) {
   if (g_lo == 0.0) return lo;

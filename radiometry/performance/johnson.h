@@ -2,7 +2,7 @@
 #pragma once
 
 // Range by Johnson's criteria: the target is replaced by bars of the same contrast, N of them over its least dimension;
-// the task succeeds where their contrast at the aperture reaches the MRTD,
+// the task succeeds up to the range where their contrast at the aperture has fallen to the MRTD,
 //   MRTD(N R/h) = dT exp(-beta R),  N = N50 x(P).
 // P and N50: acquisition.h. MRTD rises with frequency, the contrast falls with range: one root. (Johnson, Image
 // Intensifier Symposium, 249 (1958); Ratches, Opt. Eng. 15, 525 (1976); Kennedy, Proc. SPIE 1488 (1991),

@@ -6,17 +6,17 @@
 //   N_x = tvh^2 E_t E_x E_y + vh^2 E_x E_y + th^2 E_t E_x + h^2 E_x      for bars that alternate along x
 //   N_y = tvh^2 E_t E_x E_y + vh^2 E_x E_y + tv^2 E_t E_y + v^2 E_y      along y
 // The components of 3-D noise are in K (noise_3d.h; h: columns, v: rows): noise that is the same along a bar is not
-// averaged along it, noise of rows does not look like bars along x. That is the usual
+// averaged along it, and noise of rows does not resemble bars along x. That is the usual
 // tvh k sqrt(E_t E_x E_y), k^2 = 1 + vh^2/(tvh^2 E_t) + th^2/(tvh^2 E_y) + h^2/(tvh^2 E_t E_y), without its divisions.
 //   E_t = min(1, 1/(frame rate x t_eye))
 //   E   = s x integral of sinc^2(w f') H_noise(f')^2 df' over |f'| <= the noise's band: what the eye leaves of the
 //         variance of samples s apart when it averages over w mrad: w = 1/(2 f) across a bar, 7 times that along it
-// H: system MTF, eye excluded; H_noise: what filters the noise behind the detector. (pi^2/8 = the bars' fundamental,
-// 4/pi, and the average over half a period of it, 2/pi.)
-// 2-D: f = sqrt(f_x f_y) where MRTD_x(f_x) = MRTD_y(f_y); that value is MRTD_2D(f).
-// (Scott and D'Agostino, Proc. SPIE 1689, 55 (1992); Driggers, Cox and Edwards, Introduction to Infrared and
-// Electro-Optical Systems, ch. 11. SNR_th 2.5 to 3, t_eye 0.1 to 0.2 s.) Sampling, and so frequencies beyond the
-// detector's Nyquist, is not in it. An H that comes back behind a zero shows bars of the wrong contrast: end it there.
+// H: system MTF, eye excluded; H_noise: MTF of the filters after the detector, which act on the noise. (pi^2/8 = the
+// bars' fundamental, 4/pi, and the average over half a period of it, 2/pi.) 2-D: f = sqrt(f_x f_y) where MRTD_x(f_x) =
+// MRTD_y(f_y); that value is MRTD_2D(f). (Scott and D'Agostino, Proc. SPIE 1689, 55 (1992); Driggers, Cox and Edwards,
+// Introduction to Infrared and Electro-Optical Systems, ch. 11. SNR_th 2.5 to 3, t_eye 0.1 to 0.2 s.) Sampling, and so
+// frequencies beyond the detector's Nyquist, is not in it. An H that rises again beyond a zero shows bars of the wrong
+// contrast: let it end at the zero.
 
 #include "mtf/frame.h"
 #include "radiometry/light/adaptive_integral.h"
@@ -57,9 +57,9 @@ struct MrtdInput {
 };
 
 /// Integral of sinc^2(w f) H(f)^2 df over |f| <= band, cycles/mrad; `noise_mtf`: double -> S. w in mrad, above 0.
-/// The lobes of sinc^2 are integrated; of more than 64 those beyond the 32nd by their mean and the terms of their ends,
-/// so that the cost has a bound. Relative error below 1e-9 where H changes little
-/// over a 32nd of the band.
+/// The lobes of sinc^2 are integrated one by one; of more than 64 those beyond the 32nd are taken by their mean and the
+/// terms of their ends, so that the cost has a bound. The relative error is below 1e-9 where H changes little over a
+/// 32nd of the band.
 template <class S, class Mtf>
 S averaged_bandwidth(double w_mrad, const S& band_cy_mrad, const Mtf& noise_mtf) {
   const double band = mtf::value_of(band_cy_mrad), end = w_mrad * band;  // in lobes
@@ -84,7 +84,7 @@ S averaged_bandwidth(double w_mrad, const S& band_cy_mrad, const Mtf& noise_mtf)
     };
     sum -= at_end(end) - at_end(direct);
   }
-  // The band's own derivative: the integrand at its end.
+  // The derivative by the band is the integrand at its end.
   return S(2.0 / w_mrad) * (sum + S(window(end)) * power(end) * S(w_mrad) * (band_cy_mrad - S(band)));
 }
 
@@ -136,7 +136,7 @@ S mrtd_2d_k(double f_cy_mrad, const MrtdX& mrtd_x, const MrtdY& mrtd_y) {
   };
   const double here = difference(0.0);
   double lo = 0.0, hi = 0.0, g_lo = here, g_hi = here;
-  constexpr double kStep = 0.25, kFurthest = 14.0;  // a factor of 1e6 each way
+  constexpr double kStep = 0.25, kFurthest = 14.0;  // a factor of 1e6 up and down
   while (g_lo > 0.0 && lo > -kFurthest) hi = lo, g_hi = g_lo, lo -= kStep, g_lo = difference(lo);
   while (g_hi < 0.0 && hi < kFurthest) lo = hi, g_lo = g_hi, hi += kStep, g_hi = difference(hi);
   if (g_lo > 0.0 || g_hi < 0.0) return S(mtf::kInfinity);

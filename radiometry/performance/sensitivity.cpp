@@ -52,13 +52,18 @@ std::vector<BudgetRow> rows(const Budget<double>& budget) {
       row.refused = "no flat frame of [correction] can be made";
     else
       row.refused = refusal_of(budget, row.value);
+    row.saturated = is_saturated(budget, row.value);
   }
   return all;
 }
 
+bool is_saturated(const Budget<double>& budget, double value) {
+  return budget.saturation.saturated() && std::isnan(value);
+}
+
 std::string refusal_of(const Budget<double>& budget, double value) {
   if (std::isfinite(value)) return {};
-  if (budget.saturation.saturated() && std::isnan(value)) return words(budget.saturation);
+  if (is_saturated(budget, value)) return words(budget.saturation);
   if (!(budget.signal.scene_e > 0.0)) return "no light of the scene makes electrons";
   if (!(budget.signal_per_k > 0.0)) return "the electrons of the scene do not change with its temperature";
   return "the value is beyond what a number can hold";

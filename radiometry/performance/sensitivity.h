@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Noise of a pixel and what it lets one see, in closed form. Temporal terms, electrons rms:
+// Noise of a pixel and the figures of its sensitivity, in closed form. Temporal terms, electrons rms:
 //   shot       sqrt(electrons), of scene and path, of the background (optics, stop), of the dark current
 //   read, kTC  as given; kTC = sqrt(k T C) / q for a capacitance that is reset
 //   quantisation   step / sqrt(12), for a step of one count in electrons (values spread over several counts)
@@ -79,7 +79,7 @@ S reset_noise_e(const S& capacitance_f, const S& temperature_k) {
   return detail::root(S(kBoltzmann_j_k * temperature_k * capacitance_f)) / S(kElementaryCharge_c);
 }
 
-/// What is reset, for the kTC noise of NoiseTerms::reset_e.
+/// The capacitance that is reset, for the kTC noise of NoiseTerms::reset_e.
 struct ResetNoise {
   double capacitance_f = 0.0;
   double temperature_k = 0.0;
@@ -131,7 +131,7 @@ void set_spatial(Budget<S>& b) {
   b.spatial_netd_k = b.spatial_e / b.signal_per_k;
 }
 
-/// What a saturated budget has no number for.
+/// Makes NaN of the figures that a saturated budget has no number for.
 template <class S>
 void refuse_saturated(Budget<S>& b) {
   const S none(std::numeric_limits<double>::quiet_NaN());
@@ -140,13 +140,13 @@ void refuse_saturated(Budget<S>& b) {
         &Budget<S>::temporal_e, &Budget<S>::prnu_e, &Budget<S>::spatial_e, &Budget<S>::snr, &Budget<S>::shot_netd_k,
         &Budget<S>::netd_k, &Budget<S>::spatial_netd_k, &Budget<S>::nei_ph})
     b.*figure = none;
-  // The dark current alone may be too much.
+  // The dark current alone may saturate the pixel.
   const Saturation& s = b.saturation;
   if (s.end != RangeEnd::least_count && mtf::value_of(b.signal.dark_e) >= s.end_e) b.floor_e = b.dynamic_range = none;
 }
 
-/// How the values of all pixels and frames scatter where the range ends; rounding comes later. Of a budget whose
-/// spatial terms are those before any correction.
+/// How the values of all pixels and frames scatter in the well and before the converter (which adds its rounding). The
+/// spatial terms of the budget have to be those before any correction.
 template <class S>
 PixelScatter scatter_of(const Budget<S>& b) {
   const double total_e = mtf::value_of(b.signal.total_e()), shot_e = std::sqrt(std::max(total_e, 0.0));
@@ -196,10 +196,11 @@ struct BudgetRow {
   std::string name, unit;
   double value = 0.0;
   std::string doc;
-  std::string refused{};  ///< why there is no value, "" where there is one
+  std::string refused{};   ///< why there is no value, "" where there is one
+  bool saturated = false;  ///< no value since the pixel or the converter is full
 };
-/// True for a row without a value since the pixel or the converter is full.
-inline bool is_saturated(const BudgetRow& row) { return row.refused.starts_with("saturated"); }
+/// True for a figure of that budget without a value since the pixel or the converter is full.
+bool is_saturated(const Budget<double>& budget, double value);
 /// Why a figure of that budget has no finite value, "" where it has one.
 std::string refusal_of(const Budget<double>& budget, double value);
 /// All of the budget in the order of the physics; the NETDs in mK, the dynamic range in dB.

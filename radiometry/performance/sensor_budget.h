@@ -32,8 +32,8 @@ SpectralNumbers<double> spectral_numbers(const Sensor& sensor, double temperatur
 /// True for a number that only spectral_numbers reads.
 bool is_spectral(std::string_view path);
 
-/// The flat frames of [correction]; nothing where the background alone is above the level of the cold one, so that no
-/// scene is dark enough for it. `lost_e`: what narcissus takes of the background.
+/// The flat frames of [correction]; nothing where the background alone has more electrons than the cold one, so that no
+/// scene is dark enough for it. `lost_e`: the part of the background that narcissus takes.
 template <class S>
 std::optional<FlatFrames<S>> flat_frames(const SensorSettings& settings, const Pixel<S>& pixel,
                                          const Signal<S>& electrons, const S& lost_e, const Budget<S>& budget,
@@ -80,7 +80,7 @@ Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& sett
       budget.prnu_e = budget.dsnu_e = budget.correction_e = S(std::numeric_limits<double>::quiet_NaN());
       set_spatial(budget);
     }
-    if (budget.saturation.saturated()) {  // nor has what the flat frames leave at a charge that follows no scene
+    if (budget.saturation.saturated()) {  // the residual is that at a charge which follows the scene
       refuse_saturated(budget);
       budget.dsnu_e = budget.correction_e = S(std::numeric_limits<double>::quiet_NaN());
     }
@@ -91,7 +91,7 @@ Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& sett
 /// The settings that the budget of a sensor counts: its maps in place of prnu and dsnu, by their standard deviation.
 SensorSettings budget_settings(const Sensor& sensor);
 
-/// What simulated frames do otherwise than the budget, sentences; none where they agree.
+/// Sentences that say where simulated frames differ from the budget; none where they agree.
 std::vector<std::string> budget_notes(const Sensor& sensor);
 
 /// Why the spatial terms of that budget have no number, "" where they have.
@@ -102,7 +102,7 @@ std::string spatial_gap(const SensorSettings& settings, const Budget<S>& budget)
   return "[correction]: no flat frame at " + mtf::format_double(settings.correction->low) +
          " of full well can be made: the background alone has " +
          mtf::format_double(std::round(mtf::value_of(S(electrons.optics_e + electrons.stop_e + electrons.dark_e)))) +
-         " e-; choose a higher level, or a shorter integration time";
+         " e-; raise correction.low, or shorten the integration time";
 }
 
 }  // namespace radiometry

@@ -3,8 +3,7 @@
 
 // What the camera equation and the budget take from a sensor file, as numbers of any scalar, so that studies
 // differentiate through detector and converter as they do through the OTF. A number of the tables may be overridden by
-// its path
-// ("detector.read_noise"), which is how a design differs from its file.
+// its path ("detector.read_noise"); that is how a design of a study differs from its sensor file.
 
 #include <algorithm>
 #include <array>
@@ -75,7 +74,7 @@ inline constexpr std::array<std::string_view, 31> kBudgetNumbers{"optics.transmi
                                                                  "nonuniformity.dsnu",
                                                                  "narcissus.depth"};
 
-/// Without an f-number its number is 0; factors that are given as curves are 1.
+/// The f-number is 0 where the sensor has none; factors that are given as curves are 1.
 template <class S>
 Camera<S> camera_numbers(const mtf::System<S>& system, const SensorSettings& settings,
                          const Overrides<S>& numbers = {}) {
@@ -111,7 +110,7 @@ Pixel<S> pixel_numbers(const mtf::System<S>& system, const SensorSettings& setti
   return pixel;
 }
 
-/// Electrons of one count: as given, or the full well over the counts that the offset leaves; 0 without [adc].
+/// Electrons of one count: as given, or the full well over the counts that the offset leaves. It is 0 without [adc].
 template <class S>
 S electrons_per_count(const SensorSettings& settings, const S& full_well_e, const Overrides<S>& numbers = {}) {
   if (!settings.adc) return S(0);

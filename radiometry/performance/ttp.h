@@ -30,8 +30,8 @@ struct SensitivityCourse {
 inline constexpr int kCourseSamples = 240;  ///< 12 an octave over a factor of 2^20
 
 /// `sensitivity`: f in cycles/mrad (double) -> 1/CTF as S, >= 0, 0 from `limit_cy_mrad` on (UsageError if that is not
-/// above 0 and finite). It is to have one top in the band; tops and gaps narrower than a
-/// twelfth of an octave may be missed.
+/// above 0 and finite). It should have one maximum in the band; maxima and gaps narrower than a twelfth of an octave
+/// may be missed.
 template <class Sensitivity>
 SensitivityCourse sensitivity_course(const Sensitivity& sensitivity, double limit_cy_mrad) {
   if (!(limit_cy_mrad > 0.0 && limit_cy_mrad < mtf::kInfinity))
@@ -47,7 +47,7 @@ SensitivityCourse sensitivity_course(const Sensitivity& sensitivity, double limi
   const auto i = static_cast<std::size_t>(most - course.value.begin());
   course.peak = i;
   if (i == 0 || i + 1 == course.value.size()) return course;
-  // The top itself, by golden sections: a contrast just above the least threshold has a band there.
+  // The maximum itself, by golden sections: a contrast just above the least threshold has a band there.
   double lo = course.f_cy_mrad[i - 1], hi = course.f_cy_mrad[i + 1];
   constexpr double kGolden = 0.6180339887498949;
   double a = hi - kGolden * (hi - lo), b = lo + kGolden * (hi - lo), va = at(a), vb = at(b);

@@ -86,6 +86,37 @@ TEST_F(BudgetCommand, MapsCountInTheBudget) {
   mtf::io::write_exr((scratch / "gain.exr").string(), {{"Y", gain.view()}}, {});
   const std::string err = scratch.run("mtf budget s.toml").err;
   EXPECT_NE(err.find("the mean of nonuniformity.responsivity is 0.5"), std::string::npos) << err;
+  EXPECT_NE(err.find("standard deviation of the factors, 0.125, not divided by their mean"), std::string::npos) << err;
+  EXPECT_NEAR(budget()["prnu"]["value"].get<double>(), 0.5 * random["prnu"]["value"].get<double>(), 1.0);
+}
+
+// The mean of 768 independent pixels scatters by 1/28 of their standard deviation.
+TEST_F(BudgetCommand, AMeanWithinItsSamplingErrorIsNoNews) {
+  const auto notes_of = [&](float shift) {
+    Image gain(32, 24), offset(32, 24);
+    for (std::int64_t i = 0; i < gain.size(); ++i) {
+      const float sign = i % 2 == 0 ? -1.0F : 1.0F;
+      gain.data()[i] = 1.0F + 0.05F * (sign + shift);
+      offset.data()[i] = 64.0F * (sign + shift);
+    }
+    mtf::io::write_exr((scratch / "gain.exr").string(), {{"Y", gain.view()}}, {});
+    mtf::io::write_exr((scratch / "offset.exr").string(), {{"Y", offset.view()}}, {});
+    return Json::parse(scratch.run("mtf budget s.toml --format json").out)["notes"].size();
+  };
+  sensor("[nonuniformity]\nresponsivity = \"gain.exr\"\noffset = \"offset.exr\"\n");
+  EXPECT_EQ(notes_of(0.07F), 0U) << "two standard deviations of the mean";
+  EXPECT_EQ(notes_of(-0.13F), 0U);
+  EXPECT_EQ(notes_of(0.2F), 2U) << "more than five";
+}
+
+// Light that no detector sees: the message is at the key that takes it away.
+TEST_F(BudgetCommand, LightWithoutElectronsIsRefusedAtItsKey) {
+  sensor("[path]\ntransmission = 0.0\n");
+  expect_refused("mtf curve s.toml", {"s.toml:26:1: error: path.transmission: ", "multiply to 0 everywhere"});
+  for (const char* cold : {"0 K", "1e-310 K"}) {
+    sensor("", "sample =", std::string("source_temperature = \"") + cold + "\"\nsample =");
+    expect_refused("mtf curve s.toml", {"s.toml:8:1: error: scene.source_temperature: a source of ", cold});
+  }
 }
 
 // What radiometry refuses is told at the line of the key it is about.

@@ -72,6 +72,18 @@ TEST_F(ChainCommand, EveryTapIsWrittenAndNoisyFramesRepeat) {
   for (std::int64_t i = 0; i < counts.size(); ++i) EXPECT_EQ(png.data()[i], counts.data()[i]);
 }
 
+TEST_F(ChainCommand, AStageMayBeNamedByEitherOption) {
+  sensor("[noise]\nseed = 5\n[adc]\nbits = 12\n");
+  ASSERT_EQ(scratch.run("mtf simulate s.toml t300.exr -o stage.exr --stage electrons").status, 0);
+  ASSERT_EQ(scratch.run("mtf simulate s.toml t300.exr -o tap.exr --tap electrons").status, 0);
+  EXPECT_EQ(read_file(scratch / "stage.exr"), read_file(scratch / "tap.exr"));
+  EXPECT_NE(scratch.run("mtf simulate --help").out.find("--stage"), std::string::npos);
+  const Result wrong = scratch.run("mtf simulate s.toml t300.exr -o none.exr --stage photons");
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_NE(wrong.err.find("--stage"), std::string::npos) << wrong.err;
+  EXPECT_NE(wrong.err.find("electrons"), std::string::npos) << wrong.err;
+}
+
 // A file that holds 0 to 255 in 16 bits is black in every viewer.
 TEST_F(ChainCommand, DisplayLevelsAreFilesThatLookLikeTheDisplay) {
   Image ramp(64, 48);

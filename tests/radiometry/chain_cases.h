@@ -25,7 +25,7 @@ inline Sensor mwir_sensor() {
   return sensor;
 }
 
-/// Everything that a still camera has.
+/// The same with noise, non-uniformity and converter.
 inline Sensor noisy_sensor() {
   Sensor sensor = mwir_sensor();
   sensor.settings.detector->dark_e_s = 5e6;

@@ -11,7 +11,7 @@
 
 namespace radiometry::test {
 
-/// `work` throws a UsageError whose message holds all the parts.
+/// Expects that `work` throws a UsageError whose message holds all the parts.
 template <class Work>
 void expect_refused(std::initializer_list<std::string_view> parts, Work work) {
   try {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Tests of random numbers. Every result is in sigmas of what it would be by chance; with fixed seeds, 4.5 is a fault.
+// Tests of random numbers. Every result is in standard deviations of its distribution by chance; with fixed seeds, more
+// than 4.5 is a fault.
 
 #include <cmath>
 #include <cstddef>

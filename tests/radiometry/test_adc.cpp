@@ -34,7 +34,8 @@ TEST(Adc, rounds_to_the_nearest_count) {
   EXPECT_EQ(counts_of({0, 9.9F, 10, 19.9F}, down), (std::vector<std::uint32_t>{0, 0, 1, 1}));
 }
 
-// The largest count, 1 to 32 bits: reached exactly at the full well, never passed, and everything rises.
+// The largest count, 1 to 32 bits: the full well gives it exactly, nothing gives more, and the counts rise with the
+// electrons.
 TEST(Adc, one_to_32_bits_and_wells_of_1_and_1e12) {
   for (int bits = 1; bits <= 32; ++bits)
     for (const double well : {1.0, 7e6, 1e12}) {

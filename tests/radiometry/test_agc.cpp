@@ -36,7 +36,7 @@ TEST(Agc, linear_between_quantiles) {
   EXPECT_EQ(whole.high, 1999.0);
 }
 
-// Without a cap every level is equally frequent; a small cap gives the line back where all values occur.
+// Without a cap every display level is equally frequent; a small cap gives the line back where all values occur.
 TEST(Agc, plateau_goes_from_equal_to_linear) {
   mtf::Image image = flat(256, 256, 0.0F);
   add_gaussian(image.view(), 100.0, {1, 0}, Stream::read);

@@ -16,7 +16,7 @@ namespace {
 
 using test::expect_refused;
 
-/// By brute force: 64 panels of 32 nodes on every piece of the wavelength.
+/// The integral by brute force: 64 panels of 32 nodes on every piece of the wavelength.
 template <class F>
 double slow_integral(const Interval& range, std::span<const Spectrum> curves, F f) {
   const std::vector<double> grid = union_grid(range, curves);
@@ -177,6 +177,9 @@ TEST(ElectronNodes, refusals) {
   expect_refused({"8 um to 12 um", "no electrons"}, [&] { BandResponse({8, 12}, dark).electron_nodes(5, 300.0); });
   expect_refused({"0 wavelengths", "256"}, [&] { BandResponse({8, 12}, {}).electron_nodes(0, 300.0); });
   expect_refused({"-3"}, [&] { BandResponse({8, 12}, {}).electron_nodes(4, -3.0); });
+  expect_refused({"a source of 1e-310 K", "8 um to 12 um"}, [&] {
+    BandResponse({8, 12}, {}).electron_nodes(4, 1e-310);
+  });
   const std::vector<Spectrum> many(9, constant_spectrum("c", 1.0));
   expect_refused({"9 curves"}, [&] { BandResponse({8, 12}, many); });
 }

@@ -53,7 +53,8 @@ TEST(Blinking, telegraph_statistics) {
     }
 }
 
-// The mean time in a state: changes of a few pixels over many frames. Seen once a frame, short visits are missed.
+// The mean time in a state: changes of a few pixels over many frames. A state that is sampled once a frame misses short
+// visits.
 TEST(Blinking, dwell_over_a_long_sequence) {
   const Blinking blinking{.fraction = 1.0, .excess_e = 1.0, .dwell_frames = 50.0};
   double changed = 0.0;
@@ -81,7 +82,7 @@ TEST(Blinking, regions_and_frames) {
     for (std::int64_t y = 0; y < 30; ++y)
       for (std::int64_t x = 0; x < 40; ++x) ASSERT_EQ(part.at(x, y), whole.at(123 + x, 45 + y));
   }
-  // Slower than any sequence: nothing changes.
+  // A dwell longer than any sequence: nothing changes.
   const Blinking slow{.fraction = 1.0, .excess_e = 1.0, .dwell_frames = 1e9};
   for (std::int64_t x = 0; x < 100; ++x) EXPECT_EQ(is_high(slow, {1, 0}, x, 0), is_high(slow, {1, 10}, x, 0));
 }

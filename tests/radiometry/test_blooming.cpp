@@ -44,13 +44,13 @@ TEST(Blooming, one_bright_pixel_fills_its_neighbours_evenly) {
   const std::vector<float> expected{0, 0, 100, 100, 100, 100, 100, 0, 0};
   EXPECT_TRUE(std::equal(expected.begin(), expected.end(), image.data()));
 
-  // Half of what is above goes either way; at the edge it leaves.
+  // Half of the excess goes in either direction; at the edge it leaves.
   mtf::Image edge = column({300, 0, 0, 0});
   EXPECT_NEAR(bloom(edge.view(), {}, 100.0).left_e, 100.0, 1e-12);
   const std::vector<float> of_edge{100, 100, 0, 0};
   EXPECT_TRUE(std::equal(of_edge.begin(), of_edge.end(), edge.data()));
 
-  // Two that want the same room share it.
+  // Charge from two pixels that meets at one well shares it.
   mtf::Image two = column({0, 0, 180, 0, 180, 0, 0});
   bloom(two.view(), {}, 100.0);
   const std::vector<float> of_two{0, 40, 100, 80, 100, 40, 0};

@@ -71,7 +71,7 @@ TEST(Chain, AFlatSceneHasTheVarianceOfTheBudget) {
   for (const double s : sum) spatial += std::pow(s / frames - mean, 2) / static_cast<double>(sum.size() - 1);
   const double dof = (frames - 1.0) * static_cast<double>(sum.size());
   EXPECT_LT(std::abs(chi2 / dof - 1.0), kMostSigmas * std::sqrt(2.0 / dof));
-  // What stays of the temporal noise in a mean of frames is known; 575 pixels.
+  // The temporal noise that is left in a mean of frames is known; 575 pixels.
   const double expected = std::pow(budget.spatial_e, 2) + std::pow(budget.temporal_e, 2) / frames;
   EXPECT_LT(std::abs(spatial / expected - 1.0), kMostSigmas * std::sqrt(2.0 / 575.0));
   EXPECT_LT(std::abs(mean - budget.signal.total_e()), kMostSigmas * std::sqrt(expected / 576.0));
@@ -136,20 +136,6 @@ TEST(Chain, TapsAreWhatTheySay) {
   test::expect_refused({"display", "dn"}, [&] { at(OutputStage::display); });
 }
 
-TEST(Chain, StagesThatAreOffDoNotRun) {
-  const auto stages = [](const Chain& chain, OutputStage stage) {
-    std::string names;
-    for (const auto& [name, ms] : chain.run(flat(16, 16, 1e18F), 0, stage).timing_ms) names += std::string(name) + ";";
-    return names;
-  };
-  Sensor bare = mwir_sensor();
-  bare.settings.detector->full_well_e = mtf::kInfinity;
-  EXPECT_EQ(stages(make_chain(mwir_system(), bare, 16, 16, 15.0), OutputStage::electrons), "presample;collect;");
-  const Chain all = make_chain(mwir_system(), noisy_sensor(), 16, 16, 15.0);
-  EXPECT_EQ(stages(all, OutputStage::radiance), "presample;");
-  EXPECT_EQ(stages(all, OutputStage::dn), "presample;collect;shot;full well;offset;read;rows and columns;adc;");
-}
-
 TEST(Chain, SameBitsForAnyThreadsAndSameNoiseForAnyRegion) {
   mtf::System<double> system = mwir_system();
   const Sensor sensor = noisy_sensor();
@@ -166,7 +152,7 @@ TEST(Chain, SameBitsForAnyThreadsAndSameNoiseForAnyRegion) {
   EXPECT_FALSE(std::equal(one.data(), one.data() + one.size(), next.data()));
 }
 
-// Readout filters shape the signal and its shot noise, not the read noise behind them.
+// Readout filters shape the signal and its shot noise, not the read noise, which comes after them.
 TEST(Chain, ReadoutFiltersShotNoiseButNotReadNoise) {
   mtf::System<double> system = mwir_system();
   auto crosstalk = mtf::Component<double>::make("crosstalk");
@@ -203,7 +189,7 @@ TEST(Chain, The3dNoiseThatIsPutInIsMeasured) {
   EXPECT_NEAR(found.th, put.th, 0.03 * put.th);
 }
 
-// Two flat scenes 1 K apart: the step of the mean over the noise is what the budget calls NETD.
+// Two flat scenes 1 K apart: the noise over the step of the mean is the NETD of the budget.
 TEST(Chain, TheNetdThatIsMeasuredIsThatOfTheBudget) {
   Sensor sensor = noisy_sensor();
   sensor.settings.nonuniformity.reset();
@@ -379,19 +365,6 @@ TEST(Chain, SaysWhatIsMissing) {
   sensor.settings.nonuniformity = NonuniformitySettings{.responsivity = "map.exr"};
   sensor.responsivity = std::make_shared<const mtf::Image>(flat(15, 16, 1.0F));
   test::expect_refused({"responsivity", "15x16", "16x16"}, build(mwir_system(), sensor));
-}
-
-TEST(Chain, ATableOfTheFileIsAStageInWords) {
-  const auto on = [](const Sensor& sensor) {
-    std::string names;
-    for (const ChainStage& stage : chain_stages(mwir_system(), sensor))
-      if (stage.on) names += stage.name + ";";
-    return names;
-  };
-  EXPECT_EQ(on(mwir_sensor()), "presample;light;full well;");
-  EXPECT_EQ(on(noisy_sensor()),
-            "presample;light;responsivity;dark current;shot noise;full well;offsets;read noise;row and column "
-            "noise;adc;");
 }
 
 }  // namespace

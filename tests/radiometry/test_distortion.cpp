@@ -116,7 +116,7 @@ TEST(Distortion, regions_threads_and_borders) {
   distort(scene.view(), barrel, grid, part.view(), {160, 130});
   for (std::int64_t y = 0; y < 17; ++y)
     for (std::int64_t x = 0; x < 31; ++x) ASSERT_EQ(part.at(x, y), whole.at(160 + x, 130 + y));
-  // The corner of a barrel looks past the scene.
+  // The corner of a barrel sees past the scene.
   distort(scene.view(), barrel, grid, whole.view(), {}, mtf::Border::constant, -77.0F);
   EXPECT_EQ(whole.at(0, 0), -77.0F);
   EXPECT_EQ(whole.at(199, 149), -77.0F);
@@ -137,14 +137,14 @@ TEST(Distortion, mtf_of_the_interpolation) {
 }
 
 TEST(Distortion, refusals) {
-  // r (1 - 0.2 r^2) turns at r = 1.29 and reaches 0.86: the corners of the image would see nothing.
+  // r (1 - 0.2 r^2) turns at r = 1.29 and comes to 0.86: the corners of the image would see nothing.
   expect_refused({"k1 = -0.2", "fold the field over at 0.86"}, [] { UndistortedRadius({.k1 = -0.2}, 1.0); });
   EXPECT_NO_THROW(UndistortedRadius({.k1 = -0.148}, 1.0));  // 4/27 is the limit
   expect_refused({"fold"}, [] { UndistortedRadius({.k1 = -0.1482}, 1.0); });
   // Falls between two rises: slope 1 - 3 s + 2 s^2 is below 0 from s = 0.5 to 1.
   expect_refused({"fold"}, [] { UndistortedRadius({.k1 = -1.0, .k2 = 0.4}, 1.0); });
   EXPECT_NO_THROW(UndistortedRadius({.k1 = -1.0, .k2 = 0.4}, 0.4));
-  // r (1 - r^4 / 20) turns at r = sqrt(2) and reaches 0.8 sqrt(2) = 1.1314; r (1 - r^6 / 56) 6/7 sqrt(2) = 1.2122.
+  // r (1 - r^4 / 20) turns at r = sqrt(2) and comes to 0.8 sqrt(2) = 1.1314; r (1 - r^6 / 56) 6/7 sqrt(2) = 1.2122.
   EXPECT_NO_THROW(UndistortedRadius({.k2 = -0.05}, 1.131));
   expect_refused({"fold the field over at 1.131"}, [] { UndistortedRadius({.k2 = -0.05}, 1.132); });
   EXPECT_NO_THROW(UndistortedRadius({.k3 = -1.0 / 56}, 1.212));

@@ -36,7 +36,7 @@ TEST(FixedPattern, maps_have_their_rms_and_are_fixed_by_the_seed) {
   responsivity_map(part.view(), 0.02, 5, {57, 200});
   for (std::int64_t x = 0; x < 100; ++x) ASSERT_EQ(part.at(x, 2), gain.at(57 + x, 202));
 
-  // However large, never a negative response.
+  // The response is never negative, however large the rms.
   responsivity_map(gain.view(), 1.0, 5);
   EXPECT_GE(*std::min_element(gain.data(), gain.data() + gain.size()), 0.0F);
 

@@ -32,7 +32,7 @@ double periodogram(const mtf::Image& line, std::int64_t k) {
   return (re * re + im * im) / (n * 3.0 / 8.0);
 }
 
-// Level, slope and corner: lines of 4096 pixels, 2000 frames; the mean of a periodogram has 1/sqrt(2000) of itself.
+// Density, slope and corner: lines of 4096 pixels, 2000 frames; the mean of a periodogram has 1/sqrt(2000) of itself.
 TEST(Flicker, spectrum) {
   const std::int64_t n = 4096;
   const int frames = 2000;
@@ -54,7 +54,7 @@ TEST(Flicker, spectrum) {
     };
     const double expected = 2.0 / 3.0 * density(ks[i]) + (density(ks[i] - 1) + density(ks[i] + 1)) / 6.0;
     EXPECT_LT(std::abs(mean[i] / expected - 1.0) * std::sqrt(frames), kMostSigmas) << ks[i];
-    // What it is meant to be, W^2 fc / f, and with the white noise W^2 (1 + fc / f).
+    // The density should be W^2 fc / f, and with the white noise W^2 (1 + fc / f).
     const double f = static_cast<double>(ks[i]) / static_cast<double>(n), ideal = level * kFlicker.corner_cy_px / f;
     const double most = (f < 0.02 ? 0.05 : 0.11) + (ks[i] < 20 ? 0.01 : 0.0);  // and the window's at the lowest
     EXPECT_NEAR(mean[i] / ideal, 1.0, most + kMostSigmas / std::sqrt(frames)) << ks[i];
@@ -120,7 +120,7 @@ TEST(Flicker, regions_threads_and_frames) {
     for (std::int64_t y = 0; y < 50; ++y)
       for (std::int64_t x = 0; x < 70; ++x) ASSERT_EQ(part.at(x, y), whole.at(217 + x, 99 + y));
   }
-  // Frames are independent, also in what is slow: 400 first pixels of one frame and the next.
+  // Frames are independent, also in their slow part: the first 400 pixels of one frame and of the next.
   std::vector<float> now, then;
   for (std::uint32_t frame = 0; frame < 401; ++frame) {
     mtf::Image first = flat(1, 1, 0.0F);

@@ -95,7 +95,7 @@ TEST(Frames, spatial_and_temporal_noise_come_apart_in_three_dimensions) {
   const Budget<double> b = sensor.budget(300.0);
   EXPECT_NEAR(got.tvh, b.temporal_e, 0.005 * b.temporal_e);
   EXPECT_NEAR(got.vh, b.spatial_e, 0.015 * b.spatial_e);
-  // Of 256 rows and more: 4.5 sqrt(2 / 255) / 256 of the variance may look like one that is not there.
+  // Of 256 rows and more: 4.5 sqrt(2 / 255) / 256 of the variance may be taken for a component that is not there.
   for (const double other : {got.t, got.tv, got.th, got.v, got.h})
     EXPECT_LT(other, 0.04 * std::hypot(b.temporal_e, b.spatial_e));
 }

@@ -55,7 +55,7 @@ TEST(Giqe, noise_and_sharpness_at_their_limits) {
   quiet.snr = kInfinite;
   EXPECT_NEAR(niirs_giqe3(quiet) - niirs_giqe3(kSharpened), 2.0 / 50.0, 1e-14);
   EXPECT_NEAR(niirs_giqe4(quiet) - niirs_giqe4(kSharpened), 0.344 * 2.0 / 50.0, 1e-14);
-  // Without noise GIQE 5 no longer goes by the sharpness but for the fourth power; 1 inch, RER 0.1: 9.57 - 2.
+  // Without noise the sharpness counts in GIQE 5 by the fourth power of its logarithm alone; 1 inch, RER 0.1: 9.57 - 2.
   const Giqe5Input<double> five{.gsd_m = 0.0254, .rer_x = 0.1, .rer_y = 0.1, .snr = kInfinite};
   EXPECT_NEAR(niirs_giqe5(five), 7.57, 1e-14);
   // An image that is all noise counts for less with each bit of it, without an end, but never as NaN.
@@ -93,7 +93,7 @@ TEST(Giqe, larger_samples_blur_noise_and_slant_cost) {
                 }()),
                 1e-13);
   }
-  // The lesser sharpness counts twice.
+  // The smaller of the two RER counts twice.
   const Giqe5Input<double> in{.gsd_m = 0.5, .rer_x = 0.8, .rer_y = 0.1, .snr = 10.0};
   const double mean = std::cbrt(0.8 * 0.1 * 0.1);
   EXPECT_NEAR(
@@ -136,7 +136,7 @@ TEST(GroundResolution, limits) {
   in.snr = 3.0;
   EXPECT_EQ(ground_resolved_distance(in, flat).limit, Limit::none);
   EXPECT_EQ(ground_resolved_distance(in, flat).grd_m, kInfinite);
-  // An MTF that comes back behind its zero: what counts is the first fall, at 1 cycle/mrad.
+  // An MTF that rises again beyond its zero: the first fall counts, at 1 cycle/mrad.
   in.snr = 30.0;
   const auto back = [](double f) { return f < 2.0 ? 1.9 - 1.8 * f : 0.5; };
   EXPECT_NEAR(ground_resolved_distance(in, [&](double f) { return f < 0.5 ? 1.0 : back(f); }).grd_m, 1.0, 1e-12);

@@ -14,7 +14,7 @@ TEST(AdaptiveIntegral, error_is_stated_and_kept) {
   const Integral<double> smooth = integrate<double>(bell, -8.0, 8.0);
   EXPECT_NEAR(smooth.value, std::sqrt(mtf::kPi), 1e-14);
   EXPECT_LE(smooth.error, 1e-10);
-  // A kink and a step: no rule's order helps, halving does.
+  // A kink and a step: the order of a rule does not help, halving does.
   const Integral<double> kink = integrate<double>([](double x) { return std::abs(x - 0.3); }, 0.0, 1.0);
   EXPECT_NEAR(kink.value, 0.5 * (0.09 + 0.49), kink.error + 1e-15);
   EXPECT_LE(kink.error, 1e-10);
@@ -23,7 +23,7 @@ TEST(AdaptiveIntegral, error_is_stated_and_kept) {
   EXPECT_LE(step.error, 1e-10);
 }
 
-// What the first panels do not see well sets the scale as soon as it is found, so that tolerance is of all of it.
+// A peak that the first panels miss sets the scale as soon as it is found, so that the tolerance refers to all of it.
 TEST(AdaptiveIntegral, narrow_peak_is_cheap) {
   int calls = 0;
   const auto peak = [&](double x) {
@@ -39,7 +39,7 @@ TEST(AdaptiveIntegral, narrow_peak_is_cheap) {
 TEST(AdaptiveIntegral, ends_whatever_comes) {
   EXPECT_EQ(integrate<double>([](double) { return 1.0; }, 2.0, 2.0).value, 0.0);
   EXPECT_TRUE(std::isnan(integrate<double>([](double) { return std::nan(""); }, 0.0, 1.0).value));
-  // Noise never agrees with itself: it stops at its most panels and says how bad it is.
+  // Two rules never agree on noise: the integral stops at the largest number of panels and states its error.
   std::uint64_t state = 1;
   const auto noise = [&](double) {
     state = state * 6364136223846793005ULL + 1442695040888963407ULL;

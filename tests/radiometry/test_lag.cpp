@@ -18,7 +18,7 @@ TEST(Lag, follows_a_step_as_an_exponential) {
     LagState state;
     mtf::Image frame = flat(3, 2, 100.0F);
     apply_lag(frame.view(), {.time_constant_s = tau_s}, 0.02, state);
-    EXPECT_EQ(frame.at(2, 1), 100.0F);  // settled
+    EXPECT_EQ(frame.at(2, 1), 100.0F);  // in the steady state
     for (int n = 1; n <= 50; ++n) {
       frame = flat(3, 2, 400.0F);
       apply_lag(frame.view(), {.time_constant_s = tau_s}, 0.02, state);

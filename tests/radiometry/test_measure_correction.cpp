@@ -53,7 +53,7 @@ TEST(MeasuredCorrection, takes_away_what_is_linear) {
   for (const double fill : {0.0, 0.2, 0.5, 0.8, 1.0}) EXPECT_LT(residual_rms(correction, detector(0, 0), fill), 0.05);
 }
 
-// The noise of the means stays: (s^2 / n)(w^2 + (1 - w)^2) at a level that is w of the way from low to high.
+// The noise of the means stays: (s^2 / n)(w^2 + (1 - w)^2) at a signal of low + w (high - low).
 TEST(MeasuredCorrection, leaves_the_noise_of_its_means) {
   const int frames = 16;
   const TwoPoint correction = measure_correction(200, 150, {.frames = frames}, detector(40.0, 0.0));
@@ -64,7 +64,7 @@ TEST(MeasuredCorrection, leaves_the_noise_of_its_means) {
   }
 }
 
-// What is not linear stays between the levels and beyond, not at them.
+// A response that is not linear leaves a residual between the signals of the flat frames and beyond, none at them.
 TEST(MeasuredCorrection, leaves_what_is_not_linear) {
   const FlatFrame bent = detector(0.0, -0.05);
   const TwoPoint correction = measure_correction(200, 150, {.frames = 1}, bent);

@@ -39,7 +39,7 @@ TEST(Noise3d, components_come_back_within_one_percent) {
     EXPECT_NEAR(std::sqrt(got.*component), put_in.*component, 0.01 * put_in.*component);
 }
 
-// Each one alone: the others are not seen.
+// Each component alone: the estimates of the others are 0 within their scatter.
 TEST(Noise3d, one_component_at_a_time) {
   for (const auto component : kComponents) {
     Noise3d put_in;

@@ -24,7 +24,7 @@ using test::samples;
 
 double radiance_of(double temperature_k) { return band_radiance(Flux::photons, 3.0, 5.0, temperature_k); }
 
-/// The noisy sensor, its well `fill` of what a surface of 300 K gives.
+/// The noisy sensor with a well of `fill` times the electrons of a surface at 300 K.
 Sensor sensor_at_fill(double fill) {
   Sensor sensor = noisy_sensor();
   sensor.settings.noise->row_e = sensor.settings.noise->column_e = 0.0;
@@ -53,7 +53,7 @@ TEST(Saturation, TheShareHeldIsTheTailOfTheScatter) {
   const PixelScatter exact{.mean_e = 1e5};
   EXPECT_TRUE(saturation_of(exact, {}, 1e5).saturated());
   EXPECT_EQ(saturation_of(exact, {}, 1.0000001e5).held, 0.0);
-  EXPECT_EQ(saturation_of({}, {.least_e = 0.0}, 1e5).held, 0.0);  // no light, and a little more is seen
+  EXPECT_EQ(saturation_of({}, {.least_e = 0.0}, 1e5).held, 0.0);  // no light: a little more light changes the value
   EXPECT_EQ(saturation_of(exact, {}, mtf::kInfinity).end, RangeEnd::none);
 }
 
@@ -160,7 +160,8 @@ TEST(Saturation, AConverterWithoutRoomRefusesTooAtEitherEnd) {
   EXPECT_NE(words(b.saturation).find("raise adc.offset"), std::string::npos);
 }
 
-// Near an end: what simulated frames hold, and how much less their mean rises with the scene, against the budget.
+// Near an end: the share of held pixels in simulated frames, and how much less their mean rises with the scene, against
+// the budget.
 TEST(Saturation, NearTheEndTheBudgetSaysWhatFramesDo) {
   for (const double fill : {0.999, 0.997, 0.994}) {
     const Sensor sensor = sensor_at_fill(fill);
@@ -231,7 +232,7 @@ TEST(Saturation, FlatFramesThatCannotBeHadSayWhy) {
   sensor.settings.detector->dark_e_s = 0.0;
   sensor.settings.correction->high = 1.0;
   test::expect_refused({"[correction]", "high = 1 ", "full well", "lower correction.high"}, [&] { run(200.0); });
-  // Pixels that are bad by design are what the correction is for.
+  // The correction is made for pixels that are bad by design.
   sensor.settings.correction->high = 0.8;
   sensor.settings.defects = Defects{.hot_fraction = 0.2, .hot_e = 100.0 * sensor.settings.detector->full_well_e};
   EXPECT_NO_THROW(run(250.0));

@@ -16,7 +16,7 @@ using test::make_chain;
 using test::mwir_system;
 using test::noisy_sensor;
 
-/// A camera that emits, behind air, with every kind of noise; 3.4 to 4.8 um.
+/// A camera that emits, with air in front of it and every kind of noise; 3.4 to 4.8 um.
 Sensor warm_sensor() {
   Sensor sensor = noisy_sensor();
   sensor.curves.band = {3.4, 4.8};
@@ -68,7 +68,7 @@ TEST(SensorBudget, nei_is_the_irradiance_of_the_scene_over_its_snr) {
   const Sensor sensor = with_efficiency(warm_sensor(), make_spectrum("qe", {1.0, 3.4, 4.6, 5.2}, {0.3, 0.9, 0.5, 0.0}));
   const Budget<double> budget = budget_of(mwir_system(), sensor, 300.0);
   const mtf::GaussRule& rule = mtf::gauss_legendre(200);
-  double photons = 0.0;  // at the detector, whatever it makes of them
+  double photons = 0.0;  // at the detector, before its quantum efficiency
   for (const auto& [lo, hi] : {std::pair{3.4, 3.6}, {3.6, 4.0}, {4.0, 4.6}, {4.6, 4.8}})
     for (std::size_t i = 0; i < rule.node.size(); ++i) {
       const double w = 0.5 * (lo + hi + (hi - lo) * rule.node[i]);
@@ -80,7 +80,7 @@ TEST(SensorBudget, nei_is_the_irradiance_of_the_scene_over_its_snr) {
   EXPECT_NEAR(budget.nei_ph * budget.snr / irradiance_ph, 1.0, 1e-12);
 }
 
-// What no spectrum can be weighted with has no NEI; nothing hides that.
+// Where the scene sends no photon, the NEI of a quantum-efficiency curve has no value.
 TEST(SensorBudget, without_light_a_curve_has_no_nei) {
   Sensor sensor = with_efficiency(warm_sensor(), make_spectrum("qe", {3.0, 5.0}, {0.6, 0.8}));
   sensor.settings.scene.reset();
@@ -138,7 +138,7 @@ double pattern_e(const Sensor& sensor, double temperature_k) {
   return std::sqrt(mean2 - mean * mean - temporal) * adc_of(sensor).electrons_per_count;
 }
 
-// What the correction of the simulated camera leaves against the closed form, between the levels of the flat frames,
+// What the correction of the simulated camera leaves against the closed form, between the signals of the flat frames,
 // below and beyond them. 16384 pixels: the rms is known to 1/sqrt(2 x 16384) = 0.6 %, and 40 frames' noise adds to
 // that.
 TEST(SensorBudget, spatial_noise_is_what_the_corrected_chain_leaves) {
@@ -169,11 +169,11 @@ TEST(SensorBudget, prnu_after_correction_is_what_the_bow_of_the_response_makes_o
     const double u = budget.signal.total_e() / 7e6, slope = 1.0 - 2.0 * 0.12 * u + 3.0 * 0.03 * u * u;
     EXPECT_NEAR(pattern_e(sensor, temperature_k) / (slope * budget.spatial_e), 1.0, 0.03) << temperature_k;
   }
-  // At the levels of the flat frames nothing is left of it.
+  // At the signals of the flat frames nothing is left of it.
   FlatFrames<double> flats{
       .low_e = 7e5, .high_e = 5.6e6, .dark_e = 1e4, .full_well_e = 7e6, .response = *sensor.settings.nonlinearity};
-  for (const double level : {flats.low_e, flats.high_e})
-    EXPECT_NEAR(correction_residual(flats, level).prnu, 0.0, 1e-9 * level);
+  for (const double charge_e : {flats.low_e, flats.high_e})
+    EXPECT_NEAR(correction_residual(flats, charge_e).prnu, 0.0, 1e-9 * charge_e);
 }
 
 // Simulating such a camera is refused; its budget has no number there and says why.

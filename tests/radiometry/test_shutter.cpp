@@ -16,7 +16,7 @@ using test::flat;
 constexpr double kFrame_s = 0.02;
 constexpr Shutter kRolling{.kind = ShutterKind::rolling, .line_time_s = 1e-4};
 
-/// A scene whose pixels change steadily, each in its own way.
+/// A scene whose pixels change steadily, each at its own rate.
 mtf::Image scene(double time_s) {
   mtf::Image image(7, 100);
   for (std::int64_t y = 0; y < 100; ++y)

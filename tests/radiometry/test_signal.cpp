@@ -120,7 +120,7 @@ TEST(Signal, given_path_radiance_and_plain_numbers_equal_flat_curves) {
   EXPECT_NEAR(scene_derivative(curves, black, constant_path(0.7, 2.0)), slope, 1e-14 * slope);
 }
 
-// The stop shines on the detector past the filter: what the quantum efficiency makes of it in the band, or everywhere
+// The stop shines on the detector past the filter: its electrons by the quantum efficiency in the band, or everywhere
 // where the band does not cut it. References by mpmath, 30 digits: quad over the product of lines and Planck's law.
 TEST(Signal, no_filter_stands_before_the_stop) {
   const SpectralCamera curves = mwir_curves();

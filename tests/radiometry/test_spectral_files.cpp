@@ -32,7 +32,7 @@ SpectralCamera camera() {
 }
 
 TEST(SpectralFiles, air_as_warm_as_the_scene_changes_nothing) {
-  // Absorbing air at the temperature of a blackbody scene: what it takes it gives back, at every range. Straight lines
+  // Absorbing air at the temperature of a blackbody scene: it emits what it absorbs, at every range. Straight lines
   // between the samples of the table, and radiance by range, leave a few thousandths.
   const PathTable table = table_of(mtf::io::read_path_csv(kFolder + "path.csv"));
   const RangeTable ranges(scene_band(camera()), table, 288.15);

@@ -45,7 +45,7 @@ TEST(ContrastThreshold, ends_and_bad_input) {
   expect_refused({"cycles/degree"}, [&] { eye_contrast_threshold(o, -1.0); });
 }
 
-// A cycle/mrad is 17.453 cycles/degree; what is magnified 10 times is looked at with a tenth of its frequency.
+// A cycle/mrad is 17.453 cycles/degree; with a magnification of 10 the eye sees a tenth of the frequency.
 TEST(ContrastThreshold, units_of_the_system) {
   const Observer<double> o{.magnification = 10.0, .display_contrast = 0.8};
   EXPECT_NEAR(system_sensitivity(o, 2.0, 0.5, 4.0), 0.8 * 0.5 / 4.0 * eye_sensitivity(o, 0.2 * 17.453292519943295),
@@ -133,11 +133,11 @@ TEST(Ttp, limits) {
   // Contrast that returns beyond a zero is not counted.
   const auto ringing = [](double f) { return 100.0 * mtf::sinc(f).value; };
   EXPECT_LT(axis_ttp(sensitivity_course(ringing, 10.0), ringing, 1.0).hi, 1.0);
-  // An MTF that ends: so does the band, before.
+  // Where the MTF ends, the band ends before it.
   const auto ends = [](double f) { return f < 1.0 ? 100.0 * (1.0 - f) : 0.0; };
   EXPECT_NEAR(axis_ttp(sensitivity_course(ends, 1.0), ends, 1.0).hi, 0.99, 1e-14);
   EXPECT_NEAR(axis_ttp(sensitivity_course(ends, 8.0), ends, 1.0).value, 2.0 / 30.0 * (1000.0 - 1.0) / 10.0, 1e-9);
-  // Nothing but zeros.
+  // An MTF of nothing but zeros.
   const auto blind = [](double) { return 0.0; };
   EXPECT_EQ(axis_ttp(sensitivity_course(blind, 8.0), blind, 1.0).value, 0.0);
   expect_refused({"end of the sensitivity"}, [&] { sensitivity_course(blind, 0.0); });

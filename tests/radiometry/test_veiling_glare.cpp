@@ -27,7 +27,8 @@ double sum_of(const mtf::Image& image) {
   return sum;
 }
 
-// The measurement of ISO 9358: a black spot in a bright field. Its level relative to the field's is the fraction.
+// The measurement of ISO 9358: a black spot in a bright field. Its radiance relative to that of the field is the
+// fraction.
 TEST(VeilingGlare, black_spot_and_energy) {
   mtf::Image image = flat(200, 100, 500.0F);
   image.at(100, 50) = 0.0F;
@@ -36,7 +37,7 @@ TEST(VeilingGlare, black_spot_and_energy) {
   add_glare(image.view(), {.fraction = 0.03}, mean, 2);
   EXPECT_NEAR(static_cast<double>(image.at(100, 50)) / static_cast<double>(image.at(0, 0)), 0.03, 1e-5);
   EXPECT_NEAR(sum_of(image) / before, 1.0, 1e-7);
-  // Light on top.
+  // Light added from outside of the field.
   add_glare(image.view(), {.fraction = 0.0, .offset = 0.02}, mean);
   EXPECT_NEAR(sum_of(image) / before, 1.02, 1e-7);
 
@@ -91,7 +92,7 @@ TEST(Ghost, out_of_focus_is_a_square) {
   const mtf::Image wide =
       ghost_image(image.view(), {.fraction = 1.0, .width_px = 1e6}, focal_plane(41, 31, 15.0, 15.0));
   EXPECT_NEAR(wide.at(7, 7), mean, 1e-3);
-  // A level comes out as it is.
+  // A uniform image stays as it is.
   const mtf::Image even = ghost_image(flat(9, 8, 3e6F).view(), {.width_px = 7.0}, focal_plane(9, 8, 15.0, 15.0));
   for (const float value : test::samples(even)) EXPECT_FLOAT_EQ(value, 3e6F);
   mtf::Image one = flat(1, 1, std::numeric_limits<float>::infinity());

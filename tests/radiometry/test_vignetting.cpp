@@ -19,7 +19,8 @@ mtf::Image factors_of(const Vignetting& vignetting, const FocalPlane& detector, 
   return map;
 }
 
-// 4 x 2 pixels of 1 x 2 mm behind 2 mm: the corner pixel is 1.5 and 1 mm off the axis, half the diagonal is 2 sqrt(2).
+// 4 x 2 pixels of 1 x 2 mm at a focal length of 2 mm: the corner pixel is 1.5 and 1 mm off the axis, half the diagonal
+// is 2 sqrt(2).
 TEST(Vignetting, cos4_and_polynomial) {
   const FocalPlane detector = focal_plane(4, 2, 1000.0, 2000.0);
   EXPECT_NEAR(detector.half_diagonal_um(), 2000.0 * std::sqrt(2.0), 1e-9);

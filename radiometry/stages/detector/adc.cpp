@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::int64_t kRowsAtOnce = 16;
 
-/// Plain numbers of a conversion, for the loop.
+/// The numbers of a conversion as the loop takes them.
 struct Scale {
   double counts_per_electron, offset, most;
 };

@@ -65,11 +65,11 @@ struct Clipped {
   std::int64_t low = 0, high = 0;
 };
 
-/// image = min(image, full_well_e); NaN stays. Returns what was above. Throws UsageError for a well that is not above
-/// 0.
+/// image = min(image, full_well_e); NaN stays. Returns the number of pixels that were above. Throws UsageError for a
+/// well that is not above 0.
 Clipped fill_well(mtf::ImageView<float> image, double full_well_e, int threads = 1);
 
-/// What fill_well would hold, which stays as it is.
+/// Counts the pixels that fill_well would hold; the image stays as it is.
 Clipped above_well(mtf::ImageView<const float> image, double full_well_e, int threads = 1);
 
 /// Electrons become counts in place. NaN stays NaN, infinities are at the ends. Throws UsageError for an Adc out of its

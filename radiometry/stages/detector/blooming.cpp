@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kLinesAtOnce = 16;
 
-/// One line of pixels: what each holds up to the full well, and what it has too much.
+/// One line of pixels: the charge of each up to the full well, and its excess.
 struct Line {
   std::vector<double> held, spill, first, second;
 
@@ -21,7 +21,7 @@ struct Line {
   }
 };
 
-/// Fills pixel i from what is carried along.
+/// Fills pixel i from the charge that is carried along.
 void absorb(double& held, double well, double& carried) {
   const double taken = std::min(std::max(well - held, 0.0), carried);
   if (!(taken > 0.0)) return;  // full, NaN, or nothing carried
@@ -29,7 +29,7 @@ void absorb(double& held, double well, double& carried) {
   carried = taken < carried ? carried - taken : 0.0;
 }
 
-/// Half of each spill goes up the line, half down; returns what leaves at the ends. `up_first` goes first.
+/// Half of each spill goes up the line, half down; returns the charge that leaves at the ends. `up_first` goes first.
 double spread(const std::vector<double>& spill, double well, bool up_first, std::vector<double>& held) {
   double left = 0.0;
   for (const bool up : {up_first, !up_first}) {
@@ -44,7 +44,7 @@ double spread(const std::vector<double>& spill, double well, bool up_first, std:
   return left;
 }
 
-/// Spreads `spill` over `held` in place, the mean of both orders; returns what leaves at the ends.
+/// Spreads `spill` over `held` in place, as the mean of both orders; returns the charge that leaves at the ends.
 double spread(Line& line, double well) {
   line.first = line.second = line.held;
   const double left = 0.5 * (spread(line.spill, well, true, line.first) + spread(line.spill, well, false, line.second));
@@ -65,7 +65,7 @@ Lines lines_of(mtf::ImageView<float> image, bool columns) {
   return {image.data, image.height, image.width, image.stride, 1};
 }
 
-/// Spills `part` of what is above the well in each line; the rest stays where it is.
+/// Spills `part` of the charge above the well in each line; the rest stays where it is.
 Spilled bloom_lines(const Lines& lines, double well, double part, double drain, int threads) {
   std::vector<Spilled> of_line(static_cast<std::size_t>(lines.count));
   mtf::parallel_for(lines.count, kLinesAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {

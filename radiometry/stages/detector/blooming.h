@@ -2,15 +2,15 @@
 #pragma once
 
 // Blooming: charge above the full well spills into the neighbours.
-//   excess = max(0, e - full well);   drain x excess is gone, half of the rest goes either way along the line
-// and fills whatever room it meets on its way, until all is absorbed or it leaves at the edge. Where charge of two
-// directions wants the same room, the result is the mean of either going first; so it has no preferred direction, no
-// pixel is above the full well, and
+//   excess = max(0, e - full well);   drain x excess is gone, half of the rest goes in either direction along the line
+// and fills the wells that it meets, until all is absorbed or it leaves at the edge. Where charge from two directions
+// meets at one well, the result is the mean of both orders, so that no direction is preferred, no pixel is above the
+// full well, and
 //   sum before = sum after + drained + left at the edges.
 // Lines are the columns (the vertical channels of a CCD), the rows, or both: half of the excess along the columns
-// first, then the rest along the rows. Two passes over a line, whatever the charge. It takes the place of fill_well
-// (adc.h), on the whole detector: charge comes from anywhere in its line. (Theuwissen, Solid-State Imaging with
-// Charge-Coupled Devices, ch. 6.)
+// first, then the rest along the rows. A line takes two passes, whatever the charge. Blooming takes the place of
+// fill_well (adc.h) and needs the whole detector, since charge comes from anywhere in its line. (Theuwissen,
+// Solid-State Imaging with Charge-Coupled Devices, ch. 6.)
 
 #include "mtf/image.h"
 #include "radiometry/fields.h"
@@ -42,7 +42,7 @@ struct Blooming {
   }
 };
 
-/// Where charge went that is not in the image any more, electrons.
+/// Charge that has left the image, in electrons.
 struct Spilled {
   double drained_e = 0.0;
   double left_e = 0.0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Counts, while a frame goes through the chain, which pixels an end of the range holds: those that light has brought
-// there, and apart from them those that are meant to be stuck.
+// Counts, while a frame goes through the chain, the pixels that are held at an end of the range: those that light has
+// brought there, and apart from them the stuck ones, which are defective or blinking.
 
 #include <algorithm>
 #include <vector>
@@ -15,21 +15,21 @@ namespace radiometry {
 
 class HeldCounter {
  public:
-  /// A frame of that size begins, without stuck pixels.
+  /// Begins a frame of that size, without stuck pixels.
   void begin(const mtf::Image& image) {
     stuck_.clear();
     pixels_ = image.size();
     width_ = image.width();
   }
-  /// Pixels with a place: their ends say nothing of the light.
+  /// Marks these pixels as stuck: that an end of the range holds them says nothing of the light.
   template <class Pixels>
   void mark(const Pixels& pixels) {
     for (const auto& pixel : pixels) stuck_.push_back(pixel.y * width_ + pixel.x);
-  }
-  /// All are marked.
-  void count(HeldPixels& held, HeldPixels& stuck) {
     std::sort(stuck_.begin(), stuck_.end());
     stuck_.erase(std::unique(stuck_.begin(), stuck_.end()), stuck_.end());
+  }
+  /// Adds the pixels of the frame to those that light may bring to an end, and the stuck ones apart.
+  void count(HeldPixels& held, HeldPixels& stuck) const {
     const auto apart = static_cast<std::int64_t>(stuck_.size());
     held.pixels += pixels_ - apart;
     stuck.pixels += apart;
@@ -39,7 +39,7 @@ class HeldCounter {
     Clipped all, stuck;
     Clipped light() const { return {all.low - stuck.low, all.high - stuck.high}; }
   };
-  /// Runs a stage on an image: first on a copy of the stuck pixels, for its count of them.
+  /// Runs a stage on an image, and first on a copy of the stuck pixels, so that they are counted apart.
   template <class Stage>
   Counts run(mtf::Image& image, const Stage& stage) const {
     Counts counts;
@@ -53,7 +53,7 @@ class HeldCounter {
   }
 
  private:
-  std::vector<std::int64_t> stuck_;  // rising
+  std::vector<std::int64_t> stuck_;  // indices of pixels, rising
   std::int64_t pixels_ = 0, width_ = 0;
 };
 

@@ -3,10 +3,11 @@
 
 // Thermal time constant of a bolometer over a sequence of frames.
 //   y_n = y_(n-1) + (x_n - y_(n-1)) (1 - exp(-T / tau))
-// x = what the pixel would show settled, T = time from frame to frame, tau = time constant. Exact for a scene that
-// stays as it is for each frame time: a step is followed as 1 - exp(-t / tau). The first frame is settled. The
-// `bolometer` component is the same lag under an image that moves steadily, its whole past in one frame: both together
-// count it twice where the frames show that motion. (Kruse, Uncooled Thermal Imaging, ch. 2.)
+// x = what the pixel would show in the steady state, T = time from frame to frame, tau = time constant. This is exact
+// for a scene that is constant during each frame time: a step is followed as 1 - exp(-t / tau). The first frame is in
+// the steady state. The `bolometer` component is the same lag under an image that moves steadily, with its whole past
+// in one frame: both together count it twice where the frames show that motion. (Kruse, Uncooled Thermal Imaging,
+// ch. 2.)
 
 #include <cstdint>
 #include <vector>
@@ -32,7 +33,8 @@ struct Lag {
   }
 };
 
-/// What the pixels of one region remember; starts without a frame. In double, so that slow pixels creep on.
+/// What the pixels of one region remember; a new one remembers no frame. The values are double, so that small changes
+/// of slow pixels add up.
 struct LagState {
   std::int64_t width = 0, height = 0;
   std::vector<double> level;

@@ -52,8 +52,8 @@ mtf::Image microscan_frame(mtf::ImageView<const float> fine, const Microscan& mi
 /// between of the diagonal pattern. Throws UsageError for another number of frames and for frames of several sizes.
 mtf::Image microscan_interlace(std::span<const mtf::Image> frames, const Microscan& microscan);
 
-/// The noise of the frame at a position of the fine frame `key.frame`: frames are numbered through. UsageError for
-/// numbers that do not fit into 32 bits.
+/// The noise key of the frame at a position of the fine frame `key.frame`: the frames of all positions are numbered
+/// consecutively. Throws UsageError for numbers that do not fit into 32 bits.
 NoiseKey microscan_key(const NoiseKey& key, const Microscan& microscan, int position);
 
 }  // namespace radiometry

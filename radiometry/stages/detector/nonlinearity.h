@@ -3,9 +3,9 @@
 
 // Response of a pixel that is not proportional to its charge.
 //   e' = e (1 + a2 u + a3 u^2),   u = e / full well
-// For e from 0 to the full well; below 0 (noise about a dark level) e' = e, above the full well it goes on along the
-// last slope, so that it rises everywhere. The inverse is the correction. (EMVA 1288, release 4, on linearity;
-// Janesick, Photon Transfer, ch. 7.)
+// holds for e from 0 to the full well. Below 0 (noise about a dark signal) e' = e, and above the full well the response
+// goes on along its last slope, so that it rises everywhere. The inverse is the correction. (EMVA 1288, release 4, on
+// linearity; Janesick, Photon Transfer, ch. 7.)
 
 #include "mtf/image.h"
 #include "radiometry/fields.h"
@@ -31,8 +31,8 @@ struct Nonlinearity {
   }
 };
 
-/// A response ready for use. Throws UsageError for coefficients out of bounds or with which it does not rise all the
-/// way to full well, and for a full well that is not above 0 and finite.
+/// A response ready for use. Throws UsageError for coefficients out of bounds or with which it does not rise up to the
+/// full well everywhere, and for a full well that is not above 0 and finite.
 class Response {
  public:
   Response(const Nonlinearity& nonlinearity, double full_well_e);

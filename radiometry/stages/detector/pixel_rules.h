@@ -15,10 +15,10 @@
 
 namespace radiometry {
 
-/// Rows that are worked on at a time.
+/// Rows of one piece of work for a thread.
 inline constexpr std::int64_t kRowsAtOnce = 16;
 
-/// What a message is made of: "<what>: 3 pixels <wrong>, the first at column 7, row 2 (-0.5); <remedy>".
+/// The parts of a message: "<what>: 3 pixels <wrong>, the first at column 7, row 2 (-0.5); <remedy>".
 struct PixelRule {
   std::string what, wrong, remedy;
 };

@@ -50,7 +50,7 @@ Saturation saturation_of(const PixelScatter& pixel, const PixelRange& range, dou
   const bool well = full_well_e <= range.most_e;
   const double most_e = well ? full_well_e : range.most_e;
   const double above = share_beyond(most_e - pixel.mean_e, well ? pixel.well_e : pixel.converter_e);
-  // No light at all and count 0 is not held: a little more light is seen.
+  // A pixel without light at count 0 is not held: a little more light changes its value.
   const double below = pixel.converter_e > 0.0 || pixel.mean_e < range.least_e
                            ? share_beyond(pixel.mean_e - range.least_e, pixel.converter_e)
                            : 0.0;
@@ -128,7 +128,8 @@ std::string where_held(const HeldPixels& held) {
 
 std::string words(const HeldPixels& held) {
   if (!held.any()) return {};
-  // A converter whose range is the well clips what read noise lifts above a full one: the well is the cause then.
+  // A converter whose range is the well clips values that read noise lifts above a full well; the well is the cause
+  // then.
   const bool converter = held.most_count > held.full_well;
   std::string change = held.full_well > 0 ? "shorten frame.integration_time or raise detector.full_well" : "";
   if (converter)

@@ -4,9 +4,9 @@
 // Whether the value of a pixel still follows its light. Electrons are held at the full well, counts at 0 and at the
 // largest one. Values scatter about their mean m with a standard deviation sigma, so that an end at c holds the share
 //   Q((c - m) / sigma) above, Q((m - c) / sigma) below,   Q(x) = erfc(x / sqrt 2) / 2, for Gaussian scatter,
-// and the mean of what is held rises by d E[min(x, c)] / dm = 1 - share of what the signal does. With half of the
-// values or more, where the mean itself is at an end or beyond it, no figure of sensitivity is true any more; below
-// that the share says how far they are off.
+// and the mean of the held values rises by d E[min(x, c)] / dm = 1 - share of what the signal rises by. With half of
+// the values or more, where the mean itself is at an end or beyond it, no figure of sensitivity is true any more; below
+// that the share says how large their error is.
 
 #include <cstdint>
 #include <string>
@@ -33,8 +33,8 @@ struct PixelScatter {
   double converter_e = 0.0;  ///< rms before the converter: all noise
 };
 
-/// Half of the values in the three digits of messages: also a mean that meets an end but for rounding, or for the 1e-7
-/// within which studies keep a constraint on the well, is at it.
+/// Half of the values, in the three digits of messages, so that a mean also counts as at an end where it misses the end
+/// by rounding, or by the 1e-7 within which studies keep a constraint on the well.
 inline constexpr double kHalfHeld = 0.4995;
 
 /// The end of the range that holds most of the values.
@@ -47,8 +47,8 @@ struct Saturation {
   bool saturated() const { return held >= kHalfHeld; }
 };
 
-/// What an end x standard deviations away leaves of the slope of the mean and of the standard deviation, both 1 without
-/// it. Their quotient is by how much a NETD is too good.
+/// The slope of the mean and the standard deviation with an end x standard deviations away, both relative to those
+/// without it. Their quotient is the factor by which a NETD is too good.
 struct HeldScatter {
   double slope = 1.0, sd = 1.0;
 };
@@ -61,7 +61,8 @@ Saturation saturation_of(const PixelScatter& pixel, const PixelRange& range, dou
 std::string three_digits(double value);
 std::string at_most(double value);
 
-/// What is held where, and which setting to change; "" where it changes no figure by 1e-4: the ends are 4 sigma away.
+/// Which end holds how much, and which setting to change; "" where the ends are 4 sigma away or more and change no
+/// figure by 1e-4.
 std::string words(const Saturation& saturation);
 
 /// Pixels of frames that are held at an end of the range.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// When the rows of a frame are exposed. Global: all at once. Rolling: each a line time after the one above it; the time
-// of the frame is that of its last row, and row y of H shows the scene
+// When the rows of a frame are exposed. A global shutter exposes all at once, a rolling one each row a line time after
+// the one above it. The time of the frame is that of its last row, so that row y of H shows the scene
 //   (H - 1 - y) x line time
 // earlier, on the straight line between this frame and the one before. So a rolling frame of a moving scene is sheared.
 // The first frame, or a single one, has no frame before it and is left as it is. (Liang, Chang and Chen, IEEE Trans.
@@ -36,7 +36,7 @@ struct Shutter {
   }
 };
 
-/// The frame before, of one region of the detector; starts without.
+/// The frame before, of one region of the detector; a new state has none.
 struct ShutterState {
   mtf::Image before;
 };

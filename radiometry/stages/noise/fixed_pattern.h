@@ -12,8 +12,8 @@
 
 namespace radiometry {
 
-/// Responsivity non-uniformity as a map of factors, max(0, 1 + rms x standard normal), rms in [0, 1]. Made once for a
-/// sequence; or a map that was measured takes its place.
+/// Responsivity non-uniformity as a map of factors, max(0, 1 + rms x standard normal), rms in [0, 1]. It is made
+/// once for a sequence; a measured map may take its place.
 void responsivity_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin = {}, int threads = 1);
 /// Offset non-uniformity: rms x standard normal.
 void offset_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin = {}, int threads = 1);

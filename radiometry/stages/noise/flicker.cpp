@@ -14,13 +14,13 @@ namespace {
 using mtf::UsageError;
 
 constexpr std::int64_t kLinesAtOnce = 16;
-/// Level of the sum, and weights of the first octaves that bring it closest to 1/f up to the Nyquist frequency.
+/// Scale of the sum, and weights of the first octaves that bring it closest to 1/f up to the Nyquist frequency.
 constexpr double kLevel = 2.0829;
 constexpr double kFirstWeights[] = {1.061, 1.763, 0.826};
 
 double weight(int octave) { return octave < 3 ? kFirstWeights[octave] : 1.0; }
 
-/// Up to the first octave whose numbers are further apart than a frame is long.
+/// The octaves end with the first whose numbers are further apart than a frame is long.
 int octaves(std::int64_t columns, std::int64_t rows) {
   int count = 1;
   for (std::int64_t pixels = columns * rows - 1; pixels > 0; pixels >>= 1) ++count;
@@ -60,7 +60,7 @@ struct Octave {
   float scale = 0.0F;
 
   Octave(const NoiseKey& frame, int number, double density) : key(frame), octave(number) {
-    // Row 2^32 - 1 is beyond those that numbers are taken from.
+    // Row 2^32 - 1 is beyond those from which numbers are taken.
     const Bits128 bits = RandomRow{key, stream_of(octave), 0xffffffffU}.pair(0);
     shift = ((std::uint64_t{bits[0]} << 32) | bits[1]) & ((std::uint64_t{1} << octave) - 1);
     scale = static_cast<float>(std::sqrt(density * kLevel * weight(octave)));

@@ -3,11 +3,11 @@
 
 // 1/f noise of a readout that sends the pixels one after another.
 //   S(f) = W^2 (1 + fc / f)
-// f in cycles per pixel of the readout, W = rms of the white noise, fc = corner, where both parts are equal. Here only
-// the 1/f part, W^2 fc / f; the white one is the read noise. S is two-sided, the variance its integral from -1/2 to
-// 1/2. Pixels follow one another along rows (or columns) without a pause, so that the noise shows as bands and drift.
-// It is a sum over octaves i of random numbers 2^i pixels apart, joined by straight lines that begin at a random place
-// in every frame (after Voss; Gardner, Scientific American 238 (4), 16 (1978)):
+// f in cycles per pixel of the readout, W = rms of the white noise, fc = corner, where both parts are equal. Only the
+// 1/f part, W^2 fc / f, is added here; the white one is the read noise. S is two-sided, the variance its integral from
+// -1/2 to 1/2. Pixels follow one another along rows (or columns) without a pause, so that the noise shows as bands and
+// drift. It is a sum over octaves i of random numbers 2^i pixels apart, joined by straight lines that begin at a random
+// place in every frame (after Voss; Gardner, Scientific American 238 (4), 16 (1978)):
 //   S(f) = W^2 fc x 2.0829 sum of a_i 2^i (sin(2^i pi f) / (2^i sin(pi f)))^4,   a = 1.061, 1.763, 0.826, 1, 1, ...
 // which is 1/f within 4.5 % up to 0.02 cycles per pixel and 11 % up to the Nyquist frequency; below one cycle in a
 // frame it is flat. Each number is that of its place, so a region is a crop of the detector's noise however large that

@@ -87,7 +87,8 @@ Noise3d Noise3dEstimator::variances() const {
     columns[i % static_cast<std::size_t>(width_)] += pixel_[i];
     total += pixel_[i];
   }
-  // Sums of squares of the means over what is left out, times how many each stands for; then of the effects.
+  // Sums of squares of the means over the directions that are left out, each times the number of values in a mean; then
+  // the mean squares of the effects.
   const double all = total * total / (T * V * H);
   const double by_t = sum_of_squares(frame_) / (V * H), by_v = sum_of_squares(rows) / (T * H);
   const double by_h = sum_of_squares(columns) / (T * V), by_tv = row_squares_ / H, by_th = column_squares_ / V;

@@ -56,7 +56,7 @@ class Noise3dEstimator {
   /// A frame of that size without NaN or infinities; UsageError for others.
   void add(mtf::ImageView<const float> frame);
 
-  /// Variances without bias, in the order of Noise3d; those of components that are hardly there may be negative.
+  /// Variances without bias, in the order of Noise3d; those of components that are small or 0 may be negative.
   /// Throws UsageError with fewer than two frames.
   Noise3d variances() const;
   /// Their roots, 0 for negative ones.

@@ -161,8 +161,8 @@ LANES_INLINE void large_means(PoissonBlock& b) {
   }
 }
 
-/// Means below kSmallMean: the distribution function summed upwards until all lanes have passed their u. What lies
-/// within 1e-12 of a step, a hundred times its error, is left to poisson_exact.
+/// Means below kSmallMean: the distribution function summed upwards until all lanes have passed their u. A u
+/// within 1e-12 of a step, a hundred times the error of the sum, is left to poisson_exact.
 LANES_INLINE void small_means(PoissonBlock& b) {
   constexpr double kDoubt = 1e-12;
   constexpr int kMost = 256, kBatch = 4;

@@ -12,7 +12,7 @@ namespace radiometry {
 inline constexpr int kNoiseLanes = 128;
 
 /// Standard normal numbers of the pixels 2 half_column ... 2 half_column + kNoiseLanes - 1: by the transform of Box and
-/// Muller, the radius from 62 bits, so that the tails reach 9.2 sigma, the angle from 32.
+/// Muller, the radius from 62 bits, so that the tails extend to 9.2 sigma, the angle from 32.
 void gaussian_lanes(const RandomRow& row, std::uint32_t half_column, float* out);
 
 /// Poisson numbers of the same pixels for the means given; see poisson.h.

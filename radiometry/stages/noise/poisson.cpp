@@ -28,7 +28,7 @@ double probability(double n, double mean) {
   return std::exp(-mean * deviance((n - mean) / mean) - stirling) / std::sqrt(2.0 * std::numbers::pi * n);
 }
 
-/// P(N <= n) >= u, asked of the smaller tail.
+/// True where P(N <= n) >= u, decided by the smaller tail.
 bool reaches(double n, double mean, const Uniform& u) {
   return n <= mean ? poisson_tail(n, mean) >= u.u : poisson_tail(n, mean) <= u.rest;
 }

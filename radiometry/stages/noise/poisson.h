@@ -20,7 +20,7 @@ inline constexpr double kSmallMean = 32.0;
 /// From this mean on a float holds only every eighth number: guesses are taken as they are.
 inline constexpr double kLargeMean = 1e8;
 
-/// The expansion: its floor is the number, but next to an integer.
+/// The expansion: its floor is the number, unless it lies next to an integer.
 inline double poisson_guess(double mean, double root, double w) {
   const double r = 1.0 / root, w2 = w * w;
   const double c2 = 1.0 / 3.0 + w2 * (1.0 / 6.0);

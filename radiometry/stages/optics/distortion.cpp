@@ -19,7 +19,7 @@ constexpr int kStarts = 256;
 /// d r' / d r at s = r^2.
 double slope(const Distortion& d, double s) { return 1.0 + s * (3.0 * d.k1 + s * (5.0 * d.k2 + s * 7.0 * d.k3)); }
 
-/// The r^2 at which r' stops to rise; infinity when it never does. The slope is monotone between its extremes.
+/// The r^2 at which r' stops rising; infinity where it never does. The slope is monotone between its extremes.
 double fold(const Distortion& d) {
   const double a = 21.0 * d.k3, b = 10.0 * d.k2, c = 3.0 * d.k1;
   const double root = std::sqrt(std::max(0.0, b * b - 4.0 * a * c));
@@ -42,7 +42,7 @@ double fold(const Distortion& d) {
   return low;
 }
 
-/// Keys' cubic convolution at a fraction t of the way from the second sample to the third.
+/// Keys' cubic convolution at a fraction t of the distance from the second sample to the third.
 std::array<double, 4> keys_taps(double t) {
   return {t * (-0.5 + t * (1.0 - 0.5 * t)), 1.0 + t * t * (-2.5 + 1.5 * t), t * (0.5 + t * (2.0 - 1.5 * t)),
           t * t * (-0.5 + 0.5 * t)};
@@ -72,8 +72,8 @@ class Scene {
   }
 
  private:
-  /// The same near an edge, and where a sample takes no part: it is not read, so that NaN stays where it is when
-  /// nothing moves.
+  /// The same near an edge, and where a sample has no weight: that sample is not read, so that a NaN does not spread
+  /// where nothing moves.
   double at_edge(const std::array<double, 4>& across, const std::array<double, 4>& down, std::int64_t x0,
                  std::int64_t y0) const {
     std::array<std::int64_t, 4> columns{};
@@ -147,7 +147,7 @@ double UndistortedRadius::part(double distorted) const {
 }
 
 void distort(mtf::ImageView<const float> scene, const Distortion& distortion, const FocalPlane& grid,
-             mtf::ImageView<float> out, Origin origin, mtf::Border border, float level, int threads) {
+             mtf::ImageView<float> out, Origin origin, mtf::Border border, float border_value, int threads) {
   require_region(grid, origin, out.width, out.height);
   if (scene.width != grid.columns || scene.height != grid.rows)
     throw UsageError("distortion: a scene of " + std::to_string(scene.width) + " x " + std::to_string(scene.height) +
@@ -157,13 +157,13 @@ void distort(mtf::ImageView<const float> scene, const Distortion& distortion, co
   const double far_x = std::max(std::abs(grid.x_um(0)), std::abs(grid.x_um(grid.columns - 1)));
   const double far_y = std::max(std::abs(grid.y_um(0)), std::abs(grid.y_um(grid.rows - 1)));
   const UndistortedRadius undistorted(distortion, std::hypot(far_x, far_y) * scale);
-  const Scene source(scene, border, static_cast<double>(level));
+  const Scene source(scene, border, static_cast<double>(border_value));
   mtf::parallel_for(out.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t y = begin; y < end; ++y)
       for (std::int64_t x = 0; x < out.width; ++x) {
         const std::int64_t column = origin.x + x, row = origin.y + y;
         const double x_um = grid.x_um(column), y_um = grid.y_um(row);
-        // How far to go from this sample's own place: exactly nowhere without distortion.
+        // The distance from this sample's own place, which is exactly 0 without distortion.
         const double shift = undistorted.part(std::hypot(x_um, y_um) * scale) - 1.0;
         out.at(x, y) = static_cast<float>(source.at(static_cast<double>(column) + shift * x_um / grid.step_x_um,
                                                     static_cast<double>(row) + shift * y_um / grid.step_y_um));

@@ -6,7 +6,7 @@
 // r = where an ideal lens puts a point, r' = where this one does, both in half diagonals of the field (focal_plane.h).
 // k1 < 0 is a barrel, k1 > 0 a cushion; k1 + k2 + k3 is the distortion in the corner, ISO 9039. Applied to the radiance
 // of the oversampled scene, before any OTF. Radiance is moved, not scaled: a flat scene stays flat, and what a place of
-// the image gets is the radiance of the direction it looks to. (Brown, Photogramm. Eng. 32, 444 (1966).)
+// the image gets is the radiance of the direction that it sees. (Brown, Photogramm. Eng. 32, 444 (1966).)
 // The scene is interpolated by cubic convolution, Keys' a = -1/2 (IEEE Trans. ASSP-29, 1153 (1981)), whose MTF is
 // `distortion_mtf`. It is low where the scene is hardly oversampled, 0 at its Nyquist frequency; with 4 samples a pixel
 // 0.9915 at the Nyquist frequency of the pixels. Where a barrel compresses the image, detail of the scene beyond its
@@ -42,10 +42,10 @@ struct Distortion {
 /// r' / r at an ideal radius r.
 double distorted_part(const Distortion& distortion, double r);
 
-/// r / r' at a place r' of the image up to `most`; finds r once and again.
+/// r / r' at places r' of the image up to `most`, for many places.
 class UndistortedRadius {
  public:
-  /// Throws UsageError for coefficients or `most` out of bounds, and when the polynomial folds over before it reaches
+  /// Throws UsageError for coefficients or `most` out of bounds, and when the polynomial folds over before it comes to
   /// `most`: two points of the scene would fall on one place and places further out would see none.
   UndistortedRadius(const Distortion& distortion, double most);
   double part(double distorted) const;
@@ -59,12 +59,12 @@ class UndistortedRadius {
   std::vector<double> start_;  ///< r at evenly spaced r' up to `most`, to begin from
 };
 
-/// The region `out`, from `origin` on, of the distorted whole `scene` on `grid`. Beyond the scene stands what `border`
-/// says, `level` where it is constant; NaN spreads over the samples it takes part in. The two images do not overlap.
-/// Throws UsageError as above and for a scene that is not the grid's.
+/// The region `out`, from `origin` on, of the distorted whole `scene` on `grid`. Beyond the scene the image follows the
+/// rule `border`, with `border_value` where that is constant; NaN spreads over the samples it takes part in. The two
+/// images do not overlap. Throws UsageError as above and for a scene that is not the grid's.
 void distort(mtf::ImageView<const float> scene, const Distortion& distortion, const FocalPlane& grid,
              mtf::ImageView<float> out, Origin origin = {}, mtf::Border border = mtf::Border::reflect,
-             float level = 0.0F, int threads = 1);
+             float border_value = 0.0F, int threads = 1);
 
 /// The MTF of the interpolation along an axis at a frequency in cycles per sample, the lowest over all places between
 /// two samples; at most the product of both axes' for any direction.

@@ -45,7 +45,7 @@ struct FocalPlane {
     if (field_um > 0.0) return field_um;
     return 0.5 * std::hypot(static_cast<double>(columns) * step_x_um, static_cast<double>(rows) * step_y_um);
   }
-  /// Places of the centres of a column and of a row, from the axis.
+  /// Distances of the centres of a column and of a row from the axis.
   double x_um(std::int64_t column) const {
     return (static_cast<double>(column) + 0.5 - 0.5 * static_cast<double>(columns)) * step_x_um - axis_x_um;
   }

@@ -44,8 +44,8 @@ struct Narcissus {
   }
 };
 
-/// Electrons that are missing in each pixel of a region, per electron of background: d p(r / w). Made once for a
-/// sequence. Throws UsageError for values out of their bounds and a region outside of the detector.
+/// Electrons that are missing in each pixel of a region, per electron of background: d p(r / w). The map is made once
+/// for a sequence. Throws UsageError for values out of their bounds and a region outside of the detector.
 void narcissus_map(mtf::ImageView<float> map, const Narcissus& narcissus, const FocalPlane& detector,
                    Origin origin = {});
 

@@ -9,7 +9,7 @@
 // between, as a fraction of the same mean. The ghost of an even number of reflections near the axis is the image turned
 // by half a turn about the axis; out of focus it is spread evenly over a square of that side. Light that would come
 // from outside of the image has its mean; with the axis in the middle, nothing does and the sum is kept, but for what a
-// wide ghost loses over the edges to the mean. Both mix light of all the image: they take the whole one.
+// wide ghost loses over the edges to the mean. Both mix the light of all pixels, so that they need the whole image.
 
 #include "mtf/image.h"
 #include "radiometry/stages/optics/focal_plane.h"
@@ -68,8 +68,8 @@ double finite_mean(mtf::ImageView<const float> image);
 /// values out of their bounds and a mean that is not finite.
 void add_glare(mtf::ImageView<float> image, const VeilingGlare& glare, double mean, int threads = 1);
 
-/// The ghost image alone, of the size of the image, whose pixels are `image`'s, of a grid with its axis. Pixels that
-/// are not finite count with the mean. The axis is taken to half a pixel.
+/// The ghost image alone, of the size of `image`, which holds the samples of a whole grid with its axis. Pixels that
+/// are not finite count with the mean. The axis is rounded to half a pixel.
 mtf::Image ghost_image(mtf::ImageView<const float> image, const Ghost& ghost, const FocalPlane& detector);
 
 /// image = (1 - fraction) image + fraction x ghosts, of the same size or the same region of both.

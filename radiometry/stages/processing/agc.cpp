@@ -16,7 +16,7 @@ constexpr std::int64_t kRankBins = 1 << 14;
 
 using Counts = std::vector<std::int64_t>;
 
-/// What the finite pixels are, at a glance.
+/// Number and extremes of the finite pixels.
 struct Extent {
   std::int64_t count = 0;
   float low = std::numeric_limits<float>::infinity(), high = -std::numeric_limits<float>::infinity();
@@ -97,7 +97,7 @@ std::array<double, 2> values_at(mtf::ImageView<const float> frame, const Extent&
   for (std::size_t k = 0; k < 2; ++k) {
     while (rank[k] >= counts[static_cast<std::size_t>(wanted[k])])
       rank[k] -= counts[static_cast<std::size_t>(wanted[k]++)];
-    // A comparison throws out nearly all pixels; rounding of the edges is left to `bin`.
+    // A comparison rejects nearly all pixels; `bin` decides those at the rounded edges.
     const auto edge = [&](double at) { return static_cast<float>(bin.low + at / bin.scale); };
     from[k] = edge(static_cast<double>(wanted[k]) - 0.01);
     to[k] = edge(static_cast<double>(wanted[k]) + 1.01);
@@ -125,7 +125,7 @@ std::array<double, 2> values_at(mtf::ImageView<const float> frame, const Extent&
   return found;
 }
 
-/// Level of a value that is not NaN; `scale`: intervals of the curve for one unit of value.
+/// The display level of a value that is not NaN; `scale`: intervals of the curve for one unit of value.
 float on_curve(float value, double low, double scale, const std::vector<float>& level) {
   const auto intervals = static_cast<double>(level.size() - 1);
   const double place = (static_cast<double>(value) - low) * scale;
@@ -146,7 +146,7 @@ float ToneCurve::at(float value) const {
 ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gain, int threads) {
   require_valid("agc", gain);
   const Extent extent = extent_of(frame, threads);
-  if (extent.count == 0) throw mtf::UsageError("agc: a frame without a finite pixel; there is nothing to go by");
+  if (extent.count == 0) throw mtf::UsageError("agc: a frame without a finite pixel; give a frame with one");
   const auto rank = [&](double part) {
     return static_cast<std::int64_t>(std::floor(part * static_cast<double>(extent.count - 1) + 0.5));
   };
@@ -154,7 +154,7 @@ ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gai
   ToneCurve curve{.low = low, .high = high, .level = {}};
   const auto most = static_cast<float>(gain.most_level);
   if (!(curve.high > curve.low)) {
-    // One value, the clipped ends aside: what is below is dark, above bright.
+    // The frame has one value but for the clipped ends: values below it are dark, those above it bright.
     const double width = std::max(std::abs(curve.low), 1.0) * 1e-6;
     return {curve.low - width, curve.low + width, {0.0F, most}};
   }
@@ -163,7 +163,7 @@ ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gai
 
   const Counts pixels = histogram(frame, Bins(curve.low, curve.high, gain.bins), threads);
   std::vector<double> count(pixels.begin(), pixels.end());
-  // Ends below 1 pixel would leave no levels at all.
+  // A cap below 1 pixel would leave no display levels at all.
   const double cap = std::max(1.0, gain.plateau * static_cast<double>(extent.count));
   double total = 0.0;
   for (double& c : count) total += c = std::min(c, cap);

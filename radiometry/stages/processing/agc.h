@@ -4,7 +4,7 @@
 // Automatic gain: the curve from counts to display levels, found from one frame and applied to it or to the next.
 //   linear   a straight line between two quantiles of the frame
 //   plateau  the cumulated histogram between them, each bin counted with at most `plateau` of the pixels: large and
-//            even areas take no more levels than that, few distinct values get theirs (1: histogram equalisation;
+//            uniform areas take no more display levels than that, rare values keep theirs (1: histogram equalisation;
 //            towards 0: linear over the values that occur) (Vickers, Opt. Eng. 35, 1921 (1996))
 // Display levels are linear numbers from 0 to the largest; rounding to integers is left to the file that is written.
 
@@ -57,7 +57,8 @@ struct AutomaticGain {
   }
 };
 
-/// Levels at evenly spaced values from `low` to `high`, rising, straight between them, constant outside.
+/// A curve from values to display levels: `level` holds those of evenly spaced values from `low` to `high`, rising; the
+/// curve is straight between them and constant outside.
 struct ToneCurve {
   double low = 0.0, high = 1.0;
   std::vector<float> level;
@@ -66,8 +67,8 @@ struct ToneCurve {
   float at(float value) const;
 };
 
-/// The curve of a frame; NaN pixels do not count. A frame of one value gets the middle level. Throws UsageError for
-/// settings out of bounds and a frame without a finite pixel.
+/// The curve of a frame; NaN pixels do not count. A uniform frame gets the display level in the middle. Throws
+/// UsageError for settings out of bounds and a frame without a finite pixel.
 ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gain, int threads = 1);
 
 /// image = curve(image).

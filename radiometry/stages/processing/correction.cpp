@@ -50,7 +50,7 @@ TwoPoint two_point_correction(mtf::ImageView<const float> cold, mtf::ImageView<c
   if (responses.empty() || !(*middle > 0.0))
     throw UsageError(
         "two-point correction: the hot frame is not brighter than the cold one; exchange them, or take "
-        "frames of two levels");
+        "frames of two different signals");
   const double median = *middle;
   const auto is_good = [&](std::int64_t x, std::int64_t y) {
     return std::abs(response(x, y) - median) <= limit * median;
@@ -66,7 +66,7 @@ TwoPoint two_point_correction(mtf::ImageView<const float> cold, mtf::ImageView<c
   TwoPoint correction{mtf::Image(cold.width, cold.height), mtf::Image(cold.width, cold.height), {}};
   for (std::int64_t y = 0; y < cold.height; ++y)
     for (std::int64_t x = 0; x < cold.width; ++x) {
-      // A response of 0 is within a limit of 1 and yet of no use.
+      // A response of 0 is within a limit of 1, but has no gain.
       const bool good = is_good(x, y) && response(x, y) > 0.0;
       const double gain = good ? (mean_hot.value() - mean_cold.value()) / response(x, y) : 1.0;
       const double offset = good ? mean_cold.value() - gain * static_cast<double>(cold.at(x, y)) : 0.0;
@@ -107,7 +107,8 @@ void replace_bad(mtf::ImageView<float> image, std::span<const Place> bad) {
     return mean;
   };
   const Mean all = mean_of(0, 0, image.width - 1, image.height - 1);
-  if (all.count == 0) throw UsageError("bad pixels: all " + size_of(image) + " pixels are bad; none is left to go by");
+  if (all.count == 0)
+    throw UsageError("bad pixels: all " + size_of(image) + " pixels are bad; none is left to take values from");
   for (const Place& place : bad) {
     Mean mean;
     for (std::int64_t r = 1; r <= kReach && mean.count == 0; ++r)

@@ -3,8 +3,8 @@
 
 // What a camera does to its counts: two-point non-uniformity correction and replacement of bad pixels.
 //   corrected = gain x raw + offset,   gain = response of all / response of the pixel,
-// such that both flat frames it was measured with come out flat. Between and beyond the two levels a pixel that is not
-// linear keeps a residual, and the noise of the flat frames stays in the maps: average many.
+// such that both flat frames it was measured with become uniform. At signals between and beyond the two a pixel that is
+// not linear keeps a residual, and the noise of the flat frames stays in the maps: average many.
 
 #include <cstdint>
 #include <span>
@@ -20,7 +20,7 @@ struct Place {
 
 struct TwoPoint {
   mtf::Image gain, offset;
-  std::vector<Place> bad;  ///< gain 1 and offset 0 there; to be replaced
+  std::vector<Place> bad;  ///< they have gain 1 and offset 0, and are to be replaced
 };
 
 /// From two flat frames, each the mean of many. A pixel is bad when a value is not finite or its response, hot minus

@@ -29,7 +29,7 @@ void require_reachable(const CorrectionSettings& settings, double fill, double b
   const double filled = background_e / full_well_e;
   if (fill >= filled) return;
   std::string change = "shorten frame.integration_time";
-  // All of the background grows with the time.
+  // All electrons of the background grow with the integration time.
   if (fill > 0.0) change += " to less than " + at_most(fill / filled) + " of what it is";
   change += ", or raise detector.full_well";
   if (filled < settings.high) change += " or correction.low";
@@ -55,8 +55,8 @@ TwoPoint measure_correction(std::int64_t width, std::int64_t height, const Corre
                             const FlatFrame& flat) {
   require_valid("correction", settings);
   if (!(settings.low < settings.high))
-    throw mtf::UsageError("correction: low = " + mtf::format_double(settings.low) +
-                          " is not below high = " + mtf::format_double(settings.high) + "; two levels are needed");
+    throw mtf::UsageError("correction: low = " + mtf::format_double(settings.low) + " is not below high = " +
+                          mtf::format_double(settings.high) + "; the two flat frames have to differ");
   if (width < 1 || height < 1)
     throw mtf::UsageError("correction: a detector of " + std::to_string(width) + " x " + std::to_string(height) +
                           " pixels; it needs one at least");

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The two-point correction (correction.h) as a camera gets it: the means of flat frames at two levels, with all the
-// noise that these have. What it leaves, non-linearity between the levels and the noise of the means, is then the
-// residual of a simulation too.
+// The two-point correction (correction.h) as a camera gets it: from the means of flat frames at two signals, with all
+// the noise that these have. So a simulation has the residual of a camera: non-linearity between the two signals, and
+// the noise of the means.
 
 #include <functional>
 
@@ -31,18 +31,19 @@ struct CorrectionSettings {
                              .doc = doc},
                    member};
     };
-    return std::tuple{row("low", 0.0, 1.0, false, "0.2", "level of the cold flat frame, part of the full well",
-                          &CorrectionSettings::low),
-                      row("high", 0.0, 1.0, true, "0.8", "level of the hot flat frame", &CorrectionSettings::high),
-                      row("frames", 1, 4096, false, "64", "frames averaged at each level", &CorrectionSettings::frames),
-                      row("limit", 0.0, 1.0, true, "0.5",
-                          "a pixel is bad when its response differs from the median one by more than this part of it",
-                          &CorrectionSettings::limit),
-                      Field{FieldInfo{.name = "replace_bad",
-                                      .presence = mtf::Presence::optional,
-                                      .example = "false",
-                                      .doc = "whether bad pixels take the mean of their good neighbours"},
-                            &CorrectionSettings::replace_bad}};
+    return std::tuple{
+        row("low", 0.0, 1.0, false, "0.2", "charge of the cold flat frame, part of the full well",
+            &CorrectionSettings::low),
+        row("high", 0.0, 1.0, true, "0.8", "charge of the hot flat frame", &CorrectionSettings::high),
+        row("frames", 1, 4096, false, "64", "frames averaged for each flat frame", &CorrectionSettings::frames),
+        row("limit", 0.0, 1.0, true, "0.5",
+            "a pixel is bad when its response differs from the median one by more than this part of it",
+            &CorrectionSettings::limit),
+        Field{FieldInfo{.name = "replace_bad",
+                        .presence = mtf::Presence::optional,
+                        .example = "false",
+                        .doc = "whether bad pixels take the mean of their good neighbours"},
+              &CorrectionSettings::replace_bad}};
   }
 };
 
@@ -59,7 +60,7 @@ using FlatFrame = std::function<void(double fill, std::uint32_t frame, mtf::Imag
 
 /// The correction of a detector or a region of it. Frames are numbered from 2^32 - 1 downwards, so that their noise is
 /// none of a sequence that begins at 0; the same frames give the same correction. Throws UsageError for settings out of
-/// their bounds, levels that do not rise, no pixels, and what two_point_correction refuses.
+/// their bounds, a `low` that is not below `high`, no pixels, and what two_point_correction refuses.
 TwoPoint measure_correction(std::int64_t width, std::int64_t height, const CorrectionSettings& settings,
                             const FlatFrame& flat);
 

@@ -4,6 +4,7 @@
 
 #include "apps/sensor/sensor_chain.h"
 #include "apps/study/design/metric_rows.h"
+#include "mtf/io/image_io.h"
 #include "radiometry/chain.h"
 #include "tests/apps/study/evaluated.h"
 
@@ -184,6 +185,37 @@ TEST(EvaluatorBudget, SpatialNoiseWithoutFlatFramesHasNoNumberAndAReason) {
   std::string told;
   for (const std::string& sentence : e.evaluator->skipped()) told += sentence;
   EXPECT_NE(told.find("no flat frame at 0.001 of full well"), std::string::npos) << told;
+}
+
+// Frames take the map in place of the number, so that its designs would all be one camera.
+TEST(EvaluatorBudget, ANumberThatAMapReplacesIsNoAxis) {
+  const Folder folder;
+  mtf::Image map(640, 512);
+  std::fill_n(map.data(), map.size(), 1.0F);
+  mtf::io::write_exr(folder / "gain.exr", {{"Y", map.view()}}, {});
+  const std::string camera = std::string(study_test::kCamera) + "[nonuniformity]\nprnu = 0.01\ndsnu = \"20 e-\"\n";
+  const auto lines = [&](const std::string& maps, const std::string& study) {
+    folder.write("camera.toml", camera + maps);
+    return folder.lines(study_test::kHead + study + study_test::kMetrics);
+  };
+  const std::string prnu = "[[axis]]\nparameter = \"prnu\"\nvalues = [0.01, 0.02]\n";
+  const std::string dsnu = "[[axis]]\nparameter = \"nonuniformity.dsnu\"\nvalues = [\"10 e-\"]\n";
+  const std::string gain = "responsivity = \"gain.exr\"\n", offset = "offset = \"gain.exr\"\n";
+  EXPECT_EQ(lines("", prnu + dsnu), "");
+  EXPECT_EQ(lines(gain, dsnu), "") << "the map of the responsivity leaves dsnu as it is";
+  std::string told = lines(gain, prnu);
+  for (const char* part : {"study.toml:4:13: error: axis[0].parameter", "gain.exr", "in place of prnu",
+                           "remove responsivity from the sensor file"})
+    EXPECT_NE(told.find(part), std::string::npos) << part << "\n" << told;
+  told = lines(offset, dsnu);
+  EXPECT_NE(told.find("in place of dsnu"), std::string::npos) << told;
+  told = lines(gain, study_test::kAxis + std::string("[[as_built]]\nparameter = \"prnu\"\nsd = 0.001\n"));
+  EXPECT_NE(told.find("in place of prnu"), std::string::npos) << told;
+  told = lines("", prnu + "[[axis]]\nparameter = \"nonuniformity.responsivity\"\nvalues = [\"gain.exr\"]\n");
+  EXPECT_NE(told.find("overlaps the axis 1 (prnu)"), std::string::npos) << told;
+  folder.write("mapped.toml", camera + gain);
+  told = lines("", prnu + "[[axis]]\nparameter = \"sensor\"\nvalues = [\"camera.toml\", \"mapped.toml\"]\n");
+  EXPECT_NE(told.find("mapped.toml: the sensor has the map"), std::string::npos) << told;
 }
 
 }  // namespace

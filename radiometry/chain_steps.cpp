@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/chain_steps.h"
+
+#include "mtf/parallel.h"
+
+namespace radiometry {
+namespace {
+
+void filter(const mtf::Plan& plan, FrameRun& run, mtf::Image& image) {
+  std::vector<mtf::Image> planes;
+  planes.push_back(std::move(image));
+  image = std::move(mtf::run_in_place(plan, std::move(planes), run.border, run.threads).front());
+}
+
+FocalPlane focal_plane_of(const CompiledChain& chain, const mtf::SampleGrid& grid) {
+  return on_grid(chain.detector, chain.origin, grid.width, grid.height, grid.step_x_um, grid.step_y_um);
+}
+
+/// Limits the charge and counts the pixels that are held. `limit` is fill_well or above_well.
+template <class Limit>
+void hold_well(FrameRun& run, mtf::Image& image, const Limit& limit) {
+  const HeldCounter::Counts held = run.counter.run(image, [&](mtf::ImageView<float> electrons) {
+    return limit(electrons, run.chain.pixel.full_well_e, run.threads);
+  });
+  run.frame.well.high += held.all.high;
+  run.frame.held.full_well += held.light().high;
+  run.frame.held_defects.full_well += held.stuck.high;
+}
+
+/// Where no flat frames can be made, a tenth of the scene or more may be saturated as well; the message names both.
+const TwoPoint& correction_of(const FrameRun& run) {
+  try {
+    return run.chain.correction(run.threads);
+  } catch (const mtf::UsageError& refused) {
+    const HeldPixels& held = run.frame.held;
+    if (held.share() < 0.1) throw;
+    throw mtf::UsageError(std::string(refused.what()) + ". The scene is saturated too: " + where_held(held));
+  }
+}
+
+}  // namespace
+
+void multiply_add(mtf::Image& image, const Factor& gain, const Factor& offset, int threads) {
+  const std::int64_t width = image.width();
+  mtf::parallel_for(image.height(), 64, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y) {
+      float* row = image.data() + y * width;
+      const float* gains = gain.uniform() ? nullptr : gain.map.data() + y * width;
+      const float* offsets = offset.uniform() ? nullptr : offset.map.data() + y * width;
+      const auto g = static_cast<float>(gain.number), o = static_cast<float>(offset.number);
+      if (gains == nullptr && offsets == nullptr)
+        for (std::int64_t x = 0; x < width; ++x) row[x] = g * row[x] + o;
+      else if (offsets == nullptr)
+        for (std::int64_t x = 0; x < width; ++x) row[x] = gains[x] * row[x] + o;
+      else if (gains == nullptr)
+        for (std::int64_t x = 0; x < width; ++x) row[x] = g * row[x] + offsets[x];
+      else
+        for (std::int64_t x = 0; x < width; ++x) row[x] = gains[x] * row[x] + offsets[x];
+    }
+  });
+}
+
+namespace step {
+
+void distort(FrameRun& run, mtf::Image& scene) {
+  const CompiledChain& chain = run.chain;
+  mtf::Image moved(scene.width(), scene.height());
+  radiometry::distort(scene.view(), *chain.settings.distortion, focal_plane_of(chain, chain.plan.in()), moved.view(),
+                      {}, chain.plan.options.border, static_cast<float>(run.border), run.threads);
+  scene = std::move(moved);
+}
+
+void sample(FrameRun& run, mtf::Image& scene) {
+  filter(run.chain.plan.presample, run, scene);
+  run.border *= run.chain.plan.presample.dc();
+}
+
+void glare(FrameRun& run, mtf::Image& radiance) {
+  add_glare(radiance.view(), *run.chain.settings.glare, finite_mean(radiance.view()), run.threads);
+}
+
+void ghost(FrameRun& run, mtf::Image& radiance) {
+  const Ghost& ghost = *run.chain.settings.ghost;
+  const mtf::Image mirrored = ghost_image(radiance.view(), ghost, focal_plane_of(run.chain, run.chain.plan.out()));
+  add_ghost(radiance.view(), ghost, mirrored.view(), run.threads);
+}
+
+void shutter(FrameRun& run, mtf::Image& radiance) {
+  const CompiledChain& chain = run.chain;
+  ShutterState& state = run.state->shutter;
+  if (run.frames_passed > 1) state = {};
+  apply_shutter(radiance.view(), *chain.settings.shutter, chain.frame_time_s, chain.detector.rows, state,
+                chain.origin.y);
+}
+
+void collect(FrameRun& run, mtf::Image& image) {
+  const CompiledChain& chain = run.chain;
+  multiply_add(image, chain.light, chain.glow, run.threads);
+  run.border = chain.gain * run.border + chain.glow.number;
+}
+
+void lag(FrameRun& run, mtf::Image& electrons) {
+  apply_lag(electrons.view(), *run.chain.settings.lag, run.frames_passed * run.chain.frame_time_s, run.state->lag);
+}
+
+void defects(FrameRun& run, mtf::Image& electrons) {
+  apply_defects(electrons.view(), run.chain.defects);
+  run.counter.mark(run.chain.defects);
+}
+
+void blinking(FrameRun& run, mtf::Image& electrons) {
+  const CompiledChain& chain = run.chain;
+  run.counter.mark(apply_blinking(electrons.view(), chain.blinking, *chain.settings.blinking, run.key, chain.origin));
+}
+
+void shot_noise(FrameRun& run, mtf::Image& electrons) {
+  radiometry::shot_noise(electrons.view(), run.key, run.chain.origin, run.threads);
+}
+
+void full_well(FrameRun& run, mtf::Image& electrons) { hold_well(run, electrons, fill_well); }
+
+void blooming(FrameRun& run, mtf::Image& electrons) {
+  hold_well(run, electrons, above_well);
+  const Spilled spilled =
+      bloom(electrons.view(), *run.chain.settings.blooming, run.chain.pixel.full_well_e, run.threads);
+  run.frame.spilled.drained_e += spilled.drained_e;
+  run.frame.spilled.left_e += spilled.left_e;
+}
+
+void nonlinearity(FrameRun& run, mtf::Image& electrons) {
+  apply_response(electrons.view(), *run.chain.response, run.threads);
+}
+
+void readout(FrameRun& run, mtf::Image& electrons) {
+  filter(*run.chain.plan.readout, run, electrons);
+  run.border *= run.chain.plan.readout->dc();
+}
+
+void offsets(FrameRun& run, mtf::Image& electrons) { add_map(electrons.view(), run.chain.offset.view()); }
+
+void read_noise(FrameRun& run, mtf::Image& electrons) {
+  add_gaussian(electrons.view(), run.chain.read_e, run.key, Stream::read, run.chain.origin, run.threads);
+}
+
+void flicker(FrameRun& run, mtf::Image& electrons) {
+  const CompiledChain& chain = run.chain;
+  add_flicker(electrons.view(), *chain.settings.flicker, chain.detector.columns, chain.detector.rows, run.key,
+              chain.origin, run.threads);
+}
+
+void line_noise(FrameRun& run, mtf::Image& electrons) {
+  const NoiseSettings& noise = *run.chain.settings.noise;
+  const NoiseKey fixed{run.key.seed, 0};
+  const auto rows = [&](double rms_e, const NoiseKey& key, Stream stream) {
+    if (rms_e > 0.0) add_row_noise(electrons.view(), rms_e, key, stream, run.chain.origin);
+  };
+  const auto columns = [&](double rms_e, const NoiseKey& key, Stream stream) {
+    if (rms_e > 0.0) add_column_noise(electrons.view(), rms_e, key, stream, run.chain.origin);
+  };
+  rows(noise.row_e, run.key, Stream::temporal_row);
+  columns(noise.column_e, run.key, Stream::temporal_column);
+  rows(noise.fixed_row_e, fixed, Stream::fixed_row);
+  columns(noise.fixed_column_e, fixed, Stream::fixed_column);
+}
+
+void noise_3d(FrameRun& run, mtf::Image& electrons) {
+  add_noise_3d(electrons.view(), *run.chain.settings.noise_3d, run.key, run.chain.origin, run.threads);
+}
+
+void convert(FrameRun& run, mtf::Image& electrons) {
+  const Adc& adc = *run.chain.adc;
+  const HeldCounter::Counts held =
+      run.counter.run(electrons, [&](mtf::ImageView<float> values) { return digitise(values, adc, run.threads); });
+  run.frame.adc.low += held.all.low;
+  run.frame.adc.high += held.all.high;
+  const auto add = [](HeldPixels& sum, const Clipped& clipped) {
+    sum.least_count += clipped.low;
+    sum.most_count += clipped.high;
+  };
+  add(run.frame.held, held.light());
+  add(run.frame.held_defects, held.stuck);
+  run.border = run.border / adc.electrons_per_count + adc.offset_counts;
+}
+
+void correct(FrameRun& run, mtf::Image& counts) {
+  const TwoPoint& maps = correction_of(run);
+  run.lap("flat frames");
+  radiometry::correct(counts.view(), maps);
+  if (run.chain.settings.correction->replace_bad && !maps.bad.empty()) replace_bad(counts.view(), maps.bad);
+}
+
+void postsample(FrameRun& run, mtf::Image& image) { filter(*run.chain.plan.post, run, image); }
+
+void agc(FrameRun& run, mtf::Image& image) {
+  const AutomaticGain& agc = *run.chain.settings.agc;
+  apply(image.view(), tone_curve(image.view(), agc, run.threads), run.threads);
+  if (agc.polarity == Polarity::black_hot) invert_polarity(image.view(), agc.most_level);
+}
+
+}  // namespace step
+}  // namespace radiometry
