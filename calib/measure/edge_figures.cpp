@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 namespace calib {
@@ -152,6 +153,27 @@ Estimate overshoot(const EdgeResponse& response) {
   return linear(response, most - 1.0, response.esf_row(at));
 }
 
+double sagitta(const EdgeCurve& curve) {
+  constexpr int kSteps = 64;
+  const double half = curve.half_length_px;
+  if (curve.shape == EdgeCurve::Shape::circle) {
+    const double k = curve.curvature_per_px * half;
+    return std::abs(k) >= 1.0 ? 1.0 / std::abs(curve.curvature_per_px)
+                              : half * std::abs(k) / (1.0 + std::sqrt(1.0 - k * k));
+  }
+  const auto height = [&](double t) {
+    double g = 0.0;
+    for (auto k = curve.coefficient.size(); k-- > 0;) g = g * t + curve.coefficient[k];
+    return g * t * t;
+  };
+  double most = 0.0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double t = 2.0 * i / kSteps - 1.0;
+    most = std::max(most, std::abs(height(t) - 0.5 * (height(1.0) * (1.0 + t) + height(-1.0) * (1.0 - t))));
+  }
+  return most;
+}
+
 }  // namespace
 
 void describe(const EdgeResponse& response, EdgeMeasurement& out) {
@@ -198,6 +220,33 @@ void hold_difference(const EdgeMeasurement& other, EdgeMeasurement& out) {
     const double beyond = frequency ? 1.0 : one->value;
     one->sd = std::hypot(one->sd, (other.*figure ? (other.*figure)->value : beyond) - one->value);
   }
+}
+
+void describe_geometry(const EdgeModel& model, const JointFit& joint, const RegionFacts& facts, EdgeMeasurement& out) {
+  out.curve = model.curve;
+  out.curve.origin.x += facts.middle.x;
+  out.curve.origin.y += facts.middle.y;
+  out.length_px = 2.0 * model.curve.half_length_px;
+  out.sagitta_px = sagitta(model.curve);
+  double angle_deg = std::remainder(model.curve.angle_rad * 180.0 / std::numbers::pi, 180.0);
+  if (angle_deg <= -90.0) angle_deg += 180.0;
+  out.angle_deg.value = angle_deg;
+  for (std::size_t i = 0; i < joint.unknowns.size(); ++i) {
+    if (joint.unknowns[i] != kFirstShift + 1) continue;
+    const auto at = static_cast<Eigen::Index>(i);
+    out.angle_deg.sd =
+        std::sqrt(std::max(0.0, joint.covariance(at, at))) / model.curve.half_length_px * 180.0 / std::numbers::pi;
+  }
+}
+
+void describe_plateaus(const EdgeModel& model, const NoiseModel& noise, const RegionFacts& facts,
+                       EdgeMeasurement& out) {
+  out.dark = facts.offset + facts.scale * model.level[0];
+  out.bright = facts.offset + facts.scale * model.level[1];
+  out.noise_sd = facts.scale * std::sqrt(noise.at(0.5));
+  if (noise.bright != noise.dark)
+    out.noise_gain = facts.scale * (noise.bright - noise.dark) / std::max(1e-300, model.contrast());
+  out.cnr = (out.bright - out.dark) / out.noise_sd;
 }
 
 }  // namespace calib

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "calib/edge/edge_response.h"
+#include "calib/measure/edge_terms.h"
 
 namespace calib {
 namespace {
@@ -96,6 +97,32 @@ FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& referen
   assemble(next, model, rounds);
   next.converged = true;
   return next;
+}
+
+CorrectedFit correct(const EdgePixels& pixels, EdgeFit fit, const EdgeFacts& facts, FitRounds settings) {
+  constexpr int kMostRefinements = 4;
+  constexpr double kFar_px = 0.1, kMisfit = 0.2;
+  settings.unknowns = fit.unknowns;
+  const double extent_px = std::min(facts.reach_dark_px, facts.reach_bright_px);
+  const auto solve = [&](const EdgeFit& at, Detail detail) {
+    return solve_jointly(at.state, at.model, without_bounds(at.unknowns, at.model),
+                         facts.few_distances() ? Detail::none : detail, facts.width_px, extent_px);
+  };
+  CorrectedFit best{.fit = std::move(fit), .joint = {}};
+  best.joint = solve(best.fit, Detail::coarse);
+  StepProfile reference = best.fit.state.profile;
+  for (int i = 0; i < kMostRefinements && best.joint.tau_odd + best.joint.tau_even > 0.0; ++i) {
+    const bool noise_is_off = std::abs(best.joint.chi2_per_dof - 1.0) > kMisfit;
+    const bool edge_moved =
+        best.joint.tau_even > 0.0 && std::abs(EdgeResponse(best.fit.model, best.joint).shift_px()) > kFar_px;
+    if (!noise_is_off && !edge_moved) break;
+    CorrectedFit next = best;
+    next.fit.state = refine(pixels, next.fit.model, reference, best.joint, settings);
+    next.joint = solve(next.fit, noise_is_off ? Detail::fine : Detail::coarse);
+    if (next.misfit() > best.misfit()) break;
+    best = std::move(next);
+  }
+  return best;
 }
 
 }  // namespace calib

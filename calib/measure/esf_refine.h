@@ -6,6 +6,7 @@
 // reversal, a sharpened image) does not pass for noise or turn the edge.
 
 #include "calib/measure/esf_correction.h"
+#include "calib/measure/region_fit.h"
 
 namespace calib {
 
@@ -20,5 +21,16 @@ FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& referen
 
 /// What a joint fit moves the model by; `shift_px`: the location of its response (EdgeResponse).
 Vector movement(const JointFit& joint, double shift_px);
+
+/// A fit with the correction of its edge spread function.
+struct CorrectedFit {
+  EdgeFit fit;
+  JointFit joint;
+  /// Variance of the pixels about the model, half way up the step.
+  double misfit() const { return joint.chi2_per_dof * fit.state.noise.at(0.5); }
+};
+/// The joint solution, refined as long as that brings the model nearer to the pixels and either residuals and noise
+/// disagree or the correction moved the edge.
+CorrectedFit correct(const EdgePixels& pixels, EdgeFit fit, const EdgeFacts& facts, FitRounds settings);
 
 }  // namespace calib

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/measure/region_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calib/measure/edge_bin_fit.h"
+#include "calib/measure/edge_terms.h"
+
+namespace calib {
+namespace {
+
+// The shape to start from: half of a Gaussian's variance is taken for a footprint, some of the rest for diffraction.
+void split_blur(ReferenceShape& shape) {
+  const double variance = shape.v_px2;
+  shape.q_px2 = std::min(1.0, 6.0 * variance);
+  shape.v_px2 = std::max(2.0 * kLeastVariance_px2, variance - shape.q_px2 / 12.0);
+  shape.s_px = 0.3 * std::sqrt(variance);
+}
+
+// From the state of all pixels at a model near the best one to that at the best one. What is nearly linear is done on
+// sums by distance; the pixels are looked at again only where these do not tell what would be seen.
+void converge(const EdgePixels& pixels, EdgeFit& fit, FitRounds rounds) {
+  rounds.unknowns = fit.unknowns;
+  rounds.rounds = 8;
+  EdgeModel model = fit.model;
+  const auto drop_diffraction = [&] {
+    fit.unknowns.reset(kFirstShape);
+    rounds.unknowns = fit.unknowns;
+    model.shape.v_px2 += 0.1 * model.shape.s_px * model.shape.s_px;
+    model.shape.s_px = 0.0;
+  };
+  const bool likely = shows_diffraction(fit.state, model, fit.unknowns);
+  if (!likely) drop_diffraction();
+  FitState near = fit_on_bins(fit.state, fit.model, model, rounds);
+  if (likely && !shows_diffraction(near, model, fit.unknowns)) {
+    drop_diffraction();
+    near = fit_on_bins(fit.state, fit.model, model, rounds);
+  }
+  if (near.converged) {
+    // By its own noise: that of a look from far off is too large, and ends a fit early.
+    FitState there = near;
+    there.noise = noise_of(near.sums, near.profile, rounds);
+    assemble(there, model, rounds);
+    FitRounds one = rounds;
+    one.rounds = 1;
+    EdgeModel next = model;
+    there = fit_on_bins(there, model, next, one);
+    if (there.converged && predicts_convergence(fit.model, there, model, rounds.enough)) {
+      fit.model = model;
+      fit.state = std::move(there);
+      return;
+    }
+  }
+  if (near.left > rounds.enough) rounds.enough += near.left;  // steps that come to nothing on bins need no other try
+  rounds.rounds = 5;
+  fit.model = model;
+  fit.state = fit_reference(pixels, fit.model, rounds);
+}
+
+// From the start to the best reference: first on some of the pixels, then on all.
+EdgeFit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const MeasureOptions& options,
+                 double reach_px) {
+  constexpr std::size_t kSome = 2000;
+  const std::size_t step = step_for(pixels, kSome);
+  EdgeFit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns()};
+  split_blur(fit.model.shape);
+  const auto refine = [&](std::size_t every, int most_rounds, double enough) {
+    rounds.unknowns = fit.unknowns;
+    rounds.step = every;
+    rounds.rounds = most_rounds;
+    rounds.enough = enough;
+    return fit_reference(pixels, fit.model, rounds);
+  };
+  constexpr double kRough = 4.0;  // less than what other pixels change
+  constexpr double kFar = 1.3;
+  const auto bend_by = [&](int order) {
+    fit.unknowns = with_order(fit.unknowns, order);
+    set_order(fit.model.curve, order, options.circle);
+    return refine(step, 12, kRough);
+  };
+  // A bend that some of the pixels show is taken out first, if it is most of what keeps them from the model.
+  int order = 1;
+  if (const FitState some = refine(step, 25, kRough);
+      options.order != 1 && some.normal.chi2 > kFar * some.normal.count) {
+    const EdgeFit straight = fit;
+    const FitState bent = bend_by(2);
+    const double misfit = bent.normal.chi2 * bent.noise.at(0.5) / some.noise.at(0.5);
+    order = misfit < 0.5 * some.normal.chi2 ? 2 : 1;
+    if (order == 1) fit = straight;
+  }
+
+  rounds.step = 1;
+  rounds.unknowns = with_gradients(with_order(fit.unknowns, kHighestOrder));
+  fit.state = evaluate(pixels, fit.model, rounds);
+  const Terms terms = choose_terms(fit.state, fit.model, reach_px, options, order);
+  if (terms.gradients) fit.unknowns = with_gradients(fit.unknowns);
+  if (terms.gradients || terms.order > order) {
+    bend_by(terms.order);
+    rounds.step = 1;
+    rounds.unknowns = fit.unknowns;
+    fit.state = evaluate(pixels, fit.model, rounds);
+  }
+  fit.state.sums = fit.state.sums.up_to(2 * order_of(fit.unknowns));
+  rounds.enough = 0.3;
+  converge(pixels, fit, rounds);
+  return fit;
+}
+
+// The pixels within a distance of the curve.
+EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double reach_px) {
+  EdgePixels near(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const Point at{pixels.x()[i], pixels.y()[i]};
+    if (std::abs(locate(curve, at).distance_px) <= reach_px) near.add(pixels.x()[i], pixels.y()[i], pixels.value()[i]);
+  }
+  return near;
+}
+
+double smaller_extent_px(const EdgeFacts& facts) { return std::min(facts.reach_dark_px, facts.reach_bright_px); }
+
+bool curved_shading(const RegionFit& region) {
+  return levels_bend(region.fit.state, region.fit.model, region.facts.width_px, smaller_extent_px(region.facts));
+}
+
+}  // namespace
+
+RegionFit fit_region(EdgeData data, const MeasureOptions& options) {
+  RegionFit region{.pixels = std::move(data.pixels), .fit = {}, .facts = {}};
+  const auto fit_again = [&](double extent_px) {
+    region.fit = fit_edge(region.pixels, data.start, data.settings, options, extent_px);
+    region.facts = facts_of(region.pixels, region.fit.state, region.fit.model, data.local_noise_sd);
+  };
+  fit_again(data.extent_px);
+  std::size_t outliers = 0;
+  if (suspects_outliers(region.facts))
+    outliers = remove_outliers(region.pixels, region.fit.model, region.fit.state.profile, region.facts);
+  if (outliers > 0) fit_again(data.extent_px);
+
+  // Curved shading is followed by a straight line near the edge: only pixels so near are taken.
+  constexpr double kLeast_px = 8.0, kLeastWidths = 5.0;
+  double extent_px = smaller_extent_px(region.facts), narrowed_px = 0.0;
+  bool curved = curved_shading(region);
+  while (curved) {
+    extent_px *= 0.6;
+    if (extent_px < std::max(kLeast_px, kLeastWidths * region.facts.width_px)) break;
+    region.pixels = within(region.pixels, region.fit.model.curve, extent_px);
+    narrowed_px = extent_px;
+    fit_again(extent_px);
+    curved = curved_shading(region);
+  }
+  region.facts.outliers = outliers;
+  region.facts.narrowed_px = narrowed_px;
+  region.facts.levels_bend = curved;
+  return region;
+}
+
+}  // namespace calib
