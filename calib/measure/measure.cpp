@@ -70,7 +70,7 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   if (region.finite > 0) known.clipped_share = static_cast<double>(region.clipped) / static_cast<double>(region.finite);
   if (const Outcome outcome = judge_region(region, roi, options); outcome.refused()) return refused(known, outcome);
 
-  std::optional<EdgeData> data = gather_edge(image, roi, region, options);
+  std::optional<EdgeRegion> data = gather_edge(image, roi, region, options);
   if (!data)
     return refused(known, {Trouble::no_edge,
                            "no line divides the region into a dark and a bright side: move the region onto an edge"});

@@ -126,7 +126,7 @@ bool curved_shading(const RegionFit& region) {
 
 }  // namespace
 
-RegionFit fit_region(EdgeData data, const MeasureOptions& options) {
+RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
   RegionFit region{.pixels = std::move(data.pixels), .fit = {}, .facts = {}};
   const auto fit_again = [&](double extent_px) {
     region.fit = fit_edge(region.pixels, data.start, data.settings, options, extent_px);

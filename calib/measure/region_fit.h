@@ -5,7 +5,7 @@
 // single bad pixels, and without those so far from the edge that shading is curved there.
 
 #include "calib/edge/edge_pixels.h"
-#include "calib/measure/edge_data.h"
+#include "calib/measure/edge_region.h"
 #include "calib/measure/edge_facts.h"
 #include "calib/measure/edge_fit.h"
 #include "calib/measure/measure.h"
@@ -23,6 +23,6 @@ struct RegionFit {
   EdgeFit fit;
   EdgeFacts facts;
 };
-RegionFit fit_region(EdgeData data, const MeasureOptions& options);
+RegionFit fit_region(EdgeRegion data, const MeasureOptions& options);
 
 }  // namespace calib

@@ -11,7 +11,7 @@
 
 namespace calib {
 
-struct EdgeData {
+struct EdgeRegion {
   EdgePixels pixels;            ///< within kReach_px of the starting line
   EdgeModel start;              ///< a straight Gaussian step
   double extent_px = 0.0;       ///< of the pixels on one side of the edge, mean of both
@@ -20,7 +20,7 @@ struct EdgeData {
 };
 
 /// Empty where no line divides the region into a dark and a bright side.
-std::optional<EdgeData> gather_edge(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& region,
+std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& region,
                                     const MeasureOptions& options);
 
 }  // namespace calib

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/measure/edge_data.h"
+#include "calib/measure/edge_region.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,7 +45,7 @@ void sharpen_start(const EdgePixels& pixels, EdgeModel& start, double block_px, 
 
 }  // namespace
 
-std::optional<EdgeData> gather_edge(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& region,
+std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& region,
                                     const MeasureOptions& options) {
   constexpr std::int64_t kFineBlocks_px = 4;
   const ValueLimits limits{options.saturation, options.floor};
@@ -58,7 +58,7 @@ std::optional<EdgeData> gather_edge(mtf::ImageView<const float> image, const Roi
   const FitRounds settings = noise_settings(start, region, options);
   const double extent_px = 0.5 * static_cast<double>(pixels.size()) / (2.0 * start.curve.half_length_px);
   if (block_px > kFineBlocks_px) sharpen_start(pixels, start, block, settings);
-  return EdgeData{.pixels = std::move(pixels),
+  return EdgeRegion{.pixels = std::move(pixels),
                   .start = std::move(start),
                   .extent_px = extent_px,
                   .local_noise_sd = local_noise(image, roi, region),
