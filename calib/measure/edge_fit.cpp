@@ -116,21 +116,6 @@ void move(EdgeModel& model, const Vector& step) {
   model.shape.q_px2 = std::max(0.0, model.shape.q_px2 + step[kFirstShape + 2]);
 }
 
-Vector way(const EdgeModel& from, const EdgeModel& to) {
-  Vector step = Vector::Zero();
-  for (int a = 0; a < kLevels; ++a)
-    step[a] = to.level[static_cast<std::size_t>(a)] - from.level[static_cast<std::size_t>(a)];
-  const EdgeCurve &a = from.curve, &b = to.curve;
-  const Point n = a.normal();
-  const double half = a.half_length_px;
-  step[kFirstShift] = n.x * (b.origin.x - a.origin.x) + n.y * (b.origin.y - a.origin.y);
-  step[kFirstShift + 1] = half * std::tan(a.angle_rad - b.angle_rad);
-  step[kFirstShift + 2] = 0.5 * half * half * (b.curvature_per_px - a.curvature_per_px);
-  for (std::size_t k = 0; k < std::min(a.coefficient.size(), b.coefficient.size()); ++k)
-    step[kFirstShift + 2 + static_cast<int>(k)] += b.coefficient[k] - a.coefficient[k];
-  return step;
-}
-
 void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns) {
   constexpr int q = kFirstShape + 2;
   if (!unknowns[q]) return;
@@ -157,11 +142,6 @@ FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRoun
 }
 
 FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds, FitState state) {
-  return descend(model, rounds, std::move(state),
-                 [&](const EdgeModel& next) { return evaluate(pixels, next, rounds); });
-}
-
-FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, const Look& look) {
   double damping = 0.0;
   for (int round = 1; round <= rounds.rounds; ++round) {
     NormalEquations normal = state.normal;
@@ -169,11 +149,10 @@ FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, cons
     const Vector step = next_step(normal, model, rounds.unknowns, damping);
     const double expected = normal.gradient.dot(step);
     state.converged = expected < rounds.enough;
-    state.left = expected;
     if (state.converged || round == rounds.rounds) break;
     EdgeModel next = model;
     move(next, step);
-    FitState tried = look(next);
+    FitState tried = evaluate(pixels, next, rounds);
     // Pixels out of reach leave chi2: an edge that runs away from them is no better.
     constexpr double kKept = 0.7;
     const double more = chi2_of(tried.sums, state.weight) - state.normal.chi2;
@@ -185,7 +164,6 @@ FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, cons
     damping = better ? 0.1 * damping : std::max(1e-4, 30.0 * damping);
     if (damping < 1e-6) damping = 0.0;
     if (better && !(idle && gained < 0.0)) model = next, state = std::move(tried);
-    if (idle) state.left = expected;
     state.converged = idle;
     if (idle) break;
   }

@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <bitset>
-#include <functional>
 #include <optional>
 
 #include "calib/measure/edge_noise.h"
@@ -71,24 +70,17 @@ struct FitState {
   EdgeSums sums;
   BinRow weight{};  ///< of a pixel, by bin
   NormalEquations normal;
-  double left = 0.0;  ///< what the next step would take off chi2 if all were linear
   bool converged = false;
 };
 double chi2_of(const EdgeSums& sums, const BinRow& weight);
 /// Weights and equations of a state that has its profile, sums and noise.
 void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds);
-/// The state at a model.
-using Look = std::function<FitState(const EdgeModel& model)>;
-/// Damped Gauss-Newton steps; `model` is where the returned state was taken.
-/// `state` is that of the model at the start.
-FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, const Look& look);
-/// The same with all pixels looked at in every round.
+/// Damped Gauss-Newton steps, each over all pixels; `model` becomes the one of the returned state, `state` is that of
+/// the model at the start.
 FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds, FitState state);
 FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds);
 /// Takes a step.
 void move(EdgeModel& model, const Vector& step);
-/// The levels and shifts of the step that leads to another model.
-Vector way(const EdgeModel& from, const EdgeModel& to);
 
 /// The state at the model as it is.
 FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRounds& rounds);

@@ -46,7 +46,7 @@ void sharpen_start(const EdgePixels& pixels, EdgeModel& start, double block_px, 
 }  // namespace
 
 std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& region,
-                                    const MeasureOptions& options) {
+                                      const MeasureOptions& options) {
   constexpr std::int64_t kFineBlocks_px = 4;
   const ValueLimits limits{options.saturation, options.floor};
   std::int64_t block_px = 1;
@@ -59,10 +59,10 @@ std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const R
   const double extent_px = 0.5 * static_cast<double>(pixels.size()) / (2.0 * start.curve.half_length_px);
   if (block_px > kFineBlocks_px) sharpen_start(pixels, start, block, settings);
   return EdgeRegion{.pixels = std::move(pixels),
-                  .start = std::move(start),
-                  .extent_px = extent_px,
-                  .local_noise_sd = local_noise(image, roi, region),
-                  .settings = settings};
+                    .start = std::move(start),
+                    .extent_px = extent_px,
+                    .local_noise_sd = local_noise(image, roi, region),
+                    .settings = settings};
 }
 
 }  // namespace calib

@@ -21,6 +21,6 @@ struct EdgeRegion {
 
 /// Empty where no line divides the region into a dark and a bright side.
 std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& region,
-                                    const MeasureOptions& options);
+                                      const MeasureOptions& options);
 
 }  // namespace calib

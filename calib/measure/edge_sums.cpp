@@ -149,47 +149,16 @@ MTFKIT_CLONES void turn(const double* sums, std::size_t stride, std::size_t firs
   }
 }
 
-// Residuals less by the sum of change[k] t^k, k <= highest.
-MTFKIT_CLONES void take_rows(const std::array<BinRow, kHighestOrder + 1>& change,
-                             const std::array<const BinRow*, 2 * kHighestOrder + 1>& moment,
-                             const std::array<BinRow*, kHighestOrder + 1>& residual, BinRow& square, std::size_t first,
-                             std::size_t end, std::size_t highest) {
-  for (std::size_t k = 0; k <= highest; ++k) {
-    BinRow taken;
-    for (std::size_t i = first; i < end; ++i) taken[i] = change[0][i] * (*moment[k])[i];
-    for (std::size_t j = 1; j <= highest; ++j) {
-      const BinRow &one = change[j], &power = *moment[j + k];
-      for (std::size_t i = first; i < end; ++i) taken[i] += one[i] * power[i];
-    }
-    const BinRow& mine = change[k];
-    BinRow& r = *residual[k];
-    for (std::size_t i = first; i < end; ++i) {
-      square[i] -= mine[i] * (2.0 * r[i] - taken[i]);
-      r[i] -= taken[i];
-    }
-  }
-}
-
 }  // namespace
 
-EdgeSums EdgeSums::up_to(int order) const {
-  EdgeSums part;
-  part.rows_.assign(rows_.begin(), rows_.begin() + static_cast<std::ptrdiff_t>(std::min(rows_of(order), rows_.size())));
-  return part;
-}
-
-void EdgeSums::take_from_residual(const std::array<BinRow, kHighestOrder + 1>& change, const StepProfile& profile) {
-  std::array<const BinRow*, 2 * kHighestOrder + 1> moments{};
-  std::array<BinRow*, kHighestOrder + 1> residuals{};
-  for (int k = 0; k <= 2 * order(); ++k) moments[static_cast<std::size_t>(k)] = &moment(k);
-  for (int k = 0; k <= order(); ++k) residuals[static_cast<std::size_t>(k)] = &rows_[residual_row(k)];
-  const auto take = [&](int first, int end, int highest) {
-    take_rows(change, moments, residuals, rows_[1], static_cast<std::size_t>(first), static_cast<std::size_t>(end),
-              static_cast<std::size_t>(highest));
-  };
-  take(0, profile.bend_first, 1);
-  take(profile.bend_first, profile.bend_end, order());
-  take(profile.bend_end, kBins, 1);
+void EdgeSums::take_from_residual(const BinRow& change, const StepProfile& profile) {
+  for (std::size_t i = 0; i < kBins; ++i) rows_[1][i] -= change[i] * (2.0 * residual(0)[i] - change[i] * moment(0)[i]);
+  for (int k = 0; k <= order(); ++k) {
+    BinRow& sum = rows_[residual_row(k)];
+    const auto first = static_cast<std::size_t>(k > 1 ? profile.bend_first : 0);
+    const auto end = static_cast<std::size_t>(k > 1 ? profile.bend_end : kBins);
+    for (std::size_t i = first; i < end; ++i) sum[i] -= change[i] * moment(k)[i];
+  }
 }
 
 double EdgeSums::pure_error(int i) const {

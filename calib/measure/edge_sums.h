@@ -39,11 +39,9 @@ class EdgeSums {
   const BinRow& residual(int k) const { return rows_[residual_row(k)]; }  ///< of r t^k
   double count(int i) const { return moment(0)[static_cast<std::size_t>(i)]; }
   int order() const { return (static_cast<int>(rows_.size()) - 1) / 3 - 1; }
-  /// Without what is of a higher order.
-  EdgeSums up_to(int order) const;
-  /// As if each pixel's residual were less by the sum of change[k] t^k, up to the order; powers above t only in the
+  /// As if each pixel's residual were less by the change in its bin; residuals times powers above t change only in the
   /// bins that show bends.
-  void take_from_residual(const std::array<BinRow, kHighestOrder + 1>& change, const StepProfile& profile);
+  void take_from_residual(const BinRow& change, const StepProfile& profile);
   /// Sum of r^2 about the bin's own mean, count - 1 degrees of freedom.
   double pure_error(int i) const;
 

@@ -89,9 +89,8 @@ FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& referen
   next.sums = accumulate(pixels, model, next.profile, order_of(rounds.unknowns));
   next.noise = noise_of(next.sums, next.profile, rounds);
   reference = StepProfile(tabulate(model.shape, model.curve.angle_rad));
-  std::array<BinRow, kHighestOrder + 1> change{};
-  for (std::size_t i = 0; i < kBins; ++i)
-    change[0][i] = model.contrast() * (reference.esf()[i] - next.profile.esf()[i]);
+  BinRow change;
+  for (std::size_t i = 0; i < kBins; ++i) change[i] = model.contrast() * (reference.esf()[i] - next.profile.esf()[i]);
   next.sums.take_from_residual(change, next.profile);
   next.profile.set_slopes(reference);
   assemble(next, model, rounds);

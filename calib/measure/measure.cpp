@@ -85,7 +85,7 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   describe_plateaus(fit.model, fit.state.noise, region, known);
   EdgeMeasurement out = known;
   describe(response, out);
-  if (fitted.facts.few_distances()) add_other_shapes(fit, fitted.facts, settings, out);
+  if (fitted.facts.few_distances()) add_other_shapes(fitted.pixels, fit, fitted.facts, settings, out);
   if (const Outcome outcome = judge_response(out); outcome.refused()) return refused(known, outcome);
 
   EdgeModel found = fit.model;

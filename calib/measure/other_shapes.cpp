@@ -6,17 +6,17 @@
 #include <cmath>
 
 #include "calib/edge/edge_response.h"
-#include "calib/measure/edge_bin_fit.h"
 #include "calib/measure/edge_figures.h"
 #include "calib/measure/edge_terms.h"
 #include "calib/measure/esf_correction.h"
 
 namespace calib {
 
-void add_other_shapes(const EdgeFit& fit, const EdgeFacts& facts, FitRounds settings, EdgeMeasurement& measurement) {
+void add_other_shapes(const EdgePixels& pixels, const EdgeFit& fit, const EdgeFacts& facts, FitRounds settings,
+                      EdgeMeasurement& measurement) {
   constexpr double kWorse = 9.0;  // chi2
-  settings.rounds = 12;
-  settings.enough = 0.1;
+  settings.rounds = 8;
+  settings.enough = 0.3;
   const double variance = fit.model.shape.blur_px2();
   for (const auto& [s_px, q_px2] : {std::array{0.0, 0.0}, {0.0, 1.0}, {0.5 * std::sqrt(variance), 1.0}}) {
     EdgeFit other = fit;
@@ -24,8 +24,8 @@ void add_other_shapes(const EdgeFit& fit, const EdgeFacts& facts, FitRounds sett
     other.model.shape = {.s_px = s_px, .v_px2 = std::max(2.0 * kLeastVariance_px2, rest_px2), .q_px2 = q_px2};
     other.unknowns.set(kFirstShape, s_px > 0.0).reset(kFirstShape + 2);
     settings.unknowns = other.unknowns;
-    other.state = fit_on_bins(fit.state, fit.model, other.model, settings);
-    if (other.state.normal.chi2 > fit.state.normal.chi2 + kWorse) continue;
+    other.state = fit_reference(pixels, other.model, settings);
+    if (chi2_of(other.state.sums, fit.state.weight) > fit.state.normal.chi2 + kWorse) continue;
     const JointFit joint = solve_jointly(other.state, other.model, without_bounds(other.unknowns, other.model),
                                          Detail::none, facts.width_px, 0.0);
     EdgeMeasurement described;

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "calib/measure/edge_bin_fit.h"
 #include "calib/measure/edge_terms.h"
 
 namespace calib {
@@ -19,44 +18,26 @@ void split_blur(ReferenceShape& shape) {
   shape.s_px = 0.3 * std::sqrt(variance);
 }
 
-// From the state of all pixels at a model near the best one to that at the best one. What is nearly linear is done on
-// sums by distance; the pixels are looked at again only where these do not tell what would be seen.
+// From the state at a model near the best one to that at the best one, without diffraction where the pixels do not show
+// it, before or after these iterations.
 void converge(const EdgePixels& pixels, EdgeFit& fit, FitRounds rounds) {
   rounds.unknowns = fit.unknowns;
   rounds.rounds = 8;
-  EdgeModel model = fit.model;
-  const auto drop_diffraction = [&] {
+  rounds.enough = 0.3;
+  const auto leave_out_diffraction = [&] {
+    ReferenceShape& shape = fit.model.shape;
+    const double s_px = std::exchange(shape.s_px, 0.0);
+    shape.v_px2 += 0.1 * s_px * s_px;
     fit.unknowns.reset(kFirstShape);
     rounds.unknowns = fit.unknowns;
-    model.shape.v_px2 += 0.1 * model.shape.s_px * model.shape.s_px;
-    model.shape.s_px = 0.0;
+    if (s_px > 0.0) fit.state = evaluate(pixels, fit.model, rounds);
   };
-  const bool likely = shows_diffraction(fit.state, model, fit.unknowns);
-  if (!likely) drop_diffraction();
-  FitState near = fit_on_bins(fit.state, fit.model, model, rounds);
-  if (likely && !shows_diffraction(near, model, fit.unknowns)) {
-    drop_diffraction();
-    near = fit_on_bins(fit.state, fit.model, model, rounds);
-  }
-  if (near.converged) {
-    // By its own noise: that of a look from far off is too large, and ends a fit early.
-    FitState there = near;
-    there.noise = noise_of(near.sums, near.profile, rounds);
-    assemble(there, model, rounds);
-    FitRounds one = rounds;
-    one.rounds = 1;
-    EdgeModel next = model;
-    there = fit_on_bins(there, model, next, one);
-    if (there.converged && predicts_convergence(fit.model, there, model, rounds.enough)) {
-      fit.model = model;
-      fit.state = std::move(there);
-      return;
-    }
-  }
-  if (near.left > rounds.enough) rounds.enough += near.left;  // steps that come to nothing on bins need no other try
-  rounds.rounds = 5;
-  fit.model = model;
-  fit.state = fit_reference(pixels, fit.model, rounds);
+  const bool likely = shows_diffraction(fit.state, fit.model, fit.unknowns);
+  if (!likely) leave_out_diffraction();
+  fit.state = fit_reference(pixels, fit.model, rounds, std::move(fit.state));
+  if (!likely || shows_diffraction(fit.state, fit.model, fit.unknowns)) return;
+  leave_out_diffraction();
+  fit.state = fit_reference(pixels, fit.model, rounds, std::move(fit.state));
 }
 
 // From the start to the best reference: first on some of the pixels, then on all.
@@ -102,8 +83,6 @@ EdgeFit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, co
     rounds.unknowns = fit.unknowns;
     fit.state = evaluate(pixels, fit.model, rounds);
   }
-  fit.state.sums = fit.state.sums.up_to(2 * order_of(fit.unknowns));
-  rounds.enough = 0.3;
   converge(pixels, fit, rounds);
   return fit;
 }

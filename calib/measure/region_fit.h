@@ -5,9 +5,9 @@
 // single bad pixels, and without those so far from the edge that shading is curved there.
 
 #include "calib/edge/edge_pixels.h"
-#include "calib/measure/edge_region.h"
 #include "calib/measure/edge_facts.h"
 #include "calib/measure/edge_fit.h"
+#include "calib/measure/edge_region.h"
 #include "calib/measure/measure.h"
 
 namespace calib {

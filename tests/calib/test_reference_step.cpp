@@ -8,6 +8,8 @@
 
 #include "calib/edge/lanes.h"
 #include "calib/edge/reference_step.h"
+#include "calib/edge/step_profile.h"
+#include "calib/measure/edge_sums.h"
 #include "tests/calib/made_edges.h"
 
 namespace {
@@ -26,6 +28,27 @@ TEST(ReferenceStep, BinsHoldTheirDistances) {
     EXPECT_EQ(bins.index(bins.centre(i)), i);
     const double inside = bins.knot(i) + 1e-9 * (bins.knot(i + 1) - bins.knot(i));
     EXPECT_EQ(bins.index(inside), i);
+  }
+}
+
+// A distance that is less than the range by a rounding error lies in the last bin or in none, on either side.
+TEST(ReferenceStep, BinsEndAtTheirRange) {
+  const double last = std::nextafter(calib::kReach_px, 0.0);
+  EXPECT_EQ(calib::DistanceBins::get().index(last), calib::kBins - 1);
+  EXPECT_EQ(calib::DistanceBins::get().index(-last), 0);
+  for (const double off : {-1.5e-14, 0.0, 1.5e-14}) {
+    calib::EdgePixels pixels(2);
+    pixels.add(-calib::kReach_px, 0.0, 0.1);
+    pixels.add(calib::kReach_px, 0.0, 0.9);
+    calib::EdgeModel model;
+    model.curve.half_length_px = 10.0;
+    model.curve.origin = {off, 0.0};
+    model.level = {0.0, 1.0};
+    const calib::EdgeSums sums =
+        calib::accumulate(pixels, model, calib::StepProfile(calib::tabulate(model.shape, 0.0)), 1);
+    double count = 0.0;
+    for (int i = 0; i < calib::kBins; ++i) count += sums.count(i);
+    EXPECT_LE(count, 1.0) << off;
   }
 }
 
