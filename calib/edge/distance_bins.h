@@ -11,8 +11,8 @@
 
 namespace calib {
 
-/// Distances from 0 to kReach_px in zones whose step doubles; the other side mirrors them.
-inline constexpr double kReach_px = 96.0;
+/// Distances from 0 to kRange_px in zones whose step doubles; the other side mirrors them.
+inline constexpr double kRange_px = 96.0;
 inline constexpr int kFinest = 32;  ///< bins a pixel next to the edge
 struct DistanceZone {
   double end_px, step_px;
@@ -31,9 +31,9 @@ class DistanceBins {
   /// The one layout there is.
   static const DistanceBins& get();
 
-  /// The bin of a distance, |d| < kReach_px.
+  /// The bin of a distance, |d| < kRange_px.
   int index(double d_px) const {
-    const auto step = static_cast<std::size_t>(std::floor((d_px + kReach_px) * kFinest));
+    const auto step = static_cast<std::size_t>(std::floor((d_px + kRange_px) * kFinest));
     return at_step_[std::min(step, at_step_.size() - 1)];  // a hair within the reach rounds to its end
   }
   double knot(int i) const { return knot_[static_cast<std::size_t>(i)]; }  ///< lower end of bin i, i <= kBins
@@ -44,7 +44,7 @@ class DistanceBins {
   constexpr DistanceBins();
 
  private:
-  std::array<std::int16_t, 2 * static_cast<std::size_t>(kReach_px) * kFinest> at_step_{};  // of the finest bins
+  std::array<std::int16_t, 2 * static_cast<std::size_t>(kRange_px) * kFinest> at_step_{};  // of the finest bins
   std::array<double, kBins + 1> knot_{};
   BinRow centre_{};
 };

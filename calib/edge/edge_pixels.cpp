@@ -200,7 +200,7 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
 }
 
 EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
-                         const ValueLimits& limits, const EdgeCurve& curve, double reach_px) {
+                         const ValueLimits& limits, const EdgeCurve& curve, double range_px) {
   const Point n = curve.normal();
   const double left = 0.5 - 0.5 * static_cast<double>(roi.width), top = 0.5 - 0.5 * static_cast<double>(roi.height);
   struct Part {
@@ -213,10 +213,10 @@ EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, cons
     // |u0 + n.x i| < reach
     double first = 0.0, end = static_cast<double>(roi.width);
     if (std::abs(n.x) * end > 1e-9) {
-      const double a = (-reach_px - u0) / n.x, b = (reach_px - u0) / n.x;
+      const double a = (-range_px - u0) / n.x, b = (range_px - u0) / n.x;
       first = std::clamp(std::ceil(std::min(a, b)), 0.0, end);
       end = std::clamp(std::floor(std::max(a, b)) + 1.0, first, end);
-    } else if (std::abs(u0) >= reach_px) {
+    } else if (std::abs(u0) >= range_px) {
       end = 0.0;
     }
     parts[j] = {static_cast<std::int64_t>(first), static_cast<std::int64_t>(end - first)};

@@ -81,8 +81,8 @@ RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const Valu
 EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
                          const ValueLimits& limits, std::int64_t& block_px);
 
-/// All pixels within `reach_px` of the curve's tangent at its origin.
+/// All pixels within `range_px` of the curve's tangent at its origin.
 EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
-                         const ValueLimits& limits, const EdgeCurve& curve, double reach_px);
+                         const ValueLimits& limits, const EdgeCurve& curve, double range_px);
 
 }  // namespace calib

@@ -110,8 +110,8 @@ struct Nodes {
 };
 
 // A Gauss-Legendre rule in t, f = top t (2 - t): smooth at the cutoff, where D ends with the power 3/2.
-Nodes make_nodes(const ReferenceShape& shape, Point normal, double top_cy_px, double reach_px) {
-  const double phase = 2.0 * kPi * top_cy_px * reach_px;
+Nodes make_nodes(const ReferenceShape& shape, Point normal, double top_cy_px, double range_px) {
+  const double phase = 2.0 * kPi * top_cy_px * range_px;
   const int wanted = static_cast<int>(0.5 * phase + std::cbrt(phase)) + 10;  // 1e-8
   const int n = std::min((wanted + 7) / 8 * 8, mtf::kMostGaussNodes);
   const mtf::GaussRule& rule = mtf::gauss_legendre(n);
@@ -135,13 +135,13 @@ Nodes make_nodes(const ReferenceShape& shape, Point normal, double top_cy_px, do
           Turns(f_cy_px, 1.0 / kFinest)};
 }
 
-// How many blocks of kLanes knots of each zone are within reach.
-std::array<std::size_t, kZones> blocks_within(double reach_px) {
+// How many blocks of kLanes knots of each zone are nearer than the range.
+std::array<std::size_t, kZones> blocks_within(double range_px) {
   std::array<std::size_t, kZones> blocks{};
   double start = 0.0;
-  for (std::size_t z = 0; z < kZones && start < reach_px; ++z) {
+  for (std::size_t z = 0; z < kZones && start < range_px; ++z) {
     const DistanceZone& zone = kDistanceZones[z];
-    const double px = std::min(zone.end_px, reach_px) - start;
+    const double px = std::min(zone.end_px, range_px) - start;
     blocks[z] = static_cast<std::size_t>(std::ceil(px / (zone.step_px * static_cast<double>(kLanes))));
     start = zone.end_px;
   }
@@ -246,12 +246,12 @@ std::vector<ReferenceOtf> reference_otfs(const ReferenceShape& shape, Point norm
 ReferenceTable tabulate(const ReferenceShape& shape, double angle_rad) {
   const double s = shape.s_px, sigma = std::sqrt(shape.v_px2);
   const double top = s > 0.0 ? std::min(1.0 / s, 1.0 / sigma) : 1.0 / sigma;  // exp(-2 pi^2) = 3e-9
-  const double reach = std::min(kReach_px, 10.0 * s + 1.5 * std::sqrt(shape.q_px2) + 5.5 * sigma);
+  const double range = std::min(kRange_px, 10.0 * s + 1.5 * std::sqrt(shape.q_px2) + 5.5 * sigma);
   ReferenceTable table;
   const Rows rows{table.odd.data(), table.lsf.data(), table.slope[0].data(), table.slope[1].data(),
                   table.slope[2].data()};
-  const std::array<std::size_t, kZones> blocks = blocks_within(reach);
-  const Nodes nodes = make_nodes(shape, {std::cos(angle_rad), std::sin(angle_rad)}, top, reach);
+  const std::array<std::size_t, kZones> blocks = blocks_within(range);
+  const Nodes nodes = make_nodes(shape, {std::cos(angle_rad), std::sin(angle_rad)}, top, range);
   for (std::size_t first = 0; first < nodes.size(); first += kTogether) add_nodes(nodes, first, blocks, rows);
   const std::size_t summed = kLanes * std::accumulate(blocks.begin(), blocks.end(), std::size_t{0});
   const double b = 2.0 * kPi * kPi * shape.v_px2 + kPi * kPi * shape.q_px2 / 6.0;

@@ -59,7 +59,7 @@ std::string no_usable(const Passed& passed, const FindOptions& options) {
   const auto add = [&](int count, const std::string& why) {
     if (count > 0) text += " " + std::to_string(count) + " " + why + ",";
   };
-  add(passed.blurred, "without a level on both sides (too near to another edge, to the border or too blurred)");
+  add(passed.blurred, "without a plateau on both sides (too near to another edge, to the border or too blurred)");
   add(passed.faint, "below a contrast/noise of " + number(options.min_cnr));
   add(passed.crowded, "with other structure too close along all of its length");
   text.back() = ';';
@@ -72,7 +72,7 @@ std::string no_usable(const Passed& passed, const FindOptions& options) {
 double score_of(const find::Region& region, const Surroundings& beside, double size) {
   const double noise = std::max(beside.noise_sd, kLeastNoise * beside.contrast);
   return beside.contrast / noise * std::sqrt(region.length * size) * region.half_width /
-         (region.half_width + 4.0 + 2.0 * beside.reach);
+         (region.half_width + 4.0 + 2.0 * beside.blur);
 }
 
 Roi in_pixels(const find::Region& region, int size, mtf::ImageView<const float> image) {
@@ -93,14 +93,14 @@ struct Search {
 
   double in_cells(double px) const { return px / cells.size_px; }
   /// Integral images are made for gradients above the threshold x 2^k. This is the k for a share of a segment's peak.
-  int level_of(const Segment& segment, double share) const {
+  int octave_of(const Segment& segment, double share) const {
     const double times = share * segment.peak / gradients.threshold;
     return times > 1.0 ? std::ilogb(times) : 0;
   }
-  double floor_of(int level) const { return std::ldexp(gradients.threshold, level); }
-  std::optional<Surroundings> survey(const Segment& segment, int level) const {
+  double floor_of(int octave) const { return std::ldexp(gradients.threshold, octave); }
+  std::optional<Surroundings> survey(const Segment& segment, int octave) const {
     const double half_px = options.half_width_px > 0.0 ? options.half_width_px : kWidestHalf_px;
-    return find::survey(cells, gradients, segment, floor_of(level), in_cells(half_px));
+    return find::survey(cells, gradients, segment, floor_of(octave), in_cells(half_px));
   }
 };
 
@@ -128,7 +128,7 @@ std::vector<Piece> pieces_of(Search& search) {
   const double least = std::max(kMinLength_cells, search.in_cells(search.options.min_length_px) - 3.0);
   find::make_segments(search.gradients, least, [&](const Segment& segment) {
     for (const double share : kStructureShares) {
-      const auto beside = search.survey(segment, search.level_of(segment, share));
+      const auto beside = search.survey(segment, search.octave_of(segment, share));
       if (!beside) continue;
       const double noise = std::max(beside->noise_sd, kLeastNoise * beside->contrast);
       pieces.push_back({segment, share, *beside, beside->contrast / noise * std::sqrt(segment.length()) / share});
@@ -150,24 +150,24 @@ bool place_regions(Search& search, double share, std::vector<Piece>& pieces) {
   const Gradients& gradients = search.gradients;
   const FindOptions& options = search.options;
   const find::RegionLimits limits{search.in_cells(options.min_length_px), search.in_cells(options.half_width_px)};
-  std::map<int, std::vector<Piece>, std::greater<>> by_level;
+  std::map<int, std::vector<Piece>, std::greater<>> by_octave;
   std::vector<Piece> left;
   search.passed = {.blurred = search.without_plateau};
   for (Piece& piece : pieces) {
-    const int level = search.level_of(piece.segment, share);
+    const int octave = search.octave_of(piece.segment, share);
     auto beside = piece.share == share  ? std::optional(piece.beside)
-                  : piece.share < share ? search.survey(piece.segment, level)
+                  : piece.share < share ? search.survey(piece.segment, octave)
                                         : std::nullopt;
     if (beside) {
       piece.beside = *beside;
-      by_level[level].push_back(piece);
+      by_octave[octave].push_back(piece);
     } else {
       ++search.passed.blurred;
       left.push_back(piece);
     }
   }
-  for (const auto& [level, candidates] : by_level) {
-    const double floor = search.floor_of(level);
+  for (const auto& [octave, candidates] : by_octave) {
+    const double floor = search.floor_of(octave);
     const find::Structure structure(gradients, floor);
     for (const Piece& piece : candidates) {
       const Surroundings& beside = piece.beside;

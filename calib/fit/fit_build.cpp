@@ -88,7 +88,7 @@ std::string trouble_of(const EdgeData& edge) {
 /// Whether the step response of the starting sensor can be computed over the edge's pixels.
 std::string not_modelled(const EdgeBlock& block, const Sensors& sensors) {
   try {
-    sensors.slice(block.condition(), block.data().start.curve.angle_rad, block.reach_px());
+    sensors.slice(block.condition(), block.data().start.curve.angle_rad, block.range_px());
   } catch (const mtf::Error& error) {
     return error.what();
   }
@@ -176,11 +176,12 @@ std::vector<double> near_values(FitProblem& problem, std::span<const double> sta
   return std::abs(contrast(std::exp(lo)) - 0.5) < 0.2 ? values : given;  // or no width does it
 }
 
-void check_level(const Sensors& sensors, std::size_t conditions) {
+void check_constant_passes(const Sensors& sensors, std::size_t conditions) {
   const PixelFreq small{1e-9, 0.0, 0.0, 0.0};
   for (std::size_t c = 0; c < conditions; ++c)
     if (!std::isfinite(sensors.modulus(c, {&small, 1}).front()))
-      throw UsageError("fit: the sensor passes no constant level (its OTF is 0 at f = 0); edges have no levels then");
+      throw UsageError(
+          "fit: the sensor passes no constant signal (its OTF is 0 at f = 0), so that edges have no plateaus");
 }
 
 }  // namespace
@@ -214,7 +215,7 @@ FitSetup make_setup(const FitData& data, std::span<const FitParameter> parameter
   FitProblem& problem = setup.problem;
   problem.sensors = setup.sensors.get();
   problem.threads = options.threads;
-  check_level(*setup.sensors, data.conditions.size());
+  check_constant_passes(*setup.sensors, data.conditions.size());
 
   const auto leave_out = [&](const std::string& name, const std::string& why) {
     setup.warnings.push_back(name + " was left out: " + why);

@@ -93,7 +93,7 @@ bool update_weights(FitProblem& problem, std::span<const double> noise) {
 
 /// Where residuals are larger than the noise that was given, they decide what counts as an outlier: by their median, so
 /// that outliers do not.
-void settle_noise(FitProblem& problem) {
+void estimate_noise_scale(FitProblem& problem) {
   for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
     if (std::holds_alternative<CurveBlock>(problem.blocks[b])) continue;
     std::vector<double> sizes;
@@ -108,7 +108,7 @@ void settle_noise(FitProblem& problem) {
 
 /// Plain least squares on some of the pixels first: far from the minimum all residuals are beyond the bend of the loss,
 /// where steps are short. The noise is settled once: costs of several runs are to be compared.
-Solution solve_robustly(FitProblem& problem, const MinimiseOptions& options, bool settle) {
+Solution solve_robustly(FitProblem& problem, const MinimiseOptions& options, bool estimate_noise) {
   constexpr double kCoarse = 1e-4;
   const auto set_up = [&](bool coarse) {
     for (Block& block : problem.blocks) {
@@ -121,7 +121,7 @@ Solution solve_robustly(FitProblem& problem, const MinimiseOptions& options, boo
   const Solution first = solve(problem, {.go_on = options.go_on, .tolerance = kCoarse});
   set_up(false);
   if (first.stopped) return first;
-  if (settle) settle_noise(problem);
+  if (estimate_noise) estimate_noise_scale(problem);
   Solution second = solve(problem, {.go_on = options.go_on});
   second.iterations += first.iterations;
   return second;

@@ -51,8 +51,6 @@ MTFKIT_CLONES Ends ends_of(const double* values, std::size_t n) {
 
 }  // namespace
 
-// What pixels of the plateaus differ by from their level, and pixels at equal distances from each other, beyond what
-// neighbours differ by; in parts of the contrast, or where levels run on beyond all values, of the values' range, 1.
 double structure_share(const EdgeFacts& facts) {
   const double seen = std::max(facts.plateau_sd, facts.noise_sd);
   const double excess = seen * seen - 1.5 * facts.local_noise_sd * facts.local_noise_sd;
@@ -63,7 +61,8 @@ double local_noise(mtf::ImageView<const float> image, const Roi& roi, const Regi
   constexpr std::int64_t kPairs = 2000;
   std::vector<float> differences;
   const std::int64_t step = std::max<std::int64_t>(1, roi.width * roi.height / kPairs) | 1;
-  for (const std::int64_t apart : {3, 4}) {  // beyond correlations; a Bayer plane has data in every other column
+  for (const std::int64_t apart :
+       {3, 4}) {  // farther than noise is correlated; a Bayer plane has data in every other column
     visit_some(roi, step, [&](std::int64_t x, std::int64_t y) {
       if (x + apart >= roi.x + roi.width) return;
       const auto difference = static_cast<float>(
@@ -95,15 +94,15 @@ EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeMo
   }
   const Ends ends = ends_of(pixels.value(), pixels.size());
   const double share = static_cast<double>(pixels.size()) / std::max(1.0, dark + bright);
-  facts.reach_dark_px = share * dark / facts.length_px;
-  facts.reach_bright_px = share * bright / facts.length_px;
+  facts.extent_dark_px = share * dark / facts.length_px;
+  facts.extent_bright_px = share * bright / facts.length_px;
   facts.plateau_sd = std::sqrt(squares / std::max(1.0, plateau));
   const double sides = dark * bright / std::max(1.0, dark + bright);
   facts.significance = facts.contrast / std::max(1e-300, facts.noise_sd) * std::sqrt(std::max(0.0, sides));
   const double a = side_error[0] / std::max(1.0, side_dof[0]), b = side_error[1] / std::max(1.0, side_dof[1]);
   const bool enough = std::min(side_dof[0], side_dof[1]) > 50.0;
   const double visible = 1e-5 * facts.contrast * facts.contrast;
-  // A side whose noise is below the step between values lies on one or two of them without being cut off.
+  // A side whose noise is below the step between values has one or two of them though it is not clipped.
   const auto fine = [](double variance, double step) { return variance > 0.36 * step * step; };
   constexpr double kHeaped = 0.2;  // of a side's pixels
   facts.bright_is_flat = enough && a > visible && fine(a, ends.high_step) &&
@@ -129,9 +128,9 @@ bool suspects_outliers(const EdgeFacts& facts) {
 std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
                             const EdgeFacts& facts) {
   constexpr double kMostShare = 0.02;
-  constexpr double kCommon = 0.3;   // of the pixels at a distance: they belong to the response, as overshoot does
+  constexpr double kCommon = 0.3;   // of the pixels at a distance: these belong to the response, as overshoot does
   constexpr double kWindows = 4.0;  // a pixel
-  constexpr auto kCount = static_cast<std::size_t>(2.0 * kReach_px * kWindows) + 1;
+  constexpr auto kCount = static_cast<std::size_t>(2.0 * kRange_px * kWindows) + 1;
   const DistanceBins& bins = DistanceBins::get();
   const double limit = std::max(8.0 * facts.local_noise_sd, 0.25 * model.contrast());
   std::vector<std::size_t> window(pixels.size());
@@ -139,11 +138,11 @@ std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const St
   std::array<double, kCount> all{}, apart{};
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const double d = locate(model.curve, {pixels.x()[i], pixels.y()[i]}).distance_px;
-    const bool inside = std::abs(d) < kReach_px;
+    const bool inside = std::abs(d) < kRange_px;
     const double esf = inside ? profile.esf()[static_cast<std::size_t>(bins.index(d))] : d > 0.0;
-    const double expected = model.level[0] + model.contrast() * esf;
+    const double expected = model.plateau[0] + model.contrast() * esf;
     far[i] = std::abs(pixels.value()[i] - expected) > limit;
-    window[i] = inside ? static_cast<std::size_t>((d + kReach_px) * kWindows) : kCount - 1;
+    window[i] = inside ? static_cast<std::size_t>((d + kRange_px) * kWindows) : kCount - 1;
     all[window[i]] += 1.0;
     apart[window[i]] += far[i] ? 1.0 : 0.0;
   }

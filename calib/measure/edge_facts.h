@@ -15,10 +15,10 @@ namespace calib {
 inline constexpr double kVisibleStructure = 0.03;
 
 struct EdgeFacts {
-  double length_px = 0.0;                             ///< of the edge inside the region
-  double width_px = 0.0;                              ///< equivalent width of the line spread function
-  double reach_dark_px = 0.0, reach_bright_px = 0.0;  ///< mean extent of the pixels on both sides
-  double contrast = 0.0;                              ///< in units of EdgePixels::value, as the next three
+  double length_px = 0.0;                               ///< of the edge inside the region
+  double width_px = 0.0;                                ///< equivalent width of the line spread function
+  double extent_dark_px = 0.0, extent_bright_px = 0.0;  ///< mean extent of the pixels on both sides
+  double contrast = 0.0;                                ///< in units of EdgePixels::value, as the next three
   double noise_sd = 0.0;
   double local_noise_sd = 0.0;  ///< from differences of neighbouring pixels
   double plateau_sd = 0.0;      ///< of the pixels of the plateaus about the model
@@ -28,7 +28,7 @@ struct EdgeFacts {
   std::size_t outliers = 0;     ///< single pixels far from the model that were left out
   double oversampling = 0.0;    ///< distinct distances a pixel, near the edge
   double narrowed_px = 0.0;     ///< pixels further from the edge were left out, as shading is curved there; 0 = none
-  bool levels_bend = false;     ///< shading is curved near the edge too
+  bool curved_shading = false;  ///< shading is curved near the edge too
 
   /// With fewer distances a pixel than three, a correction of the reference cannot be told from aliases.
   bool few_distances() const { return oversampling < 3.0; }

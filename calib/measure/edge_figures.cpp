@@ -12,12 +12,13 @@ namespace {
 
 constexpr int kEsfSamples = 129;
 constexpr double kEsfStep_px = 0.125;  // at the edge
-constexpr double kMethod = 1e-4;       // how well curves without noise are known: the bars of test_measure_truth.cpp
+constexpr double kMethod = 1e-4;       // error of curves without noise, see the tolerances of test_measure_truth.cpp
 
-// Distances from -reach to reach, kEsfStep_px apart at the edge and wider in the tails: d = a sinh(b t), t in [-1, 1].
-std::array<double, kEsfSamples> distances(double reach_px) {
+// Distances from -range_px to range_px, kEsfStep_px apart at the edge and wider in the tails: d = a sinh(b t), t in
+// [-1, 1].
+std::array<double, kEsfSamples> distances(double range_px) {
   constexpr int kHalf = kEsfSamples / 2;
-  const double stretch = reach_px / (kEsfStep_px * kHalf);  // = sinh(b) / b
+  const double stretch = range_px / (kEsfStep_px * kHalf);  // = sinh(b) / b
   double b = 0.0;
   if (stretch > 1.0) {
     b = std::log(2.0 * stretch) + 1.0;
@@ -27,7 +28,7 @@ std::array<double, kEsfSamples> distances(double reach_px) {
   std::array<double, kEsfSamples> d{};
   for (int i = 0; i < kEsfSamples; ++i) {
     const double t = static_cast<double>(i - kHalf) / kHalf;
-    d[static_cast<std::size_t>(i)] = reach_px * (b > 1e-3 ? std::sinh(b * t) / std::sinh(b) : t);
+    d[static_cast<std::size_t>(i)] = range_px * (b > 1e-3 ? std::sinh(b * t) / std::sinh(b) : t);
   }
   return d;
 }
@@ -47,9 +48,9 @@ void curves_of_frequency(const EdgeResponse& response, EdgeMeasurement& out) {
   }
 }
 
-void curves_of_distance(const EdgeResponse& response, double reach_px, EdgeMeasurement& out) {
+void curves_of_distance(const EdgeResponse& response, double range_px, EdgeMeasurement& out) {
   for (auto* list : {&out.distance_px, &out.esf, &out.esf_sd, &out.lsf}) list->resize(kEsfSamples);
-  const auto at = distances(reach_px);
+  const auto at = distances(range_px);
   for (std::size_t i = 0; i < kEsfSamples; ++i) {
     const double d = at[i];
     out.distance_px[i] = d;
@@ -63,15 +64,15 @@ void curves_of_distance(const EdgeResponse& response, double reach_px, EdgeMeasu
 struct Sample {
   double at, value;
 };
-// Where a function falls to `level` between a place above it and one at or below: regula falsi with halved ends
-// (Illinois).
+// Where a function falls to `height`, between a place where it is above and one where it is not: the Illinois variant
+// of regula falsi.
 template <class Function>
-double falls_to(double level, Sample above, Sample below, const Function& function) {
-  above.value -= level;
-  below.value -= level;
+double falls_to(double height, Sample above, Sample below, const Function& function) {
+  above.value -= height;
+  below.value -= height;
   for (int round = 0; round < 8 && std::abs(below.at - above.at) > 1e-9; ++round) {
     const double at = above.at + (below.at - above.at) * above.value / (above.value - below.value);
-    const double value = function(at) - level;
+    const double value = function(at) - height;
     if (std::abs(value) < 1e-9) return at;
     Sample& moved = value > 0.0 ? above : below;
     (value > 0.0 ? below : above).value *= 0.5;
@@ -203,7 +204,7 @@ void describe(const EdgeResponse& response, EdgeMeasurement& out) {
     out.absent.emplace_back("sampling_efficiency", "the MTF stays above 10 % up to 1 cycle per pixel");
 }
 
-void hold_difference(const EdgeMeasurement& other, EdgeMeasurement& out) {
+void add_difference(const EdgeMeasurement& other, EdgeMeasurement& out) {
   for (std::size_t i = 0; i < out.mtf.size(); ++i) out.mtf_sd[i] = std::hypot(out.mtf_sd[i], out.mtf[i] - other.mtf[i]);
   for (std::size_t i = 0; i < out.esf.size(); ++i) {
     const bool same = i < other.distance_px.size() && other.distance_px[i] == out.distance_px[i];
@@ -214,7 +215,7 @@ void hold_difference(const EdgeMeasurement& other, EdgeMeasurement& out) {
                       &EdgeMeasurement::fwhm_px, &EdgeMeasurement::mtfa, &EdgeMeasurement::sampling_efficiency}) {
     std::optional<Estimate>& one = out.*figure;
     if (!one) continue;
-    // A frequency that the other does not reach is beyond the curves.
+    // Where the other MTF does not fall so far, its frequency lies beyond the curves.
     const bool frequency =
         figure == &EdgeMeasurement::mtf10 || figure == &EdgeMeasurement::mtf30 || figure == &EdgeMeasurement::mtf50;
     const double beyond = frequency ? 1.0 : one->value;
@@ -241,8 +242,8 @@ void describe_geometry(const EdgeModel& model, const JointFit& joint, const Regi
 
 void describe_plateaus(const EdgeModel& model, const NoiseModel& noise, const RegionFacts& facts,
                        EdgeMeasurement& out) {
-  out.dark = facts.offset + facts.scale * model.level[0];
-  out.bright = facts.offset + facts.scale * model.level[1];
+  out.dark = facts.offset + facts.scale * model.plateau[0];
+  out.bright = facts.offset + facts.scale * model.plateau[1];
   out.noise_sd = facts.scale * std::sqrt(noise.at(0.5));
   if (noise.bright != noise.dark)
     out.noise_gain = facts.scale * (noise.bright - noise.dark) / std::max(1e-300, model.contrast());

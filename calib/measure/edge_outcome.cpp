@@ -54,20 +54,20 @@ Outcome judge_edge(const EdgeFacts& facts) {
   if (!(facts.length_px >= kLeastLength_px))
     return {Trouble::too_short, "the edge is " + number(facts.length_px) + " px long inside the region, at least " +
                                     number(kLeastLength_px) + " are needed: take a region along the edge"};
-  const double shorter = std::min(facts.reach_dark_px, facts.reach_bright_px);
-  const char* side = facts.reach_dark_px < facts.reach_bright_px ? "dark" : "bright";
+  const double shorter = std::min(facts.extent_dark_px, facts.extent_bright_px);
+  const char* side = facts.extent_dark_px < facts.extent_bright_px ? "dark" : "bright";
   if (structure_share(facts) > kOtherEdge)
     return {Trouble::several_edges, "beside the strongest edge the region has structure of " +
                                         number(100.0 * structure_share(facts)) +
                                         " % of its contrast: draw the region around one edge"};
   const double needed = std::max(2.0, 1.25 * facts.width_px);
-  if (facts.width_px > 48.0 || facts.width_px > 0.7 * (facts.reach_dark_px + facts.reach_bright_px))
+  if (facts.width_px > 48.0 || facts.width_px > 0.7 * (facts.extent_dark_px + facts.extent_bright_px))
     return {Trouble::no_edge,
-            "the region holds a ramp rather than an edge between two levels: take a larger region, or "
+            "the region holds a ramp rather than an edge between two plateaus: take a larger region, or "
             "one on an edge"};
   if (shorter < needed)
     return {Trouble::off_region, "only " + number(shorter) + " px of the " + side + " side are inside the region, " +
-                                     number(needed) + " are needed for its level: centre the region on the edge"};
+                                     number(needed) + " are needed for its plateau: centre the region on the edge"};
   if (structure_share(facts) > kStructure)
     return {Trouble::contaminated,
             "structure of " + number(100.0 * structure_share(facts)) +
@@ -87,7 +87,7 @@ Outcome judge_edge(const EdgeFacts& facts) {
 Outcome judge_response(const EdgeMeasurement& out) {
   // Sharpening lifts the MTF with the square of the frequency and overshoots by parts of the step.
   constexpr double kLow_cy_px = 0.05, kMostLow = 1.2, kMost = 2.0, kOvershoot = 0.6, kSure = 4.0;
-  constexpr double kFewDistances = 3.0;  // a pixel
+  constexpr double kFewDistances = 3.0;  // a pixel, as EdgeFacts::few_distances()
   const auto because = [&out](const std::string& what) {
     if (out.oversampling < kFewDistances)
       return Outcome{Trouble::too_short, "only " + number(out.oversampling) +
@@ -95,7 +95,7 @@ Outcome judge_response(const EdgeMeasurement& out) {
                                              "): tilt the edge by 2 to 10 degrees or take a longer one"};
     return Outcome{Trouble::contaminated, what +
                                               ": a ridge, a glow or another edge is in the region, not a step "
-                                              "between two levels; draw the region around one edge"};
+                                              "between two plateaus; draw the region around one edge"};
   };
   for (std::size_t i = 0; i < out.mtf.size(); ++i) {
     if (!std::isfinite(out.mtf[i]) || !std::isfinite(out.mtf_sd[i]))
@@ -108,7 +108,7 @@ Outcome judge_response(const EdgeMeasurement& out) {
   for (std::size_t i = 0; i < out.esf.size(); ++i) {
     const double beyond = std::max(out.esf[i] - 1.0, -out.esf[i]);
     if (beyond > kOvershoot + kSure * out.esf_sd[i])
-      return because("the edge spread function leaves the range of its levels by " + number(100.0 * beyond) + " %");
+      return because("the edge spread function leaves the range of its plateaus by " + number(100.0 * beyond) + " %");
   }
   return {};
 }
@@ -126,16 +126,17 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
   if (out.chi2_per_dof > 2.0 && std::sqrt(out.chi2_per_dof) > kVisibleMisfit * out.cnr)
     warnings.push_back("the pixels lie " + number(std::sqrt(out.chi2_per_dof)) +
                        " times further from the model than their noise: something else is in the region");
-  const double shorter = std::min(facts.reach_dark_px, facts.reach_bright_px);
+  const double shorter = std::min(facts.extent_dark_px, facts.extent_bright_px);
   if (shorter < 4.0 * facts.width_px)
     warnings.push_back("only " + number(shorter) +
-                       " px of one side are inside the region: tails of the blur may count as its level");
+                       " px of one side are inside the region: tails of the blur may count as its plateau");
   if (facts.narrowed_px > 0.0)
-    warnings.push_back("the levels bend with the distance from the edge, as under uneven light: pixels further than " +
-                       number(facts.narrowed_px) + " px from it are left out");
-  if (facts.levels_bend)
+    warnings.push_back(
+        "the sides change nonlinearly with the distance from the edge, as under uneven light: pixels further than " +
+        number(facts.narrowed_px) + " px from it are left out");
+  if (facts.curved_shading)
     warnings.emplace_back(
-        "the levels bend next to the edge too: the MTF at low frequencies may be off by more than its "
+        "the sides change nonlinearly next to the edge too: the MTF at low frequencies may be off by more than its "
         "standard deviation");
   if (facts.outliers > 0)
     warnings.push_back(std::to_string(facts.outliers) + (facts.outliers == 1 ? " single pixel" : " single pixels") +

@@ -18,9 +18,9 @@ double step_at(double value, const RegionFacts& region, const MeasureOptions& op
 }
 
 // Noise and rounding of the pixels, as far as they are known before a fit.
-FitRounds noise_settings(const EdgeModel& start, const RegionFacts& region, const MeasureOptions& options) {
-  FitRounds settings;
-  settings.rounding = {step_at(start.level[0], region, options), step_at(start.level[1], region, options)};
+FitSettings noise_settings(const EdgeModel& start, const RegionFacts& region, const MeasureOptions& options) {
+  FitSettings settings;
+  settings.rounding = {step_at(start.plateau[0], region, options), step_at(start.plateau[1], region, options)};
   if (!options.noise_sd) return settings;
   constexpr double kMost = 1e3;  // of the range of values: under such noise no edge is seen
   const double sd = std::min(*options.noise_sd / region.scale, kMost);
@@ -31,14 +31,14 @@ FitRounds noise_settings(const EdgeModel& start, const RegionFacts& region, cons
 
 // Block means of a large region give the place of the edge to a fraction of a block only: a Gaussian step whose blur
 // begins as wide as that is fitted to the pixels.
-void sharpen_start(const EdgePixels& pixels, EdgeModel& start, double block_px, FitRounds settings) {
+void sharpen_start(const EdgePixels& pixels, EdgeModel& start, double block_px, FitSettings settings) {
   constexpr std::size_t kSome = 6000;
   start.shape.v_px2 = std::min(0.1 * block_px * block_px, 200.0);
   settings.unknowns = basic_unknowns();
   settings.unknowns.reset(kFirstShape).reset(kFirstShape + 2);
-  settings.rounds = 40;
-  settings.enough = 3.0;
-  settings.step = step_for(pixels, kSome);
+  settings.max_iterations = 40;
+  settings.tolerance = 3.0;
+  settings.every = step_for(pixels, kSome);
   settings.least_variance = std::max(settings.least_variance, 1e-4);
   fit_reference(pixels, start, settings);
 }
@@ -54,8 +54,8 @@ std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const R
   const auto block = static_cast<double>(block_px);
   EdgeModel start = start_edge(blocks, block, static_cast<double>(roi.width), static_cast<double>(roi.height));
   if (!(start.curve.half_length_px > 0.0)) return std::nullopt;
-  EdgePixels pixels = gather_pixels(image, roi, region, limits, start.curve, kReach_px);
-  const FitRounds settings = noise_settings(start, region, options);
+  EdgePixels pixels = gather_pixels(image, roi, region, limits, start.curve, kRange_px);
+  const FitSettings settings = noise_settings(start, region, options);
   const double extent_px = 0.5 * static_cast<double>(pixels.size()) / (2.0 * start.curve.half_length_px);
   if (block_px > kFineBlocks_px) sharpen_start(pixels, start, block, settings);
   return EdgeRegion{.pixels = std::move(pixels),

@@ -12,11 +12,11 @@
 namespace calib {
 
 struct EdgeRegion {
-  EdgePixels pixels;            ///< within kReach_px of the starting line
+  EdgePixels pixels;            ///< within kRange_px of the starting line
   EdgeModel start;              ///< a straight Gaussian step
   double extent_px = 0.0;       ///< of the pixels on one side of the edge, mean of both
   double local_noise_sd = 0.0;  ///< from differences of neighbouring pixels
-  FitRounds settings;           ///< with the noise and the rounding of the pixels
+  FitSettings settings;         ///< with the noise, if it is known, and the rounding of the pixels
 };
 
 /// Empty where no line divides the region into a dark and a bright side.

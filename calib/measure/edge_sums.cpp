@@ -18,7 +18,7 @@ struct Chunk {
   std::array<double, kChunk> distance, along;  // px, then parts of the half length
   std::array<double, kChunk> esf, residual;    // residual: the value, then less the model
   std::array<double, kChunk> offset;           // from the bin's centre
-  std::array<std::int32_t, kChunk> bin;        // kBins for pixels out of reach
+  std::array<std::int32_t, kChunk> bin;        // kBins for pixels beyond the range
   std::size_t size = 0;
 };
 
@@ -34,8 +34,8 @@ MTFKIT_CLONES void place(const double* x, const double* y, const double* value, 
   }
 }
 
-// Bins from the edge outwards are a line over the distance in each zone, flatter in each: their number is the least of
-// the lines.
+// Counted outwards from the edge, the number of a bin is linear in the distance in each zone, with a smaller slope in
+// each next one: it is the least of these linear functions.
 struct ZoneLine {
   double start, per_px;
 };
@@ -51,7 +51,7 @@ constexpr std::array<ZoneLine, kDistanceZones.size()> zone_lines() {
   return lines;
 }
 
-// kBins for pixels out of reach.
+// The bin of each distance, kBins beyond the range.
 MTFKIT_CLONES void find_bins(const double* __restrict distance, std::int32_t* __restrict bin, std::size_t size) {
   constexpr std::array kLines = zone_lines();
   for (std::size_t k = 0; k < size; ++k) {
@@ -59,29 +59,29 @@ MTFKIT_CLONES void find_bins(const double* __restrict distance, std::int32_t* __
     double outwards = kLines[0].per_px * away;
     for (std::size_t z = 1; z < kLines.size(); ++z)
       outwards = std::min(outwards, kLines[z].start + kLines[z].per_px * away);
-    const bool inside = outwards < kSideBins;  // rounded as it is: a hair within the reach is beyond the last bin
+    const bool inside = outwards < kSideBins;  // a distance just below the range may round up to its end
     const auto whole = static_cast<std::int32_t>(inside ? outwards : 0.0);
     const std::int32_t found = d < 0.0 ? kSideBins - 1 - whole : kSideBins + whole;
     bin[k] = inside ? found : kBins;
   }
 }
 
-MTFKIT_CLONES void look_up(const StepProfile& profile, const DistanceBins& bins, Chunk& chunk) {
+MTFKIT_CLONES void interpolate(const StepProfile& profile, const DistanceBins& bins, Chunk& chunk) {
   const double *const c0 = profile.cubic(0).data(), *const c1 = profile.cubic(1).data(),
                       *const c2 = profile.cubic(2).data(), *const c3 = profile.cubic(3).data();
   const std::size_t size = chunk.size;
   for (std::size_t k = 0; k < size; ++k) {
-    const int i = std::min(chunk.bin[k], kBins - 1);  // any number for pixels out of reach
+    const int i = std::min(chunk.bin[k], kBins - 1);  // beyond the range any bin will do
     const double x = chunk.distance[k] - bins.centre(i);
     chunk.offset[k] = x;
     chunk.esf[k] = c0[i] + x * (c1[i] + x * (c2[i] + x * c3[i]));
   }
 }
 
-MTFKIT_CLONES void subtract_model(const std::array<double, kLevels>& level, const double* __restrict distance,
+MTFKIT_CLONES void subtract_model(const std::array<double, kPlateauTerms>& plateau, const double* __restrict distance,
                                   const double* __restrict along, const double* __restrict esf,
                                   double* __restrict residual, std::size_t size) {
-  const double a0 = level[0], b0 = level[1], a_d = level[2], b_d = level[3], a_t = level[4], b_t = level[5];
+  const double a0 = plateau[0], b0 = plateau[1], a_d = plateau[2], b_d = plateau[3], a_t = plateau[4], b_t = plateau[5];
   for (std::size_t k = 0; k < size; ++k) {
     const double d = distance[k], t = along[k];
     const double dark = a0 + a_d * d + a_t * t, bright = b0 + b_d * d + b_t * t;
@@ -127,7 +127,7 @@ MTFKIT_CLONES void add_bent(const Chunk& chunk, int orders, int first, int bins,
   }
 }
 
-// From four numbers a bin, `stride` apart from those of the next, to four rows; a whole number of lots.
+// Transposes four numbers a bin, those of the next bin `stride` further on, to four rows.
 MTFKIT_CLONES void turn(const double* sums, std::size_t stride, std::size_t first, std::size_t end,
                         const std::array<double*, 4>& rows) {
   for (std::size_t i = first; i < end; i += 4, sums += 4 * stride) {
@@ -173,7 +173,7 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
   const Point normal = model.curve.normal();
   const int first_bent = profile.bend_first, orders = order - 1;
   const int bent_bins = orders > 0 ? profile.bend_end - first_bent : 0;
-  // One cache line a bin, and one more bin for pixels out of reach.
+  // One cache line a bin, and one more bin for pixels beyond the range.
   constexpr std::size_t kPlain = 8, kBent = 4;
   alignas(64) std::array<double, (kBins + 1) * kPlain> plain{};
   std::vector<double> bent(kBent * static_cast<std::size_t>(bent_bins * orders));
@@ -184,8 +184,8 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
     bend_all(model.curve, {chunk.distance.data(), chunk.size}, {chunk.along.data(), chunk.size});
     for (std::size_t k = 0; k < chunk.size; ++k) chunk.along[k] *= per_length;
     find_bins(chunk.distance.data(), chunk.bin.data(), chunk.size);
-    look_up(profile, DistanceBins::get(), chunk);
-    subtract_model(model.level, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
+    interpolate(profile, DistanceBins::get(), chunk);
+    subtract_model(model.plateau, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
                    chunk.size);
     add_plain(chunk, plain.data());
     if (orders > 0) add_bent(chunk, orders, first_bent, bent_bins, bent.data());

@@ -18,7 +18,7 @@ void check(mtf::ImageView<const float> image, const Roi& roi, const MeasureOptio
     throw mtf::UsageError("edge: the region is empty: width and height must be at least 1");
   if (roi.x < 0 || roi.y < 0 || roi.width > image.width || roi.height > image.height ||
       roi.x > image.width - roi.width || roi.y > image.height - roi.height)
-    throw mtf::UsageError("edge: the region reaches outside the image of " + std::to_string(image.width) + " x " +
+    throw mtf::UsageError("edge: the region extends beyond the image of " + std::to_string(image.width) + " x " +
                           std::to_string(image.height) + " pixels");
   if (options.order && (*options.order < 1 || *options.order > kHighestOrder))
     throw mtf::UsageError("edge: the order of the curve must be 1 to 5");
@@ -64,7 +64,7 @@ std::string_view trouble_name(Trouble trouble) {
 EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, const MeasureOptions& options) {
   check(image, roi, options);
   const RegionFacts region = survey(image, roi, {options.saturation, options.floor});
-  EdgeMeasurement known;  // what holds whatever comes of the edge
+  EdgeMeasurement known;  // what is known of the region, also without a result
   known.roi = roi;
   known.missing = roi.width * roi.height - region.finite;
   if (region.finite > 0) known.clipped_share = static_cast<double>(region.clipped) / static_cast<double>(region.finite);
@@ -74,7 +74,7 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   if (!data)
     return refused(known, {Trouble::no_edge,
                            "no line divides the region into a dark and a bright side: move the region onto an edge"});
-  const FitRounds settings = data->settings;
+  const FitSettings settings = data->settings;
   RegionFit fitted = fit_region(*std::move(data), options);
   describe_plateaus(fitted.fit.model, fitted.fit.state.noise, region, known);
   known.oversampling = fitted.facts.oversampling;

@@ -12,11 +12,11 @@
 
 namespace calib {
 
-void add_other_shapes(const EdgePixels& pixels, const EdgeFit& fit, const EdgeFacts& facts, FitRounds settings,
+void add_other_shapes(const EdgePixels& pixels, const EdgeFit& fit, const EdgeFacts& facts, FitSettings settings,
                       EdgeMeasurement& measurement) {
   constexpr double kWorse = 9.0;  // chi2
-  settings.rounds = 8;
-  settings.enough = 0.3;
+  settings.max_iterations = 8;
+  settings.tolerance = 0.3;
   const double variance = fit.model.shape.blur_px2();
   for (const auto& [s_px, q_px2] : {std::array{0.0, 0.0}, {0.0, 1.0}, {0.5 * std::sqrt(variance), 1.0}}) {
     EdgeFit other = fit;
@@ -30,7 +30,7 @@ void add_other_shapes(const EdgePixels& pixels, const EdgeFit& fit, const EdgeFa
                                          Detail::none, facts.width_px, 0.0);
     EdgeMeasurement described;
     describe(EdgeResponse(other.model, joint), described);
-    hold_difference(described, measurement);
+    add_difference(described, measurement);
   }
 }
 

@@ -11,7 +11,7 @@
 namespace calib {
 
 /// Adds the differences of the results of these shapes to the standard deviations of the measurement.
-void add_other_shapes(const EdgePixels& pixels, const EdgeFit& fit, const EdgeFacts& facts, FitRounds settings,
+void add_other_shapes(const EdgePixels& pixels, const EdgeFit& fit, const EdgeFacts& facts, FitSettings settings,
                       EdgeMeasurement& measurement);
 
 }  // namespace calib

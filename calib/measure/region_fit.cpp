@@ -10,7 +10,8 @@
 namespace calib {
 namespace {
 
-// The shape to start from: half of a Gaussian's variance is taken for a footprint, some of the rest for diffraction.
+// The shape that the fit begins with: half of the Gaussian's variance becomes a footprint, some of the rest
+// diffraction.
 void split_blur(ReferenceShape& shape) {
   const double variance = shape.v_px2;
   shape.q_px2 = std::min(1.0, 6.0 * variance);
@@ -20,48 +21,48 @@ void split_blur(ReferenceShape& shape) {
 
 // From the state at a model near the best one to that at the best one, without diffraction where the pixels do not show
 // it, before or after these iterations.
-void converge(const EdgePixels& pixels, EdgeFit& fit, FitRounds rounds) {
-  rounds.unknowns = fit.unknowns;
-  rounds.rounds = 8;
-  rounds.enough = 0.3;
+void converge(const EdgePixels& pixels, EdgeFit& fit, FitSettings settings) {
+  settings.unknowns = fit.unknowns;
+  settings.max_iterations = 8;
+  settings.tolerance = 0.3;
   const auto leave_out_diffraction = [&] {
     ReferenceShape& shape = fit.model.shape;
     const double s_px = std::exchange(shape.s_px, 0.0);
     shape.v_px2 += 0.1 * s_px * s_px;
     fit.unknowns.reset(kFirstShape);
-    rounds.unknowns = fit.unknowns;
-    if (s_px > 0.0) fit.state = evaluate(pixels, fit.model, rounds);
+    settings.unknowns = fit.unknowns;
+    if (s_px > 0.0) fit.state = evaluate(pixels, fit.model, settings);
   };
   const bool likely = shows_diffraction(fit.state, fit.model, fit.unknowns);
   if (!likely) leave_out_diffraction();
-  fit.state = fit_reference(pixels, fit.model, rounds, std::move(fit.state));
+  fit.state = fit_reference(pixels, fit.model, settings, std::move(fit.state));
   if (!likely || shows_diffraction(fit.state, fit.model, fit.unknowns)) return;
   leave_out_diffraction();
-  fit.state = fit_reference(pixels, fit.model, rounds, std::move(fit.state));
+  fit.state = fit_reference(pixels, fit.model, settings, std::move(fit.state));
 }
 
-// From the start to the best reference: first on some of the pixels, then on all.
-EdgeFit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, const MeasureOptions& options,
-                 double reach_px) {
+// From the first model to the best reference step: first on a subset of the pixels, then on all.
+EdgeFit fit_edge(const EdgePixels& pixels, EdgeModel start, FitSettings settings, const MeasureOptions& options,
+                 double extent_px) {
   constexpr std::size_t kSome = 2000;
   const std::size_t step = step_for(pixels, kSome);
   EdgeFit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns()};
   split_blur(fit.model.shape);
-  const auto refine = [&](std::size_t every, int most_rounds, double enough) {
-    rounds.unknowns = fit.unknowns;
-    rounds.step = every;
-    rounds.rounds = most_rounds;
-    rounds.enough = enough;
-    return fit_reference(pixels, fit.model, rounds);
+  const auto refine = [&](std::size_t every, int max_iterations, double tolerance) {
+    settings.unknowns = fit.unknowns;
+    settings.every = every;
+    settings.max_iterations = max_iterations;
+    settings.tolerance = tolerance;
+    return fit_reference(pixels, fit.model, settings);
   };
-  constexpr double kRough = 4.0;  // less than what other pixels change
+  constexpr double kRough = 4.0;  // chi2: less than another subset of the pixels would change
   constexpr double kFar = 1.3;
   const auto bend_by = [&](int order) {
     fit.unknowns = with_order(fit.unknowns, order);
     set_order(fit.model.curve, order, options.circle);
     return refine(step, 12, kRough);
   };
-  // A bend that some of the pixels show is taken out first, if it is most of what keeps them from the model.
+  // A bend is fitted to these pixels first if it explains most of their misfit.
   int order = 1;
   if (const FitState some = refine(step, 25, kRough);
       options.order != 1 && some.normal.chi2 > kFar * some.normal.count) {
@@ -72,35 +73,35 @@ EdgeFit fit_edge(const EdgePixels& pixels, EdgeModel start, FitRounds rounds, co
     if (order == 1) fit = straight;
   }
 
-  rounds.step = 1;
-  rounds.unknowns = with_gradients(with_order(fit.unknowns, kHighestOrder));
-  fit.state = evaluate(pixels, fit.model, rounds);
-  const Terms terms = choose_terms(fit.state, fit.model, reach_px, options, order);
+  settings.every = 1;
+  settings.unknowns = with_gradients(with_order(fit.unknowns, kHighestOrder));
+  fit.state = evaluate(pixels, fit.model, settings);
+  const Terms terms = choose_terms(fit.state, fit.model, extent_px, options, order);
   if (terms.gradients) fit.unknowns = with_gradients(fit.unknowns);
   if (terms.gradients || terms.order > order) {
     bend_by(terms.order);
-    rounds.step = 1;
-    rounds.unknowns = fit.unknowns;
-    fit.state = evaluate(pixels, fit.model, rounds);
+    settings.every = 1;
+    settings.unknowns = fit.unknowns;
+    fit.state = evaluate(pixels, fit.model, settings);
   }
-  converge(pixels, fit, rounds);
+  converge(pixels, fit, settings);
   return fit;
 }
 
 // The pixels within a distance of the curve.
-EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double reach_px) {
-  EdgePixels near(pixels.size());
+EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double extent_px) {
+  EdgePixels kept(pixels.size());
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const Point at{pixels.x()[i], pixels.y()[i]};
-    if (std::abs(locate(curve, at).distance_px) <= reach_px) near.add(pixels.x()[i], pixels.y()[i], pixels.value()[i]);
+    if (std::abs(locate(curve, at).distance_px) <= extent_px) kept.add(pixels.x()[i], pixels.y()[i], pixels.value()[i]);
   }
-  return near;
+  return kept;
 }
 
-double smaller_extent_px(const EdgeFacts& facts) { return std::min(facts.reach_dark_px, facts.reach_bright_px); }
+double smaller_extent_px(const EdgeFacts& facts) { return std::min(facts.extent_dark_px, facts.extent_bright_px); }
 
 bool curved_shading(const RegionFit& region) {
-  return levels_bend(region.fit.state, region.fit.model, region.facts.width_px, smaller_extent_px(region.facts));
+  return shading_is_curved(region.fit.state, region.fit.model, region.facts.width_px, smaller_extent_px(region.facts));
 }
 
 }  // namespace
@@ -117,7 +118,7 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
     outliers = remove_outliers(region.pixels, region.fit.model, region.fit.state.profile, region.facts);
   if (outliers > 0) fit_again(data.extent_px);
 
-  // Curved shading is followed by a straight line near the edge: only pixels so near are taken.
+  // Near the edge a gradient describes curved shading: the pixels are narrowed down to those.
   constexpr double kLeast_px = 8.0, kLeastWidths = 5.0;
   double extent_px = smaller_extent_px(region.facts), narrowed_px = 0.0;
   bool curved = curved_shading(region);
@@ -131,7 +132,7 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
   }
   region.facts.outliers = outliers;
   region.facts.narrowed_px = narrowed_px;
-  region.facts.levels_bend = curved;
+  region.facts.curved_shading = curved;
   return region;
 }
 

@@ -20,8 +20,8 @@ class Step {
  public:
   using Mtf = std::function<double(double f_cy_px)>;
 
-  /// `top_cy_px`: H is 0 beyond; E is tabulated for |d| <= reach_px.
-  Step(Mtf mtf, double top_cy_px, double reach_px);
+  /// `top_cy_px`: H is 0 beyond; E is tabulated for |d| <= range_px.
+  Step(Mtf mtf, double top_cy_px, double range_px);
   /// exp(-2 pi^2 sigma^2 f^2), in closed form.
   static Step gaussian(double mtf50_cy_px);
 
@@ -34,7 +34,7 @@ class Step {
   Step() = default;
   Mtf mtf_;
   double sigma_px_ = 0.0;
-  double reach_px_ = 0.0;
+  double range_px_ = 0.0;
   double top_cy_px_ = 0.0;
   std::vector<double> value_, slope_;  // at i / kTableSteps, E - 1/2 and the line spread
 };
@@ -51,7 +51,7 @@ struct Camera {
 Camera camera_of(double f_number);
 /// The OTF of the camera at frequency f along the direction (cos a, sin a).
 double camera_otf(const Camera& camera, double angle_rad, double f_cy_px);
-Step camera_step(const Camera& camera, double angle_deg, double reach_px = 120.0);
+Step camera_step(const Camera& camera, double angle_deg, double range_px = 120.0);
 
 /// The picture of an edge. The normal (cos angle, sin angle) points to the bright side (x right, y down).
 struct Scene {

@@ -239,7 +239,7 @@ TEST(FindEdges, NothingToFindIsSaid) {
   // Stripes too close to each other for a level between them.
   mtf::Image stripes(200, 200);
   for (std::int64_t i = 0; i < stripes.size(); ++i) stripes.data()[i] = static_cast<float>((i % 200) / 6 % 2);
-  EXPECT_NE(reason(stripes).find("level on both sides"), std::string::npos);
+  EXPECT_NE(reason(stripes).find("plateau on both sides"), std::string::npos);
 }
 
 TEST(FindEdges, ExtremeNumbersAreNoDanger) {

@@ -91,10 +91,10 @@ TEST(FitRefusals, RegionsConditionsAndSensors) {
   data = made.data();
   data.conditions.clear();
   EXPECT_NE(refusal(data, kSigma).find("sensor"), std::string::npos);
-  // A high-pass leaves no level.
+  // A high-pass leaves no plateaus.
   data = made.data();
   data.conditions[0].add(Stage::postsample, mtf::test::fir({{-1.0, 2.0, -1.0}}));
-  EXPECT_NE(refusal(data, kSigma).find("no constant level"), std::string::npos);
+  EXPECT_NE(refusal(data, kSigma).find("no constant signal"), std::string::npos);
 }
 
 TEST(FitRefusals, Curves) {

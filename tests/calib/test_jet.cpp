@@ -103,7 +103,7 @@ bool accepted(const Case& c, std::size_t index, double value) {
   return true;
 }
 
-/// Compares where the difference quotient itself has settled (not across kinks); true when it had.
+/// Compares where the difference quotient itself has converged (not across kinks); true when it had.
 bool compare(const Case& c, const mtf::Freq<double>& f, std::size_t index, double at, int side) {
   Case moved = c;
   mtf::Freq<double> g = f;
@@ -133,16 +133,16 @@ TEST(Jet, gradient_equals_central_difference) {
     if (!c.typical) continue;
     const auto list = parameters(c);
     for (std::size_t i = 0; i < list.size(); ++i) {
-      std::size_t settled = 0;
+      std::size_t converged = 0;
       for (const mtf::Freq<double>& f : kFrequencies) {
         System<double> system = c.system;
         mtf::Freq<double> g = f;
         const double at = *addresses(system, g)[i];
         ++tried;
-        settled += compare(c, f, i, at, 0) ? 1 : 0;
+        converged += compare(c, f, i, at, 0) ? 1 : 0;
       }
-      EXPECT_GE(settled, kFrequencies.size() - 2) << c.name << " by " << list[i].name;
-      compared += settled;
+      EXPECT_GE(converged, kFrequencies.size() - 2) << c.name << " by " << list[i].name;
+      compared += converged;
     }
   }
   EXPECT_GT(compared, 1000u);

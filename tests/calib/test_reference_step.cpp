@@ -22,8 +22,8 @@ double knot(std::size_t i) { return calib::DistanceBins::get().knot(calib::kSide
 
 TEST(ReferenceStep, BinsHoldTheirDistances) {
   const calib::DistanceBins& bins = calib::DistanceBins::get();
-  EXPECT_EQ(bins.knot(0), -calib::kReach_px);
-  EXPECT_EQ(bins.knot(calib::kBins), calib::kReach_px);
+  EXPECT_EQ(bins.knot(0), -calib::kRange_px);
+  EXPECT_EQ(bins.knot(calib::kBins), calib::kRange_px);
   for (int i = 0; i < calib::kBins; ++i) {
     EXPECT_EQ(bins.index(bins.centre(i)), i);
     const double inside = bins.knot(i) + 1e-9 * (bins.knot(i + 1) - bins.knot(i));
@@ -33,17 +33,17 @@ TEST(ReferenceStep, BinsHoldTheirDistances) {
 
 // A distance that is less than the range by a rounding error lies in the last bin or in none, on either side.
 TEST(ReferenceStep, BinsEndAtTheirRange) {
-  const double last = std::nextafter(calib::kReach_px, 0.0);
+  const double last = std::nextafter(calib::kRange_px, 0.0);
   EXPECT_EQ(calib::DistanceBins::get().index(last), calib::kBins - 1);
   EXPECT_EQ(calib::DistanceBins::get().index(-last), 0);
   for (const double off : {-1.5e-14, 0.0, 1.5e-14}) {
     calib::EdgePixels pixels(2);
-    pixels.add(-calib::kReach_px, 0.0, 0.1);
-    pixels.add(calib::kReach_px, 0.0, 0.9);
+    pixels.add(-calib::kRange_px, 0.0, 0.1);
+    pixels.add(calib::kRange_px, 0.0, 0.9);
     calib::EdgeModel model;
     model.curve.half_length_px = 10.0;
     model.curve.origin = {off, 0.0};
-    model.level = {0.0, 1.0};
+    model.plateau = {0.0, 1.0};
     const calib::EdgeSums sums =
         calib::accumulate(pixels, model, calib::StepProfile(calib::tabulate(model.shape, 0.0)), 1);
     double count = 0.0;

@@ -81,7 +81,7 @@ ProfileEnds ends_of_square(const Variable& v, double x, double sd) {
 /// The verdict on a parameter that has a profile, a flat bound being near to it or to a partner.
 void judge_by_profile(FittedParameter& p, const Variable& v, double best, bool normal, const FlatBound* own,
                       const ProfileEnds& ends) {
-  if (own != nullptr && own->reached) {
+  if (own != nullptr && own->at_bound) {
     const bool from_low = own->inward > 0.0;
     const bool has_limit = from_low ? !ends.high_open : !ends.low_open;
     p.knowledge = has_limit ? Knowledge::at_bound : Knowledge::not_determined;
@@ -108,7 +108,7 @@ void judge_by_profile(FittedParameter& p, const Variable& v, double best, bool n
 bool leave_flat_bounds(FitProblem& problem, Solved& solved, std::span<const FlatBound> flat, Solution& solution,
                        const MinimiseOptions& options) {
   constexpr double kLower = 0.005;  // half of chi-square: a tenth of a standard deviation is the same place
-  if (std::none_of(flat.begin(), flat.end(), [](const FlatBound& f) { return f.reached; })) return false;
+  if (std::none_of(flat.begin(), flat.end(), [](const FlatBound& f) { return f.at_bound; })) return false;
   const std::vector<double> x = problem.x;
   const std::vector<std::vector<double>> own = problem.own;
   for (const FlatBound& f : flat) problem.x[f.parameter] = f.off_bound(problem.x[f.parameter]);
@@ -175,7 +175,7 @@ void report_intervals(FitProblem& problem, const Solved& solved, std::span<const
     judge_by_profile(p, v, v.value(x), like_normal(*ends, v, x, sd), own == flat.end() ? nullptr : &*own, *ends);
   }
   for (const FlatBound& f : flat) {
-    if (!f.reached) continue;
+    if (!f.at_bound) continue;
     for (std::size_t k = 0; k < result.correlation.size(); ++k)
       result.correlation[f.parameter][k] = result.correlation[k][f.parameter] =
           std::numeric_limits<double>::quiet_NaN();

@@ -66,7 +66,7 @@ std::optional<FlatBound> flat_bound(FitProblem& problem, const Solved& solved, s
   const InformationAt information(problem, solved, i);
   const auto seen = [&](double u) { return u * std::sqrt(information(flat.bound + flat.inward * u)); };
   const double here = away * std::sqrt(information.left_of(solved.information));
-  flat.reached = here < kUnseen_sd || away < sd;
+  flat.at_bound = here < kUnseen_sd || away < sd;
   flat.off = away;
   double effect = here;
   if (effect < kSeen_sd) {
@@ -95,15 +95,15 @@ std::vector<FlatBound> flat_bounds(FitProblem& problem, const Solved& solved) {
 
 void set_apart(Solved& solved, std::span<const FlatBound> flat) {
   for (const FlatBound& f : flat) {
-    if (!f.reached) continue;
+    if (!f.at_bound) continue;
     const auto i = static_cast<Eigen::Index>(f.parameter);
     const double own = solved.information(i, i);
     solved.information.row(i).setZero();
     solved.information.col(i).setZero();
     solved.information(i, i) = own;
   }
-  const auto reached = [](const FlatBound& f) { return f.reached; };
-  if (std::any_of(flat.begin(), flat.end(), reached))
+  const auto at_bound = [](const FlatBound& f) { return f.at_bound; };
+  if (std::any_of(flat.begin(), flat.end(), at_bound))
     solved.identified = identify(solved.information, solved.reference);
 }
 

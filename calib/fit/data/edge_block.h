@@ -25,7 +25,7 @@ class EdgeBlock {
   std::size_t pixels() const { return pixels_.size(); }
   /// A part of the pixels, so that no region takes unbounded memory.
   bool thinned() const { return thinned_; }
-  double reach_px() const { return reach_px_; }
+  double range_px() const { return range_px_; }
   bool gradients() const { return gradients_; }
   void use_gradients() { gradients_ = true; }
   void set_robust(bool robust) { robust_ = robust; }
@@ -76,14 +76,14 @@ class EdgeBlock {
   bool rounds_coarsely() const;
   const StepResponse& response(const Sensors& sensors, const EdgeCurve& curve) const;
   NormalMatrix accumulate(const Sensors& sensors, std::span<const double> own, bool gradients) const;
-  double sd_at(double level) const;
+  double sd_at(double value) const;
 
   const EdgeData* data_;
   bool robust_ = false;
   std::size_t every_ = 1;
   bool gradients_ = false;
   double noise_factor_ = 1.0;  // of the sd
-  double reach_px_ = 0.0;
+  double range_px_ = 0.0;
   bool thinned_ = false;
   std::vector<Pixel> pixels_;
 

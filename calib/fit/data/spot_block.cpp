@@ -152,10 +152,10 @@ std::vector<std::vector<double>> SpotBlock::images(const Sensors& sensors, doubl
                top_y = std::max(1e-3, sensors.top_cy_px(condition(), 0.5 * std::numbers::pi));
   const std::size_t n = period_px(std::max(top_x, top_y));
   const auto period = static_cast<double>(n);
-  const auto reach = [&](double top) {
+  const auto harmonics = [&](double top) {
     return static_cast<std::int64_t>(std::min(kMostFrequencies, std::ceil(top * period)));
   };
-  const std::int64_t mx = reach(top_x), my = reach(top_y);
+  const std::int64_t mx = harmonics(top_x), my = harmonics(top_y);
   const double dx = static_cast<double>(roi_.x) + 0.5 - x0, dy = static_cast<double>(roi_.y) + 0.5 - y0;
   std::vector<Complex<double>> across;
   for (std::int64_t i = 0; i <= mx; ++i) across.push_back(turned(static_cast<double>(i) * dx / period));
