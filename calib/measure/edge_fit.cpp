@@ -148,8 +148,7 @@ FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitSett
     add_prior(normal, model.shape, settings.unknowns);
     const Vector step = next_step(normal, model, settings.unknowns, damping);
     const double expected = normal.gradient.dot(step);
-    state.converged = expected < settings.tolerance;
-    if (state.converged || round == settings.max_iterations) break;
+    if (expected < settings.tolerance || round == settings.max_iterations) break;
     EdgeModel next = model;
     move(next, step);
     FitState tried = evaluate(pixels, next, settings);
@@ -164,7 +163,6 @@ FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitSett
     damping = better ? 0.1 * damping : std::max(1e-4, 30.0 * damping);
     if (damping < 1e-6) damping = 0.0;
     if (better && !(idle && gained < 0.0)) model = next, state = std::move(tried);
-    state.converged = idle;
     if (idle) break;
   }
   return state;

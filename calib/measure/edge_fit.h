@@ -71,7 +71,6 @@ struct FitState {
   EdgeSums sums;
   BinRow weight{};  ///< of a pixel, by bin
   NormalEquations normal;
-  bool converged = false;
 };
 double chi2_of(const EdgeSums& sums, const BinRow& weight);
 /// Weights and equations of a state that has its profile, sums and noise.

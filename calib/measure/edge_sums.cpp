@@ -17,7 +17,6 @@ constexpr std::size_t kChunk = 128;
 struct Chunk {
   std::array<double, kChunk> distance, along;  // px, then parts of the half length
   std::array<double, kChunk> esf, residual;    // residual: the value, then less the model
-  std::array<double, kChunk> offset;           // from the bin's centre
   std::array<std::int32_t, kChunk> bin;        // kBins for pixels beyond the range
   std::size_t size = 0;
 };
@@ -73,7 +72,6 @@ MTFKIT_CLONES void interpolate(const StepProfile& profile, const DistanceBins& b
   for (std::size_t k = 0; k < size; ++k) {
     const int i = std::min(chunk.bin[k], kBins - 1);  // beyond the range any bin will do
     const double x = chunk.distance[k] - bins.centre(i);
-    chunk.offset[k] = x;
     chunk.esf[k] = c0[i] + x * (c1[i] + x * (c2[i] + x * c3[i]));
   }
 }
@@ -91,7 +89,7 @@ MTFKIT_CLONES void subtract_model(const std::array<double, kPlateauTerms>& plate
 
 using Four [[gnu::vector_size(4 * sizeof(double))]] = double;
 
-// 1, t, t^2, r and r t, r^2, d - centre: the first four as products of two rows of 0, 1, t and r.
+// 1, t, t^2, r and r t, r^2: the first four as products of two rows of 0, 1, t and r.
 MTFKIT_CLONES void add_plain(const Chunk& chunk, double* sums) {
   constexpr Four kOne{1, 0, 0, 0}, kT{0, 1, 1, 0}, kR{0, 0, 0, 1}, kOtherOne{1, 1, 0, 1}, kOtherT{0, 0, 1, 0};
   const std::size_t size = chunk.size;
@@ -102,7 +100,7 @@ MTFKIT_CLONES void add_plain(const Chunk& chunk, double* sums) {
     std::memcpy(&first, s, sizeof first);
     std::memcpy(&second, s + 4, sizeof second);
     first += (kOne + kT * t + kR * r) * (kOtherOne + kOtherT * t);
-    second += Four{t * r, r * r, chunk.offset[k], 0.0};
+    second += Four{t * r, r * r, 0.0, 0.0};
     std::memcpy(s, &first, sizeof first);
     std::memcpy(s + 4, &second, sizeof second);
   }
@@ -152,7 +150,7 @@ MTFKIT_CLONES void turn(const double* sums, std::size_t stride, std::size_t firs
 }  // namespace
 
 void EdgeSums::take_from_residual(const BinRow& change, const StepProfile& profile) {
-  for (std::size_t i = 0; i < kBins; ++i) rows_[1][i] -= change[i] * (2.0 * residual(0)[i] - change[i] * moment(0)[i]);
+  for (std::size_t i = 0; i < kBins; ++i) rows_[0][i] -= change[i] * (2.0 * residual(0)[i] - change[i] * moment(0)[i]);
   for (int k = 0; k <= order(); ++k) {
     BinRow& sum = rows_[residual_row(k)];
     const auto first = static_cast<std::size_t>(k > 1 ? profile.bend_first : 0);
@@ -196,7 +194,7 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
   const auto residual = [&](int k) { return sums.rows_[EdgeSums::residual_row(k)].data(); };
   BinRow unused;
   turn(plain.data(), kPlain, 0, kBins, {moment(0), moment(1), moment(2), residual(0)});
-  turn(plain.data() + 4, kPlain, 0, kBins, {residual(1), sums.rows_[1].data(), sums.rows_[0].data(), unused.data()});
+  turn(plain.data() + 4, kPlain, 0, kBins, {residual(1), sums.rows_[0].data(), unused.data(), unused.data()});
   for (int k = 2; k <= order; ++k)
     turn(bent.data() + kBent * static_cast<std::size_t>(k - 2), kBent * static_cast<std::size_t>(orders),
          static_cast<std::size_t>(first_bent), static_cast<std::size_t>(profile.bend_end),

@@ -29,17 +29,16 @@ struct EdgeModel {
   double contrast() const { return plateau[1] - plateau[0]; }
 };
 
-/// Sums over the pixels of each bin of d: of d less the bin's centre, of r^2, of t^k up to t^2 and of r t^k up to r t.
+/// Sums over the pixels of each bin of d: of r^2, of t^k up to t^2 and of r t^k up to r t.
 /// For an `order` above 1 there are also sums of t^k up to 2 order and of r t^k up to order, in the bins that show
 /// bends.
 class EdgeSums {
  public:
-  const BinRow& offset() const { return rows_[0]; }                       ///< of d - centre
-  const BinRow& square() const { return rows_[1]; }                       ///< of r^2
+  const BinRow& square() const { return rows_[0]; }                       ///< of r^2
   const BinRow& moment(int k) const { return rows_[moment_row(k)]; }      ///< of t^k
   const BinRow& residual(int k) const { return rows_[residual_row(k)]; }  ///< of r t^k
   double count(int i) const { return moment(0)[static_cast<std::size_t>(i)]; }
-  int order() const { return (static_cast<int>(rows_.size()) - 1) / 3 - 1; }
+  int order() const { return static_cast<int>(rows_.size()) / 3 - 1; }
   /// Changes the sums as if each pixel's residual were less by the change in its bin; residuals times powers above t
   /// change only in the bins that show bends.
   void take_from_residual(const BinRow& change, const StepProfile& profile);
@@ -48,10 +47,10 @@ class EdgeSums {
 
  private:
   friend EdgeSums accumulate(const EdgePixels&, const EdgeModel&, const StepProfile&, int, std::size_t);
-  // d - centre;  r^2, 1, r;  t, t^2, r t;  t^3, t^4, r t^2;  ..
-  static constexpr std::size_t rows_of(int order) { return static_cast<std::size_t>(3 * order + 4); }
-  static constexpr std::size_t moment_row(int k) { return static_cast<std::size_t>((k + 1) / 2 * 3 + 2 - k % 2); }
-  static constexpr std::size_t residual_row(int k) { return static_cast<std::size_t>(3 * k + 3); }
+  // r^2, 1, r;  t, t^2, r t;  t^3, t^4, r t^2;  ..
+  static constexpr std::size_t rows_of(int order) { return static_cast<std::size_t>(3 * order + 3); }
+  static constexpr std::size_t moment_row(int k) { return static_cast<std::size_t>((k + 1) / 2 * 3 + 1 - k % 2); }
+  static constexpr std::size_t residual_row(int k) { return static_cast<std::size_t>(3 * k + 2); }
   std::vector<BinRow> rows_;
 };
 

@@ -95,7 +95,6 @@ FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& referen
   next.sums.take_from_residual(change, next.profile);
   next.profile.set_slopes(reference);
   assemble(next, model, settings);
-  next.converged = true;
   return next;
 }
 
