@@ -211,7 +211,7 @@ double EdgeResponse::Otf::mtf() const { return std::sqrt(std::max(0.0, re * re +
 
 double EdgeResponse::Otf::mtf_sd() const {
   const double square = re * re + im * im;
-  // Where the modulus is within its noise, its direction is not known, and either part may be the one along it.
+  // Where the modulus is within its noise, its phase is unknown, so that either part may be the one along it.
   return std::sqrt(square > var_across ? var_along : std::max(var_along, var_across));
 }
 

@@ -102,7 +102,7 @@ OtfRows otf_rows(const ReferenceShape& shape, Point normal, std::span<const doub
   return rows;
 }
 
-// Frequencies: their weights in E, the line spread and the derivatives, and the rotation by the finest step.
+// For each frequency its weights in E, the line spread and the derivatives, and the rotation by the finest step.
 struct Nodes {
   std::array<std::vector<double>, kSums> weight;
   Turns turn;
@@ -158,7 +158,7 @@ struct Rows {
 // block.
 MTFKIT_CLONES void add_nodes(const Nodes& nodes, std::size_t first, const std::array<std::size_t, kZones>& blocks,
                              Rows rows) {
-  // Of 0, 1 .. steps of a zone, and at its first knot.
+  // cos and sin of the phase of 0, 1 .. steps of a zone, and of the phase at its first knot.
   std::array<Lanes, kTogether> steps_c, steps_s, c, s;
   std::array<double, kTogether> at_c, at_s, block_c, block_s;
   for (std::size_t j = 0; j < kTogether; ++j) {
@@ -239,8 +239,8 @@ std::vector<ReferenceOtf> reference_otfs(const ReferenceShape& shape, Point norm
   return all;
 }
 
-// By quadrature as far as the footprint, the Gaussian and the first rings of diffraction reach, by the first two terms
-// of the asymptotic series in 1/d from there on: H = 1 - a f + c f^3 in odd powers of f gives
+// A quadrature as far as the footprint, the Gaussian and the first rings of diffraction extend, and the first two terms
+// of the asymptotic series in 1/d beyond: H = 1 - a f + c f^3 in odd powers of f gives
 //   E - 1 = -a / (2 pi^2 d) - 2 c / (pi (2 pi d)^3),  a = 4 S / pi,  c = (2 S^3 / 3 + 4 S b) / pi,  H's Gaussian and
 // footprint being 1 - b f^2.
 ReferenceTable tabulate(const ReferenceShape& shape, double angle_rad) {

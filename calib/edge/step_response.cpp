@@ -20,14 +20,14 @@ using std::numbers::pi;
 
 constexpr std::size_t kLanes = 8;
 constexpr std::size_t kMostNodes = 65536;
-/// Knots a period of the highest frequency where all of it matters, and the error of the cubics there: (2 pi / 16)^4 /
-/// 384 = 6e-5 of what stands at that frequency, which is the smallest part of E.
+/// Knots per period of the highest frequency where it matters fully, and the error of the cubics there: (2 pi / 16)^4 /
+/// 384 = 6e-5 of the part of E at that frequency, which is the smallest.
 constexpr double kKnotsPerPeriod = 16.0;
-/// From here on only tails and the ripple of sharp cutoffs are left: wider knots will do.
+/// Beyond this distance only tails and the ripple of sharp cutoffs are left, for which wider knots are enough.
 constexpr double kNear_px = 8.0;
 constexpr double kFarRatio = 6.0;
 
-/// Nodes for f(x) exp(i K x) with f smooth: mtf/math/quadrature.h, rounded up so that few rules are ever made.
+/// Nodes for f(x) exp(i K x) with f smooth: mtf/math/quadrature.h, rounded up so that few different rules are computed.
 int rule_size(double width_cy_px, double range_px) {
   const double turns = pi * width_cy_px * range_px;
   const double n = 0.5 * turns + 2.0 * std::cbrt(turns) + 32.0;
@@ -39,7 +39,7 @@ struct Spectrum {
   std::vector<double> sine, sine_slope, cosine, cosine_slope;
 };
 
-/// Eight sums side by side, so that the order of additions is the same on every machine.
+/// Eight partial sums, so that the order of additions is the same on every machine.
 using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
 
 /// sum a sin and sum b cos over the nodes.
@@ -62,7 +62,7 @@ MTFKIT_CLONES void sum_products(std::size_t n, const double* a, const double* si
   }
 }
 
-/// Turns the phases 2 pi f d of all nodes on by a step.
+/// Advances the phases 2 pi f d of all nodes by a step.
 MTFKIT_CLONES void turn(std::size_t n, const double* step_cos, const double* step_sin, double* cosine, double* sine) {
   for (std::size_t i = 0; i < n; ++i) {
     const double c = cosine[i] * step_cos[i] - sine[i] * step_sin[i];
@@ -171,7 +171,7 @@ StepResponse::StepResponse(const SliceNodes& nodes, std::span<const std::vector<
 
 double StepResponse::at(double d_px, std::span<double> values) const {
   assert(values.size() >= count_);
-  // Not a number lies beyond the reach, too.
+  // NaN counts as a distance beyond the range.
   const double distance = std::abs(d_px) < range_px_ ? std::abs(d_px) : range_px_, sign = d_px < 0.0 ? -1.0 : 1.0;
   const Zone& zone = zones_.size() > 1 && distance >= zones_[1].start ? zones_[1] : zones_[0];
   const double at = (distance - zone.start) * zone.steps_per_px;

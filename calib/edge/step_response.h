@@ -7,8 +7,7 @@
 // (the transform of a step with H(-f) = conj H(f)), d in pixels, and the derivative of H by a parameter into that of E,
 // without the 1/2. The integral is taken by Gauss-Legendre rules between the kinks of H, with as many nodes as the
 // fastest oscillation needs (mtf/math/quadrature.h), once for each point of a table; between the points E is
-// interpolated by cubics through value and slope. All of H has to lie below the highest frequency, to the accuracy
-// wanted.
+// interpolated by cubics through value and slope. H above the highest frequency has to be negligible.
 
 #include <cstddef>
 #include <span>
@@ -38,7 +37,7 @@ class StepResponse {
   std::size_t count() const { return count_; }
   double range_px() const { return range_px_; }
   /// values[k] = function k at distance d, k < count(); returns the slope of function 0 there, the line spread in 1/px.
-  /// Beyond the reach the functions stay as they are at its end.
+  /// Beyond range_px() the functions keep their values at its end.
   double at(double d_px, std::span<double> values) const;
 
  private:

@@ -19,8 +19,8 @@ using find::Gradients;
 using find::Segment;
 using find::Surroundings;
 
-/// Gradients of this share of an edge's own are other structure; weaker ones are shading. Edges that have no room by
-/// the strict share, as most have in natural scenes, are tried by the others, and count for less.
+/// Gradients above this share of an edge's own are other structure; weaker ones are shading. Edges without enough room
+/// at the strictest share, as most in natural scenes, are tried with the others and get a lower score.
 constexpr std::array<double, 3> kStructureShares{0.05, 0.1, 0.2};
 constexpr double kWidestHalf_px = 64.0;
 constexpr double kMinLength_cells = 5.0;
@@ -37,7 +37,7 @@ void check(const FindOptions& options) {
     throw mtf::UsageError("find_edges: the half width has to be 0 (as far as suits) or a number of pixels");
 }
 
-/// Why segments were passed over.
+/// Why segments gave no region.
 struct Passed {
   int blurred = 0, faint = 0, crowded = 0;
 };
@@ -66,8 +66,8 @@ std::string no_usable(const Passed& passed, const FindOptions& options) {
   return text + " give a region, or lower the limits";
 }
 
-/// Contrast / noise times the root of the pixels along the edge, which is what the precision of an MTF goes with (for a
-/// Gaussian blur sd(MTF50) / MTF50 = sqrt(4 sqrt(pi) / (L sigma)) / CNR), less where the sides are short against the
+/// Contrast / noise times the root of the pixels along the edge, to which the precision of an MTF is proportional (for
+/// a Gaussian blur sd(MTF50) / MTF50 = sqrt(4 sqrt(pi) / (L sigma)) / CNR), less where the sides are short against the
 /// blur.
 double score_of(const find::Region& region, const Surroundings& beside, double size) {
   const double noise = std::max(beside.noise_sd, kLeastNoise * beside.contrast);
@@ -88,8 +88,8 @@ struct Search {
   Cells cells;
   Gradients gradients;
   FoundEdges found;
-  int without_plateau = 0;  ///< pieces that no share gives a plateau on both sides
-  Passed passed;            ///< by the last share that was tried
+  int without_plateau = 0;  ///< pieces without a plateau on both sides at any share
+  Passed passed;            ///< at the last share that was tried
 
   double in_cells(double px) const { return px / cells.size_px; }
   /// Integral images are made for gradients above the threshold x 2^k. This is the k for a share of a segment's peak.
@@ -107,9 +107,9 @@ struct Search {
 /// A segment with a plateau on both sides.
 struct Piece {
   Segment segment;
-  double share = 0.0;       ///< the strictest by which it has them
-  Surroundings beside;      ///< by that share
-  double most_score = 0.0;  ///< with sides that are free without end
+  double share = 0.0;       ///< the strictest at which it has them
+  Surroundings beside;      ///< at that share
+  double most_score = 0.0;  ///< if its sides were free without limit
 };
 
 /// The strongest first.
@@ -144,8 +144,8 @@ std::vector<Piece> pieces_of(Search& search) {
   return pieces;
 }
 
-/// Regions for the pieces that have room by this share; those are taken off the list. True when the image turns out to
-/// be crossed by one edge, which is then all that was found.
+/// Finds regions for the pieces that have room at this share and takes them off the list. Returns true when the image
+/// is crossed by one edge, which is then the only one found.
 bool place_regions(Search& search, double share, std::vector<Piece>& pieces) {
   const Gradients& gradients = search.gradients;
   const FindOptions& options = search.options;
@@ -172,7 +172,7 @@ bool place_regions(Search& search, double share, std::vector<Piece>& pieces) {
     for (const Piece& piece : candidates) {
       const Surroundings& beside = piece.beside;
       const auto region = find::place_region(gradients, structure, floor, piece.segment, beside, limits);
-      // The whole image is one edge's only when it has no other. There is no other choice then, however faint it is.
+      // The whole image belongs to one edge only when it has no other. That edge is taken however faint it is.
       const bool crowded = !region || (region->whole && !search.found.edges.empty());
       const bool faint = beside.contrast < options.min_cnr * beside.noise_sd && !(region && region->whole);
       if (crowded || faint) {

@@ -23,7 +23,7 @@ struct Cells {
   double valid = 0.0;        ///< share of cells with a value
   double range = 0.0;        ///< largest - smallest value in the image's unit
   double noise_sd = 0.0;     ///< of a cell, from 0 to 1 as `value`; robust against structure in less than half of them
-  double rounding = 0.0;     ///< of float32, likewise: steps this small are nothing, whatever the noise
+  double rounding = 0.0;     ///< of float32, likewise: smaller steps are no structure, whatever the noise
   double pixels_a_cell = 1.0;
 
   float at(std::int64_t x, std::int64_t y) const { return value[static_cast<std::size_t>(y * width + x)]; }
@@ -64,10 +64,10 @@ struct Segment {
 using TakeSegment = std::function<void(const Segment&)>;
 void make_segments(const Gradients& gradients, double min_length, const TakeSegment& take);
 
-/// What lies beside a segment.
+/// The two sides of a segment.
 struct Surroundings {
   double blur = 0.0;      ///< half width of the edge's own blur
-  double free = 0.0;      ///< distance on both sides up to which nothing else is seen
+  double free = 0.0;      ///< distance on both sides up to which there is no other structure
   double contrast = 0.0;  ///< between the medians just beyond the blur, in parts of the image's range
   double noise_sd = 0.0;  ///< of a pixel there, no less than the image's
 };

@@ -11,15 +11,15 @@ namespace {
 
 constexpr int kMostSamples = 96;         // along a segment
 constexpr double kMiddleShare = 0.8;     // of a segment: its ends are corners
-constexpr double kMostBlur = 24.0;       // of a blur, in cells
-constexpr double kKnownShare = 0.3;      // of samples at a distance: less is no side
-constexpr double kTornShare = 0.25;      // of samples above the floor: something runs along there
+constexpr double kMostBlur = 24.0;       // largest half width of a blur, in cells
+constexpr double kKnownShare = 0.3;      // of samples at a distance: with fewer there is no side
+constexpr double kTornShare = 0.25;      // of samples above the floor: a structure runs along the edge there
 constexpr std::int64_t kNearBorder = 2;  // cells
-constexpr double kRise = 1.3;            // of the gradient on the way out: another edge
-constexpr double kStray = 1e-4;          // share of cells above the level that is taken as chance
+constexpr double kRise = 1.3;            // of the gradient with the distance: another edge
+constexpr double kStray = 1e-4;          // share of cells above the threshold that noise explains
 constexpr std::array<double, 9> kWidths{1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.22, 0.16, 0.12};
 
-/// What is seen at one distance from the segment.
+/// The samples at one distance from the segment.
 struct Strip {
   double known = 0.0;      ///< share of samples with a value
   double magnitude = 0.0;  ///< median
@@ -75,7 +75,7 @@ class Samples {
 };
 
 struct Side {
-  double blur = 0.0, free = 0.0;  // half width of the blur; distance up to which the side is plain
+  double blur = 0.0, free = 0.0;  // half width of the blur; distance up to which the side has no structure
 };
 
 std::optional<Side> side_of(Samples& samples, double sign, double floor, double farthest) {
@@ -159,7 +159,7 @@ Lines trace(const Gradients& g, double threshold, const Segment& segment, double
         ++own;
     lines.before.push_back(lines.before.back() + own);
   }
-  // An edge that comes near the image's border reaches it.
+  // An edge that ends near the image's border is continued to it.
   const auto [start, stop] = std::minmax({line_of(segment.s0), line_of(segment.s1)});
   lines.begin = std::clamp<std::int64_t>(std::llround(start), lines.first, end);
   lines.end = std::clamp<std::int64_t>(std::llround(stop), lines.begin, end);
@@ -171,7 +171,7 @@ Lines trace(const Gradients& g, double threshold, const Segment& segment, double
   return lines;
 }
 
-/// The rectangle of lines first .. end - 1 that reaches `width` beyond the edge's extremes.
+/// The rectangle of lines first .. end - 1 that extends `width` beyond the edge's extremes.
 Region rectangle(const Gradients& g, const Lines& lines, std::int64_t first, std::int64_t end, double width) {
   // Along a parabola the extremes are at the ends or where it turns.
   const auto place = [&](std::int64_t line) { return lines.place[static_cast<std::size_t>(line - lines.first)]; };

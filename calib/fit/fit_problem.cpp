@@ -15,8 +15,8 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// All unknowns in one piece of memory: Ceres orders them by their addresses. Vast levels are held in a power of two of
-/// their size, as steps are judged by the length of all unknowns.
+/// All unknowns in one allocation: Ceres orders them by their addresses. Very large values are divided by a power of
+/// two, as Ceres judges steps by the length of the vector of all unknowns.
 class Unknowns {
  public:
   explicit Unknowns(FitProblem& problem) : problem_(&problem) {

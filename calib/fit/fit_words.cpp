@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Weak directions in words: which parameters, what of them is known all the same, and what would tell them apart.
+// Weak directions in words: which parameters they combine, what is known of these all the same, and what would separate
+// them.
 
 #include <algorithm>
 #include <array>
@@ -37,8 +38,8 @@ const EdgeBlock* largest_edge(const FitProblem& problem, std::size_t& index) {
   return most;
 }
 
-/// Information of one more edge as good as the largest one, turned by an angle: what its pixels would tell after offset
-/// and levels are projected out.
+/// Information of one more edge as good as the largest one, turned by an angle: what its pixels determine after offset
+/// and plateaus are projected out.
 Eigen::MatrixXd one_more(const Solved& solved, double turn_rad) {
   const FitProblem& problem = *solved.problem;
   const std::size_t n = problem.variables.size();

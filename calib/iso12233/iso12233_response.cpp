@@ -10,7 +10,7 @@ namespace calib::iso {
 namespace {
 
 constexpr std::int64_t kBins = 4;         // a column
-constexpr std::int64_t kSpareBins = 150;  // beyond those that the edge's drift can reach
+constexpr std::int64_t kSpareBins = 150;  // beyond those over which the edge drifts
 constexpr double kMaxCorrection = 10.0;   // of the response of differences
 
 /// Central differences; the ends repeat their neighbours.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What the fit of a step says of a region: how far its pixels extend, their noise, what else than the step they show.
+// Facts about a region that follow from the fit of a step: how far its pixels extend, their noise, other structure.
 // The judgement (edge_outcome.h) and the removal of single bad pixels are made from these facts.
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace calib {
 
-/// Structure beside the edge, as a share of the contrast, that a warning tells of.
+/// Structure beside the edge, as a share of the contrast, from which a warning is given.
 inline constexpr double kVisibleStructure = 0.03;
 
 struct EdgeFacts {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Where few distances occur the pixels do not tell diffraction, a footprint and a Gaussian from each other, and which
-// of them it is decides between the distances. What the result would be with a Gaussian alone, with the footprint of a
+// Where few distances occur the pixels do not distinguish diffraction, a footprint and a Gaussian, which differ between
+// these distances. What the result would be with a Gaussian alone, with the footprint of a
 // whole pixel, and with that and diffraction, if these fit, is then part of its standard deviation.
 
 #include "calib/measure/measure.h"

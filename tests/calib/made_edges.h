@@ -3,8 +3,8 @@
 
 // Images of edges whose MTF is known, for tests and Monte-Carlo studies.
 // A pixel is dark + (bright - dark) E(d) + gradients + noise, d the distance of its centre (i + 0.5, j + 0.5) from the
-// edge. E comes from an MTF slice by a quadrature of its own: one rule of many nodes over [0, top], rotated from one
-// point of a uniform table to the next; a Gaussian's E is erfc.
+// edge. E comes from an MTF slice by a quadrature independent of calib's: one rule of many nodes over [0, top], rotated
+// from one point of a uniform table to the next; a Gaussian's E is erfc.
 
 #include <cstdint>
 #include <functional>
@@ -53,7 +53,7 @@ Camera camera_of(double f_number);
 double camera_otf(const Camera& camera, double angle_rad, double f_cy_px);
 Step camera_step(const Camera& camera, double angle_deg, double range_px = 120.0);
 
-/// The picture of an edge. The normal (cos angle, sin angle) points to the bright side (x right, y down).
+/// The image of an edge. The normal (cos angle, sin angle) points to the bright side (x right, y down).
 struct Scene {
   std::int64_t width = 128, height = 100;
   double angle_deg = 5.0;
@@ -61,7 +61,7 @@ struct Scene {
   double sagitta_px = 0.0;         ///< parabola, at half_length_px from its vertex
   double half_length_px = 50.0;
   double dark = 0.2, bright = 0.8;
-  double gradient_dark = 0.0, gradient_bright = 0.0;  ///< added to the level, per px away from the edge
+  double gradient_dark = 0.0, gradient_bright = 0.0;  ///< added to the value of a side, per px away from the edge
   double noise_sd = 0.0;
   double noise_gain = 0.0;  ///< variance = noise_sd^2 + noise_gain x value
   double quantum = 0.0;     ///< values are rounded to multiples

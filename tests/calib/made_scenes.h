@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Scenes of squares with known sides, blurred by a Gaussian: the product of two slits' step pairs, exact for any turn.
+// Scenes of squares with known sides, blurred by a Gaussian: the product of two slits' step pairs, exact for any
+// rotation.
 
 #include <algorithm>
 #include <cmath>
@@ -65,7 +66,7 @@ inline mtf::Image made_scene(std::int64_t width, std::int64_t height, const std:
   return image;
 }
 
-/// A rectangle more: only the pixels around it are visited, so that thousands of them take no time.
+/// Adds a rectangle. Only the pixels around it are visited, so that thousands of rectangles take little time.
 inline void add_rectangle(mtf::Image& image, Point centre, double half_x_px, double half_y_px, double angle_deg,
                           double step, double blur_px = 0.7) {
   const double c = std::cos(angle_deg * std::numbers::pi / 180.0), s = std::sin(angle_deg * std::numbers::pi / 180.0);

@@ -37,7 +37,7 @@ TEST(EsfCorrection, WithoutSplinesItIsPlainLeastSquares) {
   calib::NormalEquations with_prior = state.normal;
   calib::add_prior(with_prior, model.shape, settings.unknowns);
 
-  // Too short a region for a single spline, and too few distances a pixel for any.
+  // There are no splines where few distances a pixel occur, nor in a region too short for a single one.
   for (const auto& [detail, range_px] : {std::pair{calib::Detail::none, 40.0}, {calib::Detail::coarse, 0.4}}) {
     const calib::JointFit joint = calib::solve_jointly(state, model, settings.unknowns, detail, 1.0, range_px);
     EXPECT_TRUE(joint.splines.empty());
@@ -50,7 +50,7 @@ TEST(EsfCorrection, WithoutSplinesItIsPlainLeastSquares) {
         normal(i, j) =
             with_prior.matrix(joint.unknowns[static_cast<std::size_t>(i)], joint.unknowns[static_cast<std::size_t>(j)]);
     }
-    // Another factorisation; the difference is rounding times the condition of the matrix.
+    // The expected values come from another factorisation, so that they differ by rounding times the condition.
     const Eigen::VectorXd sd_of_one = normal.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd scaled = sd_of_one.asDiagonal() * normal * sd_of_one.asDiagonal();
     const Eigen::FullPivHouseholderQR<Eigen::MatrixXd> qr(scaled);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must not be given as known: units that a parameter has no part in, clipped pixels, starts and bounds that keep
-// the fit from its minimum, spots that are none.
+// What must not be reported as known: units that a parameter has no part in, clipped pixels, starts and bounds that
+// keep the fit from its minimum, spots that are none.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -38,7 +38,7 @@ CurveData gaussian_curve(const std::string& unit, double step, double sigma, dou
   return curve;
 }
 
-/// A Gaussian of 6 um whatever the pitch.
+/// A Gaussian of 6 um at any pitch.
 System<double> gaussian_um(double sigma_um) {
   System<double> system = fit_cases::bare();
   auto blur = mtf::Component<double>::make("gaussian");

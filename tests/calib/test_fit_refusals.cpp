@@ -172,7 +172,7 @@ TEST(FitRefusals, MaskedFlatAndTinyEdges) {
 }
 
 TEST(FitRefusals, ImagesOfOtherThingsEndInSomeOutcome) {
-  // Not the edge that was measured: flat, noise only, turned over, huge values.
+  // The image is not the edge that was measured: flat, noise only, upside down, huge values.
   const Made made;
   for (const int fault : {0, 1, 2, 3}) {
     FitData data = made.data();
@@ -192,7 +192,7 @@ TEST(FitRefusals, AbsurdGeometryEndsInSomeOutcome) {
   const Made made;
   for (const int fault : {0, 1, 2, 3, 4}) {
     FitData data = made.data();
-    data.edges[0].roi = {44, 30, 40, 40};  // each of these goes on for as many rounds as are allowed
+    data.edges[0].roi = {44, 30, 40, 40};  // each of these runs for as many iterations as are allowed
     EdgeMeasurement& start = data.edges[0].start;
     if (fault == 0) start.curve.coefficient = {1e200, -1e300}, start.curve.shape = EdgeCurve::Shape::polynomial;
     if (fault == 1) start.curve.coefficient = {40.0}, start.curve.shape = EdgeCurve::Shape::polynomial;

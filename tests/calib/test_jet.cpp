@@ -66,7 +66,7 @@ Gradient gradient(const System<Jet4>& from, const mtf::Freq<double>& f, std::siz
   mtf::Freq<Jet4> g{Jet4(f.x), Jet4(f.y)};
   addresses(system, g)[index]->v[2] = 1.0;
   const Complex<Jet4> h = only_component(system).otf(g, system.context());
-  EXPECT_EQ(h.re.v[0], 0.0);  // derivatives stay in their place
+  EXPECT_EQ(h.re.v[0], 0.0);  // derivatives keep their slots
   return {{h.re.a, h.im.a}, {h.re.v[2], h.im.v[2]}};
 }
 
@@ -85,7 +85,7 @@ Complex<double> difference(const Case& c, const mtf::Freq<double>& f, std::size_
   return combine(1.0, near, -0.5 / s, v(at + 2.0 * s));
 }
 
-/// Small values next to a bound have no scale of their own: that of the example, where it is a small plain number.
+/// Small values next to a bound have no scale of their own; the example's is used, where it is a small plain number.
 double smallest_scale(const Case& c, std::size_t index) {
   System<double> system = c.system;
   const auto scalars = scalars_of(only_component(system));

@@ -38,7 +38,7 @@ Complex<double> sum(double a, const Complex<double>& x, const Complex<double>& y
 // Compares the change of the value over an interval with Simpson's rule for the analytic slope, and halves the interval
 // until they agree or its ends are neighbouring doubles: there a change beyond the slope is a jump. Kinks and sharp
 // bends only take more halvings. Where the OTF turns too fast to be followed everywhere, or the budget is spent, the
-// search goes on in the half that agrees less.
+// search continues in the half that agrees less.
 // Allowed beyond the slope: 16 ulp of `scale`, and the conditioning of t itself, 8 ulp of t x the steepest slope
 // nearby.
 class JumpSearch {
@@ -89,7 +89,7 @@ class JumpSearch {
       search(m, b);
   }
 
-  /// The values next to t go to and fro by `change`, and the conditioning of t is as large as that.
+  /// The values next to t alternate by `change`, and the conditioning of t is as large as that.
   bool scatters(double t, double change) const {
     double variation = 0.0, conditioning = 0.0, u = t;
     Complex<double> last = line_(u).value;

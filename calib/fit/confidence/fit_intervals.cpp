@@ -11,7 +11,7 @@
 namespace calib {
 namespace {
 
-constexpr double kLikeNormal = 0.1;  // of a half interval: to within this the standard error says the same
+constexpr double kLikeNormal = 0.1;  // of a half interval: to within this the standard error agrees with it
 constexpr double kOwnSd = 3.0;       // a first step of the profile, in sd of the parameter with the others fixed
 
 /// Chi-square per degree of freedom of all data.
@@ -64,7 +64,7 @@ bool like_normal(const ProfileEnds& ends, const Variable& v, double x, double sd
   return same_as({low, high}, x, k95_sd * sd);
 }
 
-/// Of the parameter, from intervals of its square that may reach beyond its range: an end there is open.
+/// The interval of the parameter, from intervals of its square that may extend beyond its range: such an end is open.
 ProfileEnds ends_of_square(const Variable& v, double x, double sd) {
   const auto within = [&](double half) {
     const double at_low = x - half > v.lo ? v.value(x - half) : v.sign * v.step * std::sqrt(v.lo);
@@ -107,7 +107,7 @@ void judge_by_profile(FittedParameter& p, const Variable& v, double best, bool n
 
 bool leave_flat_bounds(FitProblem& problem, Solved& solved, std::span<const FlatBound> flat, Solution& solution,
                        const MinimiseOptions& options) {
-  constexpr double kLower = 0.005;  // half of chi-square: a tenth of a standard deviation is the same place
+  constexpr double kLower = 0.005;  // half of chi-square: minima within a tenth of a standard deviation are the same
   if (std::none_of(flat.begin(), flat.end(), [](const FlatBound& f) { return f.at_bound; })) return false;
   const std::vector<double> x = problem.x;
   const std::vector<std::vector<double>> own = problem.own;

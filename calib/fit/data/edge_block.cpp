@@ -14,12 +14,12 @@ namespace {
 /// needs no more than that.
 constexpr double kTurns = 0.05;
 
-/// Pixels farther from the starting curve tell of the levels only, as in measure_edge.
+/// Pixels farther from the starting curve would determine the plateaus only, as in measure_edge.
 constexpr double kRange_px = 96.0;
 /// Of 32 bytes.
 constexpr std::size_t kMostPixels = 1000000;
 
-/// t^k of t = s / half_length for k = 2, 3, ..; beyond the ends they go on along their tangents (edge_curve.h).
+/// t^k of t = s / half_length for k = 2, 3, ..; beyond the ends they continue along their tangents (edge_curve.h).
 class Powers {
  public:
   Powers(const EdgeCurve& curve, double s)
@@ -259,8 +259,8 @@ std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<con
 }
 
 // Rounding errors of noise below half a step repeat among the pixels that round alike: those whose values differ by
-// less than a step, `run` of them along d. Together they tell no more than one: a plateau is known to half a step,
-// however many pixels it has.
+// less than a step, `run` of them along d. Together they hold no more information than one: a plateau is known to half
+// a step, however many pixels it has.
 void EdgeBlock::update_noise(const Sensors& sensors, std::span<const double> own) {
   const std::vector<Residual> all = residuals(sensors, own);
   const StepResponse& step = response(sensors, curve(own));

@@ -14,7 +14,7 @@ using mtf::Complex;
 
 constexpr std::int64_t kLeastSide = 32, kMostSide = 64;  // of what is left of a larger region
 constexpr std::size_t kFewestPixels = 16;
-constexpr double kMostFrequencies = 1024.0;  // of one axis, either way
+constexpr double kMostFrequencies = 1024.0;  // of one axis, on either side of 0
 
 /// Calls take(x, y, value) for every pixel with a value.
 template <class Take>
@@ -46,7 +46,8 @@ SpotBlock::SpotBlock(const SpotData& data) : data_(&data), roi_(data.roi) {
   if (reason_.empty()) start_from_light();
 }
 
-// The brightest 3 x 3 pixels, as one alone may be hot; what is above half of it tells the width and how much to keep.
+// The brightest 3 x 3 pixels, as one alone may be hot; the pixels above half of it determine the width and the part
+// that is kept.
 void SpotBlock::find_peak() {
   const auto& image = data_->image;
   const auto near = [&](std::int64_t x, std::int64_t y) {
@@ -92,7 +93,7 @@ void SpotBlock::find_peak() {
   shorten(roi_.y, roi_.height, peak_y_, side);
 }
 
-// The rim tells the background and its noise; what exceeds them is the spot.
+// The rim gives the background and its noise; the spot is what exceeds them.
 void SpotBlock::measure_rim() {
   std::vector<double> rim, off;
   double largest = -INFINITY;
