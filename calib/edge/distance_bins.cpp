@@ -4,7 +4,7 @@
 namespace calib {
 
 constexpr DistanceBins::DistanceBins() {
-  constexpr auto kMiddle = static_cast<std::size_t>(kReach_px) * kFinest;
+  constexpr auto kMiddle = static_cast<std::size_t>(kRange_px) * kFinest;
   std::size_t bin = 0;
   double from = 0.0;
   for (const DistanceZone& zone : kDistanceZones)

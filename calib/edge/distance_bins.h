@@ -11,30 +11,30 @@
 
 namespace calib {
 
-/// Distances from 0 to kReach_px in zones whose step doubles; the other side mirrors them.
-inline constexpr double kReach_px = 96.0;
-inline constexpr int kFinest = 32;  ///< bins a pixel next to the edge
+/// Distances from 0 to kRange_px are divided into zones whose step doubles; the other side mirrors them.
+inline constexpr double kRange_px = 96.0;
+inline constexpr int kFinest = 32;  ///< bins per pixel next to the edge
 struct DistanceZone {
   double end_px, step_px;
 };
 inline constexpr std::array<DistanceZone, 6> kDistanceZones{
     {{2.0, 1.0 / 32}, {6.0, 1.0 / 16}, {12.0, 1.0 / 8}, {24.0, 1.0 / 2}, {48.0, 1.0}, {96.0, 2.0}}};
 inline constexpr int kSideBins = 64 + 64 + 48 + 24 + 24 + 24;
-inline constexpr int kBins = 2 * kSideBins;  ///< rising distance: the dark side's first
-inline constexpr int kLot = 16;              ///< bins that loops take together
+inline constexpr int kBins = 2 * kSideBins;  ///< in order of rising distance, the dark side first
+inline constexpr int kLot = 16;              ///< bins that loops process together
 static_assert(kBins % kLot == 0);
-/// A number for each bin, in whole cache lines.
+/// A number for each bin, aligned to cache lines.
 struct alignas(64) BinRow : std::array<double, kBins> {};
 
 class DistanceBins {
  public:
-  /// The one layout there is.
+  /// The bins, which are the same for all edges.
   static const DistanceBins& get();
 
-  /// The bin of a distance, |d| < kReach_px.
+  /// The bin of a distance, |d| < kRange_px.
   int index(double d_px) const {
-    const auto step = static_cast<std::size_t>(std::floor((d_px + kReach_px) * kFinest));
-    return at_step_[std::min(step, at_step_.size() - 1)];  // a hair within the reach rounds to its end
+    const auto step = static_cast<std::size_t>(std::floor((d_px + kRange_px) * kFinest));
+    return at_step_[std::min(step, at_step_.size() - 1)];  // a distance just below the range may round up to its end
   }
   double knot(int i) const { return knot_[static_cast<std::size_t>(i)]; }  ///< lower end of bin i, i <= kBins
   double centre(int i) const { return centre_[static_cast<std::size_t>(i)]; }
@@ -44,7 +44,7 @@ class DistanceBins {
   constexpr DistanceBins();
 
  private:
-  std::array<std::int16_t, 2 * static_cast<std::size_t>(kReach_px) * kFinest> at_step_{};  // of the finest bins
+  std::array<std::int16_t, 2 * static_cast<std::size_t>(kRange_px) * kFinest> at_step_{};  // of the finest bins
   std::array<double, kBins + 1> knot_{};
   BinRow centre_{};
 };

@@ -10,7 +10,7 @@ struct Height {
   double value = 0.0, slope = 0.0, bend = 0.0;  // g, g', g''
 };
 
-// g and its derivatives; the tangent goes on beyond the ends.
+// g and its derivatives; beyond the ends the tangent continues.
 Height polynomial(const EdgeCurve& curve, double s) {
   const double t = std::clamp(s / curve.half_length_px, -1.0, 1.0);
   double value = 0.0, slope = 0.0, bend = 0.0;

@@ -7,10 +7,10 @@
 // point p has the coordinates
 //   s = t.(p - p0) along the edge,  u = n.(p - p0) across it.
 // The edge is the curve u = g(s). Straight: g = 0. Polynomial: g = sum of c_k (s / half_length)^k for k = 2 .. 5, in
-// pixels (offset and slope are in p0 and n); beyond |s| = half_length it goes on along its tangents. Circle: curvature
-// kappa in 1/px, positive when the centre lies on the brighter side. The distance that an edge spread function is a
-// function of is the signed distance to the curve, positive on the brighter side; blur that is small against the radius
-// of curvature makes it so.
+// pixels (offset and slope are in p0 and n); beyond |s| = half_length it continues along its tangents. Circle:
+// curvature kappa in 1/px, positive when the centre lies on the brighter side. The edge spread function is a function
+// of the signed distance to the curve, positive on the brighter side, as long as the blur is small against the radius
+// of curvature.
 
 #include <cmath>
 #include <cstdint>
@@ -53,11 +53,11 @@ struct EdgePoint {
 /// u of the curve at s.
 double offset_at(const EdgeCurve& curve, double along_px);
 
-/// Coordinates of a point of the image. Error of the foot point of a polynomial below 1e-9 px where the radius of
-/// curvature is above twice the distance.
+/// The coordinates of a point of the image. The error of the foot point of a polynomial is below 1e-9 px where the
+/// radius of curvature is above twice the distance.
 EdgePoint locate(const EdgeCurve& curve, Point p);
-/// The same from u across and s along the tangent at p0. `small_step_px`: the search of the foot ends with a step
-/// below; the error of the distance is of its third order.
+/// The same from u across and s along the tangent at p0. The search for the foot ends with a step below
+/// `small_step_px`, which leaves an error of the distance of third order in it.
 EdgePoint bend(const EdgeCurve& curve, double u_px, double s_px, double small_step_px = 1e-4);
 
 /// The foot of a point on the curve, and the curve there.
@@ -67,7 +67,8 @@ struct CurveFoot {
   double height_px = 0.0;    ///< g(s)
   double slope = 0.0;        ///< g'(s)
 };
-/// As bend(), the search starting from `near_px` along: a foot of nearly the same curve ends it at once.
+/// As bend(), with a search that starts from `near_px` along: one step is enough there if that is the foot on nearly
+/// the same curve.
 CurveFoot foot_near(const EdgeCurve& curve, double u_px, double s_px, double near_px, double small_step_px);
 
 }  // namespace calib

@@ -29,7 +29,8 @@ struct Polynomial {
 };
 
 // One step of Newton's method for the feet s of the points (u, start), with (s - start) + g'(s) (g(s) - u) = 0, its
-// derivative kept positive; `height` becomes g at the new feet. Whether a step was longer than it may be at the end.
+// derivative kept positive; `height` becomes g at the new feet. Returns whether a step was longer than the search may
+// end with.
 MTFKIT_CLONES bool step_feet(const Polynomial& curve, const double* u, const double* start, double* s, double* height,
                              std::size_t n) {
   const double half = curve.half_length_px, per_px = 1.0 / half;
@@ -38,7 +39,7 @@ MTFKIT_CLONES bool step_feet(const Polynomial& curve, const double* u, const dou
   for (std::size_t i = 0; i < n; ++i) {
     const double inside = std::min(std::max(s[i], -half), half), beyond = s[i] - inside, t = inside * per_px;
     const double slope = t * (2.0 * c2 + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5))) * per_px;
-    const double g = t * t * (c2 + t * (c3 + t * (c4 + t * c5))) + slope * beyond;  // on along the tangent at the ends
+    const double g = t * t * (c2 + t * (c3 + t * (c4 + t * c5))) + slope * beyond;  // beyond the ends a tangent
     const double curved = (2.0 * c2 + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5))) * per_px * per_px;
     const double bend = beyond == 0.0 ? curved : 0.0;
     const double pull = (s[i] - start[i]) + slope * (g - u[i]);

@@ -50,7 +50,7 @@ Extent extent_of(mtf::ImageView<const float> image, const Roi& roi, float from, 
   return extent;
 }
 
-// Where all but a few of a region's values are, several times as wide: one hot pixel must not set the scale of all.
+// The range of all but a few of a region's values, widened several times: one hot pixel must not set the scale of all.
 struct Range {
   double low = 0.0, high = 0.0;
   bool holds(const Extent& extent) const {
@@ -75,7 +75,7 @@ std::optional<Range> usual_range(mtf::ImageView<const float> image, const Roi& r
   return Range{low - kTimes * (high - low), high + kTimes * (high - low)};
 }
 
-// The values that are taken: neither wild nor clipped; NaN is not between them.
+// The bounds of the values that are used, neither wild nor clipped. NaN lies within no bounds.
 struct ValueBounds {
   float low, high;
 };
@@ -93,7 +93,7 @@ MTFKIT_CLONES bool all_within(const float* values, std::int64_t n, ValueBounds b
   return outside == 0;
 }
 
-// Positions and scaled values of pixels side by side.
+// Positions and scaled values of a row of pixels.
 MTFKIT_CLONES void fill_row(const float* __restrict row, std::int64_t n, double left, double offset, double scale,
                             double* __restrict x, double* __restrict values) {
   const auto size = static_cast<std::int32_t>(n);
@@ -124,7 +124,7 @@ RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const Valu
   Extent extent = extent_of(image, roi, -kLargest, kLargest);
   facts.finite = extent.count;
   if (facts.finite == 0) return facts;
-  // Where even the range of most of a few pixels, which is narrower, holds all of them, none is wild.
+  // The narrower range of most of a sample of 300 is a quick test: where all values lie within it, none is wild.
   if (const auto most = usual_range(image, roi, 300, 0.05); !most || !most->holds(extent)) {
     const auto usual = usual_range(image, roi, 20000, 0.005);
     if (usual && usual->high > usual->low && !usual->holds(extent)) {
@@ -149,7 +149,7 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
   const std::int64_t shorter = std::min(roi.width, roi.height), longer = std::max(roi.width, roi.height);
   block_px = std::max<std::int64_t>({1, (longer + kMostBlocks - 1) / kMostBlocks, shorter >= 24 ? 2 : 1});
   const ValueBounds bounds = bounds_of(facts, limits);
-  // Of the pixels that are taken, where some are not.
+  // The centroid of the pixels that are used, for blocks where some are not.
   const auto centroid = [&](std::int64_t left, std::int64_t top, std::int64_t right, std::int64_t bottom) {
     double x = 0.0, y = 0.0, n = 0.0;
     for (std::int64_t j = top; j < bottom; ++j)
@@ -200,7 +200,7 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
 }
 
 EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
-                         const ValueLimits& limits, const EdgeCurve& curve, double reach_px) {
+                         const ValueLimits& limits, const EdgeCurve& curve, double range_px) {
   const Point n = curve.normal();
   const double left = 0.5 - 0.5 * static_cast<double>(roi.width), top = 0.5 - 0.5 * static_cast<double>(roi.height);
   struct Part {
@@ -210,13 +210,13 @@ EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, cons
   std::size_t most = 0;
   for (std::size_t j = 0; j < parts.size(); ++j) {
     const double u0 = n.y * (static_cast<double>(j) + top - curve.origin.y) + n.x * (left - curve.origin.x);
-    // |u0 + n.x i| < reach
+    // |u0 + n.x i| < range_px
     double first = 0.0, end = static_cast<double>(roi.width);
     if (std::abs(n.x) * end > 1e-9) {
-      const double a = (-reach_px - u0) / n.x, b = (reach_px - u0) / n.x;
+      const double a = (-range_px - u0) / n.x, b = (range_px - u0) / n.x;
       first = std::clamp(std::ceil(std::min(a, b)), 0.0, end);
       end = std::clamp(std::floor(std::max(a, b)) + 1.0, first, end);
-    } else if (std::abs(u0) >= reach_px) {
+    } else if (std::abs(u0) >= range_px) {
       end = 0.0;
     }
     parts[j] = {static_cast<std::int64_t>(first), static_cast<std::int64_t>(end - first)};

@@ -13,8 +13,8 @@
 namespace calib {
 
 /// Positions in pixels from the middle of the region, values less `offset` over `scale`, so that sums of squares
-/// neither overflow nor lose their digits. Three lists in one piece of memory: the C library hands pieces that are
-/// smaller back to the system after each edge, to ask for them again page by page.
+/// neither overflow nor lose digits. The three lists share one allocation: with three smaller ones the C library would
+/// return the memory to the system after each edge and map it again page by page.
 class EdgePixels {
  public:
   explicit EdgePixels(std::size_t most) : most_(most), data_(std::make_unique_for_overwrite<double[]>(3 * most)) {}
@@ -38,25 +38,25 @@ class EdgePixels {
   std::unique_ptr<double[]> data_;
 };
 
-/// Every how many of the pixels to take so that about `some` are: prime to the length of the rows, so that no column is
-/// left out of all of them, as an upright edge is seen in few columns.
+/// The step through the list that takes about `some` of the pixels. It is prime to the length of the rows: an upright
+/// edge is seen in few columns, none of which may be left out.
 std::size_t step_for(const EdgePixels& pixels, std::size_t some);
 
-/// What is in a region before anything is known of its edge.
+/// Statistics of a region, before anything is known of its edge.
 struct RegionFacts {
   Point middle;                      ///< of the region, pixels of the image
   std::int64_t finite = 0;           ///< pixels with data
   std::int64_t clipped = 0;          ///< of these, at the saturation or floor
-  double low = 0.0, high = 0.0;      ///< of the pixels that are not wild
-  std::int64_t wild = 0;             ///< pixels further from nearly all others than these from each other, many times
+  double low = 0.0, high = 0.0;      ///< smallest and largest value that is not wild
+  std::int64_t wild = 0;             ///< values many times further from nearly all others than these from each other
   double offset = 0.0, scale = 1.0;  ///< value = offset + scale x EdgePixels::value
-  bool holds(double value) const { return value >= low && value <= high; }  ///< neither wild nor no number
+  bool holds(double value) const { return value >= low && value <= high; }  ///< neither wild nor NaN
 };
 
-/// Values that mean no data, are clipped or wild (NaN, infinite, at the limits) are left out of the lists.
+/// Limits beyond which values are clipped. Clipped and wild values, NaN and infinite ones are left out of the lists.
 struct ValueLimits {
   std::optional<double> saturation, floor;
-  /// Limits as the pixels' float32 holds them.
+  /// The limits are compared as float32, the type of the pixels.
   bool clipped(float value) const {
     return (saturation && value >= static_cast<float>(*saturation)) || (floor && value <= static_cast<float>(*floor));
   }
@@ -81,8 +81,8 @@ RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const Valu
 EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
                          const ValueLimits& limits, std::int64_t& block_px);
 
-/// All pixels within `reach_px` of the curve's tangent at its origin.
+/// All pixels within `range_px` of the curve's tangent at its origin.
 EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
-                         const ValueLimits& limits, const EdgeCurve& curve, double reach_px);
+                         const ValueLimits& limits, const EdgeCurve& curve, double range_px);
 
 }  // namespace calib

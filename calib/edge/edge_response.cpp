@@ -166,7 +166,7 @@ void EdgeResponse::locate() {
     shift_px_ -= sum / weight;
     if (std::abs(sum) <= kExact_px * weight) break;
   }
-  if (!(std::abs(shift_px_) < kReach_px)) shift_px_ = 0.0;
+  if (!(std::abs(shift_px_) < kRange_px)) shift_px_ = 0.0;
 }
 
 EdgeResponse::Otf EdgeResponse::otf(double f_cy_px) const { return otf_of(f_cy_px, parts(f_cy_px)); }
@@ -211,7 +211,7 @@ double EdgeResponse::Otf::mtf() const { return std::sqrt(std::max(0.0, re * re +
 
 double EdgeResponse::Otf::mtf_sd() const {
   const double square = re * re + im * im;
-  // Where the modulus is within its noise, its direction is not known, and either part may be the one along it.
+  // Where the modulus is within its noise, its phase is unknown, so that either part may be the one along it.
   return std::sqrt(square > var_across ? var_along : std::max(var_along, var_across));
 }
 
@@ -219,7 +219,7 @@ EdgeResponse::Row EdgeResponse::mtf_row(double f_cy_px) const { return parts(f_c
 
 double EdgeResponse::at_knots(const std::array<double, kSideBins + 1>& values, double d_px) const {
   const DistanceBins& bins = DistanceBins::get();
-  const double d = std::min(std::abs(d_px), kReach_px * (1.0 - 1e-12));
+  const double d = std::min(std::abs(d_px), kRange_px * (1.0 - 1e-12));
   const int i = bins.index(d);
   const auto side = static_cast<std::size_t>(i - kSideBins);
   const double t = (d - bins.knot(i)) / bins.width(i);
@@ -276,7 +276,7 @@ EdgeResponse::Row EdgeResponse::lsf_row(double d_px) const {
 
 double EdgeResponse::reference_esf(double d_px) const {
   const DistanceBins& bins = DistanceBins::get();
-  const double d = std::min(std::abs(d_px), kReach_px * (1.0 - 1e-12));
+  const double d = std::min(std::abs(d_px), kRange_px * (1.0 - 1e-12));
   const int i = bins.index(d);
   const auto side = static_cast<std::size_t>(i - kSideBins);
   const double h = bins.width(i), t = (d - bins.knot(i)) / h, u = 1.0 - t;

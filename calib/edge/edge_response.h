@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The response that a joint fit found, reference + its change + correction, as OTF and as edge spread function about
-// the edge's location. Everything is linear in the fit's unknowns, so variances are quadratic forms of its covariance.
+// The response that a joint fit found (reference, its change and the correction) as OTF and as edge spread function
+// about the edge's location. Both are linear in the fit's unknowns, so that variances are quadratic forms of its
+// covariance.
 //
-// The offset of the edge is one of them: the line spread is its derivative, and the even splines span that too, so that
-// only the sum of both is known where they act. The location is that of the sum, at which its phase is least,
+// The offset of the edge is one of the unknowns. Its derivative is the line spread, which the even splines span too, so
+// that only the sum of both is known. The location of the edge is that about which the phase of this sum is least,
 //   sum over f of 2 pi f |H| Im H(f) = 0,
-// and what noise moves together with the location does not count as noise of the response about it.
+// and changes of the response that are no more than a change of the location do not count as its noise.
 
 #include <Eigen/Core>
 #include <cmath>
@@ -23,11 +24,11 @@ class EdgeResponse {
 
   struct Otf {
     double re = 1.0, im = 0.0;
-    double var_along = 0.0, var_across = 0.0;  ///< of the modulus; of the part at right angles to it
-    double mtf() const;                        ///< |OTF| less what the noise across its phase adds on average
+    double var_along = 0.0, var_across = 0.0;  ///< along the phase (the modulus) and at right angles to it
+    double mtf() const;                        ///< |OTF| less the bias that noise across its phase adds
     double mtf_sd() const;
   };
-  /// Of the location from where the joint fit's equations were taken, towards the bright side.
+  /// From where the joint fit's equations were taken to the location, towards the bright side.
   double shift_px() const { return shift_px_; }
   Otf otf(double f_cy_px) const;
   /// At 0, step .. (count - 1) step.

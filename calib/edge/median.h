@@ -11,7 +11,7 @@
 
 namespace calib {
 
-/// The middle value, the upper of two; at least one value. Leaves them in another order.
+/// The middle value, the upper one of two, of at least one value. Their order changes.
 template <class T>
 T median(std::vector<T>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -19,8 +19,8 @@ T median(std::vector<T>& values) {
   return *middle;
 }
 
-/// The k-th least of numbers >= 0, which come out in another order: those whose bits begin as its own are found by
-/// counting, so that few need to be compared.
+/// The nth smallest (from 0) of numbers >= 0, whose order changes. Counting by the leading bits finds the few
+/// candidates that have to be compared.
 inline float nth_least(std::span<float> values, std::size_t nth) {
   constexpr int kShift = 20;  // the exponent and three bits of the fraction
   std::array<std::uint32_t, 1U << (32 - kShift)> count{};

@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstring>
 #include <numeric>
+#include <utility>
 #include <vector>
 
-#include "calib/edge/lanes.h"
+#include "calib/edge/exponential.h"
 #include "mtf/engines/clones.h"
 #include "mtf/math/quadrature.h"
 #include "mtf/math/special.h"
+#include "mtf/math/turns.h"
 
 namespace calib {
 namespace {
@@ -21,13 +23,12 @@ constexpr std::size_t kTogether = 4;        // frequencies that are summed toget
 constexpr std::size_t kZones = kDistanceZones.size();
 constexpr double kPi = mtf::kPi;
 
-// sinc(f sqrt(q) c) and its derivative by q: with x = f c sqrt(q), d sinc / d(x^2) = (cos(pi x) - sinc x) / (2 x^2).
-[[gnu::always_inline]] inline mtf::ValueSlope footprint(double fc, double q_px2) {
+// sinc(f sqrt(q) c) and its derivative by q: with x = f |c| sqrt(q), d sinc / d(x^2) = (cos(pi x) - sinc x) / (2 x^2);
+// `turn` holds sin(pi x) and cos(pi x).
+[[gnu::always_inline]] inline mtf::ValueSlope footprint(double fc, double q_px2, mtf::SinCos turn) {
   constexpr double kSmall = 1e-3;
   const double square = kPi * kPi * fc * fc, a = square * q_px2, large = std::max(a, kSmall);
-  const double angle = std::sqrt(large);
-  const SineCosine turn = sine_cosine(angle);
-  const double sinc = turn.sin / angle;
+  const double sinc = turn.sin / std::sqrt(large);
   return {a < kSmall ? 1.0 - a / 6.0 * (1.0 - a / 20.0) : sinc,
           square * (a < kSmall ? a / 60.0 - 1.0 / 6.0 : (turn.cos - sinc) / (2.0 * large))};
 }
@@ -43,34 +44,43 @@ Pupil pupil_of(double x) {
   return {2.0 / kPi * (std::acos(x) - x * root), root};
 }
 
-[[gnu::always_inline]] inline ReferenceOtf otf_of(const ReferenceShape& shape, Point normal, double f, Pupil pupil) {
+[[gnu::always_inline]] inline ReferenceOtf otf_of(const ReferenceShape& shape, Point normal, double f, Pupil pupil,
+                                                  mtf::SinCos x, mtf::SinCos y) {
   const double square = 2.0 * kPi * kPi * f * f;
   const double gauss = exponential(std::max(-square * shape.v_px2, -690.0));
-  const mtf::ValueSlope a = footprint(f * normal.x, shape.q_px2), b = footprint(f * normal.y, shape.q_px2);
+  const mtf::ValueSlope a = footprint(f * normal.x, shape.q_px2, x), b = footprint(f * normal.y, shape.q_px2, y);
   const double value = pupil.value * gauss * a.value * b.value;
   return {.value = value,
           .slope = {-4.0 / kPi * f * pupil.root * gauss * a.value * b.value, -square * value,
                     pupil.value * gauss * (a.slope * b.value + a.value * b.slope)}};
 }
 
-// Frequencies: their weights in E, the line spread and the derivatives, and the rotation by the finest step; a row
-// each.
-struct Nodes {
-  explicit Nodes(std::size_t n) : size(n), list(n * (kSums + 2)) {}
-  double* weight(std::size_t k) { return list.data() + k * size; }
-  double* cos() { return weight(kSums); }
-  double* sin() { return weight(kSums + 1); }
-  std::size_t size;
-  std::vector<double> list;
+// sin and cos of 2 pi f x at many frequencies.
+struct Turns {
+  Turns(std::span<const double> f_cy_px, double x_px) : sin(f_cy_px.size()), cos(f_cy_px.size()) {
+    std::vector<double> turns(f_cy_px.size());
+    for (std::size_t i = 0; i < turns.size(); ++i) turns[i] = f_cy_px[i] * x_px;
+    mtf::sin_cos_turns(turns, sin, cos);
+  }
+  std::vector<double> sin, cos;
+};
+
+// The OTF and its derivatives, a row each.
+struct OtfRows {
+  explicit OtfRows(std::size_t size) : value(size), by_s(size), by_v(size), by_q(size) {}
+  std::vector<double> value, by_s, by_v, by_q;
 };
 
 // `value` and `by_s` come as the pupil's value and root.
 MTFKIT_CLONES void fill_otf(const ReferenceShape& the_shape, Point normal, std::size_t size,
-                            const double* __restrict f_cy_px, double* __restrict value, double* __restrict by_s,
+                            const double* __restrict f_cy_px, const double* __restrict sin_x,
+                            const double* __restrict cos_x, const double* __restrict sin_y,
+                            const double* __restrict cos_y, double* __restrict value, double* __restrict by_s,
                             double* __restrict by_v, double* __restrict by_q) {
   const ReferenceShape shape = the_shape;
   for (std::size_t i = 0; i < size; ++i) {
-    const ReferenceOtf h = otf_of(shape, normal, f_cy_px[i], {value[i], by_s[i]});
+    const ReferenceOtf h =
+        otf_of(shape, normal, f_cy_px[i], {value[i], by_s[i]}, {sin_x[i], cos_x[i]}, {sin_y[i], cos_y[i]});
     value[i] = h.value;
     by_s[i] = h.slope[0];
     by_v[i] = h.slope[1];
@@ -78,54 +88,60 @@ MTFKIT_CLONES void fill_otf(const ReferenceShape& the_shape, Point normal, std::
   }
 }
 
-// f_cy_px, df and the pupil's value and root become the rows of the nodes.
-MTFKIT_CLONES void fill(const ReferenceShape& the_shape, Point normal, std::size_t size,
-                        const double* __restrict f_cy_px, const double* __restrict df, double* __restrict odd,
-                        double* __restrict lsf, double* __restrict by_s, double* __restrict by_v,
-                        double* __restrict by_q, double* __restrict cos, double* __restrict sin) {
-  const ReferenceShape shape = the_shape;
-  for (std::size_t i = 0; i < size; ++i) {
-    const double f = f_cy_px[i], per_f = df[i] / (kPi * f);
-    const ReferenceOtf h = otf_of(shape, normal, f, {cos[i], sin[i]});
-    const SineCosine turn = sine_cosine(2.0 * kPi / kFinest * f);
-    odd[i] = per_f * h.value;
-    lsf[i] = 2.0 * df[i] * h.value;
-    by_s[i] = per_f * h.slope[0];
-    by_v[i] = per_f * h.slope[1];
-    by_q[i] = per_f * h.slope[2];
-    cos[i] = turn.cos;
-    sin[i] = turn.sin;
+OtfRows otf_rows(const ReferenceShape& shape, Point normal, std::span<const double> f_cy_px) {
+  OtfRows rows(f_cy_px.size());
+  for (std::size_t i = 0; i < f_cy_px.size(); ++i) {
+    const Pupil pupil = pupil_of(f_cy_px[i] * shape.s_px);
+    rows.value[i] = pupil.value;
+    rows.by_s[i] = pupil.root;
   }
+  const double half_px = 0.5 * std::sqrt(shape.q_px2);
+  const Turns x(f_cy_px, half_px * std::abs(normal.x)), y(f_cy_px, half_px * std::abs(normal.y));
+  fill_otf(shape, normal, f_cy_px.size(), f_cy_px.data(), x.sin.data(), x.cos.data(), y.sin.data(), y.cos.data(),
+           rows.value.data(), rows.by_s.data(), rows.by_v.data(), rows.by_q.data());
+  return rows;
 }
 
+// For each frequency its weights in E, the line spread and the derivatives, and the rotation by the finest step.
+struct Nodes {
+  std::array<std::vector<double>, kSums> weight;
+  Turns turn;
+  std::size_t size() const { return weight[0].size(); }
+};
+
 // A Gauss-Legendre rule in t, f = top t (2 - t): smooth at the cutoff, where D ends with the power 3/2.
-Nodes make_nodes(const ReferenceShape& shape, Point normal, double top_cy_px, double reach_px) {
-  const double phase = 2.0 * kPi * top_cy_px * reach_px;
+Nodes make_nodes(const ReferenceShape& shape, Point normal, double top_cy_px, double range_px) {
+  const double phase = 2.0 * kPi * top_cy_px * range_px;
   const int wanted = static_cast<int>(0.5 * phase + std::cbrt(phase)) + 10;  // 1e-8
   const int n = std::min((wanted + 7) / 8 * 8, mtf::kMostGaussNodes);
   const mtf::GaussRule& rule = mtf::gauss_legendre(n);
-  Nodes nodes(static_cast<std::size_t>(n));
-  std::vector<double> f_cy_px(nodes.size), df(nodes.size);
-  for (std::size_t i = 0; i < nodes.size; ++i) {
+  std::vector<double> f_cy_px(static_cast<std::size_t>(n)), df(f_cy_px.size());
+  for (std::size_t i = 0; i < f_cy_px.size(); ++i) {
     const double t = 0.5 * (rule.node[i] + 1.0);
     f_cy_px[i] = top_cy_px * t * (2.0 - t);
     df[i] = rule.weight[i] * top_cy_px * (1.0 - t);
-    const Pupil pupil = pupil_of(f_cy_px[i] * shape.s_px);
-    nodes.cos()[i] = pupil.value;
-    nodes.sin()[i] = pupil.root;
   }
-  fill(shape, normal, nodes.size, f_cy_px.data(), df.data(), nodes.weight(0), nodes.weight(1), nodes.weight(2),
-       nodes.weight(3), nodes.weight(4), nodes.cos(), nodes.sin());
-  return nodes;
+  OtfRows otf = otf_rows(shape, normal, f_cy_px);
+  std::vector<double> lsf(f_cy_px.size());
+  for (std::size_t i = 0; i < f_cy_px.size(); ++i) {
+    const double per_f = df[i] / (kPi * f_cy_px[i]);
+    lsf[i] = 2.0 * df[i] * otf.value[i];
+    otf.value[i] *= per_f;
+    otf.by_s[i] *= per_f;
+    otf.by_v[i] *= per_f;
+    otf.by_q[i] *= per_f;
+  }
+  return {{std::move(otf.value), std::move(lsf), std::move(otf.by_s), std::move(otf.by_v), std::move(otf.by_q)},
+          Turns(f_cy_px, 1.0 / kFinest)};
 }
 
-// How many blocks of kLanes knots of each zone are within reach.
-std::array<std::size_t, kZones> blocks_within(double reach_px) {
+// How many blocks of kLanes knots of each zone are nearer than the range.
+std::array<std::size_t, kZones> blocks_within(double range_px) {
   std::array<std::size_t, kZones> blocks{};
   double start = 0.0;
-  for (std::size_t z = 0; z < kZones && start < reach_px; ++z) {
+  for (std::size_t z = 0; z < kZones && start < range_px; ++z) {
     const DistanceZone& zone = kDistanceZones[z];
-    const double px = std::min(zone.end_px, reach_px) - start;
+    const double px = std::min(zone.end_px, range_px) - start;
     blocks[z] = static_cast<std::size_t>(std::ceil(px / (zone.step_px * static_cast<double>(kLanes))));
     start = zone.end_px;
   }
@@ -140,13 +156,13 @@ struct Rows {
 
 // Adds the frequencies from `first` on, `kTogether` of them. c and s are cos and sin of 2 pi f d at the knots of a
 // block.
-MTFKIT_CLONES void add_nodes(Nodes& nodes, std::size_t first, const std::array<std::size_t, kZones>& blocks,
+MTFKIT_CLONES void add_nodes(const Nodes& nodes, std::size_t first, const std::array<std::size_t, kZones>& blocks,
                              Rows rows) {
-  // Of 0, 1 .. steps of a zone, and at its first knot.
+  // cos and sin of the phase of 0, 1 .. steps of a zone, and of the phase at its first knot.
   std::array<Lanes, kTogether> steps_c, steps_s, c, s;
   std::array<double, kTogether> at_c, at_s, block_c, block_s;
   for (std::size_t j = 0; j < kTogether; ++j) {
-    const double dc = nodes.cos()[first + j], ds = nodes.sin()[first + j];
+    const double dc = nodes.turn.cos[first + j], ds = nodes.turn.sin[first + j];
     double one_c = 1.0, one_s = 0.0;
     for (std::size_t k = 0; k < kLanes; ++k) {
       steps_c[j][k] = one_c;
@@ -181,11 +197,11 @@ MTFKIT_CLONES void add_nodes(Nodes& nodes, std::size_t first, const std::array<s
       std::memcpy(&by_v, rows.by_v, sizeof by_v);
       std::memcpy(&by_q, rows.by_q, sizeof by_q);
       for (std::size_t j = 0; j < kTogether; ++j) {
-        odd += nodes.weight(0)[first + j] * s[j];
-        lsf += nodes.weight(1)[first + j] * c[j];
-        by_s += nodes.weight(2)[first + j] * s[j];
-        by_v += nodes.weight(3)[first + j] * s[j];
-        by_q += nodes.weight(4)[first + j] * s[j];
+        odd += nodes.weight[0][first + j] * s[j];
+        lsf += nodes.weight[1][first + j] * c[j];
+        by_s += nodes.weight[2][first + j] * s[j];
+        by_v += nodes.weight[3][first + j] * s[j];
+        by_q += nodes.weight[4][first + j] * s[j];
         const Lanes next = c[j] * block_c[j] - s[j] * block_s[j];
         s[j] = s[j] * block_c[j] + c[j] * block_s[j];
         c[j] = next;
@@ -211,37 +227,32 @@ ReferenceOtf reference_otf(const ReferenceShape& shape, double angle_rad, double
 }
 
 ReferenceOtf reference_otf(const ReferenceShape& shape, Point normal, double f_cy_px) {
-  return otf_of(shape, normal, f_cy_px, pupil_of(f_cy_px * shape.s_px));
+  const double width_px = std::sqrt(shape.q_px2);
+  const auto turn = [&](double c) { return mtf::sin_cos_pi(f_cy_px * width_px * std::abs(c)); };
+  return otf_of(shape, normal, f_cy_px, pupil_of(f_cy_px * shape.s_px), turn(normal.x), turn(normal.y));
 }
 
 std::vector<ReferenceOtf> reference_otfs(const ReferenceShape& shape, Point normal, std::span<const double> f_cy_px) {
-  const std::size_t n = f_cy_px.size();
-  std::vector<double> value(n), by_s(n), by_v(n), by_q(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const Pupil pupil = pupil_of(f_cy_px[i] * shape.s_px);
-    value[i] = pupil.value;
-    by_s[i] = pupil.root;
-  }
-  fill_otf(shape, normal, n, f_cy_px.data(), value.data(), by_s.data(), by_v.data(), by_q.data());
-  std::vector<ReferenceOtf> all(n);
-  for (std::size_t i = 0; i < n; ++i) all[i] = {value[i], {by_s[i], by_v[i], by_q[i]}};
+  const OtfRows rows = otf_rows(shape, normal, f_cy_px);
+  std::vector<ReferenceOtf> all(f_cy_px.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = {rows.value[i], {rows.by_s[i], rows.by_v[i], rows.by_q[i]}};
   return all;
 }
 
-// By quadrature as far as the footprint, the Gaussian and the first rings of diffraction reach, by the first two terms
-// of the asymptotic series in 1/d from there on: H = 1 - a f + c f^3 in odd powers of f gives
+// A quadrature as far as the footprint, the Gaussian and the first rings of diffraction extend, and the first two terms
+// of the asymptotic series in 1/d beyond: H = 1 - a f + c f^3 in odd powers of f gives
 //   E - 1 = -a / (2 pi^2 d) - 2 c / (pi (2 pi d)^3),  a = 4 S / pi,  c = (2 S^3 / 3 + 4 S b) / pi,  H's Gaussian and
 // footprint being 1 - b f^2.
 ReferenceTable tabulate(const ReferenceShape& shape, double angle_rad) {
   const double s = shape.s_px, sigma = std::sqrt(shape.v_px2);
   const double top = s > 0.0 ? std::min(1.0 / s, 1.0 / sigma) : 1.0 / sigma;  // exp(-2 pi^2) = 3e-9
-  const double reach = std::min(kReach_px, 10.0 * s + 1.5 * std::sqrt(shape.q_px2) + 5.5 * sigma);
+  const double range = std::min(kRange_px, 10.0 * s + 1.5 * std::sqrt(shape.q_px2) + 5.5 * sigma);
   ReferenceTable table;
   const Rows rows{table.odd.data(), table.lsf.data(), table.slope[0].data(), table.slope[1].data(),
                   table.slope[2].data()};
-  const std::array<std::size_t, kZones> blocks = blocks_within(reach);
-  Nodes nodes = make_nodes(shape, {std::cos(angle_rad), std::sin(angle_rad)}, top, reach);
-  for (std::size_t first = 0; first < nodes.size; first += kTogether) add_nodes(nodes, first, blocks, rows);
+  const std::array<std::size_t, kZones> blocks = blocks_within(range);
+  const Nodes nodes = make_nodes(shape, {std::cos(angle_rad), std::sin(angle_rad)}, top, range);
+  for (std::size_t first = 0; first < nodes.size(); first += kTogether) add_nodes(nodes, first, blocks, rows);
   const std::size_t summed = kLanes * std::accumulate(blocks.begin(), blocks.end(), std::size_t{0});
   const double b = 2.0 * kPi * kPi * shape.v_px2 + kPi * kPi * shape.q_px2 / 6.0;
   const double c = (2.0 / 3.0 * s * s * s + 4.0 * s * b) / kPi;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The reference step: what most edges look like, with three numbers for the shape. Its OTF along the normal (c, s) is
+// The reference step: a shape close to that of most edges, with three parameters. Its OTF along the normal (c, s) is
 //   H(f) = D(f S) exp(-2 pi^2 v f^2) sinc(f sqrt(q) c) sinc(f sqrt(q) s),
 //   D(x) = (2/pi) (acos x - x sqrt(1 - x^2)), 0 from x = 1 on:
 // a circular pupil with S = wavelength x f-number / pitch, a Gaussian of variance v and a square footprint of area q.
-// Its step response has the tail E - 1 = -2 S / (pi^3 d) of diffraction, which reaches beyond any region.
+// Its step response has the tail E - 1 = -2 S / (pi^3 d) of diffraction, which extends beyond any region.
 
 #include <array>
 #include <span>
@@ -20,9 +20,9 @@ struct ReferenceShape {
   double s_px = 0.0;                                                            ///< >= 0
   double v_px2 = 0.25;                                                          ///< >= kLeastVariance_px2
   double q_px2 = 0.0;                                                           ///< >= 0
-  double blur_px2() const { return v_px2 + q_px2 / 12.0 + 0.1 * s_px * s_px; }  ///< of the whole, as a variance
+  double blur_px2() const { return v_px2 + q_px2 / 12.0 + 0.1 * s_px * s_px; }  ///< variance of the whole blur
 };
-inline constexpr double kLeastVariance_px2 = 0.0036;  ///< narrower than a bin's cubic can follow
+inline constexpr double kLeastVariance_px2 = 0.0036;  ///< below this the cubics of the bins are too coarse
 inline constexpr int kShapes = 3;                     ///< S, v, q
 
 struct ReferenceOtf {

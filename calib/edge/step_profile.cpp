@@ -38,7 +38,7 @@ MTFKIT_CLONES void fit_cubics(const ReferenceTable& table, BinRow* cubic) {
   }
 }
 
-// How much of the second difference goes into the value halfway between knots: that of the cubic through four where
+// The weight of the second difference in the value halfway between knots: that of the cubic through four where
 // they are evenly spaced, of the straight line elsewhere.
 constexpr std::array<double, kSideBins> bulges() {
   std::array<double, kSideBins> bulge{};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A step's E(d) for many pixels, and what its derivatives need, bin by bin.
+// The E(d) of a step and its derivatives, tabulated by bins of the distance, for many pixels.
 
 #include <vector>
 
@@ -9,8 +9,8 @@
 
 namespace calib {
 
-/// Row by row: E as a cubic in d - centre, c0 and c1 of which are E and the line spread at the middle of the bin; the
-/// derivatives by the shape there.
+/// In each bin E is a cubic in d - centre, whose c0 and c1 are E and the line spread at the middle of the bin; the
+/// derivatives by the shape are taken there.
 class StepProfile {
  public:
   StepProfile() = default;
@@ -25,8 +25,9 @@ class StepProfile {
   /// Takes the derivatives by the shape from another.
   void set_slopes(const StepProfile& other);
 
-  /// The bins [first, end) outside which the line spread is below a thousandth of that at the edge, in whole lots:
-  /// where bends of the edge are seen. Their derivatives, the terms t^2 and higher, count as zero elsewhere.
+  /// The bins [first, end) outside which the line spread is below a thousandth of that at the edge, in multiples
+  /// of kLot. Only there do bends of the edge show; their derivatives, the terms t^2 and higher, count as zero
+  /// elsewhere.
   int bend_first = 0, bend_end = kBins;
 
  private:

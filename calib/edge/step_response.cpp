@@ -20,16 +20,16 @@ using std::numbers::pi;
 
 constexpr std::size_t kLanes = 8;
 constexpr std::size_t kMostNodes = 65536;
-/// Knots a period of the highest frequency where all of it matters, and the error of the cubics there: (2 pi / 16)^4 /
-/// 384 = 6e-5 of what stands at that frequency, which is the smallest part of E.
+/// Knots per period of the highest frequency where it matters fully, and the error of the cubics there: (2 pi / 16)^4 /
+/// 384 = 6e-5 of the part of E at that frequency, which is the smallest.
 constexpr double kKnotsPerPeriod = 16.0;
-/// From here on only tails and the ripple of sharp cutoffs are left: wider knots will do.
+/// Beyond this distance only tails and the ripple of sharp cutoffs are left, for which wider knots are enough.
 constexpr double kNear_px = 8.0;
 constexpr double kFarRatio = 6.0;
 
-/// Nodes for f(x) exp(i K x) with f smooth: mtf/math/quadrature.h, rounded up so that few rules are ever made.
-int rule_size(double width_cy_px, double reach_px) {
-  const double turns = pi * width_cy_px * reach_px;
+/// Nodes for f(x) exp(i K x) with f smooth: mtf/math/quadrature.h, rounded up so that few different rules are computed.
+int rule_size(double width_cy_px, double range_px) {
+  const double turns = pi * width_cy_px * range_px;
   const double n = 0.5 * turns + 2.0 * std::cbrt(turns) + 32.0;
   return 16 * static_cast<int>(std::ceil(std::min(n, 1e6) / 16.0));
 }
@@ -39,7 +39,7 @@ struct Spectrum {
   std::vector<double> sine, sine_slope, cosine, cosine_slope;
 };
 
-/// Eight sums side by side, so that the order of additions is the same on every machine.
+/// Eight partial sums, so that the order of additions is the same on every machine.
 using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
 
 /// sum a sin and sum b cos over the nodes.
@@ -62,7 +62,7 @@ MTFKIT_CLONES void sum_products(std::size_t n, const double* a, const double* si
   }
 }
 
-/// Turns the phases 2 pi f d of all nodes on by a step.
+/// Advances the phases 2 pi f d of all nodes by a step.
 MTFKIT_CLONES void turn(std::size_t n, const double* step_cos, const double* step_sin, double* cosine, double* sine) {
   for (std::size_t i = 0; i < n; ++i) {
     const double c = cosine[i] * step_cos[i] - sine[i] * step_sin[i];
@@ -83,10 +83,10 @@ void phases(const std::vector<double>& f, double d, std::vector<double>& cosine,
 
 }  // namespace
 
-SliceNodes slice_nodes(double top_cy_px, double reach_px, std::span<const double> breaks_cy_px) {
-  if (!(top_cy_px > 0.0) || !(reach_px > 0.0) || !std::isfinite(top_cy_px * reach_px))
+SliceNodes slice_nodes(double top_cy_px, double range_px, std::span<const double> breaks_cy_px) {
+  if (!(top_cy_px > 0.0) || !(range_px > 0.0) || !std::isfinite(top_cy_px * range_px))
     throw mtf::UsageError("slice_nodes: frequencies up to " + std::to_string(top_cy_px) +
-                          " cycles/px and distances up to " + std::to_string(reach_px) +
+                          " cycles/px and distances up to " + std::to_string(range_px) +
                           " px; both have to be above 0");
   std::vector<double> ends{0.0};
   for (const double f : breaks_cy_px)
@@ -94,16 +94,16 @@ SliceNodes slice_nodes(double top_cy_px, double reach_px, std::span<const double
   ends.push_back(top_cy_px);
   std::sort(ends.begin(), ends.end());
 
-  SliceNodes nodes{.f_cy_px = {}, .weight = {}, .reach_px = reach_px};
+  SliceNodes nodes{.f_cy_px = {}, .weight = {}, .range_px = range_px};
   for (std::size_t piece = 1; piece < ends.size(); ++piece) {
     // Long pieces are cut so that each has a rule of moderate size.
     const double width = ends[piece] - ends[piece - 1];
     if (!(width > 1e-12 * top_cy_px)) continue;
-    const double parts = std::ceil(rule_size(width, reach_px) / 512.0);
-    const int n = rule_size(width / parts, reach_px);
+    const double parts = std::ceil(rule_size(width, range_px) / 512.0);
+    const int n = rule_size(width / parts, range_px);
     if (static_cast<double>(nodes.f_cy_px.size()) + parts * n > static_cast<double>(kMostNodes))
       throw mtf::UsageError("slice_nodes: an OTF up to " + std::to_string(top_cy_px) + " cycles/px over a region of " +
-                            std::to_string(reach_px) + " px needs more than " + std::to_string(kMostNodes) +
+                            std::to_string(range_px) + " px needs more than " + std::to_string(kMostNodes) +
                             " frequencies; take a smaller region or add the component that limits the frequencies");
     for (double part = 0.0; part < parts; ++part) {
       const double lo = ends[piece - 1] + width * part / parts;
@@ -116,7 +116,7 @@ SliceNodes slice_nodes(double top_cy_px, double reach_px, std::span<const double
 }
 
 StepResponse::StepResponse(const SliceNodes& nodes, std::span<const std::vector<Complex<double>>> h)
-    : count_(h.size()), reach_px_(nodes.reach_px) {
+    : count_(h.size()), range_px_(nodes.range_px) {
   const std::size_t used = nodes.f_cy_px.size();
   const std::size_t n = (used + kLanes - 1) / kLanes * kLanes;
   std::vector<double> f = nodes.f_cy_px;
@@ -137,7 +137,7 @@ StepResponse::StepResponse(const SliceNodes& nodes, std::span<const std::vector<
   }
 
   const double top = used == 0 ? 1.0 : nodes.f_cy_px.back(), step = 1.0 / (kKnotsPerPeriod * top);
-  const double near = std::min(kNear_px, reach_px_);
+  const double near = std::min(kNear_px, range_px_);
   const auto add_zone = [&](double start, double end, double wanted) {
     const double intervals = std::ceil((end - start) / wanted);
     const std::size_t first = zones_.empty() ? 0 : zones_.back().first + zones_.back().intervals + 1;
@@ -145,7 +145,7 @@ StepResponse::StepResponse(const SliceNodes& nodes, std::span<const std::vector<
         {start, (end - start) / intervals, intervals / (end - start), first, static_cast<std::size_t>(intervals)});
   };
   add_zone(0.0, near, step);
-  if (reach_px_ > near) add_zone(near, reach_px_, kFarRatio * step);
+  if (range_px_ > near) add_zone(near, range_px_, kFarRatio * step);
 
   const std::size_t width = knot_width();
   knots_.assign((zones_.back().first + zones_.back().intervals + 1) * width, 0.0);
@@ -171,8 +171,8 @@ StepResponse::StepResponse(const SliceNodes& nodes, std::span<const std::vector<
 
 double StepResponse::at(double d_px, std::span<double> values) const {
   assert(values.size() >= count_);
-  // Not a number lies beyond the reach, too.
-  const double distance = std::abs(d_px) < reach_px_ ? std::abs(d_px) : reach_px_, sign = d_px < 0.0 ? -1.0 : 1.0;
+  // NaN counts as a distance beyond the range.
+  const double distance = std::abs(d_px) < range_px_ ? std::abs(d_px) : range_px_, sign = d_px < 0.0 ? -1.0 : 1.0;
   const Zone& zone = zones_.size() > 1 && distance >= zones_[1].start ? zones_[1] : zones_[0];
   const double at = (distance - zone.start) * zone.steps_per_px;
   const std::size_t i = std::min(static_cast<std::size_t>(at), zone.intervals - 1);
@@ -195,7 +195,7 @@ double StepResponse::at(double d_px, std::span<double> values) const {
   }
   if (count_ == 0) return 0.0;
   values[0] += 0.5;
-  if (!(std::abs(d_px) <= reach_px_)) return 0.0;
+  if (!(std::abs(d_px) <= range_px_)) return 0.0;
   const double* const b0 = a0 + width;
   const auto slope = [&](std::size_t j) {
     return (6.0 * t * u * (b0[j] - a0[j]) + u * (1.0 - 3.0 * t) * a0[j + 1] + t * (3.0 * t - 2.0) * b0[j + 1]) *

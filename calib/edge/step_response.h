@@ -7,8 +7,7 @@
 // (the transform of a step with H(-f) = conj H(f)), d in pixels, and the derivative of H by a parameter into that of E,
 // without the 1/2. The integral is taken by Gauss-Legendre rules between the kinks of H, with as many nodes as the
 // fastest oscillation needs (mtf/math/quadrature.h), once for each point of a table; between the points E is
-// interpolated by cubics through value and slope. All of H has to lie below the highest frequency, to the accuracy
-// wanted.
+// interpolated by cubics through value and slope. H above the highest frequency has to be negligible.
 
 #include <cstddef>
 #include <span>
@@ -22,12 +21,12 @@ namespace calib {
 struct SliceNodes {
   std::vector<double> f_cy_px;
   std::vector<double> weight;
-  double reach_px = 0.0;  ///< largest |d| of the table
+  double range_px = 0.0;  ///< largest |d| of the table
 };
 
-/// Nodes for distances up to `reach_px` and frequencies up to `top_cy_px`; `breaks_cy_px` are frequencies between which
+/// Nodes for distances up to `range_px` and frequencies up to `top_cy_px`; `breaks_cy_px` are frequencies between which
 /// H is smooth (kinks, cutoffs), in any order. Throws UsageError where more than 65536 nodes would be needed.
-SliceNodes slice_nodes(double top_cy_px, double reach_px, std::span<const double> breaks_cy_px = {});
+SliceNodes slice_nodes(double top_cy_px, double range_px, std::span<const double> breaks_cy_px = {});
 
 /// E and its derivatives as one table of `count()` functions: function 0 is E (H itself), the others derivatives.
 class StepResponse {
@@ -36,9 +35,9 @@ class StepResponse {
   StepResponse(const SliceNodes& nodes, std::span<const std::vector<mtf::Complex<double>>> h);
 
   std::size_t count() const { return count_; }
-  double reach_px() const { return reach_px_; }
+  double range_px() const { return range_px_; }
   /// values[k] = function k at distance d, k < count(); returns the slope of function 0 there, the line spread in 1/px.
-  /// Beyond the reach the functions stay as they are at its end.
+  /// Beyond range_px() the functions keep their values at its end.
   double at(double d_px, std::span<double> values) const;
 
  private:
@@ -50,7 +49,7 @@ class StepResponse {
   std::size_t knot_width() const { return count_ * (symmetric_ ? 2 : 4); }
 
   std::size_t count_ = 0;
-  double reach_px_ = 0.0;
+  double range_px_ = 0.0;
   std::vector<Zone> zones_;
   std::vector<double> knots_;
   bool symmetric_ = true;

@@ -3,8 +3,8 @@
 
 // One colour of a colour filter mosaic, without demosaicing: an image of the same size that is NaN, no data, where the
 // sensor has another filter. Coordinates, and cycles per pixel, stay those of the sensor; distances from an edge that
-// no pixel of the colour has are had by others along the edge. A pattern names the filters of the first two rows, two
-// each: rggb is R G over G B. Of the greens, gr stands in rows of red and gb in rows of blue.
+// no pixel of the colour has at one place occur elsewhere along the edge. A pattern names the filters of the first two
+// rows, two each: rggb is R G over G B. Of the greens, gr stands in rows of red and gb in rows of blue.
 
 #include <array>
 #include <string_view>

@@ -21,7 +21,7 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 /// along x and y.
 constexpr std::array<float, 5> kBinomial{1.0F / 16, 4.0F / 16, 6.0F / 16, 4.0F / 16, 1.0F / 16};
 constexpr double kGradientNoise = 0.1498;
-/// Standard deviations of a gradient's component that noise does not reach in millions of cells.
+/// Standard deviations of a gradient's component that noise does not exceed in millions of cells.
 constexpr double kNoiseMargin = 6.0;
 double valid_share(mtf::ImageView<const float> image) {
   std::int64_t valid = 0;
@@ -146,7 +146,7 @@ Gradients make_gradients(const Cells& cells) {
       const float turn = std::atan2(gy, gx) / (2.0F * std::numbers::pi_v<float>);
       gradients.direction[i] = static_cast<std::uint8_t>(std::lround(turn * 256.0F) & 255);
     }
-  // What runs to the border goes on there.
+  // Cells on the border take the gradient of their inner neighbours.
   if (cells.width < 3 || cells.height < 3) return gradients;
   for (std::int64_t y = 0; y < cells.height; ++y)
     for (std::int64_t x = 0; x < cells.width; ++x) {

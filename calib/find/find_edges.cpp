@@ -19,8 +19,8 @@ using find::Gradients;
 using find::Segment;
 using find::Surroundings;
 
-/// Gradients of this share of an edge's own are other structure; weaker ones are shading. Edges that have no room by
-/// the strict share, as most have in natural scenes, are tried by the others, and count for less.
+/// Gradients above this share of an edge's own are other structure; weaker ones are shading. Edges without enough room
+/// at the strictest share, as most in natural scenes, are tried with the others and get a lower score.
 constexpr std::array<double, 3> kStructureShares{0.05, 0.1, 0.2};
 constexpr double kWidestHalf_px = 64.0;
 constexpr double kMinLength_cells = 5.0;
@@ -37,7 +37,7 @@ void check(const FindOptions& options) {
     throw mtf::UsageError("find_edges: the half width has to be 0 (as far as suits) or a number of pixels");
 }
 
-/// Why segments were passed over.
+/// Why segments gave no region.
 struct Passed {
   int blurred = 0, faint = 0, crowded = 0;
 };
@@ -59,20 +59,20 @@ std::string no_usable(const Passed& passed, const FindOptions& options) {
   const auto add = [&](int count, const std::string& why) {
     if (count > 0) text += " " + std::to_string(count) + " " + why + ",";
   };
-  add(passed.blurred, "without a level on both sides (too near to another edge, to the border or too blurred)");
+  add(passed.blurred, "without a plateau on both sides (too near to another edge, to the border or too blurred)");
   add(passed.faint, "below a contrast/noise of " + number(options.min_cnr));
   add(passed.crowded, "with other structure too close along all of its length");
   text.back() = ';';
   return text + " give a region, or lower the limits";
 }
 
-/// Contrast / noise times the root of the pixels along the edge, which is what the precision of an MTF goes with (for a
-/// Gaussian blur sd(MTF50) / MTF50 = sqrt(4 sqrt(pi) / (L sigma)) / CNR), less where the sides are short against the
+/// Contrast / noise times the root of the pixels along the edge, to which the precision of an MTF is proportional (for
+/// a Gaussian blur sd(MTF50) / MTF50 = sqrt(4 sqrt(pi) / (L sigma)) / CNR), less where the sides are short against the
 /// blur.
 double score_of(const find::Region& region, const Surroundings& beside, double size) {
   const double noise = std::max(beside.noise_sd, kLeastNoise * beside.contrast);
   return beside.contrast / noise * std::sqrt(region.length * size) * region.half_width /
-         (region.half_width + 4.0 + 2.0 * beside.reach);
+         (region.half_width + 4.0 + 2.0 * beside.blur);
 }
 
 Roi in_pixels(const find::Region& region, int size, mtf::ImageView<const float> image) {
@@ -88,28 +88,28 @@ struct Search {
   Cells cells;
   Gradients gradients;
   FoundEdges found;
-  int without_plateau = 0;  ///< pieces that no share gives a plateau on both sides
-  Passed passed;            ///< by the last share that was tried
+  int without_plateau = 0;  ///< pieces without a plateau on both sides at any share
+  Passed passed;            ///< at the last share that was tried
 
   double in_cells(double px) const { return px / cells.size_px; }
   /// Integral images are made for gradients above the threshold x 2^k. This is the k for a share of a segment's peak.
-  int level_of(const Segment& segment, double share) const {
+  int octave_of(const Segment& segment, double share) const {
     const double times = share * segment.peak / gradients.threshold;
     return times > 1.0 ? std::ilogb(times) : 0;
   }
-  double floor_of(int level) const { return std::ldexp(gradients.threshold, level); }
-  std::optional<Surroundings> survey(const Segment& segment, int level) const {
+  double floor_of(int octave) const { return std::ldexp(gradients.threshold, octave); }
+  std::optional<Surroundings> survey(const Segment& segment, int octave) const {
     const double half_px = options.half_width_px > 0.0 ? options.half_width_px : kWidestHalf_px;
-    return find::survey(cells, gradients, segment, floor_of(level), in_cells(half_px));
+    return find::survey(cells, gradients, segment, floor_of(octave), in_cells(half_px));
   }
 };
 
 /// A segment with a plateau on both sides.
 struct Piece {
   Segment segment;
-  double share = 0.0;       ///< the strictest by which it has them
-  Surroundings beside;      ///< by that share
-  double most_score = 0.0;  ///< with sides that are free without end
+  double share = 0.0;       ///< the strictest at which it has them
+  Surroundings beside;      ///< at that share
+  double most_score = 0.0;  ///< if its sides were free without limit
 };
 
 /// The strongest first.
@@ -128,7 +128,7 @@ std::vector<Piece> pieces_of(Search& search) {
   const double least = std::max(kMinLength_cells, search.in_cells(search.options.min_length_px) - 3.0);
   find::make_segments(search.gradients, least, [&](const Segment& segment) {
     for (const double share : kStructureShares) {
-      const auto beside = search.survey(segment, search.level_of(segment, share));
+      const auto beside = search.survey(segment, search.octave_of(segment, share));
       if (!beside) continue;
       const double noise = std::max(beside->noise_sd, kLeastNoise * beside->contrast);
       pieces.push_back({segment, share, *beside, beside->contrast / noise * std::sqrt(segment.length()) / share});
@@ -144,35 +144,35 @@ std::vector<Piece> pieces_of(Search& search) {
   return pieces;
 }
 
-/// Regions for the pieces that have room by this share; those are taken off the list. True when the image turns out to
-/// be crossed by one edge, which is then all that was found.
+/// Finds regions for the pieces that have room at this share and takes them off the list. Returns true when the image
+/// is crossed by one edge, which is then the only one found.
 bool place_regions(Search& search, double share, std::vector<Piece>& pieces) {
   const Gradients& gradients = search.gradients;
   const FindOptions& options = search.options;
   const find::RegionLimits limits{search.in_cells(options.min_length_px), search.in_cells(options.half_width_px)};
-  std::map<int, std::vector<Piece>, std::greater<>> by_level;
+  std::map<int, std::vector<Piece>, std::greater<>> by_octave;
   std::vector<Piece> left;
   search.passed = {.blurred = search.without_plateau};
   for (Piece& piece : pieces) {
-    const int level = search.level_of(piece.segment, share);
+    const int octave = search.octave_of(piece.segment, share);
     auto beside = piece.share == share  ? std::optional(piece.beside)
-                  : piece.share < share ? search.survey(piece.segment, level)
+                  : piece.share < share ? search.survey(piece.segment, octave)
                                         : std::nullopt;
     if (beside) {
       piece.beside = *beside;
-      by_level[level].push_back(piece);
+      by_octave[octave].push_back(piece);
     } else {
       ++search.passed.blurred;
       left.push_back(piece);
     }
   }
-  for (const auto& [level, candidates] : by_level) {
-    const double floor = search.floor_of(level);
+  for (const auto& [octave, candidates] : by_octave) {
+    const double floor = search.floor_of(octave);
     const find::Structure structure(gradients, floor);
     for (const Piece& piece : candidates) {
       const Surroundings& beside = piece.beside;
       const auto region = find::place_region(gradients, structure, floor, piece.segment, beside, limits);
-      // The whole image is one edge's only when it has no other. There is no other choice then, however faint it is.
+      // The whole image belongs to one edge only when it has no other. That edge is taken however faint it is.
       const bool crowded = !region || (region->whole && !search.found.edges.empty());
       const bool faint = beside.contrast < options.min_cnr * beside.noise_sd && !(region && region->whole);
       if (crowded || faint) {

@@ -23,7 +23,7 @@ struct Cells {
   double valid = 0.0;        ///< share of cells with a value
   double range = 0.0;        ///< largest - smallest value in the image's unit
   double noise_sd = 0.0;     ///< of a cell, from 0 to 1 as `value`; robust against structure in less than half of them
-  double rounding = 0.0;     ///< of float32, likewise: steps this small are nothing, whatever the noise
+  double rounding = 0.0;     ///< of float32, likewise: smaller steps are no structure, whatever the noise
   double pixels_a_cell = 1.0;
 
   float at(std::int64_t x, std::int64_t y) const { return value[static_cast<std::size_t>(y * width + x)]; }
@@ -64,21 +64,21 @@ struct Segment {
 using TakeSegment = std::function<void(const Segment&)>;
 void make_segments(const Gradients& gradients, double min_length, const TakeSegment& take);
 
-/// What lies beside a segment.
+/// The two sides of a segment.
 struct Surroundings {
-  double reach = 0.0;     ///< of the edge's own blur
-  double free = 0.0;      ///< distance on both sides up to which nothing else is seen
-  double contrast = 0.0;  ///< of the levels just beyond the blur, of the image's range
+  double blur = 0.0;      ///< half width of the edge's own blur
+  double free = 0.0;      ///< distance on both sides up to which there is no other structure
+  double contrast = 0.0;  ///< between the medians just beyond the blur, in parts of the image's range
   double noise_sd = 0.0;  ///< of a pixel there, no less than the image's
 };
 /// Absent when the gradient does not fall to `floor` on both sides: no edge by itself, or a side without data.
 std::optional<Surroundings> survey(const Cells& cells, const Gradients& gradients, const Segment& segment, double floor,
                                    double farthest);
 
-/// How many cells of a rectangle have a gradient above a level, from an integral image.
+/// How many cells of a rectangle have a gradient above a threshold, from an integral image.
 class Structure {
  public:
-  Structure(const Gradients& gradients, double level);
+  Structure(const Gradients& gradients, double threshold);
   std::int64_t count(std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1) const;
 
  private:
@@ -98,7 +98,7 @@ struct RegionLimits {
   double min_length = 0.0, half_width = 0.0;  ///< in cells; half_width 0 = as suits
 };
 /// The best rectangle around the segment that holds no other structure; absent when there is none of this length.
-std::optional<Region> place_region(const Gradients& gradients, const Structure& structure, double level,
+std::optional<Region> place_region(const Gradients& gradients, const Structure& structure, double threshold,
                                    const Segment& segment, const Surroundings& surroundings,
                                    const RegionLimits& limits);
 

@@ -11,15 +11,15 @@ namespace {
 
 constexpr int kMostSamples = 96;         // along a segment
 constexpr double kMiddleShare = 0.8;     // of a segment: its ends are corners
-constexpr double kMostReach = 24.0;      // of a blur, in cells
-constexpr double kKnownShare = 0.3;      // of samples at a distance: less is no side
-constexpr double kTornShare = 0.25;      // of samples above the floor: something runs along there
+constexpr double kMostBlur = 24.0;       // largest half width of a blur, in cells
+constexpr double kKnownShare = 0.3;      // of samples at a distance: with fewer there is no side
+constexpr double kTornShare = 0.25;      // of samples above the floor: a structure runs along the edge there
 constexpr std::int64_t kNearBorder = 2;  // cells
-constexpr double kRise = 1.3;            // of the gradient on the way out: another edge
-constexpr double kStray = 1e-4;          // share of cells above the level that is taken as chance
+constexpr double kRise = 1.3;            // of the gradient with the distance: another edge
+constexpr double kStray = 1e-4;          // share of cells above the threshold that noise explains
 constexpr std::array<double, 9> kWidths{1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.22, 0.16, 0.12};
 
-/// What is seen at one distance from the segment.
+/// The samples at one distance from the segment.
 struct Strip {
   double known = 0.0;      ///< share of samples with a value
   double magnitude = 0.0;  ///< median
@@ -75,24 +75,24 @@ class Samples {
 };
 
 struct Side {
-  double reach = 0.0, free = 0.0;
+  double blur = 0.0, free = 0.0;  // half width of the blur; distance up to which the side has no structure
 };
 
-std::optional<Side> look(Samples& samples, double sign, double floor, double farthest) {
+std::optional<Side> side_of(Samples& samples, double sign, double floor, double farthest) {
   Side side;
   double least = samples.strip(0.0, floor).magnitude;
-  for (double d = 1.0; d <= std::min(kMostReach, farthest); d += 1.0) {
+  for (double d = 1.0; d <= std::min(kMostBlur, farthest); d += 1.0) {
     const Strip strip = samples.strip(sign * d, floor);
     if (strip.known < kKnownShare) return std::nullopt;
     // The ridge may lie a cell beside the curve.
     if (d > 1.5 && strip.magnitude > kRise * least + 0.5 * floor) return std::nullopt;
     least = std::min(least, strip.magnitude);
     if (strip.magnitude > floor) continue;
-    side.reach = d;
+    side.blur = d;
     break;
   }
-  if (side.reach == 0.0) return std::nullopt;
-  for (side.free = side.reach; side.free < farthest; side.free += 1.0) {
+  if (side.blur == 0.0) return std::nullopt;
+  for (side.free = side.blur; side.free < farthest; side.free += 1.0) {
     const Strip strip = samples.strip(sign * (side.free + 1.0), floor);
     if (strip.known < kKnownShare || strip.torn > kTornShare) break;
   }
@@ -100,19 +100,19 @@ std::optional<Side> look(Samples& samples, double sign, double floor, double far
 }
 
 /// Median and noise of the cells a little beyond the blur. Neighbours along the edge differ by noise alone.
-struct Level {
+struct Plateau {
   double value = 0.0, noise_sd = 0.0;
 };
-std::optional<Level> level_of(const Samples& samples, double sign, double reach) {
+std::optional<Plateau> plateau_of(const Samples& samples, double sign, double blur) {
   std::vector<double> all, steps;
   for (const double beyond : {1.0, 2.0, 3.0}) {
-    const std::vector<double> v = samples.values(sign * (reach + beyond));
+    const std::vector<double> v = samples.values(sign * (blur + beyond));
     for (std::size_t i = 1; i < v.size(); ++i)
       if (v[i] != v[i - 1]) steps.push_back(std::abs(v[i] - v[i - 1]));
     all.insert(all.end(), v.begin(), v.end());
   }
   if (all.empty()) return std::nullopt;
-  return Level{median(all), steps.empty() ? 0.0 : median(steps) / (0.6745 * std::sqrt(2.0))};
+  return Plateau{median(all), steps.empty() ? 0.0 : median(steps) / (0.6745 * std::sqrt(2.0))};
 }
 
 /// The segment line by line: rows where it is steep, columns where it is flat.
@@ -128,14 +128,14 @@ struct Lines {
   std::int64_t last() const { return first + static_cast<std::int64_t>(place.size()); }
 };
 
-Lines trace(const Gradients& g, double level, const Segment& segment, double reach) {
+Lines trace(const Gradients& g, double threshold, const Segment& segment, double width) {
   Lines lines;
   lines.steep = std::abs(segment.normal.x) >= std::abs(segment.normal.y);
   const double normal = lines.steep ? segment.normal.x : segment.normal.y;
   lines.slant = 1.0 / std::abs(normal);
   const std::int64_t count = lines.steep ? g.height : g.width, places = lines.steep ? g.width : g.height;
   const auto line_of = [&](double s) { return lines.steep ? segment.at(s).y : segment.at(s).x; };
-  const auto [low, high] = std::minmax({line_of(segment.s0 - reach), line_of(segment.s1 + reach)});
+  const auto [low, high] = std::minmax({line_of(segment.s0 - width), line_of(segment.s1 + width)});
   lines.first = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::floor(low)), 0, count);
   const std::int64_t end = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::ceil(high)), lines.first, count);
   const Point middle = segment.at(0.5 * (segment.s0 + segment.s1));
@@ -150,16 +150,16 @@ Lines trace(const Gradients& g, double level, const Segment& segment, double rea
     for (int k = 0; k < 4; ++k) place = std::clamp(place - segment.across(point(place)) / normal, -most, most);
     lines.place.push_back(place);
     std::int64_t own = 0;
-    const double span = reach * lines.slant + 2.0;
+    const double span = width * lines.slant + 2.0;
     const auto from = static_cast<std::int64_t>(std::clamp(place - span, 0.0, static_cast<double>(places)));
     const auto to = static_cast<std::int64_t>(std::clamp(place + span, 0.0, static_cast<double>(places)));
     for (std::int64_t i = from; i < to; ++i)
-      if ((lines.steep ? g.at(i, line) : g.at(line, i)) > level &&
-          std::abs(segment.across(point(static_cast<double>(i) + 0.5))) <= reach)
+      if ((lines.steep ? g.at(i, line) : g.at(line, i)) > threshold &&
+          std::abs(segment.across(point(static_cast<double>(i) + 0.5))) <= width)
         ++own;
     lines.before.push_back(lines.before.back() + own);
   }
-  // An edge that comes near the image's border reaches it.
+  // An edge that ends near the image's border is continued to it.
   const auto [start, stop] = std::minmax({line_of(segment.s0), line_of(segment.s1)});
   lines.begin = std::clamp<std::int64_t>(std::llround(start), lines.first, end);
   lines.end = std::clamp<std::int64_t>(std::llround(stop), lines.begin, end);
@@ -171,7 +171,7 @@ Lines trace(const Gradients& g, double level, const Segment& segment, double rea
   return lines;
 }
 
-/// The rectangle of lines first .. end - 1 that reaches `width` beyond the edge's extremes.
+/// The rectangle of lines first .. end - 1 that extends `width` beyond the edge's extremes.
 Region rectangle(const Gradients& g, const Lines& lines, std::int64_t first, std::int64_t end, double width) {
   // Along a parabola the extremes are at the ends or where it turns.
   const auto place = [&](std::int64_t line) { return lines.place[static_cast<std::size_t>(line - lines.first)]; };
@@ -194,24 +194,24 @@ Region rectangle(const Gradients& g, const Lines& lines, std::int64_t first, std
 std::optional<Surroundings> survey(const Cells& cells, const Gradients& gradients, const Segment& segment, double floor,
                                    double farthest) {
   Samples samples(cells, gradients, segment);
-  const auto bright = look(samples, 1.0, floor, farthest), dark = look(samples, -1.0, floor, farthest);
+  const auto bright = side_of(samples, 1.0, floor, farthest), dark = side_of(samples, -1.0, floor, farthest);
   if (!bright || !dark) return std::nullopt;
-  const auto above = level_of(samples, 1.0, bright->reach), below = level_of(samples, -1.0, dark->reach);
+  const auto above = plateau_of(samples, 1.0, bright->blur), below = plateau_of(samples, -1.0, dark->blur);
   if (!above || !below) return std::nullopt;
   Surroundings found;
-  found.reach = std::max(bright->reach, dark->reach);
+  found.blur = std::max(bright->blur, dark->blur);
   found.free = std::min(bright->free, dark->free);
   found.contrast = above->value - below->value;
   found.noise_sd = std::sqrt(cells.pixels_a_cell) * std::max({cells.noise_sd, above->noise_sd, below->noise_sd});
   return found;
 }
 
-Structure::Structure(const Gradients& gradients, double level) : width_(gradients.width + 1) {
+Structure::Structure(const Gradients& gradients, double threshold) : width_(gradients.width + 1) {
   sum_.assign(static_cast<std::size_t>(width_ * (gradients.height + 1)), 0);
   for (std::int64_t y = 0; y < gradients.height; ++y) {
     std::uint32_t row = 0;
     for (std::int64_t x = 0; x < gradients.width; ++x) {
-      row += gradients.at(x, y) > level ? 1U : 0U;
+      row += gradients.at(x, y) > threshold ? 1U : 0U;
       const auto above = static_cast<std::size_t>(y * width_ + x + 1);
       sum_[above + static_cast<std::size_t>(width_)] = sum_[above] + row;
     }
@@ -225,11 +225,12 @@ std::int64_t Structure::count(std::int64_t x0, std::int64_t y0, std::int64_t x1,
   return at(x1, y1) - at(x0, y1) - at(x1, y0) + at(x0, y0);
 }
 
-std::optional<Region> place_region(const Gradients& g, const Structure& structure, double level, const Segment& segment,
-                                   const Surroundings& surroundings, const RegionLimits& limits) {
-  // Noise lifts cells above the level a little beyond the reach of the medians.
-  const double reach = 1.3 * surroundings.reach + 2.0;
-  const Lines lines = trace(g, level, segment, reach);
+std::optional<Region> place_region(const Gradients& g, const Structure& structure, double threshold,
+                                   const Segment& segment, const Surroundings& surroundings,
+                                   const RegionLimits& limits) {
+  // Noise lifts single cells above the threshold a little farther out than it lifts medians.
+  const double half_band = 1.3 * surroundings.blur + 2.0;
+  const Lines lines = trace(g, threshold, segment, half_band);
   if (lines.place.empty()) return std::nullopt;
   const auto own = [&](std::int64_t first, std::int64_t end) {
     return lines.before[static_cast<std::size_t>(end - lines.first)] -
@@ -250,10 +251,10 @@ std::optional<Region> place_region(const Gradients& g, const Structure& structur
   std::optional<Region> best;
   double best_merit = 0.0;
   const double widest = limits.half_width > 0.0 ? std::min(limits.half_width, surroundings.free) : surroundings.free;
-  const double tail = 4.0 + 2.0 * surroundings.reach;  // half of the merit of endless sides
+  const double tail = 4.0 + 2.0 * surroundings.blur;  // half of the merit of endless sides
   for (const double share : kWidths) {
     const double half = share * widest;
-    if (half < reach + 1.0) break;
+    if (half < half_band + 1.0) break;
     // The longest run of lines whose rectangle is free: it only grows with either end.
     std::int64_t first = lines.begin, longest_first = first, longest = 0;
     for (std::int64_t end = lines.begin + 1; end <= lines.end; ++end) {
@@ -262,7 +263,7 @@ std::optional<Region> place_region(const Gradients& g, const Structure& structur
     }
     // Corners are round: what is left of them at the ends is cut off, but not at the image's border.
     const std::int64_t count = lines.steep ? g.height : g.width;
-    const auto margin = static_cast<std::int64_t>(2.0 + 0.5 * surroundings.reach);
+    const auto margin = static_cast<std::int64_t>(2.0 + 0.5 * surroundings.blur);
     std::int64_t last = longest_first + longest;
     if (longest_first > kNearBorder) longest_first += margin;
     if (last < count - kNearBorder) last -= margin;

@@ -54,7 +54,7 @@ std::vector<std::uint32_t> seeds_of(const Gradients& g) {
   return sorted;
 }
 
-/// The connected cells around a seed that point the same way; they are marked as taken.
+/// The connected cells around a seed whose gradients have nearly the same direction; they are marked as taken.
 struct Blob {
   std::vector<std::uint32_t> cells;
   double x = 0.0, y = 0.0;  ///< sum of their gradients

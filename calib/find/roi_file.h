@@ -27,7 +27,7 @@ struct NamedRoi {
 Roi parse_roi(std::string_view text);
 
 /// All regions of a file, in order; at most 100 000. Throws UsageError with a line "file:line: ..." for each that is
-/// wrong, up to 20, and for a file without any. Whether they lie in the image is for those to say who know it.
+/// wrong, up to 20, and for a file without any. Whether they lie in the image is checked by the measurement.
 std::vector<NamedRoi> parse_roi_file(std::string_view text, const std::string& source);
 
 }  // namespace calib

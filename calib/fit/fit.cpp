@@ -39,7 +39,7 @@ void report_mtf(const Solved& solved, FitResult& result) {
     result.mtf_sd.push_back(sd_of(solved, m));
   }
   const Functional variance = equivalent_variance(solved);
-  // What another polynomial makes of it tells how exact it is.
+  // The difference from another polynomial estimates the error of the extraction.
   const double numerical = std::abs(variance.value - equivalent_variance(solved, 6).value);
   result.equivalent_variance_px2 = {variance.value, std::hypot(sd_of(solved, variance), numerical)};
   for (std::size_t k = 1; k < h.size(); ++k) {

@@ -5,13 +5,13 @@
 //
 // An edge: the pixel at (x, y) is  L_dark + (L_bright - L_dark) E(d) + gradients of both sides + noise, with d its
 // distance from the edge (edge_curve.h) and E the step response of the whole system's OTF along the edge's normal
-// (step_response.h). Levels, gradients and geometry are each edge's own unknowns; the sensor's parameters are shared by
-// all data. Residuals are weighted by a Poisson + Gaussian noise model of the image. Curves of other instruments and
+// (step_response.h). Plateaus, gradients and geometry are each edge's own unknowns; the sensor's parameters are shared
+// by all data. Residuals are weighted by a Poisson + Gaussian noise model of the image. Curves of other instruments and
 // images of point sources join as further residuals, prior knowledge as one residual each.
 //
 // Parameters whose effect vanishes with their square (rms of a jitter, width of a footprint) are fitted as squares: the
 // likelihood is flat at zero in the parameter, not in its square. What the data do not determine is found from the
-// singular values of the scaled Jacobian after the edges' own unknowns are projected out, and said in words.
+// singular values of the scaled Jacobian after the edges' own unknowns are projected out, and is reported in words.
 
 #include <array>
 #include <functional>
@@ -26,7 +26,7 @@
 
 namespace calib {
 
-/// A number of the sensor that is to be found. Values are in the unit that the System holds them in.
+/// A number of the sensor that is fitted. Values are in the unit of the System.
 struct FitParameter {
   std::string path;  ///< "presample[1].rms", "frame.focal_length", "optics.f_number", "presample[0].zernike[3]"
   std::string name;  ///< what reports call it: "jitter.rms"
@@ -41,7 +41,7 @@ struct EdgeData {
   mtf::ImageView<const float> image;
   Roi roi;
   std::size_t condition = 0;  ///< index of the sensor it was taken with
-  EdgeMeasurement start;      ///< of measure_edge: geometry, levels, noise
+  EdgeMeasurement start;      ///< of measure_edge: geometry, plateaus, noise
   double quantum = 0.0;       ///< step between neighbouring values of the image (1 for counts); 0 = none
   std::optional<double> saturation{}, floor{};  ///< pixels at or beyond them are clipped and do not count
 };
@@ -82,19 +82,19 @@ struct FitOptions {
   std::function<bool(double share)> progress{};
 };
 
-/// 95 % by profile likelihood, or of the square of a size that is fitted as one. A size ends at its own bound near
-/// zero, if nothing speaks against that; any other end at which chi-square has not risen enough is none.
+/// A 95 % interval by profile likelihood, or that of the square of a size that is fitted as its square. The interval of
+/// a size may end at its own bound near zero; any other end at which chi-square has not risen enough is missing.
 struct ProfiledInterval {
   std::optional<double> low, high;
   std::string reason;  ///< of an end that is missing; "" otherwise
 };
 
-/// How much the data say of a parameter.
+/// How well the data determine a parameter.
 enum class Knowledge {
   determined,      ///< value +- stderr
   at_bound,        ///< a one-sided limit: `limit95`
   prior_only,      ///< the data add nothing to the prior
-  not_determined,  ///< part of a direction that the data do not see, or no minimum was found: no value is given
+  not_determined,  ///< part of a direction that the data do not determine, or no minimum was found: no value is given
   interval         ///< a value whose error is no standard deviation: `interval` holds, about a bound
 };
 std::string_view knowledge_name(Knowledge knowledge);
@@ -105,13 +105,13 @@ struct FittedParameter {
   double start = 0.0;
   double value = 0.0;                    ///< best fit; to be shown when determined, at_bound or interval
   std::optional<double> stderr_value{};  ///< one standard deviation, when determined
-  double linear_sd = 0.0;  ///< what the covariance says, also when not determined: then only how little is known
-  /// Profile likelihood, when asked for, or where a flat bound is near (flat_bounds.h); an end may be a bound up to
-  /// which chi-square does not rise enough, what `interval` says. Of a size that is fitted as its square and known to a
-  /// tenth or worse, also without a profile: from the standard deviation of the square.
+  double linear_sd = 0.0;  ///< from the covariance, also when not determined: then only how little is known
+  /// Intervals by profile likelihood, when asked for, or where a flat bound is near (flat_bounds.h); an end may be a
+  /// bound up to which chi-square does not rise enough, which `interval` states. For a size that is fitted as its
+  /// square and known to a tenth or worse, also without a profile: from the standard deviation of the square.
   std::optional<std::array<double, 2>> interval68{}, interval95{};
   std::optional<ProfiledInterval> interval{};
-  /// When at a bound, which is the value then: the far end of the 95 % interval that begins there, and whether it is
+  /// For a value at a bound: the far end of the 95 % interval that begins there, and whether it is
   /// the upper one. With a profile it is that end of `interval95`.
   std::optional<double> limit95{};
   bool limit_is_upper = true;
@@ -122,7 +122,7 @@ struct FittedParameter {
 struct NullDirection {
   std::vector<std::size_t> parameters;  ///< indices, strongest first
   std::vector<double> weight;           ///< of their (squared, scaled) values in the direction
-  std::string text;                     ///< in words, with the way out
+  std::string text;                     ///< in words, with what would determine it
 };
 
 /// Residuals of one set of data.

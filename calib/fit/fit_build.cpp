@@ -88,7 +88,7 @@ std::string trouble_of(const EdgeData& edge) {
 /// Whether the step response of the starting sensor can be computed over the edge's pixels.
 std::string not_modelled(const EdgeBlock& block, const Sensors& sensors) {
   try {
-    sensors.slice(block.condition(), block.data().start.curve.angle_rad, block.reach_px());
+    sensors.slice(block.condition(), block.data().start.curve.angle_rad, block.range_px());
   } catch (const mtf::Error& error) {
     return error.what();
   }
@@ -144,8 +144,9 @@ bool is_width(const Variable& variable, const mtf::FieldInfo& info) {
   return variable.squared || (size && info.lo == 0.0);
 }
 
-// Widths far off leave no slope to follow: where the model's contrast is a tenth or nine tenths and that of the data
-// one half, all widths are multiplied by what makes it one half, too. Values to start from.
+// Starting values. Widths far from the truth leave no gradient to follow: where the model's contrast is a tenth or nine
+// tenths at the frequency at which the data have one half, all widths are multiplied by the factor that makes it one
+// half.
 std::vector<double> near_values(FitProblem& problem, std::span<const double> start,
                                 std::span<const mtf::FieldInfo* const> infos) {
   const std::vector<HalfContrast> halves = half_contrasts(problem.blocks);
@@ -173,14 +174,15 @@ std::vector<double> near_values(FitProblem& problem, std::span<const double> sta
     if (!std::isfinite(value)) return given;
     (value > 0.5 ? lo : hi) = middle;
   }
-  return std::abs(contrast(std::exp(lo)) - 0.5) < 0.2 ? values : given;  // or no width does it
+  return std::abs(contrast(std::exp(lo)) - 0.5) < 0.2 ? values : given;  // where no width gives one half
 }
 
-void check_level(const Sensors& sensors, std::size_t conditions) {
+void check_constant_passes(const Sensors& sensors, std::size_t conditions) {
   const PixelFreq small{1e-9, 0.0, 0.0, 0.0};
   for (std::size_t c = 0; c < conditions; ++c)
     if (!std::isfinite(sensors.modulus(c, {&small, 1}).front()))
-      throw UsageError("fit: the sensor passes no constant level (its OTF is 0 at f = 0); edges have no levels then");
+      throw UsageError(
+          "fit: the sensor passes no constant signal (its OTF is 0 at f = 0), so that edges have no plateaus");
 }
 
 }  // namespace
@@ -214,7 +216,7 @@ FitSetup make_setup(const FitData& data, std::span<const FitParameter> parameter
   FitProblem& problem = setup.problem;
   problem.sensors = setup.sensors.get();
   problem.threads = options.threads;
-  check_level(*setup.sensors, data.conditions.size());
+  check_constant_passes(*setup.sensors, data.conditions.size());
 
   const auto leave_out = [&](const std::string& name, const std::string& why) {
     setup.warnings.push_back(name + " was left out: " + why);
@@ -281,7 +283,7 @@ std::vector<double> other_start(std::span<const Variable> variables, int run) {
     double part = 0.0, digit = 1.0;
     const int prime = kPrimes[i % kPrimes.size()];
     for (int n = run + static_cast<int>(i / kPrimes.size()); n > 0; n /= prime) part += (digit /= prime) * (n % prime);
-    // Ten unit effects either way, or down to a quarter and up to four times of a size, within the bounds.
+    // Ten unit effects in both directions, or down to a quarter and up to four times of a size, within the bounds.
     const bool size = v.positive && v.start > 0.0;
     const double lo = std::max(v.lo, size && !v.squared ? 0.25 * v.start : v.start - 10.0);
     const double hi = std::min(v.hi, size ? std::max(4.0 * v.start, v.squared ? 10.0 : 0.0) : v.start + 10.0);

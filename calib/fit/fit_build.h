@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// From what the caller gives to a problem: parameters looked up and checked, data without use left out with a warning.
+// Makes the least-squares problem from what the caller gives: parameters are found in the sensor and checked, data
+// without use are left out with a warning.
 
 #include <memory>
 

@@ -15,17 +15,17 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// All unknowns in one piece of memory: Ceres orders them by their addresses. Vast levels are held in a power of two of
-/// their size, as steps are judged by the length of all unknowns.
+/// All unknowns in one allocation: Ceres orders them by their addresses. Very large values are divided by a power of
+/// two, as Ceres judges steps by the length of the vector of all unknowns.
 class Unknowns {
  public:
   explicit Unknowns(FitProblem& problem) : problem_(&problem) {
     for (const auto& own : problem.own) all_.insert(all_.end(), own.begin(), own.end());
     all_.insert(all_.end(), problem.x.begin(), problem.x.end());
-    const auto levels = all_.end() - std::ssize(problem.x);
+    const auto shared = all_.end() - std::ssize(problem.x);
     for (auto value = all_.begin(); value != all_.end(); ++value) {
       constexpr double kVast = 1e6;
-      const bool vast = value < levels && std::abs(*value) > kVast && std::isfinite(*value);
+      const bool vast = value < shared && std::abs(*value) > kVast && std::isfinite(*value);
       scale_.push_back(vast ? std::exp2(std::ilogb(*value)) : 1.0);
       *value /= scale_.back();
     }

@@ -30,8 +30,8 @@ struct FitProblem {
 
   /// Sets the sensors to x; false when they do not allow it.
   bool apply() const { return sensors->set(values_at(variables, x)); }
-  /// C^T C of every block at the present values, columns: own, x, residual. Apply first. `gradients`: those of an
-  /// edge's levels stand after its own also where they are not in use.
+  /// C^T C of every block at the present values, columns: own, x, residual. Apply first. `gradients`: the
+  /// columns of an edge's gradients follow its own unknowns also where they are not fitted.
   std::vector<Eigen::MatrixXd> normals(bool gradients = false) const;
 };
 
@@ -43,8 +43,9 @@ struct Solution {
   int agreeing = 1;  ///< of several runs, those that ended here
 };
 
-/// Minimises from the present values, and leaves the minimum in x and own, with the sensors set to it. `fixed`: this
-/// variable stays. `go_on` is asked after every iteration. `tolerance`: relative change of the cost that ends it.
+/// Minimises from the present values and leaves the minimum in x and own, with the sensors set to it. The variable
+/// `fixed` keeps its value. `go_on` is called after every iteration. `tolerance`: relative change of the cost that ends
+/// it.
 struct SolveOptions {
   std::optional<std::size_t> fixed{};
   std::function<bool()> go_on{};

@@ -117,7 +117,7 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
       p.stderr_value = p.linear_sd;
     } else if (near_lo || near_hi) {
       // The minimum may press against the bound: its gradient, the others at their best, is the first term of the
-      // profile g t + t^2 / (2 sd^2), which reaches the 95 % point at t.
+      // profile g t + t^2 / (2 sd^2), which is at the 95 % point at t.
       p.knowledge = Knowledge::at_bound;
       double gradient = 0.0;
       for (std::size_t b = 0; b < solved.normals.size(); ++b) {

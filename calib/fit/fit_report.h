@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What follows from a finished fit: errors, limits, what is not separable and its words, the fitted MTF with its band.
+// The results of a finished fit: errors, limits, what is not separable and its description, the fitted MTF with its
+// band.
 
 #include "calib/fit/confidence/identifiability.h"
 #include "calib/fit/fit_problem.h"
@@ -50,7 +51,7 @@ std::vector<Functional> mtf_of(const Solved& solved, std::span<const double> f_c
 /// -|H|''(0) / (4 pi^2) in px^2, the linear term of diffraction apart, by a polynomial through `nodes` samples of |H|.
 Functional equivalent_variance(const Solved& solved, int nodes = 7);
 
-/// One sentence a weak direction, with the way out.
+/// A sentence for each weak direction, with what would determine it.
 std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& solved,
                                            std::span<const FitParameter> parameters);
 

@@ -37,8 +37,8 @@ std::vector<double> noise_factors(const FitProblem& problem, std::span<const Eig
   return factors;
 }
 
-/// By how much four gradients of an edge's levels would lower its chi-square, everything else giving way: what they
-/// explain beyond the others is the part of r in their rows of the triangular factor, if they stand last.
+/// By how much four gradients of an edge's plateaus would lower its chi-square with all other unknowns fitted anew:
+/// with their columns last, it is the part of r in their rows of the triangular factor.
 double gain_of_gradients(const Eigen::MatrixXd& normal, Eigen::Index own) {
   const Eigen::Index n = normal.cols();
   std::vector<Eigen::Index> order;
@@ -48,8 +48,8 @@ double gain_of_gradients(const Eigen::MatrixXd& normal, Eigen::Index own) {
   return triangular_factor(normal(order, order)).col(n - 1).segment(n - 5, 4).squaredNorm();
 }
 
-/// Normal matrices and noise at the present values. Returns the edges whose levels have gradients: they would lower
-/// chi-square by more than chance.
+/// Normal matrices and noise at the present values. Returns the edges whose plateaus have gradients, which would
+/// lower chi-square by more than chance.
 std::vector<std::size_t> examine(FitProblem& problem, std::span<const std::size_t> counts, Solved& solved) {
   const std::vector<Eigen::MatrixXd> extended = problem.normals(true);
   solved.normals = extended;
@@ -71,7 +71,7 @@ std::vector<std::size_t> examine(FitProblem& problem, std::span<const std::size_
   return candidates;
 }
 
-/// Noise by the fitted levels; true when some block's weights have changed enough to fit again.
+/// Sets the noise from the fitted values; true when the weights of a block have changed enough to fit again.
 bool update_weights(FitProblem& problem, std::span<const double> noise) {
   bool any = false;
   for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
@@ -79,7 +79,7 @@ bool update_weights(FitProblem& problem, std::span<const double> noise) {
       edge->update_noise(*problem.sensors, problem.own[b]);
       any = true;
     }
-    // Between sets of data and against priors the noise level counts; it is what the residuals say.
+    // Between sets of data, and against priors, the size of the noise matters; it is taken from the residuals.
     const bool relative = problem.blocks.size() > 1 || std::any_of(problem.priors.begin(), problem.priors.end(),
                                                                    [](auto& p) { return p.has_value(); });
     const bool own_noise = !std::holds_alternative<CurveBlock>(problem.blocks[b]);
@@ -91,9 +91,9 @@ bool update_weights(FitProblem& problem, std::span<const double> noise) {
   return any;
 }
 
-/// Where residuals are larger than the noise that was given, they decide what counts as an outlier: by their median, so
-/// that outliers do not.
-void settle_noise(FitProblem& problem) {
+/// Where residuals are larger than the noise that was given, the noise is scaled to their median, so that the threshold
+/// for outliers follows from the residuals but not from the outliers.
+void estimate_noise_scale(FitProblem& problem) {
   for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
     if (std::holds_alternative<CurveBlock>(problem.blocks[b])) continue;
     std::vector<double> sizes;
@@ -107,8 +107,9 @@ void settle_noise(FitProblem& problem) {
 }
 
 /// Plain least squares on some of the pixels first: far from the minimum all residuals are beyond the bend of the loss,
-/// where steps are short. The noise is settled once: costs of several runs are to be compared.
-Solution solve_robustly(FitProblem& problem, const MinimiseOptions& options, bool settle) {
+/// where steps are short. The noise is estimated in the first run only, so that the costs of several runs can be
+/// compared.
+Solution solve_robustly(FitProblem& problem, const MinimiseOptions& options, bool estimate_noise) {
   constexpr double kCoarse = 1e-4;
   const auto set_up = [&](bool coarse) {
     for (Block& block : problem.blocks) {
@@ -121,13 +122,13 @@ Solution solve_robustly(FitProblem& problem, const MinimiseOptions& options, boo
   const Solution first = solve(problem, {.go_on = options.go_on, .tolerance = kCoarse});
   set_up(false);
   if (first.stopped) return first;
-  if (settle) settle_noise(problem);
+  if (estimate_noise) estimate_noise_scale(problem);
   Solution second = solve(problem, {.go_on = options.go_on});
   second.iterations += first.iterations;
   return second;
 }
 
-/// The best of several starts; how many runs ended where it did.
+/// The best of several starts, with the number of runs that ended at the same minimum.
 Solution solve_from(FitProblem& problem, const MinimiseOptions& options) {
   const auto own = problem.own;
   Solution best = solve_robustly(problem, options, true);
@@ -150,7 +151,7 @@ Solution solve_from(FitProblem& problem, const MinimiseOptions& options) {
   problem.x = best_x;
   problem.own = best_own;
   problem.apply();
-  // A tenth of a standard deviation is the same place.
+  // Minima within a tenth of a standard deviation count as the same.
   best.agreeing = static_cast<int>(
       std::count_if(costs.begin(), costs.end(), [&](double c) { return c < best.cost + 0.01 + 1e-7 * best.cost; }));
   return best;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The course of a fit: plain least squares on some pixels to come close, then the robust loss on all; from further
-// starts where asked; then, where the residuals ask for it, again with gradients of the levels, with noise by the
-// fitted levels, with noise levels that fit the residuals.
+// The course of a fit: plain least squares on some pixels to come close, then the robust loss on all; the same from
+// further starts where they are asked for; then, where the residuals show the need, again with gradients of the
+// plateaus, with noise that follows from the fitted values, with noise that agrees with the residuals.
 
 #include "calib/fit/fit_report.h"
 
@@ -19,7 +19,7 @@ struct MinimiseOptions {
 /// of edges.
 Solution minimise(FitProblem& problem, Solved& solved, const MinimiseOptions& options);
 
-/// The rounds that follow a first minimum, with its count of steps; as above.
+/// The fits that follow a first minimum, whose count of iterations they continue; results as above.
 Solution finish(FitProblem& problem, Solved& solved, const Solution& first, const MinimiseOptions& options);
 
 /// Pixels or samples of every block.

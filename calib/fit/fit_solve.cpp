@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // A minimum at bounds. The minimiser cuts its steps where they leave the allowed range, and so leaves the other
-// variables where they would make good what lies beyond, or takes many steps to bring them back. With what has come to
-// a bound held there they are at their own minimum after a few.
+// variables at values that compensate for what lies beyond, or takes many steps to bring them back. With the variables
+// on their bounds held there, the others come to their minimum in a few steps.
 
 #include <algorithm>
 #include <cmath>

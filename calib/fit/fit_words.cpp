@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Weak directions in words: which parameters, what of them is known all the same, and what would tell them apart.
+// Weak directions in words: which parameters they combine, what is known of these all the same, and what would separate
+// them.
 
 #include <algorithm>
 #include <array>
@@ -37,8 +38,8 @@ const EdgeBlock* largest_edge(const FitProblem& problem, std::size_t& index) {
   return most;
 }
 
-/// Information of one more edge as good as the largest one, turned by an angle: what its pixels would tell after offset
-/// and levels are projected out.
+/// Information of one more edge as good as the largest one, turned by an angle: what its pixels determine after offset
+/// and plateaus are projected out.
 Eigen::MatrixXd one_more(const Solved& solved, double turn_rad) {
   const FitProblem& problem = *solved.problem;
   const std::size_t n = problem.variables.size();
@@ -46,16 +47,16 @@ Eigen::MatrixXd one_more(const Solved& solved, double turn_rad) {
   std::size_t b = 0;
   const EdgeBlock* const edge = largest_edge(problem, b);
   if (edge == nullptr) return none;
-  constexpr double kReach_px = 24.0, kStep_px = 0.125;
+  constexpr double kRange_px = 24.0, kStep_px = 0.125;
   const double angle = edge->curve(problem.own[b]).angle_rad + turn_rad;
-  const SliceNodes nodes = problem.sensors->slice(edge->condition(), angle, kReach_px);
+  const SliceNodes nodes = problem.sensors->slice(edge->condition(), angle, kRange_px);
   const StepResponse step(nodes, problem.sensors->otf(edge->condition(), along(angle, nodes.f_cy_px)));
   const double cnr = std::abs(problem.own[b][edge->contrast_index()]) / edge->middle_sd();
   const double length = std::max(1.0, edge->data().start.length_px);
   const double weight = cnr * std::sqrt(length * kStep_px / trusted_noise(solved.noise_factor[b]));
   NormalMatrix normal(3 + n);
   std::vector<double> e(step.count());
-  for (double d = -kReach_px; d <= kReach_px; d += kStep_px) {
+  for (double d = -kRange_px; d <= kRange_px; d += kStep_px) {
     const double spread = step.at(d, e);
     const std::span<double> row = normal.next();
     row[0] = weight * spread;

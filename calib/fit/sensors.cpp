@@ -237,7 +237,7 @@ OtfTable Sensors::otf(std::size_t condition, std::span<const PixelFreq> f, const
   for (std::size_t chunk = 0; chunk < jets_[condition].size(); ++chunk) {
     const System<Jet4>& system = jets_[condition][chunk].system;
     const std::size_t first = chunk * kStride, last = std::min(first + kStride, count_ + 1);
-    at[0] = {Jet4(0.0), Jet4(0.0)};  // the level
+    at[0] = {Jet4(0.0), Jet4(0.0)};  // frequency 0
     for (std::size_t i = 0; i < n; ++i) {
       Jet4 x(f[i].x), y(f[i].y);
       if (last == count_ + 1) {
@@ -247,9 +247,9 @@ OtfTable Sensors::otf(std::size_t condition, std::span<const PixelFreq> f, const
       at[i + 1] = to_focal_plane(system.frame, x, y, unit);
     }
     const std::vector<Complex<Jet4>> h = product<Jet4>(system, kinks, at);
-    const Jet4 level = h[0].re;
+    const Jet4 at_zero = h[0].re;
     for (std::size_t i = 0; i < n; ++i) {
-      const Jet4 re = h[i + 1].re / level, im = h[i + 1].im / level;
+      const Jet4 re = h[i + 1].re / at_zero, im = h[i + 1].im / at_zero;
       table[0][i] = {re.a, im.a};
       for (std::size_t k = first; k < last; ++k) {
         const auto lane = static_cast<Eigen::Index>(k - first);
@@ -260,17 +260,17 @@ OtfTable Sensors::otf(std::size_t condition, std::span<const PixelFreq> f, const
   return table;
 }
 
-double Sensors::level(std::size_t condition) const {
+double Sensors::response_at_zero(std::size_t condition) const {
   const System<double>& system = systems_[condition];
   const Freq<double> none{0.0, 0.0};
   return product<double>(system, kinks_of(system), {&none, 1}).front().re;
 }
 
 std::vector<double> Sensors::modulus(std::size_t condition, std::span<const PixelFreq> f) const {
-  std::vector<PixelFreq> with_level{{}};
-  with_level.insert(with_level.end(), f.begin(), f.end());
+  std::vector<PixelFreq> with_zero{{}};
+  with_zero.insert(with_zero.end(), f.begin(), f.end());
   const System<double>& system = systems_[condition];
-  const auto h = product<double>(system, kinks_of(system), to_focal_plane(system, with_level));
+  const auto h = product<double>(system, kinks_of(system), to_focal_plane(system, with_zero));
   std::vector<double> all;
   for (std::size_t i = 1; i < h.size(); ++i) all.push_back(std::hypot(h[i].re, h[i].im) / std::abs(h[0].re));
   return all;
@@ -293,7 +293,7 @@ double Sensors::top_cy_px(std::size_t condition, double angle_rad) const {
   const std::vector<Freq<double>> at = to_focal_plane(system, along(angle_rad, f));
   std::vector<double> most(f.size());
   for (const auto& context : contexts(system)) {
-    std::vector<Complex<double>> h(f.size(), {1.0 / std::abs(level(condition)), 0.0});
+    std::vector<Complex<double>> h(f.size(), {1.0 / std::abs(response_at_zero(condition)), 0.0});
     for (const Stage stage : mtf::kStages)
       for (const auto& entry : system.list(stage))
         if (!entry.component.is_pupil()) entry.component.multiply(at, context, h);
@@ -304,7 +304,7 @@ double Sensors::top_cy_px(std::size_t condition, double angle_rad) const {
   return last < f.size() ? std::min(top, f[last] * 1.06) : top;
 }
 
-SliceNodes Sensors::slice(std::size_t condition, double angle_rad, double reach_px) const {
+SliceNodes Sensors::slice(std::size_t condition, double angle_rad, double range_px) const {
   const System<double>& system = systems_[condition];
   const double scale = scale_of(system, angle_rad);
   std::vector<double> breaks;
@@ -313,7 +313,7 @@ SliceNodes Sensors::slice(std::size_t condition, double angle_rad, double reach_
       for (const auto& context : contexts(system))
         for (const double f : entry.component.kinks_cy_mm(context)) breaks.push_back(f / scale);
   constexpr double kLeastTop_cy_px = 1e-6;  // a sensor that passes nothing is no error here
-  return slice_nodes(std::max(kLeastTop_cy_px, top_cy_px(condition, angle_rad)), reach_px, breaks);
+  return slice_nodes(std::max(kLeastTop_cy_px, top_cy_px(condition, angle_rad)), range_px, breaks);
 }
 
 }  // namespace calib

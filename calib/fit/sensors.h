@@ -24,7 +24,7 @@ using OtfTable = std::vector<std::vector<mtf::Complex<double>>>;
 
 class Sensors {
  public:
-  /// The paths have to exist in all conditions, which hold their numbers as their own (parameter_site).
+  /// The paths have to exist in all conditions, each of which holds its own numbers (parameter_site).
   Sensors(std::span<const mtf::System<double>> conditions, std::span<const std::string> paths);
   Sensors(const Sensors&) = delete;
   Sensors& operator=(const Sensors&) = delete;
@@ -38,14 +38,14 @@ class Sensors {
 
   /// `unit`: of f, where that is not cy/px; the present frame converts it, and its numbers may be parameters.
   OtfTable otf(std::size_t condition, std::span<const PixelFreq> f, const mtf::Unit* unit = nullptr) const;
-  /// H(0), to which the others are relative.
-  double level(std::size_t condition) const;
+  /// H at frequency 0, to which all others are relative.
+  double response_at_zero(std::size_t condition) const;
   /// |H| only.
   std::vector<double> modulus(std::size_t condition, std::span<const PixelFreq> f) const;
 
   /// Frequencies for the step response along a normal: up to the cutoff, or to where less than 1e-8 of H is left, 32
   /// cycles/px at most.
-  SliceNodes slice(std::size_t condition, double angle_rad, double reach_px) const;
+  SliceNodes slice(std::size_t condition, double angle_rad, double range_px) const;
   /// The frequency above which H is taken as 0, along that direction.
   double top_cy_px(std::size_t condition, double angle_rad) const;
 

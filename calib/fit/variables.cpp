@@ -11,7 +11,7 @@ namespace {
 
 /// Narrower, of the value itself, a prior is beyond what arithmetic resolves beside the data.
 constexpr double kLeastPrior = 1e-9;
-/// Directions go round freely, a first step perhaps many times.
+/// Directions are unbounded; a first step may be many turns.
 constexpr double kFarRound_deg = 1e6 + 77.0;
 constexpr double kSmallestSquare = 1e-8;  // the value is 1e-4 steps there, and its slope still exact
 
@@ -177,7 +177,7 @@ std::vector<double> seen_values(Sensors& sensors, std::span<const Variable> vari
     const Variable& v = variables[i];
     const auto effect = [&](const Response& at, double value) { return value * largest(at.slope) / kUnitEffect; };
     if (v.squared || !v.positive) continue;
-    // Where nothing of the contrast is left the start is wrong in another way, and the fit says so.
+    // Where no contrast is left the start is wrong in another respect, which the fit reports.
     if (const Response here = prober.at(i, start[i]); !(effect(here, start[i]) < kUnseen && largest(here.h) > kBlurred))
       continue;
     const double least = std::max(v.value(v.lo), kLeast * start[i]);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The variables of the fit: what the parameters become for the minimiser.
+// The variables of the minimiser, from the parameters of the fit.
 //   value = step x                        in general
 //   value = +- step sqrt(x), x >= 0       where H depends on the square of the parameter
 //   value = step x modulo the period      of a direction, which has no bounds then
-// `step` is such that x = 1 changes the OTF by about 0.05: then sizes, trust regions and directions mean something.
-// Squares: the likelihood of an rms, a width, a defocus is flat at zero, in its square it is not.
+// `step` is such that x = 1 changes the OTF by about 0.05, so that sizes, trust regions and directions are comparable.
+// Squares are used because the likelihood of an rms, a width or a defocus is flat at zero, but not that of its square.
 
 #include <span>
 #include <vector>
@@ -34,7 +34,7 @@ struct Variable {
   double x_of(double value) const;
 };
 
-/// Frequencies at which the data of a condition feel the parameters.
+/// Frequencies at which the data of a condition depend on the parameters.
 struct Probe {
   std::size_t condition = 0;
   std::vector<PixelFreq> f;
@@ -47,9 +47,9 @@ std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParame
                                      std::span<const double> start, std::span<const mtf::FieldInfo* const> infos,
                                      std::span<const Probe> probes);
 
-/// Where a size is so large that more of it changes nothing, no slope leads back: the next smaller quarter, sixteenth
-/// ... of it at which it acts. Other starting values as they are. `variables`: made at `start`. Leaves the sensors at
-/// any values.
+/// Where a size is so large that more of it changes nothing, the minimiser has no gradient to follow: such a starting
+/// value is divided by 4, 16, ... until it acts. Others are returned unchanged. `variables`: made at `start`. Leaves
+/// the sensors at any values.
 std::vector<double> seen_values(Sensors& sensors, std::span<const Variable> variables, std::span<const double> start,
                                 std::span<const Probe> probes);
 

@@ -33,25 +33,25 @@ void check(mtf::ImageView<const float> image, const Roi& roi, const Iso12233Opti
   if (roi.width < 1 || roi.height < 1) throw mtf::UsageError("region " + shown + " is empty; give x,y,width,height");
   if (roi.x < 0 || roi.y < 0 || roi.width > image.width || roi.height > image.height ||
       roi.x > image.width - roi.width || roi.y > image.height - roi.height)
-    throw mtf::UsageError("region " + shown + " reaches beyond the image of " + std::to_string(image.width) + " x " +
+    throw mtf::UsageError("region " + shown + " extends beyond the image of " + std::to_string(image.width) + " x " +
                           std::to_string(image.height) + " pixels; move it inside");
   if (options.order < 1 || options.order > 5)
     throw mtf::UsageError("order " + std::to_string(options.order) + " of the edge; it has to be 1 to 5");
 }
 
 /// Mean of columns first .. first + kSideColumns - 1.
-double side_level(const iso::Region& region, std::int64_t first) {
+double side_mean(const iso::Region& region, std::int64_t first) {
   double sum = 0.0;
   for (std::int64_t row = 0; row < region.rows(); ++row)
     for (std::int64_t i = 0; i < kSideColumns; ++i) sum += region.at(row, first + i);
   return sum / static_cast<double>(kSideColumns * region.rows());
 }
 
-/// First frequency below `level`, by straight lines.
-std::optional<double> crossing(const Iso12233Result& result, double level) {
+/// First frequency at which the SFR falls below `contrast`, interpolated linearly.
+std::optional<double> crossing(const Iso12233Result& result, double contrast) {
   for (std::size_t i = 1; i < result.sfr.size(); ++i) {
-    if (result.sfr[i] >= level) continue;
-    const double share = (result.sfr[i - 1] - level) / (result.sfr[i - 1] - result.sfr[i]);
+    if (result.sfr[i] >= contrast) continue;
+    const double share = (result.sfr[i - 1] - contrast) / (result.sfr[i - 1] - result.sfr[i]);
     return std::lerp(result.frequency_cy_px[i - 1], result.frequency_cy_px[i], share);
   }
   return std::nullopt;
@@ -102,9 +102,9 @@ Iso12233Result measure_iso12233(mtf::ImageView<const float> image, const Roi& ro
     return fail(Trouble::too_short, "fewer than 10 pixels a side; take a larger region");
 
   const iso::Region region = iso::turn_upright(image, roi);
-  const double left = side_level(region, 0), right = side_level(region, region.columns() - kSideColumns);
+  const double left = side_mean(region, 0), right = side_mean(region, region.columns() - kSideColumns);
   result.contrast = std::abs(left - right) / (std::abs(left) + std::abs(right));
-  if (left == right) return fail(Trouble::no_edge, "both sides have the same level; put the edge across the region");
+  if (left == right) return fail(Trouble::no_edge, "both sides have the same mean; put the edge across the region");
 
   const iso::EdgeFit fit = iso::fit_edge(region, options.order, options.tukey);
   if (!std::isfinite(fit.rms_px))

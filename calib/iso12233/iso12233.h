@@ -38,7 +38,7 @@ struct Iso12233Result {
   std::vector<double> frequency_cy_px;  ///< along the normal, 0 to about 1
   std::vector<double> sfr;
   std::vector<double> esf;  ///< image's unit, 4 bins a pixel along rows
-  /// First frequency of that contrast, by straight lines between the samples; absent when the curve stays above.
+  /// First frequency of that contrast, interpolated linearly; absent when the curve stays above.
   std::optional<double> mtf50, mtf10;
   std::optional<double> nyquist;              ///< at 0.5 cycles per pixel
   std::optional<double> sampling_efficiency;  ///< mtf10 / 0.495 cycles per pixel, at most 1

@@ -2,8 +2,8 @@
 #pragma once
 
 // The steps of iso12233.h. Rows and columns are of the region as turned, counted from 0. Where the reference program
-// has a habit of its own (ends of differences, an index off by one, a rounded width) the figures of others carry it, so
-// it is kept and named.
+// has a peculiarity (ends of differences, an index off by one, a rounded width), published figures contain it, so it is
+// kept and named.
 
 #include <array>
 #include <cstdint>

@@ -10,7 +10,7 @@ namespace calib::iso {
 namespace {
 
 constexpr std::int64_t kBins = 4;         // a column
-constexpr std::int64_t kSpareBins = 150;  // beyond those that the edge's drift can reach
+constexpr std::int64_t kSpareBins = 150;  // beyond those over which the edge drifts
 constexpr double kMaxCorrection = 10.0;   // of the response of differences
 
 /// Central differences; the ends repeat their neighbours.
@@ -57,10 +57,10 @@ Profile project(const Region& region, std::int64_t rows, const RowPolynomial& cu
   const std::int64_t columns = region.columns(), bins = kBins * columns;
   const double drift = static_cast<double>(kBins * (rows - 1)) * curve.slope(0.0);
   if (!(std::abs(drift) <= 16.0 * static_cast<double>(kBins * (rows + columns)))) return {};
-  const std::int64_t reach = std::abs(std::llround(drift));
-  const std::int64_t offset = drift > 0.0 ? -reach : 0;
-  const std::int64_t first = std::llround(0.5 * static_cast<double>(reach));
-  const std::int64_t all = bins + reach + kSpareBins;
+  const std::int64_t shift = std::abs(std::llround(drift));
+  const std::int64_t offset = drift > 0.0 ? -shift : 0;
+  const std::int64_t first = std::llround(0.5 * static_cast<double>(shift));
+  const std::int64_t all = bins + shift + kSpareBins;
 
   std::vector<double> count(static_cast<std::size_t>(all), 0.0), sum(static_cast<std::size_t>(all), 0.0);
   for (std::int64_t row = 0; row < rows; ++row) {

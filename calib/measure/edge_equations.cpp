@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The normal equations of a fit, from the sums that a look at the pixels left.
+// The normal equations of a fit, from the sums over the pixels.
 #include <algorithm>
 
 #include "calib/measure/edge_fit.h"
@@ -8,7 +8,7 @@
 namespace calib {
 namespace {
 
-// Bins, whole lots of them.
+// A range of bins, in multiples of kLot.
 struct Range {
   std::size_t first, end;
 };
@@ -19,7 +19,7 @@ struct Range {
   return sum[0];
 }
 
-// Sums of a b c over bins, whole lots of them, for a few c: a b is made once.
+// Sums of a b c over a range of bins, for a few c: a b is computed once.
 constexpr std::size_t kFew = 4;
 using Few = std::array<const BinRow*, kFew>;
 MTFKIT_CLONES std::array<double, kFew> sums_of_products(const BinRow& a, const BinRow& b, const Few& c, Range range) {
@@ -85,18 +85,18 @@ double Basis::scale(int a) const {
 
 double chi2_of(const EdgeSums& sums, const BinRow& weight) { return sum_of_products(sums.square(), weight); }
 
-void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) {
+void assemble(FitState& state, const EdgeModel& model, const FitSettings& settings) {
   const EdgeSums& sums = state.sums;
   NormalEquations& normal = state.normal = {};
-  state.weight = pixel_weights(sums, model, state.profile, state.noise, rounds.rounding);
+  state.weight = pixel_weights(sums, model, state.profile, state.noise, settings.rounding);
   normal.chi2 = chi2_of(sums, state.weight);
   const Range everywhere{0, kBins},
       bent{static_cast<std::size_t>(state.profile.bend_first), static_cast<std::size_t>(state.profile.bend_end)};
   BinRow ratio;  // of the noise's variance to what the weight counts as it
   multiply(state.weight, variances(state.noise, state.profile), ratio, everywhere);
   normal.count = sum_of_products(sums.moment(0), ratio);
-  const int order = order_of(rounds.unknowns);
-  std::array<BinRow, 2 * kHighestOrder + 1> moment;  // these two weighted
+  const int order = order_of(settings.unknowns);
+  std::array<BinRow, 2 * kHighestOrder + 1> moment;  // weighted sums, as the next
   std::array<BinRow, kHighestOrder + 1> residual;
   for (int k = 0; k <= 2 * order; ++k)
     multiply(state.weight, sums.moment(k), moment[static_cast<std::size_t>(k)], k < 3 ? everywhere : bent);
@@ -109,13 +109,13 @@ void assemble(FitState& state, const EdgeModel& model, const FitRounds& rounds) 
   };
   std::array<List, kHighestOrder + 1> by_power;  // those of one power share a moment
   for (int a = 0; a < kUnknowns; ++a) {
-    if (!rounds.unknowns[static_cast<std::size_t>(a)]) continue;
+    if (!settings.unknowns[static_cast<std::size_t>(a)]) continue;
     List& list = by_power[static_cast<std::size_t>(basis_power(a))];
     list.unknown[list.size++] = a;
   }
-  const Basis basis(state.profile, model.contrast(), rounds.unknowns);
+  const Basis basis(state.profile, model.contrast(), settings.unknowns);
   for (int a = 0; a < kUnknowns; ++a) {
-    if (!rounds.unknowns[static_cast<std::size_t>(a)]) continue;
+    if (!settings.unknowns[static_cast<std::size_t>(a)]) continue;
     const auto p = static_cast<std::size_t>(basis_power(a));
     normal.gradient[a] = basis.scale(a) * sum_of_products(basis.row(a), residual[p], is_bend(a) ? bent : everywhere);
     for (std::size_t q = 0; q <= p; ++q) {

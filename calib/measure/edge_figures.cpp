@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 namespace calib {
@@ -11,12 +12,13 @@ namespace {
 
 constexpr int kEsfSamples = 129;
 constexpr double kEsfStep_px = 0.125;  // at the edge
-constexpr double kMethod = 1e-4;       // how well curves without noise are known: the bars of test_measure_truth.cpp
+constexpr double kMethod = 1e-4;       // error of curves without noise, see the tolerances of test_measure_truth.cpp
 
-// Distances from -reach to reach, kEsfStep_px apart at the edge and wider in the tails: d = a sinh(b t), t in [-1, 1].
-std::array<double, kEsfSamples> distances(double reach_px) {
+// Distances from -range_px to range_px, kEsfStep_px apart at the edge and wider in the tails: d = a sinh(b t), t in
+// [-1, 1].
+std::array<double, kEsfSamples> distances(double range_px) {
   constexpr int kHalf = kEsfSamples / 2;
-  const double stretch = reach_px / (kEsfStep_px * kHalf);  // = sinh(b) / b
+  const double stretch = range_px / (kEsfStep_px * kHalf);  // = sinh(b) / b
   double b = 0.0;
   if (stretch > 1.0) {
     b = std::log(2.0 * stretch) + 1.0;
@@ -26,7 +28,7 @@ std::array<double, kEsfSamples> distances(double reach_px) {
   std::array<double, kEsfSamples> d{};
   for (int i = 0; i < kEsfSamples; ++i) {
     const double t = static_cast<double>(i - kHalf) / kHalf;
-    d[static_cast<std::size_t>(i)] = reach_px * (b > 1e-3 ? std::sinh(b * t) / std::sinh(b) : t);
+    d[static_cast<std::size_t>(i)] = range_px * (b > 1e-3 ? std::sinh(b * t) / std::sinh(b) : t);
   }
   return d;
 }
@@ -46,9 +48,9 @@ void curves_of_frequency(const EdgeResponse& response, EdgeMeasurement& out) {
   }
 }
 
-void curves_of_distance(const EdgeResponse& response, double reach_px, EdgeMeasurement& out) {
+void curves_of_distance(const EdgeResponse& response, double range_px, EdgeMeasurement& out) {
   for (auto* list : {&out.distance_px, &out.esf, &out.esf_sd, &out.lsf}) list->resize(kEsfSamples);
-  const auto at = distances(reach_px);
+  const auto at = distances(range_px);
   for (std::size_t i = 0; i < kEsfSamples; ++i) {
     const double d = at[i];
     out.distance_px[i] = d;
@@ -62,15 +64,15 @@ void curves_of_distance(const EdgeResponse& response, double reach_px, EdgeMeasu
 struct Sample {
   double at, value;
 };
-// Where a function falls to `level` between a place above it and one at or below: regula falsi with halved ends
-// (Illinois).
+// Where a function falls to `height`, between a place where it is above and one where it is not: the Illinois variant
+// of regula falsi.
 template <class Function>
-double falls_to(double level, Sample above, Sample below, const Function& function) {
-  above.value -= level;
-  below.value -= level;
+double falls_to(double height, Sample above, Sample below, const Function& function) {
+  above.value -= height;
+  below.value -= height;
   for (int round = 0; round < 8 && std::abs(below.at - above.at) > 1e-9; ++round) {
     const double at = above.at + (below.at - above.at) * above.value / (above.value - below.value);
-    const double value = function(at) - level;
+    const double value = function(at) - height;
     if (std::abs(value) < 1e-9) return at;
     Sample& moved = value > 0.0 ? above : below;
     (value > 0.0 ? below : above).value *= 0.5;
@@ -152,6 +154,27 @@ Estimate overshoot(const EdgeResponse& response) {
   return linear(response, most - 1.0, response.esf_row(at));
 }
 
+double sagitta(const EdgeCurve& curve) {
+  constexpr int kSteps = 64;
+  const double half = curve.half_length_px;
+  if (curve.shape == EdgeCurve::Shape::circle) {
+    const double k = curve.curvature_per_px * half;
+    return std::abs(k) >= 1.0 ? 1.0 / std::abs(curve.curvature_per_px)
+                              : half * std::abs(k) / (1.0 + std::sqrt(1.0 - k * k));
+  }
+  const auto height = [&](double t) {
+    double g = 0.0;
+    for (auto k = curve.coefficient.size(); k-- > 0;) g = g * t + curve.coefficient[k];
+    return g * t * t;
+  };
+  double most = 0.0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double t = 2.0 * i / kSteps - 1.0;
+    most = std::max(most, std::abs(height(t) - 0.5 * (height(1.0) * (1.0 + t) + height(-1.0) * (1.0 - t))));
+  }
+  return most;
+}
+
 }  // namespace
 
 void describe(const EdgeResponse& response, EdgeMeasurement& out) {
@@ -181,7 +204,7 @@ void describe(const EdgeResponse& response, EdgeMeasurement& out) {
     out.absent.emplace_back("sampling_efficiency", "the MTF stays above 10 % up to 1 cycle per pixel");
 }
 
-void hold_difference(const EdgeMeasurement& other, EdgeMeasurement& out) {
+void add_difference(const EdgeMeasurement& other, EdgeMeasurement& out) {
   for (std::size_t i = 0; i < out.mtf.size(); ++i) out.mtf_sd[i] = std::hypot(out.mtf_sd[i], out.mtf[i] - other.mtf[i]);
   for (std::size_t i = 0; i < out.esf.size(); ++i) {
     const bool same = i < other.distance_px.size() && other.distance_px[i] == out.distance_px[i];
@@ -192,12 +215,39 @@ void hold_difference(const EdgeMeasurement& other, EdgeMeasurement& out) {
                       &EdgeMeasurement::fwhm_px, &EdgeMeasurement::mtfa, &EdgeMeasurement::sampling_efficiency}) {
     std::optional<Estimate>& one = out.*figure;
     if (!one) continue;
-    // A frequency that the other does not reach is beyond the curves.
+    // Where the other MTF does not fall so far, its frequency lies beyond the curves.
     const bool frequency =
         figure == &EdgeMeasurement::mtf10 || figure == &EdgeMeasurement::mtf30 || figure == &EdgeMeasurement::mtf50;
     const double beyond = frequency ? 1.0 : one->value;
     one->sd = std::hypot(one->sd, (other.*figure ? (other.*figure)->value : beyond) - one->value);
   }
+}
+
+void describe_geometry(const EdgeModel& model, const JointFit& joint, const RegionFacts& facts, EdgeMeasurement& out) {
+  out.curve = model.curve;
+  out.curve.origin.x += facts.middle.x;
+  out.curve.origin.y += facts.middle.y;
+  out.length_px = 2.0 * model.curve.half_length_px;
+  out.sagitta_px = sagitta(model.curve);
+  double angle_deg = std::remainder(model.curve.angle_rad * 180.0 / std::numbers::pi, 180.0);
+  if (angle_deg <= -90.0) angle_deg += 180.0;
+  out.angle_deg.value = angle_deg;
+  for (std::size_t i = 0; i < joint.unknowns.size(); ++i) {
+    if (joint.unknowns[i] != kFirstShift + 1) continue;
+    const auto at = static_cast<Eigen::Index>(i);
+    out.angle_deg.sd =
+        std::sqrt(std::max(0.0, joint.covariance(at, at))) / model.curve.half_length_px * 180.0 / std::numbers::pi;
+  }
+}
+
+void describe_plateaus(const EdgeModel& model, const NoiseModel& noise, const RegionFacts& facts,
+                       EdgeMeasurement& out) {
+  out.dark = facts.offset + facts.scale * model.plateau[0];
+  out.bright = facts.offset + facts.scale * model.plateau[1];
+  out.noise_sd = facts.scale * std::sqrt(noise.at(0.5));
+  if (noise.bright != noise.dark)
+    out.noise_gain = facts.scale * (noise.bright - noise.dark) / std::max(1e-300, model.contrast());
+  out.cnr = (out.bright - out.dark) / out.noise_sd;
 }
 
 }  // namespace calib

@@ -3,15 +3,25 @@
 
 // Curves and figures of merit of an edge's response, each with its standard deviation.
 
+#include "calib/edge/edge_pixels.h"
 #include "calib/edge/edge_response.h"
 #include "calib/measure/measure.h"
 
 namespace calib {
 
-/// Fills the curves and the figures from mtf10 to sampling_efficiency; what is not there is named in `absent`.
+/// Fills the curves and the figures from mtf10 to sampling_efficiency; those that cannot be determined are named in
+/// `absent`.
 void describe(const EdgeResponse& response, EdgeMeasurement& measurement);
 
-/// Adds the difference from what another shape that fits as well gives to the standard deviations.
-void hold_difference(const EdgeMeasurement& other, EdgeMeasurement& measurement);
+/// Adds the difference from the result of another shape that fits as well to the standard deviations.
+void add_difference(const EdgeMeasurement& other, EdgeMeasurement& measurement);
+
+/// The edge's curve, length, sagitta and angle.
+void describe_geometry(const EdgeModel& model, const JointFit& joint, const RegionFacts& region,
+                       EdgeMeasurement& measurement);
+
+/// Dark and bright value, noise and contrast / noise.
+void describe_plateaus(const EdgeModel& model, const NoiseModel& noise, const RegionFacts& region,
+                       EdgeMeasurement& measurement);
 
 }  // namespace calib

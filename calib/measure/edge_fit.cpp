@@ -31,14 +31,14 @@ Box trusted(const ReferenceShape& shape) {
   box.high.segment<kHighestOrder + 1>(kFirstShift).setConstant(2.0 + 3.0 * blur_px);
   box.high.tail<kShapes>() << 0.2 + blur_px, 0.05 + 1.5 * blur_px2, 0.5 + 6.0 * blur_px2;
   box.low = -box.high;
-  // Both at once must not leave an edge so sharp that no pixel lies on it.
+  // Both together must not leave an edge so sharp that no pixel lies on it.
   box.low[kFirstShape + 1] = -0.7 * blur_px2;
   box.low[kFirstShape + 2] = -0.5 - 0.7 * shape.q_px2;
   return box;
 }
 
-// Damped least squares within bounds: the unknown that would leave them furthest is put on its wall and the others are
-// solved again.
+// Damped least squares within bounds: the unknown that would exceed its bound most is put on it, and the others are
+// solved for again.
 Vector solve_within(const NormalEquations& normal, const Unknowns& unknowns, const Box& box, double damping) {
   using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kUnknowns, kUnknowns>;
   using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kUnknowns, 1>;
@@ -51,7 +51,7 @@ Vector solve_within(const NormalEquations& normal, const Unknowns& unknowns, con
       if (free[static_cast<std::size_t>(a)]) list[static_cast<std::size_t>(n++)] = a;
     Small m(n, n);
     SmallVector r(n), scale(n);
-    const Vector rest = normal.gradient - normal.matrix * step;  // of the unknowns on walls
+    const Vector rest = normal.gradient - normal.matrix * step;  // after the unknowns on their bounds
     for (int i = 0; i < n; ++i) {
       const double diagonal = normal.matrix(list[i], list[i]);
       scale[i] = diagonal > 0.0 ? 1.0 / std::sqrt(diagonal) : 0.0;
@@ -61,18 +61,18 @@ Vector solve_within(const NormalEquations& normal, const Unknowns& unknowns, con
     }
     const SmallVector x = m.ldlt().solve(r);
     int worst = -1;
-    double excess = 0.0, wall = 0.0;
+    double excess = 0.0, bound = 0.0;
     for (int i = 0; i < n; ++i) {
       const double value = std::isfinite(x[i]) ? x[i] * scale[i] : 0.0;
       const double inside = std::clamp(value, box.low[list[i]], box.high[list[i]]);
       if (const double beyond = std::abs(value - inside) / std::max(scale[i], 1e-300); beyond > excess)
-        excess = beyond, worst = list[i], wall = inside;
+        excess = beyond, worst = list[i], bound = inside;
     }
     if (worst < 0) {
       for (int i = 0; i < n; ++i) step[list[i]] = std::isfinite(x[i]) ? x[i] * scale[i] : 0.0;
       break;
     }
-    step[worst] = wall;
+    step[worst] = bound;
     free.reset(static_cast<std::size_t>(worst));
   }
   return step;
@@ -87,10 +87,10 @@ Vector next_step(const NormalEquations& normal, const EdgeModel& model, const Un
   }
 }
 
-// Of the footprint.
+// The prior of the footprint.
 constexpr double kMean_px2 = 0.75, kSd_px2 = 0.5;
 
-// The prior's part of what is minimised.
+// The prior's part of the cost.
 double misfit_of(const ReferenceShape& shape, const Unknowns& unknowns) {
   const double off = (shape.q_px2 - kMean_px2) / kSd_px2;
   return unknowns[kFirstShape + 2] ? off * off : 0.0;
@@ -99,7 +99,7 @@ double misfit_of(const ReferenceShape& shape, const Unknowns& unknowns) {
 }  // namespace
 
 void move(EdgeModel& model, const Vector& step) {
-  for (int a = 0; a < kLevels; ++a) model.level[static_cast<std::size_t>(a)] += step[a];
+  for (int a = 0; a < kPlateauTerms; ++a) model.plateau[static_cast<std::size_t>(a)] += step[a];
   EdgeCurve& curve = model.curve;
   const Point n = curve.normal();
   curve.origin.x += n.x * step[kFirstShift];
@@ -116,21 +116,6 @@ void move(EdgeModel& model, const Vector& step) {
   model.shape.q_px2 = std::max(0.0, model.shape.q_px2 + step[kFirstShape + 2]);
 }
 
-Vector way(const EdgeModel& from, const EdgeModel& to) {
-  Vector step = Vector::Zero();
-  for (int a = 0; a < kLevels; ++a)
-    step[a] = to.level[static_cast<std::size_t>(a)] - from.level[static_cast<std::size_t>(a)];
-  const EdgeCurve &a = from.curve, &b = to.curve;
-  const Point n = a.normal();
-  const double half = a.half_length_px;
-  step[kFirstShift] = n.x * (b.origin.x - a.origin.x) + n.y * (b.origin.y - a.origin.y);
-  step[kFirstShift + 1] = half * std::tan(a.angle_rad - b.angle_rad);
-  step[kFirstShift + 2] = 0.5 * half * half * (b.curvature_per_px - a.curvature_per_px);
-  for (std::size_t k = 0; k < std::min(a.coefficient.size(), b.coefficient.size()); ++k)
-    step[kFirstShift + 2 + static_cast<int>(k)] += b.coefficient[k] - a.coefficient[k];
-  return step;
-}
-
 void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unknowns& unknowns) {
   constexpr int q = kFirstShape + 2;
   if (!unknowns[q]) return;
@@ -138,55 +123,46 @@ void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unkno
   normal.gradient[q] += (kMean_px2 - shape.q_px2) / (kSd_px2 * kSd_px2);
 }
 
-NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitRounds& rounds) {
-  if (rounds.variance) return {.dark = *rounds.variance, .bright = *rounds.variance};
-  return estimate_noise(sums, profile, rounds.least_variance, rounds.rounding);
+NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitSettings& settings) {
+  if (settings.variance) return {.dark = *settings.variance, .bright = *settings.variance};
+  return estimate_noise(sums, profile, settings.least_variance, settings.rounding);
 }
 
-FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitRounds& rounds) {
+FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitSettings& settings) {
   FitState state;
   state.profile = StepProfile(tabulate(model.shape, model.curve.angle_rad));
-  state.sums = accumulate(pixels, model, state.profile, order_of(rounds.unknowns), rounds.step);
-  state.noise = noise_of(state.sums, state.profile, rounds);
-  assemble(state, model, rounds);
+  state.sums = accumulate(pixels, model, state.profile, order_of(settings.unknowns), settings.every);
+  state.noise = noise_of(state.sums, state.profile, settings);
+  assemble(state, model, settings);
   return state;
 }
 
-FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds) {
-  return fit_reference(pixels, model, rounds, evaluate(pixels, model, rounds));
+FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitSettings& settings) {
+  return fit_reference(pixels, model, settings, evaluate(pixels, model, settings));
 }
 
-FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitRounds& rounds, FitState state) {
-  return descend(model, rounds, std::move(state),
-                 [&](const EdgeModel& next) { return evaluate(pixels, next, rounds); });
-}
-
-FitState descend(EdgeModel& model, const FitRounds& rounds, FitState state, const Look& look) {
+FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitSettings& settings, FitState state) {
   double damping = 0.0;
-  for (int round = 1; round <= rounds.rounds; ++round) {
+  for (int round = 1; round <= settings.max_iterations; ++round) {
     NormalEquations normal = state.normal;
-    add_prior(normal, model.shape, rounds.unknowns);
-    const Vector step = next_step(normal, model, rounds.unknowns, damping);
+    add_prior(normal, model.shape, settings.unknowns);
+    const Vector step = next_step(normal, model, settings.unknowns, damping);
     const double expected = normal.gradient.dot(step);
-    state.converged = expected < rounds.enough;
-    state.left = expected;
-    if (state.converged || round == rounds.rounds) break;
+    if (expected < settings.tolerance || round == settings.max_iterations) break;
     EdgeModel next = model;
     move(next, step);
-    FitState tried = look(next);
-    // Pixels out of reach leave chi2: an edge that runs away from them is no better.
+    FitState tried = evaluate(pixels, next, settings);
+    // Pixels beyond the range do not count in chi2: an edge that moves away from them fits no better.
     constexpr double kKept = 0.7;
     const double more = chi2_of(tried.sums, state.weight) - state.normal.chi2;
     const bool better = more <= 2.0 && tried.normal.count >= kKept * state.normal.count;
-    // Along the valley where shapes hardly differ steps may go to and fro.
+    // Steps between shapes that hardly differ may alternate without gaining anything.
     constexpr double kShort = 10.0;
-    const double gained = misfit_of(model.shape, rounds.unknowns) - misfit_of(next.shape, rounds.unknowns) - more;
-    const bool idle = expected < kShort * rounds.enough && gained < rounds.enough;
+    const double gained = misfit_of(model.shape, settings.unknowns) - misfit_of(next.shape, settings.unknowns) - more;
+    const bool idle = expected < kShort * settings.tolerance && gained < settings.tolerance;
     damping = better ? 0.1 * damping : std::max(1e-4, 30.0 * damping);
     if (damping < 1e-6) damping = 0.0;
     if (better && !(idle && gained < 0.0)) model = next, state = std::move(tried);
-    if (idle) state.left = expected;
-    state.converged = idle;
     if (idle) break;
   }
   return state;

@@ -17,14 +17,14 @@ struct Spread {
   double error() const { return std::sqrt(2.0 / std::max(dof, 1.0)); }  // relative, of the variance
 };
 
-// By the place on the step: the dark plateau, the edge, the bright plateau.
+// On the dark plateau, on the edge, on the bright plateau.
 struct Spreads {
   Spread dark, edge, bright;
 };
 
 constexpr double kPlateau = 0.08;
 
-// What pixels of a bin differ by.
+// The scatter of the pixels within their bins.
 MTFKIT_CLONES Spreads spreads(const EdgeSums& sums, const BinRow& esf) {
   const BinRow &count = sums.moment(0), &residual = sums.residual(0), &square = sums.square();
   std::array<std::array<double, kLot>, 3> sum{}, dof{};
@@ -50,7 +50,7 @@ MTFKIT_CLONES Spreads spreads(const EdgeSums& sums, const BinRow& esf) {
   return {spread(0), spread(1), spread(2)};
 }
 
-// What pixels on the edge are expected to differ by, in sum.
+// The sum of squares expected within the bins on the edge.
 MTFKIT_CLONES double expected_on_edge(const EdgeSums& sums, const BinRow& esf, const NoiseModel& noise) {
   const BinRow& count = sums.moment(0);
   std::array<double, kLot> sum{};
@@ -80,7 +80,7 @@ NoiseModel estimate_noise(const EdgeSums& sums, const StepProfile& profile, doub
     const double a = std::max(noise.least_dark, dark.variance()), b = std::max(noise.least_bright, bright.variance());
     if (std::abs(std::log(b / a)) > 3.5 * std::hypot(dark.error(), bright.error())) noise.dark = a, noise.bright = b;
   }
-  // Across the edge the same pixels may show more: rounding that the plateaus hide.
+  // On the edge pixels may scatter more: the plateaus hide rounding.
   if (edge.dof < kFewest) return noise;
   const double expected = expected_on_edge(sums, profile.esf(), noise);
   if (edge.sum > expected * (1.0 + 5.0 * edge.error())) {

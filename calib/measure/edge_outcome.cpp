@@ -2,13 +2,10 @@
 #include "calib/measure/edge_outcome.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <numeric>
-
-#include "calib/edge/median.h"
-#include "mtf/engines/clones.h"
 
 namespace calib {
 namespace {
@@ -17,56 +14,12 @@ constexpr std::int64_t kFewestPixels = 24;
 constexpr double kClippedShare = 0.05;
 constexpr double kLeastLength_px = 8.0;
 constexpr double kLeastCnr = 1.5, kLeastSignificance = 8.0;
-constexpr double kOtherEdge = 0.25, kStructure = 0.10, kTexture = 0.03;  // of the contrast
+constexpr double kOtherEdge = 0.25, kStructure = 0.10;  // of the contrast
 
 std::string number(double value, const char* form = "%.3g") {
   std::array<char, 32> text{};
   static_cast<void>(std::snprintf(text.data(), text.size(), form, value));
   return text.data();
-}
-
-// What pixels of the plateaus differ by from their level, and pixels at equal distances from each other, beyond what
-// neighbours differ by; in parts of the contrast, or where levels run on beyond all values, of the values' range, 1.
-double structure(const EdgeFacts& facts) {
-  const double seen = std::max(facts.plateau_sd, facts.noise_sd);
-  const double excess = seen * seen - 1.5 * facts.local_noise_sd * facts.local_noise_sd;
-  return std::sqrt(std::max(0.0, excess)) / std::clamp(facts.contrast, 1e-300, 1.0);
-}
-
-// The smallest and the largest value, how many pixels have them and how far the next value is.
-struct Ends {
-  std::ptrdiff_t at_low = 0, at_high = 0;
-  double low_step = 0.0, high_step = 0.0;
-};
-
-MTFKIT_CLONES Ends ends_of(const double* values, std::size_t n) {
-  constexpr std::size_t kLanes = 16;
-  std::array<double, kLanes> low, high, above, below;
-  std::array<std::int64_t, kLanes> at_low{}, at_high{};
-  low.fill(INFINITY);
-  high.fill(-INFINITY);
-  const std::size_t whole = n / kLanes * kLanes;
-  for (std::size_t i = 0; i < whole; i += kLanes)
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      low[k] = values[i + k] < low[k] ? values[i + k] : low[k];
-      high[k] = values[i + k] > high[k] ? values[i + k] : high[k];
-    }
-  double least = *std::min_element(low.begin(), low.end()), most = *std::max_element(high.begin(), high.end());
-  for (std::size_t i = whole; i < n; ++i) least = std::min(least, values[i]), most = std::max(most, values[i]);
-  above.fill(most);
-  below.fill(least);
-  const auto take = [&](std::size_t k, double value) {
-    at_low[k] += value == least ? 1 : 0;
-    at_high[k] += value == most ? 1 : 0;
-    above[k] = value > least && value < above[k] ? value : above[k];
-    below[k] = value < most && value > below[k] ? value : below[k];
-  };
-  for (std::size_t i = 0; i < whole; i += kLanes)
-    for (std::size_t k = 0; k < kLanes; ++k) take(k, values[i + k]);
-  for (std::size_t i = whole; i < n; ++i) take(0, values[i]);
-  return {std::accumulate(at_low.begin(), at_low.end(), std::ptrdiff_t{0}),
-          std::accumulate(at_high.begin(), at_high.end(), std::ptrdiff_t{0}),
-          *std::min_element(above.begin(), above.end()) - least, most - *std::max_element(below.begin(), below.end())};
 }
 
 }  // namespace
@@ -86,133 +39,6 @@ Outcome judge_region(const RegionFacts& facts, const Roi& roi, const MeasureOpti
   return {};
 }
 
-double local_noise(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts) {
-  constexpr std::int64_t kPairs = 2000;
-  std::vector<float> differences;
-  const std::int64_t step = std::max<std::int64_t>(1, roi.width * roi.height / kPairs) | 1;
-  for (const std::int64_t apart : {3, 4}) {  // beyond correlations; a Bayer plane has data in every other column
-    visit_some(roi, step, [&](std::int64_t x, std::int64_t y) {
-      if (x + apart >= roi.x + roi.width) return;
-      const auto difference = static_cast<float>(
-          (static_cast<double>(image.at(x + apart, y)) - static_cast<double>(image.at(x, y))) / facts.scale);
-      if (std::isfinite(difference)) differences.push_back(std::abs(difference));
-    });
-    if (differences.size() > 16) break;
-  }
-  if (differences.empty()) return 0.0;
-  return static_cast<double>(nth_least(differences, differences.size() / 2)) / (0.6745 * std::sqrt(2.0));
-}
-
-EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model, double local_noise_sd) {
-  const DistanceBins& bins = DistanceBins::get();
-  EdgeFacts facts{.length_px = 2.0 * model.curve.half_length_px, .local_noise_sd = local_noise_sd};
-  facts.width_px = 1.0 / std::max(1e-3, state.profile.lsf()[kSideBins]);
-  facts.contrast = model.contrast();
-  facts.noise_sd = std::sqrt(state.noise.at(0.5));
-  double dark = 0.0, bright = 0.0, plateau = 0.0, squares = 0.0;
-  std::array<double, 2> side_error{}, side_dof{};
-  for (int i = 0; i < kBins; ++i) {
-    const double n = state.sums.count(i), d = bins.centre(i);
-    (d < 0.0 ? dark : bright) += n;
-    if (std::abs(d) < 2.0 * facts.width_px) continue;
-    plateau += n;
-    squares += state.sums.square()[static_cast<std::size_t>(i)];
-    side_error[d < 0.0 ? 0 : 1] += state.sums.pure_error(i);
-    side_dof[d < 0.0 ? 0 : 1] += std::max(0.0, n - 1.0);
-  }
-  const Ends ends = ends_of(pixels.value(), pixels.size());
-  const double share = static_cast<double>(pixels.size()) / std::max(1.0, dark + bright);
-  facts.reach_dark_px = share * dark / facts.length_px;
-  facts.reach_bright_px = share * bright / facts.length_px;
-  facts.plateau_sd = std::sqrt(squares / std::max(1.0, plateau));
-  const double sides = dark * bright / std::max(1.0, dark + bright);
-  facts.significance = facts.contrast / std::max(1e-300, facts.noise_sd) * std::sqrt(std::max(0.0, sides));
-  const double a = side_error[0] / std::max(1.0, side_dof[0]), b = side_error[1] / std::max(1.0, side_dof[1]);
-  const bool enough = std::min(side_dof[0], side_dof[1]) > 50.0;
-  const double visible = 1e-5 * facts.contrast * facts.contrast;
-  // A side whose noise is below the step between values lies on one or two of them without being cut off.
-  const auto fine = [](double variance, double step) { return variance > 0.36 * step * step; };
-  constexpr double kHeaped = 0.2;  // of a side's pixels
-  facts.bright_is_flat = enough && a > visible && fine(a, ends.high_step) &&
-                         (b < 1e-10 || static_cast<double>(ends.at_high) > kHeaped * bright);
-  facts.dark_is_flat = enough && b > visible && fine(b, ends.low_step) &&
-                       (a < 1e-10 || static_cast<double>(ends.at_low) > kHeaped * dark);
-  constexpr int kHalf_px = 2, kPerPixel = 8, kMerged = kFinest / kPerPixel;
-  int filled = 0;
-  for (int k = -kHalf_px * kPerPixel; k < kHalf_px * kPerPixel; ++k) {
-    double n = 0.0;
-    for (int m = 0; m < kMerged; ++m) n += state.sums.count(kSideBins + k * kMerged + m);
-    filled += n > 0.0;
-  }
-  facts.oversampling = static_cast<double>(filled) / (2.0 * kHalf_px);
-  return facts;
-}
-
-bool suspects_outliers(const EdgeFacts& facts) {
-  return std::max(facts.plateau_sd, facts.noise_sd) > 2.0 * facts.local_noise_sd && structure(facts) > 0.5 * kTexture;
-}
-
-std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
-                            const EdgeFacts& facts) {
-  constexpr double kMostShare = 0.02;
-  constexpr double kCommon = 0.3;   // of the pixels at a distance: they belong to the response, as overshoot does
-  constexpr double kWindows = 4.0;  // a pixel
-  constexpr auto kCount = static_cast<std::size_t>(2.0 * kReach_px * kWindows) + 1;
-  const DistanceBins& bins = DistanceBins::get();
-  const double limit = std::max(8.0 * facts.local_noise_sd, 0.25 * model.contrast());
-  std::vector<std::size_t> window(pixels.size());
-  std::vector<bool> far(pixels.size());
-  std::array<double, kCount> all{}, apart{};
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const double d = locate(model.curve, {pixels.x()[i], pixels.y()[i]}).distance_px;
-    const bool inside = std::abs(d) < kReach_px;
-    const double esf = inside ? profile.esf()[static_cast<std::size_t>(bins.index(d))] : d > 0.0;
-    const double expected = model.level[0] + model.contrast() * esf;
-    far[i] = std::abs(pixels.value()[i] - expected) > limit;
-    window[i] = inside ? static_cast<std::size_t>((d + kReach_px) * kWindows) : kCount - 1;
-    all[window[i]] += 1.0;
-    apart[window[i]] += far[i] ? 1.0 : 0.0;
-  }
-  EdgePixels kept(pixels.size());
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (far[i] && apart[window[i]] <= kCommon * all[window[i]]) continue;
-    kept.add(pixels.x()[i], pixels.y()[i], pixels.value()[i]);
-  }
-  const std::size_t removed = pixels.size() - kept.size();
-  if (removed == 0 || static_cast<double>(removed) > kMostShare * static_cast<double>(pixels.size())) return 0;
-  pixels = std::move(kept);
-  return removed;
-}
-
-Outcome judge_response(const EdgeMeasurement& out) {
-  // Sharpening lifts the MTF with the square of the frequency and overshoots by parts of the step.
-  constexpr double kLow_cy_px = 0.05, kMostLow = 1.2, kMost = 2.0, kOvershoot = 0.6, kSure = 4.0;
-  constexpr double kFewDistances = 3.0;  // a pixel
-  const auto because = [&out](const std::string& what) {
-    if (out.oversampling < kFewDistances)
-      return Outcome{Trouble::too_short, "only " + number(out.oversampling) +
-                                             " distances a pixel occur, too few for so sharp an edge (" + what +
-                                             "): tilt the edge by 2 to 10 degrees or take a longer one"};
-    return Outcome{Trouble::contaminated, what +
-                                              ": a ridge, a glow or another edge is in the region, not a step "
-                                              "between two levels; draw the region around one edge"};
-  };
-  for (std::size_t i = 0; i < out.mtf.size(); ++i) {
-    if (!std::isfinite(out.mtf[i]) || !std::isfinite(out.mtf_sd[i]))
-      return {Trouble::no_edge, "the pixels do not determine a response: take a larger region on an edge"};
-    const double most = out.frequency_cy_px[i] <= kLow_cy_px ? kMostLow : kMost;
-    if (out.mtf[i] > most + kSure * out.mtf_sd[i])
-      return because("the MTF rises to " + number(out.mtf[i]) + " at " + number(out.frequency_cy_px[i]) +
-                     " cycles per pixel");
-  }
-  for (std::size_t i = 0; i < out.esf.size(); ++i) {
-    const double beyond = std::max(out.esf[i] - 1.0, -out.esf[i]);
-    if (beyond > kOvershoot + kSure * out.esf_sd[i])
-      return because("the edge spread function leaves the range of its levels by " + number(100.0 * beyond) + " %");
-  }
-  return {};
-}
-
 Outcome judge_edge(const EdgeFacts& facts) {
   const double cnr = facts.contrast / std::max(1e-300, facts.noise_sd);
   if (!(facts.contrast > 0.0) || cnr < kLeastCnr)
@@ -228,23 +54,23 @@ Outcome judge_edge(const EdgeFacts& facts) {
   if (!(facts.length_px >= kLeastLength_px))
     return {Trouble::too_short, "the edge is " + number(facts.length_px) + " px long inside the region, at least " +
                                     number(kLeastLength_px) + " are needed: take a region along the edge"};
-  const double shorter = std::min(facts.reach_dark_px, facts.reach_bright_px);
-  const char* side = facts.reach_dark_px < facts.reach_bright_px ? "dark" : "bright";
-  if (structure(facts) > kOtherEdge)
+  const double shorter = std::min(facts.extent_dark_px, facts.extent_bright_px);
+  const char* side = facts.extent_dark_px < facts.extent_bright_px ? "dark" : "bright";
+  if (structure_share(facts) > kOtherEdge)
     return {Trouble::several_edges, "beside the strongest edge the region has structure of " +
-                                        number(100.0 * structure(facts)) +
+                                        number(100.0 * structure_share(facts)) +
                                         " % of its contrast: draw the region around one edge"};
   const double needed = std::max(2.0, 1.25 * facts.width_px);
-  if (facts.width_px > 48.0 || facts.width_px > 0.7 * (facts.reach_dark_px + facts.reach_bright_px))
+  if (facts.width_px > 48.0 || facts.width_px > 0.7 * (facts.extent_dark_px + facts.extent_bright_px))
     return {Trouble::no_edge,
-            "the region holds a ramp rather than an edge between two levels: take a larger region, or "
+            "the region holds a ramp rather than an edge between two plateaus: take a larger region, or "
             "one on an edge"};
   if (shorter < needed)
     return {Trouble::off_region, "only " + number(shorter) + " px of the " + side + " side are inside the region, " +
-                                     number(needed) + " are needed for its level: centre the region on the edge"};
-  if (structure(facts) > kStructure)
+                                     number(needed) + " are needed for its plateau: centre the region on the edge"};
+  if (structure_share(facts) > kStructure)
     return {Trouble::contaminated,
-            "structure of " + number(100.0 * structure(facts)) +
+            "structure of " + number(100.0 * structure_share(facts)) +
                 " % of the contrast lies beside the edge, or the edge is bent more than its curve can be: narrow the "
                 "region to even sides, or allow a higher order"};
   if (facts.bright_is_flat)
@@ -258,39 +84,69 @@ Outcome judge_edge(const EdgeFacts& facts) {
   return {};
 }
 
-void warn(const EdgeFacts& facts, EdgeMeasurement& out) {
-  if (structure(facts) > kTexture)
-    out.warnings.push_back("the sides are uneven by " + number(100.0 * structure(facts)) +
-                           " % of the contrast: the MTF below 0.1 cycles per pixel may be off by as much");
+Outcome judge_response(const EdgeMeasurement& out) {
+  // Sharpening lifts the MTF with the square of the frequency and overshoots by parts of the step.
+  constexpr double kLow_cy_px = 0.05, kMostLow = 1.2, kMost = 2.0, kOvershoot = 0.6, kSure = 4.0;
+  constexpr double kFewDistances = 3.0;  // a pixel, as EdgeFacts::few_distances()
+  const auto because = [&out](const std::string& what) {
+    if (out.oversampling < kFewDistances)
+      return Outcome{Trouble::too_short, "only " + number(out.oversampling) +
+                                             " distances a pixel occur, too few for so sharp an edge (" + what +
+                                             "): tilt the edge by 2 to 10 degrees or take a longer one"};
+    return Outcome{Trouble::contaminated, what +
+                                              ": a ridge, a glow or another edge is in the region, not a step "
+                                              "between two plateaus; draw the region around one edge"};
+  };
+  for (std::size_t i = 0; i < out.mtf.size(); ++i) {
+    if (!std::isfinite(out.mtf[i]) || !std::isfinite(out.mtf_sd[i]))
+      return {Trouble::no_edge, "the pixels do not determine a response: take a larger region on an edge"};
+    const double most = out.frequency_cy_px[i] <= kLow_cy_px ? kMostLow : kMost;
+    if (out.mtf[i] > most + kSure * out.mtf_sd[i])
+      return because("the MTF rises to " + number(out.mtf[i]) + " at " + number(out.frequency_cy_px[i]) +
+                     " cycles per pixel");
+  }
+  for (std::size_t i = 0; i < out.esf.size(); ++i) {
+    const double beyond = std::max(out.esf[i] - 1.0, -out.esf[i]);
+    if (beyond > kOvershoot + kSure * out.esf_sd[i])
+      return because("the edge spread function leaves the range of its plateaus by " + number(100.0 * beyond) + " %");
+  }
+  return {};
+}
+
+std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasurement& out, bool sparse) {
+  std::vector<std::string> warnings;
+  if (structure_share(facts) > kVisibleStructure)
+    warnings.push_back("the sides are uneven by " + number(100.0 * structure_share(facts)) +
+                       " % of the contrast: the MTF below 0.1 cycles per pixel may be off by as much");
   if (facts.oversampling < 4.0)
-    out.warnings.push_back(
-        "the edge runs so close to the pixels' grid that only " + number(facts.oversampling) +
-        " distances a pixel occur: fine structure of the MTF cannot be seen, tilt the edge by 2 to 10 "
-        "degrees");
+    warnings.push_back("the edge runs so close to the pixels' grid that only " + number(facts.oversampling) +
+                       " distances a pixel occur: fine structure of the MTF cannot be seen, tilt the edge by 2 to 10 "
+                       "degrees");
   constexpr double kVisibleMisfit = 3e-3;  // of the contrast
   if (out.chi2_per_dof > 2.0 && std::sqrt(out.chi2_per_dof) > kVisibleMisfit * out.cnr)
-    out.warnings.push_back("the pixels lie " + number(std::sqrt(out.chi2_per_dof)) +
-                           " times further from the model than their noise: something else is in the region");
-  const double shorter = std::min(facts.reach_dark_px, facts.reach_bright_px);
+    warnings.push_back("the pixels lie " + number(std::sqrt(out.chi2_per_dof)) +
+                       " times further from the model than their noise: something else is in the region");
+  const double shorter = std::min(facts.extent_dark_px, facts.extent_bright_px);
   if (shorter < 4.0 * facts.width_px)
-    out.warnings.push_back("only " + number(shorter) +
-                           " px of one side are inside the region: tails of the blur may count as its level");
+    warnings.push_back("only " + number(shorter) +
+                       " px of one side are inside the region: tails of the blur may count as its plateau");
   if (facts.narrowed_px > 0.0)
-    out.warnings.push_back(
-        "the levels bend with the distance from the edge, as under uneven light: pixels further than " +
+    warnings.push_back(
+        "the sides change nonlinearly with the distance from the edge, as under uneven light: pixels further than " +
         number(facts.narrowed_px) + " px from it are left out");
-  if (facts.levels_bend)
-    out.warnings.emplace_back(
-        "the levels bend next to the edge too: the MTF at low frequencies may be off by more than its "
+  if (facts.curved_shading)
+    warnings.emplace_back(
+        "the sides change nonlinearly next to the edge too: the MTF at low frequencies may be off by more than its "
         "standard deviation");
   if (facts.outliers > 0)
-    out.warnings.push_back(std::to_string(facts.outliers) + (facts.outliers == 1 ? " single pixel" : " single pixels") +
-                           " far from the model left out");
-  if (facts.missing > 0)
-    out.warnings.push_back(std::to_string(facts.missing) + (facts.missing == 1 ? " pixel is" : " pixels are") +
-                           " no number or infinite and left out");
+    warnings.push_back(std::to_string(facts.outliers) + (facts.outliers == 1 ? " single pixel" : " single pixels") +
+                       " far from the model left out");
+  if (out.missing > 0 && !sparse)
+    warnings.push_back(std::to_string(out.missing) + (out.missing == 1 ? " pixel is" : " pixels are") +
+                       " no number or infinite and left out");
   if (out.clipped_share > 0.0)
-    out.warnings.push_back(number(100.0 * out.clipped_share) + " % of the pixels are clipped and left out");
+    warnings.push_back(number(100.0 * out.clipped_share) + " % of the pixels are clipped and left out");
+  return warnings;
 }
 
 }  // namespace calib

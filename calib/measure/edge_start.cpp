@@ -22,7 +22,7 @@ struct Division {
   double below = 0.0, above = 0.0;
 };
 
-// Some of the blocks.
+// A subset of the blocks.
 struct Samples {
   std::array<double, kMostSamples> x, y, value;
   std::size_t size = 0;
@@ -112,7 +112,7 @@ double centre_on_region(EdgeCurve& curve, double width_px, double height_px) {
 }
 
 EdgeModel start_edge(const EdgePixels& blocks, double block_px, double width_px, double height_px) {
-  // Lengths in blocks, so that any region fits the reach of the tables.
+  // Lengths are in blocks, so that any region fits the range of the tables.
   EdgePixels scaled(blocks.size());
   const double per_px = 1.0 / block_px;
   for (std::size_t i = 0; i < blocks.size(); ++i)
@@ -122,23 +122,25 @@ EdgeModel start_edge(const EdgePixels& blocks, double block_px, double width_px,
   const bool turned = division.above < division.below;  // the normal points to the brighter side
   model.curve.angle_rad = division.angle_rad - (turned ? std::numbers::pi : 0.0);
   model.curve.origin = {division.offset * std::cos(division.angle_rad), division.offset * std::sin(division.angle_rad)};
-  model.level = {std::min(division.below, division.above), std::max(division.below, division.above)};
+  model.plateau = {std::min(division.below, division.above), std::max(division.below, division.above)};
   const double width = width_px / block_px, height = height_px / block_px;
   model.curve.half_length_px = std::max(1.0, centre_on_region(model.curve, width, height));
   model.shape.v_px2 = 1.0 + 0.004 * model.curve.half_length_px * model.curve.half_length_px;
 
-  FitRounds rounds{.rounds = 8, .enough = 3.0, .step = step_for(scaled, kMostSamples), .least_variance = 1e-4};
+  FitSettings settings{
+      .max_iterations = 8, .tolerance = 3.0, .every = step_for(scaled, kMostSamples), .least_variance = 1e-4};
   for (const int a : {0, 1, kFirstShift, kFirstShift + 1, kFirstShape + 1})
-    rounds.unknowns.set(static_cast<std::size_t>(a));
-  fit_reference(scaled, model, rounds);
+    settings.unknowns.set(static_cast<std::size_t>(a));
+  fit_reference(scaled, model, settings);
 
   model.curve.origin.x *= block_px;
   model.curve.origin.y *= block_px;
-  // Not sharper than blocks can tell: a step between two rows of pixels of an upright edge would stay there.
+  // The start is no sharper than blocks can tell: an upright edge would stay between the two rows of pixels where it
+  // is.
   constexpr double kSharpest = 0.02;
   model.shape.v_px2 = std::max(kSharpest, model.shape.v_px2 - 1.0 / 12.0) * block_px * block_px;
-  if (model.level[1] < model.level[0]) {
-    std::swap(model.level[0], model.level[1]);
+  if (model.plateau[1] < model.plateau[0]) {
+    std::swap(model.plateau[0], model.plateau[1]);
     model.curve.angle_rad = std::remainder(model.curve.angle_rad + std::numbers::pi, 2.0 * std::numbers::pi);
   }
   model.curve.half_length_px = centre_on_region(model.curve, width_px, height_px);

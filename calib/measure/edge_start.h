@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Where the edge of a region roughly is: the best division of block means into two levels by a line, over a fan of
+// A first model of the edge: the line that best divides the block means of a region into two values, over a fan of
 // directions, refined by fitting a Gaussian step. Blocks and whole lines average the noise, so that edges are found
-// whose contrast is a few times that of a pixel.
+// whose contrast is a few times the noise of a pixel.
 
 #include "calib/measure/edge_sums.h"
 
 namespace calib {
 
-/// `blocks` as of gather_blocks. A straight model with levels and a Gaussian shape, in pixels. `width_px`, `height_px`:
-/// of the region.
+/// A straight model with a dark and a bright value and a Gaussian shape, in pixels. `blocks` are those of
+/// gather_blocks(), `width_px` and `height_px` the size of the region.
 EdgeModel start_edge(const EdgePixels& blocks, double block_px, double width_px, double height_px);
 
-/// The part of the edge's tangent inside a rectangle about the middle of the region: the origin is moved to its middle,
-/// half of its length returned, 0 where the line misses the rectangle.
+/// Moves the origin of the curve to the middle of the part of its tangent that lies inside a rectangle about the middle
+/// of the region; returns half the length of that part, 0 where the line misses the rectangle.
 double centre_on_region(EdgeCurve& curve, double width_px, double height_px);
 
 }  // namespace calib

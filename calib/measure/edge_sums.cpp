@@ -17,8 +17,7 @@ constexpr std::size_t kChunk = 128;
 struct Chunk {
   std::array<double, kChunk> distance, along;  // px, then parts of the half length
   std::array<double, kChunk> esf, residual;    // residual: the value, then less the model
-  std::array<double, kChunk> offset;           // from the bin's centre
-  std::array<std::int32_t, kChunk> bin;        // kBins for pixels out of reach
+  std::array<std::int32_t, kChunk> bin;        // kBins for pixels beyond the range
   std::size_t size = 0;
 };
 
@@ -34,8 +33,8 @@ MTFKIT_CLONES void place(const double* x, const double* y, const double* value, 
   }
 }
 
-// Bins from the edge outwards are a line over the distance in each zone, flatter in each: their number is the least of
-// the lines.
+// Counted outwards from the edge, the number of a bin is linear in the distance in each zone, with a smaller slope in
+// each next one: it is the least of these linear functions.
 struct ZoneLine {
   double start, per_px;
 };
@@ -51,7 +50,7 @@ constexpr std::array<ZoneLine, kDistanceZones.size()> zone_lines() {
   return lines;
 }
 
-// kBins for pixels out of reach.
+// The bin of each distance, kBins beyond the range.
 MTFKIT_CLONES void find_bins(const double* __restrict distance, std::int32_t* __restrict bin, std::size_t size) {
   constexpr std::array kLines = zone_lines();
   for (std::size_t k = 0; k < size; ++k) {
@@ -59,29 +58,28 @@ MTFKIT_CLONES void find_bins(const double* __restrict distance, std::int32_t* __
     double outwards = kLines[0].per_px * away;
     for (std::size_t z = 1; z < kLines.size(); ++z)
       outwards = std::min(outwards, kLines[z].start + kLines[z].per_px * away);
-    const bool inside = outwards < kSideBins;  // rounded as it is: a hair within the reach is beyond the last bin
+    const bool inside = outwards < kSideBins;  // a distance just below the range may round up to its end
     const auto whole = static_cast<std::int32_t>(inside ? outwards : 0.0);
     const std::int32_t found = d < 0.0 ? kSideBins - 1 - whole : kSideBins + whole;
     bin[k] = inside ? found : kBins;
   }
 }
 
-MTFKIT_CLONES void look_up(const StepProfile& profile, const DistanceBins& bins, Chunk& chunk) {
+MTFKIT_CLONES void interpolate(const StepProfile& profile, const DistanceBins& bins, Chunk& chunk) {
   const double *const c0 = profile.cubic(0).data(), *const c1 = profile.cubic(1).data(),
                       *const c2 = profile.cubic(2).data(), *const c3 = profile.cubic(3).data();
   const std::size_t size = chunk.size;
   for (std::size_t k = 0; k < size; ++k) {
-    const int i = std::min(chunk.bin[k], kBins - 1);  // any number for pixels out of reach
+    const int i = std::min(chunk.bin[k], kBins - 1);  // beyond the range any bin will do
     const double x = chunk.distance[k] - bins.centre(i);
-    chunk.offset[k] = x;
     chunk.esf[k] = c0[i] + x * (c1[i] + x * (c2[i] + x * c3[i]));
   }
 }
 
-MTFKIT_CLONES void subtract_model(const std::array<double, kLevels>& level, const double* __restrict distance,
+MTFKIT_CLONES void subtract_model(const std::array<double, kPlateauTerms>& plateau, const double* __restrict distance,
                                   const double* __restrict along, const double* __restrict esf,
                                   double* __restrict residual, std::size_t size) {
-  const double a0 = level[0], b0 = level[1], a_d = level[2], b_d = level[3], a_t = level[4], b_t = level[5];
+  const double a0 = plateau[0], b0 = plateau[1], a_d = plateau[2], b_d = plateau[3], a_t = plateau[4], b_t = plateau[5];
   for (std::size_t k = 0; k < size; ++k) {
     const double d = distance[k], t = along[k];
     const double dark = a0 + a_d * d + a_t * t, bright = b0 + b_d * d + b_t * t;
@@ -91,7 +89,7 @@ MTFKIT_CLONES void subtract_model(const std::array<double, kLevels>& level, cons
 
 using Four [[gnu::vector_size(4 * sizeof(double))]] = double;
 
-// 1, t, t^2, r and r t, r^2, d - centre: the first four as products of two rows of 0, 1, t and r.
+// 1, t, t^2, r and r t, r^2: the first four as products of two rows of 0, 1, t and r.
 MTFKIT_CLONES void add_plain(const Chunk& chunk, double* sums) {
   constexpr Four kOne{1, 0, 0, 0}, kT{0, 1, 1, 0}, kR{0, 0, 0, 1}, kOtherOne{1, 1, 0, 1}, kOtherT{0, 0, 1, 0};
   const std::size_t size = chunk.size;
@@ -102,7 +100,7 @@ MTFKIT_CLONES void add_plain(const Chunk& chunk, double* sums) {
     std::memcpy(&first, s, sizeof first);
     std::memcpy(&second, s + 4, sizeof second);
     first += (kOne + kT * t + kR * r) * (kOtherOne + kOtherT * t);
-    second += Four{t * r, r * r, chunk.offset[k], 0.0};
+    second += Four{t * r, r * r, 0.0, 0.0};
     std::memcpy(s, &first, sizeof first);
     std::memcpy(s + 4, &second, sizeof second);
   }
@@ -127,7 +125,7 @@ MTFKIT_CLONES void add_bent(const Chunk& chunk, int orders, int first, int bins,
   }
 }
 
-// From four numbers a bin, `stride` apart from those of the next, to four rows; a whole number of lots.
+// Transposes four numbers a bin, those of the next bin `stride` further on, to four rows.
 MTFKIT_CLONES void turn(const double* sums, std::size_t stride, std::size_t first, std::size_t end,
                         const std::array<double*, 4>& rows) {
   for (std::size_t i = first; i < end; i += 4, sums += 4 * stride) {
@@ -149,47 +147,16 @@ MTFKIT_CLONES void turn(const double* sums, std::size_t stride, std::size_t firs
   }
 }
 
-// Residuals less by the sum of change[k] t^k, k <= highest.
-MTFKIT_CLONES void take_rows(const std::array<BinRow, kHighestOrder + 1>& change,
-                             const std::array<const BinRow*, 2 * kHighestOrder + 1>& moment,
-                             const std::array<BinRow*, kHighestOrder + 1>& residual, BinRow& square, std::size_t first,
-                             std::size_t end, std::size_t highest) {
-  for (std::size_t k = 0; k <= highest; ++k) {
-    BinRow taken;
-    for (std::size_t i = first; i < end; ++i) taken[i] = change[0][i] * (*moment[k])[i];
-    for (std::size_t j = 1; j <= highest; ++j) {
-      const BinRow &one = change[j], &power = *moment[j + k];
-      for (std::size_t i = first; i < end; ++i) taken[i] += one[i] * power[i];
-    }
-    const BinRow& mine = change[k];
-    BinRow& r = *residual[k];
-    for (std::size_t i = first; i < end; ++i) {
-      square[i] -= mine[i] * (2.0 * r[i] - taken[i]);
-      r[i] -= taken[i];
-    }
-  }
-}
-
 }  // namespace
 
-EdgeSums EdgeSums::up_to(int order) const {
-  EdgeSums part;
-  part.rows_.assign(rows_.begin(), rows_.begin() + static_cast<std::ptrdiff_t>(std::min(rows_of(order), rows_.size())));
-  return part;
-}
-
-void EdgeSums::take_from_residual(const std::array<BinRow, kHighestOrder + 1>& change, const StepProfile& profile) {
-  std::array<const BinRow*, 2 * kHighestOrder + 1> moments{};
-  std::array<BinRow*, kHighestOrder + 1> residuals{};
-  for (int k = 0; k <= 2 * order(); ++k) moments[static_cast<std::size_t>(k)] = &moment(k);
-  for (int k = 0; k <= order(); ++k) residuals[static_cast<std::size_t>(k)] = &rows_[residual_row(k)];
-  const auto take = [&](int first, int end, int highest) {
-    take_rows(change, moments, residuals, rows_[1], static_cast<std::size_t>(first), static_cast<std::size_t>(end),
-              static_cast<std::size_t>(highest));
-  };
-  take(0, profile.bend_first, 1);
-  take(profile.bend_first, profile.bend_end, order());
-  take(profile.bend_end, kBins, 1);
+void EdgeSums::take_from_residual(const BinRow& change, const StepProfile& profile) {
+  for (std::size_t i = 0; i < kBins; ++i) rows_[0][i] -= change[i] * (2.0 * residual(0)[i] - change[i] * moment(0)[i]);
+  for (int k = 0; k <= order(); ++k) {
+    BinRow& sum = rows_[residual_row(k)];
+    const auto first = static_cast<std::size_t>(k > 1 ? profile.bend_first : 0);
+    const auto end = static_cast<std::size_t>(k > 1 ? profile.bend_end : kBins);
+    for (std::size_t i = first; i < end; ++i) sum[i] -= change[i] * moment(k)[i];
+  }
 }
 
 double EdgeSums::pure_error(int i) const {
@@ -204,7 +171,7 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
   const Point normal = model.curve.normal();
   const int first_bent = profile.bend_first, orders = order - 1;
   const int bent_bins = orders > 0 ? profile.bend_end - first_bent : 0;
-  // One cache line a bin, and one more bin for pixels out of reach.
+  // One cache line a bin, and one more bin for pixels beyond the range.
   constexpr std::size_t kPlain = 8, kBent = 4;
   alignas(64) std::array<double, (kBins + 1) * kPlain> plain{};
   std::vector<double> bent(kBent * static_cast<std::size_t>(bent_bins * orders));
@@ -215,8 +182,8 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
     bend_all(model.curve, {chunk.distance.data(), chunk.size}, {chunk.along.data(), chunk.size});
     for (std::size_t k = 0; k < chunk.size; ++k) chunk.along[k] *= per_length;
     find_bins(chunk.distance.data(), chunk.bin.data(), chunk.size);
-    look_up(profile, DistanceBins::get(), chunk);
-    subtract_model(model.level, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
+    interpolate(profile, DistanceBins::get(), chunk);
+    subtract_model(model.plateau, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
                    chunk.size);
     add_plain(chunk, plain.data());
     if (orders > 0) add_bent(chunk, orders, first_bent, bent_bins, bent.data());
@@ -227,7 +194,7 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
   const auto residual = [&](int k) { return sums.rows_[EdgeSums::residual_row(k)].data(); };
   BinRow unused;
   turn(plain.data(), kPlain, 0, kBins, {moment(0), moment(1), moment(2), residual(0)});
-  turn(plain.data() + 4, kPlain, 0, kBins, {residual(1), sums.rows_[1].data(), sums.rows_[0].data(), unused.data()});
+  turn(plain.data() + 4, kPlain, 0, kBins, {residual(1), sums.rows_[0].data(), unused.data(), unused.data()});
   for (int k = 2; k <= order; ++k)
     turn(bent.data() + kBent * static_cast<std::size_t>(k - 2), kBent * static_cast<std::size_t>(orders),
          static_cast<std::size_t>(first_bent), static_cast<std::size_t>(profile.bend_end),

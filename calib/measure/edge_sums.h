@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The model of an edge, and what one pass over its pixels leaves: residuals, summed by distance.
+// The model of an edge, and the residuals of its pixels, summed by distance in one pass.
 // A pixel at distance d and t = s / half_length along the edge is
-//   D + (B - D) E(d),  D = level[0] + level[2] d + level[4] t,  B = level[1] + level[3] d + level[5] t.
+//   D + (B - D) E(d),  D = plateau[0] + plateau[2] d + plateau[4] t,  B = plateau[1] + plateau[3] d + plateau[5] t.
 // Every derivative of it is a function of d times a power of t, so that the normal equations of any set of unknowns
 // follow from sums of t^k and r t^k over bins of d. Residuals are those of the pixels, at their own distances; only the
-// derivatives are taken at the middle of the bin, which changes the way to the solution but not what is solved.
+// derivatives are taken at the middle of the bin, which changes the steps to the solution but not the solution.
 
 #include <array>
 #include <cstddef>
@@ -19,44 +19,42 @@
 
 namespace calib {
 
-inline constexpr int kLevels = 6;
+inline constexpr int kPlateauTerms = 6;
 inline constexpr int kHighestOrder = 5;
 
 struct EdgeModel {
   EdgeCurve curve;  ///< in the coordinates of EdgePixels
-  std::array<double, kLevels> level{};
+  std::array<double, kPlateauTerms> plateau{};
   ReferenceShape shape;
-  double contrast() const { return level[1] - level[0]; }
+  double contrast() const { return plateau[1] - plateau[0]; }
 };
 
-/// Sums by bins of d, a row a sum: of d less the bin's centre, of r^2, of t^k up to t^2 and of r t^k up to r t. Of an
-/// `order` above 1 also of t^k up to 2 order and of r t^k up to order, in the bins that show bends.
+/// Sums over the pixels of each bin of d: of r^2, of t^k up to t^2 and of r t^k up to r t.
+/// For an `order` above 1 there are also sums of t^k up to 2 order and of r t^k up to order, in the bins that show
+/// bends.
 class EdgeSums {
  public:
-  const BinRow& offset() const { return rows_[0]; }                       ///< of d - centre
-  const BinRow& square() const { return rows_[1]; }                       ///< of r^2
+  const BinRow& square() const { return rows_[0]; }                       ///< of r^2
   const BinRow& moment(int k) const { return rows_[moment_row(k)]; }      ///< of t^k
   const BinRow& residual(int k) const { return rows_[residual_row(k)]; }  ///< of r t^k
   double count(int i) const { return moment(0)[static_cast<std::size_t>(i)]; }
-  int order() const { return (static_cast<int>(rows_.size()) - 1) / 3 - 1; }
-  /// Without what is of a higher order.
-  EdgeSums up_to(int order) const;
-  /// As if each pixel's residual were less by the sum of change[k] t^k, up to the order; powers above t only in the
-  /// bins that show bends.
-  void take_from_residual(const std::array<BinRow, kHighestOrder + 1>& change, const StepProfile& profile);
-  /// Sum of r^2 about the bin's own mean, count - 1 degrees of freedom.
+  int order() const { return static_cast<int>(rows_.size()) / 3 - 1; }
+  /// Changes the sums as if each pixel's residual were less by the change in its bin; residuals times powers above t
+  /// change only in the bins that show bends.
+  void take_from_residual(const BinRow& change, const StepProfile& profile);
+  /// Sum of r^2 about the mean residual of the bin, with count - 1 degrees of freedom.
   double pure_error(int i) const;
 
  private:
   friend EdgeSums accumulate(const EdgePixels&, const EdgeModel&, const StepProfile&, int, std::size_t);
-  // d - centre;  r^2, 1, r;  t, t^2, r t;  t^3, t^4, r t^2;  ..
-  static constexpr std::size_t rows_of(int order) { return static_cast<std::size_t>(3 * order + 4); }
-  static constexpr std::size_t moment_row(int k) { return static_cast<std::size_t>((k + 1) / 2 * 3 + 2 - k % 2); }
-  static constexpr std::size_t residual_row(int k) { return static_cast<std::size_t>(3 * k + 3); }
+  // r^2, 1, r;  t, t^2, r t;  t^3, t^4, r t^2;  ..
+  static constexpr std::size_t rows_of(int order) { return static_cast<std::size_t>(3 * order + 3); }
+  static constexpr std::size_t moment_row(int k) { return static_cast<std::size_t>((k + 1) / 2 * 3 + 1 - k % 2); }
+  static constexpr std::size_t residual_row(int k) { return static_cast<std::size_t>(3 * k + 2); }
   std::vector<BinRow> rows_;
 };
 
-/// Takes every `step`-th pixel.
+/// The sums over every `step`-th pixel.
 EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, int order,
                     std::size_t step = 1);
 

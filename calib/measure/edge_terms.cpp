@@ -9,7 +9,7 @@
 namespace calib {
 namespace {
 
-// The equations of some unknowns, scaled to a unit diagonal.
+// The normal equations of some unknowns, scaled to a unit diagonal.
 struct Selection {
   std::vector<int> list;
   Eigen::MatrixXd matrix;
@@ -41,7 +41,7 @@ struct Gain {
   Vector step = Vector::Zero();
 };
 
-// What a linear step in these unknowns takes off chi2.
+// The linear step in some unknowns and how much it lowers chi2.
 Gain gain_of(const NormalEquations& normal, const Unknowns& unknowns) {
   const Selection all = select(normal, unknowns);
   const Eigen::VectorXd x = all.matrix.ldlt().solve(all.gradient);
@@ -81,7 +81,7 @@ Unknowns with_order(Unknowns unknowns, int order) {
 }
 
 Unknowns with_gradients(Unknowns unknowns) {
-  for (std::size_t a = 2; a < kLevels; ++a) unknowns.set(a);
+  for (std::size_t a = 2; a < kPlateauTerms; ++a) unknowns.set(a);
   return unknowns;
 }
 
@@ -92,10 +92,10 @@ Unknowns without_bounds(Unknowns unknowns, const EdgeModel& model) {
   return unknowns;
 }
 
-Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_px, const MeasureOptions& options,
+Terms choose_terms(const FitState& state, const EdgeModel& model, double extent_px, const MeasureOptions& options,
                    int least_order) {
   constexpr double kSureGradient = 8.0, kSureBend = 12.0;  // F: once in 10^5 and in 2000 straight, even edges
-  constexpr double kLeastGradient = 2e-3;                  // of the contrast, at the end of the reach
+  constexpr double kLeastGradient = 2e-3;                  // of the contrast, at the outermost pixels
   constexpr double kLeastBend_px = 3e-3;                   // changes no MTF by more than 1e-4
   const Unknowns base = without_bounds(basic_unknowns(), model);
   const Gain all = gain_of(state.normal, with_gradients(with_order(base, kHighestOrder)));
@@ -104,7 +104,7 @@ Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_p
   const int tested = options.order || options.circle ? options.order.value_or(2) : least_order;
   const Gain flat = gain_of(state.normal, with_order(base, tested));
   const Gain tilted = gain_of(state.normal, with_gradients(with_order(base, tested)));
-  const double across = std::max(std::abs(tilted.step[2]), std::abs(tilted.step[3])) * reach_px;
+  const double across = std::max(std::abs(tilted.step[2]), std::abs(tilted.step[3])) * extent_px;
   const double along = std::max(std::abs(tilted.step[4]), std::abs(tilted.step[5]));
   terms.gradients = (tilted.chi2 - flat.chi2) / 4.0 > kSureGradient * unit &&
                     std::max(across, along) > kLeastGradient * std::abs(model.contrast());
@@ -114,22 +114,22 @@ Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_p
   }
   terms.order = least_order;
   const Unknowns rest = with_order(terms.gradients ? with_gradients(base) : base, least_order);
-  double reached = gain_of(state.normal, rest).chi2;
+  double explained = gain_of(state.normal, rest).chi2;
   for (int order = least_order + 1; order <= kHighestOrder; ++order) {
     const Gain bent = gain_of(state.normal, with_order(rest, order));
-    if ((bent.chi2 - reached) / (order - terms.order) <= kSureBend * unit) continue;
+    if ((bent.chi2 - explained) / (order - terms.order) <= kSureBend * unit) continue;
     if (largest_bend(bent.step, terms.order + 1, order) < kLeastBend_px) continue;
     terms.order = order;
-    reached = bent.chi2;
+    explained = bent.chi2;
   }
   return terms;
 }
 
-bool levels_bend(const FitState& state, const EdgeModel& model, double width_px, double reach_px) {
+bool shading_is_curved(const FitState& state, const EdgeModel& model, double width_px, double extent_px) {
   constexpr double kSure = 15.0;     // chi2: once in 10^4 straight sides
-  constexpr double kLeast = 1.5e-3;  // of the contrast: the bend's height over the part
+  constexpr double kLeast = 1.5e-3;  // of the contrast: height of the curvature over the tested part
   const DistanceBins& bins = DistanceBins::get();
-  const double from = std::max(3.0 * width_px, 0.3 * reach_px);
+  const double from = std::max(3.0 * width_px, 0.3 * extent_px);
   for (const int sign : {-1, 1}) {
     Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -137,7 +137,7 @@ bool levels_bend(const FitState& state, const EdgeModel& model, double width_px,
     for (int i = 0; i < kBins; ++i) {
       const double d = sign * bins.centre(i), n = state.sums.count(i);
       if (d < from || n == 0.0) continue;
-      const double weight = state.weight[static_cast<std::size_t>(i)], x = d / reach_px;
+      const double weight = state.weight[static_cast<std::size_t>(i)], x = d / extent_px;
       const Eigen::Vector3d row(1.0, x, x * x);
       matrix += weight * n * row * row.transpose();
       right += weight * state.sums.residual(0)[static_cast<std::size_t>(i)] * row;
@@ -147,7 +147,7 @@ bool levels_bend(const FitState& state, const EdgeModel& model, double width_px,
     if (!(matrix(2, 2) > 0.0) || factor.rcond() < 1e-12) continue;
     const double bend = factor.solve(right)[2];
     const double variance = factor.solve(Eigen::Vector3d::Unit(2))[2];
-    const double half = 0.5 * (end - from / reach_px);
+    const double half = 0.5 * (end - from / extent_px);
     if (bend * bend > kSure * variance && std::abs(bend) * half * half > kLeast * model.contrast()) return true;
   }
   return false;

@@ -1,40 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Which terms the data ask for beyond levels, a straight line and the shape: illumination gradients and bends of the
-// edge, by F-tests on what each takes off chi2.
+// Which terms the model needs besides the two plateaus, a straight line and the shape: illumination gradients and bends
+// of the edge, chosen by F-tests on how much each lowers chi2.
 
 #include "calib/measure/edge_fit.h"
 #include "calib/measure/measure.h"
 
 namespace calib {
 
-/// Levels, offset, angle, shape.
+/// Dark and bright value, offset, angle, shape.
 Unknowns basic_unknowns();
-/// With the shifts t^2 .. t^order.
+/// Adds the shifts t^2 .. t^order.
 Unknowns with_order(Unknowns unknowns, int order);
 Unknowns with_gradients(Unknowns unknowns);
-/// Those of the shape that are on their bounds left out.
+/// Leaves out the unknowns of the shape that are on their bounds.
 Unknowns without_bounds(Unknowns unknowns, const EdgeModel& model);
 
 struct Terms {
   bool gradients = false;
   int order = 1;
 };
-/// `state` has the equations of all terms; `reach_px` is how far from the edge pixels go. The order is chosen only when
-/// the options leave it open.
-Terms choose_terms(const FitState& state, const EdgeModel& model, double reach_px, const MeasureOptions& options,
+/// `state` has the equations of all terms; `extent_px` is how far from the edge there are pixels. The order is chosen
+/// only when the options leave it open.
+Terms choose_terms(const FitState& state, const EdgeModel& model, double extent_px, const MeasureOptions& options,
                    int least_order = 1);
 
-/// Whether a side's level bends with the distance from the edge, as uneven light makes it: told from the outer part of
-/// the pixels, where the tails of a blur are all but straight. Neither gradients nor a correction may take the bend.
-bool levels_bend(const FitState& state, const EdgeModel& model, double width_px, double reach_px);
+/// Whether the value of a side changes nonlinearly with the distance from the edge, as under uneven light. This is
+/// tested on the outer part of the pixels, where the tails of a blur are nearly straight; neither gradients nor the
+/// correction of the edge spread function could describe it.
+bool shading_is_curved(const FitState& state, const EdgeModel& model, double width_px, double extent_px);
 
-/// Whether the cusp of diffraction, S, is there beyond doubt. S >= 0 alone would make blurs without one sharper on
-/// average than they are.
+/// Whether the data show the cusp of diffraction, S > 0, significantly. With S >= 0 as the only condition, noise would
+/// make blurs without diffraction seem sharper on average than they are.
 bool shows_diffraction(const FitState& state, const EdgeModel& model, const Unknowns& unknowns);
 
-/// Gives the curve room for the coefficients of an order.
+/// Sets the kind of the curve and the number of its coefficients.
 void set_order(EdgeCurve& curve, int order, bool circle);
 
 }  // namespace calib

@@ -28,11 +28,11 @@ double spline_slope(double x) {
   return (x < 0.0 ? -1.0 : 1.0) * (a < 1.0 ? a * (1.5 * a - 2.0) : -0.5 * b * b);
 }
 
-std::vector<SplinePair> place_splines(double width_px, double reach_px, Detail detail) {
+std::vector<SplinePair> place_splines(double width_px, double extent_px, Detail detail) {
   const bool fine = detail == Detail::fine;
   std::vector<SplinePair> pairs;
   const double end =
-      std::min(reach_px, fine ? std::clamp(6.0 * width_px, 16.0, 32.0) : std::clamp(4.0 * width_px, 8.0, 24.0));
+      std::min(extent_px, fine ? std::clamp(6.0 * width_px, 16.0, 32.0) : std::clamp(4.0 * width_px, 8.0, 24.0));
   for (const bool odd : {true, false}) {
     double h = std::clamp(width_px / 8.0, 0.25, 1.5),
            zone_end = fine ? std::max(4.0, 2.0 * width_px) : std::max(2.5, 1.25 * width_px);
@@ -41,7 +41,7 @@ std::vector<SplinePair> place_splines(double width_px, double reach_px, Detail d
       const double away = x / (1.0 + width_px);
       pairs.push_back({x, h, odd, 1.0 / (1.0 + away * away)});
       if (x + h > zone_end) {
-        x += 0.5 * h;  // between the steps of both zones
+        x += 0.5 * h;  // the mean of the steps of both zones
         h *= 2.0;
         zone_end *= 2.0;
       }
@@ -188,26 +188,26 @@ double likeliest_variance(const MatrixXd& information, const VectorXd& score) {
 }  // namespace
 
 double pair_value(const SplinePair& pair, double d_px) {
-  const double near = spline((d_px - pair.x_px) / pair.h_px);
-  if (pair.x_px == 0.0) return near;
-  const double far = spline((d_px + pair.x_px) / pair.h_px);
-  return pair.odd ? near - far : near + far;
+  const double own = spline((d_px - pair.x_px) / pair.h_px);
+  if (pair.x_px == 0.0) return own;
+  const double mirrored = spline((d_px + pair.x_px) / pair.h_px);
+  return pair.odd ? own - mirrored : own + mirrored;
 }
 
 double pair_slope(const SplinePair& pair, double d_px) {
-  const double near = spline_slope((d_px - pair.x_px) / pair.h_px) / pair.h_px;
-  if (pair.x_px == 0.0) return near;
-  const double far = spline_slope((d_px + pair.x_px) / pair.h_px) / pair.h_px;
-  return pair.odd ? near - far : near + far;
+  const double own = spline_slope((d_px - pair.x_px) / pair.h_px) / pair.h_px;
+  if (pair.x_px == 0.0) return own;
+  const double mirrored = spline_slope((d_px + pair.x_px) / pair.h_px) / pair.h_px;
+  return pair.odd ? own - mirrored : own + mirrored;
 }
 
 JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, Detail detail,
-                       double width_px, double reach_px) {
+                       double width_px, double extent_px) {
   JointFit joint;
   for (int a = 0; a < kUnknowns; ++a)
     if (unknowns[static_cast<std::size_t>(a)]) joint.unknowns.push_back(a);
   const std::vector<SplinePair> pairs =
-      detail == Detail::none ? std::vector<SplinePair>() : place_splines(width_px, reach_px, detail);
+      detail == Detail::none ? std::vector<SplinePair>() : place_splines(width_px, extent_px, detail);
   const SplineEquations splines = assemble_splines(state, model, pairs, joint.unknowns);
 
   NormalEquations normal = state.normal;
@@ -286,12 +286,13 @@ JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unkn
   const VectorXd solution = whole.solve(right);
   const MatrixXd inverse = whole.solve(MatrixXd::Identity(total, total));
   joint.value = full_scale.cwiseProduct(solution);
-  const double contrast = model.contrast() + joint.value[1] - joint.value[0];  // the levels are always unknowns
+  const double contrast =
+      model.contrast() + joint.value[1] - joint.value[0];  // dark and bright value are always unknowns
   if (contrast > 0.5 * model.contrast()) joint.contrast_ratio = std::min(2.0, model.contrast() / contrast);
   const double spent = static_cast<double>(total) - penalty.dot(inverse.diagonal());
   const double left = state.normal.chi2 - 2.0 * solution.dot(right) + solution.dot(all * solution);
   joint.chi2_per_dof = std::max(0.0, left) / std::max(1.0, state.normal.count - spent);
-  // A model that stays further from the pixels than their noise is known no better than that.
+  // Where the pixels lie further from the model than their noise, the misfit counts as noise.
   joint.covariance = std::max(1.0, joint.chi2_per_dof) * (full_scale.asDiagonal() * inverse * full_scale.asDiagonal());
   return joint;
 }

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What the reference step leaves: the last, joint least-squares solution for levels, geometry, shape and a correction
-// of the edge spread function by cubic B-splines, fine in the core and coarse in the tails. In mirrored pairs,
+// The last, joint least-squares solution for plateaus, geometry, shape and a correction of what the reference step does
+// not describe: cubic B-splines, fine in the core of the edge spread function and coarse in its tails, in mirrored
+// pairs,
 //   odd  B((d - x)/h) - B((d + x)/h): a real part of the OTF,  4 pi f h sinc^4(f h) sin(2 pi f x),
 //   even B((d - x)/h) + B((d + x)/h): an imaginary part,       4 pi f h sinc^4(f h) cos(2 pi f x).
-// The coefficients of each of the two groups are Gaussian with variance tau^2 a(x)^2, a falling with the distance; tau
-// is found by maximum marginal likelihood (REML). Where the residuals are noise it is zero and nothing is added to the
-// reference; the less noise there is the closer the correction follows the pixels. The covariance is that of the
-// posterior, so that it holds what the correction may still miss.
+// The coefficients of each of the two groups are Gaussian with variance tau^2 a(x)^2, where a falls with the distance;
+// tau is found by maximum marginal likelihood (REML). Where the residuals are noise, tau is zero and nothing is added
+// to the reference; the less noise there is the closer the correction follows the pixels. The covariance is that of the
+// posterior, so that it includes what the correction may still miss.
 
 #include <Eigen/Core>
 #include <vector>
@@ -28,20 +29,20 @@ double pair_slope(const SplinePair& pair, double d_px);
 
 struct JointFit {
   std::vector<int> unknowns;        ///< of the model, in the order of `value`
-  std::vector<SplinePair> splines;  ///< follow
+  std::vector<SplinePair> splines;  ///< their coefficients follow in `value`
   Eigen::VectorXd value;            ///< changes of the unknowns, coefficients of the splines
   Eigen::MatrixXd covariance;
   double chi2_per_dof = 0.0;
   double tau_odd = 0.0, tau_even = 0.0;
-  double contrast_ratio = 1.0;  ///< old / new: changes of E are in parts of the old contrast
+  double contrast_ratio = 1.0;  ///< old / new contrast: changes of E are in parts of the old one
 };
 
-/// How many splines: none where too few distances a pixel occur to tell a correction from aliases; more of them, and
-/// further out, for pixels that show more.
+/// How many splines: none where too few distances a pixel occur to tell a correction from aliases; fine ones, which
+/// also extend further out, where the residuals exceed the noise.
 enum class Detail { none, coarse, fine };
 
-/// `width_px`: equivalent width of the line spread; `reach_px`: distance on both sides of the edge that pixels cover.
+/// `width_px`: equivalent width of the line spread; `extent_px`: how far there are pixels on both sides.
 JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, Detail detail,
-                       double width_px, double reach_px);
+                       double width_px, double extent_px);
 
 }  // namespace calib

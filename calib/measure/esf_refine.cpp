@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "calib/edge/edge_response.h"
+#include "calib/measure/edge_terms.h"
 
 namespace calib {
 namespace {
@@ -14,7 +15,7 @@ struct Change {
   BinRow esf{}, lsf{};
 };
 
-// `taken`: how much of the changes the model moves by; the rest stays with the step.
+// `taken` is the part of the changes by which the model moves; the rest stays with the step.
 Change change_of(const StepProfile& reference, const JointFit& joint, const Vector& taken) {
   const DistanceBins& bins = DistanceBins::get();
   Change change;
@@ -45,8 +46,9 @@ Change change_of(const StepProfile& reference, const JointFit& joint, const Vect
   return change;
 }
 
-// The splines can take the place of the shape's changes, so that these may be far larger than they are linear: at most
-// a factor of two in the Gaussian, half a blur in the others.
+// The splines and the changes of the shape can stand for each other, so that the latter may be far larger than the
+// range in which they are linear. A move is therefore at most a factor of two in the Gaussian, half a blur in the
+// others.
 double trusted_part(const ReferenceShape& shape, const Eigen::Vector3d& step) {
   const double blur_px2 = shape.blur_px2();
   const double most = std::max({std::abs(step[0]) / std::sqrt(blur_px2), 2.0 * std::abs(step[1]) / blur_px2,
@@ -79,23 +81,47 @@ StepProfile corrected_profile(const StepProfile& reference, const JointFit& join
 }
 
 FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& reference, const JointFit& joint,
-                const FitRounds& rounds) {
+                const FitSettings& settings) {
   Vector step = movement(joint, EdgeResponse(model, joint).shift_px());
   step.tail<kShapes>() *= trusted_part(model.shape, step.tail<kShapes>());
   move(model, step);
   FitState next;
   next.profile = corrected_profile(reference, joint, step);
-  next.sums = accumulate(pixels, model, next.profile, order_of(rounds.unknowns));
-  next.noise = noise_of(next.sums, next.profile, rounds);
+  next.sums = accumulate(pixels, model, next.profile, order_of(settings.unknowns));
+  next.noise = noise_of(next.sums, next.profile, settings);
   reference = StepProfile(tabulate(model.shape, model.curve.angle_rad));
-  std::array<BinRow, kHighestOrder + 1> change{};
-  for (std::size_t i = 0; i < kBins; ++i)
-    change[0][i] = model.contrast() * (reference.esf()[i] - next.profile.esf()[i]);
+  BinRow change;
+  for (std::size_t i = 0; i < kBins; ++i) change[i] = model.contrast() * (reference.esf()[i] - next.profile.esf()[i]);
   next.sums.take_from_residual(change, next.profile);
   next.profile.set_slopes(reference);
-  assemble(next, model, rounds);
-  next.converged = true;
+  assemble(next, model, settings);
   return next;
+}
+
+CorrectedFit correct(const EdgePixels& pixels, EdgeFit fit, const EdgeFacts& facts, FitSettings settings) {
+  constexpr int kMostRefinements = 4;
+  constexpr double kFar_px = 0.1, kMisfit = 0.2;
+  settings.unknowns = fit.unknowns;
+  const double extent_px = std::min(facts.extent_dark_px, facts.extent_bright_px);
+  const auto solve = [&](const EdgeFit& at, Detail detail) {
+    return solve_jointly(at.state, at.model, without_bounds(at.unknowns, at.model),
+                         facts.few_distances() ? Detail::none : detail, facts.width_px, extent_px);
+  };
+  CorrectedFit best{.fit = std::move(fit), .joint = {}};
+  best.joint = solve(best.fit, Detail::coarse);
+  StepProfile reference = best.fit.state.profile;
+  for (int i = 0; i < kMostRefinements && best.joint.tau_odd + best.joint.tau_even > 0.0; ++i) {
+    const bool noise_is_off = std::abs(best.joint.chi2_per_dof - 1.0) > kMisfit;
+    const bool edge_moved =
+        best.joint.tau_even > 0.0 && std::abs(EdgeResponse(best.fit.model, best.joint).shift_px()) > kFar_px;
+    if (!noise_is_off && !edge_moved) break;
+    CorrectedFit next = best;
+    next.fit.state = refine(pixels, next.fit.model, reference, best.joint, settings);
+    next.joint = solve(next.fit, noise_is_off ? Detail::fine : Detail::coarse);
+    if (next.misfit() > best.misfit()) break;
+    best = std::move(next);
+  }
+  return best;
 }
 
 }  // namespace calib

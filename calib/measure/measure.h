@@ -3,13 +3,14 @@
 
 // The MTF from one edge, without a model of the sensor.
 //
-// Pixels near the edge are values of the edge spread function E at their distances d from it, plus levels, illumination
-// gradients and noise. E is taken as a reference step (a smooth three-parameter family with the 1/d tails of
-// diffraction, fitted to the pixels together with the edge's geometry) plus a correction by penalised regression on
-// every pixel, weighted by the noise variance; how much it is smoothed follows from the data. The OTF is the transform
-// of the reference, known in closed form, plus that of the correction: no bins, no windows, no differences whose
-// response would have to be divided out. Standard deviations are propagated from the noise of the pixels through
-// levels, geometry, reference and correction. Frequencies are cycles per pixel along the edge's normal.
+// Pixels near the edge sample the edge spread function E at their distances d from it, times the contrast, plus the
+// dark value, illumination gradients and noise. E is taken as a reference step (a smooth three-parameter family with
+// the 1/d tails of diffraction, fitted to the pixels together with the edge's geometry) plus a correction by penalised
+// regression on every pixel, weighted by the noise variance; how much it is smoothed follows from the data. The OTF is
+// the transform of the reference, known in closed form, plus that of the correction: no bins, no windows, no
+// differences whose response would have to be divided out. Standard deviations are propagated from the noise of the
+// pixels through plateaus, geometry, reference and correction. Frequencies are cycles per pixel along the edge's
+// normal.
 
 #include <array>
 #include <cstdint>
@@ -39,11 +40,11 @@ struct MeasureOptions {
   bool circle = false;               ///< a circle instead of polynomials
   std::optional<double> noise_sd{};  ///< of a pixel, in the image's unit; estimated when not given
   double quantum = 0.0;              ///< step between neighbouring values of the image (1 for counts); 0 = none
-  /// The same at a level, where it depends on that as in images that were encoded; `quantum` everywhere if empty.
-  std::function<double(double level)> quantum_at{};
+  /// The same step at a value, on which it depends in images that were encoded; `quantum` everywhere if empty.
+  std::function<double(double value)> quantum_at{};
   std::optional<double> saturation{};  ///< values at or above are clipped
   std::optional<double> floor{};       ///< values at or below are clipped
-  bool sparse = false;                 ///< a Bayer plane or masked image: pixels without data are nothing to warn of
+  bool sparse = false;                 ///< a Bayer plane or masked image: no warning of pixels without data
 };
 
 /// Why there is no result, or what to be careful with.
@@ -53,7 +54,7 @@ enum class Trouble {
   no_edge,        ///< contrast below the noise, or no straight gradient
   several_edges,  ///< more than one edge in the region
   too_short,      ///< fewer pixels along the edge than its angle needs
-  off_region,     ///< the edge leaves one side of the region without a level
+  off_region,     ///< the edge leaves one side of the region without a plateau
   clipped,        ///< a side is saturated or at the floor
   contaminated,   ///< other structure near the edge
 };
@@ -69,12 +70,12 @@ struct EdgeMeasurement {
   Estimate angle_deg;               ///< of the normal, in (-90, 90]
   double length_px = 0.0;           ///< of the edge inside the region
   double sagitta_px = 0.0;          ///< largest distance of the curve from its chord
-  double dark = 0.0, bright = 0.0;  ///< levels at the edge, in the image's unit
-  double noise_sd = 0.0;            ///< of a pixel at mid level
-  double noise_gain = 0.0;          ///< variance = sd(0)^2 + gain x level, where the sides differ; 0 = the same
+  double dark = 0.0, bright = 0.0;  ///< values of the plateaus at the edge, in the image's unit
+  double noise_sd = 0.0;            ///< of a pixel half way up the edge
+  double noise_gain = 0.0;          ///< variance = sd(0)^2 + gain x value, where the sides differ; 0 = the same
   double cnr = 0.0;                 ///< (bright - dark) / noise_sd
   double oversampling = 0.0;        ///< effective: distinct distances a pixel, at most 8 are counted
-  double chi2_per_dof = 0.0;        ///< of the pixels about levels and E
+  double chi2_per_dof = 0.0;        ///< of the pixels about the model
   double clipped_share = 0.0;       ///< of the region's pixels
   std::int64_t missing = 0;         ///< pixels of the region without data: NaN or infinite
 
@@ -82,9 +83,9 @@ struct EdgeMeasurement {
   std::vector<double> mtf, mtf_sd;       ///< noise bias removed
   std::vector<double> otf_re, otf_im;    ///< about the edge's location
   std::vector<double> distance_px;       ///< of the three curves below
-  std::vector<double> esf, esf_sd, lsf;  ///< from 0 to 1; per px
+  std::vector<double> esf, esf_sd, lsf;  ///< E from 0 to 1; the line spread per px
 
-  // Absent when they cannot be determined (the curve does not get there); `absent` then says why, in words.
+  // Absent when they cannot be determined (the curve does not fall so far); `absent` then says why, in words.
   std::optional<Estimate> mtf10, mtf30, mtf50;  ///< frequency of that contrast, cycles per pixel
   std::optional<Estimate> nyquist;              ///< MTF at 0.5 cycles per pixel
   std::optional<Estimate> rer;                  ///< E(0.5) - E(-0.5): relative edge response

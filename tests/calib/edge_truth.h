@@ -20,7 +20,7 @@
 
 namespace calib::test {
 
-/// The shared test data, empty when they are not there.
+/// The folder of the shared test data, empty without it.
 inline std::filesystem::path shared_data() {
   const char* chosen = std::getenv("MTFKIT_SHARED");
   std::filesystem::path shared = std::filesystem::path(__FILE__).parent_path() / "../../../shared";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Sensors and edges for the tests of the fit: what measure_edge would start it with is the truth, moved a little.
+// Sensors and edges for the tests of the fit: the measurement that a fit starts from is the truth with small errors.
 
 #include <string>
 #include <vector>

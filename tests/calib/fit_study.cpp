@@ -32,7 +32,7 @@ double truth_of(const Case& one) {
   return one.model == Model::gaussian ? fit_cases::sigma_of(0.3) : one.model == Model::camera ? 8.0 : 0.3;
 }
 
-/// A sensor that starts off the truth, and the path of what is fitted.
+/// A sensor whose starting value is not the truth, and the path of the fitted parameter.
 std::pair<mtf::System<double>, std::string> sensor_of(const Case& one) {
   const double start = 1.2 * truth_of(one);
   if (one.model == Model::gaussian) return {fit_cases::gaussian(start), "presample[0].sigma"};

@@ -2,7 +2,7 @@
 #pragma once
 
 // Monte-Carlo study of the fit: scatter against the Cramer-Rao bound, coverage of the stated intervals. The bound comes
-// from differences of noise-free images in the parameter and in the edge's own unknowns (offset, angle, two levels),
+// from differences of noise-free images in the parameter and in the edge's own unknowns (offset, angle, two plateaus),
 // not from the fit's derivatives. Starting values are those of measure_edge on each noisy image.
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 namespace fit_study {
 
 /// Gaussian of MTF50 0.30, sigma unknown; or diffraction f/8 and a square pixel, with the f-number unknown, or out of
-/// focus by 0.3 waves, unknown, as `defocus` or as `wavefront` has it.
+/// focus by 0.3 waves, unknown, as `defocus` or as a term of `wavefront`.
 enum class Model { gaussian, camera, defocus, wavefront };
 
 struct Case {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Monte-Carlo study of fits in which the effect of a parameter vanishes at a bound: how often what is stated of it and
-// of its partners holds the truth. Images come from the sensor's own OTF by the quadrature of made_edges.h. The
+// Monte-Carlo study of fits in which the effect of a parameter vanishes at a bound: how often the statements of it and
+// of its partners hold the truth. Images come from the sensor's own OTF by the quadrature of made_edges.h. The
 // statement of a parameter is its 95 % interval, else value +- 1.96 standard errors, else its limit.
 
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace flat_study {
 struct Truth {
   std::string path;
   double value = 0.0, start = 0.0;
-  std::optional<double> min{};  ///< of the user's
+  std::optional<double> min{};  ///< bound given by the user
 };
 
 /// A camera with diffraction, and one edge.
@@ -37,7 +37,8 @@ Case diffusion(double diffusion_um);
 Case lens_and_jitter(double rms_um);
 /// A defocus of so many waves at the pupil's edge, and the f-number.
 Case lens_out_of_focus(double waves);
-/// A jitter of 2.5 um beside a second footprint of that width, which acts as the jitter does but for the fourth order.
+/// A jitter of 2.5 um beside a second footprint of that width, whose effect differs from that of the jitter in fourth
+/// order only.
 Case two_footprints(double width_um);
 
 struct Held {

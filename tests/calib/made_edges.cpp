@@ -38,12 +38,12 @@ double pupil_otf(double v, double w020, double w040) {
 
 }  // namespace
 
-Step::Step(Mtf mtf, double top_cy_px, double reach_px)
-    : mtf_(std::move(mtf)), reach_px_(reach_px), top_cy_px_(top_cy_px) {
-  const auto points = static_cast<std::size_t>(std::ceil(reach_px * kTableSteps)) + 2;
+Step::Step(Mtf mtf, double top_cy_px, double range_px)
+    : mtf_(std::move(mtf)), range_px_(range_px), top_cy_px_(top_cy_px) {
+  const auto points = static_cast<std::size_t>(std::ceil(range_px * kTableSteps)) + 2;
   value_.assign(points, 0.0);
   slope_.assign(points, 0.0);
-  const int panels = std::max(8, static_cast<int>(std::ceil(2.0 * top_cy_px * reach_px / 16.0)));
+  const int panels = std::max(8, static_cast<int>(std::ceil(2.0 * top_cy_px * range_px / 16.0)));
   const mtf::GaussRule& rule = mtf::gauss_legendre(64);
   for (int panel = 0; panel < panels; ++panel) {
     for (int k = 0; k < 64; ++k) {
@@ -77,7 +77,7 @@ Step Step::gaussian(double mtf50_cy_px) {
 
 double Step::at(double d_px) const {
   if (sigma_px_ > 0.0) return 0.5 * std::erfc(-d_px / (std::numbers::sqrt2 * sigma_px_));
-  const double a = std::min(std::abs(d_px), reach_px_) * kTableSteps;
+  const double a = std::min(std::abs(d_px), range_px_) * kTableSteps;
   const auto i = static_cast<std::size_t>(a);
   const double t = a - static_cast<double>(i), u = 1.0 - t;
   const double odd = u * u * ((1.0 + 2.0 * t) * value_[i] + t * slope_[i] / kTableSteps) +
@@ -104,11 +104,11 @@ double camera_otf(const Camera& camera, double angle_rad, double f_cy_px) {
          std::exp(-2.0 * kPi * kPi * camera.variance * f_cy_px * f_cy_px);
 }
 
-Step camera_step(const Camera& camera, double angle_deg, double reach_px) {
+Step camera_step(const Camera& camera, double angle_deg, double range_px) {
   const double angle_rad = angle_deg * kPi / 180.0;
   double top = camera.s > 0.0 ? 1.0 / camera.s : 64.0;
   if (camera.variance > 0.0) top = std::min(top, 1.4 / std::sqrt(camera.variance));  // exp(-2 pi^2 1.4^2) = 1.6e-17
-  return Step([camera, angle_rad](double f) { return camera_otf(camera, angle_rad, f); }, top, reach_px);
+  return Step([camera, angle_rad](double f) { return camera_otf(camera, angle_rad, f); }, top, range_px);
 }
 
 double distance(const Scene& scene, double x, double y) {

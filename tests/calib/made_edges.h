@@ -3,8 +3,8 @@
 
 // Images of edges whose MTF is known, for tests and Monte-Carlo studies.
 // A pixel is dark + (bright - dark) E(d) + gradients + noise, d the distance of its centre (i + 0.5, j + 0.5) from the
-// edge. E comes from an MTF slice by a quadrature of its own: one rule of many nodes over [0, top], rotated from one
-// point of a uniform table to the next; a Gaussian's E is erfc.
+// edge. E comes from an MTF slice by a quadrature independent of calib's: one rule of many nodes over [0, top], rotated
+// from one point of a uniform table to the next; a Gaussian's E is erfc.
 
 #include <cstdint>
 #include <functional>
@@ -20,8 +20,8 @@ class Step {
  public:
   using Mtf = std::function<double(double f_cy_px)>;
 
-  /// `top_cy_px`: H is 0 beyond; E is tabulated for |d| <= reach_px.
-  Step(Mtf mtf, double top_cy_px, double reach_px);
+  /// `top_cy_px`: H is 0 beyond; E is tabulated for |d| <= range_px.
+  Step(Mtf mtf, double top_cy_px, double range_px);
   /// exp(-2 pi^2 sigma^2 f^2), in closed form.
   static Step gaussian(double mtf50_cy_px);
 
@@ -34,7 +34,7 @@ class Step {
   Step() = default;
   Mtf mtf_;
   double sigma_px_ = 0.0;
-  double reach_px_ = 0.0;
+  double range_px_ = 0.0;
   double top_cy_px_ = 0.0;
   std::vector<double> value_, slope_;  // at i / kTableSteps, E - 1/2 and the line spread
 };
@@ -51,9 +51,9 @@ struct Camera {
 Camera camera_of(double f_number);
 /// The OTF of the camera at frequency f along the direction (cos a, sin a).
 double camera_otf(const Camera& camera, double angle_rad, double f_cy_px);
-Step camera_step(const Camera& camera, double angle_deg, double reach_px = 120.0);
+Step camera_step(const Camera& camera, double angle_deg, double range_px = 120.0);
 
-/// The picture of an edge. The normal (cos angle, sin angle) points to the bright side (x right, y down).
+/// The image of an edge. The normal (cos angle, sin angle) points to the bright side (x right, y down).
 struct Scene {
   std::int64_t width = 128, height = 100;
   double angle_deg = 5.0;
@@ -61,7 +61,7 @@ struct Scene {
   double sagitta_px = 0.0;         ///< parabola, at half_length_px from its vertex
   double half_length_px = 50.0;
   double dark = 0.2, bright = 0.8;
-  double gradient_dark = 0.0, gradient_bright = 0.0;  ///< added to the level, per px away from the edge
+  double gradient_dark = 0.0, gradient_bright = 0.0;  ///< added to the value of a side, per px away from the edge
   double noise_sd = 0.0;
   double noise_gain = 0.0;  ///< variance = noise_sd^2 + noise_gain x value
   double quantum = 0.0;     ///< values are rounded to multiples

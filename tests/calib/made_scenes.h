@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Scenes of squares with known sides, blurred by a Gaussian: the product of two slits' step pairs, exact for any turn.
+// Scenes of squares with known sides, blurred by a Gaussian: the product of two slits' step pairs, exact for any
+// rotation.
 
 #include <algorithm>
 #include <cmath>
@@ -65,19 +66,19 @@ inline mtf::Image made_scene(std::int64_t width, std::int64_t height, const std:
   return image;
 }
 
-/// A rectangle more: only the pixels around it are visited, so that thousands of them take no time.
+/// Adds a rectangle. Only the pixels around it are visited, so that thousands of rectangles take little time.
 inline void add_rectangle(mtf::Image& image, Point centre, double half_x_px, double half_y_px, double angle_deg,
                           double step, double blur_px = 0.7) {
   const double c = std::cos(angle_deg * std::numbers::pi / 180.0), s = std::sin(angle_deg * std::numbers::pi / 180.0);
   const double scale = 1.0 / (blur_px * std::numbers::sqrt2);
-  const double reach = std::hypot(half_x_px, half_y_px) + 10.0 * blur_px;
+  const double far_px = std::hypot(half_x_px, half_y_px) + 10.0 * blur_px;
   const auto within = [&](double d, double half) {
     return 0.5 * (std::erf((d + half) * scale) - std::erf((d - half) * scale));
   };
   const auto first = [](double at) { return std::max<std::int64_t>(0, static_cast<std::int64_t>(at)); };
   const auto end = [](double at, std::int64_t size) { return std::min(size, static_cast<std::int64_t>(at) + 1); };
-  for (std::int64_t y = first(centre.y - reach); y < end(centre.y + reach, image.height()); ++y)
-    for (std::int64_t x = first(centre.x - reach); x < end(centre.x + reach, image.width()); ++x) {
+  for (std::int64_t y = first(centre.y - far_px); y < end(centre.y + far_px, image.height()); ++y)
+    for (std::int64_t x = first(centre.x - far_px); x < end(centre.x + far_px, image.width()); ++x) {
       const double dx = static_cast<double>(x) + 0.5 - centre.x, dy = static_cast<double>(y) + 0.5 - centre.y;
       image.at(x, y) +=
           static_cast<float>(step * within(c * dx + s * dy, half_x_px) * within(c * dy - s * dx, half_y_px));

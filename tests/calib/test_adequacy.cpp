@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A wrong model is told from a right one.
+// Wrong models are told from right ones.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,7 +32,7 @@ TEST(Adequacy, AGaussianOnADiffractionEdgeIsFlagged) {
   EXPECT_EQ(result.status, FitStatus::converged_model_wrong);
   EXPECT_LT(result.whiteness_p, 1e-6);
   EXPECT_NE(result.reason.find("edge"), std::string::npos);
-  // The residuals know what the model lacks: low frequencies that diffraction has lost.
+  // The residuals show what the model lacks: low frequencies that diffraction has lost.
   double most = 0.0;
   for (std::size_t i = 0; i < 100; ++i) most = std::max(most, result.residual_otf[i]);
   EXPECT_GT(most, 0.01);
@@ -62,7 +62,7 @@ TEST(Adequacy, ARightModelIsNotAndItsProbabilityIsUniform) {
     scene.x = 40.0 + 0.37 * draw - std::floor(0.37 * draw);
     const mtf::Image image = made::make(step, scene);
     EdgeData edge = edge_of(image, scene);
-    edge.start.noise_sd *= 0.9;  // stated wrong: the test has its own scale
+    edge.start.noise_sd *= 0.9;  // the stated noise is wrong: the test does not depend on it
     FitOptions options;
     options.residual_otf = true;
     const FitResult result =

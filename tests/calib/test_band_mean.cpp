@@ -59,7 +59,7 @@ void compare(const System<double>& sensor, const std::string& path, int count, d
   for (std::size_t i = 0; i < f.size(); ++i) {
     EXPECT_NEAR(table[0][i].re, expected[i].re, error) << t[i];
     EXPECT_NEAR(table[0][i].im, expected[i].im, error) << t[i];
-    // Near kinks a difference over h is no derivative.
+    // Near kinks a difference quotient does not approximate the derivative.
     EXPECT_NEAR(table[1][i].re, (up[i].re - down[i].re) / (2.0 * h), 2e-4 * steepest) << t[i];
     EXPECT_NEAR(table[1][i].im, (up[i].im - down[i].im) / (2.0 * h), 2e-4 * steepest) << t[i];
   }
@@ -75,7 +75,7 @@ TEST(BandMean, IsThatOfManyWavelengths) {
   compare(in_a_band(Component<double>::make("diffraction"), 0.45, 0.65), "optics.f_number", 40, 2e-7);
 }
 
-// Nearly all electrons at the short end: the even mean is another one.
+// With nearly all electrons at the short end the mean differs from the unweighted one.
 TEST(BandMean, WeighsByTheElectronRate) {
   const auto density = [](double l) { return l < 0.5 ? 18.0 : 0.1 / 0.35; };
   const auto rate = std::make_shared<const mtf::ElectronRate>(nullptr, density, std::vector{0.45, 0.5, 0.85});

@@ -26,20 +26,20 @@ TEST(EsfCorrection, WithoutSplinesItIsPlainLeastSquares) {
   std::int64_t block_px = 1;
   const calib::EdgePixels blocks = calib::gather_blocks(image.view(), roi, facts, {}, block_px);
   const calib::EdgeModel model = calib::start_edge(blocks, static_cast<double>(block_px), 128.0, 100.0);
-  const calib::EdgePixels pixels = calib::gather_pixels(image.view(), roi, facts, {}, model.curve, calib::kReach_px);
-  calib::FitRounds rounds;
-  rounds.unknowns = calib::basic_unknowns();
-  const calib::FitState state = calib::evaluate(pixels, model, rounds);
+  const calib::EdgePixels pixels = calib::gather_pixels(image.view(), roi, facts, {}, model.curve, calib::kRange_px);
+  calib::FitSettings settings;
+  settings.unknowns = calib::basic_unknowns();
+  const calib::FitState state = calib::evaluate(pixels, model, settings);
 
-  const auto count = static_cast<Eigen::Index>(rounds.unknowns.count());
+  const auto count = static_cast<Eigen::Index>(settings.unknowns.count());
   Eigen::MatrixXd normal(count, count);
   Eigen::VectorXd gradient(count);
   calib::NormalEquations with_prior = state.normal;
-  calib::add_prior(with_prior, model.shape, rounds.unknowns);
+  calib::add_prior(with_prior, model.shape, settings.unknowns);
 
-  // Too short a region for a single spline, and too few distances a pixel for any.
-  for (const auto& [detail, reach_px] : {std::pair{calib::Detail::none, 40.0}, {calib::Detail::coarse, 0.4}}) {
-    const calib::JointFit joint = calib::solve_jointly(state, model, rounds.unknowns, detail, 1.0, reach_px);
+  // There are no splines where few distances a pixel occur, nor in a region too short for a single one.
+  for (const auto& [detail, range_px] : {std::pair{calib::Detail::none, 40.0}, {calib::Detail::coarse, 0.4}}) {
+    const calib::JointFit joint = calib::solve_jointly(state, model, settings.unknowns, detail, 1.0, range_px);
     EXPECT_TRUE(joint.splines.empty());
     EXPECT_EQ(joint.tau_odd, 0.0);
     EXPECT_EQ(joint.tau_even, 0.0);
@@ -50,7 +50,7 @@ TEST(EsfCorrection, WithoutSplinesItIsPlainLeastSquares) {
         normal(i, j) =
             with_prior.matrix(joint.unknowns[static_cast<std::size_t>(i)], joint.unknowns[static_cast<std::size_t>(j)]);
     }
-    // Another factorisation; the difference is rounding times the condition of the matrix.
+    // The expected values come from another factorisation, so that they differ by rounding times the condition.
     const Eigen::VectorXd sd_of_one = normal.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd scaled = sd_of_one.asDiagonal() * normal * sd_of_one.asDiagonal();
     const Eigen::FullPivHouseholderQR<Eigen::MatrixXd> qr(scaled);

@@ -169,7 +169,7 @@ TEST(FindEdges, MaskedPixelsAreNoData) {
   std::mt19937 random(3);
   const mtf::Image dead = masked([&](std::int64_t, std::int64_t) { return random() % 5 != 0; });
   EXPECT_GE(expect_single_sides(dead, find_edges(dead.view()), sides).size(), 28U);
-  // The right half masked: squares left of it, and the mask's border is no edge.
+  // With the right half masked the squares left of it are found, and the mask's border is no edge.
   const mtf::Image half = masked([](std::int64_t x, std::int64_t) { return x < 345; });
   const FoundEdges found = find_edges(half.view());
   EXPECT_EQ(expect_single_sides(half, found, sides).size(), 16U);
@@ -236,10 +236,10 @@ TEST(FindEdges, NothingToFindIsSaid) {
   std::fill_n(masked.data(), masked.size(), std::numeric_limits<float>::infinity());
   reason(masked);
   EXPECT_NE(find_edges({}).reason.find("empty"), std::string::npos);
-  // Stripes too close to each other for a level between them.
+  // Stripes too close to each other for a plateau between them.
   mtf::Image stripes(200, 200);
   for (std::int64_t i = 0; i < stripes.size(); ++i) stripes.data()[i] = static_cast<float>((i % 200) / 6 % 2);
-  EXPECT_NE(reason(stripes).find("level on both sides"), std::string::npos);
+  EXPECT_NE(reason(stripes).find("plateau on both sides"), std::string::npos);
 }
 
 TEST(FindEdges, ExtremeNumbersAreNoDanger) {
@@ -272,7 +272,7 @@ TEST(FindEdges, RefusesMisuse) {
   refused([](FindOptions& o) { o.half_width_px = std::numeric_limits<double>::infinity(); });
 }
 
-/// More pixels than cells are held: the same squares, eight times as large.
+/// There are more pixels than cells at most: the same squares, eight times as large.
 TEST(FindEdges, LargeImages) {
   std::vector<Square> squares = chart(-0.6);
   for (Square& square : squares)
@@ -307,7 +307,7 @@ TEST(FindEdges, WhatIsNotReturnedIsCounted) {
 }
 
 TEST(FindEdges, WhereMemoryEndsTheBestAreKept) {
-  // One square of three times the contrast among many: its sides are the last that may be given up.
+  // One square of three times the contrast among many: its sides have the best score and must be kept.
   mtf::Image image = made_scene(700, 700, {}, 0.01, 0.2);
   for (int j = 0; j < 8; ++j)
     for (int i = 0; i < 8; ++i)
@@ -321,8 +321,8 @@ TEST(FindEdges, WhereMemoryEndsTheBestAreKept) {
   EXPECT_EQ(expect_single_sides(image, found, test::sides_of({{{465.3, 311.7}, 22.0, 7.0, 0.6}})).size(), 4U);
 }
 
-/// Bars of seven times their contrast, each with two sides long enough to be edges and no level between them, surround
-/// four squares.
+/// Bars of seven times their contrast, each with two sides long enough to be edges and no plateau between them,
+/// surround four squares.
 TEST(FindEdges, StrongClutterHidesNoEdge) {
   mtf::Image image = made_scene(2000, 2000, {}, 0.002, 0.2);
   std::vector<Square> squares;
@@ -349,7 +349,7 @@ TEST(FindEdges, StrongClutterHidesNoEdge) {
 }
 
 /// Real scenes: outlines of a tower, a hot bowl and a car are smooth edges with room beside them; the rest is crowded,
-/// and that is said. What is found is one smooth edge by another method.
+/// which the reason says. Another method confirms that each region found holds one smooth edge.
 TEST(FindEdges, ThermalImages) {
   if (test::shared_data().empty()) GTEST_SKIP() << "no shared data";
   const std::map<std::string, std::size_t> wanted{{"tower.png", 1}, {"water_pipe.png", 3}, {"moving_mercedes.png", 1}};

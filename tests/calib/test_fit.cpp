@@ -127,7 +127,7 @@ TEST(Fit, CurvedEdgeLikeAStraightOne) {
   EXPECT_NEAR(result.data.front().curve.coefficient.at(0), 1.5, 1e-3);
 }
 
-TEST(Fit, LevelsThatRiseAreFound) {
+TEST(Fit, GradientsOfThePlateausAreFound) {
   made::Scene scene = scene16(7.0);
   scene.gradient_dark = 4e-4;
   scene.gradient_bright = -3e-4;
@@ -136,7 +136,7 @@ TEST(Fit, LevelsThatRiseAreFound) {
   const FitResult result =
       fit(data_of(fit_cases::gaussian(0.8), edge_of(image, scene)), std::vector{parameter("presample[0].sigma")});
   EXPECT_EQ(result.status, FitStatus::converged) << result.reason;
-  // Where the levels meet, the scene's gradients have a kink that the model's have not blurred.
+  // Where the plateaus meet, the scene's gradients have a kink that the model's have not blurred.
   EXPECT_LT(std::abs(errors(result, step, scene.angle_deg).mtf50), 2e-3);
 }
 

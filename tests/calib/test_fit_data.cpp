@@ -181,7 +181,7 @@ TEST(FitData, ProfilesOfAParabolaAreItsErrors) {
 }
 
 TEST(FitData, SeveralStartsFindTheDeeperMinimum) {
-  // Far out of focus the contrast has turned: from there the way leads to a wrong minimum.
+  // Far out of focus the contrast has turned: from there the minimiser goes to a wrong minimum.
   made::Camera camera = made::camera_of(8.0);
   camera.w020 = 0.3;
   camera.w040 = -0.25;
@@ -271,7 +271,7 @@ TEST(FitData, AllStagesOfABandSensor) {
   truth.add(Stage::postsample, mtf::test::fir({{-0.2, 1.4, -0.2}}));
   made::Scene scene = noisy(91, 0.002);
   const double angle = scene.angle_deg * std::numbers::pi / 180.0;
-  // E of the complex OTF, by a quadrature of its own.
+  // E of the complex OTF, by an independent quadrature.
   const auto edge_at = [&](double d) {
     double sum = 0.0;
     constexpr int kNodes = 4000;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounds at which the effect of a parameter vanishes with its derivative: what is stated of it and of its partners
-// holds the truth, and what cannot be stated is said not to be.
+// Bounds at which the effect of a parameter vanishes with its derivative: the statements of it and of its partners
+// hold the truth, and what cannot be stated is reported as such.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -60,7 +60,7 @@ TEST(FitFlatLong, Defocus) {
       expect_held(flat_study::lens_out_of_focus(waves), 100, 90, seed);
 }
 
-// Most of them are said not to be separable.
+// Most of them are reported as not separable.
 TEST(FitFlatLong, SecondFootprint) {
   for (const std::uint64_t seed : kSeeds)
     for (const double um : {0.0, 1.0, 2.0, 3.5}) expect_held(flat_study::two_footprints(um), 100, 90, seed, true);
@@ -84,7 +84,8 @@ TEST(FitFlat, AStartAtTheBoundIsLeft) {
   }
 }
 
-// Nothing can be seen from where the diffusion has come to its end. In micrometres, beside a jitter of 2.5.
+// A diffusion length so large that more of it changes nothing leaves no gradient to start with. Lengths are in
+// micrometres, beside a jitter of 2.5.
 TEST(FitFlat, AStartBeyondAllEffectFindsTheMinimum) {
   Case one = flat_study::diffusion(4.0);
   const FitResult near = one_fit(one);
@@ -134,7 +135,7 @@ TEST(FitFlat, OneLimitIsStated) {
   }
 }
 
-// A bound of the user's own, 1 to 3 standard deviations away, is no end of an interval.
+// A bound that the user gave, 1 to 3 standard deviations away, is no end of an interval.
 TEST(FitFlat, ABoundOfTheUsersIsNotStatedAsAnEnd) {
   const FitResult open = one_fit(flat_study::lens_and_jitter(1.5));
   const double value = open.parameters[1].value, sd = open.parameters[1].linear_sd;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must not be given as known: units that a parameter has no part in, clipped pixels, starts and bounds that keep
-// the fit from its minimum, spots that are none.
+// What must not be reported as known: units that a parameter has no part in, clipped pixels, starts and bounds that
+// keep the fit from its minimum, spots that are none.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -38,7 +38,7 @@ CurveData gaussian_curve(const std::string& unit, double step, double sigma, dou
   return curve;
 }
 
-/// A Gaussian of 6 um whatever the pitch.
+/// A Gaussian of 6 um at any pitch.
 System<double> gaussian_um(double sigma_um) {
   System<double> system = fit_cases::bare();
   auto blur = mtf::Component<double>::make("gaussian");
@@ -109,7 +109,7 @@ TEST(FitHonest, ClippedPixelsDoNotCount) {
   EXPECT_EQ(fit(data, kSigma).data[0].count, all - clipped);
 }
 
-TEST(FitHonest, EdgesOfAnyLevel) {
+TEST(FitHonest, EdgesOfAnyBrightness) {
   Edge edge;
   const FittedParameter plain = fit(edge.data(), kSigma).parameters[0];
   for (std::int64_t i = 0; i < edge.image.size(); ++i) edge.image.data()[i] *= 1e20F;
@@ -121,7 +121,7 @@ TEST(FitHonest, EdgesOfAnyLevel) {
   EXPECT_NEAR(vast.parameters[0].value, plain.value, 0.05 * plain.stderr_value.value());
 }
 
-TEST(FitHonest, ALongReachIsCutAndManyPixelsAreThinned) {
+TEST(FitHonest, PixelsFarAwayAreCutAndManyPixelsAreThinned) {
   const Edge edge(0.02, 700, 6000);
   FitData data = edge.data(0.1);  // sharp: 32 cycles/px over 700 px would be too many frequencies
   const FitResult result = fit(data, kSigma);
@@ -136,8 +136,8 @@ TEST(FitHonest, ALongReachIsCutAndManyPixelsAreThinned) {
 struct Spot {
   mtf::Image image;
   FitData data;
-  /// A Gaussian of 0.6 px, or two, in units of `level`.
-  explicit Spot(double level = 1.0, std::int64_t side = 32, double sigma = 0.6, double second = 0.0, double most = 1e9)
+  /// A Gaussian of 0.6 px, or two, in units of `unit`.
+  explicit Spot(double unit = 1.0, std::int64_t side = 32, double sigma = 0.6, double second = 0.0, double most = 1e9)
       : image(side, side) {
     std::mt19937_64 bits(5);
     std::normal_distribution<double> normal(0.0, 0.005);
@@ -148,14 +148,14 @@ struct Spot {
       for (std::int64_t x = 0; x < side; ++x) {
         const double px = static_cast<double>(x) + 0.5, py = static_cast<double>(y) + 0.5;
         const double light = bell(px, py, 16.2, 15.7) + second * bell(px, py, 8.2, 9.7);
-        image.at(x, y) = static_cast<float>(level * std::min(most, 0.1 + light + normal(bits)));
+        image.at(x, y) = static_cast<float>(unit * std::min(most, 0.1 + light + normal(bits)));
       }
     data.conditions.push_back(fit_cases::gaussian(0.2));
     data.spots.push_back({.name = "star", .image = image.view(), .roi = {0, 0, side, side}, .condition = 0});
   }
 };
 
-TEST(FitHonest, SpotsOfAnyLevelAndSizeLeadToTheirWidth) {
+TEST(FitHonest, SpotsOfAnyBrightnessAndSizeLeadToTheirWidth) {
   for (const int kind : {0, 1, 2, 3, 4}) {
     Spot spot(kind == 1 ? 1e30 : kind == 2 ? 1e-20 : 1.0, kind == 3 ? 200 : 32);
     if (kind == 4) spot.image.at(14, 15) = std::numeric_limits<float>::quiet_NaN();

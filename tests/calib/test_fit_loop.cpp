@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The loop closes: a sensor simulates edges, its file with other values is fitted to them, and simulates the same
-// again. And a short version of the study of scatter and coverage (tests/bench/bench_fit.cpp), the long one on request.
+// again. The study of scatter and coverage (tests/bench/bench_fit.cpp) runs in a short version, and in a long one on
+// request.
 #include <gtest/gtest.h>
 
 #include <cmath>

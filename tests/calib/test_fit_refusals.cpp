@@ -91,10 +91,10 @@ TEST(FitRefusals, RegionsConditionsAndSensors) {
   data = made.data();
   data.conditions.clear();
   EXPECT_NE(refusal(data, kSigma).find("sensor"), std::string::npos);
-  // A high-pass leaves no level.
+  // A high-pass leaves no plateaus.
   data = made.data();
   data.conditions[0].add(Stage::postsample, mtf::test::fir({{-1.0, 2.0, -1.0}}));
-  EXPECT_NE(refusal(data, kSigma).find("no constant level"), std::string::npos);
+  EXPECT_NE(refusal(data, kSigma).find("no constant signal"), std::string::npos);
 }
 
 TEST(FitRefusals, Curves) {
@@ -172,7 +172,7 @@ TEST(FitRefusals, MaskedFlatAndTinyEdges) {
 }
 
 TEST(FitRefusals, ImagesOfOtherThingsEndInSomeOutcome) {
-  // Not the edge that was measured: flat, noise only, turned over, huge values.
+  // The image is not the edge that was measured: flat, noise only, upside down, huge values.
   const Made made;
   for (const int fault : {0, 1, 2, 3}) {
     FitData data = made.data();
@@ -192,7 +192,7 @@ TEST(FitRefusals, AbsurdGeometryEndsInSomeOutcome) {
   const Made made;
   for (const int fault : {0, 1, 2, 3, 4}) {
     FitData data = made.data();
-    data.edges[0].roi = {44, 30, 40, 40};  // each of these goes on for as many rounds as are allowed
+    data.edges[0].roi = {44, 30, 40, 40};  // each of these runs for as many iterations as are allowed
     EdgeMeasurement& start = data.edges[0].start;
     if (fault == 0) start.curve.coefficient = {1e200, -1e300}, start.curve.shape = EdgeCurve::Shape::polynomial;
     if (fault == 1) start.curve.coefficient = {40.0}, start.curve.shape = EdgeCurve::Shape::polynomial;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What one edge determines and what it does not: standard deviations of a camera's parameters at a contrast-to-noise
-// ratio of 60, edges of 100 px, offset, angle and two levels of each edge unknown as well.
+// ratio of 60, edges of 100 px, offset, angle and two plateaus of each edge unknown as well.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -96,7 +96,7 @@ TEST(Identifiability, TableOfOneToFiveParameters) {
       EXPECT_EQ(p.stderr_value.has_value(), !lost) << row.names[i];
     }
     EXPECT_EQ(result.not_separable.empty(), row.not_determined.empty());
-    // The curve is known whatever is fitted.
+    // The curve is known, whichever parameters are fitted.
     EXPECT_LT(result.mtf_sd[50], 0.0042);
     EXPECT_LT(result.mtf_sd[100], 0.0075);
   }
@@ -111,7 +111,7 @@ TEST(Identifiability, JitterAndSmearInWords) {
   EXPECT_NE(text.find("add an edge across"), std::string::npos) << text;
   EXPECT_LT(one.correlation[0][1], -0.999);
 
-  // Where an edge across says no more than another one along, it is not advised.
+  // An edge across is not advised where it determines no more than another one along.
   const FitResult radial = fit_row({{"F/#", "WFE", "jitter"}, {5}, {}});
   ASSERT_FALSE(radial.not_separable.empty());
   EXPECT_EQ(radial.not_separable[0].text.find("add an edge across"), std::string::npos) << radial.not_separable[0].text;

@@ -66,7 +66,7 @@ Gradient gradient(const System<Jet4>& from, const mtf::Freq<double>& f, std::siz
   mtf::Freq<Jet4> g{Jet4(f.x), Jet4(f.y)};
   addresses(system, g)[index]->v[2] = 1.0;
   const Complex<Jet4> h = only_component(system).otf(g, system.context());
-  EXPECT_EQ(h.re.v[0], 0.0);  // derivatives stay in their place
+  EXPECT_EQ(h.re.v[0], 0.0);  // derivatives keep their slots
   return {{h.re.a, h.im.a}, {h.re.v[2], h.im.v[2]}};
 }
 
@@ -85,7 +85,7 @@ Complex<double> difference(const Case& c, const mtf::Freq<double>& f, std::size_
   return combine(1.0, near, -0.5 / s, v(at + 2.0 * s));
 }
 
-/// Small values next to a bound have no scale of their own: that of the example, where it is a small plain number.
+/// Small values next to a bound have no scale of their own; the example's is used, where it is a small plain number.
 double smallest_scale(const Case& c, std::size_t index) {
   System<double> system = c.system;
   const auto scalars = scalars_of(only_component(system));
@@ -103,7 +103,7 @@ bool accepted(const Case& c, std::size_t index, double value) {
   return true;
 }
 
-/// Compares where the difference quotient itself has settled (not across kinks); true when it had.
+/// Compares where the difference quotient itself has converged (not across kinks); true when it had.
 bool compare(const Case& c, const mtf::Freq<double>& f, std::size_t index, double at, int side) {
   Case moved = c;
   mtf::Freq<double> g = f;
@@ -133,16 +133,16 @@ TEST(Jet, gradient_equals_central_difference) {
     if (!c.typical) continue;
     const auto list = parameters(c);
     for (std::size_t i = 0; i < list.size(); ++i) {
-      std::size_t settled = 0;
+      std::size_t converged = 0;
       for (const mtf::Freq<double>& f : kFrequencies) {
         System<double> system = c.system;
         mtf::Freq<double> g = f;
         const double at = *addresses(system, g)[i];
         ++tried;
-        settled += compare(c, f, i, at, 0) ? 1 : 0;
+        converged += compare(c, f, i, at, 0) ? 1 : 0;
       }
-      EXPECT_GE(settled, kFrequencies.size() - 2) << c.name << " by " << list[i].name;
-      compared += settled;
+      EXPECT_GE(converged, kFrequencies.size() - 2) << c.name << " by " << list[i].name;
+      compared += converged;
     }
   }
   EXPECT_GT(compared, 1000u);

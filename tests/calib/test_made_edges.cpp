@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The images that measuring is judged by, against closed forms and the public set.
+// The images that the tests of measurements use, against closed forms and the public set.
 
 #include <gtest/gtest.h>
 
@@ -43,7 +43,7 @@ TEST(MadeEdges, HaveTheMtfOfThePublicSet) {
   EXPECT_NEAR(made::camera_step(camera, 4.0).crossing(0.5), crossing_of("ex_olpf_f5p6_a04.png"), 2e-6);
 }
 
-// The public image is rounded to 16 bits and its route was checked to 1.1e-6 of full scale.
+// The public image is rounded to 16 bits and how it was made was checked to 1.1e-6 of full scale.
 TEST(MadeEdges, HaveThePixelsOfThePublicSet) {
   const auto all = public_edges::cases();
   if (all.empty()) GTEST_SKIP() << "no shared data";
@@ -52,7 +52,7 @@ TEST(MadeEdges, HaveThePixelsOfThePublicSet) {
     const mtf::Image image = public_edges::read(one);
     const made::Step step =
         one.psf == "gaussian" ? made::Step::gaussian(0.3) : made::camera_step(made::camera_of(8.0), one.angle_deg);
-    // The set's angle turns the other way; its half length is that of the edge inside the image.
+    // The set's angle has the opposite sign; its half length is that of the edge inside the image.
     const double half_length = 0.5 * 100.0 / std::cos(one.angle_deg * std::numbers::pi / 180.0);
     const made::Scene scene{.width = image.width(),
                             .height = image.height(),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bias, scatter and stated standard deviation over realisations of noise and sub-pixel phase, fixed seeds. The short
-// runs have room for what so few draws scatter by; tests/bench/bench_edges.cpp prints the same for more cases.
+// Bias, scatter and stated standard deviation over realisations of noise and sub-pixel phase, fixed seeds. The
+// tolerances of the short runs allow for the scatter of so few draws; tests/bench/bench_edges.cpp prints the same for
+// more cases.
 
 #include <gtest/gtest.h>
 
@@ -94,7 +95,7 @@ void run(int draws) {
 
 }  // namespace
 
-// Whole plateaus round alike: their levels, and with them the curve, are known no better than that allows.
+// All pixels of a plateau round alike: its value, and with it the curve, is known no better than that allows.
 TEST(MeasureNoise, RoundingIsPartOfTheDeviation) {
   constexpr double kQuantum = 1.0 / 255.0;
   const made::Step step = made::Step::gaussian(0.3);

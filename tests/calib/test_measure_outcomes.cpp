@@ -28,7 +28,7 @@ mtf::Image draw(std::int64_t width, std::int64_t height, const std::function<dou
   return image;
 }
 
-// Everything that a result shows is a number.
+// All numbers of a result are finite.
 EdgeMeasurement measure(const mtf::Image& image, const calib::MeasureOptions& options = {}) {
   const auto found = calib::measure_edge(image.view(), {0, 0, image.width(), image.height()}, options);
   for (const auto* list :
@@ -204,7 +204,7 @@ TEST(MeasureOutcomes, MisuseIsRefused) {
   EXPECT_THROW(calib::measure_edge(image.view(), {0, 0, 64, 64}, options), mtf::UsageError);
 }
 
-// Cut off at the floor as at the saturation; plateaus of one or two of the values there are are not.
+// Sides are clipped at the floor as at the saturation; plateaus that hold one or two of the possible values are not.
 TEST(MeasureOutcomes, CutOffOrCoarselyQuantised) {
   const mtf::Image floor = changed(usual(), [](float v, std::int64_t, std::int64_t) { return std::max(v, 0.3F); });
   EXPECT_EQ(measure(floor).trouble, Trouble::clipped);
@@ -239,7 +239,7 @@ TEST(MeasureOutcomes, NoiseBeyondAnyEdge) {
   }
 }
 
-// One column of pixels alone sees the step: the fit must not send the edge out of the pixels' reach.
+// One column of pixels alone sees the step: the fit must not move the edge away from the pixels.
 TEST(MeasureOutcomes, UprightSharpEdgesStay) {
   made::Scene scene;
   scene.width = scene.height = 120;
@@ -255,7 +255,7 @@ TEST(MeasureOutcomes, UprightSharpEdgesStay) {
   }
 }
 
-// Overshoot is far from any smooth step, but all pixels at its distance share it: it is no defect of single pixels.
+// Overshoot is far from any smooth step, but all pixels at its distance have it: these are no single bad pixels.
 TEST(MeasureOutcomes, SharpenedEdgesKeepTheirOvershoot) {
   constexpr double kSigma2_px2 = 0.39, kRadius2_px2 = 1.0, kAmount = 3.0;
   const auto gauss = [](double variance, double f) {
@@ -270,7 +270,7 @@ TEST(MeasureOutcomes, SharpenedEdgesKeepTheirOvershoot) {
   EXPECT_LT(found.mtf50->sd, 0.01);
 }
 
-// All rows show the same few distances: a step as sharp as between two columns is a minimum of its own.
+// All rows show the same few distances, so that a step as sharp as that between two columns is a minimum too.
 TEST(MeasureOutcomes, UprightEdgesDoNotCollapse) {
   const made::Step step = made::Step::gaussian(0.3);
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
@@ -300,7 +300,7 @@ TEST(MeasureOutcomes, PixelsWithoutDataAreCounted) {
   EXPECT_TRUE(expected.warnings.empty());
 }
 
-// A glowing line beside a weak step rises above both levels: no edge between two levels.
+// A glowing line beside a weak step is brighter than both plateaus: this is no edge between two plateaus.
 TEST(MeasureOutcomes, RidgesAreNotSteps) {
   made::Scene scene;
   scene.noise_sd = 0.005;

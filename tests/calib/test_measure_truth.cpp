@@ -56,7 +56,7 @@ TEST(MeasureTruth, ThePublicSet) {
     const EdgeMeasurement found = measure(public_edges::read(one), options);
     ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
     const bool noisy = one.noise_sigma > 0.0, gaussian = one.psf == "gaussian";
-    // Undithered 8-bit plateaus are off by up to half a step: 0.2 % of MTF50 when that is reckoned with, 0.65 % in the
+    // Undithered 8-bit plateaus are off by up to half a step: 0.2 % of MTF50 when that is accounted for, 0.65 % in the
     // sRGB file for programs that do not.
     const double bar = noisy ? 2.5 : one.bits < 16 ? 0.35 : gaussian ? 0.01 : 0.02;
     EXPECT_NEAR(100.0 * (found.mtf50->value / one.mtf50 - 1.0), 0.0, bar);
@@ -91,7 +91,7 @@ TEST(MeasureTruth, ResonantAngles) {
       for (const double phase_px : {0.0, 0.13, 0.3, 0.5}) {
         SCOPED_TRACE(std::to_string(mtf50) + " at " + std::to_string(angle_deg) + ", " + std::to_string(phase_px));
         const EdgeMeasurement found = measure(made::make(step, scene_at(angle_deg, phase_px)));
-        // Two distances a pixel may be too few for a blur of a fifth of one; then it is said.
+        // Two distances a pixel may be too few for a blur of a fifth of one; then the outcome says so.
         if (mtf50 > 0.9 && found.oversampling < 3.0 && found.trouble != Trouble::none) continue;
         ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
         ASSERT_TRUE(found.mtf50.has_value());
@@ -101,7 +101,7 @@ TEST(MeasureTruth, ResonantAngles) {
   }
 }
 
-// At 45 degrees one distance and a half a pixel is all there is: the standard deviation says so.
+// At 45 degrees only one and a half distances a pixel occur, which the standard deviation has to include.
 TEST(MeasureTruth, FewDistancesAreUncertain) {
   const made::Step step = made::Step::gaussian(0.6246);
   for (int k = 0; k < 24; ++k) {
@@ -140,7 +140,7 @@ TEST(MeasureTruth, AberrationsAndFilters) {
   }
 }
 
-// Blurs that no reference resembles: beyond a first zero, along the motion, with contrast above 1.
+// Blurs unlike the reference: with contrast beyond a first zero, along a motion, with contrast above 1.
 TEST(MeasureTruth, ShapesFarFromTheReference) {
   made::Camera camera = made::camera_of(8.0);
   const made::Step sharp = made::camera_step(camera, 6.0);
@@ -188,7 +188,7 @@ TEST(MeasureTruth, UnevenLightIsTakenOut) {
   EXPECT_NEAR(found.bright, 0.8, 1e-4);
 }
 
-// Vignetting: no straight line follows it, and the correction must not take it for blur.
+// Vignetting is not linear in the distance, and the correction must not take it for blur.
 TEST(MeasureTruth, ShadingIsNotBlur) {
   const made::Step step = made::Step::gaussian(0.3748);
   for (const double cnr : {20.0, 60.0, 200.0}) {
@@ -251,7 +251,7 @@ TEST(MeasureTruth, PhasesOfLopsidedBlurs) {
   }
 }
 
-// A Gaussian and a charge that decays, an RC stage or a phosphor: the line spread has one tail alone.
+// A Gaussian and a charge that decays, an RC stage or a phosphor: the line spread has a tail on one side only.
 TEST(MeasureTruth, OneSidedTails) {
   struct Case {
     double sigma_px, tail_px, percent;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands before a measurement: Bayer planes, masks, regions from text.
+// What precedes a measurement: Bayer planes, masks, regions from text.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "calib/edge/lanes.h"
+#include "calib/edge/exponential.h"
 #include "calib/edge/reference_step.h"
+#include "calib/edge/step_profile.h"
+#include "calib/measure/edge_sums.h"
 #include "tests/calib/made_edges.h"
 
 namespace {
@@ -20,8 +22,8 @@ double knot(std::size_t i) { return calib::DistanceBins::get().knot(calib::kSide
 
 TEST(ReferenceStep, BinsHoldTheirDistances) {
   const calib::DistanceBins& bins = calib::DistanceBins::get();
-  EXPECT_EQ(bins.knot(0), -calib::kReach_px);
-  EXPECT_EQ(bins.knot(calib::kBins), calib::kReach_px);
+  EXPECT_EQ(bins.knot(0), -calib::kRange_px);
+  EXPECT_EQ(bins.knot(calib::kBins), calib::kRange_px);
   for (int i = 0; i < calib::kBins; ++i) {
     EXPECT_EQ(bins.index(bins.centre(i)), i);
     const double inside = bins.knot(i) + 1e-9 * (bins.knot(i + 1) - bins.knot(i));
@@ -29,12 +31,28 @@ TEST(ReferenceStep, BinsHoldTheirDistances) {
   }
 }
 
-TEST(ReferenceStep, LanesAreTheFunctions) {
-  for (double x = -1000.0; x < 1000.0; x += 0.0137) {
-    const calib::SineCosine turn = calib::sine_cosine(x);
-    EXPECT_NEAR(turn.sin, std::sin(x), 5e-16);
-    EXPECT_NEAR(turn.cos, std::cos(x), 5e-16);
+// A distance that is less than the range by a rounding error lies in the last bin or in none, on either side.
+TEST(ReferenceStep, BinsEndAtTheirRange) {
+  const double last = std::nextafter(calib::kRange_px, 0.0);
+  EXPECT_EQ(calib::DistanceBins::get().index(last), calib::kBins - 1);
+  EXPECT_EQ(calib::DistanceBins::get().index(-last), 0);
+  for (const double off : {-1.5e-14, 0.0, 1.5e-14}) {
+    calib::EdgePixels pixels(2);
+    pixels.add(-calib::kRange_px, 0.0, 0.1);
+    pixels.add(calib::kRange_px, 0.0, 0.9);
+    calib::EdgeModel model;
+    model.curve.half_length_px = 10.0;
+    model.curve.origin = {off, 0.0};
+    model.plateau = {0.0, 1.0};
+    const calib::EdgeSums sums =
+        calib::accumulate(pixels, model, calib::StepProfile(calib::tabulate(model.shape, 0.0)), 1);
+    double count = 0.0;
+    for (int i = 0; i < calib::kBins; ++i) count += sums.count(i);
+    EXPECT_LE(count, 1.0) << off;
   }
+}
+
+TEST(ReferenceStep, ExponentialIsTheFunction) {
   for (double x = -690.0; x < 690.0; x += 0.0137) EXPECT_NEAR(calib::exponential(x) / std::exp(x), 1.0, 5e-16);
 }
 

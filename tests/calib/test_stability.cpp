@@ -42,7 +42,7 @@ constexpr double kLost = 0.01 / kUlp;
 // Compares the change of the value over an interval with Simpson's rule for the analytic slope, and halves the interval
 // until they agree or its ends are neighbouring doubles: there a change beyond the slope is a jump. Kinks and sharp
 // bends only take more halvings. Where the OTF turns too fast to be followed everywhere, or the budget is spent, the
-// search goes on in the half that agrees less.
+// search continues in the half that agrees less.
 // Allowed beyond the slope: 16 ulp of `scale`, and the conditioning of t itself, 8 ulp of t x the steepest slope
 // nearby.
 class JumpSearch {
@@ -93,9 +93,9 @@ class JumpSearch {
       search(m, b);
   }
 
-  /// The values next to t go to and fro by `change`, and the conditioning of t is as large as that. Also where the
-  /// doubles are so sparse that the phase of an oscillation takes whole half turns alone: the slope vanishes there, and
-  /// the values may keep their side for hundreds of doubles; the slopes at smaller t tell.
+  /// The values next to t alternate by `change`, and the conditioning of t is as large as that. This holds also where
+  /// the doubles are so sparse that the phase of an oscillation takes whole half turns alone: the slope vanishes there,
+  /// and the values may keep their side for hundreds of doubles; the slopes at smaller t tell.
   bool scatters(double t, double change) const {
     double variation = 0.0, conditioning = 0.0, u = t;
     Complex<double> last = line_(u).value;

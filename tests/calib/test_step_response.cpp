@@ -20,7 +20,7 @@ using std::numbers::pi;
 double gaussian_mtf(double sigma, double f) { return std::exp(-2.0 * pi * pi * sigma * sigma * f * f); }
 double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
-// E of a Gaussian is the normal distribution; of a shifted one the same, moved.
+// E of a Gaussian is the normal distribution; of a shifted one the same distribution, moved.
 TEST(StepResponse, GaussianAndItsShift) {
   for (const double sigma : {0.2, 0.4, 1.5})
     for (const double shift : {0.0, 0.3}) {

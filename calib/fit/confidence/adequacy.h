@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Whether residuals are noise. Of an edge: their means over fine bins of the distance d are compared with the scatter
-// inside the bins (the ratio needs no noise level), and neighbouring means with each other; a wrong E shows in both.
-// Rounded images without noise have means off by up to half a step at any d: their share is added to the variance of a
-// mean, and so is what tables and quadratures leave, 1e-6 of the contrast.
+// Tests whether residuals are noise. For an edge, their means over fine bins of the distance d are compared with the
+// scatter inside the bins (the ratio does not depend on the size of the noise), and neighbouring means with each other;
+// a wrong E shows in both. Rounded images without noise have means off by up to half a step at any d: their share is
+// added to the variance of a mean, and so is what tables and quadratures leave, 1e-6 of the contrast.
 
 #include <optional>
 #include <span>
@@ -29,10 +29,11 @@ struct Adequacy {
   std::vector<ResidualBin> bins;
 };
 
-/// `fitted` unknowns that shape E or the levels; `contrast` and `quantum` in the image's unit, 0 for what has none.
+/// `fitted`: number of unknowns that change E or the plateaus; `contrast` and `quantum` in the image's unit, 0 for what
+/// has none.
 Adequacy judge_edge(std::span<const Residual> residuals, std::size_t fitted, double contrast, double quantum);
 
-/// Of curves and spots: neighbours in the order given.
+/// For curves and spots: neighbours in the order given.
 Adequacy judge_sequence(std::span<const Residual> residuals);
 
 /// |OTF| of the edge's residual step, shrunk by its variance; zero where the residuals are noise. In units of the

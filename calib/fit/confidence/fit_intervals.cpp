@@ -11,7 +11,7 @@
 namespace calib {
 namespace {
 
-constexpr double kLikeNormal = 0.1;  // of a half interval: to within this the standard error says the same
+constexpr double kLikeNormal = 0.1;  // of a half interval: to within this the standard error agrees with it
 constexpr double kOwnSd = 3.0;       // a first step of the profile, in sd of the parameter with the others fixed
 
 /// Chi-square per degree of freedom of all data.
@@ -64,7 +64,7 @@ bool like_normal(const ProfileEnds& ends, const Variable& v, double x, double sd
   return same_as({low, high}, x, k95_sd * sd);
 }
 
-/// Of the parameter, from intervals of its square that may reach beyond its range: an end there is open.
+/// The interval of the parameter, from intervals of its square that may extend beyond its range: such an end is open.
 ProfileEnds ends_of_square(const Variable& v, double x, double sd) {
   const auto within = [&](double half) {
     const double at_low = x - half > v.lo ? v.value(x - half) : v.sign * v.step * std::sqrt(v.lo);
@@ -81,7 +81,7 @@ ProfileEnds ends_of_square(const Variable& v, double x, double sd) {
 /// The verdict on a parameter that has a profile, a flat bound being near to it or to a partner.
 void judge_by_profile(FittedParameter& p, const Variable& v, double best, bool normal, const FlatBound* own,
                       const ProfileEnds& ends) {
-  if (own != nullptr && own->reached) {
+  if (own != nullptr && own->at_bound) {
     const bool from_low = own->inward > 0.0;
     const bool has_limit = from_low ? !ends.high_open : !ends.low_open;
     p.knowledge = has_limit ? Knowledge::at_bound : Knowledge::not_determined;
@@ -107,8 +107,8 @@ void judge_by_profile(FittedParameter& p, const Variable& v, double best, bool n
 
 bool leave_flat_bounds(FitProblem& problem, Solved& solved, std::span<const FlatBound> flat, Solution& solution,
                        const MinimiseOptions& options) {
-  constexpr double kLower = 0.005;  // half of chi-square: a tenth of a standard deviation is the same place
-  if (std::none_of(flat.begin(), flat.end(), [](const FlatBound& f) { return f.reached; })) return false;
+  constexpr double kLower = 0.005;  // half of chi-square: minima within a tenth of a standard deviation are the same
+  if (std::none_of(flat.begin(), flat.end(), [](const FlatBound& f) { return f.at_bound; })) return false;
   const std::vector<double> x = problem.x;
   const std::vector<std::vector<double>> own = problem.own;
   for (const FlatBound& f : flat) problem.x[f.parameter] = f.off_bound(problem.x[f.parameter]);
@@ -175,7 +175,7 @@ void report_intervals(FitProblem& problem, const Solved& solved, std::span<const
     judge_by_profile(p, v, v.value(x), like_normal(*ends, v, x, sd), own == flat.end() ? nullptr : &*own, *ends);
   }
   for (const FlatBound& f : flat) {
-    if (!f.reached) continue;
+    if (!f.at_bound) continue;
     for (std::size_t k = 0; k < result.correlation.size(); ++k)
       result.correlation[f.parameter][k] = result.correlation[k][f.parameter] =
           std::numeric_limits<double>::quiet_NaN();

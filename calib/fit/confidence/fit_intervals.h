@@ -11,8 +11,8 @@
 
 namespace calib {
 
-/// Where the minimiser has come to rest at a flat bound it is started once more where the parameters act; a lower
-/// minimum is taken, and `solved` brought up to it. True when it was.
+/// Where the minimiser has ended at a flat bound it is started once more where the parameters act; a lower minimum is
+/// taken and `solved` updated. Returns whether there was one.
 bool leave_flat_bounds(FitProblem& problem, Solved& solved, std::span<const FlatBound> flat, Solution& solution,
                        const MinimiseOptions& options);
 
@@ -24,7 +24,8 @@ bool report_squares(FitProblem& problem, const Solved& solved, double cost, cons
 
 /// Sets intervals, limits, knowledge; takes back correlations and directions that stand for no more than the missing
 /// derivative. `cost`: at the minimum, where the problem stands. `judge`: standard errors that the profile contradicts
-/// are taken back, as about flat bounds. Parameters of which the data say nothing are left out unless one is near.
+/// are taken back, as about flat bounds. Parameters on which the data do not depend are left out unless a flat bound is
+/// near.
 void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatBound> flat, bool judge,
                       double cost, const std::function<bool()>& go_on, FitResult& result);
 

@@ -10,12 +10,12 @@ namespace {
 // An effect that grows as u^p, at k linear standard deviations from its bound, has an interval that is lopsided by
 // 0.98 (p - 1) / k of its half: a tenth at 10 (p - 1). The third power is the highest that components have.
 constexpr double kNear_sd = 20.0;
-constexpr double kNear_x = 20.0;      // in units of 0.05 of the OTF: further, no bound is within reach
+constexpr double kNear_x = 20.0;      // in units of 0.05 of the OTF: a bound further away does not matter
 constexpr double kFlat = 0.5;         // of the information, at half the distance; 1 where the effect is linear
 constexpr double kSeen_sd = 1.0;      // u sqrt(S) of an effect to start from ...
-constexpr double kClearly_sd = 30.0;  // ... within what the others can make good
+constexpr double kClearly_sd = 30.0;  // ... within what the others can compensate for
 constexpr double kUnseen_sd = 0.1;
-constexpr double kMadeGood = 10.0;  // variance of a square with its partners unknown, in that with them known
+constexpr double kMadeGood = 10.0;  // ratio of the variances of a square with its partners unknown and known
 constexpr double kSmallest_x = 1e-6;
 
 /// The information of parameter i alone, the unknowns of each set of data projected out, at another x; of a square, in
@@ -54,8 +54,8 @@ std::optional<FlatBound> flat_bound(FitProblem& problem, const Solved& solved, s
   if (v.period > 0.0) return std::nullopt;  // no bound
   const auto index = static_cast<Eigen::Index>(i);
   const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
-  // A square acts in proportion by itself, and as its own square where its partners can make good what it does. Where
-  // that leaves it undetermined, this is said.
+  // The effect of a square is linear in it, or quadratic where its partners can compensate for the linear part. Where
+  // it is undetermined then, it is reported as such.
   const bool made_good = sd * sd * solved.information(index, index) > kMadeGood;
   if (v.squared && !(made_good && solved.identified.determined[i])) return std::nullopt;
   const bool low = x - v.lo <= v.hi - x;
@@ -66,11 +66,11 @@ std::optional<FlatBound> flat_bound(FitProblem& problem, const Solved& solved, s
   const InformationAt information(problem, solved, i);
   const auto seen = [&](double u) { return u * std::sqrt(information(flat.bound + flat.inward * u)); };
   const double here = away * std::sqrt(information.left_of(solved.information));
-  flat.reached = here < kUnseen_sd || away < sd;
+  flat.at_bound = here < kUnseen_sd || away < sd;
   flat.off = away;
   double effect = here;
   if (effect < kSeen_sd) {
-    // Upwards: far out the effect may have come to its end.
+    // The search goes upwards, as far from the bound the effect may have saturated.
     const double most = std::min(range, kNear_x);
     for (flat.off = kSmallest_x; !(effect >= kSeen_sd) && flat.off < most;)
       effect = seen(flat.off = std::min(4.0 * flat.off, most));
@@ -95,15 +95,15 @@ std::vector<FlatBound> flat_bounds(FitProblem& problem, const Solved& solved) {
 
 void set_apart(Solved& solved, std::span<const FlatBound> flat) {
   for (const FlatBound& f : flat) {
-    if (!f.reached) continue;
+    if (!f.at_bound) continue;
     const auto i = static_cast<Eigen::Index>(f.parameter);
     const double own = solved.information(i, i);
     solved.information.row(i).setZero();
     solved.information.col(i).setZero();
     solved.information(i, i) = own;
   }
-  const auto reached = [](const FlatBound& f) { return f.reached; };
-  if (std::any_of(flat.begin(), flat.end(), reached))
+  const auto at_bound = [](const FlatBound& f) { return f.at_bound; };
+  if (std::any_of(flat.begin(), flat.end(), at_bound))
     solved.identified = identify(solved.information, solved.reference);
 }
 

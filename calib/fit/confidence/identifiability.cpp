@@ -10,7 +10,7 @@
 namespace calib {
 namespace {
 
-/// A part of an eigenvector below is none.
+/// Smaller components of an eigenvector count as zero.
 constexpr double kRounding = 1e-6;
 
 }  // namespace

@@ -2,7 +2,7 @@
 #pragma once
 
 // Profile likelihood: how far a parameter can move, everything else fitted anew, until chi-square has risen by
-// a quantile. Right where the likelihood is not a parabola; costs a few fits an end.
+// a quantile. It holds also where the likelihood is not a parabola, and costs a few fits per end.
 
 #include "calib/fit/confidence/flat_bounds.h"
 
@@ -13,9 +13,9 @@ struct ProfileEnds {
   bool low_open = false, high_open = false;          ///< of interval95: an end is the bound
 };
 
-/// Of variable i around the minimum, where the problem stands, and stands again afterwards. `sd`: of x. `noise_factor`:
-/// chi-square per degree of freedom, by which rises are divided. Refits begin off the `flat` bounds, from which there
-/// is no way back. Nothing when stopped.
+/// The profile of variable i around the minimum, at which the problem is before and after. `sd`: of x. `noise_factor`:
+/// chi-square per degree of freedom, by which rises are divided. Refits begin away from the `flat` bounds, which
+/// the minimiser would not leave. Empty when stopped.
 std::optional<ProfileEnds> profile(FitProblem& problem, std::size_t i, double sd, double cost, double noise_factor,
                                    std::span<const FlatBound> flat, const std::function<bool()>& go_on);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// One set of data as the minimiser sees it: residuals as a function of its own unknowns (geometry, levels) and of the
+// One set of data as the minimiser sees it: residuals as a function of its own unknowns (geometry, plateaus) and of the
 // shared parameters, weighted by the noise, bent by the Huber loss, condensed to a normal matrix.
 
 #include <cmath>

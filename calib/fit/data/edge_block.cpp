@@ -14,12 +14,12 @@ namespace {
 /// needs no more than that.
 constexpr double kTurns = 0.05;
 
-/// Pixels farther from the starting curve tell of the levels only, as in measure_edge.
-constexpr double kReach_px = 96.0;
+/// Pixels farther from the starting curve would determine the plateaus only, as in measure_edge.
+constexpr double kRange_px = 96.0;
 /// Of 32 bytes.
 constexpr std::size_t kMostPixels = 1000000;
 
-/// t^k of t = s / half_length for k = 2, 3, ..; beyond the ends they go on along their tangents (edge_curve.h).
+/// t^k of t = s / half_length for k = 2, 3, ..; beyond the ends they continue along their tangents (edge_curve.h).
 class Powers {
  public:
   Powers(const EdgeCurve& curve, double s)
@@ -90,12 +90,12 @@ EdgeBlock::EdgeBlock(const EdgeData& data) : data_(&data) {
       for (std::int64_t x = roi.x; x < roi.x + roi.width; ++x) {
         const double px = static_cast<double>(x) + 0.5 - curve.origin.x,
                      py = static_cast<double>(y) + 0.5 - curve.origin.y;
-        if (std::abs(normal.x * px + normal.y * py) > kReach_px + 2.0 * rises) continue;
+        if (std::abs(normal.x * px + normal.y * py) > kRange_px + 2.0 * rises) continue;
         const float value = data.image.at(x, y);
         if (!std::isfinite(value) || limits.clipped(value)) continue;
         const Pixel pixel{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<double>(value), 1.0};
         const double distance = place_of(curve, normal, pixel).distance;
-        if (!(std::abs(distance) > kReach_px)) take(pixel, distance);
+        if (!(std::abs(distance) > kRange_px)) take(pixel, distance);
       }
   };
   // Scattered, as rows or columns left out would leave out phases of the edge.
@@ -114,20 +114,20 @@ EdgeBlock::EdgeBlock(const EdgeData& data) : data_(&data) {
   }
   visit([&](Pixel pixel, double distance) {
     if (thinned_ && scatter(pixel) >= share) return;
-    reach_px_ = std::max(reach_px_, std::abs(distance));
+    range_px_ = std::max(range_px_, std::abs(distance));
     pixel.sd = sd_at(distance < 0.0 ? data.start.dark : data.start.bright);
     pixels_.push_back(pixel);
   });
-  reach_px_ += 2.0;
+  range_px_ += 2.0;
 }
 
 // What rounding adds: half a step of the image's values, and of the float that holds them.
-double EdgeBlock::sd_at(double level) const {
+double EdgeBlock::sd_at(double value) const {
   const EdgeMeasurement& start = data_->start;
   const double size = std::max(std::abs(start.dark), std::abs(start.bright));
   const double rounding = std::max(data_->quantum / std::sqrt(12.0), size * 3e-8);
   const double middle = 0.5 * (start.dark + start.bright);
-  const double variance = start.noise_sd * start.noise_sd + start.noise_gain * (level - middle);
+  const double variance = start.noise_sd * start.noise_sd + start.noise_gain * (value - middle);
   // A gain that leaves no variance on one side was estimated too large.
   const double floor = 0.01 * start.noise_sd * start.noise_sd;
   return noise_factor_ * std::sqrt(std::max({variance, floor, rounding * rounding}));
@@ -171,7 +171,7 @@ EdgeCurve EdgeBlock::curve(std::span<const double> own) const {
 const StepResponse& EdgeBlock::response(const Sensors& sensors, const EdgeCurve& curve) const {
   if (kept_.sensors == &sensors && kept_.version == sensors.version() && kept_.angle_rad == curve.angle_rad)
     return *kept_.step;
-  const SliceNodes nodes = sensors.slice(data_->condition, curve.angle_rad, reach_px_);
+  const SliceNodes nodes = sensors.slice(data_->condition, curve.angle_rad, range_px_);
   OtfTable h = sensors.otf(data_->condition, along(curve.angle_rad, nodes.f_cy_px));
   double most = 0.0;
   for (const auto& by_angle : h.back()) most = std::max(most, std::hypot(by_angle.re, by_angle.im));
@@ -185,13 +185,13 @@ NormalMatrix EdgeBlock::accumulate(const Sensors& sensors, std::span<const doubl
   const EdgeCurve edge = curve(own);
   const Point normal = edge.normal();
   const StepResponse& step = response(sensors, edge);
-  const std::size_t bends = curve_unknowns(), levels = 2 + bends, parameters = sensors.parameters();
-  const std::size_t first_parameter = levels + (gradients ? 6 : 2);
+  const std::size_t bends = curve_unknowns(), plateaus = 2 + bends, parameters = sensors.parameters();
+  const std::size_t first_parameter = plateaus + (gradients ? 6 : 2);
   NormalMatrix all(first_parameter + parameters);
 
-  const double length = edge.half_length_px, dark = own[levels], contrast = own[levels + 1];
+  const double length = edge.half_length_px, dark = own[plateaus], contrast = own[plateaus + 1];
   std::array<double, 4> g{};
-  if (own.size() > levels + 2) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
+  if (own.size() > plateaus + 2) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(plateaus) + 2, 4, g.begin());
   std::vector<double> e(step.count());
   const std::vector<Place>* const kept = keeps_places() && every_ == 1 ? &places(own) : nullptr;
   for (std::size_t p = 0; p < pixels_.size(); p += every_) {
@@ -212,13 +212,13 @@ NormalMatrix EdgeBlock::accumulate(const Sensors& sensors, std::span<const doubl
       Powers power(edge, at.along);
       for (std::size_t k = 0; k < bends; ++k, power.advance()) row[2 + k] = -by_distance * at.scale * power.value();
     }
-    row[levels] = weight;
-    row[levels + 1] = weight * e[0];
+    row[plateaus] = weight;
+    row[plateaus + 1] = weight * e[0];
     if (gradients) {
-      row[levels + 2] = weight * s * (1.0 - e[0]);
-      row[levels + 3] = weight * u * (1.0 - e[0]);
-      row[levels + 4] = weight * s * e[0];
-      row[levels + 5] = weight * u * e[0];
+      row[plateaus + 2] = weight * s * (1.0 - e[0]);
+      row[plateaus + 3] = weight * u * (1.0 - e[0]);
+      row[plateaus + 4] = weight * s * e[0];
+      row[plateaus + 5] = weight * u * e[0];
     }
     for (std::size_t i = 0; i < parameters; ++i) row[first_parameter + i] = weight * rise * e[1 + i];
     row[first_parameter + parameters] = r.value;
@@ -239,10 +239,10 @@ std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<con
   const EdgeCurve edge = curve(own);
   const Point normal = edge.normal();
   const StepResponse& step = response(sensors, edge);
-  const std::size_t levels = 2 + curve_unknowns();
-  const double length = edge.half_length_px, dark = own[levels], contrast = own[levels + 1];
+  const std::size_t plateaus = 2 + curve_unknowns();
+  const double length = edge.half_length_px, dark = own[plateaus], contrast = own[plateaus + 1];
   std::array<double, 4> g{};
-  if (gradients_) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(levels) + 2, 4, g.begin());
+  if (gradients_) std::copy_n(own.begin() + static_cast<std::ptrdiff_t>(plateaus) + 2, 4, g.begin());
   std::vector<double> e(step.count());
   const std::vector<Place>* const kept = keeps_places() && every == 1 ? &places(own) : nullptr;
   std::vector<Residual> all;
@@ -259,23 +259,23 @@ std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<con
 }
 
 // Rounding errors of noise below half a step repeat among the pixels that round alike: those whose values differ by
-// less than a step, `run` of them along d. Together they tell no more than one: a plateau is known to half a step,
-// however many pixels it has.
+// less than a step, `run` of them along d. Together they hold no more information than one: a plateau is known to half
+// a step, however many pixels it has.
 void EdgeBlock::update_noise(const Sensors& sensors, std::span<const double> own) {
   const std::vector<Residual> all = residuals(sensors, own);
   const StepResponse& step = response(sensors, curve(own));
   const double quantum = data_->quantum, rounding = quantum * quantum / 12.0;
   const double contrast = std::abs(own[contrast_index()]),
-               per_px = static_cast<double>(pixels_.size()) / (2.0 * reach_px_);
+               per_px = static_cast<double>(pixels_.size()) / (2.0 * range_px_);
   std::vector<double> e(step.count());
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
-    const double level = pixels_[i].value - all[i].value * pixels_[i].sd, sd = sd_at(level);
+    const double value = pixels_[i].value - all[i].value * pixels_[i].sd, sd = sd_at(value);
     double variance = sd * sd;
     if (rounds_coarsely()) {
       const double before = std::max(0.0, variance - rounding);
       const double alike = std::exp(-4.0 * std::numbers::pi * std::numbers::pi * before / (quantum * quantum));
       const double slope = contrast * std::abs(step.at(all[i].distance_px, e));
-      const double run = per_px * std::min(reach_px_, quantum / std::max(slope, 1e-300));
+      const double run = per_px * std::min(range_px_, quantum / std::max(slope, 1e-300));
       variance += rounding * alike * std::max(0.0, run - 1.0);
     }
     pixels_[i].sd = std::sqrt(variance);

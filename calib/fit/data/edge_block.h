@@ -5,8 +5,8 @@
 //   pixel = D + (B - D) E(d),   D = dark + g1 s + g2 u,  B = dark + contrast + g3 s + g4 u
 // The edge's own unknowns: offset along the normal (px), turn (rad), the curve's coefficients (px) or its curvature
 // (1/px), dark, contrast, and where the data ask for them the four gradients (per half_length). A turn moves the
-// curve's foot point at s by cos(phi) (s + g g'), an offset by cos(phi), a coefficient by cos(phi) (s / half_length)^k,
-// with tan(phi) = g'(s) the slope of the curve there: that is how d follows. The blur is that of the normal at the
+// curve along its normal at the foot point s by cos(phi) (s + g g'), an offset by cos(phi), a coefficient by cos(phi)
+// (s / half_length)^k, with tan(phi) = g'(s) the slope of the curve there. The blur is that of the normal at the
 // curve's origin: over a bend of phi the OTF differs by the square of phi.
 
 #include <optional>
@@ -25,13 +25,13 @@ class EdgeBlock {
   std::size_t pixels() const { return pixels_.size(); }
   /// A part of the pixels, so that no region takes unbounded memory.
   bool thinned() const { return thinned_; }
-  double reach_px() const { return reach_px_; }
+  double range_px() const { return range_px_; }
   bool gradients() const { return gradients_; }
   void use_gradients() { gradients_ = true; }
   void set_robust(bool robust) { robust_ = robust; }
-  /// Every so many pixels count in normal(): enough to come close.
+  /// Makes normal() use every so-many-th pixel, which is enough to come close.
   void thin_out(std::size_t every) { every_ = every; }
-  /// All noise variances are multiplied.
+  /// Multiplies all noise variances.
   void scale_noise(double factor);
   /// Variance in use / variance given.
   double noise_scale() const { return noise_factor_ * noise_factor_; }
@@ -40,7 +40,7 @@ class EdgeBlock {
   EdgeCurve curve(std::span<const double> own) const;
   std::size_t contrast_index() const { return 3 + curve_unknowns(); }
 
-  /// Of the noise of a pixel, half way between the levels.
+  /// Standard deviation of a pixel's noise half way up the edge.
   double middle_sd() const { return sd_at(0.5 * (data_->start.dark + data_->start.bright)); }
 
   /// Columns: own unknowns, parameters (as the sensors hold them).
@@ -51,7 +51,7 @@ class EdgeBlock {
   std::vector<Residual> residuals(const Sensors& sensors, std::span<const double> own, std::size_t every = 1) const;
   /// Whether weights follow from the fit: noise that grows with the signal, or rounding that is coarse against it.
   bool noise_follows() const;
-  /// Weights from the fitted levels and slopes.
+  /// Sets the weights from the fitted values and slopes.
   void update_noise(const Sensors& sensors, std::span<const double> own);
 
  private:
@@ -76,14 +76,14 @@ class EdgeBlock {
   bool rounds_coarsely() const;
   const StepResponse& response(const Sensors& sensors, const EdgeCurve& curve) const;
   NormalMatrix accumulate(const Sensors& sensors, std::span<const double> own, bool gradients) const;
-  double sd_at(double level) const;
+  double sd_at(double value) const;
 
   const EdgeData* data_;
   bool robust_ = false;
   std::size_t every_ = 1;
   bool gradients_ = false;
   double noise_factor_ = 1.0;  // of the sd
-  double reach_px_ = 0.0;
+  double range_px_ = 0.0;
   bool thinned_ = false;
   std::vector<Pixel> pixels_;
 

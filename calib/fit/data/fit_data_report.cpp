@@ -21,8 +21,8 @@ constexpr double kStructureMatters = 1e-5;
 constexpr double kNoiseDoubt = 1.5;  // residuals / noise
 /// Residuals of curves and spots far below the noise that was given are those of tables and rounding.
 constexpr double kBelowNoiseChi2 = 0.04;
-/// Of these many times the noise they are none, of whatever shape: the sd of a curve may be known to a factor of two, a
-/// spot's own photons may make its peak noisier than the background is.
+/// Residuals this many times the noise are no noise, whatever their structure: the sd of a curve may be known to a
+/// factor of two, a spot's own photons may make its peak noisier than the background is.
 constexpr double kCurveChi2 = 6.0, kSpotChi2 = 30.0;
 
 /// Chi-square a degree of freedom that noise cannot explain.
@@ -40,7 +40,7 @@ double contrast_of(const FitProblem& problem, std::size_t b) {
 Adequacy adequacy_of(const FitProblem& problem, std::size_t b, std::span<const Residual> residuals) {
   const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]);
   if (edge == nullptr) return judge_sequence(residuals);
-  // Offset, levels and parameters shape E.
+  // The unknowns that change E: offset, plateaus and parameters.
   return judge_edge(residuals, 3 + problem.variables.size(), contrast_of(problem, b), edge->data().quantum);
 }
 

@@ -14,7 +14,7 @@ using mtf::Complex;
 
 constexpr std::int64_t kLeastSide = 32, kMostSide = 64;  // of what is left of a larger region
 constexpr std::size_t kFewestPixels = 16;
-constexpr double kMostFrequencies = 1024.0;  // of one axis, either way
+constexpr double kMostFrequencies = 1024.0;  // of one axis, on either side of 0
 
 /// Calls take(x, y, value) for every pixel with a value.
 template <class Take>
@@ -46,7 +46,8 @@ SpotBlock::SpotBlock(const SpotData& data) : data_(&data), roi_(data.roi) {
   if (reason_.empty()) start_from_light();
 }
 
-// The brightest 3 x 3 pixels, as one alone may be hot; what is above half of it tells the width and how much to keep.
+// The brightest 3 x 3 pixels, as one alone may be hot; the pixels above half of it determine the width and the part
+// that is kept.
 void SpotBlock::find_peak() {
   const auto& image = data_->image;
   const auto near = [&](std::int64_t x, std::int64_t y) {
@@ -92,7 +93,7 @@ void SpotBlock::find_peak() {
   shorten(roi_.y, roi_.height, peak_y_, side);
 }
 
-// The rim tells the background and its noise; what exceeds them is the spot.
+// The rim gives the background and its noise; the spot is what exceeds them.
 void SpotBlock::measure_rim() {
   std::vector<double> rim, off;
   double largest = -INFINITY;
@@ -152,10 +153,10 @@ std::vector<std::vector<double>> SpotBlock::images(const Sensors& sensors, doubl
                top_y = std::max(1e-3, sensors.top_cy_px(condition(), 0.5 * std::numbers::pi));
   const std::size_t n = period_px(std::max(top_x, top_y));
   const auto period = static_cast<double>(n);
-  const auto reach = [&](double top) {
+  const auto harmonics = [&](double top) {
     return static_cast<std::int64_t>(std::min(kMostFrequencies, std::ceil(top * period)));
   };
-  const std::int64_t mx = reach(top_x), my = reach(top_y);
+  const std::int64_t mx = harmonics(top_x), my = harmonics(top_y);
   const double dx = static_cast<double>(roi_.x) + 0.5 - x0, dy = static_cast<double>(roi_.y) + 0.5 - y0;
   std::vector<Complex<double>> across;
   for (std::int64_t i = 0; i <= mx; ++i) across.push_back(turned(static_cast<double>(i) * dx / period));

@@ -4,8 +4,8 @@
 // The pixels of a point source as residuals: pixel = unit x (background + flux x psf(x - x0, y - y0)), the transform of
 // H taken as a sum over a grid of frequencies of step 1 / period: that is the PSF repeated every `period` pixels, the
 // region and as much again, or what the spot's width asks for if that is more. Frequencies that differ by a cycle per
-// pixel turn alike from pixel to pixel, so they are added up before the transform. Of a large region the surroundings
-// of the peak count. Its own unknowns: x0, y0 (px), flux and background in units of the peak's light.
+// pixel have the same phases at all pixels, so they are added up before the transform. Of a large region only the
+// surroundings of the peak are used. Its own unknowns: x0, y0 (px), flux and background in units of the peak's light.
 
 #include "calib/fit/data/data_block.h"
 #include "calib/fit/fit.h"
@@ -18,7 +18,7 @@ class SpotBlock {
 
   std::size_t condition() const { return data_->condition; }
   const SpotData& data() const { return *data_; }
-  /// The part of the data's region that counts.
+  /// The part of the data's region that is used.
   const Roi& roi() const { return roi_; }
   bool cut() const { return roi_.width < data_->roi.width || roi_.height < data_->roi.height; }
   /// sd of a Gaussian as wide as the spot at half its peak.

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Facts about a region that follow from the fit of a step: how far its pixels extend, their noise, other structure.
+// The judgement (edge_outcome.h) and the removal of single bad pixels are made from these facts.
+
+#include <cstddef>
+
+#include "calib/edge/edge_pixels.h"
+#include "calib/measure/edge_fit.h"
+
+namespace calib {
+
+/// Structure beside the edge, as a share of the contrast, from which a warning is given.
+inline constexpr double kVisibleStructure = 0.03;
+
+struct EdgeFacts {
+  double length_px = 0.0;                               ///< of the edge inside the region
+  double width_px = 0.0;                                ///< equivalent width of the line spread function
+  double extent_dark_px = 0.0, extent_bright_px = 0.0;  ///< mean extent of the pixels on both sides
+  double contrast = 0.0;                                ///< in units of EdgePixels::value, as the next three
+  double noise_sd = 0.0;
+  double local_noise_sd = 0.0;  ///< from differences of neighbouring pixels
+  double plateau_sd = 0.0;      ///< of the pixels of the plateaus about the model
+  double significance = 0.0;    ///< contrast / its standard deviation
+  bool bright_is_flat = false;  ///< many pixels have the largest value, though the dark side has noise
+  bool dark_is_flat = false;    ///< many pixels have the smallest value, though the bright side has noise
+  std::size_t outliers = 0;     ///< single pixels far from the model that were left out
+  double oversampling = 0.0;    ///< distinct distances a pixel, near the edge
+  double narrowed_px = 0.0;     ///< pixels further from the edge were left out, as shading is curved there; 0 = none
+  bool curved_shading = false;  ///< shading is curved near the edge too
+
+  /// With fewer distances a pixel than three, a correction of the reference cannot be told from aliases.
+  bool few_distances() const { return oversampling < 3.0; }
+};
+EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model, double local_noise_sd);
+
+/// What pixels of the plateaus differ by from the model, and pixels at equal distances from each other, beyond what
+/// neighbouring pixels differ by, as a share of the contrast; of the range of the values, 1, where the fitted contrast
+/// is larger than that.
+double structure_share(const EdgeFacts& facts);
+
+/// Noise from differences of neighbouring pixels, half of which may lie on structure.
+double local_noise(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts);
+
+/// Whether outliers may be why pixels are further from the model than neighbouring pixels from each other.
+bool suspects_outliers(const EdgeFacts& facts);
+/// Removes hot and dead pixels and the like, if there are few; returns how many.
+std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
+                            const EdgeFacts& facts);
+
+}  // namespace calib

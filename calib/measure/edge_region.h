@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a fit starts from: the pixels about the edge of a region, a first model, and what is known of the noise.
+
+#include <optional>
+
+#include "calib/edge/edge_pixels.h"
+#include "calib/measure/edge_fit.h"
+#include "calib/measure/measure.h"
+
+namespace calib {
+
+struct EdgeRegion {
+  EdgePixels pixels;            ///< within kRange_px of the starting line
+  EdgeModel start;              ///< a straight Gaussian step
+  double extent_px = 0.0;       ///< of the pixels on one side of the edge, mean of both
+  double local_noise_sd = 0.0;  ///< from differences of neighbouring pixels
+  FitSettings settings;         ///< with the noise, if it is known, and the rounding of the pixels
+};
+
+/// Empty where no line divides the region into a dark and a bright side.
+std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& region,
+                                      const MeasureOptions& options);
+
+}  // namespace calib

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/measure/region_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calib/measure/edge_terms.h"
+
+namespace calib {
+namespace {
+
+// The shape that the fit begins with: half of the Gaussian's variance becomes a footprint, some of the rest
+// diffraction.
+void split_blur(ReferenceShape& shape) {
+  const double variance = shape.v_px2;
+  shape.q_px2 = std::min(1.0, 6.0 * variance);
+  shape.v_px2 = std::max(2.0 * kLeastVariance_px2, variance - shape.q_px2 / 12.0);
+  shape.s_px = 0.3 * std::sqrt(variance);
+}
+
+// From the state at a model near the best one to that at the best one, without diffraction where the pixels do not show
+// it, before or after these iterations.
+void converge(const EdgePixels& pixels, EdgeFit& fit, FitSettings settings) {
+  settings.unknowns = fit.unknowns;
+  settings.max_iterations = 8;
+  settings.tolerance = 0.3;
+  const auto leave_out_diffraction = [&] {
+    ReferenceShape& shape = fit.model.shape;
+    const double s_px = std::exchange(shape.s_px, 0.0);
+    shape.v_px2 += 0.1 * s_px * s_px;
+    fit.unknowns.reset(kFirstShape);
+    settings.unknowns = fit.unknowns;
+    if (s_px > 0.0) fit.state = evaluate(pixels, fit.model, settings);
+  };
+  const bool likely = shows_diffraction(fit.state, fit.model, fit.unknowns);
+  if (!likely) leave_out_diffraction();
+  fit.state = fit_reference(pixels, fit.model, settings, std::move(fit.state));
+  if (!likely || shows_diffraction(fit.state, fit.model, fit.unknowns)) return;
+  leave_out_diffraction();
+  fit.state = fit_reference(pixels, fit.model, settings, std::move(fit.state));
+}
+
+// From the first model to the best reference step: first on a subset of the pixels, then on all.
+EdgeFit fit_edge(const EdgePixels& pixels, EdgeModel start, FitSettings settings, const MeasureOptions& options,
+                 double extent_px) {
+  constexpr std::size_t kSome = 2000;
+  const std::size_t step = step_for(pixels, kSome);
+  EdgeFit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns()};
+  split_blur(fit.model.shape);
+  const auto refine = [&](std::size_t every, int max_iterations, double tolerance) {
+    settings.unknowns = fit.unknowns;
+    settings.every = every;
+    settings.max_iterations = max_iterations;
+    settings.tolerance = tolerance;
+    return fit_reference(pixels, fit.model, settings);
+  };
+  constexpr double kRough = 4.0;  // chi2: less than another subset of the pixels would change
+  constexpr double kFar = 1.3;
+  const auto bend_by = [&](int order) {
+    fit.unknowns = with_order(fit.unknowns, order);
+    set_order(fit.model.curve, order, options.circle);
+    return refine(step, 12, kRough);
+  };
+  // A bend is fitted to these pixels first if it explains most of their misfit.
+  int order = 1;
+  if (const FitState some = refine(step, 25, kRough);
+      options.order != 1 && some.normal.chi2 > kFar * some.normal.count) {
+    const EdgeFit straight = fit;
+    const FitState bent = bend_by(2);
+    const double misfit = bent.normal.chi2 * bent.noise.at(0.5) / some.noise.at(0.5);
+    order = misfit < 0.5 * some.normal.chi2 ? 2 : 1;
+    if (order == 1) fit = straight;
+  }
+
+  settings.every = 1;
+  settings.unknowns = with_gradients(with_order(fit.unknowns, kHighestOrder));
+  fit.state = evaluate(pixels, fit.model, settings);
+  const Terms terms = choose_terms(fit.state, fit.model, extent_px, options, order);
+  if (terms.gradients) fit.unknowns = with_gradients(fit.unknowns);
+  if (terms.gradients || terms.order > order) {
+    bend_by(terms.order);
+    settings.every = 1;
+    settings.unknowns = fit.unknowns;
+    fit.state = evaluate(pixels, fit.model, settings);
+  }
+  converge(pixels, fit, settings);
+  return fit;
+}
+
+// The pixels within a distance of the curve.
+EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double extent_px) {
+  EdgePixels kept(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const Point at{pixels.x()[i], pixels.y()[i]};
+    if (std::abs(locate(curve, at).distance_px) <= extent_px) kept.add(pixels.x()[i], pixels.y()[i], pixels.value()[i]);
+  }
+  return kept;
+}
+
+double smaller_extent_px(const EdgeFacts& facts) { return std::min(facts.extent_dark_px, facts.extent_bright_px); }
+
+bool curved_shading(const RegionFit& region) {
+  return shading_is_curved(region.fit.state, region.fit.model, region.facts.width_px, smaller_extent_px(region.facts));
+}
+
+}  // namespace
+
+RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
+  RegionFit region{.pixels = std::move(data.pixels), .fit = {}, .facts = {}};
+  const auto fit_again = [&](double extent_px) {
+    region.fit = fit_edge(region.pixels, data.start, data.settings, options, extent_px);
+    region.facts = facts_of(region.pixels, region.fit.state, region.fit.model, data.local_noise_sd);
+  };
+  fit_again(data.extent_px);
+  std::size_t outliers = 0;
+  if (suspects_outliers(region.facts))
+    outliers = remove_outliers(region.pixels, region.fit.model, region.fit.state.profile, region.facts);
+  if (outliers > 0) fit_again(data.extent_px);
+
+  // Near the edge a gradient describes curved shading: the pixels are narrowed down to those.
+  constexpr double kLeast_px = 8.0, kLeastWidths = 5.0;
+  double extent_px = smaller_extent_px(region.facts), narrowed_px = 0.0;
+  bool curved = curved_shading(region);
+  while (curved) {
+    extent_px *= 0.6;
+    if (extent_px < std::max(kLeast_px, kLeastWidths * region.facts.width_px)) break;
+    region.pixels = within(region.pixels, region.fit.model.curve, extent_px);
+    narrowed_px = extent_px;
+    fit_again(extent_px);
+    curved = curved_shading(region);
+  }
+  region.facts.outliers = outliers;
+  region.facts.narrowed_px = narrowed_px;
+  region.facts.curved_shading = curved;
+  return region;
+}
+
+}  // namespace calib
