@@ -3,6 +3,7 @@
 // promised <= tolerance. And what a plan says when a way is impossible.
 #include <random>
 
+#include "mtf/plan/low_rank.h"
 #include "mtf/survey/scene_spectrum.h"
 #include "tests/mtf/plan_support.h"
 
@@ -151,6 +152,26 @@ TEST(SceneSpectrum, power_sums_to_the_variance) {
     }
   EXPECT_FALSE(scene_spectrum(random_image(8, 8, 1).view(), Border::constant));
   EXPECT_FALSE(scene_spectrum(image_of(8, 8, [](auto, auto) { return 2.0; }).view(), Border::reflect));
+}
+
+// Of kernels taller than wide and wider than tall: all terms together are the kernel, none is left over, and the terms
+// of a kernel that equals its mirror images do so too.
+TEST(SeparableTerms, add_up_to_kernels_that_are_not_square) {
+  for (const auto& [rows, columns] : {std::pair<std::int64_t, std::int64_t>{7, 3}, {4, 6}, {5, 5}, {1, 4}}) {
+    TapBox kernel{rows, columns, {}};
+    for (std::int64_t r = 0; r < rows; ++r)
+      for (std::int64_t c = 0; c < columns; ++c) {
+        const double y = static_cast<double>(2 * r - rows + 1), x = static_cast<double>(2 * c - columns + 1);
+        kernel.value.push_back(1.0 / (1.0 + x * x + 0.3 * y * y));
+      }
+    const SeparableTerms terms = separable_terms(kernel, 9);
+    ASSERT_EQ(terms.along_x.size(), static_cast<std::size_t>(std::min(rows, columns)));
+    const TapBox sum = product_of(terms, terms.along_x.size());
+    for (std::size_t i = 0; i < kernel.value.size(); ++i) EXPECT_NEAR(sum.value[i], kernel.value[i], 1e-14);
+    for (const auto& taps : {terms.along_x.front(), terms.along_y.front()})
+      EXPECT_EQ(taps, std::vector<double>(taps.rbegin(), taps.rend()));
+    EXPECT_GT(std::abs(product_of(terms, 1).value[0] - kernel.value[0]), rows > 1 ? 1e-3 : -1.0);
+  }
 }
 
 }  // namespace
