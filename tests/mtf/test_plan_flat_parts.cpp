@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "apps/check/reference_fft.h"
-#include "mtf/engines/fft/axis.h"
+#include "mtf/engines/fft/line_groups.h"
 #include "mtf/engines/mean_and_deviation.h"
 #include "mtf/survey/scene_spectrum.h"
 #include "mtf/survey/uniform_runs.h"
@@ -301,6 +301,55 @@ TEST(PlanFlatParts, lines_that_are_not_finite_are_refused) {
       Image image(kWidth, kHeight);
       EXPECT_THROW(plan.run(scene.view(), image.view()), RuntimeError);
     }
+}
+
+// The axes of a plane of kWidth x kHeight samples whose lines are rows or columns.
+std::pair<AxisTransform, AxisTransform> axes_of(Lines lines, Border border) {
+  AxisTransform x, y;
+  x.border = y.border = border;
+  x.samples = lines == Lines::rows ? kWidth : kHeight;
+  y.samples = lines == Lines::rows ? kHeight : kWidth;
+  y.outputs = y.samples;
+  y.pitch_um = y.frequency.step_um = 15.0;
+  return {x, y};
+}
+
+TEST(LineGroups, input_is_uniform_where_a_whole_group_is_and_the_border_continues_it) {
+  using Groups = std::vector<std::int64_t>;
+  const Image bottom = scene_of({0, 70, 149, 48}, 300.0, 20.0), right = scene_of({75, 0, 74, 118}, 300.0, 20.0);
+  for (const Border border : kBorders)
+    for (const double beyond : {300.0, 250.0}) {
+      const bool continued = border != Border::constant || beyond == 300.0;
+      const auto groups = [&, border, beyond](const Image& scene, Lines lines) {
+        const auto [x, y] = axes_of(lines, border);
+        const LineGroups found = input_groups({.in = scene.view(), .out = {}, .border_value = beyond}, lines, x, y, 2);
+        EXPECT_EQ(groups_over_uniform(found, x, y), found.uniform);  // one output a sample
+        EXPECT_EQ(found.uniform.size() + found.transformed.size(), static_cast<std::size_t>((y.samples + 31) / 32));
+        return found.uniform;
+      };
+      EXPECT_EQ(groups(bottom, Lines::rows), continued ? Groups({0, 1}) : Groups{});
+      EXPECT_EQ(groups(right, Lines::columns), continued ? Groups({0, 1}) : Groups{});
+      EXPECT_EQ(groups(right, Lines::rows), Groups{});
+      EXPECT_EQ(groups(bottom, Lines::columns), Groups{});
+    }
+}
+
+// Three groups, 96 lines: an rms of 1 over the output has room for energies of 96 / 2.
+TEST(LineGroups, output_is_negligible_from_the_least_energy_on_while_the_allowance_lasts) {
+  AxisTransform x, y;
+  x.frequency.basis = Basis::fourier;
+  x.out_length = x.outputs = 100;
+  x.keep = 50;
+  y.outputs = 96;
+  const std::vector<std::int64_t> over{0, 1, 2};
+  const auto uniform = [&](const std::vector<double>& energies, double allowance) {
+    return output_groups(over, energies, allowance, x, y).uniform;
+  };
+  using Groups = std::vector<std::int64_t>;
+  EXPECT_EQ(uniform({40.0, 10.0, 30.0}, 1.0), Groups({1, 2}));
+  EXPECT_EQ(uniform({40.0, 10.0, 30.0}, 0.4), Groups{});
+  EXPECT_EQ(uniform({40.0, 10.0, 30.0}, 2.0), Groups({0, 1, 2}));
+  EXPECT_EQ(output_groups({}, {}, 1.0, x, y).transformed, Groups({0, 1, 2}));
 }
 
 TEST(UniformRuns, tells_groups_of_one_level_from_others) {
