@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every way of doing a plan's work, insisted on, against the exact definition of its result: realised rms error <=
-// promised <= tolerance. And what a plan says when a way is impossible.
+// Every method, insisted on, against the exact definition of its result: realised rms error <= promised <= tolerance.
+// And what a plan says when a method is impossible.
 #include <random>
 
 #include "mtf/plan/low_rank.h"
@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(Borders, EveryMethod, testing::ValuesIn(kBorders), [](c
 TEST(PlanMethods, same_bits_for_any_threads_and_tiles_that_are_flat) {
   const System<double> system = with(bare(15.0, 15.0), {gaussian(22.0), footprint(15.0)});
   const SampleGrid in = scene_grid(system, 700, 600, 1.0, 1.0);
-  // A flat left half: tiles there are filled, and equal the level exactly.
+  // A flat left half: tiles there are filled, and equal the value exactly.
   const Image scene = image_of(
       in.width, in.height, [](auto x, auto y) { return x < 400 ? 7.25 : 7.25 + std::sin(static_cast<double>(x * y)); });
   PlanOptions options = options_for(scene, Border::reflect, 1e-2);

@@ -23,7 +23,7 @@ enum class Resampling { fold, chirp };
 /// columns are faster where more of them than of the rows are uniform (line_groups.h).
 enum class Lines { rows, columns };
 
-/// Of a part of an OTF along one axis.
+/// Symmetry of a part of an OTF along one axis.
 enum class Parity { even, odd };
 
 struct AxisTransform {
