@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What every way of doing the work looks like to a plan: planes in, filtered and sampled planes out. Engines hold one
-// filter; they are immutable, and `run` is const and re-entrant.
+// The interface of every engine to a plan: planes in, filtered and sampled planes out. An engine holds one filter; it
+// is immutable, and `run` is const and re-entrant.
 
 #include <cstdint>
 #include <vector>
@@ -16,15 +16,15 @@ namespace mtf {
 struct Channel {
   ImageView<const float> in;
   ImageView<float> out;
-  double mean = 0.0;     ///< a float, taken off before
-  double scale = 1.0;    ///< and this applied (a power of two)
-  bool sampled = false;  ///< both are of a few samples only: an engine that is told so checks them by all
+  double mean = 0.0;     ///< a float, which is subtracted from the samples before they are filtered
+  double scale = 1.0;    ///< a power of two, by which the differences are multiplied
+  bool sampled = false;  ///< mean and scale come from a few samples, and the engine checks them against all (is_near)
   double dc = 1.0;       ///< gain of the mean
   double border_value = 0.0;
-  const UniformRuns* flat = nullptr;  ///< of `in`; null: nothing is known
-  double allowance = 0.0;  ///< rms contrast over `out`, relative to the std of `in`, that may be left out of lines
+  const UniformRuns* flat = nullptr;  ///< of `in`; null where they are not known
+  double allowance = 0.0;  ///< rms contrast over `out`, relative to the std of `in`, that negligible lines may lose
 
-  /// Added back at the end.
+  /// What is added to the filtered samples.
   double out_mean() const { return dc * mean; }
 };
 

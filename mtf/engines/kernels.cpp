@@ -41,8 +41,8 @@ MTFKIT_CLONES void standardise(const float* __restrict in, std::int64_t n, doubl
 
 MTFKIT_CLONES void center(const float* __restrict in, std::int64_t n, double mean, double scale,
                           float* __restrict out) {
-  const float factor = static_cast<float>(scale), level = static_cast<float>(mean * scale);
-  for (std::int64_t i = 0; i < n; ++i) out[i] = in[i] * factor - level;
+  const float factor = static_cast<float>(scale), offset = static_cast<float>(mean * scale);
+  for (std::int64_t i = 0; i < n; ++i) out[i] = in[i] * factor - offset;
 }
 
 MTFKIT_CLONES void center(const float* __restrict in, std::int64_t n, double mean, double scale,
@@ -90,10 +90,10 @@ MTFKIT_INLINE void fill_row(std::int64_t count, To* __restrict out, const Value&
 
 MTFKIT_CLONES void center_columns(const float* in, std::int64_t stride, std::int64_t rows, std::int64_t count,
                                   double mean, double scale, float* out) {
-  const float factor = static_cast<float>(scale), level = static_cast<float>(mean * scale);
+  const float factor = static_cast<float>(scale), offset = static_cast<float>(mean * scale);
   for (std::int64_t i = 0; i < rows; ++i, in += stride, out += kColumns) {
     if (i + kSoon < rows) prefetch(in + kSoon * stride, count);
-    fill_row(count, out, [&](std::int64_t l) { return in[l] * factor - level; });
+    fill_row(count, out, [&](std::int64_t l) { return in[l] * factor - offset; });
     std::fill_n(out + count, kColumns - count, 0.0F);
   }
 }

@@ -15,7 +15,7 @@ void center(const float* in, std::int64_t n, double mean, double scale, float* o
 void center(const float* in, std::int64_t n, double mean, double scale, double* out);
 /// The same for any mean and scale, rounded once.
 void standardise(const float* in, std::int64_t n, double mean, double scale, float* out);
-/// That in Makhoul's order, even samples up, odd samples down (IEEE Trans. ASSP 28, 27 (1980)).
+/// The same in Makhoul's order, even samples up, odd samples down (IEEE Trans. ASSP 28, 27 (1980)).
 void center_ordered(const float* in, std::int64_t n, double mean, double scale, float* out);
 
 /// out[i] = in[i] x scale + mean, scale a power of two. In float, what mean has beyond float is added first: rounded
@@ -23,14 +23,14 @@ void center_ordered(const float* in, std::int64_t n, double mean, double scale, 
 void restore(const float* in, std::int64_t n, double mean, double scale, float* out);
 void restore(const double* in, std::int64_t n, double mean, double scale, float* out);
 
-inline constexpr std::int64_t kColumns = 32;  ///< that are walked down together
+inline constexpr std::int64_t kColumns = 32;  ///< columns that are loaded or stored together
 
 /// `center` for `rows` rows of `count` <= kColumns samples, `stride` apart, to rows of kColumns, filled up with zeros.
 void center_columns(const float* in, std::int64_t stride, std::int64_t rows, std::int64_t count, double mean,
                     double scale, float* out);
 void center_columns(const float* in, std::int64_t stride, std::int64_t rows, std::int64_t count, double mean,
                     double scale, double* out);
-/// And back as `restore`: row i of the result is row order[i] of `in`.
+/// The inverse, as `restore` is: row i of the result is row order[i] of `in`.
 void restore_columns(const float* in, std::span<const std::int32_t> order, std::int64_t count, double mean,
                      double scale, std::int64_t stride, float* out);
 void restore_columns(const double* in, std::span<const std::int32_t> order, std::int64_t count, double mean,
@@ -40,7 +40,7 @@ void restore_columns(const double* in, std::span<const std::int32_t> order, std:
 /// C_{n-k} = -Im(t_k V_k), t_k = exp(-i pi k / 2n).
 void cosine_from_half(const float* half, const float* twiddles, std::int64_t n, float* coefficients);
 
-/// Of a table to be interpolated linearly: its value, and how much the next one is above it.
+/// One value of a table that is interpolated linearly, and the difference of the next value from it.
 using Knot = std::array<float, 2>;
 
 /// out[i] *= the table at min(sqrt(x2[i] + y2) x intervals, intervals); intervals + 1 knots.
@@ -54,8 +54,8 @@ struct RowSummary {
   float min = 0.0F, max = 0.0F;
 };
 
-/// Asks for samples that are needed soon. The machine foresees no row by itself where each has a page of memory of its
-/// own.
+/// Fetches samples into the cache before they are needed. The processor predicts no row by itself where each row lies
+/// in a memory page of its own.
 inline void prefetch(const float* in, std::int64_t n) {
   for (std::int64_t i = 0; i < n; i += 16) __builtin_prefetch(in + i);
 }
@@ -70,8 +70,8 @@ struct Moments {
   double sum = 0.0, squares = 0.0;
   void operator+=(const Moments& other) { sum += other.sum, squares += other.squares; }
 };
-/// Of numbers about 1 that come in stretches, added in a fixed order. What is not finite, or far too large for the type
-/// of the numbers, shows in squares that are not finite.
+/// Moments of numbers of about 1 that arrive in pieces, added in a fixed order. A number that is not finite, or far too
+/// large for its type, makes the sum of squares infinite or NaN.
 struct MomentSums {
   static constexpr int kStep = 32;
   std::array<double, kStep> sums{}, squares{};
@@ -82,7 +82,7 @@ void add(const double* in, std::int64_t n, MomentSums& sums);
 
 /// Whether all samples have the same bits.
 bool all_alike(const float* in, std::int64_t n);
-/// Whether both have the same bits.
+/// Whether both arrays have the same bits.
 bool same(const float* a, const float* b, std::int64_t n);
 
 }  // namespace mtf::kernels

@@ -14,7 +14,7 @@
 namespace mtf {
 namespace {
 
-constexpr std::int64_t kPlaces = 8, kTogether = 16;  // along each side, samples at each
+constexpr std::int64_t kPlaces = 8, kTogether = 16;  // places along each side, samples at each
 
 double largest_deviation(double mean, double low, double high) { return std::max(high - mean, mean - low); }
 
@@ -22,8 +22,8 @@ kernels::RowSummary together(const kernels::RowSummary& a, const kernels::RowSum
   return {a.sum + b.sum, std::min(a.min, b.min), std::max(a.max, b.max)};
 }
 
-// What is flat of a row needs no sums.
-kernels::RowSummary look_at(const float* row, std::int64_t width, std::int64_t y, UniformRuns& flat) {
+// Uniform runs of a row need no sums.
+kernels::RowSummary summarise(const float* row, std::int64_t width, std::int64_t y, UniformRuns& flat) {
   if (!flat.any()) return kernels::summarise_row(row, width);
   const UniformRuns::Kind* kinds = flat.classify_row(y);
   kernels::RowSummary all{0.0, row[0], row[0]};
@@ -59,7 +59,7 @@ MeanAndDeviation mean_and_deviation(ImageView<const float> plane, int threads, U
   parallel_for(plane.height, 64, threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t y = begin; y < end; ++y) {
       if (y + 1 < end) kernels::prefetch(plane.row(y + 1), plane.width);
-      rows[static_cast<std::size_t>(y)] = look_at(plane.row(y), plane.width, y, flat);
+      rows[static_cast<std::size_t>(y)] = summarise(plane.row(y), plane.width, y, flat);
     }
   });
   kernels::RowSummary all{0.0, rows.front().min, rows.front().max};
@@ -77,8 +77,8 @@ MeanAndDeviation mean_and_deviation(ImageView<const float> plane, int threads, U
   return {mean, largest_deviation(mean, all.min, all.max)};
 }
 
-double canvas_deviation(const MeanAndDeviation& level, Border border, double border_value) {
-  return std::max(level.deviation, border == Border::constant ? std::abs(border_value - level.mean) : 0.0);
+double canvas_deviation(const MeanAndDeviation& plane, Border border, double border_value) {
+  return std::max(plane.deviation, border == Border::constant ? std::abs(border_value - plane.mean) : 0.0);
 }
 
 double std_of(const kernels::Moments& moments, std::int64_t samples) {
@@ -94,9 +94,9 @@ bool is_near(const kernels::Moments& moments, std::int64_t samples) {
 
 Channel recentred(Channel channel, Border border, int threads) {
   UniformRuns unused;
-  const MeanAndDeviation level = mean_and_deviation(channel.in, threads, unused);
-  channel.mean = level.mean;
-  channel.scale = scale_for(canvas_deviation(level, border, channel.border_value));
+  const MeanAndDeviation plane = mean_and_deviation(channel.in, threads, unused);
+  channel.mean = plane.mean;
+  channel.scale = scale_for(canvas_deviation(plane, border, channel.border_value));
   channel.sampled = false;
   return channel;
 }

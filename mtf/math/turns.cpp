@@ -8,13 +8,13 @@
 
 namespace mtf {
 
-// Quarter turns are taken off exactly; what is left goes into sin_cos_reduced.
+// Quarter turns are subtracted exactly; sin_cos_reduced takes the rest.
 MTFKIT_CLONES
 void sin_cos_turns(std::span<const double> turns, std::span<double> sine, std::span<double> cosine) {
   assert(sine.size() == turns.size() && cosine.size() == turns.size());
   const double* x = turns.data();
   double *s = sine.data(), *c = cosine.data();
-  constexpr double kRound = 0x1.8p52;  // adding and taking it off rounds to a whole number
+  constexpr double kRound = 0x1.8p52;  // adding and subtracting it rounds to a whole number
   for (std::size_t i = 0; i < turns.size(); ++i) {
     const double quarters = (4.0 * x[i] + kRound) - kRound;
     const double r = x[i] - 0.25 * quarters;

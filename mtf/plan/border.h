@@ -4,7 +4,7 @@
 // What lies beyond the edge of an image. The canvas on which a plan is defined is periodic:
 //   reflect    half-sample mirror dcba|abcd|dcba, period 2N (works at 1 px)
 //   replicate  the edge sample held for one image size beyond each side, period 3N
-//   constant   a given level for one image size beyond each side, period 3N
+//   constant   a given value for one image size beyond each side, period 3N
 //   periodic   the image itself, period N
 
 #include <algorithm>
@@ -22,7 +22,8 @@ inline std::int64_t canvas_length(Border border, std::int64_t n) {
   return border == Border::periodic ? n : border == Border::reflect ? 2 * n : 3 * n;
 }
 
-/// Sample of the image (0..n-1) that stands at position i (any sign) of the canvas; -1 where the constant level stands.
+/// Sample of the image (0..n-1) that stands at position i (any sign) of the canvas; -1 for the value of a constant
+/// border.
 inline std::int64_t border_source(Border border, std::int64_t i, std::int64_t n) {
   const auto modulo = [](std::int64_t a, std::int64_t m) { return (a % m + m) % m; };
   switch (border) {

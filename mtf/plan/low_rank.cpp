@@ -8,20 +8,26 @@
 namespace mtf {
 
 SeparableTerms separable_terms(const TapBox& kernel, std::size_t most) {
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const Matrix matrix = Eigen::Map<const Matrix>(kernel.value.data(), kernel.rows, kernel.columns);
-  const Eigen::BDCSVD<Matrix> svd(matrix, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Eigen::Map<const RowMajor> matrix(kernel.value.data(), kernel.rows, kernel.columns);
+  // Filled up with zeros to a square, whose singular vectors only grow by zeros: a square needs no QR preconditioner,
+  // and Eigen's preconditioners take half a minute to compile. Kernels are of 49 x 49 taps at most.
+  const Eigen::Index size = std::max(matrix.rows(), matrix.cols());
+  Eigen::MatrixXd square = Eigen::MatrixXd::Zero(size, size);
+  square.topLeftCorner(matrix.rows(), matrix.cols()) = matrix;
+  const Eigen::JacobiSVD<Eigen::MatrixXd, Eigen::NoQRPreconditioner> svd(square,
+                                                                         Eigen::ComputeFullU | Eigen::ComputeFullV);
   const double scale = matrix.cwiseAbs().maxCoeff();
   const bool mirrored = (matrix - matrix.rowwise().reverse()).cwiseAbs().maxCoeff() <= 1e-12 * scale &&
                         (matrix - matrix.colwise().reverse()).cwiseAbs().maxCoeff() <= 1e-12 * scale;
-  // Rounding leaves mirror images that differ in the last bits; terms of odd symmetry come only from rounding.
+  // Rounding leaves mirror images that differ in their last bits, and only rounding makes terms of odd symmetry.
   const auto even = [mirrored](std::vector<double> taps) {
     for (std::size_t i = 0; mirrored && 2 * i < taps.size(); ++i)
       taps[i] = taps[taps.size() - 1 - i] = 0.5 * (taps[i] + taps[taps.size() - 1 - i]);
     return taps;
   };
   SeparableTerms terms;
-  const auto rank = std::min<std::size_t>(most, static_cast<std::size_t>(svd.singularValues().size()));
+  const auto rank = std::min<std::size_t>(most, static_cast<std::size_t>(std::min(matrix.rows(), matrix.cols())));
   for (std::size_t k = 0; k < rank; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const double root = std::sqrt(svd.singularValues()(i));

@@ -10,8 +10,8 @@
 
 namespace mtf {
 
-/// value(r, c) = sum over k of columns[k][r] x rows[k][c], terms in falling order of their share. Kernels that equal
-/// their mirror images along both axes give terms that do, bit by bit.
+/// value(r, c) = sum over k of along_y[k][r] x along_x[k][c], the largest terms first. Kernels that equal
+/// their mirror images along both axes give terms that do so too, bit by bit.
 struct SeparableTerms {
   std::vector<std::vector<double>> along_y, along_x;
 };

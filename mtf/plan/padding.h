@@ -26,7 +26,7 @@ struct CanvasRequest {
   std::int64_t longest = std::numeric_limits<std::int64_t>::max();  ///< longer ones are of no use
 };
 
-/// What of the tails is looked for: once they exceed `sum` beyond `distance` samples they are not worked out further.
+/// Where the computation of tails may stop: once they exceed `sum` beyond `distance` samples.
 struct TailLimit {
   std::int64_t distance = 0;
   double sum = std::numeric_limits<double>::infinity();
@@ -40,8 +40,8 @@ std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest
 /// The defined canvas (mtf/plan/border.h) or, where the tails of the point spread beyond it fit the budget, a shorter
 /// smooth one. The tails are those of the OTF itself: for nine frequencies of the other axis the kernel along this axis
 /// is summed from outside, the largest sum counts; for outputs that stand between two samples the kernel is the one
-/// shifted by half a sample, whose tails are longer. One that would be longer than the longest of use is not looked
-/// for: the answer is the defined one. A filter error e = t * u obeys |e| <= sum|t| |u| (Young), hence the bound.
+/// shifted by half a sample, whose tails are longer. A canvas longer than the longest of use is not sought: the
+/// answer is then the defined one. A filter error e = t * u obeys |e| <= sum|t| |u| (Young), hence the bound.
 CanvasLength choose_canvas(const FactoredOtf& sampler, const CanvasRequest& request);
 
 }  // namespace mtf

@@ -55,7 +55,7 @@ SampleGrid detector_grid(const System<double>& system, const SampleGrid& scene) 
 
 namespace {
 
-// In the groups that are seen to be flat together.
+// The share of the columns that lie in groups whose columns are all uniform.
 double flat_columns(ImageView<const float> scene) {
   constexpr std::int64_t kGroup = UniformRuns::kGroup;
   const float* first = scene.row(0);
@@ -63,7 +63,7 @@ double flat_columns(ImageView<const float> scene) {
   for (std::int64_t x = 0; x + kGroup <= scene.width; x += kGroup) groups.push_back(x);
   for (std::int64_t y = 0; y < scene.height && !groups.empty(); ++y)
     std::erase_if(groups, [row = scene.row(y), first](std::int64_t x) {
-      return !std::all_of(row + x, row + x + kGroup, [level = first[x]](float v) { return v == level; });
+      return !std::all_of(row + x, row + x + kGroup, [value = first[x]](float v) { return v == value; });
     });
   return static_cast<double>(groups.size()) * static_cast<double>(kGroup) / static_cast<double>(scene.width);
 }
@@ -74,9 +74,9 @@ std::optional<SceneSummary> summarise(ImageView<const float> scene, Border borde
   const std::vector<RowMoments> rows = row_moments(scene);
   const Statistics s = statistics_of(rows, scene.width);
   if (s.std == 0.0) return std::nullopt;
-  const double level = border == Border::constant ? std::abs(border_value) : 0.0;  // shines into the image
+  const double beyond = border == Border::constant ? std::abs(border_value) : 0.0;  // its light enters the image
   const auto flat = std::count_if(rows.begin(), rows.end(), [](const RowMoments& row) { return row.min == row.max; });
-  return SceneSummary{s.std, std::max({std::abs(s.min), std::abs(s.max), level}),
+  return SceneSummary{s.std, std::max({std::abs(s.min), std::abs(s.max), beyond}),
                       canvas_norm_of(rows, scene.width, border, border_value, s.mean),
                       static_cast<double>(flat) / static_cast<double>(scene.height), flat_columns(scene)};
 }
@@ -112,11 +112,11 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   const double parts = std::sqrt(static_cast<double>(canvas_length(options.border, in.width) / in.width) *
                                  static_cast<double>(canvas_length(options.border, in.height) / in.height));
   const double canvas_norm = options.scene ? options.scene->canvas_norm / options.scene->std : parts;
-  // The error of the whole scene may gather in the part of it that the detector sees.
+  // The error of the whole scene may concentrate in the part of it that the detector sees.
   const double norm = canvas_norm * std::sqrt(std::max(1.0, in.area_um2() / out.area_um2()));
   const double alias = std::sqrt(samples_per_pixel(in, out));
   const double ratio_x = out.step_x_um / in.step_x_um, ratio_y = out.step_y_um / in.step_y_um;
-  // A mirrored canvas is four images; an error that is not mirrored may gather in one of them.
+  // A mirrored canvas is four images; an error that is not mirrored may concentrate in one of them.
   const double spectrum_gain = norm / canvas_norm * (options.border == Border::reflect ? 2.0 : 1.0);
   std::optional<SceneCost> scene_cost;
   if (options.spectrum)
@@ -174,8 +174,8 @@ Plan compile_part(const System<double>& system, const SampleGrid& scene, const S
   return compile_stages(system, stages, scene, detector, options, {.split = split});
 }
 
-// A frame of a sequence is worth no fresh look at every way: what was chosen stays while it keeps the tolerance and has
-// not become clearly dearer.
+// A frame of a sequence is not worth judging every method anew: the chosen one stays while it keeps the tolerance and
+// has not become clearly dearer.
 Plan Plan::with(const System<double>& system) const {
   constexpr double kDearer = 1.5;
   const auto compiled = [&](bool keep_family) {
@@ -186,7 +186,7 @@ Plan Plan::with(const System<double>& system) const {
   try {
     Plan plan = compiled(true);
     if (plan.impl_->cost_ms <= kDearer * impl_->family_choice_ms) return plan;
-  } catch (const UnreachableTolerance&) {  // another way may reach it
+  } catch (const UnreachableTolerance&) {  // another method may keep it
   }
   return compiled(false);
 }

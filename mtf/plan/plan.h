@@ -33,14 +33,14 @@ namespace mtf {
 /// What the plan knows of the scene before it runs; predictions hold for scenes like it.
 struct SceneSummary {
   double std = 1.0;           ///< > 0
-  double largest = 1.0;       ///< largest |value| or |constant border level|: the float32 storage error
+  double largest = 1.0;       ///< largest |value|, also of a constant border: the float32 storage error
   double canvas_norm = 2.0;   ///< canvas_norm of mtf/survey/statistics.h, in units of value
-  double flat_rows = 0.0;     ///< share of the rows that are of one level each
-  double flat_columns = 0.0;  ///< share of the columns, counted in groups of 16 that are flat together
+  double flat_rows = 0.0;     ///< share of the rows that are uniform
+  double flat_columns = 0.0;  ///< share of the columns, counted in groups of 16 that are all uniform
 };
 
-/// Summary of a plane, or nothing when it is flat: every tolerance is met then, but for what a constant border of
-/// another level shines into it.
+/// Summary of a plane, or nothing when it is uniform: every tolerance is met then, but for the light that enters from a
+/// constant border of another value.
 std::optional<SceneSummary> summarise(ImageView<const float> scene, Border border, double border_value);
 
 /// The tolerance asked for is below what can be kept for this scene and system.
@@ -59,7 +59,7 @@ class UnreachableTolerance : public UsageError {
 UnreachableTolerance unreachable_tolerance(double asked, double reachable, const std::optional<SceneSummary>& scene,
                                            double in_float = 0.0);
 
-/// The ways of doing the work. All FFT methods inverse-transform on the detector grid only.
+/// The methods of filtering and sampling. All FFT methods inverse-transform on the detector grid only.
 enum class Method {
   identity,       ///< nothing to do
   separable,      ///< taps along the rows, then along the columns
@@ -98,16 +98,16 @@ struct PredictedError {
   double cut = 0.0;         ///< frequencies left out
   double wrap = 0.0;        ///< canvas shorter than the defined one
   double kernel = 0.0;      ///< taps left out
-  double flat = 0.0;        ///< contrast that reaches lines of one level, left out
+  double flat = 0.0;        ///< contrast that the filter brings to uniform lines, left out
   double arithmetic = 0.0;  ///< float32 transforms and storage
   double total() const { return dropped + table + band + cut + wrap + kernel + flat + arithmetic; }
 };
 
-/// One way to do the work, as the plan judged it.
+/// One method and its parameters, as the plan judged them.
 struct Candidate {
   Method method{};
   std::string detail;        ///< "17 x 15 taps, rank 2"; "cosine 1024, fold to 256"
-  PredictedError predicted;  ///< where the way exists at all
+  PredictedError predicted;  ///< where the method can do the work at all
   double cost_ms = 0.0;      ///< of a run on one thread, one channel: predicted
   bool measured = false;     ///< or measured (Rigor::measure)
   std::int64_t bytes = 0;    ///< filter, and buffers of one run
@@ -166,8 +166,8 @@ class Plan {
   void run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value = 0.0,
            int threads = 0) const;
 
-  /// The plan of another system on the same grids and options. FFT plans are shared where the sizes stay, and the way
-  /// of doing the work stays unless it has become impossible or clearly dearer.
+  /// The plan of another system on the same grids and options. FFT plans are shared where the sizes stay, and the
+  /// method stays unless it has become impossible or clearly dearer.
   Plan with(const System<double>& system) const;
 
  private:
@@ -184,8 +184,8 @@ class Plan {
 Plan compile(const System<double>& system, const SceneView& scene, PlanOptions options);
 
 /// The same for scenes that are known by their grid, and by options.scene where it is given. Throws UsageError for an
-/// invalid system, a tolerance that is not in (0, 1) or that this scene cannot reach (UnreachableTolerance, with the
-/// value it can), a method that cannot do the work, and sizes that do not fit memory.
+/// invalid system, a tolerance that is not in (0, 1) or that cannot be kept for this scene (UnreachableTolerance, with
+/// a value that can), a method that cannot do the work, and sizes that do not fit memory.
 Plan compile(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
              const PlanOptions& options);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of the proposed ways a plan takes: the cheapest that keeps the tolerance.
+// Which of the proposed methods a plan takes: the cheapest that keeps the tolerance.
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ std::string times_text(double ratio) {
 
 namespace {
 
-// Leaving out everything may cost the whole tolerance, where other ways spend a small share on it.
+// Leaving out everything may cost the whole tolerance, where other methods spend a small share of it.
 std::vector<MethodCandidate> identity_candidates(const PlanTask& task) {
   const SampleGrid &in = task.in, &out = task.out;
   const bool same_grid = in.step_x_um == out.step_x_um && in.step_y_um == out.step_y_um;
@@ -68,8 +68,8 @@ std::vector<MethodCandidate> all_candidates(const PlanTask& task, Family wanted)
 
 namespace {
 
-// The same work on this machine takes the same time again: the way, both grids, and for the FFT methods whether the OTF
-// is complex.
+// The same work on this machine takes the same time again: the method, both grids, and for the FFT methods whether the
+// OTF is complex.
 std::string work_of(const MethodCandidate& candidate, const PlanTask& task) {
   const auto size = [](const SampleGrid& grid) {
     return std::to_string(grid.width) + "x" + std::to_string(grid.height);
@@ -79,7 +79,7 @@ std::string work_of(const MethodCandidate& candidate, const PlanTask& task) {
          (task.sampler.is_even_x() && task.sampler.is_even_y() ? "" : ", not mirrored");
 }
 
-// Times the ways that might be the cheapest. Their predictions are worth a factor of two or so.
+// Times the methods that might be the cheapest. Their predictions are worth a factor of two or so.
 void measure_costs(const std::vector<MethodCandidate*>& possible, const PlanTask& task) {
   constexpr double kMaybe = 3.0;
   double least = std::numeric_limits<double>::infinity();

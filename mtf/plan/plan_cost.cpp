@@ -30,8 +30,8 @@ double inverse_ns(const AxisTransform& job) {
 
 }  // namespace
 
-// Everything is counted in rows of kRow numbers: 5.7 ns each time one is rearranged on its way through an axis, and as
-// much again and more where image, buffer and OTF together exceed the second-level cache.
+// Costs are counted in rows of kRow numbers: 5.7 ns each time an axis rearranges one, and 7.3 ns more for each row by
+// which image, buffer and OTF together exceed the second-level cache.
 double fft_cost_ms(const AxisTransform& x, const AxisTransform& y, bool real_otf) {
   const double parts = count(static_cast<std::int64_t>(otf_parts(x, y, real_otf).size())), planes = x.odd ? 2.0 : 1.0;
   const bool x_cosine = x.frequency.basis == Basis::cosine, y_cosine = y.frequency.basis == Basis::cosine;
@@ -55,9 +55,9 @@ namespace {
 
 double whole_vectors(std::int64_t n) { return 16.0 * std::ceil(static_cast<double>(n) / 16.0); }
 
-// Nanoseconds of one look at the whole scene (its mean), and of fetching the rows of samples that tiles of `tile_rows`
-// output rows need: a call a row, samples beyond the edges one by one, and the others, which ratios other than 1, 2 and
-// 4 sort into phases with strides.
+// Nanoseconds of one pass over the whole scene (its mean), and of fetching the rows of samples that tiles of
+// `tile_rows` output rows need: a call a row, samples beyond the edges one by one, and the others, which ratios other
+// than 1, 2 and 4 sort into phases with strides.
 double load_ns(const TapAxis& x, const TapAxis& y, double tile_rows, double& rows) {
   const double tiles = std::ceil(count(y.outputs) / tile_rows);
   rows = count(y.outputs * y.ratio) + tiles * count(y.count);

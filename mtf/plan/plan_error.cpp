@@ -40,7 +40,8 @@ double storage_error(const PlanOptions& options) {
 
 // rms rounding of float32: a transform pair errs by about 0.4 units per doubling of its length (measured in tests), the
 // chirp passes through twice as many; then OTF rounding. Rounding inside the transforms is relative to the rms of the
-// canvas (in units of std), which a far border level raises; that of the result to the values with their mean.
+// canvas (in units of std), which a constant border far from the mean raises; that of the result is relative to the
+// values with their mean.
 double arithmetic_error(const AxisTransform& x, const AxisTransform& y, double canvas_rms, double gain,
                         const PlanOptions& options) {
   double units = 2.0;
@@ -86,7 +87,7 @@ UnreachableTolerance unreachable_tolerance(double asked, double reachable, const
   const SceneSummary s = scene.value_or(SceneSummary{});
   return {"no tolerance below 1 can be kept: float32 rounds values of " + format_double(s.largest) +
               " by more than this scene's contrast (std " + format_double(s.std) +
-              "); take off its offset, bring the border level nearer, or lower the gain of the filter",
+              "); take off its offset, bring the border value nearer, or lower the gain of the filter",
           std::numeric_limits<double>::infinity()};
 }
 

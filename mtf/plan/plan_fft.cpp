@@ -17,7 +17,7 @@ constexpr double kCutShare = 0.25;
 constexpr double kDoubleCost = 2.2;  // half the samples a vector, twice the memory
 constexpr double kCutCost = 1.06;    // frequencies that end anywhere
 constexpr double kFlatShare = 0.25, kFewFlatLines = 0.1;
-constexpr double kLinesCost = 0.5;  // of a transform is what it saves in lines that are flat (measured)
+constexpr double kLinesCost = 0.5;  // share of the whole cost that transforms of the lines are (measured)
 
 // Leaves out the frequencies from the far end that no component lets through. Returns the largest |H| among them.
 double cut_frequencies(const FactoredOtf& sampler, Axis axis, double allowed, AxisTransform& job) {
@@ -95,10 +95,10 @@ double cut_by_spectrum(const PlanTask& task, double budget, double spectrum_gain
 
 // Leaves out the frequencies that cost at most `budget`: those that no component lets through, or those that this scene
 // does not miss, whichever are more. Returns what they cost.
-double cut(const PlanTask& task, double budget, double gathering, bool full_canvas, bool symmetric, AxisTransform& x,
+double cut(const PlanTask& task, double budget, double rms_per_otf, bool full_canvas, bool symmetric, AxisTransform& x,
            AxisTransform& y) {
   AxisTransform worst_x = x, worst_y = y, scene_x = x, scene_y = y;
-  const double spread = gathering * std::sqrt(aliases(x) * aliases(y));
+  const double spread = rms_per_otf * std::sqrt(aliases(x) * aliases(y));
   const double largest = std::max(cut_frequencies(task.sampler, Axis::x, budget / spread, worst_x),
                                   cut_frequencies(task.sampler, Axis::y, budget / spread, worst_y));
   // The spectrum is that of the defined canvas.
@@ -133,7 +133,7 @@ struct Judged {
       const bool cosine = job.frequency.basis == Basis::cosine;
       defined = defined && (cosine || job.frequency.length == canvas_length(job.border, job.samples));
       // Where only cosines come of cosines, error and canvas have the same mirror symmetry: nothing of the canvas's
-      // energy can gather inside.
+      // energy can concentrate in the image.
       if (cosine && !job.odd) mirrors *= 2.0;
       return static_cast<double>(job.frequency.length) * (cosine ? 2.0 : 1.0);
     };
@@ -141,15 +141,16 @@ struct Judged {
     const double image_area = static_cast<double>(task.in.width) * static_cast<double>(task.in.height);
     canvas_rms = task.canvas_norm * std::sqrt(image_area / samples);
     symmetric = std::sqrt(mirrors);
-    gathering = task.norm / symmetric;
-    spread = gathering * std::sqrt(aliases(l.x) * aliases(l.y));
+    rms_per_otf = task.norm / symmetric;
+    spread = rms_per_otf * std::sqrt(aliases(l.x) * aliases(l.y));
   }
   Layout layout;
   bool defined = true;     ///< the canvas is the defined one
-  double symmetric = 1.0;  ///< norm of the canvas over that of the part in which an error may gather
+  double symmetric = 1.0;  ///< norm of the canvas over that of the part in which an error may concentrate
   double canvas_rms = 0.0;
-  double gathering = 0.0;  ///< rms error over the scene's std that an OTF error of 1 may become in a single alias zone
-  double spread = 0.0;     ///< and in all of them
+  double rms_per_otf =
+      0.0;              ///< rms error over the scene's std that an OTF error of 1 may become in a single alias zone
+  double spread = 0.0;  ///< and in all of them
 };
 
 double rounding(const PlanTask& task, bool in_double, const Judged& judged, double canvas_rms) {
@@ -162,8 +163,8 @@ double rounding(const PlanTask& task, bool in_double, const Judged& judged, doub
 struct Order {
   Lines lines = Lines::rows;
   const AxisTransform &along, &across;
-  double flat = 0.0;     ///< share of the lines that are left out for being of one level
-  double cost_ms = 0.0;  ///< without them
+  double flat = 0.0;     ///< share of the lines that are uniform and take no transform
+  double cost_ms = 0.0;  ///< where all lines are transformed
 };
 
 Order order_of(Lines lines, const AxisTransform& x, const AxisTransform& y, bool real, const PlanOptions& options) {
@@ -172,12 +173,12 @@ Order order_of(Lines lines, const AxisTransform& x, const AxisTransform& y, bool
   order.cost_ms = fft_cost_ms(order.along, order.across, real);
   if (!options.scene || order.along.resampling != Resampling::fold) return order;
   const double flat = rows ? options.scene->flat_rows : options.scene->flat_columns;
-  // They go in groups.
+  // Lines are left out in whole groups.
   if (flat >= kFewFlatLines && flat * static_cast<double>(order.across.outputs) >= 2.0 * kRow) order.flat = flat;
   return order;
 }
 
-// Columns first where leaving out flat ones makes up for it: an OTF with phase may take more series that way.
+// Columns come first where leaving out uniform ones makes up for it: an OTF with phase may then take more series.
 Order cheaper_order(const AxisTransform& x, const AxisTransform& y, bool real, const PlanOptions& options) {
   const auto cost_ms = [](const Order& order) { return (1.0 - kLinesCost * order.flat) * order.cost_ms; };
   const Order rows = order_of(Lines::rows, x, y, real, options);
@@ -195,7 +196,7 @@ MethodCandidate make_candidate(const PlanTask& task, Method method, const Judged
   MethodCandidate d;
   d.report.method = method;
   PredictedError& predicted = d.report.predicted;
-  predicted.dropped = dropped * judged.gathering * task.alias;
+  predicted.dropped = dropped * judged.rms_per_otf * task.alias;
   predicted.table = (sampler.error() - dropped - sampler.quadrature_error()) * judged.spread;
   predicted.band = sampler.quadrature_error() * judged.spread;
   predicted.wrap = judged.layout.wrap;
@@ -203,12 +204,13 @@ MethodCandidate make_candidate(const PlanTask& task, Method method, const Judged
   if (method == Method::fft_cut) {
     // Of what the other parts leave of the tolerance: a bound that is looser than the others.
     const double budget = std::min(kCutShare * options.tolerance, 0.9 * (options.tolerance - predicted.total()));
-    if (budget > 0.0) predicted.cut = cut(task, budget, judged.gathering, judged.defined, judged.symmetric > 1.5, x, y);
+    if (budget > 0.0)
+      predicted.cut = cut(task, budget, judged.rms_per_otf, judged.defined, judged.symmetric > 1.5, x, y);
   }
   const std::size_t parts = otf_parts(x, y, sampler.is_real()).size();
   const Order order = cheaper_order(x, y, sampler.is_real(), options);
   d.lines = order.lines;
-  // What reaches lines of one level is left out of them, up to a share of the tolerance.
+  // Contrast that the filter brings to uniform lines is left out, up to a share of the tolerance.
   if (order.flat > 0.0)
     predicted.flat =
         std::max(0.0, std::min(kFlatShare * options.tolerance, 0.9 * (options.tolerance - predicted.total())));
@@ -221,7 +223,7 @@ MethodCandidate make_candidate(const PlanTask& task, Method method, const Judged
   d.report.bytes =
       static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(order.along, order.across, sampler.is_real()));
   d.axes = {x, y};
-  d.error_per_otf = judged.gathering * task.alias;
+  d.error_per_otf = judged.rms_per_otf * task.alias;
   const Precision precision = in_double ? Precision::double_precision : Precision::single_precision;
   d.make = [&sampler, work = SpectralWork{x, y, precision, d.lines}, bytes = static_cast<double>(d.report.bytes),
             rigor = options.rigor, threads = options.threads, out = task.out](const Engine* earlier) {

@@ -16,7 +16,7 @@ struct Plan::Impl {
   PlanReport report;
   double dc = 1.0;
   double cost_ms = 0.0;                  ///< predicted, of the chosen candidate
-  double family_choice_ms = 0.0;         ///< the same when all ways were last looked at
+  double family_choice_ms = 0.0;         ///< the same when all methods were last judged
   std::shared_ptr<const Engine> engine;  ///< null for the identity
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Parts of compiling a plan that stand on their own: the ways of doing the work that are proposed, judged and chosen
-// from, and the prediction of errors.
+// Parts of compiling a plan that stand on their own: the methods that are proposed, judged and chosen from, and the
+// prediction of errors.
 
 #include <functional>
 #include <limits>
@@ -20,7 +20,7 @@ inline constexpr double kDropShare = 0.05, kTableShare = 0.02, kWrapShare = 0.25
 Plan compile_part(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
                   const PlanOptions& options, const ScaleSplit& split);
 
-/// What all ways of doing one plan's work share.
+/// What all methods for one plan share.
 struct PlanTask {
   const FactoredOtf& sampler;
   SampleGrid in, out;
@@ -28,23 +28,23 @@ struct PlanTask {
   ScaleSplit split;
   double canvas_norm =
       1.0;             ///< of the defined canvas (canvas_norm of mtf/survey/statistics.h), in units of the scene's std
-  double norm = 1.0;   ///< the same, gathered in the part of the scene that the detector sees
+  double norm = 1.0;   ///< the same, where all of it lies in the part of the scene that the detector sees
   double alias = 1.0;  ///< sqrt(frequencies that may alias onto one)
   double spectrum_gain = 1.0;  ///< largest factor between the rms_error of the scene's spectrum and the image's
 };
 
-/// One way to do the work: judged, not yet built.
+/// One method and its parameters: judged, not yet built.
 struct MethodCandidate {
   Candidate report;
-  /// The least tolerance that this way could keep for this scene; infinity when it does not depend on the tolerance.
+  /// The least tolerance that this method could keep for this scene; infinity when it does not depend on the tolerance.
   double reachable = std::numeric_limits<double>::infinity();
   /// Makes the engine, sharing with `earlier` (may be null) what is the same.
   std::function<std::shared_ptr<const Engine>(const Engine* earlier)> make;
   std::optional<std::array<AxisTransform, 2>> axes;  ///< x and y of the FFT methods
   double largest_gain = 1.0;                         ///< bound of |H|, of the other methods
   double predicted_ms = 0.0;                         ///< cost_ms before anything was measured
-  Lines lines = Lines::rows;                         ///< that the FFT methods transform first
-  double lines_saved_ms = 0.0;                       ///< by those of one level
+  Lines lines = Lines::rows;                         ///< which the FFT methods transform first
+  double lines_saved_ms = 0.0;                       ///< by lines that are uniform
   double error_per_otf = 0.0;                        ///< rms error relative to std that an OTF error of 1 may become
 };
 
@@ -54,15 +54,15 @@ struct Layout {
   double wrap = 0.0;  ///< error of canvases shorter than the defined ones
 };
 
-/// Basis and canvas of each axis: the cheapest, and behind it the one that has no wrap-around at any tolerance where
+/// Basis and canvas of each axis: the cheapest, and after it the one that has no wrap-around at any tolerance where
 /// that is dearer.
 std::vector<Layout> fft_layouts(const PlanTask& task);
 
 std::vector<MethodCandidate> fft_candidates(const PlanTask& task);
-/// `fft_ms`: cost of the cheapest FFT method; what is far slower is not worked out.
+/// `fft_ms`: cost of the cheapest FFT method; methods that are far slower are not judged.
 std::vector<MethodCandidate> tap_candidates(const PlanTask& task, double fft_ms);
 
-/// Ways that share their engine, or all there are.
+/// Methods that share their engine, or all methods.
 enum class Family { all, identity, taps, fft };
 Family family(std::string_view method_name);
 std::vector<MethodCandidate> all_candidates(const PlanTask& task, Family family);

@@ -47,27 +47,27 @@ void Plan::run(std::span<const ImageView<const float>> in, std::span<const Image
   if (in.size() != out.size()) throw UsageError("as many output as input planes are needed");
   const bool constant = impl_->options.border == Border::constant;
   if (constant && !(std::abs(border_value) <= std::numeric_limits<float>::max()))
-    throw UsageError("the border level has to be a finite float");
+    throw UsageError("the border value has to be a finite float");
   std::vector<Channel> channels;
   std::vector<Image> copies;
   std::vector<UniformRuns> flat(in.size());
-  // Transforms have all of an input before they write, and tell by themselves what is wrong with it.
+  // FFT engines read all of an input before they write, and check by themselves that it is finite.
   const bool transforms = impl_->report.method.starts_with("fft");
   for (std::size_t c = 0; c < in.size(); ++c) {
     check_size(in[c].width, in[c].height, impl_->report.in, "input");
     check_size(out[c].width, out[c].height, impl_->report.out, "output");
     const std::optional<MeanAndDeviation> sampled = transforms ? sampled_mean_and_deviation(in[c]) : std::nullopt;
-    const MeanAndDeviation level = sampled ? *sampled : mean_and_deviation(in[c], threads, flat[c]);
-    const double deviation = canvas_deviation(level, impl_->options.border, border_value);
+    const MeanAndDeviation about = sampled ? *sampled : mean_and_deviation(in[c], threads, flat[c]);
+    const double deviation = canvas_deviation(about, impl_->options.border, border_value);
     if (deviation == 0.0) {
-      fill(out[c], static_cast<float>(impl_->dc * level.mean));
+      fill(out[c], static_cast<float>(impl_->dc * about.mean));
     } else if (!impl_->engine) {
       for (std::int64_t y = 0; y < out[c].height; ++y)
         std::memmove(out[c].row(y), in[c].row(y), static_cast<std::size_t>(out[c].width) * sizeof(float));
     } else {
       ImageView<const float> from = in[c];
       if (!transforms && share_memory(in[c], out[c])) from = copies.emplace_back(copy_of(in[c])).view();
-      channels.push_back({from, out[c], level.mean, scale_for(deviation), sampled.has_value(), impl_->dc, border_value,
+      channels.push_back({from, out[c], about.mean, scale_for(deviation), sampled.has_value(), impl_->dc, border_value,
                           &flat[c], impl_->report.predicted.flat});
     }
   }

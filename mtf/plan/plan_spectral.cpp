@@ -11,8 +11,8 @@
 namespace mtf {
 namespace {
 
-// Rows of an OTF on their way to its blocks: where the lines are rows, a row of H is one of each block; where they are
-// columns, it is a column of one. Values beyond those that are kept are zero.
+// Writes rows of an OTF to its blocks. Where the lines are rows, a row of H is one row of each block; where they are
+// columns, it is a column of one block. Values beyond those that are kept are zero.
 template <class S>
 class OtfRow {
  public:

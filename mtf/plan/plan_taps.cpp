@@ -14,7 +14,7 @@
 namespace mtf {
 namespace {
 
-constexpr std::int64_t kLargestRatio = 16, kDirectReach = 8;
+constexpr std::int64_t kLargestRatio = 16, kDirectHalfWidth = 8;
 constexpr std::size_t kLargestRank = 6;
 constexpr double kFloatUnit = 5.9604644775390625e-8;  // 2^-24
 
@@ -30,23 +30,23 @@ class Judge {
   Judge(const PlanTask& task, std::int64_t ratio_x, std::int64_t ratio_y)
       : task_(task), ratio_x_(static_cast<double>(ratio_x)), ratio_y_(static_cast<double>(ratio_y)) {
     const FactoredOtf& sampler = task.sampler;
-    // An even OTF keeps the mirror symmetry of a reflected canvas: nothing of its energy can gather inside.
+    // An even OTF keeps the mirror symmetry of a reflected canvas: nothing of its energy can concentrate in the image.
     const bool mirror = task.options.border == Border::reflect;
     const bool symmetric = mirror && sampler.is_real() && sampler.is_even_x() && sampler.is_even_y();
-    gathering_ = task.norm / (symmetric ? 2.0 : 1.0);
+    rms_per_otf_ = task.norm / (symmetric ? 2.0 : 1.0);
     crop_ = task.spectrum_gain / (symmetric ? 2.0 : 1.0);
-    const double spread = gathering_ * task.alias, dropped = dropped_error(sampler),
+    const double spread = rms_per_otf_ * task.alias, dropped = dropped_error(sampler),
                  quadrature = sampler.quadrature_error();
     parts_.dropped = dropped * spread;
     parts_.table = (sampler.error() - dropped - quadrature) * spread;
     parts_.band = quadrature * spread;
   }
 
-  double error_per_otf() const { return gathering_ * task_.alias; }
+  double error_per_otf() const { return rms_per_otf_ * task_.alias; }
 
   /// rms error of an OTF error at the corners.
   double rms(std::span<const double> error) const {
-    const double worst = gathering_ * SceneSpectrum::worst_error(error, ratio_x_, ratio_y_);
+    const double worst = rms_per_otf_ * SceneSpectrum::worst_error(error, ratio_x_, ratio_y_);
     if (!task_.options.spectrum) return worst;
     return std::min(worst, crop_ * task_.options.spectrum->rms_error(error, ratio_x_, ratio_y_));
   }
@@ -73,7 +73,7 @@ class Judge {
 
  private:
   const PlanTask& task_;
-  double ratio_x_, ratio_y_, gathering_ = 1.0, crop_ = 1.0;
+  double ratio_x_, ratio_y_, rms_per_otf_ = 1.0, crop_ = 1.0;
   PredictedError parts_;
 };
 
@@ -84,7 +84,7 @@ double moduli(const std::vector<double>& taps) {
 }
 
 TapAxis tap_axis(std::int64_t samples, std::int64_t outputs, std::int64_t ratio, std::int64_t count) {
-  // The centre of detector sample 0 stands (ratio - 1) / 2 samples behind that of scene sample 0.
+  // The centre of detector sample 0 stands (ratio - 1) / 2 samples after that of scene sample 0.
   return {samples, outputs, ratio, (ratio - count) / 2, count};
 }
 
@@ -92,10 +92,11 @@ std::vector<float> narrow(const std::vector<double>& taps) { return {taps.begin(
 
 std::string taps_text(std::size_t x, std::size_t y) { return std::to_string(x) + " x " + std::to_string(y) + " taps"; }
 
-// The smallest reach for which `costs(reach)` fits; nothing when even the largest does not. Costs fall with the reach
-// but for ripples, which make the result somewhat larger than it need be.
+// The smallest half width whose cost fits the budget; nothing when even the largest does not fit. Costs fall with the
+// half width but for ripples, which make the result somewhat larger than it need be.
 template <class Cost>
-std::optional<std::int64_t> smallest_reach(std::int64_t least, std::int64_t most, double budget, const Cost& cost) {
+std::optional<std::int64_t> smallest_half_width(std::int64_t least, std::int64_t most, double budget,
+                                                const Cost& cost) {
   if (!(cost(most) <= budget)) return std::nullopt;
   while (least < most) {
     const std::int64_t middle = (least + most) / 2;
@@ -169,15 +170,15 @@ MethodCandidate exact_separable(const Work& work) {
   };
   const std::vector<double> none(modulus_x.size(), 0.0);
   const double budget = work.judge.budget(work.judge.arithmetic(32.0, 1.0));
-  const auto reach_x = smallest_reach(1, AxisResponse::kReach, 0.5 * budget,
-                                      [&](std::int64_t r) { return cost(x.error(x.taps(r)), none); });
-  const auto reach_y = smallest_reach(1, AxisResponse::kReach, 0.5 * budget,
-                                      [&](std::int64_t r) { return cost(none, y.error(y.taps(r))); });
+  const auto half_x = smallest_half_width(1, AxisResponse::kHalfWidth, 0.5 * budget,
+                                          [&](std::int64_t r) { return cost(x.error(x.taps(r)), none); });
+  const auto half_y = smallest_half_width(1, AxisResponse::kHalfWidth, 0.5 * budget,
+                                          [&](std::int64_t r) { return cost(none, y.error(y.taps(r))); });
   const std::string too_wide =
-      "the point spread is wider than " + std::to_string(2 * AxisResponse::kReach) + " samples at this tolerance";
-  if (!reach_x || !reach_y || !holds_most_of_spread(x.share(*reach_x)) || !holds_most_of_spread(y.share(*reach_y)))
+      "the point spread is wider than " + std::to_string(2 * AxisResponse::kHalfWidth) + " samples at this tolerance";
+  if (!half_x || !half_y || !holds_most_of_spread(x.share(*half_x)) || !holds_most_of_spread(y.share(*half_y)))
     return impossible(method, too_wide);
-  std::vector<double> x_taps = x.taps(*reach_x), y_taps = y.taps(*reach_y);
+  std::vector<double> x_taps = x.taps(*half_x), y_taps = y.taps(*half_y);
   const std::vector<double> error_x = x.error(x_taps), error_y = y.error(y_taps);
   if (!work.judge.negligible(std::abs(dc) * (x.excess(x_taps, error_x) + y.excess(y_taps, error_y))))
     return impossible(method, too_wide);
@@ -203,18 +204,19 @@ MethodCandidate low_rank(const Work& work, const PointResponse& response, double
     normalise(box, work.task.sampler.dc());
     return box;
   };
-  const auto reach = smallest_reach(1, PointResponse::kReach, 0.6 * budget,
-                                    [&](std::int64_t r) { return work.judge.rms(response.error(normalised(r))); });
+  const auto half_width = smallest_half_width(1, PointResponse::kHalfWidth, 0.6 * budget, [&](std::int64_t r) {
+    return work.judge.rms(response.error(normalised(r)));
+  });
   const std::string too_wide =
-      "the point spread is wider than " + std::to_string(2 * PointResponse::kReach) + " samples at this tolerance";
-  if (!reach) return impossible(method, too_wide);
-  const TapBox box = normalised(*reach);
+      "the point spread is wider than " + std::to_string(2 * PointResponse::kHalfWidth) + " samples at this tolerance";
+  if (!half_width) return impossible(method, too_wide);
+  const TapBox box = normalised(*half_width);
   if (box.sum() == 0.0) return impossible(method, too_wide);
   const SeparableTerms terms = separable_terms(box, kLargestRank);
   for (std::size_t rank = 1; rank <= terms.along_x.size(); ++rank) {
     if (separable_cost_ms(work.x(terms.along_x.front().size()), work.y(terms.along_y.front().size()),
                           static_cast<std::int64_t>(rank)) > limit_ms)
-      return impossible(method, "needs rank " + std::to_string(rank) + " or more: far slower than other ways");
+      return impossible(method, "needs rank " + std::to_string(rank) + " or more: far slower than other methods");
     const TapBox product = product_of(terms, rank);
     const std::vector<double> error = response.error(product);
     const double kernel = work.judge.rms(error);
@@ -227,15 +229,15 @@ MethodCandidate low_rank(const Work& work, const PointResponse& response, double
   return impossible(method, "needs a rank above " + std::to_string(kLargestRank));
 }
 
-// Zeroes what lies outside of the support of the given reach.
-void clip(TapBox& box, Method method, double reach) {
+// Zeroes the taps outside of the support of the given half width.
+void clip(TapBox& box, Method method, double half_width) {
   for (std::int64_t r = 0; r < box.rows; ++r)
     for (std::int64_t c = 0; c < box.columns; ++c) {
       const double x = std::abs(static_cast<double>(c) - 0.5 * static_cast<double>(box.columns - 1));
       const double y = std::abs(static_cast<double>(r) - 0.5 * static_cast<double>(box.rows - 1));
       const bool inside = method == Method::direct_square ? true
-                          : method == Method::direct_disc ? x * x + y * y <= reach * (reach + 1.0)
-                                                          : x + y <= reach;
+                          : method == Method::direct_disc ? x * x + y * y <= half_width * (half_width + 1.0)
+                                                          : x + y <= half_width;
       if (!inside) box.at(r, c) = 0.0;
     }
 }
@@ -248,12 +250,12 @@ MethodCandidate direct(const Work& work, const PointResponse& response, Method m
     normalise(box, work.task.sampler.dc());
     return box;
   };
-  const std::int64_t most = kDirectReach;
-  const auto reach =
-      smallest_reach(1, most, budget, [&](std::int64_t r) { return work.judge.rms(response.error(taps(r))); });
+  const std::int64_t most = kDirectHalfWidth;
+  const auto half_width =
+      smallest_half_width(1, most, budget, [&](std::int64_t r) { return work.judge.rms(response.error(taps(r))); });
   const std::string too_wide = "needs more than " + std::to_string(2 * most) + " samples across at this tolerance";
-  if (!reach) return impossible(method, too_wide);
-  const TapBox box = taps(*reach);
+  if (!half_width) return impossible(method, too_wide);
+  const TapBox box = taps(*half_width);
   if (box.sum() == 0.0) return impossible(method, too_wide);
   const auto used = std::count_if(box.value.begin(), box.value.end(), [](double tap) { return tap != 0.0; });
   const bool mirrored = work.task.sampler.is_real() && work.task.sampler.is_even_x() && work.task.sampler.is_even_y();
@@ -264,7 +266,7 @@ MethodCandidate direct(const Work& work, const PointResponse& response, Method m
   c.detail = taps_text(static_cast<std::size_t>(box.columns), static_cast<std::size_t>(box.rows)) + ", " +
              std::to_string(used) + " used";
   c.cost_ms = direct_cost_ms(x, y, used, mirrored);
-  if (c.cost_ms > limit_ms) return impossible(method, c.detail + ": far slower than other ways");
+  if (c.cost_ms > limit_ms) return impossible(method, c.detail + ": far slower than other methods");
   const std::vector<double> error = response.error(box);
   if (!work.judge.negligible(response.excess(box, error))) return impossible(method, too_wide);
   c.predicted =
@@ -302,7 +304,7 @@ std::vector<MethodCandidate> tap_candidates(const PlanTask& task, double fft_ms)
   if (!(judge.budget(judge.arithmetic(1.0, 1.0)) > 0.0)) return none("float sums do not keep the tolerance");
   const Work work{task, judge, *ratio_x, *ratio_y};
   candidates.push_back(exact_separable(work));
-  // What is several times slower than another way is of no use to anyone; finding it would cost more than it is worth.
+  // A method that is several times slower than another one is of no use, and designing its kernel takes time.
   const double limit_ms = 4.0 * std::min(fft_ms, candidates.front().make ? candidates.front().report.cost_ms : fft_ms);
   // A kernel of a slow OTF costs more frequencies to design than a small image has.
   constexpr std::int64_t kCorners = std::int64_t{SceneSpectrum::kRows} * SceneSpectrum::kColumns;

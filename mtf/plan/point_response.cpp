@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kCells = SceneSpectrum::kCells, kColumns = SceneSpectrum::kColumns, kRows = SceneSpectrum::kRows;
 
-std::int64_t taps_within(std::int64_t reach, double half) { return 2 * reach + (half > 0.0 ? 0 : 1); }
+std::int64_t taps_within(std::int64_t half_width, double offset) { return 2 * half_width + (offset > 0.0 ? 0 : 1); }
 double position(std::int64_t t, std::int64_t count) {
   return static_cast<double>(t) - 0.5 * static_cast<double>(count - 1);
 }
@@ -52,7 +52,7 @@ double TapBox::sum() const { return std::accumulate(value.begin(), value.end(), 
 
 PointResponse::PointResponse(const FactoredOtf& sampler, const SampleGrid& in, std::int64_t ratio_x,
                              std::int64_t ratio_y)
-    : half_x_(ratio_x % 2 == 0 ? 0.5 : 0.0), half_y_(ratio_y % 2 == 0 ? 0.5 : 0.0) {
+    : offset_x_(ratio_x % 2 == 0 ? 0.5 : 0.0), offset_y_(ratio_y % 2 == 0 ? 0.5 : 0.0) {
   std::vector<double> fx, fy;
   for (int i = 0; i < kColumns; ++i) fx.push_back(SceneSpectrum::corner_cy_mm(i, 500.0 / in.step_x_um));
   for (int j = 0; j < kRows; ++j) fy.push_back(SceneSpectrum::corner_cy_mm(j - kCells, 500.0 / in.step_y_um));
@@ -72,8 +72,8 @@ PointResponse::PointResponse(const FactoredOtf& sampler, const SampleGrid& in, s
     for (const Complex<float>& h : row) probes_.push_back({h.re, h.im});
   }
 
-  taps_.rows = taps_within(kReach, half_y_);
-  taps_.columns = taps_within(kReach, half_x_);
+  taps_.rows = taps_within(kHalfWidth, offset_y_);
+  taps_.columns = taps_within(kHalfWidth, offset_x_);
   taps_.value.assign(static_cast<std::size_t>(taps_.rows * taps_.columns), 0.0);
   // Along y for every column of corners, then along x; the corners at both Nyquist ends share one coefficient.
   std::vector<Complex<double>> along_y(static_cast<std::size_t>(taps_.rows * kColumns));
@@ -102,8 +102,8 @@ PointResponse::PointResponse(const FactoredOtf& sampler, const SampleGrid& in, s
   }
 }
 
-TapBox PointResponse::box(std::int64_t reach_x, std::int64_t reach_y) const {
-  TapBox box{taps_within(reach_y, half_y_), taps_within(reach_x, half_x_), {}};
+TapBox PointResponse::box(std::int64_t half_x, std::int64_t half_y) const {
+  TapBox box{taps_within(half_y, offset_y_), taps_within(half_x, offset_x_), {}};
   const std::int64_t top = (taps_.rows - box.rows) / 2, left = (taps_.columns - box.columns) / 2;
   for (std::int64_t r = 0; r < box.rows; ++r)
     for (std::int64_t c = 0; c < box.columns; ++c) box.value.push_back(taps_.at(top + r, left + c));
@@ -172,7 +172,7 @@ namespace {
 
 constexpr std::int64_t kFine = 1024, kFinePerCell = kFine / (2 * kCells);
 
-// Largest of the values about each corner, from one cell before to one behind.
+// Largest of the values about each corner, from one cell before it to one after.
 std::vector<double> about_corners(const std::vector<double>& fine) {
   std::vector<double> corners;
   for (std::int64_t i = 0; i <= kCells; ++i) {
@@ -186,7 +186,7 @@ std::vector<double> about_corners(const std::vector<double>& fine) {
 }  // namespace
 
 AxisResponse::AxisResponse(const FactoredOtf& sampler, Axis axis, double step_um, std::int64_t ratio)
-    : half_(ratio % 2 == 0 ? 0.5 : 0.0) {
+    : offset_(ratio % 2 == 0 ? 0.5 : 0.0) {
   const FrequencyAxis along{Basis::fourier, kFine, step_um};
   std::vector<double> f;
   for (std::int64_t r = 0; r < kFine; ++r) f.push_back(along.cy_mm(along.signed_index(r)));
@@ -212,31 +212,31 @@ AxisResponse::AxisResponse(const FactoredOtf& sampler, Axis axis, double step_um
   for (std::int64_t r = 0; r < kFine; ++r) {
     Complex<double>& h = kernel[static_cast<std::size_t>(r)];
     const auto k = static_cast<double>(along.signed_index(r));
-    h = Complex<double>{h.re, -h.im} * rotation(static_cast<long double>(half_ * k / kFine));
+    h = Complex<double>{h.re, -h.im} * rotation(static_cast<long double>(offset_ * k / kFine));
     if (2 * r == kFine) h.im = 0.0;
   }
   fft::inverse(kernel);
-  const std::int64_t count = taps_within(kReach, half_);
+  const std::int64_t count = taps_within(kHalfWidth, offset_);
   for (std::int64_t t = 0; t < count; ++t) {
-    const auto at = static_cast<std::int64_t>(std::llround(position(t, count) - half_));
+    const auto at = static_cast<std::int64_t>(std::llround(position(t, count) - offset_));
     taps_.push_back(kernel[static_cast<std::size_t>((at + kFine) % kFine)].re / kFine);
   }
 }
 
-std::vector<double> AxisResponse::raw_taps(std::int64_t reach) const {
-  const std::int64_t count = taps_within(reach, half_);
+std::vector<double> AxisResponse::raw_taps(std::int64_t half_width) const {
+  const std::int64_t count = taps_within(half_width, offset_);
   const std::int64_t first = (static_cast<std::int64_t>(taps_.size()) - count) / 2;
   return {taps_.begin() + first, taps_.begin() + first + count};
 }
 
-double AxisResponse::share(std::int64_t reach) const {
-  const std::vector<double> taps = raw_taps(reach);
+double AxisResponse::share(std::int64_t half_width) const {
+  const std::vector<double> taps = raw_taps(half_width);
   return std::accumulate(taps.begin(), taps.end(), 0.0);
 }
 
-std::vector<double> AxisResponse::taps(std::int64_t reach) const {
-  std::vector<double> taps = raw_taps(reach);
-  const double sum = share(reach);
+std::vector<double> AxisResponse::taps(std::int64_t half_width) const {
+  std::vector<double> taps = raw_taps(half_width);
+  const double sum = share(half_width);
   if (holds_most_of_spread(sum))
     for (double& tap : taps) tap /= sum;
   return taps;
@@ -246,14 +246,14 @@ std::vector<double> AxisResponse::error(const std::vector<double>& taps) const {
   const auto count = static_cast<std::int64_t>(taps.size());
   std::vector<Complex<double>> sum(static_cast<std::size_t>(kFine));
   for (std::int64_t t = 0; t < count; ++t) {
-    const auto at = static_cast<std::int64_t>(std::llround(position(t, count) - half_));
+    const auto at = static_cast<std::int64_t>(std::llround(position(t, count) - offset_));
     sum[static_cast<std::size_t>((at + kFine) % kFine)].re += taps[static_cast<std::size_t>(t)];
   }
   fft::inverse(sum);
   std::vector<double> fine;
   for (std::int64_t k = 0; k <= kFine / 2; ++k) {
     const Complex<double> through =
-        sum[static_cast<std::size_t>(k)] * rotation(static_cast<long double>(half_ * static_cast<double>(k) / kFine));
+        sum[static_cast<std::size_t>(k)] * rotation(static_cast<long double>(offset_ * static_cast<double>(k) / kFine));
     const Complex<double>& h = otf_[static_cast<std::size_t>(k)];
     fine.push_back(std::hypot(through.re - h.re, through.im - h.im));
   }

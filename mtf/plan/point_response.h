@@ -28,17 +28,17 @@ struct TapBox {
 };
 
 /// Whether taps with that share of the whole sum hold the point spread: at most a tenth lies beyond. Taps of a much
-/// wider one look compact, because corners do not show what turns between them.
+/// wider one appear compact, because corners do not show what turns between them.
 inline bool holds_most_of_spread(double share) { return share >= 0.9 && share <= 1.1; }
 
 class PointResponse {
  public:
-  static constexpr std::int64_t kReach = 24;  ///< samples to each side
+  static constexpr std::int64_t kHalfWidth = 24;  ///< largest, in samples to each side
 
   PointResponse(const FactoredOtf& sampler, const SampleGrid& in, std::int64_t ratio_x, std::int64_t ratio_y);
 
-  /// The taps at distances up to `reach_x`, `reach_y`: at most kReach, at least 1 where the ratio is even.
-  TapBox box(std::int64_t reach_x, std::int64_t reach_y) const;
+  /// The taps at distances up to `half_x`, `half_y`: at most kHalfWidth, at least 1 where the ratio is even.
+  TapBox box(std::int64_t half_x, std::int64_t half_y) const;
   /// |sum K exp(-2 pi i f.x) - H| at the corners.
   std::vector<double> error(const TapBox& taps) const;
   /// Largest |H| at the corners.
@@ -49,7 +49,7 @@ class PointResponse {
   double excess(const TapBox& taps, std::span<const double> error) const;
 
  private:
-  double half_x_, half_y_;
+  double offset_x_, offset_y_;             ///< 1/2 where taps lie between samples, else 0
   std::vector<Complex<double>> otf_;       ///< at the corners, kRows x kColumns
   std::vector<double> probe_x_, probe_y_;  ///< irregular frequencies, in cells
   std::vector<Complex<double>> probes_;    ///< H there, rows of y
@@ -59,15 +59,15 @@ class PointResponse {
 /// One axis of an OTF that factors: the same, further out and finer.
 class AxisResponse {
  public:
-  static constexpr std::int64_t kReach = 96;
+  static constexpr std::int64_t kHalfWidth = 96;
 
   /// H along `axis`, over H(0).
   AxisResponse(const FactoredOtf& sampler, Axis axis, double step_um, std::int64_t ratio);
 
-  /// Taps at distances up to `reach`, of unit sum.
-  std::vector<double> taps(std::int64_t reach) const;
+  /// Taps at distances up to `half_width`, of unit sum.
+  std::vector<double> taps(std::int64_t half_width) const;
   /// Their sum before that.
-  double share(std::int64_t reach) const;
+  double share(std::int64_t half_width) const;
   /// Largest |sum K exp - H| and largest |H| about each of the corners 0 .. kCells.
   std::vector<double> error(const std::vector<double>& taps) const;
   std::vector<double> modulus() const;
@@ -75,9 +75,9 @@ class AxisResponse {
   double excess(const std::vector<double>& taps, std::span<const double> error) const;
 
  private:
-  std::vector<double> raw_taps(std::int64_t reach) const;
+  std::vector<double> raw_taps(std::int64_t half_width) const;
 
-  double half_;
+  double offset_;
   std::vector<Complex<double>> otf_;  ///< in transform order
   std::vector<double> probe_;
   std::vector<Complex<double>> probes_;

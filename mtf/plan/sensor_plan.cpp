@@ -29,13 +29,13 @@ std::vector<Image> run_in_place(const Plan& plan, std::vector<Image> images, dou
   return images;
 }
 
-SceneSummary behind_sampling(SceneSummary scene, const PlanOptions& options, const SampleGrid& in,
-                             const SampleGrid& out) {
+SceneSummary after_sampling(SceneSummary scene, const PlanOptions& options, const SampleGrid& in,
+                            const SampleGrid& out) {
   const double correction = options.aperture.kind == SceneAperture::Kind::point ? 1.0 : options.aperture.gain_limit;
   scene.canvas_norm *=
       std::sqrt(std::max(1.0, in.area_um2() / out.area_um2()) * samples_per_pixel(in, out)) * correction;
   scene.largest *= correction;
-  scene.flat_rows = scene.flat_columns = 0.0;  // light from elsewhere has reached them
+  scene.flat_rows = scene.flat_columns = 0.0;  // the filter has brought light from elsewhere
   // Held edges repeat what may be the largest value; nine images make their canvas.
   if (options.border == Border::replicate || options.border == Border::constant)
     scene.canvas_norm = std::max(scene.canvas_norm, 6.0 * scene.largest);
@@ -62,7 +62,7 @@ double largest_gain(const std::optional<Plan>& filter) {
 
 double error_of(const std::optional<Plan>& filter) { return filter ? filter->report().predicted.total() : 0.0; }
 
-// What a step errs by passes through the filters behind it.
+// The error of a step passes through the filters that follow it.
 double predict(const Plan& presample, const std::optional<Plan>& readout, const std::optional<Plan>& post) {
   const double sampled = presample.report().predicted.total() * largest_gain(readout) + error_of(readout);
   return sampled * largest_gain(post) + error_of(post);
@@ -76,16 +76,16 @@ SampleGrid sensor_grid(const System<double>& system, const SampleGrid& scene, in
 
 SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
                           int samples_a_pitch) {
-  const System<double> behind_system = finer(system, samples_a_pitch);
-  const SampleGrid detector = detector_grid(behind_system, scene);
+  const System<double> finer_system = finer(system, samples_a_pitch);
+  const SampleGrid detector = detector_grid(finer_system, scene);
   const auto listed = [&](Stage stage) { return !system.list(stage).empty(); };
   const bool separate = options.separate_readout && listed(Stage::readout);
   const bool filters = separate ? listed(Stage::postsample) : has_filters(system);
   const double share = 1.0 / (1.0 + (separate ? 1.0 : 0.0) + (filters ? 1.0 : 0.0));
-  PlanOptions behind = options;
-  behind.aperture = {};
-  behind.spectrum = nullptr;  // of the scene, not of what the detector has sampled
-  if (options.scene) behind.scene = behind_sampling(*options.scene, options, scene, detector);
+  PlanOptions after = options;
+  after.aperture = {};
+  after.spectrum = nullptr;  // of the scene, not of what the detector has sampled
+  if (options.scene) after.scene = after_sampling(*options.scene, options, scene, detector);
   // A refusal speaks of the whole tolerance, not of the share that one step was given, and of what all steps can keep.
   const auto in_share = [&](PlanOptions own, double part, const auto& compile_step) {
     own.tolerance = part * options.tolerance;
@@ -104,8 +104,8 @@ SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene,
     }
   };
   const auto filter = [&](std::span<const Stage> stages, double part) {
-    return in_share(behind, part,
-                    [&](const PlanOptions& own) { return compile_post(behind_system, detector, stages, own); });
+    return in_share(after, part,
+                    [&](const PlanOptions& own) { return compile_post(finer_system, detector, stages, own); });
   };
   constexpr std::array both{Stage::readout, Stage::postsample};
   std::optional<Plan> post, readout;

@@ -17,8 +17,8 @@ struct SensorPlan {
   std::optional<Plan> readout;  ///< with PlanOptions::separate_readout; else it is in `post`
   std::optional<Plan> post;     ///< none when readout and postsample change nothing
   double predicted_error = 0.0;
-  System<double> system;  ///< that it was made for, and how
-  PlanOptions options;
+  System<double> system;    ///< for which the plan was made
+  PlanOptions options;      ///< with which it was made
   int samples_a_pitch = 1;  ///< per axis; more than 1 where positions between the pixels are sampled too (microscan)
   bool updated = false;     ///< made by with() from another plan whose FFT plans it shares
 
@@ -29,7 +29,7 @@ struct SensorPlan {
   /// Output planes of the given scene planes; arguments and errors as Plan::run.
   std::vector<Image> run(std::span<const ImageView<const float>> scene, double border_value = 0.0,
                          int threads = 0) const;
-  /// The same in the memory of the scene planes, which are used up: the way for large images.
+  /// The same in the memory of the scene planes, which are overwritten: for large images.
   std::vector<Image> run(std::vector<Image>&& scene, double border_value = 0.0, int threads = 0) const;
 
   /// The plan of another system on the same scene grid and options. A list that has not changed keeps its plan, one
@@ -37,7 +37,7 @@ struct SensorPlan {
   /// detector grid, filters that come or go, or shares that no longer fit. Errors as compile_sensor.
   SensorPlan with(const System<double>& other) const;
 
-  /// The filters behind the sampling alone; `border_value` is the scene's.
+  /// The filters after the sampling alone; `border_value` is the scene's.
   std::vector<Image> run_filters(std::vector<Image> sampled, double border_value = 0.0, int threads = 0) const;
 };
 
@@ -46,14 +46,14 @@ struct SensorPlan {
 std::vector<Image> run_in_place(const Plan& plan, std::vector<Image> images, double border_value = 0.0,
                                 int threads = 0);
 
-/// What the filters behind the sampling may meet: all contrast of the scene's canvas may lie in the part that the
-/// detector sees, aliases may add, and the correction of the scene's own blur amplifies.
-SceneSummary behind_sampling(SceneSummary scene, const PlanOptions& options, const SampleGrid& in,
-                             const SampleGrid& out);
+/// The worst input that the filters after the sampling may get: all contrast of the scene's canvas may lie in the part
+/// that the detector sees, aliases may add, and the correction of the scene's own blur amplifies.
+SceneSummary after_sampling(SceneSummary scene, const PlanOptions& options, const SampleGrid& in,
+                            const SampleGrid& out);
 
-/// Splits the tolerance into equal shares; what a step errs by passes through the filters behind it, so its share is
-/// divided by their largest gain. With `samples_a_pitch` the image is sampled that much finer than the pixels of the
-/// system, whose presample OTF stays theirs; filters behind the sampling act on the finer image. Errors as compile().
+/// Splits the tolerance into equal shares; the error of a step passes through the filters that follow it, so its share
+/// is divided by their largest gain. With `samples_a_pitch` the image is sampled that much finer than the pixels of the
+/// system, whose presample OTF stays theirs; filters after the sampling act on the finer image. Errors as compile().
 SensorPlan compile_sensor(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
                           int samples_a_pitch = 1);
 

@@ -11,7 +11,7 @@
 namespace mtf {
 namespace {
 
-// Sum and number of the finite pixels below each cell of one level.
+// Sum and number of the finite pixels in each cell of one level of the pyramid.
 struct Level {
   std::int64_t width = 0, height = 0;
   std::vector<double> sum, count;
@@ -85,23 +85,23 @@ void widen(float* line, std::int64_t n, std::int64_t stride, std::int64_t half) 
   }
 }
 
-// Pixels behind `plan` that marked samples before it reach: 0 or 1.
-Image reach(const Plan& plan, const Image& mask, double tolerance, int threads) {
+// Output pixels of `plan` that the marked input samples affect: 0 or 1.
+Image affected_by(const Plan& plan, const Image& mask, double tolerance, int threads) {
   const SampleGrid &in = plan.in(), &out = plan.out();
   const Box box = response_box(plan, tolerance, threads);
-  Image reached(out.width, out.height);
-  std::fill_n(reached.data(), reached.size(), 0.0F);
+  Image affected(out.width, out.height);
+  std::fill_n(affected.data(), affected.size(), 0.0F);
   for (std::int64_t y = 0; y < in.height; ++y)
     for (std::int64_t x = 0; x < in.width; ++x) {
       if (mask.at(x, y) == 0.0F) continue;
       const std::int64_t column = pixel_of(x, in.step_x_um, out.step_x_um);
       const std::int64_t row = pixel_of(y, in.step_y_um, out.step_y_um);
       if (column >= out.width + box.x || row >= out.height + box.y) continue;  // far outside the format
-      reached.at(std::min(column, out.width - 1), std::min(row, out.height - 1)) = 1.0F;
+      affected.at(std::min(column, out.width - 1), std::min(row, out.height - 1)) = 1.0F;
     }
-  for (std::int64_t y = 0; y < out.height; ++y) widen(reached.data() + y * out.width, out.width, 1, box.x);
-  for (std::int64_t x = 0; x < out.width; ++x) widen(reached.data() + x, out.height, out.width, box.y);
-  return reached;
+  for (std::int64_t y = 0; y < out.height; ++y) widen(affected.data() + y * out.width, out.width, 1, box.x);
+  for (std::int64_t x = 0; x < out.width; ++x) widen(affected.data() + x, out.height, out.width, box.y);
+  return affected;
 }
 
 }  // namespace
@@ -141,9 +141,9 @@ Image bad_pixel_mask(ImageView<const float> image) {
 
 void propagate_bad_pixels(const SensorPlan& plan, const Image& mask, double tolerance, int threads,
                           ImageView<float> image) {
-  Image bad = reach(plan.presample, mask, tolerance, threads);
+  Image bad = affected_by(plan.presample, mask, tolerance, threads);
   for (const std::optional<Plan>* filter : {&plan.readout, &plan.post})
-    if (*filter) bad = reach(**filter, bad, tolerance, threads);
+    if (*filter) bad = affected_by(**filter, bad, tolerance, threads);
   for (std::int64_t y = 0; y < image.height; ++y)
     for (std::int64_t x = 0; x < image.width; ++x)
       if (bad.at(x, y) != 0.0F) image.at(x, y) = std::numeric_limits<float>::quiet_NaN();

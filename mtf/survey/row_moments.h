@@ -2,7 +2,7 @@
 #pragma once
 
 // Moments of the rows of a plane, each about its own mean: they combine without cancellation, in any number of threads,
-// while a scene passes by in rows.
+// while a scene is read row by row.
 
 #include <span>
 #include <vector>

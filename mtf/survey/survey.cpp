@@ -33,25 +33,25 @@ std::uint64_t fingerprint_of(const float* values, std::int64_t n) {
   return hashes[0];
 }
 
-// What is gathered of one channel.
-class Gathered {
+// The sums over one channel.
+class ChannelSums {
  public:
-  Gathered(const ReadWindow& read, std::size_t channel, const SampleGrid& scene, const SurveyOptions& options)
+  ChannelSums(const ReadWindow& read, std::size_t channel, const SampleGrid& scene, const SurveyOptions& options)
       : width_(scene.width),
         rows_(static_cast<std::size_t>(scene.height)),
         fingerprints_(static_cast<std::size_t>(scene.height)) {
     if (options.every == 0) return;
     Image first(width_, 1);
     read(channel, 0, 0, first.view());
-    // A level of the scene, where a quarter of its first row shows one: what is of that level takes no sums. Values
-    // near the end of float are taken as they are, for no difference of theirs to lie beyond it.
+    // Sums are about a value that a quarter of the first row has, if there is one: samples with that value add nothing.
+    // Values near the largest float are summed about 0, so that no difference overflows.
     const CoarseGrid grid = coarse_grid(scene, options.border, options.every);
     UniformRuns flat(std::as_const(first).view());
-    double level = row_moments(first.data(), width_).mean;
+    double shift = row_moments(first.data(), width_).mean;
     if (flat.any() && 4 * std::count(flat.classify_row(0), flat.classify_row(0) + flat.groups(), 1) >= flat.groups())
-      level = flat.level(1);
-    if (std::abs(level) > 1e30) level = 0.0;
-    coarse_.emplace(grid, options.border == Border::constant ? options.border_value : level);
+      shift = flat.value(1);
+    if (std::abs(shift) > 1e30) shift = 0.0;
+    coarse_.emplace(grid, options.border == Border::constant ? options.border_value : shift);
     along_ = Image(grid.x.count, std::min(options.band_rows, scene.height));
   }
   // Row `y` of the band that begins at row `first`. From several threads.
@@ -96,8 +96,8 @@ ReadWindow windows_of(std::span<const ImageView<const float>> planes) {
 
 std::optional<SceneSummary> Survey::summary(Border border, double border_value) const {
   if (statistics.std == 0.0) return std::nullopt;
-  const double level = border == Border::constant ? std::abs(border_value) : 0.0;
-  return SceneSummary{statistics.std, std::max({std::abs(statistics.min), std::abs(statistics.max), level}),
+  const double beyond = border == Border::constant ? std::abs(border_value) : 0.0;
+  return SceneSummary{statistics.std, std::max({std::abs(statistics.min), std::abs(statistics.max), beyond}),
                       canvas_norm};
 }
 
@@ -107,12 +107,12 @@ Survey survey(const ReadWindow& read, std::size_t channel, const SampleGrid& sce
 
 std::vector<Survey> survey_channels(const ReadWindow& read, std::size_t first, std::size_t count,
                                     const SampleGrid& scene, const SurveyOptions& options) {
-  std::vector<Gathered> channels;
+  std::vector<ChannelSums> channels;
   for (std::size_t c = 0; c < count; ++c) channels.emplace_back(read, first + c, scene, options);
   for (std::int64_t top = 0; top < scene.height; top += options.band_rows) {
     if (options.progress) options.progress(top);
     const std::int64_t rows = std::min(options.band_rows, scene.height - top);
-    // All that is to be done with a row while it is in the caches.
+    // Everything that needs a row is done while the row is in the caches.
     parallel_for(rows, 16, options.threads, [&](std::int64_t begin, std::int64_t end) {
       Image row(scene.width, 1);
       for (std::int64_t y = begin; y < end; ++y)
@@ -121,10 +121,10 @@ std::vector<Survey> survey_channels(const ReadWindow& read, std::size_t first, s
           channels[c].add_row(top, y, row.data());
         }
     });
-    for (Gathered& channel : channels) channel.end_band(top, rows, options.threads);
+    for (ChannelSums& channel : channels) channel.end_band(top, rows, options.threads);
   }
   std::vector<Survey> surveys;
-  for (const Gathered& channel : channels) surveys.push_back(channel.survey(options));
+  for (const ChannelSums& channel : channels) surveys.push_back(channel.survey(options));
   return surveys;
 }
 

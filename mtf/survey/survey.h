@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// One look at a scene that need not fit memory: what the plan has to know of it, in one pass over bands of rows.
+// What a plan has to know of a scene that need not fit memory, in one pass over bands of its rows.
 
 #include <functional>
 #include <optional>
@@ -23,7 +23,7 @@ struct SurveyOptions {
   Border border = Border::reflect;
   double border_value = 0.0;
   std::int64_t every = 0;        ///< scene samples for one of the coarse image; 0: no coarse image
-  std::int64_t band_rows = 512;  ///< that are looked at together
+  std::int64_t band_rows = 512;  ///< rows that are read together
   int threads = 0;
   std::function<void(std::int64_t row)> progress = nullptr;  ///< called with the first row of a band that begins
 };
@@ -31,7 +31,7 @@ struct SurveyOptions {
 struct Survey {
   Statistics statistics;
   double canvas_norm = 0.0;       ///< as canvas_norm of mtf/survey/statistics.h
-  double shift = 0.0;             ///< the coarse image is about this level
+  double shift = 0.0;             ///< value that was subtracted from the samples of the coarse image
   std::uint64_t fingerprint = 0;  ///< of all samples in their order: tells one scene from another
   Image coarse;                   ///< on coarse_grid(); empty when not asked for or where pixels are not finite
 

@@ -14,7 +14,7 @@ namespace mtf {
 namespace {
 
 constexpr double kSigmaSteps = 1.6;
-constexpr double kReachSigmas = 6.2;  // a Gaussian holds all but 6e-10 of itself within
+constexpr double kHalfWidthSigmas = 6.2;  // a Gaussian holds all but 6e-10 of itself within
 constexpr std::int64_t kLanes = 8, kVector = 16;
 
 CoarseAxis coarse_axis(Border border, std::int64_t n, double step, double coarse) {
@@ -39,12 +39,12 @@ double gaussian_weight(double distance, double sigma) {
 // that are touched, which is the whole axis where the canvas closes on itself.
 std::vector<Stencil> analysis(const CoarseAxis& axis) {
   std::vector<Stencil> stencils(static_cast<std::size_t>(axis.count));
-  const double reach = kReachSigmas * axis.sigma_um;
+  const double half_width = kHalfWidthSigmas * axis.sigma_um;
   std::vector<double> weight(static_cast<std::size_t>(axis.samples));
   for (std::int64_t j = 0; j < axis.count; ++j) {
     const double centre = axis.origin_um + (static_cast<double>(j) + 0.5) * axis.coarse_um;
-    const auto from = static_cast<std::int64_t>(std::ceil((centre - reach) / axis.step_um - 0.5));
-    const auto to = static_cast<std::int64_t>(std::floor((centre + reach) / axis.step_um - 0.5));
+    const auto from = static_cast<std::int64_t>(std::ceil((centre - half_width) / axis.step_um - 0.5));
+    const auto to = static_cast<std::int64_t>(std::floor((centre + half_width) / axis.step_um - 0.5));
     std::int64_t lowest = axis.samples, highest = -1;
     for (std::int64_t i = from; i <= to; ++i) {
       const std::int64_t source = border_source(axis.border, i, axis.samples);
@@ -55,7 +55,7 @@ std::vector<Stencil> analysis(const CoarseAxis& axis) {
           axis.step_um * gaussian_weight((static_cast<double>(i) + 0.5) * axis.step_um - centre, axis.sigma_um);
     }
     if (highest < lowest) continue;
-    // Whole vectors, zeros behind the run or else before it.
+    // Whole vectors, with zeros after the run or else before it.
     const auto whole = [&] { return (highest - lowest + kVector) / kVector * kVector; };
     highest = std::min(lowest + whole(), axis.samples) - 1;
     lowest = std::max<std::int64_t>(highest + 1 - whole(), 0);
@@ -130,7 +130,7 @@ void CoarseScene::sum_along_x(std::span<const float> row, std::span<float> along
   const auto n = static_cast<std::int64_t>(row.size());
   std::vector<float> centred(row.size());
   kernels::center(row.data(), n, shift_, 1.0, centred.data());
-  // Where the ends of a row are of the level of the shift, as all of it may be, nothing is to be summed.
+  // Ends of a row that equal the shift, as all of the row may do, add nothing.
   std::int64_t first = 0, last = n;
   while (first < last && all_zero(centred.data() + first, std::min(kVector, last - first))) first += kVector;
   while (last > first && all_zero(centred.data() + std::max(last - kVector, first), std::min(kVector, last - first)))
@@ -177,11 +177,11 @@ struct Synthesis {
 
 Synthesis synthesis(const CoarseAxis& axis, double first_um, double step_um, std::int64_t count) {
   Synthesis s;
-  const double reach = kReachSigmas * axis.sigma_um;
-  s.taps = (static_cast<std::int64_t>(std::ceil(2.0 * reach / axis.coarse_um)) + 1 + kLanes - 1) / kLanes * kLanes;
+  const double half_width = kHalfWidthSigmas * axis.sigma_um;
+  s.taps = (static_cast<std::int64_t>(std::ceil(2.0 * half_width / axis.coarse_um)) + 1 + kLanes - 1) / kLanes * kLanes;
   for (std::int64_t i = 0; i < count; ++i) {
     const double x = first_um + static_cast<double>(i) * step_um - axis.origin_um;
-    const auto from = static_cast<std::int64_t>(std::ceil((x - reach) / axis.coarse_um - 0.5));
+    const auto from = static_cast<std::int64_t>(std::ceil((x - half_width) / axis.coarse_um - 0.5));
     s.start.push_back(from);
     for (std::int64_t k = 0; k < s.taps; ++k) {
       const double centre = (static_cast<double>(from + k) + 0.5) * axis.coarse_um;
@@ -194,14 +194,14 @@ Synthesis synthesis(const CoarseAxis& axis, double first_um, double step_um, std
   return s;
 }
 
-MTFKIT_CLONES void interpolate_row(const float* row, const Synthesis& s, double level, float* out, std::int64_t n) {
+MTFKIT_CLONES void interpolate_row(const float* row, const Synthesis& s, double offset, float* out, std::int64_t n) {
   for (std::int64_t x = 0; x < n; ++x) {
     const float* from = row + s.start[static_cast<std::size_t>(x)];
     const float* weight = s.weight.data() + x * s.taps;
     std::array<float, kLanes> lanes{};
     for (std::int64_t k = 0; k < s.taps; k += kLanes)
       for (std::int64_t l = 0; l < kLanes; ++l) lanes[static_cast<std::size_t>(l)] += from[k + l] * weight[k + l];
-    double sum = level;
+    double sum = offset;
     for (const float lane : lanes) sum += lane;
     out[x] = static_cast<float>(out[x] + sum);
   }
@@ -210,7 +210,7 @@ MTFKIT_CLONES void interpolate_row(const float* row, const Synthesis& s, double 
 }  // namespace
 
 void add_interpolated(const CoarseGrid& grid, ImageView<const float> w, double x_um, double y_um, double step_x_um,
-                      double step_y_um, double level, ImageView<float> out) {
+                      double step_y_um, double offset, ImageView<float> out) {
   const Synthesis sx = synthesis(grid.x, x_um, step_x_um, out.width);
   const Synthesis sy = synthesis(grid.y, y_um, step_y_um, out.height);
   // The part of the coarse image that is read, its border rule resolved.
@@ -225,7 +225,7 @@ void add_interpolated(const CoarseGrid& grid, ImageView<const float> w, double x
     for (std::int64_t k = 0; k < sy.taps; ++k)
       add_scaled(row.data(), local.view().row(sy.start[static_cast<std::size_t>(y)] + k),
                  sy.weight[static_cast<std::size_t>(y * sy.taps + k)], sx.span);
-    interpolate_row(row.data(), sx, level, out.row(y), out.width);
+    interpolate_row(row.data(), sx, offset, out.row(y), out.width);
   }
 }
 

@@ -46,11 +46,11 @@ struct Stencil {
   std::vector<float> weight;
 };
 
-/// Gathers c while the scene passes by in rows. Values are taken about `shift` (the level of a constant border, where
-/// there is one, else any value of the scene).
+/// Sums c while the scene is read row by row. `shift` is subtracted from all samples: the value of a constant border
+/// where there is one, else any value of the scene.
 class CoarseScene {
  public:
-  /// Rows of the level of the shift, which is taken to float, cost next to nothing.
+  /// The shift is rounded to float. Rows that equal it cost next to nothing.
   CoarseScene(const CoarseGrid& grid, double shift);
   /// The sums of one row of the scene along x, as many as the coarse image is wide. From any thread.
   void sum_along_x(std::span<const float> row, std::span<float> along) const;
@@ -67,8 +67,9 @@ class CoarseScene {
   std::vector<double> sum_;
 };
 
-/// Adds the interpolated values of the coarse image `w` to `out`, whose sample (0, 0) lies at (x_um, y_um).
+/// Adds the interpolated values of the coarse image `w`, and `offset`, to `out`, whose sample (0, 0) lies at (x_um,
+/// y_um).
 void add_interpolated(const CoarseGrid& grid, ImageView<const float> w, double x_um, double y_um, double step_x_um,
-                      double step_y_um, double level, ImageView<float> out);
+                      double step_y_um, double offset, ImageView<float> out);
 
 }  // namespace mtf

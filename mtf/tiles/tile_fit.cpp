@@ -51,7 +51,7 @@ std::optional<Fit> fit_tiles(const FitRequest& request, std::string& reason) {
   };
   const bool forced = request.x.side > 0;
   bool any = false;
-  // Several tiles at work at once are worth some overlap; what fits no other way runs one at a time.
+  // Several tiles at work at once are worth some overlap; what would not fit otherwise runs one at a time.
   for (int in_flight = kPlannedInFlight; in_flight >= 1; in_flight /= 2)
     for (std::int64_t side = kLongestSide; side >= kShortestSide; side = shorter(side)) {
       std::optional<Fit> fit = tiles_of(side);

@@ -14,7 +14,7 @@ namespace mtf {
 /// Bytes that the plans of a run take, for one sample of what each works on: known when they are compiled.
 struct TileNeeds {
   double otf = 4.1, buffers = 4.4;            ///< of the plan of a tile: here those of a real OTF, transformed in float
-  double post_otf = 0.0, post_buffers = 0.0;  ///< of the filters behind the sampling, for a pixel
+  double post_otf = 0.0, post_buffers = 0.0;  ///< of the filters after the sampling, for a pixel
   double coarse = 0.0;                        ///< of all that the coarse image needs
 };
 
@@ -35,7 +35,7 @@ struct Fit {
   double overlap() const { return x.overlap() * y.overlap(); }
 };
 
-/// Canvas of a tile against the tile, in area, beyond which tiles are no way.
+/// Largest ratio of the area of a tile's canvas to that of the tile: beyond it tiles cost too much.
 inline constexpr double kMostOverlap = 4.0;
 
 /// Samples of the longest side of a canvas: longer ones leave the caches.

@@ -5,7 +5,7 @@
 // samples, so that one plan serves them all: with pitch / sample = p/q every q pixels are p samples.
 //
 //   |margin|      tile      |margin|     canvas of the plan, in pixels; all three are multiples of q
-//          |post|    |post|              pixels that the filters behind the sampling read
+//          |post|    |post|              pixels that the filters after the sampling read
 
 #include <cstdint>
 #include <optional>
@@ -36,7 +36,7 @@ struct TileAxis {
   double overlap() const { return static_cast<double>(canvas_pixels()) / static_cast<double>(tile); }
 };
 
-/// What is asked of an axis. Halos in scene samples (presample) and pixels (behind the sampling).
+/// What is asked of an axis. Halos in scene samples (presample) and pixels (after the sampling).
 struct TileRequest {
   PitchRatio ratio;
   std::int64_t region_first = 0, outputs = 0;

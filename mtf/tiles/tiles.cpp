@@ -91,12 +91,13 @@ std::int64_t coarse_every(const SampleGrid& scene, Border border, std::int64_t m
   return every;
 }
 
-// The plan with the OTF split at `every`, or whole where that is 0. Nothing, and the reason, where tiles are no way.
+// The plan with the OTF split at `every`, or whole where that is 0. Nothing, and the reason, where tiles are
+// impossible.
 std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, const SampleGrid& scene,
                                               const PlanOptions& options, const TileOptions& tiles, std::int64_t every,
                                               std::string& reason) {
   constexpr std::array presample{Stage::presample};
-  constexpr std::array behind{Stage::readout, Stage::postsample};
+  constexpr std::array after{Stage::readout, Stage::postsample};
   TiledSensorPlan plan;
   plan.in_ = scene;
   plan.detector_ = detector_grid(system, scene);
@@ -118,11 +119,11 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
   if (has_post && options.border == Border::periodic &&
       (whole_x != count(plan.detector_.width) || whole_y != count(plan.detector_.height))) {
     reason =
-        "filters behind the sampling of a periodic scene need its far side, which is no whole number of pixels away";
+        "filters after the sampling of a periodic scene need its far side, which is no whole number of pixels away";
     return std::nullopt;
   }
 
-  // Filters behind the sampling take half of the tolerance; what comes before passes through their gain.
+  // Filters after the sampling take half of the tolerance; what comes before passes through their gain.
   const double norm =
       canvas_norm_of(options, scene) * std::sqrt(std::max(1.0, scene.area_um2() / plan.detector_.area_um2()));
   const std::int64_t longest = kLongestSide / 2;
@@ -134,28 +135,28 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
   TileHalo post_halo;
   double post_norm = 1.0;
   if (has_post) {
-    if (options.scene) post_options.scene = behind_sampling(*options.scene, options, scene, plan.detector_);
+    if (options.scene) post_options.scene = after_sampling(*options.scene, options, scene, plan.detector_);
     post_norm = canvas_norm_of(post_options, plan.detector_);
-    const auto found = find_halo(system, behind, post_options,
+    const auto found = find_halo(system, after, post_options,
                                  {plan.detector_, plan.detector_, (1.0 + std::sqrt(kMostOverlap)) * post_norm,
                                   kHaloShare * post_options.tolerance, longest});
     if (!found) {
-      reason = "the filters behind the sampling reach too far at this tolerance";
+      reason = "the filters after the sampling are too wide at this tolerance";
       return std::nullopt;
     }
     post_halo = *found;
   }
   TileNeeds needs;
-  // Their gain has to be known before the tolerance of the tile is; it is that of the OTF wherever it is looked at.
+  // Their gain has to be known before the tolerance of the tile is; it is that of the OTF on any grid.
   double gain = 1.0;
   if (has_post) {
     PlanOptions probe = post_options;
     probe.border = Border::reflect;
     constexpr std::int64_t side = 256;
     const Plan post =
-        compile_post(system, {side, side, plan.detector_.step_x_um, plan.detector_.step_y_um}, behind, probe);
+        compile_post(system, {side, side, plan.detector_.step_x_um, plan.detector_.step_y_um}, after, probe);
     gain = std::max(1.0, post.report().largest_gain);
-    gain *= gain > 1.0 ? 1.05 : 1.0;  // between the frequencies looked at
+    gain *= gain > 1.0 ? 1.05 : 1.0;  // between the frequencies of this grid
     needs.post_otf = count(post.report().otf_bytes) / count(side * side);
     needs.post_buffers = count(post.report().run_bytes) / count(side * side);
   }
@@ -169,14 +170,14 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
     plan.coarse_ = coarse_grid(scene, options.border, every);
     split = {ScaleSplit::Part::fine, plan.coarse_->split_sigma_um()};
   }
-  const double gather =
+  const double concentration =
       plan.coarse_ ? std::sqrt(std::max(1.0, plan.coarse_->grid().area_um2() / plan.detector_.area_um2())) : 1.0;
   const auto compile_far = [&] {
     const SampleGrid coarse = plan.coarse_->grid();
     PlanOptions far = near_options;
     far.border = plan.coarse_->x.coarse_border();
     far.method = {};
-    far.tolerance = std::min(0.9, kFarShare * share / gather);
+    far.tolerance = std::min(0.9, kFarShare * share / concentration);
     if (far.scene) far.scene->canvas_norm *= std::sqrt(std::min(1.0, scene.area_um2() / coarse.area_um2()));
     return compile_part(system, coarse, coarse, far, {ScaleSplit::Part::coarse, split.sigma_um});
   };
@@ -184,7 +185,7 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
       find_halo(system, presample, near_options,
                 {scene, plan.detector_, (1.0 + std::sqrt(kMostOverlap)) * norm, kHaloShare * share, longest, split});
   if (!halo) {
-    reason = "the point spread reaches further than a tile at this tolerance";
+    reason = "the point spread is wider than a tile at this tolerance";
     return std::nullopt;
   }
 
@@ -226,18 +227,18 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
   double predicted = near->report().predicted.total() + halo->bound;
   if (plan.far_) {
     plan.dc_ = plan.far_->dc();
-    predicted += plan.far_->report().predicted.total() * gather + kCoarseError * norm;
+    predicted += plan.far_->report().predicted.total() * concentration + kCoarseError * norm;
   }
   std::optional<Plan> post;
   if (has_post) {
-    PlanOptions behind_options = post_options;
-    behind_options.border = Border::reflect;
-    behind_options.tolerance = (1.0 - kHaloShare) * post_options.tolerance;
-    if (behind_options.scene) behind_options.scene->canvas_norm *= std::sqrt(std::max(1.0, overlap));
+    PlanOptions after_options = post_options;
+    after_options.border = Border::reflect;
+    after_options.tolerance = (1.0 - kHaloShare) * post_options.tolerance;
+    if (after_options.scene) after_options.scene->canvas_norm *= std::sqrt(std::max(1.0, overlap));
     post = compile_post(system,
                         {plan.x_.tile + 2 * plan.x_.post, plan.y_.tile + 2 * plan.y_.post, plan.detector_.step_x_um,
                          plan.detector_.step_y_um},
-                        behind, behind_options);
+                        after, after_options);
     predicted = predicted * gain + post->report().predicted.total() + post_halo.bound;
   }
   plan.inner_ = SensorPlan{std::move(*near), std::nullopt, std::move(post), predicted, system, options};

@@ -24,11 +24,11 @@
 namespace mtf {
 
 struct TileOptions {
-  std::int64_t memory = 0;     ///< bytes that may be in use, 0 = those of the machine
-  std::int64_t row_bytes = 0;  ///< that the reader holds for each row of the scene within reach of a tile
-  std::int64_t more_rows = 0;  ///< that the reader holds besides
-  std::int64_t channels = 1;   ///< of the scene
-  int threads = 0;             ///< 0 = all cores
+  std::int64_t memory = 0;                      ///< bytes that may be in use, 0 = those of the machine
+  std::int64_t row_bytes = 0;                   ///< that the reader holds for each row of the scene that a tile needs
+  std::int64_t more_rows = 0;                   ///< rows that the reader holds besides
+  std::int64_t channels = 1;                    ///< of the scene
+  int threads = 0;                              ///< 0 = all cores
   std::optional<Region> region = std::nullopt;  ///< detector pixels that are wanted
   std::int64_t side = 0;                        ///< of a tile in pixels, 0 = by cost
 };
@@ -37,7 +37,7 @@ struct TileReport {
   std::int64_t count = 1;                   ///< tiles of the output
   std::array<std::int64_t, 2> side{};       ///< pixels, x and y
   std::array<std::int64_t, 2> halo{};       ///< scene samples on each side
-  std::array<std::int64_t, 2> post_halo{};  ///< pixels that the filters behind the sampling read around a tile
+  std::array<std::int64_t, 2> post_halo{};  ///< pixels that the filters after the sampling read around a tile
   bool whole = false;                       ///< the scene is one tile
   std::string reason;                       ///< of that
   std::int64_t every = 0;                   ///< scene samples for one of the coarse image, 0 = the OTF is not split
@@ -96,11 +96,11 @@ class TiledSensorPlan {
                                                        const TileOptions&, std::int64_t, std::string&);
   struct Workspace;
   int helpers() const;
-  bool run_tile(std::int64_t index, double border_value, const Image* far, double far_level, Workspace& memory,
+  bool run_tile(std::int64_t index, double border_value, const Image* far, double far_mean, Workspace& memory,
                 Image& out) const;
   void read_canvas(const ReadWindow& read, std::size_t channel, std::int64_t index, double border_value,
                    Image& canvas) const;
-  void filter_behind_sampling(std::int64_t index, double border_value, Image& pixels) const;
+  void filter_after_sampling(std::int64_t index, double border_value, Image& pixels) const;
   TileTally run_whole(const ReadWindow& read, std::size_t channels, const WriteTile& write,
                       const TileRunOptions& options) const;
 
@@ -109,7 +109,7 @@ class TiledSensorPlan {
   int threads_ = 0;
   Region region_;
   TileAxis x_, y_;
-  double dc_ = 1.0;  ///< gain of the mean before the filters behind the sampling
+  double dc_ = 1.0;  ///< gain of the mean of the presample filter
   std::optional<SensorPlan> inner_;
   std::optional<Plan> far_;
   std::optional<CoarseGrid> coarse_;

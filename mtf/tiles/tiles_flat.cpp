@@ -22,7 +22,7 @@ bool is_flat(ImageView<const float> plane, const Region& region) {
   return true;
 }
 
-// Blocks that are flat in all planes. One that is not shows within a few samples as a rule.
+// Share of the blocks that are flat in all planes. As a rule a few samples show that a block is not.
 double flat_blocks(std::span<const ImageView<const float>> planes) {
   const std::int64_t columns = planes[0].width / kBlock, rows = planes[0].height / kBlock;
   std::int64_t flat = 0;
@@ -43,7 +43,7 @@ double TiledSensorPlan::flat_share(std::span<const ImageView<const float>> scene
   if (report_.whole) return 0.0;
   std::int64_t flat = 0;
   for (std::int64_t index = 0; index < report_.count; ++index) {
-    // The part of the canvas within the scene tells all but for the level of a constant border.
+    // The canvas is flat where its part within the scene is, and a constant border has the same value.
     const auto within = [](std::int64_t first, std::int64_t count, std::int64_t n) {
       const std::int64_t from = std::clamp<std::int64_t>(first, 0, n - 1);
       return std::pair{from, std::clamp<std::int64_t>(first + count, from + 1, n) - from};
@@ -53,9 +53,9 @@ double TiledSensorPlan::flat_share(std::span<const ImageView<const float>> scene
     const Region region{x, y, width, height};
     flat += std::all_of(scene.begin(), scene.end(),
                         [&](const ImageView<const float>& plane) {
-                          const bool level = border_ != Border::constant ||
-                                             plane.at(region.x, region.y) == static_cast<float>(border_value);
-                          return level && is_flat(plane, region);
+                          const bool continued = border_ != Border::constant ||
+                                                 plane.at(region.x, region.y) == static_cast<float>(border_value);
+                          return continued && is_flat(plane, region);
                         })
                 ? 1
                 : 0;

@@ -18,7 +18,7 @@ constexpr std::int64_t kRowsForAThread = 256;
 
 // Neighbouring positions of a canvas whose samples are neighbours too: forwards, mirrored, or one sample held.
 struct Run {
-  std::int64_t at = 0, count = 0, source = 0, step = 0;  // source -1: the level of a constant border
+  std::int64_t at = 0, count = 0, source = 0, step = 0;  // source -1: the value of a constant border
 };
 
 std::vector<Run> runs_of(Border border, std::int64_t first, std::int64_t count, std::int64_t n) {
@@ -28,9 +28,9 @@ std::vector<Run> runs_of(Border border, std::int64_t first, std::int64_t count, 
     if (!runs.empty()) {
       Run& last = runs.back();
       const std::int64_t step = source - (last.source + (last.count - 1) * last.step);
-      const bool level = source < 0 || last.source < 0;
-      if (level ? source == last.source : std::abs(step) <= 1 && (last.count == 1 || step == last.step)) {
-        if (last.count == 1 && !level) last.step = step;
+      const bool constant = source < 0 || last.source < 0;
+      if (constant ? source == last.source : std::abs(step) <= 1 && (last.count == 1 || step == last.step)) {
+        if (last.count == 1 && !constant) last.step = step;
         ++last.count;
         continue;
       }
@@ -113,27 +113,27 @@ void TiledSensorPlan::read_canvas(const ReadWindow& read, std::size_t channel, s
 
 // The pixels of a tile and its post halo, those beyond the detector by its border rule; a periodic scene has supplied
 // them already.
-void TiledSensorPlan::filter_behind_sampling(std::int64_t index, double border_value, Image& pixels) const {
+void TiledSensorPlan::filter_after_sampling(std::int64_t index, double border_value, Image& pixels) const {
   const std::int64_t left = x_.first + index % x_.count() * x_.tile - x_.post;
   const std::int64_t top = y_.first + index / x_.count() * y_.tile - y_.post;
   if (border_ != Border::periodic) {
-    const auto level = static_cast<float>(dc_ * border_value);
+    const auto constant = static_cast<float>(dc_ * border_value);
     const auto source = [&](std::int64_t at, std::int64_t first, std::int64_t n, std::int64_t count) {
       const std::int64_t s = border_source(border_, at, n);
-      return s < 0 ? s : std::clamp<std::int64_t>(s - first, 0, count - 1);  // beyond reach of any output
+      return s < 0 ? s : std::clamp<std::int64_t>(s - first, 0, count - 1);  // no output reads beyond
     };
     for (std::int64_t y = 0; y < pixels.height(); ++y)  // columns first: the rows copied below are whole
       for (std::int64_t x = 0; x < pixels.width(); ++x) {
         if (left + x >= 0 && left + x < detector_.width) continue;
         const std::int64_t s = source(left + x, left, detector_.width, pixels.width());
-        pixels.at(x, y) = s < 0 ? level : pixels.at(s, y);
+        pixels.at(x, y) = s < 0 ? constant : pixels.at(s, y);
       }
     for (std::int64_t y = 0; y < pixels.height(); ++y) {
       if (top + y >= 0 && top + y < detector_.height) continue;
       const std::int64_t s = source(top + y, top, detector_.height, pixels.height());
       float* row = pixels.view().row(y);
       if (s < 0)
-        std::fill_n(row, pixels.width(), level);
+        std::fill_n(row, pixels.width(), constant);
       else if (s != y)
         std::memcpy(row, pixels.view().row(s), static_cast<std::size_t>(pixels.width()) * sizeof(float));
     }
@@ -141,8 +141,8 @@ void TiledSensorPlan::filter_behind_sampling(std::int64_t index, double border_v
   inner_->post->run(pixels.view(), pixels.view(), 0.0, helpers());
 }
 
-// Of the canvas that is there. True when it has one value.
-bool TiledSensorPlan::run_tile(std::int64_t index, double border_value, const Image* far, double far_level,
+// Filters the canvas in `memory`. True when the canvas is uniform.
+bool TiledSensorPlan::run_tile(std::int64_t index, double border_value, const Image* far, double far_mean,
                                Workspace& memory, Image& out) const {
   auto& [canvas, wide, pixels] = memory;
   const Plan& near = inner_->presample;
@@ -160,11 +160,11 @@ bool TiledSensorPlan::run_tile(std::int64_t index, double border_value, const Im
       return (static_cast<double>(axis.first + i * axis.tile - axis.post) + 0.5) * pitch;
     };
     add_interpolated(*coarse_, far->view(), centre(x_, index % x_.count(), out_.step_x_um),
-                     centre(y_, index / x_.count(), out_.step_y_um), out_.step_x_um, out_.step_y_um, far_level,
+                     centre(y_, index / x_.count(), out_.step_y_um), out_.step_x_um, out_.step_y_um, far_mean,
                      pixels.view());
   }
-  // What is beyond float32 stays what it is, for the receiver of the tile to see.
-  if (inner_->post && all_finite(pixels.view())) filter_behind_sampling(index, border_value, pixels);
+  // Values beyond float32 stay infinite, for the receiver of the tile to see.
+  if (inner_->post && all_finite(pixels.view())) filter_after_sampling(index, border_value, pixels);
   const Region region = tile(index).region;
   out = Image(region.width, region.height);
   const std::int64_t skip_x = region.x + x_.skipped - index % x_.count() * x_.tile + x_.post;

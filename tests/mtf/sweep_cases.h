@@ -18,7 +18,7 @@ namespace mtf::test {
 
 struct SweepLimits {
   std::int64_t least_side = 16, largest_side = 700;
-  bool flat_parts = false;  ///< scenes are of one level but for a box, of which half touch sides of the image
+  bool flat_parts = false;  ///< scenes are uniform but for a box, and half of the boxes touch sides of the image
 };
 
 struct SweepCase {

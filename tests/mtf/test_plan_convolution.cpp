@@ -46,9 +46,9 @@ TEST(PlanConvolution, equals_direct_convolution_to_float_accuracy) {
           const SampleGrid in = scene_grid(system, width, height, static_cast<double>(rx), static_cast<double>(ry));
           const SampleGrid out = detector_grid(system, in);
           const Image scene = random_image(width, height, 3, 1.0);
-          const double level = 0.3;
-          const Plan plan = compile(system, in, out, options_for(scene, border, 1e-5, level));
-          const Image image = run(plan, scene, level);
+          const double border_value = 0.3;
+          const Plan plan = compile(system, in, out, options_for(scene, border, 1e-5, border_value));
+          const Image image = run(plan, scene, border_value);
           const std::int64_t lx = canvas_length(border, width), ly = canvas_length(border, height);
           const auto kernel = kernel_of(system, in, lx, ly);
           for (std::int64_t j = 0; j < out.height; ++j)
@@ -59,7 +59,7 @@ TEST(PlanConvolution, equals_direct_convolution_to_float_accuracy) {
                   const std::int64_t x = border_source(border, i * rx + rx / 2 - dx, width);
                   const std::int64_t y = border_source(border, j * ry + ry / 2 - dy, height);
                   sum += kernel[static_cast<std::size_t>(dy * lx + dx)] *
-                         (x < 0 || y < 0 ? level : static_cast<double>(scene.at(x, y)));
+                         (x < 0 || y < 0 ? border_value : static_cast<double>(scene.at(x, y)));
                 }
               ASSERT_NEAR(image.at(i, j), sum, 2e-6) << width << "x" << height << "\n" << plan.explain();
             }

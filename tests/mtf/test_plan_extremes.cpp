@@ -11,9 +11,9 @@ System<double> optics() { return with(bare(), {Component<double>::make("diffract
 
 /// Compiles for the scene (at the tolerance that a refusal names, if there is one), runs, and compares.
 void expect_kept(const System<double>& system, const SampleGrid& in, const Image& scene, Border border,
-                 double tolerance, double level) {
+                 double tolerance, double border_value) {
   const SampleGrid out = detector_grid(system, in);
-  PlanOptions options = options_for(scene, border, tolerance, level);
+  PlanOptions options = options_for(scene, border, tolerance, border_value);
   ASSERT_TRUE(options.scene);
   try {
     compile(system, in, out, options);
@@ -21,17 +21,17 @@ void expect_kept(const System<double>& system, const SampleGrid& in, const Image
     const std::string text = refusal.what();
     if (text.find("no tolerance") != std::string::npos) {
       // True only where the values themselves are coarse against the contrast.
-      EXPECT_GT(std::max(options.scene->largest, std::abs(level)) / options.scene->std, 1e5) << text;
+      EXPECT_GT(std::max(options.scene->largest, std::abs(border_value)) / options.scene->std, 1e5) << text;
       return;
     }
     options.tolerance = named_tolerance(text);
     ASSERT_GT(options.tolerance, tolerance) << text;
   }
   const Plan plan = compile(system, in, out, options);
-  const Image image = run(plan, scene, level);
+  const Image image = run(plan, scene, border_value);
   ASSERT_TRUE(all_finite(image)) << plan.explain();
   const double rms =
-      rms_distance(image, reference_image(scene, in, out, otf_of(system, Stage::presample), border, level));
+      rms_distance(image, reference_image(scene, in, out, otf_of(system, Stage::presample), border, border_value));
   EXPECT_LE(rms / options.scene->std, plan.report().predicted.total()) << plan.explain();
 }
 
@@ -70,12 +70,12 @@ TEST(PlanExtremes, small_contrast_on_a_large_mean) {
 }
 
 TEST(PlanExtremes, border_level_far_from_the_scene) {
-  for (const double level : {0.0, 1e3, 1e6, -1e6})
+  for (const double border_value : {0.0, 1e3, 1e6, -1e6})
     for (const std::int64_t width : {8, 40}) {
       const Image scene = random_image(width, 33, 6, 300.0, 1.0);
-      expect_kept(optics(), scene_grid(optics(), width, 33, 2.0, 3.7), scene, Border::constant, 1e-2, level);
+      expect_kept(optics(), scene_grid(optics(), width, 33, 2.0, 3.7), scene, Border::constant, 1e-2, border_value);
       const auto soft = with(bare(), {jitter(0.01), footprint(0.02), test::gaussian(4.0)});
-      expect_kept(soft, scene_grid(soft, width, 33, 2.0, 1.0), scene, Border::constant, 1e-2, level);
+      expect_kept(soft, scene_grid(soft, width, 33, 2.0, 1.0), scene, Border::constant, 1e-2, border_value);
     }
 }
 
@@ -175,8 +175,8 @@ TEST(PlanBadInput, border_level_that_is_not_finite_is_refused) {
   const Plan plan = compile(optics(), in, detector_grid(optics(), in), options);
   const Image scene = random_image(20, 10, 1);
   Image out(20, 10);
-  for (const double level : {std::nan(""), HUGE_VAL})
-    EXPECT_THROW(plan.run(scene.view(), out.view(), level), UsageError) << level;
+  for (const double border_value : {std::nan(""), HUGE_VAL})
+    EXPECT_THROW(plan.run(scene.view(), out.view(), border_value), UsageError) << border_value;
 }
 
 TEST(PlanBadInput, sizes_that_differ_are_refused) {

@@ -33,7 +33,8 @@ TEST(PlanFlat, scene_comes_out_flat_for_every_size_ratio_and_border) {
       }
 }
 
-// The level of a config is a double and never exactly the float of the scene: the engine runs, and stays flat.
+// The border value of a config is a double and hardly ever equals the float of the scene: the engine runs, and the
+// image stays flat.
 TEST(PlanFlat, scene_with_its_own_level_as_a_double_border_is_flat_within_1e6) {
   for (const Size& size : kSizes)
     for (const double ratio : {1.0, 2.0, 3.7}) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes that are flat in parts: what is left out there keeps the promise, for every method that can do the work, every
-// border, on plans for this scene and on scenes that a plan was not made for.
+// Scenes that are flat in parts: what plans leave out there keeps the promise, for every possible method, every border,
+// on plans for this scene and on scenes that a plan was not made for.
 #include <limits>
 
 #include "apps/check/reference_fft.h"
-#include "mtf/engines/fft/axis.h"
+#include "mtf/engines/fft/line_groups.h"
 #include "mtf/engines/mean_and_deviation.h"
 #include "mtf/survey/scene_spectrum.h"
 #include "mtf/survey/uniform_runs.h"
@@ -25,12 +25,12 @@ const std::vector<Part> kParts{
     {"top", {0, 0, 149, 58}},         {"target", {60, 40, 30, 20}},     {"corner", {0, 90, 40, 28}},
     {"pixel", {101, 17, 1, 1}},       {"last pixel", {148, 117, 1, 1}}, {"all", {0, 0, 149, 118}}};
 
-// `contrast` times noise within the part, `level` elsewhere.
-Image scene_of(const Region& busy, double level, double contrast, unsigned seed = 5) {
+// `contrast` times noise within the part, `value` elsewhere.
+Image scene_of(const Region& busy, double value, double contrast, unsigned seed = 5) {
   const Image noise = random_image(kWidth, kHeight, seed, 0.0, contrast);
   return image_of(kWidth, kHeight, [&](std::int64_t x, std::int64_t y) {
     const bool in = x >= busy.x && x < busy.x + busy.width && y >= busy.y && y < busy.y + busy.height;
-    return level + (in ? static_cast<double>(noise.at(x, y)) + 3.0 * contrast : 0.0);
+    return value + (in ? static_cast<double>(noise.at(x, y)) + 3.0 * contrast : 0.0);
   });
 }
 
@@ -45,9 +45,9 @@ std::vector<double> reference(const System<double>& system, const Image& scene, 
 System<double> blur() { return with(bare(15.0, 15.0), {gaussian(27.0), motion(20.0, 30.0)}); }
 System<double> separable_blur() { return with(bare(15.0, 15.0), {gaussian(27.0), footprint(12.0)}); }
 
-// Every way that keeps the promise for this scene does so when it runs; `needed` is among them.
-void check_all_ways(const System<double>& system, const Image& scene, double ratio, Border border, double border_value,
-                    double tolerance, Method needed) {
+// Every method that promises to keep the tolerance for this scene keeps it when it runs; `needed` is among them.
+void check_all_methods(const System<double>& system, const Image& scene, double ratio, Border border,
+                       double border_value, double tolerance, Method needed) {
   const SampleGrid in = scene_grid(system, kWidth, kHeight, ratio, ratio), out = detector_grid(system, in);
   PlanOptions options = options_for(scene, border, tolerance, border_value);
   ASSERT_TRUE(options.scene.has_value());
@@ -69,39 +69,39 @@ void check_all_ways(const System<double>& system, const Image& scene, double rat
   EXPECT_TRUE(found) << best.explain();
 }
 
-// Both ratios on every border, and with every part, but not all together.
-TEST(PlanFlatParts, every_way_keeps_the_promise) {
+// Both ratios with every border, and with every part, but not in all combinations.
+TEST(PlanFlatParts, every_method_keeps_the_promise) {
   for (std::size_t p = 0; p < kParts.size(); ++p)
     for (const Border border : kBorders) {
       SCOPED_TRACE(kParts[p].name);
       const double ratio = (p + static_cast<std::size_t>(border)) % 2 == 0 ? 1.0 : 2.0;
       const Image scene = scene_of(kParts[p].busy, 300.0, 20.0);
       for (const double beyond : {300.0, 250.0}) {
-        check_all_ways(blur(), scene, ratio, border, beyond, 1e-3, Method::fft_float);
-        check_all_ways(separable_blur(), scene, ratio, border, beyond, 1e-3, Method::separable);
+        check_all_methods(blur(), scene, ratio, border, beyond, 1e-3, Method::fft_float);
+        check_all_methods(separable_blur(), scene, ratio, border, beyond, 1e-3, Method::separable);
         if (border != Border::constant) break;
       }
     }
 }
 
-TEST(PlanFlatParts, little_contrast_on_a_large_level) {
+TEST(PlanFlatParts, little_contrast_on_a_large_mean) {
   for (const Part& part : kParts)
     for (const Border border : {Border::reflect, Border::replicate})
-      check_all_ways(separable_blur(), scene_of(part.busy, 1e5, 20.0), 1.0, border, 1e5, 5e-2, Method::separable);
+      check_all_methods(separable_blur(), scene_of(part.busy, 1e5, 20.0), 1.0, border, 1e5, 5e-2, Method::separable);
 }
 
-// Several levels, none of them the mean; blocks that are smaller than a tile.
-TEST(PlanFlatParts, levels_of_their_own) {
+// Several values, none of them the mean; blocks that are smaller than a tile.
+TEST(PlanFlatParts, uniform_parts_of_several_values) {
   const Image noise = random_image(kWidth, kHeight, 3);
   const Image scene = image_of(kWidth, kHeight, [&](std::int64_t x, std::int64_t y) {
     const std::int64_t block = (x / 37 + y / 29) % 3;
     return block == 0 ? -4.0 : block == 1 ? 7.0 : static_cast<double>(noise.at(x, y));
   });
   for (const Border border : kBorders)
-    check_all_ways(separable_blur(), scene, 1.0, border, 7.0, 1e-3, Method::separable);
+    check_all_methods(separable_blur(), scene, 1.0, border, 7.0, 1e-3, Method::separable);
 }
 
-TEST(PlanFlatParts, what_is_flat_with_all_that_reaches_it_is_exact) {
+TEST(PlanFlatParts, outputs_whose_taps_read_one_value_are_exact) {
   const Image scene = scene_of({75, 0, 74, 118}, 300.0, 20.0);
   for (const Border border : {Border::reflect, Border::replicate}) {
     PlanOptions options = options_for(scene, border, 1e-3);
@@ -114,7 +114,7 @@ TEST(PlanFlatParts, what_is_flat_with_all_that_reaches_it_is_exact) {
   }
 }
 
-// What is left out of rows is theirs on any scene that runs, whatever scene the plan was made for.
+// The rows that are left out are chosen on the scene that runs, whatever scene the plan was made for.
 TEST(PlanFlatParts, plan_for_one_scene_keeps_the_promise_for_others) {
   const System<double> system = with(blur(), {Component<double>::make("diffraction")});
   const SampleGrid in = scene_grid(system, kWidth, kHeight, 1.0, 1.0);
@@ -211,21 +211,21 @@ TEST(PlanFlatParts, single_columns_do_not_count) {
   EXPECT_EQ(summary(16).flat_rows, 0.0);
 }
 
-// Of the 64 places alone: no other sample counts, whatever it is.
-TEST(SampledLevel, is_of_its_places) {
+// Samples at the 64 places alone count, whatever the others are.
+TEST(SampledMean, is_of_its_places) {
   Image scene = image_of(kWidth, kHeight, [](auto, auto) { return 5.0; });
   for (const float corner :
        {1000.0F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     scene.at(0, 0) = corner;
     EXPECT_FALSE(sampled_mean_and_deviation(scene.view()).has_value()) << corner;
   }
-  const auto level = sampled_mean_and_deviation(random_image(kWidth, kHeight, 1, 300.0, 20.0).view());
-  ASSERT_TRUE(level.has_value());
-  EXPECT_NEAR(level->mean, 300.0, 5.0);
-  EXPECT_GT(level->deviation, 40.0);
+  const auto sampled = sampled_mean_and_deviation(random_image(kWidth, kHeight, 1, 300.0, 20.0).view());
+  ASSERT_TRUE(sampled.has_value());
+  EXPECT_NEAR(sampled->mean, 300.0, 5.0);
+  EXPECT_GT(sampled->deviation, 40.0);
 }
 
-// Transforms take the level from samples at a few places, and look again where these are not like the others.
+// The FFT engine estimates the mean from samples at a few places, and uses all samples where the estimate is poor.
 TEST(PlanFlatParts, few_samples_that_mislead_do_no_harm) {
   const System<double> system = blur();
   const SampleGrid in = scene_grid(system, kWidth, kHeight, 1.0, 1.0);
@@ -241,32 +241,32 @@ TEST(PlanFlatParts, few_samples_that_mislead_do_no_harm) {
   };
   struct Misleading {
     const char* what;
-    double seen, seen_contrast, level, contrast;
+    double seen, seen_contrast, mean, contrast;
   };
-  for (const auto& [what, level_seen, contrast_seen, level, contrast] :
+  for (const auto& [what, mean_seen, contrast_seen, mean, contrast] :
        {Misleading{"far from the mean", 1e4, 1.0, 10.0, 1.0}, Misleading{"flat", 7.0, 0.0, 10.0, 1.0},
-        Misleading{"almost flat", 0.0, 1e-30, 0.0, 1e5}, Misleading{"flat, and all but a level", 7.0, 0.0, 8.0, 0.0}}) {
+        Misleading{"almost flat", 0.0, 1e-30, 0.0, 1e5}, Misleading{"flat, and all but uniform", 7.0, 0.0, 8.0, 0.0}}) {
     SCOPED_TRACE(what);
     const Image scene =
         image_of(kWidth, kHeight,
-                 [&, ls = level_seen, cs = contrast_seen, l = level, c = contrast](std::int64_t x, std::int64_t y) {
-                   return seen(x, y) ? ls + cs * static_cast<double>(noise.at(x, y))
-                                     : l + c * static_cast<double>(noise.at(x, y));
+                 [&, ms = mean_seen, cs = contrast_seen, m = mean, c = contrast](std::int64_t x, std::int64_t y) {
+                   return seen(x, y) ? ms + cs * static_cast<double>(noise.at(x, y))
+                                     : m + c * static_cast<double>(noise.at(x, y));
                  });
     for (const Border border : kBorders)
       for (const Method method : {Method::fft_float, Method::fft_double}) {
-        PlanOptions options = options_for(scene, border, 1e-5, level);
+        PlanOptions options = options_for(scene, border, 1e-5, mean);
         options.method = method;
         const Plan plan = compile(system, in, in, options);
-        EXPECT_LE(rms_distance(run(plan, scene, level), reference(system, scene, in, in, border, level)),
+        EXPECT_LE(rms_distance(run(plan, scene, mean), reference(system, scene, in, in, border, mean)),
                   plan.report().predicted.total() * options.scene->std)
             << plan.explain();
       }
   }
 }
 
-// Where all that is sampled is next to nothing, other lines of one level are beyond the scale that it gives.
-TEST(PlanFlatParts, levels_far_beyond_the_samples) {
+// Where all sampled places are faint, uniform lines elsewhere exceed the scale that the samples give.
+TEST(PlanFlatParts, uniform_lines_far_beyond_the_samples) {
   const System<double> system = blur();
   const SampleGrid in = scene_grid(system, 128, 512, 1.0, 1.0);
   const Image noise = random_image(128, 512, 4);
@@ -285,7 +285,7 @@ TEST(PlanFlatParts, levels_far_beyond_the_samples) {
   }
 }
 
-// Lines of one value that is none are no lines of one level.
+// Lines that are NaN or infinite throughout are not uniform.
 TEST(PlanFlatParts, lines_that_are_not_finite_are_refused) {
   const System<double> system = blur();
   const SampleGrid in = scene_grid(system, kWidth, kHeight, 1.0, 1.0);
@@ -303,14 +303,63 @@ TEST(PlanFlatParts, lines_that_are_not_finite_are_refused) {
     }
 }
 
-TEST(UniformRuns, tells_groups_of_one_level_from_others) {
+// The axes of a plane of kWidth x kHeight samples whose lines are rows or columns.
+std::pair<AxisTransform, AxisTransform> axes_of(Lines lines, Border border) {
+  AxisTransform x, y;
+  x.border = y.border = border;
+  x.samples = lines == Lines::rows ? kWidth : kHeight;
+  y.samples = lines == Lines::rows ? kHeight : kWidth;
+  y.outputs = y.samples;
+  y.pitch_um = y.frequency.step_um = 15.0;
+  return {x, y};
+}
+
+TEST(LineGroups, input_is_uniform_where_a_whole_group_is_and_the_border_continues_it) {
+  using Groups = std::vector<std::int64_t>;
+  const Image bottom = scene_of({0, 70, 149, 48}, 300.0, 20.0), right = scene_of({75, 0, 74, 118}, 300.0, 20.0);
+  for (const Border border : kBorders)
+    for (const double beyond : {300.0, 250.0}) {
+      const bool continued = border != Border::constant || beyond == 300.0;
+      const auto groups = [&, border, beyond](const Image& scene, Lines lines) {
+        const auto [x, y] = axes_of(lines, border);
+        const LineGroups found = input_groups({.in = scene.view(), .out = {}, .border_value = beyond}, lines, x, y, 2);
+        EXPECT_EQ(groups_over_uniform(found, x, y), found.uniform);  // one output a sample
+        EXPECT_EQ(found.uniform.size() + found.transformed.size(), static_cast<std::size_t>((y.samples + 31) / 32));
+        return found.uniform;
+      };
+      EXPECT_EQ(groups(bottom, Lines::rows), continued ? Groups({0, 1}) : Groups{});
+      EXPECT_EQ(groups(right, Lines::columns), continued ? Groups({0, 1}) : Groups{});
+      EXPECT_EQ(groups(right, Lines::rows), Groups{});
+      EXPECT_EQ(groups(bottom, Lines::columns), Groups{});
+    }
+}
+
+// Three groups, 96 lines: an rms of 1 over the output has room for energies of 96 / 2.
+TEST(LineGroups, output_is_negligible_from_the_least_energy_on_while_the_allowance_lasts) {
+  AxisTransform x, y;
+  x.frequency.basis = Basis::fourier;
+  x.out_length = x.outputs = 100;
+  x.keep = 50;
+  y.outputs = 96;
+  const std::vector<std::int64_t> over{0, 1, 2};
+  const auto uniform = [&](const std::vector<double>& energies, double allowance) {
+    return output_groups(over, energies, allowance, x, y).uniform;
+  };
+  using Groups = std::vector<std::int64_t>;
+  EXPECT_EQ(uniform({40.0, 10.0, 30.0}, 1.0), Groups({1, 2}));
+  EXPECT_EQ(uniform({40.0, 10.0, 30.0}, 0.4), Groups{});
+  EXPECT_EQ(uniform({40.0, 10.0, 30.0}, 2.0), Groups({0, 1, 2}));
+  EXPECT_EQ(output_groups({}, {}, 1.0, x, y).transformed, Groups({0, 1, 2}));
+}
+
+TEST(UniformRuns, tells_uniform_groups_from_others) {
   const Image scene = scene_of({75, 0, 74, 118}, 300.0, 20.0);
   UniformRuns map(scene.view());
   ASSERT_TRUE(map.any());
   ASSERT_EQ(map.groups(), 10);
   const UniformRuns::Kind* kinds = map.classify_row(50);
   for (std::int64_t g = 0; g < 10; ++g) EXPECT_EQ(kinds[g] != 0, g < 4) << g;
-  EXPECT_EQ(map.level(kinds[0]), 300.0F);
+  EXPECT_EQ(map.value(kinds[0]), 300.0F);
   EXPECT_EQ(map.kind_of(300.0F), kinds[0]);
   EXPECT_EQ(map.kind_of(301.0F), 0);
   EXPECT_FALSE(UniformRuns(random_image(kWidth, kHeight, 1).view()).any());

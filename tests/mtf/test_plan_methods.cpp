@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every way of doing a plan's work, insisted on, against the exact definition of its result: realised rms error <=
-// promised <= tolerance. And what a plan says when a way is impossible.
+// Every method, insisted on, against the exact definition of its result: realised rms error <= promised <= tolerance.
+// And what a plan says when a method is impossible.
 #include <random>
 
+#include "mtf/plan/low_rank.h"
 #include "mtf/survey/scene_spectrum.h"
 #include "tests/mtf/plan_support.h"
 
@@ -81,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(Borders, EveryMethod, testing::ValuesIn(kBorders), [](c
 TEST(PlanMethods, same_bits_for_any_threads_and_tiles_that_are_flat) {
   const System<double> system = with(bare(15.0, 15.0), {gaussian(22.0), footprint(15.0)});
   const SampleGrid in = scene_grid(system, 700, 600, 1.0, 1.0);
-  // A flat left half: tiles there are filled, and equal the level exactly.
+  // A flat left half: tiles there are filled, and equal the value exactly.
   const Image scene = image_of(
       in.width, in.height, [](auto x, auto y) { return x < 400 ? 7.25 : 7.25 + std::sin(static_cast<double>(x * y)); });
   PlanOptions options = options_for(scene, Border::reflect, 1e-2);
@@ -151,6 +152,26 @@ TEST(SceneSpectrum, power_sums_to_the_variance) {
     }
   EXPECT_FALSE(scene_spectrum(random_image(8, 8, 1).view(), Border::constant));
   EXPECT_FALSE(scene_spectrum(image_of(8, 8, [](auto, auto) { return 2.0; }).view(), Border::reflect));
+}
+
+// Of kernels taller than wide and wider than tall: all terms together are the kernel, none is left over, and the terms
+// of a kernel that equals its mirror images do so too.
+TEST(SeparableTerms, add_up_to_kernels_that_are_not_square) {
+  for (const auto& [rows, columns] : {std::pair<std::int64_t, std::int64_t>{7, 3}, {4, 6}, {5, 5}, {1, 4}}) {
+    TapBox kernel{rows, columns, {}};
+    for (std::int64_t r = 0; r < rows; ++r)
+      for (std::int64_t c = 0; c < columns; ++c) {
+        const double y = static_cast<double>(2 * r - rows + 1), x = static_cast<double>(2 * c - columns + 1);
+        kernel.value.push_back(1.0 / (1.0 + x * x + 0.3 * y * y));
+      }
+    const SeparableTerms terms = separable_terms(kernel, 9);
+    ASSERT_EQ(terms.along_x.size(), static_cast<std::size_t>(std::min(rows, columns)));
+    const TapBox sum = product_of(terms, terms.along_x.size());
+    for (std::size_t i = 0; i < kernel.value.size(); ++i) EXPECT_NEAR(sum.value[i], kernel.value[i], 1e-14);
+    for (const auto& taps : {terms.along_x.front(), terms.along_y.front()})
+      EXPECT_EQ(taps, std::vector<double>(taps.rbegin(), taps.rend()));
+    EXPECT_GT(std::abs(product_of(terms, 1).value[0] - kernel.value[0]), rows > 1 ? 1e-3 : -1.0);
+  }
 }
 
 }  // namespace

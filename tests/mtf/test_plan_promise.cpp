@@ -137,13 +137,13 @@ void check_case(unsigned seed, int largest, Tally& tally) {
   const Border border = kBorders[static_cast<std::size_t>(draw.below(4))];
   const Image scene = random_scene(draw, width, height);
   const Statistics s = statistics(scene.view());
-  const double level = draw.below(3) == 0 ? s.mean + draw.uniform(-100.0, 100.0) : s.mean;
-  PlanOptions options = options_for(scene, border, draw.decades(1e-6, 1e-1), level);
+  const double border_value = draw.below(3) == 0 ? s.mean + draw.uniform(-100.0, 100.0) : s.mean;
+  PlanOptions options = options_for(scene, border, draw.decades(1e-6, 1e-1), border_value);
   if (!options.scene) return;
   const std::optional<Plan> plan = compile_or_named(system, in, out, options, tally);
   if (!plan) return;
-  const auto expected = reference_image(scene, in, out, otf_of(system, Stage::presample), border, level);
-  const double rms = rms_distance(run(*plan, scene, level), expected) / options.scene->std;
+  const auto expected = reference_image(scene, in, out, otf_of(system, Stage::presample), border, border_value);
+  const double rms = rms_distance(run(*plan, scene, border_value), expected) / options.scene->std;
   const double predicted = plan->report().predicted.total();
   EXPECT_LE(rms, predicted) << "seed " << seed << " border " << kBorderNames[static_cast<std::size_t>(border)]
                             << " ratios " << ratio_x << ", " << ratio_y << " norm "

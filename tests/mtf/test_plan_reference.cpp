@@ -42,15 +42,15 @@ TEST_P(PlanReference, realised_error_is_below_the_promise) {
   const SampleGrid in{c.width, c.height, 15.0 / c.ratio_x, 12.0 / c.ratio_y};
   const SampleGrid out = detector_grid(system, in);
   const Image scene = random_image(c.width, c.height, 7, 10.0, 3.0);
-  const double level = 8.5;
+  const double border_value = 8.5;
   PlanOptions options;
   options.border = c.border;
   options.tolerance = 1e-4;
-  options.scene = summarise(scene.view(), c.border, level);
+  options.scene = summarise(scene.view(), c.border, border_value);
   const Plan plan = compile(system, in, out, options);
   Image image(out.width, out.height);
-  plan.run(scene.view(), image.view(), level, 1);
-  const auto expected = reference_image(scene, in, out, otf_of(system, Stage::presample), c.border, level);
+  plan.run(scene.view(), image.view(), border_value, 1);
+  const auto expected = reference_image(scene, in, out, otf_of(system, Stage::presample), c.border, border_value);
   double squares = 0.0;
   for (std::int64_t i = 0; i < image.size(); ++i)
     squares += std::pow(image.data()[i] - expected[static_cast<std::size_t>(i)], 2);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plans that know their scene's spectrum: what is left out is charged to the frequencies where this scene has its
 // power, at the places where a bound could be lost: aliases, alias zones inside of a cell, padded canvases, filters
-// behind the sampling, other scenes.
+// after the sampling, other scenes.
 #include "mtf/survey/scene_spectrum.h"
 
 #include "mtf/plan/sensor_plan.h"

@@ -104,10 +104,10 @@ TEST(PlanPost, fir_is_the_spatial_convolution_with_the_border_rule) {
     for (const auto& [width, height] : {std::pair<std::int64_t, std::int64_t>{20, 17}, {41, 36}, {1, 9}, {5, 1}})
       for (const Border border : kBorders) {
         const Image scene = random_image(width, height, 14, 4.0);
-        const double level = 3.0;
-        PlanOptions options = options_for(scene, border, 0.01, level);
+        const double border_value = 3.0;
+        PlanOptions options = options_for(scene, border, 0.01, border_value);
         const Plan plan = compile_post(system, {width, height, 15.0, 12.0}, stages, options);
-        const Image image = run(plan, scene, level);
+        const Image image = run(plan, scene, border_value);
         std::vector<double> expected;
         const auto jc = static_cast<std::int64_t>(taps.size() / 2), kc = static_cast<std::int64_t>(taps[0].size() / 2);
         for (std::int64_t y = 0; y < height; ++y)
@@ -119,7 +119,7 @@ TEST(PlanPost, fir_is_the_spatial_convolution_with_the_border_rule) {
                 const std::int64_t sx = border_source(border, x - (k - kc), width);
                 const std::int64_t sy = border_source(border, y - (j - jc), height);
                 sum += taps[static_cast<std::size_t>(j)][static_cast<std::size_t>(k)] *
-                       (sx < 0 || sy < 0 ? level : static_cast<double>(scene.at(sx, sy)));
+                       (sx < 0 || sy < 0 ? border_value : static_cast<double>(scene.at(sx, sy)));
               }
             expected.push_back(sum);
           }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The promise over random work, with every way that a plan offers: realised rms error <= promised <= tolerance, or a
+// The promise over random work, with every method that a plan offers: realised rms error <= promised <= tolerance, or a
 // refusal that names a tolerance which works. The reference is the exact OTF on the defined canvas, in double.
 //
 // MTFKIT_SWEEP_FIRST and MTFKIT_SWEEP_CASES choose other seeds than a test's own: a failure prints its seed.
@@ -24,7 +24,7 @@ namespace {
 const std::string kAsSimulate = "as simulate";
 constexpr double kLoosestMedian = 30.0;
 constexpr int kEnoughCases = 20;  // for a median to mean something
-constexpr int kForcedEvery = 4;   // of so many cases, one has every possible way insisted on
+constexpr int kForcedEvery = 4;   // of so many cases, one insists on every possible method
 
 /// promised / realised of every plan that ran, by name of the group.
 class Tightness {
@@ -118,7 +118,7 @@ class Sweep {
   }
 
   static void check_flat(const SweepCase& c, const PlanOptions& options) {
-    if (c.border == Border::constant) return;  // its level is contrast
+    if (c.border == Border::constant) return;  // its value adds contrast
     const Plan plan = c.compile_with(options);
     Image out(c.out.width, c.out.height);
     plan.run(c.scene.view(), out.view(), c.border_value, 1);
@@ -178,7 +178,7 @@ class Sweep {
     tightness_.print();
     if (cases_ < kEnoughCases) return;
     EXPECT_GT(plans_, cases_ - cases_ / 4);
-    // What reaches flat rows is given a share of the tolerance whether it needs it or not.
+    // Light in flat rows is given a share of the tolerance whether it needs it or not.
     if (flat_parts_) return;
     EXPECT_LE(tightness_.median("all, " + kAsSimulate), kLoosestMedian);
   }
@@ -193,7 +193,7 @@ class Sweep {
 constexpr SweepLimits kShort{16, 160}, kLong{16, 700}, kShortFlat{16, 160, true}, kLongFlat{16, 700, true};
 
 TEST(PlanSweep, made_scenes) { Sweep({}).run(1, 40, kShort); }
-// A corner of 101 x 433 samples beside a bright line: rounding that FFTW's way with primes gathers there.
+// A corner of 101 x 433 samples beside a bright line: rounding of FFTW's prime lengths concentrates there.
 TEST(PlanSweep, prime_lengths) { Sweep({}).run(910'186, 1, kLong); }
 TEST(PlanSweepLong, made_scenes) { Sweep({}).run(10'000, 1500, kLong); }
 

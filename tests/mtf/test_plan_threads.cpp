@@ -62,7 +62,7 @@ TEST(PlanThreads, planes_together_equal_planes_one_by_one) {
   for (const Bench& s : setups()) {
     const Plan plan = plan_of(s, 1);
     std::vector<Image> scenes, together;
-    // Different scales and means, one of them flat: nothing of one plane may reach another.
+    // Different scales and means, one of them flat: no plane may affect another.
     scenes.push_back(random_image(s.in.width, s.in.height, 1));
     scenes.push_back(random_image(s.in.width, s.in.height, 2, 1e6, 1e3));
     scenes.push_back(image_of(s.in.width, s.in.height, [](auto, auto) { return 7.0; }));

@@ -11,9 +11,9 @@
 namespace mtf::test {
 namespace {
 
-// All contrast in the corner that the format sees: what the filters behind the sampling meet is more than the scene's
-// std.
-TEST(SensorPlan, promise_holds_behind_a_small_format) {
+// All contrast in the corner that the format sees: the input of the filters after the sampling has more than the
+// scene's std.
+TEST(SensorPlan, promise_holds_for_filters_after_a_small_format) {
   System<double> system;
   system.frame = {100.0, 15.0, 15.0, 0.01, 8, 8};
   system.add(Stage::postsample, gaussian(1.5));
@@ -116,7 +116,7 @@ TEST(SensorPlan, with_compiles_anew_where_shares_or_grids_do_not_fit) {
     expect_equal_bits(run_plan(other, scene), run_plan(compile_sensor(system, in, options), scene));
     return other.updated;
   };
-  // A gain of 1e4 behind the sampling leaves the presample plan less of the tolerance than transforms in float keep.
+  // A gain of 1e4 after the sampling leaves the presample plan less of the tolerance than transforms in float keep.
   EXPECT_FALSE(expect_fresh(sharpened(3.0, 5000.0)));
   System<double> coarser = sharpened(3.0, 1.0);
   coarser.frame.pitch_x_um = coarser.frame.pitch_y_um = 30.0;

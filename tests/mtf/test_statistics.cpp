@@ -54,15 +54,15 @@ TEST(Statistics, hold_at_any_scale) {
 
 TEST(Statistics, canvas_norm_is_the_rms_of_the_continued_image) {
   const Image image = random_image(7, 5, 3, 2.0);
-  const double mean = statistics(image.view()).mean, level = -4.0;
+  const double mean = statistics(image.view()).mean, border_value = -4.0;
   for (const Border border : kBorders) {
     double sum = 0.0;
     for (std::int64_t y = 0; y < canvas_length(border, 5); ++y)
       for (std::int64_t x = 0; x < canvas_length(border, 7); ++x) {
         const std::int64_t sx = border_source(border, x, 7), sy = border_source(border, y, 5);
-        sum += std::pow((sx < 0 || sy < 0 ? level : static_cast<double>(image.at(sx, sy))) - mean, 2);
+        sum += std::pow((sx < 0 || sy < 0 ? border_value : static_cast<double>(image.at(sx, sy))) - mean, 2);
       }
-    EXPECT_NEAR(canvas_norm(image.view(), border, level, mean), std::sqrt(sum / 35.0), 1e-12);
+    EXPECT_NEAR(canvas_norm(image.view(), border, border_value, mean), std::sqrt(sum / 35.0), 1e-12);
   }
 }
 
@@ -71,7 +71,7 @@ TEST(Statistics, summary_of_a_flat_plane_is_nothing) {
   EXPECT_FALSE(summarise(flat.view(), Border::reflect, 0.0));
   const Image image = image_of(4, 1, [](auto x, auto) { return x == 0 ? -9.0 : 1.0; });
   EXPECT_EQ(summarise(image.view(), Border::reflect, 50.0)->largest, 9.0);
-  EXPECT_EQ(summarise(image.view(), Border::constant, 50.0)->largest, 50.0) << "the level shines into the image";
+  EXPECT_EQ(summarise(image.view(), Border::constant, 50.0)->largest, 50.0) << "light of the border enters the image";
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 #pragma once
 
 // One axis of the spectral engine: how an image axis becomes frequencies, and how filtered frequencies become detector
-// samples. The same trigonometric polynomial is sampled in both ways of `Resampling`:
+// samples. Either `Resampling` samples the same trigonometric polynomial:
 //   fold   the canvas is a whole number of pitches: frequencies that alias onto one another are added, then one
 //          transform of the detector's length gives the samples;
 //   chirp  any other ratio: the polynomial is evaluated at the detector centres (Bluestein's chirp transform).
@@ -19,11 +19,11 @@ namespace mtf {
 
 enum class Resampling { fold, chirp };
 
-/// What is transformed first, and last again: the rows of an image, or its columns. Which is a matter of speed only:
-/// lines of one level are not transformed.
+/// What is transformed first, and last again: the rows of an image, or its columns. The result is the same to rounding;
+/// columns are faster where more of them than of the rows are uniform (line_groups.h).
 enum class Lines { rows, columns };
 
-/// Of a part of an OTF along one axis.
+/// Symmetry of a part of an OTF along one axis.
 enum class Parity { even, odd };
 
 struct AxisTransform {

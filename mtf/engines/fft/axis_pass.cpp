@@ -29,7 +29,7 @@ AxisPass<S>::AxisPass(const AxisTransform& job, bool apart, fft::Rigor rigor)
     for (std::int64_t i = 0; i < n; ++i)
       canvas_[static_cast<std::size_t>(rows[static_cast<std::size_t>(i)])] = static_cast<std::int32_t>(i);
   } else {
-    // The right continuation stands behind the image, the left one at the end of the canvas.
+    // The right continuation comes after the image, the left one at the end of the canvas.
     const std::int64_t right = n + (length - n + 1) / 2;
     for (std::int64_t i = 0; i < length; ++i) {
       const std::int64_t source = border_source(job.border, i < right ? i : i - length, n);
@@ -50,8 +50,8 @@ AxisPass<S>::AxisPass(const AxisTransform& job, bool apart, fft::Rigor rigor)
 
   source_ = apart ? (cosine() ? lanes::Source::plain : lanes::Source::pairs)
                   : (cosine() ? lanes::Source::cosine : lanes::Source::plain);
-  even_ = ways(Parity::even, apart);
-  if (job.odd) odd_ = ways(Parity::odd, apart);
+  even_ = inverse_input(Parity::even, apart);
+  if (job.odd) odd_ = inverse_input(Parity::odd, apart);
   if (!apart) return;
   for (std::int64_t k = 0; k < job.keep; ++k) {
     coefficients_.push_back(source_of(k));
@@ -60,9 +60,9 @@ AxisPass<S>::AxisPass(const AxisTransform& job, bool apart, fft::Rigor rigor)
 }
 
 template <class S>
-auto AxisPass<S>::ways(Parity parity, bool apart) const -> Ways {
-  Ways ways;
-  std::vector<bool> reached(static_cast<std::size_t>(inverse_length(job_)));
+auto AxisPass<S>::inverse_input(Parity parity, bool apart) const -> InverseInput {
+  InverseInput input;
+  std::vector<bool> used(static_cast<std::size_t>(inverse_length(job_)));
   for (const Term& part : axis_terms(job_, parity)) {
     lanes::FoldTerm<S> term;
     if (!apart) {
@@ -80,13 +80,13 @@ auto AxisPass<S>::ways(Parity parity, bool apart) const -> Ways {
     term.otf = part.otf;
     term.re = static_cast<S>(part.re);
     term.im = static_cast<S>(part.im);
-    term.first = !reached[static_cast<std::size_t>(term.target)];
-    reached[static_cast<std::size_t>(term.target)] = true;
-    ways.terms.push_back(term);
+    term.first = !used[static_cast<std::size_t>(term.target)];
+    used[static_cast<std::size_t>(term.target)] = true;
+    input.terms.push_back(term);
   }
-  for (std::size_t r = 0; r < reached.size(); ++r)
-    if (!reached[r]) ways.zeros.push_back(static_cast<std::int32_t>(r));
-  return ways;
+  for (std::size_t r = 0; r < used.size(); ++r)
+    if (!used[r]) input.zeros.push_back(static_cast<std::int32_t>(r));
+  return input;
 }
 
 // Where the transform leaves frequency k, and the one it is combined with.
@@ -113,10 +113,10 @@ void AxisPass<S>::coefficients(const S* work, S* to) const {
 template <class S>
 S* AxisPass<S>::inverse(Parity parity, const S* from, const S* otf, bool complex_otf, S* target, S* work) const {
   using lanes::Factor;
-  const Ways& ways = parity == Parity::even ? even_ : odd_;
-  for (const std::int32_t row : ways.zeros) std::fill_n(target + std::int64_t{row} * kRow, kRow, S(0));
+  const InverseInput& input = parity == Parity::even ? even_ : odd_;
+  for (const std::int32_t row : input.zeros) std::fill_n(target + std::int64_t{row} * kRow, kRow, S(0));
   const Factor factor = otf == nullptr ? Factor::none : complex_otf ? Factor::complex : Factor::real;
-  lanes::scatter_add<S>(source_, factor, ways.terms, from, otf, target);
+  lanes::scatter_add<S>(source_, factor, input.terms, from, otf, target);
   if (job_.resampling == Resampling::chirp) {
     chirp_.run(target);
     return target;
@@ -128,7 +128,7 @@ S* AxisPass<S>::inverse(Parity parity, const S* from, const S* otf, bool complex
   lanes::unfold_cosine<S>(target, out_twiddles_.data(), out_place_, work);
   inverse_.inverse(work);
   if (parity == Parity::odd) {
-    // The signs alternate; the samples of odd number stand behind the even ones.
+    // The signs alternate; the samples of odd number follow the even ones.
     S* const odd = work + (job_.out_length + 1) / 2 * kRow;
     std::transform(odd, odd + job_.out_length / 2 * kRow, odd, [](S v) { return -v; });
   }

@@ -27,7 +27,7 @@ class AxisPass {
   /// Rows of the coefficients of one frequency: a line's real coefficient, or a complex one each of both lines.
   int rows_per_coefficient() const { return cosine() ? 1 : 2; }
 
-  /// Sample at each place of the canvas, continued by the border rule; n is the level beyond a constant border.
+  /// Sample at each place of the canvas, continued by the border rule; n stands for the value of a constant border.
   std::span<const std::int32_t> canvas() const { return canvas_; }
   /// Transforms samples 0 .. n (rows in order) at their places.
   void forward(const S* samples, std::span<const std::int32_t> canvas, S* work) const {
@@ -46,19 +46,19 @@ class AxisPass {
   bool cosine() const { return job_.frequency.basis == Basis::cosine; }
   lanes::FoldTerm<S> source_of(std::int64_t k) const;
 
-  /// The way of all frequencies to the inverse transform.
-  struct Ways {
+  /// What the inverse transform takes as its input.
+  struct InverseInput {
     std::vector<lanes::FoldTerm<S>> terms;
-    std::vector<std::int32_t> zeros;  ///< target rows that no term reaches
+    std::vector<std::int32_t> zeros;  ///< target rows without a term
   };
-  Ways ways(Parity parity, bool apart) const;
+  InverseInput inverse_input(Parity parity, bool apart) const;
 
   AxisTransform job_;
   std::vector<S> twiddles_, out_twiddles_;  ///< exp(-i pi k / 2n), cosine basis
   std::vector<std::int32_t> canvas_;
   std::vector<std::int32_t> out_rows_;   ///< by output
   std::vector<std::int32_t> out_place_;  ///< cosine: rows of the inverse's frequencies
-  Ways even_, odd_;
+  InverseInput even_, odd_;
   std::vector<lanes::FoldTerm<S>> coefficients_;
   lanes::Source source_{};
   BatchedFft<S> forward_, inverse_;

@@ -12,9 +12,9 @@
 
 namespace mtf {
 
+using lanes::Pass;
 using lanes::run_step;
 using lanes::Step;
-using lanes::Way;
 
 namespace {
 
@@ -101,10 +101,10 @@ void BatchedFft<S>::forward_from(std::size_t first, S* data) const {
   const std::int64_t size = steps[first].radix * steps[first].stride;
   if (size * kRow * static_cast<std::int64_t>(sizeof(S)) <= kNearBytes) {
     for (std::size_t i = first; i < steps.size(); ++i)
-      run_step<S, Way::forward>(steps[i], data, size / (steps[i].radix * steps[i].stride));
+      run_step<S, Pass::forward>(steps[i], data, size / (steps[i].radix * steps[i].stride));
     return;
   }
-  run_step<S, Way::forward>(steps[first], data, 1);
+  run_step<S, Pass::forward>(steps[first], data, 1);
   if (first + 1 == steps.size()) return;
   for (int j = 0; j < steps[first].radix; ++j) forward_from(first + 1, data + j * steps[first].stride * kRow);
 }
@@ -115,12 +115,12 @@ void BatchedFft<S>::inverse_from(std::size_t first, S* data) const {
   const std::int64_t size = steps[first].radix * steps[first].stride;
   if (size * kRow * static_cast<std::int64_t>(sizeof(S)) <= kNearBytes) {
     for (std::size_t i = steps.size(); i-- > first;)
-      run_step<S, Way::inverse>(steps[i], data, size / (steps[i].radix * steps[i].stride));
+      run_step<S, Pass::inverse>(steps[i], data, size / (steps[i].radix * steps[i].stride));
     return;
   }
   if (first + 1 < steps.size())
     for (int j = 0; j < steps[first].radix; ++j) inverse_from(first + 1, data + j * steps[first].stride * kRow);
-  run_step<S, Way::inverse>(steps[first], data, 1);
+  run_step<S, Pass::inverse>(steps[first], data, 1);
 }
 
 template <class S>
@@ -137,7 +137,7 @@ void BatchedFft<S>::forward(const S* from, std::span<const std::int32_t> rows, S
       std::copy_n(from + std::int64_t{rows[n]} * kRow, kRow, data + static_cast<std::int64_t>(n) * kRow);
     return forward(data);
   }
-  run_step<S, Way::gather>(steps[0], data, 1, from, rows.data());
+  run_step<S, Pass::gather>(steps[0], data, 1, from, rows.data());
   if (steps.size() == 1) return;
   for (int j = 0; j < steps[0].radix; ++j) forward_from(1, data + j * steps[0].stride * kRow);
 }

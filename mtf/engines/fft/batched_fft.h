@@ -5,8 +5,8 @@
 // numbers: the real parts, then the imaginary parts; every step of a transform is then arithmetic on whole vectors.
 //
 // Lengths 2^a 3^b 5^c 7^d 11^e 13^f are transformed in place, steps of one radix after another (decimation in frequency
-// forwards, in time backwards), a part that fits the first-level cache at a time. Frequencies stay where the steps
-// leave them: that of k at row place(k), which who reads them looks up. Other lengths go to FFTW, where place(k) = k.
+// forwards, in time backwards), a part that fits the first-level cache at a time. Frequencies stay where the
+// steps leave them, k at row place(k); the caller reads them there. Other lengths go to FFTW, where place(k) = k.
 
 #include <array>
 #include <cstdint>

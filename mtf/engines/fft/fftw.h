@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The only door to FFTW: one-dimensional transforms of fixed length, one thread each. Planning is serialised behind one
-// lock (FFTW's planner is not thread-safe); execution is const and re-entrant. Data are aligned to 64 bytes
+// All use of FFTW is in this file: one-dimensional transforms of fixed length, one thread each. One lock serialises
+// planning (FFTW's planner is not thread-safe); execution is const and re-entrant. Data are aligned to 64 bytes
 // (AlignedBuffer).
 
 #include <cstdint>

@@ -20,19 +20,19 @@ enum class Source {
   pairs    ///< A + i B, or conj(A) + i conj(B): two real sequences in one, from their coefficients in rows `up`, `down`
 };
 
-/// How a source row is multiplied by its row of the OTF.
+/// How a row of the OTF multiplies its source row.
 enum class Factor {
   none,
   real,    ///< number by number
   complex  ///< lane by lane
 };
 
-/// One source row on its way to a target row.
+/// One source row that is added to a target row.
 template <class S>
 struct FoldTerm {
   std::int32_t up = 0, down = 0, target = 0;
   std::int32_t otf = 0;  ///< row of the OTF
-  bool first = true;     ///< nothing is in the target yet
+  bool first = true;     ///< the target holds nothing yet
   S cos = 0, sin = 0;    ///< cosine: t / 2; pairs: sin is +1, or -1 for the conjugates
   S re = 1, im = 0;      ///< factor
 };
@@ -63,7 +63,7 @@ void transpose(const S* from, std::int64_t from_stride, S* to, std::int64_t to_s
 /// kLanes.
 template <class S>
 void lines_to_lanes(const S* lines, std::int64_t stride, std::int64_t count, S* data);
-/// And back: number j of line l is number l of row rows[j].
+/// The inverse: number j of line l is number l of row rows[j].
 template <class S>
 void lanes_to_lines(const S* data, std::span<const std::int32_t> rows, S* lines, std::int64_t stride);
 

@@ -24,11 +24,11 @@ struct Step {
   std::vector<S> twiddles;  ///< of row p > 0, factor j > 0: cos and sin of -2 pi p j / (radix stride)
 };
 
-/// Gathering is forward, where row n of one block is read at row rows[n] of `from`.
-enum class Way { forward, gather, inverse };
+/// `gather` is forward too, but reads row n of its one block from row rows[n] of `from`.
+enum class Pass { forward, gather, inverse };
 
 /// Takes `blocks` blocks of `data` through the step. Instantiated for float and double.
-template <class S, Way way>
+template <class S, Pass pass>
 void run_step(const Step<S>& step, S* data, std::int64_t blocks, const S* from = nullptr,
               const std::int32_t* rows = nullptr);
 

@@ -3,11 +3,11 @@
 
 namespace mtf::lanes {
 
-template void run_step<double, Way::forward>(const Step<double>&, double*, std::int64_t, const double*,
+template void run_step<double, Pass::forward>(const Step<double>&, double*, std::int64_t, const double*,
+                                              const std::int32_t*);
+template void run_step<double, Pass::gather>(const Step<double>&, double*, std::int64_t, const double*,
                                              const std::int32_t*);
-template void run_step<double, Way::gather>(const Step<double>&, double*, std::int64_t, const double*,
-                                            const std::int32_t*);
-template void run_step<double, Way::inverse>(const Step<double>&, double*, std::int64_t, const double*,
-                                             const std::int32_t*);
+template void run_step<double, Pass::inverse>(const Step<double>&, double*, std::int64_t, const double*,
+                                              const std::int32_t*);
 
 }  // namespace mtf::lanes

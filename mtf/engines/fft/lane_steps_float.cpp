@@ -3,10 +3,11 @@
 
 namespace mtf::lanes {
 
-template void run_step<float, Way::forward>(const Step<float>&, float*, std::int64_t, const float*,
+template void run_step<float, Pass::forward>(const Step<float>&, float*, std::int64_t, const float*,
+                                             const std::int32_t*);
+template void run_step<float, Pass::gather>(const Step<float>&, float*, std::int64_t, const float*,
                                             const std::int32_t*);
-template void run_step<float, Way::gather>(const Step<float>&, float*, std::int64_t, const float*, const std::int32_t*);
-template void run_step<float, Way::inverse>(const Step<float>&, float*, std::int64_t, const float*,
-                                            const std::int32_t*);
+template void run_step<float, Pass::inverse>(const Step<float>&, float*, std::int64_t, const float*,
+                                             const std::int32_t*);
 
 }  // namespace mtf::lanes

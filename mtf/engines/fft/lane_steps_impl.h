@@ -2,7 +2,7 @@
 #pragma once
 
 // The bodies of the radix steps. They are the longest functions of the library, 81 of each precision (nine radices,
-// three ways, three widths of vectors) and unrolled whole: every precision is compiled in a source of its own.
+// three passes, three widths of vectors) and unrolled whole: every precision is compiled in a source of its own.
 
 #include <cassert>
 #include <cstdint>
@@ -14,7 +14,7 @@
 namespace mtf::lanes {
 
 // Sign -1 on (re, im); sign +1 is the same with re and im exchanged.
-template <class S, int R, Way way>
+template <class S, int R, Pass pass>
 struct Radix {
   template <int Bytes>
   static MTFKIT_INLINE void run(S* re, S* im, std::int64_t stride, std::int64_t blocks, const S* twiddles,
@@ -38,18 +38,18 @@ struct Radix {
       P z[R];
 #pragma GCC unroll 16
       for (int j = 0; j < R; ++j) {
-        if constexpr (way == Way::gather) {
+        if constexpr (pass == Pass::gather) {
           const S* row = from + std::int64_t{rows[p + j * stride]} * kRow + lane;
           z[j] = P::load(row, row + kLanes);
         } else {
           z[j] = P::load(re_p + j * apart, im_p + j * apart);
         }
       }
-      if constexpr (turned && way == Way::inverse)
+      if constexpr (turned && pass == Pass::inverse)
 #pragma GCC unroll 16
         for (int j = 1; j < R; ++j) z[j] = z[j].turned(w[2 * j - 2], w[2 * j - 1]);
       simd::dft(z);
-      if constexpr (turned && way != Way::inverse)
+      if constexpr (turned && pass != Pass::inverse)
 #pragma GCC unroll 16
         for (int j = 1; j < R; ++j) z[j] = z[j].turned(w[2 * j - 2], w[2 * j - 1]);
 #pragma GCC unroll 16
@@ -58,11 +58,11 @@ struct Radix {
   }
 };
 
-template <class S, Way way>
+template <class S, Pass pass>
 void run_step(const Step<S>& step, S* data, std::int64_t blocks, const S* from, const std::int32_t* rows) {
-  S *const re = way == Way::inverse ? data + kLanes : data, *const im = way == Way::inverse ? data : data + kLanes;
+  S *const re = pass == Pass::inverse ? data + kLanes : data, *const im = pass == Pass::inverse ? data : data + kLanes;
   const auto run = [&]<int R>() {
-    simd::run<Radix<S, R, way>>(re, im, step.stride, blocks, step.twiddles.data(), from, rows);
+    simd::run<Radix<S, R, pass>>(re, im, step.stride, blocks, step.twiddles.data(), from, rows);
   };
   switch (step.radix) {
     case 2:

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include "mtf/engines/mean_and_deviation.h"
 #include "mtf/parallel.h"
@@ -15,6 +16,13 @@ namespace {
 static_assert(kRow == kernels::kColumns);
 
 constexpr std::int64_t round_up(std::int64_t n, std::int64_t step) { return (n + step - 1) / step * step; }
+
+/// work(group, place in the list) for all groups of a list.
+void for_groups(const std::vector<std::int64_t>& groups, int threads, const auto& work) {
+  parallel_for(static_cast<std::int64_t>(groups.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) work(groups[i], i);
+  });
+}
 
 template <class S>
 void add(const S* __restrict from, std::int64_t count, S* __restrict to) {
@@ -53,8 +61,8 @@ double SpectralEngine<S>::otf_scale() const {
 
 template <class S>
 std::int64_t SpectralEngine<S>::block_rows() const {
-  // Whole groups of rows, and one more for the level beyond a border, which also keeps the blocks of one row out of the
-  // same cache sets.
+  // Whole groups of rows, and one more for the value of a constant border, which also keeps the blocks of one row out
+  // of the same cache sets.
   return round_up(std::max(y().samples, y().outputs), kRow) + 1;
 }
 
@@ -95,7 +103,7 @@ void SpectralEngine<S>::run(const std::vector<Channel>& channels, const OtfBlock
 
 template <class S>
 auto SpectralEngine<S>::read(const Channel& channel, const Buffers& buffers, int threads) const -> Plane {
-  Plane plane{channel, buffers};
+  Plane plane{channel, buffers, input_groups(channel, lines_, x(), y(), threads)};
   const std::int64_t samples = x().samples * y().samples;
   kernels::Moments all = lines_forward(plane, threads);
   if (channel.sampled && !is_near(all, samples)) {
@@ -103,7 +111,9 @@ auto SpectralEngine<S>::read(const Channel& channel, const Buffers& buffers, int
     all = lines_forward(plane, threads);
   }
   plane.std = std_of(all, samples);
-  leave_out_levels(plane);
+  if (!plane.input.uniform.empty()) plane.canvas = canvas_without_uniform(plane.input);
+  if (plane.channel.allowance > 0.0) plane.over_uniform = groups_over_uniform(plane.input, x(), y());
+  plane.energies.resize(plane.over_uniform.size() * static_cast<std::size_t>(blocks()));
   return plane;
 }
 
@@ -163,36 +173,60 @@ void SpectralEngine<S>::store(const Channel& channel, std::int64_t begin, std::i
 }
 
 template <class S>
-kernels::Moments SpectralEngine<S>::lines_forward(Plane& plane, int threads) const {
+kernels::Moments SpectralEngine<S>::lines_forward(const Plane& plane, int threads) const {
   const Channel& channel = plane.channel;
-  S* const buffer = plane.buffers.even;
   const std::int64_t used = x().keep * x_.rows_per_coefficient();
-  const auto groups = static_cast<std::size_t>(groups_in());
-  const bool by_row = lines_ == Lines::rows;
-  plane.level = by_row ? std::vector<char>(groups, 0) : level_columns(channel, threads);
-  std::vector<kernels::Moments> moments(groups);
-  parallel_for(y().samples, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
-    const auto group = static_cast<std::size_t>(begin / kRow);
-    if (by_row && level_rows(channel, begin, end)) plane.level[group] = 1;
-    if (plane.level[group] != 0) {
-      moments[group] = read_levels(channel, begin, end, buffer);
-      return;
-    }
+  const auto moments_of = [&](std::int64_t group) {
+    const std::int64_t begin = group * kRow, end = std::min(begin + kRow, y().samples);
     const BufferPool::Loan<S> samples(pool_, static_cast<std::size_t>((x().samples + 1) * kRow)),
         work(pool_, static_cast<std::size_t>(x_.rows() * kRow)),
         coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));
-    moments[group] = load(channel, begin, end, samples.data());
-    std::fill_n(samples.data() + x().samples * kRow, kRow, level(channel));
+    const kernels::Moments moments = load(channel, begin, end, samples.data());
+    std::fill_n(samples.data() + x().samples * kRow, kRow, border_sample(channel));
     x_.forward(samples.data(), x_.canvas(), work.data());
     x_.coefficients(work.data(), coefficients.data());
     std::fill_n(coefficients.data() + used * kRow, (coefficient_rows() - used) * kRow, S(0));
     const std::int64_t step = kRow * x_.rows_per_coefficient();
-    for_tiles(coefficients.data(), buffer, begin,
+    for_tiles(coefficients.data(), plane.buffers.even, begin,
               [&](const S* from, S* to) { lanes::transpose(from, step, to, kRow); });
-  });
+    return moments;
+  };
+  const std::vector<std::int64_t>& groups = plane.input.transformed;
+  std::vector<kernels::Moments> moments(groups.size());
+  for_groups(groups, threads, [&](std::int64_t group, std::size_t i) { moments[i] = moments_of(group); });
   kernels::Moments all;
   for (const kernels::Moments& group : moments) all += group;
+  for (const std::int64_t group : plane.input.uniform)
+    all += uniform_forward(plane, group * kRow, std::min((group + 1) * kRow, y().samples));
   return all;
+}
+
+// A uniform line has one coefficient, in the first block. The others are not read (canvas_without_uniform).
+template <class S>
+kernels::Moments SpectralEngine<S>::uniform_forward(const Plane& plane, std::int64_t begin, std::int64_t end) const {
+  const Channel& channel = plane.channel;
+  const double n = static_cast<double>(x().samples);
+  S* coefficients = plane.buffers.even + begin * kRow;
+  std::fill_n(coefficients, kRow * kRow, S(0));
+  kernels::Moments all;
+  for (std::int64_t k = begin; k < end; ++k, coefficients += kRow) {
+    const float sample = lines_ == Lines::rows ? channel.in.at(0, k) : channel.in.at(k, 0);
+    // Squared in S as samples are, so that what is too large for S shows.
+    const S value = static_cast<S>((sample - channel.mean) * channel.scale);
+    all += {n * static_cast<double>(value), n * static_cast<double>(value * value)};
+    *coefficients = value * static_cast<S>(x().frequency.length);
+  }
+  return all;
+}
+
+// In all blocks but the first, uniform lines are zeros, as the row of a constant border is that stands after the lines.
+template <class S>
+std::vector<std::int32_t> SpectralEngine<S>::canvas_without_uniform(const LineGroups& input) const {
+  std::vector<std::int32_t> canvas(y_.canvas().begin(), y_.canvas().end());
+  for (std::int32_t& line : canvas)
+    if (line < y().samples && std::binary_search(input.uniform.begin(), input.uniform.end(), line / kRow))
+      line = static_cast<std::int32_t>(y().samples);
+  return canvas;
 }
 
 template <class S>
@@ -214,10 +248,10 @@ void SpectralEngine<S>::column_block(const Plane& plane, const OtfBlocks<S>& otf
                                      const std::array<S*, 3>& areas) const {
   const auto [work, target, other] = areas;
   const auto [even, odd] = plane.buffers.of_rows(block * block_rows());
-  // A row of the constant level has one coefficient only: that of frequency zero.
-  S* const level_row = even + y().samples * kRow;
-  std::fill_n(level_row, kRow, S(0));
-  if (block == 0) level_row[0] = level(plane.channel) * static_cast<S>(x().frequency.length);
+  // A row of a constant border has one coefficient only: that of frequency zero.
+  S* const border_row = even + y().samples * kRow;
+  std::fill_n(border_row, kRow, S(0));
+  if (block == 0) border_row[0] = border_sample(plane.channel) * static_cast<S>(x().frequency.length);
   y_.forward(even, block == 0 || plane.canvas.empty() ? y_.canvas() : plane.canvas, work);
   for (std::size_t p = 0; p < otf.parts.size(); ++p) {
     const auto [along_x, along_y] = otf.parts[p];
@@ -237,15 +271,38 @@ void SpectralEngine<S>::column_block(const Plane& plane, const OtfBlocks<S>& otf
   }
 }
 
+// Sums of the squares of a block's coefficients but the zeroth ones, while the block is in the cache.
+template <class S>
+void SpectralEngine<S>::add_energies(Plane& plane, std::int64_t block) const {
+  const auto [even, odd] = plane.buffers.of_rows(block * block_rows());
+  for (std::size_t i = 0; i < plane.over_uniform.size(); ++i) {
+    const std::int64_t begin = plane.over_uniform[i] * kRow, end = std::min(begin + kRow, y().outputs);
+    double& energy = plane.energies[i * static_cast<std::size_t>(blocks()) + static_cast<std::size_t>(block)];
+    for (const S* rows : {static_cast<const S*>(even), static_cast<const S*>(odd)}) {
+      if (rows == nullptr) continue;
+      std::array<S, kRow> squares{};
+      for (const S* row = rows + begin * kRow; row < rows + end * kRow; row += kRow)
+        for (std::size_t l = 0; l < kRow; ++l) squares[l] += row[l] * row[l];
+      energy += std::accumulate(squares.begin() + (block == 0 && rows == even ? 1 : 0), squares.end(), 0.0);
+    }
+  }
+}
+
+template <class S>
+LineGroups SpectralEngine<S>::output_of(const Plane& plane) const {
+  std::vector<double> energies;
+  for (auto first = plane.energies.begin(); first != plane.energies.end(); first += blocks())
+    energies.push_back(std::accumulate(first, first + blocks(), 0.0));
+  return output_groups(plane.over_uniform, energies, plane.channel.allowance * plane.std, x(), y());
+}
+
 template <class S>
 void SpectralEngine<S>::lines_inverse(const Plane& plane, int threads) const {
   const Channel& channel = plane.channel;
   const Buffers& buffers = plane.buffers;
   const std::int64_t step = kRow * x_.rows_per_coefficient();
-  const std::vector<bool> silent = negligible_lines(plane);
-  store_levels(plane, silent, threads);
-  parallel_for(y().outputs, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
-    if (silent[static_cast<std::size_t>(begin / kRow)]) return;
+  const auto transform = [&](std::int64_t group) {
+    const std::int64_t begin = group * kRow;
     const auto area = static_cast<std::size_t>(x_.rows() * kRow);
     const BufferPool::Loan<S> work(pool_, area), target(pool_, area),
         coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));
@@ -260,7 +317,34 @@ void SpectralEngine<S>::lines_inverse(const Plane& plane, int threads) const {
       S* spare = samples == work.data() ? target.data() : work.data();
       add(samples_of(Parity::odd, buffers.odd, spare, other.data()), inverse_length(x()) * kRow, samples);
     }
-    store(channel, begin, end, samples);
+    store(channel, begin, std::min(begin + kRow, y().outputs), samples);
+  };
+  const LineGroups output = output_of(plane);
+  uniform_inverse(plane, output.uniform, threads);
+  for_groups(output.transformed, threads, [&](std::int64_t group, std::size_t) { transform(group); });
+}
+
+// Groups of lines that come out uniform: the zeroth coefficient is their value.
+template <class S>
+void SpectralEngine<S>::uniform_inverse(const Plane& plane, const std::vector<std::int64_t>& groups,
+                                        int threads) const {
+  const Channel& channel = plane.channel;
+  std::vector<float> values(static_cast<std::size_t>(y().outputs));
+  for (std::int64_t k = 0; k < y().outputs; ++k)
+    values[static_cast<std::size_t>(k)] =
+        static_cast<float>(static_cast<double>(plane.buffers.even[k * kRow]) / channel.scale + channel.out_mean());
+  if (lines_ == Lines::rows) {
+    for_groups(groups, threads, [&](std::int64_t group, std::size_t) {
+      for (std::int64_t k = group * kRow; k < std::min((group + 1) * kRow, y().outputs); ++k)
+        std::fill_n(channel.out.row(k), x().outputs, values[static_cast<std::size_t>(k)]);
+    });
+    return;
+  }
+  parallel_for(x().outputs, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i)
+      for (const std::int64_t group : groups)
+        std::copy_n(values.begin() + group * kRow, std::min<std::int64_t>(kRow, y().outputs - group * kRow),
+                    channel.out.row(i) + group * kRow);
   });
 }
 

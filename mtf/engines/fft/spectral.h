@@ -6,9 +6,9 @@
 //   2. columns           blocks of kLanes complex columns, each in cache: transform, multiply by the OTF, fold to the
 //                        detector grid, inverse transform
 //   3. lines inverse     x coefficients, folded -> detector rows
-// Rows that are of one level have one coefficient, which takes no transform; filtered rows whose other coefficients are
-// together below what may be left out (Parseval: exactly their rms) are of one level again. Where an image has columns
-// of one level instead, its columns are the lines, and x and y change places from end to end.
+// Rows that are uniform take no transform, neither forwards nor, where the filter brings next to nothing to them,
+// backwards: mtf/engines/fft/line_groups.h chooses, and the engine transforms the groups of rows that it is given.
+// Where an image has uniform columns instead, its columns are the lines, and x and y change places from end to end.
 // Columns beyond the cutoff never exist, border rows are never transformed twice, and the inverse works on the detector
 // grid only. Threads share groups of rows and blocks; every result is independent of their number.
 //
@@ -32,6 +32,7 @@
 #include "mtf/engines/buffer_pool.h"
 #include "mtf/engines/engine.h"
 #include "mtf/engines/fft/axis_pass.h"
+#include "mtf/engines/fft/line_groups.h"
 #include "mtf/engines/kernels.h"
 #include "mtf/image.h"
 
@@ -93,41 +94,36 @@ class SpectralEngine {
       return {even + first * kRow, odd == nullptr ? nullptr : odd + first * kRow};
     }
   };
-  /// A channel on its way.
+  /// A channel between the passes.
   struct Plane {
     Channel channel;
     Buffers buffers;
-    double std = 0.0;                       ///< of the image, scaled
-    std::vector<char> level = {};           ///< groups of lines that are of one level each
-    std::vector<std::int32_t> canvas = {};  ///< where there are: of the columns beyond the first block
-    std::vector<std::int64_t> over = {};    ///< and groups of filtered lines that lie over them
-    std::vector<double> energies = {};      ///< of those: [group][block]
+    LineGroups input;
+    double std = 0.0;                             ///< of the image, scaled
+    std::vector<std::int32_t> canvas = {};        ///< of the columns beyond the first block: uniform lines as zeros
+    std::vector<std::int64_t> over_uniform = {};  ///< groups of filtered lines that may be negligible
+    std::vector<double> energies = {};            ///< of those: [group][block]
   };
   Plane read(const Channel& channel, const Buffers& buffers, int threads) const;
-  kernels::Moments lines_forward(Plane& plane, int threads) const;
+  kernels::Moments lines_forward(const Plane& plane, int threads) const;
+  kernels::Moments uniform_forward(const Plane& plane, std::int64_t begin, std::int64_t end) const;
   void columns(std::vector<Plane>& planes, const OtfBlocks<S>& otf, int threads) const;
   void lines_inverse(const Plane& plane, int threads) const;
+  void uniform_inverse(const Plane& plane, const std::vector<std::int64_t>& groups, int threads) const;
   kernels::Moments load(const Channel& channel, std::int64_t begin, std::int64_t end, S* samples) const;
   void store(const Channel& channel, std::int64_t begin, std::int64_t end, const S* samples) const;
   void column_block(const Plane& plane, const OtfBlocks<S>& otf, std::int64_t block,
                     const std::array<S*, 3>& areas) const;
-  // Lines of one level: spectral_flat.cpp.
-  std::vector<char> level_columns(const Channel& channel, int threads) const;
-  bool level_rows(const Channel& channel, std::int64_t begin, std::int64_t end) const;
-  kernels::Moments read_levels(const Channel& channel, std::int64_t begin, std::int64_t end, S* buffer) const;
-  void store_levels(const Plane& plane, const std::vector<bool>& silent, int threads) const;
-  void leave_out_levels(Plane& plane) const;
   void add_energies(Plane& plane, std::int64_t block) const;
-  std::vector<bool> negligible_lines(const Plane& plane) const;
+  std::vector<std::int32_t> canvas_without_uniform(const LineGroups& input) const;
+  LineGroups output_of(const Plane& plane) const;
   /// Calls tile(coefficients of kLanes lines, rows in the buffer) for all kLanes lines x kLanes numbers of a group.
   void for_tiles(auto* coefficients, auto* buffer, std::int64_t first_row, const auto& tile) const;
 
   std::int64_t block_rows() const;        ///< rows of one block of a buffer
   std::int64_t coefficient_rows() const;  ///< rows of the coefficients of one group of lines
   std::int64_t line_stride() const;
-  std::int64_t groups_in() const { return (y().samples + kRow - 1) / kRow; }
-  std::int64_t groups_out() const { return (y().outputs + kRow - 1) / kRow; }
-  S level(const Channel& channel) const {
+  S border_sample(const Channel& channel) const {
     return static_cast<S>((channel.border_value - channel.mean) * channel.scale);
   }
 

@@ -102,7 +102,7 @@ void SeparableEngine::tile(const Channel& channel, const TapsFlat& flat, const T
       for_stretches(kinds, n, [&](std::int64_t begin, std::int64_t end, auto kind) {
         if (kind != 0)
           std::fill(out + begin, out + end,
-                    static_cast<float>((flat.level(kind) - channel.mean) * channel.scale *
+                    static_cast<float>((flat.value(kind) - channel.mean) * channel.scale *
                                        x_gains_[static_cast<std::size_t>(k)]));
         else if (mirrored_x_)
           weighted_pairs(a.data(), b.data(), taps, x_terms, begin, end, out);

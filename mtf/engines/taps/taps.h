@@ -3,9 +3,9 @@
 
 // Filtering in the space domain, for point spreads of a few samples: detector sample j along an axis is a weighted sum
 // of the scene samples j x ratio + first + t, t = 0 .. count - 1, whole ratios only. Both engines walk over tiles of
-// the output that fit the cache; groups of 16 outputs of a row whose samples, with those around that they need, are of
-// one level are H(0) x level. Taps that are mirrored bit by bit let mirrored samples be added before they are
-// multiplied.
+// the output that fit the cache; a group of 16 outputs of a row is H(0) times one value where all
+// samples that the taps read for them have this value. Taps that equal their mirror image bit by bit let mirrored
+// samples be added before they are multiplied.
 
 #include <vector>
 

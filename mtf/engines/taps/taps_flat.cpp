@@ -12,45 +12,46 @@ namespace {
 using Kind = UniformRuns::Kind;
 
 // Groups of samples that a group of outputs reads.
-struct Reach {
+struct Support {
   struct Range {
     std::int64_t first, last;
   };
   std::vector<Range> ranges;
-  bool border_level = false;  ///< and the level of a constant border
+  bool border = false;  ///< whether it also reads the value of a constant border
 };
 
-Reach reach_of(const TapAxis& x, Border border, std::int64_t group) {
+Support support_of(const TapAxis& x, Border border, std::int64_t group) {
   const std::int64_t n = x.samples, outputs = std::min(group * kVector + kVector, x.outputs) - 1;
   const std::int64_t first = group * kVector * x.ratio + x.first, last = outputs * x.ratio + x.first + x.count - 1;
   const std::int64_t left = std::max<std::int64_t>(0, -first), right = std::max<std::int64_t>(0, last - n + 1);
-  Reach reach;
+  Support support;
   const auto add = [&](std::int64_t from, std::int64_t to) {
-    if (from <= to) reach.ranges.push_back({from / kVector, to / kVector});
+    if (from <= to) support.ranges.push_back({from / kVector, to / kVector});
   };
-  reach.border_level = border == Border::constant && left + right > 0;
+  support.border = border == Border::constant && left + right > 0;
   if (std::max(left, right) > n) {
     add(0, n - 1);
-    return reach;
+    return support;
   }
   add(std::max<std::int64_t>(first, 0), std::min(last, n - 1));
   if (border == Border::reflect) add(0, left - 1), add(n - right, n - 1);
   if (border == Border::periodic) add(n - left, n - 1), add(0, right - 1);
   if (border == Border::replicate && left > 0) add(0, 0);
   if (border == Border::replicate && right > 0) add(n - 1, n - 1);
-  return reach;
+  return support;
 }
 
-Kind kind_within(const Kind* row, const Reach& reach, Kind border_kind) {
-  const Kind kind = row[reach.ranges.front().first];
-  if (reach.border_level && border_kind != kind) return 0;
-  for (const Reach::Range& range : reach.ranges)
+Kind kind_within(const Kind* row, const Support& support, Kind border_kind) {
+  const Kind kind = row[support.ranges.front().first];
+  if (support.border && border_kind != kind) return 0;
+  for (const Support::Range& range : support.ranges)
     for (std::int64_t i = range.first; i <= range.last; ++i)
       if (row[i] != kind) return 0;
   return kind;
 }
 
-// A row further down: how many rows in a row each group has had its kind, and what `count` rows make of it.
+// The next row down: `alike` counts for how many rows each group has kept its kind, and `out` is that kind where it has
+// kept it for `count` rows, else 0.
 MTFKIT_CLONES void add_row(const Kind* __restrict row, const Kind* __restrict above, std::int64_t groups,
                            std::int32_t count, std::int32_t* __restrict alike, Kind* __restrict out) {
   for (std::int64_t g = 0; g < groups; ++g) {
@@ -65,8 +66,8 @@ TapsFlat::TapsFlat(const Channel& channel, const TapAxis& x, const TapAxis& y, B
     : map_(channel.flat), groups_((x.outputs + kVector - 1) / kVector) {
   if (map_ == nullptr || !map_->any()) return;
   const Kind border_kind = map_->kind_of(static_cast<float>(channel.border_value));
-  std::vector<Reach> reaches;
-  for (std::int64_t g = 0; g < groups_; ++g) reaches.push_back(reach_of(x, border, g));
+  std::vector<Support> supports;
+  for (std::int64_t g = 0; g < groups_; ++g) supports.push_back(support_of(x, border, g));
 
   const std::int64_t needed = (y.outputs - 1) * y.ratio + y.count;
   const auto groups = static_cast<std::size_t>(groups_), samples = static_cast<std::size_t>(map_->groups());
@@ -74,8 +75,8 @@ TapsFlat::TapsFlat(const Channel& channel, const TapAxis& x, const TapAxis& y, B
   outputs_.resize(static_cast<std::size_t>(y.outputs) * groups);
   std::vector<std::int32_t> alike(groups, 0);
   std::vector<Kind> made(groups);
-  const Kind* before = nullptr;  // rows like the one above are many
-  std::int64_t alike_rows = 0;   // in a row: once the taps see no others, nothing changes
+  const Kind* before = nullptr;  // many rows equal the one above
+  std::int64_t alike_rows = 0;   // so far; nothing changes once the taps read no other rows
   for (std::int64_t r = 0; r < needed; ++r) {
     Kind* row = rows_.data() + static_cast<std::size_t>(r) * groups;
     const std::int64_t source = border_source(border, y.first + r, y.samples);
@@ -86,7 +87,7 @@ TapsFlat::TapsFlat(const Channel& channel, const TapAxis& x, const TapAxis& y, B
     } else {
       alike_rows = 0;
       for (std::size_t g = 0; g < groups; ++g)
-        row[g] = kinds == nullptr ? border_kind : kind_within(kinds, reaches[g], border_kind);
+        row[g] = kinds == nullptr ? border_kind : kind_within(kinds, supports[g], border_kind);
     }
     before = kinds;
     if (alike_rows <= y.count)
@@ -101,7 +102,7 @@ void TapsFlat::fill_row(const Channel& channel, std::int64_t y) const {
   if (outputs_.empty()) return;
   for_stretches(output(y, 0), channel.out.width, [&](std::int64_t begin, std::int64_t end, Kind kind) {
     if (kind != 0)
-      std::fill(channel.out.row(y) + begin, channel.out.row(y) + end, static_cast<float>(channel.dc * level(kind)));
+      std::fill(channel.out.row(y) + begin, channel.out.row(y) + end, static_cast<float>(channel.dc * value(kind)));
   });
 }
 
@@ -142,7 +143,7 @@ void for_each_tile(const std::vector<Channel>& channels, const TapAxis& x, const
     parallel_for(y.outputs, 64, threads, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t j = begin; j < end; ++j) flat.back().fill_row(channels[c], j);
     });
-    // Tiles of like width: a narrow one costs as much as a wider one.
+    // Tiles of about the same width: a narrow tile costs as much as a wider one.
     const TileArea work = flat.back().rest({0, 0, x.outputs, y.outputs});
     const std::int64_t across = (work.columns + kTileColumns - 1) / kTileColumns;
     const std::int64_t width = across > 0 ? whole_vectors((work.columns + across - 1) / across) : kTileColumns;

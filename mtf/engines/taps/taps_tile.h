@@ -32,7 +32,7 @@ void weighted_pairs(const float* const* a, const float* const* b, const float* w
 /// out[i] = a[i] + b[i].
 void add_rows(const float* a, const float* b, std::int64_t n, float* out);
 
-/// Outputs that are made together.
+/// Outputs that are computed together.
 struct TileArea {
   std::int64_t x0 = 0, y0 = 0, columns = 0, rows = 0;
 };
@@ -58,7 +58,7 @@ class TileRows {
   std::int64_t first_row_;             ///< of the canvas
   std::int64_t begin_, n_;             ///< samples of a row
   std::int64_t left_, right_;          ///< of them, left .. right - 1 lie in the image
-  std::vector<std::int64_t> outside_;  ///< where the others come from, in order; -1: the constant level
+  std::vector<std::int64_t> outside_;  ///< where the others come from, in order; -1: the value of a constant border
 };
 
 /// Taps that equal themselves backwards, bit by bit.
