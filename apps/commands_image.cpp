@@ -53,16 +53,19 @@ Command simulate_command() {
               "The tolerance is the rms error over the output pixels, relative to the scene's standard deviation.\n"
               "A number in a name, as in frame.%04d.exr, makes it a sequence: its frames run in parallel. A schedule\n"
               "has the header frame,parameter,value and lines such as 20,jitter.rms,8 urad: from frame 20 on the\n"
-              "component labelled jitter has that rms, as if the sensor file said so. With a schedule the scene may\n"
+              "component labelled jitter has that rms, until a later line changes it. With a schedule the scene may\n"
               "be one image; there is an output for every frame that the schedule names, or those of --frames.",
               "  mtf simulate sensor.toml scene.exr -o out.exr\n"
               "  mtf simulate sensor.toml frame.%04d.exr -o out.%04d.exr --tolerance 1e-3 --report run.json"};
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
   add_file(app, "scene", "image of the scene, or frame.%04d.exr for a sequence", options.scene);
-  add_text(app, "-o,--out", "FILE", "image to write; of a sequence out.%04d.exr", options.out).required = true;
+  add_text(app, "-o,--out", "FILE", "image to write; of a sequence out.%04d.exr; .exr to measure it (see --range)",
+           options.out)
+      .required = true;
   add_text(app, "--report", "FILE", "what was done, how exactly and how fast, as JSON", options.report);
   add_channel_choice(app, options.channel, options.layer, options.part);
-  add_word(app, "--tolerance", "X", "rms error allowed; default 1e-4", set_tolerance(options.tolerance));
+  add_word(app, "--tolerance", "X", "rms error allowed; default 1e-4, with [adc] in the sensor file a tenth of a count",
+           set_tolerance(options.tolerance));
   add_choice(
       app, "--tap", "PLACE",
       "of a sensor with [detector]: radiance, irradiance, electrons, dn (counts) or display; default: the end of "
@@ -88,14 +91,17 @@ Command simulate_command() {
            [&](const std::string& text) { options.region = rectangle("--roi", text); });
   add_choice(app, "--resume", "MODE", "a stopped run in tiles: auto (default) goes on with it, no starts over", kResume,
              options.resume);
-  add_word(app, "--range", "LOW:HIGH",
-           "values at 0 and at the largest number of PNG and TIFF output; default: the extremes of the image,\n"
-           "with [adc] the counts as they are, with [agc] the levels of the display. 16 bits; 8 for up to 255 levels",
-           [&](const std::string& text) {
-             const auto range = number_range("--range", text);
-             options.range_low = range[0];
-             options.range_high = range[1];
-           });
+  add_word(
+      app, "--range", "LOW:HIGH",
+      "values that become 0 and the largest number of PNG and TIFF output; default: the least and largest value\n"
+      "of the image, with [adc] the counts as they are, with [agc] the values of the display. 16 bits; 8 for up to\n"
+      "255 display values. By default the brightest and darkest pixels are at the ends of the scale, which\n"
+      "mtf measure takes for clipping: leave a margin here, or write .exr",
+      [&](const std::string& text) {
+        const auto range = number_range("--range", text);
+        options.range_low = range[0];
+        options.range_high = range[1];
+      });
   app.run = [shared](const Global& global) { return run_simulate(*shared, global); };
   return app;
 }

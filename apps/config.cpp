@@ -134,7 +134,8 @@ int run_config(const ConfigOptions& options, const Global& global) {
     case ConfigOptions::Action::explain:
       return explain(options, global);
     case ConfigOptions::Action::kinds:
-      print(options.markdown ? kinds_markdown(options.file) : describe_kinds(options.file));
+      print(options.markdown ? kinds_markdown(options.file)
+                             : describe_kinds(options.file, radiometry::sensor_tables()));
       return 0;
   }
   return 0;
