@@ -27,7 +27,7 @@ Setter set_tolerance(std::optional<double>& tolerance) {
 Command demo_command() {
   const auto shared = std::make_shared<DemoOptions>();
   DemoOptions& options = *shared;
-  Command app{"demo", "the whole chain on an example, with proof, in seconds",
+  Command app{"demo", "an example of the whole chain, checked against the analytic MTF, in seconds",
               "Writes a folder with sensor file, scene, simulated image, previews and MTF plot.",
               "  mtf demo\n"
               "  mtf demo -o my-demo --tolerance 1e-5"};
@@ -75,21 +75,22 @@ Command simulate_command() {
   add_flag(app, "--explain", "show what the plan left out, merged and chose", options.explain);
   add_choice(app, "--rigor", "RIGOR", "estimate (default, reproducible) or measure (times candidates first)", kRigor,
              options.measure);
-  add_text(app, "--wisdom", "FILE",
-           "what measuring has learnt: read before, written after; default:\na file in ~/.cache/mtfkit, which may be "
-           "deleted at any time",
-           options.wisdom);
+  add_text(
+      app, "--wisdom", "FILE",
+      "measured run times of methods: read before, written after; default:\na file in ~/.cache/mtfkit, which may be "
+      "deleted at any time",
+      options.wisdom);
   add_word(app, "--frames", "RANGE", "START:STOP[:STEP], both ends; default: all frames, or those of the schedule",
            [&](const std::string& text) { options.frames = frame_range("--frames", text); });
   add_text(app, "--schedule", "FILE", "parameters that change over frames: CSV with frame,parameter,value",
            options.schedule);
   add_word(app, "--memory", "SIZE",
-           "most memory to use, such as 512MiB or 2GB: the scene (OpenEXR) goes through in tiles.\n"
+           "most memory to use, such as 512MiB or 2GB: the scene (OpenEXR) is filtered in tiles.\n"
            "Without it that is done only where the whole image does not fit the machine",
            [&](const std::string& text) { options.memory = byte_count("--memory", text); });
   add_word(app, "--roi", "X,Y,W,H", "pixels of the output that are wanted; only what they need is computed",
            [&](const std::string& text) { options.region = rectangle("--roi", text); });
-  add_choice(app, "--resume", "MODE", "a stopped run in tiles: auto (default) goes on with it, no starts over", kResume,
+  add_choice(app, "--resume", "MODE", "a stopped run in tiles: auto (default) continues it, no starts over", kResume,
              options.resume);
   add_word(
       app, "--range", "LOW:HIGH",
@@ -110,9 +111,9 @@ Command bench_command() {
   const auto shared = std::make_shared<BenchOptions>();
   BenchOptions& options = *shared;
   Command app{
-      "bench", "what each tolerance costs: promised and realised error beside run time",
-      "For every decade of tolerance from 1e-1 to 1e-7: the plan that is chosen, every other way that keeps the\n"
-      "tolerance, and plain OpenCV, each held against the exact image in double and timed in interleaved rounds with\n"
+      "bench", "what each tolerance costs: promised and realised error, and run time",
+      "For every decade of tolerance from 1e-1 to 1e-7: the plan that is chosen, every other method that keeps the\n"
+      "tolerance, and plain OpenCV, each compared with the exact image in double and timed in interleaved rounds with\n"
       "bare FFTW. Writes bench.csv, bench.json, bench.svg and bench.png. Exit code 3 when an error is above its\n"
       "promise. A tolerance that cannot be kept has a row `refused` with the one that can.",
       "  mtf bench sensor.toml scene.exr -o bench --rounds 3 --seconds 5\n"
@@ -121,7 +122,7 @@ Command bench_command() {
   add_file(app, "scene", "image of the scene", options.scene);
   add_text(app, "-o,--out", "FOLDER", "folder to create", options.out).required = true;
   add_channel_choice(app, options.channel, options.layer, options.part);
-  add_word(app, "--rounds", "N", "runs of each way; default 15, fewer of slow ones",
+  add_word(app, "--rounds", "N", "runs of each method; default 15, fewer of slow ones",
            [&](const std::string& text) { options.rounds = whole_number("--rounds", text, 1, 10000); });
   add_word(app, "--seconds", "S", "time for the whole, about; default 60", [&](const std::string& text) {
     options.seconds = number("--seconds", text);

@@ -22,7 +22,7 @@
 namespace apps {
 namespace {
 
-/// The stages of the chain in their order, and those that are off with what would switch them on.
+/// The stages of the chain in their order, and those that are off with the table that would switch them on.
 std::string explain_chain(const mtf::io::SensorConfig& config) {
   TextTable on({"stage", "what it does"}), off({"left out", "why"});
   for (const radiometry::ChainStage& stage : chain_stages(config.system, load_chain(config).sensor))
