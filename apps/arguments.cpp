@@ -57,6 +57,13 @@ double number(std::string_view option, std::string_view text) {
   return *value;
 }
 
+double kelvin(std::string_view option, std::string_view text) {
+  const std::string_view word = trimmed(text);
+  const auto value = finite(word.ends_with('K') ? word.substr(0, word.size() - 1) : word);
+  if (!value) refuse(option, text, "a temperature in K, such as 288 or \"288 K\"");
+  return *value;
+}
+
 int whole_number(std::string_view option, std::string_view text, int low, int high) {
   const auto value = read_number<int>(text);
   if (!value || *value < low || *value > high)

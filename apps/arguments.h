@@ -20,6 +20,9 @@ namespace apps {
 /// A finite number, whatever the locale.
 double number(std::string_view option, std::string_view text);
 
+/// A temperature in K: "288", "288 K".
+double kelvin(std::string_view option, std::string_view text);
+
 /// A whole number in [low, high].
 int whole_number(std::string_view option, std::string_view text, int low, int high);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// `mtf budget SENSOR`: what a pixel collects, each noise term, and what that lets one see.
+// `mtf budget SENSOR`: the electrons of a pixel, each noise term, and the sensitivity that follows.
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Rows = std::vector<radiometry::BudgetRow>;
 
-/// Why figures have no value, but for saturation: each reason once, behind the names of its rows.
+/// Why figures have no value, but for saturation: each reason once, after the names of its rows.
 std::string reasons(const Rows& rows) {
   std::vector<std::pair<std::string, std::string>> found;  // reason, names
   for (const auto& row : rows) {
@@ -85,7 +85,7 @@ int run_budget(const BudgetOptions& options, const Global& global) {
   if (!options.out.empty())
     for (const std::string& input : files_of(config)) require_different(input, options.out);
   const LoadedSensor loaded = load_chain(config);
-  if (loaded.paths) note(global, "note: the path has the range of each pixel; this budget is for none");
+  if (loaded.paths) note(global, "note: the scene gives the range of each pixel; this budget is without a path");
   const radiometry::Budget<double> budget =
       at_its_place(config, [&] { return budget_of(config.system, loaded.sensor, options.temperature_k); });
   if (const std::string gap = spatial_gap(loaded.sensor.settings, budget); !gap.empty())

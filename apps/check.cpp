@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// `mtf check`: every promise about numbers, held against references on this machine and build.
+// `mtf check`: the promised accuracy of all numbers, compared with references on this machine and build.
 
 #include "apps/check/check.h"
 

@@ -61,8 +61,8 @@ Command measure_command() {
       "measure", "the MTF from images of edges, with error bands",
       "Finds the edges, or takes those of --roi, and gives MTF and figures of merit of each in cycles per pixel\n"
       "along its normal, with standard deviations. No model of the sensor is needed. Angles are of the edge's\n"
-      "normal, from +x (right) towards +y (down), as of mtf curve. What cannot be determined is said with its\n"
-      "reason, in json as null. Channels besides a full name: luminance, or all (each for\n"
+      "normal, from +x (right) towards +y (down), as of mtf curve. What cannot be determined is left out with\n"
+      "the reason, in json as null. Channels besides a full name: luminance, or all (each for\n"
       "itself). --plot and --annotate write the figures of the best edge and of the first image.",
       "  mtf measure edge.png\n"
       "  mtf measure edge.png --roi 10,12,80,96 --format json -o edge.json --plot edge.svg"};
@@ -92,12 +92,13 @@ Command fit_command() {
   const auto shared = std::make_shared<FitOptions>();
   FitOptions& options = *shared;
   Command app{
-      "fit", "the sensor's parameters from what it measured, with what the data cannot tell",
+      "fit", "the sensor's parameters from its images, and which of them the data do not determine",
       "Fits every number of the sensor file that is written { value = ..., fit = true } to the pixels of edges, to\n"
-      "MTF curves of other instruments and to images of point sources, all together. min, max and prior = { mean, sd "
+      "MTF curves of other instruments and to images of point sources, all in one fit. min, max and prior = { mean, sd "
       "}\n"
-      "in the same table are used. Parameters that the data do not determine are said, never given a value as if they\n"
-      "were. Where exposure, focus or band differ between images, a conditions file (frame,parameter,value; the frame\n"
+      "in the same table are used. Parameters that the data do not determine are reported as such, without a\n"
+      "standard error. Where exposure, focus or band differ between images, a conditions file (frame,parameter,value; "
+      "the frame\n"
       "is the number of the image on the command line, from 1) says how, as a schedule does for simulate.\n"
       "The status is converged_model_wrong where the residuals have structure that noise does not explain: all files\n"
       "are written, and the exit code is 3 (--allow-misfit: 0). Where the effect of a parameter vanishes at a bound,\n"

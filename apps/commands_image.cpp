@@ -27,7 +27,7 @@ Setter set_tolerance(std::optional<double>& tolerance) {
 Command demo_command() {
   const auto shared = std::make_shared<DemoOptions>();
   DemoOptions& options = *shared;
-  Command app{"demo", "the whole chain on an example, with proof, in seconds",
+  Command app{"demo", "an example of the whole chain, checked against the analytic MTF, in seconds",
               "Writes a folder with sensor file, scene, simulated image, previews and MTF plot.",
               "  mtf demo\n"
               "  mtf demo -o my-demo --tolerance 1e-5"};
@@ -53,16 +53,19 @@ Command simulate_command() {
               "The tolerance is the rms error over the output pixels, relative to the scene's standard deviation.\n"
               "A number in a name, as in frame.%04d.exr, makes it a sequence: its frames run in parallel. A schedule\n"
               "has the header frame,parameter,value and lines such as 20,jitter.rms,8 urad: from frame 20 on the\n"
-              "component labelled jitter has that rms, as if the sensor file said so. With a schedule the scene may\n"
+              "component labelled jitter has that rms, until a later line changes it. With a schedule the scene may\n"
               "be one image; there is an output for every frame that the schedule names, or those of --frames.",
               "  mtf simulate sensor.toml scene.exr -o out.exr\n"
               "  mtf simulate sensor.toml frame.%04d.exr -o out.%04d.exr --tolerance 1e-3 --report run.json"};
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
   add_file(app, "scene", "image of the scene, or frame.%04d.exr for a sequence", options.scene);
-  add_text(app, "-o,--out", "FILE", "image to write; of a sequence out.%04d.exr", options.out).required = true;
+  add_text(app, "-o,--out", "FILE", "image to write; of a sequence out.%04d.exr; .exr to measure it (see --range)",
+           options.out)
+      .required = true;
   add_text(app, "--report", "FILE", "what was done, how exactly and how fast, as JSON", options.report);
   add_channel_choice(app, options.channel, options.layer, options.part);
-  add_word(app, "--tolerance", "X", "rms error allowed; default 1e-4", set_tolerance(options.tolerance));
+  add_word(app, "--tolerance", "X", "rms error allowed; default 1e-4, with [adc] in the sensor file a tenth of a count",
+           set_tolerance(options.tolerance));
   add_choice(app, "--stage,--tap", "STAGE",
              "whose output is wanted, of a sensor with [detector]: radiance, irradiance, electrons, dn (counts) or "
              "display; default: the end of "
@@ -72,30 +75,34 @@ Command simulate_command() {
   add_flag(app, "--explain", "show what the plan left out, merged and chose", options.explain);
   add_choice(app, "--rigor", "RIGOR", "estimate (default, reproducible) or measure (times candidates first)", kRigor,
              options.measure);
-  add_text(app, "--wisdom", "FILE",
-           "what measuring has learnt: read before, written after; default:\na file in ~/.cache/mtfkit, which may be "
-           "deleted at any time",
-           options.wisdom);
+  add_text(
+      app, "--wisdom", "FILE",
+      "measured run times of methods: read before, written after; default:\na file in ~/.cache/mtfkit, which may be "
+      "deleted at any time",
+      options.wisdom);
   add_word(app, "--frames", "RANGE", "START:STOP[:STEP], both ends; default: all frames, or those of the schedule",
            [&](const std::string& text) { options.frames = frame_range("--frames", text); });
   add_text(app, "--schedule", "FILE", "parameters that change over frames: CSV with frame,parameter,value",
            options.schedule);
   add_word(app, "--memory", "SIZE",
-           "most memory to use, such as 512MiB or 2GB: the scene (OpenEXR) goes through in tiles.\n"
+           "most memory to use, such as 512MiB or 2GB: the scene (OpenEXR) is filtered in tiles.\n"
            "Without it that is done only where the whole image does not fit the machine",
            [&](const std::string& text) { options.memory = byte_count("--memory", text); });
   add_word(app, "--roi", "X,Y,W,H", "pixels of the output that are wanted; only what they need is computed",
            [&](const std::string& text) { options.region = rectangle("--roi", text); });
-  add_choice(app, "--resume", "MODE", "a stopped run in tiles: auto (default) goes on with it, no starts over", kResume,
+  add_choice(app, "--resume", "MODE", "a stopped run in tiles: auto (default) continues it, no starts over", kResume,
              options.resume);
-  add_word(app, "--range", "LOW:HIGH",
-           "values at 0 and at the largest number of PNG and TIFF output; default: the extremes of the image,\n"
-           "with [adc] the counts as they are, with [agc] the levels of the display. 16 bits; 8 for up to 255 levels",
-           [&](const std::string& text) {
-             const auto range = number_range("--range", text);
-             options.range_low = range[0];
-             options.range_high = range[1];
-           });
+  add_word(
+      app, "--range", "LOW:HIGH",
+      "values that become 0 and the largest number of PNG and TIFF output; default: the least and largest value\n"
+      "of the image, with [adc] the counts as they are, with [agc] the values of the display. 16 bits; 8 for up to\n"
+      "255 display values. By default the brightest and darkest pixels are at the ends of the scale, which\n"
+      "mtf measure takes for clipping: leave a margin here, or write .exr",
+      [&](const std::string& text) {
+        const auto range = number_range("--range", text);
+        options.range_low = range[0];
+        options.range_high = range[1];
+      });
   app.run = [shared](const Global& global) { return run_simulate(*shared, global); };
   return app;
 }
@@ -104,9 +111,9 @@ Command bench_command() {
   const auto shared = std::make_shared<BenchOptions>();
   BenchOptions& options = *shared;
   Command app{
-      "bench", "what each tolerance costs: promised and realised error beside run time",
-      "For every decade of tolerance from 1e-1 to 1e-7: the plan that is chosen, every other way that keeps the\n"
-      "tolerance, and plain OpenCV, each held against the exact image in double and timed in interleaved rounds with\n"
+      "bench", "what each tolerance costs: promised and realised error, and run time",
+      "For every decade of tolerance from 1e-1 to 1e-7: the plan that is chosen, every other method that keeps the\n"
+      "tolerance, and plain OpenCV, each compared with the exact image in double and timed in interleaved rounds with\n"
       "bare FFTW. Writes bench.csv, bench.json, bench.svg and bench.png. Exit code 3 when an error is above its\n"
       "promise. A tolerance that cannot be kept has a row `refused` with the one that can.",
       "  mtf bench sensor.toml scene.exr -o bench --rounds 3 --seconds 5\n"
@@ -115,7 +122,7 @@ Command bench_command() {
   add_file(app, "scene", "image of the scene", options.scene);
   add_text(app, "-o,--out", "FOLDER", "folder to create", options.out).required = true;
   add_channel_choice(app, options.channel, options.layer, options.part);
-  add_word(app, "--rounds", "N", "runs of each way; default 15, fewer of slow ones",
+  add_word(app, "--rounds", "N", "runs of each method; default 15, fewer of slow ones",
            [&](const std::string& text) { options.rounds = whole_number("--rounds", text, 1, 10000); });
   add_word(app, "--seconds", "S", "time for the whole, about; default 60", [&](const std::string& text) {
     options.seconds = number("--seconds", text);

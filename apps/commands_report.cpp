@@ -16,7 +16,7 @@ Command report_command() {
               "  mtf report sweep\n"
               "  mtf report sweep -o study.html"};
   add_file(app, "folder", "that `mtf sweep STUDY -o DIR` wrote", options.folder);
-  add_text(app, "--scene", "FILE", "image that the chosen designs look at; default: a computed scene", options.scene);
+  add_text(app, "--scene", "FILE", "scene for images of the chosen designs; default: a computed one", options.scene);
   add_text(app, "-o,--out", "FILE", "write the page here; default: report.html in the folder", options.out);
   app.run = [shared](const Global& global) { return run_report(*shared, global); };
   return app;

@@ -20,14 +20,14 @@ constexpr std::array kUnits{std::pair{std::string_view("cy/mm"), 0}, std::pair{s
 Command curve_command() {
   const auto shared = std::make_shared<CurveOptions>();
   CurveOptions& options = *shared;
-  Command app{
-      "curve", "OTF of every component, of each list and of the system",
-      "Tables show MTF = |OTF|; csv has one column a component and product, or NAME_re and NAME_im where the OTF is\n"
-      "not real; json has real and imaginary parts of all. Both have 17 digits. A component that depends on\n"
-      "wavelength is shown averaged over the band by itself; products are averaged as a whole.\n"
-      "A figure FILE writes its data beside it, as FILE.csv.",
-      "  mtf curve sensor.toml --freq 0:60:13 --unit cy/mm\n"
-      "  mtf curve sensor.toml --format csv -o curve.csv --plot mtf.svg"};
+  Command app{"curve", "OTF of every component, of each list and of the system",
+              "Tables show MTF = |OTF|. In csv the column frequency is in --unit; there is one column a component and "
+              "product, or NAME_re and NAME_im where the OTF is\n"
+              "not real; json has real and imaginary parts of all. Both have 17 digits. A component that depends on\n"
+              "wavelength is shown averaged over the band by itself; products are averaged as a whole.\n"
+              "The data of a figure FILE are written to FILE.csv.",
+              "  mtf curve sensor.toml --freq 0:60:13 --unit cy/mm\n"
+              "  mtf curve sensor.toml --format csv -o curve.csv --plot mtf.svg"};
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
   add_text(app, "--freq", "LIST", "START:STOP:COUNT (both ends) or a comma list; default: 61 up to the cutoff",
            options.frequencies);
@@ -49,17 +49,21 @@ Command budget_command() {
   BudgetOptions& options = *shared;
   Command app{
       "budget", "electrons, noise and sensitivity of a pixel",
-      "For a pixel on the axis that looks at a surface of one temperature: electrons by where they come from, every\n"
-      "noise term, SNR, NETD, NEI, D*, dynamic range. All that [detector], [nonuniformity], [noise], [noise_3d] and\n"
-      "[adc] of the sensor file say; spatial noise as [correction] leaves it.",
+      "For a pixel on the optical axis that images a surface of one temperature: electrons by their origin, every "
+      "noise\n"
+      "term, SNR, NETD, NEI, D*, dynamic range. It takes [detector], [nonuniformity], [noise], [noise_3d] and [adc] "
+      "of\n"
+      "the sensor file; spatial noise is what [correction] leaves of it. The sensor file needs [band] and [detector]:\n"
+      "see mtf config kinds detector.",
       "  mtf budget sensor.toml\n"
       "  mtf budget sensor.toml --temperature 310 --format json"};
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
-  add_word(app, "--temperature", "K", "of the surface; default 300", [&](const std::string& text) {
-    options.temperature_k = number("--temperature", text);
-    if (!(options.temperature_k >= 0.0 && options.temperature_k <= radiometry::kMostTemperature_k))
-      throw mtf::UsageError("--temperature " + text + ": a temperature in K is from 0 to 1e9");
-  });
+  add_word(app, "--temperature", "K", "of the surface, such as 288 or \"288 K\"; default 300",
+           [&](const std::string& text) {
+             options.temperature_k = kelvin("--temperature", text);
+             if (!(options.temperature_k >= 0.0 && options.temperature_k <= radiometry::kMostTemperature_k))
+               throw mtf::UsageError("--temperature " + text + ": a temperature in K is from 0 to 1e9");
+           });
   add_format(app, "table (default), csv or json", options.format);
   add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);
   app.run = [shared](const Global& global) { return run_budget(*shared, global); };
@@ -112,11 +116,14 @@ Command config_command() {
   add_file(explain, "file", "sensor file (TOML)", options.file);
   explain.run = action(ConfigOptions::Action::explain);
 
-  Command kinds{"kinds", "every component: formula, validity, source, and each parameter",
-                "mtf/components/README.md is the output of --format markdown.",
-                "  mtf config kinds\n"
-                "  mtf config kinds jitter"};
-  add_text(kinds, "kind", "KIND", "one component; default: all", options.file);
+  Command kinds{
+      "kinds", "every component: formula, validity, source, and each parameter",
+      "Describes the tables of the chain to electrons and counts too, by name: optics, detector, noise, adc, ...\n"
+      "mtf/components/README.md is the output of --format markdown.",
+      "  mtf config kinds jitter\n"
+      "  mtf config kinds detector"};
+  add_text(kinds, "kind", "KIND", "one component, or one table of the sensor file; default: all components",
+           options.file);
   add_choice(kinds, "--format", "FORMAT", "table (default) or markdown", kTableOrMarkdown, options.markdown);
   kinds.run = action(ConfigOptions::Action::kinds);
   app.commands = {init, check, explain, kinds};

@@ -22,10 +22,10 @@ Command sweep_command() {
   SweepOptions& options = *shared;
   Command app{"sweep", "every design of a trade study, here or in shards on many machines",
               "Writes a folder with designs.csv, designs.npy, sweep.json, the study with its sensor files, and sensor\n"
-              "files of the best designs. A run that was stopped goes on when the same command is given again.\n"
-              "--accuracy holds a sample of the designs at every tolerance against a tight one; where a difference is\n"
-              "larger than promised, the files are written and the exit code is 3.\n\n"
-              "Beyond one machine, in a folder PLAN that all of them see:\n"
+              "files of the best designs. A run that was stopped continues when the same command is given again.\n"
+              "--accuracy compares a sample of the designs at every tolerance with a tight one; where a difference is\n"
+              "larger than the stated error, the files are written and the exit code is 3.\n\n"
+              "Beyond one machine, in a folder PLAN that all of them share:\n"
               "  mtf sweep plan STUDY -o PLAN --shards N      copies the study and cuts its designs into N shards\n"
               "  mtf sweep run PLAN --shard I/N               makes shard I, from 1; without --shard that of\n"
               "                                               SLURM_ARRAY_TASK_ID; one that is finished stays\n"
@@ -66,9 +66,9 @@ Command optimize_command() {
   OptimizeCommandOptions& options = *shared;
   Command app{
       "optimize", "the best design of a trade study, and what limits it",
-      "Numeric axes go continuously from their lowest to their highest value, every combination of the levels\n"
+      "Numeric axes are continuous from their lowest to their highest value, every combination of the values\n"
       "of other axes is tried (200 at most); links, constraints and objectives are those of the study. Reports\n"
-      "which limits are reached and what more room in each would gain. Without a feasible design the nearest\n"
+      "which limits are active and what relaxing each would gain. Without a feasible design the nearest\n"
       "is shown with what contradicts, and the exit code is 3. Several objectives need --weights, --objective\n"
       "or --each.",
       "  mtf optimize study.toml --objective 1 -o best.toml\n"
@@ -78,10 +78,11 @@ Command optimize_command() {
            [&](const std::string& text) { options.objective = whole_number("--objective", text, 1, 1000); });
   add_word(app, "--weights", "A,B,...", "of all objectives as shown, in their order: what counts is the weighted sum",
            [&](const std::string& text) { options.weights = number_list("--weights", text); });
-  add_flag(app, "--each", "every objective for itself", options.each);
+  add_flag(app, "--each", "each objective separately", options.each);
   add_choice(app, "--method", "METHOD", "smooth (default: by derivatives, going on as search) or search", kSearch,
              options.search);
-  add_word(app, "--starts", "N", "searches from different designs, in each combination of levels; default 8",
+  add_word(app, "--starts", "N",
+           "searches from different designs, in each combination of values of discrete axes; default 8",
            [&](const std::string& text) { options.starts = whole_number("--starts", text, 1, 10'000); });
   add_choice(app, "--format", "FORMAT", "of standard output: table (default) or json", kTableOrJson, options.format);
   add_text(app, "-o,--out", "FILE",

@@ -22,7 +22,7 @@
 namespace apps {
 namespace {
 
-/// The stages of the chain in their order, and those that are off with what would switch them on.
+/// The stages of the chain in their order, and those that are off with the table that would switch them on.
 std::string explain_chain(const mtf::io::SensorConfig& config) {
   TextTable on({"stage", "what it does"}), off({"left out", "why"});
   for (const radiometry::ChainStage& stage : chain_stages(config.system, load_chain(config).sensor))
@@ -134,7 +134,8 @@ int run_config(const ConfigOptions& options, const Global& global) {
     case ConfigOptions::Action::explain:
       return explain(options, global);
     case ConfigOptions::Action::kinds:
-      print(options.markdown ? kinds_markdown(options.file) : describe_kinds(options.file));
+      print(options.markdown ? kinds_markdown(options.file)
+                             : describe_kinds(options.file, radiometry::sensor_tables()));
       return 0;
   }
   return 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// `mtf info FILE`: what a file says of itself, what its pixels are like, and the command to run next.
+// `mtf info FILE`: format and metadata of a file, statistics of its pixels, and the command to run next.
 
 #include <algorithm>
 #include <cctype>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/kinds.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include "apps/terminal/text_table.h"
@@ -28,6 +29,42 @@ std::string bound(double value) {
   if (e == std::string::npos) return text;
   const std::size_t digits = text.find_first_of("123456789", e);
   return text.substr(0, e + 1) + (text[e + 1] == '-' ? "-" : "") + text.substr(digits);
+}
+
+std::string interval(const FieldInfo& info) {
+  return (info.lo_open ? "(" : "[") + bound(info.lo) + ", " + bound(info.hi) + (info.hi_open ? ")" : "]");
+}
+
+std::string values_of(const mtf::SettingInfo& row) {
+  const std::string unit(row.info.unit.empty() ? "" : " " + std::string(row.info.unit));
+  std::string words;
+  switch (row.type) {
+    case mtf::SettingType::number:
+      return interval(row.info) + unit;
+    case mtf::SettingType::number_or_file:
+      return interval(row.info) + unit + ", or a file";
+    case mtf::SettingType::whole:
+      return "whole, " + interval(row.info);
+    case mtf::SettingType::flag:
+      return "true | false";
+    case mtf::SettingType::word:
+      for (const std::string_view word : row.words) words += (words.empty() ? "" : " | ") + std::string(word);
+      return words;
+    case mtf::SettingType::text:
+      return "a name";
+    case mtf::SettingType::file:
+      return "a file";
+  }
+  return "";
+}
+
+std::string describe_table(const mtf::TableInfo& info) {
+  TextTable table({"  key", "example", "range", "", ""});
+  for (const mtf::SettingInfo& row : info.settings)
+    table.add({"  " + std::string(row.info.name), std::string(row.info.example), values_of(row),
+               std::string(presence_of(row.info)), std::string(row.info.doc)});
+  return "[" + std::string(info.name) + "]: " + (info.doc.empty() ? "" : std::string(info.doc) + "; ") +
+         "keys of the sensor file for electrons and counts\n\n" + table.aligned();
 }
 
 std::string describe_one(std::string_view kind) {
@@ -75,7 +112,7 @@ std::string range_of(const FieldRef<double>& field) {
     return words;
   }
   if (std::holds_alternative<std::shared_ptr<const mtf::Curve>*>(field.value)) return "a file";
-  return (info.lo_open ? "(" : "[") + bound(info.lo) + ", " + bound(info.hi) + (info.hi_open ? ")" : "]");
+  return interval(info);
 }
 
 std::string_view presence_of(const FieldInfo& info) {
@@ -84,7 +121,9 @@ std::string_view presence_of(const FieldInfo& info) {
                                                : "or from [optics]";
 }
 
-std::string describe_kinds(const std::string& kind) {
+std::string describe_kinds(const std::string& kind, const std::vector<mtf::TableInfo>& tables) {
+  const auto table = std::find_if(tables.begin(), tables.end(), [&](const auto& info) { return info.name == kind; });
+  if (table != tables.end()) return describe_table(*table);
   if (!kind.empty()) return describe_one(kind);
   std::string text;
   for (const std::string_view each : mtf::component_kinds()) text += (text.empty() ? "" : "\n") + describe_one(each);

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Components as their field tables and the comments of their headers tell them.
+// Components and tables of the sensor file, described by their field tables and the comments of their headers.
 
 #include <string>
 #include <string_view>
 
 #include "mtf/component.h"
+#include "mtf/settings.h"
 
 namespace apps {
 
 /// The component of that kind ("" = every one): what it is, the lists it may stand in, its physics, and each parameter
-/// with its range, whether it is needed, and an example. Throws UsageError for an unknown kind.
-std::string describe_kinds(const std::string& kind);
+/// with its range, whether it is needed, and an example. Or the one of `tables` of that name, with its keys. Throws
+/// UsageError for an unknown name.
+std::string describe_kinds(const std::string& kind, const std::vector<mtf::TableInfo>& tables);
 
 /// The same as Markdown, one section a kind; for every kind with an introduction and a table of contents: the whole of
 /// mtf/components/README.md.

@@ -148,7 +148,7 @@ int main(int argc, char** argv) {
   try {
     const int status = apps::run(argc, argv);
     std::cout.flush();
-    apps::print("");  // a failure of anything printed shows here at the latest
+    apps::print("");  // reports a failure of anything printed before
     return std::cout.good() ? status : 1;
   } catch (const mtf::UsageError& error) {
     return failed(error.what(), 2);

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLargest = std::size_t{16} << 20;
 
-// Plans of one processor mislead on another: home folders are shared between machines.
+// The fastest method of one processor may be slow on another: home folders are shared between machines.
 std::string processor_name() {
   std::string name = this_machine().cpu;
   if (name.empty()) name = "unknown";
@@ -49,11 +49,11 @@ void read_measured(const SimulateOptions& options, const Global& global) {
       known = mtf::import_measured(mtf::io::read_text_file(cache.string(), kLargest));
     } catch (const mtf::Error&) {  // as good as none
     }
-    if (!known) note(global, "note: " + one_line(cache.string()) + " is damaged; what it held is measured again");
+    if (!known) note(global, "note: " + one_line(cache.string()) + " is damaged; its run times are measured again");
     return;
   }
   if (!fs::exists(options.wisdom, error)) {
-    note(global, "note: " + one_line(options.wisdom) + " is made and will hold what is measured now");
+    note(global, "note: " + one_line(options.wisdom) + " is created for the run times that are measured now");
     return;
   }
   if (!fs::is_regular_file(options.wisdom, error) ||
@@ -73,7 +73,7 @@ void write_measured(const SimulateOptions& options, const Global& global) {
     fs::create_directories(cache.parent_path());
     mtf::io::write_text_file(cache.string(), mtf::export_measured());
   } catch (const std::exception& e) {
-    note(global, "note: what was measured is not kept: " + one_line(e.what()));
+    note(global, "note: the measured run times are not kept: " + one_line(e.what()));
   }
 }
 

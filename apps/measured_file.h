@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What --rigor measure has learnt, kept per host: in the file of --wisdom, else under $XDG_CACHE_HOME/mtfkit (or
-// ~/.cache/mtfkit) by the name of the processor.
+// The run times that --rigor measure has measured, kept per host: in the file of --wisdom, else under
+// $XDG_CACHE_HOME/mtfkit (or ~/.cache/mtfkit) by the name of the processor.
 
 #include <string>
 

@@ -77,7 +77,7 @@ struct SimulateOptions {
 
 struct BudgetOptions {
   std::string sensor;
-  double temperature_k = 300.0;  ///< of the surface that is looked at
+  double temperature_k = 300.0;  ///< of the surface that the pixel images
   Format format = Format::table;
   std::string out;  ///< "" = stdout
 };
@@ -99,7 +99,7 @@ struct BenchOptions {
   bool force = false;
 };
 
-/// Images of edges, and which of their values are taken for light.
+/// Images of edges, and how their values become proportional to light.
 struct EdgeInput {
   std::vector<std::string> images;
   std::optional<std::string> channel;  ///< a full name, "luminance", or "all": each colour for itself
@@ -159,7 +159,7 @@ struct CheckOptions {
 
 struct ReportOptions {
   std::string folder;
-  std::string scene;  ///< image that the chosen designs look at; "" = a computed one
+  std::string scene;  ///< of the images of the chosen designs; "" = a computed one
   std::string out;    ///< "" = report.html in the folder
 };
 

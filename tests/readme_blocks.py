@@ -7,7 +7,8 @@
   --setup [--done COMMAND]        run the `sh setup` blocks from the root of the checkout, but for lines done already
 
 Blocks: `sh` runs under `set -eu` with `mtf` on PATH and notebooks-data beside it; `sh setup` only in --setup; `sh long`
-only with --long; `cpp` is compiled by CMake and run; `toml` that starts with `schema =` goes through
+only with --long; `text output` and `toml output` have to be what the `sh` block before them printed, a line `...` standing
+for lines left out; `cpp` is compiled by CMake and run; `toml` that starts with `schema =` goes through
 `mtf config check`; text, json, csv, toml fragments, cmake and mermaid are shown, not run. Anything else fails.
 """
 
@@ -23,7 +24,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDERS = ("mtf", "radiometry", "calib", "apps", "tests", "notebooks-data")
-KINDS = {"sh", "sh setup", "sh long", "cpp", "toml", "text", "json", "csv", "cmake", "mermaid"}
+OUTPUT = {"text output", "toml output"}
+KINDS = {"sh", "sh setup", "sh long", "cpp", "toml", "text", "json", "csv", "cmake", "mermaid"} | OUTPUT
 FENCE = re.compile(r"^(\s*)(`{3,}|~{3,})\s*(.*?)\s*$")
 BLOCK_TIMEOUT_S = {"sh": 250, "sh long": 2800, "cpp": 60, "toml": 30}
 
@@ -109,10 +111,29 @@ def command_for(block, scratch, mtf, snippet):
     return None
 
 
+def missing_line(shown, printed):
+    """The first shown line that `printed` has not: shown lines follow one another there too, but for `...` between."""
+    printed = [line.rstrip() for line in printed.splitlines()]
+    runs, at = [[]], 0
+    for line in (line.rstrip() for line in shown.splitlines()):
+        if line == "...":
+            runs.append([])
+        else:
+            runs[-1].append(line)
+    for run in runs:
+        starts = range(at, len(printed) - len(run) + 1)
+        start = next((i for i in starts if printed[i:i + len(run)] == run), None)
+        if start is None:
+            return next((line for line in run if line not in printed[at:]), run[0])
+        at = start + len(run)
+    return None
+
+
 def run_blocks(blocks, readme, scratch, mtf, snippets, with_long):
     """Runs the blocks in `scratch`; returns 0, or 1 at the first that fails."""
     env = dict(os.environ, PATH=f"{Path(mtf).parent}{os.pathsep}{os.environ['PATH']}")
     cpp_count = 0
+    printed = ""
     for block in blocks:
         snippet = None
         if block.kind == "cpp":
@@ -120,15 +141,28 @@ def run_blocks(blocks, readme, scratch, mtf, snippets, with_long):
             cpp_count += 1
         if block.kind == "sh setup" or (block.kind == "sh long" and not with_long):
             continue
+        if block.kind in OUTPUT:
+            line = missing_line(block.text, printed)
+            if line is not None:
+                print(f"{readme}:{block.line}: the commands above did not print, or not in this order: {line}")
+                return 1
+            continue
         command = command_for(block, scratch, mtf, snippet)
         if command is None:
             continue
         print(f"--- {readme}:{block.line} ({block.kind})\n{block.text}", end="", flush=True)
-        try:
-            code = subprocess.run(command, cwd=scratch, env=env, stdin=subprocess.DEVNULL,
-                                  timeout=BLOCK_TIMEOUT_S[block.kind], check=False).returncode
-        except subprocess.TimeoutExpired:
-            code = f"none within {BLOCK_TIMEOUT_S[block.kind]} s"
+        # A file and not a pipe: a process that outlives its block would keep a pipe open.
+        with tempfile.TemporaryFile() as log:
+            try:
+                code = subprocess.run(command, cwd=scratch, env=env, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+                                      timeout=BLOCK_TIMEOUT_S[block.kind], check=False).returncode
+            except subprocess.TimeoutExpired:
+                code = f"none within {BLOCK_TIMEOUT_S[block.kind]} s"
+            log.seek(0)
+            output = log.read().decode("utf-8", "replace")
+        print(output, end="", flush=True)
+        if block.kind in ("sh", "sh long"):
+            printed = output
         if code != 0:
             print(f"{readme}:{block.line}: the block failed, exit code {code}")
             return 1

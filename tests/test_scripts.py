@@ -140,6 +140,13 @@ class ReadmeBlocks(unittest.TestCase):
         self.assertEqual(self.run_text("```sh long\nfalse\n```\n"), 0)
         self.assertEqual(self.run_text("```sh long\nfalse\n```\n", with_long=True), 1)
 
+    def test_shown_output_has_to_be_what_was_printed(self):
+        printed = "```sh\nprintf 'one\\ntwo\\nthree\\nfour\\n'\n```\n"
+        for shown, status in [("one\ntwo\n", 0), ("one\n...\nfour\n", 0), ("...\nthree\n", 0), ("one\nthree\n", 1),
+                              ("four\n...\none\n", 1), ("one\n...\none\n", 1), ("five\n", 1), ("tw\n", 1)]:
+            self.assertEqual(self.run_text(f"{printed}```text output\n{shown}```\n"), status, shown)
+            self.assertEqual(self.run_text(f"{printed}```sh\ntrue\n```\n```text output\n{shown}```\n"), 1, shown)
+
     def test_whole_configs_are_checked_and_fragments_shown(self):
         self.assertEqual(self.run_text("```toml\n# a sensor\nschema = 1\n```\n"), 1)
         self.assertEqual(self.run_text("```toml\n[frame]\n```\n"), 0)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// `mtf bench SENSOR SCENE -o DIR`: what a tolerance costs. Every way that keeps it, promised and realised error beside
-// the run time, bare FFTW and plain OpenCV in the same interleaved rounds.
+// `mtf bench SENSOR SCENE -o DIR`: what a tolerance costs. Promised and realised error and run time of every method
+// that keeps it, with bare FFTW and plain OpenCV in the same interleaved rounds.
 
 #include <algorithm>
 #include <chrono>
@@ -99,14 +99,14 @@ std::string command_line(const BenchOptions& options, const Global& global) {
   return text;
 }
 
-/// Writes the results; what is left out for want of gnuplot is said. Returns the names.
+/// Writes the results, with a note where a figure is left out because gnuplot is missing. Returns the names.
 std::string write_results(const fs::path& folder, const BenchReport& report, const Global& global) {
   const auto path = [&](const char* name) { return (folder / name).string(); };
   mtf::io::write_text_file(path("bench.csv"), bench_csv(report));
   mtf::io::write_text_file(path("bench.json"), bench_json(report));
   const std::optional<Figure> figure = bench_figure(report);
   if (!figure) {
-    note(global, "note: every error is 0: there is nothing that a chart could show");
+    note(global, "note: every error is 0, so that no chart is made");
     return "bench.csv bench.json";
   }
   if (!draw_figure(path("bench.svg"), *figure)) {
@@ -147,7 +147,7 @@ int run_bench(const BenchOptions& options, const Global& global) {
                            " is used (see --channel)");
   BenchJob job = make_job(config, scene, 0, global.threads);
   job.options.rigor = options.measure ? mtf::Rigor::measure : mtf::Rigor::estimate;
-  if (job.flat) report.notes.push_back("the scene is flat: every method gives it exactly, errors are 0");
+  if (job.flat) report.notes.push_back("the scene is uniform: every method gives it exactly, errors are 0");
   report.job = &job;
   report.command = command_line(options, global);
   report.sensor = options.sensor;

@@ -22,7 +22,7 @@ struct BenchJob {
   double border_value = 0.0;
   mtf::Image scene;
   std::vector<double> exact;  ///< the reference image
-  double scale = 1.0;         ///< std of the scene; of a flat one its level, or 1
+  double scale = 1.0;         ///< std of the scene; of a uniform one its value, or 1
   bool flat = false;
 };
 
@@ -36,7 +36,7 @@ struct Realised {
 };
 Realised realised_error(const BenchJob& job, mtf::ImageView<const float> image);
 
-/// A way to do the work that was tried: ready to run again, its error known.
+/// A method that was tried: ready to run again, its error known.
 struct Contender {
   std::string method, detail;
   std::function<void()> run;

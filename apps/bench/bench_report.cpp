@@ -54,7 +54,7 @@ Json row_json(const BenchRow& row) {
           {"runs", row.time ? Json(row.time->runs) : Json(nullptr)}};
 }
 
-// The least error that is to be had within a time: a staircase over the rows that no other beats in both.
+// The least error that can be had within a time: a staircase over the rows that no other beats in both error and time.
 Series pareto_front(const std::vector<BenchRow>& rows) {
   std::vector<std::pair<double, double>> points;
   for (const BenchRow& row : rows)

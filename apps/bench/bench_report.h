@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What `mtf bench` found, as a table for people, CSV and JSON for programs, and the chart of error against time.
+// The results of `mtf bench`, as a table for people, CSV and JSON for programs, and the chart of error against time.
 
 #include <optional>
 #include <string>

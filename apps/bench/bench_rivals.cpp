@@ -40,7 +40,7 @@ bool is_separable(const BenchJob& job) {
 
 std::string Rivals::obstacle(const BenchJob& job) {
   if (!job.system.list(mtf::Stage::readout).empty() || !job.system.list(mtf::Stage::postsample).empty())
-    return "the sensor has filters behind the sampling";
+    return "the sensor has filters after the sampling";
   if (!mtf::is_whole(job.out.step_x_um / job.in.step_x_um) || !mtf::is_whole(job.out.step_y_um / job.in.step_y_um))
     return "the pitch is not a whole number of scene samples";
   return "";
@@ -66,7 +66,7 @@ Rivals::Rivals(const BenchJob& job, mtf::ImageView<float> out, double slowest_ms
                                             .kernel = {1.0},
                                             .kernel_x = {1.0},
                                             .kernel_y = {1.0}}));  // is it there?
-  // The answer to one bright sample, read off where the detector looks.
+  // The response to one bright sample, taken at the detector centres.
   const mtf::SampleGrid grid{x_.period, y_.period, job.in.step_x_um, job.in.step_y_um};
   std::vector<double> point(static_cast<std::size_t>(x_.period * y_.period), 0.0);
   point[static_cast<std::size_t>(y_.period / 2 * x_.period + x_.period / 2)] = 1.0;
@@ -95,7 +95,7 @@ double Rivals::spread(std::int64_t shift_x, std::int64_t shift_y) const {
 OpenCvJob Rivals::kernel_job(Method method, std::int64_t radius) const {
   OpenCvJob job;
   job.method = method;
-  // Half way between two samples the point spread is even about -1/2: shifts -radius .. radius - 1.
+  // Halfway between two samples the point spread is even about -1/2: shifts -radius .. radius - 1.
   job.kernel_width = 2 * radius + (x_.between ? 0 : 1);
   job.kernel_height = 2 * radius + (y_.between ? 0 : 1);
   job.origin_x = job.origin_y = radius;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Plain OpenCV doing the same job, as somebody who knows it would: cv::dft with the exact OTF on a padded image,
+// Plain OpenCV for the same task, as an experienced user would write it: cv::dft with the exact OTF on a padded image,
 // filter2D with the kernel cut to the smallest size that is exact enough, sepFilter2D where the kernel factors; then,
 // for scenes finer than the pitch, picking the detector's samples.
 
@@ -16,8 +16,8 @@ namespace apps {
 
 class Rivals {
  public:
-  /// Makes the point spread. The job has to outlive this; its images go to `out`. Ways that take longer than
-  /// `slowest_ms` are left out. Throws RuntimeError when OpenCV is not there.
+  /// Makes the point spread. The job has to outlive this; its images go to `out`. Methods that take longer
+  /// than `slowest_ms` are left out. Throws RuntimeError when OpenCV is not there.
   Rivals(const BenchJob& job, mtf::ImageView<float> out, double slowest_ms);
 
   /// Why OpenCV cannot do this job: stages after the sampling, or a pitch that is no whole number of samples.
@@ -33,7 +33,7 @@ class Rivals {
   using Method = mtf::io::OpenCvJob::Method;
   struct Side {
     std::int64_t samples, period, stride, first;
-    bool between;  ///< a detector centre lies half way between two samples
+    bool between;  ///< a detector centre lies halfway between two samples
   };
   Side side(std::int64_t samples, double step, double pitch) const;
   double spread(std::int64_t shift_x, std::int64_t shift_y) const;

@@ -83,7 +83,7 @@ class Climber {
     if (!obstacle.empty()) results.notes.push_back("no rows for OpenCV: " + obstacle);
   }
 
-  /// What a reader of the rows has to know of those that are not there.
+  /// Which rows are left out, and why.
   void finish() {
     if (rivals_)
       for (const std::string& what : rivals_->too_slow()) leave_out(what, "a run takes too long; see --seconds");
@@ -98,7 +98,7 @@ class Climber {
   ToleranceRuns results;
 
  private:
-  // The chosen plan with its presample step done in another way; the tolerance of that step stays.
+  // The chosen plan with its presample step done by another method; the tolerance of that step stays.
   void another_way(double tolerance, const mtf::SensorPlan& chosen, mtf::Method method, mtf::PlanOptions options) {
     options.tolerance = chosen.presample.report().tolerance;
     options.method = method;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Every decade of tolerance from 1e-1 to 1e-7: the plan that is chosen, every other way that keeps the tolerance, and
-// plain OpenCV; each run once and held against the exact image.
+// Every decade of tolerance from 1e-1 to 1e-7: the plan that is chosen, every other method that keeps the tolerance,
+// and plain OpenCV; each is run once and compared with the exact image.
 
 #include <array>
 #include <optional>
@@ -16,7 +16,7 @@ namespace apps {
 
 inline constexpr std::array kTolerances{1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7};
 
-/// One contender at one tolerance. The same contender may stand at several.
+/// One contender at one tolerance. The same contender may appear at several.
 struct ToleranceRun {
   double tolerance = 0.0;
   std::optional<std::size_t> contender;  ///< none where no plan keeps the tolerance
@@ -31,8 +31,8 @@ struct ToleranceRuns {
   std::vector<std::string> notes;  ///< what was left out, and why
 };
 
-/// `slowest_ms`: ways whose predicted cost is above it are left out, unless they are chosen. `out` is where all images
-/// go, the size of job.out.
+/// `slowest_ms`: methods whose predicted cost is above it are left out, unless they are chosen. `out` is where all
+/// images go, the size of job.out.
 ToleranceRuns run_tolerances(const BenchJob& job, mtf::ImageView<float> out, double slowest_ms, ProgressLine& progress);
 
 }  // namespace apps

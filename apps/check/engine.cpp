@@ -216,7 +216,7 @@ void flat_contrast(const Tables&, Tally& tally) {
   }
 }
 
-// The same contrast in double: the mean carried apart, the rest through the plan, both joined in double. The sums of
+// The same contrast in double: the mean apart, the rest through the plan, both joined in double. The sums of
 // the reference round the mean itself.
 void double_contrast(const Tables&, Tally& tally) {
   constexpr double mean = 1e6, contrast = 1e-6;

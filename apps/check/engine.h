@@ -8,14 +8,14 @@
 
 namespace apps::check {
 
-/// A detector of pitch 15 x 12 um behind a radial, a separable and a complex factor.
+/// A detector of pitch 15 x 12 um with a radial, a separable and a complex factor of the OTF.
 mtf::System<double> optics();
 
 /// Noise of that mean and standard deviation, the same on every machine.
 mtf::Image noisy(std::int64_t width, std::int64_t height, double mean = 0.0, double std = 1.0);
 
 /// Filters `scene`, `ratio` samples a pixel, and compares with `exact`, the presample OTF of the system: the rms error
-/// relative to the scene's standard deviation may be what the plan predicted. Flat scenes are passed over.
+/// relative to the scene's standard deviation may be what the plan predicted. Uniform scenes are skipped.
 void keeps_promise(Tally& tally, const mtf::System<double>& system, const mtf::Image& scene, double ratio,
                    mtf::Border border, const Otf& exact);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What accelerated motion is made of.
+// Fresnel integrals, and the OTF of accelerated motion that they give.
 
 #include <cmath>
 

@@ -27,7 +27,7 @@ C phase(long double turns) {
   return {std::cos(angle), std::sin(angle)};
 }
 
-/// One axis: the canvas, its frequencies, and the way from coefficients to detector samples.
+/// One axis: the canvas, its frequencies, and the sums from coefficients to detector samples.
 class Axis {
  public:
   Axis(mtf::Border border, std::int64_t samples, double step_um, std::int64_t outputs, double pitch_um)
@@ -53,12 +53,12 @@ class Axis {
   double weight(std::int64_t k) const { return 2 * std::abs(k) == length_ ? 0.5 : 1.0; }
   double cy_mm(std::int64_t k) const { return static_cast<double>(k) / period_um_ * 1e3; }
 
-  /// The canvas of `sample(i)`, i = 0 .. samples-1, beyond them `level` where the border is constant, transformed.
+  /// The canvas of `sample(i)`, i = 0 .. samples-1, beyond them `border` where that is constant, transformed.
   template <class Sample>
-  void analyse(const Sample& sample, const C& level, C* canvas) const {
+  void analyse(const Sample& sample, const C& border, C* canvas) const {
     for (std::int64_t i = 0; i < length_; ++i) {
       const std::int64_t source = mtf::border_source(border_, i, samples_);
-      canvas[i] = source < 0 ? level : sample(source);
+      canvas[i] = source < 0 ? border : sample(source);
     }
     forward_.execute(canvas);
   }
@@ -142,9 +142,9 @@ std::vector<C> filter_columns(const std::vector<C>& rows, const Axis& ax, const 
     std::vector<C> coefficient(at(count * kLanes)), value;
     std::vector<std::complex<double>> h(at(count));
     for (std::int64_t q = begin; q < end; ++q) {
-      // Beyond a constant border whole rows have the level: a spectrum of one line.
-      const C level{q == 0 ? border_value * static_cast<double>(ax.length()) : 0.0, 0.0};
-      ay.analyse([&](std::int64_t y) { return rows[at(y * half + q)]; }, level, canvas.data());
+      // Beyond a constant border whole rows have its value: a spectrum of one line.
+      const C border{q == 0 ? border_value * static_cast<double>(ax.length()) : 0.0, 0.0};
+      ay.analyse([&](std::int64_t y) { return rows[at(y * half + q)]; }, border, canvas.data());
       otf(ax.cy_mm(q), fy, h);
       // Frequencies q and -q are conjugates of one another: the real part counts both.
       const double weight = (q == 0 ? 1.0 : 2.0) * ax.weight(q) * scale;

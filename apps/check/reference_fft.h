@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The image of reference_image.h by another road, fast enough for whole scenes: the same periodic canvas and the same
-// exact OTF at every frequency, all in double, with row and column transforms in place of sums. Detector centres that
-// form a whole ratio with the canvas are reached by adding the frequencies that alias onto one another; all others by
-// the trigonometric sum itself. Nothing is left out, tabulated or rounded to float.
+// The image of reference_image.h by a second method, fast enough for whole scenes: the same periodic canvas and the
+// same exact OTF at every frequency, all in double, with row and column transforms in place of sums. Detector centres
+// that form a whole ratio with the canvas are sampled by adding the frequencies that alias onto one another; all others
+// by the trigonometric sum itself. Nothing is left out, tabulated or rounded to float.
 
 #include <complex>
 #include <functional>
@@ -38,7 +38,7 @@ std::vector<double> reference_image_fft(mtf::ImageView<const float> scene, const
                                         double border_value, int threads);
 
 /// What mtf::SensorPlan approximates: presample OTF and sampling at the pitch, then readout and postsample filters on
-/// the detector grid under the same border rule, a constant level having passed the presample gain. Size:
+/// the detector grid under the same border rule, a constant border value being multiplied by the presample gain. Size:
 /// detector_grid(system, in).
 std::vector<double> reference_sensor_image(const mtf::System<double>& system, mtf::ImageView<const float> scene,
                                            const mtf::SampleGrid& in, const mtf::SceneAperture& aperture,

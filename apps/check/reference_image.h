@@ -3,7 +3,7 @@
 
 // The definition of a plan's result, evaluated slowly and in double: discrete Fourier sums over the whole periodic
 // canvas, the exact OTF at every frequency, and the trigonometric polynomial at every detector centre. No FFT, no
-// padding choice, no cosine basis, no folding: a second route to every image of the engine.
+// padding choice, no cosine basis, no folding: an independent computation of every image of the engine.
 
 #include <cmath>
 #include <complex>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The edge of `mtf demo`: a slanted edge seen by the demo's sensor, to measure and to fit.
+// The edge of `mtf demo`: a slanted edge as imaged by the demo's sensor, to measure and to fit.
 
 #include "mtf/image.h"
 #include "mtf/io/config/config.h"

@@ -105,11 +105,11 @@ mtf::Image demo_landscape(std::int64_t size) {
   for (std::int64_t y = 0; y < size; ++y)
     for (std::int64_t x = 0; x < size; ++x) {
       const Point corner{static_cast<double>(x) * step, static_cast<double>(y) * step};
-      const double behind = background({corner.x + 0.5 * step, corner.y + 0.5 * step}, step);
+      const double around = background({corner.x + 0.5 * step, corner.y + 0.5 * step}, step);
       double sum = 0.0;
       for (int j = 0; j < kFine; ++j)
         for (int i = 0; i < kFine; ++i)
-          sum += objects({corner.x + (i + 0.5) / kFine * step, corner.y + (j + 0.5) / kFine * step}, behind);
+          sum += objects({corner.x + (i + 0.5) / kFine * step, corner.y + (j + 0.5) / kFine * step}, around);
       image.at(x, y) = static_cast<float>(sum / (kFine * kFine));
     }
   return image;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The two scenes of `mtf demo`: a thermal-looking landscape to look at, and sine targets to measure on. Both are
-// computed, square, and hold a whole number of detector pixels.
+// The two scenes of `mtf demo`: a landscape as in a thermal image for the eye, and sine targets for measurements. Both
+// are computed, square, and hold a whole number of detector pixels.
 
 #include <cstdint>
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace apps {
 
-/// In-band radiance (W m-2 sr-1, MWIR-like levels 2 to 9) of a landscape with a vehicle, bar and star targets and point
+/// In-band radiance (W m-2 sr-1, 2 to 9 as in the MWIR) of a landscape with a vehicle, bar and star targets and point
 /// sources; edges are area-averaged over each sample.
 mtf::Image demo_landscape(std::int64_t size);
 

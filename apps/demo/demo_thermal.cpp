@@ -109,7 +109,7 @@ std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& 
   options.separate_readout = true;
   options.threads = threads;
   options.tolerance = radiometric->tolerance(options.tolerance, options.scene->std);
-  std::vector<std::string> loosened;  // the converter may ask for more than floats hold
+  std::vector<std::string> loosened;  // a tenth of a count may be finer than float32 can keep
   const mtf::SensorPlan plan = compile_reachable(
       false, options, loosened, [&] { return mtf::compile_sensor(radiometric->system, thermal.grid, options); });
   const radiometry::Chain chain(plan, radiometric->system, radiometric->loaded.sensor, {}, threads);

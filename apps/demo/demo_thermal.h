@@ -10,9 +10,9 @@
 
 namespace apps {
 
-/// Writes camera.toml, thermal.exr (temperatures in K of the given landscape) and what the camera makes of it,
-/// camera.exr (counts), into the folder; returns the lines that tell of it. `scene` and `image` become what to show
-/// side by side: temperatures and counts.
+/// Writes camera.toml, thermal.exr (temperatures in K of the given landscape) and the image of the camera,
+/// camera.exr (counts), into the folder; returns the lines of the summary. `scene` and `image` become temperatures and
+/// counts, to be shown side by side.
 std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& landscape, double step_um, int threads,
                          mtf::Image& scene, mtf::Image& image);
 

@@ -63,7 +63,7 @@ std::vector<NamedImage> chosen_planes(mtf::io::ImageFile& file, double clipped_f
     std::string names;
     for (const std::string& name : file.names) names += (names.empty() ? "" : ", ") + one_line(name);
     throw mtf::UsageError(one_line(image) + ": has the channels " + names +
-                          "; an edge is measured in one: --channel NAME, or luminance, or all for each by itself");
+                          "; an edge is measured in one: --channel NAME, or luminance, or all for each separately");
   }
   return planes;
 }
@@ -71,7 +71,7 @@ std::vector<NamedImage> chosen_planes(mtf::io::ImageFile& file, double clipped_f
 std::vector<NamedImage> mosaic_planes(std::vector<NamedImage>&& planes, const std::string& image,
                                       const EdgeInput& input) {
   if (input.bayer.empty() && !input.pattern.empty())
-    throw mtf::UsageError("--cfa-pattern: say with --bayer which colours of the mosaic to measure");
+    throw mtf::UsageError("--cfa-pattern: choose with --bayer which colours of the mosaic to measure");
   if (input.bayer.empty()) return std::move(planes);
   if (planes.size() != 1 || planes.front().name == "luminance")
     throw mtf::UsageError(one_line(image) + ": a mosaic has one channel, this image " + std::to_string(planes.size()) +
@@ -103,7 +103,7 @@ std::array<double, 2> linear_scale(const mtf::io::ImageFile& file, const mtf::io
   return {std::min(start, end), std::max(start, end)};
 }
 
-/// What the file's numbers say of the values: their step at mid level, and where they end.
+/// The step between stored values in the middle of their scale, in linear units, and the ends of that scale.
 calib::MeasureOptions options_of(const mtf::io::ImageFile& file, const mtf::io::Encoding& encoding,
                                  const std::array<double, 2>& scale, const EdgeInput& input, const Image& plane) {
   calib::MeasureOptions options;
@@ -123,7 +123,7 @@ calib::MeasureOptions options_of(const mtf::io::ImageFile& file, const mtf::io::
   }
   options.quantum = mtf::io::quantum_at(encoding, 0.5 * (static_cast<double>(low) + high), full);
   if (encoding.kind != mtf::io::Encoding::Kind::linear)
-    options.quantum_at = [encoding, full](double level) { return mtf::io::quantum_at(encoding, level, full); };
+    options.quantum_at = [encoding, full](double value) { return mtf::io::quantum_at(encoding, value, full); };
   if (!options.saturation && std::isfinite(scale[1])) options.saturation = scale[1];
   if (std::isfinite(scale[0])) options.floor = scale[0];
   return options;
@@ -136,13 +136,13 @@ mtf::io::ChosenEncoding encoding_of(const mtf::io::FileInfo& info, const EdgeInp
   return {{}, "assumed"};
 }
 
-/// What a reader of the numbers has to know of a curve that nobody asked for, or that is not known here.
+/// A note about a curve that the file states and the user did not ask for, or that is not known here.
 std::string curve_note(const std::string& image, const mtf::io::FileInfo& info, const EdgeInput& input) {
   const auto& [word, source] = info.encoding;
   if (!input.encoding.empty() || source.empty() || word == "linear") return "";
   const std::string says = one_line(image) + ": " + one_line(source);
   if (word.empty())
-    return says + " is not applied: the values are taken as linear; say with --encoding what their curve is, or linear";
+    return says + " is not applied: the values are taken as linear; give their curve, or linear, with --encoding";
   return says + ": the curve " + word + " is undone; --encoding linear takes the values as they are";
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Images of edges as the command line describes them: linear planes, no data as NaN, and the regions to look at.
+// Images of edges as the command line describes them: linear planes, no data as NaN, and the regions to measure.
 
 #include <optional>
 #include <string>
@@ -22,7 +22,7 @@ struct EdgeRegion {
 struct Linearisation {
   std::string encoding;                       ///< as of --encoding
   std::string encoding_source;                ///< who says so (mtf::io::ChosenEncoding)
-  mtf::io::StatedEncoding stated;             ///< what the file says of itself
+  mtf::io::StatedEncoding stated;             ///< what the file states
   std::string storage;                        ///< of the file, "8-bit"
   bool integer = false;                       ///< stored as whole numbers
   double full_scale = 1.0;                    ///< largest stored value
@@ -38,13 +38,13 @@ struct EdgePlane {
   std::vector<EdgeRegion> regions;  ///< given or found; empty: `reason`
   std::string reason;
   std::string warning;             ///< "" = none
-  std::vector<std::string> notes;  ///< what the file's own words did to its values, and which edges are left out
+  std::vector<std::string> notes;  ///< which curve that the file states was undone, and which edges are left out
   std::size_t left_out = 0, not_tried = 0;  ///< of the edges that were found (calib/find/find_edges.h)
   calib::MeasureOptions options;            ///< noise, quantum and clipping of these values
   Linearisation linearisation;
 };
 
-/// Whether regions are taken from the command line or looked for; a point source is its whole image.
+/// Whether regions are taken from the command line or searched; a point source is its whole image.
 enum class Regions { wanted, none };
 
 /// The planes of one image. Throws UsageError for colour without a choice and a mosaic or mask that does not fit,

@@ -106,7 +106,7 @@ int run_fit(const FitOptions& options, const Global& global) {
   if (!fitted || loaded.left_out > 0) return 1;
   if (result.status == calib::FitStatus::converged || options.allow_misfit) return 0;
   note(global,
-       "mtf: note: the sensor does not describe the data: exit code 3; what was asked for is written all the same "
+       "mtf: note: the sensor does not describe the data: exit code 3; all outputs are written "
        "(--allow-misfit: exit code 0)");
   return 3;
 }

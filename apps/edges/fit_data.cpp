@@ -94,7 +94,7 @@ void add_edges(LoadedData& loaded, const EdgePlane& plane, std::size_t condition
   }
 }
 
-/// A single set of data that cannot be read is an error; of several it is left out, and said.
+/// A single set of data that cannot be read is an error; of several it is left out with a warning.
 template <class Load>
 void load_or_leave_out(LoadedData& loaded, std::size_t sets, const Load& load) {
   try {

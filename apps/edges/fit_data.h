@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What `mtf fit` is given, loaded: images and their measured edges, curves, spots, and the sensor of each.
+// The inputs of `mtf fit`, loaded: images and their measured edges, curves, spots, and the sensor of each.
 
 #include <list>
 #include <string>

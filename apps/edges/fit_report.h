@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a fit found, as table, JSON, figure and sensor file.
+// The result of a fit as table, JSON, figure and sensor file.
 
 #include <string>
 #include <vector>

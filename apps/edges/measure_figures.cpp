@@ -57,8 +57,8 @@ std::vector<Figure> edge_figures(const MeasuredEdge& measured) {
   lsf.x_label = esf.x_label;
   lsf.y_label = "line spread function [1/pixel]";
   lsf.series.push_back({.name = "LSF", .x = edge.distance_px, .y = edge.lsf, .emphasised = true});
-  const double reach = std::min(kShown_px, edge.distance_px.back());
-  esf.x_range = lsf.x_range = {-reach, reach};
+  const double shown = std::min(kShown_px, edge.distance_px.back());
+  esf.x_range = lsf.x_range = {-shown, shown};
   return figures;
 }
 

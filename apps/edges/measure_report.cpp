@@ -57,7 +57,7 @@ Json as_json(const std::optional<Estimate>& estimate) {
   return {{"value", estimate->value}, {"sd", std::isfinite(estimate->sd) ? Json(estimate->sd) : Json()}};
 }
 
-/// Why values are missing: the trouble, or what each absent figure says.
+/// Why values are missing: the failure of the edge, or the reason of each missing figure.
 std::string reason_of(const EdgeMeasurement& edge) {
   std::string reason = edge.reason;
   for (const auto& [name, why] : edge.absent) reason += (reason.empty() ? "" : "; ") + name + ": " + why;

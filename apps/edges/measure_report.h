@@ -29,7 +29,7 @@ FieldPlace field_place(const calib::EdgeMeasurement& edge, std::int64_t width, s
 struct MeasuredEdge {
   std::string image, channel, name;
   Linearisation linearisation;
-  double quantum = 0.0;  ///< linear step between neighbouring stored values, at mid level; 0 = none
+  double quantum = 0.0;  ///< linear step between neighbouring stored values, in the middle of their range; 0 = none
   calib::EdgeMeasurement edge;
   FieldPlace place;
 };

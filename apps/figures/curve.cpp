@@ -69,7 +69,7 @@ std::string as_csv(const CurveValues& values) {
 }
 
 void add_parts(Json& json, const OtfColumn& column) {
-  // + 0.0 makes a zero of the negative zero, which only looks like a number of its own.
+  // + 0.0 makes 0 of the negative zero, which would be printed as -0.
   Json& re = json["re"] = Json::array();
   for (const auto& h : column.otf) re.push_back(h.re + 0.0);
   Json& im = json["im"] = Json::array();
@@ -112,7 +112,7 @@ std::string formatted(const CurveValues& values, const KeyFigures& figures, cons
   return as_table(values) + "\n" + curve_footer(system, values.direction, figures);
 }
 
-/// Everything that two outputs in one place would spoil, before anything is written.
+/// Refuses outputs that would overwrite one another or an input, before anything is written.
 void check_outputs(const CurveOptions& options, const std::vector<std::string>& inputs) {
   for (const std::string& input : inputs) require_different(input, options.out);
   const bool to_stdout = options.out.empty() || options.out == "-";
@@ -128,7 +128,7 @@ void check_outputs(const CurveOptions& options, const std::vector<std::string>& 
     for (const std::string& input : inputs) require_different(input, path);
     if (!to_stdout && is_same_file(path, options.out))
       throw mtf::UsageError(one_line(options.out) + ": -o names the " +
-                            (path == data ? "data file that is written beside the figure " : "file of the figure ") +
+                            (path == data ? "data file of the figure " : "file of the figure ") +
                             one_line(options.plot) + "; choose another name for -o");
   }
 }

@@ -3,7 +3,7 @@
 
 // OTF values of a system along one direction of the focal plane, in the unit that the user asked for.
 //
-// The direction is `angle_deg` from +x (columns, right) to +y (rows, down). A frequency f stands for the vector f (cos
+// The direction is `angle_deg` from +x (columns, right) to +y (rows, down). A frequency f denotes the vector f (cos
 // a, sin a), component by component in its own unit: cy/px with pixels that are not square means fx = f cos a / pitch_x
 // and fy = f sin a / pitch_y, so that 0.5 cy/px is Nyquist along either axis.
 
@@ -52,7 +52,7 @@ CurveValues curve_values(const mtf::System<double>& system, const Direction& dir
 
 /// Figures of merit along a direction, in its unit.
 struct KeyFigures {
-  double nyquist = 0.0;          ///< where the first of the axes meets its Nyquist frequency
+  double nyquist = 0.0;          ///< the frequency at which the first of the axes is at its Nyquist frequency
   std::optional<double> cutoff;  ///< from where on the presample OTF is zero (shortest wavelength of a band)
   std::optional<double> q;       ///< 2 Nyquist / optical cutoff = lambda N / pitch (middle of a band)
 };

@@ -155,7 +155,7 @@ std::string style(const Series& series, std::size_t index, Medium medium) {
          (index >= kColours.size() && series.x.size() > 1 ? " dt (8,3)" : "");
 }
 
-/// A map: points in colour, beside them their words.
+/// A map: points in colour, with their words next to them.
 std::string map_commands(const Figure& figure, std::size_t panel) {
   std::string text = "set size ratio -1\nunset key\nset tmargin 4.5\nset border 15 lc rgb '#404040'\n";
   text += "set tics nomirror out scale 0.6\nset grid lc rgb '#e4e4e4' lt 1 lw 0.8\n";
@@ -234,7 +234,7 @@ std::string figure_data_path(const std::string& path) { return path + ".csv"; }
 void check_figure_path(const std::string& path) { static_cast<void>(medium_of(path)); }
 
 bool write_figure(const std::string& path, const Figure& figure) {
-  static_cast<void>(x_range(figure));  // nothing to draw is found before anything is written
+  static_cast<void>(x_range(figure));  // a figure without anything to draw is refused before anything is written
   check_figure_path(path);
   mtf::io::write_text_file(figure_data_path(path), figure_csv(figure));
   return draw_figure(path, figure);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Line figures through gnuplot: SVG, PDF, PNG and characters. Every figure file has its data beside it as CSV, so that
-// it can be drawn again with anything. Labels are taken literally, whatever they contain.
+// Line figures through gnuplot: SVG, PDF, PNG and characters. The data of every figure file are written to a CSV file
+// too, so that any program can draw it again. Labels are taken literally, whatever they contain.
 
 #include <array>
 #include <optional>
@@ -22,7 +22,7 @@ struct Series {
   Mark mark = Mark::line;
   std::vector<double> low{}, high{};  ///< a band around the line, shaded; empty or of the same length
   std::vector<double> value{};        ///< colours of points, in Figure::colour_range; empty or of the same length
-  std::vector<std::string> words{};   ///< beside points that have colours; empty or of the same length
+  std::vector<std::string> words{};   ///< next to points that have colours; empty or of the same length
 };
 
 struct VerticalLine {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// `mtf report DIR`: one page of HTML from what a sweep left.
+// `mtf report DIR`: one page of HTML from the results of a sweep.
 
 #include <algorithm>
 #include <filesystem>

@@ -69,7 +69,7 @@ void load(const Sweep& sweep, ChosenDesign& design) {
   if (chain)
     add_budget(design, sweep.temperature_k);
   else
-    design.budget_gap = "its sensor file has no [detector]: it says nothing of light and noise";
+    design.budget_gap = "its sensor file has no [detector], without which there is neither light nor noise";
 }
 
 }  // namespace

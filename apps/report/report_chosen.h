@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The chosen designs of a sweep, looked at one by one: curves, noise budget and a simulated image, each computed here
-// from chosen/design_N.toml. What cannot be had is a sentence, never an error.
+// The chosen designs of a sweep, one by one: curves, noise budget and a simulated image, each computed here
+// from chosen/design_N.toml. Where one of them is not possible, a sentence says why; it is no error.
 
 #include <cstdint>
 #include <string>
@@ -40,7 +40,7 @@ struct ChosenDesign {
   ChosenCurve system;
   std::vector<radiometry::BudgetRow> budget;
   std::string budget_gap;  ///< why there is none
-  std::string saturation;  ///< which of its figures are refused or off, and why; "" when all are true
+  std::string saturation;  ///< which of its figures are refused or wrong, and why; "" when all are right
   ChosenImage image;
   std::string image_gap;
 };

@@ -61,7 +61,7 @@ class Records {
         cell += static_cast<char>(c);
       }
     }
-    if (c < 0) fail("the last row has no end: the file is not whole");
+    if (c < 0) fail("the last row has no end: the file is incomplete");
     return true;
   }
 
@@ -92,8 +92,8 @@ void check_header(const Records& records, const std::vector<std::string>& cells,
       records.fail("column '" + one_line(cells[i]) + "' where sweep.json has '" + one_line(wanted) + "'");
 }
 
-/// True for one design in `every`, whatever their order: steps of a fixed length would meet the levels of a grid or the
-/// digits of a Sobol sequence. The mixing of splitmix64 (Steele, Lea and Flood, OOPSLA 2014).
+/// True for one design in `every`, whatever their order: steps of a fixed length would select single values of a grid's
+/// axis or the digits of a Sobol sequence. The mixing of splitmix64 (Steele, Lea and Flood, OOPSLA 2014).
 bool is_drawn(std::int64_t design, std::int64_t every) {
   auto h = static_cast<std::uint64_t>(design) + 0x9E3779B97F4A7C15ULL;
   h = (h ^ (h >> 30)) * 0xBF58476D1CE4E5B9ULL;

@@ -103,14 +103,14 @@ std::string component_budget(const Chosen& chosen) {
 
 std::string images(const Chosen& chosen, const std::string& scene) {
   std::string text =
-      "<h3>What they see</h3>\n<p>" +
+      "<h3>Simulated images</h3>\n<p>" +
       (scene.empty()
            ? std::string("One computed scene of the same angular size for all, as <code>mtf simulate</code> images it "
                          "with noise: temperatures about the study's where sensors take temperatures, below "
                          "3 &micro;m sunlit ground.")
-           : "The scene <code>" + html(scene) + "</code>, its middle of the same angle for all.") +
+           : "The scene <code>" + html(scene) + "</code>, its middle part of the same angle for all.") +
       " Each is stretched between its own quantiles of 0.5 and 99.5 %, so contrast against noise can be compared, "
-      "brightness cannot. The OTF is kept to 0.2 %, half a grey level.</p>\n<div class=\"images\">";
+      "brightness cannot. The OTF is kept to 0.2 %, half a grey value.</p>\n<div class=\"images\">";
   std::string gaps;
   for (const ChosenDesign& design : chosen) {
     const ChosenImage& image = design.image;
@@ -146,7 +146,7 @@ std::string noise_budget(const Chosen& chosen, double temperature_k) {
               html(design.saturation) + ".</p>\n";
   if (with == chosen.end()) return "<h3>Noise budget</h3>\n" + gaps;
   const std::string surface = mtf::format_double(temperature_k) + " K";
-  HtmlTable rows("Noise budget of a pixel that looks at " + surface, header_of("Term", chosen), all_but_first(chosen));
+  HtmlTable rows("Noise budget of a pixel that images " + surface, header_of("Term", chosen), all_but_first(chosen));
   for (std::size_t i = 0; i < with->budget.size(); ++i) {
     const radiometry::BudgetRow& row = with->budget[i];
     std::vector<std::string> cells{"<abbr title=\"" + html(row.doc) + "\">" + html(row.name) +
@@ -162,8 +162,8 @@ std::string noise_budget(const Chosen& chosen, double temperature_k) {
     for (const radiometry::BudgetRow& row : design.budget)
       if (row.name == "temporal" && row.refused.empty())
         bars.push_back({"design " + std::to_string(design.chosen.design), row.value, 0.0});
-  return "<h3>Noise budget</h3>\n<p>Of a pixel on the axis that looks at a surface of " + surface +
-         ", as <code>mtf budget</code> has it. Variances add: bars are shares of the temporal variance.</p>\n" +
+  return "<h3>Noise budget</h3>\n<p>Of a pixel on the optical axis that images a surface of " + surface +
+         ", as in <code>mtf budget</code>. Variances add: bars are shares of the temporal variance.</p>\n" +
          html_chart("noise", svg_bars("Temporal noise", "electrons rms", bars)) +
          "<details><summary>All terms</summary>" + rows.html() + "</details>\n" + gaps;
 }

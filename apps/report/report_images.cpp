@@ -26,14 +26,14 @@ namespace {
 constexpr std::int64_t kPixels = 160;                  // of the design with the smallest pixels, a side
 constexpr std::int64_t kSamplesAPixel = 4;             // of the scene
 constexpr std::int64_t kMostPixels = 1 << 26;          // of a scene file
-constexpr double kTolerance = 2e-3;                    // half a grey level of the picture
+constexpr double kTolerance = 2e-3;                    // half a grey value of the picture
 constexpr double kSun_k = 5772.0, kSun_sr = 6.794e-5;  // IAU 2015 nominal values; solid angle at 1 au
 
 double ifov_urad(const mtf::Frame<double>& frame, mtf::Axis axis) {
   return frame.pitch_um(axis) / frame.focal_length_mm * 1e3;
 }
 
-/// The landscape on a scale of its own: mean 0, standard deviation 1.
+/// The landscape, normalised: mean 0, standard deviation 1.
 mtf::Image landscape() {
   mtf::Image image = demo_landscape(kPixels * kSamplesAPixel);
   const mtf::Statistics s = mtf::statistics(image.view());

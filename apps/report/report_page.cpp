@@ -29,7 +29,7 @@ std::string json_list(const List& list, const Make& make) {
 
 std::string json_texts(const std::vector<std::string>& texts) { return json_list(texts, json_text); }
 
-/// Six digits: for curves, which are looked at.
+/// Six digits: enough for curves that are drawn.
 std::string json_curve(const std::vector<double>& values) {
   return json_list(values, [](double v) { return std::isfinite(v) ? significant(v, 6) : std::string("null"); });
 }
@@ -68,7 +68,7 @@ std::string script_hash(std::string_view script) {
   return "'sha256-" + base64(bytes) + "'";
 }
 
-/// The template with every {{name}} replaced, once: nothing in what is put in is looked at.
+/// The template with every {{name}} replaced, once: names within the replacements stay as they are.
 std::string filled(std::string_view page, const std::map<std::string_view, std::string_view>& parts) {
   std::string text;
   for (;;) {
@@ -120,7 +120,7 @@ std::string report_page(const Sweep& sweep, const DesignTable& table, const std:
   const std::string title = sweep.name.empty() ? "Trade study" : html(sweep.name);
   const bool interactive = !files.library.empty();
   const std::string_view script = interactive ? files.script : std::string_view();
-  // Styles stand in the page and in its charts; everything else comes from nowhere.
+  // Styles are in the page and in its charts; nothing is loaded from elsewhere.
   const std::string policy =
       "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; "
       "form-action 'none'; script-src " +

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What the study rests on: sensitivities, the run's own error, definitions, files.
+// How far the results can be trusted and how they came about: sensitivities, error, definitions, files.
 
 #include <algorithm>
 #include <cmath>
@@ -52,7 +52,7 @@ std::string indices(const Sweep& sweep) {
     table.add({html(one.column), html(one.parameter), html_value(one.first), html_value(one.first_sd),
                html_value(one.total), html_value(one.total_sd)});
   return "<h3>Over all of the space: share of the variance</h3>\n<p>First order: by this parameter alone. Total: with "
-         "all that it does together with others. From " +
+         "its interactions with others. From " +
          std::to_string(sweep.samples) + " samples; whiskers are one standard deviation.</p>\n" +
          html_chart("indices", svg_bars("Total index of Sobol", "share of the variance", bars)) +
          "<details><summary>Numbers</summary>" + table.html() + "</details>\n";
@@ -87,7 +87,7 @@ std::string shown_file(const std::string& file, const std::string& sha256, const
                                      : "<p class=\"gap\">" + html(problem) + ".</p>";
   if (text.size() > kMost)
     body += "<p class=\"gap\">The first " + std::to_string(kMost) + " of " + std::to_string(text.size()) +
-            " bytes; the file beside this report has all.</p>";
+            " bytes; the file in the folder of the sweep has all.</p>";
   return "<details><summary><code>" + html(file) + "</code></summary>" +
          (sha256.empty() ? "" : "<p class=\"hash\">sha256 " + html(sha256) + "</p>") + body + "</details>\n";
 }
@@ -112,7 +112,7 @@ std::string run_section(const Sweep& sweep) {
           std::to_string(sweep.threads) + " threads";
   if (sweep.seconds) body += ", " + significant(*sweep.seconds, 4) + " s";
   if (sweep.resumed > 0)
-    body += ", of which " + std::to_string(sweep.resumed) + " designs were there from an earlier run";
+    body += ", of which " + std::to_string(sweep.resumed) + " designs were computed by an earlier run";
   body += ".</p>\n";
   if (!sweep.skipped.empty()) {
     body += "<h3>What was left out</h3>\n<ul>";
@@ -145,7 +145,7 @@ std::string files_section(const Sweep& sweep, const DesignTable& table, const st
   }
   if (sweep.sensors.size() > kMostFiles)
     body += "<p class=\"gap\">" + std::to_string(sweep.sensors.size() - kMostFiles) +
-            " more sensor files lie beside this report.</p>";
+            " more sensor files are in the folder of the sweep.</p>";
   for (const ChosenDesign& design : chosen)
     if (!design.text.empty()) body += shown_file(design.chosen.file, design.config.sha256, design.text, "");
   HtmlTable hashes("Versions and hashes", {"What", "Version or hash"});

@@ -12,7 +12,7 @@
 
 namespace apps {
 
-/// What varies, what is asked, what came out.
+/// Axes, constraints, objectives and the best designs.
 std::string summary_section(const Sweep& sweep, const DesignTable& table);
 /// All designs: scatter, parallel coordinates, filters; which of them the page holds.
 std::string trade_section(const Sweep& sweep, const DesignTable& table);

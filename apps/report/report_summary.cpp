@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// The first screen: what varies, what is asked of every design, what came out.
+// The first screen: axes, constraints and objectives, and the best designs.
 
 #include <algorithm>
 #include <cmath>
@@ -32,13 +32,13 @@ std::string tiles(const Sweep& sweep) {
   std::string body = "<div class=\"tiles\">";
   body += tile("<span id=\"total\">" + std::to_string(sweep.designs) + "</span>", "designs, " + method_words(sweep));
   body += tile(std::to_string(sweep.feasible), sweep.constraints.empty()
-                                                   ? "feasible: nothing is asked of them"
+                                                   ? "feasible: the study has no constraints"
                                                    : "feasible (" + percent(sweep.feasible, sweep.designs) + ")");
   if (sweep.invalid > 0) {
     std::string what = "invalid: ";
-    if (sweep.no_sensor > 0) what += "no sensor can be " + std::to_string(sweep.no_sensor);
+    if (sweep.no_sensor > 0) what += "impossible as a sensor: " + std::to_string(sweep.no_sensor);
     for (const auto& [text, designs] : sweep.not_finite)
-      what += (what.ends_with(": ") ? "" : "; ") + html(text) + " not finite in " + std::to_string(designs);
+      what += (what == "invalid: " ? "" : "; ") + html(text) + " not finite in " + std::to_string(designs);
     body += tile(std::to_string(sweep.invalid), what);
   }
   if (sweep.objectives.size() > 1) body += tile(std::to_string(sweep.pareto_size), "on the Pareto front");
@@ -161,8 +161,8 @@ std::string summary_section(const Sweep& sweep, const DesignTable& table) {
     objectives += (objectives.empty() ? "" : ", ") + std::string(objective.maximize ? "large " : "small ") + "<em>" +
                   html(objective.text) + "</em>";
   return html_section("summary", "Summary", objectives.empty() ? "" : "Wanted: " + objectives + ".",
-                      tiles(sweep) + words(sweep) + "<h3>What varies</h3>" + varies(sweep, table) +
-                          (sweep.constraints.empty() ? "" : "<h3>What is asked</h3>" + constraints(sweep)) +
+                      tiles(sweep) + words(sweep) + "<h3>Axes</h3>" + varies(sweep, table) +
+                          (sweep.constraints.empty() ? "" : "<h3>Constraints</h3>" + constraints(sweep)) +
                           (sweep.best.empty() ? "" : "<h3>Best designs</h3>" + best(sweep, table)));
 }
 

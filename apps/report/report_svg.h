@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Static charts of a report as SVG: what is seen where scripts do not run, and in builds without the chart libraries.
+// Static charts of a report as SVG: shown where scripts do not run, and in builds without the chart libraries.
 // Colours come from the page's style sheet, so they follow its light, dark and printed form.
 
 #include <span>
@@ -18,7 +18,7 @@ std::string svg_figure(const Figure& figure);
 
 struct HeatMap {
   std::string title, x_label, y_label;
-  std::vector<std::string> x, y;  ///< levels
+  std::vector<std::string> x, y;  ///< values of the axes, as text
   std::vector<double> value;      ///< row by row of y; NaN for none
 };
 

@@ -115,7 +115,8 @@ void read_results(const Node& root, Sweep& sweep) {
     sweep.best.push_back(
         {node.text("objective"), design(node.at("design")), node.number("value"), node.texts("active")});
   for (const Node& node : root.list("pareto")) sweep.pareto.push_back(design(node));
-  if (!std::is_sorted(sweep.pareto.begin(), sweep.pareto.end())) root.at("pareto").fail("the designs do not rise");
+  if (!std::is_sorted(sweep.pareto.begin(), sweep.pareto.end()))
+    root.at("pareto").fail("the designs are not in rising order");
   sweep.pareto_size = std::max(root.count("pareto_size"), static_cast<std::int64_t>(sweep.pareto.size()));
   for (const Node& node : root.list("chosen"))
     sweep.chosen.push_back({design(node.at("design")), node.text("file"), node.text("why")});
@@ -195,7 +196,7 @@ void require_sweep(const fs::path& folder) {
     throw mtf::UsageError(shown + ": is no folder; name the one that `mtf sweep STUDY -o DIR` wrote");
   if (fs::exists(folder / "sweep.json", ignored)) return;
   if (fs::exists(folder / "parts", ignored))
-    throw mtf::UsageError(shown + ": the sweep is not finished; the same `mtf sweep` command goes on where it stopped");
+    throw mtf::UsageError(shown + ": the sweep is not finished; the same `mtf sweep` command continues it");
   throw mtf::UsageError(shown + ": has no sweep.json; name a folder that `mtf sweep STUDY -o DIR` wrote");
 }
 
@@ -222,7 +223,7 @@ Sweep read_sweep(const fs::path& folder) {
   } catch (const mtf::UsageError& error) {
     throw mtf::UsageError(one_line(file) + ": " + error.what() + "; run `mtf sweep` again");
   } catch (const Json::exception& error) {
-    throw mtf::UsageError(one_line(file) + ": is no JSON, or not whole; run `mtf sweep` again (" +
+    throw mtf::UsageError(one_line(file) + ": is no JSON, or incomplete; run `mtf sweep` again (" +
                           one_line(error.what()) + ")");
   }
   const Node root(json, file);
@@ -235,7 +236,7 @@ Sweep read_sweep(const fs::path& folder) {
   if (sweep.evaluated != sweep.designs)
     throw mtf::UsageError(one_line(file) + ": " + std::to_string(sweep.evaluated) + " of " +
                           std::to_string(sweep.designs) +
-                          " designs are evaluated; the same `mtf sweep` command goes on where it stopped");
+                          " designs are evaluated; the same `mtf sweep` command continues with the others");
   sweep.folder = folder;
   sweep.sha256 = mtf::io::sha256_hex(text);
   return sweep;

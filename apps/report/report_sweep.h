@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// sweep.json of a sweep's folder as values, checked: what `mtf report` tells of a study.
+// sweep.json of a sweep's folder as values, checked: what `mtf report` shows of a study.
 
 #include <cstdint>
 #include <filesystem>
@@ -22,7 +22,7 @@ struct SweepColumn {
 
 struct SweepAxis {
   std::string column, scale;
-  std::vector<std::string> values;  ///< of a grid or levels, as text; empty for ranges that are sampled
+  std::vector<std::string> values;  ///< of a grid or of a discrete axis, as text; empty for ranges that are sampled
 };
 
 struct SweepConstraint {
@@ -72,14 +72,14 @@ struct Sweep {
   std::vector<NamedFile> sensors;
   std::int64_t designs = 0, evaluated = 0, seed = 0;
   double tolerance = 0.0, worst_error = 0.0;
-  double temperature_k = 300.0;  ///< of the surface that the study's pixels look at
+  double temperature_k = 300.0;  ///< of the surface that the study's pixels image
   std::vector<SweepColumn> columns;
   std::vector<SweepAxis> axes;
   std::vector<SweepConstraint> constraints;
   std::vector<SweepObjective> objectives;
   std::int64_t feasible = 0;
   std::int64_t no_sensor = 0;  ///< of the invalid ones
-  std::int64_t invalid = 0;    ///< no sensor can be so, or what is asked of it is not finite
+  std::int64_t invalid = 0;    ///< no sensor has these values, or an objective or constraint is not finite
   std::vector<std::pair<std::string, std::int64_t>> not_finite;  ///< objective or constraint, designs
   std::optional<std::int64_t> nearest;                           ///< to being feasible, when no design is
   std::vector<std::string> violated;                             ///< by that one

@@ -117,10 +117,11 @@ void read_path(const radiometry::SensorSettings& settings, LoadedSensor& loaded)
   }
   if (given.air_temperature_k || !given.transmission.file.empty() || given.transmission.number != 1.0 ||
       !given.radiance.file.empty() || given.radiance.number != 0.0)
-    throw mtf::UsageError("path.table: given beside transmission, radiance or air_temperature; it has both terms");
+    throw mtf::UsageError(
+        "path.table: given together with transmission, radiance or air_temperature; it has both terms");
   auto table = std::make_shared<const radiometry::PathTable>(table_of(given, by_pixel));
   if (by_pixel && given.range_m)
-    throw mtf::UsageError("path.range: given beside scene.depth_channel; remove one of them");
+    throw mtf::UsageError("path.range: given together with scene.depth_channel; remove one of them");
   if (by_pixel)
     loaded.paths = std::move(table);
   else if (given.range_m)

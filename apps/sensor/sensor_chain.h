@@ -12,10 +12,10 @@ namespace apps {
 /// The sensor file and every file it names (curves, tables, maps): what no output may replace.
 std::vector<std::string> files_of(const mtf::io::SensorConfig& config);
 
-/// True when the file says more than the OTF: its output is electrons or what comes after them.
+/// True when the file has a detector: its output is electrons, counts or display values.
 bool has_chain(const mtf::io::SensorConfig& config);
 
-/// Temperature whose spectrum the light of surfaces has where only one is to be had.
+/// The blackbody whose spectrum weights the band where a single one has to stand for all surfaces of a scene.
 inline constexpr double kSurface_k = 300.0;
 
 /// Of the blackbody whose spectrum light of that quantity has where nothing better is known: [scene]
@@ -23,7 +23,7 @@ inline constexpr double kSurface_k = 300.0;
 std::optional<double> source_temperature_k(const radiometry::SensorSettings& settings,
                                            std::optional<mtf::io::Quantity> quantity);
 
-/// A sensor and what lies before its aperture.
+/// A sensor and the path in front of its aperture.
 struct LoadedSensor {
   radiometry::Sensor sensor;
   std::shared_ptr<const radiometry::PathTable> paths;  ///< for the range of each pixel, where the file says so
@@ -34,18 +34,18 @@ struct LoadedSensor {
 /// RuntimeError for files that cannot be read.
 LoadedSensor load_chain(const mtf::io::SensorConfig& config);
 
-/// The system whose band is weighted by the electrons that light of that spectrum gives behind all curves; unchanged
+/// The system whose band is weighted by the electrons that light of that spectrum gives after all curves; unchanged
 /// where there is neither a curve nor a source temperature. Throws UsageError where that light gives no electrons.
 mtf::System<double> with_electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded);
 
-/// What a file without [detector] says of a chain all the same; empty when nothing.
+/// The error for a file without [detector] that has other tables of the chain; empty when it has none.
 std::string unused_table(const mtf::io::SensorConfig& config);
 
 /// What components and tables of the chain count twice: warnings, as such a pair can be meant.
 std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& config);
 
-/// What makes no chain of a file, as `mtf config check` tells it, with its place where it is about a key of the file;
-/// nothing where all is well.
+/// Why a file makes no chain, for `mtf config check`, with its place where it is about a key of the file; nothing where
+/// it does.
 std::optional<mtf::io::Diagnostic> chain_problem(const mtf::io::SensorConfig& config);
 
 }  // namespace apps

@@ -13,7 +13,7 @@ namespace apps {
 /// Reads a sensor file for a subcommand; its warnings and notes go to standard error. Throws as load_config.
 mtf::io::SensorConfig read_sensor(const std::string& file, const Global& global);
 
-/// The same with the electron rate of its band, for commands that look at the OTF alone. Throws as load_chain too.
+/// The same with the electron rate of its band, for commands that use the OTF alone. Throws as load_chain too.
 mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global);
 
 /// What `mtf config check` found in a sensor or study file.
@@ -32,7 +32,7 @@ int report_verdict(const Verdict& verdict, Format format);
 /// `mtf config check` of a sensor file. Returns the exit code. Throws RuntimeError when the file cannot be read.
 int check_sensor(const std::string& file, Format format);
 
-/// The same for a sensor or a study, as the file itself says.
+/// The same for a sensor or a study, according to the keys of the file.
 int check_config(const std::string& file, Format format);
 
 }  // namespace apps

@@ -2,7 +2,7 @@
 #pragma once
 
 // What radiometry refuses of a sensor file, at its place in that file: messages that begin with the key they are about
-// ("detector.full_well: ...", "[blooming]: ...") get the line that it stands in.
+// ("detector.full_well: ...", "[blooming]: ...") get the line of that key.
 
 #include <optional>
 #include <string>
@@ -18,7 +18,7 @@ std::optional<mtf::io::Diagnostic> finding_of(const mtf::io::SensorConfig& confi
 /// "camera.toml:14:1: error: detector.full_well: ..."; the message as it is where it begins with no key of that file.
 std::string placed(const mtf::io::SensorConfig& config, const std::string& message);
 
-/// Runs `action`; what it refuses is told with its place.
+/// Runs `action`; its refusals get their place in the file.
 template <class Action>
 auto at_its_place(const mtf::io::SensorConfig& config, const Action& action) {
   try {

@@ -230,7 +230,7 @@ Found find_place(const SensorView& view, std::string_view name) {
     if (owners.size() > 1) {
       std::string list;
       for (std::size_t i = 0; i < owners.size() && i < 6; ++i) list += (i > 0 ? ", " : "") + owners[i];
-      return {std::nullopt, "stands for several: " + list + "; write the one that is meant"};
+      return {std::nullopt, "is the name of several: " + list + "; write the one that is meant"};
     }
     if (owners.size() == 1) full = owners[0];
   }

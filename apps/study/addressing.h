@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a name in a study stands for in a sensor file: where it is, whether it is a number that can be set without
-// reading the file again, in which unit it is held, and what it may be.
+// Which value of a sensor file a name in a study denotes: where it is, whether it is a number that can be set without
+// reading the file again, in which unit it is held, and its range.
 
 #include <string>
 #include <string_view>
@@ -11,7 +11,7 @@
 
 namespace study {
 
-/// A sensor file as names are looked up in it.
+/// A sensor file in which names are searched.
 struct SensorView {
   mtf::io::SensorConfig sensor;
   mtf::io::cfg::Node tree;
@@ -24,7 +24,7 @@ SensorView view_of(mtf::io::SensorConfig sensor);
 struct Place {
   enum class Kind {
     number,  ///< calib::parameter_site has it, or it is a number of another table of the file
-    level    ///< anything else: to be set in the file
+    level    ///< anything else: a value that has to be written into the file
   };
   mtf::io::cfg::Target target;
   Kind kind = Kind::level;
@@ -34,7 +34,7 @@ struct Place {
   double value = 0.0;     ///< of numbers
 };
 
-/// A place, or why there is none: a sentence with the way out.
+/// A place, or why there is none: a sentence that says what to write.
 struct Found {
   std::optional<Place> place;
   std::string problem{};

@@ -9,7 +9,7 @@
 namespace study {
 
 struct Conditions {
-  double temperature_k = 300.0;  ///< temperature: of the surface that the pixel looks at
+  double temperature_k = 300.0;  ///< temperature: of the surface that the pixel images
   std::optional<double>
       range_m;                  ///< range: to the target along the line of sight, for GSD and all that follows from it
   double elevation_deg = 90.0;  ///< elevation: of the sensor seen from the target; 90 = overhead

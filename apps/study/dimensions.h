@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// RadiometricChain dimensions of the numbers in a study's expressions: powers of metre, second, kelvin, electron,
+// Physical dimensions of the numbers in a study's expressions: powers of metre, second, kelvin, electron,
 // kilogram and candela. Angles, pixels, cycles and photons are plain numbers (small angles: pitch / focal length is an
 // angle in rad). Powers are multiples of 1/25200, which has all of two decimals, thirds and sevenths: costs go with
 // aperture ^ 2.7. Values made here are rounded to them, so that equal ones are equal.

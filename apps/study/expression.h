@@ -20,12 +20,12 @@
 
 namespace study {
 
-/// What a name stands for: a slot among the values that an expression is evaluated with, and its dimensions.
+/// What a name denotes: a slot among the values that an expression is evaluated with, and its dimensions.
 struct Symbol {
   int slot = 0;
   Dimensions dimensions;
 };
-/// Null for a name that nothing has. May throw ExpressionError for a name that cannot stand in an expression; its
+/// Null for an unknown name. May throw ExpressionError for a name that an expression cannot use; its
 /// column counts within the name.
 using FindSymbol = std::function<std::optional<Symbol>(std::string_view name)>;
 
@@ -41,7 +41,7 @@ struct NameAt {
   int column = 0;
 };
 
-/// Every name in the text, functions and pi left out, as often as it stands there; what cannot be read is passed over.
+/// Every name in the text as often as it occurs, without functions and pi; what cannot be read is skipped.
 std::vector<NameAt> names_in(std::string_view text);
 
 class Expression {

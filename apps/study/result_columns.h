@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Reads rows of results as a study's constraints and objectives see them.
+// From a row of results to the values of the study's constraints and objectives.
 
 #include <memory>
 
@@ -38,7 +38,7 @@ class SlotReader {
 /// What a tally needs to know of a study.
 TallyJob tally_job(std::shared_ptr<const Study> study, const std::vector<Column>& columns);
 
-/// The columns as a table shows them: words for the levels of a discrete axis that are no numbers.
+/// The columns of a table: the levels of a discrete axis as words where they are no numbers.
 std::vector<TableColumn> table_columns(const Study& study, const std::vector<Column>& columns);
 
 }  // namespace study

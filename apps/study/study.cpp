@@ -22,7 +22,7 @@ void sort_diagnostics(std::vector<Diagnostic>& diagnostics) {
   });
 }
 
-/// What stands on the sensor, in the order in which one part needs the other.
+/// The parts that refer to the sensor, each after those that it needs.
 void read_on_sensor(StudyReader& s) {
   read_axes(s);
   read_sampling(s);

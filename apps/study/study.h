@@ -76,7 +76,7 @@ enum class Scale { linear, log };
 struct Axis {
   int parameter = 0;             ///< index into Study::parameters
   std::vector<double> values{};  ///< of a list: numbers in the unit; of a discrete axis: its numbers, or 0, 1, 2 ...
-  std::vector<std::string> levels{};  ///< discrete: what the file has at each level, as text; else empty
+  std::vector<std::string> levels{};  ///< discrete: the value of each level as text; else empty
   double from = 0.0, to = 0.0;        ///< of a range (values empty)
   Scale scale = Scale::linear;
   int count = 0;  ///< of a range: points on a grid
@@ -144,7 +144,7 @@ struct Study {
 };
 
 /// What is wrong with a study file, for `mtf config check`; the study is usable only without errors. Never throws for
-/// what is in the text. Sensor files are read beside `file`.
+/// what is in the text. Names of sensor files are relative to the folder of `file`.
 struct StudyResult {
   Study study;
   std::vector<mtf::io::Diagnostic> diagnostics;  ///< sorted by position, all errors in one pass
@@ -155,8 +155,8 @@ StudyResult parse_study(const std::string& text, const std::string& file);
 /// True for a file whose top level has [[axis]] or `sensor`: a study and no sensor.
 bool is_study(const std::string& text);
 
-/// All sensor files of the study and what they name: each level of each discrete axis is looked at once. A level that
-/// no sensor file could hold beside the first levels of the others is passed over: its designs have no sensor either.
+/// All sensor files of the study and the files that they name, for each level of each discrete axis. Skipped is a level
+/// that no sensor file could hold together with the first levels of the others: its designs have no sensor.
 std::vector<std::string> files_of(const Study& study);
 
 /// Reads a file. Throws RuntimeError when it cannot be read, UsageError with all errors as "file:line:col: error: ..."

@@ -62,7 +62,7 @@ bool needs_file(const Place& place, const Node& node) {
          unit->dimension != mtf::find_unit(place.info.unit)->dimension;
 }
 
-/// One [[axis]] table on its way into an Axis and its Parameter.
+/// One [[axis]] table becomes an Axis and its Parameter.
 struct AxisReader {
   StudyReader& s;
   Section section;
@@ -83,7 +83,7 @@ struct AxisReader {
     const auto own = cfg::read_string(section, "name");
     const auto named = cfg::read_string(section, "parameter");
     if (section.find("name") != nullptr && section.find("parameter") != nullptr)
-      return fail("name", "given beside parameter; name is for numbers of the study's own, remove one of them");
+      return fail("name", "given together with parameter; name is for numbers of the study's own, remove one of them");
     if (own) return identify_own(*own);
     if (!named) {
       if (section.find("name") == nullptr && section.find("parameter") == nullptr)
@@ -146,7 +146,7 @@ struct AxisReader {
   void read_values() {
     const Node& values = *section.find("values");
     for (const char* key : {"from", "to", "count", "scale"})
-      if (section.find(key) != nullptr) fail(key, "given beside values; an axis is a list or a range");
+      if (section.find(key) != nullptr) fail(key, "given together with values; an axis is a list or a range");
     if (values.kind != Node::Kind::array || values.items.empty())
       return fail("values", values.kind == Node::Kind::array
                                 ? "an empty list: no design would be left"
@@ -178,7 +178,7 @@ struct AxisReader {
     parameter.base = std::numeric_limits<double>::quiet_NaN();
     if (!numbers)
       s.why[parameter.name] =
-          parameter.name + " is an axis of words, files or lists here; only numbers can stand in " + "an expression";
+          parameter.name + " is an axis of words, files or lists here; only numbers can be used in " + "an expression";
   }
 
   void read_range() {
@@ -217,7 +217,7 @@ struct AxisReader {
       fail("to", "is the same as from: all designs would be equal along this axis; write values = [" +
                      cfg::shown(*section.find("from")) + "]");
     else if (points == 1 && axis.from != axis.to && method == Method::grid)
-      s.warn(count->position, section.at("count"), "one point only: from; the rest of the range is not looked at");
+      s.warn(count->position, section.at("count"), "one point only: from; the rest of the range is not used");
   }
 
   void read(Method method) {
@@ -251,7 +251,7 @@ void count_variants(StudyReader& s, mtf::io::Position position) {
   if (s.study.variants > kMostVariants)
     s.error(position, "axis",
             "the axes of words, files, lists and whole numbers combine to " + exact_product(levels) +
-                " sensors, at most " + std::to_string(kMostVariants) + " are read; leave levels out");
+                " sensors, at most " + std::to_string(kMostVariants) + " are read; give fewer values");
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ std::vector<Source> strings_of(StudyReader& s, const std::string& key) {
   return sources;
 }
 
-/// Where the comparison stands in a constraint: "< 3", "<= 3"; npos when there is not exactly one.
+/// Position of the comparison in a constraint: "< 3", "<= 3"; npos when there is not exactly one.
 std::size_t comparison(const std::string& text) {
   const std::size_t at = text.find_first_of("<>");
   if (at == std::string::npos) return at;
@@ -63,7 +63,7 @@ std::optional<ConstraintValues> sides_of(const Source& source) {
                           source.text[at] == '<', strict};
 }
 
-/// The expression of an objective behind its first word; null when that is no direction.
+/// The expression of an objective after its first word; null when that is no direction.
 std::optional<Source> goal_of(const Source& source) {
   const std::size_t start = source.text.find_first_not_of(" \t");
   if (start == std::string::npos) return std::nullopt;
@@ -170,7 +170,7 @@ void read_metrics(StudyReader& s) {
   }
   if (table == nullptr && s.tree.find("constraints") == nullptr && s.tree.find("objectives") == nullptr)
     s.error({}, "metrics",
-            "nothing is asked of the designs; write [metrics] with list = [\"mtf_nyquist\"], or objectives");
+            "neither metrics nor objectives are given; write [metrics] with list = [\"mtf_nyquist\"], or objectives");
 }
 
 std::vector<Source> goal_sources(StudyReader& s) {
@@ -204,7 +204,7 @@ void read_goals(StudyReader& s) {
 }
 
 void check_gaps(StudyReader& s) {
-  std::map<std::string, std::string> gaps;  // by metric: the answer is worked out once for each
+  std::map<std::string, std::string> gaps;  // by metric: the answer is computed once for each
   for (const char* key : {"constraints", "objectives"})
     for (const Source& source : strings_of(s, key))
       for (const NameAt& at : names_in(source.text)) {

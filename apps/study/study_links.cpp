@@ -160,9 +160,9 @@ void read_variation(StudyReader& s, const Node& table, std::size_t index) {
   }
   const Node *sd = section.find("sd"), *half = section.find("plus_minus");
   if ((sd != nullptr) == (half != nullptr))
-    return section.error(
-        sd != nullptr ? "plus_minus" : "sd",
-        sd != nullptr ? "given beside sd; leave one of them" : "missing; write sd (normal) or plus_minus (uniform)");
+    return section.error(sd != nullptr ? "plus_minus" : "sd",
+                         sd != nullptr ? "given together with sd; leave one of them"
+                                       : "missing; write sd (normal) or plus_minus (uniform)");
   if (!s.axes_good) return;
   std::string problem;
   const int parameter = parameter_named(s, *name, problem);
@@ -172,7 +172,7 @@ void read_variation(StudyReader& s, const Node& table, std::size_t index) {
     return section.error("parameter", "is a number of the study's own; name the parameter of the sensor that varies");
   const auto is_axis = [&](const Axis& axis) { return axis.parameter == parameter && axis.discrete(); };
   if (std::any_of(s.study.axes.begin(), s.study.axes.end(), is_axis))
-    return section.error("parameter", "is an axis of levels; only numbers vary as built");
+    return section.error("parameter", "is a discrete axis; only numbers vary as built");
   for (const AsBuilt& other : s.study.as_built)
     if (other.parameter == parameter ||
         overlap(s.study.parameters[static_cast<std::size_t>(other.parameter)].path, varied.path))

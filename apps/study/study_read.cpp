@@ -22,7 +22,7 @@ using mtf::io::Position;
 
 bool continues(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }  // of a UTF-8 character
 
-/// Place of byte `column` of a string that stands on one line; the string itself where it goes over several.
+/// Place of byte `column` of a string that is on one line; that of the string itself where it spans several.
 Position inside_string(const std::string& text, Position at, int column) {
   std::size_t offset = 0;
   for (int line = 1; line < at.line && offset < text.size(); ++line) offset = text.find('\n', offset) + 1;
@@ -202,7 +202,7 @@ std::optional<double> read_held(StudyReader& s, const Node& node, const mtf::Fie
                                 const std::string& given) {
   using enum mtf::Dimension;
   mtf::FieldInfo reading = info;
-  // What is of one dimension here may still be of several kinds, which only the frame converts: cy/mm and cy/px.
+  // Units of one dimension here may still be of several kinds, which only the frame converts: cy/mm and cy/px.
   const bool several = info.dimension == frequency || info.dimension == extent || info.dimension == cutoff;
   if (several) reading.unit = {};
   auto scalar = cfg::read_plain(s.reader, node, reading, path);

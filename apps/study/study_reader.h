@@ -66,7 +66,7 @@ const mtf::io::cfg::Node* find_tables(StudyReader& s, const std::string& key);
 /// Unknown keys, as for sensor files; those of the top level below a table with where they belong.
 void check_study_keys(const mtf::io::cfg::Section& section, std::span<const std::string_view> known);
 
-/// `sensor` and the levels of an axis over it. False when there is no base sensor to go on with.
+/// `sensor` and the levels of an axis over it. False when there is no base sensor to continue with.
 bool read_sensors(StudyReader& s);
 /// schema, name, tolerance, seed; [yield]; [conditions].
 void read_settings(StudyReader& s);
@@ -85,7 +85,7 @@ void read_goals(StudyReader& s);
 /// Refuses constraints and objectives over metrics that no design can have.
 void check_gaps(StudyReader& s);
 
-/// Index of the parameter that `name` stands for, made when it is not there yet; -1 with a problem when there is none.
+/// Index of the parameter that `name` denotes, made when it is not there yet; -1 with a problem when there is none.
 int parameter_named(StudyReader& s, const std::string& name, std::string& problem);
 /// A new parameter of a place in the sensor file.
 Parameter parameter_of(const std::string& name, const Place& place);

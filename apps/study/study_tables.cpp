@@ -122,7 +122,7 @@ void read_head(StudyReader& s) {
 }  // namespace
 
 void check_study_keys(const Section& section, std::span<const std::string_view> known) {
-  // What follows a table belongs to it: TOML has no way back to the top level.
+  // What follows a table belongs to it: TOML cannot return to the top level.
   Node rest = section.table;
   const auto tops = top_keys();
   std::erase_if(rest.members, [&](const cfg::Member& member) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Sensors with the levels of discrete axes: the values go into the tree of the sensor file, which is then read as any.
+// Sensors with the levels of discrete axes: the values replace those in the tree of the sensor file, which is then read
+// like any other.
 
 #include <algorithm>
 #include <cassert>
@@ -18,7 +19,7 @@ namespace cfg = mtf::io::cfg;
 using cfg::Node;
 using mtf::io::ConfigResult;
 
-/// Names of files in a study are beside the study; the reader of the sensor looks beside the sensor.
+/// Names of files in a study are relative to its folder; the reader of the sensor takes them relative to the sensor's.
 void find_file(Node& node, const Place& place, const std::string& study_file, const std::string& sensor_file) {
   if (!place.file || node.kind != Node::Kind::string) return;
   if (place.info.dimension != mtf::Dimension::none) try {

@@ -101,7 +101,7 @@ int run_optimize(const OptimizeCommandOptions& options, const Global& global) {
                               ": --report names a sensor file that --each writes; give it another name");
   }
   if (study->draws > 0 && study->as_built.size() > 0)
-    note(global, "mtf: note: variation as built has no part in the optimum");
+    note(global, "mtf: note: the optimum does not take as-built variation into account");
 
   bool feasible = true;
   {

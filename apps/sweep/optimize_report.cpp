@@ -72,7 +72,7 @@ std::string headline(const OptimizedGoal& goal) {
   const OptimizeOutcome& outcome = goal.outcome;
   switch (outcome.status) {
     case Status::optimal:
-      return "optimal (slope left " + significant(outcome.best.residual, 2) + " of the objective's spread)";
+      return "optimal (remaining slope " + significant(outcome.best.residual, 2) + " of the objective's spread)";
     case Status::stopped:
       return "feasible, not shown to be optimal";
     case Status::infeasible:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What `mtf optimize` says, for people and as JSON.
+// The results of `mtf optimize`, for people and as JSON.
 
 #include <string>
 #include <vector>

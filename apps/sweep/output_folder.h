@@ -5,8 +5,8 @@
 
 namespace apps {
 
-/// What can be seen to fail before any work is done: no parent folder, a file of that name, a folder that is not empty
-/// (unless `force`). Throws UsageError and RuntimeError.
+/// Refuses what is bound to fail before any work is done: no parent folder, a file of that name, a folder that is not
+/// empty (unless `force`). Throws UsageError and RuntimeError.
 void check_folder(const std::filesystem::path& folder, bool force);
 
 /// The same, then creates the folder (not its parents).

@@ -7,7 +7,7 @@
 
 namespace apps {
 
-/// True for a file that says by its keys that it is a study; false also for what is no such text. Throws RuntimeError
+/// True for a file whose keys are those of a study; false also for a file that is no TOML. Throws RuntimeError
 /// when the file cannot be read.
 bool is_study_file(const std::string& file);
 

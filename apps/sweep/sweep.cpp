@@ -62,7 +62,7 @@ std::string first_line(const fs::path& file) {
   return line;
 }
 
-/// What a sweep leaves behind, apart from copies of files.
+/// The files that a sweep writes, apart from copies.
 void remove_results(const fs::path& folder) {
   for (const char* name : {"parts", "chosen", "sweep.json", "designs.csv", "designs.npy"}) {
     std::error_code error;
@@ -80,7 +80,7 @@ void open_folder(const fs::path& folder, const study::RowLayout& layout, bool fo
       throw mtf::UsageError(one_line(folder.string()) +
                             " holds a stopped sweep of another study, tolerance or version of mtf; choose another "
                             "folder, or --force to start over");
-    note(global, "note: " + one_line(folder.string()) + " holds a stopped sweep; going on with it");
+    note(global, "note: " + one_line(folder.string()) + " holds a stopped sweep, which is continued");
     return;
   }
   if (fs::exists(folder / "plan.json", error))
@@ -107,7 +107,7 @@ int sweep_here(const SweepOptions& options, const Global& global) {
   const study::RowRange all{0, sweep.study->designs};
   int status = 0;
   {
-    const InterruptNote interrupted("mtf: finished designs are kept; the same command goes on from them\n");
+    const InterruptNote interrupted("mtf: finished designs are kept; the same command continues with the others\n");
     run.tally = make_rows(sweep, all, parts_of(folder), global, run.seconds);
     run.pieces = study::rows_of(row_run(sweep, all, parts_of(folder), global));
     status = finish_sweep(sweep, run, options, global);
@@ -174,7 +174,7 @@ int run_sweep(const SweepOptions& options, const Global& global) {
   }
   if (options.words.size() == 1)
     throw mtf::UsageError(command + ": needs the name of " + (verb->name == "plan" ? "a study" : "a plan's folder") +
-                          " behind it; a study file named " + std::string(verb->name) + " is given as ./" +
+                          " after it; a study file named " + std::string(verb->name) + " is given as ./" +
                           std::string(verb->name));
   check_options(options, command, *verb);
   return verb->run(options, global);

@@ -48,8 +48,9 @@ std::vector<StudyCopy> copies_of(const study::Study& study) {
   for (const std::string& file : study::files_of(study)) {
     const fs::path name = fs::weakly_canonical(fs::absolute(file)).lexically_relative(home);
     if (name.empty() || *name.begin() == "..")
-      throw mtf::UsageError(one_line(file) + ": lies outside of the study's folder " + one_line(home.string()) +
-                            "; copy it beside the study, so that the results can hold all they were made of");
+      throw mtf::UsageError(
+          one_line(file) + ": lies outside of the study's folder " + one_line(home.string()) +
+          "; copy it to the folder of the study, so that the results can hold all files that they were made from");
     if (reserved(name))
       throw mtf::UsageError(one_line(file) + ": has a name that the folder of a sweep uses itself; rename it");
     if (std::none_of(copies.begin(), copies.end(), [&](const StudyCopy& each) { return each.name == name; }))

@@ -21,12 +21,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kSpreadOverFront = 6;  // designs of the front that get a sensor file
-constexpr std::int64_t kLookedAt = 64;       // designs after which an evaluator can say what they share and lack
+constexpr std::int64_t kSampled = 64;        // designs after which an evaluator can say what they share and lack
 constexpr double kAccuracySeconds = 3.0;     // for the table of error against time
 constexpr double kActiveShare = 0.01;
 
-/// Designs worth a look, each once: the best of each objective, then some spread over the front; the nearest one where
-/// none is feasible, the middle one where nothing is asked for, none where all are invalid.
+/// Designs that are chosen, each once: the best of each objective, then some spread over the front; the nearest one
+/// where none is feasible, the middle one where nothing is asked for, none where all are invalid.
 std::vector<ChosenFile> choose(const SweepReport& report) {
   std::vector<ChosenFile> chosen;
   if (none_valid(report)) return chosen;
@@ -70,7 +70,8 @@ void write_chosen(SweepReport& report, study::Evaluator& evaluator) {
   fs::create_directory(folder / "chosen", error);
   if (error)
     throw mtf::RuntimeError("cannot create " + one_line((folder / "chosen").string()) + ": " + error.message());
-  // Curves are named by their absolute path where they are not below the sensor file: here they lie beside the study.
+  // Curves are named by their absolute path where they are not below the sensor file: here they are in the folder of
+  // the study.
   const std::string whole = "\"" + (fs::weakly_canonical(fs::absolute(folder)) / "").string();
   std::erase_if(report.chosen, [&](const ChosenFile& chosen) {
     try {
@@ -89,13 +90,13 @@ void write_chosen(SweepReport& report, study::Evaluator& evaluator) {
   });
 }
 
-/// What evaluators tell of the study as a whole, and derivatives at the best design.
+/// What evaluators report about the study as a whole, and derivatives at the best design.
 void ask_evaluator(SweepReport& report) {
   const study::Study& study = *report.sweep->study;
   study::Evaluator evaluator(report.sweep->study);
   std::vector<double> row(report.sweep->columns.size());
   // From all over the study: what is saturated or impossible may be at one end of it only.
-  const std::int64_t some = std::min(kLookedAt, study.designs);
+  const std::int64_t some = std::min(kSampled, study.designs);
   for (std::int64_t i = 0; i < some; ++i)
     evaluator.evaluate(i * (study.designs - 1) / std::max<std::int64_t>(some - 1, 1), row);
   report.gaps = evaluator.gaps();
@@ -151,7 +152,7 @@ int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOption
          .columns = study::table_columns(*sweep.study, sweep.columns),
          .csv = run.folder / "designs.csv",
          .npy = run.folder / "designs.npy",
-         .look = [&](study::RowRange range, std::span<const double> rows) { return tally.look(range, rows); },
+         .count_rows = [&](study::RowRange range, std::span<const double> rows) { return tally.count(range, rows); },
          .threads = global.threads,
          .done = [&](std::int64_t done) { progress.update("tables", static_cast<double>(done) / designs); }});
     report.front = tally.front();
@@ -177,7 +178,7 @@ int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOption
   for (const study::AccuracyRow& row : report.accuracy.rows) {
     if (!study::broken(report.accuracy, row)) continue;
     note(global, "mtf: at tolerance " + mtf::format_double(row.tolerance) + " a metric is off by " +
-                     significant(row.realised, 2) + ", more than the promised " + significant(row.promised, 2) +
+                     significant(row.realised, 2) + ", more than the stated " + significant(row.promised, 2) +
                      "; take a tighter tolerance, and please report the study");
     status = 3;
   }

@@ -13,7 +13,7 @@
 
 namespace apps {
 
-/// A study with what its rows look like.
+/// A study with the layout of its rows.
 struct SweepStudy {
   std::shared_ptr<const study::Study> study;
   std::vector<study::Column> columns;
@@ -28,8 +28,8 @@ struct StudyCopy {
   std::filesystem::path name;
   std::string bytes;
 };
-/// The study (as study.toml, the first), its sensor files and the files these name, by their names beside the study.
-/// Nothing is written. Throws UsageError for a file that lies elsewhere, RuntimeError.
+/// The study (as study.toml, the first), its sensor files and the files these name, by their names relative to the
+/// study. Nothing is written. Throws UsageError for a file that lies elsewhere, RuntimeError.
 std::vector<StudyCopy> copies_of(const study::Study& study);
 /// Writes them into a folder. Throws RuntimeError.
 std::vector<study::PlanFile> write_copies(const std::vector<StudyCopy>& copies, const std::filesystem::path& folder);
@@ -54,8 +54,8 @@ struct SweepRun {
   double seconds = 0.0;  ///< of making rows; NaN where that was done elsewhere
 };
 
-/// All that comes after the rows: tables, counts, chosen designs, sensitivities, sweep.json, and what standard output
-/// says. Returns the exit code: 3 where --accuracy finds a promise broken.
+/// Everything after the rows: tables, counts, chosen designs, sensitivities, sweep.json, and what standard output
+/// says. Returns the exit code: 3 where --accuracy finds an error above its bound.
 int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptions& options, const Global& global);
 
 // The verbs.

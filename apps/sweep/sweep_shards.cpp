@@ -136,7 +136,7 @@ int sweep_run(const SweepOptions& options, const Global& global) {
     print(shard_text(open.plan, shard) + " is finished already: nothing to do\n");
     return 0;
   }
-  const InterruptNote interrupted("mtf: finished designs are kept; the same command goes on from them\n");
+  const InterruptNote interrupted("mtf: finished designs are kept; the same command continues with the others\n");
   double seconds = 0.0;
   study::RowTally tally;
   try {
@@ -205,7 +205,7 @@ int sweep_submit(const SweepOptions& options, const Global& global) {
                             "--engine");
   if (code != 0)
     throw mtf::RuntimeError("`" + runner + " " + shell_word(file) + "` ended with " + std::to_string(code) +
-                            "; finished shards stay, the same command goes on with the others");
+                            "; finished shards stay, the same command continues with the others");
   return 0;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What `mtf sweep` says when it is done.
+// The summary that `mtf sweep` prints.
 
 #include <cmath>
 
@@ -75,7 +75,7 @@ std::string invalid(const SweepReport& report) {
   const study::Study& study = *report.sweep->study;
   std::string text = "invalid " + share(invalid.designs, report.tally->designs()) + ", the first is design " +
                      std::to_string(invalid.first) + "\n";
-  if (invalid.impossible > 0) text += "  no sensor can be so: " + std::to_string(invalid.impossible) + "\n";
+  if (invalid.impossible > 0) text += "  impossible as a sensor: " + std::to_string(invalid.impossible) + "\n";
   for (std::size_t g = 0; g < invalid.by_goal.size(); ++g)
     if (invalid.by_goal[g] > 0)
       text +=
@@ -83,7 +83,7 @@ std::string invalid(const SweepReport& report) {
   for (std::size_t k = 0; k < invalid.by_limit.size(); ++k)
     if (invalid.by_limit[k] > 0)
       text += "  " + one_line(study.constraints[k].text) +
-              " compares what is not finite: " + std::to_string(invalid.by_limit[k]) + "\n";
+              " compares values that are not finite: " + std::to_string(invalid.by_limit[k]) + "\n";
   return text;
 }
 
@@ -124,7 +124,7 @@ std::string sweep_summary(const SweepReport& report) {
   text += "error at most " + (std::isnan(tally.worst_error()) ? "unknown" : significant(tally.worst_error(), 2)) +
           " (tolerance " + mtf::format_double(study.tolerance) + ")" +
           (tally.worst_error() > 1.01 * study.tolerance
-               ? ": above it where the column error says so, at the ends of what can be resolved\n"
+               ? ": the column error shows the designs above it, whose OTF cannot be resolved further\n"
                : "\n");
   if (run.tally.made > 0)
     text += "time " + fixed(run.seconds, 2) + " s, " +
@@ -133,7 +133,8 @@ std::string sweep_summary(const SweepReport& report) {
   if (std::isnan(run.seconds))
     text += "merged from shards";
   else if (run.tally.resumed > 0)
-    text += std::string(run.tally.made > 0 ? "; " : "") + std::to_string(run.tally.resumed) + " designs were there";
+    text += std::string(run.tally.made > 0 ? "; " : "") + std::to_string(run.tally.resumed) +
+            " designs were computed before";
   return text +
          (report.accuracy.rows.empty() ? "; tables and sensitivities " : "; tables, sensitivities and accuracy ") +
          fixed(report.finish_seconds, 2) + " s\n";

@@ -13,7 +13,7 @@
 namespace apps {
 namespace {
 
-std::atomic<const char*> note = nullptr;  // a handler has nowhere else to look
+std::atomic<const char*> note = nullptr;  // global, because a signal handler has no arguments of its own
 static_assert(std::atomic<const char*>::is_always_lock_free);
 
 void say(std::string_view text) {

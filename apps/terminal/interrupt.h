@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What the process owes to its surroundings: signals, broken pipes, missing standard streams.
+// How the process meets signals, broken pipes and missing standard streams.
 
 namespace apps {
 

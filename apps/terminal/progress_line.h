@@ -19,7 +19,7 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// `step` is what is being done, `share` of it in [0, 1] is finished; `rate` is said beside it ("21000 designs/s").
+  /// `step` is what is being done, `share` of it in [0, 1] is finished; `rate` is shown next to it ("21000 designs/s").
   /// Cheap to call often: the bar moves at most ten times a second, lines come with a new step or another tenth.
   void update(const std::string& step, double share, const std::string& rate = "");
   /// The same where nobody knows how much is left: `done` says what was finished ("12000 values"). Lines come every ten
@@ -34,7 +34,7 @@ class ProgressLine {
   int tenths_ = -1;
 };
 
-/// Says how many values of slow components a plan has made, from half a second on. Safe to call from many threads.
+/// Shows how many values of slow components a plan has made, from half a second on. Safe to call from many threads.
 mtf::OtfProgress planning_progress(const Global& global);
 
 }  // namespace apps

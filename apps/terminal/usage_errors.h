@@ -9,7 +9,7 @@
 namespace apps {
 
 /// `command` is what was recognised ("mtf config"), `remaining` the words that were not, `options` and `commands` what
-/// could stand there; `otherwise` is used when every word was recognised.
+/// is possible there; `otherwise` is used when every word was recognised.
 std::string usage_complaint(const std::string& command, const std::vector<std::string>& remaining,
                             const std::vector<std::string>& options, const std::vector<std::string>& commands,
                             const std::string& otherwise);

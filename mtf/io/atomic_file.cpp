@@ -49,7 +49,7 @@ int register_temporary(const std::string& name) {
   return -1;  // more than 32 files at once: still removed on failure, only not on a signal
 }
 
-// Once a stop is under way no file may come into being behind its back.
+// Once the process is being stopped no file may be created any more.
 std::atomic<bool>& stopping() {
   static constinit std::atomic<bool> value{false};
   return value;
@@ -220,7 +220,7 @@ void AtomicFile::commit() {
   unregister_temporary(slot_);
   ::close(descriptor_);
   descriptor_ = -1;
-  // The rename itself has to reach the disk; a file system that cannot sync folders has done what it can.
+  // The rename itself has to be written to the disk; a file system that cannot sync folders has done what it can.
   const int folder = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder >= 0) {
     static_cast<void>(::fsync(folder));

@@ -31,7 +31,7 @@ class AtomicFile {
 
   /// Descriptor for code that writes by itself; what it wrote has to be complete before `commit`.
   int descriptor() const { return descriptor_; }
-  /// Tells of an error number that such code met, 0 for none: throws as `write` does.
+  /// Reports an error number of such code, 0 for none: throws as `write` does.
   void check(int error_number);
 
   /// Flush, fsync, rename, fsync of the folder. Throws RuntimeError and removes the temporary when any of it fails.

@@ -87,7 +87,7 @@ Indices by_default(const std::string& path, const std::vector<ChannelInfo>& chan
     const Indices found = obvious(channels, group);
     if (!found.empty()) plain.push_back(found);
   }
-  // A lone "Z" or mask beside layers of colour is not what a user means by the image.
+  // A lone "Z" or mask in a file with layers of colour is not what a user means by the image.
   std::erase_if(plain, [&](const Indices& p) { return p.size() == 1 && upper(base_of(channels[p[0]].name)) != "Y"; });
   if (plain.size() == 1) return plain[0];
   refuse(path, plain.empty() ? "no channel is the obvious one" : "several parts hold an image", channels);
@@ -148,7 +148,7 @@ ChannelChoice choose_channels(const std::string& path, const std::vector<Channel
     refuse(path, options.part ? "part " + std::to_string(*options.part) + " has no channels" : "no usable channel",
            channels);
 
-  // Deep channels count only when they are asked for, so that a flat part beside them is found.
+  // Deep channels count only when they are asked for, so that another part with one sample a pixel is found.
   Indices flat;
   std::copy_if(allowed.begin(), allowed.end(), std::back_inserter(flat),
                [&](std::size_t i) { return !channels[i].type.starts_with("deep"); });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Image files in and out. Everything inside the toolkit is linear float32 planes; this header is the only door to
+// Image files in and out. Everything inside the toolkit is linear float32 planes; this header is the only interface to
 // OpenEXR, PNG and TIFF. Values are returned as stored (integers as their counts): gain, offset and quantity belong to
 // the sensor configuration, nothing is guessed here.
 
@@ -38,7 +38,7 @@ struct ChannelInfo {
   int x_sampling = 1, y_sampling = 1;
 };
 
-/// What a file says of itself, without reading its pixels.
+/// Format and metadata of a file, without reading its pixels.
 struct FileInfo {
   Format format{};
   std::string storage;     ///< e.g. "scanline zip", "tiled piz, 3 mip-map levels", "2 parts", "16-bit"

@@ -86,7 +86,7 @@ void require_keys(const SensorConfig& config, const std::string& path, const Ima
   if (!text.empty()) throw UsageError(path + ": " + text);
 }
 
-/// [scene] over what the file says; what they disagree in goes to `warnings`.
+/// [scene] takes precedence over the file; differences go to `warnings`.
 ChosenEncoding encoding_of(const SensorConfig& config, const std::string& path, const ImageFile& file,
                            std::vector<std::string>& warnings) {
   const std::optional<Encoding>& given = config.scene.encoding;

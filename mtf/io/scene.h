@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A scene file together with what the sensor file says about scenes: planes of physical values on a known sample grid.
+// A scene file together with [scene] of the sensor file: planes of physical values on a known sample grid.
 
 #include <string>
 #include <vector>
@@ -40,7 +40,7 @@ std::int64_t make_physical(const Scene& scene, ImageView<float> image);
 /// Throws UsageError for a scene with samples that the table of its encoding does not cover.
 void require_decoded(const Scene& scene);
 
-/// The blur that [scene] aperture says is in the samples.
+/// The blur that is in the samples according to [scene] aperture.
 SceneAperture scene_aperture(const SceneDefaults& defaults, const SampleGrid& grid);
 
 /// Doubts about sampling: fewer than 2 samples per pitch along an axis, with the reason. Empty when fine.

@@ -72,8 +72,8 @@ struct Temporary {
   pid_t process = 0;
 };
 
-/// What looks like temporaries in a folder ("" or with its slash), as it was when this process first asked: a sequence
-/// writes thousands of files, and what is to be found was left before.
+/// Files with names of temporaries in a folder ("" or with its slash), as it was when this process first asked: a
+/// sequence writes thousands of files, and what is to be found was left before.
 const std::vector<Temporary>& temporaries_in(const std::string& folder) {
   static std::map<std::string, std::vector<Temporary>> known;
   static std::mutex lock;

@@ -15,7 +15,7 @@ std::string temporary_stem(const std::string& target);
 bool claim_temporary(int descriptor) noexcept;
 
 /// Removes the temporaries of `target` that killed processes left: no process of that id runs on this machine, nobody
-/// holds the lock, and, where other machines may write into the folder too and locks may not reach them, the file is
+/// holds the lock, and, where other machines may write into the folder too and locks may not be seen there, the file is
 /// untouched for a day. A process searches a folder once. A file that cannot be read or removed stays.
 void remove_dead_temporaries(const std::string& target);
 

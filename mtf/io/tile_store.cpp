@@ -199,7 +199,7 @@ void TileStore::write(std::int64_t tile, std::span<const ImageView<const float>>
   const off_t before = ::lseek(journal_, 0, SEEK_END);
   if (::write(journal_, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) {
     const int error_number = errno != 0 ? errno : ENOSPC;
-    static_cast<void>(::ftruncate(journal_, before));  // half a record would put those behind it out of step
+    static_cast<void>(::ftruncate(journal_, before));  // half a record would misalign those after it
     fail(journal_path_, error_number);
   }
   done_[static_cast<std::size_t>(tile)] = 1;

@@ -3,7 +3,7 @@
 
 // Finished tiles of a run that may be stopped: OUT.part holds their pixels, OUT.part.tiles a line of what the run is
 // and a record for each tile with a checksum of its pixels. Both survive a signal, a kill and a full disk; the same
-// command goes on from them. Nothing but the image is left when it is done.
+// command continues from them. When it is done only the image is left.
 
 #include <cstdint>
 #include <functional>

@@ -124,12 +124,12 @@ class EdgeSums {
     return out;
   }
 
-  /// The place where the edge is at one half: exactly 0 for a real OTF, else looked for about `near`.
+  /// The place where the edge is at one half: exactly 0 for a real OTF, else searched about `near`.
   S centre(double near) const {
     if (real_) return S(0);
     const auto esf = [this](double x) { return value_of(at(S(x)).esf); };
     double x = near;
-    for (int i = 0; i < 6; ++i) {  // Newton; mostly the image is where its slowest waves are
+    for (int i = 0; i < 6; ++i) {  // Newton; mostly the edge is where the slowest waves put it
       const Spread here = at(S(x));
       const S step = (S(0.5) - here.esf) / here.lsf;
       if (!(value_of(here.lsf) > 0.0) || !(std::abs(value_of(step)) < 1.0)) break;
@@ -153,22 +153,22 @@ class EdgeSums {
     return S(x);
   }
 
-  /// The peak of the lsf, looked for about the edge in quarters of a pixel, and what is about it. What is read there
-  /// does not depend on the place to first order: it carries no derivative.
+  /// The peak of the lsf, searched about the edge in quarters of a pixel, and the samples around it. The value there
+  /// does not depend on the place to first order, so that the place carries no derivative.
   struct Peak {
     S x{};
     EdgeSamples<S> around;
   };
   Peak peak(double centre) const {
-    for (double reach = 1.5;; reach *= 2.0) {
-      const int count = static_cast<int>(2.0 * reach / kStep_px) + 1;
-      EdgeSamples<S> around = samples(S(centre - reach), count);
+    for (double extent = 1.5;; extent *= 2.0) {
+      const int count = static_cast<int>(2.0 * extent / kStep_px) + 1;
+      EdgeSamples<S> around = samples(S(centre - extent), count);
       const auto top = std::max_element(around.lsf.begin(), around.lsf.end(),
                                         [](const S& a, const S& b) { return value_of(a) < value_of(b); });
       const auto i = top - around.lsf.begin();
       const bool inside = i > 0 && i + 1 < count;
       constexpr double kFurthest_px = 100.0;
-      if (!inside && reach < kFurthest_px) continue;
+      if (!inside && extent < kFurthest_px) continue;
       const S x = falling_zero(around.first_px + kStep_px * static_cast<double>(i),
                                [](const Spread& here) { return std::pair(here.slope, here.curvature); });
       return {x, std::move(around)};
@@ -180,17 +180,17 @@ class EdgeSums {
   }
 
   /// How far from the peak the lsf falls to `half` on the side of `sign`; NaN where it does not within 1e5 pixels. The
-  /// samples say about where.
+  /// samples give a first estimate.
   S half_width(const S& peak, const S& half, double sign, const EdgeSamples<S>& samples) const {
-    const double level = value_of(half), top = value_of(peak);
+    const double half_value = value_of(half), top = value_of(peak);
     const auto spread = [&](double d) { return at(S(top + sign * d)); };
-    double inside = 0.0, above = level, outside = 0.0, d = 0.0;
+    double inside = 0.0, above = half_value, outside = 0.0, d = 0.0;
     const auto last = static_cast<std::ptrdiff_t>(samples.lsf.size()) - 1;
     const double from = (top - samples.first_px) / kStep_px;  // of the peak, in samples
     if (!std::isfinite(from)) return S(std::nan(""));
     for (auto i = static_cast<std::ptrdiff_t>(sign > 0.0 ? std::floor(from) + 1.0 : std::ceil(from) - 1.0);
          i >= 0 && i <= last && outside == 0.0; i += sign > 0.0 ? 1 : -1) {
-      const double excess = value_of(samples.lsf[static_cast<std::size_t>(i)]) - level;
+      const double excess = value_of(samples.lsf[static_cast<std::size_t>(i)]) - half_value;
       const double distance = kStep_px * std::abs(static_cast<double>(i) - from);
       if (excess > 0.0)
         inside = distance, above = excess;
@@ -199,7 +199,7 @@ class EdgeSums {
     }
     if (outside == 0.0) {  // beyond the samples
       outside = inside + kStep_px;
-      for (int i = 0; value_of(spread(outside).lsf) > level; ++i, inside = outside, outside *= 1.5)
+      for (int i = 0; value_of(spread(outside).lsf) > half_value; ++i, inside = outside, outside *= 1.5)
         if (i > 34) return S(std::nan(""));
       d = 0.5 * (inside + outside);
     }
@@ -207,7 +207,7 @@ class EdgeSums {
       const Spread here = spread(d);
       const S step = (half - here.lsf) / (S(sign) * here.slope);
       if (std::abs(value_of(step)) < near_px_) return S(d) + step;
-      (value_of(here.lsf) > level ? inside : outside) = d;
+      (value_of(here.lsf) > half_value ? inside : outside) = d;
       const double next = d + value_of(step);
       d = next > inside && next < outside ? next : 0.5 * (inside + outside);
     }
@@ -215,7 +215,7 @@ class EdgeSums {
   }
 
  private:
-  /// Of what is the slope of something that is read there: near is where steps leave near_px_.
+  /// A zero where a figure has its maximum: the figure errs by the square, so that sqrt(near_px_) is near enough.
   template <class Pair>
   S falling_zero(double start, Pair pair) const {
     const double near = std::sqrt(near_px_);

@@ -119,7 +119,7 @@ PupilLight<S> light_of(OtfParts<S>& parts, double cutoff_cy_mm, double tolerance
     }
     error = std::max(error, panel.error);
   }
-  constexpr double kNoNumber = 0.05;  // an energy known no better says nothing: pitches of hundreds of spots
+  constexpr double kNoNumber = 0.05;  // an energy with a larger error is useless: pitches of hundreds of spots
   if (error * amplified > kNoNumber) boxed = S(std::numeric_limits<double>::quiet_NaN());
   error += parts.chromatic() ? parts.band_error() : 0.0;
   const double known =

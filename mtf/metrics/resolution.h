@@ -23,9 +23,9 @@
 // response.)
 //
 // The OTF is evaluated for its Chebyshev series (otf_series.h), on panels that end at the cutoff and where a pupil has
-// kinks, and integrated from them. The series are as long as the tolerance asks for; the error reached is reported,
-// with what kernels, slopes and small bases make of it: absolute for what is at most about 1, relative for the others.
-// A template over S, so that studies differentiate through every parameter.
+// kinks, and integrated from them. The series are as long as the tolerance asks for; the error that remains is
+// reported, amplified as kernels, slopes and small bases do: absolute for what is at most about 1, relative for
+// the others. A template over S, so that studies differentiate through every parameter.
 
 #include <functional>
 #include <optional>
@@ -76,7 +76,7 @@ template <class S>
 struct Resolution {
   AxisFigures<S> x, y;
   S strehl{}, ensquared{};           ///< NaN without a pupil (diffraction, defocus, wavefront)
-  OtfCurve<S> curve_x{}, curve_y{};  ///< of the system, for models that look at many frequencies
+  OtfCurve<S> curve_x{}, curve_y{};  ///< of the system, for models that use many frequencies
   double cutoff_cy_mm = 0.0;         ///< from where on the presample OTF is 0; infinite without a pupil
   double error = 0.0;                ///< estimated, of the worst integral
   int evaluations = 0;               ///< frequencies at which the OTF was taken

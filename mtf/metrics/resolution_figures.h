@@ -35,7 +35,7 @@ void ResolutionMeter<S>::Impl::edge_figures(Axis axis, AxisFigures<S>& figures) 
     bool rises = true;
     for (std::size_t i = first + 1; i <= last; ++i) {
       if (value_of(samples.esf[i]) > value_of(samples.esf[top])) top = i;
-      rises = rises && value_of(samples.esf[i]) >= value_of(samples.esf[i - 1]) - 1e-12;  // flat but for rounding
+      rises = rises && value_of(samples.esf[i]) >= value_of(samples.esf[i - 1]) - 1e-12;  // constant but for rounding
     }
     figures.edge_height = samples.esf[rises ? first + 1 : top];
     const double x = value_of(centre) + edge.kStep_px * static_cast<double>(top - at_edge);
@@ -52,7 +52,7 @@ void ResolutionMeter<S>::Impl::edge_figures(Axis axis, AxisFigures<S>& figures) 
 }
 
 /// Integral of |P| |Q| over a part of a panel, Q where sampling puts the frequencies: `shift` of them, in sampling
-/// frequencies. What follows sampling has zeros and ripples of its own: parts are halved until 2 n nodes say what n do.
+/// frequencies. What follows sampling has zeros and ripples of its own: parts are halved until 2 n nodes agree with n.
 template <class S>
 template <class Shift>
 S ResolutionMeter<S>::Impl::replicas(const detail::AxisPanel<S>& panel, Axis axis, double lo, double hi, Shift shift,
@@ -150,8 +150,8 @@ void ResolutionMeter<S>::Impl::moduli(Axis axis, AxisFigures<S>& figures) {
     figures.spurious_in = (inside - figures.nyquist * moved) / whole;
   }
   if (ends) {
-    // Where a replica meets the base band its part begins or ends: k = -1 at 1 and 3 times Nyquist, k = -2 at 3 and 5.
-    // Those at 3 cancel.
+    // Where a replica overlaps the base band its part begins or ends: k = -1 at 1 and 3 times Nyquist, k = -2 at 3
+    // and 5. Those at 3 cancel.
     f.assign({S(S(0.5) * rate), S(S(2.5) * rate)});
     parts.along(axis, f, products);
     const S ends_move = modulus(products.presample[0]) - S(5) * modulus(products.presample[1]);

@@ -27,7 +27,7 @@ struct ResolutionMeter<S>::Impl {
   double shift_px = 0.0;       ///< of the image along the axis at hand, about
   double series_error = 0.0;   ///< of the OTF's series
   double replica_error = 0.0;  ///< of integrals over replicas
-  double figure_error = 0.0;   ///< of what is found by a slope, or by integrals of its own
+  double figure_error = 0.0;   ///< of figures from a slope, or from integrals of their own
 
   static constexpr double kBandShare = 0.3;  ///< of the tolerance of an OTF, for its mean over the band
 
@@ -99,11 +99,11 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
   if (cutoff < kInfinity) {
     append_series<S, kOtfs>(series, {0.0, cutoff}, share, kMostPanels, parts.kinks_cy_mm(), evaluate);
   } else {
-    // Nothing ends the OTF: go on until what is left is too little to count, at most to 2^16 times Nyquist.
+    // Nothing ends the OTF: continue until the rest is too small to count, at most to 2^16 times Nyquist.
     double lo = 0.0, hi = 2.0 * nyquist;
     for (int i = 0; i < 16; ++i, lo = hi, hi *= 2.0) {
       append_series<S, kOtfs>(series, {lo, hi}, share, kMostPanels, {}, evaluate);
-      // Over the last octave, at places that no zero of a footprint keeps to.
+      // Over the last octave, at frequencies that are not all zeros of one footprint.
       std::vector<double> octave;
       for (int k = 0; k < 29; ++k) octave.push_back(hi * (0.5 + 0.5 * (k + 0.61) / 29.3));
       SeriesValues<S, kOtfs> last;
@@ -213,8 +213,8 @@ double ResolutionMeter<S>::Impl::measure_axis(Axis axis, double cutoff, AxisFigu
 
 /// A few wavelengths serve all frequencies where they keep the tolerance. Elsewhere the band is split at the kinks of
 /// each frequency, which takes more time at a loose tolerance and far less at a tight one. The error of n wavelengths
-/// is judged by the change when n is doubled, at frequencies over the whole range and at those where n would do worst;
-/// the error of 2 n is at most half of that change.
+/// is estimated by the change when n is doubled, at frequencies over the whole range and at those where n would do
+/// worst; the error of 2 n is at most half of that change.
 template <class S>
 void ResolutionMeter<S>::Impl::choose_wavelengths(double cutoff) {
   if (!parts.chromatic()) return;
@@ -239,7 +239,7 @@ void ResolutionMeter<S>::Impl::choose_wavelengths(double cutoff) {
     return most;
   };
   constexpr int kMost = 64;
-  at(2, kInfinity);  // from the start for every system: a result has no memory
+  at(2, kInfinity);  // for every system anew: results do not depend on earlier systems
   for (int n = 4; n <= kMost; n *= 2) {
     const std::vector<Complex<S>> before = products.presample;
     at(n, kInfinity);
@@ -271,7 +271,7 @@ Resolution<S> ResolutionMeter<S>::Impl::measure_once() {
   return result;
 }
 
-/// Figures that a slope or a small base makes more uncertain than the OTF is ask for a better OTF.
+/// Figures that a slope or a small base makes more uncertain than the OTF itself need a better OTF.
 template <class S>
 Resolution<S> ResolutionMeter<S>::Impl::measure(const System<S>& system) {
   parts.set(system);

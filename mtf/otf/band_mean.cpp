@@ -19,7 +19,7 @@ constexpr double kNarrowest = pi / 1024.0;  // panel
 constexpr double kDerivativeError = 1e-5;   // of the last terms, relative: those left out are smaller
 constexpr double kRounding = 1e-11;         // a derivative below is none
 constexpr int kFewestNodes = 8, kMostNodes = 256;
-constexpr double kStandsStill = 0.1;  // of the error asked for
+constexpr double kConverged = 0.1;  // of the error asked for
 
 /// Weights of the values at the points in the interpolant at x of [-1, 1] (barycentric formula).
 void weights_at(const BandMean::Points& points, double x, double* weight) {
@@ -101,7 +101,7 @@ BandMean::Panel BandMean::sampled(double u_begin, double u_end, double angle_beg
   return panel;
 }
 
-// As many wavelengths as leave out nothing that counts, seen at a few u; and how small that is.
+// The number of wavelengths that resolves P at a few u, and the size of what it leaves out.
 std::vector<double> BandMean::choose_wavelengths(double most_u) {
   constexpr std::array kShares{0.15, 0.35, 0.6, 0.85};
   std::vector<double> allowed(width_);
@@ -230,7 +230,7 @@ void BandMean::at(double t, std::span<double> mean) const {
       double change = 0.0;
       for (std::size_t k = 0; k < options_.exact; ++k) change = std::max(change, std::abs(finer[k] - part[k]));
       part.swap(finer);
-      if (change < kStandsStill * options_.error) break;
+      if (change < kConverged * options_.error) break;
     }
     for (std::size_t k = 0; k < width_; ++k) mean[k] += part[k];
   }

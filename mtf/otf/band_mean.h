@@ -4,12 +4,12 @@
 // The mean over a band of OTFs that cost microseconds a sample, at many frequencies of one direction.
 //   mean(t) = integral over the band of w(lambda) P(t, lambda) dlambda
 // t = |f|, w the electron rate, P the product of the chromatic components. An aberrated pupil has its cutoff and its
-// kinks where t lambda is a constant: in the plane of t they run across the band, in that of u = t lambda / hi they
-// stand still, and at one u what is left to change with the wavelength (waves of aberration, a turbulent r0) is smooth
+// kinks where t lambda is a constant: at fixed t they are inside the band, over u = t lambda / hi they are at the same
+// place for all wavelengths, and at one u what still changes with the wavelength (waves of aberration, r0) is smooth
 // in 1 / lambda. So P becomes a table over u and 1 / lambda: Chebyshev points, in u on panels between the kinks, in the
 // angle that takes away the half-integer powers at their ends (as mtf/otf/polar_table.h). A few hundred samples of P
-// serve all frequencies. The integral itself is taken between the wavelengths at which t meets a kink (mtf/band.h), the
-// number of nodes doubled until the mean stands still.
+// serve all frequencies. The integral itself is taken between the wavelengths that have a kink at t (mtf/band.h), the
+// number of nodes doubled until the mean converges.
 
 #include <functional>
 #include <span>
@@ -33,7 +33,7 @@ class BandMean {
   };
 
   /// `breaks`: values of u between which P is smooth, in rising order; P is 0 beyond the last one when `ends` is set. A
-  /// few frequencies are cheaper without the table: `most_t` <= 0 makes none, otherwise it reaches as far as
+  /// few frequencies are cheaper without the table: `most_t` <= 0 makes none, otherwise it covers what
   /// frequencies up to most_t need.
   BandMean(Function p, std::size_t width, const Band& band, std::vector<double> breaks, bool ends, double most_t)
       : BandMean(std::move(p), width, band, std::move(breaks), ends, most_t, Options()) {}

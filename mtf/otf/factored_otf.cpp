@@ -81,7 +81,7 @@ FactoredOtf::FactoredOtf(const System<double>& system, std::span<const Stage> st
   if (!separable_.empty()) merged_.push_back(join_labels(separable_) + " -> one vector per axis");
 }
 
-// The limit may be met anywhere in the band: a box or a curve rises again behind its zeros.
+// The limit may be exceeded anywhere in the band: a box or a curve rises again after its zeros.
 void FactoredOtf::bound_correction() {
   const double fx_max = options_.fx_max, fy_max = options_.fy_max;
   if (aperture_.kind == SceneAperture::Kind::point) return;

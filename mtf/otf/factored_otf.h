@@ -115,7 +115,7 @@ class FactoredOtf {
   class Grid {
    public:
     Grid(const FactoredOtf& sampler, std::vector<double> fx, std::vector<double> fy);
-    Grid(const Grid&) = delete;  // its rows look at its own frequencies
+    Grid(const Grid&) = delete;  // its rows refer to its own frequencies
     Grid& operator=(const Grid&) = delete;
     /// value[i] = H(fx[i], fy[j]), or H(fx[i], -fy[j]) where mirrored; `value` may be shorter than fx. real_row: real
     /// systems only.

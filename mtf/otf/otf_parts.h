@@ -3,9 +3,9 @@
 
 // The OTF of a system by its parts, at many frequencies at once. Chromatic components of the presample list are
 // averaged over the band as a product, those of the optics also by themselves: at few wavelengths, the same for all
-// frequencies, where these do, else for each frequency between the kinks that the pupil has there (split_mean.h). What
-// is the same along x and y is worked out once for both, and what is 1 along an axis not at all. Buffers and the nodes
-// of the band are kept from one system to the next.
+// frequencies, where these suffice, else for each frequency between the kinks that the pupil has there (split_mean.h).
+// What is the same along x and y is worked out once for both, and what is 1 along an axis not at all. Buffers and the
+// nodes of the band are kept from one system to the next.
 
 #include <algorithm>
 #include <map>
@@ -55,7 +55,7 @@ bool is_reconstructed(const System<S>& system) {
 template <class S>
 class OtfParts {
  public:
-  /// Looks at `system` until the next call; it stays as it is meanwhile.
+  /// Refers to `system` until the next call; it must not change meanwhile.
   void set(const System<S>& system) {
     system_ = &system;
     middle_ = system.context();
@@ -112,8 +112,8 @@ class OtfParts {
     return cutoff;
   }
 
-  /// Where the OTF has kinks, rising: a pupil has them where the edges of its circles touch, a band, weaker, where it
-  /// begins and ends to have them.
+  /// Where the OTF has kinks, rising: a pupil has them where the edges of its circles touch; a band has weaker ones
+  /// at the first and last of its wavelengths' kinks.
   std::vector<double> kinks_cy_mm() const {
     std::vector<double> kinks;
     for (const double touch : touch_) {
@@ -171,7 +171,7 @@ class OtfParts {
     times(product, own_means_.optics);
   }
 
-  /// Everything along an axis, or nothing but the optics.
+  /// All products along an axis, or those of the optics alone.
   void along(Axis axis, std::span<const S> f_cy_mm, Products<S>& products, bool optics_alone = false) {
     const Kept& kept = keep(f_cy_mm, optics_alone);
     products = kept.products;
@@ -203,7 +203,7 @@ class OtfParts {
   struct Member {
     const Component<S>* component;
     Traits traits;
-    std::vector<Complex<S>> Products<S>::*product;  ///< where it goes
+    std::vector<Complex<S>> Products<S>::*product;  ///< the member that holds it
     bool is_optics() const { return product == &Products<S>::optics; }
   };
   /// Of the chromatic components, averaged over the band.

@@ -5,8 +5,8 @@
 // On a panel f = lo + (hi - lo) sin^2(pi s / 2), 0 <= s <= 1, so that half powers of the distance to either end, as an
 // aperture's OTF has them at its cutoff and turbulence at 0, are smooth in s; t = 2 s - 1 = cos(pi k / n), k = 0 .. n,
 // are the points of the series of degree n. Doubling n keeps the points there are; a panel that 64 do not resolve is
-// halved, or parted at a kink where one is known in it. The error of a series is taken from its last coefficients, as
-// they have fallen by then. (Trefethen, Approximation Theory and Approximation Practice, SIAM 2013, ch. 3, 4 and 8.)
+// halved, or parted at a kink where one is known in it. The error of a series is taken from its last coefficients, from
+// how far they have fallen. (Trefethen, Approximation Theory and Approximation Practice, SIAM 2013, ch. 3, 4 and 8.)
 
 #include <algorithm>
 #include <array>
@@ -36,7 +36,7 @@ struct FineNodes {
   std::vector<double> t, share, weight;  ///< rising; share and weight as parts of the panel's width
   std::vector<double> basis;             ///< [k][node] = T_k(t)
 };
-/// As many nodes as the series takes beside a wave of `cycles` over the panel.
+/// As many nodes as the product of the series and a wave of `cycles` over the panel needs.
 const FineNodes& fine_nodes(int degree, double cycles);
 
 /// result[i] = sum over k of matrix[k][i] x factor[k]; for double on whatever vectors the machine has.

@@ -157,7 +157,7 @@ double PolarTable::probe(const Function& h, std::size_t spokes, std::size_t poin
     for (std::int64_t k = first; k < last; ++k) {
       const Piece& piece = pieces_[static_cast<std::size_t>(k) / count];
       const std::size_t n = static_cast<std::size_t>(k) % count;
-      // Spread over the piece and all directions, on no pattern of the table's own.
+      // Spread over the piece and all directions, away from the points of the table.
       const double spread = std::fmod(static_cast<double>(n) * 0.6180339887498949, 1.0);
       const std::size_t i = n * points / count;
       const auto j = static_cast<double>(static_cast<std::size_t>(spread * static_cast<double>(spokes)));

@@ -36,7 +36,7 @@ class PolarTable {
   /// h[i] *= table at (fx[i], fy).
   void multiply(std::span<const double> fx, double fy, std::span<Complex<double>> h) const;
 
-  /// Largest |table - H| seen in between, with a factor 2; what it is when the target is out of reach, too.
+  /// Largest |table - H| found at points in between, times 2; also where the target could not be kept.
   double error() const { return error_; }
   /// Values of an OTF that were taken.
   std::int64_t evaluations() const { return evaluations_; }

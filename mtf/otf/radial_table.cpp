@@ -14,7 +14,7 @@ constexpr std::size_t kFirst = 256, kDense = 65536;
 constexpr std::size_t kSuspects = 12, kLook = 16;  // intervals looked at closely, and points in each
 
 // Cubic through four neighbouring samples at t in 0..1 of the middle interval [i, i+1]. Past either end the parabola of
-// the last three samples goes on: an MTF may have a corner at 0.
+// the last three samples continues: an MTF may have a corner at 0.
 double cubic(const std::vector<double>& v, std::size_t i, double t) {
   const std::size_t n = v.size() - 1;
   const double b = v[i], c = v[i + 1];
@@ -67,7 +67,8 @@ RadialTable::RadialTable(const Function& f, double end, double target, std::int6
   for (std::size_t i = 0; i < n; ++i)
     steepest_ = std::max(steepest_, static_cast<double>(n) * (std::abs(v[i + 1] - v[i]) + 0.5 * curvature));
 
-  // A kink (the end of a curve) may hide from the midpoints: look closer where the third difference is largest.
+  // A kink (the end of a curve) may lie between the midpoints: more points are tested where the third difference is
+  // largest.
   std::vector<std::size_t> order(n > 3 ? n - 2 : 0);
   std::iota(order.begin(), order.end(), std::size_t{1});
   const auto third = [&v](std::size_t i) { return std::abs(v[i + 2] - v[i - 1] - 3.0 * (v[i + 1] - v[i])); };
@@ -85,7 +86,7 @@ RadialTable::RadialTable(const Function& f, double end, double target, std::int6
     }
   }
 
-  // All of a narrow OTF may lie within the first interval, where a grid of even steps sees nothing of it.
+  // All of a narrow OTF may lie within the first interval, where a grid of even steps would miss it.
   for (double r = 0.75; r > 0x1p-60; r *= 0.5) {
     const float x2 = static_cast<float>(r * r);
     float value = 1.0F;

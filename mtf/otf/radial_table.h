@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A function of |f| as a table, linear between dense knots: how radial OTF factors reach millions of grid points.
-// The function is sampled exactly on a coarse grid that is doubled until cubic interpolation reproduces the new
-// midpoints within the target; the dense knots come from those cubics.
+// A function of |f| as a table, linear between dense knots: the means to evaluate radial OTF factors at millions of
+// grid points. The function is sampled exactly on a coarse grid that is doubled until cubic interpolation reproduces
+// the new midpoints within the target; the dense knots come from those cubics.
 
 #include <array>
 #include <cstdint>

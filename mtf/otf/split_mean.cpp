@@ -77,7 +77,7 @@ double BandWeights::RateSeries::at(double wavelength_um) const {
   return t * b1 + (coefficient[0] - b2);
 }
 
-/// Halved until the last terms say nothing: a source of 3 K in the visible changes by hundreds of powers of ten.
+/// Halved until the last terms are rounding: a source of 3 K in the visible changes by hundreds of powers of ten.
 void BandWeights::add_series(double lo_um, double hi_um, int depth) {
   constexpr int kDegree = static_cast<int>(kRateTerms) - 1, kDeepest = 30;
   std::vector<double> value;

@@ -61,7 +61,7 @@ class BandWeights {
   double lo_um_ = 0.0, hi_um_ = 0.0;
   std::shared_ptr<const ElectronRate> rate_;
   std::vector<RateSeries> series_;  ///< rising; integral 1
-  Piece whole_;                     ///< that of the whole band, which comes again and again
+  Piece whole_;                     ///< that of the whole band, which is needed most often
   std::array<double, kMostBandDegree + 1> weight_{};
 };
 

@@ -31,6 +31,15 @@ TEST_F(BudgetCommand, ABudgetSaysWhyAFigureHasNoValue) {
   for (const auto& [name, term] : terms.items()) EXPECT_EQ(term["value"].is_null(), term.contains("reason")) << name;
 }
 
+TEST_F(BudgetCommand, ATemperatureMayHaveItsUnit) {
+  sensor("");
+  const std::string plain = scratch.run("mtf budget s.toml --temperature 288").out;
+  EXPECT_EQ(scratch.run("mtf budget s.toml --temperature '288 K'").out, plain);
+  EXPECT_EQ(scratch.run("mtf budget s.toml --temperature 288K").out, plain);
+  for (const char* wrong : {"'288 mK'", "'15 C'", "K", "''"})
+    expect_refused(std::string("mtf budget s.toml --temperature ") + wrong, {"a temperature in K"});
+}
+
 // One message for every command, in the words of the sensor file.
 TEST_F(BudgetCommand, ADetectorThatMakesNoElectronsIsRefusedAlike) {
   const auto all_say = [&](const std::string& part) {

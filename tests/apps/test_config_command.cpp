@@ -98,6 +98,16 @@ TEST(Config, KindsShowsEveryComponentFromItsFieldTable) {
   EXPECT_EQ(scratch.run("mtf config kinds jiter").status, 2);
 }
 
+TEST(Config, KindsDescribesTablesOfTheChain) {
+  const Scratch scratch;
+  const Result table = scratch.run("mtf config kinds detector");
+  EXPECT_EQ(table.status, 0) << table.err;
+  EXPECT_TRUE(table.out.starts_with("[detector]: ")) << table.out;
+  for (const char* text : {"  quantum_efficiency ", "[0, 1], or a file", "  full_well "})
+    EXPECT_NE(table.out.find(text), std::string::npos) << text << "\n" << table.out;
+  EXPECT_NE(scratch.run("mtf config kinds shutter").out.find("global | rolling"), std::string::npos);
+}
+
 TEST(Config, KindsTellsThePhysicsOfAComponent) {
   const Scratch scratch;
   const Result one = scratch.run("mtf config kinds footprint");

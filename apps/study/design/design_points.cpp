@@ -21,7 +21,7 @@ double between(const Axis& axis, double fraction) {
   return std::clamp(value, std::min(axis.from, axis.to), std::max(axis.from, axis.to));
 }
 
-/// Point of a grid; of a discrete axis the level itself.
+/// Point of a grid; of a discrete axis the index of its level.
 double grid_value(const Axis& axis, std::int64_t i) {
   if (axis.discrete()) return static_cast<double>(i);
   if (!axis.values.empty()) return axis.values[static_cast<std::size_t>(i)];

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "apps/study/design/design_work.h"
+#include "apps/study/design/design_model.h"
 #include "apps/study/design/gradient.h"
 #include "apps/study/design/metric_gap.h"
 #include "mtf/error.h"
@@ -57,7 +57,7 @@ struct Evaluator::Impl {
   MetricPlan plan;
   struct Ready {
     VariantSensor sensor;
-    std::unique_ptr<DesignWork<double>> work;
+    std::unique_ptr<DesignModel<double>> model;
     std::uint64_t used = 0;  ///< when last
   };
   std::map<std::vector<int>, std::unique_ptr<Ready>> variants{};
@@ -78,7 +78,7 @@ struct Evaluator::Impl {
     sides.resize(study->constraints.size());
   }
 
-  /// Sensor of the levels of the discrete axes; the oldest go when there are many.
+  /// The sensor for these levels of the discrete axes. The least recently used are dropped when there are many.
   Ready& ready(std::span<const double> values) {
     for (std::size_t a = 0; a < study->axes.size(); ++a)
       levels[a] = study->axes[a].discrete() ? static_cast<int>(values[a]) : 0;
@@ -95,7 +95,7 @@ struct Evaluator::Impl {
     fresh->used = ++uses;
     fresh->sensor = load_variant(*study, levels);
     if (fresh->sensor.problems.empty())
-      fresh->work = std::make_unique<DesignWork<double>>(*study, plan, fresh->sensor, fresh->sensor.system);
+      fresh->model = std::make_unique<DesignModel<double>>(*study, plan, fresh->sensor, fresh->sensor.system);
     return *variants.emplace(levels, std::move(fresh)).first->second;
   }
 
@@ -115,7 +115,7 @@ struct Evaluator::Impl {
   void evaluate_at(std::span<const double> values, std::span<double> row, std::span<const double> shift);
 };
 
-/// Axes, then links, then what is built differently. False when a value is out of range.
+/// Axes, then links, then as-built variation. False when a value is out of range.
 bool Evaluator::Impl::fill_parameters(const Ready& variant, std::span<const double> values,
                                       std::span<const double> shift) {
   for (std::size_t i = 0; i < parameters.size(); ++i) {
@@ -149,14 +149,14 @@ bool Evaluator::Impl::fill_parameters(const Ready& variant, std::span<const doub
   return problem.empty();
 }
 
-/// The sensor with these numbers. False when it could not be one.
+/// The sensor with these numbers. False when no sensor has them.
 bool Evaluator::Impl::set_system(Ready& variant) {
-  variant.work->set(parameters);
+  variant.model->set(parameters);
   for (const AsBuilt& built : study->as_built) {
     const auto i = static_cast<std::size_t>(built.parameter);
-    if (study->parameters[i].role == Parameter::Role::fixed) variant.work->set_fixed(i, parameters[i]);
+    if (study->parameters[i].role == Parameter::Role::fixed) variant.model->set_fixed(i, parameters[i]);
   }
-  const auto errors = variant.work->system().errors();
+  const auto errors = variant.model->system().errors();
   if (errors.empty()) return true;
   const auto& [where, what] = errors.front();
   problem = where + (what.field.empty() ? "" : "." + what.field) + ": " + what.text;
@@ -184,7 +184,7 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
     try {
       radiometry::SpectralNumbers<double> changed;
       const radiometry::SpectralNumbers<double>* spectral = &variant.sensor.spectral;
-      const auto overrides = variant.work->overrides();
+      const auto overrides = variant.model->overrides();
       const bool moved = std::any_of(overrides.begin(), overrides.end(),
                                      [](const auto& o) { return radiometry::is_spectral(o.path); });
       if (moved && plan.budget && variant.sensor.loaded) {
@@ -192,10 +192,10 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
                                    radiometry::Overrides<double>{overrides});
         spectral = &changed;
       }
-      variant.work->metrics(*spectral, metrics);
-      error = variant.work->error();
-      refusal = variant.work->refusal();
-      caution = variant.work->caution();
+      variant.model->metrics(*spectral, metrics);
+      error = variant.model->error();
+      refusal = variant.model->refusal();
+      caution = variant.model->caution();
       if (first_refusal.empty()) first_refusal = refusal;
     } catch (const mtf::UsageError& refused) {
       problem = refused.what();
@@ -282,11 +282,11 @@ std::vector<std::string> Evaluator::skipped() const {
   const mtf::AxisNeeds& axis = plan.needs.axis;
   std::vector<std::string> sentences;
   if (!impl_->first_problem.empty())
-    sentences.push_back("designs that no sensor can be, without numbers; the first: " + impl_->first_problem);
+    sentences.push_back("designs that are impossible as a sensor have no numbers; the first: " + impl_->first_problem);
   if (!impl_->first_refusal.empty())
     sentences.push_back("metrics without a number; the first: " + impl_->first_refusal);
   const auto skip = [&](bool needed, const char* what) {
-    if (!needed) sentences.emplace_back(std::string(what) + ": no metric asks for it");
+    if (!needed) sentences.emplace_back(std::string(what) + ": no metric needs it");
   };
   skip(plan.resolution, "the OTF");
   if (plan.resolution) {
@@ -299,7 +299,7 @@ std::vector<std::string> Evaluator::skipped() const {
   skip(plan.range, "MRTD and range models");
   if (plan.budget)
     sentences.emplace_back(
-        "band integrals of the scene's radiance: worked out once a variant, shared by all its designs");
+        "band integrals of the scene's radiance: computed once for each variant, shared by all its designs");
   if (impl_->study->variants > 0)
     sentences.emplace_back("sensor files, curves and wavelength nodes: read once for " +
                            std::to_string(impl_->study->variants) +
@@ -314,11 +314,11 @@ mtf::io::SensorConfig Evaluator::sensor_at(std::span<const double> axis_values) 
   if (!variant.sensor.problems.empty()) throw mtf::UsageError(variant.sensor.problems.front());
   if (!impl.fill_parameters(variant, axis_values, {}) || !impl.set_system(variant)) throw mtf::UsageError(impl.problem);
   mtf::io::SensorConfig config = variant.sensor.config;
-  config.system = variant.work->system();
-  for (auto& list : config.system.stages)  // components of its own: those of the work are written to
+  config.system = variant.model->system();
+  for (auto& list : config.system.stages)  // components of its own: those of the model are overwritten
     for (auto& entry : list) entry.component.fields();
   config.system.band = variant.sensor.config.system.band;  // without the electron rate, which no file has
-  for (const auto& override_ : variant.work->overrides()) {
+  for (const auto& override_ : variant.model->overrides()) {
     const std::size_t dot = override_.path.find('.');
     for (mtf::SettingsTable& table : config.tables)
       if (table.name == override_.path.substr(0, dot))

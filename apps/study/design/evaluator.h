@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// From a design to its row of results. One Evaluator a thread: it keeps the sensors of the variants that it met, the
-// factors of the design before, and what has not changed since then is not computed again.
+// From a design to its row of results. Each thread has an Evaluator: it keeps the sensors of the variants that it has
+// read and the factors of the previous design, and computes again only what has changed since then.
 
 #include <cstdint>
 #include <memory>
@@ -62,7 +62,7 @@ class Evaluator {
   bool last_valid() const;
   /// Why a metric of the last design has no number where others have theirs (it is saturated, a model refuses it).
   const std::string& last_refusal() const;
-  /// How far signal and noise of the last design are off, close to saturation; "" where they are not.
+  /// How far signal and noise of the last design are wrong because it is close to saturation; "" where they are not.
   const std::string& last_caution() const;
   /// Of the last design that was evaluated: all objectives as shown, and the sides of the constraints.
   std::span<const double> last_objectives() const;
@@ -70,7 +70,7 @@ class Evaluator {
 
   /// Why a metric has no number for this study at all ("netd: no [detector]"), by column; "" where it has.
   std::vector<std::string> gaps() const;
-  /// What was not computed since nothing asked for it, and what neighbouring designs shared: sentences.
+  /// Sentences that say what was not computed because no metric needs it, and what neighbouring designs shared.
   std::vector<std::string> skipped() const;
 
   /// The sensor of a design with all numbers set: what `mtf simulate` would read.

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "apps/study/design/design_work.h"
+#include "apps/study/design/design_model.h"
 #include "calib/fit/system_jet.h"
 #include "mtf/error.h"
 
@@ -73,7 +73,7 @@ Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span
   if (parameters.empty()) return gradient;
 
   const MetricPlan plan = plan_metrics(study, std::min(study.tolerance, tolerance));
-  DesignWork<Jet4> work(study, plan, variant, mtf::cast<Jet4>(variant.system));
+  DesignModel<Jet4> model(study, plan, variant, mtf::cast<Jet4>(variant.system));
   for (std::size_t first = 0; first < axes.size(); first += kStride) {
     std::vector<Jet4> values(parameters.begin(), parameters.end()), slots(study.slots()), metrics(study.metrics.size());
     const std::size_t count = std::min<std::size_t>(kStride, axes.size() - first);
@@ -85,11 +85,11 @@ Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span
       values[i] = link.expression.evaluate<Jet4>(slots) / Jet4(study.parameters[i].scale.si);
       slot(i);
     }
-    work.set(values);
+    model.set(values);
     try {
       radiometry::SpectralNumbers<Jet4> spectral;
-      if (plan.budget && variant.loaded) spectral = spectral_jets(variant, study.conditions, work.overrides());
-      work.metrics(spectral, metrics);
+      if (plan.budget && variant.loaded) spectral = spectral_jets(variant, study.conditions, model.overrides());
+      model.metrics(spectral, metrics);
     } catch (const mtf::UsageError&) {
       return gradient;  // as the row of this design: no metrics
     }

@@ -47,7 +47,7 @@ std::string metric_gap(const MetricInfo& metric, const Study& study) {
     if (over_sensor != study.axes.end())
       levels[static_cast<std::size_t>(over_sensor - study.axes.begin())] = static_cast<int>(level);
     const VariantSensor sensor = load_variant(study, levels);
-    if (!sensor.problems.empty()) return "";  // said elsewhere
+    if (!sensor.problems.empty()) return "";  // reported elsewhere
     gap = metric_gap(*choice, study, sensor);
     if (gap.empty()) return "";
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a metric needs and neither a sensor nor the study has.
+// What a metric needs that is neither in the sensor nor in the study.
 
 #include <string>
 

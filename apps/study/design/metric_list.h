@@ -16,7 +16,7 @@ struct MetricInfo {
   std::string unit;        ///< "cy/px", "mK"; "" for a plain number
   std::string definition;  ///< one sentence
   std::string source;      ///< where the definition comes from
-  std::string needs;       ///< what a sensor or study has to say for it: "", "[detector]", "[conditions] range"
+  std::string needs;       ///< what a sensor or study has to hold for it: "", "[detector]", "[conditions] range"
 };
 
 /// All that have a fixed name.

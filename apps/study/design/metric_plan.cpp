@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// From the metrics of a study to what has to be worked out for them.
+// From the metrics of a study to what has to be computed for them.
 
-#include "apps/study/design/design_work.h"
+#include "apps/study/design/design_model.h"
 
 namespace study {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What the catalogue of metric_list.h is made of, for the code that computes them.
+// The rows of the catalogue of metric_list.h, for the code that computes the metrics.
 
 #include <array>
 #include <optional>
@@ -73,7 +73,7 @@ enum class Metric {
   ttp_identify
 };
 
-/// What has to be worked out for a metric.
+/// What has to be computed for a metric.
 enum class Effort {
   geometry,
   points,

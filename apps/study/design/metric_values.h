@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Values of metrics at one design, for any scalar: what was worked out about the design in, a number out. NaN where the
-// design has none; why is said once for a study, see gaps of evaluator.h.
+// Values of metrics for one design and any scalar: resolution, budget and ranges of the design in, a number out. NaN
+// where the design has none; the reason is given once for a study, see gaps of evaluator.h.
 
 #include <limits>
 

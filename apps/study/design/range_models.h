@@ -2,10 +2,10 @@
 #pragma once
 
 // MRTD, ranges by Johnson's criteria and by TTP for a design, from its budget and its OTF. Noise enters as the NETD
-// (temporal) and the spatial NETD of the budget, an observer of [conditions] looks at the display. As published
-// (FLIR92, TR-230) these models are linear in the contrast: a temperature difference over NETDs, slopes at the
-// temperature of the background; at 4 K and 3 to 5 um the target's electrons are some 7 % more than that. The contrast
-// falls with range by [conditions] extinction alone: a [path] in the sensor file belongs to the budget.
+// (temporal) and the spatial NETD of the budget; the observer in front of the display is that of [conditions]. As
+// published (FLIR92, TR-230) these models are linear in the contrast: a temperature difference over NETDs, slopes at
+// the temperature of the background; at 4 K and 3 to 5 um the target's electrons are some 7 % more than that. The
+// contrast falls with range by [conditions] extinction alone: a [path] in the sensor file belongs to the budget.
 
 #include "apps/study/design/metric_values.h"
 #include "radiometry/performance/contrast_threshold.h"
@@ -107,7 +107,7 @@ RangeFigures<S> range_figures(const Design<S>& design) {
   const S kept = mtf::value_of(frames) > 1.0 ? frames : S(1);
   const S rms_k = radiometry::detail::root(S(b.netd_k * b.netd_k + kept * b.spatial_netd_k * b.spatial_netd_k));
   const S density = radiometry::noise_density(rms_k, in.spacing_x_mrad, in.spacing_y_mrad, frame_rate);
-  const auto seen = [&](Axis axis) {  // what filters the noise on its way to the retina
+  const auto seen = [&](Axis axis) {  // what filters the noise between the readout and the retina
     return [&, axis](double f) { return S(after(axis)(f) * radiometry::eye_mtf_at(observer, S(f))); };
   };
   const double eye_end = 8.0 * c.viewing_magnification;  // cycles/mrad: the eye's MTF is below 1e-12 there

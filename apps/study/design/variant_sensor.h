@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A sensor of a study with one choice of levels for its discrete axes, ready for numbers to be set: the system with its
-// band weighted by electrons, the budget's spectra, and where each parameter of the study is held.
+// A sensor of a study for one combination of levels of its discrete axes, ready for numbers to be set: the system with
+// its band weighted by electrons, the budget's spectra, and where each parameter of the study is held.
 
 #include <map>
 #include <memory>

@@ -2,9 +2,9 @@
 #pragma once
 
 // A study as a problem of optimisation: one combination of levels of the discrete axes, the numeric axes as a point z
-// of the unit cube (0 and 1 are the ends of an axis, log axes in the logarithm), one number F to be made small, and
-// margins of the constraints, all with slopes by autodiff. Every value is worked out to kSharp, whatever the study's
-// tolerance: noise of 1e-4 would hide where an optimum is.
+// of the unit cube (0 and 1 are the ends of an axis, log axes in the logarithm), one number F to be minimized, and
+// margins of the constraints, all with slopes by autodiff. Every value is computed to kSharp, whatever the study's
+// tolerance: errors of 1e-4 would hide the optimum.
 
 #include <memory>
 #include <span>
@@ -49,7 +49,7 @@ class DesignProblem {
 
   /// Values of all axes as Evaluator takes them.
   std::vector<double> axis_values(std::span<const double> z) const;
-  /// The other way round; within the cube.
+  /// The inverse; within the cube.
   std::vector<double> cube(std::span<const double> axis_values) const;
   /// d(value of the axis)/dz.
   double stretch(std::size_t variable, double z) const;

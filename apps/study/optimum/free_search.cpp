@@ -23,7 +23,7 @@ class Walker {
   double least() const { return least_; }
   bool found_feasible() const { return best_feasible_; }
 
-  const DesignPoint& look(std::span<const double> z) {
+  const DesignPoint& evaluate(std::span<const double> z) {
     if (std::equal(z.begin(), z.end(), here_.begin(), here_.end()) && !here_.empty()) return point_;
     here_.assign(z.begin(), z.end());
     point_ = problem_->at(z);
@@ -42,13 +42,13 @@ class Walker {
       const double total = total_violation(point, *scale_);
       return std::isfinite(total) ? std::asinh(total) : kImpossible;
     }
-    const double seen = seen_objective(point, *scale_);
-    return std::isfinite(seen) ? seen : kImpossible;
+    const double compressed = compressed_objective(point, *scale_);
+    return std::isfinite(compressed) ? compressed : kImpossible;
   }
   void violations(const DesignPoint& point, std::span<double> values) const {
     for (std::size_t j = 0; j < values.size(); ++j) {
-      const double seen = seen_violation(point, *scale_, j);
-      values[j] = std::isfinite(seen) ? seen : point.margin[j] > 0.0 ? -kImpossible : 1.0;
+      const double compressed = compressed_violation(point, *scale_, j);
+      values[j] = std::isfinite(compressed) ? compressed : point.margin[j] > 0.0 ? -kImpossible : 1.0;
     }
   }
   /// Objective where all constraints hold, far above it elsewhere.
@@ -73,15 +73,15 @@ class Walker {
 
 double objective_of(unsigned n, const double* z, double*, void* walker) {
   auto& w = *static_cast<Walker*>(walker);
-  return w.objective(w.look({z, n}));
+  return w.objective(w.evaluate({z, n}));
 }
 double walled_of(unsigned n, const double* z, double*, void* walker) {
   auto& w = *static_cast<Walker*>(walker);
-  return w.walled(w.look({z, n}));
+  return w.walled(w.evaluate({z, n}));
 }
 void violations_of(unsigned m, double* values, unsigned n, const double* z, double*, void* walker) {
   auto& w = *static_cast<Walker*>(walker);
-  w.violations(w.look({z, n}), {values, m});
+  w.violations(w.evaluate({z, n}), {values, m});
 }
 
 void Walker::run(nlopt_algorithm algorithm, double step, int evaluations, std::vector<double> z) {
@@ -106,7 +106,7 @@ void Walker::run(nlopt_algorithm algorithm, double step, int evaluations, std::v
 
 SearchEnd free_search(DesignProblem& problem, const ProblemScale& scale, std::vector<double> z, const FreeTask& task) {
   Walker walker(problem, scale, task);
-  walker.look(z);
+  walker.evaluate(z);
   if (z.empty()) return {z};
   nlopt_srand(static_cast<unsigned long>(task.seed));  // of this thread
   const int n = static_cast<int>(z.size());

@@ -55,8 +55,8 @@ class Start {
     task.whole_box = false;
     take(free_search(problem_, scale_, z_, task).z);
   }
-  /// At a place that nothing nearby is nearer than, by the slopes.
-  bool settled() {
+  /// By the slopes, no design nearby is nearer to feasible.
+  bool locally_nearest() {
     const Optimality nearness = nearness_at(problem_, scale_, z_);
     return nearness.smooth && nearness.residual <= kConverged;
   }
@@ -164,7 +164,7 @@ void Start::describe(LocalEnd& end) {
     if (!feasible_ && reached.multiplier > 1e-9) end.contradiction.push_back(limit.text);
     optimum.limits.push_back(std::move(limit));
   }
-  // A little further the same way: is there a design at all?
+  // A little further in that direction: is there a design at all?
   if (feasible_ && !optimum.converged && optimality.smooth) {
     std::vector<double> beyond = z_;
     for (std::size_t i = 0; i < z_.size(); ++i)
@@ -179,13 +179,13 @@ LocalEnd Start::run(Method method) {
   optimum.method = method;
   if (method == Method::smooth && !z_.empty()) {
     smooth();
-    if (feasible_ ? !converged() : !settled()) {
+    if (feasible_ ? !converged() : !locally_nearest()) {
       const bool feasible = feasible_;
       const double before = rank_;
       search();
       if (feasible_ && !converged()) smooth();  // off a kink, perhaps to an optimum that is smooth
       if (rank_ < before || feasible_ != feasible) optimum.method = Method::search;
-      optimum.why = no_slopes_  ? "the smooth method met designs without derivatives"
+      optimum.why = no_slopes_  ? "the smooth method came to designs without derivatives"
                     : !feasible ? "the smooth method found no feasible design"
                                 : "the smooth method stalled short of an optimum";
     }

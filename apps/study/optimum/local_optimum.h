@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// One start of an optimisation, to its end.
+// One local search of an optimisation, from its starting point to its end.
 
 #include "apps/study/optimum/optimize.h"
 
 namespace study {
 
-/// A combination of levels, with where its searches start.
+/// A combination of levels, with the starting points of its searches.
 struct Combination {
   std::vector<int> levels;
   std::vector<std::vector<double>> starts;  ///< points of the cube that can be worked out
@@ -30,7 +30,7 @@ struct LocalEnd {
 LocalEnd local_optimum(const std::shared_ptr<const Study>& sharp, const Goal& goal, const Combination& combination,
                        std::size_t start, OptimizeOptions::Method method);
 
-/// The Limit of what a design has reached, in words and units of the study.
+/// A limit at which a design lies, in words and units of the study.
 Limit limit_of(const Study& study, Limit::Kind kind, std::size_t index);
 /// The unit that a constraint is thought of in.
 std::string unit_of(const Study& study, const Constraint& constraint);

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Whether a design is an optimum, and what holds it there: the slope of F has to be a sum of slopes of limits that are
-// reached, with multipliers >= 0 (Karush, Kuhn and Tucker). The multipliers are those of least squares (Lawson and
+// Whether a design is an optimum, and which limits make it one: the slope of F has to be a sum of slopes of active
+// limits, with multipliers >= 0 (Karush, Kuhn and Tucker). The multipliers are those of least squares (Lawson and
 // Hanson, Solving Least Squares Problems, chapter 23), and each is what F would gain by its limit being relaxed.
 
 #include "apps/study/optimum/design_problem.h"
 
 namespace study {
 
-/// Closeness to a limit that counts as reached, relative.
+/// A limit is active when the design is as close to it as this, relative.
 inline constexpr double kReached = 1e-6;
 
-/// A constraint, or an end of an axis, that a design has reached.
+/// An active limit: a constraint, or an end of an axis.
 struct ReachedLimit {
   enum class Kind { constraint, lower, upper } kind = Kind::constraint;
   std::size_t index = 0;    ///< of the constraint, or of the variable
@@ -30,7 +30,7 @@ struct Optimality {
 
 Optimality optimality_at(DesignProblem& problem, const ProblemScale& scale, std::span<const double> z);
 
-/// For a design that misses constraints: which limits of the box stand against making the violations smaller, and what
+/// For a design that misses constraints: which limits of the box prevent smaller violations, and what
 /// is left of the slope of half the sum of their squares.
 Optimality nearness_at(DesignProblem& problem, const ProblemScale& scale, std::span<const double> z);
 

@@ -40,7 +40,7 @@ void refuse_gaps(const std::shared_ptr<const Study>& study, const Goal& goal) {
   if (study->variants > 1) return;  // another level may have what the first has not
   const std::vector<Column> columns = columns_of(*study);
   const std::vector<std::string> gaps = Evaluator(study).gaps();
-  const auto look = [&](const Expression& expression, const std::string& text) {
+  const auto check = [&](const Expression& expression, const std::string& text) {
     for (const int slot : expression.slots()) {
       const auto i = static_cast<std::size_t>(slot);
       if (i < study->parameters.size()) continue;
@@ -52,10 +52,10 @@ void refuse_gaps(const std::shared_ptr<const Study>& study, const Goal& goal) {
     }
   };
   for (std::size_t i = 0; i < goal.size(); ++i)
-    if (goal[i] != 0.0) look(study->objectives[i].expression, study->objectives[i].text);
+    if (goal[i] != 0.0) check(study->objectives[i].expression, study->objectives[i].text);
   for (const Constraint& constraint : study->constraints) {
-    look(constraint.left, constraint.text);
-    look(constraint.right, constraint.text);
+    check(constraint.left, constraint.text);
+    check(constraint.right, constraint.text);
   }
 }
 
@@ -80,7 +80,7 @@ bool better(const End& a, const End& b) {
   return a.local.optimum.feasible ? a.local.optimum.goal < b.local.optimum.goal : a.local.violation < b.local.violation;
 }
 
-/// The same place: levels, F and the values of all axes. Searches end less sharply than the smooth method.
+/// The same optimum: levels, F and the values of all axes. Searches end less exactly than the smooth method.
 bool same(const End& a, const End& b, double f_scale) {
   if (a.combination != b.combination || a.local.optimum.feasible != b.local.optimum.feasible) return false;
   if (std::abs(a.local.optimum.goal - b.local.optimum.goal) > 1e-6 * f_scale) return false;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The best design of a study: numeric axes are continuous between their ends, discrete ones tried level by level, links
-// and constraints as in the study. Local searches from points of Sobol's sequence, each to an optimum that is checked
-// by its slopes. What does not end well is an outcome, never an exception.
+// The best design of a study: numeric axes are continuous between their ends, every level of discrete ones is tried,
+// links and constraints as in the study. Local searches from points of Sobol's sequence, each to an optimum that is
+// checked by its slopes. What does not end well is an outcome, never an exception.
 
 #include <functional>
 
@@ -15,13 +15,13 @@ struct OptimizeOptions {
   enum class Method { smooth, search };
   std::vector<double> weights{};   ///< by objective, >= 0, not all 0: what counts is the sum of weight x objective as
                                    ///< shown, signed by its direction
-  Method method = Method::smooth;  ///< smooth goes on as search where it does not reach an optimum
+  Method method = Method::smooth;  ///< smooth continues as search where it finds no optimum
   int starts = 8;                  ///< in each combination of levels
   int threads = 0;                 ///< 0 = all cores; the result is the same for any
   std::function<void(double)> progress{};  ///< share done; called by one thread at a time
 };
 
-/// A constraint or an end of an axis that a design has reached.
+/// A constraint or an end of an axis at which a design lies.
 struct Limit {
   enum class Kind { constraint, lower, upper } kind = Kind::constraint;
   std::size_t index = 0;  ///< into Study::constraints or Study::axes
@@ -63,7 +63,7 @@ struct OptimizeOutcome {
   enum class Status {
     optimal,     ///< best.converged
     stopped,     ///< feasible, found by a search that cannot show that it is an optimum
-    infeasible,  ///< best is the nearest design, `contradiction` says what stands against each other
+    infeasible,  ///< best is the nearest design, `contradiction` says which limits exclude each other
     impossible   ///< no start could be worked out: `problem`
   } status = Status::impossible;
   Optimum best;

@@ -54,7 +54,7 @@ void limits(const Study& study, const OptimizeOptions& options, const Optimum& b
   bool limited = false;
   for (const Limit& limit : best.limits) {
     if (std::isnan(limit.gain)) {
-      lines.push_back(limit.text + " is reached; what it costs cannot be told without slopes that hold it there");
+      lines.push_back(limit.text + " is active; what it costs is unknown, as the slopes do not show an optimum");
     } else if (limit.gain == 0.0) {
       idle.push_back(limit.text);
     } else {
@@ -64,10 +64,10 @@ void limits(const Study& study, const OptimizeOptions& options, const Optimum& b
                       gain_text(study, options, limit.gain * step));
     }
   }
-  if (!idle.empty()) lines.push_back("reached without limiting: " + joined(idle));
+  if (!idle.empty()) lines.push_back("active without limiting: " + joined(idle));
   if (best.shared && limited)
-    lines.push_back("these limits depend on each other: relaxing one alone may gain less than it says");
-  if (best.converged && !limited) lines.push_back("nothing limits: the best design lies inside of all limits");
+    lines.push_back("these limits depend on each other: relaxing one alone may gain less than stated");
+  if (best.converged && !limited) lines.push_back("nothing limits it: the best design lies inside of all limits");
 }
 
 }  // namespace
@@ -99,13 +99,13 @@ std::vector<std::string> sentences(const Study& study, const OptimizeOptions& op
   for (const Optimum& other : outcome.others)
     if (std::abs(other.goal - best.goal) <= 1e-6 * std::abs(best.goal)) elsewhere += other.starts;
   if (elsewhere > 0) {
-    lines.push_back(std::to_string(elsewhere + best.starts) + " starts came to this value, at different designs: " +
-                    "something in the study makes no difference to it");
+    lines.push_back(std::to_string(elsewhere + best.starts) +
+                    " starts ended at this value, at different designs: " + "some axes of the study do not change it");
     return lines;
   }
   if (outcome.starts_of_best > 1)
     lines.push_back(std::to_string(best.starts) + " of " + std::to_string(outcome.starts_of_best) +
-                    " starts came to it" + (best.starts == 1 ? "; more (--starts) may find a better one" : ""));
+                    " starts ended at it" + (best.starts == 1 ? "; more (--starts) may find a better one" : ""));
   return lines;
 }
 

@@ -67,7 +67,7 @@ class AugmentedLagrangian final : public ceres::FirstOrderFunction {
     std::vector<double> by_z(n, 0.0);
     double sum = 0.0;
     if (!task_.only_constraints) {
-      sum = seen_objective(point, *scale_);
+      sum = compressed_objective(point, *scale_);
       const double slope = asinh_slope(scaled_objective(point, *scale_)) / scale_->f;
       for (std::size_t i = 0; sloped && i < n; ++i) by_z[i] = slope * slopes.f[i];
     }
@@ -132,10 +132,10 @@ std::vector<double> minimize(DesignProblem& problem, const ProblemScale& scale, 
 
 }  // namespace
 
-double seen_objective(const DesignPoint& point, const ProblemScale& scale) {
+double compressed_objective(const DesignPoint& point, const ProblemScale& scale) {
   return std::asinh(scaled_objective(point, scale));
 }
-double seen_violation(const DesignPoint& point, const ProblemScale& scale, std::size_t constraint) {
+double compressed_violation(const DesignPoint& point, const ProblemScale& scale, std::size_t constraint) {
   return -std::asinh(scaled_margin(point, scale, constraint));
 }
 
@@ -160,7 +160,7 @@ SearchEnd smooth_search(DesignProblem& problem, const ProblemScale& scale, std::
     double worst = 0.0;
     for (std::size_t j = 0; j < point.margin.size(); ++j) {
       double& m = multipliers.value[j];
-      const double g = seen_violation(point, scale, j);
+      const double g = compressed_violation(point, scale, j);
       worst = std::max(worst, std::abs(std::max(g, -m / multipliers.penalty)));
       m = std::max(0.0, m + multipliers.penalty * g);
     }

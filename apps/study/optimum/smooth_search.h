@@ -13,11 +13,11 @@ namespace study {
 inline constexpr double kKeptOff = 1e-7;
 
 struct SearchTask {
-  bool only_constraints = false;  ///< make the violations small and look at nothing else
+  bool only_constraints = false;  ///< make the violations small, whatever the objective
   int most_evaluations = 2000;
 };
 
-/// Where a search has ended. Not necessarily a good place: its caller looks at it.
+/// Where a search has ended, which need not be an optimum: the caller checks.
 struct SearchEnd {
   std::vector<double> z;
   bool no_slopes = false;  ///< it met a design that has values and no derivatives
@@ -27,9 +27,9 @@ struct SearchEnd {
 SearchEnd smooth_search(DesignProblem& problem, const ProblemScale& scale, std::vector<double> z,
                         const SearchTask& task);
 
-/// F and violations as searches see them: asinh of the scaled values, which changes neither optimum nor limits and
-/// keeps what is far away from drowning what is near. violation <= 0 where the constraint holds.
-double seen_objective(const DesignPoint& point, const ProblemScale& scale);
-double seen_violation(const DesignPoint& point, const ProblemScale& scale, std::size_t constraint);
+/// F and violations for the searches: asinh of the scaled values, which changes neither optimum nor limits and
+/// keeps large values from hiding small ones. violation <= 0 where the constraint holds.
+double compressed_objective(const DesignPoint& point, const ProblemScale& scale);
+double compressed_violation(const DesignPoint& point, const ProblemScale& scale, std::size_t constraint);
 
 }  // namespace study

@@ -2,9 +2,9 @@
 #pragma once
 
 // Rows of results on disk. A piece holds the rows of the designs [first, first + count): a few lines of text that say
-// whose rows they are, then the doubles (little endian, row by row). A row file is one piece or several behind each
-// other; it appears whole or not at all. Every piece carries a hash of its lines and numbers, so that what a bad disk
-// or a cut copy changed is told from what is good.
+// which study and designs the rows belong to, then the doubles (little endian, row by row). A row file is one piece or
+// several, one after the other; it appears whole or not at all. Every piece carries a hash of its lines and numbers, so
+// that a piece that a bad disk or an incomplete copy changed is recognised.
 
 #include <cstdint>
 #include <filesystem>
@@ -54,7 +54,7 @@ std::vector<RowPiece> list_rows(const std::filesystem::path& file);
 /// The numbers of a piece, checked against its hash. Throws RuntimeError naming the file and the designs.
 void read_rows(const RowPiece& piece, std::vector<double>& rows);
 
-/// Puts row files behind each other into one. Throws RuntimeError.
+/// Joins row files into one. Throws RuntimeError.
 void join_rows(const std::vector<RowPiece>& pieces, const std::filesystem::path& file);
 
 /// "designs 4096 to 8191", for messages.

@@ -33,7 +33,7 @@ fs::path file_of(const RowRun& run, RowRange range) {
 
 enum class Found { nothing, good, bad };
 
-Found look(const RowRun& run, RowRange range, std::vector<double>& rows) {
+Found read_piece(const RowRun& run, RowRange range, std::vector<double>& rows) {
   const fs::path file = file_of(run, range);
   std::error_code error;
   if (!fs::exists(file, error)) return Found::nothing;
@@ -59,7 +59,7 @@ struct Shared {
 
 void make_piece(Shared& shared, RowMaker& maker, RowRange range, std::vector<double>& rows) {
   const RowRun& run = shared.run;
-  const Found found = look(run, range, rows);
+  const Found found = read_piece(run, range, rows);
   if (found != Found::good) {
     if (!maker) maker = run.make();
     const auto columns = static_cast<std::size_t>(run.layout.columns);
@@ -74,7 +74,7 @@ void make_piece(Shared& shared, RowMaker& maker, RowRange range, std::vector<dou
   if (run.done) run.done(shared.tally.made + shared.tally.resumed);
 }
 
-void work(Shared& shared) {
+void make_pieces(Shared& shared) {
   try {
     RowMaker maker;
     std::vector<double> rows;
@@ -102,8 +102,8 @@ RowTally run_rows(const RowRun& run) {
   Shared shared{.run = run, .pieces = (run.range.count + size - 1) / size};
   const auto threads = std::min<std::int64_t>(mtf::threads_of(run.threads), shared.pieces);
   std::vector<std::jthread> others;
-  for (std::int64_t i = 1; i < threads; ++i) others.emplace_back([&shared] { work(shared); });
-  work(shared);
+  for (std::int64_t i = 1; i < threads; ++i) others.emplace_back([&shared] { make_pieces(shared); });
+  make_pieces(shared);
   others.clear();
   if (shared.failure) std::rethrow_exception(shared.failure);
   return shared.tally;

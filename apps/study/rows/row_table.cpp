@@ -130,7 +130,7 @@ void write_table(const TableJob& job) {
           const RowPiece& piece = *token->piece;
           read_rows(piece, token->rows);
           if (csv) token->csv = csv_rows(cells, piece.range, token->rows);
-          if (job.look) token->count = job.look(piece.range, token->rows);
+          if (job.count_rows) token->count = job.count_rows(piece.range, token->rows);
           return token;
         }) & tbb::make_filter<Next, void>(tbb::filter_mode::serial_in_order, [&](const Next& token) {
           if (csv) csv->write(token->csv.data(), token->csv.size());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Row files into one table, as CSV and as NPY, and past whoever counts them: one pass, piece by piece, so that memory
-// does not grow with the number of designs.
+// Row files become one table, as CSV and as NPY, and are counted in the same pass, piece by piece, so that memory does
+// not grow with the number of designs.
 
 #include <functional>
 
@@ -16,15 +16,15 @@ struct TableColumn {
   std::vector<std::string> levels{};
 };
 
-/// Looks at one piece, in any thread and any order; what it returns is called in the order of the designs, one call at
-/// a time.
-using LookAtRows = std::function<std::function<void()>(RowRange, std::span<const double>)>;
+/// Counts the rows of one piece, in any thread and any order; the function that it returns adds the counts to the total
+/// and is called in the order of the designs, one call at a time.
+using RowCounter = std::function<std::function<void()>(RowRange, std::span<const double>)>;
 
 struct TableJob {
   std::vector<RowPiece> pieces;  ///< in_order
   std::vector<TableColumn> columns;
   std::filesystem::path csv, npy;            ///< each "" for none
-  LookAtRows look{};                         ///< may be empty
+  RowCounter count_rows{};                   ///< may be empty
   int threads = 0;                           ///< 0 = all cores
   std::function<void(std::int64_t)> done{};  ///< designs written so far; may be empty
 };

@@ -26,7 +26,7 @@ Evaluator evaluator_at(const Study& study, double tolerance) {
   return Evaluator(std::make_shared<const Study>(std::move(copy)));
 }
 
-/// Rows of the sample behind each other, and the time of a design.
+/// Rows of the sample, one after the other, and the time of a design.
 std::vector<double> sample_rows(const Study& study, double tolerance, std::int64_t count, std::size_t columns,
                                 double& us_per_design) {
   Evaluator evaluator = evaluator_at(study, tolerance);
@@ -62,10 +62,10 @@ AccuracyTable accuracy_table(const Study& study, double seconds) {
   AccuracyTable table;
   double us = 0.0;
   const std::int64_t few = std::min(kLeastDesigns, study.designs);
-  // Wavefronts by quadrature take seconds a design at the tight end: what is out of reach is left out.
+  // Wavefronts by quadrature take seconds a design at tight tolerances: those that take too long are left out.
   int tightest = kLoosest;
-  const Clock::time_point looked = Clock::now();
-  while (tightest < kTightest && seconds_since(looked) < 0.125 * seconds)
+  const Clock::time_point probing = Clock::now();
+  while (tightest < kTightest && seconds_since(probing) < 0.125 * seconds)
     sample_rows(study, std::pow(10.0, -++tightest), 1, columns.size(), us);
   if (tightest < kTightest) table.reference = std::pow(10.0, -tightest);
   const int last = tightest < kTightest ? tightest - 1 : kTightest;

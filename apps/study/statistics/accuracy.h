@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What each tolerance costs a study and what it holds: a sample of its designs, evaluated from loose to tight.
+// Run time and realised error of a study at each tolerance: a sample of its designs, evaluated from loose to tight.
 
 #include <memory>
 

@@ -112,15 +112,15 @@ Values steady(Values values) {
       kept.insert(kept.end(), f.begin(), f.end());
   }
   values.f = std::move(kept);
-  double size = 0.0, mean = 0.0, reach = 0.0;
+  double size = 0.0, mean = 0.0, largest = 0.0;
   for (const double v : values.f) size = std::max(size, std::abs(v));
   if (size == 0.0) return {values.stride, {}};
   for (double& v : values.f) mean += (v /= size);
   mean /= static_cast<double>(values.f.size());
-  for (double& v : values.f) reach = std::max(reach, std::abs(v -= mean));
+  for (double& v : values.f) largest = std::max(largest, std::abs(v -= mean));
   // Below this only rounding varies.
-  if (reach < 1e-14) return {values.stride, {}};
-  for (double& v : values.f) v /= reach;
+  if (largest < 1e-14) return {values.stride, {}};
+  for (double& v : values.f) v /= largest;
   return values;
 }
 

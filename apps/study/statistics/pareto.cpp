@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kSmall = 32;            // points that are compared each with each
 constexpr std::size_t kSmallPairs = 2048;     // the same of two sets
-constexpr std::size_t kLeastBatch = 1 << 16;  // points that wait for the next look
+constexpr std::size_t kLeastBatch = 1 << 16;  // points that wait for the next pass of the sort
 
 using Indices = std::vector<std::size_t>;
 

@@ -60,7 +60,7 @@ void InvalidDesigns::add(const InvalidDesigns& others) {
   for (std::size_t i = 0; i < by_limit.size(); ++i) by_limit[i] += others.by_limit[i];
 }
 
-std::function<void()> Tally::look(RowRange range, std::span<const double> rows) {
+std::function<void()> Tally::count(RowRange range, std::span<const double> rows) {
   const auto shared = std::make_shared<Part>();
   Part& part = *shared;
   part.designs = range.count;
@@ -79,7 +79,7 @@ std::function<void()> Tally::look(RowRange range, std::span<const double> rows) 
     const std::int64_t design = range.first + i;
     const auto row = rows.subspan(static_cast<std::size_t>(i) * job_.columns, job_.columns);
     for (std::size_t c = 0; c < row.size(); ++c) part.missing[c] += std::isnan(row[c]) ? 1 : 0;
-    const bool possible = !job_.error || !std::isnan(row[*job_.error]);  // a sensor can be so
+    const bool possible = !job_.error || !std::isnan(row[*job_.error]);  // a sensor has these values
     if (job_.error) part.worst_error = std::fmax(part.worst_error, row[*job_.error]);
     const double yield = job_.yield ? row[*job_.yield] : std::numeric_limits<double>::quiet_NaN();
     if (yield > part.highest_yield.value || (part.highest_yield.design < 0 && !std::isnan(yield)))

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a sweep says about its rows: how many meet the constraints, which are best, which lie on the Pareto front, which
-// comes nearest where none is feasible. Fed piece by piece (row_table.h).
+// Counts over the rows of a sweep: how many meet the constraints, which are best, which lie on the Pareto front, which
+// is nearest to feasible where none is. Rows come piece by piece (row_table.h).
 
 #include <functional>
 #include <limits>
@@ -25,7 +25,7 @@ struct TallyGoal {
   bool maximize = false;
 };
 
-/// Where in a row to look.
+/// Which columns of a row hold what is counted.
 struct TallyJob {
   std::size_t columns = 0;
   std::vector<TallyGoal> goals{};
@@ -41,12 +41,12 @@ struct TallyDesign {
   std::vector<double> row{};
 };
 
-/// Designs that count for nothing: those that no sensor can be, and those with an objective or a side of a constraint
-/// that is infinite or no number.
+/// Designs that are never feasible, best or on the front: those that no sensor can be, and those with an objective or a
+/// side of a constraint that is infinite or no number.
 struct InvalidDesigns {
   std::int64_t designs = 0, first = -1;
-  std::int64_t impossible = 0;                  ///< no sensor can be so
-  std::vector<std::int64_t> by_goal, by_limit;  ///< of the others: what is not finite; a design may count for several
+  std::int64_t impossible = 0;                  ///< no sensor has these values
+  std::vector<std::int64_t> by_goal, by_limit;  ///< of the others: what is not finite; a design may count twice
   void add(const InvalidDesigns& others);
 };
 
@@ -62,8 +62,8 @@ class Tally {
  public:
   explicit Tally(TallyJob job);
 
-  /// For TableJob::look.
-  std::function<void()> look(RowRange range, std::span<const double> rows);
+  /// For TableJob::count_rows.
+  std::function<void()> count(RowRange range, std::span<const double> rows);
 
   std::int64_t designs() const { return designs_; }
   /// With no constraints: designs that are not invalid.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The door to PNG and TIFF. OpenCV's codecs pull in GDAL and much more, so everything behind this table lives in a
+// The interface to PNG and TIFF. OpenCV's codecs load GDAL and much more, so the functions of this table are in a
 // separately loaded module (CMake target `mtfkit_codecs`), opened on first use: a command that reads no PNG never pays.
 // Both sides are built together from this header; `codecs_version` refuses a module of another build.
 
@@ -59,9 +59,9 @@ struct Codecs {
 /// Name of the function that the module exports: `const Codecs* mtfkit_codecs()`.
 inline constexpr const char* codecs_symbol = "mtfkit_codecs";
 
-/// The module, loaded on first use. Looked for at the path in the environment variable MTFKIT_CODECS, else beside the
+/// The module, loaded on first use. Searched at the path in the environment variable MTFKIT_CODECS, else next to the
 /// running library or executable, in the build tree around it, in `lib/mtfkit` of the installation. Thread-safe.
-/// Throws RuntimeError that says where it looked.
+/// Throws RuntimeError that names the places searched.
 const Codecs& codecs();
 
 }  // namespace mtf::io

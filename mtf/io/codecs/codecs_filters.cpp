@@ -88,7 +88,7 @@ class Filter {
     int type = border_type(job_.border);
     cv::Mat source = scene;
     if (job_.border == Border::constant || job_.border == Border::periodic) {
-      // The filters know neither a level nor wrapping; they do look at what surrounds a region.
+      // These filters have neither a constant border value nor wrapping, but they do read the samples around a region.
       const int left = static_cast<int>(job_.kernel_width), top = static_cast<int>(job_.kernel_height);
       cv::copyMakeBorder(scene, padded_, top, top, left, left, type, cv::Scalar(job_.border_value));
       source = padded_(cv::Rect(left, top, scene.cols, scene.rows));

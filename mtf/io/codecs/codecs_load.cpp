@@ -42,7 +42,7 @@ std::vector<fs::path> candidates() {
                               here.parent_path() / "lib" / "mtfkit" / module_name};
   // Build folder and prefix have the same shape; test programs lie a few folders deeper than the command.
   fs::path up = here.parent_path();
-  for (int level = 0; level < 3; ++level) {
+  for (int folder = 0; folder < 3; ++folder) {
     up = up.parent_path();
     paths.push_back(up / "lib" / "mtfkit" / module_name);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The functions behind the table of codecs.h; only sources of the module include this.
+// The functions in the table of codecs.h; only sources of the module include this.
 
 #include <string>
 #include <vector>

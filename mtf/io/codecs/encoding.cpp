@@ -33,25 +33,26 @@ double between(const std::vector<double>& x, const std::vector<double>& y, doubl
   return std::lerp(y[i - 1], y[i], (at - x[i - 1]) / (x[i] - x[i - 1]));
 }
 
-/// A stored value that decodes to `level`: the end of a flat part where there is one, the nearest end outside.
-double encode(const Encoding& encoding, double level, double full_scale) {
+/// A stored value that decodes to `linear`: the end of a constant part where there is one, the nearest end outside.
+double encode(const Encoding& encoding, double linear, double full_scale) {
   switch (encoding.kind) {
     case Encoding::Kind::linear:
-      return level;
+      return linear;
     case Encoding::Kind::srgb:
-      return full_scale * linear_to_srgb(level / full_scale);
+      return full_scale * linear_to_srgb(linear / full_scale);
     case Encoding::Kind::gamma:
-      return full_scale * power(level / full_scale, 1.0 / encoding.gamma);
+      return full_scale * power(linear / full_scale, 1.0 / encoding.gamma);
     case Encoding::Kind::table:
       break;
   }
   const std::vector<double>&x = encoding.stored, &y = encoding.linear;
   const bool rises = y.back() > y.front();
-  const auto next = std::partition_point(y.begin(), y.end(), [&](double v) { return rises ? v <= level : v >= level; });
+  const auto next =
+      std::partition_point(y.begin(), y.end(), [&](double v) { return rises ? v <= linear : v >= linear; });
   if (next == y.begin()) return x.front();
   if (next == y.end()) return x.back();
   const auto i = static_cast<std::size_t>(next - y.begin());
-  return std::lerp(x[i - 1], x[i], (level - y[i - 1]) / (y[i] - y[i - 1]));
+  return std::lerp(x[i - 1], x[i], (linear - y[i - 1]) / (y[i] - y[i - 1]));
 }
 
 }  // namespace
@@ -95,7 +96,8 @@ Encoding parse_oecf(std::string_view text, const std::string& source) {
   }
   if (encoding.stored.size() < 2)
     throw UsageError(source + ": a table needs two rows or more of stored value, linear value, such as 0,0 and 255,1");
-  if (direction == 0) throw UsageError(source + ": all linear values are the same; nothing could be told apart");
+  if (direction == 0)
+    throw UsageError(source + ": all linear values are the same, so that the curve cannot be inverted");
   return encoding;
 }
 
@@ -157,9 +159,9 @@ std::int64_t decode(const Encoding& encoding, ImageView<float> image, double ful
   return outside;
 }
 
-double quantum_at(const Encoding& encoding, double level, double full_scale, double step) {
+double quantum_at(const Encoding& encoding, double linear, double full_scale, double step) {
   if (encoding.kind == Encoding::Kind::linear) return step;
-  double low = encode(encoding, level, full_scale) - 0.5 * step, high = low + step;
+  double low = encode(encoding, linear, full_scale) - 0.5 * step, high = low + step;
   if (encoding.kind == Encoding::Kind::table) {
     low = std::max(low, encoding.stored.front());
     high = std::min(high, encoding.stored.back());

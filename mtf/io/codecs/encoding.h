@@ -35,10 +35,10 @@ struct Encoding {
 /// file that cannot be read.
 Encoding parse_encoding(const std::string& text, const std::string& folder = {});
 
-/// What is undone in a file's values, and who says so.
+/// The curve that is undone in a file's values, and where it is stated.
 struct ChosenEncoding {
   Encoding encoding;
-  /// "--encoding", "[scene]", what the file has ("sRGB chunk"), or "assumed": linear, as nobody says otherwise.
+  /// "--encoding", "[scene]", what the file has ("sRGB chunk"), or "assumed": linear, as nothing states a curve.
   std::string source;
 };
 
@@ -55,8 +55,8 @@ double decode(const Encoding& encoding, double stored, double full_scale);
 /// All samples in place. Returns how many became NaN because they lie outside the table.
 std::int64_t decode(const Encoding& encoding, ImageView<float> image, double full_scale);
 
-/// The step in linear values that one `step` of stored values makes where the linear value is `level`: what rounding to
-/// whole counts is worth there. 0 where nothing is stored at that level.
+/// The step in linear values that one `step` of stored values makes at the value `level`: the size of rounding to
+/// whole counts there. 0 where no stored value decodes to it.
 double quantum_at(const Encoding& encoding, double level, double full_scale, double step = 1.0);
 
 }  // namespace mtf::io

@@ -23,7 +23,7 @@ struct OpenCvJob {
   /// kernel_y. dft: its size is the transform's, it wraps, the origin is its first sample.
   std::int64_t kernel_width = 0, kernel_height = 0;
   std::vector<double> kernel, kernel_x, kernel_y;
-  std::int64_t origin_x = 0, origin_y = 0;  ///< sample of the kernel that stands at shift 0; filter2d and sep
+  std::int64_t origin_x = 0, origin_y = 0;  ///< sample of the kernel at shift 0; filter2d and sep
   std::int64_t pad_x = 0, pad_y = 0;        ///< border samples to the left and above; dft
   std::int64_t first_x = 0, first_y = 0, stride_x = 1, stride_y = 1;  ///< samples that are picked
 };

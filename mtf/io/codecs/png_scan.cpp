@@ -106,14 +106,14 @@ std::string fault_of(const std::string& type, const unsigned char* data, std::si
   return "";
 }
 
-/// The chunks that say how values follow from light. One that breaks the specification is not used, and said to be so.
+/// The chunks that state how values follow from light. One that breaks the specification is not used, with a note.
 class ColourChunks {
  public:
   void add(const std::string& type, const unsigned char* data, std::size_t size, bool after_pixels) {
     if (type != "sRGB" && type != "gAMA" && type != "cICP" && type != "iCCP") return;
     std::string fault = fault_of(type, data, size);
-    if (fault.empty() && after_pixels) fault = "behind the pixels";
-    if (!seen_.insert(type).second) {  // which of them counts nobody can tell
+    if (fault.empty() && after_pixels) fault = "after the pixels";
+    if (!seen_.insert(type).second) {  // it is unknown which of them counts
       fault = "more than one";
       forget(type);
     }

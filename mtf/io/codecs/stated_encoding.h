@@ -14,9 +14,9 @@
 namespace mtf::io {
 
 struct StatedEncoding {
-  /// "srgb", "gamma:2.2", "linear"; "" when the file says nothing, or something that is not known here.
+  /// "srgb", "gamma:2.2", "linear"; "" when the file states none, or one that is not known here.
   std::string word;
-  std::string source;  ///< "sRGB chunk", "gAMA chunk (0.45455)"; "" when the file says nothing
+  std::string source;  ///< "sRGB chunk", "gAMA chunk (0.45455)"; "" when the file states none
 
   bool operator==(const StatedEncoding&) const = default;
 };

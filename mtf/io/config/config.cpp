@@ -17,7 +17,7 @@ using cfg::Node;
 
 constexpr std::size_t kMaxName = 200;
 
-/// False when the file is of another schema, so that nothing else in it can be judged.
+/// False when the file is of another schema, so that nothing else in it can be checked.
 bool read_schema(const cfg::Section& root) {
   const std::string supported = "this version reads schema = " + std::to_string(cfg::kSchema);
   const Node* schema = root.find("schema");

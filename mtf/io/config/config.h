@@ -42,7 +42,7 @@ struct SceneDefaults {
   double aperture_gain_limit = 10.0;  ///< the division never amplifies more than this
 };
 
-/// Where a key stands in the file, for messages made later. 1-based; 0 = not in the file.
+/// Position of a key in the file, for messages made later. 1-based; 0 = not in the file.
 struct Position {
   int line = 0;
   int column = 0;
@@ -64,7 +64,7 @@ struct Diagnostic {
   bool error = true;
   Position position;
   std::string path;     ///< "presample[1].rms"
-  std::string text;     ///< with the way out
+  std::string text;     ///< with what to write instead
   bool remark = false;  ///< not an error: shown as "note" instead of "warning"
 };
 
@@ -72,7 +72,7 @@ struct SensorConfig {
   System<double> system;
   SceneDefaults scene;
   std::vector<FitSpec> fits;
-  std::vector<TableInfo> schema;      ///< tables beyond those of the system that the reader was told of
+  std::vector<TableInfo> schema;      ///< tables beyond those of the system that the reader knows
   std::vector<SettingsTable> tables;  ///< those of them that are in the file, in the order of the schema
   std::string file;                   ///< as given by the user
   std::string text;                   ///< the whole source
@@ -85,8 +85,8 @@ struct ConfigResult {
   bool ok() const;
 };
 
-/// Reads and checks; never throws for what is in the text. Relative names of files are looked up beside the sensor
-/// file. `schema`: tables beyond those of the system (mtf/settings.h), an error where they are not told of.
+/// Reads and checks; never throws for what is in the text. Names of files are relative to the folder of the
+/// sensor file. `schema`: tables beyond those of the system (mtf/settings.h); other tables are errors.
 ConfigResult parse_config(const std::string& text, const std::string& file, std::vector<TableInfo> schema = {});
 
 /// Reads a file. Throws RuntimeError when it cannot be read, UsageError with every error as "file:line:col: error: …"

@@ -117,7 +117,7 @@ std::string put(Node& root, const Target& target, Node value) {
     child(table, target.key).items[*target.element] = std::move(value);
     return "";
   }
-  // A pair of axes stands as one value or as two, never as both.
+  // A pair of axes is written as one value or as two, never as both.
   const bool one_axis = target.key.ends_with("_x") || target.key.ends_with("_y");
   const std::string stem = one_axis ? target.key.substr(0, target.key.size() - 2) : target.key;
   if (one_axis) {

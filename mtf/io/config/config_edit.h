@@ -14,7 +14,7 @@
 
 namespace mtf::io::cfg {
 
-/// Where in the tree of a sensor file a parameter stands.
+/// Position of a parameter in the tree of a sensor file.
 struct Target {
   std::string table;      ///< "frame", "optics", or the list of a component
   std::size_t index = 0;  ///< in that list

@@ -35,7 +35,7 @@ class Table {
  public:
   Table(const SensorConfig& config, const Node& root) : config_(config), root_(root) {}
 
-  /// `keys`: the ways in which the value may stand in the table `section`; `otherwise`: origin when none of them does.
+  /// `keys`: the keys by which the table `section` may give the value; `otherwise`: origin when it has none of them.
   void row(const std::string& path, const Node* section, std::initializer_list<std::string> keys, std::string resolved,
            const std::string& otherwise) {
     std::string written, origin;
@@ -275,7 +275,7 @@ std::string formulas(const System<double>& system) {
     for (std::string line; std::getline(lines, line);) text += "  " + line + "\n";
     if (const std::string source = component_source(kind); !source.empty()) text += "  source: " + source + "\n";
   }
-  return text.empty() ? text : text + "\nmtf config kinds KIND tells units, signs and validity\n";
+  return text.empty() ? text : text + "\nmtf config kinds KIND shows units, signs and validity\n";
 }
 
 std::string derived(const SensorConfig& config) {

@@ -119,7 +119,7 @@ bool read_axis_pair(const Section& section, const FieldInfo& info, AxisPair<doub
   const bool both = section.find(name) != nullptr, x = section.find(name_x) != nullptr,
              y = section.find(name_y) != nullptr;
   if (both && (x || y)) {
-    section.error(x ? name_x : name_y, "given beside " + name + "; remove one of them");
+    section.error(x ? name_x : name_y, "given together with " + name + "; remove one of them");
     return false;
   }
   if (both) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Reading the tree of a sensor file: one Reader collects what is wrong, one Section stands for the table being read,
+// Reading the tree of a sensor file: one Reader collects what is wrong, one Section is the table being read,
 // and a function per type of value turns keys into numbers. Nothing here throws for what is in the file: a value that
-// cannot be read is reported, its path is marked as failed, and reading goes on.
+// cannot be read is reported, its path is marked as failed, and reading continues.
 
 #include <map>
 #include <set>
@@ -74,7 +74,7 @@ std::optional<int> read_whole(const Section& section, const FieldInfo& info);
 std::optional<Taps<double>> read_taps(const Section& section, std::string_view key);
 /// A list of plain numbers or fit tables, which leave a FitSpec of the path name[i].
 std::optional<Coefficients<double>> read_coefficients(const Section& section, const FieldInfo& info);
-/// A word of mtf/io/codecs/encoding.h, or a table beside the sensor file.
+/// A word of mtf/io/codecs/encoding.h, or the name of a table file.
 std::optional<Encoding> read_encoding(const Section& section, std::string_view key);
 std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view key);
 

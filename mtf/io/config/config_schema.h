@@ -2,7 +2,7 @@
 #pragma once
 
 // Field tables of the tables of a sensor file that are not components: the same rows as a component's, so that reading,
-// writing and explaining need no second way. Ranges of [frame], [optics] and [band] are judged by System::check.
+// writing and explaining use the same code. Ranges of [frame], [optics] and [band] are checked by System::check.
 
 #include <array>
 #include <span>
@@ -104,7 +104,7 @@ inline constexpr FieldInfo kBorderValue{.name = "border_value",
                                         .hi = 1e300,
                                         .presence = Presence::optional,
                                         .example = "0.0",
-                                        .doc = "level outside the scene for border = \"constant\""};
+                                        .doc = "value outside the scene for border = \"constant\""};
 inline constexpr FieldInfo kApertureSize{
     .name = "aperture_size",
     .dimension = Dimension::extent,

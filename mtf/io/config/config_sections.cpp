@@ -10,7 +10,8 @@ namespace {
 void read_pitch(const Section& section, Frame<double>& frame) {
   const bool both = section.find("pitch") != nullptr, x = section.find("pitch_x") != nullptr,
              y = section.find("pitch_y") != nullptr;
-  if (both && (x || y)) return section.error(x ? "pitch_x" : "pitch_y", "given beside pitch; remove one of them");
+  if (both && (x || y))
+    return section.error(x ? "pitch_x" : "pitch_y", "given together with pitch; remove one of them");
   if (x != y)
     return section.error(x ? "pitch_x" : "pitch_y",
                          std::string("given without ") + (x ? "pitch_y" : "pitch_x") + "; give both, or only pitch");

@@ -13,7 +13,7 @@ namespace {
 
 bool is_own(std::string_view table) { return std::find(kTopKeys.begin(), kTopKeys.end(), table) != kTopKeys.end(); }
 
-/// Path of a file: what is in it is for others to judge.
+/// Path of a file: its contents are checked by the library that reads it.
 std::optional<SettingValue> read_file(const Section& section, std::string_view key) {
   const auto name = read_string(section, key);
   if (!name) return std::nullopt;

@@ -40,7 +40,7 @@ std::size_t end_of_value(std::string_view text, std::size_t begin) {
   return std::min(at + 1, text.size());
 }
 
-/// Begin of `, stderr = ` in front of its value; the value itself where something else stands there.
+/// Begin of `, stderr = ` before its value; the value itself where something else comes before it.
 std::size_t begin_of_stderr(std::string_view text, std::size_t value) {
   std::string_view before = text.substr(0, value);
   const auto take = [&](std::string_view word) {

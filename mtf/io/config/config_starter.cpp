@@ -13,7 +13,7 @@ name = "MWIR staring 640x512"
 [frame]
 focal_length = "100 mm"
 pitch = "15 um"               # centre to centre; pitch_x and pitch_y when pixels are not square
-format = [640, 512]           # columns, rows; without it as many whole pixels as the scene holds
+format = [640, 512]           # columns, rows: at most these; without it all whole pixels that the scene holds
 integration_time = "10 ms"    # needed where something moves
 
 # Scenes: what an image file does not say itself.
@@ -56,6 +56,13 @@ rms = "2 um"                  # one axis, one sigma; or an angle such as "20 ura
 # [[postsample]]
 # kind = "fir"
 # taps = [[0, -0.25, 0], [-0.25, 2.0, -0.25], [0, -0.25, 0]]
+
+# From radiance to electrons, noise and NETD (mtf budget): needs [band] above, in place of the one wavelength.
+# `mtf config kinds detector` lists the keys; further tables are noise, adc, path, correction and others.
+# [detector]
+# quantum_efficiency = 0.75
+# full_well = "20 Me-"
+# read_noise = "500 e-"
 )toml";
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The lines of a schedule, before anybody asks what they mean.
+// The lines of a schedule as text, before their values are read.
 
 #include <string>
 #include <string_view>

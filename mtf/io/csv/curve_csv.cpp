@@ -28,7 +28,7 @@ constexpr std::string_view kRemedy = "write the first line like this: frequency_
 struct Frequency {
   bool is = false;
   const Unit* unit = nullptr;  ///< null: none given
-  std::string rest;            ///< what stands in the unit's place
+  std::string rest;            ///< what is in place of the unit
 };
 
 Frequency frequency_column(std::string_view cell) {

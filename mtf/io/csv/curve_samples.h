@@ -3,9 +3,9 @@
 
 // MTF curves as data to fit, with their standard deviations, from any CSV that the toolkit reads or writes:
 //   frequency_cy_mm,mtf[,sd]        other instruments (mtf/io/csv/curve_csv.h); further columns are ignored
-//   frequency,...,system            `mtf curve --format csv`: the system's column, or system_re and system_im; the unit
-//   of
-//                                   the frequency is not in the file
+//   frequency,...,system            `mtf curve --format csv`: the system's column, or system_re and system_im; its
+//                                   frequency has the unit of --unit, cycles/mm by default;
+//                                   the file does not state it
 //   edge,curve,x,value,sd           `mtf measure --curves`: one curve an edge, the rows called mtf, in cycles/pixel
 
 #include <string>
@@ -25,7 +25,7 @@ struct CurveSamples {
 
 /// Samples without an error (f = 0 of a measured curve, where every MTF is 1) and cells without a number where an sd
 /// belongs are left out. Errors as read_curve_csv; UsageError, too, where no curve is in the file.
-/// `bare`: the unit of a column that is called frequency and no more, beside a system's column.
+/// `bare`: the unit of a column that is called frequency without a unit, in a file with a system's column.
 std::vector<CurveSamples> read_curve_samples(const std::string& path, const Unit* bare = nullptr);
 std::vector<CurveSamples> parse_curve_samples(std::string_view text, const std::string& source,
                                               const Unit* bare = nullptr);

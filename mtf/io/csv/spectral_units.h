@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Units that stand in the headers of spectral tables, after the name of the column:
+// Units in the headers of spectral tables, after the name of the column:
 //   wavelength_nm   "wavelength (um)"   lambda_m   wavenumber_cm-1   "wavenumber (1/cm)"   frequency_THz
 //   radiance_w_m2_sr_um   "radiance (W/m^2/sr/nm)"   "radiance [uW/cm2/sr/nm]"   "radiance (W/cm^2/sr/cm^-1)"
 //   quantum_efficiency_percent   "transmission (%)"

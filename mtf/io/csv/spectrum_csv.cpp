@@ -29,7 +29,7 @@ std::string listed(const Cells& cells) {
   return printable(names);
 }
 
-/// The one column that says where in the spectrum a row is.
+/// The column of wavelength, wavenumber or frequency.
 std::size_t place_column(const Cells& cells, const std::vector<SpectralColumn>& columns, const std::string& where,
                          const std::string& remedy) {
   std::optional<std::size_t> found;
@@ -105,7 +105,7 @@ SpectrumColumns parse_spectrum_csv(std::string_view text, const std::string& sou
   for (const std::size_t row : order) {
     if (!result.wavelength_um.empty() && wavelength_um[row] == result.wavelength_um.back())
       throw UsageError(where(row) + chosen[0].name + " " + format_double(numbers.column[0][row]) +
-                       " stands there twice; leave one");
+                       " is there twice; leave one");
     result.wavelength_um.push_back(wavelength_um[row]);
     for (std::size_t i = 0; i < names.size(); ++i) {
       const double value = numbers.column[i + 1][row];
@@ -158,7 +158,7 @@ PathColumns parse_path_csv(std::string_view text, const std::string& source) {
                        "; it has to be from 0 to 1 (call the column \"transmission (%)\" if it is in percent)");
     require_not_negative(radiance, "radiance", where);
     if (!table[range_m].emplace(wavelength_um, Row{transmission, radiance, numbers.line[row]}).second)
-      throw UsageError(where + "this wavelength stands twice for a range of " + format_double(range_m) +
+      throw UsageError(where + "this wavelength is there twice for a range of " + format_double(range_m) +
                        " m; leave one");
   }
 

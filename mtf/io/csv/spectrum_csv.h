@@ -8,7 +8,7 @@
 //   4800,0.78
 // One column is a wavelength, wavenumber or frequency and carries its unit; the units are those of spectral_units.h,
 // and percent and spectral densities are converted too. Rows may come in any order. A single row is a constant. Paths
-// of several ranges stand one below the other:
+// of several ranges follow one another:
 //   range_km,wavelength_um,transmission,radiance_w_m2_sr_um
 //   1,3.4,0.61,0.05
 

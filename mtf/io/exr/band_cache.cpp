@@ -33,7 +33,7 @@ BandCache::Pinned::Pinned(BandCache& cache, std::int64_t first, std::int64_t las
 void BandCache::pin(std::int64_t first, std::int64_t last) {
   Guard guard(lock_);
   const std::span<Slot> range(slots_.data() + first, static_cast<std::size_t>(last - first + 1));
-  // Whoever holds a range never waits for room, so that this ends.
+  // A reader that holds a range never waits for memory, so that there is no deadlock.
   changed_.wait(guard, [&] {
     const auto more = std::count_if(range.begin(), range.end(), [](const Slot& slot) { return slot.readers == 0; });
     return pinned_ == 0 || pinned_ + more <= kept_;

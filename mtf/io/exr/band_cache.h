@@ -3,10 +3,10 @@
 
 // Decoded bands of rows for threads that read overlapping ranges of them, top to bottom as a whole. No band is decoded
 // twice for readers that go down the file together:
-//   - a reader pins its range before it starts, so that none of it goes while it is read; it waits for others to finish
-//     where the pinned bands would be more than are kept;
+//   - a reader pins its range before it starts, so that it stays in memory while it is read; it waits for others
+//     to finish where the pinned bands would be more than are kept;
 //   - several readers of the same bands share the decoding: each takes the next band that nobody has begun;
-//   - where room is needed the topmost band that nobody reads goes, and its memory is used again.
+//   - where memory is needed the topmost band that nobody reads is dropped, and its memory is used again.
 
 #include <condition_variable>
 #include <cstdint>
@@ -32,7 +32,7 @@ class BandCache {
   void keep(std::int64_t bands);
   std::int64_t kept() const;
 
-  /// A range of bands that stays until this goes.
+  /// A range of bands that stays in memory as long as this object exists.
   class Pinned {
    public:
     Pinned(BandCache& cache, std::int64_t first, std::int64_t last);

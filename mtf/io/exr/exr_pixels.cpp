@@ -37,7 +37,7 @@ void check_display_window(const std::string& path, const Window& data, const Win
                      " a plane, but less than 1/256 of it is in the file; damaged, or set it to the data window");
 }
 
-// The header is looked at before the library allocates what it asks for.
+// The header is checked before the library allocates what it asks for.
 const char* scanned(const std::string& path) {
   scan_exr_header(path);
   return path.c_str();

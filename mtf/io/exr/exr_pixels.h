@@ -50,7 +50,7 @@ auto guarded(const std::string& path, Action&& action) {
 Imf::FrameBuffer frame_buffer(const std::vector<std::string>& channels, const std::vector<float*>& planes,
                               std::int64_t x0, std::int64_t y0, std::int64_t stride);
 
-/// One part opened for pixels, scan lines and tiles behind the same call.
+/// One part opened for pixels, scan lines and tiles by the same call.
 class PixelSource {
  public:
   PixelSource(Imf::MultiPartInputFile& file, int part);

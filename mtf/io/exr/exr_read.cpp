@@ -22,7 +22,7 @@ void copy_band(const float* band, const Window& data, std::int64_t first, std::i
   }
 }
 
-// Zeros where the data window does not reach. After decoding: damaged files fail before this memory is touched.
+// Zeros outside the data window. After decoding: damaged files fail before this memory is touched.
 void clear_outside(const Window& data, const Window& display, Image& plane) {
   for (std::int64_t y = display.y0; y <= display.y1; ++y) {
     float* row = plane.view().row(y - display.y0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// OpenEXR reading behind `read_info` and `read_image`.
+// Reading of OpenEXR for `read_info` and `read_image`.
 
 #include <string>
 

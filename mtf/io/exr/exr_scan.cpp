@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::uint32_t flag_tiled = 0x200, flag_deep = 0x800, flag_parts = 0x1000;
 
-// Deflate reaches 1032:1, PXR24 4/3 of it, run lengths under PIZ 410:1; DWA deflates run lengths.
+// Deflate compresses up to 1032:1, PXR24 4/3 of it, run lengths under PIZ 410:1; DWA deflates run lengths.
 constexpr double highest_ratio = 2048, highest_ratio_dwa = 262144;
 // Buffers below this are allowed whatever the file size: a small image may use large tiles.
 constexpr double harmless_bytes = 64.0 * 1024 * 1024;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A look at the raw header of an OpenEXR file before the library opens it. The library allocates what a header asks
+// Checks the raw header of an OpenEXR file before the library opens it. The library allocates what a header asks
 // for; a damaged header may ask for anything. The scan walks the attributes of every part (format: OpenEXR file layout,
 // version 2) and refuses what the file cannot hold.
 

@@ -4,8 +4,8 @@
 // Spectral images in OpenEXR, one channel a wavelength (Fichet, Pacanowski and Wilkie, JCGT 10(3), 2021):
 //   S0.550,000000nm   radiance (Stokes S0; S1 to S3 where polarised); the decimal mark is a comma
 //   T.550,000000nm    reflectance or transmittance;   T.400nm.500nm   re-radiation from one wavelength to another
-// with units m or Hz behind any SI prefix. Of these S0 is read, sorted by wavelength as numbers. S1 to S3 and T may
-// stand beside it at the same wavelengths and are left out; reflectance alone is no scene.
+// with units m or Hz after any SI prefix. Of these S0 is read, sorted by wavelength as numbers. S1 to S3 and T may
+// be there at the same wavelengths and are left out; reflectance alone is no scene.
 // Units: the attribute emissiveUnits is "W.m^-2.sr^-1" in files of the authors' tools and "W.m^-2.sr^-1.nm^-1" in
 // others. Both are taken as densities per nm, for that is what the authors integrate; units that end in um^-1 or m^-1
 // are taken by their word.
@@ -25,7 +25,7 @@ struct SpectralChannel {
   double wavelength_um = 0.0;
 };
 
-/// What a channel name says, by the grammar of the layout; nothing for other names and wavelengths beyond 1e-6 um to
+/// What a channel name means, by the grammar of the layout; nothing for other names and wavelengths beyond 1e-6 um to
 /// 1e12 um.
 std::optional<SpectralChannel> parse_spectral_channel(std::string_view name);
 
@@ -53,7 +53,7 @@ std::vector<double> bin_widths_um(const std::vector<double>& wavelength_um);
 /// dot, in any case; "" when there is none. Throws UsageError when it occurs in several layers or parts.
 std::string find_channel(const std::string& path, const FileInfo& info, const std::vector<std::string>& names);
 
-/// A plane beside the scene: the first of `names` that is there. Throws UsageError, with what there is, when none is.
+/// A further plane: the first of `names` that is there. Throws UsageError, with what there is, when none is.
 Image read_plane(const std::string& path, const std::vector<std::string>& names);
 
 }  // namespace mtf::io

@@ -35,7 +35,9 @@ std::string axis(const std::string& body) { return kHead + "[[axis]]\n" + body +
 
 TEST(StudyErrors, OfTheHead) {
   expect_errors({
-      {"", {"error: schema: missing", "error: metrics: nothing is asked", "error: sensor: missing"}},
+      {"",
+       {"error: schema: missing", "error: metrics: neither metrics nor objectives are given",
+        "error: sensor: missing"}},
       {"x = [", {"error: "}},
       {"schema = 2\nsensor = \"camera.toml\"\n" + kAxis + kMetrics,
        {"study.toml:1:10: error: schema: 2 is not supported"}},
@@ -52,7 +54,7 @@ TEST(StudyErrors, OfTheHead) {
       {kHead + "axis = []\n" + kMetrics, {"3:8: error: axis: no axis: nothing varies"}},
       {kHead + "[axis]\nparameter = \"pitch\"\n" + kMetrics,
        {"error: axis: has to be a list of tables; write [[axis]]"}},
-      {kHead + kAxis, {"error: metrics: nothing is asked of the designs"}},
+      {kHead + kAxis, {"error: metrics: neither metrics nor objectives are given"}},
   });
 }
 
@@ -75,14 +77,14 @@ TEST(StudyErrors, OfAxes) {
        {"4:13: error: axis[0].parameter: the sensor has no parameter 'pich'"}},
       {axis("parameter = \"frame.pich\"\nvalues = [\"5 um\"]"), {"did you mean frame.pitch?"}},
       {axis("parameter = \"pitch\"\nname = \"x\"\nvalues = [\"5 um\"]"),
-       {"5:8: error: axis[0].name: given beside parameter"}},
+       {"5:8: error: axis[0].name: given together with parameter"}},
       {axis("parameter = \"pitch\"\nvalus = [\"5 um\"]\nvalues = [\"5 um\"]"), {"did you mean \"values\"?"}},
       {axis("parameter = \"pitch\"\nvalues = []"), {"5:10: error: axis[0].values: an empty list"}},
       {axis("parameter = \"pitch\"\nvalues = 5"), {"5:10: error: axis[0].values: 5 has to be a list"}},
       {axis("parameter = \"pitch\"\nvalues = [5, \"6 mK\", \"7 um\"]"),
        {"5:11: error: axis[0].values: 5 has no unit; write \"5 um\"", "5:14: error: axis[0].values: \"6 mK\""}},
       {axis("parameter = \"pitch\"\nvalues = [\"5 um\"]\nfrom = \"5 um\""),
-       {"6:8: error: axis[0].from: given beside values"}},
+       {"6:8: error: axis[0].from: given together with values"}},
       {axis("parameter = \"pitch\"\nvalues = [\"-5 um\", \"2 m\"]"),
        {"5:11: error: axis[0].values: -5 um is outside [1e-06, 1e+06]",
         "5:20: error: axis[0].values: 2e+06 um is outside"}},
@@ -116,7 +118,7 @@ TEST(StudyErrors, OfAxes) {
       {axis("parameter = \"noise.row\"\nvalues = [\"5 e-\"]"),
        {"the sensor file has no [noise]; write it there with row"}},
       {axis("parameter = \"wavefront.f_number\"\nvalues = [4.0]"), {"or name optics.f_number, which it follows"}},
-      {axis("parameter = \"rms\"\nvalues = [\"5 um\"]"), {"stands for several: jitter.rms, slow.rms"}},
+      {axis("parameter = \"rms\"\nvalues = [\"5 um\"]"), {"is the name of several: jitter.rms, slow.rms"}},
       {axis("parameter = \"slow.rms\"\nvalues = [\"5 um\"]"), {"gives rms_x and rms_y; name one of them"}},
       {axis("parameter = \"jitter.rms_x\"\nvalues = [\"5 urad\"]"), {"gives rms for both axes"}},
       {axis("parameter = \"jitter.rms\"\nfrom = \"1 um\"\nto = \"2 um\"\ncount = 2"),
@@ -222,7 +224,7 @@ TEST(StudyErrors, OfVariationAsBuilt) {
       {built("parameter = \"obscuration\"\nsd = 0.01\n"), {}},
       {built("sd = 0.01\n"), {"error: as_built[0].parameter: missing"}},
       {built("parameter = \"obscuration\"\n"), {"error: as_built[0].sd: missing"}},
-      {built("parameter = \"obscuration\"\nsd = 0.01\nplus_minus = 0.1\n"), {"plus_minus: given beside sd"}},
+      {built("parameter = \"obscuration\"\nsd = 0.01\nplus_minus = 0.1\n"), {"plus_minus: given together with sd"}},
       {built("parameter = \"obscuration\"\nsd = 0.0\n"), {"9:6: error: as_built[0].sd: 0.0 has to be above 0"}},
       {built("parameter = \"obscuration\"\nsd = \"1 um\"\n"), {"where a plain number belongs"}},
       {built("parameter = \"focal_length\"\nsd = 3\n"), {"3 has no unit"}},

@@ -198,7 +198,7 @@ TEST(SweepCommand, OfInvalidDesignsNoneIsNearest) {
   const Result result = scratch.run("mtf sweep study.toml -o none");
   EXPECT_EQ(result.status, 3) << result.out << result.err;
   EXPECT_EQ(result.out.find("nearest"), std::string::npos) << result.out;
-  expect_says(result.out, "no sensor can be so: 2");
+  expect_says(result.out, "impossible as a sensor: 2");
   EXPECT_FALSE(fs::exists(scratch / "none/chosen"));
   EXPECT_FALSE(json::parse(read_file(scratch / "none/sweep.json")).contains("nearest"));
   EXPECT_EQ(scratch.run("mtf report none -o none.html").status, 0);
@@ -233,7 +233,7 @@ TEST(SweepCommand, AStoppedRunGoesOnAndGivesTheSameBytes) {
     EXPECT_EQ(stopped(scratch, signal), signal == "INT" ? 130 : 137);
     const Result again = scratch.run("mtf sweep study.toml -o out");
     ASSERT_EQ(again.status, 0) << again.err;
-    expect_says(again.err, "going on with it");
+    expect_says(again.err, "which is continued");
     const json timing = json::parse(read_file(scratch / "out/sweep.json"))["timing"];
     EXPECT_GE(timing["resumed_designs"], 16);
     EXPECT_LT(timing["resumed_designs"], 4096);

@@ -43,7 +43,7 @@ Tally tally_of(const std::vector<std::vector<double>>& rows, std::size_t piece) 
     std::vector<double> numbers;
     const std::size_t end = std::min(rows.size(), first + piece);
     for (std::size_t i = first; i < end; ++i) numbers.insert(numbers.end(), rows[i].begin(), rows[i].end());
-    counts.push_back(tally.look({static_cast<std::int64_t>(first), static_cast<std::int64_t>(end - first)}, numbers));
+    counts.push_back(tally.count({static_cast<std::int64_t>(first), static_cast<std::int64_t>(end - first)}, numbers));
   }
   for (const auto& count : counts) count();
   return tally;

@@ -128,10 +128,11 @@ TEST(ConfigErrors, StructureOfTheFile) {
 TEST(ConfigErrors, Pairs) {
   expect_one(head_with("pitch", "pitch_x"), "s.toml:4:11: error: frame.pitch_x: given without pitch_y");
   expect_one(head_with("[optics]", "pitch_y = \"15 um\"\n[optics]"),
-             "s.toml:5:11: error: frame.pitch_y: given beside pitch");
+             "s.toml:5:11: error: frame.pitch_y: given together with pitch");
   const std::string jitter = kHead + "[[presample]]\nkind = \"jitter\"\n";
   expect_one(jitter + "rms_x = \"1 um\"\n", "s.toml:11:9: error: presample[0].rms_x: given without rms_y");
-  expect_one(jitter + "rms = \"1 um\"\nrms_y = \"1 um\"\n", "s.toml:12:9: error: presample[0].rms_y: given beside rms");
+  expect_one(jitter + "rms = \"1 um\"\nrms_y = \"1 um\"\n",
+             "s.toml:12:9: error: presample[0].rms_y: given together with rms");
   expect_one(jitter + "rms_x = \"1 um\"\nrms_y = \"-1 um\"\n",
              "s.toml:12:9: error: presample[0].rms_y: -1 um is outside [0, 1e+09]");
   expect_one(jitter, "s.toml:9:1: error: presample[0].rms: missing; write for example rms = \"8 urad\"");

@@ -77,7 +77,7 @@ TEST(SpectrumCsv, errors_name_the_line) {
   expect_error("wavelength_um,qe\n0,1\n", "c.csv:2: wavelength 0; it has to be above 0");
   expect_error("wavenumber_cm-1,qe\n-5,1\n", "c.csv:2: wavenumber -5");
   expect_error("wavelength_um,qe\n3,-0.1\n", "c.csv:2: qe -0.1; it has to be 0 or above");
-  expect_error("wavelength_um,qe\n4,1\n3,1\n4,0.5\n", "c.csv:4: wavelength 4 stands there twice");
+  expect_error("wavelength_um,qe\n4,1\n3,1\n4,0.5\n", "c.csv:4: wavelength 4 is there twice");
   expect_error("wavelength_um,qe\n", "c.csv: a header and no rows");
   EXPECT_THROW(read_spectrum_csv("/dev/zero", {"qe"}), RuntimeError);
   EXPECT_THROW(read_spectrum_csv("no/such.csv", {"qe"}), RuntimeError);
@@ -107,7 +107,7 @@ TEST(PathCsv, errors_name_the_line) {
   expect(header + "0,4,1,0\n", "p.csv:2: a range of 0 m");
   expect(header + "1,4,80,0\n", "p.csv:2: a transmission of 80");
   expect(header + "1,4,0.8,-1\n", "p.csv:2: radiance -1");
-  expect(header + "1,4,0.8,1\n1,4,0.8,1\n", "p.csv:3: this wavelength stands twice for a range of 1 m");
+  expect(header + "1,4,0.8,1\n1,4,0.8,1\n", "p.csv:3: this wavelength is there twice for a range of 1 m");
   expect(header + "1,4,0.8,1\n2,5,0.8,1\n", "p.csv:3: the range of 2 m has other wavelengths");
   expect(header + "1,4,0.8,1\n1,5,0.8,1\n2,4,0.8,1\n", "p.csv:4: the range of 2 m has other wavelengths (1) than");
 }

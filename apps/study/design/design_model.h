@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// One design worked out in a scalar: numbers of the parameters in, metrics out. evaluator.cpp has it for double,
-// gradient.cpp for jets.
+// The model of a design for any scalar: values of the parameters in, metrics out. evaluator.cpp uses it with double,
+// gradient.cpp with dual numbers (jets).
 
 #include <algorithm>
 
@@ -13,7 +13,7 @@
 
 namespace study {
 
-/// The metrics of a study, and what they ask for.
+/// The metrics of a study, and what has to be computed for them.
 struct MetricPlan {
   std::vector<MetricChoice> choices;  ///< of Study::metrics
   std::vector<std::size_t> at;        ///< index into needs.at, for mtf_at
@@ -25,15 +25,15 @@ struct MetricPlan {
 MetricPlan plan_metrics(const Study& study, double tolerance);
 
 template <class S>
-class DesignWork {
+class DesignModel {
  public:
-  DesignWork(const Study& study, const MetricPlan& plan, const VariantSensor& variant, mtf::System<S> system)
+  DesignModel(const Study& study, const MetricPlan& plan, const VariantSensor& variant, mtf::System<S> system)
       : study_(&study), plan_(&plan), variant_(&variant), system_(std::move(system)), meter_(plan.needs) {
     for (const Parameter& parameter : study.parameters)
       sites_.push_back(calib::parameter_site(system_, parameter.path).numbers);
   }
-  DesignWork(const DesignWork&) = delete;  // the sites are places in its own system
-  DesignWork& operator=(const DesignWork&) = delete;
+  DesignModel(const DesignModel&) = delete;  // the sites are places in its own system
+  DesignModel& operator=(const DesignModel&) = delete;
 
   /// Values of all parameters, in their units. A parameter of a table becomes an override.
   void set(std::span<const S> parameters) {
@@ -78,15 +78,16 @@ class DesignWork {
     caution_ = design_.budget && !saturated ? words(design_.budget->saturation) : "";
     if (design_.budget && plan_->spatial)
       refusal_ = radiometry::spatial_gap(variant_->loaded->sensor.settings, *design_.budget);
-    const auto taken = [this](auto model) {  // what one model refuses leaves the others their numbers
-      try {
-        model();
-        return true;
-      } catch (const mtf::UsageError& refused) {
-        if (refusal_.empty()) refusal_ = refused.what();
-        return false;
-      }
-    };
+    const auto taken =
+        [this](auto model) {  // a model that refuses a design leaves the metrics of the others as they are
+          try {
+            model();
+            return true;
+          } catch (const mtf::UsageError& refused) {
+            if (refusal_.empty()) refusal_ = refused.what();
+            return false;
+          }
+        };
     if (plan_->range && design_.budget && !saturated) taken([this] { design_.ranges = range_figures(design_); });
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!taken([&] { values[i] = metric_value(plan_->choices[i], design_, plan_->at[i]); }))
@@ -94,9 +95,9 @@ class DesignWork {
     const auto has_none = [](const S& value) { return std::isnan(mtf::value_of(value)); };
     if (saturated && std::any_of(values.begin(), values.end(), has_none)) refusal_ = words(design_.budget->saturation);
   }
-  /// Why a metric of the last design has no number, "" where all models took it.
+  /// Why a metric of the last design has no number, "" where no model refused it.
   const std::string& refusal() const { return refusal_; }
-  /// How far signal and noise of the last design are off, close to saturation; "" where they are not.
+  /// How far signal and noise of the last design are wrong because it is close to saturation; "" where they are not.
   const std::string& caution() const { return caution_; }
   double error() const { return plan_->resolution ? design_.resolution.error : 0.0; }
 
@@ -106,7 +107,7 @@ class DesignWork {
                                      radiometry::Overrides<S>{std::span<const radiometry::Override<S>>(overrides_)});
   }
 
-  /// Root of the mean of |OTF|^2 of the digital filters over the base band: by what they raise white noise.
+  /// Root of the mean of |OTF|^2 of the digital filters over the base band: the factor by which they raise white noise.
   S noise_gain() const {
     using std::sqrt;
     const auto& list = system_.list(mtf::Stage::postsample);
