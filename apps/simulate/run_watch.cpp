@@ -5,10 +5,14 @@
 
 namespace apps {
 
-void RunWatch::tell(const SimulateEvent& event) {
-  if (!options_.watch) return;
+void RunWatch::Caller::tell(const SimulateEvent& event) {
   const std::scoped_lock guard(lock_);
-  if (!options_.watch(event)) throw Cancelled("the run was cancelled by its caller");
+  if (watch_ && !watch_(event)) throw Cancelled("the run was cancelled by its caller");
+}
+
+void RunWatch::Caller::leave() {
+  const std::scoped_lock guard(lock_);
+  watch_ = nullptr;
 }
 
 void RunWatch::note(const std::string& text) {
@@ -33,9 +37,9 @@ void RunWatch::tell_stage(const char* stage) {
 }
 
 mtf::OtfProgress RunWatch::planning() {
-  if (!options_.watch) return {};
-  return [this](std::int64_t values) {
-    tell({SimulateEvent::Kind::planning, "planning", static_cast<double>(values)});
+  if (!caller_->watches()) return {};
+  return [caller = caller_](std::int64_t values) {
+    caller->tell({SimulateEvent::Kind::planning, "planning", static_cast<double>(values)});
   };
 }
 

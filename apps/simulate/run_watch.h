@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 
@@ -16,8 +17,12 @@ namespace apps {
 
 class RunWatch {
  public:
-  /// Both live longer than the watch. Warnings and notes go to the report too.
-  RunWatch(const SimulateOptions& options, RunReport& report) : options_(options), report_(report) {}
+  /// The report lives longer than the watch. Warnings and notes go to it too.
+  RunWatch(const SimulateOptions& options, RunReport& report)
+      : report_(report), caller_(std::make_shared<Caller>(options.watch)) {}
+  ~RunWatch() { caller_->leave(); }
+  RunWatch(const RunWatch&) = delete;
+  RunWatch& operator=(const RunWatch&) = delete;
 
   /// So much of a step is done. All of these throw Cancelled where the caller ends the run.
   void share(std::string_view step, double share) { tell({SimulateEvent::Kind::share, step, share}); }
@@ -28,16 +33,28 @@ class RunWatch {
   /// Time since the last lap goes to the report; `tell_stage` does that and tells it.
   void lap(const char* stage);
   void tell_stage(const char* stage);
-  /// For PlanOptions::progress; nothing where nobody watches.
+  /// For PlanOptions::progress; nothing where nobody watches. Plans keep it: it is silent once the run is over.
   mtf::OtfProgress planning();
 
  private:
   using Clock = std::chrono::steady_clock;
-  void tell(const SimulateEvent& event);
 
-  const SimulateOptions& options_;
+  class Caller {
+   public:
+    explicit Caller(std::function<bool(const SimulateEvent&)> watch) : watch_(std::move(watch)) {}
+    bool watches() const { return watch_ != nullptr; }
+    void tell(const SimulateEvent& event);
+    void leave();
+
+   private:
+    std::mutex lock_;
+    std::function<bool(const SimulateEvent&)> watch_;
+  };
+
+  void tell(const SimulateEvent& event) { caller_->tell(event); }
+
   RunReport& report_;
-  std::mutex lock_;
+  std::shared_ptr<Caller> caller_;
   Clock::time_point last_ = Clock::now();
 };
 

@@ -50,10 +50,12 @@ struct ImagePart {
 };
 
 struct SimulateResult {
-  std::vector<std::string> names{};           ///< of the planes: "Y", or "R", "G", "B", or those of the scene
-  std::vector<SimulatedImage> images{};       ///< rising frames; empty where a file or SimulateOptions::sink took them
-  std::vector<mtf::Statistics> statistics{};  ///< of the planes of one image that went to no sink as tiles
-  RunReport report{};                         ///< what was done, how exactly and how fast; to_json() of it
+  std::vector<std::string> names{};      ///< of the planes: "Y", or "R", "G", "B", or those of the scene
+  std::vector<SimulatedImage> images{};  ///< rising frames; empty where a file or SimulateOptions::sink took them
+  /// Of the planes of one image, none of tiles that a sink took. With [detector] the whole image counts, whatever
+  /// region of it is wanted.
+  std::vector<mtf::Statistics> statistics{};
+  RunReport report{};  ///< what was done, how exactly and how fast; to_json() of it
 };
 
 /// Runs the whole of it. `scene` is used up. Throws UsageError for a request that cannot be met (options that exclude
