@@ -10,6 +10,7 @@
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/sensor/sensor_place.h"
+#include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "radiometry/performance/sensor_budget.h"

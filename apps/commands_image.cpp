@@ -46,8 +46,8 @@ constexpr std::array kOutputStages{
     std::pair{std::string_view("display"), std::optional(radiometry::OutputStage::display)}};
 
 Command simulate_command() {
-  const auto shared = std::make_shared<SimulateOptions>();
-  SimulateOptions& options = *shared;
+  const auto shared = std::make_shared<SimulateCommandOptions>();
+  SimulateCommandOptions& options = *shared;
   Command app{"simulate", "a radiance image through the sensor",
               "Scenes: OpenEXR, PNG, TIFF. Output by extension: .exr (float), .png or .tif (16 bits).\n"
               "The tolerance is the rms error over the output pixels, relative to the scene's standard deviation.\n"
@@ -60,38 +60,39 @@ Command simulate_command() {
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
   add_file(app, "scene", "image of the scene, or frame.%04d.exr for a sequence", options.scene);
   add_text(app, "-o,--out", "FILE", "image to write; of a sequence out.%04d.exr; .exr to measure it (see --range)",
-           options.out)
+           options.run.out)
       .required = true;
   add_text(app, "--report", "FILE", "what was done, how exactly and how fast, as JSON", options.report);
   add_channel_choice(app, options.channel, options.layer, options.part);
   add_word(app, "--tolerance", "X", "rms error allowed; default 1e-4, with [adc] in the sensor file a tenth of a count",
-           set_tolerance(options.tolerance));
+           set_tolerance(options.run.tolerance));
   add_choice(app, "--stage,--tap", "STAGE",
              "whose output is wanted, of a sensor with [detector]: radiance, irradiance, electrons, dn (counts) or "
              "display; default: the end of "
              "its chain",
-             kOutputStages, options.stage);
-  add_choice(app, "--nan", "POLICY", "NaN and infinite pixels: refuse (default), fill or propagate", kNan, options.nan);
+             kOutputStages, options.run.stage);
+  add_choice(app, "--nan", "POLICY", "NaN and infinite pixels: refuse (default), fill or propagate", kNan,
+             options.run.nan);
   add_flag(app, "--explain", "show what the plan left out, merged and chose", options.explain);
   add_choice(app, "--rigor", "RIGOR", "estimate (default, reproducible) or measure (times candidates first)", kRigor,
-             options.measure);
+             options.run.measure);
   add_text(
       app, "--wisdom", "FILE",
       "measured run times of methods: read before, written after; default:\na file in ~/.cache/mtfkit, which may be "
       "deleted at any time",
       options.wisdom);
   add_word(app, "--frames", "RANGE", "START:STOP[:STEP], both ends; default: all frames, or those of the schedule",
-           [&](const std::string& text) { options.frames = frame_range("--frames", text); });
+           [&](const std::string& text) { options.run.frames = frame_range("--frames", text); });
   add_text(app, "--schedule", "FILE", "parameters that change over frames: CSV with frame,parameter,value",
-           options.schedule);
+           options.run.schedule);
   add_word(app, "--memory", "SIZE",
            "most memory to use, such as 512MiB or 2GB: the scene (OpenEXR) is filtered in tiles.\n"
            "Without it that is done only where the whole image does not fit the machine",
-           [&](const std::string& text) { options.memory = byte_count("--memory", text); });
+           [&](const std::string& text) { options.run.memory = byte_count("--memory", text); });
   add_word(app, "--roi", "X,Y,W,H", "pixels of the output that are wanted; only what they need is computed",
-           [&](const std::string& text) { options.region = rectangle("--roi", text); });
+           [&](const std::string& text) { options.run.region = rectangle("--roi", text); });
   add_choice(app, "--resume", "MODE", "a stopped run in tiles: auto (default) continues it, no starts over", kResume,
-             options.resume);
+             options.run.resume);
   add_word(
       app, "--range", "LOW:HIGH",
       "values that become 0 and the largest number of PNG and TIFF output; default: the least and largest value\n"
@@ -100,8 +101,8 @@ Command simulate_command() {
       "mtf measure takes for clipping: leave a margin here, or write .exr",
       [&](const std::string& text) {
         const auto range = number_range("--range", text);
-        options.range_low = range[0];
-        options.range_high = range[1];
+        options.run.range_low = range[0];
+        options.run.range_high = range[1];
       });
   app.run = [shared](const Global& global) { return run_simulate(*shared, global); };
   return app;

@@ -78,8 +78,7 @@ int explain(const ConfigOptions& options, const Global& global) {
 
 mtf::io::SensorConfig read_sensor(const std::string& file, const Global& global) {
   std::vector<mtf::io::Diagnostic> warnings;
-  mtf::io::SensorConfig config = mtf::io::load_config(file, &warnings, radiometry::sensor_tables());
-  for (mtf::io::Diagnostic& warning : chain_warnings(config)) warnings.push_back(std::move(warning));
+  mtf::io::SensorConfig config = read_sensor_file(file, &warnings);
   for (const auto& warning : warnings) note(global, one_line(mtf::io::format_diagnostic(warning, file)));
   return config;
 }

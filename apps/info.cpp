@@ -6,8 +6,8 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 
+#include "apps/image/image_facts.h"
 #include "apps/sensor/sensor_file.h"
-#include "apps/simulate/image_facts.h"
 #include "apps/sweep/study_file.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"

@@ -39,11 +39,11 @@ fs::path cache_file() {
 
 }  // namespace
 
-void read_measured(const SimulateOptions& options, const Global& global) {
+void read_measured(const SimulateCommandOptions& options, const Global& global) {
   std::error_code error;
   if (options.wisdom.empty()) {
     const fs::path cache = cache_file();
-    if (!options.measure || !fs::is_regular_file(cache, error)) return;
+    if (!options.run.measure || !fs::is_regular_file(cache, error)) return;
     bool known = false;
     try {
       known = mtf::import_measured(mtf::io::read_text_file(cache.string(), kLargest));
@@ -62,13 +62,13 @@ void read_measured(const SimulateOptions& options, const Global& global) {
                           " does not hold what measuring has learnt here; name another file");
 }
 
-void write_measured(const SimulateOptions& options, const Global& global) {
+void write_measured(const SimulateCommandOptions& options, const Global& global) {
   if (!options.wisdom.empty()) {
     mtf::io::write_text_file(options.wisdom, mtf::export_measured());
     return;
   }
   const fs::path cache = cache_file();
-  if (!options.measure || cache.empty()) return;
+  if (!options.run.measure || cache.empty()) return;
   try {
     fs::create_directories(cache.parent_path());
     mtf::io::write_text_file(cache.string(), mtf::export_measured());

@@ -12,9 +12,9 @@ namespace apps {
 
 /// Reads it where measuring is asked for or a file is named. A named file that is missing will be made; one that holds
 /// something else is a UsageError; a cache that cannot be read is started over, with a note.
-void read_measured(const SimulateOptions& options, const Global& global);
+void read_measured(const SimulateCommandOptions& options, const Global& global);
 
 /// Writes it back. A named file that cannot be written is a RuntimeError, the cache a note.
-void write_measured(const SimulateOptions& options, const Global& global);
+void write_measured(const SimulateCommandOptions& options, const Global& global);
 
 }  // namespace apps

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "radiometry/output_stage.h"
+#include "apps/simulate/simulate_options.h"
 
 namespace apps {
 
@@ -50,29 +50,14 @@ struct ConfigOptions {
   bool markdown = false;  ///< kinds: as mtf/components/README.md
 };
 
-enum class NanPolicy { refuse, fill, propagate };
-
-/// First and last frame of a sequence, and from one to the next.
-struct FrameRange {
-  std::int64_t first = 0, last = 0, step = 1;
-};
-
-struct SimulateOptions {
-  std::string sensor, scene, out, report;
+/// `mtf simulate`.
+struct SimulateCommandOptions {
+  std::string sensor, scene, report;
   std::optional<std::string> channel, layer;
   std::optional<int> part;
-  std::optional<double> tolerance;
-  NanPolicy nan = NanPolicy::refuse;
   bool explain = false;
-  bool measure = false;                               ///< --rigor measure
-  std::string wisdom;                                 ///< file with what measuring learnt; read before, written after
-  std::optional<radiometry::OutputStage> stage;       ///< place in the chain; default: its end
-  std::optional<double> range_low, range_high;        ///< of PNG and TIFF; default: integer_range()
-  std::optional<FrameRange> frames;                   ///< of a sequence; default: all on disk, or those of the schedule
-  std::string schedule;                               ///< CSV of parameters that change over frames; "" = none
-  std::optional<std::int64_t> memory;                 ///< bytes that may be in use; the scene goes through in tiles
-  std::optional<std::array<std::int64_t, 4>> region;  ///< x, y, width, height in pixels
-  bool resume = true;                                 ///< go on from what a stopped run left
+  std::string wisdom;   ///< file with what measuring learnt; read before, written after
+  SimulateOptions run;  ///< all that is for the library
 };
 
 struct BudgetOptions {
@@ -195,7 +180,7 @@ struct OptimizeCommandOptions {
 int run_curve(const CurveOptions& options, const Global& global);
 int run_info(const InfoOptions& options, const Global& global);
 int run_config(const ConfigOptions& options, const Global& global);
-int run_simulate(const SimulateOptions& options, const Global& global);
+int run_simulate(const SimulateCommandOptions& options, const Global& global);
 int run_bench(const BenchOptions& options, const Global& global);
 int run_demo(const DemoOptions& options, const Global& global);
 int run_budget(const BudgetOptions& options, const Global& global);

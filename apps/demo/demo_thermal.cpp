@@ -101,9 +101,9 @@ std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& 
   metadata.pairs["mtf:pixelPitch"] = {step_um / 1e6, step_um / 1e6};
   mtf::io::write_exr(path("thermal.exr"), {{"Y", scene.view()}}, metadata);
 
-  const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(config, {});
+  const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(config, std::nullopt);
   std::vector<mtf::Image> no_masks;
-  to_light(config, *radiometric, thermal, no_masks, path("thermal.exr"), threads);
+  to_light(config, *radiometric, thermal, no_masks, {.file = path("thermal.exr")}, threads);
   mtf::PlanOptions options;
   options.scene = mtf::summarise(thermal.planes[0].view(), options.border, 0.0);
   options.separate_readout = true;

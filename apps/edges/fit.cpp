@@ -8,7 +8,7 @@
 #include "apps/edges/fit_data.h"
 #include "apps/edges/fit_report.h"
 #include "apps/sensor/sensor_file.h"
-#include "apps/simulate/simulate_parts.h"
+#include "apps/simulate/output_files.h"
 #include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"

@@ -9,7 +9,7 @@
 
 #include "apps/edges/edge_measure.h"
 #include "apps/edges/measure_report.h"
-#include "apps/simulate/simulate_parts.h"
+#include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"
 #include "mtf/error.h"

@@ -15,6 +15,7 @@
 #include "apps/figures/curve_values.h"
 #include "apps/figures/plot.h"
 #include "apps/sensor/sensor_file.h"
+#include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/io/config/config.h"

@@ -8,6 +8,7 @@
 #include "apps/options.h"
 #include "apps/report/report_files.h"
 #include "apps/report/report_page.h"
+#include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"

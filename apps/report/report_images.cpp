@@ -84,7 +84,7 @@ mtf::io::Scene from_file(const mtf::io::SensorConfig& config, const std::string&
 
 mtf::Image simulate(const mtf::io::SensorConfig& config, mtf::io::Scene scene, bool own_scene, const std::string& path,
                     int threads, ChosenImage& out) {
-  const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(config, {});
+  const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(config, std::nullopt);
   const mtf::System<double>& system = radiometric ? radiometric->system : config.system;
   mtf::io::SceneDefaults defaults = config.scene;
   if (own_scene) {  // it has no blur of its own, and nothing is known of what lies around it
@@ -92,7 +92,7 @@ mtf::Image simulate(const mtf::io::SensorConfig& config, mtf::io::Scene scene, b
     defaults.border = mtf::Border::reflect;
   }
   std::vector<mtf::Image> no_masks(scene.planes.size());
-  if (radiometric) defaults.border_value = to_light(config, *radiometric, scene, no_masks, path, threads);
+  if (radiometric) defaults.border_value = to_light(config, *radiometric, scene, no_masks, {.file = path}, threads);
   mtf::PlanOptions options;
   options.border = defaults.border;
   options.aperture = mtf::io::scene_aperture(defaults, scene.grid);

@@ -132,6 +132,13 @@ void read_path(const radiometry::SensorSettings& settings, LoadedSensor& loaded)
 
 }  // namespace
 
+mtf::io::SensorConfig read_sensor_file(const std::string& file, std::vector<mtf::io::Diagnostic>* diagnostics) {
+  mtf::io::SensorConfig config = mtf::io::load_config(file, diagnostics, radiometry::sensor_tables());
+  if (diagnostics != nullptr)
+    for (mtf::io::Diagnostic& warning : chain_warnings(config)) diagnostics->push_back(std::move(warning));
+  return config;
+}
+
 std::vector<std::string> files_of(const mtf::io::SensorConfig& config) {
   std::vector<std::string> files{config.file};
   const auto add = [&](const std::shared_ptr<const mtf::Curve>& curve) {

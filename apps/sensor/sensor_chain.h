@@ -9,6 +9,11 @@
 
 namespace apps {
 
+/// Reads a sensor file with the tables of the chain. Its warnings and notes go to `diagnostics` where that is given.
+/// Throws UsageError with every error as a "file:line:col: error: ..." line, RuntimeError when it cannot be read.
+mtf::io::SensorConfig read_sensor_file(const std::string& file,
+                                       std::vector<mtf::io::Diagnostic>* diagnostics = nullptr);
+
 /// The sensor file and every file it names (curves, tables, maps): what no output may replace.
 std::vector<std::string> files_of(const mtf::io::SensorConfig& config);
 

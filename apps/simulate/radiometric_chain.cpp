@@ -9,9 +9,9 @@
 namespace apps {
 
 std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::SensorConfig& config,
-                                                             const SimulateOptions& options) {
+                                                             std::optional<radiometry::OutputStage> stage) {
   if (!has_chain(config)) {
-    if (options.stage)
+    if (stage)
       throw mtf::UsageError(config.file +
                             ": --stage is for sensors with [detector]; this one gives the filtered scene only");
     if (const std::string unused = unused_table(config); !unused.empty())
@@ -23,7 +23,7 @@ std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::Sens
   const radiometry::Sensor& sensor = radiometric->loaded.sensor;
   radiometric->system = at_its_place(config, [&] { return with_electron_rate(config.system, radiometric->loaded); });
   const radiometry::OutputStage last = last_output_stage(config.system, sensor);
-  radiometric->stage = options.stage.value_or(last);
+  radiometric->stage = stage.value_or(last);
   try {
     require_output_stage(radiometric->stage, last, sensor.settings.adc.has_value());
     require_consistent(config.system, sensor);
@@ -36,6 +36,10 @@ std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::Sens
 double RadiometricChain::tolerance(double otherwise, double std) const {
   return stage < radiometry::OutputStage::dn ? otherwise
                                              : adc_tolerance(system, loaded.sensor, std).value_or(otherwise);
+}
+
+bool remembers(const RadiometricChain& radiometric) {
+  return radiometric.loaded.sensor.settings.lag || radiometric.loaded.sensor.settings.shutter;
 }
 
 bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
@@ -52,7 +56,7 @@ bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) 
 }
 
 double to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,
-                std::vector<mtf::Image>& masks, const std::string& path, int threads) {
+                std::vector<mtf::Image>& masks, const SceneSource& source, int threads) {
   mtf::Image bad;
   for (mtf::Image& mask : masks) {
     if (mask.size() == 0) continue;
@@ -63,7 +67,7 @@ double to_light(const mtf::io::SensorConfig& config, const RadiometricChain& rad
   }
   masks.clear();
   masks.push_back(std::move(bad));
-  return at_its_place(config, [&] { return to_light(config, radiometric.loaded, scene, path, threads); });
+  return at_its_place(config, [&] { return to_light(config, radiometric.loaded, scene, source, threads); });
 }
 
 ChainReport report_of(const RadiometricChain& radiometric) {

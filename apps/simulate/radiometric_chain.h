@@ -4,10 +4,10 @@
 // What `mtf simulate` needs for a sensor file that says more than the OTF: its chain, and the place in it whose image
 // is written.
 
-#include "apps/options.h"
 #include "apps/simulate/run_report.h"
 #include "apps/simulate/scene_light.h"
 #include "apps/simulate/sensor_image.h"
+#include "apps/simulate/simulate_options.h"
 #include "mtf/plan/sensor_plan.h"
 
 namespace apps {
@@ -24,16 +24,23 @@ struct RadiometricChain {
   std::string_view unit() const { return output_unit(loaded.sensor, stage); }
 };
 
-/// Nothing for a sensor file without [detector]. Throws UsageError for --stage where there is none, and as load_chain.
+/// `stage`: the one asked for, else the last. Nothing for a sensor file without [detector]. Throws UsageError for
+/// --stage where there is none, and as load_chain.
 std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::SensorConfig& config,
-                                                             const SimulateOptions& options);
+                                                             std::optional<radiometry::OutputStage> stage);
+
+/// Number of the last frame that noise knows.
+inline constexpr std::int64_t kLastNoiseFrame = 0x7fffffff;
+
+/// True when each frame leaves something to the next.
+bool remembers(const RadiometricChain& radiometric);
 
 /// True when scenes have the same light in both.
 bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
 
 /// to_light() of scene_light.h; the masks of bad pixels become one.
 double to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,
-                std::vector<mtf::Image>& masks, const std::string& path, int threads);
+                std::vector<mtf::Image>& masks, const SceneSource& source, int threads);
 
 /// What reports say of it before anything has run.
 ChainReport report_of(const RadiometricChain& radiometric);

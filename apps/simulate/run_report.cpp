@@ -137,11 +137,11 @@ void ChainReport::add(const radiometry::ChainFrame& frame) {
 }
 
 std::string RunReport::quantity() const {
-  return chain ? chain->quantity : std::string(mtf::io::quantity_name(scene->quantity));
+  return chain ? chain->quantity : std::string(mtf::io::quantity_name(scene.quantity));
 }
 
 std::string RunReport::unit() const {
-  return chain ? chain->unit : std::string(mtf::io::quantity_unit(scene->quantity));
+  return chain ? chain->unit : std::string(mtf::io::quantity_unit(scene.quantity));
 }
 
 double peak_rss_mib() {
@@ -156,13 +156,13 @@ std::string to_json(const RunReport& r) {
   json["version"] = mtf::version;
   json["git_commit"] = mtf::git_commit;
   json["fft"] = mtf::fft::version();
-  json["sensor"] = r.config->file;
-  json["config_sha256"] = r.config->sha256;
+  json["sensor"] = r.sensor_file;
+  json["config_sha256"] = r.sensor_sha256;
   json["scene"] = r.scene_path;
   json["out"] = r.out_path;
-  json["scene_encoding"] = r.scene->encoding.encoding.name;
-  json["scene_encoding_source"] = r.scene->encoding.source;
-  json["channels"] = r.scene->names;
+  json["scene_encoding"] = r.scene.encoding.encoding.name;
+  json["scene_encoding_source"] = r.scene.encoding.source;
+  json["channels"] = r.scene.names;
   json["quantity"] = r.quantity();
   json["units"] = r.unit();
   json["scene_size"] = {plan.in.width, plan.in.height};

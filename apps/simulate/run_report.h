@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The JSON report of `mtf simulate --report` (shape: DESIGN section 7).
+// What a simulation did, how exactly and how fast; as JSON the report of `mtf simulate --report`.
 
-#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +27,7 @@ struct SequenceReport {
   double predicted_error = 0.0;  ///< of the worst frame
   std::string schedule, schedule_sha256;
   std::vector<std::pair<std::int64_t, radiometry::HeldPixels>> saturated;  ///< frames with pixels that light saturated
+  std::shared_ptr<const mtf::SensorPlan> first_plan;  ///< RunReport::plan is that of the last frame
 };
 
 /// What was special about a run in tiles.
@@ -35,6 +36,7 @@ struct TilesReport {
   mtf::TileTally tally;
   mtf::SampleGrid scene, out;
   std::array<std::int64_t, 2> whole_pixels{};  ///< that the scene holds
+  bool for_flat_parts = false;                 ///< in memory all the same, as flat tiles take no time
 };
 
 /// What was special about a run through the chain to electrons and counts.
@@ -50,14 +52,15 @@ struct ChainReport {
 };
 
 struct RunReport {
-  const mtf::io::SensorConfig* config = nullptr;
-  const mtf::io::Scene* scene = nullptr;
-  const mtf::SensorPlan* plan = nullptr;
-  std::string scene_path, out_path;
+  std::string sensor_file, sensor_sha256;       ///< name of the sensor file, hash of its text
+  std::string scene_path, out_path;             ///< "" for an image that was written to no file
+  mtf::io::Scene scene;                         ///< as it was read, without its planes
+  std::shared_ptr<const mtf::SensorPlan> plan;  ///< of the image, of one tile of it, or of the last frame
   double tolerance = 0.0;
   std::vector<std::pair<std::string, double>> timing_ms;  ///< in order
-  std::vector<std::string> warnings;
-  std::string bad_pixels;       ///< what happened to NaN and infinite pixels, "" = none
+  std::vector<std::string> warnings;                      ///< reasons to doubt the result
+  std::vector<std::string> notes;                         ///< about what was done; not in the JSON
+  std::string bad_pixels;                                 ///< what happened to NaN and infinite pixels, "" = none
   std::string integer_scaling;  ///< "value = gain x file + offset, …" of PNG and TIFF, else ""
   mtf::io::IntegerScaling scaling;
   std::int64_t clamped = 0;

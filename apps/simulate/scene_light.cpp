@@ -2,7 +2,6 @@
 #include "apps/simulate/scene_light.h"
 
 #include "mtf/error.h"
-#include "mtf/io/exr/spectral_exr.h"
 #include "radiometry/light/path_planes.h"
 #include "radiometry/light/scene_radiance.h"
 
@@ -104,10 +103,10 @@ class Converter {
 };
 
 /// The plane of that name beside the scene; empty for no name.
-mtf::Image channel_of(const std::string& path, const std::string& name, const char* key) {
+mtf::Image channel_of(const SceneSource& source, const std::string& name, const char* key) {
   if (name.empty()) return {};
   try {
-    return mtf::io::read_plane(path, {name});
+    return plane_beside(source, name);
   } catch (const mtf::UsageError& error) {
     throw mtf::UsageError("scene." + std::string(key) + ": " + error.what());
   }
@@ -127,15 +126,15 @@ void merge_spectrum(mtf::io::Scene& scene, const Converter& convert, int threads
 }  // namespace
 
 double to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, mtf::io::Scene& scene,
-                const std::string& path, int threads) {
+                const SceneSource& source, int threads) {
   const Converter convert(config, loaded, scene.quantity, threads);
-  const mtf::Image emissivity = channel_of(path, convert.scene().emissivity_channel.name, "emissivity_channel");
-  const mtf::Image range_m = channel_of(path, convert.scene().depth_channel.name, "depth_channel");
+  const mtf::Image emissivity = channel_of(source, convert.scene().emissivity_channel.name, "emissivity_channel");
+  const mtf::Image range_m = channel_of(source, convert.scene().depth_channel.name, "depth_channel");
   const bool spectrum = !scene.wavelength_um.empty();
   if (!spectrum && scene.planes.size() != 1) {
     std::string names;
     for (const std::string& name : scene.names) names += (names.empty() ? "" : ", ") + name;
-    throw mtf::UsageError(path + ": the sensor makes one image of one channel, the scene has " +
+    throw mtf::UsageError(source.file + ": the sensor makes one image of one channel, the scene has " +
                           std::to_string(scene.planes.size()) + " (" + names + "); choose one with --channel");
   }
   if (spectrum) merge_spectrum(scene, convert, threads);

@@ -2,44 +2,40 @@
 #include "apps/simulate/simulate_parts.h"
 
 #include <algorithm>
-#include <filesystem>
 
-#include "apps/terminal/output.h"
-#include "apps/terminal/text_table.h"
+#include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/survey/bad_pixels.h"
 #include "mtf/survey/scene_spectrum.h"
 #include "mtf/survey/statistics.h"
 
 namespace apps {
-std::vector<std::string> outputs_of(const SimulateOptions& options) {
-  if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
-  mtf::io::format_from_extension(options.out);
-  std::vector<std::string> outputs{options.out};
-  if (options.wisdom == "-") throw mtf::UsageError("--wisdom: name a file; \"-\" is for --report only");
-  for (const std::string& more : {options.report, options.wisdom})
-    if (!more.empty() && more != "-") outputs.push_back(more);
-  return outputs;
+
+mtf::PlanOptions plan_options_of(const SimulateOptions& options, const mtf::io::SensorConfig& config,
+                                 const mtf::SampleGrid& scene) {
+  mtf::PlanOptions plan;
+  plan.tolerance = options.tolerance.value_or(plan.tolerance);
+  plan.border = config.scene.border;
+  plan.rigor = options.measure ? mtf::Rigor::measure : mtf::Rigor::estimate;
+  plan.aperture = mtf::io::scene_aperture(config.scene, scene);
+  plan.threads = options.threads;
+  return plan;
 }
 
-void require_writable(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    for (const std::string& input : inputs) require_different(input, outputs[i]);
-    for (std::size_t j = 0; j < i; ++j)
-      if (is_same_file(outputs[i], outputs[j]))
-        throw mtf::UsageError(one_line(outputs[i]) +
-                              (outputs[i] == outputs[j]
-                                   ? " is named for two outputs"
-                                   : " and " + one_line(outputs[j]) + " are one file, named for two outputs") +
-                              "; give each its own name");
-    const std::filesystem::path folder = std::filesystem::path(outputs[i]).parent_path();
-    std::error_code error;
-    if (std::filesystem::is_directory(outputs[i], error))
-      throw mtf::RuntimeError("cannot write " + one_line(outputs[i]) + ": it is a folder; name a file in it");
-    if (!folder.empty() && !std::filesystem::is_directory(folder, error))
-      throw mtf::RuntimeError("cannot write " + one_line(outputs[i]) + ": there is no folder " +
-                              one_line(folder.string()) + "; create it first");
-  }
+void describe_run(RunReport& report, const mtf::io::SensorConfig& config, mtf::io::Scene scene_facts,
+                  const std::string& scene_path, const SimulateOptions& options, double tolerance) {
+  report.sensor_file = config.file;
+  report.sensor_sha256 = config.sha256;
+  report.scene = std::move(scene_facts);
+  report.scene_path = scene_path;
+  report.out_path = options.out;
+  report.tolerance = tolerance;
+}
+
+void describe_integers(RunReport& report, const Written& written) {
+  report.scaling = *written.scaling;
+  report.clamped = written.clamped;
+  report.integer_scaling = "value = gain x file + offset, in " + report.unit();
 }
 
 void refuse_overflow(const std::string& channel) {

@@ -1,23 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Steps of `mtf simulate` that a single image and a sequence share.
+// Steps of a simulation that a single image and a sequence share.
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "apps/options.h"
+#include "apps/simulate/run_report.h"
+#include "apps/simulate/scene_source.h"
+#include "apps/simulate/sensor_image.h"
+#include "apps/simulate/simulate_options.h"
 #include "mtf/io/scene.h"
 
 namespace apps {
 
-/// Files that the command line names for writing. Throws UsageError when --out is missing or of no known format.
-std::vector<std::string> outputs_of(const SimulateOptions& options);
+/// Tolerance, border, rigor, threads and the blur of the samples, as the caller and the sensor file say.
+mtf::PlanOptions plan_options_of(const SimulateOptions& options, const mtf::io::SensorConfig& config,
+                                 const mtf::SampleGrid& scene);
 
-/// What can be seen to fail is said before any work is done: outputs that are inputs, two of one name (UsageError), no
-/// folder to write into (RuntimeError).
-void require_writable(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
+/// Fills in what was simulated, for whom, and where it went.
+void describe_run(RunReport& report, const mtf::io::SensorConfig& config, mtf::io::Scene scene_facts,
+                  const std::string& scene_path, const SimulateOptions& options, double tolerance);
+/// And how the values of a PNG or TIFF were scaled.
+void describe_integers(RunReport& report, const Written& written);
 
 /// Masks of bad pixels per channel (empty where there are none), the planes filled; `summary` says so. Throws
 /// RuntimeError when the policy is to refuse, UsageError when an encoding table does not cover them.

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "apps/sensor/sensor_file.h"
-#include "apps/simulate/simulate_parts.h"
+#include "apps/simulate/output_files.h"
 #include "apps/sweep/optimize_report.h"
 #include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"

@@ -4,17 +4,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <filesystem>
-#include <limits>
 #include <system_error>
 
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
-#include "mtf/io/file_checks.h"
 
 namespace apps {
-
-namespace fs = std::filesystem;
 
 void print(std::string_view text) {
   const bool whole = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
@@ -40,10 +35,6 @@ void complain(std::string_view text) {
   static_cast<void>(std::fwrite(line.data(), 1, line.size(), stderr));
 }
 
-std::string one_line(std::string_view text) {
-  return mtf::io::printable(text, std::numeric_limits<std::size_t>::max());
-}
-
 std::string shell_word(std::string_view text) {
   const auto plain = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
@@ -53,31 +44,6 @@ std::string shell_word(std::string_view text) {
   std::string quoted = "'";
   for (const char c : one_line(text)) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + "'";
-}
-
-fs::path place_of(const std::string& name) {
-  constexpr int kMostLinks = 40;  // as many as the kernel follows
-  std::error_code error;
-  fs::path path = name;
-  for (int links = 0; links < kMostLinks && fs::is_symlink(fs::symlink_status(path, error)); ++links) {
-    const fs::path target = fs::read_symlink(path, error);
-    if (error) break;
-    path = path.parent_path() / target;
-  }
-  const fs::path whole = fs::weakly_canonical(fs::absolute(path, error), error);
-  return error ? path.lexically_normal() : whole;
-}
-
-bool is_same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return place_of(a) == place_of(b) || fs::equivalent(a, b, ignored);
-}
-
-void require_different(const std::string& input, const std::string& output) {
-  if (output.empty()) return;
-  std::error_code ignored;
-  if (fs::equivalent(input, output, ignored))
-    throw mtf::UsageError(output + ": is the input; name another file for the output");
 }
 
 }  // namespace apps

@@ -2,9 +2,7 @@
 #include "apps/terminal/text_table.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "mtf/units.h"
 
@@ -15,12 +13,6 @@ namespace {
 std::size_t shown_width(std::string_view text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
-}
-
-std::string formatted(const char* format, int digits, double value) {
-  std::array<char, 400> text{};
-  static_cast<void>(std::snprintf(text.data(), text.size(), format, digits, value));
-  return text.data();
 }
 
 }  // namespace
@@ -58,11 +50,5 @@ std::string csv_field(std::string_view text) {
 }
 
 std::string csv_number(double value) { return std::isfinite(value) ? mtf::format_double(value) : ""; }
-
-std::string fixed(double value, int decimals) { return formatted("%.*f", decimals, value); }
-
-std::string significant(double value, int digits, bool zeros) {
-  return formatted(zeros ? "%#.*g" : "%.*g", digits, value);
-}
 
 }  // namespace apps

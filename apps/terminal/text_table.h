@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/text/words.h"
+
 namespace apps {
 
 enum class Align { left, right };
@@ -31,9 +33,5 @@ std::string csv_field(std::string_view text);
 
 /// A number of a CSV field with 17 digits, nothing where it is not finite.
 std::string csv_number(double value);
-
-/// printf's %.*f and %.*g, the latter with trailing zeros ("125.0") when `zeros`.
-std::string fixed(double value, int decimals);
-std::string significant(double value, int digits, bool zeros = false);
 
 }  // namespace apps

@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
   const int threads = argc > 1 ? std::atoi(argv[1]) : 2;
   std::printf("mtfkit %s (%s), %s; 1280 x 1024, %d threads; minimum and median, ms\n", mtf::version, mtf::git_commit,
               mtf::fft::version().c_str(), threads);
-  const mtf::fft::RealPair2d floor(kWidth, kHeight, mtf::fft::RealPair2d::Place::in, mtf::fft::Rigor::measure);
+  const mtf::fft::RealPair2d floor(kWidth, kHeight, mtf::fft::RealPair2d::Place::in, mtf::Rigor::measure);
   for (const double electrons : {1e4, 1e5, 1e6}) {
     const Sensor sensor = full_sensor(electrons);
     mtf::Image scene = mtf::test::random_image(kWidth, kHeight, 1, 1.0, 0.1);

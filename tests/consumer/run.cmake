@@ -18,8 +18,10 @@ execute_process(COMMAND "${CMAKE_COMMAND}" --build "${WORK_DIR}/build" --config 
   COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND "${WORK_DIR}/build/consumer" "${WITH_CODECS}"
   WORKING_DIRECTORY "${WORK_DIR}" COMMAND_ERROR_IS_FATAL ANY)
-if(EXISTS "${WORK_DIR}/build/consumer_radiometry")
-  execute_process(COMMAND "${WORK_DIR}/build/consumer_radiometry" COMMAND_ERROR_IS_FATAL ANY)
-endif()
+foreach(more IN ITEMS consumer_radiometry consumer_simulate consumer_study)
+  if(EXISTS "${WORK_DIR}/build/${more}")
+    execute_process(COMMAND "${WORK_DIR}/build/${more}" WORKING_DIRECTORY "${WORK_DIR}" COMMAND_ERROR_IS_FATAL ANY)
+  endif()
+endforeach()
 execute_process(COMMAND "${prefix}/bin/mtf" --version
   WORKING_DIRECTORY "${WORK_DIR}" COMMAND_ERROR_IS_FATAL ANY)

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// `mtf simulate` in tiles: --memory, --roi, and scenes that are larger than the machine or flat in large parts.
+// An image in tiles: scenes that are larger than the machine, a limit of memory, regions of interest, and scenes that
+// are flat in large parts.
 
 #include <optional>
 
-#include "apps/options.h"
-#include "apps/simulate/run_report.h"
+#include "apps/simulate/simulate.h"
+#include "mtf/tiles/tiles.h"
 
 namespace apps {
 
@@ -18,10 +19,10 @@ std::optional<mtf::TiledSensorPlan> flat_tiles(const mtf::io::SensorConfig& conf
 std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const mtf::io::Scene& scene,
                                        double border_value, RunReport& report);
 
-/// True when a limit or a region is given, or the whole image would not fit the machine.
-bool wants_tiles(const SimulateOptions& options);
+/// True when a limit or a region is given, or the whole image of a file would not fit the machine.
+bool wants_tiles(const SceneSource& scene, const SimulateOptions& options);
 
-/// Reads, compiles, runs, writes and reports. Returns the exit code; throws as run_simulate.
-int simulate_tiles(const SimulateOptions& options, const Global& global, const mtf::io::SensorConfig& config);
+/// simulate() of one image in tiles, without a chain.
+SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& scene, const SimulateOptions& options);
 
 }  // namespace apps

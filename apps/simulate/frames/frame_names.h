@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/options.h"
+#include "apps/simulate/simulate_options.h"
 
 namespace apps {
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/simulate/sequence.h"
-#include "apps/measured_file.h"
+#include "apps/simulate/frames/sequence.h"
 
 #include <tbb/info.h>
 #include <tbb/parallel_pipeline.h>
@@ -11,23 +10,18 @@
 #include <filesystem>
 #include <set>
 
-#include "apps/sensor/sensor_file.h"
-#include "apps/simulate/frame_names.h"
-#include "apps/simulate/run_report.h"
-#include "apps/simulate/run_summary.h"
-#include "apps/simulate/sequence_frames.h"
+#include "apps/simulate/frames/frame_names.h"
+#include "apps/simulate/frames/sequence_frames.h"
+#include "apps/simulate/output_files.h"
+#include "apps/simulate/run_watch.h"
 #include "apps/simulate/simulate_parts.h"
-#include "apps/terminal/output.h"
-#include "apps/terminal/progress_line.h"
-#include "apps/terminal/text_table.h"
-#include "mtf/engines/fft/fftw.h"
+#include "apps/text/words.h"
 #include "mtf/error.h"
-#include "mtf/io/atomic_file.h"
 
 namespace apps {
 namespace {
 
-/// Frames of a still scene: those of --frames, else every one that the schedule names.
+/// Frames of a still scene: those of the range, else every one that the schedule names.
 std::vector<std::int64_t> frames_of_schedule(const SimulateOptions& options, const mtf::io::Schedule& schedule) {
   if (options.frames) return frames_of(*options.frames);
   std::vector<std::int64_t> frames;
@@ -36,8 +30,10 @@ std::vector<std::int64_t> frames_of_schedule(const SimulateOptions& options, con
   return frames;
 }
 
-FrameNames output_names_of(const SimulateOptions& options, bool numbered) {
-  const auto out = FrameNames::parse(options.out);
+/// Nothing where no file is written.
+std::optional<FrameNames> output_names_of(const SimulateOptions& options, bool numbered) {
+  if (options.out.empty()) return std::nullopt;
+  auto out = FrameNames::parse(options.out);
   const std::string which = one_line(options.out);
   if (!out)
     throw mtf::UsageError(which +
@@ -47,20 +43,22 @@ FrameNames output_names_of(const SimulateOptions& options, bool numbered) {
     throw mtf::UsageError(which +
                           ": holds a frame number, but the scene is one image; name numbered scenes "
                           "(frame.%04d.exr), or give a --schedule");
-  return *out;
+  return out;
 }
 
-/// No output frame, report or wisdom file may replace a file that is read, or another one.
-void check_files(const SimulateOptions& options, const SequenceNames& names, std::vector<std::string> inputs) {
+/// No output frame or other file of the caller may replace a file that is read, or another one.
+void check_files(const SimulateOptions& options, const SceneSource& scene, const SequenceNames& names,
+                 std::vector<std::string> inputs) {
   const std::vector<std::int64_t>& frames = names.frames;
   const auto is_frame = [&](const std::optional<std::int64_t>& number) {
     return number && std::binary_search(frames.begin(), frames.end(), *number);
   };
-  std::vector<std::string> outputs = outputs_of(options);
-  outputs.front() = names.out->name(frames.front());
+  std::vector<std::string> outputs = options.also_written;
+  if (names.out) outputs.insert(outputs.begin(), names.out->name(frames.front()));
   if (!options.schedule.empty()) inputs.push_back(options.schedule);
-  if (!names.scenes) inputs.push_back(options.scene);
+  if (!names.scenes && !scene.image) inputs.push_back(scene.file);
   require_writable(outputs, inputs);
+  if (!names.out) return;
   for (const std::string& input : inputs)
     if (is_frame(names.out->frame_of(input)))
       throw mtf::UsageError(one_line(input) + ": is an input; name other files for the output");
@@ -87,27 +85,6 @@ void check_files(const SimulateOptions& options, const SequenceNames& names, std
   }
 }
 
-std::string plural(std::int64_t count, const std::string& word) {
-  return std::to_string(count) + " " + word + (count == 1 ? "" : "s");
-}
-
-void print_summary(const RunReport& report, const SequenceReport& s) {
-  const mtf::SampleGrid& out = report.plan->out();
-  std::string text = one_line(report.out_path) + "  " + plural(s.frames, "frame") + " (" + std::to_string(s.first) +
-                     " to " + std::to_string(s.last) + ")  " + std::to_string(out.width) + "x" +
-                     std::to_string(out.height) + "  " + report.quantity() + " [" + report.unit() + "]\n";
-  text += plural(s.schedule_changes, "change") + " of parameters; " + plural(s.plans_compiled, "plan") + " compiled, " +
-          std::to_string(s.plans_updated) + " updated\n";
-  text += "predicted error up to " + significant(s.predicted_error, 2) + " of a frame's std (tolerance " +
-          mtf::format_double(report.tolerance) + ")\n";
-  std::string times;
-  for (const auto& [name, ms] : report.timing_ms)
-    times += (times.empty() ? "" : ", ") + name + " " + fixed(ms / static_cast<double>(s.frames), 1);
-  text += "time " + fixed(s.seconds, 2) + " s, " + significant(s.fps, 3) + " frames/s (ms a frame: " + times + "; " +
-          plural(s.in_flight, "frame") + " at a time)\n";
-  print(text);
-}
-
 /// As many frames at a time as keep every thread busy and fit into half of the machine's memory.
 std::int64_t frames_in_flight(const SequenceFrames& frames, int threads) {
   const double room = 0.5 * machine_bytes() / std::max(1.0, frames.bytes_a_frame());
@@ -115,8 +92,7 @@ std::int64_t frames_in_flight(const SequenceFrames& frames, int threads) {
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(std::min(room, 1e6)), 1, wanted);
 }
 
-void run_pipeline(SequenceFrames& frames, std::int64_t in_flight, int threads, const Global& global) {
-  ProgressLine progress(global);
+void run_pipeline(SequenceFrames& frames, std::int64_t in_flight, int threads, RunWatch& watch) {
   using Token = std::shared_ptr<Frame>;
   const auto step = [](void (SequenceFrames::*work)(Frame&), SequenceFrames& all) {
     return [work, &all](const Token& frame) {
@@ -141,7 +117,7 @@ void run_pipeline(SequenceFrames& frames, std::int64_t in_flight, int threads, c
                 step(&SequenceFrames::run, frames)) &
             tbb::make_filter<Token, void>(tbb::filter_mode::serial_in_order, [&](const Token& frame) {
               frames.finish(*frame);
-              progress.update("frames", frames.share_done());
+              watch.share("frames", frames.share_done());
             }));
   });
 }
@@ -156,62 +132,64 @@ std::string saturation_warning(const SequenceReport& report) {
          " with saturated pixels, the most in " + std::to_string(most->first) + ": " + words(most->second);
 }
 
-/// Reads, runs and writes all frames, and says what there is to say when they are done, or when one has failed. Returns
-/// how many were on their way at a time.
-std::int64_t run_frames(SequenceFrames& frames, int threads, const Global& global) {
+/// Reads, runs and hands over all frames, and says what there is to say when they are done, or when one has failed.
+/// Returns how many were on their way at a time.
+std::int64_t run_frames(SequenceFrames& frames, int threads, RunWatch& watch) {
   const auto say = [&] {
-    for (const std::string& text : frames.warnings()) note(global, "warning: " + one_line(text));
-    if (const std::string text = saturation_warning(frames.report()); !text.empty()) note(global, "warning: " + text);
-    for (const std::string& text : frames.notes()) note(global, "note: " + one_line(text));
+    for (const std::string& text : frames.warnings()) watch.warn(text);
+    if (const std::string text = saturation_warning(frames.report()); !text.empty()) watch.warn(text);
+    for (const std::string& text : frames.notes()) watch.note(text);
   };
+  std::int64_t in_flight = 1;
   try {
     frames.prepare();
-    const std::int64_t in_flight = frames_in_flight(frames, threads);
+    in_flight = frames_in_flight(frames, threads);
     frames.set_threads_a_frame(frames.remembers() ? threads
                                                   : static_cast<int>(std::max<std::int64_t>(1, threads / in_flight)));
-    run_pipeline(frames, in_flight, threads, global);
-    say();
-    return in_flight;
+    run_pipeline(frames, in_flight, threads, watch);
+  } catch (const Cancelled&) {
+    throw;
   } catch (...) {
     say();
     throw;
   }
+  say();
+  return in_flight;
 }
 
 }  // namespace
 
-bool is_sequence(const SimulateOptions& options) {
-  return options.frames || !options.schedule.empty() || FrameNames::parse(options.scene) ||
+bool is_sequence(const SceneSource& scene, const SimulateOptions& options) {
+  return options.frames || !options.schedule.empty() || (!scene.image && FrameNames::parse(scene.file)) ||
          FrameNames::parse(options.out);
 }
 
-int run_sequence(const SimulateOptions& options, const Global& global) {
-  const mtf::io::SensorConfig sensor = read_sensor(options.sensor, global);
+SimulateResult simulate_sequence(const mtf::io::SensorConfig& sensor, SceneSource& scene,
+                                 const SimulateOptions& options) {
+  SimulateResult result;
+  RunReport& report = result.report;
+  RunWatch watch(options, report);
   SequenceNames names;
-  names.scenes = FrameNames::parse(options.scene);
-  names.still = options.scene;
+  if (!scene.image) names.scenes = FrameNames::parse(scene.file);
   names.out = output_names_of(options, names.scenes.has_value());
   mtf::io::Schedule schedule;
   if (!options.schedule.empty()) schedule = mtf::io::read_schedule(options.schedule, sensor);
   names.frames = names.scenes ? names.scenes->find(options.frames) : frames_of_schedule(options, schedule);
-  check_files(options, names, files_of(sensor));
-  const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(sensor, options);
-  if (mtf::io::format_from_extension(options.out) != mtf::io::Format::exr &&
+  check_files(options, scene, names, files_of(sensor));
+  const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(sensor, options.stage);
+  if (names.out && mtf::io::format_from_extension(options.out) != mtf::io::Format::exr &&
       !integer_range(radiometric.get(), options).low)
     throw mtf::UsageError("16-bit frames need one scale for all of them; give --range LOW:HIGH, or write .exr");
   if (!schedule.settings.empty() && schedule.settings.back().frame > names.frames.back())
-    note(global, "note: " + one_line(options.schedule) + " goes on to frame " +
-                     std::to_string(schedule.settings.back().frame) + ", the sequence ends with " +
-                     std::to_string(names.frames.back()));
-  read_measured(options, global);
+    watch.note(options.schedule + " goes on to frame " + std::to_string(schedule.settings.back().frame) +
+               ", the sequence ends with " + std::to_string(names.frames.back()));
 
-  const int threads = global.threads > 0 ? global.threads : tbb::info::default_concurrency();
-  const std::string schedule_sha256 = schedule.sha256;
-  SequenceFrames frames(options, sensor, radiometric, std::move(schedule), names, threads);
+  const std::string schedule_sha256 = schedule.sha256, scene_path = scene.file;
+  const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
+  SequenceFrames frames(options, sensor, radiometric, std::move(schedule), names, std::move(scene), threads);
   const auto start = std::chrono::steady_clock::now();
-  const std::int64_t in_flight = run_frames(frames, threads, global);
+  const std::int64_t in_flight = run_frames(frames, threads, watch);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  write_measured(options, global);
 
   SequenceReport facts = frames.report();
   facts.schedule = options.schedule;
@@ -219,26 +197,16 @@ int run_sequence(const SimulateOptions& options, const Global& global) {
   facts.in_flight = in_flight;
   facts.seconds = elapsed.count();
   facts.fps = static_cast<double>(facts.frames) / facts.seconds;
-  RunReport report;
-  report.config = &sensor;
-  report.scene = &frames.first_scene();
-  report.plan = &frames.last_plan();
-  report.scene_path = options.scene;
-  report.out_path = options.out;
-  report.tolerance = frames.last_plan().options.tolerance;
+  facts.first_plan = frames.first_plan();
+  describe_run(report, sensor, facts_of(frames.first_scene()), scene_path, options,
+               frames.last_plan()->options.tolerance);
+  report.plan = frames.last_plan();
   report.timing_ms = frames.timing_ms();
-  report.warnings = frames.warnings();
-  if (std::string text = saturation_warning(facts); !text.empty()) report.warnings.push_back(std::move(text));
-  report.sequence = facts;
+  report.sequence = std::move(facts);
   report.chain = frames.chain_report();
-  if (!options.report.empty()) emit(options.report, to_json(report));
-  if (options.report == "-") return 0;  // standard output is the report
-  if (options.explain)
-    print("plan of frame " + std::to_string(facts.first) + ", the first of " + plural(facts.frames, "frame") +
-          "; those after it have it too, with what the schedule changes, or one of their own\n" +
-          explain_text(frames.first_plan()));
-  print_summary(report, facts);
-  return 0;
+  result.names = output_names(frames.first_scene().names);
+  result.images = std::move(frames.images());
+  return result;
 }
 
 }  // namespace apps

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/simulate/sequence_frames.h"
+#include "apps/simulate/frames/sequence_frames.h"
 
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 
-#include "apps/sensor/sensor_place.h"
-#include "apps/simulate/sensor_image.h"
+#include "apps/simulate/image_output.h"
 #include "apps/simulate/simulate_parts.h"
-#include "apps/terminal/output.h"
+#include "apps/text/words.h"
 #include "mtf/error.h"
-#include "mtf/survey/bad_pixels.h"
-#include "mtf/survey/statistics.h"
 
 namespace apps {
 namespace {
@@ -39,6 +36,8 @@ void attempt(Frame& frame, double& ms, const Work& work) {
   const std::string where = "frame " + std::to_string(frame.number) + ": ";
   try {
     std::rethrow_exception(frame.error);
+  } catch (const Cancelled&) {
+    throw;
   } catch (const mtf::UsageError& error) {
     throw mtf::UsageError(where + error.what());
   } catch (const mtf::RuntimeError& error) {
@@ -60,10 +59,6 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-bool same_spacing(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& b) {
-  return a.sample_x_um == b.sample_x_um && a.sample_y_um == b.sample_y_um;
-}
-
 }  // namespace
 
 double machine_bytes() {
@@ -72,35 +67,22 @@ double machine_bytes() {
 
 SequenceFrames::SequenceFrames(const SimulateOptions& options, const mtf::io::SensorConfig& sensor,
                                std::shared_ptr<const RadiometricChain> radiometric, mtf::io::Schedule schedule,
-                               const SequenceNames& names, int threads)
+                               const SequenceNames& names, SceneSource scene, int threads)
     : options_(options),
       names_(names),
+      read_(scene.read),
       threads_(threads),
       schedule_(sensor, std::move(schedule)),
       planner_(options, threads),
+      still_(std::move(scene), options.nan, threads),
       sensor_(std::make_shared<const mtf::io::SensorConfig>(sensor)),
       radiometric_(std::move(radiometric)) {
   report_.first = names.frames.front();
   report_.last = names.frames.back();
-  if (radiometric_ && (names.frames.front() < 0 || names.frames.back() > 0x7fffffff))
+  if (radiometric_ && (names.frames.front() < 0 || names.frames.back() > kLastNoiseFrame))
     throw mtf::UsageError("frames " + std::to_string(names.frames.front()) + " to " +
-                          std::to_string(names.frames.back()) + ": noise is numbered from 0 to 2147483647");
-}
-
-SceneInput SequenceFrames::load(const std::string& path, const mtf::io::SensorConfig& sensor,
-                                const RadiometricChain* radiometric) const {
-  SceneInput input{.scene = mtf::io::load_scene(sensor, path, {options_.channel, options_.layer, options_.part}),
-                   .masks = {},
-                   .bad_pixels = {},
-                   .summary = {},
-                   .border_value = sensor.scene.border_value};
-  input.masks = treat_bad_pixels(input.scene, options_.nan, input.bad_pixels);
-  mtf::io::SceneDefaults defaults = sensor.scene;
-  if (radiometric != nullptr)
-    defaults.border_value = input.border_value =
-        to_light(sensor, *radiometric, input.scene, input.masks, path, threads_);
-  input.summary = summarise_all(input.scene, defaults);
-  return input;
+                          std::to_string(names.frames.back()) + ": noise is numbered from 0 to " +
+                          std::to_string(kLastNoiseFrame));
 }
 
 void SequenceFrames::prepare() {
@@ -127,10 +109,7 @@ void SequenceFrames::prepare() {
 }
 
 // A schedule may switch a shutter to rolling later on.
-bool SequenceFrames::remembers() const {
-  return first_radiometric_ &&
-         (first_radiometric_->loaded.sensor.settings.lag || first_radiometric_->loaded.sensor.settings.shutter);
-}
+bool SequenceFrames::remembers() const { return first_radiometric_ && apps::remembers(*first_radiometric_); }
 
 double SequenceFrames::bytes_a_frame() const {
   const mtf::SensorPlan& plan = *first_plan_;
@@ -153,29 +132,23 @@ std::shared_ptr<Frame> SequenceFrames::next() {
     if (schedule_.advance(frame->number)) {
       ++report_.schedule_changes;
       sensor_ = std::make_shared<const mtf::io::SensorConfig>(schedule_.sensor());
-      radiometric_ = radiometric_chain_of(*sensor_, options_);
+      radiometric_ = radiometric_chain_of(*sensor_, options_.stage);
     }
   });
   frame->sensor = sensor_;
   frame->radiometric = radiometric_;
   frame->settings = schedule_.in_force();
   if (names_.scenes) return frame;
-  // The samples of a still scene may be angles, whose size follows the focal length.
-  attempt(*frame, frame->read_ms, [&] {
-    if (!still_ || !same_spacing(spacing_sensor_->scene, sensor_->scene) ||
-        (radiometric_ && !same_light(*spacing_sensor_, *sensor_)))
-      still_ = std::make_shared<const SceneInput>(load(names_.still, *sensor_, radiometric_.get()));
-    spacing_sensor_ = sensor_;
-  });
-  frame->input = still_;
+  attempt(*frame, frame->read_ms, [&] { frame->input = still_.of(sensor_, radiometric_.get()); });
   return frame;
 }
 
 void SequenceFrames::read(Frame& frame) {
   if (frame.input) return;
   attempt(frame, frame.read_ms, [&] {
-    frame.input = std::make_shared<const SceneInput>(
-        load(names_.scenes->name(frame.number), *frame.sensor, frame.radiometric.get()));
+    frame.input =
+        std::make_shared<const SceneInput>(load_input({.file = names_.scenes->name(frame.number), .read = read_},
+                                                      *frame.sensor, frame.radiometric.get(), options_.nan, threads_));
   });
 }
 
@@ -206,58 +179,23 @@ void SequenceFrames::plan(Frame& frame) {
   attempt(frame, frame.plan_ms, [&] {
     if (names_.scenes) require_like_first(frame);
     frame.plan = planner_.plan_for(*frame.sensor, frame.radiometric.get(), *frame.input, frame.warnings);
-    if (!frame.radiometric) return;
-    if (chain_radiometric_ != frame.radiometric || chain_plan_ != frame.plan)
-      chain_ = at_its_place(*frame.sensor, [&] {
-        return std::make_shared<const radiometry::Chain>(*frame.plan, frame.radiometric->system,
-                                                         frame.radiometric->loaded.sensor, radiometry::Origin{},
-                                                         threads_, chain_.get());
-      });
-    chain_radiometric_ = frame.radiometric;
-    chain_plan_ = frame.plan;
-    frame.chain = chain_;
+    if (frame.radiometric) frame.chain = planner_.chain_for(*frame.sensor, frame.radiometric, frame.plan);
   });
-}
-
-std::vector<mtf::Image> SequenceFrames::run_planes(Frame& frame) {
-  const SceneInput& input = *frame.input;
-  if (frame.chain) {
-    radiometry::ChainState* state = remembers() ? &state_ : nullptr;
-    frame.counted = frame.chain->run(input.scene.planes.front().clone(), static_cast<std::uint32_t>(frame.number),
-                                     frame.radiometric->stage, input.border_value, threads_, state);
-    std::vector<mtf::Image> images;
-    images.push_back(std::move(frame.counted.image));
-    return images;
-  }
-  std::vector<mtf::ImageView<const float>> planes;
-  for (const mtf::Image& plane : input.scene.planes) planes.push_back(plane.view());
-  return frame.plan->run(planes, input.border_value, threads_);
 }
 
 void SequenceFrames::run(Frame& frame) {
-  std::vector<mtf::Image> images;
   attempt(frame, frame.run_ms, [&] {
-    const SceneInput& input = *frame.input;
-    images = run_planes(frame);
-    for (std::size_t c = 0; c < input.masks.size(); ++c)
-      if (input.masks[c].size() > 0)
-        mtf::propagate_bad_pixels(*frame.plan, input.masks[c], frame.plan->options.tolerance, threads_,
-                                  images[c].view());
-      else if (!mtf::all_finite(images[c].view()))
-        refuse_overflow(input.scene.names[c]);
+    frame.image.frame = frame.number;
+    frame.image.planes = run_planes(frame, remembers() ? &state_ : nullptr, threads_);
   });
   attempt(frame, frame.write_ms, [&] {
-    const mtf::io::Scene& scene = frame.input->scene;
-    mtf::io::Metadata metadata = provenance(*frame.sensor, scene, *frame.plan, frame.plan->options.tolerance);
-    metadata.text["mtf:frame"] = std::to_string(frame.number);
-    if (!frame.settings.empty()) metadata.text["mtf:schedule"] = frame.settings;
-    if (frame.radiometric) add_chain(metadata, *frame.radiometric, static_cast<std::uint32_t>(frame.number));
-    write_sensor_image(names_.out->name(frame.number), output_names(scene.names), images, metadata,
-                       integer_range(frame.radiometric.get(), options_));
+    frame.image.metadata = metadata_of(frame);
+    deliver(options_, names_.out ? names_.out->name(frame.number) : "", output_names(frame.input->scene.names),
+            frame.image, integer_range(frame.radiometric.get(), options_));
   });
 }
 
-void SequenceFrames::finish(const Frame& frame) {
+void SequenceFrames::finish(Frame& frame) {
   for (const std::string& text : frame.warnings)
     warnings_.push_back("frame " + std::to_string(frame.number) + ": " + text);
   if (frame.error) {
@@ -268,6 +206,7 @@ void SequenceFrames::finish(const Frame& frame) {
   if (!frame.input->bad_pixels.empty() && report_.frames_with_bad_pixels++ == 0)
     notes_.push_back("frame " + std::to_string(frame.number) + ": " + frame.input->bad_pixels +
                      " (the report counts such frames)");
+  if (!frame.image.planes.empty()) images_.push_back(std::move(frame.image));
   if (chain_report_) chain_report_->add(frame.counted);
   if (frame.counted.held.any()) report_.saturated.emplace_back(frame.number, frame.counted.held);
   ++report_.frames;

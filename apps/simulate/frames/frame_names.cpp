@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/simulate/frame_names.h"
+#include "apps/simulate/frames/frame_names.h"
 
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
 
-#include "apps/terminal/output.h"
+#include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/io/config/schedule.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/simulate/image_facts.h"
+#include "apps/image/image_facts.h"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/simulate/sequence_plan.h"
+#include "apps/simulate/frames/sequence_plan.h"
 
 #include <algorithm>
 
-#include "apps/terminal/text_table.h"
+#include "apps/sensor/sensor_place.h"
+#include "apps/text/words.h"
 #include "mtf/same_list.h"
 
 namespace apps {
@@ -105,6 +106,19 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::
     plan_ = compile(sensor, radiometric, input, warnings);
   }
   return plan_;
+}
+
+std::shared_ptr<const radiometry::Chain> SequencePlanner::chain_for(
+    const mtf::io::SensorConfig& sensor, const std::shared_ptr<const RadiometricChain>& radiometric,
+    const std::shared_ptr<const mtf::SensorPlan>& plan) {
+  if (chain_radiometric_ != radiometric || chain_plan_ != plan)
+    chain_ = at_its_place(sensor, [&] {
+      return std::make_shared<const radiometry::Chain>(*plan, radiometric->system, radiometric->loaded.sensor,
+                                                       radiometry::Origin{}, options_.threads, chain_.get());
+    });
+  chain_radiometric_ = radiometric;
+  chain_plan_ = plan;
+  return chain_;
 }
 
 }  // namespace apps

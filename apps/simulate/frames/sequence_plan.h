@@ -1,31 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The plan of each frame of a sequence. The promise is made frame by frame, relative to that frame's own contrast: a
-// plan is compiled for the first frame, with some room for others, and serves as long as a frame's summary lies within
-// what it was compiled for; a frame beyond that gets a plan compiled for it, and for all that were before. A change of
-// parameters remakes the lists that changed and shares the rest (SensorPlan::with).
+// The plan of each frame of a sequence, and its chain. The promise is made frame by frame, relative to that frame's own
+// contrast: a plan is compiled for the first frame, with some room for others, and serves as long as a frame's summary
+// lies within what it was compiled for; a frame beyond that gets a plan compiled for it, and for all that were before.
+// A change of parameters remakes the lists that changed and shares the rest (SensorPlan::with).
 
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "apps/options.h"
-#include "apps/simulate/radiometric_chain.h"
-#include "mtf/io/scene.h"
+#include "apps/simulate/frames/scene_input.h"
+#include "apps/simulate/simulate_options.h"
 #include "mtf/plan/sensor_plan.h"
 
 namespace apps {
-
-/// A scene that is read, its bad pixels filled.
-struct SceneInput {
-  mtf::io::Scene scene;
-  std::vector<mtf::Image> masks;  ///< of bad pixels, per channel
-  std::string bad_pixels;         ///< what happened to them, "" = none
-  std::optional<mtf::SceneSummary> summary;
-  double border_value = 0.0;  ///< in the unit of the planes
-};
 
 /// What of a scene makes a promise hard to keep, relative to its std.
 struct SceneDifficulty {
@@ -44,6 +34,12 @@ class SequencePlanner {
                                                   const RadiometricChain* radiometric, const SceneInput& input,
                                                   std::vector<std::string>& warnings);
 
+  /// The chain of a frame with that plan; the one of the frame before where neither has changed. Errors as
+  /// radiometry::Chain.
+  std::shared_ptr<const radiometry::Chain> chain_for(const mtf::io::SensorConfig& sensor,
+                                                     const std::shared_ptr<const RadiometricChain>& radiometric,
+                                                     const std::shared_ptr<const mtf::SensorPlan>& plan);
+
   int compiled() const { return compiled_; }
   int updated() const { return updated_; }
 
@@ -56,6 +52,9 @@ class SequencePlanner {
   bool asked_ = false;
   SceneDifficulty met_;  ///< the hardest of all frames so far
   std::shared_ptr<const mtf::SensorPlan> plan_;
+  std::shared_ptr<const radiometry::Chain> chain_;
+  std::shared_ptr<const RadiometricChain> chain_radiometric_;  ///< that chain_ was made of,
+  std::shared_ptr<const mtf::SensorPlan> chain_plan_;          ///< and this
   int compiled_ = 0, updated_ = 0;
 };
 

@@ -1,51 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The way of a frame through a sequence: next, read, plan, run, finish. `next`, `plan` and `finish` are called one
-// frame at a time and in order, `read` and `run` for several frames at once. A frame that fails carries its error to
-// `finish`, so that the first one in order is what is reported, and every frame before it is written.
+// What happens to each frame of a sequence, in this order: next, read, plan, run, finish. `next`, `plan` and `finish`
+// are called one frame at a time and in order, `read` and `run` for several frames at once. A frame that fails carries
+// its error to `finish`, so that the first one in order is what is reported, and every frame before it is written.
 
-#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "apps/simulate/frame_names.h"
-#include "apps/simulate/run_report.h"
-#include "apps/simulate/sequence_plan.h"
+#include "apps/simulate/frames/frame.h"
+#include "apps/simulate/frames/frame_names.h"
 #include "mtf/io/config/schedule.h"
 
 namespace apps {
 
 struct SequenceNames {
-  std::optional<FrameNames> scenes;  ///< none: the same scene, `still`, for every frame
-  std::string still;
-  std::optional<FrameNames> out;
+  std::optional<FrameNames> scenes;  ///< none: the same scene for every frame
+  std::optional<FrameNames> out;     ///< none: no files are written
   std::vector<std::int64_t> frames;  ///< rising, at least one
-};
-
-struct Frame {
-  std::int64_t number = 0;
-  std::shared_ptr<const mtf::io::SensorConfig> sensor;  ///< as it is at this frame
-  std::string settings;                                 ///< what the schedule has changed so far
-  std::shared_ptr<const RadiometricChain> radiometric;  ///< of a sensor with a chain
-  std::shared_ptr<const SceneInput> input;
-  std::shared_ptr<const mtf::SensorPlan> plan;
-  std::shared_ptr<const radiometry::Chain> chain;
-  radiometry::ChainFrame counted;  ///< what the chain says of it, without its image
-  std::vector<std::string> warnings;
-  double read_ms = 0.0, plan_ms = 0.0, run_ms = 0.0, write_ms = 0.0;
-  std::exception_ptr error;
 };
 
 class SequenceFrames {
  public:
-  /// `radiometric`: of the sensor, radiometric_chain_of().
+  /// `radiometric`: of the sensor, radiometric_chain_of(). `scene` is one for every frame, or what numbered files
+  /// share.
   SequenceFrames(const SimulateOptions& options, const mtf::io::SensorConfig& sensor,
                  std::shared_ptr<const RadiometricChain> radiometric, mtf::io::Schedule schedule,
-                 const SequenceNames& names, int threads);
+                 const SequenceNames& names, SceneSource scene, int threads);
 
   /// Reads the first frame and compiles its plan, on all threads: what the others are judged by. Throws.
   void prepare();
@@ -58,8 +42,9 @@ class SequenceFrames {
   void read(Frame& frame);
   void plan(Frame& frame);
   void run(Frame& frame);
-  /// Counts the frame. Throws its error, its number before the message.
-  void finish(const Frame& frame);
+  /// Counts the frame and keeps its image where neither a file nor the sink has it. Throws its error, its number before
+  /// the message.
+  void finish(Frame& frame);
 
   /// True when frames have to run one after another: each leaves something to the next.
   bool remembers() const;
@@ -68,8 +53,10 @@ class SequenceFrames {
   std::int64_t count() const { return static_cast<std::int64_t>(names_.frames.size()); }
   /// What the first frame was and how it was planned; without its planes.
   const mtf::io::Scene& first_scene() const { return first_scene_; }
-  const mtf::SensorPlan& first_plan() const { return *first_plan_; }
-  const mtf::SensorPlan& last_plan() const { return *last_plan_; }
+  const std::shared_ptr<const mtf::SensorPlan>& first_plan() const { return first_plan_; }
+  const std::shared_ptr<const mtf::SensorPlan>& last_plan() const { return last_plan_; }
+  /// In the order of the frames.
+  std::vector<SimulatedImage>& images() { return images_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// What there is to say that is no warning.
   const std::vector<std::string>& notes() const { return notes_; }
@@ -80,30 +67,26 @@ class SequenceFrames {
   const std::optional<ChainReport>& chain_report() const { return chain_report_; }
 
  private:
-  SceneInput load(const std::string& path, const mtf::io::SensorConfig& sensor,
-                  const RadiometricChain* radiometric) const;
-  std::vector<mtf::Image> run_planes(Frame& frame);
   void require_like_first(const Frame& frame);
 
   const SimulateOptions& options_;
   const SequenceNames& names_;
+  mtf::io::ReadOptions read_;  ///< of numbered files
   int threads_ = 1;
   mtf::io::ScheduledSensor schedule_;
   SequencePlanner planner_;
+  StillScene still_;
   std::shared_ptr<const mtf::io::SensorConfig> sensor_;
   std::shared_ptr<const RadiometricChain> radiometric_, first_radiometric_;
-  std::shared_ptr<const radiometry::Chain> chain_;
-  std::shared_ptr<const RadiometricChain> chain_radiometric_;  ///< that chain_ was made of,
-  std::shared_ptr<const mtf::SensorPlan> chain_plan_;          ///< and this
   radiometry::ChainState state_;
   std::shared_ptr<Frame> prepared_;  ///< the first frame, until it goes its way
   mtf::io::Scene first_scene_;
-  std::shared_ptr<const SceneInput> still_;
   std::shared_ptr<const mtf::SensorPlan> first_plan_, last_plan_;
   std::shared_ptr<const mtf::io::SensorConfig> spacing_sensor_;  ///< that `spacing_` belongs to
   mtf::SampleGrid spacing_;
   std::size_t at_ = 0;  ///< of the next frame
   std::vector<std::string> warnings_, notes_;
+  std::vector<SimulatedImage> images_;
   SequenceReport report_;
   std::optional<ChainReport> chain_report_;
   double read_ms_ = 0.0, plan_ms_ = 0.0, run_ms_ = 0.0, write_ms_ = 0.0;

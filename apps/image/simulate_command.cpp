@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf simulate SENSOR SCENE -o OUT`: the command line to one call of apps/simulate, its events to standard error, its
+// report to a file.
+
+#include <optional>
+
+#include "apps/image/simulate_summary.h"
+#include "apps/measured_file.h"
+#include "apps/sensor/sensor_file.h"
+#include "apps/simulate/output_files.h"
+#include "apps/simulate/simulate.h"
+#include "apps/terminal/interrupt.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/progress_line.h"
+#include "mtf/error.h"
+
+namespace apps {
+namespace {
+
+/// Says what a run tells, and that a stopped run in tiles can go on.
+class EventPrinter {
+ public:
+  EventPrinter(const SimulateCommandOptions& options, const Global& global)
+      : options_(options), global_(global), planning_(planning_progress(global)) {}
+
+  void operator()(const SimulateEvent& event) {
+    switch (event.kind) {
+      case SimulateEvent::Kind::share:
+        if (event.text == "tiles") promise_to_go_on();
+        if (!line_) line_.emplace(global_);
+        line_->update(std::string(event.text), event.value);
+        break;
+      case SimulateEvent::Kind::stage:
+        print_stage(event);
+        break;
+      case SimulateEvent::Kind::planning:
+        planning_(static_cast<std::int64_t>(event.value));
+        break;
+      case SimulateEvent::Kind::warning:
+      case SimulateEvent::Kind::note:
+        line_.reset();
+        note(global_, (event.kind == SimulateEvent::Kind::warning ? "warning: " : "note: ") + one_line(event.text));
+        break;
+    }
+  }
+
+ private:
+  // A run of one image is over before a bar would help: progress is a line a stage, for those who ask for it.
+  void print_stage(const SimulateEvent& event) const {
+    const std::string name(event.text), ms = fixed(event.value, 1);
+    if (global_.progress == Progress::plain) complain(name + " " + ms + " ms");
+    if (global_.progress == Progress::json) complain("{\"stage\":\"" + name + "\",\"ms\":" + ms + "}");
+  }
+
+  void promise_to_go_on() {
+    const SimulateOptions& run = options_.run;
+    if (kept_ || (run.region && !run.memory)) return;  // those tiles are in memory only
+    kept_.emplace(run.resume
+                      ? "mtf: finished tiles are kept; the same command goes on from them\n"
+                      : "mtf: finished tiles are kept; the same command without --resume no goes on from them\n");
+  }
+
+  const SimulateCommandOptions& options_;
+  const Global& global_;
+  mtf::OtfProgress planning_;
+  std::optional<ProgressLine> line_;
+  std::optional<InterruptNote> kept_;
+};
+
+SimulateResult run_library(const SimulateCommandOptions& options, const Global& global,
+                           const mtf::io::SensorConfig& sensor) {
+  EventPrinter print_event(options, global);
+  SimulateOptions run = options.run;
+  run.threads = global.threads;
+  for (const std::string& more : {options.report, options.wisdom})
+    if (!more.empty() && more != "-") run.also_written.push_back(more);
+  run.watch = [&](const SimulateEvent& event) {
+    print_event(event);
+    return true;
+  };
+  return simulate(sensor, {.file = options.scene, .read = {options.channel, options.layer, options.part}}, run);
+}
+
+}  // namespace
+
+int run_simulate(const SimulateCommandOptions& options, const Global& global) {
+  const mtf::io::SensorConfig sensor = read_sensor(options.sensor, global);
+  if (options.run.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
+  mtf::io::format_from_extension(options.run.out);
+  if (options.wisdom == "-") throw mtf::UsageError("--wisdom: name a file; \"-\" is for --report only");
+  if (options.run.memory && !options.wisdom.empty())
+    throw mtf::UsageError("--wisdom is for whole images; leave it out with --memory");
+  if (!options.wisdom.empty()) {  // which is read before the library sees that it will be written
+    std::vector<std::string> inputs = files_of(sensor);
+    inputs.push_back(options.scene);
+    require_writable({options.wisdom}, inputs);
+  }
+  read_measured(options, global);
+  const SimulateResult result = run_library(options, global, sensor);
+  write_measured(options, global);
+  if (!options.report.empty()) emit(options.report, to_json(result.report));
+  if (options.report == "-") return 0;  // standard output is the report
+  if (options.explain) print(explain_text(result.report));
+  print(summary_text(result));
+  return 0;
+}
+
+}  // namespace apps

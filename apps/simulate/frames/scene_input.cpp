@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulate/frames/scene_input.h"
+
+#include "apps/simulate/simulate_parts.h"
+
+namespace apps {
+
+SceneInput load_input(SceneSource source, const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric,
+                      NanPolicy nan, int threads) {
+  SceneInput input{.scene = take_scene(sensor, source),
+                   .masks = {},
+                   .bad_pixels = {},
+                   .summary = {},
+                   .border_value = sensor.scene.border_value};
+  input.masks = treat_bad_pixels(input.scene, nan, input.bad_pixels);
+  mtf::io::SceneDefaults defaults = sensor.scene;
+  if (radiometric != nullptr)
+    defaults.border_value = input.border_value =
+        to_light(sensor, *radiometric, input.scene, input.masks, source, threads);
+  input.summary = summarise_all(input.scene, defaults);
+  return input;
+}
+
+bool same_spacing(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& b) {
+  return a.sample_x_um == b.sample_x_um && a.sample_y_um == b.sample_y_um;
+}
+
+std::shared_ptr<const SceneInput> StillScene::of(const std::shared_ptr<const mtf::io::SensorConfig>& sensor,
+                                                 const RadiometricChain* radiometric) {
+  if (!input_ || !same_spacing(sensor_->scene, sensor->scene) ||
+      (radiometric != nullptr && !same_light(*sensor_, *sensor)))
+    input_ = std::make_shared<const SceneInput>(load_input(clone(source_), *sensor, radiometric, nan_, threads_));
+  sensor_ = sensor;
+  return input_;
+}
+
+}  // namespace apps

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The scene of a frame: read, its bad pixels filled, in the unit that the sensor's plan filters.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/simulate/radiometric_chain.h"
+#include "apps/simulate/scene_source.h"
+#include "mtf/plan/plan.h"
+
+namespace apps {
+
+struct SceneInput {
+  mtf::io::Scene scene;
+  std::vector<mtf::Image> masks;  ///< of bad pixels, per channel
+  std::string bad_pixels;         ///< what happened to them, "" = none
+  std::optional<mtf::SceneSummary> summary;
+  double border_value = 0.0;  ///< in the unit of the planes
+};
+
+/// Takes the scene out of `source`. `radiometric`: of a sensor with a chain, else null. Throws as take_scene,
+/// treat_bad_pixels and to_light.
+SceneInput load_input(SceneSource source, const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric,
+                      NanPolicy nan, int threads);
+
+/// True when [scene] of both gives samples the same spacing.
+bool same_spacing(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& b);
+
+/// One scene for every frame. It is loaded again only where the sensor has come to ask for other values of it: samples
+/// may be angles, whose size follows the focal length, and light depends on the band and all that is before the pixels.
+class StillScene {
+ public:
+  StillScene(SceneSource source, NanPolicy nan, int threads)
+      : source_(std::move(source)), nan_(nan), threads_(threads) {}
+
+  /// Errors as load_input.
+  std::shared_ptr<const SceneInput> of(const std::shared_ptr<const mtf::io::SensorConfig>& sensor,
+                                       const RadiometricChain* radiometric);
+
+ private:
+  SceneSource source_;
+  NanPolicy nan_;
+  int threads_;
+  std::shared_ptr<const mtf::io::SensorConfig> sensor_;  ///< that `input_` serves
+  std::shared_ptr<const SceneInput> input_;
+};
+
+}  // namespace apps

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulate/live_simulation.h"
+
+#include "apps/simulate/frames/frame.h"
+#include "apps/simulate/sensor_image.h"
+
+namespace apps {
+
+struct LiveSimulation::State {
+  State(SceneSource scene, const SimulateOptions& asked)
+      : options(asked), still(std::move(scene), asked.nan, asked.threads), planner(asked, asked.threads) {}
+
+  SimulateOptions options;
+  StillScene still;
+  SequencePlanner planner;
+  radiometry::ChainState chain_state;
+  std::vector<std::string> names, warnings;
+  std::shared_ptr<const mtf::SensorPlan> plan;
+};
+
+LiveSimulation::LiveSimulation(SceneSource scene, const SimulateOptions& options)
+    : state_(std::make_unique<State>(std::move(scene), options)) {}
+LiveSimulation::~LiveSimulation() = default;
+LiveSimulation::LiveSimulation(LiveSimulation&&) noexcept = default;
+LiveSimulation& LiveSimulation::operator=(LiveSimulation&&) noexcept = default;
+
+SimulatedImage LiveSimulation::image(const mtf::io::SensorConfig& sensor, std::int64_t number) {
+  State& state = *state_;
+  if (number < 0 || number > kLastNoiseFrame)
+    throw mtf::UsageError("frame " + std::to_string(number) + ": noise is numbered from 0 to " +
+                          std::to_string(kLastNoiseFrame));
+  Frame frame;
+  frame.number = number;
+  frame.sensor = std::make_shared<const mtf::io::SensorConfig>(sensor);
+  frame.radiometric = radiometric_chain_of(sensor, state.options.stage);
+  frame.input = state.still.of(frame.sensor, frame.radiometric.get());
+  frame.warnings = frame.input->scene.warnings;
+  for (std::string& text : mtf::io::sampling_warnings(sensor.system, frame.input->scene.grid))
+    frame.warnings.push_back(std::move(text));
+  frame.plan = state.planner.plan_for(sensor, frame.radiometric.get(), *frame.input, frame.warnings);
+  for (const std::string& text : frame.plan->presample.report().notes) frame.warnings.push_back(text);
+  if (frame.radiometric) frame.chain = state.planner.chain_for(sensor, frame.radiometric, frame.plan);
+  radiometry::ChainState* chain_state =
+      frame.radiometric && remembers(*frame.radiometric) ? &state.chain_state : nullptr;
+  frame.image.frame = number;
+  frame.image.planes = run_planes(frame, chain_state, state.options.threads);
+  if (frame.counted.held.any()) frame.warnings.push_back(words(frame.counted.held));
+  frame.image.metadata = metadata_of(frame);
+  state.names = output_names(frame.input->scene.names);
+  state.warnings = std::move(frame.warnings);
+  state.plan = frame.plan;
+  return std::move(frame.image);
+}
+
+const std::vector<std::string>& LiveSimulation::names() const { return state_->names; }
+const std::vector<std::string>& LiveSimulation::warnings() const { return state_->warnings; }
+const mtf::SensorPlan& LiveSimulation::plan() const {
+  if (!state_->plan) throw mtf::UsageError("there is no plan before the first image; call image() first");
+  return *state_->plan;
+}
+int LiveSimulation::plans_compiled() const { return state_->planner.compiled(); }
+int LiveSimulation::plans_updated() const { return state_->planner.updated(); }
+
+}  // namespace apps

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Image after image of one scene by a sensor that changes in between: a live view, a search over parameters.
+//
+//   apps::LiveSimulation live({.file = "scene.exr"}, {.tolerance = 1e-3});
+//   for (;;) show(live.image(sensor_with(slider.value())));
+//
+// Between two images only what the change asks for is done again: the scene stays in memory, in the unit that the
+// sensor filters; the plan keeps its FFT plans and the components that have not changed; the chain of a sensor with
+// [detector] keeps what was measured for its correction.
+
+#include <memory>
+
+#include "apps/simulate/simulate.h"
+
+namespace apps {
+
+class LiveSimulation {
+ public:
+  /// `scene`: one image, which is read with the first image. Of the options those of one whole image count: tolerance,
+  /// nan, measure, stage, threads.
+  explicit LiveSimulation(SceneSource scene, const SimulateOptions& options = {});
+  ~LiveSimulation();
+  LiveSimulation(LiveSimulation&&) noexcept;
+  LiveSimulation& operator=(LiveSimulation&&) noexcept;
+
+  /// The image that the sensor sees. `frame` is the number of the noise, 0 to 2147483647: the same number gives the
+  /// same noise. With [lag] or a rolling [shutter] frames have to rise, as each leaves something to the next. Not to be
+  /// called from two threads at once. Errors as simulate(); after one the next call goes on as if it had not been.
+  SimulatedImage image(const mtf::io::SensorConfig& sensor, std::int64_t frame = 0);
+
+  /// Of the last image: names of its planes; reasons to doubt it; its plan, with the promise that it keeps.
+  const std::vector<std::string>& names() const;
+  const std::vector<std::string>& warnings() const;
+  const mtf::SensorPlan& plan() const;
+  /// Plans made anew and plans remade in part, of all images so far.
+  int plans_compiled() const;
+  int plans_updated() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace apps

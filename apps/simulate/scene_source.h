@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Where a scene comes from: a file, or planes in memory. Either becomes a mtf::io::Scene: planes of physical values on
+// a sample grid that is given at the focal plane.
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "mtf/io/scene.h"
+
+namespace apps {
+
+struct SceneSource {
+  std::string file{};  ///< OpenEXR, PNG or TIFF, frame.%04d.exr for a sequence; with `image` its name in messages
+  mtf::io::ReadOptions read{};  ///< channels of the file
+  /// A scene in memory: `planes` of one size and of `quantity` in its unit (mtf::io::quantity_unit; gain, offset and
+  /// encoding of [scene] are for files). What is left out is filled in: `names`, the size of `grid`, and its steps in
+  /// um, which are those of [scene] where they are 0.
+  std::optional<mtf::io::Scene> image{};
+  /// Planes beside `image`, by the names that [scene] emissivity_channel (0 to 1) and depth_channel (m) give.
+  std::map<std::string, mtf::Image> beside{};
+};
+
+/// What is known of a scene, without its planes.
+mtf::io::Scene facts_of(const mtf::io::Scene& scene);
+
+/// The same once more, its planes copied.
+SceneSource clone(const SceneSource& source);
+
+/// The scene, taken out of `source`, which is named where it has no name. Throws as mtf::io::load_scene, and UsageError
+/// for a scene in memory without planes, with planes of several sizes, or whose sample spacing nobody gives.
+mtf::io::Scene take_scene(const mtf::io::SensorConfig& sensor, SceneSource& source);
+
+/// The plane of that name beside the scene. Throws UsageError where there is none.
+mtf::Image plane_beside(const SceneSource& source, const std::string& name);
+
+}  // namespace apps

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/simulate/tiles/simulate_tiles.h"
+
+#include <malloc.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "apps/simulate/image_output.h"
+#include "apps/simulate/radiometric_chain.h"
+#include "apps/simulate/run_watch.h"
+#include "apps/simulate/simulate_parts.h"
+#include "apps/simulate/tiles/tile_scene.h"
+#include "apps/text/words.h"
+#include "mtf/io/tile_store.h"
+#include "mtf/survey/bad_pixels.h"
+
+namespace apps {
+namespace {
+
+// The C library keeps freed blocks of tiles for later ones of other sizes, beyond what the limit allows.
+void return_freed_memory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 256 << 10);
+  mallopt(M_TRIM_THRESHOLD, 1 << 20);
+#endif
+}
+
+using Planes = std::span<const mtf::ImageView<const float>>;
+
+/// The summary that makes the promise hardest to keep, of all channels.
+std::optional<mtf::SceneSummary> worst_of(const std::vector<mtf::Survey>& surveys,
+                                          const mtf::io::SceneDefaults& defaults) {
+  std::optional<mtf::SceneSummary> worst;
+  for (const mtf::Survey& survey : surveys)
+    worst = harder_of(worst, survey.summary(defaults.border, defaults.border_value));
+  return worst;
+}
+
+// That the scene holds, whatever format the sensor has.
+std::array<std::int64_t, 2> whole_pixels(const mtf::io::SensorConfig& config, const mtf::SampleGrid& scene) {
+  mtf::System<double> system = config.system;
+  system.frame.columns = system.frame.rows = 0;
+  const mtf::SampleGrid detector = mtf::detector_grid(system, scene);
+  return {detector.width, detector.height};
+}
+
+// The first channel with values beyond float32.
+std::optional<std::size_t> overflowing(Planes planes) {
+  for (std::size_t c = 0; c < planes.size(); ++c)
+    if (!mtf::all_finite(planes[c])) return c;
+  return std::nullopt;
+}
+
+// Pixels that are NaN where bad samples reach them need the whole image and its plan.
+std::vector<mtf::Image> run_whole(const mtf::io::SensorConfig& config, TileScene& source,
+                                  const std::vector<mtf::Image>& masks, const mtf::PlanOptions& options,
+                                  const mtf::Region& region) {
+  const mtf::SensorPlan plan = mtf::compile_sensor(config.system, source.scene.grid, options);
+  std::vector<mtf::Image> images = plan.run(std::move(source.scene.planes), config.scene.border_value, options.threads);
+  for (std::size_t c = 0; c < images.size(); ++c) {
+    if (masks[c].size() > 0)
+      mtf::propagate_bad_pixels(plan, masks[c], options.tolerance, options.threads, images[c].view());
+    mtf::Image cut(region.width, region.height);
+    for (std::int64_t y = 0; y < region.height; ++y)
+      std::memcpy(cut.view().row(y), images[c].view().row(region.y + y) + region.x,
+                  static_cast<std::size_t>(region.width) * sizeof(float));
+    images[c] = std::move(cut);
+  }
+  return images;
+}
+
+/// A run in tiles that is ready: read, surveyed, compiled.
+struct TileRun {
+  const mtf::io::SensorConfig& config;
+  const SceneSource& file;
+  const SimulateOptions& options;
+  TileScene& source;
+  const std::vector<mtf::Survey>& surveys;
+  const mtf::TiledSensorPlan& plan;
+  mtf::TileRunOptions run;
+  RunWatch& watch;
+  SimulateResult& result;
+};
+
+void copy_rows(Planes planes, const mtf::Region& region, std::vector<mtf::Image>& images) {
+  for (std::size_t c = 0; c < planes.size(); ++c)
+    for (std::int64_t y = 0; y < region.height; ++y)
+      std::memcpy(images[c].view().row(region.y + y) + region.x, planes[c].row(y),
+                  static_cast<std::size_t>(region.width) * sizeof(float));
+}
+
+/// All tiles, each to `take`, which is called from several threads at once.
+void run_tiles(TileRun& all, const mtf::WriteTile& take) {
+  all.result.report.tiles->tally = all.plan.run(all.source.read, all.surveys, take, all.run);
+}
+
+void run_to_memory(TileRun& all, std::vector<mtf::Image>& images) {
+  for (std::size_t c = 0; c < all.surveys.size(); ++c) images.emplace_back(all.plan.out().width, all.plan.out().height);
+  run_tiles(all, [&](const mtf::Tile& tile, Planes planes) {
+    if (const auto c = overflowing(planes)) refuse_overflow(all.source.scene.names[*c]);
+    copy_rows(planes, tile.region, images);
+  });
+}
+
+void run_to_sink(TileRun& all, const mtf::io::Metadata& metadata) {
+  run_tiles(all, [&](const mtf::Tile& tile, Planes planes) {
+    if (const auto c = overflowing(planes)) refuse_overflow(all.source.scene.names[*c]);
+    all.options.sink({0, tile.region, all.result.names, planes, metadata});
+  });
+}
+
+/// Finished tiles are kept beside the file until all are there, and the image is written from them.
+void run_to_file(TileRun& all, const mtf::io::Metadata& metadata) {
+  const mtf::TiledSensorPlan& plan = all.plan;
+  const std::vector<std::string>& names = all.result.names;
+  mtf::io::TileStore store(
+      all.options.out,
+      {key_of(all.options, all.config, all.file.file, all.source, all.surveys, plan), plan.out().width,
+       plan.out().height, names.size(), plan.report().count, [&](std::int64_t i) { return plan.tile(i).region; }},
+      all.options.resume);
+  if (!store.note().empty()) all.watch.note(store.note());
+  if (store.resumed() > 0)
+    all.watch.note(std::to_string(store.resumed()) + " of " + std::to_string(plan.report().count) +
+                   " tiles are there from a stopped run");
+  all.run.done = [&](std::int64_t i) { return store.done(i); };
+  run_tiles(all, [&](const mtf::Tile& tile, Planes planes) {
+    if (const auto c = overflowing(planes)) {
+      store.remove();  // the same run will not do better
+      refuse_overflow(all.source.scene.names[*c]);
+    }
+    store.write(tile.index, planes);
+  });
+  all.watch.lap("run");
+  mtf::io::write_tiled_exr(
+      all.options.out, names, plan.out().width, plan.out().height,
+      [&](std::int64_t first, std::span<const mtf::ImageView<float>> planes) {
+        for (std::size_t c = 0; c < planes.size(); ++c) store.read_rows(c, first, planes[c]);
+        all.watch.share("write", static_cast<double>(first) / static_cast<double>(plan.out().height));
+      },
+      metadata, all.options.threads);
+  for (std::size_t c = 0; c < names.size(); ++c)
+    all.result.statistics.push_back(mtf::survey([&](std::size_t plane, std::int64_t, std::int64_t y,
+                                                    mtf::ImageView<float> rows) { store.read_rows(plane, y, rows); },
+                                                c, plan.out(), {.threads = all.options.threads})
+                                        .statistics);
+  store.remove();
+}
+
+}  // namespace
+
+std::optional<mtf::TiledSensorPlan> flat_tiles(const mtf::io::SensorConfig& config, const mtf::io::Scene& scene,
+                                               const std::vector<mtf::Image>& masks, const mtf::PlanOptions& options,
+                                               RunReport& report) try {
+  if (std::any_of(masks.begin(), masks.end(), [](const mtf::Image& mask) { return mask.size() > 0; }))
+    return std::nullopt;
+  std::vector<mtf::ImageView<const float>> planes;
+  for (const mtf::Image& plane : scene.planes) planes.push_back(plane.view());
+  auto plan = mtf::worth_tiling(config.system, scene.grid, planes, config.scene.border_value, options);
+  if (!plan) return plan;
+  report.tiles = TilesReport{plan->report(), {}, scene.grid, plan->out(), whole_pixels(config, scene.grid), true};
+  return plan;
+} catch (const mtf::UnreachableTolerance&) {
+  return std::nullopt;  // the whole image may keep it, or says what it can
+}
+
+std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const mtf::io::Scene& scene,
+                                       double border_value, RunReport& report) {
+  std::vector<mtf::ImageView<const float>> planes;
+  for (const mtf::Image& plane : scene.planes) planes.push_back(plane.view());
+  return plan.run(planes, border_value, &report.tiles->tally);
+}
+
+bool wants_tiles(const SceneSource& scene, const SimulateOptions& options) {
+  if (options.memory || options.region) return true;
+  if (scene.image) return false;
+  if (mtf::io::detect_format(scene.file) != mtf::io::Format::exr) return false;
+  // Planes of three channels, transforms and OTF of one, about.
+  const mtf::io::FileInfo info = mtf::io::read_info(scene.file);
+  const double machine = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  return static_cast<double>(info.width) * static_cast<double>(info.height) * 20.0 > machine;
+}
+
+SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& file, const SimulateOptions& options) {
+  SimulateResult result;
+  RunReport& report = result.report;
+  RunWatch watch(options, report);
+  const bool streamed = options.memory || !options.region;
+  TileScene source;
+  std::vector<mtf::Image> masks;
+  if (streamed) {
+    if (file.image)
+      throw mtf::UsageError("--memory: " + one_line(file.file) +
+                            " is in memory already; name a file of the scene, or leave out the limit");
+    if (options.memory) return_freed_memory();
+    open_windows(options, config, file, source);
+  } else {
+    source.scene = take_scene(config, file);
+    masks = treat_bad_pixels(source.scene, options.nan, report.bad_pixels);
+    if (!report.bad_pixels.empty()) watch.note(report.bad_pixels);
+    for (const mtf::Image& plane : source.scene.planes) source.planes.push_back(plane.view());
+    source.read = mtf::windows_of(source.planes);
+  }
+  const mtf::io::Scene& scene = source.scene;
+  report.warnings = scene.warnings;
+  for (std::string& warning : mtf::io::sampling_warnings(config.system, scene.grid))
+    report.warnings.push_back(std::move(warning));
+
+  mtf::PlanOptions plan_options = plan_options_of(options, config, scene.grid);
+  plan_options.progress = watch.planning();
+  mtf::TileOptions tile_options;
+  tile_options.memory = options.memory.value_or(0);
+  tile_options.threads = options.threads;
+  if (source.file) {
+    tile_options.row_bytes = source.file->row_bytes();
+    tile_options.more_rows = source.file->more_rows();
+  }
+  tile_options.channels = static_cast<std::int64_t>(scene.names.size());
+  if (options.region) {
+    const auto [x, y, width, height] = *options.region;
+    tile_options.region = mtf::Region{x, y, width, height};
+  }
+  const std::vector<mtf::Survey> surveys =
+      survey_all(source, config.scene, tile_options.memory, options.threads, watch);
+  plan_options.scene = worst_of(surveys, config.scene);
+  watch.lap("survey");
+  const mtf::TiledSensorPlan plan =
+      compile_reachable(options.tolerance.has_value(), plan_options, report.warnings,
+                        [&] { return mtf::compile_tiled(config.system, scene.grid, plan_options, tile_options); });
+  if (source.file)
+    source.file->keep_rows(plan.report().whole ? source.file->more_rows() : plan.inner().presample.in().height);
+  plan_options.progress = {};
+  for (const std::string& warning : report.warnings) watch.tell_warning(warning);
+  watch.lap("plan");
+
+  result.names = output_names(scene.names);
+  describe_run(report, config, facts_of(scene), file.file, options, plan_options.tolerance);
+  report.plan = std::make_shared<const mtf::SensorPlan>(plan.inner());
+  report.tiles = TilesReport{plan.report(), {}, scene.grid, plan.out(), whole_pixels(config, scene.grid), false};
+
+  TileRun run{config, file, options, source, surveys, plan, {}, watch, result};
+  run.run.border_value = config.scene.border_value;
+  run.run.progress = [&](std::int64_t done, std::int64_t of) {
+    watch.share("tiles", static_cast<double>(done) / static_cast<double>(of));
+  };
+  SimulatedImage image;
+  image.metadata = provenance(config, scene, plan.inner(), plan_options.tolerance);
+  if (options.region) {
+    const auto& [x, y, width, height] = *options.region;
+    image.metadata.text["mtf:region"] = std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(width) +
+                                        " " + std::to_string(height) + " pixels of the whole image";
+  }
+  if (options.measure)
+    watch.note("--rigor measure chose methods and FFT plans by timing; results may differ between runs");
+  const bool any_bad = std::any_of(masks.begin(), masks.end(), [](const mtf::Image& mask) { return mask.size() > 0; });
+  if (streamed && !options.out.empty()) {
+    run_to_file(run, image.metadata);
+  } else if (!any_bad && options.out.empty() && options.sink) {
+    run_to_sink(run, image.metadata);
+    watch.lap("run");
+  } else {
+    if (any_bad)
+      image.planes = run_whole(config, source, masks, plan_options, *tile_options.region);
+    else
+      run_to_memory(run, image.planes);
+    watch.lap("run");
+    for (const mtf::Image& plane : image.planes) result.statistics.push_back(mtf::statistics(plane.view()));
+    const Written written = deliver(options, options.out, result.names, image, integer_range(nullptr, options));
+    if (written.scaling) describe_integers(report, written);
+    if (!image.planes.empty()) result.images.push_back(std::move(image));
+  }
+  watch.lap("write");
+  return result;
+}
+
+}  // namespace apps

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The scene of a run in tiles: in memory or, where memory is limited, as windows of its file.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/simulate/run_watch.h"
+#include "apps/simulate/scene_source.h"
+#include "mtf/io/exr/exr_windows.h"
+#include "mtf/tiles/tiles.h"
+
+namespace apps {
+
+struct TileScene {
+  mtf::io::Scene scene;
+  std::optional<mtf::io::ExrWindows> file;
+  std::vector<mtf::ImageView<const float>> planes;
+  mtf::ReadWindow read;
+};
+
+/// Opens the file of a scene that is read in windows; `scene` stays where it is. Throws UsageError for what cannot be
+/// read or written in pieces.
+void open_windows(const SimulateOptions& options, const mtf::io::SensorConfig& config, const SceneSource& file,
+                  TileScene& source);
+
+/// Every channel surveyed, within the memory that rows may take. Throws RuntimeError for pixels that are not finite.
+std::vector<mtf::Survey> survey_all(TileScene& source, const mtf::io::SceneDefaults& defaults, std::int64_t memory,
+                                    int threads, RunWatch& watch);
+
+/// All that the pixels of a run in tiles depend on.
+std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& config, const std::string& file,
+                   const TileScene& source, const std::vector<mtf::Survey>& surveys, const mtf::TiledSensorPlan& plan);
+
+}  // namespace apps

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// apps/simulate called as a library: the same pixels as the command's files, whatever the scene comes from and wherever
+// the images go.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <mutex>
+
+#include "apps/simulate/live_simulation.h"
+#include "apps/simulate/simulate.h"
+#include "mtf/io/config/schedule.h"
+#include "tests/apps/chain_sensor.h"
+
+namespace apps_test {
+namespace {
+
+using apps::SceneSource;
+using apps::SimulateEvent;
+using apps::SimulateOptions;
+using apps::SimulateResult;
+
+constexpr std::int64_t kSize = 320, kLargeSize = 1700;  // the latter takes several tiles in kMemory
+constexpr std::int64_t kMemory = std::int64_t{105} << 20;
+
+/// Contrast of its own, about `mean`.
+Image pattern(double mean, double amplitude, std::int64_t size = kSize) {
+  Image plane(size, size);
+  for (std::int64_t y = 0; y < size; ++y)
+    for (std::int64_t x = 0; x < size; ++x)
+      plane.at(x, y) = static_cast<float>(mean + amplitude * (std::sin(0.3 * static_cast<double>(x * x % 97)) *
+                                                                  std::cos(0.21 * static_cast<double>(y)) +
+                                                              (x > y ? 1.0 : 0.0)));
+  return plane;
+}
+
+bool same_pixels(const Image& a, const Image& b) {
+  return a.width() == b.width() && a.height() == b.height() &&
+         std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * sizeof(float)) == 0;
+}
+
+class SimulateCall : public testing::Test {
+ protected:
+  void SetUp() override {
+    scratch.add_sensor();
+    std::string text = read_file(scratch / "sensor.toml");
+    text.replace(text.find("format = [640, 512]"), 19, "# no format        ");
+    write_file(scratch / "sensor.toml", text);
+    write_file(scratch / "camera.toml",
+               kSensor + "[nonuniformity]\nprnu = 0.02\n[noise]\nseed = 3\n[adc]\nbits = 14\n");
+    write_scene("scene.exr", pattern(5.0, 1.0), "radiance");
+    write_scene("thermal.exr", pattern(300.0, 3.0), "temperature");
+    write_file(scratch / "schedule.csv", "frame,parameter,value\n1,jitter.rms,9 urad\n3,jitter.rms,12 urad\n");
+  }
+  void write_scene(const std::string& name, const Image& plane, const std::string& quantity) const {
+    mtf::io::Metadata metadata;
+    metadata.text["mtf:quantity"] = quantity;
+    mtf::io::write_exr((scratch / name).string(), {{"Y", plane.view()}}, metadata);
+  }
+  mtf::io::SensorConfig sensor(const std::string& name = "sensor.toml") const {
+    return apps::read_sensor_file((scratch / name).string());
+  }
+  /// The same as the file, in memory.
+  SceneSource radiance() const { return in_memory(pattern(5.0, 1.0), mtf::io::Quantity::radiance); }
+  SceneSource temperatures() const { return in_memory(pattern(300.0, 3.0), mtf::io::Quantity::temperature); }
+  SceneSource file(const std::string& name) const { return {.file = (scratch / name).string()}; }
+  static SceneSource in_memory(Image plane, mtf::io::Quantity quantity) {
+    mtf::io::Scene scene;
+    scene.quantity = quantity;
+    scene.planes.push_back(std::move(plane));
+    return {.image = std::move(scene)};
+  }
+  Image of_command(const std::string& arguments) const {
+    const Result r = scratch.run("mtf simulate " + arguments);
+    EXPECT_EQ(r.status, 0) << r.err;
+    return read(scratch / "out.exr");
+  }
+  const Scratch scratch;
+};
+
+TEST_F(SimulateCall, GivesThePixelsOfTheCommand) {
+  const Image expected = of_command("sensor.toml scene.exr -o out.exr --tolerance 1e-3");
+  for (const bool memory : {false, true}) {
+    const SimulateResult result =
+        apps::simulate(sensor(), memory ? radiance() : file("scene.exr"), {.tolerance = 1e-3});
+    ASSERT_EQ(result.images.size(), 1U);
+    EXPECT_TRUE(same_pixels(result.images[0].planes.at(0), expected)) << memory;
+    EXPECT_EQ(result.names, std::vector<std::string>{"Y"});
+    EXPECT_EQ(result.report.unit(), "W.m^-2.sr^-1");
+    EXPECT_EQ(result.report.tolerance, 1e-3);
+    EXPECT_LE(result.report.plan->predicted_error, 1e-3);
+    EXPECT_EQ(result.images[0].metadata.text.at("mtf:units"), "W.m^-2.sr^-1");
+    EXPECT_EQ(result.statistics.at(0).not_finite, 0);
+  }
+}
+
+TEST_F(SimulateCall, GivesTheCountsOfTheCommand) {
+  const Image expected = of_command("camera.toml thermal.exr -o out.exr");
+  const SimulateResult result = apps::simulate(sensor("camera.toml"), temperatures());
+  EXPECT_TRUE(same_pixels(result.images.at(0).planes.at(0), expected));
+  EXPECT_EQ(result.report.unit(), "counts");
+  ASSERT_TRUE(result.report.chain.has_value());
+  EXPECT_EQ(Json::parse(to_json(result.report))["units"], "counts");
+}
+
+TEST_F(SimulateCall, GivesTheFramesOfTheCommandInTheirOrder) {
+  ASSERT_EQ(scratch.run("mtf simulate sensor.toml scene.exr -o f.%d.exr --schedule schedule.csv --frames 1:4").status,
+            0);
+  const SimulateOptions options{.frames = apps::FrameRange{1, 4, 1}, .schedule = (scratch / "schedule.csv").string()};
+  const SimulateResult result = apps::simulate(sensor(), radiance(), options);
+  ASSERT_EQ(result.images.size(), 4U);
+  for (std::int64_t i = 0; i < 4; ++i) {
+    const apps::SimulatedImage& image = result.images[static_cast<std::size_t>(i)];
+    EXPECT_EQ(image.frame, i + 1);
+    EXPECT_TRUE(same_pixels(image.planes.at(0), read(scratch / ("f." + std::to_string(i + 1) + ".exr")))) << i;
+  }
+  EXPECT_EQ(result.images[2].metadata.text.at("mtf:schedule"), "jitter.rms = 12 urad");
+  EXPECT_EQ(result.report.sequence->plans_updated, 1);
+}
+
+TEST_F(SimulateCall, ASinkGetsTheTilesOfAnImage) {
+  write_scene("large.exr", pattern(5.0, 1.0, kLargeSize), "radiance");
+  const Image expected = of_command("sensor.toml large.exr -o out.exr --memory 105MiB");
+  Image assembled(expected.width(), expected.height());
+  std::mutex lock;
+  std::int64_t parts = 0, pixels = 0;
+  SimulateOptions options{.memory = kMemory};
+  options.sink = [&](const apps::ImagePart& part) {
+    const std::scoped_lock guard(lock);
+    ++parts;
+    pixels += part.region.width * part.region.height;
+    for (std::int64_t y = 0; y < part.region.height; ++y)
+      for (std::int64_t x = 0; x < part.region.width; ++x)
+        assembled.at(part.region.x + x, part.region.y + y) = part.planes[0].at(x, y);
+  };
+  const SimulateResult result = apps::simulate(sensor(), file("large.exr"), options);
+  EXPECT_TRUE(result.images.empty());
+  EXPECT_GT(parts, 1);
+  EXPECT_EQ(parts, result.report.tiles->plan.count);
+  EXPECT_EQ(pixels, expected.size());
+  EXPECT_TRUE(same_pixels(assembled, expected));
+
+  options.sink = nullptr;  // and without one they are put together
+  EXPECT_TRUE(same_pixels(apps::simulate(sensor(), file("large.exr"), options).images.at(0).planes.at(0), expected));
+}
+
+TEST_F(SimulateCall, ARegionOfASceneInMemory) {
+  const Image expected = of_command("sensor.toml scene.exr -o out.exr --roi 20,30,25,15");
+  const SimulateResult result =
+      apps::simulate(sensor(), radiance(), {.region = std::array<std::int64_t, 4>{20, 30, 25, 15}});
+  EXPECT_TRUE(same_pixels(result.images.at(0).planes.at(0), expected));
+}
+
+TEST_F(SimulateCall, TellsProgressAndEndsWhereTheCallerSaysSo) {
+  std::vector<std::string> stages;
+  SimulateOptions options{.out = (scratch / "out.exr").string()};
+  options.watch = [&](const SimulateEvent& event) {
+    if (event.kind == SimulateEvent::Kind::stage) stages.emplace_back(event.text);
+    return true;
+  };
+  EXPECT_TRUE(apps::simulate(sensor(), radiance(), options).images.empty());
+  EXPECT_EQ(stages, (std::vector<std::string>{"read", "plan", "run", "write"}));
+  fs::remove(scratch / "out.exr");
+
+  options.watch = [](const SimulateEvent& event) { return event.text != "plan"; };
+  EXPECT_THROW(apps::simulate(sensor(), radiance(), options), apps::Cancelled);
+  EXPECT_FALSE(fs::exists(scratch / "out.exr"));
+
+  double last = -1.0;  // of a sequence, after its first frame; what is written is whole
+  options.out = (scratch / "s.%d.exr").string();
+  options.frames = apps::FrameRange{1, 9, 1};
+  options.schedule = (scratch / "schedule.csv").string();
+  options.watch = [&](const SimulateEvent& event) {
+    last = event.value;
+    return event.kind != SimulateEvent::Kind::share;
+  };
+  EXPECT_THROW(apps::simulate(sensor(), radiance(), options), apps::Cancelled);
+  EXPECT_NEAR(last, 1.0 / 9.0, 1e-12);
+  EXPECT_EQ(read(scratch / "s.1.exr").size(), 80 * 80);
+}
+
+TEST_F(SimulateCall, WarningsAreTheSameInEventsAndReport) {
+  std::vector<std::string> told;
+  SimulateOptions options;
+  options.watch = [&](const SimulateEvent& event) {
+    if (event.kind == SimulateEvent::Kind::warning) told.emplace_back(event.text);
+    return true;
+  };
+  mtf::io::SensorConfig coarse = sensor();
+  coarse.system.frame.pitch_x_um = coarse.system.frame.pitch_y_um = 5.0;  // little more than a sample of the scene
+  SceneSource scene = radiance();
+  scene.image->grid.step_x_um = scene.image->grid.step_y_um = 3.75;
+  const SimulateResult result = apps::simulate(coarse, std::move(scene), options);
+  EXPECT_FALSE(told.empty());
+  EXPECT_EQ(told, result.report.warnings);
+}
+
+TEST_F(SimulateCall, PlanesBesideASceneInMemory) {
+  std::string text = read_file(scratch / "camera.toml");
+  text.replace(text.find("quantity = \"temperature\""), 24,
+               "quantity = \"temperature\"\nemissivity_channel = \"e\"\nsurroundings = \"280 K\"");
+  write_file(scratch / "surface.toml", text);
+  const Image emissivity = pattern(0.7, 0.1);
+  const Image temperature = pattern(300.0, 3.0);
+  mtf::io::Metadata metadata;
+  metadata.text["mtf:quantity"] = "temperature";
+  mtf::io::write_exr((scratch / "both.exr").string(), {{"Y", temperature.view()}, {"e", emissivity.view()}}, metadata);
+  const Image expected = of_command("surface.toml both.exr -o out.exr --channel Y");
+  SceneSource scene = temperatures();
+  scene.beside.emplace("e", pattern(0.7, 0.1));
+  EXPECT_TRUE(
+      same_pixels(apps::simulate(sensor("surface.toml"), std::move(scene)).images.at(0).planes.at(0), expected));
+  EXPECT_THROW(apps::simulate(sensor("surface.toml"), temperatures()), mtf::UsageError);
+}
+
+TEST_F(SimulateCall, RefusesScenesThatAreNone) {
+  const auto refusal = [&](SceneSource scene, const SimulateOptions& options = {}) -> std::string {
+    mtf::io::SensorConfig config = sensor();
+    config.scene.sample_x_um = config.scene.sample_y_um = std::nullopt;
+    try {
+      apps::simulate(config, std::move(scene), options);
+    } catch (const mtf::UsageError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(refusal(radiance()).find("sample spacing"), std::string::npos);
+  SceneSource none = radiance(), uneven = radiance(), limited = radiance();
+  none.image->planes.clear();
+  none.image->grid.step_x_um = none.image->grid.step_y_um = 3.75;
+  EXPECT_NE(refusal(std::move(none)).find("no planes"), std::string::npos);
+  uneven.image->planes.push_back(Image(4, 4));
+  uneven.image->grid.step_x_um = uneven.image->grid.step_y_um = 3.75;
+  EXPECT_NE(refusal(std::move(uneven)).find("4x4"), std::string::npos);
+  limited.file = "made here";
+  EXPECT_NE(refusal(std::move(limited), {.memory = 1 << 30}).find("made here is in memory"), std::string::npos);
+}
+
+TEST_F(SimulateCall, ALiveViewShowsTheFramesOfTheSequence) {
+  ASSERT_EQ(scratch.run("mtf simulate sensor.toml scene.exr -o f.%d.exr --schedule schedule.csv --frames 1:4").status,
+            0);
+  const mtf::io::SensorConfig config = sensor();
+  mtf::io::ScheduledSensor schedule(config, mtf::io::read_schedule((scratch / "schedule.csv").string(), config));
+  apps::LiveSimulation live(radiance());
+  for (std::int64_t i = 1; i <= 4; ++i) {
+    schedule.advance(i);
+    const apps::SimulatedImage image = live.image(schedule.sensor(), i);
+    EXPECT_TRUE(same_pixels(image.planes.at(0), read(scratch / ("f." + std::to_string(i) + ".exr")))) << i;
+  }
+  EXPECT_EQ(live.plans_compiled(), 1);
+  EXPECT_EQ(live.plans_updated(), 1);
+  EXPECT_EQ(live.names(), std::vector<std::string>{"Y"});
+  EXPECT_LE(live.plan().predicted_error, live.plan().options.tolerance);
+}
+
+TEST_F(SimulateCall, ALiveViewOfACameraKeepsItsNoiseByFrame) {
+  apps::LiveSimulation live(temperatures());
+  const mtf::io::SensorConfig camera = sensor("camera.toml");
+  const Image first = std::move(live.image(camera, 1).planes.at(0));
+  EXPECT_FALSE(same_pixels(live.image(camera, 2).planes.at(0), first));
+  EXPECT_TRUE(same_pixels(live.image(camera, 1).planes.at(0), first));
+  EXPECT_THROW(live.image(camera, -1), mtf::UsageError);
+  EXPECT_TRUE(same_pixels(live.image(camera, 1).planes.at(0), first));
+}
+
+}  // namespace
+}  // namespace apps_test
