@@ -44,7 +44,7 @@ Medium medium_of(const std::string& path) {
 }
 
 /// A literal: nothing is special in single quotes but the quote itself.
-std::string quoted(std::string_view text) {
+std::string gnuplot_string(std::string_view text) {
   std::string literal = "'";
   for (const char c : mtf::io::printable(text, 120)) literal += c == '\'' ? std::string("''") : std::string(1, c);
   return literal + "'";
@@ -129,12 +129,12 @@ std::string vertical_lines(const Figure& figure, std::array<double, 2> range, Me
     const std::string x = mtf::format_double(line.x);
     text += "set arrow from first " + x + ", graph 0 to first " + x + ", graph 1 nohead back";
     if (medium != Medium::characters)
-      text += " lc rgb '#808080' lw 1.4 dt (6,4)\nset label " + quoted(line.label) + " at first " + x + ", graph " +
-              (raised ? "1.07" : "1.025") + " center tc rgb '#505050'";
+      text += " lc rgb '#808080' lw 1.4 dt (6,4)\nset label " + gnuplot_string(line.label) + " at first " + x +
+              ", graph " + (raised ? "1.07" : "1.025") + " center tc rgb '#505050'";
     text += "\n";
     labels += (labels.empty() ? "   | " : ", ") + line.label;
   }
-  if (medium == Medium::characters) text += "set xlabel " + quoted(figure.x_label + labels) + "\n";
+  if (medium == Medium::characters) text += "set xlabel " + gnuplot_string(figure.x_label + labels) + "\n";
   return text;
 }
 
@@ -161,7 +161,7 @@ std::string map_commands(const Figure& figure, std::size_t panel) {
   text += "set tics nomirror out scale 0.6\nset grid lc rgb '#e4e4e4' lt 1 lw 0.8\n";
   text += "set palette defined (0 '#352a87', 1 '#0f77db', 2 '#10b1b2', 3 '#d1ba58', 4 '#f9fb0e')\n";
   text += "set cbrange [" + mtf::format_double(figure.colour_range[0]) + ":" +
-          mtf::format_double(figure.colour_range[1]) + "]\nset cblabel " + quoted(figure.colour_label) + "\n";
+          mtf::format_double(figure.colour_range[1]) + "]\nset cblabel " + gnuplot_string(figure.colour_label) + "\n";
   std::string plots;
   for (std::size_t i = 0; i < figure.series.size(); ++i) {
     const Series& series = figure.series[i];
@@ -182,8 +182,9 @@ std::string plot_commands(const Figure& figure, std::size_t panel, Medium medium
   const std::array<double, 2> range = x_range(figure);
   const bool characters = medium == Medium::characters;
   std::string text = "unset arrow\nunset label\nunset logscale\n";
-  if (!figure.title.empty()) text += "set title " + quoted(figure.title) + (characters ? "\n" : " offset 0,1.3\n");
-  text += "set xlabel " + quoted(figure.x_label) + "\nset ylabel " + quoted(figure.y_label) + "\n";
+  if (!figure.title.empty())
+    text += "set title " + gnuplot_string(figure.title) + (characters ? "\n" : " offset 0,1.3\n");
+  text += "set xlabel " + gnuplot_string(figure.x_label) + "\nset ylabel " + gnuplot_string(figure.y_label) + "\n";
   text += "set xrange [" + mtf::format_double(range[0]) + ":" + mtf::format_double(range[1]) + "]\n";
   text += "set yrange [" + (figure.y_low ? mtf::format_double(*figure.y_low) : "*") + ":" +
           (figure.y_high ? mtf::format_double(*figure.y_high) : "*") + "]\n";
@@ -205,7 +206,7 @@ std::string plot_commands(const Figure& figure, std::size_t panel, Medium medium
                " using 1:3:4 notitle with filledcurves fc rgb '#b8d4ea' fs solid noborder";
   for (std::size_t i = 0; i < figure.series.size(); ++i)
     plots += std::string(plots.empty() ? "plot " : ", ") + block_name(panel, i) + " using 1:2 title " +
-             quoted(figure.series[i].name) + " with " +
+             gnuplot_string(figure.series[i].name) + " with " +
              style(figure.series[i], figure.series[i].emphasised ? 0 : thin++, medium);
   return text + plots + "\n";
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/sweep/sweep_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/version.h"
@@ -24,8 +25,6 @@ constexpr int kDigits = 8;
 std::string method_name(study::OptimizeOptions::Method method) {
   return method == study::OptimizeOptions::Method::smooth ? "smooth" : "search";
 }
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
 /// What a column says about a design and has no other place: axes, links, metrics, objectives of their own.
 bool is_value(const Column& column) {
@@ -108,17 +107,17 @@ Json optimum_json(const Study& study, const Optimum& optimum, bool whole) {
     const std::string* level = level_of(study, optimum, c);
     json["design"].push_back({{"name", columns[c].name},
                               {"role", role_name(columns[c].role)},
-                              {"value", level != nullptr ? Json(*level) : number(optimum.row[c])},
+                              {"value", level != nullptr ? Json(*level) : number_or_null(optimum.row[c])},
                               {"unit", columns[c].unit}});
   }
   for (std::size_t i = 0; i < optimum.objectives.size(); ++i)
     json["objectives"].push_back({{"text", study.objectives[i].text},
                                   {"maximize", study.objectives[i].maximize},
-                                  {"value", number(optimum.objectives[i])},
+                                  {"value", number_or_null(optimum.objectives[i])},
                                   {"unit", study.objectives[i].unit}});
   for (std::size_t i = 0; i < study.constraints.size(); ++i)
     json["constraints"].push_back({{"text", study.constraints[i].text}, {"state", constraint_text(study, optimum, i)}});
-  json["goal"] = number(optimum.goal);
+  json["goal"] = number_or_null(optimum.goal);
   json["feasible"] = optimum.feasible;
   json["limits"] = Json::array();
   for (const Limit& limit : optimum.limits)
@@ -126,17 +125,17 @@ Json optimum_json(const Study& study, const Optimum& optimum, bool whole) {
                               {"kind", limit.kind == Limit::Kind::constraint ? "constraint"
                                        : limit.kind == Limit::Kind::lower    ? "lower"
                                                                              : "upper"},
-                              {"value", number(limit.value)},
+                              {"value", number_or_null(limit.value)},
                               {"unit", limit.unit},
-                              {"gain", number(limit.gain)}});
+                              {"gain", number_or_null(limit.gain)}});
   json["limits_depend"] = optimum.shared;
   json["violations"] = Json::array();
   for (const study::Violation& violation : optimum.violations)
     json["violations"].push_back({{"text", study.constraints[violation.constraint].text},
-                                  {"by", number(violation.by)},
+                                  {"by", number_or_null(violation.by)},
                                   {"unit", violation.unit},
-                                  {"share", number(violation.share)}});
-  json["residual"] = number(optimum.residual);
+                                  {"share", number_or_null(violation.share)}});
+  json["residual"] = number_or_null(optimum.residual);
   json["converged"] = optimum.converged;
   json["method"] = method_name(optimum.method);
   json["why"] = optimum.why;

@@ -22,8 +22,6 @@ constexpr std::size_t kMostFront = 10'000;  // designs of the front that are lis
 constexpr std::array kRoles{"axis", "link", "metric", "objective", "feasible", "yield", "error"};
 constexpr std::array kMethods{"grid", "latin_hypercube", "sobol"};
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
 std::string machine_text() {
   const Machine machine = this_machine();
   return (machine.cpu.empty() ? "unknown processor" : machine.cpu) + ", " + std::to_string(machine.cores) + " cores, " +
@@ -59,7 +57,7 @@ Json axis_values_json(const study::Study& study, std::size_t axis) {
   const study::Axis& a = study.axes[axis];
   Json values = Json::array();
   if (a.discrete() || study.method != study::Method::grid) {
-    for (const double v : a.values) values.push_back(number(v));
+    for (const double v : a.values) values.push_back(number_or_null(v));
     return values;
   }
   std::int64_t stride = 1;  // the last axis is the fastest
@@ -67,7 +65,7 @@ Json axis_values_json(const study::Study& study, std::size_t axis) {
   std::vector<double> point(study.axes.size());
   for (std::int64_t i = 0; i < a.points(); ++i) {
     study::design_at(study, i * stride, point);
-    values.push_back(number(point[axis]));
+    values.push_back(number_or_null(point[axis]));
   }
   return values;
 }
@@ -92,7 +90,7 @@ Json best_json(const SweepReport& report) {
     if (design.design < 0) continue;
     best.push_back({{"objective", study.objectives[o].text},
                     {"design", design.design},
-                    {"value", number(design.value)},
+                    {"value", number_or_null(design.value)},
                     {"active", texts_of(report, active_constraints(report, design.row))}});
   }
   return best;
@@ -112,7 +110,7 @@ Json sensitivities_json(const SweepReport& report) {
       const std::string of = unit_of(gradient.columns[c]), by = unit_of(gradient.parameters[p]);
       derivatives.push_back({{"column", gradient.columns[c]},
                              {"parameter", gradient.parameters[p]},
-                             {"value", number(gradient.value[c * gradient.parameters.size() + p])},
+                             {"value", number_or_null(gradient.value[c * gradient.parameters.size() + p])},
                              {"unit", by.empty() ? of : (of.empty() ? "1" : of) + " per " + by}});
     }
   Json indices = Json::array();
@@ -121,10 +119,10 @@ Json sensitivities_json(const SweepReport& report) {
       const study::Index& index = report.indices.indices.of[r][a];
       indices.push_back({{"column", columns[report.indices.columns[r]].name},
                          {"parameter", columns[a].name},
-                         {"first", number(index.first)},
-                         {"first_sd", number(index.first_sd)},
-                         {"total", number(index.total)},
-                         {"total_sd", number(index.total_sd)}});
+                         {"first", number_or_null(index.first)},
+                         {"first_sd", number_or_null(index.first_sd)},
+                         {"total", number_or_null(index.total)},
+                         {"total_sd", number_or_null(index.total_sd)}});
     }
   return {{"design", report.gradient_design},
           {"derivatives", derivatives},
@@ -140,8 +138,9 @@ Json yield_json(const SweepReport& report, std::size_t column) {
     if (design.design < 0 || std::find(seen.begin(), seen.end(), design.design) != seen.end()) return;
     seen.push_back(design.design);
     const double yield = design.row[column];
-    best.push_back(
-        {{"design", design.design}, {"yield", number(yield)}, {"sd", number(study::yield_error(yield, draws))}});
+    best.push_back({{"design", design.design},
+                    {"yield", number_or_null(yield)},
+                    {"sd", number_or_null(study::yield_error(yield, draws))}});
   };
   for (const study::TallyDesign& design : report.tally->best()) add(design);
   add(report.tally->highest_yield());
@@ -165,13 +164,15 @@ Json accuracy_json(const SweepReport& report) {
   Json rows = Json::array();
   for (const study::AccuracyRow& row : report.accuracy.rows)
     rows.push_back({{"tolerance", row.tolerance},
-                    {"promised", number(row.promised)},
-                    {"realised", number(row.realised)},
-                    {"us_per_design", number(row.us_per_design)}});
+                    {"promised", number_or_null(row.promised)},
+                    {"realised", number_or_null(row.realised)},
+                    {"us_per_design", number_or_null(row.us_per_design)}});
   return rows;
 }
 
 }  // namespace
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
 Json to_json(const SweepReport& report) {
   const study::Study& study = *report.sweep->study;
@@ -192,7 +193,7 @@ Json to_json(const SweepReport& report) {
   json["method"] = kMethods[static_cast<std::size_t>(study.method)];
   json["seed"] = study.seed;
   json["tolerance"] = study.tolerance;
-  json["worst_error"] = number(tally.worst_error());
+  json["worst_error"] = number_or_null(tally.worst_error());
   json["columns"] = columns_json(report);
   json["axes"] = axes_json(report);
   json["constraints"] = Json::array();
@@ -227,8 +228,8 @@ Json to_json(const SweepReport& report) {
   if (const auto column = study::column_of(report.sweep->columns, study::Column::Role::yield))
     json["yield"] = yield_json(report, *column);
   if (!report.accuracy.rows.empty()) json["accuracy"] = accuracy_json(report);
-  json["timing"] = {{"seconds", number(run.seconds)},
-                    {"designs_per_second", number(static_cast<double>(run.tally.made) / run.seconds)},
+  json["timing"] = {{"seconds", number_or_null(run.seconds)},
+                    {"designs_per_second", number_or_null(static_cast<double>(run.tally.made) / run.seconds)},
                     {"threads", report.threads},
                     {"resumed_designs", run.tally.resumed}};
   json["skipped"] = report.skipped;

@@ -42,6 +42,9 @@ bool none_valid(const SweepReport& report);
 std::vector<std::size_t> active_constraints(const SweepReport& report, std::span<const double> row);
 std::vector<std::size_t> violated_constraints(const SweepReport& report, std::span<const double> row);
 
+/// A number in JSON; null where it is not finite.
+nlohmann::ordered_json number_or_null(double value);
+
 /// sweep.json.
 nlohmann::ordered_json to_json(const SweepReport& report);
 

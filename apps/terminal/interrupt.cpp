@@ -13,7 +13,7 @@
 namespace apps {
 namespace {
 
-std::atomic<const char*> note = nullptr;  // global, because a signal handler has no arguments of its own
+std::atomic<const char*> last_note = nullptr;  // global, because a signal handler has no arguments of its own
 static_assert(std::atomic<const char*>::is_always_lock_free);
 
 void say(std::string_view text) {
@@ -24,14 +24,14 @@ void say(std::string_view text) {
 extern "C" void stop(int) {
   mtf::io::remove_temporaries();
   say("mtf: interrupted\n");
-  if (const char* text = note) say(text);
+  if (const char* text = last_note) say(text);
   ::_exit(130);
 }
 
 }  // namespace
 
-InterruptNote::InterruptNote(const char* text) { note = text; }
-InterruptNote::~InterruptNote() { note = nullptr; }
+InterruptNote::InterruptNote(const char* text) { last_note = text; }
+InterruptNote::~InterruptNote() { last_note = nullptr; }
 
 void prepare_process() {
   // A standard stream that is closed would give its number to the next file that is opened, which results or messages

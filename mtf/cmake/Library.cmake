@@ -18,6 +18,17 @@ function(mtfkit_library name)
   install(TARGETS ${target} EXPORT mtfkitTargets)
 endfunction()
 
+# mtfkit_unity(target [ALONE files...])
+# With MTFKIT_UNITY the sources of the target are compiled ten at a time, so that headers are read once for each group;
+# ALONE are those whose own headers are long. For targets without hot loops: groups change what is inlined.
+function(mtfkit_unity target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "ALONE")
+  if(MTFKIT_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 10)
+    set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
+endfunction()
+
 # mtfkit_install_headers(folder [INTERNAL files...]): the headers below the folder, under include/mtfkit, but for those that
 # only the toolkit's own sources include.
 function(mtfkit_install_headers folder)

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "mtfkit rows 1\n";
 constexpr std::size_t kMostHead = 400;  // bytes; the lines take some 240
-constexpr std::int64_t kMostDesigns = 1'000'000'000, kMostColumns = 100'000;
+constexpr std::int64_t kMostRows = 1'000'000'000, kMostColumns = 100'000;
 
 /// The lines that a hash covers besides the numbers.
 std::string lines_of(const RowLayout& layout, RowRange range) {
@@ -35,8 +35,6 @@ std::string hash_of(const RowLayout& layout, RowRange range, std::span<const dou
       mtf::io::sha256_hex({reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(double)});
   return mtf::io::sha256_hex(lines_of(layout, range) + numbers);
 }
-
-std::string shown(const fs::path& file) { return mtf::io::printable(file.string()); }
 
 [[noreturn]] void damaged(const fs::path& file, const std::string& what) {
   throw mtf::RuntimeError(shown(file) + ": damaged: " + what + "; remove it and run its designs again");
@@ -71,6 +69,8 @@ bool take_hash(std::string_view& text, std::string_view word, std::string& hash)
 
 }  // namespace
 
+std::string shown(const fs::path& path) { return mtf::io::printable(path.string()); }
+
 std::uint64_t RowPiece::bytes() const {
   return static_cast<std::uint64_t>(range.count) * static_cast<std::uint64_t>(layout.columns) * sizeof(double);
 }
@@ -98,8 +98,8 @@ std::vector<RowPiece> list_rows(const fs::path& file) {
     const std::size_t all = text.size();
     if (!text.starts_with(kMagic)) damaged(file, at == 0 ? "no row file" : "cut in the middle");
     text.remove_prefix(kMagic.size());
-    if (!take_hash(text, "key", piece.layout.key) || !take_number(text, "first", 0, kMostDesigns, piece.range.first) ||
-        !take_number(text, "count", 1, kMostDesigns, piece.range.count) ||
+    if (!take_hash(text, "key", piece.layout.key) || !take_number(text, "first", 0, kMostRows, piece.range.first) ||
+        !take_number(text, "count", 1, kMostRows, piece.range.count) ||
         !take_number(text, "columns", 1, kMostColumns, piece.layout.columns) ||
         !take_hash(text, "sha256", piece.sha256) || !text.starts_with('\n'))
       damaged(file, "its first lines cannot be read");

@@ -57,6 +57,9 @@ void read_rows(const RowPiece& piece, std::vector<double>& rows);
 /// Joins row files into one. Throws RuntimeError.
 void join_rows(const std::vector<RowPiece>& pieces, const std::filesystem::path& file);
 
+/// A path in messages: printable characters only.
+std::string shown(const std::filesystem::path& path);
+
 /// "designs 4096 to 8191", for messages.
 std::string describe(RowRange range);
 

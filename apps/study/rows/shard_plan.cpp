@@ -22,8 +22,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kShownHash = 12;  // digits of a hash in a file's name
 constexpr int kNamedShards = 20;        // that a message names one by one
 
-std::string shown(const fs::path& path) { return mtf::io::printable(path.string()); }
-
 fs::path plan_file(const fs::path& folder) { return folder / "plan.json"; }
 fs::path shards_folder(const fs::path& folder) { return folder / "shards"; }
 

@@ -11,7 +11,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::int64_t kMostDesigns = 64, kLeastDesigns = 2;
+constexpr std::int64_t kMostSampled = 64, kLeastSampled = 2;
 constexpr int kLoosest = 2, kTightest = 9;  // decades
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -61,7 +61,7 @@ AccuracyTable accuracy_table(const Study& study, double seconds) {
   const std::vector<Column> columns = columns_of(study);
   AccuracyTable table;
   double us = 0.0;
-  const std::int64_t few = std::min(kLeastDesigns, study.designs);
+  const std::int64_t few = std::min(kLeastSampled, study.designs);
   // Wavefronts by quadrature take seconds a design at tight tolerances: those that take too long are left out.
   int tightest = kLoosest;
   const Clock::time_point probing = Clock::now();
@@ -73,8 +73,8 @@ AccuracyTable accuracy_table(const Study& study, double seconds) {
   sample_rows(study, table.reference, few, columns.size(), us);
   // All decades together cost some four times what the tightest does.
   const double each = 4.0 * seconds_since(start) / static_cast<double>(few);
-  const auto fit = static_cast<std::int64_t>(std::min(seconds / each, static_cast<double>(kMostDesigns)));
-  table.designs = std::min(study.designs, std::max(kLeastDesigns, fit));
+  const auto fit = static_cast<std::int64_t>(std::min(seconds / each, static_cast<double>(kMostSampled)));
+  table.designs = std::min(study.designs, std::max(kLeastSampled, fit));
   const std::vector<double> truth = sample_rows(study, table.reference, table.designs, columns.size(), us);
   table.reference_error = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < truth.size(); ++i)

@@ -13,7 +13,7 @@ constexpr std::size_t kSmall = 32;            // points that are compared each w
 constexpr std::size_t kSmallPairs = 2048;     // the same of two sets
 constexpr std::size_t kLeastBatch = 1 << 16;  // points that wait for the next pass of the sort
 
-using Indices = std::vector<std::size_t>;
+using Rows = std::vector<std::size_t>;
 
 /// The recursion of Kung, Luccio and Preparata on points that all differ.
 struct Maxima {
@@ -32,7 +32,7 @@ struct Maxima {
   }
 
   /// Drops from `low` what some point of `high` covers in the objectives from `from` on.
-  void filter(Indices& low, Indices& high, std::size_t from) const {
+  void filter(Rows& low, Rows& high, std::size_t from) const {
     if (low.empty() || high.empty()) return;
     if (from == last) {
       double best = -std::numeric_limits<double>::infinity();
@@ -50,7 +50,7 @@ struct Maxima {
   }
 
   /// Two objectives are left: down the first, the best of the second so far decides.
-  void sweep(Indices& low, Indices& high, std::size_t from) const {
+  void sweep(Rows& low, Rows& high, std::size_t from) const {
     const auto down = [&](std::size_t a, std::size_t b) { return value(a, from) > value(b, from); };
     std::sort(low.begin(), low.end(), down);
     std::sort(high.begin(), high.end(), down);
@@ -66,17 +66,17 @@ struct Maxima {
     });
   }
 
-  void split(Indices& low, Indices& high, std::size_t from) const {
+  void split(Rows& low, Rows& high, std::size_t from) const {
     std::vector<double> all;
-    for (const Indices* set : {&low, &high})
+    for (const Rows* set : {&low, &high})
       for (const std::size_t i : *set) all.push_back(value(i, from));
     const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
     std::nth_element(all.begin(), middle, all.end());
     const double at = *middle;
     const bool lowest = std::none_of(all.begin(), middle, [&](double v) { return v < at; });
     const auto upper = [&](std::size_t i) { return lowest ? value(i, from) > at : value(i, from) >= at; };
-    const auto parts = [&](const Indices& set) {
-      std::array<Indices, 2> two;
+    const auto parts = [&](const Rows& set) {
+      std::array<Rows, 2> two;
       for (const std::size_t i : set) two[upper(i) ? 0 : 1].push_back(i);
       return two;
     };
@@ -91,14 +91,14 @@ struct Maxima {
   }
 
   /// `sorted`: best first, objective by objective, so that none covers one before it.
-  Indices of(std::span<const std::size_t> sorted) const {
+  Rows of(std::span<const std::size_t> sorted) const {
     if (sorted.size() <= kSmall) {
-      Indices kept;
+      Rows kept;
       for (const std::size_t i : sorted)
         if (std::none_of(kept.begin(), kept.end(), [&](std::size_t k) { return covers(k, i, 0); })) kept.push_back(i);
       return kept;
     }
-    Indices top = of(sorted.first(sorted.size() / 2)), bottom = of(sorted.subspan(sorted.size() / 2));
+    Rows top = of(sorted.first(sorted.size() / 2)), bottom = of(sorted.subspan(sorted.size() / 2));
     filter(bottom, top, std::min<std::size_t>(1, last));
     top.insert(top.end(), bottom.begin(), bottom.end());
     return top;
@@ -113,7 +113,7 @@ void FrontPoints::add(std::int64_t design, std::span<const double> of) {
 }
 
 FrontPoints front_of(const FrontPoints& points) {
-  Indices order(points.size());
+  Rows order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     const auto va = points.at(a), vb = points.at(b);
@@ -125,7 +125,7 @@ FrontPoints front_of(const FrontPoints& points) {
     return std::equal(points.at(a).begin(), points.at(a).end(), points.at(b).begin());
   };
   order.erase(std::unique(order.begin(), order.end(), equal), order.end());
-  Indices kept = Maxima{points}.of(order);
+  Rows kept = Maxima{points}.of(order);
   std::sort(kept.begin(), kept.end(),
             [&](std::size_t a, std::size_t b) { return points.designs[a] < points.designs[b]; });
   FrontPoints front{.objectives = points.objectives};

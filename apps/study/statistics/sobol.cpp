@@ -9,8 +9,8 @@ namespace study {
 std::vector<SobolAxis> sobol_axes(std::size_t axes) {
   std::vector<SobolAxis> directions(axes);
   if (axes == 0) return directions;
-  using Engine = boost::random::sobol_engine<std::uint_least32_t, 32, boost::random::default_sobol_table>;
-  Engine engine(axes);
+  using SobolEngine = boost::random::sobol_engine<std::uint_least32_t, 32, boost::random::default_sobol_table>;
+  SobolEngine engine(axes);
   for (std::size_t bit = 0; bit < std::tuple_size_v<SobolAxis>; ++bit) {
     // Point 2^(bit + 1) - 1 has the Gray code 2^bit: it is the direction number itself. Boost leaves out point 0.
     engine.seed((std::uint32_t{2} << bit) - 2);

@@ -18,11 +18,10 @@ namespace {
 using cfg::Node;
 
 constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
-constexpr std::size_t kMaxErrors = 20;
 
 std::string joined(const std::vector<std::string>& lines) {
   std::string text;
-  for (std::size_t i = 0; i < std::min(lines.size(), kMaxErrors); ++i) text += (i > 0 ? "\n" : "") + lines[i];
+  for (std::size_t i = 0; i < std::min(lines.size(), kMostScheduleErrors); ++i) text += (i > 0 ? "\n" : "") + lines[i];
   return text;
 }
 
@@ -120,7 +119,7 @@ Schedule parse_schedule(std::string_view text, const std::string& file, const Se
   const auto targets = cfg::targets_of(sensor);
   std::map<std::pair<std::int64_t, std::string>, int> seen;
   for (const Setting& setting : schedule.settings) {
-    if (errors.size() >= kMaxErrors) break;
+    if (errors.size() >= kMostScheduleErrors) break;
     const auto target = cfg::find_target(targets, setting.parameter);
     if (!target) {
       errors.push_back(schedule_error(file, setting.line, cfg::unknown_parameter(targets, setting.parameter)));

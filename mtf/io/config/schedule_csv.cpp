@@ -12,7 +12,6 @@ namespace mtf::io {
 namespace {
 
 constexpr int kMaxLines = 1'000'000;
-constexpr std::size_t kMaxErrors = 20;
 constexpr std::size_t kMaxCell = 4096;
 constexpr std::string_view kHeader = "the first line has to be frame,parameter,value";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
@@ -123,7 +122,7 @@ std::vector<Setting> read_settings(std::string_view text, const std::string& fil
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   Columns columns;
   bool header = false;
-  for (int number = 1; !text.empty() && errors.size() < kMaxErrors; ++number) {
+  for (int number = 1; !text.empty() && errors.size() < kMostScheduleErrors; ++number) {
     const std::string_view line = take_line(text);
     if (number > kMaxLines) return fail(number, "more than " + std::to_string(kMaxLines) + " lines"), settings;
     if (!is_text(line)) return fail(number, "no text; " + std::string(kHeader)), settings;

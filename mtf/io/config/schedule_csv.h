@@ -11,6 +11,9 @@
 
 namespace mtf::io {
 
+/// Errors of a schedule that one message lists.
+inline constexpr std::size_t kMostScheduleErrors = 20;
+
 /// Settings in the order of the file. What is wrong with its form goes to `errors` as "file:line: error: ..." lines.
 std::vector<Setting> read_settings(std::string_view text, const std::string& file, std::vector<std::string>& errors);
 
