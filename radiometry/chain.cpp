@@ -119,7 +119,8 @@ Camera<double> camera_of(const mtf::System<double>& system, const Sensor& sensor
 }
 
 Pixel<double> pixel_of(const mtf::System<double>& system, const Sensor& sensor) {
-  if (!sensor.settings.detector) throw mtf::UsageError("[detector]: missing; electrons need it: write [detector] quantum_efficiency = 0.75");
+  if (!sensor.settings.detector)
+    throw mtf::UsageError("[detector]: missing; electrons need it: write [detector] quantum_efficiency = 0.75");
   if (!(system.frame.integration_time_s > 0.0))
     throw mtf::UsageError("frame.integration_time: missing; [detector] needs it, for example \"10 ms\"");
   const Pixel<double> pixel = pixel_numbers(system, sensor.settings);
