@@ -197,9 +197,7 @@ TEST(Curve, BadFrequenciesAndOutputs) {
   EXPECT_EQ(said("--plot k.svg -o k.svg"),
             "mtf: error: k.svg: -o names the file of the figure k.svg; choose another name for -o\n");
   EXPECT_EQ(said("--plot k.svg -o ./k.svg.csv"),
-            "mtf: error: ./k.svg.csv: -o names the data file that is written beside the figure k.svg; choose another "
-            "name for "
-            "-o\n");
+            "mtf: error: ./k.svg.csv: -o names the data file of the figure k.svg; choose another name for -o\n");
   // A link to a file that is yet to be written leads to it all the same.
   ASSERT_EQ(scratch.run("ln -s k.svg link.csv").status, 0);
   EXPECT_NE(said("--plot k.svg -o link.csv").find("-o names the file of the figure"), std::string::npos);
