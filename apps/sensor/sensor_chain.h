@@ -39,7 +39,7 @@ struct LoadedSensor {
 /// RuntimeError for files that cannot be read.
 LoadedSensor load_chain(const mtf::io::SensorConfig& config);
 
-/// The system whose band is weighted by the electrons that light of that spectrum gives behind all curves; unchanged
+/// The system whose band is weighted by the electrons that light of that spectrum gives after all curves; unchanged
 /// where there is neither a curve nor a source temperature. Throws UsageError where that light gives no electrons.
 mtf::System<double> with_electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded);
 
