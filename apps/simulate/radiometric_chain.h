@@ -18,7 +18,7 @@ struct RadiometricChain {
   radiometry::OutputStage stage{};
 
   int samples_a_pitch() const { return radiometry::samples_a_pitch(loaded.sensor); }
-  /// The default tolerance for a scene of that standard deviation: a tenth of a count behind the converter.
+  /// The default tolerance for a scene of that standard deviation: a tenth of a count after the converter.
   double tolerance(double otherwise, double std) const;
   std::string_view quantity() const { return output_quantity(loaded.sensor, stage); }
   std::string_view unit() const { return output_unit(loaded.sensor, stage); }

@@ -128,6 +128,8 @@ SimulateResult simulate_whole(const mtf::io::SensorConfig& config, SceneSource& 
 }  // namespace
 
 SimulateResult simulate(const mtf::io::SensorConfig& sensor, SceneSource scene, const SimulateOptions& options) {
+  if (!scene.image && scene.file.empty())
+    throw mtf::UsageError("there is no scene; name a file of it, or give its planes as `image`");
   if (is_sequence(scene, options)) {
     if (options.memory || options.region)
       throw mtf::UsageError("--memory and --roi are for one image; leave them out of a sequence");

@@ -40,7 +40,7 @@ std::optional<mtf::SceneSummary> harder_of(std::optional<mtf::SceneSummary> a,
 void loosen_default(const mtf::UnreachableTolerance& refusal, mtf::PlanOptions& options,
                     std::vector<std::string>& warnings);
 
-/// compile() for the tolerance asked for; without one, for the default or, where that is out of reach, for what can be
+/// compile() for the tolerance asked for; without one, for the default or, where that cannot be kept, for what can be
 /// kept. `compile` uses `options`.
 template <class Compile>
 auto compile_reachable(bool asked, mtf::PlanOptions& options, std::vector<std::string>& warnings,

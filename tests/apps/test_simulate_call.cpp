@@ -226,6 +226,7 @@ TEST_F(SimulateCall, RefusesScenesThatAreNone) {
     }
     return "";
   };
+  EXPECT_NE(refusal(SceneSource{}).find("no scene"), std::string::npos);
   EXPECT_NE(refusal(radiance()).find("sample spacing"), std::string::npos);
   SceneSource none = radiance(), uneven = radiance(), limited = radiance();
   none.image->planes.clear();

@@ -133,7 +133,7 @@ std::string saturation_warning(const SequenceReport& report) {
 }
 
 /// Reads, runs and hands over all frames, and says what there is to say when they are done, or when one has failed.
-/// Returns how many were on their way at a time.
+/// Returns how many were at work at a time.
 std::int64_t run_frames(SequenceFrames& frames, int threads, RunWatch& watch) {
   const auto say = [&] {
     for (const std::string& text : frames.warnings()) watch.warn(text);

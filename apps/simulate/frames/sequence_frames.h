@@ -33,7 +33,7 @@ class SequenceFrames {
 
   /// Reads the first frame and compiles its plan, on all threads: what the others are judged by. Throws.
   void prepare();
-  /// Memory that one frame on its way takes.
+  /// Bytes that a frame takes while it is being worked on.
   double bytes_a_frame() const;
   void set_threads_a_frame(int threads) { threads_ = threads; }
 

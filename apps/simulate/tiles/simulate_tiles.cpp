@@ -53,7 +53,7 @@ std::optional<std::size_t> overflowing(Planes planes) {
   return std::nullopt;
 }
 
-// Pixels that are NaN where bad samples reach them need the whole image and its plan.
+// Pixels that are NaN because bad samples blur into them need the whole image and its plan.
 std::vector<mtf::Image> run_whole(const mtf::io::SensorConfig& config, TileScene& source,
                                   const std::vector<mtf::Image>& masks, const mtf::PlanOptions& options,
                                   const mtf::Region& region) {
