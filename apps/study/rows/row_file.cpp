@@ -149,14 +149,14 @@ std::vector<RowPiece> in_order(std::vector<RowPiece> pieces, const RowLayout& la
   std::int64_t next = range.first;
   for (const RowPiece& piece : pieces) {
     if (piece.range.first > next)
-      throw mtf::RuntimeError(describe({next, piece.range.first - next}) + ": missing, " + shown(piece.file) +
+      throw mtf::RuntimeError(describe(RowRange{next, piece.range.first - next}) + ": missing, " + shown(piece.file) +
                               " comes after them");
     if (piece.range.first < next || piece.range.end() > range.end())
       throw mtf::RuntimeError(shown(piece.file) + ": foreign: holds " + describe(piece.range) +
                               ", which others hold or nothing asks for; remove it");
     next = piece.range.end();
   }
-  if (next < range.end()) throw mtf::RuntimeError(describe({next, range.end() - next}) + ": missing");
+  if (next < range.end()) throw mtf::RuntimeError(describe(RowRange{next, range.end() - next}) + ": missing");
   return pieces;
 }
 
