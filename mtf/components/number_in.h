@@ -22,7 +22,7 @@ struct NumberIn {
   NumberIn(const Given& quantity) : value(S(quantity / unit(1.0))) {}
 };
 
-/// The same where nothing may be given: a std::optional to whoever reads it.
+/// The same for a number that may be left out. It is read as a std::optional.
 template <class S, auto unit>
 struct OptionalIn : std::optional<S> {
   using Given = decltype(unit(1.0));
