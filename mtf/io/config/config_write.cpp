@@ -7,35 +7,15 @@
 #include <filesystem>
 
 #include "mtf/io/config/config_reader.h"
+#include "mtf/io/config/config_text.h"
 
 namespace mtf::io {
 namespace {
 
 using cfg::Scalar;
+using cfg::toml_number;
 using cfg::toml_scalar;
-
-std::string toml_number(double value) {
-  std::string text = format_double(value);
-  // Without a point it would be an integer, of 64 bits only.
-  return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
-}
-
-std::string toml_string(std::string_view text) {
-  constexpr std::string_view digits = "0123456789abcdef";
-  std::string quoted = "\"";
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      quoted += '\\';
-      quoted += c;
-    } else if (code < 0x20 || code == 0x7f) {
-      quoted += std::string("\\u00") + digits[code >> 4] + digits[code & 15];
-    } else {
-      quoted += c;
-    }
-  }
-  return quoted + "\"";
-}
+using cfg::toml_string;
 
 class Writer {
  public:

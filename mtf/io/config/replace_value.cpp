@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/io/config/replace_value.h"
+
+#include <algorithm>
+
+#include "mtf/error.h"
+#include "mtf/io/config/config_edit.h"
+#include "mtf/io/config/config_text.h"
+#include "mtf/io/file_checks.h"
+
+namespace mtf::io {
+namespace {
+
+using cfg::Edit;
+using cfg::end_of_value;
+using cfg::Member;
+using cfg::Node;
+using cfg::offset_of;
+using cfg::Target;
+
+/// Equal values under equal keys; the order of keys and their positions do not count.
+bool same_values(const Node& a, const Node& b) {
+  if (a.kind != b.kind || a.text != b.text || a.integer != b.integer || a.boolean != b.boolean) return false;
+  if (a.number != b.number && !(a.number != a.number && b.number != b.number)) return false;
+  const auto found_in_b = [&](const Member& member) {
+    const Node* other = b.find(member.key);
+    return other != nullptr && same_values(member.value, *other);
+  };
+  return a.members.size() == b.members.size() && std::all_of(a.members.begin(), a.members.end(), found_in_b) &&
+         std::equal(a.items.begin(), a.items.end(), b.items.begin(), b.items.end(), same_values);
+}
+
+std::string toml_value(const Node& node, std::string_view given) {
+  switch (node.kind) {
+    case Node::Kind::integer:
+      return std::to_string(node.integer);
+    case Node::Kind::real:
+      return cfg::toml_number(node.number);
+    case Node::Kind::string:
+      return cfg::toml_string(node.text);
+    default:
+      return std::string(given);  // a list, true or false, which were read as TOML
+  }
+}
+
+const Node* table_of(const Node& root, const Target& target) {
+  const Node* owner = root.find(target.table);
+  if (owner == nullptr || !target.component) return owner;
+  return target.index < owner->items.size() ? &owner->items[target.index] : nullptr;
+}
+
+/// The number of a fit table, else the value itself.
+const Node* number_of(const Node* value) {
+  const Node* inner = value != nullptr && value->kind == Node::Kind::table ? value->find("value") : nullptr;
+  return inner != nullptr ? inner : value;
+}
+
+/// Changes of one table of the text.
+class TableText {
+ public:
+  TableText(std::string_view text, const Node& table) : text_(text), table_(table) {}
+
+  const Node* find(std::string_view key) const { return table_.find(key); }
+  void replace(const Node& old, const std::string& value) {
+    const std::size_t begin = offset_of(text_, old.position);
+    edits_.push_back({begin, end_of_value(text_, begin), value});
+  }
+  /// `key = value` gives way to `lines`, one below the other.
+  void replace_line(std::string_view key, std::string_view first, std::string_view second = {}) {
+    const Member& member = member_of(key);
+    const std::size_t begin = offset_of(text_, member.position);
+    const std::string gap = is_inline() ? ", " : "\n" + std::string(indentation(begin));
+    edits_.push_back({begin, end_of(member), std::string(first) + (second.empty() ? "" : gap + std::string(second))});
+  }
+  void remove_line(std::string_view key) {
+    const Member& member = member_of(key);
+    std::size_t begin = offset_of(text_, member.position), end = end_of(member);
+    if (is_inline()) {  // with the comma before or after it
+      const std::size_t before = text_.find_last_not_of(" \t\r\n", begin - 1),
+                        after = text_.find_first_not_of(" \t", end);
+      if (text_[before] == ',')
+        begin = before;
+      else if (after != std::string_view::npos && text_[after] == ',')
+        end = text_.find_first_not_of(" \t", after + 1);
+    } else {
+      begin -= indentation(begin).size();
+      end = std::min(text_.find('\n', end), text_.size() - 1) + 1;
+    }
+    edits_.push_back({begin, end, ""});
+  }
+  /// After the last key of the table.
+  void add_line(const std::string& line) {
+    const auto last = std::max_element(
+        table_.members.begin(), table_.members.end(),
+        [&](const Member& a, const Member& b) { return offset_of(text_, a.position) < offset_of(text_, b.position); });
+    if (last == table_.members.end()) {
+      const std::size_t at = std::min(text_.find('\n', offset_of(text_, table_.position)), text_.size());
+      edits_.push_back({at, at, "\n" + line});
+      return;
+    }
+    const std::size_t begin = offset_of(text_, last->position), end = end_of(*last);
+    const std::size_t at = is_inline() ? end : std::min(text_.find('\n', end), text_.size());
+    edits_.push_back({at, at, (is_inline() ? ", " : "\n" + std::string(indentation(begin))) + line});
+  }
+  std::string text() const { return cfg::edited(text_, edits_); }
+
+ private:
+  const Member& member_of(std::string_view key) const {
+    return *std::find_if(table_.members.begin(), table_.members.end(), [&](const Member& m) { return m.key == key; });
+  }
+  std::size_t end_of(const Member& member) const {
+    return end_of_value(text_, offset_of(text_, member.value.position));
+  }
+  bool is_inline() const {
+    const std::size_t at = offset_of(text_, table_.position);
+    return at < text_.size() && text_[at] == '{';
+  }
+  /// The blanks before `at`, where the line starts with them.
+  std::string_view indentation(std::size_t at) const {
+    std::size_t begin = at;
+    while (begin > 0 && (text_[begin - 1] == ' ' || text_[begin - 1] == '\t')) --begin;
+    return begin == 0 || text_[begin - 1] == '\n' ? text_.substr(begin, at - begin) : std::string_view();
+  }
+
+  std::string_view text_;
+  const Node& table_;
+  std::vector<Edit> edits_{};
+};
+
+std::string new_text(std::string_view text, const Node& root, const Target& target, const std::string& value) {
+  const std::string line = target.key + " = " + value;
+  const Node* table = table_of(root, target);
+  if (table == nullptr)
+    return std::string(text) + (text.ends_with('\n') ? "" : "\n") + "[" + target.table + "]\n" + line + "\n";
+  TableText out(text, *table);
+  const Node* old = table->find(target.key);
+  if (target.element && old != nullptr) {
+    out.replace(*number_of(&old->items.at(*target.element)), value);
+    return out.text();
+  }
+  // A pair of axes is written as one value or as two, never as both.
+  const bool one_axis = target.key.ends_with("_x") || target.key.ends_with("_y");
+  const std::string stem = one_axis ? target.key.substr(0, target.key.size() - 2) : target.key;
+  const std::string x = stem + "_x", y = stem + "_y";
+  if (old != nullptr) {
+    out.replace(*number_of(old), value);
+  } else if (const Node* both = one_axis ? table->find(stem) : nullptr; both != nullptr) {
+    const std::size_t begin = offset_of(text, both->position);
+    const std::string kept(text.substr(begin, end_of_value(text, begin) - begin));
+    out.replace_line(stem, x + " = " + (target.key == x ? value : kept), y + " = " + (target.key == y ? value : kept));
+  } else if (!one_axis && (table->find(x) != nullptr || table->find(y) != nullptr)) {
+    const bool has_x = table->find(x) != nullptr;
+    out.replace_line(has_x ? x : y, line);
+    if (has_x && table->find(y) != nullptr) out.remove_line(y);
+  } else {
+    out.add_line(line);
+  }
+  return out.text();
+}
+
+/// The tree that the new text has to have. A fit keeps its marks.
+std::string put_value(Node& root, const Target& target, const Node& value) {
+  const Node* table = table_of(root, target);
+  const Node* old = table != nullptr ? table->find(target.key) : nullptr;
+  if (old != nullptr && target.element && *target.element < old->items.size()) old = &old->items[*target.element];
+  Node wanted = value;
+  if (const Node* number = number_of(old); number != old) {
+    wanted = *old;
+    for (Member& member : wanted.members)
+      if (member.key == "value") member.value = value;
+  }
+  return cfg::put(root, target, std::move(wanted));
+}
+
+}  // namespace
+
+std::string replace_value(const SensorConfig& config, std::string_view parameter, std::string_view value) {
+  const std::string name(parameter), where = config.file + ": ";
+  const cfg::Tree tree = cfg::read_tree(config.text);
+  if (tree.error) throw UsageError(format_diagnostic(*tree.error, config.file));
+  const cfg::Targets targets = cfg::targets_of(config);
+  const auto target = cfg::find_target(targets, parameter);
+  if (!target) throw UsageError(where + cfg::unknown_parameter(targets, name));
+
+  const Node wanted = cfg::node_of(std::string(value), 0);
+  Node expected = tree.root;
+  if (const std::string problem = put_value(expected, *target, wanted); !problem.empty())
+    throw UsageError(where + printable(name, 80) + ": " + problem);
+  std::string text = new_text(config.text, tree.root, *target, toml_value(wanted, value));
+  // What comes back is read again: a table written in an unusual form is refused, never changed into something else.
+  const cfg::Tree result = cfg::read_tree(text);
+  if (result.error || !same_values(result.root, expected))
+    throw UsageError(where + printable(name, 80) + ": cannot be set to " + printable(value, 80) + " in place; write [" +
+                     target->table + "] with one `key = value` a line");
+  return text;
+}
+
+SensorConfig replaced(const SensorConfig& config, std::string_view parameter, std::string_view value) {
+  ConfigResult result = parse_config(replace_value(config, parameter, value), config.file, config.schema);
+  std::string errors;
+  for (const Diagnostic& diagnostic : result.diagnostics)
+    if (diagnostic.error) errors += (errors.empty() ? "" : "\n") + format_diagnostic(diagnostic, config.file);
+  if (!errors.empty()) throw UsageError(errors);
+  return std::move(result.config);
+}
+
+}  // namespace mtf::io

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// One value of a sensor file changed; everything else stays as it was written.
+
+#include <gtest/gtest.h>
+
+#include "mtf/error.h"
+#include "mtf/io/config/config_edit.h"
+#include "mtf/io/config/replace_value.h"
+
+namespace {
+
+using mtf::io::parse_config;
+using mtf::io::replace_value;
+using mtf::io::SensorConfig;
+
+const std::string kHead =
+    "# \xC2\xB5-lens\nschema = 1\n[frame]\nfocal_length = \"100 mm\" # nominal\npitch = \"15 um\"\n"
+    "[optics]\nf_number = 2.0\nwavelength = \"4 um\"\n[[presample]]\nkind = \"diffraction\"\n";
+
+SensorConfig read(const std::string& rest) {
+  const auto result = parse_config(kHead + rest, "s.toml");
+  for (const auto& found : result.diagnostics) EXPECT_FALSE(found.error) << found.text;
+  return result.config;
+}
+
+/// What follows kHead after the change; kHead itself has to stay.
+std::string after(const std::string& rest, const std::string& parameter, const std::string& value) {
+  const std::string text = replace_value(read(rest), parameter, value);
+  EXPECT_EQ(text.substr(0, kHead.size()), kHead);
+  EXPECT_TRUE(parse_config(text, "s.toml").ok()) << text;
+  return text.substr(kHead.size());
+}
+
+std::string refusal(const std::string& rest, const std::string& parameter, const std::string& value) {
+  try {
+    static_cast<void>(replaced(read(rest), parameter, value));
+  } catch (const mtf::UsageError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+const std::string kJitter = "[[presample]]\n  kind = \"jitter\"\n  rms = \"20 urad\"  # mount\n";
+
+}  // namespace
+
+TEST(ReplaceValue, OnlyTheValueChanges) {
+  EXPECT_EQ(after(kJitter, "jitter.rms", "0.5 px"),
+            "[[presample]]\n  kind = \"jitter\"\n  rms = \"0.5 px\"  # mount\n");
+  EXPECT_EQ(after(kJitter, "presample[1].rms", "10 urad"), after(kJitter, "jitter.rms", "10 urad"));
+  const std::string text = replace_value(read(kJitter), "frame.focal_length", "101 mm");
+  EXPECT_NE(text.find("focal_length = \"101 mm\" # nominal\npitch"), std::string::npos) << text;
+}
+
+TEST(ReplaceValue, APairOfAxesIsWrittenAsOneValueOrAsTwo) {
+  const std::string apart =
+      "[[presample]]\n  kind = \"jitter\"\n  rms_x = \"20 urad\"\n  rms_y = \"5 urad\"  # mount\n";
+  EXPECT_EQ(after(kJitter, "jitter.rms_y", "5 urad"), apart);
+  EXPECT_EQ(after(apart, "jitter.rms", "1 urad"), "[[presample]]\n  kind = \"jitter\"\n  rms = \"1 urad\"\n");
+  const std::string text = replace_value(
+      parse_config(replace_value(read(""), "frame.pitch_y", "12 um"), "s.toml").config, "frame.pitch_x", "9 um");
+  EXPECT_NE(text.find("pitch_x = \"9 um\"\npitch_y = \"12 um\"\n"), std::string::npos) << text;
+}
+
+TEST(ReplaceValue, AKeyThatIsNotThereIsAdded) {
+  const std::string pan = "[[presample]]\n\tkind = \"linear_motion\" # pan\n\ttravel = \"3 um\" # slow";
+  EXPECT_EQ(after(pan + "\n\n# end\n", "linear_motion.direction", "45 deg"),
+            pan + "\n\tdirection = \"45 deg\"\n\n# end\n");
+  EXPECT_EQ(after(pan, "linear_motion.direction", "45 deg"), pan + "\n\tdirection = \"45 deg\"");
+}
+
+TEST(ReplaceValue, InlineTablesAndListsAreEditedInPlace) {
+  const std::string inline_tables =
+      "[[postsample]]\nkind = \"fir\"\ntaps = [[0, -0.25, 0], # row\n [-0.25, 2.0, -0.25], [0, -0.25, 0]]\n";
+  EXPECT_EQ(after(inline_tables, "fir.taps", "[[1.0]]"), "[[postsample]]\nkind = \"fir\"\ntaps = [[1.0]]\n");
+  const std::string waves =
+      "[[presample]]\nkind = \"wavefront\"\nzernike = [0.0, 0.0, { value = 0.1, fit = true }, 0.05]\n";
+  const auto result = parse_config(
+      "schema = 1\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\n[optics]\nf_number = 2.0\n"
+      "wavelength = \"4 um\"\n" +
+          waves,
+      "s.toml");
+  ASSERT_TRUE(result.ok());
+  EXPECT_NE(replace_value(result.config, "wavefront.zernike[3]", "-0.1").find("fit = true }, -0.1]"),
+            std::string::npos);
+  EXPECT_NE(replace_value(result.config, "wavefront.zernike[2]", "0.2").find("{ value = 0.2, fit = true }"),
+            std::string::npos);
+}
+
+TEST(ReplaceValue, TheSensorIsThatOfTheNewText) {
+  const SensorConfig sensor = replaced(read(kJitter), "optics.f_number", "4");
+  EXPECT_EQ(sensor.system.optics.f_number, 4.0);
+  EXPECT_NE(sensor.text.find("f_number = 4\n"), std::string::npos);
+  EXPECT_NE(sensor.sha256, read(kJitter).sha256);
+}
+
+TEST(ReplaceValue, MistakesAreNamed) {
+  EXPECT_NE(refusal(kJitter, "jiter.rms", "1 px").find("did you mean jitter.rms"), std::string::npos);
+  EXPECT_NE(refusal(kJitter, "jitter.rms", "3 kg").find("s.toml:13:9: error"), std::string::npos)
+      << refusal(kJitter, "jitter.rms", "3 kg");
+  EXPECT_NE(refusal(kJitter, "frame.pitch", "-1 um").find("pitch"), std::string::npos);
+  EXPECT_NE(refusal(kJitter, "jitter.rms[2]", "1 px").find("elements"), std::string::npos);
+  EXPECT_NE(refusal(kJitter, "jitter.rms", "\"\n[evil]\nx = 1").find("s.toml"), std::string::npos);
+  EXPECT_NE(refusal(kJitter, "jitter.rms", "[1, 2").find("s.toml"), std::string::npos);
+}
+
+TEST(ReplaceValue, DottedKeysAreRefused) {
+  const std::string text =
+      "schema = 1\nframe.focal_length = \"100 mm\"\nframe.pitch = \"15 um\"\n[optics]\nf_number = 2.0\n"
+      "wavelength = \"4 um\"\n[[presample]]\nkind = \"diffraction\"\n";
+  const auto result = parse_config(text, "s.toml");
+  ASSERT_TRUE(result.ok());
+  EXPECT_NE(replace_value(result.config, "frame.pitch", "9 um").find("frame.pitch = \"9 um\"\n"), std::string::npos);
+  EXPECT_THROW(static_cast<void>(replace_value(result.config, "frame.integration_time", "1 ms")), mtf::UsageError);
+}
+
+// Each value of the starter file set to itself: the text stays, byte for byte, up to how numbers are written.
+TEST(ReplaceValue, EveryValueOfTheStarterFileCanBeSetToItself) {
+  const SensorConfig starter = parse_config(mtf::io::starter_config(), "s.toml").config;
+  const mtf::io::cfg::Tree tree = mtf::io::cfg::read_tree(starter.text);
+  int values = 0;
+  for (const auto& [name, target] : mtf::io::cfg::targets_of(starter)) {
+    const mtf::io::cfg::Node* table = tree.root.find(target.table);
+    if (table != nullptr && target.component) table = &table->items.at(target.index);
+    const mtf::io::cfg::Node* value = table != nullptr ? table->find(target.key) : nullptr;
+    if (value == nullptr || value->kind != mtf::io::cfg::Node::Kind::string) continue;
+    EXPECT_EQ(replace_value(starter, name, value->text), starter.text) << name;
+    ++values;
+  }
+  EXPECT_GE(values, 5);
+}
