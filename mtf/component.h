@@ -43,7 +43,7 @@
 
 namespace mtf {
 
-/// The three lists of a system, in the order of the physics (DESIGN: presample acts on the scene, readout on collected
+/// The three lists of a system, in the order of the physics (presample acts on the scene, readout on collected
 /// charge before the ADC, postsample on digital images; the last two are on the detector grid).
 enum class Stage { presample, readout, postsample };
 inline constexpr std::array kStages{Stage::presample, Stage::readout, Stage::postsample};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The whole sensor, in the order of the physics (DESIGN section 2):
+// The whole sensor, in the order of the physics (radiometry/README.md):
 //   scene radiance, photons s^-1 m^-2 sr^-1 at the aperture, weighted by the camera's curves (scene_radiance.h)
 //     -> distortion -> presample OTF, sampling at the pitch -> veiling glare, ghost          stage `radiance`
 //     -> cone of light, transmission, vignetting                                             stage `irradiance`

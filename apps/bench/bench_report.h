@@ -39,7 +39,7 @@ struct BenchReport {
 };
 
 std::string bench_table(const BenchReport& report);
-/// The columns of DESIGN section 7, then detail and runs. 17 digits; an empty field where there is no number.
+/// The columns of the table, then detail and runs. 17 digits; an empty field where there is no number.
 std::string bench_csv(const BenchReport& report);
 std::string bench_json(const BenchReport& report);
 

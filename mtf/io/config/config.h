@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Sensor files (TOML) to System and back. The shape of the file is DESIGN section 6; every component table is read and
+// Sensor files (TOML) to System and back. The file: mtf config init; every component table is read and
 // written through the field tables of mtf/component.h, so a new component needs nothing here.
 
 #include <array>
