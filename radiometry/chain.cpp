@@ -269,8 +269,12 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
 
   if (s.defects) compiled->defects = find_defects(width, height, *s.defects, compiled->seed, origin);
   if (s.blinking) compiled->blinking = find_blinking(width, height, *s.blinking, compiled->seed, origin);
-  if (before != nullptr)
-    compiled->corrected_by = before->compiled_->corrected_by ? before->compiled_->corrected_by : before->compiled_;
+  if (before != nullptr) {
+    const auto& owner = before->compiled_->corrected_by ? before->compiled_->corrected_by : before->compiled_;
+    const mtf::SampleGrid &theirs = owner->plan.out(), &ours = compiled->plan.out();
+    if (owner->settings.correction && theirs.width == ours.width && theirs.height == ours.height)
+      compiled->corrected_by = owner;
+  }
   compiled_ = std::move(compiled);
 }
 

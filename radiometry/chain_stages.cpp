@@ -14,7 +14,7 @@ namespace {
 
 using System = mtf::System<double>;
 
-/// The words of a stage that is on where it has something to say.
+/// The words of a stage that is on where it has something to say: numbers above 0, which the text lists.
 StageWords said(std::string what, const std::string& otherwise) {
   if (what.empty()) return {false, otherwise};
   return {true, std::move(what)};
@@ -70,10 +70,13 @@ StageWords light(const System& system, const Sensor& sensor) {
                     " sr by the " + std::string(kConeNames[static_cast<std::size_t>(camera.cone)])};
 }
 
+/// A map from a file has its name; one that a program made has none.
+std::string map_words(const std::string& file) { return file.empty() ? "a map" : file; }
+
 StageWords vignetting(const System&, const Sensor& sensor) {
   const auto& corners = sensor.settings.vignetting;
   if (!corners) return {false, "no [vignetting]"};
-  if (sensor.vignetting) return {true, corners->map};
+  if (sensor.vignetting) return {true, map_words(corners->map)};
   return {true, corners->cos4 ? "cos^4 of the field angle, and a polynomial" : "a polynomial"};
 }
 
@@ -116,8 +119,8 @@ NonuniformitySettings nonuniformity_of(const Sensor& sensor) {
 
 StageWords responsivity(const System&, const Sensor& sensor) {
   const NonuniformitySettings unequal = nonuniformity_of(sensor);
-  return said(sensor.responsivity ? unequal.responsivity : terms({{"prnu", unequal.prnu}}, "rms"),
-              "no prnu in [nonuniformity]");
+  if (sensor.responsivity && sensor.settings.nonuniformity) return {true, map_words(unequal.responsivity)};
+  return said(terms({{"prnu", unequal.prnu}}, "rms"), "no prnu in [nonuniformity]");
 }
 
 StageWords dark_current(const System& system, const Sensor& sensor) {
@@ -168,8 +171,8 @@ StageWords nonlinearity(const System&, const Sensor& sensor) {
 
 StageWords offsets(const System&, const Sensor& sensor) {
   const NonuniformitySettings unequal = nonuniformity_of(sensor);
-  return said(sensor.offset ? unequal.offset : terms({{"dsnu", unequal.dsnu_e}}, "e- rms"),
-              "no dsnu in [nonuniformity]");
+  if (sensor.offset && sensor.settings.nonuniformity) return {true, map_words(unequal.offset)};
+  return said(terms({{"dsnu", unequal.dsnu_e}}, "e- rms"), "no dsnu in [nonuniformity]");
 }
 
 StageWords read_noise(const System&, const Sensor& sensor) {

@@ -55,6 +55,48 @@ TEST(ChainStages, AStageOfNoEffectIsLeftOutInWordsAndInFrames) {
   EXPECT_EQ(ran(), done);
 }
 
+// A map that a program made has no file name: it acts all the same, and is said.
+TEST(ChainStages, MapsWithoutANameAct) {
+  Sensor sensor = mwir_sensor();
+  sensor.settings.nonuniformity = NonuniformitySettings{};
+  const auto mean = [&] {
+    const Chain chain = make_chain(mwir_system(), sensor, 16, 16, 15.0);
+    return static_cast<double>(chain.run(flat(16, 16, 1e18F), 0, OutputStage::electrons).image.at(3, 3));
+  };
+  const auto is_on = [&](std::string_view name) {
+    for (const ChainStage& stage : chain_stages(mwir_system(), sensor))
+      if (stage.name == name) return stage.on;
+    return false;
+  };
+  const double bare = mean();
+  EXPECT_FALSE(is_on("offsets"));
+  sensor.offset = std::make_shared<const mtf::Image>(flat(16, 16, 1000.0F));
+  EXPECT_NEAR(mean(), bare + 1000.0, 1e-6 * bare);
+  EXPECT_TRUE(is_on("offsets"));
+  sensor.responsivity = std::make_shared<const mtf::Image>(flat(16, 16, 0.5F));
+  EXPECT_NEAR(mean(), 0.5 * bare + 1000.0, 1e-6 * bare);
+  EXPECT_TRUE(is_on("responsivity"));
+}
+
+// A sequence may begin without [correction] or with another format: its later chains measure maps of their own.
+TEST(ChainStages, ACorrectionIsTakenOnlyFromAChainThatHasItsMaps) {
+  const auto chain_of = [](bool corrected, std::int64_t size, const Chain* before) {
+    Sensor sensor = noisy_sensor();
+    if (corrected) sensor.settings.correction = CorrectionSettings{};
+    mtf::PlanOptions options;
+    options.separate_readout = true;
+    return Chain(mtf::compile_sensor(mwir_system(), {size, size, 15.0, 15.0}, options), mwir_system(), sensor, {}, 1,
+                 before);
+  };
+  const Chain bare = chain_of(false, 16, nullptr), large = chain_of(true, 32, nullptr);
+  const auto image = [](const Chain& chain) { return chain.run(flat(16, 16, 1e18F), 0, OutputStage::display).image; };
+  const mtf::Image expected = image(chain_of(true, 16, nullptr));
+  for (const Chain* before : {&bare, &large}) {
+    const mtf::Image seen = image(chain_of(true, 16, before));
+    EXPECT_TRUE(std::equal(seen.data(), seen.data() + seen.size(), expected.data()));
+  }
+}
+
 TEST(ChainStages, APlanForOtherFiltersIsRefused) {
   mtf::System<double> filtered = mwir_system();
   filtered.list(mtf::Stage::readout).push_back({mtf::test::gaussian(4.0), "gaussian"});
