@@ -7,6 +7,7 @@
 #include "mtf/components/diffraction.h"
 #include "mtf/components/eye.h"
 #include "mtf/components/footprint.h"
+#include "mtf/components/image_intensifier.h"
 #include "mtf/components/jitter.h"
 #include "mtf/components/lowpass.h"
 #include "mtf/components/turbulence.h"
@@ -14,6 +15,7 @@
 #include "mtf/error.h"
 #include "mtf/from_quantities.h"
 #include "mtf/literals.h"
+#include "mtf/plan/sensor_plan.h"
 #include "mtf/same_list.h"
 #include "tests/mtf/builders.h"
 
@@ -87,6 +89,20 @@ TEST(TypedComponent, type_that_is_not_in_the_list_is_refused) {
   System<double> system;
   EXPECT_THROW(system.add(Stage::presample, Unlisted<double>{}), UsageError);
   EXPECT_EQ(Component<double>(Jitter<double>{}).get_if<Unlisted<double>>(), nullptr);
+}
+
+// Only electronics, which have a scan, may say their frequency in time.
+TEST(TypedComponent, a_temporal_frequency_where_a_spatial_one_is_meant_is_refused) {
+  System<double> system = mwir();
+  system.add(Stage::presample, ImageIntensifier<double>{.frequency = kilohertz(3)});
+  try {
+    static_cast<void>(compile_sensor(system, SampleGrid{32, 32, 15.0, 15.0}, PlanOptions{}));
+    FAIL();
+  } catch (const UsageError& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find("image_intensifier"), std::string::npos) << what;
+    EXPECT_NE(what.find("in kHz; it takes a spatial frequency"), std::string::npos) << what;
+  }
 }
 
 TEST(TypedComponent, choices_by_their_words) {
