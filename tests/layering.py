@@ -97,6 +97,26 @@ def problems_of_folders(root, paths):
             yield f"{same[0]}: a header of this name is also {', '.join(same[1:])}"
 
 
+INSTALL = re.compile(r"mtfkit_install_headers\((?P<folder>[\w/]+)(?:\s+INTERNAL\s+(?P<internal>[^)]*))?\)")
+
+
+def problems_of_installed_headers(root, sources):
+    """A header that is installed includes none that stays behind (INTERNAL in the CMake lists)."""
+    internal, installed = set(), set()
+    headers = [path for path, _ in sources if path.endswith(".h") and path.split("/")[0] in LIBRARIES]
+    for cmake in sorted(root.rglob("CMakeLists.txt")):
+        for found in INSTALL.finditer(cmake.read_text(encoding="utf-8")):
+            names = set((found["internal"] or "").split())
+            for path in headers:
+                if path.startswith(found["folder"] + "/"):
+                    (internal if path.split("/")[-1] in names else installed).add(path)
+    for path, text in sources:
+        if path in installed:
+            for match in INCLUDE.finditer(text):
+                if match.group(1) in internal:
+                    yield f"{path}: is installed and includes {match.group(1)}, which is INTERNAL in its CMakeLists.txt"
+
+
 def check(root):
     found, sources = [], []
     for folder in FOLDERS:
@@ -111,6 +131,7 @@ def check(root):
             elif SCRIPT_NAMES.search(path):
                 found += problems_of_script(path, file.read_text(encoding="utf-8"))
     found += type_names.problems(sources)
+    found += problems_of_installed_headers(root, sources)
     found += problems_of_folders(root, [Path(path) for path, _ in sources])
     if not sources:
         found.append(f"{root}: no sources found, nothing was checked")
