@@ -74,7 +74,7 @@ void check_field(const FieldRef<S>& field, const Context<S>& ctx, std::vector<Pr
             missing();
           }
         } else if constexpr (std::is_same_v<T, SpatialFrequency<S>>) {
-          if (value->unit != nullptr && !accepts(info.dimension, value->unit->dimension))
+          if (value->temporal() && info.dimension != Dimension::cutoff)
             problems.push_back({.field = std::string(info.name),
                                 .text = "in " + std::string(value->unit->name) + "; it takes " +
                                         std::string(describe(info.dimension))});
