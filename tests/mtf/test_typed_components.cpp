@@ -100,7 +100,7 @@ TEST(TypedComponent, a_temporal_frequency_where_a_spatial_one_is_meant_is_refuse
     FAIL();
   } catch (const UsageError& error) {
     const std::string what = error.what();
-    EXPECT_NE(what.find("image_intensifier"), std::string::npos) << what;
+    EXPECT_NE(what.find("presample[3].frequency"), std::string::npos) << what;
     EXPECT_NE(what.find("in kHz; it takes a spatial frequency"), std::string::npos) << what;
   }
 }
