@@ -51,8 +51,7 @@ bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) 
     return first == nullptr || second == nullptr ? first == second : *first == *second;
   };
   return band(a) == band(b) && same("scene") && same("camera_counts") && same("path") && same("optics") &&
-         same("detector") && a.scene.border_value == b.scene.border_value && a.scene.gain == b.scene.gain &&
-         a.scene.offset == b.scene.offset;
+         same("detector");
 }
 
 double to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,

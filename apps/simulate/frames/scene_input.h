@@ -30,8 +30,13 @@ SceneInput load_input(SceneSource source, const mtf::io::SensorConfig& sensor, c
 /// True when [scene] of both gives samples the same spacing.
 bool same_spacing(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& b);
 
-/// One scene for every frame. It is loaded again only where the sensor has come to ask for other values of it: samples
-/// may be angles, whose size follows the focal length, and light depends on the band and all that is before the pixels.
+/// True when [scene] of both gives samples the same values, spacing and border. The aperture is left out: the plan
+/// alone depends on it.
+bool same_values(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& b);
+
+/// One scene for every frame. It is loaded again only where the sensor asks for other values of it: [scene] may have
+/// changed, samples may be angles, whose size follows the focal length, and the light that a sensor with [detector]
+/// takes depends on the band and on all that is before the pixels.
 class StillScene {
  public:
   StillScene(SceneSource source, NanPolicy nan, int threads)
@@ -48,5 +53,6 @@ class StillScene {
   std::shared_ptr<const mtf::io::SensorConfig> sensor_;  ///< that `input_` serves
   std::shared_ptr<const SceneInput> input_;
 };
+  bool light_ = false;                                   ///< `input_` is the light for a sensor with a chain
 
 }  // namespace apps
