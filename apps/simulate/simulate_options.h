@@ -20,7 +20,7 @@ struct ImagePart;
 
 enum class NanPolicy { refuse, fill, propagate };
 
-/// First and last frame of a sequence, and from one to the next.
+/// First and last frame of a sequence, and the step from one to the next: 0 <= first <= last <= 999999999, step >= 1.
 struct FrameRange {
   std::int64_t first = 0, last = 0, step = 1;
 };

@@ -175,6 +175,9 @@ SimulateResult simulate_sequence(const mtf::io::SensorConfig& sensor, SceneSourc
   mtf::io::Schedule schedule;
   if (!options.schedule.empty()) schedule = mtf::io::read_schedule(options.schedule, sensor);
   names.frames = names.scenes ? names.scenes->find(options.frames) : frames_of_schedule(options, schedule);
+  if (names.frames.empty())
+    throw mtf::UsageError(one_line(options.schedule) +
+                          ": sets no parameter, so it names no frames; choose them by --frames START:STOP");
   check_files(options, scene, names, files_of(sensor));
   const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(sensor, options.stage);
   if (names.out && mtf::io::format_from_extension(options.out) != mtf::io::Format::exr &&
