@@ -40,7 +40,9 @@ bool same_values(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& 
 class StillScene {
  public:
   StillScene(SceneSource source, NanPolicy nan, int threads)
-      : source_(std::move(source)), nan_(nan), threads_(threads) {}
+      : source_(std::move(source)), nan_(nan), threads_(threads) {
+    complete_name(source_);
+  }
 
   /// Errors as load_input.
   std::shared_ptr<const SceneInput> of(const std::shared_ptr<const mtf::io::SensorConfig>& sensor,
@@ -51,8 +53,8 @@ class StillScene {
   NanPolicy nan_;
   int threads_;
   std::shared_ptr<const mtf::io::SensorConfig> sensor_;  ///< that `input_` serves
+  bool light_ = false;                                   ///< `input_` is the light for a sensor with a chain
   std::shared_ptr<const SceneInput> input_;
 };
-  bool light_ = false;                                   ///< `input_` is the light for a sensor with a chain
 
 }  // namespace apps
