@@ -99,11 +99,7 @@ Command simulate_command() {
       "of the image, with [adc] the counts as they are, with [agc] the values of the display. 16 bits; 8 for up to\n"
       "255 display values. By default the brightest and darkest pixels are at the ends of the scale, which\n"
       "mtf measure takes for clipping: leave a margin here, or write .exr",
-      [&](const std::string& text) {
-        const auto range = number_range("--range", text);
-        options.run.range_low = range[0];
-        options.run.range_high = range[1];
-      });
+      [&](const std::string& text) { options.run.range = number_range("--range", text); });
   app.run = [shared](const Global& global) { return run_simulate(*shared, global); };
   return app;
 }

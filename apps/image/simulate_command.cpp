@@ -87,7 +87,6 @@ SimulateResult run_library(const SimulateCommandOptions& options, const Global& 
 int run_simulate(const SimulateCommandOptions& options, const Global& global) {
   const mtf::io::SensorConfig sensor = read_sensor(options.sensor, global);
   if (options.run.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
-  mtf::io::format_from_extension(options.run.out);
   if (options.wisdom == "-") throw mtf::UsageError("--wisdom: name a file; \"-\" is for --report only");
   if (options.run.memory && !options.wisdom.empty())
     throw mtf::UsageError("--wisdom is for whole images; leave it out with --memory");

@@ -5,6 +5,13 @@
 #include "apps/simulate/sensor_image.h"
 
 namespace apps {
+namespace {
+
+radiometry::ChainState clone(const radiometry::ChainState& state) {
+  return {.shutter = {state.shutter.before.clone()}, .lag = state.lag, .last = state.last};
+}
+
+}  // namespace
 
 struct LiveSimulation::State {
   State(SceneSource scene, const SimulateOptions& asked)
@@ -14,6 +21,7 @@ struct LiveSimulation::State {
   StillScene still;
   SequencePlanner planner;
   radiometry::ChainState chain_state;
+  mtf::SampleGrid chain_grid;  ///< of the images that chain_state remembers
   std::vector<std::string> names, warnings;
   std::shared_ptr<const mtf::SensorPlan> plan;
 };
@@ -37,16 +45,24 @@ SimulatedImage LiveSimulation::image(const mtf::io::SensorConfig& sensor, std::i
   frame.warnings = frame.input->scene.warnings;
   for (std::string& text : mtf::io::sampling_warnings(sensor.system, frame.input->scene.grid))
     frame.warnings.push_back(std::move(text));
-  frame.plan = state.planner.plan_for(sensor, frame.radiometric.get(), *frame.input, frame.warnings);
+  // Everything that one image leaves to the next is changed in a copy, which replaces it once the image is there.
+  SequencePlanner planner = state.planner;
+  frame.plan = planner.plan_for(sensor, frame.radiometric.get(), *frame.input, frame.warnings);
   for (const std::string& text : frame.plan->presample.report().notes) frame.warnings.push_back(text);
-  if (frame.radiometric) frame.chain = state.planner.chain_for(sensor, frame.radiometric, frame.plan);
-  radiometry::ChainState* chain_state =
-      frame.radiometric && remembers(*frame.radiometric) ? &state.chain_state : nullptr;
+  if (frame.radiometric) frame.chain = planner.chain_for(sensor, frame.radiometric, frame.plan);
+  const bool remembered = frame.radiometric && remembers(*frame.radiometric);
+  radiometry::ChainState chain_state;  // what pixels remember says nothing of those of another grid
+  if (remembered && state.chain_grid == frame.plan->out()) chain_state = clone(state.chain_state);
   frame.image.frame = number;
-  frame.image.planes = run_planes(frame, chain_state, state.options.threads);
+  frame.image.planes = run_planes(frame, remembered ? &chain_state : nullptr, state.options.threads);
   if (frame.counted.held.any()) frame.warnings.push_back(words(frame.counted.held));
   frame.image.metadata = metadata_of(frame);
   state.names = output_names(frame.input->scene.names);
+  state.planner = std::move(planner);
+  if (remembered) {
+    state.chain_state = std::move(chain_state);
+    state.chain_grid = frame.plan->out();
+  }
   state.warnings = std::move(frame.warnings);
   state.plan = frame.plan;
   return std::move(frame.image);

@@ -26,8 +26,9 @@ class LiveSimulation {
   LiveSimulation& operator=(LiveSimulation&&) noexcept;
 
   /// The image that the sensor sees. `frame` is the number of the noise, 0 to 2147483647: the same number gives the
-  /// same noise. With [lag] or a rolling [shutter] frames have to rise, as each leaves something to the next. Not to be
-  /// called from two threads at once. Errors as simulate(); after one the next call goes on as if it had not been.
+  /// same noise. With [lag] or a rolling [shutter] frames have to rise, as each leaves something to the next;
+  /// a change of the detector grid makes them begin anew. Not to be called from two threads at once. Errors as
+  /// simulate(); the image after a failed one is what it would be without that call.
   SimulatedImage image(const mtf::io::SensorConfig& sensor, std::int64_t frame = 0);
 
   /// Of the last image: names of its planes; reasons to doubt it; its plan, with the promise that it keeps.

@@ -51,8 +51,7 @@ bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) 
     return first == nullptr || second == nullptr ? first == second : *first == *second;
   };
   return band(a) == band(b) && same("scene") && same("camera_counts") && same("path") && same("optics") &&
-         same("detector") && a.scene.border_value == b.scene.border_value && a.scene.gain == b.scene.gain &&
-         a.scene.offset == b.scene.offset;
+         same("detector");
 }
 
 double to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,
@@ -89,14 +88,15 @@ void add_chain(mtf::io::Metadata& metadata, const RadiometricChain& radiometric,
 }
 
 IntegerRange integer_range(const RadiometricChain* radiometric, const SimulateOptions& options) {
-  IntegerRange range{.low = options.range_low, .high = options.range_high};
+  IntegerRange range{.ends = options.range};
   if (radiometric == nullptr) return range;
   const radiometry::SensorSettings& settings = radiometric->loaded.sensor.settings;
   const bool levels = radiometric->unit() == "levels";
   if (levels && settings.agc->most_level <= 255.0) range.bits = 8;
-  if (range.low) return range;
-  if (levels) return {.low = 0.0, .high = settings.agc->most_level, .bits = range.bits};
-  if (radiometric->unit() == "counts" && settings.adc && settings.adc->bits <= 16) return {.low = 0.0, .high = 65535.0};
+  if (range.ends) return range;
+  if (levels) range.ends = std::array{0.0, settings.agc->most_level};
+  if (radiometric->unit() == "counts" && settings.adc && settings.adc->bits <= 16)
+    range.ends = std::array{0.0, 65535.0};
   return range;
 }
 

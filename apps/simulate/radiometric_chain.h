@@ -35,7 +35,7 @@ inline constexpr std::int64_t kLastNoiseFrame = 0x7fffffff;
 /// True when each frame leaves something to the next.
 bool remembers(const RadiometricChain& radiometric);
 
-/// True when scenes have the same light in both.
+/// True when a scene of the same values under [scene] (SceneDefaults) has the same light in both.
 bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
 
 /// to_light() of scene_light.h; the masks of bad pixels become one.

@@ -56,9 +56,12 @@ SceneSource clone(const SceneSource& source) {
   return copy;
 }
 
+void complete_name(SceneSource& source) {
+  if (source.image && source.file.empty()) source.file = "scene in memory";
+}
+
 mtf::io::Scene take_scene(const mtf::io::SensorConfig& sensor, SceneSource& source) {
   if (!source.image) return mtf::io::load_scene(sensor, source.file, source.read);
-  if (source.file.empty()) source.file = "scene in memory";
   mtf::io::Scene scene = std::move(*source.image);
   complete(sensor, scene, source.file);
   require_planes(scene, source.file);

@@ -29,7 +29,10 @@ mtf::io::Scene facts_of(const mtf::io::Scene& scene);
 /// The same once more, its planes copied.
 SceneSource clone(const SceneSource& source);
 
-/// The scene, taken out of `source`, which is named where it has no name. Throws as mtf::io::load_scene, and UsageError
+/// A scene in memory gets a name for messages where it has none.
+void complete_name(SceneSource& source);
+
+/// The scene, taken out of `source`. Throws as mtf::io::load_scene, and UsageError
 /// for a scene in memory without planes, with planes of several sizes, or whose sample spacing nobody gives.
 mtf::io::Scene take_scene(const mtf::io::SensorConfig& sensor, SceneSource& source);
 

@@ -59,9 +59,10 @@ Written write_sensor_image(const std::string& path, const std::vector<std::strin
   }
   Written written;
   written.scaling = full_range_scaling(named);
-  if (range.low && range.high) {
-    written.scaling = IntegerScaling{.offset = *range.low, .bits = range.bits};
-    written.scaling->gain = (*range.high - *range.low) / written.scaling->largest();
+  if (range.ends) {
+    const auto& [low, high] = *range.ends;
+    written.scaling = IntegerScaling{.offset = low, .bits = range.bits};
+    written.scaling->gain = (high - low) / written.scaling->largest();
   }
   written.clamped = write_integer(path, named, *written.scaling, metadata);
   return written;

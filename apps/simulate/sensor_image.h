@@ -3,6 +3,7 @@
 
 // Sensor images as files: names of planes, provenance, and how values become whole numbers.
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,7 +28,7 @@ struct Written {
 
 /// Values at 0 and at the largest number of PNG and TIFF; without them the extremes of the image.
 struct IntegerRange {
-  std::optional<double> low, high;
+  std::optional<std::array<double, 2>> ends{};
   int bits = 16;
 };
 

@@ -15,6 +15,7 @@
 #include "apps/simulate/simulate_parts.h"
 #include "apps/simulate/tiles/simulate_tiles.h"
 #include "apps/text/words.h"
+#include "mtf/io/image_io.h"
 #include "mtf/survey/bad_pixels.h"
 
 namespace apps {
@@ -130,6 +131,8 @@ SimulateResult simulate_whole(const mtf::io::SensorConfig& config, SceneSource& 
 SimulateResult simulate(const mtf::io::SensorConfig& sensor, SceneSource scene, const SimulateOptions& options) {
   if (!scene.image && scene.file.empty())
     throw mtf::UsageError("there is no scene; name a file of it, or give its planes as `image`");
+  complete_name(scene);
+  if (!options.out.empty()) mtf::io::format_from_extension(options.out);
   if (is_sequence(scene, options)) {
     if (options.memory || options.region)
       throw mtf::UsageError("--memory and --roi are for one image; leave them out of a sequence");

@@ -20,7 +20,7 @@ struct ImagePart;
 
 enum class NanPolicy { refuse, fill, propagate };
 
-/// First and last frame of a sequence, and from one to the next.
+/// First and last frame of a sequence, and the step from one to the next: 0 <= first <= last <= 999999999, step >= 1.
 struct FrameRange {
   std::int64_t first = 0, last = 0, step = 1;
 };
@@ -45,7 +45,7 @@ struct SimulateOptions {
   std::optional<double> tolerance{};
   NanPolicy nan = NanPolicy::refuse;  ///< --nan: pixels of the scene that are NaN or infinite
   bool measure = false;               ///< --rigor measure: the plan is chosen by timing, not by a model of cost
-  /// --tap: place in the chain of a sensor with [detector] whose image is wanted; default: its end.
+  /// --stage: place in the chain of a sensor with [detector] whose image is wanted; default: its end.
   std::optional<radiometry::OutputStage> stage{};
   std::optional<std::array<std::int64_t, 4>> region{};  ///< --roi: x, y, width, height in pixels of the output
   /// --memory: bytes that may be in use; a scene file (OpenEXR) then goes through in tiles. Sets thresholds of the C
@@ -59,7 +59,7 @@ struct SimulateOptions {
 
   /// --out: file to write, .exr, .png or .tif; of a sequence with a frame number, out.%04d.exr. "" = no file.
   std::string out{};
-  std::optional<double> range_low{}, range_high{};  ///< --range: values at 0 and the largest number of PNG and TIFF
+  std::optional<std::array<double, 2>> range{};  ///< --range: values at 0 and the largest number of PNG and TIFF
   std::vector<std::string> also_written{};  ///< files that the caller will write: none may be an input or the output
   /// Takes the images where no file is named; without it they are in the result. Called for each frame, or for each
   /// tile of an image that goes through in tiles: from several threads at once and in no certain order.

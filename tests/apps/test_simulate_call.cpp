@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <mutex>
 
 #include "apps/simulate/live_simulation.h"
@@ -237,6 +239,33 @@ TEST_F(SimulateCall, RefusesScenesThatAreNone) {
   EXPECT_NE(refusal(std::move(uneven)).find("4x4"), std::string::npos);
   limited.file = "made here";
   EXPECT_NE(refusal(std::move(limited), {.memory = 1 << 30}).find("made here is in memory"), std::string::npos);
+  EXPECT_NE(refusal(radiance(), {.memory = 1 << 30}).find("--memory: scene in memory is"), std::string::npos);
+}
+
+TEST_F(SimulateCall, RefusesFramesThatAreNone) {
+  constexpr std::int64_t least = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();
+  for (const apps::FrameRange range :
+       {apps::FrameRange{5, 1, 1}, {1, 4, 0}, {1, 4, -1}, {least, most, 1}, {0, most, 1}})
+    EXPECT_THROW(apps::simulate(sensor(), radiance(), {.frames = range}), mtf::UsageError)
+        << range.first << " " << range.last << " " << range.step;
+  write_file(scratch / "empty.csv", "frame,parameter,value\n");
+  EXPECT_THROW(apps::simulate(sensor(), radiance(), {.schedule = (scratch / "empty.csv").string()}), mtf::UsageError);
+}
+
+TEST_F(SimulateCall, RefusesAnOutputOfUnknownFormatBeforeAnyWork) {
+  bool worked = false;
+  SimulateOptions options{.out = (scratch / "a.jpg").string()};
+  options.watch = [&](const SimulateEvent&) { return worked = true; };
+  EXPECT_THROW(apps::simulate(sensor(), radiance(), options), mtf::UsageError);
+  EXPECT_FALSE(worked);
+}
+
+TEST_F(SimulateCall, ARangeGivesTheScaleOfWholeNumbers) {
+  const SimulateResult result = apps::simulate(
+      sensor(), radiance(), {.out = (scratch / "out.png").string(), .range = std::array<double, 2>{2.0, 12.0}});
+  EXPECT_EQ(result.report.scaling.offset, 2.0);
+  EXPECT_DOUBLE_EQ(result.report.scaling.gain, 10.0 / 65535.0);
 }
 
 TEST_F(SimulateCall, ALiveViewShowsTheFramesOfTheSequence) {

@@ -52,6 +52,11 @@ std::string with_percents(std::string_view text) {
 }  // namespace
 
 std::vector<std::int64_t> frames_of(const FrameRange& range) {
+  if (range.first < 0 || range.last < range.first || range.last > mtf::io::kLastFrame || range.step < 1)
+    throw mtf::UsageError("--frames: " + std::to_string(range.first) + " to " + std::to_string(range.last) +
+                          " in steps of " + std::to_string(range.step) +
+                          "; give a first frame of 0 or more, a last one from there to " +
+                          std::to_string(mtf::io::kLastFrame) + ", and a step of 1 or more");
   const std::int64_t count = (range.last - range.first) / range.step + 1;
   if (count > kMaxFrames)
     throw mtf::UsageError("--frames: " + std::to_string(count) + " frames are more than " + std::to_string(kMaxFrames) +

@@ -39,7 +39,8 @@ class FrameNames {
   char fill_ = ' ';
 };
 
-/// The frames of a range, in order. Throws UsageError when they are more than ten million.
+/// The frames of a range, in order. Throws UsageError for a range that FrameRange does not allow, and for more than ten
+/// million frames.
 std::vector<std::int64_t> frames_of(const FrameRange& range);
 
 }  // namespace apps

@@ -4,6 +4,15 @@
 #include "apps/simulate/simulate_parts.h"
 
 namespace apps {
+namespace {
+
+bool same_encoding(const std::optional<mtf::io::Encoding>& a, const std::optional<mtf::io::Encoding>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  return a->kind == b->kind && a->gamma == b->gamma && a->stored == b->stored && a->linear == b->linear &&
+         a->name == b->name;
+}
+
+}  // namespace
 
 SceneInput load_input(SceneSource source, const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric,
                       NanPolicy nan, int threads) {
@@ -25,12 +34,20 @@ bool same_spacing(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults&
   return a.sample_x_um == b.sample_x_um && a.sample_y_um == b.sample_y_um;
 }
 
+bool same_values(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& b) {
+  return same_spacing(a, b) && a.quantity == b.quantity && a.gain == b.gain && a.offset == b.offset &&
+         same_encoding(a.encoding, b.encoding) && a.border == b.border && a.border_value == b.border_value;
+}
+
 std::shared_ptr<const SceneInput> StillScene::of(const std::shared_ptr<const mtf::io::SensorConfig>& sensor,
                                                  const RadiometricChain* radiometric) {
-  if (!input_ || !same_spacing(sensor_->scene, sensor->scene) ||
-      (radiometric != nullptr && !same_light(*sensor_, *sensor)))
-    input_ = std::make_shared<const SceneInput>(load_input(clone(source_), *sensor, radiometric, nan_, threads_));
+  const bool light = radiometric != nullptr;
+  const bool serves = input_ && light == light_ && same_values(sensor_->scene, sensor->scene) &&
+                      (!light || same_light(*sensor_, *sensor));
+  if (serves) return input_;
+  input_ = std::make_shared<const SceneInput>(load_input(clone(source_), *sensor, radiometric, nan_, threads_));
   sensor_ = sensor;
+  light_ = light;
   return input_;
 }
 

@@ -30,12 +30,19 @@ SceneInput load_input(SceneSource source, const mtf::io::SensorConfig& sensor, c
 /// True when [scene] of both gives samples the same spacing.
 bool same_spacing(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& b);
 
-/// One scene for every frame. It is loaded again only where the sensor has come to ask for other values of it: samples
-/// may be angles, whose size follows the focal length, and light depends on the band and all that is before the pixels.
+/// True when [scene] of both gives samples the same values, spacing and border. The aperture is left out: the plan
+/// alone depends on it.
+bool same_values(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& b);
+
+/// One scene for every frame. It is loaded again only where the sensor asks for other values of it: [scene] may have
+/// changed, samples may be angles, whose size follows the focal length, and the light that a sensor with [detector]
+/// takes depends on the band and on all that is before the pixels.
 class StillScene {
  public:
   StillScene(SceneSource source, NanPolicy nan, int threads)
-      : source_(std::move(source)), nan_(nan), threads_(threads) {}
+      : source_(std::move(source)), nan_(nan), threads_(threads) {
+    complete_name(source_);
+  }
 
   /// Errors as load_input.
   std::shared_ptr<const SceneInput> of(const std::shared_ptr<const mtf::io::SensorConfig>& sensor,
@@ -46,6 +53,7 @@ class StillScene {
   NanPolicy nan_;
   int threads_;
   std::shared_ptr<const mtf::io::SensorConfig> sensor_;  ///< that `input_` serves
+  bool light_ = false;                                   ///< `input_` is the light for a sensor with a chain
   std::shared_ptr<const SceneInput> input_;
 };
 

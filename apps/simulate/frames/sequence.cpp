@@ -175,10 +175,13 @@ SimulateResult simulate_sequence(const mtf::io::SensorConfig& sensor, SceneSourc
   mtf::io::Schedule schedule;
   if (!options.schedule.empty()) schedule = mtf::io::read_schedule(options.schedule, sensor);
   names.frames = names.scenes ? names.scenes->find(options.frames) : frames_of_schedule(options, schedule);
+  if (names.frames.empty())
+    throw mtf::UsageError(one_line(options.schedule) +
+                          ": sets no parameter, so it names no frames; choose them by --frames START:STOP");
   check_files(options, scene, names, files_of(sensor));
   const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(sensor, options.stage);
   if (names.out && mtf::io::format_from_extension(options.out) != mtf::io::Format::exr &&
-      !integer_range(radiometric.get(), options).low)
+      !integer_range(radiometric.get(), options).ends)
     throw mtf::UsageError("16-bit frames need one scale for all of them; give --range LOW:HIGH, or write .exr");
   if (!schedule.settings.empty() && schedule.settings.back().frame > names.frames.back())
     watch.note(options.schedule + " goes on to frame " + std::to_string(schedule.settings.back().frame) +

@@ -41,6 +41,23 @@ bool same_system(const mtf::System<double>& a, const mtf::System<double>& b) {
                      [&](mtf::Stage stage) { return mtf::same_list(a, b, stage); });
 }
 
+bool same_extent(const mtf::Extent<double>& a, const mtf::Extent<double>& b) {
+  return a.value == b.value && a.unit == b.unit;
+}
+
+bool same_aperture(const mtf::SceneAperture& a, const mtf::SceneAperture& b) {
+  const bool same_curve =
+      a.curve == b.curve || (a.curve && b.curve && a.curve->unit == b.curve->unit &&
+                             a.curve->frequency == b.curve->frequency && a.curve->value == b.curve->value);
+  return a.kind == b.kind && same_extent(a.size.x, b.size.x) && same_extent(a.size.y, b.size.y) &&
+         a.size.split == b.size.split && same_curve && a.gain_limit == b.gain_limit;
+}
+
+/// True when plans with these options filter alike, but for their errors.
+bool same_filters(const mtf::PlanOptions& a, const mtf::PlanOptions& b) {
+  return a.border == b.border && a.separate_readout == b.separate_readout && same_aperture(a.aperture, b.aperture);
+}
+
 const mtf::System<double>& system_of(const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric) {
   return radiometric != nullptr ? radiometric->system : sensor.system;
 }
@@ -52,28 +69,34 @@ int steps_of(const RadiometricChain* radiometric) {
 }  // namespace
 
 SequencePlanner::SequencePlanner(const SimulateOptions& options, int threads) : asked_(options.tolerance.has_value()) {
-  options_.tolerance = options.tolerance.value_or(options_.tolerance);
-  options_.rigor = options.measure ? mtf::Rigor::measure : mtf::Rigor::estimate;
-  options_.threads = threads;
+  base_.tolerance = options.tolerance.value_or(base_.tolerance);
+  base_.rigor = options.measure ? mtf::Rigor::measure : mtf::Rigor::estimate;
+  base_.threads = threads;
+}
+
+mtf::PlanOptions SequencePlanner::options_for(const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric,
+                                              const SceneInput& input) const {
+  mtf::PlanOptions options = base_;
+  options.border = sensor.scene.border;
+  options.separate_readout = radiometric != nullptr;
+  options.aperture = mtf::io::scene_aperture(sensor.scene, input.scene.grid);
+  if (radiometric != nullptr && !asked_ && input.summary)
+    options.tolerance = radiometric->tolerance(base_.tolerance, input.summary->std);
+  return options;
 }
 
 std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::SensorConfig& sensor,
                                                                 const RadiometricChain* radiometric,
-                                                                const SceneInput& input,
+                                                                const SceneInput& input, mtf::PlanOptions options,
                                                                 std::vector<std::string>& warnings) {
-  options_.border = sensor.scene.border;
-  options_.separate_readout = radiometric != nullptr;
-  if (radiometric != nullptr && !asked_ && input.summary)
-    options_.tolerance = radiometric->tolerance(options_.tolerance, input.summary->std);
-  options_.aperture = mtf::io::scene_aperture(sensor.scene, input.scene.grid);
   if (input.summary) met_ = harder(met_, difficulty(*input.summary));
   ++compiled_;
   const auto attempt = [&](const std::optional<mtf::SceneSummary>& summary) {
-    options_.scene = summary;
+    options.scene = summary;
     return std::make_shared<const mtf::SensorPlan>(
-        mtf::compile_sensor(system_of(sensor, radiometric), input.scene.grid, options_, steps_of(radiometric)));
+        mtf::compile_sensor(system_of(sensor, radiometric), input.scene.grid, options, steps_of(radiometric)));
   };
-  const double canvas = options_.border == mtf::Border::reflect ? kRounding : kRoomCanvas;
+  const double canvas = options.border == mtf::Border::reflect ? kRounding : kRoomCanvas;
   const SceneDifficulty room{met_.storage * kRoomStorage, met_.canvas * canvas};
   if (input.summary) try {
       return attempt(summary_of(room, input.summary->std));
@@ -83,9 +106,9 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::S
     return attempt(input.summary);
   } catch (const mtf::UnreachableTolerance& e) {
     if (asked_ || !(e.reachable() < 1.0)) throw;
-    warnings.push_back("the default tolerance " + mtf::format_double(options_.tolerance) +
+    warnings.push_back("the default tolerance " + mtf::format_double(options.tolerance) +
                        " cannot be kept for this scene; " + significant(e.reachable(), 2) + " is used from here on");
-    options_.tolerance = e.reachable();
+    options.tolerance = loosened_ = e.reachable();
   }
   return attempt(input.summary);
 }
@@ -95,15 +118,23 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::
                                                                  const SceneInput& input,
                                                                  std::vector<std::string>& warnings) {
   const mtf::System<double>& system = system_of(sensor, radiometric);
-  const bool fits = plan_ && plan_->in() == input.scene.grid && serves(plan_->options.scene, input.summary) &&
+  mtf::PlanOptions options = options_for(sensor, radiometric, input);
+  const bool filters_alike = plan_ && same_filters(plan_->options, options);
+  const bool unchanged = filters_alike && same_system(plan_->system, system);
+  if (!unchanged || !same_values(scene_, sensor.scene)) loosened_ = 0.0;  // another sensor may keep its default
+  scene_ = sensor.scene;
+  options.tolerance = std::max(options.tolerance, loosened_);
+  // A uniform frame asks for no tolerance; equal ones may differ by rounding.
+  const bool tight = filters_alike && (!input.summary || plan_->options.tolerance <= options.tolerance * kRounding);
+  const bool fits = tight && plan_->in() == input.scene.grid && serves(plan_->options.scene, input.summary) &&
                     mtf::sensor_grid(system, input.scene.grid, steps_of(radiometric)) == plan_->out();
-  if (!fits) return plan_ = compile(sensor, radiometric, input, warnings);
-  if (same_system(plan_->system, system)) return plan_;
+  if (!fits) return plan_ = compile(sensor, radiometric, input, options, warnings);
+  if (unchanged) return plan_;
   try {
     plan_ = std::make_shared<const mtf::SensorPlan>(plan_->with(system));
     ++(plan_->updated ? updated_ : compiled_);
   } catch (const mtf::UnreachableTolerance&) {
-    plan_ = compile(sensor, radiometric, input, warnings);
+    plan_ = compile(sensor, radiometric, input, options, warnings);
   }
   return plan_;
 }
@@ -111,10 +142,14 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::
 std::shared_ptr<const radiometry::Chain> SequencePlanner::chain_for(
     const mtf::io::SensorConfig& sensor, const std::shared_ptr<const RadiometricChain>& radiometric,
     const std::shared_ptr<const mtf::SensorPlan>& plan) {
+  // A correction that was measured holds for the pixels that it was measured of.
+  const bool corrected =
+      chain_ && chain_radiometric_->loaded.sensor.settings.correction && chain_plan_->out() == plan->out();
   if (chain_radiometric_ != radiometric || chain_plan_ != plan)
     chain_ = at_its_place(sensor, [&] {
       return std::make_shared<const radiometry::Chain>(*plan, radiometric->system, radiometric->loaded.sensor,
-                                                       radiometry::Origin{}, options_.threads, chain_.get());
+                                                       radiometry::Origin{}, base_.threads,
+                                                       corrected ? chain_.get() : nullptr);
     });
   chain_radiometric_ = radiometric;
   chain_plan_ = plan;

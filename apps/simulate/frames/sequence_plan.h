@@ -4,7 +4,8 @@
 // The plan of each frame of a sequence, and its chain. The promise is made frame by frame, relative to that frame's own
 // contrast: a plan is compiled for the first frame, with some room for others, and serves as long as a frame's summary
 // lies within what it was compiled for; a frame beyond that gets a plan compiled for it, and for all that were before.
-// A change of parameters remakes the lists that changed and shares the rest (SensorPlan::with).
+// So does a frame that wants another border, scene aperture or split of the filters, or a tighter tolerance. A change
+// of parameters remakes the lists that changed and shares the rest (SensorPlan::with).
 
 #include <memory>
 #include <optional>
@@ -25,7 +26,8 @@ struct SceneDifficulty {
 
 class SequencePlanner {
  public:
-  /// Without a tolerance asked for, the default is loosened where a frame cannot keep it, with a warning.
+  /// Without a tolerance asked for, the default is loosened where a frame cannot keep it, with a warning, until the
+  /// sensor changes.
   SequencePlanner(const SimulateOptions& options, int threads);
 
   /// The plan of a frame; frames come in order. `radiometric`: of a sensor with a chain, else null. `warnings` gets
@@ -46,11 +48,16 @@ class SequencePlanner {
  private:
   std::shared_ptr<const mtf::SensorPlan> compile(const mtf::io::SensorConfig& sensor,
                                                  const RadiometricChain* radiometric, const SceneInput& input,
-                                                 std::vector<std::string>& warnings);
+                                                 mtf::PlanOptions options, std::vector<std::string>& warnings);
+  /// What a frame wants of its plan, whatever the frames before it wanted.
+  mtf::PlanOptions options_for(const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric,
+                               const SceneInput& input) const;
 
-  mtf::PlanOptions options_;
+  mtf::PlanOptions base_;  ///< the same for all frames; its tolerance is the one asked for, or the default
   bool asked_ = false;
-  SceneDifficulty met_;  ///< the hardest of all frames so far
+  double loosened_ = 0.0;  ///< least tolerance that the sensor of plan_ keeps, where that is not its default; else 0
+  mtf::io::SceneDefaults scene_;  ///< [scene] of that sensor
+  SceneDifficulty met_;           ///< the hardest of all frames so far
   std::shared_ptr<const mtf::SensorPlan> plan_;
   std::shared_ptr<const radiometry::Chain> chain_;
   std::shared_ptr<const RadiometricChain> chain_radiometric_;  ///< that chain_ was made of,

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// A live view whose sensor changes between images: each image is the one that a new view of that sensor shows, whatever
+// was shown, or refused, before.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "apps/simulate/live_simulation.h"
+#include "tests/apps/chain_sensor.h"
+
+namespace apps_test {
+namespace {
+
+using mtf::io::SensorConfig;
+
+const std::string kFilters = R"([[presample]]
+kind = "diffraction"
+[[presample]]
+kind = "footprint"
+width = "15 um"
+)";
+
+const std::string kPlain = R"(schema = 1
+name = "plain"
+[frame]
+focal_length = "100 mm"
+pitch = "15 um"
+[scene]
+sample = "7.5 um"
+quantity = "radiance"
+[optics]
+f_number = 2.5
+[band]
+wavelength = ["3 um", "5 um"]
+)" + kFilters;
+
+/// A ramp with detail: its ends differ, so the border shows.
+Image ramp(double mean, double amplitude) {
+  Image plane(64, 48);
+  for (std::int64_t y = 0; y < plane.height(); ++y)
+    for (std::int64_t x = 0; x < plane.width(); ++x)
+      plane.at(x, y) = static_cast<float>(
+          mean + amplitude * (static_cast<double>(x) / 64.0 + 0.3 * std::sin(0.7 * static_cast<double>(x * y % 31))));
+  return plane;
+}
+
+bool same_pixels(const Image& a, const Image& b) {
+  return a.width() == b.width() && a.height() == b.height() &&
+         std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * sizeof(float)) == 0;
+}
+
+/// Rms difference as a share of the standard deviation of `b`; infinite for images of two sizes.
+double difference(const Image& a, const Image& b) {
+  if (a.width() != b.width() || a.height() != b.height()) return INFINITY;
+  const auto n = static_cast<double>(b.size());
+  double sum = 0.0, squares = 0.0, mean = 0.0;
+  for (std::int64_t i = 0; i < b.size(); ++i) mean += static_cast<double>(b.data()[i]) / n;
+  for (std::int64_t i = 0; i < b.size(); ++i) {
+    sum += std::pow(static_cast<double>(a.data()[i]) - static_cast<double>(b.data()[i]), 2.0);
+    squares += std::pow(static_cast<double>(b.data()[i]) - mean, 2.0);
+  }
+  return std::sqrt(sum / squares);
+}
+
+/// Two plans that keep the default tolerance differ by twice that at most.
+constexpr double kTwoPlans = 2e-4;
+
+class LiveSimulation : public testing::Test {
+ protected:
+  SensorConfig sensor(const std::string& text) const {
+    write_file(scratch / "s.toml", text);
+    return apps::read_sensor_file((scratch / "s.toml").string());
+  }
+  SensorConfig camera(const std::string& more = "") const { return sensor(kSensor + more); }
+  /// [scene] of the sensor says what its values are.
+  apps::SceneSource file() const {
+    mtf::io::write_exr((scratch / "scene.exr").string(), {{"Y", ramp(5.0, 1.0).view()}}, {});
+    return {.file = (scratch / "scene.exr").string()};
+  }
+  static apps::SceneSource temperatures() {
+    mtf::io::Scene scene;
+    scene.quantity = mtf::io::Quantity::temperature;
+    scene.planes.push_back(ramp(300.0, 5.0));
+    return {.image = std::move(scene)};
+  }
+  static Image image(apps::LiveSimulation& live, const SensorConfig& sensor, std::int64_t frame = 0) {
+    return std::move(live.image(sensor, frame).planes.at(0));
+  }
+  static Image alone(apps::SceneSource scene, const SensorConfig& sensor) {
+    apps::LiveSimulation live(std::move(scene));
+    return image(live, sensor);
+  }
+  static double tolerance_alone(apps::SceneSource scene, const SensorConfig& sensor) {
+    apps::LiveSimulation live(std::move(scene));
+    image(live, sensor);
+    return live.plan().options.tolerance;
+  }
+  const Scratch scratch;
+};
+
+TEST_F(LiveSimulation, ASensorWithoutAChainGetsTheSceneAndNotItsLight) {
+  const SensorConfig with = camera("[adc]\nbits = 14\n"), without = sensor(kPlain);
+  apps::LiveSimulation live(temperatures());
+  for (const SensorConfig* shown : {&with, &without, &with})
+    EXPECT_LT(difference(image(live, *shown), alone(temperatures(), *shown)), 1e-2);
+}
+
+TEST_F(LiveSimulation, ChangesOfTheSceneTableChangeTheScene) {
+  const SensorConfig before = sensor(kPlain);
+  apps::LiveSimulation live(file());
+  image(live, before);
+  const auto expect_as_alone = [&](const char* what, const auto& change) {
+    SensorConfig changed = before;
+    change(changed.scene);
+    EXPECT_LT(difference(image(live, changed), alone(file(), changed)), kTwoPlans) << what;
+    EXPECT_LT(difference(image(live, before), alone(file(), before)), kTwoPlans) << what;
+  };
+  expect_as_alone("gain", [](auto& scene) { scene.gain = 3.0; });
+  expect_as_alone("offset", [](auto& scene) { scene.offset = 2.0; });
+  SensorConfig constant = before;
+  constant.scene.border = mtf::Border::constant;
+  constant.scene.border_value = 5.0;
+  image(live, constant);
+  constant.scene.border_value = 9.0;
+  EXPECT_LT(difference(image(live, constant), alone(file(), constant)), kTwoPlans);
+  SensorConfig photons = before;
+  photons.scene.quantity = mtf::io::Quantity::photon_radiance;
+  EXPECT_EQ(live.image(before).metadata.text.at("mtf:quantity"), "radiance");
+  EXPECT_EQ(live.image(photons).metadata.text.at("mtf:quantity"), "photon_radiance");
+}
+
+TEST_F(LiveSimulation, ThePlanFollowsBorderAndAperture) {
+  const SensorConfig before = sensor(kPlain);
+  SensorConfig periodic = before, box = before;
+  periodic.scene.border = mtf::Border::periodic;
+  box.scene.aperture = mtf::io::Aperture::box;
+  apps::LiveSimulation live(file());
+  for (const SensorConfig* shown :
+       std::initializer_list<const SensorConfig*>{&before, &periodic, &before, &box, &before})
+    EXPECT_LT(difference(image(live, *shown), alone(file(), *shown)), kTwoPlans);
+  EXPECT_GT(difference(alone(file(), periodic), alone(file(), before)), 1e-2);
+  EXPECT_GT(difference(alone(file(), box), alone(file(), before)), 1e-2);
+}
+
+TEST_F(LiveSimulation, FiltersSplitWhereNoiseComesBetween) {
+  const std::string readout = "[[readout]]\nkind = \"gaussian\"\nsigma = \"4 um\"\n";
+  const SensorConfig without = sensor(kPlain + readout), with = camera(readout);
+  apps::LiveSimulation live(temperatures());
+  for (const SensorConfig* shown : {&without, &with, &without})
+    EXPECT_LT(difference(image(live, *shown), alone(temperatures(), *shown)), 1e-2);
+}
+
+TEST_F(LiveSimulation, TheDefaultToleranceIsThatOfTheImage) {
+  const SensorConfig coarse = camera("[adc]\nbits = 8\n"), fine = camera("[adc]\nbits = 16\n"), none = camera();
+  apps::LiveSimulation live(temperatures());
+  const auto tolerance = [&](const SensorConfig& sensor) {
+    image(live, sensor);
+    return live.plan().options.tolerance;
+  };
+  const double of_coarse = tolerance_alone(temperatures(), coarse), of_fine = tolerance_alone(temperatures(), fine);
+  ASSERT_GT(of_coarse, 10.0 * of_fine);
+  EXPECT_EQ(tolerance(coarse), of_coarse);
+  EXPECT_EQ(tolerance(fine), of_fine);
+  apps::LiveSimulation again(temperatures());
+  image(again, coarse);
+  image(again, none);
+  EXPECT_EQ(again.plan().options.tolerance, 1e-4);
+}
+
+TEST_F(LiveSimulation, AToleranceThatWasLoosenedIsTriedAnewForAnotherSensor) {
+  const SensorConfig before = sensor(kPlain);
+  SensorConfig hard = before;
+  hard.scene.offset = 1e4;
+  apps::LiveSimulation live(file());
+  image(live, hard);
+  ASSERT_GT(live.plan().options.tolerance, 1e-4);
+  ASSERT_FALSE(live.warnings().empty());
+  const int compiled = live.plans_compiled();
+  image(live, hard);
+  EXPECT_EQ(live.plans_compiled(), compiled);
+  image(live, before);
+  EXPECT_EQ(live.plan().options.tolerance, 1e-4);
+}
+
+TEST_F(LiveSimulation, AFailedImageLeavesNothingToTheNext) {
+  const std::string lag = "[lag]\ntime_constant = \"20 ms\"\n";
+  const SensorConfig good = camera(lag + "[adc]\nbits = 14\n");
+  // Its flat frames saturate the converter: refused after the lag, which remembers less light.
+  std::string text =
+      kSensor + lag + "[adc]\nbits = 8\nelectrons_per_count = \"10 e-\"\n[correction]\nlow = 0.2\nhigh = 0.8\n";
+  text.replace(text.find("transmission = 0.85"), 19, "transmission = 0.30");
+  const SensorConfig bad = sensor(text);
+  apps::LiveSimulation live(temperatures()), undisturbed(temperatures());
+  EXPECT_TRUE(same_pixels(image(live, good, 1), image(undisturbed, good, 1)));
+  EXPECT_THROW(live.image(bad, 2), mtf::UsageError);
+  EXPECT_TRUE(same_pixels(image(live, good, 3), image(undisturbed, good, 3)));
+  EXPECT_EQ(live.plans_compiled(), undisturbed.plans_compiled());
+  EXPECT_EQ(live.plans_updated(), undisturbed.plans_updated());
+}
+
+TEST_F(LiveSimulation, PixelsOfAnotherGridRememberNothing) {
+  const SensorConfig before = camera("[lag]\ntime_constant = \"20 ms\"\n");
+  SensorConfig coarse = before;
+  coarse.system.frame.pitch_x_um = coarse.system.frame.pitch_y_um = 30.0;
+  apps::LiveSimulation live(temperatures());
+  image(live, before, 1);
+  EXPECT_LT(difference(image(live, coarse, 2), alone(temperatures(), coarse)), kTwoPlans);
+  EXPECT_LT(difference(image(live, before, 3), alone(temperatures(), before)), kTwoPlans);
+}
+
+TEST_F(LiveSimulation, ACorrectionIsMeasuredOfThePixelsThatItCorrects) {
+  const std::string adc = "[nonuniformity]\nprnu = 0.02\n[adc]\nbits = 14\n";
+  const SensorConfig raw = camera(adc), corrected = camera(adc + "[correction]\nlow = 0.2\nhigh = 0.8\n");
+  SensorConfig coarse = corrected;
+  coarse.system.frame.pitch_x_um = coarse.system.frame.pitch_y_um = 30.0;
+  apps::LiveSimulation live(temperatures());
+  for (const SensorConfig* shown : std::initializer_list<const SensorConfig*>{&raw, &corrected, &coarse})
+    EXPECT_LT(difference(image(live, *shown), alone(temperatures(), *shown)), 1e-2);
+}
+
+}  // namespace
+}  // namespace apps_test
