@@ -2,6 +2,7 @@
 #include "mtf/io/config/replace_value.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
@@ -20,14 +21,27 @@ using cfg::Target;
 
 /// Equal values under equal keys; the order of keys and their positions do not count.
 bool same_values(const Node& a, const Node& b) {
-  if (a.kind != b.kind || a.text != b.text || a.integer != b.integer || a.boolean != b.boolean) return false;
-  if (a.number != b.number && !(a.number != a.number && b.number != b.number)) return false;
-  const auto found_in_b = [&](const Member& member) {
-    const Node* other = b.find(member.key);
-    return other != nullptr && same_values(member.value, *other);
-  };
-  return a.members.size() == b.members.size() && std::all_of(a.members.begin(), a.members.end(), found_in_b) &&
-         std::equal(a.items.begin(), a.items.end(), b.items.begin(), b.items.end(), same_values);
+  if (a.kind != b.kind) return false;
+  switch (a.kind) {
+    case Node::Kind::string:
+    case Node::Kind::date:
+      return a.text == b.text;
+    case Node::Kind::integer:
+      return a.integer == b.integer;
+    case Node::Kind::real:
+      return a.number == b.number || (std::isnan(a.number) && std::isnan(b.number));
+    case Node::Kind::boolean:
+      return a.boolean == b.boolean;
+    case Node::Kind::array:
+      return std::equal(a.items.begin(), a.items.end(), b.items.begin(), b.items.end(), same_values);
+    case Node::Kind::table:
+      break;
+  }
+  return a.members.size() == b.members.size() &&
+         std::all_of(a.members.begin(), a.members.end(), [&](const Member& member) {
+           const Node* other = b.find(member.key);
+           return other != nullptr && same_values(member.value, *other);
+         });
 }
 
 std::string toml_value(const Node& node, std::string_view given) {
