@@ -18,14 +18,24 @@ function(mtfkit_library name)
   install(TARGETS ${target} EXPORT mtfkitTargets)
 endfunction()
 
-# mtfkit_unity(target [ALONE files...])
-# With MTFKIT_UNITY the sources of the target are compiled ten at a time, so that headers are read once for each group;
-# ALONE are those whose own headers are long. For targets without hot loops: groups change what is inlined.
+# mtfkit_unity(target [ALONE files...] [GROUPED files...])
+# With MTFKIT_UNITY the sources of the target (all but ALONE, or only GROUPED) are compiled ten at a time, so that headers
+# are read once for each group. For sources without hot loops: groups change what is inlined.
 function(mtfkit_unity target)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "ALONE")
-  if(MTFKIT_UNITY)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 10)
-    set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "ALONE;GROUPED")
+  if(NOT MTFKIT_UNITY)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 10)
+  set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  if(arg_GROUPED)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
+    set(count 0)
+    foreach(file IN LISTS arg_GROUPED)
+      math(EXPR group "${count} / 10")
+      set_source_files_properties(${file} PROPERTIES UNITY_GROUP "group${group}")
+      math(EXPR count "${count} + 1")
+    endforeach()
   endif()
 endfunction()
 

@@ -10,10 +10,10 @@ namespace {
 // An effect that grows as u^p, at k linear standard deviations from its bound, has an interval that is lopsided by
 // 0.98 (p - 1) / k of its half: a tenth at 10 (p - 1). The third power is the highest that components have.
 constexpr double kNear_sd = 20.0;
-constexpr double kNear_x = 20.0;      // in units of 0.05 of the OTF: a bound further away does not matter
-constexpr double kFlat = 0.5;         // of the information, at half the distance; 1 where the effect is linear
-constexpr double kSeen_sd = 1.0;      // u sqrt(S) of an effect to start from ...
-constexpr double kClearly_sd = 30.0;  // ... within what the others can compensate for
+constexpr double kNear_x = 20.0;          // in units of 0.05 of the OTF: a bound further away does not matter
+constexpr double kFlat = 0.5;             // of the information, at half the distance; 1 where the effect is linear
+constexpr double kSeen_sd = 1.0;          // u sqrt(S) of an effect to start from ...
+constexpr double kClearEffect_sd = 30.0;  // ... within what the others can compensate for
 constexpr double kUnseen_sd = 0.1;
 constexpr double kMadeGood = 10.0;  // ratio of the variances of a square with its partners unknown and known
 constexpr double kSmallest_x = 1e-6;
@@ -74,7 +74,7 @@ std::optional<FlatBound> flat_bound(FitProblem& problem, const Solved& solved, s
     const double most = std::min(range, kNear_x);
     for (flat.off = kSmallest_x; !(effect >= kSeen_sd) && flat.off < most;)
       effect = seen(flat.off = std::min(4.0 * flat.off, most));
-    while (effect > kClearly_sd) effect = seen(flat.off *= 0.5);
+    while (effect > kClearEffect_sd) effect = seen(flat.off *= 0.5);
   }
   if (!(effect >= kSeen_sd)) return std::nullopt;  // no effect at all, or none that can be computed
   const double half = seen(0.5 * flat.off);
