@@ -9,19 +9,27 @@
 namespace mtf {
 namespace {
 
-constexpr int kSections = 9;
+constexpr int kEven = 9, kLow = 5, kSections = kEven + kLow;
 constexpr std::int64_t kShortest = 32;      // below this the defined canvas costs nothing
 constexpr std::int64_t kLongest = 1 << 20;  // canvases beyond this are not analysed
+
+// Where the OTF is cut: evenly up to Nyquist, and at low frequencies, each a quarter of the one before, for what passes
+// these alone (an eye far away passes nothing at 0 and nothing at an eighth of Nyquist).
+std::vector<double> sections(double nyquist_cy_mm) {
+  std::vector<double> f;
+  for (int s = 0; s < kEven; ++s) f.push_back(nyquist_cy_mm * s / (kEven - 1));
+  for (int s = 0; s < kLow; ++s) f.push_back(f[static_cast<std::size_t>(s == 0 ? 1 : kEven + s - 1)] / 4.0);
+  return f;
+}
 
 }  // namespace
 
 std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest& request, std::int64_t length,
                                  double noise, const TailLimit& limit) {
   const FrequencyAxis along{Basis::fourier, length, request.step_um};
-  std::vector<double> f(static_cast<std::size_t>(length)), across(kSections);
+  const std::vector<double> across = sections(request.other_nyquist_cy_mm);
+  std::vector<double> f(static_cast<std::size_t>(length));
   for (std::size_t r = 0; r < f.size(); ++r) f[r] = along.cy_mm(along.signed_index(static_cast<std::int64_t>(r)));
-  for (std::size_t s = 0; s < kSections; ++s)
-    across[s] = request.other_nyquist_cy_mm * static_cast<double>(s) / (kSections - 1);
   const bool x = request.axis == Axis::x;
   const FactoredOtf::Grid grid(sampler, x ? f : across, x ? across : f);
   std::vector<std::vector<Complex<double>>> spectra(kSections, std::vector<Complex<double>>(f.size()));

@@ -195,6 +195,8 @@ constexpr SweepLimits kShort{16, 160}, kLong{16, 700}, kShortFlat{16, 160, true}
 TEST(PlanSweep, made_scenes) { Sweep({}).run(1, 40, kShort); }
 // A corner of 101 x 433 samples beside a bright line: rounding of FFTW's prime lengths concentrates there.
 TEST(PlanSweep, prime_lengths) { Sweep({}).run(910'186, 1, kLong); }
+// An OTF of frequencies far below an eighth of Nyquist alone, and 0 at 0.
+TEST(PlanSweep, narrow_low_pass) { Sweep({}).run(910'928, 1, kLong); }
 TEST(PlanSweepLong, made_scenes) { Sweep({}).run(10'000, 1500, kLong); }
 
 TEST(PlanSweep, flat_parts) { Sweep({}).run(1, 30, kShortFlat); }
