@@ -271,8 +271,7 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
   if (s.blinking) compiled->blinking = find_blinking(width, height, *s.blinking, compiled->seed, origin);
   if (before != nullptr) {
     const auto& owner = before->compiled_->corrected_by ? before->compiled_->corrected_by : before->compiled_;
-    const mtf::SampleGrid &theirs = owner->plan.out(), &ours = compiled->plan.out();
-    if (owner->settings.correction && theirs.width == ours.width && theirs.height == ours.height)
+    if (s.correction && owner->settings.correction && owner->plan.out() == compiled->plan.out())
       compiled->corrected_by = owner;
   }
   compiled_ = std::move(compiled);

@@ -142,14 +142,10 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::
 std::shared_ptr<const radiometry::Chain> SequencePlanner::chain_for(
     const mtf::io::SensorConfig& sensor, const std::shared_ptr<const RadiometricChain>& radiometric,
     const std::shared_ptr<const mtf::SensorPlan>& plan) {
-  // A correction that was measured holds for the pixels that it was measured of.
-  const bool corrected =
-      chain_ && chain_radiometric_->loaded.sensor.settings.correction && chain_plan_->out() == plan->out();
   if (chain_radiometric_ != radiometric || chain_plan_ != plan)
     chain_ = at_its_place(sensor, [&] {
       return std::make_shared<const radiometry::Chain>(*plan, radiometric->system, radiometric->loaded.sensor,
-                                                       radiometry::Origin{}, base_.threads,
-                                                       corrected ? chain_.get() : nullptr);
+                                                       radiometry::Origin{}, base_.threads, chain_.get());
     });
   chain_radiometric_ = radiometric;
   chain_plan_ = plan;
