@@ -199,7 +199,7 @@ void SequenceFrames::finish(Frame& frame) {
   for (const std::string& text : frame.warnings)
     warnings_.push_back("frame " + std::to_string(frame.number) + ": " + text);
   if (frame.error) {
-    notes_.push_back("" + std::to_string(report_.frames) + " of " + std::to_string(count()) +
+    notes_.push_back(std::to_string(report_.frames) + " of " + std::to_string(count()) +
                      " frames were finished before this one and are whole");
     rethrow(frame);
   }
