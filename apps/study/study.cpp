@@ -90,10 +90,7 @@ bool is_study(const std::string& text) {
 
 std::shared_ptr<const Study> load_study(const std::string& file) {
   StudyResult result = parse_study(mtf::io::read_text_file(file, cfg::kMaxBytes), file);
-  std::string errors;
-  for (const Diagnostic& diagnostic : result.diagnostics)
-    if (diagnostic.error) errors += (errors.empty() ? "" : "\n") + mtf::io::format_diagnostic(diagnostic, file);
-  if (!errors.empty()) throw mtf::UsageError(errors);
+  cfg::require_no_errors(result.diagnostics, file);
   return std::make_shared<const Study>(std::move(result.study));
 }
 

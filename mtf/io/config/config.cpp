@@ -2,6 +2,7 @@
 #include "mtf/io/config/config.h"
 
 #include <algorithm>
+#include <iterator>
 #include <tuple>
 
 #include "mtf/error.h"
@@ -137,14 +138,9 @@ std::string format_diagnostic(const Diagnostic& diagnostic, const std::string& f
 
 SensorConfig load_config(const std::string& file, std::vector<Diagnostic>* warnings, std::vector<TableInfo> schema) {
   ConfigResult result = parse_config(read_text_file(file, cfg::kMaxBytes), file, std::move(schema));
-  std::string errors;
-  for (Diagnostic& diagnostic : result.diagnostics) {
-    if (diagnostic.error)
-      errors += (errors.empty() ? "" : "\n") + format_diagnostic(diagnostic, file);
-    else if (warnings != nullptr)
-      warnings->push_back(std::move(diagnostic));
-  }
-  if (!errors.empty()) throw UsageError(errors);
+  cfg::require_no_errors(result.diagnostics, file);
+  if (warnings != nullptr)
+    std::move(result.diagnostics.begin(), result.diagnostics.end(), std::back_inserter(*warnings));
   return std::move(result.config);
 }
 

@@ -105,6 +105,11 @@ void remove(Node& table, const std::string& key) {
 
 }  // namespace
 
+std::optional<std::string> pair_of_axis(std::string_view key) {
+  if (!key.ends_with("_x") && !key.ends_with("_y")) return std::nullopt;
+  return std::string(key.substr(0, key.size() - 2));
+}
+
 std::string put(Node& root, const Target& target, Node value) {
   Node& owner = child(root, target.table);
   Node& table = target.component ? owner.items.at(target.index) : owner;
@@ -117,19 +122,16 @@ std::string put(Node& root, const Target& target, Node value) {
     child(table, target.key).items[*target.element] = std::move(value);
     return "";
   }
-  // A pair of axes is written as one value or as two, never as both.
-  const bool one_axis = target.key.ends_with("_x") || target.key.ends_with("_y");
-  const std::string stem = one_axis ? target.key.substr(0, target.key.size() - 2) : target.key;
-  if (one_axis) {
-    if (const Node* both = table.find(stem); both != nullptr) {
+  if (const auto pair = pair_of_axis(target.key)) {
+    if (const Node* both = table.find(*pair); both != nullptr) {
       const Node copy = *both;
-      remove(table, stem);
-      child(table, stem + "_x") = copy;
-      child(table, stem + "_y") = copy;
+      remove(table, *pair);
+      child(table, *pair + "_x") = copy;
+      child(table, *pair + "_y") = copy;
     }
   } else {
-    remove(table, stem + "_x");
-    remove(table, stem + "_y");
+    remove(table, target.key + "_x");
+    remove(table, target.key + "_y");
   }
   child(table, target.key) = std::move(value);
   return "";

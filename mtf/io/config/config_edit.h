@@ -45,6 +45,9 @@ std::string unknown_parameter(const Targets& targets, const std::string& name);
 /// A text as the sensor file would hold it: a number, a list, true or false, or else a string.
 Node node_of(const std::string& cell, int line);
 
+/// "rms" for "rms_x" and "rms_y", none for other keys. A pair of axes is written as one value or as two, never as both.
+std::optional<std::string> pair_of_axis(std::string_view key);
+
 /// Puts the value into the tree, and takes out what it replaces (pitch for pitch_x). What is wrong with that, "" when
 /// nothing is.
 std::string put(Node& root, const Target& target, Node value);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "mtf/error.h"
 #include "mtf/io/file_checks.h"
 
 namespace mtf::io::cfg {
@@ -114,6 +115,13 @@ std::string folder_of(const std::string& file) {
 
 std::string beside(const std::string& folder, const std::string& name) {
   return name.starts_with('/') ? name : folder + name;
+}
+
+void require_no_errors(const std::vector<Diagnostic>& diagnostics, const std::string& file) {
+  std::string errors;
+  for (const Diagnostic& diagnostic : diagnostics)
+    if (diagnostic.error) errors += (errors.empty() ? "" : "\n") + format_diagnostic(diagnostic, file);
+  if (!errors.empty()) throw UsageError(errors);
 }
 
 }  // namespace mtf::io::cfg

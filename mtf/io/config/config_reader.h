@@ -78,6 +78,9 @@ std::optional<Coefficients<double>> read_coefficients(const Section& section, co
 std::optional<Encoding> read_encoding(const Section& section, std::string_view key);
 std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view key);
 
+/// Throws UsageError with every error of a file, a line each, where there is one.
+void require_no_errors(const std::vector<Diagnostic>& diagnostics, const std::string& file);
+
 /// A number as sensor files have it: 8.0, or "8 urad". In config_write.cpp.
 std::string toml_scalar(const Scalar& scalar);
 

@@ -6,6 +6,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
+#include "mtf/io/config/config_reader.h"
 #include "mtf/io/config/config_text.h"
 #include "mtf/io/file_checks.h"
 
@@ -152,17 +153,15 @@ std::string new_text(std::string_view text, const Node& root, const Target& targ
     out.replace(*number_of(&old->items.at(*target.element)), value);
     return out.text();
   }
-  // A pair of axes is written as one value or as two, never as both.
-  const bool one_axis = target.key.ends_with("_x") || target.key.ends_with("_y");
-  const std::string stem = one_axis ? target.key.substr(0, target.key.size() - 2) : target.key;
-  const std::string x = stem + "_x", y = stem + "_y";
+  const auto pair = cfg::pair_of_axis(target.key);
+  const std::string stem = pair.value_or(target.key), x = stem + "_x", y = stem + "_y";
   if (old != nullptr) {
     out.replace(*number_of(old), value);
-  } else if (const Node* both = one_axis ? table->find(stem) : nullptr; both != nullptr) {
+  } else if (const Node* both = pair ? table->find(stem) : nullptr; both != nullptr) {
     const std::size_t begin = offset_of(text, both->position);
     const std::string kept(text.substr(begin, end_of_value(text, begin) - begin));
     out.replace_line(stem, x + " = " + (target.key == x ? value : kept), y + " = " + (target.key == y ? value : kept));
-  } else if (!one_axis && (table->find(x) != nullptr || table->find(y) != nullptr)) {
+  } else if (!pair && (table->find(x) != nullptr || table->find(y) != nullptr)) {
     const bool has_x = table->find(x) != nullptr;
     out.replace_line(has_x ? x : y, line);
     if (has_x && table->find(y) != nullptr) out.remove_line(y);
@@ -211,10 +210,7 @@ std::string replace_value(const SensorConfig& config, std::string_view parameter
 
 SensorConfig replaced(const SensorConfig& config, std::string_view parameter, std::string_view value) {
   ConfigResult result = parse_config(replace_value(config, parameter, value), config.file, config.schema);
-  std::string errors;
-  for (const Diagnostic& diagnostic : result.diagnostics)
-    if (diagnostic.error) errors += (errors.empty() ? "" : "\n") + format_diagnostic(diagnostic, config.file);
-  if (!errors.empty()) throw UsageError(errors);
+  cfg::require_no_errors(result.diagnostics, config.file);
   return std::move(result.config);
 }
 
