@@ -38,7 +38,7 @@ class SlotReader {
 /// What a tally needs to know of a study.
 TallyJob tally_job(std::shared_ptr<const Study> study, const std::vector<Column>& columns);
 
-/// The columns of a table: the levels of a discrete axis as words where they are no numbers.
+/// The columns of a table. The values of a discrete axis that are no numbers stand there as words.
 std::vector<TableColumn> table_columns(const Study& study, const std::vector<Column>& columns);
 
 }  // namespace study

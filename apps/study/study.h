@@ -155,8 +155,8 @@ StudyResult parse_study(const std::string& text, const std::string& file);
 /// True for a file whose top level has [[axis]] or `sensor`: a study and no sensor.
 bool is_study(const std::string& text);
 
-/// All sensor files of the study and the files that they name, for each level of each discrete axis. Skipped is a level
-/// that no sensor file could hold together with the first levels of the others: its designs have no sensor.
+/// All sensor files of the study and the files that they name, for each value of each discrete axis. A value
+/// that contradicts the first values of the other axes is skipped, as its designs have no sensor.
 std::vector<std::string> files_of(const Study& study);
 
 /// Reads a file. Throws RuntimeError when it cannot be read, UsageError with all errors as "file:line:col: error: ..."

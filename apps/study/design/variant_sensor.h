@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A sensor of a study for one combination of levels of its discrete axes, ready for numbers to be set: the system with
-// its band weighted by electrons, the budget's spectra, and where each parameter of the study is held.
+// The sensor of a study for one choice on each of its discrete axes. Its numbers can be set: it holds the system with
+// its band weighted by electrons, the spectra of the budget, and the place of each parameter of the study.
 
 #include <map>
 #include <memory>

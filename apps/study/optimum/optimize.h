@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The best design of a study: numeric axes are continuous between their ends, every level of discrete ones is tried,
-// links and constraints as in the study. Local searches from points of Sobol's sequence, each to an optimum that is
-// checked by its slopes. What does not end well is an outcome, never an exception.
+// The best design of a study. Numeric axes are continuous between their ends, every value of a discrete axis is tried,
+// and links and constraints are those of the study. Local searches from points of Sobol's sequence, each to an optimum
+// that is checked by its slopes. What does not end well is an outcome, never an exception.
 
 #include <functional>
 
