@@ -8,7 +8,8 @@ here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 # shellcheck source=tests/slurm/study.sh
 . "$here/study.sh"
 mtf="$(realpath "$1")"
-plan="it's {} a plan"
+# Everything that GNU parallel or a shell would replace; SweepShards holds the local engine to the same name.
+plan="it's {} a {.} {#} {= \$_ =} \"\$HOME\" \`plan\`"
 shards=12
 
 command -v parallel >/dev/null || skip "no parallel on this machine"
