@@ -238,12 +238,17 @@ double FactoredOtf::aperture_factor(Axis axis, double f) const {
 
 double FactoredOtf::aperture_radial(double r) const { return limited_inverse(aperture_mtf(r), aperture_.gain_limit); }
 
-double FactoredOtf::error() const {
-  double sum = (table_ ? table_->error() : 0.0) + quadrature_error_;
+double FactoredOtf::table_error() const {
+  double sum = table_ ? table_->error() : 0.0;
   for (const Line& line : lines_) sum += line.table.line_error();
   for (const PolarTable& table : polar_) sum += table.error();
-  for (const Dropped& dropped : dropped_) sum += dropped.bound;
   return sum * gain();
+}
+
+double FactoredOtf::error() const {
+  double dropped = 0.0;
+  for (const Dropped& component : dropped_) dropped += component.bound;
+  return table_error() + quadrature_error() + dropped * gain();
 }
 
 Complex<double> FactoredOtf::at(const Freq<double>& f) const {

@@ -96,8 +96,10 @@ class FactoredOtf {
   /// Bound of |H|, at least 1: what amplifying components and the aperture's correction may multiply.
   double gain() const { return gain_ * correction_; }
   int wavelengths() const { return wavelengths_; }
-  /// Bound of |H_used - H| from dropping and from the table.
+  /// Bound of |H_used - H| from dropping, from tables and from the number of wavelengths.
   double error() const;
+  /// The part of it that comes from tables; 0 where every frequency is evaluated.
+  double table_error() const;
   /// The part of it that comes from the number of wavelengths: the change when it was last doubled.
   double quadrature_error() const { return quadrature_error_ * gain(); }
   /// Some frequencies on the grid hit the aperture's gain limit.

@@ -14,6 +14,23 @@ namespace {
 
 constexpr int kMostWavelengths = 512;
 
+// Radii at which a mean over the band is tested below those of even steps: `ratio` between neighbours, down to that
+// share of the lesser of the two largest frequencies.
+struct LowProbes {
+  double ratio = 0.0, share = 0.0;
+};
+constexpr LowProbes kLowProbes{2.0, 0x1p-16}, kSlowLowProbes{4.0, 0x1p-12};
+
+// The middles of `even` steps from 0 to `end`, and lower radii: an OTF may be narrow against `end`, which the axis with
+// the smaller samples decides.
+std::vector<double> probe_radii(double end, std::size_t even, const LowProbes& low, double lesser_nyquist_cy_mm) {
+  std::vector<double> radii(even);
+  for (std::size_t i = 0; i < even; ++i) radii[i] = end * (static_cast<double>(i) + 0.5) / static_cast<double>(even);
+  const double least = std::max(low.share * lesser_nyquist_cy_mm, 0x1p-60 * end);
+  for (double r = radii.front() / low.ratio; r > least; r /= low.ratio) radii.push_back(r);
+  return radii;
+}
+
 }  // namespace
 
 // Motion along one direction depends on f.u alone, an even function where it is real. A table that is too coarse for it
@@ -139,10 +156,9 @@ void FactoredOtf::tabulate_band(double end) {
   };
   radial_mean_.emplace(p, 1, *system_.band, std::move(breaks), true, end,
                        BandMean::Options{.exact = 1, .error = kError});
-  constexpr int kProbes = 24;
+  constexpr std::size_t kProbes = 24;
   double worst = 0.0;
-  for (int i = 0; i < kProbes; ++i) {
-    const double r = end * (static_cast<double>(i) + 0.5) / kProbes;
+  for (const double r : probe_radii(end, kProbes, kSlowLowProbes, std::min(options_.fx_max, options_.fy_max))) {
     double mean = 0.0;
     radial_mean_->at(r, {&mean, 1});
     worst = std::max(worst, std::abs(mean - chromatic_product({r, 0.0}).re));
@@ -183,14 +199,15 @@ void FactoredOtf::choose_wavelengths(double end, double target) {
   const auto& list = radial ? chromatic_radial_ : chromatic_general_;
   const bool slow =
       std::any_of(list.begin(), list.end(), [](const Entry<double>* entry) { return entry->component.is_slow(); });
-  const std::size_t directions = radial ? 1 : 4, radii = slow ? 8 : 128;
+  const std::size_t directions = radial ? 1 : 4;
+  const std::vector<double> radii =
+      probe_radii(end, slow ? 8 : 128, slow ? kSlowLowProbes : kLowProbes, std::min(options_.fx_max, options_.fy_max));
   const std::vector<double> kinks = fixed ? std::vector<double>{} : chromatic_kinks();
   const auto averages = [&](int n) {
     wavelength_rule_ = BandRule(*system_.band, kinks, n);
-    std::vector<Complex<double>> mean(radii * directions);
+    std::vector<Complex<double>> mean(radii.size() * directions);
     for (std::size_t i = 0; i < mean.size(); ++i) {
-      const double r = end * (static_cast<double>(i / directions) + 0.5) / static_cast<double>(radii);
-      const double a = 0.25 * static_cast<double>(i % directions);
+      const double r = radii[i / directions], a = 0.25 * static_cast<double>(i % directions);
       mean[i] = chromatic_product({r * cos_pi(a), r * sin_pi(a)});
     }
     return mean;

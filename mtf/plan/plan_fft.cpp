@@ -197,7 +197,7 @@ MethodCandidate make_candidate(const PlanTask& task, Method method, const Judged
   d.report.method = method;
   PredictedError& predicted = d.report.predicted;
   predicted.dropped = dropped * judged.rms_per_otf * task.alias;
-  predicted.table = (sampler.error() - dropped - sampler.quadrature_error()) * judged.spread;
+  predicted.table = sampler.table_error() * judged.spread;
   predicted.band = sampler.quadrature_error() * judged.spread;
   predicted.wrap = judged.layout.wrap;
   predicted.arithmetic = rounding(task, in_double, judged, judged.canvas_rms);

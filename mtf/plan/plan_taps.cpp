@@ -38,7 +38,7 @@ class Judge {
     const double spread = rms_per_otf_ * task.alias, dropped = dropped_error(sampler),
                  quadrature = sampler.quadrature_error();
     parts_.dropped = dropped * spread;
-    parts_.table = (sampler.error() - dropped - quadrature) * spread;
+    parts_.table = sampler.table_error() * spread;
     parts_.band = quadrature * spread;
   }
 

@@ -5,6 +5,8 @@
 #include <atomic>
 #include <cmath>
 
+#include "mtf/components/turbulence.h"
+#include "mtf/literals.h"
 #include "tests/mtf/band_cases.h"
 
 namespace mtf::test {
@@ -49,6 +51,26 @@ TEST(BandPlan, the_table_is_the_average_within_its_error) {
     EXPECT_LE(worst, sampler.error() + 3e-7) << c.name;
     EXPECT_LE(sampler.error(), 2e-5) << c.name;
   }
+}
+
+// Samples that are smaller by 1e6 along y put the corner far beyond all that turbulence passes along x.
+TEST(BandPlan, a_narrow_otf_gets_the_wavelengths_that_it_needs) {
+  using namespace literals;
+  System<double> system;
+  system.frame = {100.0, 18.0, 3.4e-5, 0.01, 0, 0};
+  system.band = Band{0.4, 14.0};
+  system.add(Stage::presample, Turbulence<double>{.fried_parameter_mm = 20_mm, .wavelength_reference_um = 4_um});
+  const std::array stages{Stage::presample};
+  const FactoredOtf sampler(system, stages, {}, {.fx_max = 28.0, .fy_max = 1.5e7, .table_share = 1e-6});
+  std::vector<double> fx;
+  for (int i = 0; i < 20; ++i) fx.push_back(28.0 * (i + 0.3) / 20.0);
+  const std::vector<double> fy{0.0};
+  const FactoredOtf::Grid grid(sampler, fx, fy);
+  std::vector<Complex<float>> row(fx.size());
+  grid.complex_row(0, row);
+  for (std::size_t i = 0; i < fx.size(); ++i)
+    EXPECT_NEAR(row[i].re, system.otf({fx[i], 0.0}).re, sampler.error() + 3e-7) << fx[i];
+  EXPECT_LE(sampler.error(), 2e-6);
 }
 
 TEST(BandPlan, can_be_ended_by_whoever_hears_of_its_progress) {
