@@ -2,6 +2,7 @@
 #include "mtf/plan/padding.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "mtf/engines/fft/axis.h"
@@ -22,14 +23,33 @@ std::vector<double> sections(double nyquist_cy_mm) {
   return f;
 }
 
+// Frequencies, relative to Nyquist, at which a kernel is tested: powers of the golden ratio, which lie far from whole
+// multiples of the step of any canvas.
+constexpr std::array kTestedAt{0.763932022500210, 0.236067977499790, 0.055728090000841, 0.013155617496424};
+
+// The kernel's transform at `turns` per sample, between the frequencies of its canvas. It is the OTF there when the
+// canvas holds the kernel; an echo at a whole number of canvases lies on the kernel's middle and shows nowhere else.
+Complex<double> transform_at(const std::vector<Complex<double>>& kernel, double turns) {
+  const Complex<double> ahead = rotation(-static_cast<long double>(turns)), back{ahead.re, -ahead.im};
+  const std::size_t n = kernel.size(), half = n / 2;
+  Complex<double> right{}, left{};
+  for (std::size_t d = half; d > 0; --d) right = (right + kernel[d]) * ahead;
+  for (std::size_t d = n - half - 1; d > 0; --d) left = (left + kernel[n - d]) * back;
+  const double scale = 1.0 / static_cast<double>(n);
+  const Complex<double> sum = kernel[0] + right + left;
+  return {scale * sum.re, scale * sum.im};
+}
+
 }  // namespace
 
 std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest& request, std::int64_t length,
                                  double noise, const TailLimit& limit) {
   const FrequencyAxis along{Basis::fourier, length, request.step_um};
   const std::vector<double> across = sections(request.other_nyquist_cy_mm);
-  std::vector<double> f(static_cast<std::size_t>(length));
-  for (std::size_t r = 0; r < f.size(); ++r) f[r] = along.cy_mm(along.signed_index(static_cast<std::int64_t>(r)));
+  const auto n = static_cast<std::size_t>(length);
+  std::vector<double> f(n);
+  for (std::size_t r = 0; r < n; ++r) f[r] = along.cy_mm(along.signed_index(static_cast<std::int64_t>(r)));
+  for (const double share : kTestedAt) f.push_back(share * 500.0 / request.step_um);
   const bool x = request.axis == Axis::x;
   const FactoredOtf::Grid grid(sampler, x ? f : across, x ? across : f);
   std::vector<std::vector<Complex<double>>> spectra(kSections, std::vector<Complex<double>>(f.size()));
@@ -39,27 +59,36 @@ std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest
     for (std::size_t s = 0; s < kSections; ++s) spectra[s][j] = {row[s].re, row[s].im};
   }
 
-  std::vector<double> tails(f.size() / 2 + 1, 0.0);
+  std::vector<double> tails(n / 2 + 1, 0.0);
   const double ratio = request.pitch_um / request.step_um;
-  const double silent = noise * static_cast<double>(length);                  // the transform is not normalised
+  const double silent = noise * static_cast<double>(length);
+  // Of the values of the OTF that are compared: tables and floats.
+  const double rounding = 2.0 * sampler.table_error() + 0x1p-22 * sampler.gain();
   const bool on_samples = std::abs(std::remainder(ratio - 1.0, 2.0)) < 1e-9;  // odd ratios
-  std::vector<Complex<double>> half_sample(f.size());
-  for (std::size_t r = 0; !on_samples && r < f.size(); ++r)
+  std::vector<Complex<double>> half_sample(n);
+  for (std::size_t r = 0; !on_samples && r < n; ++r)
     half_sample[r] = rotation(static_cast<long double>(0.5 * f[r] * request.step_um * 1e-3));
   for (std::size_t s = 0; s < kSections; ++s) {
     if (x) {
       grid.complex_row(s, row);
       for (std::size_t i = 0; i < f.size(); ++i) spectra[s][i] = {row[i].re, row[i].im};
     }
+    double beyond = 0.0;  // of the kernel, outside the canvas
     for (const bool between : {false, true}) {
       if (between && on_samples) break;
-      std::vector<Complex<double>> kernel = spectra[s];
-      for (std::size_t r = 0; between && r < f.size(); ++r) kernel[r] = kernel[r] * half_sample[r];
+      std::vector<Complex<double>> kernel(spectra[s].begin(), spectra[s].begin() + length);
+      for (std::size_t r = 0; between && r < n; ++r) kernel[r] = kernel[r] * half_sample[r];
       fft::inverse(kernel);
-      double sum = 0.0;
-      for (std::size_t d = f.size() / 2; d-- > 0;) {
+      if (!between) {
+        const std::size_t p = s % kTestedAt.size();  // one for each section
+        const Complex<double> here = transform_at(kernel, 0.5 * kTestedAt[p]), otf = spectra[s][n + p];
+        beyond = std::max(0.0, std::hypot(here.re - otf.re, here.im - otf.im) - rounding);
+      }
+      double sum = beyond * static_cast<double>(length);  // the transform is not normalised
+      tails.back() = std::max(tails.back(), beyond);
+      for (std::size_t d = n / 2; d-- > 0;) {
         // Distances d + 1 to both sides; the middle of an even canvas is both.
-        for (const std::size_t i : {d + 1, f.size() - d - 1})
+        for (const std::size_t i : {d + 1, n - d - 1})
           if (const double k = std::hypot(kernel[i].re, kernel[i].im); k > silent) sum += k;
         tails[d] = std::max(tails[d], sum / static_cast<double>(length));
       }

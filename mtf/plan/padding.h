@@ -32,7 +32,8 @@ struct TailLimit {
   double sum = std::numeric_limits<double>::infinity();
 };
 
-/// tails[d] = largest sum of |kernel| at distances beyond d samples, over sections of the OTF; a canvas of `length`.
+/// tails[d] = largest sum of |kernel| at distances beyond d samples, over sections of the OTF; a canvas of `length`, and
+/// what such a canvas misses of the OTF between its frequencies, where a kernel is longer still.
 /// Values below `noise` count as none: the rounding of the OTF's floats, spread over the whole canvas.
 std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest& request, std::int64_t length,
                                  double noise = 0.0, const TailLimit& limit = {});

@@ -95,6 +95,19 @@ TEST(Padding, chosen_lengths_are_smooth_and_within_a_tenth_of_the_least) {
   }
 }
 
+// Two images 1e9 pixels apart: on a canvas whose length divides that, both lie on the middle.
+TEST(Padding, an_echo_at_a_multiple_of_the_canvas_is_found) {
+  auto filter = Component<double>::make("birefringent_filter");
+  test::set(filter, "separation", 1e9, "px");
+  const System<double> system = with(bare(), {filter});
+  constexpr std::array stages{Stage::presample};
+  const FactoredOtf sampler(system, stages, {}, {.fx_max = 66.7, .fy_max = 83.4, .table_share = 1e-7});
+  for (const std::int64_t n : {40, 41, 64, 100}) {
+    const CanvasRequest request{Axis::y, Border::replicate, n, 6.0, 66.7, 15.0, 2.0, 1e-4};
+    EXPECT_EQ(choose_canvas(sampler, request).length, canvas_length(Border::replicate, n)) << n;
+  }
+}
+
 TEST(Padding, periodic_small_and_tight_requests_get_the_defined_canvas) {
   const System<double> system = with(bare(), {test::gaussian(6.0)});
   constexpr std::array stages{Stage::presample};

@@ -197,6 +197,8 @@ TEST(PlanSweep, made_scenes) { Sweep({}).run(1, 40, kShort); }
 TEST(PlanSweep, prime_lengths) { Sweep({}).run(910'186, 1, kLong); }
 // An OTF of frequencies far below an eighth of Nyquist alone, and 0 at 0.
 TEST(PlanSweep, narrow_low_pass) { Sweep({}).run(910'928, 1, kLong); }
+// Two images 1e9 pixels apart, a whole number of the canvases by which the padding is judged.
+TEST(PlanSweep, two_images_far_apart) { Sweep({}).run(930'331, 1, kLong); }
 // Samples of 1789 um x 3.2e-5 um: the mean over the band of a defocus of 1e6 waves ends far below the corner.
 TEST(PlanSweepLong, mean_over_the_band_of_a_narrow_otf) { Sweep({}).run(920'103, 1, kLong); }
 TEST(PlanSweepLong, made_scenes) { Sweep({}).run(10'000, 1500, kLong); }
