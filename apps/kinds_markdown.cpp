@@ -2,23 +2,13 @@
 
 // `mtf config kinds --format markdown`: mtf/components/README.md.
 
-#include <algorithm>
 #include <array>
-#include <optional>
 #include <sstream>
-#include <utility>
-#include <vector>
 
 #include "apps/kinds.h"
-#include "mtf/component_docs.h"
-#include "mtf/io/config/config.h"
 
 namespace apps {
 namespace {
-
-using mtf::Component;
-using mtf::FieldRef;
-using mtf::Presence;
 
 /// The order of the page, along the path of the light and the signal.
 struct Group {
@@ -113,50 +103,6 @@ int main() {
 ```
 )";
 
-struct Example {
-  std::string table;                  ///< the component's TOML
-  std::optional<mtf::Traits> traits;  ///< unknown where it needs a file
-};
-
-/// The required fields; without any, or when they do not do, the first of the others that will.
-Example example_of(std::string_view kind) {
-  const Component<double> blank = Component<double>::make(kind);
-  const auto fields = std::as_const(blank).fields();
-  std::string list;
-  for (const mtf::Stage stage : mtf::kStages)
-    if (list.empty() && blank.stages().allows(stage)) list = stage_name(stage);
-  const auto with = [&](const FieldRef<double>* extra) {
-    std::string text = "[[" + list + "]]\nkind = \"" + std::string(kind) + "\"\n";
-    for (const FieldRef<double>& field : fields)
-      if (field.info->presence == Presence::required || &field == extra)
-        text += std::string(field.info->name) + " = " + std::string(field.info->example) + "\n";
-    return text;
-  };
-  const std::string sensor =
-      "schema = 1\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\nintegration_time = \"10 ms\"\n"
-      "[optics]\nf_number = 2.0\n[band]\nwavelength = [\"3.4 um\", \"4.8 um\"]\n";
-  std::vector<const FieldRef<double>*> extras;
-  const auto add_all = [&](Presence presence) {
-    for (const FieldRef<double>& field : fields)
-      if (field.info->presence == presence) extras.push_back(&field);
-  };
-  const bool some_required = std::any_of(fields.begin(), fields.end(), [](const FieldRef<double>& field) {
-    return field.info->presence == Presence::required;
-  });
-  if (some_required) extras.push_back(nullptr);
-  add_all(Presence::optional);
-  if (!some_required) extras.push_back(nullptr);
-  add_all(Presence::shared);
-  for (const FieldRef<double>* extra : extras) {
-    const mtf::io::ConfigResult result = mtf::io::parse_config(sensor + with(extra), "");
-    if (!result.ok()) continue;
-    const mtf::System<double>& system = result.config.system;
-    for (const auto& entries : system.stages)
-      for (const auto& entry : entries) return {with(extra), entry.component.traits(system.context())};
-  }
-  return {with(nullptr), std::nullopt};
-}
-
 std::string traits_text(const mtf::Traits& traits) {
   std::string text = traits.real ? "real" : "complex";
   const auto add = [&](bool is, const char* words) { text += is ? std::string(", ") + words : ""; };
@@ -170,43 +116,41 @@ std::string traits_text(const mtf::Traits& traits) {
   return text;
 }
 
-std::string section(std::string_view kind) {
-  const Component<double> component = Component<double>::make(kind);
-  std::string doc(component.doc());
+std::string section(const ComponentKind& kind) {
+  std::string doc(kind.doc);
   doc.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(doc.front())));
   std::string text =
-      "## " + std::string(kind) + "\n\n**" + doc + "**, in " + join_stages(component.stages(), "`[[", "]]`") + ".\n\n";
-  std::string_view notes = mtf::component_notes(kind);
-  const std::string source = mtf::component_source(kind);
+      "## " + std::string(kind.kind) + "\n\n**" + doc + "**, in " + join_stages(kind.stages, "`[[", "]]`") + ".\n\n";
+  std::string_view notes = kind.notes;
   // The source, in parentheses at the end of the notes, gets a line of its own.
-  if (!source.empty()) notes.remove_suffix(source.size() + 3);
-  text += as_markdown(notes) + (source.empty() ? "" : "\nSource: " + source + "\n");
+  if (!kind.source.empty()) notes.remove_suffix(kind.source.size() + 3);
+  text += as_markdown(notes) + (kind.source.empty() ? "" : "\nSource: " + kind.source + "\n");
   text += "\n| parameter | unit | range | presence | example | meaning |\n|---|---|---|---|---|---|\n";
-  for (const FieldRef<double>& field : component.fields()) {
-    const std::string row[] = {written_name(field),       unit_of(field),
-                               range_of(field),           std::string(presence_of(*field.info)),
-                               code(field.info->example), std::string(field.info->doc)};
+  for (const Parameter& parameter : kind.parameters) {
+    const std::string row[] = {written_name(parameter), std::string(parameter.unit),
+                               range_of(parameter),     std::string(presence_of(parameter)),
+                               code(parameter.example), std::string(parameter.doc)};
     for (const std::string& each : row) text += "| " + cell(each) + (each.empty() ? "" : " ");
     text += "|\n";
   }
-  const Example example = example_of(kind);
-  text += "\n```toml\n" + example.table + "```\n";
-  if (example.traits) text += "\nThe OTF of this example: " + traits_text(*example.traits) + ".\n";
+  text += "\n```toml\n" + kind.example + "```\n";
+  if (kind.traits) text += "\nThe OTF of this example: " + traits_text(*kind.traits) + ".\n";
   return text;
 }
 
 }  // namespace
 
 std::string kinds_markdown(const std::string& kind) {
-  if (!kind.empty()) return section(kind);
+  if (!kind.empty()) return section(component_kind(kind));
+  const SensorKinds kinds = sensor_kinds();
   std::string contents, sections;
   for (const auto& [part, title] : kGroups) {
     contents += "| **" + std::string(title) + "** | | |\n";
-    for (const std::string_view each : mtf::component_kinds()) {
-      const Component<double> component = Component<double>::make(each);
-      if (component.part() != part) continue;
-      contents += "| [" + std::string(each) + "](#" + std::string(each) + ") | " + cell(std::string(component.doc())) +
-                  " | " + join_stages(component.stages(), "", "") + " |\n";
+    for (const ComponentKind& each : kinds.components) {
+      if (each.part != part) continue;
+      const std::string kind_name(each.kind);
+      contents += "| [" + kind_name + "](#" + kind_name + ") | " + cell(std::string(each.doc)) + " | " +
+                  join_stages(each.stages, "", "") + " |\n";
       sections += "\n" + section(each);
     }
   }
