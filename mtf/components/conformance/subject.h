@@ -31,7 +31,7 @@ struct Subject {
   }
 };
 
-/// Of a component that amplifies one more than its deviation, 1 of all others.
+/// A bound of |otf|: a component that amplifies differs from 1 by its deviation at most, all others stay below 1.
 template <class C>
 double largest_modulus(const C& component, const Context<double>& ctx) {
   return component.traits(ctx).gain ? 1.0 + component.deviation(1e300, 1e300, ctx) : 1.0;
@@ -45,7 +45,8 @@ std::vector<FieldRef<S>> fields_of(C& component) {
     return mtf::detail::field_refs<C, S>(component);
 }
 
-/// Bounds of the fields, then the component's own check: as Component::check does it.
+/// What Component::check finds: values outside the bounds of their fields or, without any, what the component's own
+/// check() says.
 template <class S, class C>
 std::vector<Problem> problems_of(const C& component, const Context<S>& ctx) {
   if constexpr (std::is_same_v<C, Component<S>>) {

@@ -21,7 +21,8 @@ enum class Fault {
   chromatic,
   cancels,
   rows,
-  example_outside
+  example_outside,
+  never_accepted
 };
 
 /// A Gaussian of a width in um, not in the list of components.
@@ -32,6 +33,7 @@ struct Blur {
   static constexpr SensorPart part = SensorPart::optics;
 
   NumberIn<S, micrometres> width_um{};
+  Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
     return std::tuple{Field{FieldInfo{.name = "width",
@@ -41,7 +43,8 @@ struct Blur {
                                       .hi = 1e6,
                                       .example = fault == Fault::example_outside ? "\"-3 um\"" : "\"3 um\"",
                                       .doc = "standard deviation"},
-                            &Blur::width_um}};
+                            &Blur::width_um},
+                      Field{kAxisInfo, &Blur::axis}};
   }
   Traits traits(const Context<S>&) const {
     return {.radial = true,
@@ -73,7 +76,10 @@ struct Blur {
       for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * otf({fx[i], row}, ctx);
     };
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
+  std::vector<Problem> check(const Context<S>&) const {
+    if (fault == Fault::never_accepted) return {{.field = "width", .text = "not today"}};
+    return {};
+  }
 };
 
 template <Fault fault>
@@ -121,6 +127,13 @@ TEST(ConformanceCheck, each_fault_is_found_by_its_property) {
 
 TEST(ConformanceCheck, an_example_outside_of_its_range_is_found) {
   EXPECT_EQ(failed<Fault::example_outside>(), std::set<std::string>{"the examples of the field table are accepted"});
+}
+
+TEST(ConformanceCheck, a_component_that_accepts_nothing_is_found) {
+  const auto outcomes = conformance::check<With<Fault::never_accepted>::Type>();
+  EXPECT_EQ(outcomes.front().failed, 3u);  // no draw at all, none with the width, none with the axis
+  for (const conformance::Outcome& outcome : outcomes)
+    EXPECT_TRUE(&outcome == outcomes.data() || outcome.compared == 0);
 }
 
 TEST(ConformanceCheck, the_worst_failure_is_kept) {
