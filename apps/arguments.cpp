@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "apps/sensor/otf_curves.h"
 #include "mtf/io/config/schedule.h"
 
 namespace apps {
@@ -134,15 +135,6 @@ std::array<std::int64_t, 4> rectangle(std::string_view option, std::string_view 
     values[i] = value.value_or(0);
   }
   if (!good) refuse(option, text, "X,Y,WIDTH,HEIGHT in pixels, such as 128,64,256,256");
-  return values;
-}
-
-std::vector<double> evenly_spaced(double start, double stop, int count) {
-  std::vector<double> values(static_cast<std::size_t>(count), start);
-  for (int i = 1; i < count; ++i)
-    // Halves: the difference of two huge ends may overflow, and a product would round where the quotient is exact.
-    values[static_cast<std::size_t>(i)] =
-        i + 1 == count ? stop : start + 2.0 * ((0.5 * stop - 0.5 * start) * i / (count - 1));
   return values;
 }
 

@@ -47,9 +47,6 @@ std::vector<double> frequency_list(std::string_view option, std::string_view tex
 /// A comma list of finite numbers, 1 to 1000.
 std::vector<double> number_list(std::string_view option, std::string_view text);
 
-/// `count` evenly spaced numbers from `start` to `stop`, both included; only `start` when count is 1.
-std::vector<double> evenly_spaced(double start, double stop, int count);
-
 /// The value that belongs to a word.
 template <class T, std::size_t N>
 T choice(std::string_view option, std::string_view text, const std::array<std::pair<std::string_view, T>, N>& words) {

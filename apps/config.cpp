@@ -133,8 +133,7 @@ int run_config(const ConfigOptions& options, const Global& global) {
     case ConfigOptions::Action::explain:
       return explain(options, global);
     case ConfigOptions::Action::kinds:
-      print(options.markdown ? kinds_markdown(options.file)
-                             : describe_kinds(options.file, radiometry::sensor_tables()));
+      print(options.markdown ? kinds_markdown(options.file) : describe_kinds(options.file));
       return 0;
   }
   return 0;

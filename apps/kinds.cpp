@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/kinds.h"
 
-#include <algorithm>
 #include <sstream>
 
 #include "apps/terminal/text_table.h"
-#include "mtf/component_docs.h"
+#include "mtf/units.h"
 
 namespace apps {
 namespace {
-
-using mtf::Component;
-using mtf::FieldInfo;
-using mtf::FieldRef;
-using mtf::Presence;
 
 std::string indented(std::string_view notes) {
   std::istringstream lines{std::string(notes)};
@@ -31,54 +25,58 @@ std::string bound(double value) {
   return text.substr(0, e + 1) + (text[e + 1] == '-' ? "-" : "") + text.substr(digits);
 }
 
-std::string interval(const FieldInfo& info) {
-  return (info.lo_open ? "(" : "[") + bound(info.lo) + ", " + bound(info.hi) + (info.hi_open ? ")" : "]");
+std::string interval(const Parameter& parameter) {
+  return (parameter.lo_open ? "(" : "[") + bound(parameter.lo) + ", " + bound(parameter.hi) +
+         (parameter.hi_open ? ")" : "]");
 }
 
-std::string values_of(const mtf::SettingInfo& row) {
-  const std::string unit(row.info.unit.empty() ? "" : " " + std::string(row.info.unit));
-  std::string words;
-  switch (row.type) {
-    case mtf::SettingType::number:
-      return interval(row.info) + unit;
-    case mtf::SettingType::number_or_file:
-      return interval(row.info) + unit + ", or a file";
-    case mtf::SettingType::whole:
-      return "whole, " + interval(row.info);
-    case mtf::SettingType::flag:
+std::string joined(const std::vector<std::string_view>& words) {
+  std::string text;
+  for (const std::string_view word : words) text += (text.empty() ? "" : " | ") + std::string(word);
+  return text;
+}
+
+std::string with_unit(const std::string& range, std::string_view unit) {
+  return range + (unit.empty() ? "" : " " + std::string(unit));
+}
+
+/// Of a key of a table.
+std::string values_of(const Parameter& key) {
+  switch (key.type) {
+    case Parameter::Type::number_or_file:
+      return with_unit(interval(key), key.unit) + ", or a file";
+    case Parameter::Type::whole:
+      return "whole, " + interval(key);
+    case Parameter::Type::flag:
       return "true | false";
-    case mtf::SettingType::word:
-      for (const std::string_view word : row.words) words += (words.empty() ? "" : " | ") + std::string(word);
-      return words;
-    case mtf::SettingType::text:
+    case Parameter::Type::text:
       return "a name";
-    case mtf::SettingType::file:
-      return "a file";
+    case Parameter::Type::word:
+    case Parameter::Type::file:
+      return range_of(key);
+    default:
+      return with_unit(interval(key), key.unit);
   }
-  return "";
 }
 
-std::string describe_table(const mtf::TableInfo& info) {
+std::string describe_table(const TableKind& kind) {
   TextTable table({"  key", "example", "range", "", ""});
-  for (const mtf::SettingInfo& row : info.settings)
-    table.add({"  " + std::string(row.info.name), std::string(row.info.example), values_of(row),
-               std::string(presence_of(row.info)), std::string(row.info.doc)});
-  return "[" + std::string(info.name) + "]: " + (info.doc.empty() ? "" : std::string(info.doc) + "; ") +
+  for (const Parameter& key : kind.parameters)
+    table.add({"  " + std::string(key.name), std::string(key.example), values_of(key), std::string(presence_of(key)),
+               std::string(key.doc)});
+  return "[" + std::string(kind.name) + "]: " + (kind.doc.empty() ? "" : std::string(kind.doc) + "; ") +
          "keys of the sensor file for electrons and counts\n\n" + table.aligned();
 }
 
-std::string describe_one(std::string_view kind) {
-  const Component<double> component = Component<double>::make(kind);
-  std::string text = std::string(kind) + ": " + std::string(component.doc()) + "; in " +
-                     join_stages(component.stages(), "[[", "]]") + "\n";
-  text += indented(mtf::component_notes(kind)) + "\n";
+std::string describe_component(const ComponentKind& kind) {
+  std::string text =
+      std::string(kind.kind) + ": " + std::string(kind.doc) + "; in " + join_stages(kind.stages, "[[", "]]") + "\n";
+  text += indented(kind.notes) + "\n";
   TextTable table({"  parameter", "example", "range", "", ""});
-  for (const FieldRef<double>& field : component.fields()) {
-    const std::string unit = unit_of(field);
-    table.add({"  " + written_name(field), std::string(field.info->example),
-               range_of(field) + (unit.empty() ? "" : " " + unit), std::string(presence_of(*field.info)),
-               std::string(field.info->doc)});
-  }
+  for (const Parameter& parameter : kind.parameters)
+    table.add({"  " + written_name(parameter), std::string(parameter.example),
+               with_unit(range_of(parameter), parameter.unit), std::string(presence_of(parameter)),
+               std::string(parameter.doc)});
   return text + table.aligned();
 }
 
@@ -91,42 +89,29 @@ std::string join_stages(const mtf::Stages& stages, const std::string& before, co
   return text;
 }
 
-std::string written_name(const FieldRef<double>& field) {
-  const std::string name(field.info->name);
-  const bool per_axis = std::holds_alternative<mtf::AxisPair<double>*>(field.value);
-  return per_axis ? name + " (or " + name + "_x, " + name + "_y)" : name;
+std::string written_name(const Parameter& parameter) {
+  const std::string name(parameter.name);
+  return parameter.type == Parameter::Type::size ? name + " (or " + name + "_x, " + name + "_y)" : name;
 }
 
-std::string unit_of(const FieldRef<double>& field) {
-  if (std::holds_alternative<mtf::AxisPair<double>*>(field.value)) return "um, urad or px";
-  if (std::holds_alternative<mtf::SpatialFrequency<double>*>(field.value))
-    return field.info->dimension == mtf::Dimension::cutoff ? "cy/mm, cy/mrad, cy/px or Hz" : "cy/mm, cy/mrad or cy/px";
-  return std::string(field.info->unit);
+std::string range_of(const Parameter& parameter) {
+  if (parameter.type == Parameter::Type::word) return joined(parameter.words);
+  return parameter.type == Parameter::Type::file ? "a file" : interval(parameter);
 }
 
-std::string range_of(const FieldRef<double>& field) {
-  const FieldInfo& info = *field.info;
-  if (const auto* choice = std::get_if<mtf::Choice*>(&field.value)) {
-    std::string words;
-    for (const std::string_view name : (*choice)->names) words += (words.empty() ? "" : " | ") + std::string(name);
-    return words;
-  }
-  if (std::holds_alternative<std::shared_ptr<const mtf::Curve>*>(field.value)) return "a file";
-  return interval(info);
+std::string_view presence_of(const Parameter& parameter) {
+  return parameter.presence == mtf::Presence::required   ? "required"
+         : parameter.presence == mtf::Presence::optional ? "optional"
+                                                         : "or from [optics]";
 }
 
-std::string_view presence_of(const FieldInfo& info) {
-  return info.presence == Presence::required   ? "required"
-         : info.presence == Presence::optional ? "optional"
-                                               : "or from [optics]";
-}
-
-std::string describe_kinds(const std::string& kind, const std::vector<mtf::TableInfo>& tables) {
-  const auto table = std::find_if(tables.begin(), tables.end(), [&](const auto& info) { return info.name == kind; });
-  if (table != tables.end()) return describe_table(*table);
-  if (!kind.empty()) return describe_one(kind);
+std::string describe_kinds(const std::string& kind) {
+  const SensorKinds kinds = sensor_kinds();
+  for (const TableKind& table : kinds.tables)
+    if (table.name == kind) return describe_table(table);
+  if (!kind.empty()) return describe_component(component_kind(kind));
   std::string text;
-  for (const std::string_view each : mtf::component_kinds()) text += (text.empty() ? "" : "\n") + describe_one(each);
+  for (const ComponentKind& each : kinds.components) text += (text.empty() ? "" : "\n") + describe_component(each);
   return text;
 }
 

@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Components and tables of the sensor file, described by their field tables and the comments of their headers.
+// Components and tables of the sensor file in words: apps/sensor/sensor_kinds.h as text and as Markdown.
 
 #include <string>
 #include <string_view>
 
-#include "mtf/component.h"
-#include "mtf/settings.h"
+#include "apps/sensor/sensor_kinds.h"
 
 namespace apps {
 
 /// The component of that kind ("" = every one): what it is, the lists it may stand in, its physics, and each parameter
-/// with its range, whether it is needed, and an example. Or the one of `tables` of that name, with its keys. Throws
+/// with its range, whether it is needed, and an example. Or the table of the chain of that name, with its keys. Throws
 /// UsageError for an unknown name.
-std::string describe_kinds(const std::string& kind, const std::vector<mtf::TableInfo>& tables);
+std::string describe_kinds(const std::string& kind);
 
 /// The same as Markdown, one section a kind; for every kind with an introduction and a table of contents: the whole of
 /// mtf/components/README.md.
@@ -23,10 +22,9 @@ std::string kinds_markdown(const std::string& kind);
 /// "[[presample]], [[readout]]", each name between `before` and `after`.
 std::string join_stages(const mtf::Stages& stages, const std::string& before, const std::string& after);
 /// "width (or width_x, width_y)".
-std::string written_name(const mtf::FieldRef<double>& field);
-std::string unit_of(const mtf::FieldRef<double>& field);
+std::string written_name(const Parameter& parameter);
 /// "[0, 1)", or the words of a choice: "x | y".
-std::string range_of(const mtf::FieldRef<double>& field);
-std::string_view presence_of(const mtf::FieldInfo& info);
+std::string range_of(const Parameter& parameter);
+std::string_view presence_of(const Parameter& parameter);
 
 }  // namespace apps

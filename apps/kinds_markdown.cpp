@@ -2,23 +2,13 @@
 
 // `mtf config kinds --format markdown`: mtf/components/README.md.
 
-#include <algorithm>
 #include <array>
-#include <optional>
 #include <sstream>
-#include <utility>
-#include <vector>
 
 #include "apps/kinds.h"
-#include "mtf/component_docs.h"
-#include "mtf/io/config/config.h"
 
 namespace apps {
 namespace {
-
-using mtf::Component;
-using mtf::FieldRef;
-using mtf::Presence;
 
 /// The order of the page, along the path of the light and the signal.
 struct Group {
@@ -60,49 +50,58 @@ std::string cell(std::string text) {
 
 std::string code(std::string_view text) { return "`" + std::string(text) + "`"; }
 
-struct Example {
-  std::string table;                  ///< the component's TOML
-  std::optional<mtf::Traits> traits;  ///< unknown where it needs a file
+constexpr std::string_view kOwnComponent = R"(
+## A component of your own
+
+A component is a value type over its scalar, as `mtf/component.h` describes it. Before it goes into the list of `mtf/components/all.h`, or
+where it belongs to another project, it is held to the properties that all others keep: `mtf/components/conformance/conformance.h` draws
+values from its field table and gives an outcome for each property, for any test framework.
+`check<SubstrateSpread, ceres::Jet<double, 4>>()` compares the derivatives too.
+
+```cpp
+#include <cstdio>
+
+#include "mtf/io/config/round_trip.h"
+
+// Light that spreads in a substrate, l its mean path to the side: otf = (1 + (2 pi l f)^2)^(-3/2).
+template <class S>
+struct SubstrateSpread {
+  static constexpr std::string_view kind = "substrate_spread";
+  static constexpr std::string_view doc = "light that spreads in the substrate";
+  static constexpr mtf::Stages stages{.presample = true};
+  static constexpr mtf::SensorPart part = mtf::SensorPart::detector;
+
+  mtf::AxisPair<S> length{};
+
+  static constexpr auto fields() {
+    return std::tuple{mtf::Field{mtf::FieldInfo{.name = "length", .dimension = mtf::Dimension::extent, .hi = 1e6,
+                                                .example = "\"2 um\"", .doc = "1/e radius of the point spread"},
+                                 &SubstrateSpread::length}};
+  }
+  mtf::Traits traits(const mtf::Context<S>& ctx) const {
+    return {.radial = length.isotropic(ctx.frame), .even_x = true, .even_y = true};
+  }
+  mtf::Complex<S> otf(const mtf::Freq<S>& f, const mtf::Context<S>& ctx) const {
+    const S x = length.x_um(ctx.frame) * S(1e-3) * f.x, y = length.y_um(ctx.frame) * S(1e-3) * f.y;
+    const S t = S(2.0 * mtf::kPi) * mtf::radius(x, y);
+    using std::pow;
+    return {S(1) / pow(S(1) + t * t, S(1.5)), S(0)};
+  }
+  double cutoff_cy_mm(const mtf::Context<S>&) const { return mtf::kInfinity; }
+  double deviation(double fx, double fy, const mtf::Context<S>& ctx) const {
+    return 1.0 - mtf::value_of(otf({S(fx), S(fy)}, ctx).re);  // the OTF falls monotonically
+  }
+  std::vector<mtf::Problem> check(const mtf::Context<S>&) const { return {}; }
 };
 
-/// The required fields; without any, or when they do not do, the first of the others that will.
-Example example_of(std::string_view kind) {
-  const Component<double> blank = Component<double>::make(kind);
-  const auto fields = std::as_const(blank).fields();
-  std::string list;
-  for (const mtf::Stage stage : mtf::kStages)
-    if (list.empty() && blank.stages().allows(stage)) list = stage_name(stage);
-  const auto with = [&](const FieldRef<double>* extra) {
-    std::string text = "[[" + list + "]]\nkind = \"" + std::string(kind) + "\"\n";
-    for (const FieldRef<double>& field : fields)
-      if (field.info->presence == Presence::required || &field == extra)
-        text += std::string(field.info->name) + " = " + std::string(field.info->example) + "\n";
-    return text;
-  };
-  const std::string sensor =
-      "schema = 1\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\nintegration_time = \"10 ms\"\n"
-      "[optics]\nf_number = 2.0\n[band]\nwavelength = [\"3.4 um\", \"4.8 um\"]\n";
-  std::vector<const FieldRef<double>*> extras;
-  const auto add_all = [&](Presence presence) {
-    for (const FieldRef<double>& field : fields)
-      if (field.info->presence == presence) extras.push_back(&field);
-  };
-  const bool some_required = std::any_of(fields.begin(), fields.end(), [](const FieldRef<double>& field) {
-    return field.info->presence == Presence::required;
-  });
-  if (some_required) extras.push_back(nullptr);
-  add_all(Presence::optional);
-  if (!some_required) extras.push_back(nullptr);
-  add_all(Presence::shared);
-  for (const FieldRef<double>* extra : extras) {
-    const mtf::io::ConfigResult result = mtf::io::parse_config(sensor + with(extra), "");
-    if (!result.ok()) continue;
-    const mtf::System<double>& system = result.config.system;
-    for (const auto& entries : system.stages)
-      for (const auto& entry : entries) return {with(extra), entry.component.traits(system.context())};
-  }
-  return {with(nullptr), std::nullopt};
+int main() {
+  auto outcomes = mtf::conformance::check<SubstrateSpread>();
+  outcomes.push_back(mtf::io::check_round_trip<SubstrateSpread>());
+  std::fputs(mtf::conformance::describe_failures(outcomes).c_str(), stdout);
+  return mtf::conformance::all_ok(outcomes) ? 0 : 1;
 }
+```
+)";
 
 std::string traits_text(const mtf::Traits& traits) {
   std::string text = traits.real ? "real" : "complex";
@@ -117,43 +116,41 @@ std::string traits_text(const mtf::Traits& traits) {
   return text;
 }
 
-std::string section(std::string_view kind) {
-  const Component<double> component = Component<double>::make(kind);
-  std::string doc(component.doc());
+std::string section(const ComponentKind& kind) {
+  std::string doc(kind.doc);
   doc.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(doc.front())));
   std::string text =
-      "## " + std::string(kind) + "\n\n**" + doc + "**, in " + join_stages(component.stages(), "`[[", "]]`") + ".\n\n";
-  std::string_view notes = mtf::component_notes(kind);
-  const std::string source = mtf::component_source(kind);
+      "## " + std::string(kind.kind) + "\n\n**" + doc + "**, in " + join_stages(kind.stages, "`[[", "]]`") + ".\n\n";
+  std::string_view notes = kind.notes;
   // The source, in parentheses at the end of the notes, gets a line of its own.
-  if (!source.empty()) notes.remove_suffix(source.size() + 3);
-  text += as_markdown(notes) + (source.empty() ? "" : "\nSource: " + source + "\n");
+  if (!kind.source.empty()) notes.remove_suffix(kind.source.size() + 3);
+  text += as_markdown(notes) + (kind.source.empty() ? "" : "\nSource: " + kind.source + "\n");
   text += "\n| parameter | unit | range | presence | example | meaning |\n|---|---|---|---|---|---|\n";
-  for (const FieldRef<double>& field : component.fields()) {
-    const std::string row[] = {written_name(field),       unit_of(field),
-                               range_of(field),           std::string(presence_of(*field.info)),
-                               code(field.info->example), std::string(field.info->doc)};
+  for (const Parameter& parameter : kind.parameters) {
+    const std::string row[] = {written_name(parameter), std::string(parameter.unit),
+                               range_of(parameter),     std::string(presence_of(parameter)),
+                               code(parameter.example), std::string(parameter.doc)};
     for (const std::string& each : row) text += "| " + cell(each) + (each.empty() ? "" : " ");
     text += "|\n";
   }
-  const Example example = example_of(kind);
-  text += "\n```toml\n" + example.table + "```\n";
-  if (example.traits) text += "\nThe OTF of this example: " + traits_text(*example.traits) + ".\n";
+  text += "\n```toml\n" + kind.example + "```\n";
+  if (kind.traits) text += "\nThe OTF of this example: " + traits_text(*kind.traits) + ".\n";
   return text;
 }
 
 }  // namespace
 
 std::string kinds_markdown(const std::string& kind) {
-  if (!kind.empty()) return section(kind);
+  if (!kind.empty()) return section(component_kind(kind));
+  const SensorKinds kinds = sensor_kinds();
   std::string contents, sections;
   for (const auto& [part, title] : kGroups) {
     contents += "| **" + std::string(title) + "** | | |\n";
-    for (const std::string_view each : mtf::component_kinds()) {
-      const Component<double> component = Component<double>::make(each);
-      if (component.part() != part) continue;
-      contents += "| [" + std::string(each) + "](#" + std::string(each) + ") | " + cell(std::string(component.doc())) +
-                  " | " + join_stages(component.stages(), "", "") + " |\n";
+    for (const ComponentKind& each : kinds.components) {
+      if (each.part != part) continue;
+      const std::string kind_name(each.kind);
+      contents += "| [" + kind_name + "](#" + kind_name + ") | " + cell(std::string(each.doc)) + " | " +
+                  join_stages(each.stages, "", "") + " |\n";
       sections += "\n" + section(each);
     }
   }
@@ -173,7 +170,7 @@ Every analytic MTF that a sensor file may list, one header each. `mtf config kin
 | kind | | lists |
 |---|---|---|
 )" + contents +
-         sections;
+         sections + std::string(kOwnComponent);
 }
 
 }  // namespace apps

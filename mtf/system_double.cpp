@@ -24,20 +24,6 @@ std::vector<std::string_view> component_kinds() {
   return kinds;
 }
 
-namespace detail {
-
-bool in_range(const FieldInfo& info, double value) {
-  if (!std::isfinite(value)) return false;
-  return (info.lo_open ? value > info.lo : value >= info.lo) && (info.hi_open ? value < info.hi : value <= info.hi);
-}
-
-std::string range_text(const FieldInfo& info) {
-  return (info.lo_open ? "(" : "[") + format_double(info.lo) + ", " + format_double(info.hi) +
-         (info.hi_open ? ")" : "]");
-}
-
-}  // namespace detail
-
 void require_valid(const System<double>& system) {
   std::string message;
   for (const auto& finding : system.errors())

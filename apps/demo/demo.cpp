@@ -147,11 +147,10 @@ int run_demo(const DemoOptions& options, const Global& global) {
                              {{"Y", side_by_side(alike(temperatures.view()), alike(counts.view())).view()}}, -1.7, 2.3);
   mtf::io::write_preview_png(path("targets.png"), {{"Y", side_by_side(targets, images[1]).view()}}, 3.0, 5.0);
 
-  const Direction along_x = make_direction(system.frame, "cy/mm", 0.0);
-  const KeyFigures figures = key_figures(system, along_x);
   std::vector<double> frequency;
   for (int i = 0; i <= 130; ++i) frequency.push_back(i);
-  const Figure figure = curve_figure(system, curve_values(system, along_x, frequency));
+  const OtfCurves curves = otf_curves(system, frequency);
+  const Figure figure = curve_figure(curves);
   const std::vector<Target> results = measure_targets(system, targets, images[1], grid.step_x_um);
   mtf::io::write_text_file(path("mtf.csv"), figure_csv(figure));
   if (!draw_figure(path("mtf.svg"), figure))
@@ -161,12 +160,12 @@ int run_demo(const DemoOptions& options, const Global& global) {
     draw_figure(path("mtf.png"), figure);
 
   double worst = 0.0;
-  std::string text = "sensor    " + one_line(system.name) + "\n" + curve_footer(system, along_x, figures);
+  std::string text = "sensor    " + one_line(system.name) + "\n" + curve_footer(system, curves);
   text += "image     " + std::to_string(kSize) + "x" + std::to_string(kSize) + " samples -> " +
           std::to_string(plan.out().width) + "x" + std::to_string(plan.out().height) + " pixels, two scenes in " +
           fixed(elapsed.count(), 1) + " ms\n";
   text += "\nsine targets in the simulated image against the analytic system MTF\n";
-  text += target_table(results, figures.nyquist, worst);
+  text += target_table(results, curves.figures.nyquist, worst);
   const double allowed = std::max(kPass, plan_options.tolerance);
   const bool pass = worst <= allowed;
   text += std::string(pass ? "PASS" : "FAIL") + "  largest difference " + significant(worst, 2) + ", allowed " +

@@ -3,11 +3,8 @@
 
 #include <cmath>
 
-#include "apps/simulate/radiometric_chain.h"
-#include "apps/simulate/sensor_image.h"
-#include "apps/simulate/simulate_parts.h"
+#include "apps/simulate/simulate.h"
 #include "apps/terminal/text_table.h"
-#include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/image_io.h"
 #include "mtf/survey/statistics.h"
@@ -83,8 +80,7 @@ std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& 
                          mtf::Image& scene, mtf::Image& image) {
   const auto path = [&](const char* name) { return (folder / name).string(); };
   mtf::io::write_text_file(path("camera.toml"), kCamera);
-  mtf::io::ConfigResult parsed = mtf::io::parse_config(kCamera, path("camera.toml"), radiometry::sensor_tables());
-  const mtf::io::SensorConfig& config = parsed.config;
+  const mtf::io::SensorConfig config = read_sensor_file(path("camera.toml"));
 
   const mtf::Statistics s = mtf::statistics(landscape.view());
   mtf::io::Scene thermal;
@@ -101,31 +97,19 @@ std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& 
   metadata.pairs["mtf:pixelPitch"] = {step_um / 1e6, step_um / 1e6};
   mtf::io::write_exr(path("thermal.exr"), {{"Y", scene.view()}}, metadata);
 
-  const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(config, std::nullopt);
-  std::vector<mtf::Image> no_masks;
-  to_light(config, *radiometric, thermal, no_masks, {.file = path("thermal.exr")}, threads);
-  mtf::PlanOptions options;
-  options.scene = mtf::summarise(thermal.planes[0].view(), options.border, 0.0);
-  options.separate_readout = true;
-  options.threads = threads;
-  options.tolerance = radiometric->tolerance(options.tolerance, options.scene->std);
-  std::vector<std::string> loosened;  // a tenth of a count may be finer than float32 can keep
-  const mtf::SensorPlan plan = compile_reachable(
-      false, options, loosened, [&] { return mtf::compile_sensor(radiometric->system, thermal.grid, options); });
-  const radiometry::Chain chain(plan, radiometric->system, radiometric->loaded.sensor, {}, threads);
-  radiometry::ChainFrame frame = chain.run(std::move(thermal.planes[0]), 0, radiometric->stage, 0.0, threads);
-  image = std::move(frame.image);
-  metadata = provenance(config, thermal, plan, options.tolerance);
-  add_chain(metadata, *radiometric, 0);
-  mtf::io::write_exr(path("camera.exr"), {{"Y", image.view()}}, metadata);
+  SimulateResult result =
+      simulate(config, {.file = path("thermal.exr"), .image = std::move(thermal)}, {.threads = threads});
+  SimulatedImage& simulated = result.images.front();
+  image = std::move(simulated.planes.front());
+  mtf::io::write_exr(path("camera.exr"), {{"Y", image.view()}}, simulated.metadata);
 
-  const radiometry::Budget<double> budget = budget_of(radiometric->system, radiometric->loaded.sensor, 288.0);
+  const radiometry::Budget<double> budget = budget_of(config.system, load_chain(config).sensor, 288.0);
   TextTable table({"at 288 K", "value", "", ""});
   for (const radiometry::BudgetRow& row : rows(budget))
     if (row.value != 0.0) table.add({row.name, significant(row.value, 5), row.unit, row.doc});
   return "\nthermal scene through the whole chain of camera.toml, and its noise budget\n" +
          table.aligned({Align::left, Align::right}) +
-         (frame.held.any() ? "camera.exr is " + words(frame.held) + "\n" : "");
+         (result.report.chain->held.any() ? "camera.exr is " + words(result.report.chain->held) + "\n" : "");
 }
 
 }  // namespace apps

@@ -10,8 +10,8 @@
 namespace apps {
 namespace {
 
-std::string budget(const mtf::System<double>& system, const Direction& direction, double nyquist) {
-  const CurveValues at = curve_values(system, direction, {nyquist});
+std::string budget(const mtf::System<double>& system, const OtfCurves& curves) {
+  const OtfCurves at = otf_curves(system, {curves.figures.nyquist}, curves.direction);
   std::string text = "MTF at Nyquist  ";
   for (const OtfColumn& component : at.components)
     text += (&component == at.components.data() ? "" : " x ") + one_line(component.label) + " " +
@@ -28,8 +28,9 @@ std::string budget(const mtf::System<double>& system, const Direction& direction
 
 }  // namespace
 
-std::string curve_footer(const mtf::System<double>& system, const Direction& direction, const KeyFigures& figures) {
-  const std::string& unit = direction.unit;
+std::string curve_footer(const mtf::System<double>& system, const OtfCurves& curves) {
+  const KeyFigures& figures = curves.figures;
+  const std::string& unit = curves.direction.unit;
   std::string text = "cutoff          ";
   text += figures.cutoff ? significant(*figures.cutoff, 4, true) + " " + unit : "none: no component ends the response";
   if (figures.cutoff && system.band) text += " (at " + significant(system.band->lo_um, 4) + " um)";
@@ -39,36 +40,24 @@ std::string curve_footer(const mtf::System<double>& system, const Direction& dir
     if (system.band) text += " at " + significant(0.5 * (system.band->lo_um + system.band->hi_um), 4) + " um";
     text += ")\n";
   }
-  return text + budget(system, direction, figures.nyquist);
+  return text + budget(system, curves);
 }
 
-std::vector<const OtfColumn*> columns_of(const CurveValues& values) {
-  std::vector<const OtfColumn*> columns;
-  for (const OtfColumn& column : values.components) columns.push_back(&column);
-  for (const OtfColumn& stage : values.stages) {
-    const bool any = std::any_of(values.components.begin(), values.components.end(),
-                                 [&](const OtfColumn& c) { return c.stage == stage.stage; });
-    if (any || stage.stage == "presample") columns.push_back(&stage);
-  }
-  columns.push_back(&values.system);
-  return columns;
-}
-
-Figure curve_figure(const mtf::System<double>& system, const CurveValues& values) {
-  const KeyFigures figures = key_figures(system, values.direction);
+Figure curve_figure(const OtfCurves& curves) {
+  const KeyFigures& figures = curves.figures;
   Figure figure;
-  figure.title = system.name.empty() ? "MTF" : system.name;
-  figure.x_label = "spatial frequency [" + values.direction.unit + "]";
-  if (values.direction.angle_deg != 0.0) figure.x_label += " at " + significant(values.direction.angle_deg, 6) + " deg";
+  figure.title = curves.name.empty() ? "MTF" : curves.name;
+  figure.x_label = "spatial frequency [" + curves.direction.unit + "]";
+  if (curves.direction.angle_deg != 0.0) figure.x_label += " at " + significant(curves.direction.angle_deg, 6) + " deg";
   figure.y_label = "MTF = |OTF|";
   double highest = 1.0;
-  for (const OtfColumn* column : columns_of(values)) {
+  for (const OtfColumn* column : curves.columns()) {
     // The product of a single component, and that of the only list, would hide another line.
-    const auto in_list = std::count_if(values.components.begin(), values.components.end(),
+    const auto in_list = std::count_if(curves.components.begin(), curves.components.end(),
                                        [&](const OtfColumn& c) { return c.stage == column->stage; });
-    const bool product = column->kind.empty() && column != &values.system;
-    if (product && (in_list < 2 || in_list == std::ssize(values.components))) continue;
-    Series series{column->label, values.frequency, {}, column == &values.system};
+    const bool product = column->kind.empty() && column != &curves.system;
+    if (product && (in_list < 2 || in_list == std::ssize(curves.components))) continue;
+    Series series{column->label, curves.frequency, {}, column == &curves.system};
     for (const auto& h : column->otf) series.y.push_back(modulus(h));
     highest = std::max(highest, *std::max_element(series.y.begin(), series.y.end()));
     figure.series.push_back(std::move(series));

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "apps/arguments.h"
-#include "apps/figures/curve_values.h"
+#include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/terminal/output.h"
 #include "mtf/error.h"
@@ -29,14 +29,12 @@ ChosenCurve curve_of(const OtfColumn& column) {
 }
 
 void add_curves(ChosenDesign& design, const mtf::System<double>& system) {
-  const Direction along_x = make_direction(system.frame, "cy/mm", 0.0);
-  const KeyFigures figures = key_figures(system, along_x);
+  const KeyFigures figures = key_figures(system, {});
   design.nyquist_cy_mm = figures.nyquist;
-  const double last = std::min(figures.cutoff.value_or(2.0 * figures.nyquist), 2.0 * figures.nyquist);
-  std::vector<double> frequency = evenly_spaced(0.0, last, kPoints);
+  std::vector<double> frequency = evenly_spaced(0.0, figures.last_frequency(), kPoints);
   design.frequency_cy_mm = frequency;
   frequency.push_back(figures.nyquist);
-  const CurveValues values = curve_values(system, along_x, std::move(frequency));
+  const OtfCurves values = otf_curves(system, std::move(frequency));
   for (const OtfColumn& column : values.components) design.components.push_back(curve_of(column));
   design.system = curve_of(values.system);
 }

@@ -11,8 +11,7 @@
 #include "apps/demo/demo_scene.h"
 #include "apps/report/base64.h"
 #include "apps/report/report_chosen.h"
-#include "apps/simulate/radiometric_chain.h"
-#include "apps/simulate/simulate_parts.h"
+#include "apps/simulate/simulate.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/error.h"
@@ -60,59 +59,40 @@ void give_values(const mtf::io::SensorConfig& config, double temperature_k, mtf:
   }
 }
 
-mtf::io::Scene built_in(const mtf::io::SensorConfig& config, const mtf::Image& picture, double temperature_k,
-                        double sample_urad) {
+SceneSource built_in(const mtf::io::SensorConfig& config, const mtf::Image& picture, double temperature_k,
+                     double sample_urad) {
   const double step_um = sample_urad * config.system.frame.focal_length_mm * 1e-3;
   mtf::io::Scene scene;
   scene.names = {"Y"};
   scene.grid = {picture.width(), picture.height(), step_um, step_um};
   scene.planes.push_back(picture.clone());
   give_values(config, temperature_k, scene);
-  return scene;
+  return {.image = std::move(scene)};
 }
 
-mtf::io::Scene from_file(const mtf::io::SensorConfig& config, const std::string& path) {
+SceneSource from_file(const std::string& path) {
   const mtf::io::FileInfo info = mtf::io::read_info(path);
   if (info.width * info.height > kMostPixels)
     throw mtf::UsageError(path + ": has more than " + std::to_string(kMostPixels) +
                           " pixels; give a part of it as --scene");
-  mtf::io::Scene scene = mtf::io::load_scene(config, path, {});
-  std::string filled;
-  treat_bad_pixels(scene, NanPolicy::refuse, filled);
-  return scene;
+  return {.file = path};
 }
 
-mtf::Image simulate(const mtf::io::SensorConfig& config, mtf::io::Scene scene, bool own_scene, const std::string& path,
-                    int threads, ChosenImage& out) {
-  const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(config, std::nullopt);
-  const mtf::System<double>& system = radiometric ? radiometric->system : config.system;
-  mtf::io::SceneDefaults defaults = config.scene;
-  if (own_scene) {  // it has no blur of its own, and nothing is known of what lies around it
-    defaults.aperture = mtf::io::Aperture::point;
-    defaults.border = mtf::Border::reflect;
+mtf::Image image_of(mtf::io::SensorConfig config, SceneSource source, int threads, ChosenImage& out) {
+  if (source.image) {  // it has no blur of its own, and nothing is known of what lies around it
+    config.scene.aperture = mtf::io::Aperture::point;
+    config.scene.border = mtf::Border::reflect;
   }
-  std::vector<mtf::Image> no_masks(scene.planes.size());
-  if (radiometric) defaults.border_value = to_light(config, *radiometric, scene, no_masks, {.file = path}, threads);
-  mtf::PlanOptions options;
-  options.border = defaults.border;
-  options.aperture = mtf::io::scene_aperture(defaults, scene.grid);
-  options.scene = summarise_all(scene, defaults);
-  options.separate_readout = radiometric != nullptr;
-  options.tolerance = kTolerance;
-  options.threads = threads;
-  const mtf::SensorPlan plan = compile_reachable(false, options, out.notes, [&] {
-    return mtf::compile_sensor(system, scene.grid, options, radiometric ? radiometric->samples_a_pitch() : 1);
-  });
-  if (!radiometric) {
-    scene.planes.resize(1);
-    return std::move(plan.run(std::move(scene.planes), defaults.border_value, threads).front());
-  }
-  out.unit = radiometric->unit();
-  const radiometry::Chain chain(plan, radiometric->system, radiometric->loaded.sensor, {}, threads);
-  radiometry::ChainFrame frame =
-      chain.run(std::move(scene.planes.front()), 0, radiometric->stage, defaults.border_value, threads);
-  if (frame.held.any()) out.notes.push_back(words(frame.held));
-  return std::move(frame.image);
+  SimulateResult result = [&] {
+    try {
+      return simulate(config, clone(source), {.tolerance = kTolerance, .threads = threads});
+    } catch (const mtf::UnreachableTolerance&) {  // without one, the least that can be kept is used, with a warning
+      return simulate(config, std::move(source), {.threads = threads});
+    }
+  }();
+  out.notes = result.report.warnings;
+  if (result.report.chain) out.unit = result.report.unit();
+  return std::move(result.images.front().planes.front());
 }
 
 /// The middle of the image, no larger than that.
@@ -129,8 +109,6 @@ mtf::Image middle(const mtf::Image& image, std::int64_t width, std::int64_t heig
 /// Grey values between the quantiles of 0.5 and 99.5 %.
 mtf::io::RasterData grey(const mtf::Image& image, ChosenImage& out) {
   std::vector<float> sorted(image.data(), image.data() + image.size());
-  if (!std::all_of(sorted.begin(), sorted.end(), [](float v) { return std::isfinite(v); }))
-    throw mtf::RuntimeError("its image has values that are no numbers");
   std::sort(sorted.begin(), sorted.end());
   const auto quantile = [&](double share) {
     return static_cast<double>(sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]);
@@ -172,10 +150,10 @@ void simulate_chosen(std::vector<ChosenDesign>& designs, const std::string& scen
     if (!design.problem.empty()) continue;
     try {
       const mtf::io::SensorConfig& config = design.config;
-      mtf::io::Scene source =
+      SceneSource source =
           scene.empty() ? built_in(config, picture, temperature_k, finest_urad / static_cast<double>(kSamplesAPixel))
-                        : from_file(config, scene);
-      const mtf::Image whole = simulate(config, std::move(source), scene.empty(), scene, global.threads, design.image);
+                        : from_file(scene);
+      const mtf::Image whole = image_of(config, std::move(source), global.threads, design.image);
       const auto pixels = [&](mtf::Axis axis) {
         return std::llround(static_cast<double>(kPixels) * finest_urad / ifov_urad(config.system.frame, axis));
       };

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "apps/sensor/otf_curves.h"
+#include "mtf/error.h"
 #include "mtf/io/config/config.h"
 #include "tests/apps/command.h"
 
@@ -131,6 +133,53 @@ TEST(Curve, EqualsTheLibraryInEveryUnitAndDirection) {
       EXPECT_NEAR(json.at("system").at("im")[i].get<double>(), h.im, 1e-12) << c.unit << " " << f;
     }
   }
+}
+
+/// The CSV that a table would make, names without characters that need quotes.
+std::string csv_of(const std::vector<apps::TableColumn>& table) {
+  std::string text;
+  for (const apps::TableColumn& column : table) text += (text.empty() ? "" : ",") + column.name;
+  for (std::size_t i = 0; i < table.front().values.size(); ++i)
+    for (const apps::TableColumn& column : table)
+      text += (&column == table.data() ? "\n" : ",") + mtf::format_double(column.values[i]);
+  return text + "\n";
+}
+
+TEST(Curve, CallGivesWhatTheCommandPrints) {
+  const Scratch scratch;
+  std::string text = kComplexSensor;
+  const std::string quoted = R"(a, \"b\")";
+  text.replace(text.find(quoted), quoted.size(), "polish");
+  apps_test::write_file(scratch / "s.toml", text);
+  const mtf::System<double> system = mtf::io::load_config((scratch / "s.toml").string()).system;
+  EXPECT_EQ(csv_of(apps::table_of(apps::otf_curves(system))), scratch.run("mtf curve s.toml --format csv").out);
+
+  const apps::OtfCurves curves =
+      apps::otf_curves(system, {0.0, 0.1, 0.4}, apps::make_direction(system.frame, "cy/px", 30.0));
+  const std::string options = "s.toml --freq 0,0.1,0.4 --angle 30 --unit cy/px";
+  EXPECT_EQ(csv_of(apps::table_of(curves)), scratch.run("mtf curve " + options + " --format csv").out);
+  const Json json = curve(scratch, options);
+  EXPECT_EQ(curves.name, json.at("name"));
+  EXPECT_EQ(curves.figures.nyquist, json.at("nyquist").get<double>());
+  EXPECT_EQ(curves.figures.cutoff.value(), json.at("cutoff").get<double>());
+  EXPECT_EQ(curves.figures.q.value(), json.at("q").get<double>());
+  ASSERT_EQ(curves.components.size(), json.at("components").size());
+  for (std::size_t i = 0; i < curves.components.size(); ++i) {
+    EXPECT_EQ(curves.components[i].label, json.at("components")[i].at("label"));
+    EXPECT_EQ(curves.components[i].doc, json.at("components")[i].at("doc"));
+  }
+  EXPECT_EQ(curves.system.otf[2].im, json.at("system").at("im")[2].get<double>());
+}
+
+TEST(Curve, CallRefusesWhatTheCommandRefuses) {
+  mtf::System<double> system;
+  system.frame = {100.0, 15.0, 15.0, 0.01, 0, 0};
+  EXPECT_THROW(apps::make_direction(system.frame, "cy/mile", 0.0), mtf::UsageError);
+  EXPECT_THROW(apps::make_direction(system.frame, "cy/mm", 361.0), mtf::UsageError);
+  EXPECT_THROW(apps::otf_curves(system, {2e9}), mtf::UsageError);
+  const apps::OtfCurves empty = apps::otf_curves(system, {0.0, 5.0});
+  ASSERT_EQ(empty.columns().size(), 2u);  // presample and the system
+  EXPECT_EQ(empty.system.otf[1].re, 1.0);
 }
 
 TEST(Curve, DirectionsAndNyquistOfPixelsThatAreNotSquare) {

@@ -20,15 +20,18 @@ TEST(Demo, SaysPassWithTheNumbersToFollowByHand) {
   EXPECT_EQ(scene.planes.front().width(), 1024);
 }
 
-TEST(Demo, SimulateRepeatsItsImage) {
+TEST(Demo, SimulateRepeatsItsImages) {
   const Scratch scratch;
   ASSERT_EQ(scratch.run("mtf demo -o d").status, 0);
-  ASSERT_EQ(scratch.run("mtf simulate d/sensor.toml d/scene.exr -o again.exr").status, 0);
-  const auto first = mtf::io::read_image((scratch / "d/sensor.exr").string());
-  const auto second = mtf::io::read_image((scratch / "again.exr").string());
-  ASSERT_EQ(first.planes.front().size(), second.planes.front().size());
-  for (std::int64_t i = 0; i < first.planes.front().size(); ++i)
-    ASSERT_EQ(first.planes.front().data()[i], second.planes.front().data()[i]) << i;
+  ASSERT_EQ(scratch.run("mtf simulate d/sensor.toml d/scene.exr -o sensor.exr").status, 0);
+  ASSERT_EQ(scratch.run("mtf simulate d/camera.toml d/thermal.exr -o camera.exr").status, 0);
+  for (const std::string name : {"sensor.exr", "camera.exr"}) {
+    const auto first = mtf::io::read_image((scratch / ("d/" + name)).string());
+    const auto second = mtf::io::read_image((scratch / name).string());
+    ASSERT_EQ(first.planes.front().size(), second.planes.front().size());
+    for (std::int64_t i = 0; i < first.planes.front().size(); ++i)
+      ASSERT_EQ(first.planes.front().data()[i], second.planes.front().data()[i]) << name << " " << i;
+  }
 }
 
 TEST(Demo, KeepsWhatIsThere) {

@@ -320,23 +320,40 @@ TEST(Report, WritesWhereItIsTold) {
   EXPECT_EQ(scratch.run("mtf report sweep -o nowhere/report.html").status, 1);
 }
 
-TEST(Report, LooksAtASceneOfOnesOwn) {
-  const Scratch scratch;
-  make_sweep(scratch);
+/// A board of two temperatures as board.exr.
+void write_board(const Scratch& scratch, float difference_k) {
   mtf::Image scene(400, 400);
   for (std::int64_t y = 0; y < 400; ++y)
-    for (std::int64_t x = 0; x < 400; ++x) scene.at(x, y) = 290.0F + static_cast<float>((x / 40 + y / 40) % 2);
+    for (std::int64_t x = 0; x < 400; ++x)
+      scene.at(x, y) = 290.0F + difference_k * static_cast<float>((x / 40 + y / 40) % 2);
   mtf::io::Metadata metadata;
   metadata.pairs["mtf:pixelPitch"] = {4e-6, 4e-6};
   metadata.text["mtf:quantity"] = "temperature";
   metadata.text["mtf:units"] = "K";
   mtf::io::write_exr((scratch / "board.exr").string(), {{"Y", scene.view()}}, metadata);
+}
+
+TEST(Report, LooksAtASceneOfOnesOwn) {
+  const Scratch scratch;
+  make_sweep(scratch);
+  write_board(scratch, 1.0F);
   const std::string own = page_of(scratch, "--scene board.exr");
   EXPECT_NE(own.find("The scene <code>board.exr</code>"), std::string::npos);
   EXPECT_EQ(count(own, "src=\"data:image/png"), data_of(own)["chosen"].size());
+  EXPECT_EQ(count(own, "cannot be kept for this scene"), 0U);
   const Result missing = scratch.run("mtf report sweep --scene nowhere.exr");
   EXPECT_EQ(missing.status, 1);
   EXPECT_EQ(apps_test::lines(missing.err), 1U) << missing.err;
+}
+
+// Float32 cannot keep the tolerance of the page for a scene of so little contrast; the image is shown, and says so.
+TEST(Report, ShowsASceneOfLittleContrastAsWellAsItCan) {
+  const Scratch scratch;
+  make_sweep(scratch);
+  write_board(scratch, 1e-4F);
+  const std::string page = page_of(scratch, "--scene board.exr");
+  EXPECT_EQ(count(page, "src=\"data:image/png"), data_of(page)["chosen"].size());
+  EXPECT_EQ(count(page, "cannot be kept for this scene"), data_of(page)["chosen"].size());
 }
 
 }  // namespace

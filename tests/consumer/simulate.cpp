@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// A sensor file and a scene in memory through the installed pipeline: a uniform scene comes out as it went in.
+// A sensor file and a scene in memory through the installed pipeline: a uniform scene comes out as it went in. The OTF
+// of the sensor, by component.
 
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 
+#include "apps/sensor/otf_curves.h"
 #include "apps/simulate/live_simulation.h"
 #include "apps/simulate/simulate.h"
 #include "mtf/io/config/config.h"
@@ -13,6 +15,11 @@
 int main() {
   std::ofstream("consumer_sensor.toml") << mtf::io::starter_config();
   const mtf::io::SensorConfig sensor = apps::read_sensor_file("consumer_sensor.toml");
+
+  const apps::OtfCurves curves = apps::otf_curves(sensor.system, {0.0, 20.0});
+  for (const apps::TableColumn& column : apps::table_of(curves))
+    std::printf("%s %g\n", column.name.c_str(), column.values[1]);
+  if (curves.components.size() != 3 || !(curves.system.otf[1].re < curves.components[0].otf[1].re)) return 1;
 
   mtf::io::Scene scene;
   scene.quantity = mtf::io::Quantity::radiance;

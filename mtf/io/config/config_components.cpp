@@ -69,8 +69,9 @@ std::optional<Component<double>> make_component(const Section& section) {
   return std::nullopt;
 }
 
-void read_fields(const Section& section, Component<double>& component) {
-  const auto fields = component.fields();
+}  // namespace
+
+void read_fields(const Section& section, std::span<const FieldRef<double>> fields) {
   std::vector<std::string> known{"kind", "label"};
   for (const auto& field : fields) {
     known.emplace_back(field.info->name);
@@ -86,6 +87,8 @@ void read_fields(const Section& section, Component<double>& component) {
     if (!section.reader.has_failed(path) && !axis_failed) section.error(field.info->name, missing_text(*field.info));
   }
 }
+
+namespace {
 
 std::optional<std::string> read_label(const Section& section, std::vector<std::string>& taken) {
   const auto label = read_string(section, "label");
@@ -147,7 +150,7 @@ Origin read_components(const Section& root, System<double>& system) {
       auto label = read_label(section, taken);
       if (!component) continue;
       section.title += " " + std::string(component->kind());
-      read_fields(section, *component);
+      read_fields(section, component->fields());
       kinds.emplace_back(component->kind());
       labels.push_back(std::move(label));
       origin[static_cast<std::size_t>(stage)].push_back(i);

@@ -81,6 +81,9 @@ std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view
 /// Throws UsageError with every error of a file, a line each, where there is one.
 void require_no_errors(const std::vector<Diagnostic>& diagnostics, const std::string& file);
 
+/// The fields as lines of a component's table. In config_write.cpp.
+std::string write_fields(std::span<const FieldRef<double>> fields);
+
 /// A number as sensor files have it: 8.0, or "8 urad". In config_write.cpp.
 std::string toml_scalar(const Scalar& scalar);
 
@@ -100,6 +103,9 @@ void check_system(Reader& reader, const System<double>& system, const Origin& or
 
 /// [frame], [optics], [band], [scene] into the configuration. In config_sections.cpp.
 void read_sections(const Section& root, SensorConfig& config);
+
+/// The values of a component's table, key by key; reports those that are missing or unknown. In config_components.cpp.
+void read_fields(const Section& section, std::span<const FieldRef<double>> fields);
 
 /// [[presample]], [[readout]], [[postsample]]. In config_components.cpp.
 Origin read_components(const Section& root, System<double>& system);

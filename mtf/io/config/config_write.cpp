@@ -215,6 +215,13 @@ std::string cfg::toml_scalar(const Scalar& scalar) {
   return "\"" + format_double(scalar.value) + " " + std::string(scalar.unit->name) + "\"";
 }
 
+std::string cfg::write_fields(std::span<const FieldRef<double>> fields) {
+  const SensorConfig no_fits;
+  Writer out(no_fits, {});
+  for (const FieldRef<double>& field : fields) out.field(field);
+  return out.take();
+}
+
 std::string write_config(const SensorConfig& config, const std::string& destination) {
   const System<double>& system = config.system;
   Writer out(config, destination);

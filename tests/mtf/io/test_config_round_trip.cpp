@@ -10,7 +10,10 @@
 #include <fstream>
 #include <random>
 
+#include "mtf/components/gaussian.h"
 #include "mtf/io/config/config.h"
+#include "mtf/io/config/round_trip.h"
+#include "tests/mtf/conformance.h"
 
 namespace mtf::io {
 namespace {
@@ -185,6 +188,47 @@ TEST(ConfigRoundTrip, EveryFieldOfEveryKind) {
       EXPECT_TRUE(accepted[i]) << kind << "." << fields[i].info->name << " is never accepted";
     }
   }
+}
+
+TEST(ConfigRoundTrip, EveryConformanceCase) {
+  std::size_t tried = 0;
+  for (const test::Case& c : test::conformance_cases()) {
+    const Component<double>& component = test::only_component(c.system);
+    Component<double> read = Component<double>::make(component.kind());
+    ++tried;
+    EXPECT_EQ(round_trip(component.kind(), component.fields(), read.fields()), "") << c.name;
+  }
+  EXPECT_GE(tried, 3000u);
+}
+
+enum class Table { right, same_name_twice, name_of_the_kind };
+
+/// A blur with two fields, not in the list of components.
+template <class S, Table table>
+struct Blur : Gaussian<S> {
+  S share{};
+
+  static constexpr auto fields() {
+    constexpr std::string_view name = table == Table::right             ? "share"
+                                      : table == Table::same_name_twice ? "sigma"
+                                                                        : "kind";
+    return std::tuple_cat(Gaussian<S>::fields(),
+                          std::tuple{Field{FieldInfo{.name = name, .hi = 1.0, .example = "0.5"}, &Blur::share}});
+  }
+};
+template <class S>
+using Right = Blur<S, Table::right>;
+template <class S>
+using SameNameTwice = Blur<S, Table::same_name_twice>;
+template <class S>
+using NameOfTheKind = Blur<S, Table::name_of_the_kind>;
+
+TEST(ConfigRoundTrip, TablesOfAnOwnComponent) {
+  const conformance::Outcome right = check_round_trip<Right>();
+  EXPECT_EQ(conformance::describe_failures({right}), "");
+  EXPECT_GE(right.compared, 10u);
+  EXPECT_EQ(check_round_trip<SameNameTwice>().failed, right.compared);
+  EXPECT_EQ(check_round_trip<NameOfTheKind>().failed, right.compared);
 }
 
 TEST(ConfigRoundTrip, SceneFormsAndUnits) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/figures/curve_values.h"
+#include "apps/sensor/otf_curves.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,17 +49,53 @@ void require_finite(const OtfColumn& column) {
 Direction make_direction(const mtf::Frame<double>& frame, const std::string& unit, double angle_deg) {
   if (!(std::abs(angle_deg) <= 360.0))
     throw mtf::UsageError("--angle: " + mtf::format_double(angle_deg) + " is outside -360 to 360 degrees");
+  if (unit != "cy/mm" && unit != "cy/mrad" && unit != "cy/px")
+    throw mtf::UsageError("--unit: '" + unit + "' is not known (one of cy/mm, cy/mrad, cy/px)");
   Freq<double> step = unit_vector(angle_deg);
   if (unit == "cy/mrad") step = {frame.cy_mm_from_mrad(step.x), frame.cy_mm_from_mrad(step.y)};
   if (unit == "cy/px") step = {frame.cy_mm_from_px(step.x, Axis::x), frame.cy_mm_from_px(step.y, Axis::y)};
   return {unit, angle_deg, step};
 }
 
-bool has_coarse_average(const OtfColumn& column) {
-  return std::any_of(column.error.begin(), column.error.end(), [](double e) { return !(e <= mtf::kBandError); });
+double KeyFigures::last_frequency() const { return std::min(cutoff.value_or(2.0 * nyquist), 2.0 * nyquist); }
+
+bool OtfColumn::has_coarse_average() const {
+  return std::any_of(error.begin(), error.end(), [](double e) { return !(e <= mtf::kBandError); });
 }
 
-CurveValues curve_values(const System<double>& system, const Direction& direction, std::vector<double> frequency) {
+std::vector<const OtfColumn*> OtfCurves::columns() const {
+  std::vector<const OtfColumn*> shown;
+  for (const OtfColumn& column : components) shown.push_back(&column);
+  for (const OtfColumn& product : stages) {
+    const bool any = std::any_of(components.begin(), components.end(),
+                                 [&](const OtfColumn& column) { return column.stage == product.stage; });
+    if (any || product.stage == "presample") shown.push_back(&product);
+  }
+  shown.push_back(&system);
+  return shown;
+}
+
+KeyFigures key_figures(const System<double>& system, const Direction& direction) {
+  const Freq<double>& step = direction.step;
+  const double length = std::hypot(step.x, step.y);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  KeyFigures figures;
+  figures.nyquist = std::min(step.x != 0.0 ? system.frame.nyquist_cy_mm(Axis::x) / std::abs(step.x) : infinity,
+                             step.y != 0.0 ? system.frame.nyquist_cy_mm(Axis::y) / std::abs(step.y) : infinity);
+  const auto shortest = system.band ? system.context(system.band->lo_um) : system.context();
+  double cutoff = infinity;
+  for (const Entry<double>& entry : system.list(mtf::Stage::presample)) {
+    cutoff = std::min(cutoff, entry.component.cutoff_cy_mm(shortest));
+    if (entry.component.is_pupil())
+      figures.q = 2.0 * figures.nyquist * length / entry.component.cutoff_cy_mm(system.context());
+  }
+  if (std::isfinite(cutoff)) figures.cutoff = cutoff / length;
+  return figures;
+}
+
+OtfCurves otf_curves(const System<double>& system, std::vector<double> frequency, const Direction& direction) {
+  const KeyFigures figures = key_figures(system, direction);
+  if (frequency.empty()) frequency = evenly_spaced(0.0, figures.last_frequency(), 61);
   std::vector<Freq<double>> f;
   f.reserve(frequency.size());
   for (const double value : frequency) {
@@ -67,8 +103,10 @@ CurveValues curve_values(const System<double>& system, const Direction& directio
     if (!(std::hypot(f.back().x, f.back().y) <= kMaxCyMm))
       throw mtf::UsageError("--freq: " + mtf::format_double(value) + " " + direction.unit + " is beyond 1e9 cy/mm");
   }
-  CurveValues values;
+  OtfCurves values;
+  values.name = system.name;
   values.direction = direction;
+  values.figures = figures;
   values.frequency = std::move(frequency);
   values.system = {"system",
                    "",
@@ -105,22 +143,28 @@ CurveValues curve_values(const System<double>& system, const Direction& directio
   return values;
 }
 
-KeyFigures key_figures(const System<double>& system, const Direction& direction) {
-  const Freq<double>& step = direction.step;
-  const double length = std::hypot(step.x, step.y);
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  KeyFigures figures;
-  figures.nyquist = std::min(step.x != 0.0 ? system.frame.nyquist_cy_mm(Axis::x) / std::abs(step.x) : infinity,
-                             step.y != 0.0 ? system.frame.nyquist_cy_mm(Axis::y) / std::abs(step.y) : infinity);
-  const auto shortest = system.band ? system.context(system.band->lo_um) : system.context();
-  double cutoff = infinity;
-  for (const Entry<double>& entry : system.list(mtf::Stage::presample)) {
-    cutoff = std::min(cutoff, entry.component.cutoff_cy_mm(shortest));
-    if (entry.component.is_pupil())
-      figures.q = 2.0 * figures.nyquist * length / entry.component.cutoff_cy_mm(system.context());
+std::vector<TableColumn> table_of(const OtfCurves& curves) {
+  std::vector<TableColumn> table{{"frequency", curves.frequency}};
+  const auto add = [&](std::string name, const OtfColumn& column, double Complex<double>::*part) {
+    TableColumn& added = table.emplace_back(TableColumn{std::move(name), {}});
+    // + 0.0 makes 0 of the negative zero, which would be printed as -0.
+    for (const Complex<double>& h : column.otf) added.values.push_back(h.*part + 0.0);
+  };
+  for (const OtfColumn* column : curves.columns()) {
+    add(column->real ? column->label : column->label + "_re", *column, &Complex<double>::re);
+    if (!column->real) add(column->label + "_im", *column, &Complex<double>::im);
+    if (column->has_coarse_average()) table.push_back({column->label + "_error", column->error});
   }
-  if (std::isfinite(cutoff)) figures.cutoff = cutoff / length;
-  return figures;
+  return table;
+}
+
+std::vector<double> evenly_spaced(double start, double stop, int count) {
+  std::vector<double> values(static_cast<std::size_t>(count), start);
+  for (int i = 1; i < count; ++i)
+    // Halves: the difference of two huge ends may overflow, and a product would round where the quotient is exact.
+    values[static_cast<std::size_t>(i)] =
+        i + 1 == count ? stop : start + 2.0 * ((0.5 * stop - 0.5 * start) * i / (count - 1));
+  return values;
 }
 
 }  // namespace apps

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/sensor/sensor_kinds.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "mtf/component_docs.h"
+#include "mtf/io/config/config_reader.h"
+#include "radiometry/sensor_settings.h"
+
+namespace apps {
+namespace {
+
+using mtf::Component;
+using mtf::FieldInfo;
+using mtf::FieldRef;
+using mtf::Presence;
+using Type = Parameter::Type;
+
+Parameter row_of(const FieldInfo& info, Type type) {
+  return {.name = info.name,
+          .type = type,
+          .unit = info.unit,
+          .lo = info.lo,
+          .hi = info.hi,
+          .lo_open = info.lo_open,
+          .hi_open = info.hi_open,
+          .presence = info.presence,
+          .example = info.example,
+          .doc = info.doc};
+}
+
+Type type_of(const FieldRef<double>& field) {
+  return std::visit(
+      [](const auto* value) {
+        using T = std::remove_cvref_t<decltype(*value)>;
+        if constexpr (std::is_same_v<T, mtf::AxisPair<double>>)
+          return Type::size;
+        else if constexpr (std::is_same_v<T, mtf::SpatialFrequency<double>>)
+          return Type::frequency;
+        else if constexpr (std::is_same_v<T, int>)
+          return Type::whole;
+        else if constexpr (std::is_same_v<T, mtf::Choice>)
+          return Type::word;
+        else if constexpr (std::is_same_v<T, mtf::Coefficients<double>>)
+          return Type::numbers;
+        else if constexpr (std::is_same_v<T, mtf::Taps<double>>)
+          return Type::rows;
+        else if constexpr (std::is_same_v<T, std::shared_ptr<const mtf::Curve>>)
+          return Type::file;
+        else
+          return Type::number;
+      },
+      field.value);
+}
+
+/// What a component with default values would be written with.
+std::string default_of(const FieldRef<double>& field) {
+  if (field.info->presence != Presence::optional) return "";
+  const std::string line = mtf::io::cfg::write_fields({&field, 1});
+  const std::size_t equals = line.find(" = ");
+  return equals == std::string::npos ? "" : line.substr(equals + 3, line.find('\n') - equals - 3);
+}
+
+/// `field`: of a component with default values.
+Parameter parameter_of(const FieldRef<double>& field) {
+  Parameter parameter = row_of(*field.info, type_of(field));
+  if (parameter.type == Type::size) parameter.unit = "um, urad or px";
+  if (parameter.type == Type::frequency)
+    parameter.unit =
+        field.info->dimension == mtf::Dimension::cutoff ? "cy/mm, cy/mrad, cy/px or Hz" : "cy/mm, cy/mrad or cy/px";
+  if (const auto* choice = std::get_if<mtf::Choice*>(&field.value))
+    parameter.words.assign((*choice)->names.begin(), (*choice)->names.end());
+  parameter.default_value = default_of(field);
+  return parameter;
+}
+
+Parameter parameter_of(const mtf::SettingInfo& row) {
+  using mtf::SettingType;
+  constexpr std::pair<SettingType, Type> types[] = {{SettingType::number, Type::number},
+                                                    {SettingType::whole, Type::whole},
+                                                    {SettingType::flag, Type::flag},
+                                                    {SettingType::word, Type::word},
+                                                    {SettingType::text, Type::text},
+                                                    {SettingType::file, Type::file},
+                                                    {SettingType::number_or_file, Type::number_or_file}};
+  const auto* type =
+      std::find_if(std::begin(types), std::end(types), [&](const auto& t) { return t.first == row.type; });
+  Parameter parameter = row_of(row.info, type->second);
+  parameter.words.assign(row.words.begin(), row.words.end());
+  return parameter;
+}
+
+/// The required fields; without any, or when they do not do, the first of the others that will.
+void add_example(const Component<double>& blank, ComponentKind& kind) {
+  const auto fields = blank.fields();
+  std::string list;
+  for (const mtf::Stage stage : mtf::kStages)
+    if (list.empty() && blank.stages().allows(stage)) list = stage_name(stage);
+  const auto with = [&](const FieldRef<double>* extra) {
+    std::string text = "[[" + list + "]]\nkind = \"" + std::string(kind.kind) + "\"\n";
+    for (const FieldRef<double>& field : fields)
+      if (field.info->presence == Presence::required || &field == extra)
+        text += std::string(field.info->name) + " = " + std::string(field.info->example) + "\n";
+    return text;
+  };
+  const std::string sensor =
+      "schema = 1\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\nintegration_time = \"10 ms\"\n"
+      "[optics]\nf_number = 2.0\n[band]\nwavelength = [\"3.4 um\", \"4.8 um\"]\n";
+  std::vector<const FieldRef<double>*> extras;
+  const auto add_all = [&](Presence presence) {
+    for (const FieldRef<double>& field : fields)
+      if (field.info->presence == presence) extras.push_back(&field);
+  };
+  const bool some_required = std::any_of(fields.begin(), fields.end(), [](const FieldRef<double>& field) {
+    return field.info->presence == Presence::required;
+  });
+  if (some_required) extras.push_back(nullptr);
+  add_all(Presence::optional);
+  if (!some_required) extras.push_back(nullptr);
+  add_all(Presence::shared);
+  kind.example = with(nullptr);
+  for (const FieldRef<double>* extra : extras) {
+    const mtf::io::ConfigResult result = mtf::io::parse_config(sensor + with(extra), "");
+    if (!result.ok()) continue;
+    const mtf::System<double>& system = result.config.system;
+    for (const auto& entries : system.stages)
+      for (const auto& entry : entries) {
+        kind.example = with(extra);
+        kind.traits = entry.component.traits(system.context());
+        return;
+      }
+  }
+}
+
+}  // namespace
+
+ComponentKind component_kind(std::string_view kind) {
+  const Component<double> blank = Component<double>::make(kind);
+  ComponentKind result{.kind = blank.kind(),
+                       .doc = blank.doc(),
+                       .notes = mtf::component_notes(kind),
+                       .source = mtf::component_source(kind),
+                       .stages = blank.stages(),
+                       .part = blank.part(),
+                       .parameters = {},
+                       .example = {},
+                       .traits = {}};
+  for (const FieldRef<double>& field : blank.fields()) result.parameters.push_back(parameter_of(field));
+  add_example(blank, result);
+  return result;
+}
+
+SensorKinds sensor_kinds() {
+  SensorKinds kinds;
+  for (const std::string_view kind : mtf::component_kinds()) kinds.components.push_back(component_kind(kind));
+  for (const mtf::TableInfo& table : radiometry::sensor_tables()) {
+    TableKind& added = kinds.tables.emplace_back(TableKind{table.name, table.doc, {}});
+    for (const mtf::SettingInfo& row : table.settings) added.parameters.push_back(parameter_of(row));
+  }
+  return kinds;
+}
+
+}  // namespace apps

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a sensor file may hold, as data: every kind of component and every table of the chain, with their parameters.
+// `mtf config kinds` prints it; a program makes forms, checks or documents of it.
+//
+//   for (const apps::ComponentKind& kind : apps::sensor_kinds().components)
+//     for (const apps::Parameter& parameter : kind.parameters) ...
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mtf/component.h"
+
+namespace apps {
+
+/// One parameter of a component, or one key of a table.
+struct Parameter {
+  enum class Type {
+    number,         ///< in `unit`
+    size,           ///< in the image: a length, an angle or pixels, for both axes or as NAME_x and NAME_y
+    frequency,      ///< cycles/mm, cycles/mrad, cycles/pixel; where `unit` names Hz, also in time
+    whole,          ///< a whole number
+    flag,           ///< true or false
+    word,           ///< one of `words`
+    numbers,        ///< a list of numbers
+    rows,           ///< a list of lists of numbers, as of filter taps
+    text,           ///< a name
+    file,           ///< the name of a file
+    number_or_file  ///< a number in `unit`, or the file of a curve
+  };
+  std::string_view name;
+  Type type = Type::number;
+  std::string_view unit{};    ///< that range and numbers are in, "" for plain ones; "um, urad or px" where any will do
+  double lo = 0.0, hi = 0.0;  ///< the range of numbers
+  bool lo_open = false, hi_open = false;  ///< lo or hi itself is not allowed
+  std::vector<std::string_view> words{};
+  mtf::Presence presence = mtf::Presence::required;
+  /// Of components, as a sensor file has it: the value that counts where none is given. "" where there is none, or
+  /// where it depends on other values and `doc` tells it.
+  std::string default_value{};
+  std::string_view example{};  ///< as a sensor file has it
+  std::string_view doc{};
+};
+
+/// A kind of component: what [[presample]], [[readout]] and [[postsample]] list.
+struct ComponentKind {
+  std::string_view kind;
+  std::string_view doc;    ///< one sentence
+  std::string_view notes;  ///< its physics, formulas in lines indented by two spaces; the source at the end
+  std::string source;      ///< from the end of the notes, without its parentheses; "" = none
+  mtf::Stages stages;      ///< the lists that it may stand in
+  mtf::SensorPart part{};
+  std::vector<Parameter> parameters;
+  std::string example;                ///< its TOML with as few parameters as will do
+  std::optional<mtf::Traits> traits;  ///< of the example's OTF; unknown where it needs a file
+};
+
+/// A table of the chain from light to counts: [detector], [adc] and so on.
+struct TableKind {
+  std::string_view name;
+  std::string_view doc;
+  std::vector<Parameter> parameters;
+};
+
+struct SensorKinds {
+  std::vector<ComponentKind> components;  ///< in the order of mtf::component_kinds()
+  std::vector<TableKind> tables;          ///< in the order of radiometry::sensor_tables()
+};
+
+SensorKinds sensor_kinds();
+
+/// One of them. Throws UsageError, naming the nearest kind, for an unknown one.
+ComponentKind component_kind(std::string_view kind);
+
+}  // namespace apps

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A component with its values and surroundings, as the properties see it. It is a Component<S>, as systems hold it, or
+// the type C<S> that a header defines and that need not be in the list of mtf/components/all.h.
+
+#include <algorithm>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "mtf/components/conformance/draws.h"
+#include "mtf/components/field_access.h"
+
+namespace mtf::conformance {
+
+template <class S, class C>
+struct Subject {
+  std::string name;  ///< of the draw
+  bool typical;      ///< Draw::typical
+  C component;       ///< over S
+  Context<S> ctx;
+  double scale = 1.0;  ///< the largest modulus of the OTF: differences by rounding are allowed in proportion to it
+
+  Traits traits() const { return component.traits(ctx); }
+  Complex<S> otf(const S& x, const S& y) const { return component.otf({x, y}, ctx); }
+  /// "jitter rms #3 at (20, -5) cy/mm".
+  std::string at(double x, double y) const {
+    return name + " at (" + format_double(x) + ", " + format_double(y) + ") cy/mm" +
+           (std::is_same_v<S, float> ? ", in float" : "");
+  }
+};
+
+/// A bound of |otf|: a component that amplifies differs from 1 by its deviation at most, all others stay below 1.
+template <class C>
+double largest_modulus(const C& component, const Context<double>& ctx) {
+  return component.traits(ctx).gain ? 1.0 + component.deviation(1e300, 1e300, ctx) : 1.0;
+}
+
+template <class S, class C>
+std::vector<FieldRef<S>> fields_of(C& component) {
+  if constexpr (std::is_same_v<C, Component<S>>)
+    return component.fields();
+  else
+    return mtf::detail::field_refs<C, S>(component);
+}
+
+/// What Component::check finds: values outside the bounds of their fields or, without any, what the component's own
+/// check() says.
+template <class S, class C>
+std::vector<Problem> problems_of(const C& component, const Context<S>& ctx) {
+  if constexpr (std::is_same_v<C, Component<S>>) {
+    return component.check(ctx);
+  } else {
+    C copy = component;
+    std::vector<Problem> problems;
+    for (const FieldRef<S>& field : fields_of<S>(copy)) mtf::detail::check_field(field, ctx, problems);
+    return problems.empty() ? component.check(ctx) : problems;
+  }
+}
+
+template <class S, class C>
+bool is_accepted(const C& component, const Context<S>& ctx) {
+  const auto problems = problems_of<S>(component, ctx);
+  return std::none_of(problems.begin(), problems.end(), [](const Problem& problem) { return problem.error; });
+}
+
+template <class C>
+bool allowed_in_presample(const C& component) {
+  if constexpr (requires { component.stages(); })
+    return component.stages().presample;
+  else
+    return C::stages.presample;
+}
+
+/// A number that a fit could vary, with the row of its field.
+template <class S>
+struct Scalar {
+  std::string name;  ///< of the field, with "_x", "_y" or "[]" for a part of it
+  S* value;
+  const FieldInfo* info;
+};
+
+/// All of them, in the order of the field table.
+template <class S>
+std::vector<Scalar<S>> scalars_of(const std::vector<FieldRef<S>>& fields) {
+  std::vector<Scalar<S>> all;
+  for (const FieldRef<S>& field : fields) {
+    const std::string name(field.info->name);
+    const auto push = [&](S& s, const std::string& suffix = "") { all.push_back({name + suffix, &s, field.info}); };
+    std::visit(
+        [&](auto* v) {
+          using T = std::remove_pointer_t<decltype(v)>;
+          if constexpr (std::is_same_v<T, S>) {
+            push(*v);
+          } else if constexpr (std::is_same_v<T, std::optional<S>>) {
+            if (*v) push(**v);
+          } else if constexpr (std::is_same_v<T, AxisPair<S>>) {
+            if (v->given()) push(v->x.value, v->split ? "_x" : "");
+            if (v->given() && v->split) push(v->y.value, "_y");
+          } else if constexpr (std::is_same_v<T, SpatialFrequency<S>>) {
+            if (v->unit != nullptr) push(v->value);
+          } else if constexpr (std::is_same_v<T, Coefficients<S>>) {
+            for (S& coefficient : *v) push(coefficient, "[]");
+          } else if constexpr (std::is_same_v<T, Taps<S>>) {
+            for (auto& row : *v)
+              for (S& tap : row) push(tap, "[]");
+          }
+        },
+        field.value);
+  }
+  return all;
+}
+
+/// The subject of a draw, over double; `component`: with default values.
+template <class C>
+Subject<double, C> subject_of(const Draw& draw, C component) {
+  const Context<double> ctx = give_values(draw, fields_of<double>(component));
+  const double scale = largest_modulus(component, ctx);
+  return {draw.name, draw.typical(), std::move(component), ctx, scale};
+}
+
+/// The same values in another scalar type. `To` is the component type over S.
+template <class S, class To, class From>
+Subject<S, To> cast_subject(const Subject<double, From>& from) {
+  From source = from.component;
+  Subject<S, To> to{from.name, from.typical, {}, {}, from.scale};
+  mtf::detail::cast_fields<S, double>(fields_of<double>(source), fields_of<S>(to.component));
+  to.ctx = {mtf::detail::cast_frame<S>(from.ctx.frame), mtf::detail::cast_optics<S>(from.ctx.optics),
+            mtf::detail::cast_scalar<S>(from.ctx.wavelength_um)};
+  return to;
+}
+
+}  // namespace mtf::conformance
