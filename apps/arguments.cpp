@@ -58,11 +58,14 @@ double number(std::string_view option, std::string_view text) {
   return *value;
 }
 
-double kelvin(std::string_view option, std::string_view text) {
-  const std::string_view word = trimmed(text);
-  const auto value = finite(word.ends_with('K') ? word.substr(0, word.size() - 1) : word);
-  if (!value) refuse(option, text, "a temperature in K, such as 288 or \"288 K\"");
-  return *value;
+GivenTemperature temperature(std::string_view option, std::string_view text) {
+  if (const auto value = finite(trimmed(text))) return {*value, false};
+  try {
+    const mtf::Quantity given = mtf::parse_quantity(text, mtf::Dimension::temperature);
+    if (given.unit->name == "K") return {given.value, true};
+  } catch (const mtf::UsageError&) {  // refused below in the words of the option
+  }
+  refuse(option, text, "a temperature in K or degC, such as 288, \"288 K\" or \"15 degC\"");
 }
 
 int whole_number(std::string_view option, std::string_view text, int low, int high) {

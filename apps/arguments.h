@@ -20,8 +20,12 @@ namespace apps {
 /// A finite number, whatever the locale.
 double number(std::string_view option, std::string_view text);
 
-/// A temperature in K: "288", "288 K".
-double kelvin(std::string_view option, std::string_view text);
+struct GivenTemperature {
+  double kelvin = 0.0;
+  bool has_unit = false;  ///< without one it was taken for kelvin
+};
+/// "288", "288 K" or "15 degC".
+GivenTemperature temperature(std::string_view option, std::string_view text);
 
 /// A whole number in [low, high].
 int whole_number(std::string_view option, std::string_view text, int low, int high);

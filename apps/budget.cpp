@@ -85,6 +85,12 @@ int run_budget(const BudgetOptions& options, const Global& global) {
   const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
   if (!options.out.empty())
     for (const std::string& input : files_of(config)) require_different(input, options.out);
+  constexpr double kCold_k = 100.0;
+  if (!options.temperature_has_unit && options.temperature_k < kCold_k) {
+    const std::string given = mtf::format_double(options.temperature_k);
+    note(global, "warning: --temperature " + given + " was taken for " + given + " K; for degrees Celsius write \"" +
+                     given + " degC\", and \"" + given + " K\" to be told no more");
+  }
   const LoadedSensor loaded = load_chain(config);
   if (loaded.paths) note(global, "note: the scene gives the range of each pixel; this budget is without a path");
   const radiometry::Budget<double> budget =

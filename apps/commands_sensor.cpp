@@ -58,9 +58,11 @@ Command budget_command() {
       "  mtf budget sensor.toml\n"
       "  mtf budget sensor.toml --temperature 310 --format json"};
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
-  add_word(app, "--temperature", "K", "of the surface, such as 288 or \"288 K\"; default 300",
+  add_word(app, "--temperature", "K", "of the surface, such as 288, \"288 K\" or \"15 degC\"; default 300",
            [&](const std::string& text) {
-             options.temperature_k = kelvin("--temperature", text);
+             const GivenTemperature given = temperature("--temperature", text);
+             options.temperature_k = given.kelvin;
+             options.temperature_has_unit = given.has_unit;
              if (!(options.temperature_k >= 0.0 && options.temperature_k <= radiometry::kMostTemperature_k))
                throw mtf::UsageError("--temperature " + text + ": a temperature in K is from 0 to 1e9");
            });

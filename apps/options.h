@@ -63,6 +63,7 @@ struct SimulateCommandOptions {
 struct BudgetOptions {
   std::string sensor;
   double temperature_k = 300.0;  ///< of the surface that the pixel images
+  bool temperature_has_unit = true;
   Format format = Format::table;
   std::string out;  ///< "" = stdout
 };

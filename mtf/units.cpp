@@ -120,6 +120,11 @@ Quantity parse_quantity(std::string_view text, Dimension expected) {
   skip_blanks();
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
   if (text.empty()) throw fail("no unit");
+  // The one unit with an offset becomes kelvin here; all others are factors.
+  if (expected == Dimension::temperature && (text == "degC" || text == "\u00b0C")) {
+    result.value += kZeroCelsius_k;
+    text = "K";
+  }
   result.unit = find_unit(text);
   if (result.unit == nullptr) {
     std::vector<std::string_view> names;
@@ -186,7 +191,7 @@ std::string_view describe(Dimension dimension) {
     case Dimension::luminance:
       return "a luminance such as \"100 cd/m^2\"";
     case Dimension::temperature:
-      return "an absolute temperature such as \"300 K\"";
+      return "an absolute temperature such as \"300 K\" or \"27 degC\"";
     case Dimension::electrons:
       return "a charge such as \"50 e-\" or \"7 Me-\"";
     case Dimension::current:

@@ -28,7 +28,7 @@ enum class Dimension {
   acceleration,
   /// object angle per second squared, base urad/s^2
   angular_acceleration,
-  temperature,  ///< absolute, base K
+  temperature,  ///< absolute, base K; degC is read too
   electrons,    ///< charge of a pixel, base e-
   current,      ///< electrons per second, base e-/s
   capacitance   ///< base F
@@ -48,7 +48,10 @@ struct Quantity {
   const Unit* unit = nullptr;
 };
 
-/// Reads "15 um" or "15um". Throws UsageError for a missing or unknown unit (nearest names offered), trailing text,
+/// 0 degC, by definition of the degree Celsius.
+inline constexpr double kZeroCelsius_k = 273.15;
+
+/// Reads "15 um" or "15um"; a temperature in degC becomes one in K. Throws UsageError for a missing or unknown unit (nearest names offered), trailing text,
 /// or a number that is not finite. `expected` only words the message.
 Quantity parse_quantity(std::string_view text, Dimension expected);
 

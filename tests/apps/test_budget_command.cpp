@@ -36,6 +36,12 @@ TEST_F(BudgetCommand, ATemperatureMayHaveItsUnit) {
   const std::string plain = scratch.run("mtf budget s.toml --temperature 288").out;
   EXPECT_EQ(scratch.run("mtf budget s.toml --temperature '288 K'").out, plain);
   EXPECT_EQ(scratch.run("mtf budget s.toml --temperature 288K").out, plain);
+  EXPECT_EQ(scratch.run("mtf budget s.toml --temperature '14.85 degC'").out, plain);
+  EXPECT_EQ(scratch.run("mtf budget s.toml --temperature '14.85 °C'").out, plain);
+  const Result cold = scratch.run("mtf budget s.toml --temperature 27");
+  EXPECT_EQ(cold.status, 0);
+  EXPECT_NE(cold.err.find("was taken for 27 K; for degrees Celsius write \"27 degC\""), std::string::npos) << cold.err;
+  EXPECT_EQ(scratch.run("mtf budget s.toml --temperature '27 K'").err.find("Celsius"), std::string::npos);
   for (const char* wrong : {"'288 mK'", "'15 C'", "K", "''"})
     expect_refused(std::string("mtf budget s.toml --temperature ") + wrong, {"a temperature in K"});
 }

@@ -35,6 +35,16 @@ TEST(Units, quantities_are_a_number_and_a_unit) {
   EXPECT_EQ(parse_quantity("1 \xC2\xB5rad/s", Dimension::rate).unit, find_unit("urad/s"));
 }
 
+TEST(Units, degrees_celsius_become_kelvin) {
+  for (const char* text : {"14.85 degC", "14.85degC", "14.85 \u00b0C"}) {
+    const Quantity t = parse_quantity(text, Dimension::temperature);
+    EXPECT_DOUBLE_EQ(t.value, 288.0) << text;
+    EXPECT_EQ(t.unit->name, "K");
+  }
+  EXPECT_NEAR(parse_quantity("-40 degC", Dimension::temperature).value, 233.15, 1e-12);
+  EXPECT_THROW(parse_quantity("20 degC", Dimension::length), UsageError);
+}
+
 TEST(Units, whatever_is_not_is_refused) {
   const auto mentions = [](const char* text, const char* part) {
     const std::string message = refusal(text, Dimension::length);
