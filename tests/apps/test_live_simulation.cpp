@@ -211,6 +211,23 @@ TEST_F(LiveSimulation, PixelsOfAnotherGridRememberNothing) {
   EXPECT_LT(difference(image(live, before, 3), alone(temperatures(), before)), kTwoPlans);
 }
 
+// The electron rate of the band is made anew for every image: equal values ask for nothing.
+TEST_F(LiveSimulation, ASensorThatStaysKeepsItsPlan) {
+  const auto with_source = [&](const std::string& temperature) {
+    std::string text = kSensor;
+    text.replace(text.find("sample ="), 8, "source_temperature = \"" + temperature + "\"\nsample =");
+    return sensor(text);
+  };
+  const SensorConfig warm = with_source("300 K"), hot = with_source("900 K");
+  apps::LiveSimulation live(temperatures());
+  for (int i = 0; i < 3; ++i) image(live, warm);
+  EXPECT_EQ(live.plans_compiled(), 1);
+  EXPECT_EQ(live.plans_updated(), 0);
+  image(live, hot);  // another rate, other weights of the wavelengths
+  EXPECT_EQ(live.plans_compiled() + live.plans_updated(), 2);
+  EXPECT_LT(difference(image(live, hot), alone(temperatures(), hot)), kTwoPlans);
+}
+
 TEST_F(LiveSimulation, ACorrectionIsMeasuredOfThePixelsThatItCorrects) {
   const std::string adc = "[nonuniformity]\nprnu = 0.02\n[adc]\nbits = 14\n";
   const SensorConfig raw = camera(adc), corrected = camera(adc + "[correction]\nlow = 0.2\nhigh = 0.8\n");
