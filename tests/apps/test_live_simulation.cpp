@@ -228,6 +228,27 @@ TEST_F(LiveSimulation, ASensorThatStaysKeepsItsPlan) {
   EXPECT_LT(difference(image(live, hot), alone(temperatures(), hot)), kTwoPlans);
 }
 
+// A tolerance of a share of a count falls as the contrast rises, here by 3 % from image to image to 2.4 times the
+// first.
+TEST_F(LiveSimulation, AContrastThatRisesSlowlyTakesFewPlans) {
+  std::string text = kSensor + "[adc]\nbits = 14\n";
+  text.replace(text.find("\"temperature\""), 13, "\"radiance\"");
+  SensorConfig shown = sensor(text);
+  apps::LiveSimulation live(file());
+  double gain = 0.01;
+  for (int i = 0; i < 30; ++i, gain *= 1.03) {
+    shown.scene.gain = gain;
+    image(live, shown);
+    EXPECT_LE(live.plan().options.tolerance, tolerance_alone(file(), shown) * (1.0 + 1e-6)) << i;
+  }
+  EXPECT_LE(live.plans_compiled(), 3);
+  EXPECT_EQ(live.plans_updated(), 0);
+  shown.scene.gain = 2.5 * gain;
+  const int before = live.plans_compiled();
+  image(live, shown);
+  EXPECT_EQ(live.plans_compiled(), before + 1);  // beyond the room
+}
+
 TEST_F(LiveSimulation, ACorrectionIsMeasuredOfThePixelsThatItCorrects) {
   const std::string adc = "[nonuniformity]\nprnu = 0.02\n[adc]\nbits = 14\n";
   const SensorConfig raw = camera(adc), corrected = camera(adc + "[correction]\nlow = 0.2\nhigh = 0.8\n");
