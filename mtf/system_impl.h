@@ -1,151 +1,67 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Template bodies of Component<S> and System<S>. Included only where a scalar type is instantiated: system_double.cpp,
-// system_float.cpp, calib/fit/system_jet.cpp.
+// Bodies of System<S> and of casts between scalar types. Only the sources that instantiate a scalar type include this:
+// system.cpp, calib/fit/system_jet.cpp.
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mtf/band_average.h"
-#include "mtf/error.h"
 #include "mtf/system.h"
-#include "mtf/system_components.h"
 
 namespace mtf {
 namespace detail {
 
-// Where a field keeps what FieldRef points to.
-template <class Member>
-Member* number_at(Member& field) {
-  return &field;
-}
-template <class S, auto unit>
-S* number_at(NumberIn<S, unit>& field) {
-  return &field.value;
-}
-template <class S, auto unit>
-std::optional<S>* number_at(OptionalIn<S, unit>& field) {
-  return &field;
-}
-
-template <class C, class S>
-std::vector<FieldRef<S>> field_refs(C& component) {
-  static constexpr auto table = C::fields();
-  std::vector<FieldRef<S>> refs;
-  refs.reserve(std::tuple_size_v<std::remove_const_t<decltype(table)>>);
-  std::apply(
-      [&](const auto&... field) {
-        (refs.push_back({&field.info, number_at(component.*field.member)}), ...);
-      },
-      table);
-  return refs;
-}
-
-/// Text of an allowed interval: "[0, 1)", with the unit.
-std::string range_text(const FieldInfo& info);
-bool in_range(const FieldInfo& info, double value);
-
-template <class S>
-void check_field(const FieldRef<S>& field, const Context<S>& ctx, std::vector<Problem>& problems) {
-  const FieldInfo& info = *field.info;
-  const auto missing = [&] { problems.push_back({.field = std::string(info.name), .text = "missing"}); };
-  const auto bounded = [&](std::string_view suffix, double value, std::string_view unit) {
-    if (in_range(info, value)) return;
-    problems.push_back({.field = std::string(info.name) + std::string(suffix),
-                        .text = format_double(value) + (unit.empty() ? "" : " ") + std::string(unit) + " is outside " +
-                                range_text(info)});
-  };
-  std::visit(
-      [&](auto* value) {
-        using T = std::remove_pointer_t<decltype(value)>;
-        if constexpr (std::is_same_v<T, S>) {
-          bounded("", value_of(*value), info.unit);
-        } else if constexpr (std::is_same_v<T, std::optional<S>>) {
-          if (*value)
-            bounded("", value_of(**value), info.unit);
-          else if (info.presence == Presence::required)
-            missing();
-        } else if constexpr (std::is_same_v<T, AxisPair<S>>) {
-          if (value->given()) {
-            bounded(value->split ? "_x" : "", value_of(value->x.value), value->x.unit->name);
-            if (value->split) bounded("_y", value_of(value->y.value), value->y.unit->name);
-          } else if (info.presence == Presence::required) {
-            missing();
-          }
-        } else if constexpr (std::is_same_v<T, SpatialFrequency<S>>) {
-          if (value->temporal() && info.dimension != Dimension::cutoff)
-            problems.push_back({.field = std::string(info.name),
-                                .text = "in " + std::string(value->unit->name) + "; it takes " +
-                                        std::string(describe(info.dimension))});
-          else if (value->unit != nullptr)
-            bounded("", value_of(value->value), value->unit->name);
-          else if (info.presence == Presence::required)
-            missing();
-        } else if constexpr (std::is_same_v<T, int>) {
-          bounded("", *value, "");
-        } else if constexpr (std::is_same_v<T, Coefficients<S>>) {
-          for (std::size_t i = 0; i < value->size(); ++i)
-            bounded("[" + std::to_string(i) + "]", value_of((*value)[i]), info.unit);
-        } else if constexpr (std::is_same_v<T, Taps<S>>) {
-          for (const auto& row : *value)
-            for (const S& tap : row) bounded("", value_of(tap), "");
-        }
-      },
-      field.value);
-  // Shared fields: f_number and wavelength have to come from somewhere; obscuration is 0 unless given.
-  const auto* own = std::get_if<std::optional<S>*>(&field.value);
-  if (info.presence != Presence::shared || own == nullptr || (*own)->has_value()) return;
-  const bool found = info.name == "f_number"     ? ctx.optics.f_number || ctx.optics.aperture_mm
-                     : info.name == "wavelength" ? value_of(ctx.wavelength_um) > 0.0
-                                                 : true;
-  if (!found)
-    problems.push_back({.field = std::string(info.name),
-                        .text = "missing; give it here, or for all components in [optics]" +
-                                std::string(info.name == "wavelength" ? " or as [band] wavelength" : "")});
-}
-
+// A value in another scalar type, one overload for each type of field.
 template <class To, class From>
-To cast_scalar(const From& from) {
+To cast_value(const From& from) {
   if constexpr (std::is_same_v<To, float>)
     return static_cast<float>(value_of(from));
   else
     return To(value_of(from));
 }
-
 template <class To, class From>
-std::optional<To> cast_optional(const std::optional<From>& from) {
-  return from ? std::optional<To>(cast_scalar<To>(*from)) : std::nullopt;
+std::optional<To> cast_value(const std::optional<From>& from) {
+  return from ? std::optional<To>(cast_value<To>(*from)) : std::nullopt;
 }
-
-// One overload a field type; pairs of different types never meet, because both components have the same table.
 template <class To, class From>
-struct CastField {
-  void operator()(const From& from, To& to) const { to = cast_scalar<To>(from); }
-  void operator()(const std::optional<From>& from, std::optional<To>& to) const { to = cast_optional<To>(from); }
-  void operator()(const Extent<From>& from, Extent<To>& to) const { to = {cast_scalar<To>(from.value), from.unit}; }
-  void operator()(const AxisPair<From>& from, AxisPair<To>& to) const {
-    (*this)(from.x, to.x);
-    (*this)(from.y, to.y);
-    to.split = from.split;
-  }
-  void operator()(const SpatialFrequency<From>& from, SpatialFrequency<To>& to) const {
-    to = {cast_scalar<To>(from.value), from.unit};
-  }
-  void operator()(const Coefficients<From>& from, Coefficients<To>& to) const {
-    to.clear();
-    for (const From& coefficient : from) to.push_back(cast_scalar<To>(coefficient));
-  }
-  void operator()(const Taps<From>& from, Taps<To>& to) const {
-    to.resize(from.size());
-    for (std::size_t row = 0; row < from.size(); ++row) (*this)(from[row], to[row]);
-  }
-  void operator()(const int& from, int& to) const { to = from; }
-  void operator()(const Choice& from, Choice& to) const { to = from; }
-  void operator()(const std::shared_ptr<const Curve>& from, std::shared_ptr<const Curve>& to) const { to = from; }
-  template <class A, class B>
-  void operator()(const A&, B&) const {}
-};
+Extent<To> cast_value(const Extent<From>& from) {
+  return {cast_value<To>(from.value), from.unit};
+}
+template <class To, class From>
+AxisPair<To> cast_value(const AxisPair<From>& from) {
+  return {cast_value<To>(from.x), cast_value<To>(from.y), from.split};
+}
+template <class To, class From>
+SpatialFrequency<To> cast_value(const SpatialFrequency<From>& from) {
+  return {cast_value<To>(from.value), from.unit};
+}
+template <class To, class From>
+std::vector<To> cast_value(const std::vector<From>& from) {
+  std::vector<To> to;
+  for (const From& element : from) to.push_back(cast_value<To>(element));
+  return to;
+}
+template <class To, class From>
+Taps<To> cast_value(const Taps<From>& from) {
+  Taps<To> to;
+  for (const std::vector<From>& row : from) to.push_back(cast_value<To>(row));
+  return to;
+}
+template <class To>
+int cast_value(const int& from) {
+  return from;
+}
+template <class To>
+Choice cast_value(const Choice& from) {
+  return from;
+}
+template <class To>
+std::shared_ptr<const Curve> cast_value(const std::shared_ptr<const Curve>& from) {
+  return from;
+}
 
 template <class To, class From>
 Component<To> cast_component(const Component<From>& from) {
@@ -153,151 +69,16 @@ Component<To> cast_component(const Component<From>& from) {
   const auto sources = from.fields();
   const auto targets = to.fields();
   for (std::size_t i = 0; i < sources.size(); ++i)
-    std::visit([](const auto* source, auto* target) { CastField<To, From>{}(*source, *target); }, sources[i].value,
-               targets[i].value);
+    std::visit(
+        [&](const auto* source) {
+          auto value = cast_value<To>(*source);
+          *std::get<decltype(value)*>(targets[i].value) = std::move(value);
+        },
+        sources[i].value);
   return to;
 }
 
 }  // namespace detail
-
-template <class S>
-std::string_view Component<S>::kind() const {
-  return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::kind; });
-}
-template <class S>
-std::string_view Component<S>::doc() const {
-  return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::doc; });
-}
-template <class S>
-std::string_view Component<S>::description() const {
-  return detail::visit(*value_, [](const auto& c) -> std::string_view {
-    if constexpr (requires { c.variant_doc(); })
-      return c.variant_doc();
-    else
-      return std::remove_cvref_t<decltype(c)>::doc;
-  });
-}
-template <class S>
-Stages Component<S>::stages() const {
-  return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::stages; });
-}
-template <class S>
-SensorPart Component<S>::part() const {
-  return detail::visit(*value_, [](const auto& c) {
-    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(c.part)>, Choice>)
-      return static_cast<SensorPart>(c.part.index);  // a field, in the order of kSensorPartNames
-    else
-      return c.part;
-  });
-}
-template <class S>
-bool Component<S>::is_pupil() const {
-  return detail::visit(*value_, [](const auto& c) {
-    return requires { std::remove_cvref_t<decltype(c)>::is_pupil; };
-  });
-}
-template <class S>
-bool Component<S>::is_footprint() const {
-  return detail::visit(*value_, [](const auto& c) {
-    return requires { std::remove_cvref_t<decltype(c)>::is_footprint; };
-  });
-}
-template <class S>
-bool Component<S>::is_reconstruction() const {
-  return detail::visit(*value_, [](const auto& c) {
-    return requires { std::remove_cvref_t<decltype(c)>::is_reconstruction; };
-  });
-}
-template <class S>
-Traits Component<S>::traits(const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) { return c.traits(ctx); });
-}
-template <class S>
-double Component<S>::cutoff_cy_mm(const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) { return c.cutoff_cy_mm(ctx); });
-}
-template <class S>
-double Component<S>::deviation(double fx, double fy, const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) { return c.deviation(fx, fy, ctx); });
-}
-template <class S>
-Complex<S> Component<S>::otf(const Freq<S>& f, const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) { return c.otf(f, ctx); });
-}
-template <class S>
-void Component<S>::multiply(std::span<const Freq<S>> f, const Context<S>& ctx, std::span<Complex<S>> h) const {
-  detail::visit(*value_, [&](const auto& c) {
-    if constexpr (requires { c.evaluator(ctx); }) {
-      const auto otf = c.evaluator(ctx);
-      for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * otf(f[i]);
-    } else {
-      for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * c.otf(f[i], ctx);
-    }
-  });
-}
-template <class S>
-typename Component<S>::Rows Component<S>::rows(std::span<const S> fx, const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) -> Rows {
-    if constexpr (requires { c.rows(fx, ctx); })
-      return c.rows(fx, ctx);
-    else
-      return [c, fx, ctx](const S& fy, std::span<Complex<S>> h) {
-        if constexpr (requires { c.evaluator(ctx); }) {
-          const auto otf = c.evaluator(ctx);
-          for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * otf({fx[i], fy});
-        } else {
-          for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * c.otf({fx[i], fy}, ctx);
-        }
-      };
-  });
-}
-template <class S>
-std::vector<double> Component<S>::kinks_cy_mm(const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) -> std::vector<double> {
-    if constexpr (requires { c.kinks_cy_mm(ctx); }) {
-      return c.kinks_cy_mm(ctx);
-    } else {
-      const double cutoff = c.cutoff_cy_mm(ctx);
-      return cutoff < kInfinity ? std::vector{cutoff} : std::vector<double>{};
-    }
-  });
-}
-template <class S>
-bool Component<S>::is_slow() const {
-  return detail::visit(*value_, [](const auto& c) {
-    return requires { std::remove_cvref_t<decltype(c)>::is_slow; };
-  });
-}
-template <class S>
-std::optional<Freq<double>> Component<S>::line(const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) -> std::optional<Freq<double>> {
-    if constexpr (requires { c.displacement_mm(ctx); }) {
-      const Freq<S> d = c.displacement_mm(ctx);
-      const double length = std::hypot(value_of(d.x), value_of(d.y));
-      if (length > 0.0 && length < kInfinity) return Freq<double>{value_of(d.x) / length, value_of(d.y) / length};
-    }
-    return std::nullopt;
-  });
-}
-template <class S>
-std::vector<FieldRef<S>> Component<S>::fields() {
-  if (value_.use_count() > 1) value_ = std::make_shared<ComponentVariant<S>>(*value_);
-  return std::visit([](auto& c) { return detail::field_refs<std::remove_reference_t<decltype(c)>, S>(c); },
-                    value_->value);
-}
-template <class S>
-std::vector<FieldRef<S>> Component<S>::fields() const {
-  return std::visit([](auto& c) { return detail::field_refs<std::remove_reference_t<decltype(c)>, S>(c); },
-                    value_->value);
-}
-
-template <class S>
-std::vector<Problem> Component<S>::check(const Context<S>& ctx) const {
-  std::vector<Problem> problems;
-  for (const FieldRef<S>& field : fields()) detail::check_field(field, ctx, problems);
-  if (!problems.empty()) return problems;  // the component's own check may rely on its bounds
-  return detail::visit(*value_, [&](const auto& c) { return c.check(ctx); });
-}
 
 template <class S>
 void System<S>::add(Stage stage, Component<S> component) {
@@ -370,15 +151,14 @@ System<To> cast(const System<From>& from) {
   to.name = from.name;
   to.band = from.band;
   to.band_nodes = from.band_nodes;
-  to.frame = {detail::cast_scalar<To>(from.frame.focal_length_mm),
-              detail::cast_scalar<To>(from.frame.pitch_x_um),
-              detail::cast_scalar<To>(from.frame.pitch_y_um),
-              detail::cast_scalar<To>(from.frame.integration_time_s),
+  to.frame = {detail::cast_value<To>(from.frame.focal_length_mm),
+              detail::cast_value<To>(from.frame.pitch_x_um),
+              detail::cast_value<To>(from.frame.pitch_y_um),
+              detail::cast_value<To>(from.frame.integration_time_s),
               from.frame.columns,
               from.frame.rows};
-  to.optics = {detail::cast_optional<To>(from.optics.f_number), detail::cast_optional<To>(from.optics.aperture_mm),
-               detail::cast_optional<To>(from.optics.obscuration),
-               detail::cast_optional<To>(from.optics.wavelength_um)};
+  to.optics = {detail::cast_value<To>(from.optics.f_number), detail::cast_value<To>(from.optics.aperture_mm),
+               detail::cast_value<To>(from.optics.obscuration), detail::cast_value<To>(from.optics.wavelength_um)};
   for (std::size_t i = 0; i < from.stages.size(); ++i)
     for (const Entry<From>& entry : from.stages[i])
       to.stages[i].push_back({detail::cast_component<To>(entry.component), entry.label});
