@@ -159,7 +159,8 @@ concept ComponentType = requires {
   C::fields();
 };
 
-/// Value handle of one component: copies share, edits through fields() copy first.
+/// Value handle of one component: copies share, edits through fields() copy first. Plans, checks and texts are made of
+/// systems of doubles, so the functions that only they call exist for doubles alone.
 template <class S>
 class Component {
  public:
@@ -174,12 +175,11 @@ class Component {
   }
   /// A component of that kind with default values. Throws UsageError naming the nearest kind.
   static Component make(std::string_view kind);
-  explicit Component(ComponentVariant<S> value);
 
   std::string_view kind() const;
   std::string_view doc() const;
   /// doc(), or for a kind that holds several models the one in use.
-  std::string_view description() const;
+  std::string_view description() const requires std::same_as<S, double>;
   Stages stages() const;
   SensorPart part() const;
   /// True for a complete pupil OTF (diffraction): at most one in a list.
@@ -192,7 +192,7 @@ class Component {
   double cutoff_cy_mm(const Context<S>& ctx) const;
   double deviation(double fx_cy_mm, double fy_cy_mm, const Context<S>& ctx) const;
   /// Bounds of every field, shared fields that nobody gives, and the component's own check.
-  std::vector<Problem> check(const Context<S>& ctx) const;
+  std::vector<Problem> check(const Context<S>& ctx) const requires std::same_as<S, double>;
 
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const;
   /// h[i] *= otf(f[i]): one dispatch for the whole span.
@@ -200,19 +200,20 @@ class Component {
   /// h[i] *= otf({fx[i], fy}) for any fy, what fx alone decides worked out once. Keeps the view of fx; `h` may be
   /// shorter.
   using Rows = std::function<void(const S& fy, std::span<Complex<S>> h)>;
-  Rows rows(std::span<const S> fx, const Context<S>& ctx) const;
+  Rows rows(std::span<const S> fx, const Context<S>& ctx) const requires std::same_as<S, double>;
   /// Where the OTF is not smooth, see above.
   std::vector<double> kinks_cy_mm(const Context<S>& ctx) const;
   /// It costs microseconds a frequency.
   bool is_slow() const;
   /// Unit vector u with otf(f) = otf((f.u) u), where the component knows one.
-  std::optional<Freq<double>> line(const Context<S>& ctx) const;
+  std::optional<Freq<double>> line(const Context<S>& ctx) const requires std::same_as<S, double>;
 
   std::vector<FieldRef<S>> fields();
   /// The same for reading only; the pointers stay valid as long as the component.
   std::vector<FieldRef<S>> fields() const;
 
  private:
+  explicit Component(std::shared_ptr<ComponentVariant<S>> value) : value_(std::move(value)) {}
   static Component copy_of(const void* component, const std::type_info& type);
   const void* address_if(const std::type_info& type) const;
 

@@ -2,6 +2,7 @@
 #include "mtf/same_list.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mtf {
 namespace {
@@ -49,8 +50,31 @@ bool same(const Optics<double>& a, const Optics<double>& b) {
          a.wavelength_um == b.wavelength_um;
 }
 
+bool same(const ElectronRate::Block& a, const ElectronRate::Block& b) {
+  return a.begin_um == b.begin_um && a.end_um == b.end_um && a.rule.wavelength_um == b.rule.wavelength_um &&
+         a.rule.weight == b.rule.weight;
+}
+
+/// The rules of the blocks hold the moments of the rate. A rate without blocks has few panels; nine values of the
+/// density fix a polynomial of degree 8, the highest that a panel may be.
+bool same(const std::shared_ptr<const ElectronRate>& a, const std::shared_ptr<const ElectronRate>& b) {
+  if (a == b || !a || !b) return a == b;
+  const std::vector<double>& at = a->breaks_um();
+  if (at != b->breaks_um()) return false;
+  if (!a->blocks().empty())
+    return std::equal(a->blocks().begin(), a->blocks().end(), b->blocks().begin(), b->blocks().end(),
+                      [](const auto& x, const auto& y) { return same(x, y); });
+  for (std::size_t i = 0; i + 1 < at.size(); ++i)
+    for (int k = 0; k < 9; ++k) {
+      const double wavelength_um = std::lerp(at[i], at[i + 1], (k + 0.5) / 9.0);
+      if (a->density(wavelength_um) != b->density(wavelength_um)) return false;
+    }
+  return true;
+}
+
 bool same(const std::optional<Band>& a, const std::optional<Band>& b) {
-  return a.has_value() == b.has_value() && (!a || (a->lo_um == b->lo_um && a->hi_um == b->hi_um && a->rate == b->rate));
+  return a.has_value() == b.has_value() &&
+         (!a || (a->lo_um == b->lo_um && a->hi_um == b->hi_um && same(a->rate, b->rate)));
 }
 
 }  // namespace

@@ -71,12 +71,9 @@ struct System {
     std::string where;
     Problem problem;
   };
-  std::vector<Finding> check() const;
+  std::vector<Finding> check() const requires std::same_as<S, double>;
   /// What is wrong, alone: takes a fraction of the time.
-  std::vector<Finding> errors() const;
-
- private:
-  std::vector<Finding> findings(bool doubtful) const;
+  std::vector<Finding> errors() const requires std::same_as<S, double>;
 };
 
 /// Throws UsageError with all errors of check() in one message; does nothing when there are only warnings.

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Template bodies of Component<S> and System<S>. Included only where a scalar type is instantiated: system_double.cpp,
-// system_float.cpp, calib/fit/system_jet.cpp.
+// Bodies of System<S> and of casts between scalar types. Only the sources that instantiate a scalar type include this:
+// system.cpp, calib/fit/system_jet.cpp.
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mtf/band_average.h"
 #include "mtf/components/field_access.h"
-#include "mtf/error.h"
 #include "mtf/system.h"
-#include "mtf/system_components.h"
 
 namespace mtf {
 namespace detail {
@@ -24,145 +23,6 @@ Component<To> cast_component(const Component<From>& from) {
 }
 
 }  // namespace detail
-
-template <class S>
-std::string_view Component<S>::kind() const {
-  return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::kind; });
-}
-template <class S>
-std::string_view Component<S>::doc() const {
-  return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::doc; });
-}
-template <class S>
-std::string_view Component<S>::description() const {
-  return detail::visit(*value_, [](const auto& c) -> std::string_view {
-    if constexpr (requires { c.variant_doc(); })
-      return c.variant_doc();
-    else
-      return std::remove_cvref_t<decltype(c)>::doc;
-  });
-}
-template <class S>
-Stages Component<S>::stages() const {
-  return detail::visit(*value_, [](const auto& c) { return std::remove_cvref_t<decltype(c)>::stages; });
-}
-template <class S>
-SensorPart Component<S>::part() const {
-  return detail::visit(*value_, [](const auto& c) {
-    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(c.part)>, Choice>)
-      return static_cast<SensorPart>(c.part.index);  // a field, in the order of kSensorPartNames
-    else
-      return c.part;
-  });
-}
-template <class S>
-bool Component<S>::is_pupil() const {
-  return detail::visit(*value_, [](const auto& c) {
-    return requires { std::remove_cvref_t<decltype(c)>::is_pupil; };
-  });
-}
-template <class S>
-bool Component<S>::is_footprint() const {
-  return detail::visit(*value_, [](const auto& c) {
-    return requires { std::remove_cvref_t<decltype(c)>::is_footprint; };
-  });
-}
-template <class S>
-bool Component<S>::is_reconstruction() const {
-  return detail::visit(*value_, [](const auto& c) {
-    return requires { std::remove_cvref_t<decltype(c)>::is_reconstruction; };
-  });
-}
-template <class S>
-Traits Component<S>::traits(const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) { return c.traits(ctx); });
-}
-template <class S>
-double Component<S>::cutoff_cy_mm(const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) { return c.cutoff_cy_mm(ctx); });
-}
-template <class S>
-double Component<S>::deviation(double fx, double fy, const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) { return c.deviation(fx, fy, ctx); });
-}
-template <class S>
-Complex<S> Component<S>::otf(const Freq<S>& f, const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) { return c.otf(f, ctx); });
-}
-template <class S>
-void Component<S>::multiply(std::span<const Freq<S>> f, const Context<S>& ctx, std::span<Complex<S>> h) const {
-  detail::visit(*value_, [&](const auto& c) {
-    if constexpr (requires { c.evaluator(ctx); }) {
-      const auto otf = c.evaluator(ctx);
-      for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * otf(f[i]);
-    } else {
-      for (std::size_t i = 0; i < f.size(); ++i) h[i] = h[i] * c.otf(f[i], ctx);
-    }
-  });
-}
-template <class S>
-typename Component<S>::Rows Component<S>::rows(std::span<const S> fx, const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) -> Rows {
-    if constexpr (requires { c.rows(fx, ctx); })
-      return c.rows(fx, ctx);
-    else
-      return [c, fx, ctx](const S& fy, std::span<Complex<S>> h) {
-        if constexpr (requires { c.evaluator(ctx); }) {
-          const auto otf = c.evaluator(ctx);
-          for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * otf({fx[i], fy});
-        } else {
-          for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * c.otf({fx[i], fy}, ctx);
-        }
-      };
-  });
-}
-template <class S>
-std::vector<double> Component<S>::kinks_cy_mm(const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) -> std::vector<double> {
-    if constexpr (requires { c.kinks_cy_mm(ctx); }) {
-      return c.kinks_cy_mm(ctx);
-    } else {
-      const double cutoff = c.cutoff_cy_mm(ctx);
-      return cutoff < kInfinity ? std::vector{cutoff} : std::vector<double>{};
-    }
-  });
-}
-template <class S>
-bool Component<S>::is_slow() const {
-  return detail::visit(*value_, [](const auto& c) {
-    return requires { std::remove_cvref_t<decltype(c)>::is_slow; };
-  });
-}
-template <class S>
-std::optional<Freq<double>> Component<S>::line(const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) -> std::optional<Freq<double>> {
-    if constexpr (requires { c.displacement_mm(ctx); }) {
-      const Freq<S> d = c.displacement_mm(ctx);
-      const double length = std::hypot(value_of(d.x), value_of(d.y));
-      if (length > 0.0 && length < kInfinity) return Freq<double>{value_of(d.x) / length, value_of(d.y) / length};
-    }
-    return std::nullopt;
-  });
-}
-template <class S>
-std::vector<FieldRef<S>> Component<S>::fields() {
-  if (value_.use_count() > 1) value_ = std::make_shared<ComponentVariant<S>>(*value_);
-  return std::visit([](auto& c) { return detail::field_refs<std::remove_reference_t<decltype(c)>, S>(c); },
-                    value_->value);
-}
-template <class S>
-std::vector<FieldRef<S>> Component<S>::fields() const {
-  return std::visit([](auto& c) { return detail::field_refs<std::remove_reference_t<decltype(c)>, S>(c); },
-                    value_->value);
-}
-
-template <class S>
-std::vector<Problem> Component<S>::check(const Context<S>& ctx) const {
-  std::vector<Problem> problems;
-  for (const FieldRef<S>& field : fields()) detail::check_field(field, ctx, problems);
-  if (!problems.empty()) return problems;  // the component's own check may rely on its bounds
-  return detail::visit(*value_, [&](const auto& c) { return c.check(ctx); });
-}
 
 template <class S>
 void System<S>::add(Stage stage, Component<S> component) {
@@ -235,7 +95,12 @@ System<To> cast(const System<From>& from) {
   to.name = from.name;
   to.band = from.band;
   to.band_nodes = from.band_nodes;
-  to.frame = detail::cast_frame<To>(from.frame);
+  to.frame = {detail::cast_value<To>(from.frame.focal_length_mm),
+              detail::cast_value<To>(from.frame.pitch_x_um),
+              detail::cast_value<To>(from.frame.pitch_y_um),
+              detail::cast_value<To>(from.frame.integration_time_s),
+              from.frame.columns,
+              from.frame.rows};
   to.optics = detail::cast_optics<To>(from.optics);
   for (std::size_t i = 0; i < from.stages.size(); ++i)
     for (const Entry<From>& entry : from.stages[i])

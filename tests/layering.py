@@ -33,7 +33,7 @@ RULES = [
     (r"toml\+\+|toml\.hpp$", r"mtf/io/", "toml++ is private to mtf/io"),
     (r"ceres/", r"calib/|tests/|apps/study/", "Ceres is private to calib and apps/study"),
     (r"CLI/", r"apps/main\.cpp$", "CLI11 is private to apps/main.cpp"),
-    (r"mtf/components/all\.h$", r".*/?system_[^/]*$|tests/", "all.h is for the system_* files and tests"),
+    (r"mtf/components/all\.h$", r"mtf/component_impl\.h$|tests/", "all.h is for mtf/component_impl.h and tests"),
 ]
 
 # Files, what they must not include.

@@ -29,7 +29,7 @@ class Layering(unittest.TestCase):
             ("<toml++/toml.h>", "mtf/io/config/config.cpp", "calib/fit/fit.cpp"),
             ("<ceres/jet.h>", "calib/fit/system_jet.cpp", "mtf/system.h"),
             ("<CLI/CLI.hpp>", "apps/main.cpp", "apps/simulate/simulate.cpp"),
-            ('"mtf/components/all.h"', "mtf/system_double.cpp", "mtf/plan/plan.cpp"),
+            ('"mtf/components/all.h"', "mtf/component_impl.h", "mtf/plan/plan.cpp"),
         ]
         for header, allowed, refused in cases:
             text = f"{SPDX}#include {header}\n"

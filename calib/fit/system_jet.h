@@ -3,7 +3,7 @@
 
 // Systems whose parameters carry derivatives. Jet4 holds a value and four partial derivatives, the stride of
 // ceres::DynamicAutoDiffCostFunction: a fit of n parameters evaluates the system ceil(n / 4) times. The bodies are
-// compiled once, in system_jet.cpp.
+// compiled once, in component_jet.cpp and system_jet.cpp.
 
 #include <ceres/jet.h>
 

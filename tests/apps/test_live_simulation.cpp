@@ -211,6 +211,44 @@ TEST_F(LiveSimulation, PixelsOfAnotherGridRememberNothing) {
   EXPECT_LT(difference(image(live, before, 3), alone(temperatures(), before)), kTwoPlans);
 }
 
+// The electron rate of the band is made anew for every image: equal values ask for nothing.
+TEST_F(LiveSimulation, ASensorThatStaysKeepsItsPlan) {
+  const auto with_source = [&](const std::string& temperature) {
+    std::string text = kSensor;
+    text.replace(text.find("sample ="), 8, "source_temperature = \"" + temperature + "\"\nsample =");
+    return sensor(text);
+  };
+  const SensorConfig warm = with_source("300 K"), hot = with_source("900 K");
+  apps::LiveSimulation live(temperatures());
+  for (int i = 0; i < 3; ++i) image(live, warm);
+  EXPECT_EQ(live.plans_compiled(), 1);
+  EXPECT_EQ(live.plans_updated(), 0);
+  image(live, hot);  // another rate, other weights of the wavelengths
+  EXPECT_EQ(live.plans_compiled() + live.plans_updated(), 2);
+  EXPECT_LT(difference(image(live, hot), alone(temperatures(), hot)), kTwoPlans);
+}
+
+// A tolerance of a share of a count falls as the contrast rises, here by 3 % from image to image to 2.4 times the
+// first.
+TEST_F(LiveSimulation, AContrastThatRisesSlowlyTakesFewPlans) {
+  std::string text = kSensor + "[adc]\nbits = 14\n";
+  text.replace(text.find("\"temperature\""), 13, "\"radiance\"");
+  SensorConfig shown = sensor(text);
+  apps::LiveSimulation live(file());
+  double gain = 0.01;
+  for (int i = 0; i < 30; ++i, gain *= 1.03) {
+    shown.scene.gain = gain;
+    image(live, shown);
+    EXPECT_LE(live.plan().options.tolerance, tolerance_alone(file(), shown) * (1.0 + 1e-6)) << i;
+  }
+  EXPECT_LE(live.plans_compiled(), 3);
+  EXPECT_EQ(live.plans_updated(), 0);
+  shown.scene.gain = 2.5 * gain;
+  const int before = live.plans_compiled();
+  image(live, shown);
+  EXPECT_EQ(live.plans_compiled(), before + 1);  // beyond the room
+}
+
 TEST_F(LiveSimulation, ACorrectionIsMeasuredOfThePixelsThatItCorrects) {
   const std::string adc = "[nonuniformity]\nprnu = 0.02\n[adc]\nbits = 14\n";
   const SensorConfig raw = camera(adc), corrected = camera(adc + "[correction]\nlow = 0.2\nhigh = 0.8\n");

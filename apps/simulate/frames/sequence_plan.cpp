@@ -13,6 +13,7 @@ namespace {
 // Room for frames that are harder to keep the promise for: storage costs little, the canvas scales everything. A
 // reflected canvas is twice the image for every frame.
 constexpr double kRoomStorage = 2.0, kRoomCanvas = 1.1, kRounding = 1.0 + 1e-6;
+constexpr double kRoomContrast = 2.0;
 constexpr double kFloatUnit = 0x1p-24, kSmallestFloat = 0x1p-150;  // of float32: relative, and half a denormal step
 
 SceneDifficulty difficulty(const mtf::SceneSummary& scene) {
@@ -85,32 +86,45 @@ mtf::PlanOptions SequencePlanner::options_for(const mtf::io::SensorConfig& senso
   return options;
 }
 
+double SequencePlanner::roomy_tolerance(const RadiometricChain* radiometric, const SceneInput& input,
+                                        double tolerance) const {
+  if (radiometric == nullptr || asked_ || !plan_ || !input.summary || !(contrast_ > 0.0)) return tolerance;
+  const auto wanted = [&](double std) { return radiometric->tolerance(base_.tolerance, std); };
+  const bool served_before = plan_->options.tolerance <= std::max(wanted(contrast_), loosened_) * kRounding;
+  if (!served_before || plan_->options.tolerance <= tolerance * kRounding) return tolerance;
+  return std::max(wanted(kRoomContrast * input.summary->std), loosened_);
+}
+
 std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::SensorConfig& sensor,
                                                                 const RadiometricChain* radiometric,
                                                                 const SceneInput& input, mtf::PlanOptions options,
                                                                 std::vector<std::string>& warnings) {
   if (input.summary) met_ = harder(met_, difficulty(*input.summary));
   ++compiled_;
-  const auto attempt = [&](const std::optional<mtf::SceneSummary>& summary) {
+  const double own = options.tolerance;
+  const double roomy = roomy_tolerance(radiometric, input, own);
+  contrast_ = input.summary ? input.summary->std : 0.0;
+  const auto attempt = [&](const std::optional<mtf::SceneSummary>& summary, double tolerance) {
     options.scene = summary;
+    options.tolerance = tolerance;
     return std::make_shared<const mtf::SensorPlan>(
         mtf::compile_sensor(system_of(sensor, radiometric), input.scene.grid, options, steps_of(radiometric)));
   };
   const double canvas = options.border == mtf::Border::reflect ? kRounding : kRoomCanvas;
   const SceneDifficulty room{met_.storage * kRoomStorage, met_.canvas * canvas};
   if (input.summary) try {
-      return attempt(summary_of(room, input.summary->std));
+      return attempt(summary_of(room, input.summary->std), roomy);
     } catch (const mtf::UnreachableTolerance&) {  // there is no room
     }
   try {
-    return attempt(input.summary);
+    return attempt(input.summary, own);
   } catch (const mtf::UnreachableTolerance& e) {
     if (asked_ || !(e.reachable() < 1.0)) throw;
-    warnings.push_back("the default tolerance " + mtf::format_double(options.tolerance) +
-                       " cannot be kept for this scene; " + significant(e.reachable(), 2) + " is used from here on");
-    options.tolerance = loosened_ = e.reachable();
+    warnings.push_back("the default tolerance " + mtf::format_double(own) + " cannot be kept for this scene; " +
+                       significant(e.reachable(), 2) + " is used from here on");
+    loosened_ = e.reachable();
   }
-  return attempt(input.summary);
+  return attempt(input.summary, loosened_);
 }
 
 std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::SensorConfig& sensor,

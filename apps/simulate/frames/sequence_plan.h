@@ -4,7 +4,9 @@
 // The plan of each frame of a sequence, and its chain. The promise is made frame by frame, relative to that frame's own
 // contrast: a plan is compiled for the first frame, with some room for others, and serves as long as a frame's summary
 // lies within what it was compiled for; a frame beyond that gets a plan compiled for it, and for all that were before.
-// So does a frame that wants another border, scene aperture or split of the filters, or a tighter tolerance. A change
+// So does a frame that wants another border, scene aperture or split of the filters, or a tighter tolerance. The
+// default tolerance of a sensor with [adc] is a share of a count, so it falls as the contrast rises: a plan that is
+// compiled again for that reason keeps the tolerance of twice the contrast, and a slow rise takes few plans. A change
 // of parameters remakes the lists that changed and shares the rest (SensorPlan::with).
 
 #include <memory>
@@ -49,12 +51,16 @@ class SequencePlanner {
   std::shared_ptr<const mtf::SensorPlan> compile(const mtf::io::SensorConfig& sensor,
                                                  const RadiometricChain* radiometric, const SceneInput& input,
                                                  mtf::PlanOptions options, std::vector<std::string>& warnings);
+  /// The tolerance of a plan with room for frames of more contrast, where it is by its contrast alone that this frame
+  /// needs another plan; else the tolerance of the frame.
+  double roomy_tolerance(const RadiometricChain* radiometric, const SceneInput& input, double tolerance) const;
   /// What a frame wants of its plan, whatever the frames before it wanted.
   mtf::PlanOptions options_for(const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric,
                                const SceneInput& input) const;
 
   mtf::PlanOptions base_;  ///< the same for all frames; its tolerance is the one asked for, or the default
   bool asked_ = false;
+  double contrast_ = 0.0;  ///< std of the frame that plan_ was compiled for
   double loosened_ = 0.0;  ///< least tolerance that the sensor of plan_ keeps, where that is not its default; else 0
   mtf::io::SceneDefaults scene_;  ///< [scene] of that sensor
   SceneDifficulty met_;           ///< the hardest of all frames so far

@@ -127,7 +127,7 @@ Subject<S, To> cast_subject(const Subject<double, From>& from) {
   Subject<S, To> to{from.name, from.typical, {}, {}, from.scale};
   mtf::detail::cast_fields<S, double>(fields_of<double>(source), fields_of<S>(to.component));
   to.ctx = {mtf::detail::cast_frame<S>(from.ctx.frame), mtf::detail::cast_optics<S>(from.ctx.optics),
-            mtf::detail::cast_scalar<S>(from.ctx.wavelength_um)};
+            mtf::detail::cast_value<S>(from.ctx.wavelength_um)};
   return to;
 }
 
