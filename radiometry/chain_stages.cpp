@@ -227,14 +227,29 @@ using enum StageRow::Part;
 // Light, vignetting and the rows from the warm optics to the dark current act in `collect`; Chain::run makes the
 // positions of `microscan`.
 constexpr std::array kChain{
-    StageRow{"distortion", optics, distortion, step::distort},
+    StageRow{.name = "distortion",
+             .part = optics,
+             .words = distortion,
+             .step = step::distort,
+             .whole_image = "moves light across the image"},
     StageRow{"presample", optics, filters<mtf::Stage::presample>},
     StageRow{"presample", optics, nullptr, step::sample},  // the pitch samples the image without a filter too
-    StageRow{"veiling glare", optics, veiling_glare, step::glare},
-    StageRow{"ghost", optics, ghost, step::ghost},
+    StageRow{.name = "veiling glare",
+             .part = optics,
+             .words = veiling_glare,
+             .step = step::glare,
+             .whole_image = "adds the mean of the whole image"},
+    StageRow{.name = "ghost",
+             .part = optics,
+             .words = ghost,
+             .step = step::ghost,
+             .whole_image = "adds the image mirrored at its axis"},
     StageRow{"light", detector, light},
     StageRow{"vignetting", detector, vignetting},
-    StageRow{"microscan", detector, microscan},
+    StageRow{.name = "microscan",
+             .part = detector,
+             .words = microscan,
+             .whole_image = "samples between the pixels, where tiles sample at the pitch"},
     StageRow{.name = "shutter", .part = detector, .words = shutter, .step = step::shutter, .in_sequence = true},
     StageRow{"warm optics", detector, warm_optics},
     StageRow{"stop", detector, stop},
@@ -247,20 +262,64 @@ constexpr std::array kChain{
     StageRow{"blinking", detector, blinking, step::blinking, "defects"},
     StageRow{"shot noise", detector, shot_noise, step::shot_noise, "shot"},
     StageRow{"full well", detector, full_well, step::full_well},
-    StageRow{"blooming", detector, blooming, step::blooming},
+    StageRow{.name = "blooming",
+             .part = detector,
+             .words = blooming,
+             .step = step::blooming,
+             .whole_image = "spills charge over any number of pixels"},
     StageRow{"nonlinearity", detector, nonlinearity, step::nonlinearity},
-    StageRow{"readout", detector, filters<mtf::Stage::readout>, step::readout},
+    StageRow{.name = "readout",
+             .part = detector,
+             .words = filters<mtf::Stage::readout>,
+             .step = step::readout,
+             .whole_image = "filters pixels together with their neighbours"},
     StageRow{"offsets", detector, offsets, step::offsets, "offset"},
     StageRow{"read noise", detector, read_noise, step::read_noise, "read"},
     StageRow{"1/f noise", detector, flicker, step::flicker, "flicker"},
     StageRow{"row and column noise", detector, line_noise, step::line_noise, "rows and columns"},
     StageRow{"3-D noise", detector, noise_3d, step::noise_3d},
     StageRow{"adc", conversion, converter, step::convert},
-    StageRow{"correction", correction, two_points, step::correct},
-    StageRow{"postsample", display, filters<mtf::Stage::postsample>, step::postsample},
-    StageRow{"agc", display, agc, step::agc}};
+    StageRow{.name = "correction",
+             .part = correction,
+             .words = two_points,
+             .step = step::correct,
+             .whole_image = "refers to the mean of all pixels in flat frames"},
+    StageRow{.name = "postsample",
+             .part = display,
+             .words = filters<mtf::Stage::postsample>,
+             .step = step::postsample,
+             .whole_image = "filters pixels together with their neighbours"},
+    StageRow{.name = "agc",
+             .part = display,
+             .words = agc,
+             .step = step::agc,
+             .whole_image = "takes its curve from the histogram of all pixels"}};
+
+/// True where the image of an output stage has gone through that part of the chain.
+bool goes_through(StageRow::Part part, OutputStage stage) {
+  switch (part) {
+    case optics:
+      return true;
+    case detector:
+      return stage >= OutputStage::electrons;
+    case conversion:
+      return stage >= OutputStage::dn;
+    case correction:
+    case display:
+      return stage == OutputStage::display;
+  }
+  return true;
+}
 
 }  // namespace
+
+std::string whole_image_stages(const System& system, const Sensor& sensor, OutputStage stage) {
+  std::string text;
+  for (const StageRow& row : kChain)
+    if (!row.whole_image.empty() && goes_through(row.part, stage) && row.words(system, sensor).on)
+      text += (text.empty() ? "" : ", ") + std::string(row.name) + " (" + std::string(row.whole_image) + ")";
+  return text;
+}
 
 std::vector<ChainStage> chain_stages(const System& system, const Sensor& sensor) {
   std::vector<ChainStage> stages;
