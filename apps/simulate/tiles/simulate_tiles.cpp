@@ -185,8 +185,9 @@ std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const m
   return plan.run(planes, border_value, &report.tiles->tally);
 }
 
-bool wants_tiles(const SceneSource& scene, const SimulateOptions& options, bool chain) {
-  if (options.memory || (options.region && !chain)) return true;
+bool wants_tiles(const SceneSource& scene, const SimulateOptions& options, const RadiometricChain* radiometric) {
+  if (options.memory || (options.region && radiometric == nullptr)) return true;
+  if (radiometric != nullptr && !stages_of_the_whole(*radiometric).empty()) return false;
   if (scene.image) return false;
   if (mtf::io::detect_format(scene.file) != mtf::io::Format::exr) return false;
   // Planes of three channels, transforms and OTF of one, about.

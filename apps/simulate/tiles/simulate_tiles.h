@@ -20,8 +20,9 @@ std::optional<mtf::TiledSensorPlan> flat_tiles(const mtf::io::SensorConfig& conf
 std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const mtf::io::Scene& scene,
                                        double border_value, RunReport& report);
 
-/// True when a limit is given, or a region without a chain, or the whole image of a file would not fit the machine.
-bool wants_tiles(const SceneSource& scene, const SimulateOptions& options, bool chain);
+/// True when a limit is given, or a region without a chain, or the whole image of a file would not fit the machine and
+/// no stage of the chain, where there is one, needs it.
+bool wants_tiles(const SceneSource& scene, const SimulateOptions& options, const RadiometricChain* radiometric);
 
 /// simulate() of one image in tiles; `radiometric` is the chain of a sensor that has one. Throws UsageError for a chain
 /// that needs the whole image.

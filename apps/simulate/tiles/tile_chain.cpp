@@ -58,8 +58,12 @@ std::optional<radiometry::OutputStage> earlier_stage(const RadiometricChain& rad
 
 }  // namespace
 
+std::string stages_of_the_whole(const RadiometricChain& radiometric) {
+  return whole_image_stages(radiometric.system, radiometric.loaded.sensor, radiometric.stage);
+}
+
 void require_tileable(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric) {
-  const std::string whole = whole_image_stages(radiometric.system, radiometric.loaded.sensor, radiometric.stage);
+  const std::string whole = stages_of_the_whole(radiometric);
   if (whole.empty()) return;
   const auto stage = earlier_stage(radiometric);
   throw mtf::UsageError("--memory: the image goes through in tiles, and these stages of " + one_line(config.file) +

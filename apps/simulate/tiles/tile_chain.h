@@ -13,8 +13,10 @@
 
 namespace apps {
 
-/// Throws UsageError for a sensor with stages that need the whole image: it names them, and the last output stage
-/// before them.
+/// radiometry::whole_image_stages() up to the image that is wanted.
+std::string stages_of_the_whole(const RadiometricChain& radiometric);
+
+/// Throws UsageError for a sensor with such stages: it names them, and the last output stage before them.
 void require_tileable(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric);
 
 /// What of a sensor's filters tiles do themselves: the presample OTF and the sampling.
