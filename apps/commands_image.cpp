@@ -86,7 +86,8 @@ Command simulate_command() {
   add_text(app, "--schedule", "FILE", "parameters that change over frames: CSV with frame,parameter,value",
            options.run.schedule);
   add_word(app, "--memory", "SIZE",
-           "most memory to use, such as 512MiB or 2GB: the scene (OpenEXR) is filtered in tiles.\n"
+           "most memory to use, such as 512MiB or 2GB: the scene (OpenEXR) goes through in tiles;\n"
+           "stages of a sensor with [detector] that need the whole image are refused by name.\n"
            "Without it that is done only where the whole image does not fit the machine",
            [&](const std::string& text) { options.run.memory = byte_count("--memory", text); });
   add_word(app, "--roi", "X,Y,W,H", "pixels of the output that are wanted; only what they need is computed",

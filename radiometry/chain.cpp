@@ -3,45 +3,12 @@
 
 #include <cmath>
 
-#include "mtf/parallel.h"
 #include "radiometry/chain_impl.h"
 #include "radiometry/light/band_response.h"
 #include "radiometry/performance/sensor_numbers.h"
 
 namespace radiometry {
 namespace {
-
-/// The part of a map of the whole detector that an image at `origin` has.
-mtf::Image crop(const mtf::Image& map, const char* what, const FocalPlane& detector, Origin origin, std::int64_t width,
-                std::int64_t height) {
-  if (map.width() != detector.columns || map.height() != detector.rows)
-    throw mtf::UsageError(std::string(what) + ": the map has " + std::to_string(map.width()) + "x" +
-                          std::to_string(map.height()) + " pixels, the detector " + std::to_string(detector.columns) +
-                          "x" + std::to_string(detector.rows) + "; give a map of the whole detector");
-  mtf::Image part(width, height);
-  for (std::int64_t y = 0; y < height; ++y)
-    std::copy_n(map.data() + (origin.y + y) * map.width() + origin.x, width, part.data() + y * width);
-  return part;
-}
-
-/// factors *= map; an empty image stands for factors of 1.
-void multiply(mtf::Image& factors, mtf::Image&& map) {
-  if (map.size() == 0) return;
-  if (factors.size() == 0)
-    factors = std::move(map);
-  else
-    multiply_by(factors.view(), map.view());
-}
-
-/// number x map + added, or number + added where there is no map.
-Factor factor_of(double number, const mtf::Image& map, double added) {
-  Factor result{number + added};
-  if (map.size() == 0 || number == 0.0) return result;
-  result.map = mtf::Image(map.width(), map.height());
-  for (std::int64_t i = 0; i < map.size(); ++i)
-    result.map.data()[i] = static_cast<float>(number * static_cast<double>(map.data()[i]) + added);
-  return result;
-}
 
 void refuse(const char* where, const std::string& why) { throw mtf::UsageError(std::string(where) + ": " + why); }
 
@@ -191,87 +158,50 @@ int samples_a_pitch(const Sensor& sensor) {
   return scan ? scan->steps : 1;
 }
 
+CompiledChain::CompiledChain(const mtf::SensorPlan& filters, const mtf::System<double>& system, const Sensor& sensor,
+                             std::int64_t columns, std::int64_t rows)
+    : plan(filters), settings(sensor.settings) {
+  last = last_output_stage(system, sensor);
+  camera = camera_of(system, sensor);
+  pixel = pixel_of(system, sensor);
+  require_consistent(system, sensor);
+  require_response(sensor);
+  stages = stages_to_run(system, sensor);
+  seed = settings.noise ? static_cast<std::uint64_t>(settings.noise->seed) : 0;
+  if (settings.adc) adc = adc_of(sensor);
+  if (settings.nonlinearity) response.emplace(*settings.nonlinearity, pixel.full_well_e);
+  frame_time_s = settings.frame ? settings.frame->frame_time_s.value_or(pixel.integration_s) : pixel.integration_s;
+  read_e = std::hypot(settings.detector->read_e, reset_e_of(*settings.detector), settings.detector->other_e);
+  gain = radiometry::electrons_per_radiance(camera, pixel);
+  focal_length_mm = system.frame.focal_length_mm;
+  detector = focal_plane(system.frame.columns > 0 ? system.frame.columns : columns,
+                         system.frame.rows > 0 ? system.frame.rows : rows, system.frame.pitch_x_um,
+                         system.frame.pitch_y_um, settings.axis.value_or(OpticalAxis{}));
+  const OpticsSettings warm = settings.optics.value_or(OpticsSettings{});
+  const BandRadiances<double> radiances = band_radiances(sensor.curves, {.temperature_k = 0.0}, {}, emission_of(warm));
+  const Signal<double> background =
+      signal(camera, pixel, {.scene = 0.0, .path = 0.0, .optics = radiances.optics, .stop = radiances.stop});
+  warm_e = background.optics_e + background.stop_e;
+  dark_e = background.dark_e;
+}
+
 Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin,
              int threads, const Chain* before) {
-  const SensorSettings& s = sensor.settings;
   if (plan.readout.has_value() == system.list(mtf::Stage::readout).empty() ||
       plan.post.has_value() == system.list(mtf::Stage::postsample).empty())
     refuse("the plan of a chain",
            "made for other filters than [[readout]] and [[postsample]] of its sensor; compile "
            "it from the same system, with PlanOptions::separate_readout");
-  auto compiled = std::make_shared<CompiledChain>(plan);
-  compiled->last = last_output_stage(system, sensor);
-  compiled->camera = camera_of(system, sensor);
-  compiled->pixel = pixel_of(system, sensor);
-  require_consistent(system, sensor);
-  require_response(sensor);
-  compiled->stages = stages_to_run(system, sensor);
-  compiled->settings = s;
-  compiled->seed = s.noise ? static_cast<std::uint64_t>(s.noise->seed) : 0;
-  compiled->origin = origin;
-  if (s.adc) compiled->adc = adc_of(sensor);
-  if (s.nonlinearity) compiled->response.emplace(*s.nonlinearity, compiled->pixel.full_well_e);
-  compiled->frame_time_s =
-      s.frame ? s.frame->frame_time_s.value_or(compiled->pixel.integration_s) : compiled->pixel.integration_s;
-  compiled->read_e = std::hypot(s.detector->read_e, reset_e_of(*s.detector), s.detector->other_e);
-  compiled->gain = radiometry::electrons_per_radiance(compiled->camera, compiled->pixel);
-
-  const int cores = mtf::threads_of(threads), steps = samples_a_pitch(sensor);
+  const int steps = samples_a_pitch(sensor);
   const std::int64_t width = plan.out().width / steps, height = plan.out().height / steps;
+  auto compiled = std::make_shared<CompiledChain>(plan, system, sensor, origin.x + width, origin.y + height);
   if (width * steps != plan.out().width || height * steps != plan.out().height)
     refuse("[microscan]", "the image is not a whole number of " + std::to_string(steps) + " x " +
                               std::to_string(steps) + " positions; give frame.format, or a scene of whole pitches");
-  require_on_detector(origin, width, height);
-  compiled->detector = focal_plane(system.frame.columns > 0 ? system.frame.columns : origin.x + width,
-                                   system.frame.rows > 0 ? system.frame.rows : origin.y + height,
-                                   system.frame.pitch_x_um, system.frame.pitch_y_um, s.axis.value_or(OpticalAxis{}));
-
-  const OpticsSettings warm = s.optics.value_or(OpticsSettings{});
-  const BandRadiances<double> radiances = band_radiances(sensor.curves, {.temperature_k = 0.0}, {}, emission_of(warm));
-  const Signal<double> background =
-      signal(compiled->camera, compiled->pixel,
-             {.scene = 0.0, .path = 0.0, .optics = radiances.optics, .stop = radiances.stop});
-
-  const auto detector_map = [&](const std::shared_ptr<const mtf::Image>& whole, const char* what) {
-    return whole ? crop(*whole, what, compiled->detector, origin, width, height) : mtf::Image();
-  };
-  if (s.vignetting) {
-    const mtf::Image given = detector_map(sensor.vignetting, "vignetting.map");
-    compiled->corners = mtf::Image(width, height);
-    vignetting_map(compiled->corners.view(), *s.vignetting, compiled->detector, system.frame.focal_length_mm, origin,
-                   given.view());
-  }
-  mtf::Image responsivity, offset;
-  if (const auto& unequal = s.nonuniformity) {
-    responsivity = detector_map(sensor.responsivity, "nonuniformity.responsivity");
-    if (responsivity.size() == 0 && unequal->prnu > 0.0) {
-      responsivity = mtf::Image(width, height);
-      responsivity_map(responsivity.view(), unequal->prnu, compiled->seed, origin, cores);
-    }
-    offset = detector_map(sensor.offset, "nonuniformity.offset");
-    if (offset.size() == 0 && unequal->dsnu_e > 0.0) {
-      offset = mtf::Image(width, height);
-      offset_map(offset.view(), unequal->dsnu_e, compiled->seed, origin, cores);
-    }
-  }
-  compiled->offset = std::move(offset);
-
-  mtf::Image seen = compiled->corners.clone(), around;
-  multiply(seen, responsivity.clone());
-  compiled->light = factor_of(compiled->gain, seen, 0.0);
-  if (s.narcissus) {
-    around = mtf::Image(width, height);
-    narcissus_map(around.view(), *s.narcissus, compiled->detector, origin);
-    for (float& missing : std::span(around.data(), static_cast<std::size_t>(around.size()))) missing = 1.0F - missing;
-  }
-  multiply(around, std::move(responsivity));
-  compiled->glow = factor_of(background.optics_e + background.stop_e, around, background.dark_e);
-
-  if (s.defects) compiled->defects = find_defects(width, height, *s.defects, compiled->seed, origin);
-  if (s.blinking) compiled->blinking = find_blinking(width, height, *s.blinking, compiled->seed, origin);
+  compiled->maps = pixel_maps(*compiled, sensor, origin, width, height, threads);
   if (before != nullptr) {
     const auto& owner = before->compiled_->corrected_by ? before->compiled_->corrected_by : before->compiled_;
-    if (s.correction && owner->settings.correction && owner->plan.out() == compiled->plan.out())
+    if (sensor.settings.correction && owner->settings.correction && owner->plan.out() == compiled->plan.out())
       compiled->corrected_by = owner;
   }
   compiled_ = std::move(compiled);

@@ -138,6 +138,10 @@ BudgetRow dstar_row(const mtf::System<double>& system, const Sensor& sensor, con
 /// Every stage in its order; those that are off name the table that would switch them on.
 std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Sensor& sensor);
 
+/// The stages up to an output stage that need more of an image than the pixels of a tile, each with its reason, as in
+/// "veiling glare (adds the mean of the whole image)"; "" where the image can be made in tiles (chain_tiles.h).
+std::string whole_image_stages(const mtf::System<double>& system, const Sensor& sensor, OutputStage stage);
+
 /// The tolerance that a converter asks for: a tenth of a count, relative to a scene of standard deviation `std` in
 /// weighted radiance, at most 1e-2; nothing without [adc] or contrast. A tolerance is the rms error of the mean image.
 std::optional<double> adc_tolerance(const mtf::System<double>& system, const Sensor& sensor, double std);

@@ -46,34 +46,48 @@ struct StageRow {
   void (*step)(FrameRun& run, mtf::Image& image) = nullptr;
   std::string_view timing = name;  ///< name of its time in reports
   bool in_sequence = false;        ///< acts only on the frames of a sequence
+  /// Why it needs more of an image than the pixels of a tile; empty for a stage that acts on each pixel for itself.
+  std::string_view whole_image = {};
 };
 
 /// The rows that run for a sensor with [detector], in their order.
 std::vector<StageRow> stages_to_run(const mtf::System<double>& system, const Sensor& sensor);
 
+/// What differs from pixel to pixel, for the pixels of an image or of a tile of one.
+struct PixelMaps {
+  Origin origin;       ///< of the first pixel on the detector
+  mtf::Image corners;  ///< vignetting; empty: none
+  Factor light;        ///< electrons for one unit of weighted radiance
+  Factor glow;         ///< mean electrons of warm optics, stop and dark current
+  mtf::Image offset;   ///< electrons added to every frame; empty: none
+  std::vector<DefectivePixel> defects;
+  std::vector<BlinkingPixel> blinking;
+};
+
 struct CompiledChain {
-  explicit CompiledChain(mtf::SensorPlan filters) : plan(std::move(filters)) {}
+  /// `columns`, `rows`: the detector where [frame] has no format. Throws as Chain, but for maps.
+  CompiledChain(const mtf::SensorPlan& filters, const mtf::System<double>& system, const Sensor& sensor,
+                std::int64_t columns, std::int64_t rows);
 
   mtf::SensorPlan plan;
   std::vector<StageRow> stages;
   SensorSettings settings;
   OutputStage last = OutputStage::electrons;
   std::uint64_t seed = 0;
-  Origin origin;
   FocalPlane detector;
   Camera<double> camera;
   Pixel<double> pixel;
   std::optional<Adc> adc;
   std::optional<Response> response;
   double gain = 0.0;    ///< electrons for one unit of weighted radiance on the axis
-  mtf::Image corners;   ///< vignetting; empty: none
-  Factor light;         ///< electrons for one unit of weighted radiance
-  Factor glow;          ///< mean electrons of warm optics, stop and dark current
-  mtf::Image offset;    ///< electrons added to every frame; empty: none
+  double warm_e = 0.0;  ///< mean electrons of warm optics and stop on the axis
+  double dark_e = 0.0;  ///< mean electrons of the dark current
   double read_e = 0.0;  ///< rms of read, reset and other noise
   double frame_time_s = 0.0;
-  std::vector<DefectivePixel> defects;
-  std::vector<BlinkingPixel> blinking;
+  double focal_length_mm = 0.0;
+  PixelMaps maps;  ///< of the image; empty where the image comes in tiles, each of which has its own
+
+  double glow_e() const { return warm_e + dark_e; }
 
   /// The maps of the two-point correction, measured by the first chain of a sequence when it first needs them.
   const TwoPoint& correction(int threads) const;
@@ -83,9 +97,15 @@ struct CompiledChain {
   mutable TwoPoint measured;
 };
 
-/// One frame on its way through the chain.
+/// The maps of width x height pixels from `origin` on. Throws UsageError for pixels beyond the detector, and for a map
+/// of a sensor that does not cover the detector.
+PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
+                     std::int64_t height, int threads);
+
+/// One frame, or a tile of one, on its way through the chain.
 struct FrameRun {
   const CompiledChain& chain;
+  const PixelMaps& maps;
   int threads;
   NoiseKey key{};
   ChainState* state = nullptr;      ///< of the sequence; null: the frame stands for itself
@@ -98,6 +118,8 @@ struct FrameRun {
   /// Notes the time since the last lap; times of a stage that runs for several positions add up.
   void lap(std::string_view stage);
   void run(StageRow::Part part, mtf::Image& image);
+  /// The stages after the sampling and the optics, up to an output stage.
+  void run_to(OutputStage stage);
 };
 
 }  // namespace radiometry

@@ -17,10 +17,10 @@ using Part = StageRow::Part;
 void cast_on_detector(FrameRun& run, mtf::Image& image) {
   const CompiledChain& chain = run.chain;
   multiply_add(image, {.number = irradiance(chain.camera, 1.0)}, {.number = 0.0}, run.threads);
-  if (chain.corners.size() > 0) {
+  if (run.maps.corners.size() > 0) {
     const std::int64_t steps = chain.plan.samples_a_pitch;
     for (std::int64_t y = 0; y < image.height(); ++y)
-      for (std::int64_t x = 0; x < image.width(); ++x) image.at(x, y) *= chain.corners.at(x / steps, y / steps);
+      for (std::int64_t x = 0; x < image.width(); ++x) image.at(x, y) *= run.maps.corners.at(x / steps, y / steps);
   }
   run.lap("irradiance");
 }
@@ -73,32 +73,35 @@ void FrameRun::run(Part part, mtf::Image& image) {
   }
 }
 
+void FrameRun::run_to(OutputStage stage) {
+  if (stage == OutputStage::radiance) return;
+  if (stage == OutputStage::irradiance) {
+    cast_on_detector(*this, frame.image);
+    return;
+  }
+  if (const auto& scan = chain.settings.microscan)
+    run_positions(*this, frame.image, *scan, stage);
+  else
+    run_detector(*this, frame.image, stage);
+  if (stage == OutputStage::display) run(Part::display, frame.image);
+}
+
 ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, OutputStage stage, double border_value, int threads,
                       ChainState* state) const {
   require_output_stage(stage, compiled_->last, compiled_->adc.has_value());
   FrameRun run{.chain = *compiled_,
+               .maps = compiled_->maps,
                .threads = mtf::threads_of(threads),
                .key = {compiled_->seed, number},
                .border = border_value};
-  mtf::Image& image = run.frame.image;
-  image = std::move(radiance);
-  run.run(Part::optics, image);
-  if (stage == OutputStage::radiance) return std::move(run.frame);
-  if (stage == OutputStage::irradiance) {
-    cast_on_detector(run, image);
-    return std::move(run.frame);
-  }
-  if (const auto& scan = compiled_->settings.microscan) {
-    run_positions(run, image, *scan, stage);
-  } else {
+  run.frame.image = std::move(radiance);
+  run.run(Part::optics, run.frame.image);
+  if (state != nullptr && stage >= OutputStage::electrons && !compiled_->settings.microscan) {
     run.state = state;
-    if (state != nullptr) {
-      if (state->last && number > *state->last) run.frames_passed = number - *state->last;
-      state->last = number;
-    }
-    run_detector(run, image, stage);
+    if (state->last && number > *state->last) run.frames_passed = number - *state->last;
+    state->last = number;
   }
-  if (stage == OutputStage::display) run.run(Part::display, image);
+  run.run_to(stage);
   return std::move(run.frame);
 }
 
@@ -115,11 +118,12 @@ const TwoPoint& CompiledChain::correction(int threads) const {
 TwoPoint CompiledChain::measure(int threads) const {
   const std::int64_t steps = plan.samples_a_pitch;
   const auto flat = [&](double fill, std::uint32_t number, mtf::ImageView<float> out) {
-    require_reachable(*settings.correction, fill, glow.number, pixel.full_well_e);
+    require_reachable(*settings.correction, fill, glow_e(), pixel.full_well_e);
     FrameRun run{.chain = *this,
+                 .maps = maps,
                  .threads = threads,
                  .key = {seed, number},
-                 .border = (fill * pixel.full_well_e - glow.number) / gain};
+                 .border = (fill * pixel.full_well_e - glow_e()) / gain};
     mtf::Image image(out.width, out.height);
     std::fill_n(image.data(), image.size(), static_cast<float>(run.border));
     run_detector(run, image, OutputStage::dn);

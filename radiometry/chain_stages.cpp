@@ -227,15 +227,30 @@ using enum StageRow::Part;
 // Light, vignetting and the rows from the warm optics to the dark current act in `collect`; Chain::run makes the
 // positions of `microscan`.
 constexpr std::array kChain{
-    StageRow{.name = "distortion", .part = optics, .words = distortion, .step = step::distort},
+    StageRow{.name = "distortion",
+             .part = optics,
+             .words = distortion,
+             .step = step::distort,
+             .whole_image = "moves light across the image"},
     StageRow{.name = "presample", .part = optics, .words = filters<mtf::Stage::presample>},
     // The pitch samples the image without a filter too.
     StageRow{.name = "presample", .part = optics, .step = step::sample},
-    StageRow{.name = "veiling glare", .part = optics, .words = veiling_glare, .step = step::glare},
-    StageRow{.name = "ghost", .part = optics, .words = ghost, .step = step::ghost},
+    StageRow{.name = "veiling glare",
+             .part = optics,
+             .words = veiling_glare,
+             .step = step::glare,
+             .whole_image = "adds the mean of the whole image"},
+    StageRow{.name = "ghost",
+             .part = optics,
+             .words = ghost,
+             .step = step::ghost,
+             .whole_image = "adds the image mirrored at its axis"},
     StageRow{.name = "light", .part = detector, .words = light},
     StageRow{.name = "vignetting", .part = detector, .words = vignetting},
-    StageRow{.name = "microscan", .part = detector, .words = microscan},
+    StageRow{.name = "microscan",
+             .part = detector,
+             .words = microscan,
+             .whole_image = "samples between the pixels, where tiles sample at the pitch"},
     StageRow{.name = "shutter", .part = detector, .words = shutter, .step = step::shutter, .in_sequence = true},
     StageRow{.name = "warm optics", .part = detector, .words = warm_optics},
     StageRow{.name = "stop", .part = detector, .words = stop},
@@ -248,9 +263,17 @@ constexpr std::array kChain{
     StageRow{.name = "blinking", .part = detector, .words = blinking, .step = step::blinking, .timing = "defects"},
     StageRow{.name = "shot noise", .part = detector, .words = shot_noise, .step = step::shot_noise, .timing = "shot"},
     StageRow{.name = "full well", .part = detector, .words = full_well, .step = step::full_well},
-    StageRow{.name = "blooming", .part = detector, .words = blooming, .step = step::blooming},
+    StageRow{.name = "blooming",
+             .part = detector,
+             .words = blooming,
+             .step = step::blooming,
+             .whole_image = "spills charge over any number of pixels"},
     StageRow{.name = "nonlinearity", .part = detector, .words = nonlinearity, .step = step::nonlinearity},
-    StageRow{.name = "readout", .part = detector, .words = filters<mtf::Stage::readout>, .step = step::readout},
+    StageRow{.name = "readout",
+             .part = detector,
+             .words = filters<mtf::Stage::readout>,
+             .step = step::readout,
+             .whole_image = "filters pixels together with their neighbours"},
     StageRow{.name = "offsets", .part = detector, .words = offsets, .step = step::offsets, .timing = "offset"},
     StageRow{.name = "read noise", .part = detector, .words = read_noise, .step = step::read_noise, .timing = "read"},
     StageRow{.name = "1/f noise", .part = detector, .words = flicker, .step = step::flicker, .timing = "flicker"},
@@ -261,11 +284,47 @@ constexpr std::array kChain{
              .timing = "rows and columns"},
     StageRow{.name = "3-D noise", .part = detector, .words = noise_3d, .step = step::noise_3d},
     StageRow{.name = "adc", .part = conversion, .words = converter, .step = step::convert},
-    StageRow{.name = "correction", .part = correction, .words = two_points, .step = step::correct},
-    StageRow{.name = "postsample", .part = display, .words = filters<mtf::Stage::postsample>, .step = step::postsample},
-    StageRow{.name = "agc", .part = display, .words = agc, .step = step::agc}};
+    StageRow{.name = "correction",
+             .part = correction,
+             .words = two_points,
+             .step = step::correct,
+             .whole_image = "refers to the mean of all pixels in flat frames"},
+    StageRow{.name = "postsample",
+             .part = display,
+             .words = filters<mtf::Stage::postsample>,
+             .step = step::postsample,
+             .whole_image = "filters pixels together with their neighbours"},
+    StageRow{.name = "agc",
+             .part = display,
+             .words = agc,
+             .step = step::agc,
+             .whole_image = "takes its curve from the histogram of all pixels"}};
+
+/// True where the image of an output stage has gone through that part of the chain.
+bool goes_through(StageRow::Part part, OutputStage stage) {
+  switch (part) {
+    case optics:
+      return true;
+    case detector:
+      return stage >= OutputStage::electrons;
+    case conversion:
+      return stage >= OutputStage::dn;
+    case correction:
+    case display:
+      return stage == OutputStage::display;
+  }
+  return true;
+}
 
 }  // namespace
+
+std::string whole_image_stages(const System& system, const Sensor& sensor, OutputStage stage) {
+  std::string text;
+  for (const StageRow& row : kChain)
+    if (!row.whole_image.empty() && goes_through(row.part, stage) && row.words(system, sensor).on)
+      text += (text.empty() ? "" : ", ") + std::string(row.name) + " (" + std::string(row.whole_image) + ")";
+  return text;
+}
 
 std::vector<ChainStage> chain_stages(const System& system, const Sensor& sensor) {
   std::vector<ChainStage> stages;

@@ -12,8 +12,8 @@ void filter(const mtf::Plan& plan, FrameRun& run, mtf::Image& image) {
   image = std::move(mtf::run_in_place(plan, std::move(planes), run.border, run.threads).front());
 }
 
-FocalPlane focal_plane_of(const CompiledChain& chain, const mtf::SampleGrid& grid) {
-  return on_grid(chain.detector, chain.origin, grid.width, grid.height, grid.step_x_um, grid.step_y_um);
+FocalPlane focal_plane_of(const FrameRun& run, const mtf::SampleGrid& grid) {
+  return on_grid(run.chain.detector, run.maps.origin, grid.width, grid.height, grid.step_x_um, grid.step_y_um);
 }
 
 /// Limits the charge and counts the pixels that are held. `limit` is fill_well or above_well.
@@ -65,8 +65,8 @@ namespace step {
 void distort(FrameRun& run, mtf::Image& scene) {
   const CompiledChain& chain = run.chain;
   mtf::Image moved(scene.width(), scene.height());
-  radiometry::distort(scene.view(), *chain.settings.distortion, focal_plane_of(chain, chain.plan.in()), moved.view(),
-                      {}, chain.plan.options.border, static_cast<float>(run.border), run.threads);
+  radiometry::distort(scene.view(), *chain.settings.distortion, focal_plane_of(run, chain.plan.in()), moved.view(), {},
+                      chain.plan.options.border, static_cast<float>(run.border), run.threads);
   scene = std::move(moved);
 }
 
@@ -81,7 +81,7 @@ void glare(FrameRun& run, mtf::Image& radiance) {
 
 void ghost(FrameRun& run, mtf::Image& radiance) {
   const Ghost& ghost = *run.chain.settings.ghost;
-  const mtf::Image mirrored = ghost_image(radiance.view(), ghost, focal_plane_of(run.chain, run.chain.plan.out()));
+  const mtf::Image mirrored = ghost_image(radiance.view(), ghost, focal_plane_of(run, run.chain.plan.out()));
   add_ghost(radiance.view(), ghost, mirrored.view(), run.threads);
 }
 
@@ -90,13 +90,13 @@ void shutter(FrameRun& run, mtf::Image& radiance) {
   ShutterState& state = run.state->shutter;
   if (run.frames_passed > 1) state = {};
   apply_shutter(radiance.view(), *chain.settings.shutter, chain.frame_time_s, chain.detector.rows, state,
-                chain.origin.y);
+                run.maps.origin.y);
 }
 
 void collect(FrameRun& run, mtf::Image& image) {
   const CompiledChain& chain = run.chain;
-  multiply_add(image, chain.light, chain.glow, run.threads);
-  run.border = chain.gain * run.border + chain.glow.number;
+  multiply_add(image, run.maps.light, run.maps.glow, run.threads);
+  run.border = chain.gain * run.border + chain.glow_e();
 }
 
 void lag(FrameRun& run, mtf::Image& electrons) {
@@ -104,17 +104,18 @@ void lag(FrameRun& run, mtf::Image& electrons) {
 }
 
 void defects(FrameRun& run, mtf::Image& electrons) {
-  apply_defects(electrons.view(), run.chain.defects);
-  run.counter.mark(run.chain.defects);
+  apply_defects(electrons.view(), run.maps.defects);
+  run.counter.mark(run.maps.defects);
 }
 
 void blinking(FrameRun& run, mtf::Image& electrons) {
   const CompiledChain& chain = run.chain;
-  run.counter.mark(apply_blinking(electrons.view(), chain.blinking, *chain.settings.blinking, run.key, chain.origin));
+  run.counter.mark(
+      apply_blinking(electrons.view(), run.maps.blinking, *chain.settings.blinking, run.key, run.maps.origin));
 }
 
 void shot_noise(FrameRun& run, mtf::Image& electrons) {
-  radiometry::shot_noise(electrons.view(), run.key, run.chain.origin, run.threads);
+  radiometry::shot_noise(electrons.view(), run.key, run.maps.origin, run.threads);
 }
 
 void full_well(FrameRun& run, mtf::Image& electrons) { hold_well(run, electrons, fill_well); }
@@ -136,26 +137,26 @@ void readout(FrameRun& run, mtf::Image& electrons) {
   run.border *= run.chain.plan.readout->dc();
 }
 
-void offsets(FrameRun& run, mtf::Image& electrons) { add_map(electrons.view(), run.chain.offset.view()); }
+void offsets(FrameRun& run, mtf::Image& electrons) { add_map(electrons.view(), run.maps.offset.view()); }
 
 void read_noise(FrameRun& run, mtf::Image& electrons) {
-  add_gaussian(electrons.view(), run.chain.read_e, run.key, Stream::read, run.chain.origin, run.threads);
+  add_gaussian(electrons.view(), run.chain.read_e, run.key, Stream::read, run.maps.origin, run.threads);
 }
 
 void flicker(FrameRun& run, mtf::Image& electrons) {
   const CompiledChain& chain = run.chain;
   add_flicker(electrons.view(), *chain.settings.flicker, chain.detector.columns, chain.detector.rows, run.key,
-              chain.origin, run.threads);
+              run.maps.origin, run.threads);
 }
 
 void line_noise(FrameRun& run, mtf::Image& electrons) {
   const NoiseSettings& noise = *run.chain.settings.noise;
   const NoiseKey fixed{run.key.seed, 0};
   const auto rows = [&](double rms_e, const NoiseKey& key, Stream stream) {
-    if (rms_e > 0.0) add_row_noise(electrons.view(), rms_e, key, stream, run.chain.origin);
+    if (rms_e > 0.0) add_row_noise(electrons.view(), rms_e, key, stream, run.maps.origin);
   };
   const auto columns = [&](double rms_e, const NoiseKey& key, Stream stream) {
-    if (rms_e > 0.0) add_column_noise(electrons.view(), rms_e, key, stream, run.chain.origin);
+    if (rms_e > 0.0) add_column_noise(electrons.view(), rms_e, key, stream, run.maps.origin);
   };
   rows(noise.row_e, run.key, Stream::temporal_row);
   columns(noise.column_e, run.key, Stream::temporal_column);
@@ -164,7 +165,7 @@ void line_noise(FrameRun& run, mtf::Image& electrons) {
 }
 
 void noise_3d(FrameRun& run, mtf::Image& electrons) {
-  add_noise_3d(electrons.view(), *run.chain.settings.noise_3d, run.key, run.chain.origin, run.threads);
+  add_noise_3d(electrons.view(), *run.chain.settings.noise_3d, run.key, run.maps.origin, run.threads);
 }
 
 void convert(FrameRun& run, mtf::Image& electrons) {

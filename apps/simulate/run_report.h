@@ -43,8 +43,9 @@ struct TilesReport {
 struct ChainReport {
   std::string stage, quantity, unit;
   std::vector<radiometry::ChainStage> stages;
-  std::vector<std::pair<std::string, double>> timing_ms;  ///< of the stages that ran
-  radiometry::Clipped well, adc;                          ///< of one image, or the sum over a sequence, as all below
+  std::vector<std::pair<std::string, double>> timing_ms;  ///< of the stages that ran; of tiles the sum, though some of
+                                                          ///< them ran at the same time
+  radiometry::Clipped well, adc;  ///< of one image, or the sum over its tiles or a sequence, as all below
   radiometry::Spilled spilled;
   radiometry::HeldPixels held, held_defects;
 

@@ -48,16 +48,10 @@ class Converter {
                                 options_);
         break;
       case Quantity::radiance:
-      case Quantity::photon_radiance: {
-        const auto flux = quantity_ == Quantity::radiance ? radiometry::Flux::watts : radiometry::Flux::photons;
-        radiance_of_band(image.view(), photons_per_radiance(flux, band_, source_k()), options_);
+      case Quantity::photon_radiance:
+      case Quantity::spectral_radiance:
+        radiance_of_band(image.view(), photons_per_unit(), options_);
         break;
-      }
-      case Quantity::spectral_radiance: {
-        const double middle_um = 0.5 * (band_.band.lo_um + band_.band.hi_um);
-        radiance_of_band(image.view(), channel_weights(band_, std::array{middle_um}).weight.front(), options_);
-        break;
-      }
       case Quantity::counts:
         if (!settings_.counts)
           throw mtf::UsageError(file_ +
@@ -74,16 +68,39 @@ class Converter {
     }
   }
 
-  /// What a path that is the same for all pixels adds.
-  void add_path(mtf::Image& image) const {
-    if (loaded_.paths) return;
-    const auto added = static_cast<float>(path_photon_radiance(loaded_.sensor.curves, loaded_.sensor.path));
-    if (added == 0.0F) return;
-    for (float& v : std::span(image.data(), static_cast<std::size_t>(image.size()))) v += added;
+  /// to_radiance() and add_path() for windows of a scene whose values go from `least` to `largest`: what all of them
+  /// share is made now. For scenes of temperature or radiance.
+  WindowToLight of_windows(double least, double largest) const {
+    const auto path = path_light();
+    if (quantity_ == Quantity::temperature) {
+      const auto light = std::make_shared<const radiometry::TemperatureRadiance>(
+          band_, loaded_.sensor.emissivity, scene_.surroundings_k.value_or(0.0), std::max(least, 0.0),
+          std::max(largest, 0.0));
+      return [light, path](mtf::ImageView<float> window) {
+        light->apply(window);
+        add(path, window);
+      };
+    }
+    return [factor = photons_per_unit(), path, negative = scene_.negative](mtf::ImageView<float> window) {
+      radiometry::radiance_of_band(window, factor, {.negative = negative});
+      add(path, window);
+    };
   }
+
+  /// What a path that is the same for all pixels adds.
+  void add_path(mtf::Image& image) const { add(path_light(), image.view()); }
 
   void through_paths(mtf::Image& image, const mtf::Image& range_m) const {
     radiometry::RangeTable(band_, *loaded_.paths, source_k()).apply(image.view(), range_m.view(), options_.threads);
+  }
+
+  /// What a constant border of that value is worth.
+  double border(double value) const {
+    mtf::Image border(1, 1);
+    border.at(0, 0) = static_cast<float>(value);
+    to_radiance(border, {});
+    add_path(border);
+    return static_cast<double>(border.at(0, 0));
   }
 
   const radiometry::SceneSettings& scene() const { return scene_; }
@@ -92,6 +109,27 @@ class Converter {
  private:
   /// Of this scene's own quantity, which its file may state.
   std::optional<double> source_k() const { return source_temperature_k(settings_, quantity_); }
+
+  /// Weighted photon radiance for one unit of a scene of radiance.
+  double photons_per_unit() const {
+    if (quantity_ == Quantity::spectral_radiance) {
+      const double middle_um = 0.5 * (band_.band.lo_um + band_.band.hi_um);
+      return channel_weights(band_, std::array{middle_um}).weight.front();
+    }
+    const auto flux = quantity_ == Quantity::radiance ? radiometry::Flux::watts : radiometry::Flux::photons;
+    return photons_per_radiance(flux, band_, source_k());
+  }
+
+  float path_light() const {
+    if (loaded_.paths) return 0.0F;
+    return static_cast<float>(path_photon_radiance(loaded_.sensor.curves, loaded_.sensor.path));
+  }
+
+  static void add(float added, mtf::ImageView<float> image) {
+    if (added == 0.0F) return;
+    for (std::int64_t y = 0; y < image.height; ++y)
+      for (std::int64_t x = 0; x < image.width; ++x) image.at(x, y) += added;
+  }
 
   std::string file_;
   const LoadedSensor& loaded_;
@@ -110,6 +148,14 @@ mtf::Image channel_of(const SceneSource& source, const std::string& name, const 
   } catch (const mtf::UsageError& error) {
     throw mtf::UsageError("scene." + std::string(key) + ": " + error.what());
   }
+}
+
+void require_one_channel(const mtf::io::Scene& scene, const std::string& file) {
+  if (scene.names.size() == 1) return;
+  std::string names;
+  for (const std::string& name : scene.names) names += (names.empty() ? "" : ", ") + name;
+  throw mtf::UsageError(file + ": the sensor makes one image of one channel, the scene has " +
+                        std::to_string(scene.names.size()) + " (" + names + "); choose one with --channel");
 }
 
 /// Channels of a spectrum become their sum, weighted.
@@ -131,12 +177,7 @@ double to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
   const mtf::Image emissivity = channel_of(source, convert.scene().emissivity_channel.name, "emissivity_channel");
   const mtf::Image range_m = channel_of(source, convert.scene().depth_channel.name, "depth_channel");
   const bool spectrum = !scene.wavelength_um.empty();
-  if (!spectrum && scene.planes.size() != 1) {
-    std::string names;
-    for (const std::string& name : scene.names) names += (names.empty() ? "" : ", ") + name;
-    throw mtf::UsageError(source.file + ": the sensor makes one image of one channel, the scene has " +
-                          std::to_string(scene.planes.size()) + " (" + names + "); choose one with --channel");
-  }
+  if (!spectrum) require_one_channel(scene, source.file);
   if (spectrum) merge_spectrum(scene, convert, threads);
   mtf::Image& plane = scene.planes.front();
   if (!spectrum) convert.to_radiance(plane, emissivity);
@@ -147,11 +188,33 @@ double to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
     throw mtf::UsageError(config.file +
                           ": scene.border: a constant border has no range, which scene.depth_channel gives each pixel; "
                           "use border = \"reflect\"");
-  mtf::Image border(1, 1);
-  border.at(0, 0) = static_cast<float>(config.scene.border_value);
-  convert.to_radiance(border, {});
-  convert.add_path(border);
-  return static_cast<double>(border.at(0, 0));
+  return convert.border(config.scene.border_value);
+}
+
+void require_light_of_windows(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
+                              const mtf::io::Scene& scene, const std::string& file) {
+  const radiometry::SceneSettings settings = loaded.sensor.settings.scene.value_or(radiometry::SceneSettings{});
+  const auto refuse = [&](const std::string& what) {
+    throw mtf::UsageError(file + ": in tiles (--memory) " + what +
+                          "; make a scene of radiance of it before, or let the whole image through at once");
+  };
+  if (!scene.wavelength_um.empty()) refuse("a sensor with [detector] takes no scene of spectral channels");
+  require_one_channel(scene, file);
+  if (scene.quantity == Quantity::counts) refuse("a sensor with [detector] takes no scene of counts");
+  if (!settings.emissivity_channel.name.empty()) refuse("scene.emissivity_channel of " + config.file + " is not read");
+  if (loaded.paths) refuse("scene.depth_channel of " + config.file + " is not read");
+}
+
+LightOfWindows light_of_windows(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
+                                const mtf::io::Scene& scene, const mtf::Statistics& values) {
+  const Converter convert(config, loaded, scene.quantity, 1);
+  if (values.min < 0.0 && convert.scene().negative == radiometry::Negative::refuse)
+    throw mtf::UsageError("values below 0, down to " + mtf::format_double(values.min) + " " +
+                          std::string(mtf::io::quantity_unit(scene.quantity)) +
+                          "; correct the scene, or have such pixels taken as 0 with scene.negative = \"clamp\"");
+  LightOfWindows light{convert.of_windows(values.min, values.max), 0.0};
+  if (config.scene.border == mtf::Border::constant) light.border_value = convert.border(config.scene.border_value);
+  return light;
 }
 
 }  // namespace apps

@@ -4,11 +4,13 @@
 // A scene's values, whatever they stand for, as the weighted photon radiance that passes through a chain
 // (radiometry/light/scene_radiance.h).
 
+#include <functional>
 #include <string>
 
 #include "apps/sensor/sensor_chain.h"
 #include "apps/simulate/scene_source.h"
 #include "mtf/io/scene.h"
+#include "mtf/survey/statistics.h"
 
 namespace apps {
 
@@ -17,5 +19,23 @@ namespace apps {
 /// channels that are no spectrum, and for values that cannot be (how many, and the first one).
 double to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, mtf::io::Scene& scene,
                 const SceneSource& source, int threads);
+
+/// Turns the values of a window of a scene into light, in place. From several threads at once.
+using WindowToLight = std::function<void(mtf::ImageView<float> window)>;
+
+struct LightOfWindows {
+  WindowToLight convert;
+  double border_value = 0.0;  ///< what a constant border is worth
+};
+
+/// Throws UsageError for a scene whose windows cannot become light by themselves: spectra, counts, and scenes with a
+/// channel of emissivity or depth. `file` is its name.
+void require_light_of_windows(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
+                              const mtf::io::Scene& scene, const std::string& file);
+
+/// to_light() for a scene that is read in windows; `values` are the statistics of all of it. Throws UsageError where
+/// there are values that cannot be.
+LightOfWindows light_of_windows(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
+                                const mtf::io::Scene& scene, const mtf::Statistics& values);
 
 }  // namespace apps

@@ -143,11 +143,7 @@ SimulateResult simulate(const mtf::io::SensorConfig& sensor, SceneSource scene, 
   if (!options.out.empty()) outputs.insert(outputs.begin(), options.out);
   require_writable(outputs, inputs);
   const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(sensor, options.stage);
-  if (radiometric && options.memory)
-    throw mtf::UsageError(
-        "--memory: tiles hold the filtered scene; a sensor with [detector] takes the whole image. "
-        "Remove --memory, or [detector] and what belongs to it");
-  if (radiometric || !wants_tiles(scene, options)) return simulate_whole(sensor, scene, options, radiometric.get());
+  if (!wants_tiles(scene, options, radiometric.get())) return simulate_whole(sensor, scene, options, radiometric.get());
   if (!options.out.empty())
     for (const char* suffix : {".part", ".part.tiles"}) {  // where finished tiles are kept
       for (const std::string& input : inputs) require_different(input, options.out + suffix);
@@ -156,7 +152,7 @@ SimulateResult simulate(const mtf::io::SensorConfig& sensor, SceneSource scene, 
           throw mtf::UsageError(one_line(output) + ": is where finished tiles of " + one_line(options.out) +
                                 " are kept; give it another name");
     }
-  return simulate_tiles(sensor, scene, options);
+  return simulate_tiles(sensor, scene, options, radiometric.get());
 }
 
 }  // namespace apps

@@ -28,8 +28,8 @@ struct FrameRange {
 /// What a run tells its caller while it works.
 struct SimulateEvent {
   enum class Kind {
-    share,     ///< `value`, 0 to 1, of the step `text` is done: "survey", "tiles" and "write" of an image in tiles,
-               ///< "frames" of a sequence
+    share,     ///< `value`, 0 to 1, of the step `text` is done: "survey", "tiles" and "write" of an image in tiles, for
+               ///< a sensor with [detector] after "range"; "frames" of a sequence
     stage,     ///< the stage `text` of one whole image took `value` ms: "read", "light", "plan", "run", "write"
     planning,  ///< `value` more values of slow components of the OTF have been made
     warning,   ///< the sentence `text`, a reason to doubt the result; RunReport::warnings has it too
@@ -48,8 +48,9 @@ struct SimulateOptions {
   /// --stage: place in the chain of a sensor with [detector] whose image is wanted; default: its end.
   std::optional<radiometry::OutputStage> stage{};
   std::optional<std::array<std::int64_t, 4>> region{};  ///< --roi: x, y, width, height in pixels of the output
-  /// --memory: bytes that may be in use; a scene file (OpenEXR) then goes through in tiles. Sets thresholds of the C
-  /// library's allocator for the whole process. Default: tiles only where the image would not fit the machine.
+  /// --memory: bytes that may be in use; a scene file (OpenEXR) then goes through in tiles. A sensor with [detector]
+  /// may have no stage that needs the whole image. Sets thresholds of the C library's allocator for the whole process.
+  /// Default: tiles only where the image would not fit the machine.
   std::optional<std::int64_t> memory{};
   bool resume = true;  ///< --resume: an output file in tiles goes on from what a stopped run left
 

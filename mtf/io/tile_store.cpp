@@ -21,9 +21,16 @@ namespace {
 constexpr std::uint64_t kHashStart = 1469598103934665603ULL, kHashPrime = 1099511628211ULL;  // FNV-1a, words for bytes
 
 struct Record {
+  TileCounts counts{};
   std::int64_t tile = 0;
   std::uint64_t hash = 0;
 };
+
+std::uint64_t hash_of(const TileCounts& counts) {
+  std::uint64_t hash = kHashStart;
+  for (const std::int64_t count : counts) hash = (hash ^ static_cast<std::uint64_t>(count)) * kHashPrime;
+  return hash;
+}
 
 std::uint64_t hash_row(std::uint64_t hash, const float* row, std::int64_t n) {
   for (std::int64_t i = 0; i < n; ++i) {
@@ -76,7 +83,7 @@ void require_ours(const std::string& pixels, const std::string& journal) {
 }
 
 std::string header_of(const TileStoreLayout& layout) {
-  return "mtfkit tiles 1 " +
+  return "mtfkit tiles 2 " +
          sha256_hex(layout.key + " " + std::to_string(layout.width) + "x" + std::to_string(layout.height) + "x" +
                     std::to_string(layout.planes) + " in " + std::to_string(layout.tiles)) +
          "\n";
@@ -140,7 +147,7 @@ bool TileStore::load() {
     if (transfer_all(::pread, journal_, bytes.data(), sizeof(Record), at) != 0) return false;
     std::memcpy(&record, bytes.data(), sizeof record);
     bool whole = record.tile >= 0 && record.tile < layout_.tiles;
-    std::uint64_t hash = kHashStart;
+    std::uint64_t hash = hash_of(record.counts);
     if (whole) {
       const Region region = layout_.region(record.tile);
       for (std::size_t plane = 0; whole && plane < layout_.planes; ++plane)
@@ -152,11 +159,15 @@ bool TileStore::load() {
     if (!whole || hash != record.hash) {
       note_ = "is damaged";
       resumed_ = 0;
+      resumed_counts_.clear();
       done_.assign(done_.size(), 0);
       return false;
     }
     char& mark = done_[static_cast<std::size_t>(record.tile)];
-    resumed_ += mark == 0 ? 1 : 0;
+    if (mark == 0) {
+      ++resumed_;
+      resumed_counts_.push_back(record.counts);
+    }
     mark = 1;
   }
   const std::int64_t torn = (status.st_size - length) % static_cast<std::int64_t>(sizeof(Record));
@@ -182,9 +193,9 @@ void TileStore::start_over() {
   if (::ftruncate(pixels_, static_cast<off_t>(bytes)) != 0) fail(pixels_path_, errno);
 }
 
-void TileStore::write(std::int64_t tile, std::span<const ImageView<const float>> planes) {
+void TileStore::write(std::int64_t tile, std::span<const ImageView<const float>> planes, const TileCounts& counts) {
   const Region region = layout_.region(tile);
-  Record record{tile, kHashStart};
+  Record record{counts, tile, hash_of(counts)};
   for (std::size_t plane = 0; plane < planes.size(); ++plane)
     for (std::int64_t y = 0; y < region.height; ++y) {
       const float* row = planes[plane].row(y);

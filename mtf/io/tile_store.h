@@ -2,9 +2,10 @@
 #pragma once
 
 // Finished tiles of a run that may be stopped: OUT.part holds their pixels, OUT.part.tiles a line of what the run is
-// and a record for each tile with a checksum of its pixels. Both survive a signal, a kill and a full disk; the same
-// command continues from them. When it is done only the image is left.
+// and a record for each tile, with the counts that belong to it and a checksum of both. Both survive a signal, a kill
+// and a full disk; the same command continues from them. When it is done only the image is left.
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <mutex>
@@ -25,6 +26,9 @@ struct TileStoreLayout {
   std::function<Region(std::int64_t)> region;  ///< of a tile
 };
 
+/// Whole numbers that belong to a tile beside its pixels; their meaning is the caller's.
+using TileCounts = std::array<std::int64_t, 12>;
+
 /// Whose pixels are not kept longer than the process.
 class TileStore {
  public:
@@ -38,8 +42,10 @@ class TileStore {
   bool done(std::int64_t tile) const { return done_[static_cast<std::size_t>(tile)]; }
   std::int64_t resumed() const { return resumed_; }
   const std::string& note() const { return note_; }
+  /// The counts of the tiles that a stopped run left.
+  const std::vector<TileCounts>& resumed_counts() const { return resumed_counts_; }
   /// Keeps a finished tile. From several threads, each tile once. Throws RuntimeError naming the disk.
-  void write(std::int64_t tile, std::span<const ImageView<const float>> planes);
+  void write(std::int64_t tile, std::span<const ImageView<const float>> planes, const TileCounts& counts = {});
   /// Rows from `first` of one plane.
   void read_rows(std::size_t plane, std::int64_t first, ImageView<float> rows) const;
   /// The image is written: removes both files.
@@ -52,6 +58,7 @@ class TileStore {
   std::string pixels_path_, journal_path_, note_;
   TileStoreLayout layout_;
   std::vector<char> done_;  // not bits: tiles are marked by several threads
+  std::vector<TileCounts> resumed_counts_;
   std::int64_t resumed_ = 0;
   std::mutex journal_lock_;
   int pixels_ = -1, journal_ = -1;

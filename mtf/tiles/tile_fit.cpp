@@ -27,10 +27,11 @@ Bytes bytes_of(const FitRequest& r, const TileAxis& x, const TileAxis& y) {
   const double pixels = count(x.tile + 2 * x.post) * count(y.tile + 2 * y.post);
   Bytes bytes;
   bytes.shared = count(kFixedBytes) + r.needs.coarse * r.coarse_samples + r.needs.otf * samples +
-                 r.needs.post_otf * pixels + r.row_bytes * (count(y.canvas_samples()) + r.more_rows);
+                 r.needs.post_otf * pixels + r.row_bytes * (count(y.canvas_samples()) + r.more_rows) + r.held_bytes;
   // Canvas, its pixels and those of the tile with its post halo; the finished ones of each channel.
-  bytes.each =
-      (4.0 + r.needs.buffers) * samples + 4.0 * wide + (4.0 + 4.0 * r.channels + r.needs.post_buffers) * pixels;
+  bytes.each = (4.0 + r.needs.buffers) * samples + 4.0 * wide +
+               (4.0 + 4.0 * r.channels + r.needs.post_buffers) * pixels +
+               r.receiver_bytes * count(x.tile) * count(y.tile);
   return bytes;
 }
 

@@ -24,6 +24,8 @@ struct FitRequest {
   double row_bytes = 0.0, more_rows = 0.0;  ///< of the reader: for each row of a canvas, and rows besides
   double coarse_samples = 0.0;
   double channels = 1.0;
+  double receiver_bytes = 0.0;  ///< of the receiver of tiles, for a pixel of a tile
+  double held_bytes = 0.0;      ///< of the caller
   int threads = 1;
   TileNeeds needs;
 };

@@ -72,8 +72,9 @@ void require_region(const Region& region, const SampleGrid& detector) {
 // What the whole image needs at once, one channel after the other, beside the bytes of the plans.
 double whole_bytes(const SampleGrid& in, const SampleGrid& out, const TileOptions& tiles, double plans) {
   const double pixels = tiles.region ? count(tiles.region->width) * count(tiles.region->height) : area(out);
-  return count(kFixedBytes) + 4.0 * area(in) + 4.0 * area(out) + 4.0 * count(tiles.channels) * pixels +
-         2.0 * count(tiles.row_bytes) * count(tiles.more_rows) + plans;
+  return count(kFixedBytes) + 4.0 * area(in) + 4.0 * area(out) +
+         (4.0 * count(tiles.channels) + tiles.receiver_bytes) * pixels +
+         2.0 * count(tiles.row_bytes) * count(tiles.more_rows) + count(tiles.held_bytes) + plans;
 }
 
 double plan_bytes(const Plan& plan) { return count(plan.report().otf_bytes + plan.report().run_bytes); }
@@ -196,6 +197,8 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
   request.row_bytes = count(tiles.row_bytes);
   request.more_rows = count(tiles.more_rows);
   request.channels = count(tiles.channels);
+  request.receiver_bytes = tiles.receiver_bytes;
+  request.held_bytes = count(tiles.held_bytes);
   request.threads = threads_of(tiles.threads);
   if (plan.coarse_) request.coarse_samples = coarse_samples(*plan.coarse_);
   needs.coarse = 8.5 + 8.0 * request.channels;

@@ -28,6 +28,8 @@ struct TileOptions {
   std::int64_t row_bytes = 0;                   ///< that the reader holds for each row of the scene that a tile needs
   std::int64_t more_rows = 0;                   ///< rows that the reader holds besides
   std::int64_t channels = 1;                    ///< of the scene
+  double receiver_bytes = 0.0;                  ///< that WriteTile takes for a pixel of each tile at work
+  std::int64_t held_bytes = 0;                  ///< that the caller holds during the whole run
   int threads = 0;                              ///< 0 = all cores
   std::optional<Region> region = std::nullopt;  ///< detector pixels that are wanted
   std::int64_t side = 0;                        ///< of a tile in pixels, 0 = by cost

@@ -34,6 +34,11 @@ void check_negative(Plane plane, const std::string& what, const std::string& uni
                 [](float value) { return value < 0.0F; });
 }
 
+void require_surroundings(double surroundings_k) {
+  if (!(surroundings_k >= 0.0) || !std::isfinite(surroundings_k))
+    throw UsageError("surroundings of " + format_double(surroundings_k) + " K; a temperature is 0 or above, in kelvin");
+}
+
 /// Lowest and highest of the finite temperatures above 0; lowest above highest when there is none.
 std::pair<float, float> warm_range(Plane plane, int threads) {
   std::mutex joining;
@@ -120,20 +125,26 @@ double path_photon_radiance(const SpectralCamera& camera, const Path& path) {
   return band_radiances(camera, {.temperature_k = 0.0}, path, {}).path;
 }
 
+TemperatureRadiance::TemperatureRadiance(const SceneBand& scene, const Spectrum& emissivity, double surroundings_k,
+                                         double lo_k, double hi_k)
+    : table_(response_with(scene, {emissivity}), lo_k, hi_k) {
+  require_surroundings(surroundings_k);
+  reflected_ = response_with(scene, {complement(emissivity)}).radiance(Flux::photons, surroundings_k);
+}
+
+void TemperatureRadiance::apply(mtf::ImageView<float> plane, int threads) const {
+  for_each_pixel(plane, threads, [&](float t) { return static_cast<float>(table_(t) + reflected_); });
+}
+
 void radiance_of_temperature(mtf::ImageView<float> plane, const SceneBand& scene, const SurfaceFinish& finish,
                              const PlaneOptions& options) {
-  if (!(finish.surroundings_k >= 0.0) || !std::isfinite(finish.surroundings_k))
-    throw UsageError("surroundings of " + format_double(finish.surroundings_k) +
-                     " K; a temperature is 0 or above, in kelvin");
+  require_surroundings(finish.surroundings_k);
   check_negative(plane, "temperature", " K", options);
   const auto [lowest, highest] = warm_range(plane, options.threads);
   const double lo = lowest <= highest ? static_cast<double>(lowest) : 0.0, hi = static_cast<double>(highest);
 
   if (finish.plane.data == nullptr) {
-    const RadianceTable table(response_with(scene, {finish.emissivity}), lo, hi);
-    const double reflected =
-        response_with(scene, {complement(finish.emissivity)}).radiance(Flux::photons, finish.surroundings_k);
-    for_each_pixel(plane, options.threads, [&](float t) { return static_cast<float>(table(t) + reflected); });
+    TemperatureRadiance(scene, finish.emissivity, finish.surroundings_k, lo, hi).apply(plane, options.threads);
     return;
   }
   require_size_of(plane, finish.plane, "emissivity");

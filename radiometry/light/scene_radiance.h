@@ -23,6 +23,7 @@
 
 #include "mtf/image.h"
 #include "radiometry/light/band_response.h"
+#include "radiometry/light/radiance_table.h"
 #include "radiometry/light/spectral_signal.h"
 
 namespace radiometry {
@@ -66,6 +67,20 @@ struct SurfaceFinish {
 /// what is reflected. Throws UsageError as BandResponse does and for emissivities outside [0, 1].
 void radiance_of_temperature(mtf::ImageView<float> plane, const SceneBand& scene, const SurfaceFinish& finish = {},
                              const PlaneOptions& options = {});
+
+/// The same for a plane that comes in pieces, with one emissivity for all pixels: what is made once for all
+/// temperatures from lo_k to hi_k. Temperatures below 0 become 0.
+class TemperatureRadiance {
+ public:
+  /// Throws UsageError as radiance_of_temperature.
+  TemperatureRadiance(const SceneBand& scene, const Spectrum& emissivity, double surroundings_k, double lo_k,
+                      double hi_k);
+  void apply(mtf::ImageView<float> plane, int threads = 1) const;
+
+ private:
+  RadianceTable table_;
+  double reflected_;
+};
 
 /// L for one unit of radiance in the band, W or photons s^-1, m^-2 sr^-1, of the spectral shape said above. Throws
 /// UsageError when a blackbody of `source_k` radiates nothing there.

@@ -297,7 +297,9 @@ TEST_F(ChainCommand, BadInputSaysWhereAndWhat) {
   expect_refused("mtf simulate s.toml t300.exr -o out.exr", {"dead"});
   sensor("");
   expect_refused("mtf simulate s.toml t300.exr -o out.exr --tap dn", {"dn", "electrons"});
-  expect_refused("mtf simulate s.toml t300.exr -o out.exr --memory 1GiB", {"--memory", "[detector]"});
+  sensor("[agc]\n");
+  expect_refused("mtf simulate s.toml t300.exr -o out.exr --memory 1GiB", {"--memory", "agc", "--stage electrons"});
+  sensor("");
   write_flat(scratch / "cold.exr", -3.0F);
   expect_refused("mtf simulate s.toml cold.exr -o out.exr", {"3072"});
   sensor("", "[scene]", "[scene]\ndepth_channel = \"Z\"");

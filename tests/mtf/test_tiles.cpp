@@ -147,6 +147,29 @@ TEST(Tiles, too_little_memory_names_what_is_enough) {
   }
 }
 
+TEST(Tiles, memory_holds_what_the_caller_and_the_receiver_take) {
+  const SampleGrid in{16384, 16384, 3.75, 3.75};
+  PlanOptions options;
+  options.scene = SceneSummary{1.0, 5.0, 2.0};
+  const auto plan = [&](double receiver_bytes, std::int64_t held_bytes) {
+    return compile_tiled(mwir(), in, options,
+                         {.memory = 400 << 20,
+                          .row_bytes = 65536,
+                          .receiver_bytes = receiver_bytes,
+                          .held_bytes = held_bytes,
+                          .threads = 2})
+        .report();
+  };
+  const TileReport bare = plan(0.0, 0), receiver = plan(40.0, 0), held = plan(0.0, 30 << 20);
+  for (const TileReport& report : {bare, receiver, held}) EXPECT_LE(report.bytes, 400 << 20);
+  EXPECT_EQ(receiver.side, bare.side);
+  EXPECT_NEAR(static_cast<double>(receiver.bytes - bare.bytes),
+              40.0 * static_cast<double>(bare.in_flight * bare.side[0] * bare.side[1]), 2.0);
+  EXPECT_EQ(held.side, bare.side);
+  EXPECT_EQ(held.bytes - bare.bytes, 30 << 20);
+  EXPECT_LT(plan(4000.0, 0).side[0], bare.side[0]);  // smaller tiles where a receiver takes much
+}
+
 // A complex OTF takes twice the memory of a real one, or four times.
 TEST(Tiles, memory_holds_what_the_plans_take) {
   System<double> complex = mwir();

@@ -77,6 +77,24 @@ TEST(SceneRadiance, one_kelvin_beside_6000_and_beyond) {
   for (const float value : test::samples(cold)) EXPECT_EQ(value, 0.0F);
 }
 
+TEST(SceneRadiance, pieces_of_a_plane_give_the_bits_of_all_of_it) {
+  const Spectrum emissivity = make_spectrum("paint", {2.0, 4.0, 6.0}, {0.7, 0.9, 0.95}, 1.0);
+  Image whole(40, 1);
+  for (std::int64_t x = 0; x < 40; ++x) whole.at(x, 0) = 250.0F + 1.7F * static_cast<float>(x);
+  const TemperatureRadiance light(scene_band(camera()), emissivity, 290.0, 250.0, static_cast<double>(whole.at(39, 0)));
+  Image pieces = whole.clone();
+  for (std::int64_t x = 0; x < 40; x += 8) light.apply({pieces.data() + x, 8, 1, 40});
+  radiance_of_temperature(whole.view(), scene_band(camera()), {.emissivity = emissivity, .surroundings_k = 290.0});
+  for (std::int64_t x = 0; x < 40; ++x) EXPECT_EQ(pieces.at(x, 0), whole.at(x, 0)) << x;
+  Image below = of({-3.0F, kInfinity});
+  light.apply(below.view());
+  Image zero = of({0.0F});
+  light.apply(zero.view());
+  EXPECT_EQ(below.at(0, 0), zero.at(0, 0));
+  EXPECT_EQ(below.at(1, 0), kInfinity);
+  expect_refused({"surroundings"}, [&] { TemperatureRadiance(scene_band(camera()), emissivity, -1.0, 250.0, 300.0); });
+}
+
 TEST(SceneRadiance, same_for_any_threads) {
   Image plane(257, 100);
   for (std::int64_t i = 0; i < plane.size(); ++i) plane.data()[i] = 200.0F + 0.01F * static_cast<float>(i);

@@ -8,10 +8,9 @@
 #include <cstring>
 
 #include "apps/simulate/image_output.h"
-#include "apps/simulate/radiometric_chain.h"
 #include "apps/simulate/run_watch.h"
 #include "apps/simulate/simulate_parts.h"
-#include "apps/simulate/tiles/tile_scene.h"
+#include "apps/simulate/tiles/tile_chain.h"
 #include "apps/text/words.h"
 #include "mtf/io/tile_store.h"
 #include "mtf/survey/bad_pixels.h"
@@ -79,6 +78,7 @@ struct TileRun {
   TileScene& source;
   const std::vector<mtf::Survey>& surveys;
   const mtf::TiledSensorPlan& plan;
+  ChainOfTiles* chain;  ///< null: none
   mtf::TileRunOptions run;
   RunWatch& watch;
   SimulateResult& result;
@@ -91,21 +91,31 @@ void copy_rows(Planes planes, const mtf::Region& region, std::vector<mtf::Image>
                   static_cast<std::size_t>(region.width) * sizeof(float));
 }
 
-/// All tiles, each to `take`, which is called from several threads at once.
-void run_tiles(TileRun& all, const mtf::WriteTile& take) {
-  all.result.report.tiles->tally = all.plan.run(all.source.read, all.surveys, take, all.run);
+/// Takes a finished tile and what its chain has counted in it. Called from several threads at once.
+using TakeTile = std::function<void(const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts& counts)>;
+
+void run_tiles(TileRun& all, const TakeTile& take) {
+  const auto write = [&](const mtf::Tile& tile, Planes planes) {
+    if (all.chain == nullptr) return take(tile, planes, {});
+    const ChainOfTiles::Result done = all.chain->run(tile, planes.front());
+    const mtf::ImageView<const float> image = done.image.view();
+    take(tile, {&image, 1}, done.counts);
+  };
+  RunReport& report = all.result.report;
+  report.tiles->tally = all.plan.run(all.source.read, all.surveys, write, all.run);
+  if (report.chain && report.chain->held.any()) all.watch.warn(words(report.chain->held));
 }
 
 void run_to_memory(TileRun& all, std::vector<mtf::Image>& images) {
   for (std::size_t c = 0; c < all.surveys.size(); ++c) images.emplace_back(all.plan.out().width, all.plan.out().height);
-  run_tiles(all, [&](const mtf::Tile& tile, Planes planes) {
+  run_tiles(all, [&](const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts&) {
     if (const auto c = overflowing(planes)) refuse_overflow(all.source.scene.names[*c]);
     copy_rows(planes, tile.region, images);
   });
 }
 
 void run_to_sink(TileRun& all, const mtf::io::Metadata& metadata) {
-  run_tiles(all, [&](const mtf::Tile& tile, Planes planes) {
+  run_tiles(all, [&](const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts&) {
     if (const auto c = overflowing(planes)) refuse_overflow(all.source.scene.names[*c]);
     all.options.sink({0, tile.region, all.result.names, planes, metadata});
   });
@@ -115,22 +125,25 @@ void run_to_sink(TileRun& all, const mtf::io::Metadata& metadata) {
 void run_to_file(TileRun& all, const mtf::io::Metadata& metadata) {
   const mtf::TiledSensorPlan& plan = all.plan;
   const std::vector<std::string>& names = all.result.names;
-  mtf::io::TileStore store(
-      all.options.out,
-      {key_of(all.options, all.config, all.file.file, all.source, all.surveys, plan), plan.out().width,
-       plan.out().height, names.size(), plan.report().count, [&](std::int64_t i) { return plan.tile(i).region; }},
-      all.options.resume);
+  mtf::io::TileStore store(all.options.out,
+                           {key_of(all.options, all.config, all.file.file, all.source, all.surveys, plan,
+                                   all.result.report.chain ? all.result.report.chain->stage : ""),
+                            plan.out().width, plan.out().height, names.size(), plan.report().count,
+                            [&](std::int64_t i) { return plan.tile(i).region; }},
+                           all.options.resume);
   if (!store.note().empty()) all.watch.note(store.note());
   if (store.resumed() > 0)
     all.watch.note(std::to_string(store.resumed()) + " of " + std::to_string(plan.report().count) +
                    " tiles are there from a stopped run");
+  if (all.chain != nullptr)
+    for (const mtf::io::TileCounts& counts : store.resumed_counts()) all.chain->add(counts);
   all.run.done = [&](std::int64_t i) { return store.done(i); };
-  run_tiles(all, [&](const mtf::Tile& tile, Planes planes) {
+  run_tiles(all, [&](const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts& counts) {
     if (const auto c = overflowing(planes)) {
       store.remove();  // the same run will not do better
       refuse_overflow(all.source.scene.names[*c]);
     }
-    store.write(tile.index, planes);
+    store.write(tile.index, planes, counts);
   });
   all.watch.lap("run");
   mtf::io::write_tiled_exr(
@@ -172,8 +185,9 @@ std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const m
   return plan.run(planes, border_value, &report.tiles->tally);
 }
 
-bool wants_tiles(const SceneSource& scene, const SimulateOptions& options) {
-  if (options.memory || options.region) return true;
+bool wants_tiles(const SceneSource& scene, const SimulateOptions& options, const RadiometricChain* radiometric) {
+  if (options.memory || (options.region && radiometric == nullptr)) return true;
+  if (radiometric != nullptr && !stages_of_the_whole(*radiometric).empty()) return false;
   if (scene.image) return false;
   if (mtf::io::detect_format(scene.file) != mtf::io::Format::exr) return false;
   // Planes of three channels, transforms and OTF of one, about.
@@ -182,11 +196,15 @@ bool wants_tiles(const SceneSource& scene, const SimulateOptions& options) {
   return static_cast<double>(info.width) * static_cast<double>(info.height) * 20.0 > machine;
 }
 
-SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& file, const SimulateOptions& options) {
+SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& file, const SimulateOptions& options,
+                              const RadiometricChain* radiometric) {
   SimulateResult result;
   RunReport& report = result.report;
   RunWatch watch(options, report);
-  const bool streamed = options.memory || !options.region;
+  const bool streamed = options.memory || !options.region || radiometric != nullptr;
+  if (radiometric != nullptr) require_tileable(config, *radiometric);
+  const mtf::System<double> system = radiometric != nullptr ? presample_of(*radiometric) : config.system;
+  mtf::io::SceneDefaults defaults = config.scene;
   TileScene source;
   std::vector<mtf::Image> masks;
   if (streamed) {
@@ -203,6 +221,9 @@ SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& 
     source.read = mtf::windows_of(source.planes);
   }
   const mtf::io::Scene& scene = source.scene;
+  if (radiometric != nullptr)
+    defaults.border_value =
+        read_as_light(config, *radiometric, file.file, source, options.memory.value_or(0), options.threads, watch);
   report.warnings = scene.warnings;
   for (std::string& warning : mtf::io::sampling_warnings(config.system, scene.grid))
     report.warnings.push_back(std::move(warning));
@@ -221,13 +242,22 @@ SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& 
     const auto [x, y, width, height] = *options.region;
     tile_options.region = mtf::Region{x, y, width, height};
   }
+  if (radiometric != nullptr) count_memory(*radiometric, tile_options);
   const std::vector<mtf::Survey> surveys =
-      survey_all(source, config.scene, tile_options.memory, options.threads, watch);
-  plan_options.scene = worst_of(surveys, config.scene);
+      survey_all(source,
+                 {.border = defaults.border,
+                  .border_value = defaults.border_value,
+                  .every = mtf::coarse_every(scene.grid, defaults.border, tile_options.memory),
+                  .memory = tile_options.memory,
+                  .threads = options.threads},
+                 watch);
+  plan_options.scene = worst_of(surveys, defaults);
+  if (radiometric != nullptr && !options.tolerance && plan_options.scene)
+    plan_options.tolerance = radiometric->tolerance(plan_options.tolerance, plan_options.scene->std);
   watch.lap("survey");
   const mtf::TiledSensorPlan plan =
       compile_reachable(options.tolerance.has_value(), plan_options, report.warnings,
-                        [&] { return mtf::compile_tiled(config.system, scene.grid, plan_options, tile_options); });
+                        [&] { return mtf::compile_tiled(system, scene.grid, plan_options, tile_options); });
   if (source.file)
     source.file->keep_rows(plan.report().whole ? source.file->more_rows() : plan.inner().presample.in().height);
   plan_options.progress = {};
@@ -239,13 +269,22 @@ SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& 
   report.plan = std::make_shared<const mtf::SensorPlan>(plan.inner());
   report.tiles = TilesReport{plan.report(), {}, scene.grid, plan.out(), whole_pixels(config, scene.grid), false};
 
-  TileRun run{config, file, options, source, surveys, plan, {}, watch, result};
-  run.run.border_value = config.scene.border_value;
+  std::optional<ChainOfTiles> chain;
+  if (radiometric != nullptr) {
+    report.chain = report_of(*radiometric);
+    chain.emplace(
+        config, *radiometric, plan,
+        radiometry::Origin{options.region ? (*options.region)[0] : 0, options.region ? (*options.region)[1] : 0},
+        options.threads, *report.chain);
+  }
+  TileRun run{config, file, options, source, surveys, plan, chain ? &*chain : nullptr, {}, watch, result};
+  run.run.border_value = defaults.border_value;
   run.run.progress = [&](std::int64_t done, std::int64_t of) {
     watch.share("tiles", static_cast<double>(done) / static_cast<double>(of));
   };
   SimulatedImage image;
   image.metadata = provenance(config, scene, plan.inner(), plan_options.tolerance);
+  if (radiometric != nullptr) add_chain(image.metadata, *radiometric, 0);
   if (options.region) {
     const auto& [x, y, width, height] = *options.region;
     image.metadata.text["mtf:region"] = std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(width) +
@@ -266,7 +305,7 @@ SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& 
       run_to_memory(run, image.planes);
     watch.lap("run");
     for (const mtf::Image& plane : image.planes) result.statistics.push_back(mtf::statistics(plane.view()));
-    const Written written = deliver(options, options.out, result.names, image, integer_range(nullptr, options));
+    const Written written = deliver(options, options.out, result.names, image, integer_range(radiometric, options));
     if (written.scaling) describe_integers(report, written);
     if (!image.planes.empty()) result.images.push_back(std::move(image));
   }

@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include "apps/simulate/radiometric_chain.h"
 #include "apps/simulate/simulate.h"
 #include "mtf/tiles/tiles.h"
 
@@ -19,10 +20,13 @@ std::optional<mtf::TiledSensorPlan> flat_tiles(const mtf::io::SensorConfig& conf
 std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const mtf::io::Scene& scene,
                                        double border_value, RunReport& report);
 
-/// True when a limit or a region is given, or the whole image of a file would not fit the machine.
-bool wants_tiles(const SceneSource& scene, const SimulateOptions& options);
+/// True when a limit is given, or a region without a chain, or the whole image of a file would not fit the machine and
+/// no stage of the chain, where there is one, needs it.
+bool wants_tiles(const SceneSource& scene, const SimulateOptions& options, const RadiometricChain* radiometric);
 
-/// simulate() of one image in tiles, without a chain.
-SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& scene, const SimulateOptions& options);
+/// simulate() of one image in tiles; `radiometric` is the chain of a sensor that has one. Throws UsageError for a chain
+/// that needs the whole image.
+SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& scene, const SimulateOptions& options,
+                              const RadiometricChain* radiometric);
 
 }  // namespace apps

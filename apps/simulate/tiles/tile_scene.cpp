@@ -39,16 +39,13 @@ void open_windows(const SimulateOptions& options, const mtf::io::SensorConfig& c
   };
 }
 
-std::vector<mtf::Survey> survey_all(TileScene& source, const mtf::io::SceneDefaults& defaults, std::int64_t memory,
-                                    int threads, RunWatch& watch) {
-  mtf::SurveyOptions survey_options{.border = defaults.border,
-                                    .border_value = defaults.border_value,
-                                    .every = mtf::coarse_every(source.scene.grid, defaults.border, memory),
-                                    .threads = threads};
+std::vector<mtf::Survey> survey_all(TileScene& source, const SceneSurvey& asked, RunWatch& watch) {
+  mtf::SurveyOptions survey_options{
+      .border = asked.border, .border_value = asked.border_value, .every = asked.every, .threads = asked.threads};
   if (source.file) {
-    if (memory > 0)
+    if (asked.memory > 0)
       survey_options.band_rows =
-          std::clamp<std::int64_t>(memory / kSurveyShare / source.file->row_bytes(), 1, survey_options.band_rows);
+          std::clamp<std::int64_t>(asked.memory / kSurveyShare / source.file->row_bytes(), 1, survey_options.band_rows);
     source.file->keep_rows(survey_options.band_rows);
   }
   const std::size_t channels = source.scene.names.size();
@@ -57,7 +54,7 @@ std::vector<mtf::Survey> survey_all(TileScene& source, const mtf::io::SceneDefau
     const std::size_t count = std::min(kChannelsTogether, channels - first);
     survey_options.progress = [&](std::int64_t row) {
       const double share = static_cast<double>(row) / static_cast<double>(source.scene.grid.height);
-      watch.share("survey",
+      watch.share(asked.step,
                   (static_cast<double>(first) + share * static_cast<double>(count)) / static_cast<double>(channels));
     };
     for (mtf::Survey& survey : mtf::survey_channels(source.read, first, count, source.scene.grid, survey_options))
@@ -76,7 +73,8 @@ std::vector<mtf::Survey> survey_all(TileScene& source, const mtf::io::SceneDefau
 }
 
 std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& config, const std::string& file,
-                   const TileScene& source, const std::vector<mtf::Survey>& surveys, const mtf::TiledSensorPlan& plan) {
+                   const TileScene& source, const std::vector<mtf::Survey>& surveys, const mtf::TiledSensorPlan& plan,
+                   const std::string& stage) {
   struct stat status {};
   static_cast<void>(::stat(file.c_str(), &status));
   std::string header(kHeaderBytes, '\0');
@@ -88,7 +86,7 @@ std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& 
   std::string key = std::string(mtf::version) + " " + mtf::git_commit + " " + config.sha256 + " " +
                     std::to_string(status.st_size) + " " + std::to_string(status.st_mtim.tv_sec) + "." +
                     std::to_string(status.st_mtim.tv_nsec) + " " + mtf::format_double(r.tolerance) + " " +
-                    (options.measure ? "measure" : "estimate");
+                    (options.measure ? "measure" : "estimate") + " " + stage;
   for (const std::string& curve : files_of(config)) {  // that the sensor file names
     struct stat part {};
     static_cast<void>(::stat(curve.c_str(), &part));

@@ -26,12 +26,21 @@ struct TileScene {
 void open_windows(const SimulateOptions& options, const mtf::io::SensorConfig& config, const SceneSource& file,
                   TileScene& source);
 
-/// Every channel surveyed, within the memory that rows may take. Throws RuntimeError for pixels that are not finite.
-std::vector<mtf::Survey> survey_all(TileScene& source, const mtf::io::SceneDefaults& defaults, std::int64_t memory,
-                                    int threads, RunWatch& watch);
+struct SceneSurvey {
+  mtf::Border border = mtf::Border::reflect;
+  double border_value = 0.0;
+  std::int64_t every = 0;   ///< scene samples for one of the coarse image, 0 = none
+  std::int64_t memory = 0;  ///< an eighth of it is for rows; 0 = as many as are read together
+  int threads = 0;
+  std::string_view step = "survey";  ///< its name in progress
+};
 
-/// All that the pixels of a run in tiles depend on.
+/// Every channel surveyed, within the memory that rows may take. Throws RuntimeError for pixels that are not finite.
+std::vector<mtf::Survey> survey_all(TileScene& source, const SceneSurvey& asked, RunWatch& watch);
+
+/// All that the pixels of a run in tiles depend on; `stage` is that of a chain whose output they are, "" without one.
 std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& config, const std::string& file,
-                   const TileScene& source, const std::vector<mtf::Survey>& surveys, const mtf::TiledSensorPlan& plan);
+                   const TileScene& source, const std::vector<mtf::Survey>& surveys, const mtf::TiledSensorPlan& plan,
+                   const std::string& stage);
 
 }  // namespace apps

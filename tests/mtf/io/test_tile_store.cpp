@@ -96,6 +96,20 @@ TEST_F(Store, GoesOnWithFinishedTiles) {
   EXPECT_EQ(folder.entries(), 0U);
 }
 
+TEST_F(Store, KeepsTheCountsOfFinishedTiles) {
+  const Image plane = pattern(10, 10);
+  const ImageView<const float> view = plane.view();
+  {
+    TileStore store(out, layout(), true);
+    EXPECT_TRUE(store.resumed_counts().empty());
+    store.write(2, std::span(&view, 1), {1, -2, 3});
+    store.write(1, std::span(&view, 1), {4});
+  }
+  TileStore store(out, layout(), true);
+  EXPECT_EQ(store.resumed_counts(), (std::vector<mtf::io::TileCounts>{{1, -2, 3}, {4}}));
+  store.remove();
+}
+
 TEST_F(Store, StartsOverWhenAskedOrForAnotherRun) {
   stop_after_two();
   EXPECT_EQ(TileStore(out, layout(), false).resumed(), 0);
@@ -106,13 +120,14 @@ TEST_F(Store, StartsOverWhenAskedOrForAnotherRun) {
 }
 
 TEST_F(Store, StartsOverWhenDamagedAndSaysSo) {
-  for (const int damage : {0, 1, 2}) {
+  for (const int damage : {0, 1, 2, 3}) {
     stop_after_two();
     const std::string path = out + (damage == 0 ? ".part" : ".part.tiles");
     std::string bytes = io_test::read_bytes(path);
     if (damage == 0) bytes[100] = static_cast<char>(bytes[100] ^ 1);    // a pixel of tile 0
     if (damage == 1) bytes[bytes.size() - 12] = static_cast<char>(99);  // a tile that there is not
     if (damage == 2) bytes[3] = '?';                                    // the header
+    if (damage == 3) bytes[bytes.size() - 60] = static_cast<char>(99);  // a count
     io_test::write_bytes(path, bytes);
     TileStore store(out, layout(), true);
     EXPECT_EQ(store.resumed(), 0) << damage;

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What differs from pixel to pixel in a chain, for the pixels of an image or of a tile: maps from files are cut, random
+// ones are made from the numbers of each pixel's place on the detector.
+
+#include <algorithm>
+
+#include "mtf/parallel.h"
+#include "radiometry/chain_impl.h"
+
+namespace radiometry {
+namespace {
+
+/// The part of a map of the whole detector that an image at `origin` has.
+mtf::Image crop(const mtf::Image& map, const char* what, const FocalPlane& detector, Origin origin, std::int64_t width,
+                std::int64_t height) {
+  if (map.width() != detector.columns || map.height() != detector.rows)
+    throw mtf::UsageError(std::string(what) + ": the map has " + std::to_string(map.width()) + "x" +
+                          std::to_string(map.height()) + " pixels, the detector " + std::to_string(detector.columns) +
+                          "x" + std::to_string(detector.rows) + "; give a map of the whole detector");
+  mtf::Image part(width, height);
+  for (std::int64_t y = 0; y < height; ++y)
+    std::copy_n(map.data() + (origin.y + y) * map.width() + origin.x, width, part.data() + y * width);
+  return part;
+}
+
+/// factors *= map; an empty image stands for factors of 1.
+void multiply(mtf::Image& factors, mtf::Image&& map) {
+  if (map.size() == 0) return;
+  if (factors.size() == 0)
+    factors = std::move(map);
+  else
+    multiply_by(factors.view(), map.view());
+}
+
+/// number x map + added, or number + added where there is no map.
+Factor factor_of(double number, const mtf::Image& map, double added) {
+  Factor result{number + added};
+  if (map.size() == 0 || number == 0.0) return result;
+  result.map = mtf::Image(map.width(), map.height());
+  for (std::int64_t i = 0; i < map.size(); ++i)
+    result.map.data()[i] = static_cast<float>(number * static_cast<double>(map.data()[i]) + added);
+  return result;
+}
+
+}  // namespace
+
+PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
+                     std::int64_t height, int threads) {
+  const SensorSettings& s = chain.settings;
+  const int cores = mtf::threads_of(threads);
+  require_on_detector(origin, width, height);
+  PixelMaps maps;
+  maps.origin = origin;
+  const auto detector_map = [&](const std::shared_ptr<const mtf::Image>& whole, const char* what) {
+    return whole ? crop(*whole, what, chain.detector, origin, width, height) : mtf::Image();
+  };
+  if (s.vignetting) {
+    const mtf::Image given = detector_map(sensor.vignetting, "vignetting.map");
+    maps.corners = mtf::Image(width, height);
+    vignetting_map(maps.corners.view(), *s.vignetting, chain.detector, chain.focal_length_mm, origin, given.view());
+  }
+  mtf::Image responsivity;
+  if (const auto& unequal = s.nonuniformity) {
+    responsivity = detector_map(sensor.responsivity, "nonuniformity.responsivity");
+    if (responsivity.size() == 0 && unequal->prnu > 0.0) {
+      responsivity = mtf::Image(width, height);
+      responsivity_map(responsivity.view(), unequal->prnu, chain.seed, origin, cores);
+    }
+    maps.offset = detector_map(sensor.offset, "nonuniformity.offset");
+    if (maps.offset.size() == 0 && unequal->dsnu_e > 0.0) {
+      maps.offset = mtf::Image(width, height);
+      offset_map(maps.offset.view(), unequal->dsnu_e, chain.seed, origin, cores);
+    }
+  }
+  mtf::Image seen = maps.corners.clone(), around;
+  multiply(seen, responsivity.clone());
+  maps.light = factor_of(chain.gain, seen, 0.0);
+  if (s.narcissus) {
+    around = mtf::Image(width, height);
+    narcissus_map(around.view(), *s.narcissus, chain.detector, origin);
+    for (float& missing : std::span(around.data(), static_cast<std::size_t>(around.size()))) missing = 1.0F - missing;
+  }
+  multiply(around, std::move(responsivity));
+  maps.glow = factor_of(chain.warm_e, around, chain.dark_e);
+  if (s.defects) maps.defects = find_defects(width, height, *s.defects, chain.seed, origin);
+  if (s.blinking) maps.blinking = find_blinking(width, height, *s.blinking, chain.seed, origin);
+  return maps;
+}
+
+}  // namespace radiometry

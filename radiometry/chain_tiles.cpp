@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/chain_tiles.h"
+
+#include "mtf/parallel.h"
+#include "radiometry/chain_impl.h"
+
+namespace radiometry {
+
+TiledChain::TiledChain(const mtf::SensorPlan& tile, const mtf::System<double>& system, const Sensor& sensor,
+                       std::int64_t columns, std::int64_t rows, OutputStage stage)
+    : sensor_(sensor), stage_(stage) {
+  if (const std::string whole = whole_image_stages(system, sensor, stage); !whole.empty())
+    throw mtf::UsageError("stages that need the whole image cannot run in tiles: " + whole);
+  auto compiled = std::make_shared<CompiledChain>(tile, system, sensor, columns, rows);
+  require_output_stage(stage, compiled->last, compiled->adc.has_value());
+  pixel_maps(*compiled, sensor, {}, 1, 1, 1);  // refuses maps that do not fit before any tile has been made
+  compiled_ = std::move(compiled);
+}
+
+ChainFrame TiledChain::run(mtf::Image radiance, Origin origin, std::uint32_t frame, int threads) const {
+  const PixelMaps maps = pixel_maps(*compiled_, sensor_, origin, radiance.width(), radiance.height(), threads);
+  FrameRun run{.chain = *compiled_, .maps = maps, .threads = mtf::threads_of(threads), .key = {compiled_->seed, frame}};
+  run.frame.image = std::move(radiance);
+  run.run_to(stage_);
+  return std::move(run.frame);
+}
+
+double tile_bytes_a_pixel(const Sensor& sensor) {
+  const SensorSettings& s = sensor.settings;
+  const auto one = [](bool there) { return there ? 1.0 : 0.0; };
+  const auto& unequal = s.nonuniformity;
+  const bool corners = s.vignetting.has_value(), around = s.narcissus.has_value();
+  const bool responsivity = unequal && (sensor.responsivity || unequal->prnu > 0.0);
+  const bool offset = unequal && (sensor.offset || unequal->dsnu_e > 0.0);
+  // The image, the maps of pixel_maps(), and what these are multiplied from while they are made.
+  const double planes = 1.0 + one(corners) + one(offset) + 2.0 * one(corners || responsivity) + one(responsivity) +
+                        one(around) + one(around || responsivity);
+  // Lists of single pixels grow by doubling; each pixel is in the list of those held apart too.
+  const double listed = (s.defects ? s.defects->dead_fraction + s.defects->hot_fraction : 0.0) +
+                        (s.blinking ? 2.0 * s.blinking->fraction : 0.0);
+  return sizeof(float) * planes + 2.0 * (sizeof(DefectivePixel) + sizeof(std::int64_t)) * listed;
+}
+
+std::int64_t map_bytes(const Sensor& sensor) {
+  std::int64_t pixels = 0;
+  for (const auto& map : {sensor.responsivity, sensor.offset, sensor.vignetting})
+    if (map) pixels += map->size();
+  return static_cast<std::int64_t>(sizeof(float)) * pixels;
+}
+
+}  // namespace radiometry
