@@ -10,13 +10,13 @@ namespace {
 
 // v, w rounded to double, the power and the bracket: a few units in the last place of the exponent.
 void compare(const Row& row, double v, double w, double alpha, Tally& tally) {
-  constexpr double kUlp = std::numeric_limits<double>::epsilon();
+  constexpr double kRounding = std::numeric_limits<double>::epsilon();
   const mtf::KolmogorovExponent e = mtf::kolmogorov_exponent(v, w, alpha);
   for (const auto& [column, c] :
        {std::pair{"otf_coeff_exact", mtf::Turbulence<double>::kExact}, {"otf_coeff_3_44", 3.44}}) {
     const auto exact = static_cast<double>(precise(row, column));
     const double full = c * std::pow(v, 5.0 / 3.0);
-    tally.compare(std::exp(-c * e.value), exact, 4.0 * kUlp * exact * (1.0 + 2.0 * full) + 5e-324, row.where);
+    tally.compare(std::exp(-c * e.value), exact, 4.0 * kRounding * exact * (1.0 + 2.0 * full) + 5e-324, row.where);
   }
 }
 

@@ -18,7 +18,7 @@ struct SensorView {
   mtf::io::cfg::Targets targets;
 };
 
-/// Of a sensor that was read without errors.
+/// The places of a sensor that was read without errors.
 SensorView view_of(mtf::io::SensorConfig sensor);
 
 struct Place {
@@ -28,10 +28,10 @@ struct Place {
   };
   mtf::io::cfg::Target target;
   Kind kind = Kind::level;
-  std::string what{};     ///< of a level, with its article: "a whole number"
-  bool file = false;      ///< a text in its place names a file
+  std::string what{};     ///< what a level is, with its article: "a whole number"
+  bool file = false;      ///< true: a text in its place names a file
   mtf::FieldInfo info{};  ///< of numbers: unit as held ("" for plain ones; of an Extent as written), range, example
-  double value = 0.0;     ///< of numbers
+  double value = 0.0;     ///< value of a number
 };
 
 /// A place, or why there is none: a sentence that says what to write.

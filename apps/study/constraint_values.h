@@ -9,9 +9,9 @@ namespace study {
 struct ConstraintValues {
   double left = 0.0, right = 0.0;
 
-  /// By how much it holds, below 0 where it does not: right - left of left < right (`less`), else left - right.
+  /// The amount by which it holds, below 0 where it does not: right - left of left < right (`less`), else left - right.
   double margin(bool less) const { return less ? right - left : left - right; }
-  /// Both are numbers; an infinite side decides nothing.
+  /// True when both sides are numbers; an infinite side decides nothing.
   bool finite() const { return std::isfinite(left) && std::isfinite(right); }
 };
 

@@ -46,21 +46,21 @@ std::vector<NameAt> names_in(std::string_view text);
 
 class Expression {
  public:
-  static constexpr std::size_t kMaxText = 2000;  ///< bytes of an expression
-  static constexpr int kMaxDepth = 64;           ///< of nesting, and of values that wait for their operator
+  static constexpr std::size_t kMaxText = 2000;  ///< longest expression, in bytes
+  static constexpr int kMaxDepth = 64;           ///< deepest nesting, and most values that wait for their operator
 
-  /// 0, for a place that has none yet.
+  /// The constant 0, for a place that has no expression yet.
   Expression() = default;
 
   /// Throws ExpressionError. `names` are offered for those that are misspelt.
   static Expression parse(std::string_view text, const FindSymbol& find, std::span<const std::string> names);
 
-  /// In SI; `slots` hold the values of all symbols in SI.
+  /// The value in SI; `slots` hold the values of all symbols in SI.
   template <class S>
   S evaluate(std::span<const S> slots) const;
 
   const Dimensions& dimensions() const { return dimensions_; }
-  /// Slots that it reads, each once, rising.
+  /// The slots that it reads, each once, in rising order.
   const std::vector<int>& slots() const { return slots_; }
   const std::string& text() const { return text_; }
   /// The slot when the expression is nothing but one name.

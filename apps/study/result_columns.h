@@ -31,8 +31,8 @@ class SlotReader {
 
   std::shared_ptr<const Study> study_;
   std::vector<double> metric_si_;
-  std::vector<double> base_;              // in SI, of the base sensor
-  std::shared_ptr<Variants> variants_{};  // where they differ
+  std::vector<double> base_;              // values of the base sensor, in SI
+  std::shared_ptr<Variants> variants_{};  // the variants of the sensor, where there are several
 };
 
 /// What a tally needs to know of a study.

@@ -65,7 +65,7 @@ struct Parameter {
   std::string path;           ///< as diagnostics call it: "presample[1].rms"; "" for one of the study's own
   std::string unit;           ///< "" for plain numbers
   UnitScale scale;            ///< of the unit
-  double lo = 0.0, hi = 0.0;  ///< allowed, in the unit
+  double lo = 0.0, hi = 0.0;  ///< allowed range, in the unit
   bool lo_open = false, hi_open = false;
   Role role = Role::fixed;
   double base = 0.0;  ///< value in the base sensor, NaN where it has none (a `fixed` one: read from each variant)
@@ -77,12 +77,12 @@ struct Axis {
   int parameter = 0;             ///< index into Study::parameters
   std::vector<double> values{};  ///< of a list: numbers in the unit; of a discrete axis: its numbers, or 0, 1, 2 ...
   std::vector<std::string> levels{};  ///< discrete: the value of each level as text; else empty
-  double from = 0.0, to = 0.0;        ///< of a range (values empty)
+  double from = 0.0, to = 0.0;        ///< ends of a range, which has no values
   Scale scale = Scale::linear;
-  int count = 0;  ///< of a range: points on a grid
+  int count = 0;  ///< points of a range on a grid
 
   bool discrete() const { return !levels.empty(); }
-  /// Points on a grid.
+  /// The number of points on a grid.
   std::int64_t points() const { return values.empty() ? count : static_cast<std::int64_t>(values.size()); }
 };
 
@@ -111,14 +111,14 @@ struct Objective {
   bool maximize = false;
   Expression expression;
   std::string
-      unit;         ///< of the value as shown: that of the metric or parameter where it is just one, else SI ("m s^-1")
+      unit;  ///< unit of the value as shown: that of the metric or parameter where it is just one, else SI ("m s^-1")
   double si = 1.0;  ///< value in SI / si = value shown
 };
 
 enum class Method { grid, latin_hypercube, sobol };
 
 struct Study {
-  std::string file, text, sha256;  ///< sha256: of this text and of every file that it and its sensors name
+  std::string file, text, sha256;  ///< sha256: hash of this text and of every file that it and its sensors name
   std::string name;
   mtf::io::SensorConfig base;                  ///< `sensor`, or the first level of the axis over it
   std::vector<mtf::io::SensorConfig> sensors;  ///< levels of the axis over `sensor`, empty without one
@@ -132,7 +132,7 @@ struct Study {
   std::int64_t variants = 1;     ///< combinations of the levels of discrete axes, at most 10 000
   std::vector<Link> links;       ///< in an order in which each follows from those before it
   std::vector<AsBuilt> as_built;
-  int draws = 0;                    ///< of the yield; 0 without [[as_built]]
+  int draws = 0;                    ///< draws for the yield; 0 without [[as_built]]
   std::vector<MetricInfo> metrics;  ///< listed, then those that only constraints and objectives use
   std::vector<Constraint> constraints;
   std::vector<Objective> objectives;

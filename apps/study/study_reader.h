@@ -22,9 +22,9 @@ inline constexpr std::size_t kMostExpressions = 1000;  // links, constraints, ob
 /// An expression of the file and where its text starts.
 struct Source {
   std::string text;
-  mtf::io::Position position;  ///< of the string
+  mtf::io::Position position;  ///< position of the string
   std::string path;            ///< "constraints[0]"
-  int column = 0;              ///< of the text within the string
+  int column = 0;              ///< column of the text within the string
 };
 
 /// A link as written.
@@ -46,7 +46,7 @@ struct StudyReader {
   std::map<std::string, std::string, std::less<>> why{};  ///< why a name cannot stand in an expression
   std::set<std::string, std::less<>> own{};               ///< names of the study's own numbers
   std::vector<LinkSource> links{};
-  std::vector<std::string> metric_names{};  ///< of Study::metrics
+  std::vector<std::string> metric_names{};  ///< names of Study::metrics
   bool axes_good = true;
 
   mtf::io::cfg::Section root() { return {reader, tree, "", ""}; }

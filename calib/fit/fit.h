@@ -31,7 +31,7 @@ struct FitParameter {
   std::string path;  ///< "presample[1].rms", "frame.focal_length", "optics.f_number", "presample[0].zernike[3]"
   std::string name;  ///< what reports call it: "jitter.rms"
   std::string unit;  ///< "" for plain numbers
-  std::optional<double> min, max;              ///< beside the bounds of the field
+  std::optional<double> min, max;              ///< bounds in addition to those of the field
   std::optional<std::array<double, 2>> prior;  ///< mean, sd
 };
 
@@ -41,7 +41,7 @@ struct EdgeData {
   mtf::ImageView<const float> image;
   Roi roi;
   std::size_t condition = 0;  ///< index of the sensor it was taken with
-  EdgeMeasurement start;      ///< of measure_edge: geometry, plateaus, noise
+  EdgeMeasurement start;      ///< result of measure_edge: geometry, plateaus, noise
   double quantum = 0.0;       ///< step between neighbouring values of the image (1 for counts); 0 = none
   std::optional<double> saturation{}, floor{};  ///< pixels at or beyond them are clipped and do not count
 };
@@ -50,10 +50,10 @@ struct EdgeData {
 struct CurveData {
   std::string name;
   std::size_t condition = 0;
-  double angle_deg = 0.0;           ///< of the frequency, from +x towards +y, in the plane of its unit
+  double angle_deg = 0.0;           ///< direction of the frequency, from +x towards +y, in the plane of its unit
   const mtf::Unit* unit = nullptr;  ///< cy/mm, cy/mrad or cy/px; the fitted focal length and pitch convert them
   std::vector<double> frequency, mtf;
-  std::vector<double> sd;  ///< one value, or one a frequency
+  std::vector<double> sd;  ///< one value for all frequencies, or one for each
 };
 
 /// An image of a point source on a flat background.
@@ -73,12 +73,12 @@ struct FitData {
 };
 
 struct FitOptions {
-  bool robust = true;         ///< Huber loss at 3 sd: outliers count less
-  int starts = 1;             ///< runs from different starting values, spread over the bounds; the best one counts
-  bool profile = false;       ///< profile-likelihood intervals of every parameter, also where they are not needed
-  bool residual_otf = false;  ///< the shrunk OTF of the residuals as an estimate of the systematic error
+  bool robust = true;    ///< Huber loss at 3 sd: outliers count less
+  int starts = 1;        ///< number of runs from starting values spread over the bounds; the best one counts
+  bool profile = false;  ///< computes profile-likelihood intervals of every parameter, also where they are not needed
+  bool residual_otf = false;  ///< computes the shrunk OTF of the residuals, an estimate of the systematic error
   int threads = 0;            ///< 0 = all cores
-  /// Called now and then with the share of the work done; returning false stops the fit.
+  /// The fit calls it now and then with the share of the work done; returning false stops the fit.
   std::function<bool(double share)> progress{};
 };
 
@@ -86,7 +86,7 @@ struct FitOptions {
 /// a size may end at its own bound near zero; any other end at which chi-square has not risen enough is missing.
 struct ProfiledInterval {
   std::optional<double> low, high;
-  std::string reason;  ///< of an end that is missing; "" otherwise
+  std::string reason;  ///< why an end is missing; "" otherwise
 };
 
 /// How well the data determine a parameter.
@@ -105,23 +105,23 @@ struct FittedParameter {
   double start = 0.0;
   double value = 0.0;                    ///< best fit; to be shown when determined, at_bound or interval
   std::optional<double> stderr_value{};  ///< one standard deviation, when determined
-  double linear_sd = 0.0;  ///< from the covariance, also when not determined: then only how little is known
+  double linear_sd = 0.0;  ///< from the covariance; where not determined it shows only how little is known
   /// Intervals by profile likelihood, when asked for, or where a flat bound is near (flat_bounds.h); an end may be a
   /// bound up to which chi-square does not rise enough, which `interval` states. For a size that is fitted as its
   /// square and known to a tenth or worse, also without a profile: from the standard deviation of the square.
   std::optional<std::array<double, 2>> interval68{}, interval95{};
   std::optional<ProfiledInterval> interval{};
-  /// For a value at a bound: the far end of the 95 % interval that begins there, and whether it is
-  /// the upper one. With a profile it is that end of `interval95`.
+  /// For a value at a bound: the far end of the 95 % interval that begins there, and whether that end is the upper one.
+  /// With a profile it is that end of `interval95`.
   std::optional<double> limit95{};
   bool limit_is_upper = true;
-  double pressed_sd = 0.0;  ///< when at a bound: by how many sd of the data the minimum lies beyond it
+  double pressed_sd = 0.0;  ///< at a bound: how many sd of the data the minimum lies beyond it
 };
 
 /// A combination of parameters that the data do not determine.
 struct NullDirection {
   std::vector<std::size_t> parameters;  ///< indices, strongest first
-  std::vector<double> weight;           ///< of their (squared, scaled) values in the direction
+  std::vector<double> weight;           ///< components of the direction in their (squared, scaled) values
   std::string text;                     ///< in words, with what would determine it
 };
 
@@ -130,7 +130,7 @@ struct FitResiduals {
   std::string name;
   std::size_t count = 0;
   double chi2_per_dof = 0.0;
-  double outlier_share = 0.0;  ///< beyond 4 sd
+  double outlier_share = 0.0;  ///< share of residuals beyond 4 sd
   double whiteness_p = 1.0;    ///< probability of residuals at least as structured along d, were they noise
   EdgeCurve curve;             ///< edges: geometry as fitted
   Estimate contrast;           ///< edges: bright - dark
@@ -152,7 +152,7 @@ struct FitResult {
   std::string reason;  ///< one sentence; "" when converged
   std::vector<std::string> warnings;
   std::vector<FittedParameter> parameters;
-  std::vector<std::vector<double>> correlation;  ///< of the parameters, in their order; NaN where the data
+  std::vector<std::vector<double>> correlation;  ///< of the parameters in their order; NaN where the data
                                                  ///< do not depend on one at all, or one is at a flat bound
   std::vector<NullDirection> not_separable;
   /// Second moment of the blur along x and y in px^2, what one edge always determines: -H''(0) / (4 pi^2) beyond the
@@ -167,13 +167,14 @@ struct FitResult {
   std::optional<Estimate> mtf50;
   std::vector<double> residual_otf;  ///< |shrunk OTF of the residuals| at the same frequencies, when asked for
   std::vector<FitResiduals> data;    ///< edges, curves, spots in order
-  mtf::System<double> system;        ///< of the first condition with the fitted values
+  mtf::System<double> system;        ///< system of the first condition with the fitted values
   int iterations = 0;
   int starts_agreeing = 1;  ///< runs that ended at the same minimum
 };
 
-/// Data never throw: what went wrong is in the status. Throws UsageError for parameters that do not exist, two with the
-/// same meaning, none, bounds that leave nothing, non-finite numbers. Same bits for any number of threads.
+/// Data never throw: the status says what went wrong. Throws UsageError for parameters that do not exist, two with the
+/// same meaning, none at all, bounds that leave no value, numbers that are not finite. The result has the same bits for
+/// any number of threads.
 FitResult fit(const FitData& data, std::span<const FitParameter> parameters, const FitOptions& options = {});
 
 /// The number that a path of the sensor file names, in any scalar type; nullptr when there is none. Lists by index:
@@ -181,7 +182,7 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
 template <class S>
 S* parameter_at(mtf::System<S>& system, std::string_view path);
 
-/// Sets all numbers that the path stands for: "frame.pitch" is that of both axes. False when there is none.
+/// Sets all numbers that the path stands for: "frame.pitch" is that of both axes. Returns false when there is none.
 bool set_parameter(mtf::System<double>& system, std::string_view path, double value);
 
 }  // namespace calib

@@ -13,7 +13,7 @@ namespace calib {
 struct FitSetup {
   std::unique_ptr<Sensors> sensors;
   FitProblem problem;
-  std::vector<double> start;  ///< values of the parameters
+  std::vector<double> start;  ///< starting values of the parameters
   std::vector<std::string> warnings;
   /// For each edge, curve and spot in order: its block, or none when it was left out.
   std::vector<std::optional<std::size_t>> block_of;

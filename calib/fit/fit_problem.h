@@ -3,7 +3,8 @@
 
 // The least-squares problem of a fit, and its solution by Ceres: shared variables x, the unknowns of each set of data,
 // priors as residuals. Sets of data are evaluated in parallel and enter as their triangular factors (normal_matrix.h),
-// so that Ceres itself works on a dozen residuals each, in one thread: the same bits for any number of threads.
+// so that Ceres itself works on a dozen residuals each, in one thread: the result has the same bits for any number of
+// threads.
 
 #include <functional>
 #include <optional>
@@ -26,9 +27,9 @@ struct FitProblem {
   int threads = 0;
 
   std::vector<double> x;                 ///< present values
-  std::vector<std::vector<double>> own;  ///< of every block
+  std::vector<std::vector<double>> own;  ///< own unknowns of every block
 
-  /// Sets the sensors to x; false when they do not allow it.
+  /// Sets the sensors to x; returns false when they do not allow it.
   bool apply() const { return sensors->set(values_at(variables, x)); }
   /// C^T C of every block at the present values, columns: own, x, residual. Apply first. `gradients`: the
   /// columns of an edge's gradients follow its own unknowns also where they are not fitted.
@@ -40,7 +41,7 @@ struct Solution {
   bool stopped = false;
   double cost = 0.0;  ///< at x
   int iterations = 0;
-  int agreeing = 1;  ///< of several runs, those that ended here
+  int agreeing = 1;  ///< number of runs that ended at this minimum
 };
 
 /// Minimises from the present values and leaves the minimum in x and own, with the sensors set to it. The variable
@@ -49,13 +50,13 @@ struct Solution {
 struct SolveOptions {
   std::optional<std::size_t> fixed{};
   std::function<bool()> go_on{};
-  /// Of half the number of pixels: the last step was less than a hundredth of a standard deviation for each 10000 of
-  /// them.
+  /// Relative to half the number of pixels: the last step was less than a hundredth of a standard deviation for each
+  /// 10000 of them.
   double tolerance = 1e-8;
 };
 Solution solve(FitProblem& problem, const SolveOptions& options = {});
 
-/// One run of the minimiser, `held` variables as they are, whatever `fixed` says.
+/// Makes one run of the minimiser, with the `held` variables as they are, whatever `fixed` says.
 Solution solve_holding(FitProblem& problem, const SolveOptions& options, const std::vector<int>& held);
 
 }  // namespace calib

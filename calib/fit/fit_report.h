@@ -24,8 +24,8 @@ struct Solved {
   const FitProblem* problem = nullptr;
   std::vector<Eigen::MatrixXd> normals{};  ///< C^T C of every block
   std::vector<double> noise_factor{};  ///< chi2 per degree of freedom of every block: its noise variances times this
-  Eigen::MatrixXd information{};       ///< of x, priors included
-  std::vector<double> reference{};     ///< of every x, see identifiability.h
+  Eigen::MatrixXd information{};       ///< information of x, priors included
+  std::vector<double> reference{};     ///< reference of every x, see identifiability.h
   Identified identified{};
   std::size_t condition = 0;
   double angle_rad = 0.0;             ///< of the normal along which MTF and variance are given
@@ -36,7 +36,8 @@ struct Solved {
 /// are those of an image without noise, or of one that rounding has cleaned: then the noise that was given counts.
 inline double trusted_noise(double chi2_per_dof) { return chi2_per_dof > 0.7 ? chi2_per_dof : 1.0; }
 
-/// Of x, from the normal matrices of the blocks with their factors on the noise variances, priors included.
+/// The information of x, from the normal matrices of the blocks with their factors on the noise variances, priors
+/// included.
 Eigen::MatrixXd information_of(const FitProblem& problem, std::span<const Eigen::MatrixXd> normals,
                                std::span<const double> noise_factor);
 
@@ -59,7 +60,7 @@ std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& so
 std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<const FitParameter> parameters,
                                                std::span<const double> start);
 
-/// Of the parameters' values; NaN where the data do not depend on one at all.
+/// The correlation of the parameters' values; NaN where the data do not depend on one at all.
 std::vector<std::vector<double>> correlations(const Solved& solved);
 
 /// Residuals of every set of data; `block_of`: its block, or none when it was left out. Sets chi-square, whiteness,

@@ -15,14 +15,14 @@ struct MinimiseOptions {
   std::function<bool()> go_on{};
 };
 
-/// Leaves the minimum in the problem, and its normal matrices and noise factors in `solved`. May enlarge the unknowns
-/// of edges.
+/// Leaves the minimum in the problem, and its normal matrices and noise factors in `solved`. It may add unknowns to
+/// edges.
 Solution minimise(FitProblem& problem, Solved& solved, const MinimiseOptions& options);
 
 /// The fits that follow a first minimum, whose count of iterations they continue; results as above.
 Solution finish(FitProblem& problem, Solved& solved, const Solution& first, const MinimiseOptions& options);
 
-/// Pixels or samples of every block.
+/// The number of pixels or samples of every block.
 std::vector<std::size_t> counts_of(const FitProblem& problem);
 
 }  // namespace calib

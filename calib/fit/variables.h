@@ -23,9 +23,9 @@ struct Variable {
   bool squared = false;
   double sign = 1.0;
   double step = 1.0;
-  double lo = 0.0, hi = 0.0;  ///< of x
+  double lo = 0.0, hi = 0.0;  ///< bounds of x
   double start = 0.0;         ///< x
-  double period = 0.0;        ///< of a direction's value: it is given within half of it from 0; 0 = none
+  double period = 0.0;        ///< period of a direction's value, which is given within half of it from 0; 0 = none
   bool positive = false;      ///< the parameter cannot be negative: its size is its own scale
 
   double value(double x) const;
@@ -38,11 +38,11 @@ struct Variable {
 struct Probe {
   std::size_t condition = 0;
   std::vector<PixelFreq> f;
-  const mtf::Unit* unit = nullptr;  ///< of f, where that is not cy/px
+  const mtf::Unit* unit = nullptr;  ///< unit of f, where that is not cy/px
 };
 
 /// Finds steps and squares at the present values. Leaves the sensors at the starting values. Throws UsageError for
-/// bounds that leave nothing, priors without a width, numbers that are not finite.
+/// bounds that leave no value, priors without a width, numbers that are not finite.
 std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParameter> parameters,
                                      std::span<const double> start, std::span<const mtf::FieldInfo* const> infos,
                                      std::span<const Probe> probes);

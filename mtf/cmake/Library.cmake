@@ -20,7 +20,8 @@ endfunction()
 
 # mtfkit_unity(target [ALONE files...] [GROUPED files...])
 # With MTFKIT_UNITY the sources of the target (all but ALONE, or only GROUPED) are compiled ten at a time, so that headers
-# are read once for each group. For sources without hot loops: groups change what is inlined.
+# are read once for each group; a group of GROUPED files is of one folder. For sources without hot loops: groups change
+# what is inlined.
 function(mtfkit_unity target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "ALONE;GROUPED")
   if(NOT MTFKIT_UNITY)
@@ -30,11 +31,13 @@ function(mtfkit_unity target)
   set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   if(arg_GROUPED)
     set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
-    set(count 0)
     foreach(file IN LISTS arg_GROUPED)
-      math(EXPR group "${count} / 10")
-      set_source_files_properties(${file} PROPERTIES UNITY_GROUP "group${group}")
-      math(EXPR count "${count} + 1")
+      cmake_path(GET file PARENT_PATH folder)
+      string(MAKE_C_IDENTIFIER "in_${folder}" folder)
+      list(APPEND ${folder} "${file}")
+      list(LENGTH ${folder} count)
+      math(EXPR group "(${count} - 1) / 10")
+      set_source_files_properties(${file} PROPERTIES UNITY_GROUP "${folder}_${group}")
     endforeach()
   endif()
 endfunction()

@@ -13,13 +13,13 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr std::size_t kPoints = 16;  // of a panel
+constexpr std::size_t kPoints = 16;  // on a panel, along the angle
 constexpr std::size_t kFewWavelengths = 16, kMostWavelengths = 64;
-constexpr double kNarrowest = pi / 1024.0;  // panel
-constexpr double kDerivativeError = 1e-5;   // of the last terms, relative: those left out are smaller
-constexpr double kRounding = 1e-11;         // a derivative below is none
+constexpr double kNarrowest = pi / 1024.0;  // width of a panel
+constexpr double kDerivativeError = 1e-5;   // relative size of the last terms; those left out are smaller
+constexpr double kRounding = 1e-11;         // a derivative below this is taken as 0
 constexpr int kFewestNodes = 8, kMostNodes = 256;
-constexpr double kConverged = 0.1;  // of the error asked for
+constexpr double kConverged = 0.1;  // share of the error that was asked for
 
 /// Weights of the values at the points in the interpolant at x of [-1, 1] (barycentric formula).
 void weights_at(const BandMean::Points& points, double x, double* weight) {
@@ -131,7 +131,7 @@ std::vector<double> BandMean::choose_wavelengths(double most_u) {
   return allowed;
 }
 
-// Whether the last terms along the angle, at every wavelength, are within what is allowed.
+// True when the last terms along the angle are within the allowed error at every wavelength.
 bool BandMean::resolved(const Panel& panel, std::span<const double> allowed) const {
   const std::size_t line = wavelengths_ * width_;
   for (std::size_t i = 0; i < line; ++i)
@@ -140,7 +140,7 @@ bool BandMean::resolved(const Panel& panel, std::span<const double> allowed) con
   return true;
 }
 
-// A panel a piece, halved until all are resolved.
+// Each piece begins as one panel; panels are halved until all are resolved.
 void BandMean::tabulate(double most_u) {
   std::vector<double> ends{0.0};
   for (const double u : breaks_)

@@ -27,14 +27,14 @@ class BandMean {
   using Function = std::function<void(double wavelength_um, std::span<const double> t, std::span<double> values)>;
 
   struct Options {
-    std::size_t exact = 2;     ///< of the numbers the first so many are known to `error`, absolute,
+    std::size_t exact = 2;     ///< the first so many of the numbers are known to `error` (absolute),
     double error = 1e-7;       ///< the others to 1e-5 of their largest value
-    std::size_t panels = 256;  ///< at most: a P that needs more is known less well
+    std::size_t panels = 256;  ///< largest number of panels; a P that needs more is known less well
   };
 
   /// `breaks`: values of u between which P is smooth, in rising order; P is 0 beyond the last one when `ends` is set. A
-  /// few frequencies are cheaper without the table: `most_t` <= 0 makes none, otherwise it covers what
-  /// frequencies up to most_t need.
+  /// few frequencies are cheaper without the table: `most_t` <= 0 makes none, otherwise it covers all frequencies up
+  /// to most_t.
   BandMean(Function p, std::size_t width, const Band& band, std::vector<double> breaks, bool ends, double most_t)
       : BandMean(std::move(p), width, band, std::move(breaks), ends, most_t, Options()) {}
   BandMean(Function p, std::size_t width, const Band& band, std::vector<double> breaks, bool ends, double most_t,
@@ -52,9 +52,9 @@ class BandMean {
  private:
   /// Chebyshev points of an angle between two kinks: u = begin + (end - begin) (1 - cos angle) / 2.
   struct Panel {
-    double u_begin = 0.0, u_end = 0.0;          ///< of its piece, between two kinks
-    double angle_begin = 0.0, angle_end = 0.0;  ///< of the panel, within [0, pi]
-    double from_u = 0.0;                        ///< where it begins
+    double u_begin = 0.0, u_end = 0.0;          ///< ends of its piece, which lies between two kinks
+    double angle_begin = 0.0, angle_end = 0.0;  ///< ends of the panel, within [0, pi]
+    double from_u = 0.0;                        ///< u at which the panel begins
     std::vector<double> values;                 ///< [point][wavelength][number]
   };
   void tabulate(double most_u);
@@ -69,11 +69,11 @@ class BandMean {
   std::size_t width_ = 0;
   Options options_;
   Band band_;
-  /// With a table: rules of the whole band, which most t share, of 8, 16, 32 ... nodes.
+  /// Rules of 8, 16, 32 ... nodes for the whole band, which most t share; used with a table.
   std::vector<WavelengthNodes> whole_;
   std::vector<double> breaks_;
   bool ends_ = false;
-  std::size_t wavelengths_ = 0;  ///< of the table; 0 = there is none
+  std::size_t wavelengths_ = 0;  ///< number in the table; 0 = there is no table
   Points across_panel_, across_band_{0};
   std::vector<Panel> panels_;  ///< in rising order
 };

@@ -39,7 +39,7 @@ FactoredOtf::FactoredOtf(const System<double>& system, std::span<const Stage> st
   bound_correction();
   sort_components();
 
-  // A radial table ends where all of its components do; what others cut off is not its concern.
+  // A radial table ends where all of its components do; where others end does not matter to it.
   const Context<double> shortest = system_.band ? system_.context(system_.band->lo_um) : system_.context();
   const auto end_of = [&](std::initializer_list<const std::vector<const Entry<double>*>*> lists) {
     double end = std::hypot(options.fx_max, options.fy_max);
@@ -49,7 +49,7 @@ FactoredOtf::FactoredOtf(const System<double>& system, std::span<const Stage> st
   };
   for (const Entry<double>* entry : entries_) cutoff_ = std::min(cutoff_, entry->component.cutoff_cy_mm(shortest));
   const auto& chromatic = chromatic_general_.empty() ? chromatic_radial_ : chromatic_general_;
-  // Slow components are given what they may err by, not the least that a table can.
+  // Slow components are given the error that they may have, not the smallest that a table can keep.
   const double slow_target = std::clamp(4.0 * options.table_share, 1e-7, 1e-4);
   if (!chromatic.empty()) {
     // Slow ones are tabulated by other means, and these values say how well.
@@ -110,7 +110,7 @@ double FactoredOtf::scene_cost(const Entry<double>& entry) const {
   const double cell_y = SceneSpectrum::corner_cy_mm(1, options_.fy_max);
   for (int j = -kCells; j <= kCells; ++j)
     for (int i = 0; i <= kCells; ++i) f.push_back({i * cell_x, j * cell_y});
-  // One more in each of the cells on four lines through the half-plane, at irregular places.
+  // One more sample in each of the cells on four lines through the half-plane, at irregular places.
   std::vector<std::size_t> corner_of;
   for (int line = 0; line < 4; ++line)
     for (int i = 0; i < kCells; ++i) {
@@ -131,7 +131,7 @@ double FactoredOtf::scene_cost(const Entry<double>& entry) const {
   } else {
     visit(system_.context());
   }
-  // Where it turns faster than the corners can show, they say nothing.
+  // Where the OTF turns faster than the corners can show, their values say nothing.
   const std::size_t corners = error.size() - corner_of.size();
   for (std::size_t p = 0; p < corner_of.size(); ++p) {
     const double* corner = error.data() + corner_of[p];

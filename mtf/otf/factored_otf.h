@@ -28,8 +28,8 @@
 
 namespace mtf {
 
-/// Blur that the scene's samples already carry (a renderer's pixel average); divided out of the OTF. 1/A is limited:
-/// where |A| < 1/limit per factor the correction is limit^2 A, so it falls with A instead of growing.
+/// Blur that the scene's samples already carry (a renderer's pixel average). It is divided out of the OTF. 1/A is
+/// limited: where |A| < 1/limit per factor the correction is limit^2 A, so it falls with A instead of growing.
 struct SceneAperture {
   enum class Kind { point, box, gaussian, curve };
   Kind kind = Kind::point;
@@ -38,33 +38,33 @@ struct SceneAperture {
   double gain_limit = 10.0;
 };
 
-/// What was put aside before evaluation, for the plan's report.
+/// A component that was left out before the evaluation, for the plan's report.
 struct Dropped {
   std::string label;
-  double bound = 0.0;     ///< of |otf - 1| over the grid, or its mean over the scene's own spectrum (SceneCost)
-  double saved_ms = 0.0;  ///< of making the OTF, estimated
+  double bound = 0.0;     ///< bound of |otf - 1| over the grid, or its mean over the scene's own spectrum (SceneCost)
+  double saved_ms = 0.0;  ///< estimated time that making the OTF would have taken more
 };
 
 /// What a change of the OTF costs the scene at hand: its rms error, in units in which the largest |change| of any
-/// scene's OTF would count. At most that, so the smaller of the two is taken.
+/// scene's OTF would count. Both are upper bounds, so the smaller of the two is taken.
 struct SceneCost {
   const SceneSpectrum* spectrum = nullptr;
   double ratio_x = 1.0, ratio_y = 1.0;  ///< samples a pitch
   double scale = 1.0;                   ///< unit of the spectrum's rms_error
 };
 
-/// Called now and then by the threads that make an OTF, several at once, with the number of values of slow components
-/// that were made since. What it throws ends the work.
+/// The threads that make an OTF call this now and then, several at once, with the number of values of slow components
+/// that they have made since the last call. An exception from it ends the work.
 using OtfProgress = std::function<void(std::int64_t values)>;
 
 struct SamplerOptions {
-  double fx_max = 0.0, fy_max = 0.0;  ///< |fx|, |fy| up to these
+  double fx_max = 0.0, fy_max = 0.0;  ///< largest |fx| and |fy| of the grid
   double drop_budget = 0.0;           ///< components whose deviations add up to no more are left out
   double table_share = 0.0;  ///< error that a table should not exceed (one that errs by much more is not used);
                              ///< 0: no tables
-  int wavelengths = 0;  ///< of the band: a Gauss rule of so many; 0 = split at the kinks, as many as that error needs
-  std::int64_t samples = std::numeric_limits<std::int64_t>::max();  ///< frequencies that will be asked for, about
-  int threads = 0;  ///< that fill tables of slow components; 0 = all cores
+  int wavelengths = 0;  ///< nodes of a Gauss rule for the band; 0 = split at the kinks, as many as that error needs
+  std::int64_t samples = std::numeric_limits<std::int64_t>::max();  ///< about how many frequencies will be asked for
+  int threads = 0;  ///< threads that fill tables of slow components; 0 = all cores
   std::optional<SceneCost> scene = std::nullopt;
   ScaleSplit split = {};  ///< the part of the OTF by scale
   OtfProgress progress = {};
@@ -80,9 +80,9 @@ class FactoredOtf {
   bool is_real() const { return real_; }
   bool is_even_x() const { return even_x_; }
   bool is_even_y() const { return even_y_; }
-  /// H(fx, fy) H(0, 0) = H(fx, 0) H(0, fy): nothing but vectors along the axes.
+  /// True when H(fx, fy) H(0, 0) = H(fx, 0) H(0, fy): the OTF consists of vectors along the axes.
   bool is_separable() const { return !table_ && lines_.empty() && !has_general(); }
-  /// Some factor is evaluated at every frequency: no table or vector holds it.
+  /// True when some factor is evaluated at every frequency because no table or vector holds it.
   bool is_slow() const { return has_general(); }
   bool is_identity() const {
     return entries_.empty() && aperture_.kind == SceneAperture::Kind::point && options_.split.is_whole();
@@ -90,30 +90,30 @@ class FactoredOtf {
   const std::vector<Dropped>& dropped() const { return dropped_; }
   /// Sentences on what was merged: "jitter, footprint -> two vectors".
   const std::vector<std::string>& merged() const { return merged_; }
-  /// Bound of |H - 1| that counts as the dropped ones do: what leaving out everything would cost.
+  /// Bound of |H - 1|, counted as those of the dropped components: what it would cost to leave out everything.
   double identity_error() const { return identity_error_; }
   bool has_gain() const { return gain_ > 1.0; }
-  /// Bound of |H|, at least 1: what amplifying components and the aperture's correction may multiply.
+  /// Bound of |H|, at least 1: the factor by which amplifying components and the aperture's correction may multiply.
   double gain() const { return gain_ * correction_; }
   int wavelengths() const { return wavelengths_; }
-  /// Bound of |H_used - H| from dropping, from tables and from the number of wavelengths.
+  /// Bound of |H_used - H|, from components that were left out, from tables and from the number of wavelengths.
   double error() const;
   /// The part of it that comes from tables; 0 where every frequency is evaluated.
   double table_error() const;
   /// The part of it that comes from the number of wavelengths: the change when it was last doubled.
   double quadrature_error() const { return quadrature_error_ * gain(); }
-  /// Some frequencies on the grid hit the aperture's gain limit.
+  /// True when the aperture's correction is at its gain limit for some frequencies of the grid.
   bool aperture_limited() const { return aperture_limited_; }
   /// OTF at zero frequency: the gain of the mean.
   double dc() const { return at({0.0, 0.0}).re; }
 
-  /// Exact value in double, nothing dropped.
+  /// The exact value in double; no component is left out.
   Complex<double> at(const Freq<double>& f) const;
 
   /// Bound of |H| over all frequencies whose component along `axis` is f: for leaving out what no factor lets through.
   double axis_bound(Axis axis, double f_cy_mm) const;
 
-  /// The grid: row j holds H(fx[i], fy[j]) for i = 0 .. count-1. One sampler of fixed axes; const and re-entrant.
+  /// The grid: row j holds H(fx[i], fy[j]) for i = 0 .. count-1. Its axes are fixed; its functions are re-entrant.
   class Grid {
    public:
     Grid(const FactoredOtf& sampler, std::vector<double> fx, std::vector<double> fy);
@@ -126,17 +126,17 @@ class FactoredOtf {
     /// The same in double, throughout where the sampler has no tables (table_share = 0).
     void real_row(std::size_t j, std::span<double> value, bool mirrored = false) const;
     void complex_row(std::size_t j, std::span<Complex<double>> value, bool mirrored = false) const;
-    /// real_row and its mirror image, which have most factors in common.
+    /// Makes real_row and its mirror image together, which have most factors in common.
     void real_rows(std::size_t j, std::span<float> value, std::span<float> mirrored) const;
     void real_rows(std::size_t j, std::span<double> value, std::span<double> mirrored) const;
 
    private:
-    /// Factors of a real system that are even along y, and the others.
+    /// The factors of a real system that are even along y; multiply_uneven() multiplies by the others.
     void even_row(std::size_t j, std::span<float> value) const;
     void multiply_uneven(std::size_t j, std::span<float> value, bool mirrored) const;
     void multiply_radial(std::size_t j, std::span<float> value) const;
     void multiply_lines(std::size_t j, std::span<float> value, bool mirrored) const;
-    /// What no table or vector holds, at fy[j].
+    /// The product of the factors that no table or vector holds, at fy[j].
     std::vector<Complex<double>> general_row(std::size_t j, std::size_t count, bool mirrored) const;
 
     const FactoredOtf* sampler_;
@@ -189,7 +189,7 @@ class FactoredOtf {
   std::vector<Dropped> dropped_;
   std::vector<std::string> merged_;
   BandRule wavelength_rule_;
-  std::optional<BandMean> radial_mean_;  ///< of slow radial components
+  std::optional<BandMean> radial_mean_;  ///< mean of the slow radial components
   std::optional<RadialTable> table_;
   std::vector<Line> lines_;
   std::vector<PolarTable> polar_;

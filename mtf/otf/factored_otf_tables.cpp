@@ -57,7 +57,7 @@ void FactoredOtf::tabulate_lines(double target) {
 
 // Aberrated pupils: microseconds a sample, but smooth between a few radii. A band averages the whole chromatic product.
 void FactoredOtf::tabulate_slow(double target) {
-  // About what a table evaluates at least, and the most it may: what is rougher is no better off with one.
+  // About how many values a table takes at least, and the most it may take: a rougher function gains nothing from one.
   constexpr std::int64_t kWorthIt = 4000, kMostEvaluations = 40000;
   if (!(options_.table_share > 0.0) || options_.samples < kWorthIt) return;
   const double end = std::hypot(options_.fx_max, options_.fy_max) * (1.0 + 1e-9);  // the corner itself lies within
@@ -212,7 +212,7 @@ void FactoredOtf::choose_wavelengths(double end, double target) {
     }
     return mean;
   };
-  // A slow product takes the fewest that will do; for others the steps are wide.
+  // A slow product takes the fewest wavelengths that suffice; for others the steps are wide.
   const auto next = [slow](int count) { return slow ? count + std::max(2, count / 2) : 2 * count; };
   int n = fixed ? options_.wavelengths : 4;
   std::vector<Complex<double>> coarse = averages(n);

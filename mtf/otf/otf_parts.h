@@ -21,7 +21,7 @@ namespace mtf {
 /// Products at the frequencies asked for.
 template <class S>
 struct Products {
-  std::vector<Complex<S>> optics, detector, presample;  ///< presample: everything in its list
+  std::vector<Complex<S>> optics, detector, presample;  ///< presample: the product of its whole list
   std::vector<Complex<S>> readout, after_sampling;      ///< after_sampling: readout and postsample
 };
 
@@ -44,7 +44,7 @@ PupilNumbers<S> pupil_numbers(const Component<S>& component, const Context<S>& c
   return {f_number_of(f_number, ctx), obscuration_of(obscuration, ctx), wavelength_um.value_or(ctx.wavelength_um)};
 }
 
-/// The samples become a continuous image, so that the spectrum after sampling ends somewhere.
+/// True when the samples become a continuous image, so that the spectrum after sampling ends somewhere.
 template <class S>
 bool is_reconstructed(const System<S>& system) {
   const auto& list = system.list(Stage::postsample);
@@ -55,7 +55,7 @@ bool is_reconstructed(const System<S>& system) {
 template <class S>
 class OtfParts {
  public:
-  /// Refers to `system` until the next call; it must not change meanwhile.
+  /// Keeps a reference to `system` until the next call; the system must not change before that.
   void set(const System<S>& system) {
     system_ = &system;
     middle_ = system.context();
@@ -88,7 +88,7 @@ class OtfParts {
   const System<S>& system() const { return *system_; }
   const Component<S>* pupil() const { return pupil_; }
   bool chromatic() const { return !chromatic_.empty(); }
-  /// Something follows sampling and acts along the axis; digital filters among it.
+  /// True when a component after sampling acts along the axis; digital filters count.
   bool filters(Axis axis) const {
     return std::any_of(after_.begin(), after_.end(), [axis](const Member& m) { return !is_flat(m, axis); });
   }
@@ -123,7 +123,7 @@ class OtfParts {
     std::sort(kinks.begin(), kinks.end());
     return kinks;
   }
-  /// Frequencies where few wavelengths would do worst: of kinks at wavelengths amid the rate.
+  /// The frequencies where few wavelengths err most: those with kinks at wavelengths amid the band.
   std::vector<double> worst_cy_mm() {
     std::vector<double> worst;
     if (!pupil_chromatic_) return worst;
@@ -146,18 +146,18 @@ class OtfParts {
 
   /// The largest number of wavelengths at a frequency.
   int wavelengths() const { return most_wavelengths_; }
-  /// n wavelengths for every frequency, of the Gauss rule; `error`: what is known of theirs.
+  /// Takes the Gauss rule of n wavelengths for every frequency; `error`: what is known of its error.
   void use_wavelengths(int n, double error) {
     wavelengths_ = most_wavelengths_ = n;
     band_error_ = error;
   }
-  /// As many as each frequency takes to that tolerance.
+  /// Takes as many wavelengths as each frequency needs for that tolerance.
   void use_tolerance(double tolerance) {
     wavelengths_ = most_wavelengths_ = 0;
     split_tolerance_ = tolerance;
     band_error_ = 0.0;
   }
-  /// Of the means over the band since then, estimated.
+  /// The estimated error of the means over the band since then.
   double band_error() const { return band_error_; }
 
   /// The optics in any direction.
@@ -206,17 +206,17 @@ class OtfParts {
     std::vector<Complex<S>> Products<S>::*product;  ///< the member that holds it
     bool is_optics() const { return product == &Products<S>::optics; }
   };
-  /// Of the chromatic components, averaged over the band.
+  /// The product of the chromatic components, averaged over the band.
   struct BandMeans {
     std::vector<Complex<S>> optics, presample;
   };
-  /// What does not depend on the axis, at frequencies that were asked for.
+  /// The factors that do not depend on the axis, at frequencies that were asked for.
   struct Kept {
     std::vector<S> f_cy_mm;
     int wavelengths = 0;
     double tolerance = 0.0;
     bool optics_alone = false;
-    Products<S> products;  ///< each of its own components alone
+    Products<S> products;  ///< each holds the product of its own components alone
     BandMeans means;
   };
 
@@ -349,14 +349,14 @@ class OtfParts {
   Context<S> middle_;
   const Component<S>* pupil_ = nullptr;
   std::vector<Member> steady_, chromatic_, after_;  ///< after_: readout, then postsample
-  std::vector<Kept> kept_;                          ///< of this system the first kept_count_
+  std::vector<Kept> kept_;                          ///< the first kept_count_ belong to this system
   std::size_t kept_count_ = 0;
   double lo_um_ = 0.0, hi_um_ = 0.0;
   std::shared_ptr<const ElectronRate> rate_;
   std::map<int, WavelengthNodes> nodes_;
   mutable BandWeights weights_;
   std::vector<double> touch_;     ///< frequencies where edges of the pupil touch, the cutoff last; x um in a band
-  bool pupil_chromatic_ = false;  ///< and so touch_ moves with the wavelength
+  bool pupil_chromatic_ = false;  ///< true: touch_ changes with the wavelength
   int wavelengths_ = 4, most_wavelengths_ = 4;  ///< 0: split
   double split_tolerance_ = 1e-6, band_error_ = 0.0;
   std::vector<Freq<S>> places_;

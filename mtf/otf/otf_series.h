@@ -20,15 +20,15 @@
 
 namespace mtf {
 
-inline constexpr int kLeastDegree = 16, kMostDegree = 64;  ///< of a series
+inline constexpr int kLeastDegree = 16, kMostDegree = 64;  ///< degrees of a series
 
-/// What a degree needs, made once: the share of the panel below each point, and what turns values into coefficients.
+/// Tables for a degree, made once: the share of the panel below each point, and what turns values into coefficients.
 struct ChebyshevPoints {
   std::vector<double> share;
   std::vector<double> transform;  ///< [point][coefficient]
 };
 const ChebyshevPoints& chebyshev_points(int degree);
-/// Its transform, for any degree.
+/// The tables of a degree, for any degree.
 std::vector<double> chebyshev_transform(int degree);
 
 /// Gauss-Legendre nodes on a panel for a series of that degree, made once: what each basis function is there.
@@ -36,7 +36,7 @@ struct FineNodes {
   std::vector<double> t, share, weight;  ///< rising; share and weight as parts of the panel's width
   std::vector<double> basis;             ///< [k][node] = T_k(t)
 };
-/// As many nodes as the product of the series and a wave of `cycles` over the panel needs.
+/// It has as many nodes as the product of the series and a wave of `cycles` over the panel needs.
 const FineNodes& fine_nodes(int degree, double cycles);
 
 /// result[i] = sum over k of matrix[k][i] x factor[k]; for double on whatever vectors the machine has.
@@ -54,7 +54,7 @@ void add_products(const double* matrix, const std::vector<S>& factor, std::vecto
   }
 }
 
-/// Clenshaw's recurrence at many places.
+/// The series at many places, by Clenshaw's recurrence.
 void chebyshev_sums(std::span<const double> coefficient, std::span<const double> t, std::span<double> value);
 
 /// Values at the points become coefficients in place: value = sum of c_k T_k(t).
@@ -77,7 +77,7 @@ S chebyshev(const std::vector<S>& coefficient, double t) {
   return S(t) * b1 + (coefficient[0] - b2);
 }
 
-/// The same at many places, side by side.
+/// The same at many places at once.
 template <class S>
 std::vector<S> chebyshev_at(const std::vector<S>& coefficient, std::span<const double> t) {
   if constexpr (std::is_same_v<S, double>) {
@@ -97,7 +97,7 @@ std::vector<S> chebyshev_at(const std::vector<S>& coefficient, std::span<const d
   }
 }
 
-/// What the coefficients beyond the last amount to, from the sums of the last two quarters: exact for those that fall
+/// The size of the coefficients beyond the last, from the sums of the last two quarters: exact for those that fall
 /// by the same factor from each to the next, three times that since a kink's fall ever slower (as k^-2.5 for one of
 /// power 3/2, of which the exact part is 0.39; a power of 1/2, k^-1.5, is bounded through the limit of the factor).
 /// Tests hold errors against it.
@@ -171,11 +171,11 @@ template <class S>
 class OtfCurve {
  public:
   void clear() { parts_.clear(); }
-  /// In the order of rising frequencies.
+  /// Panels are added in the order of rising frequencies.
   void add(const PanelMap& map, const ComplexSeries<S>& series) { parts_.push_back({map, series}); }
   bool empty() const { return parts_.empty(); }
 
-  /// At |f|, with the derivatives of f as well; 0 beyond the last panel.
+  /// The modulus at |f|, with the derivatives of f as well; 0 beyond the last panel.
   S modulus(const S& f_cy_mm) const {
     using std::sqrt;
     const double f = std::abs(value_of(f_cy_mm));
@@ -191,7 +191,7 @@ class OtfCurve {
         const Complex<S> near = part->series.at(at);
         return std::hypot(value_of(near.re), value_of(near.im));
       };
-      constexpr double d = 1e-3;  // of fourth order: a series is smooth on the scale of 1
+      constexpr double d = 1e-3;  // the formula is of fourth order, and a series is smooth on the scale of 1
       const double by_t = (8.0 * (value(t + d) - value(t - d)) - (value(t + 2 * d) - value(t - 2 * d))) / (12.0 * d);
       const double slope = part->map.slope(t);
       const double by_f = slope > 0.0 ? by_t / slope : 0.0;  // the ends of a panel, where t turns
@@ -215,13 +215,13 @@ struct SeriesPanel {
   PanelMap map;
   std::array<ComplexSeries<S>, N> otf;
   int degree = 0;
-  double error = 0.0;  ///< of the worst of them, relative to what is largest where that is above 1
+  double error = 0.0;  ///< that of the worst OTF, relative to its largest value where that is above 1
 };
 
 template <class S, std::size_t N>
 using SeriesValues = std::array<std::vector<Complex<S>>, N>;
 
-/// Where a panel is parted: at the kink that is nearest to its middle, else in the middle.
+/// Where a panel is divided: at the kink nearest to its middle, else in the middle.
 inline double parting_place(const PanelMap& map, std::span<const double> kinks, bool& kinked) {
   const double middle = 0.5 * (map.lo + map.hi), margin = 1e-9 * map.hi;
   double place = middle;
@@ -234,7 +234,7 @@ inline double parting_place(const PanelMap& map, std::span<const double> kinks, 
 }
 
 /// The panel and those it is parted into, in rising order, appended to `panels`. `evaluate(f, values)` appends the OTFs
-/// at frequencies f. Stops at the tolerance, or at `most` panels. A panel with a kink that the least degree does not
+/// at frequencies f. It stops at the tolerance, or at `most` panels. A panel with a kink that the least degree does not
 /// resolve is parted there: more points would not help.
 template <class S, std::size_t N, class Evaluate>
 void append_series(std::vector<SeriesPanel<S, N>>& panels, PanelMap map, double tolerance, std::size_t most,

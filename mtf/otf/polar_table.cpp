@@ -15,8 +15,8 @@ using Cplx = std::complex<double>;
 
 constexpr std::size_t kFirstSpokes = 16, kMostSpokes = 256;
 constexpr std::size_t kFirstPoints = 12, kMostPoints = 96;
-constexpr std::size_t kKnots = 512;  // a piece: the cubic between them errs by less than 1e-9 of what varies smoothly
-constexpr std::size_t kMostProbes = 24, kAllProbes = 96;  // of a piece, of the table; of each kind
+constexpr std::size_t kKnots = 512;  // in a piece; the cubic between them errs by less than 1e-9 for a smooth function
+constexpr std::size_t kMostProbes = 24, kAllProbes = 96;  // for a piece, for the table; of each kind
 
 // r = begin + (end - begin) (1 - cos(pi t))/2, t in 0..1: the square root of the distance at both ends.
 double radius_at(double begin, double end, double t) {

@@ -28,8 +28,8 @@ class PolarTable {
   static Rings rings_of(Function h, int threads);
 
   /// `breaks`: radii in rising order between which H is smooth, the last being the table's end; beyond it H is 0.
-  /// Refined until the target is met, by values of `h` in between, or the next step would take more than `most` values
-  /// of an OTF in all; `threads` evaluate `h` (0 = all cores).
+  /// The table is refined until it meets the target at points in between, or until the next step would take more than
+  /// `most` values of an OTF in all; `threads` evaluate `h` (0 = all cores).
   PolarTable(const Function& h, const Rings& rings, std::vector<double> breaks, double target, std::int64_t most,
              int threads);
 
@@ -38,7 +38,7 @@ class PolarTable {
 
   /// Largest |table - H| found at points in between, times 2; also where the target could not be kept.
   double error() const { return error_; }
-  /// Values of an OTF that were taken.
+  /// The number of values of an OTF that were taken.
   std::int64_t evaluations() const { return evaluations_; }
 
  private:
@@ -50,7 +50,7 @@ class PolarTable {
   };
   void tabulate(const Rings& rings, std::size_t spokes, std::size_t points);
   Complex<double> at(const Freq<double>& f) const;
-  std::size_t probes() const;  ///< of a piece and kind
+  std::size_t probes() const;  ///< number for each piece and each kind
   double probe(const Function& h, std::size_t spokes, std::size_t points, bool around, int threads);
 
   std::vector<Piece> pieces_;

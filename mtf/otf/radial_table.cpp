@@ -11,7 +11,7 @@ namespace mtf {
 namespace {
 
 constexpr std::size_t kFirst = 256, kDense = 65536;
-constexpr std::size_t kSuspects = 12, kLook = 16;  // intervals looked at closely, and points in each
+constexpr std::size_t kSuspects = 12, kLook = 16;  // intervals that are tested closely, and points in each
 
 // Cubic through four neighbouring samples at t in 0..1 of the middle interval [i, i+1]. Past either end the parabola of
 // the last three samples continues: an MTF may have a corner at 0.

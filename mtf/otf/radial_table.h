@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A function of |f| as a table, linear between dense knots: the means to evaluate radial OTF factors at millions of
+// A function of |f| as a table, linear between dense knots: used to evaluate radial OTF factors at millions of
 // grid points. The function is sampled exactly on a coarse grid that is doubled until cubic interpolation reproduces
 // the new midpoints within the target; the dense knots come from those cubics.
 
@@ -18,7 +18,7 @@ class RadialTable {
   static constexpr std::int64_t kMostSamples = 32768;
   /// Table of `f` on [0, end]; beyond `end` it is f(end) (0 when `end` is the cutoff). `f` fills values at many radii.
   using Function = std::function<void(std::span<const double> radius, std::span<double> value)>;
-  /// Refined up to about `most` samples.
+  /// The table is refined up to about `most` samples.
   RadialTable(const Function& f, double end, double target, std::int64_t most = kMostSamples);
 
   /// value[i] *= table at end x sqrt(x2[i] + y2): squares of frequencies relative to the table's end.

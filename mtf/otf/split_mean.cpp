@@ -77,7 +77,8 @@ double BandWeights::RateSeries::at(double wavelength_um) const {
   return t * b1 + (coefficient[0] - b2);
 }
 
-/// Halved until the last terms are rounding: a source of 3 K in the visible changes by hundreds of powers of ten.
+/// The part is halved until the last terms are rounding errors: a source of 3 K in the visible changes by hundreds of
+/// powers of ten.
 void BandWeights::add_series(double lo_um, double hi_um, int depth) {
   constexpr int kDegree = static_cast<int>(kRateTerms) - 1, kDeepest = 30;
   std::vector<double> value;
@@ -123,7 +124,7 @@ double BandWeights::rate_at(double wavelength_um) const {
   return wavelength_um < series_.front().lo_um || wavelength_um > series_.back().hi_um ? 0.0 : series.at(wavelength_um);
 }
 
-/// No end of a smooth part lies inside.
+/// True when no end of a smooth part lies inside.
 bool BandWeights::smooth(double a_um, double b_um) const {
   const std::vector<double>& ends = rate_->breaks_um();
   const auto next = std::upper_bound(ends.begin(), ends.end(), a_um);

@@ -22,7 +22,7 @@
 
 namespace mtf {
 
-/// The degrees of a piece are 2 to kMostBandDegree, each twice the one before.
+/// A piece is given the degrees 2 to kMostBandDegree, each twice the one before.
 inline constexpr int kMostBandDegree = 32;
 
 /// The share of a piece's width below the points t = cos(pi j / kMostBandDegree).
@@ -30,7 +30,7 @@ const std::array<double, kMostBandDegree + 1>& band_shares();
 
 class BandWeights {
  public:
-  /// Nothing is done where the band is the one before.
+  /// Does nothing where the band is the one before.
   void set(const Band& band);
   double lo_um() const { return lo_um_; }
   double hi_um() const { return hi_um_; }
@@ -38,10 +38,10 @@ class BandWeights {
   struct Piece {
     double a_um = 0.0, b_um = 0.0;
     std::array<double, kMostBandDegree + 1> moment{};  ///< integrals of rate x T_k
-    int known = -1;                                    ///< up to this k
+    int known = -1;                                    ///< largest k whose moment is known
   };
   /// The weights of the function's values at every (kMostBandDegree / degree)-th of the points, for the integral over
-  /// the piece. Valid until the next call.
+  /// the piece. They are valid until the next call.
   std::span<const double> weights(Piece& piece, int degree);
 
  private:
@@ -50,7 +50,7 @@ class BandWeights {
   struct RateSeries {
     double lo_um = 0.0, hi_um = 0.0;
     std::array<double, kRateTerms> coefficient{};
-    bool flat = true;  ///< changes by no more than a third
+    bool flat = true;  ///< true: the rate changes by no more than a third
     double at(double wavelength_um) const;
   };
   void add_series(double lo_um, double hi_um, int depth);
@@ -60,8 +60,8 @@ class BandWeights {
 
   double lo_um_ = 0.0, hi_um_ = 0.0;
   std::shared_ptr<const ElectronRate> rate_;
-  std::vector<RateSeries> series_;  ///< rising; integral 1
-  Piece whole_;                     ///< that of the whole band, which is needed most often
+  std::vector<RateSeries> series_;  ///< in rising order; their integrals sum to 1
+  Piece whole_;                     ///< the piece of the whole band, which is needed most often
   std::array<double, kMostBandDegree + 1> weight_{};
 };
 
@@ -75,7 +75,7 @@ template <class S, std::size_t N, class At>
 double add_piece(BandWeights& weights, double a_um, double b_um, double tolerance, At& at, BandValues<S, N>& mean,
                  int& budget) {
   constexpr int kFirst = 4, kMost = kMostBandDegree;
-  constexpr double kNarrowest = 1e-13, kRounding = 1e-15;  // of the wavelength; of the values
+  constexpr double kNarrowest = 1e-13, kRounding = 1e-15;  // share of the wavelength; share of the values
   const auto& shares = band_shares();
   std::array<BandValues<S, N>, kMost + 1> value;
   BandWeights::Piece piece{.a_um = a_um, .b_um = b_um};
@@ -135,12 +135,12 @@ double add_piece(BandWeights& weights, double a_um, double b_um, double toleranc
 template <class S, std::size_t N>
 struct SplitMean {
   std::array<Complex<S>, N> value{};
-  double error = 0.0;   ///< estimated, of the worst of them
+  double error = 0.0;   ///< estimated error of the worst of them
   int wavelengths = 0;  ///< how many were taken
 };
 
 /// `at(lambda)` -> N values. `kinks_um`: rising; nothing is taken beyond `end_um`, from where on the function is 0.
-/// Stops at the tolerance, or at some thousands of wavelengths.
+/// It stops at the tolerance, or at some thousands of wavelengths.
 template <class S, std::size_t N, class At>
 SplitMean<S, N> split_mean(BandWeights& weights, std::span<const double> kinks_um, double end_um, double tolerance,
                            At at) {
@@ -150,7 +150,7 @@ SplitMean<S, N> split_mean(BandWeights& weights, std::span<const double> kinks_u
   SplitMean<S, N> mean;
   int budget = kMostValues;
   double from = weights.lo_um();
-  const double share = std::max(0.25 * tolerance, kFloor);  // about one of as many pieces
+  const double share = std::max(0.25 * tolerance, kFloor);  // the share of one piece
   const auto add = [&](double to) {
     if (to - from <= 1e-14 * end) return;
     mean.error += detail::add_piece<S, N>(weights, from, to, share, at, mean.value, budget);

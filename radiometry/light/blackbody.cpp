@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/light/blackbody.h"
 
-#include <limits>
-
 #include "radiometry/light/exponent.h"
 
 namespace radiometry {
@@ -10,22 +8,25 @@ namespace {
 
 /// From here on e^x - 1 = e^x, long before either overflows.
 constexpr double kLargeExponent = 600.0;
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
-struct Law {
+struct SpectralLaw {
   double factor;  // 2 h c^2 or 2 c, for wavelengths in um
   int power;      // of the wavelength
 };
-Law law_of(Flux flux) { return flux == Flux::watts ? Law{119104297.2397188414, 5} : Law{5.99584916e26, 4}; }
+SpectralLaw spectral_law(Flux flux) {
+  return flux == Flux::watts ? SpectralLaw{119104297.2397188414, 5} : SpectralLaw{5.99584916e26, 4};
+}
 
-double prefactor(const Law& law, double wavelength_um) { return law.factor * std::pow(wavelength_um, -law.power); }
+double prefactor(const SpectralLaw& law, double wavelength_um) {
+  return law.factor * std::pow(wavelength_um, -law.power);
+}
 
 }  // namespace
 
 SpectralSlopes planck_slopes(Flux flux, double wavelength_um, double temperature_k) {
   if (!(wavelength_um > 0.0)) return {std::nan(""), 0.0, std::nan("")};
   if (!radiates(temperature_k)) return {no_radiance(temperature_k), 0.0, no_radiance(temperature_k)};
-  const Law law = law_of(flux);
+  const SpectralLaw law = spectral_law(flux);
   const Exponent x = exponent(wavelength_um, temperature_k);
   const double factor = prefactor(law, wavelength_um), g = log_slope(x.x);
   const double log_by_wavelength = (g - law.power) / wavelength_um, log_by_temperature = g / temperature_k;
@@ -41,13 +42,14 @@ SpectralSlopes planck_derivative_slopes(Flux flux, double wavelength_um, double 
   // d log g / d log x = 1 - h with h = x / (e^x - 1); g = x + h.
   const double x = exponent(wavelength_um, temperature_k).x, g = log_slope(x), h = g - x > 0.0 ? g - x : 0.0;
   const double value = p.by_temperature;
-  return {value, value * (g + h - 1.0 - law_of(flux).power) / wavelength_um, value * (g + h - 2.0) / temperature_k};
+  return {value, value * (g + h - 1.0 - spectral_law(flux).power) / wavelength_um,
+          value * (g + h - 2.0) / temperature_k};
 }
 
 SpectralSlopes log_planck_slopes(Flux flux, double wavelength_um, double temperature_k) {
   if (!(wavelength_um > 0.0)) return {std::nan(""), 0.0, 0.0};
   if (!radiates(temperature_k)) return {temperature_k == 0.0 ? -kInf : std::nan(""), 0.0, 0.0};
-  const Law law = law_of(flux);
+  const SpectralLaw law = spectral_law(flux);
   const double x = exponent(wavelength_um, temperature_k).x, g = log_slope(x);
   const double log_value = x < kLargeExponent ? std::log(planck_slopes(flux, wavelength_um, temperature_k).value)
                                               : std::log(law.factor) - law.power * std::log(wavelength_um) - x;
@@ -57,7 +59,7 @@ SpectralSlopes log_planck_slopes(Flux flux, double wavelength_um, double tempera
 TemperatureSlopes brightness_temperature_slopes(Flux flux, double wavelength_um, double radiance) {
   if (!(wavelength_um > 0.0) || !(radiance >= 0.0)) return {std::nan(""), 0.0, 0.0};
   if (radiance == 0.0) return {};
-  const Law law = law_of(flux);
+  const SpectralLaw law = spectral_law(flux);
   const double factor = prefactor(law, wavelength_um), ratio = factor / radiance;
   const double x = ratio < kInf ? std::log1p(ratio) : std::log(factor) - std::log(radiance);
   const double temperature_k = kSecondRadiation_um_k / (wavelength_um * x), g = log_slope(x);

@@ -9,7 +9,6 @@ namespace radiometry {
 namespace {
 
 constexpr double kSmallestNormal = std::numeric_limits<double>::min();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 /// The band in x: it begins at `from` (the longest wavelength) and is `width` wide, which is formed without a
 /// difference of the two.
@@ -65,16 +64,16 @@ double scaled_integral(int p, bool derivative, double x, double width) {
 
 bool is_band(double lo_um, double hi_um) { return lo_um >= 0.0 && hi_um >= lo_um && lo_um < kInf && hi_um > 0.0; }
 
-struct Law {
+struct BandLaw {
   double factor;
   int p;  // of Bp; the radiance has the factor T^(p + 1)
 };
-Law law_of(Flux flux) { return {band_factor(flux), flux == Flux::watts ? 3 : 2}; }
+BandLaw band_law(Flux flux) { return {band_factor(flux), flux == Flux::watts ? 3 : 2}; }
 
 double radiance(Flux flux, bool derivative, double lo_um, double hi_um, double temperature_k) {
   if (!is_band(lo_um, hi_um)) return std::nan("");
   if (!radiates(temperature_k)) return no_radiance(temperature_k);
-  const Law law = law_of(flux);
+  const BandLaw law = band_law(flux);
   const Span span = span_of(lo_um, hi_um, temperature_k);
   const double t3 = temperature_k * temperature_k * temperature_k;
   // T^(p + 1) and, of the derivative, T^p.
@@ -99,7 +98,7 @@ BandSlopes band_derivative_slopes(Flux flux, double lo_um, double hi_um, double 
   const double at_lo = lo_um > 0.0 ? planck_slopes(flux, lo_um, temperature_k).by_temperature : 0.0;
   const double at_hi = hi_um < kInf ? planck_slopes(flux, hi_um, temperature_k).by_temperature : 0.0;
   const double ends = (hi_um < kInf ? hi_um * at_hi : 0.0) - lo_um * at_lo;
-  return {value, -at_lo, at_hi, (law_of(flux).p * value + ends) / temperature_k};
+  return {value, -at_lo, at_hi, (band_law(flux).p * value + ends) / temperature_k};
 }
 
 double log_band_radiance(Flux flux, double lo_um, double hi_um, double temperature_k) {
@@ -107,7 +106,7 @@ double log_band_radiance(Flux flux, double lo_um, double hi_um, double temperatu
   if (!radiates(temperature_k)) return temperature_k == 0.0 ? -kInf : std::nan("");
   const double value = radiance(flux, false, lo_um, hi_um, temperature_k);
   if (value >= kSmallestNormal) return std::log(value);
-  const Law law = law_of(flux);
+  const BandLaw law = band_law(flux);
   const Span span = span_of(lo_um, hi_um, temperature_k);
   return std::log(law.factor) + (law.p + 1) * std::log(temperature_k) +
          std::log(scaled_integral(law.p, false, span.from.x, span.width)) - span.from.x;
@@ -119,7 +118,7 @@ double band_temperature(Flux flux, double lo_um, double hi_um, double wanted) {
   // log L is a convex, falling function of 1/T, nearly a line: Newton's iteration on it, from the middle wavelength.
   double t = brightness_temperature_slopes(flux, 0.5 * (lo_um + hi_um), wanted / (hi_um - lo_um)).value;
   for (int step = 0; step < 60; ++step) {
-    const Law law = law_of(flux);
+    const BandLaw law = band_law(flux);
     const Span span = span_of(lo_um, hi_um, t);
     const double slope = scaled_integral(law.p, true, span.from.x, span.width) /
                          scaled_integral(law.p, false, span.from.x, span.width);  // d log L / d log T

@@ -5,6 +5,7 @@
 // be the relative error of e^-x.
 
 #include <cmath>
+#include <limits>
 
 #include "radiometry/light/blackbody.h"
 #include "radiometry/light/constants.h"
@@ -13,6 +14,7 @@ namespace radiometry {
 
 /// About the largest temperature whose fourth power a double can hold.
 inline constexpr double kHottest_k = 1e77;
+inline constexpr double kInf = std::numeric_limits<double>::infinity();
 
 struct Exponent {
   double x = 0.0, rest = 0.0;  ///< c2 / (lambda T) = x + rest

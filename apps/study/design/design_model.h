@@ -15,7 +15,7 @@ namespace study {
 
 /// The metrics of a study, and what has to be computed for them.
 struct MetricPlan {
-  std::vector<MetricChoice> choices;  ///< of Study::metrics
+  std::vector<MetricChoice> choices;  ///< one for each of Study::metrics
   std::vector<std::size_t> at;        ///< index into needs.at, for mtf_at
   mtf::ResolutionNeeds needs;
   bool resolution = false, budget = false, spatial = false, giqe = false, range = false;
@@ -45,7 +45,7 @@ class DesignModel {
       if (sites_[i].empty()) overrides_.push_back({parameter.path, parameters[i]});
     }
   }
-  /// As set(), for parameters that vary as built, too.
+  /// The same as set(), also for parameters that vary as built.
   void set_fixed(std::size_t parameter, const S& value) {
     for (S* number : sites_[parameter]) *number = value;
     if (!sites_[parameter].empty()) return;

@@ -78,7 +78,7 @@ struct Evaluator::Impl {
     sides.resize(study->constraints.size());
   }
 
-  /// The sensor for these levels of the discrete axes. The least recently used are dropped when there are many.
+  /// The sensor for these levels of the discrete axes. When there are many, those used least recently are discarded.
   Ready& ready(std::span<const double> values) {
     for (std::size_t a = 0; a < study->axes.size(); ++a)
       levels[a] = study->axes[a].discrete() ? static_cast<int>(values[a]) : 0;
@@ -265,7 +265,7 @@ Gradient Evaluator::gradient_at(std::span<const double> axis_values, double tole
 }
 
 std::vector<std::string> Evaluator::gaps() const {
-  // Of the base variant: what a metric needs and neither sensor nor study has.
+  // For the base variant: whatever a metric needs that neither the sensor nor the study has.
   const Study& study = *impl_->study;
   std::vector<std::string> gaps;
   const std::vector<double> levels(study.axes.size(), 0.0);

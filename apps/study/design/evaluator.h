@@ -20,18 +20,18 @@ struct Column {
     axis,       ///< value of an axis; of a discrete one without numbers the index into `levels`
     link,       ///< value of a linked parameter
     metric,     ///< NaN where the design cannot have it; `gap` says why
-    objective,  ///< that is not just one metric or parameter
+    objective,  ///< value of an objective that is not just one metric or parameter
     feasible,   ///< 1 when all constraints hold and all objectives are finite, else 0
     yield,      ///< share of as-built draws that meet all constraints
-    error       ///< largest error of the metrics, each as `tolerance` counts it: estimated
+    error       ///< estimate of the largest error of the metrics, each as `tolerance` counts it
   };
   std::string name, unit, definition, source;
   Role role = Role::metric;
   std::vector<std::string> levels{};
 };
 
-/// In order: axes, links, metrics, objectives, `feasible` (with constraints), `yield` (with as-built variation),
-/// `error`.
+/// The columns in their order: axes, links, metrics, objectives, `feasible` (with constraints), `yield` (with as-built
+/// variation), `error`.
 std::vector<Column> columns_of(const Study& study);
 
 /// Derivatives by the parameters of the numeric axes, by autodiff; NaN where there is none.
@@ -64,7 +64,7 @@ class Evaluator {
   const std::string& last_refusal() const;
   /// How far signal and noise of the last design are wrong because it is close to saturation; "" where they are not.
   const std::string& last_caution() const;
-  /// Of the last design that was evaluated: all objectives as shown, and the sides of the constraints.
+  /// The values of the last design that was evaluated: all objectives as shown, and the sides of the constraints.
   std::span<const double> last_objectives() const;
   std::span<const ConstraintValues> last_sides() const;
 

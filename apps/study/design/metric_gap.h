@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a metric needs that is neither in the sensor nor in the study.
+// What a metric needs and neither the sensor nor the study has.
 
 #include <string>
 

@@ -22,7 +22,8 @@ struct MetricInfo {
 /// All that have a fixed name.
 std::span<const MetricInfo> metric_catalogue();
 
-/// One of the catalogue, or the MTF at a frequency: "mtf_at_20_cy_mm", "mtf_at_0.25_cy_px_y", "mtf_at_5_cy_mrad_x".
+/// Finds a metric of the catalogue, or the MTF at a frequency: "mtf_at_20_cy_mm", "mtf_at_0.25_cy_px_y",
+/// "mtf_at_5_cy_mrad_x".
 std::optional<MetricInfo> find_metric(std::string_view name);
 
 }  // namespace study

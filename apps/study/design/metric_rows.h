@@ -73,7 +73,7 @@ enum class Metric {
   ttp_identify
 };
 
-/// What has to be computed for a metric.
+/// The quantities that have to be computed for a metric.
 enum class Effort {
   geometry,
   points,

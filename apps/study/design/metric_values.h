@@ -16,7 +16,7 @@
 
 namespace study {
 
-/// What the range models found.
+/// The results of the range models.
 template <class S>
 struct RangeFigures {
   S mrtd_k{}, ttp_cy_mrad{};
@@ -275,7 +275,7 @@ S range_value(Metric metric, const RangeFigures<S>& r) {
 
 }  // namespace detail
 
-/// In the unit of the row. `at`: which of ResolutionNeeds::at, for mtf_at. NaN where the design has none.
+/// The value in the unit of the row. `at`: which of ResolutionNeeds::at, for mtf_at. NaN where the design has none.
 template <class S>
 S metric_value(const MetricChoice& choice, const Design<S>& d, std::size_t at) {
   using namespace detail;

@@ -18,18 +18,18 @@ namespace study {
 struct VariantSensor {
   mtf::io::SensorConfig config;
   mtf::System<double> system;                ///< band with electron rate
-  std::optional<apps::LoadedSensor> loaded;  ///< with [detector]
+  std::optional<apps::LoadedSensor> loaded;  ///< present for a sensor with [detector]
   std::string no_budget;                     ///< why there is none: "no [detector]", ...
   double flicker_e = 0.0;
   radiometry::SpectralNumbers<double> spectral;  ///< without overrides
-  std::vector<double> base;                      ///< of each parameter, NaN where this sensor has no such number
-  std::vector<std::string> problems;             ///< of a variant that no sensor file could hold
+  std::vector<double> base;                      ///< value of each parameter, NaN where this sensor has no such number
+  std::vector<std::string> problems;             ///< why no sensor file could hold this variant
 };
 
 /// Reads the variant, its curves and tables. Throws RuntimeError for files that cannot be read.
 VariantSensor load_variant(const Study& study, std::span<const int> levels);
 
-/// Of the study's surface and target, see radiometry/performance/sensor_budget.h.
+/// The conditions of the study's surface and target, see radiometry/performance/sensor_budget.h.
 radiometry::SpectralNumbers<double> spectral_numbers(const Conditions& conditions, const radiometry::Sensor& sensor,
                                                      const radiometry::Overrides<double>& numbers = {});
 

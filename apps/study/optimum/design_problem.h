@@ -21,7 +21,7 @@ using Goal = std::vector<double>;
 
 struct DesignPoint {
   double f = 0.0;              ///< F, NaN where the design cannot have it
-  std::vector<double> margin;  ///< by constraint in SI, above 0 where it holds
+  std::vector<double> margin;  ///< of each constraint, in SI, above 0 where it holds
 };
 
 struct DesignSlopes {
@@ -29,7 +29,7 @@ struct DesignSlopes {
   std::vector<double> margin;  ///< [constraint][variable]; NaN, like f, where there is none
 };
 
-/// What 1 means: of F its spread over the box, of a margin the size of its sides.
+/// The units of scaled values: for F its spread over the box, for a margin the size of its sides.
 struct ProblemScale {
   double f = 1.0, f_middle = 0.0;
   std::vector<double> margin;
@@ -58,7 +58,7 @@ class DesignProblem {
   DesignSlopes slopes(std::span<const double> z);
   /// True when every constraint holds and F is a number.
   bool feasible(const DesignPoint& point) const;
-  /// Of the last point: why it can be no design, or has no F.
+  /// Why the last point can be no design, or has no F.
   const std::string& problem() const {
     return evaluator_.last_problem().empty() ? evaluator_.last_refusal() : evaluator_.last_problem();
   }

@@ -233,7 +233,7 @@ Combination prepare_combination(const std::shared_ptr<const Study>& sharp, const
   const std::vector<SobolAxis> directions = sobol_axes(axes);
   std::vector<double> unit(axes), values(axes);
   std::vector<std::vector<double>> points;
-  // Where much of the box cannot be, further on in the sequence.
+  // Where much of the box has no designs, the starts come from further on in the sequence.
   for (std::uint64_t i = 0; i < 64U * static_cast<std::uint64_t>(starts); ++i) {
     for (std::size_t a = 0; a < axes; ++a)
       unit[a] = sobol(directions[a], i, static_cast<std::uint32_t>(a), sharp->seed);

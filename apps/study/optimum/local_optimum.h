@@ -23,7 +23,7 @@ struct LocalEnd {
   Optimum optimum;
   std::vector<double> z;
   double violation = 0.0;                  ///< root of the sum of squares of the scaled ones
-  std::vector<std::string> contradiction;  ///< of one that is not feasible
+  std::vector<std::string> contradiction;  ///< what contradicts, where the end is not feasible
   int evaluations = 0;
 };
 

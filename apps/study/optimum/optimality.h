@@ -15,8 +15,8 @@ inline constexpr double kReached = 1e-6;
 /// An active limit: a constraint, or an end of an axis.
 struct ReachedLimit {
   enum class Kind { constraint, lower, upper } kind = Kind::constraint;
-  std::size_t index = 0;    ///< of the constraint, or of the variable
-  double multiplier = 0.0;  ///< of scaled F by scaled margin, or by z
+  std::size_t index = 0;    ///< index of the constraint, or of the variable
+  double multiplier = 0.0;  ///< derivative of scaled F by the scaled margin, or by z
   double gain = 0.0;        ///< decrease of F by a margin wider by one (SI), or an axis longer by one of its unit
 };
 

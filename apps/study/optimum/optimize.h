@@ -16,7 +16,7 @@ struct OptimizeOptions {
   std::vector<double> weights{};   ///< by objective, >= 0, not all 0: what counts is the sum of weight x objective as
                                    ///< shown, signed by its direction
   Method method = Method::smooth;  ///< smooth continues as search where it finds no optimum
-  int starts = 8;                  ///< in each combination of levels
+  int starts = 8;                  ///< number of starts in each combination of levels
   int threads = 0;                 ///< 0 = all cores; the result is the same for any
   std::function<void(double)> progress{};  ///< share done; called by one thread at a time
 };
@@ -26,7 +26,7 @@ struct Limit {
   enum class Kind { constraint, lower, upper } kind = Kind::constraint;
   std::size_t index = 0;  ///< into Study::constraints or Study::axes
   std::string text;       ///< "netd < 50 mK", "optics.aperture <= 200 mm"
-  std::string unit;       ///< of the limit: that of the metric or parameter which one side just is, else SI
+  std::string unit;       ///< unit of the limit: that of a metric or parameter that is one side by itself, else SI
   double value = 0.0;     ///< the limit, in it
   double gain = 0.0;  ///< improvement of the goal by a limit that is wider by one unit; 0: does not limit. NaN where
                       ///< the design has no slopes, or is not the optimum by them
@@ -35,8 +35,8 @@ struct Limit {
 /// What a design misses.
 struct Violation {
   std::size_t constraint = 0;
-  double by = 0.0;     ///< in `unit`
-  double share = 0.0;  ///< of the size of the constraint's sides
+  double by = 0.0;     ///< how much is missing, in `unit`
+  double share = 0.0;  ///< the same as a share of the size of the constraint's sides
   std::string unit;
 };
 
@@ -75,7 +75,7 @@ struct OptimizeOutcome {
   std::string problem;
 };
 
-/// Combinations of levels that are tried, at most.
+/// The largest number of combinations of levels that are tried.
 inline constexpr std::int64_t kMostCombinations = 200;
 
 /// Throws UsageError for a study without objectives, weights that do not fit them, more combinations of levels,

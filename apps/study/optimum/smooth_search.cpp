@@ -36,7 +36,7 @@ struct Multipliers {
   double penalty = 10.0;
 };
 
-/// What one minimization has seen.
+/// What one minimization has found so far.
 struct Seen {
   std::vector<double> best;  // theta
   double least = HUGE_VAL;
@@ -144,7 +144,7 @@ SearchEnd smooth_search(DesignProblem& problem, const ProblemScale& scale, std::
   SearchEnd end;
   const int last_evaluation = problem.evaluations() + task.most_evaluations;
   std::vector<double> theta;
-  // Off the ends, where theta has no slope.
+  // The start is moved off the ends, where theta has no slope.
   for (const double zi : z) theta.push_back(std::acos(1.0 - 2.0 * std::clamp(zi, 0.01, 0.99)));
   if (!std::isfinite(problem.at(cube_of(theta)).f) && !task.only_constraints)
     for (std::size_t i = 0; i < theta.size(); ++i) theta[i] = std::acos(1.0 - 2.0 * z[i]);

@@ -23,7 +23,7 @@ struct RowRange {
   bool operator==(const RowRange&) const = default;
 };
 
-/// What rows belong to. Rows of another key are another study's, tolerance's, version's or layout's.
+/// The key of rows: what they belong to. Rows of another key are another study's, tolerance's, version's or layout's.
 struct RowLayout {
   std::string key;           ///< 64 hex digits
   std::int64_t columns = 0;  ///< at least 1
@@ -34,13 +34,13 @@ struct RowLayout {
 /// One piece of a row file as its lines describe it; the numbers are not read yet.
 struct RowPiece {
   std::filesystem::path file;
-  std::uint64_t offset = 0;  ///< of its first line
+  std::uint64_t offset = 0;  ///< place of its first line
   std::uint64_t head = 0;    ///< bytes of the lines
   RowLayout layout;
   RowRange range;
   std::string sha256;
 
-  std::uint64_t bytes() const;  ///< of the numbers
+  std::uint64_t bytes() const;  ///< size of the numbers
 };
 
 /// Writes a file of one piece; rows.size() = range.count x layout.columns. Throws RuntimeError (disk full, ...).

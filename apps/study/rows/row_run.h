@@ -15,7 +15,7 @@ using RowMaker = std::function<void(std::int64_t design, std::span<double> row)>
 struct RowRun {
   RowLayout layout;
   RowRange range;
-  std::filesystem::path folder;    ///< of the pieces; made here where it is missing
+  std::filesystem::path folder;    ///< holds the pieces; made here where it is missing
   std::int64_t piece = 0;          ///< designs in one; 0 = piece_size(range.count)
   int threads = 0;                 ///< 0 = all cores
   std::function<RowMaker()> make;  ///< called once a thread
@@ -23,11 +23,11 @@ struct RowRun {
       done;  ///< called with the designs finished so far, one call at a time; may be empty
 };
 
-/// What came of it, in designs.
+/// The result of a run, in numbers of designs.
 struct RowTally {
-  std::int64_t made = 0;     ///< in this run
+  std::int64_t made = 0;     ///< designs made in this run
   std::int64_t resumed = 0;  ///< left by a run before
-  std::int64_t damaged = 0;  ///< of pieces that were there, were not good, and were made again (part of `made`)
+  std::int64_t damaged = 0;  ///< designs of pieces that were damaged and were made again (part of `made`)
 };
 
 /// Designs in a piece: small enough to lose little and to share among threads, large enough for few files.

@@ -12,7 +12,7 @@ namespace study {
 
 struct TableColumn {
   std::string name;
-  /// Of a column whose values are indices of words: the words, which the CSV shows. Empty: numbers.
+  /// The words, which the CSV shows, where the values of the column are indices of words; empty for numbers.
   std::vector<std::string> levels{};
 };
 

@@ -21,8 +21,8 @@ struct PlanFile {
 };
 
 struct ShardPlan {
-  std::string version, commit;     ///< of the program that made it
-  std::string name, study_sha256;  ///< of the study; the hash that Study has
+  std::string version, commit;     ///< version and commit of the program that made it
+  std::string name, study_sha256;  ///< name of the study, and the hash that Study has
   double tolerance = 0.0;
   std::int64_t designs = 0;
   int shards = 1;  ///< 1 to designs
@@ -44,7 +44,7 @@ ShardPlan read_plan(const std::filesystem::path& folder);
 /// Designs of shard 1 ... plan.shards: as even as can be.
 RowRange shard_range(const ShardPlan& plan, int shard);
 
-/// Where the shard lies once it is finished.
+/// The path of the shard once it is finished.
 std::filesystem::path shard_file(const ShardPlan& plan, const std::filesystem::path& folder, int shard);
 
 /// The folder of its pieces while it is made.
@@ -55,7 +55,7 @@ std::filesystem::path parts_folder(const std::filesystem::path& shard_file);
 void remove_parts(const std::filesystem::path& shard_file);
 
 /// Its pieces when it is finished and its numbers are as written. Throws RuntimeError for a damaged or foreign file.
-/// Empty when it is not there.
+/// The result is empty when the file is not there.
 std::vector<RowPiece> find_shard(const ShardPlan& plan, const std::filesystem::path& folder, int shard);
 
 /// The pieces of all shards in the order of the designs. Throws RuntimeError with a line for every shard that is

@@ -13,16 +13,16 @@ struct SubmitJob {
   Engine engine = Engine::slurm;
   std::string command;  ///< path of `mtf`
   std::string plan;     ///< absolute path of the folder
-  std::string name;     ///< of the study, for the queue's list
+  std::string name;     ///< name of the study, for the queue's list
   int shards = 1;
-  int threads = 0;  ///< of one shard; 0 = all that the job has
+  int threads = 0;  ///< threads of one shard; 0 = all that the job has
 };
 
 /// The script, for sh: a Slurm job array of `mtf sweep run PLAN` (#SBATCH lines; run by sbatch), a call of GNU parallel
 /// with a job log that --resume goes on from, or the shards one after another.
 std::string submit_script(const SubmitJob& job);
 
-/// Its name in the plan: "submit.slurm.sh".
+/// The script's name in the plan: "submit.slurm.sh".
 std::string script_name(Engine engine);
 
 }  // namespace study

@@ -17,7 +17,7 @@ namespace study {
 /// [draw][as_built]
 std::vector<double> as_built_draws(const Study& study);
 
-/// Makes the row of a design with its yield. One a thread.
+/// Makes the row of a design with its yield. Each thread has one of its own.
 class DesignRows {
  public:
   DesignRows(std::shared_ptr<const Study> study, std::shared_ptr<const std::vector<double>> draws);
@@ -38,7 +38,7 @@ class DesignRows {
 /// Standard error of a share of `draws`: sqrt(p (1 - p) / n).
 double yield_error(double yield, int draws);
 
-/// One maker of rows a thread.
+/// A maker of rows for each thread.
 std::function<RowMaker()> row_makers(const std::shared_ptr<const Study>& study);
 
 /// What rows of the study are kept under: they are those of this study at this tolerance, made by this version.

@@ -17,7 +17,7 @@
 
 namespace study {
 
-/// Results of a point of the unit cube; NaN for one that has none.
+/// The results at a point of the unit cube; NaN for a point that has none.
 using PointMaker = std::function<void(std::span<const double> unit, std::span<double> results)>;
 
 struct IndexJob {
@@ -25,7 +25,7 @@ struct IndexJob {
   std::int64_t samples = 1024;  ///< n; points taken: n x (parameters + 2)
   std::uint64_t seed = 0;
   int threads = 0;                     ///< 0 = all cores
-  std::function<PointMaker()> make;    ///< called once a piece of work
+  std::function<PointMaker()> make;    ///< called once for each piece of work
   std::function<void(double)> done{};  ///< share of the work, one call at a time; may be empty
 };
 
@@ -40,7 +40,7 @@ struct Indices {
   std::vector<std::int64_t> used;  ///< samples, by result: those with a number at A, B and all AB_j
 };
 
-/// The same for any number of threads. Throws what `make` and the points throw.
+/// The result is the same for any number of threads. Throws what `make` and the points throw.
 Indices sensitivity_indices(const IndexJob& job);
 
 }  // namespace study

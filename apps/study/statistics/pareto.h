@@ -25,11 +25,11 @@ struct FrontPoints {
   void add(std::int64_t design, std::span<const double> of);
 };
 
-/// Those that no other dominates, in the order of their numbers. Of designs that are equal in every objective the one
-/// of the lowest number stays: so the front is the same for any order and any batches.
+/// Returns the designs that no other dominates, in the order of their numbers. Of designs that are equal in every
+/// objective the one of the lowest number stays: so the front is the same for any order and any batches.
 FrontPoints front_of(const FrontPoints& points);
 
-/// The front of points that come bit by bit.
+/// The front of points that come in batches.
 class StreamingFront {
  public:
   explicit StreamingFront(std::size_t objectives) : points_{.objectives = objectives} {}

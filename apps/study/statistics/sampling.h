@@ -19,11 +19,11 @@ enum class Purpose : std::uint32_t {
   sobol_shift = 1003,
   as_built = 1004,   ///< counter: draw, parameter
   indices = 1005,    ///< points of variance-based indices: sample, axis, set
-  bootstrap = 1006,  ///< of their standard errors: sample, repetition
+  bootstrap = 1006,  ///< draws for their standard errors: sample, repetition
 };
 
-/// Place of `i` in a pseudo-random permutation of 0 ... n - 1, one for each axis and seed: a Feistel network over the
-/// smallest power of two that holds n, walked along its cycle until it is back below n (Black and Rogaway, CT-RSA
+/// The place of `i` in a pseudo-random permutation of 0 ... n - 1, one for each axis and seed: a Feistel network over
+/// the smallest power of two that holds n, walked along its cycle until it is back below n (Black and Rogaway, CT-RSA
 /// 2002). i < n.
 std::uint64_t permuted(std::uint64_t i, std::uint64_t n, std::uint32_t axis, std::uint64_t seed);
 
@@ -32,9 +32,9 @@ std::uint64_t permuted(std::uint64_t i, std::uint64_t n, std::uint32_t axis, std
 double latin_hypercube(std::uint64_t i, std::uint64_t n, std::uint32_t axis, std::uint64_t seed);
 
 /// Direction numbers of one axis of Sobol's sequence in binary fractions of 32 bits, those of Joe and Kuo (SIAM J. Sci.
-/// Comput. 30, 2008). Enough for 2^31 points.
+/// Comput. 30, 2008). They are enough for 2^31 points.
 using SobolAxis = std::array<std::uint32_t, 31>;
-/// At most 1000 axes.
+/// There are at most 1000 axes.
 std::vector<SobolAxis> sobol_axes(std::size_t axes);
 
 /// Point i of the sequence in 32-bit fractions, in the order of Antonov and Saleev; point 0 is 0.

@@ -17,7 +17,7 @@ class EvaluatorPool {
  public:
   explicit EvaluatorPool(std::shared_ptr<const Study> study) : study_(std::move(study)) {}
 
-  /// One that goes back to the pool with the last copy of the pointer. The pool has to outlive it.
+  /// Lends an evaluator, which goes back to the pool with the last copy of the pointer. The pool has to outlive it.
   std::shared_ptr<Evaluator> take();
 
  private:
@@ -27,15 +27,15 @@ class EvaluatorPool {
 };
 
 struct StudyIndices {
-  std::int64_t samples = 0;            ///< of each of the two sets
-  std::vector<std::size_t> columns{};  ///< of the results: metrics and objectives
+  std::int64_t samples = 0;            ///< number in each of the two sets
+  std::vector<std::size_t> columns{};  ///< columns of the results: metrics and objectives
   Indices indices{};                   ///< [result][axis]
 };
 
-/// Samples that a study gets: at most 4096 and about as many points as a quarter of its designs, or 4096.
+/// The number of samples that a study gets: at most 4096 and about as many points as a quarter of its designs, or 4096.
 std::int64_t index_samples(const Study& study);
 
-/// Every axis at its quantiles (design_at_quantiles), independent of each other. `done` as in IndexJob.
+/// Every axis is sampled at its quantiles (design_at_quantiles), independent of each other. `done` as in IndexJob.
 StudyIndices study_indices(const std::shared_ptr<const Study>& study, const std::vector<Column>& columns, int threads,
                            const std::function<void(double)>& done);
 

@@ -36,7 +36,7 @@ struct TallyJob {
 };
 
 struct TallyDesign {
-  std::int64_t design = -1;  ///< -1 = there is none
+  std::int64_t design = -1;  ///< number of the design; -1 = there is none
   double value = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> row{};
 };
@@ -50,23 +50,23 @@ struct InvalidDesigns {
   void add(const InvalidDesigns& others);
 };
 
-/// False where a side is not finite.
+/// Returns false where a side is not finite.
 bool meets(const TallyLimit& limit, ConstraintValues sides);
-/// The sides lie within `share` of the larger of them.
+/// True when the sides differ by at most `share` of the larger of them.
 bool active(ConstraintValues sides, double share);
-/// How far a constraint is from being met, as a share of its larger side, 0 to 2; 0 where it is met, NaN where a side
-/// is not finite.
+/// The distance of a constraint from being met, as a share of its larger side, 0 to 2; 0 where it is met, NaN where a
+/// side is not finite.
 double violation(const TallyLimit& limit, ConstraintValues sides);
 
 class Tally {
  public:
   explicit Tally(TallyJob job);
 
-  /// For TableJob::count_rows.
+  /// The function for TableJob::count_rows.
   std::function<void()> count(RowRange range, std::span<const double> rows);
 
   std::int64_t designs() const { return designs_; }
-  /// With no constraints: designs that are not invalid.
+  /// Without constraints it is the number of designs that are not invalid.
   std::int64_t feasible() const { return feasible_; }
   const InvalidDesigns& invalid() const { return invalid_; }
   double worst_error() const { return worst_error_; }                    ///< NaN where no design has one

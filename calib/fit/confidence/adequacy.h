@@ -15,16 +15,16 @@
 namespace calib {
 
 struct ResidualBin {
-  double distance_px = 0.0;  ///< mean of its pixels
+  double distance_px = 0.0;  ///< mean distance of its pixels
   double width_px = 0.0;
-  double mean = 0.0;      ///< in sd of the noise
-  double variance = 0.0;  ///< of the mean, were the residuals noise
+  double mean = 0.0;      ///< mean residual, in sd of the noise
+  double variance = 0.0;  ///< variance of the mean, were the residuals noise
 };
 
 struct Adequacy {
   double chi2 = 0.0;           ///< sum of squares, outliers bent (data_block.h)
-  double outlier_share = 0.0;  ///< beyond 4 sd
-  double whiteness_p = 1.0;    ///< of residuals at least as structured, were they noise
+  double outlier_share = 0.0;  ///< share of residuals beyond 4 sd
+  double whiteness_p = 1.0;    ///< probability of residuals at least as structured, were they noise
   double structure = 0.0;      ///< rms of the means beyond their noise, in sd of the noise
   std::vector<ResidualBin> bins;
 };

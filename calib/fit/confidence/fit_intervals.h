@@ -12,7 +12,7 @@
 namespace calib {
 
 /// Where the minimiser has ended at a flat bound it is started once more where the parameters act; a lower minimum is
-/// taken and `solved` updated. Returns whether there was one.
+/// taken and `solved` updated. Returns true when there was one.
 bool leave_flat_bounds(FitProblem& problem, Solved& solved, std::span<const FlatBound> flat, Solution& solution,
                        const MinimiseOptions& options);
 

@@ -19,12 +19,12 @@ namespace calib {
 
 struct FlatBound {
   std::size_t parameter = 0;
-  double bound = 0.0;     ///< of x
+  double bound = 0.0;     ///< value of x at the bound
   double inward = 1.0;    ///< +1 when the range lies above the bound, -1 when below
   double off = 0.0;       ///< distance from the bound at which the effect is above the noise
   bool at_bound = false;  ///< the present x differs from the bound by less than can be seen
 
-  /// x, or where the parameter acts if x is too near to the bound.
+  /// Returns x, or the place where the parameter acts if x is too near to the bound.
   double off_bound(double x) const;
 };
 

@@ -20,11 +20,11 @@ inline constexpr double kPartOfDirection = 0.1;
 
 struct WeakDirection {
   std::vector<std::size_t> members;  ///< strongest first
-  std::vector<double> weight;        ///< of each, in units of its reference
+  std::vector<double> weight;        ///< component of each, in units of its reference
 };
 
 struct Identified {
-  Eigen::MatrixXd covariance;  ///< of x; along weak directions as large as the data leave it
+  Eigen::MatrixXd covariance;  ///< covariance of x; along weak directions it is as large as the data leave it
   std::vector<WeakDirection> weak;
   std::vector<bool> determined;
 };

@@ -9,13 +9,13 @@
 namespace calib {
 
 struct ProfileEnds {
-  std::array<double, 2> interval68{}, interval95{};  ///< values; a bound where chi-square does not rise that far
-  bool low_open = false, high_open = false;          ///< of interval95: an end is the bound
+  std::array<double, 2> interval68{}, interval95{};  ///< ends; a bound where chi-square does not rise that far
+  bool low_open = false, high_open = false;          ///< true: that end of interval95 is the bound
 };
 
 /// The profile of variable i around the minimum, at which the problem is before and after. `sd`: of x. `noise_factor`:
 /// chi-square per degree of freedom, by which rises are divided. Refits begin away from the `flat` bounds, which
-/// the minimiser would not leave. Empty when stopped.
+/// the minimiser would not leave. The result is empty when the fit was stopped.
 std::optional<ProfileEnds> profile(FitProblem& problem, std::size_t i, double sd, double cost, double noise_factor,
                                    std::span<const FlatBound> flat, const std::function<bool()>& go_on);
 

@@ -28,12 +28,12 @@ inline BentResidual bent(double r, bool robust) {
   return {std::copysign(value, r), kHuberSd / value};
 }
 
-/// A residual as reports and tests of the model need it: unbent, in sd.
+/// A residual as reports and tests of the model need it: in sd, without the Huber loss.
 struct Residual {
   std::int64_t x = 0, y = 0;  ///< pixel
   double value = 0.0;
-  double distance_px = 0.0;  ///< from an edge; 0 otherwise
-  double sd = 0.0;           ///< of the noise that was assumed
+  double distance_px = 0.0;  ///< distance from an edge; 0 for other data
+  double sd = 0.0;           ///< sd of the noise that was assumed
 };
 
 }  // namespace calib

@@ -29,11 +29,11 @@ class EdgeBlock {
   bool gradients() const { return gradients_; }
   void use_gradients() { gradients_ = true; }
   void set_robust(bool robust) { robust_ = robust; }
-  /// Makes normal() use every so-many-th pixel, which is enough to come close.
+  /// Makes normal() use one pixel in so many, which is enough to come close to the minimum.
   void thin_out(std::size_t every) { every_ = every; }
   /// Multiplies all noise variances.
   void scale_noise(double factor);
-  /// Variance in use / variance given.
+  /// The variance in use, divided by the variance that was given.
   double noise_scale() const { return noise_factor_ * noise_factor_; }
 
   std::vector<double> start() const;
@@ -47,9 +47,9 @@ class EdgeBlock {
   NormalMatrix normal(const Sensors& sensors, std::span<const double> own) const;
   /// The same with the gradients, whether they are in use or not; `own` without them.
   NormalMatrix normal_with_gradients(const Sensors& sensors, std::span<const double> own) const;
-  /// For adequacy: unbent. `own` as normal() takes it.
+  /// The residuals without the Huber loss, for tests of adequacy. `own` is as normal() takes it.
   std::vector<Residual> residuals(const Sensors& sensors, std::span<const double> own, std::size_t every = 1) const;
-  /// Whether weights follow from the fit: noise that grows with the signal, or rounding that is coarse against it.
+  /// True when the weights depend on the fit: the noise grows with the signal, or the rounding is coarse against it.
   bool noise_follows() const;
   /// Sets the weights from the fitted values and slopes.
   void update_noise(const Sensors& sensors, std::span<const double> own);
@@ -67,9 +67,9 @@ class EdgeBlock {
     double scale = 1.0;  ///< cos(phi)
   };
   static Place place_of(const EdgeCurve& curve, Point normal, const Pixel& pixel);
-  /// `near`: along, from where its foot is searched.
+  /// `near`: the place along the edge from where the foot point is searched.
   static Place on_curve(const EdgeCurve& curve, double across, double along, double near);
-  /// Of all pixels on a curve that is not straight: worth keeping for the next pass at the same point.
+  /// The places of all pixels on a curve that is not straight, kept for the next pass at the same point.
   const std::vector<Place>& places(std::span<const double> own) const;
   bool keeps_places() const;
   std::size_t curve_unknowns() const;
@@ -82,7 +82,7 @@ class EdgeBlock {
   bool robust_ = false;
   std::size_t every_ = 1;
   bool gradients_ = false;
-  double noise_factor_ = 1.0;  // of the sd
+  double noise_factor_ = 1.0;  // factor on the sd
   double range_px_ = 0.0;
   bool thinned_ = false;
   std::vector<Pixel> pixels_;

@@ -23,7 +23,8 @@ class SpotBlock {
   bool cut() const { return roi_.width < data_->roi.width || roi_.height < data_->roi.height; }
   /// sd of a Gaussian as wide as the spot at half its peak.
   double width_px() const { return width_px_; }
-  /// Pixels with a value; too few, no light above the background, a saturated peak: `reason` says so.
+  /// Takes the pixels with a value. `reason` says when there are too few, no light above the background, or a saturated
+  /// peak.
   std::size_t pixels() const { return pixels_; }
   const std::string& reason() const { return reason_; }
   void set_robust(bool robust) { robust_ = robust; }

@@ -13,8 +13,7 @@
 namespace mtf::io {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
-constexpr std::size_t kMaxRows = 1'000'000;
+constexpr std::size_t kMaxOecfBytes = std::size_t{64} << 20;
 constexpr double kMinGamma = 0.1, kMaxGamma = 10.0;
 constexpr std::string_view kKnown =
     "linear, srgb, gamma (2.2), gamma:1.8 or the path of a table (columns: stored value, linear value)";
@@ -90,7 +89,7 @@ Encoding parse_oecf(std::string_view text, const std::string& source) {
         throw fail("linear values turn back here; they have to rise or to fall throughout, smooth the measured table");
       if (sign != 0) direction = sign;
     }
-    if (encoding.stored.size() == kMaxRows) throw fail("more than a million rows; thin the table out");
+    if (encoding.stored.size() == kMaxTableRows) throw fail("more than a million rows; thin the table out");
     encoding.stored.push_back(stored);
     encoding.linear.push_back(linear);
   }
@@ -118,7 +117,7 @@ Encoding parse_encoding(const std::string& text, const std::string& folder) {
     throw UsageError("unknown encoding \"" + printable(text, 60) + "\"; it is " + std::string(kKnown));
   const std::string path = text.starts_with('/') ? text : folder + text;
   static_cast<void>(input_file_size(path));
-  return parse_oecf(read_text_file(path, kMaxBytes), path);
+  return parse_oecf(read_text_file(path, kMaxOecfBytes), path);
 }
 
 double full_scale(const FileInfo& info) {

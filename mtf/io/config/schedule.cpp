@@ -17,7 +17,7 @@ namespace {
 
 using cfg::Node;
 
-constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
+constexpr std::size_t kMaxScheduleBytes = std::size_t{64} << 20;
 
 std::string joined(const std::vector<std::string>& lines) {
   std::string text;
@@ -139,7 +139,7 @@ Schedule parse_schedule(std::string_view text, const std::string& file, const Se
 }
 
 Schedule read_schedule(const std::string& path, const SensorConfig& sensor) {
-  return parse_schedule(read_text_file(path, kMaxBytes), path, sensor);
+  return parse_schedule(read_text_file(path, kMaxScheduleBytes), path, sensor);
 }
 
 }  // namespace mtf::io

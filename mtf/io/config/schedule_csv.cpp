@@ -69,13 +69,13 @@ std::optional<std::vector<std::string>> cells_of(std::string_view line, char sep
   }
 }
 
-struct Columns {
+struct ScheduleColumns {
   char separator = ',';
   std::array<std::size_t, 3> at{};  ///< of frame, parameter, value
 };
 
 /// What is wrong with the header, "" when it is good.
-std::string read_header(std::string_view line, Columns& columns) {
+std::string read_header(std::string_view line, ScheduleColumns& columns) {
   constexpr std::array<std::string_view, 3> names{"frame", "parameter", "value"};
   for (const char c : {';', '\t'})
     if (line.find(c) != std::string_view::npos) columns.separator = c;
@@ -91,7 +91,7 @@ std::string read_header(std::string_view line, Columns& columns) {
 }
 
 /// What is wrong with a line, "" when it is good.
-std::string read_line(std::string_view line, const Columns& columns, Setting& setting) {
+std::string read_line(std::string_view line, const ScheduleColumns& columns, Setting& setting) {
   const auto cells = cells_of(line, columns.separator);
   if (!cells) return "a quote is open, or text follows a closed one: " + printable(line, 60);
   if (cells->size() != 3)
@@ -120,7 +120,7 @@ std::vector<Setting> read_settings(std::string_view text, const std::string& fil
   std::vector<Setting> settings;
   const auto fail = [&](int line, const std::string& what) { errors.push_back(schedule_error(file, line, what)); };
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  Columns columns;
+  ScheduleColumns columns;
   bool header = false;
   for (int number = 1; !text.empty() && errors.size() < kMostScheduleErrors; ++number) {
     const std::string_view line = take_line(text);

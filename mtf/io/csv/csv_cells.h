@@ -12,6 +12,9 @@
 
 namespace mtf::io {
 
+/// Tables with more rows or columns than these are refused.
+inline constexpr std::size_t kMaxTableRows = 1'000'000, kMaxTableColumns = 64;
+
 /// Without blanks at the ends and one pair of double quotes around the rest.
 inline std::string_view trimmed_cell(std::string_view text) {
   constexpr std::string_view blanks = " \t\r";
@@ -23,7 +26,8 @@ inline std::string_view trimmed_cell(std::string_view text) {
 }
 
 /// Trimmed cells of a line, at most `limit` + 1 of them.
-inline std::vector<std::string_view> split_cells(std::string_view line, char separator, std::size_t limit = 64) {
+inline std::vector<std::string_view> split_cells(std::string_view line, char separator,
+                                                 std::size_t limit = kMaxTableColumns) {
   std::vector<std::string_view> cells;
   for (std::size_t at = 0; cells.size() <= limit;) {
     const std::size_t end = line.find(separator, at);

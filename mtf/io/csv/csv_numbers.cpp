@@ -12,12 +12,6 @@
 #include "mtf/io/file_checks.h"
 
 namespace mtf::io {
-namespace {
-
-constexpr std::size_t kMaxRows = 1'000'000;
-constexpr std::size_t kMaxColumns = 64;
-
-}  // namespace
 
 CsvNumbers read_csv_numbers(std::string_view text, const std::string& source, const std::string& remedy,
                             const ChooseColumns& choose) {
@@ -32,22 +26,23 @@ CsvNumbers read_csv_numbers(std::string_view text, const std::string& source, co
     const auto where = [&] { return source + ":" + std::to_string(line) + ": "; };
     if (cells_of_header == 0) {
       separator = separator_of(row);
-      const auto cells = split_cells(row, separator, kMaxColumns);
+      const auto cells = split_cells(row, separator, kMaxTableColumns);
       cells_of_header = cells.size();
       if (cell_number(cells.front())) throw UsageError(where() + "the header is missing; " + remedy);
       if (cells.size() < 2)
         throw UsageError(where() + "one column only, two are needed (separator: comma, semicolon or tab); " + remedy);
-      if (cells.size() > kMaxColumns)
-        throw UsageError(where() + "more than " + std::to_string(kMaxColumns) + " columns");
+      if (cells.size() > kMaxTableColumns)
+        throw UsageError(where() + "more than " + std::to_string(kMaxTableColumns) + " columns");
       chosen = choose(cells, where());
       numbers.column.resize(chosen.size());
       continue;
     }
-    const auto cells = split_cells(row, separator, kMaxColumns);
+    const auto cells = split_cells(row, separator, kMaxTableColumns);
     if (cells.size() != cells_of_header)
       throw UsageError(where() + std::to_string(cells.size()) + " values where the header has " +
                        std::to_string(cells_of_header) + "; numbers have a decimal point, not a comma");
-    if (numbers.line.size() == kMaxRows) throw UsageError(where() + "more than a million rows; thin the table out");
+    if (numbers.line.size() == kMaxTableRows)
+      throw UsageError(where() + "more than a million rows; thin the table out");
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const std::optional<double> value = cell_number(cells[chosen[i]]);
       if (!value || !std::isfinite(*value))

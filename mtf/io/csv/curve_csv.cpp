@@ -21,9 +21,7 @@
 namespace mtf::io {
 namespace {
 
-constexpr std::size_t kMaxRows = 1'000'000;
-constexpr std::size_t kMaxColumns = 64;
-constexpr std::string_view kRemedy = "write the first line like this: frequency_cy_mm,mtf (or _cy_mrad, _cy_px)";
+constexpr std::string_view kHeaderRemedy = "write the first line like this: frequency_cy_mm,mtf (or _cy_mrad, _cy_px)";
 
 struct Frequency {
   bool is = false;
@@ -51,21 +49,22 @@ Frequency frequency_column(std::string_view cell) {
   return found;
 }
 
-struct Columns {
+struct CurveColumns {
   char separator = ',';
   std::size_t count = 0, frequency = 0, value = 0;
   const Unit* unit = nullptr;
 };
 
-Columns read_header(std::string_view line, const std::string& where) {
-  const auto fail = [&](const std::string& why) { return UsageError(where + why + "; " + std::string(kRemedy)); };
-  Columns columns;
+CurveColumns read_header(std::string_view line, const std::string& where) {
+  const auto fail = [&](const std::string& why) { return UsageError(where + why + "; " + std::string(kHeaderRemedy)); };
+  CurveColumns columns;
   columns.separator = separator_of(line);
-  const auto cells = split_cells(line, columns.separator, kMaxColumns);
+  const auto cells = split_cells(line, columns.separator, kMaxTableColumns);
   columns.count = cells.size();
   if (cell_number(cells.front())) throw fail("the header is missing");
   if (cells.size() < 2) throw fail("one column only, two are needed (separator: comma, semicolon or tab)");
-  if (cells.size() > kMaxColumns) throw UsageError(where + "more than " + std::to_string(kMaxColumns) + " columns");
+  if (cells.size() > kMaxTableColumns)
+    throw UsageError(where + "more than " + std::to_string(kMaxTableColumns) + " columns");
   std::vector<std::size_t> frequencies, values;
   std::string names;
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -117,7 +116,7 @@ std::string read_text_file(const std::string& path, std::size_t limit) {
 
 Curve parse_curve_csv(std::string_view text, const std::string& source) {
   text = without_mark(text);
-  std::optional<Columns> columns;
+  std::optional<CurveColumns> columns;
   std::vector<double> frequency, value;
   for (std::size_t line = 1; !text.empty(); ++line) {
     const std::string_view row = take_text_line(text);
@@ -128,7 +127,7 @@ Curve parse_curve_csv(std::string_view text, const std::string& source) {
       continue;
     }
     const auto fail = [&](const std::string& why) { return UsageError(where + why); };
-    const auto cells = split_cells(row, columns->separator, kMaxColumns);
+    const auto cells = split_cells(row, columns->separator, kMaxTableColumns);
     if (cells.size() != columns->count)
       throw fail(std::to_string(cells.size()) + " values where the header has " + std::to_string(columns->count) +
                  "; numbers have a decimal point, not a comma");
@@ -144,11 +143,11 @@ Curve parse_curve_csv(std::string_view text, const std::string& source) {
       throw fail("frequency " + format_double(f) + " after " + format_double(frequency.back()) +
                  "; frequencies have to increase");
     if (std::abs(v) > 1.05) throw fail("|MTF| " + format_double(v) + " above 1.05; divide by 100 if it is in percent");
-    if (frequency.size() == kMaxRows) throw fail("more than a million rows; thin the curve out");
+    if (frequency.size() == kMaxTableRows) throw fail("more than a million rows; thin the curve out");
     frequency.push_back(f);
     value.push_back(v);
   }
-  if (!columns) throw UsageError(source + ": no header and no data; " + std::string(kRemedy));
+  if (!columns) throw UsageError(source + ": no header and no data; " + std::string(kHeaderRemedy));
   return make_curve(source, *columns->unit, std::move(frequency), std::move(value));
 }
 

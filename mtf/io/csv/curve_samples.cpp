@@ -14,7 +14,7 @@
 namespace mtf::io {
 namespace {
 
-constexpr std::size_t kMaxColumns = 256;
+constexpr std::size_t kMaxSampleColumns = 256;
 
 /// The file's rows as cells, with what messages call each.
 struct Table {
@@ -36,7 +36,7 @@ Table split(std::string_view text, const std::string& source) {
     const std::string_view row = take_text_line(text);
     if (is_comment(row)) continue;
     if (table.header.empty()) separator = separator_of(row);
-    auto cells = split_cells(row, separator, kMaxColumns);
+    auto cells = split_cells(row, separator, kMaxSampleColumns);
     const std::string where = source + ":" + std::to_string(line) + ": ";
     if (table.header.empty()) {
       table.header = std::move(cells);

@@ -16,8 +16,8 @@
 namespace mtf::io {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
-constexpr std::size_t kMaxRows = 2'000'000;
+constexpr std::size_t kMaxTape7Bytes = std::size_t{256} << 20;
+constexpr std::size_t kMaxRunRows = 2'000'000;
 constexpr std::size_t kLongestLine = 4096;
 
 /// Names that hold a blank, so that they are not taken for two columns.
@@ -99,8 +99,8 @@ class RunReader {
         throw UsageError(where + "the second line of the header, with TRANS, is missing");
       return;
     }
-    if (wavenumber_.size() == kMaxRows)
-      throw UsageError(where + "more than " + std::to_string(kMaxRows) + " rows in a run; is it a tape7?");
+    if (wavenumber_.size() == kMaxRunRows)
+      throw UsageError(where + "more than " + std::to_string(kMaxRunRows) + " rows in a run; is it a tape7?");
     const double wavenumber = number(row, *frequency_, where, false);
     if (!(wavenumber > 0.0))
       throw UsageError(where + "a wavenumber of " + format_double(wavenumber) + " cm^-1; it has to be above 0");
@@ -181,7 +181,7 @@ std::vector<Tape7Run> parse_tape7(std::string_view text, const std::string& sour
 }
 
 std::vector<Tape7Run> read_tape7(const std::string& path) {
-  return parse_tape7(read_table_text(path, kMaxBytes), path);
+  return parse_tape7(read_table_text(path, kMaxTape7Bytes), path);
 }
 
 PathColumns path_columns(const std::vector<Tape7Run>& runs, const std::vector<double>& range_m) {

@@ -97,7 +97,7 @@ std::string part_storage(const Imf::Header& header) {
   return text + ", " + std::to_string(x) + " x " + std::to_string(y) + " rip-map levels";
 }
 
-std::array<int, 4> window_of(const Imath::Box2i& box) { return {box.min.x, box.min.y, box.max.x, box.max.y}; }
+std::array<int, 4> corners_of(const Imath::Box2i& box) { return {box.min.x, box.min.y, box.max.x, box.max.y}; }
 
 void add_part(FileInfo& info, const Imf::Header& header, int part) {
   const bool deep = header.hasType() && header.type().starts_with("deep");
@@ -131,8 +131,8 @@ FileInfo describe_exr(const Imf::MultiPartInputFile& file) {
   FileInfo info;
   info.format = Format::exr;
   const Imf::Header& first = file.header(0);
-  info.data_window = window_of(first.dataWindow());
-  info.display_window = window_of(first.displayWindow());
+  info.data_window = corners_of(first.dataWindow());
+  info.display_window = corners_of(first.displayWindow());
   info.width = std::int64_t{info.display_window[2]} - info.display_window[0] + 1;
   info.height = std::int64_t{info.display_window[3]} - info.display_window[1] + 1;
   if (file.parts() > 1) info.storage = std::to_string(file.parts()) + " parts: ";

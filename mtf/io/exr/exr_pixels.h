@@ -17,16 +17,11 @@
 #include <vector>
 
 #include "mtf/error.h"
+#include "mtf/io/exr/exr_scan.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
 
 namespace mtf::io {
-
-struct Window {
-  std::int64_t x0, y0, x1, y1;
-  std::int64_t width() const { return x1 - x0 + 1; }
-  std::int64_t height() const { return y1 - y0 + 1; }
-};
 
 /// Runs `action` and turns what the library throws into our errors.
 template <class Action>

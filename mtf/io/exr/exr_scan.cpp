@@ -23,12 +23,6 @@ constexpr double highest_ratio = 2048, highest_ratio_dwa = 262144;
 // Buffers below this are allowed whatever the file size: a small image may use large tiles.
 constexpr double harmless_bytes = 64.0 * 1024 * 1024;
 
-struct Window {
-  std::int64_t x0, y0, x1, y1;
-  std::int64_t width() const { return x1 - x0 + 1; }
-  std::int64_t height() const { return y1 - y0 + 1; }
-};
-
 struct Part {
   std::optional<Window> data, display;
   std::optional<int> compression;

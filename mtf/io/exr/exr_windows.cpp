@@ -13,21 +13,15 @@ namespace {
 
 constexpr std::int64_t kRowsTogether = 32, kBytesTogether = 256 << 10;  // of a band, at least
 
-struct Opened : OpenedExr {
-  Opened(const std::string& path, const ReadOptions& options) : OpenedExr(path, options), source(file, part) {}
-  PixelSource source;
-};
-
-bool same_layout(const Opened& a, const Opened& b) {
-  const auto window = [](const Window& w) { return std::array{w.x0, w.y0, w.x1, w.y1}; };
-  return window(a.data) == window(b.data) && a.channels == b.channels && a.part == b.part &&
-         a.source.tiled() == b.source.tiled() && a.source.band_rows() == b.source.band_rows();
-}
-
 }  // namespace
 
 // The library decodes one call at a time for each open file: every thread that decodes has a file of its own.
 struct ExrWindows::Impl {
+  struct Opened : OpenedExr {
+    Opened(const std::string& path, const ReadOptions& options) : OpenedExr(path, options), source(file, part) {}
+    PixelSource source;
+  };
+
   std::string path;
   ReadOptions options;
   std::unique_ptr<Opened> exr;
@@ -35,6 +29,12 @@ struct ExrWindows::Impl {
   std::mutex lock;
   std::vector<std::unique_ptr<Opened>> idle;
   std::optional<BandCache> bands;
+
+  static bool same_layout(const Opened& a, const Opened& b) {
+    const auto window = [](const Window& w) { return std::array{w.x0, w.y0, w.x1, w.y1}; };
+    return window(a.data) == window(b.data) && a.channels == b.channels && a.part == b.part &&
+           a.source.tiled() == b.source.tiled() && a.source.band_rows() == b.source.band_rows();
+  }
 
   std::unique_ptr<Opened> take() {
     {
@@ -74,7 +74,7 @@ struct ExrWindows::Impl {
 ExrWindows::ExrWindows(const std::string& path, const ReadOptions& options) : impl_(std::make_unique<Impl>()) {
   impl_->path = path;
   impl_->options = options;
-  guarded(path, [&] { impl_->exr = std::make_unique<Opened>(path, options); });
+  guarded(path, [&] { impl_->exr = std::make_unique<Impl::Opened>(path, options); });
   const std::int64_t together = impl_->exr->source.band_rows();
   const std::int64_t wanted = std::max(kRowsTogether, kBytesTogether / row_bytes());
   impl_->band_rows = std::max<std::int64_t>(1, wanted / together) * together;
