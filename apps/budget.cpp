@@ -89,7 +89,7 @@ int run_budget(const BudgetOptions& options, const Global& global) {
   if (!options.temperature_has_unit && options.temperature_k < kCold_k) {
     const std::string given = mtf::format_double(options.temperature_k);
     note(global, "warning: --temperature " + given + " was taken for " + given + " K; for degrees Celsius write \"" +
-                     given + " degC\", and \"" + given + " K\" to be told no more");
+                     given + " degC\", or \"" + given + " K\" where kelvin is meant");
   }
   const LoadedSensor loaded = load_chain(config);
   if (loaded.paths) note(global, "note: the scene gives the range of each pixel; this budget is without a path");

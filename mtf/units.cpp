@@ -85,6 +85,7 @@ std::string ascii_micro(std::string_view name) {
 }
 
 bool accepts(Dimension expected, Dimension given) {
+  if (expected == Dimension::temperature_difference) return given == Dimension::temperature;
   if (expected == Dimension::extent)
     return given == Dimension::length || given == Dimension::angle || given == Dimension::pixel;
   if (expected == Dimension::cutoff) return given == Dimension::frequency || given == Dimension::temporal;
@@ -121,7 +122,9 @@ Quantity parse_quantity(std::string_view text, Dimension expected) {
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
   if (text.empty()) throw fail("no unit");
   // The one unit with an offset becomes kelvin here; all others are factors.
-  if (expected == Dimension::temperature && (text == "degC" || text == "\u00b0C")) {
+  if (text == "degC" || text == "\u00b0C") {
+    if (expected == Dimension::temperature_difference) throw fail("degC has an offset, a difference has none");
+    if (expected != Dimension::temperature) throw fail("unit " + quoted(text) + " does not fit");
     result.value += kZeroCelsius_k;
     text = "K";
   }
@@ -130,6 +133,7 @@ Quantity parse_quantity(std::string_view text, Dimension expected) {
     std::vector<std::string_view> names;
     for (const Unit& unit : kUnits)
       if (accepts(expected, unit.dimension)) names.push_back(unit.name);
+    if (expected == Dimension::temperature) names.push_back("degC");
     const auto guess = nearest(text, names);
     throw fail("unknown unit " + quoted(text) + (guess ? ", did you mean " + quoted(*guess) + "?" : ""));
   }
@@ -190,6 +194,8 @@ std::string_view describe(Dimension dimension) {
       return "pixels such as \"0.5 px\"";
     case Dimension::luminance:
       return "a luminance such as \"100 cd/m^2\"";
+    case Dimension::temperature_difference:
+      return "a temperature difference such as \"2 K\"";
     case Dimension::temperature:
       return "an absolute temperature such as \"300 K\" or \"27 degC\"";
     case Dimension::electrons:

@@ -28,10 +28,11 @@ enum class Dimension {
   acceleration,
   /// object angle per second squared, base urad/s^2
   angular_acceleration,
-  temperature,  ///< absolute, base K; degC is read too
-  electrons,    ///< charge of a pixel, base e-
-  current,      ///< electrons per second, base e-/s
-  capacitance   ///< base F
+  temperature,             ///< absolute, base K; degC is read too
+  temperature_difference,  ///< base K; units are those of temperature, without degC
+  electrons,               ///< charge of a pixel, base e-
+  current,                 ///< electrons per second, base e-/s
+  capacitance              ///< base F
 };
 
 struct Unit {
@@ -51,8 +52,8 @@ struct Quantity {
 /// 0 degC, by definition of the degree Celsius.
 inline constexpr double kZeroCelsius_k = 273.15;
 
-/// Reads "15 um" or "15um"; a temperature in degC becomes one in K. Throws UsageError for a missing or unknown unit (nearest names offered), trailing text,
-/// or a number that is not finite. `expected` only words the message.
+/// Reads "15 um" or "15um"; a temperature in degC becomes one in K. Throws UsageError for a missing or unknown unit
+/// (nearest names offered), trailing text, or a number that is not finite. `expected` says which units fit.
 Quantity parse_quantity(std::string_view text, Dimension expected);
 
 /// Value of `quantity` in the unit called `target`. Both have to be of one dimension (assert).

@@ -48,9 +48,9 @@ void require_finite(const OtfColumn& column) {
 
 Direction make_direction(const mtf::Frame<double>& frame, const std::string& unit, double angle_deg) {
   if (!(std::abs(angle_deg) <= 360.0))
-    throw mtf::UsageError("--angle: " + mtf::format_double(angle_deg) + " is outside -360 to 360 degrees");
+    throw mtf::UsageError("angle: " + mtf::format_double(angle_deg) + " is outside -360 to 360 degrees");
   if (unit != "cy/mm" && unit != "cy/mrad" && unit != "cy/px")
-    throw mtf::UsageError("--unit: '" + unit + "' is not known (one of cy/mm, cy/mrad, cy/px)");
+    throw mtf::UsageError("unit: '" + unit + "' is not known (one of cy/mm, cy/mrad, cy/px)");
   Freq<double> step = unit_vector(angle_deg);
   if (unit == "cy/mrad") step = {frame.cy_mm_from_mrad(step.x), frame.cy_mm_from_mrad(step.y)};
   if (unit == "cy/px") step = {frame.cy_mm_from_px(step.x, Axis::x), frame.cy_mm_from_px(step.y, Axis::y)};
@@ -101,7 +101,7 @@ OtfCurves otf_curves(const System<double>& system, std::vector<double> frequency
   for (const double value : frequency) {
     f.push_back({value * direction.step.x, value * direction.step.y});
     if (!(std::hypot(f.back().x, f.back().y) <= kMaxCyMm))
-      throw mtf::UsageError("--freq: " + mtf::format_double(value) + " " + direction.unit + " is beyond 1e9 cy/mm");
+      throw mtf::UsageError("frequency: " + mtf::format_double(value) + " " + direction.unit + " is beyond 1e9 cy/mm");
   }
   OtfCurves values;
   values.name = system.name;

@@ -84,7 +84,7 @@ struct TableColumn {
 /// label, or LABEL_re and LABEL_im where the OTF is not real; and LABEL_error after one with a coarse average.
 std::vector<TableColumn> table_of(const OtfCurves& curves);
 
-/// `count` evenly spaced numbers from `start` to `stop`, both included; only `start` when count is 1.
+/// `count`, 1 or more, evenly spaced numbers from `start` to `stop`, both included; only `start` when count is 1.
 std::vector<double> evenly_spaced(double start, double stop, int count);
 
 }  // namespace apps

@@ -188,7 +188,8 @@ void read_variation(StudyReader& s, const Node& table, std::size_t index) {
     mtf::FieldInfo info{.name = key, .lo = -HUGE_VAL, .hi = HUGE_VAL, .example = "0.01"};
     if (unit != nullptr) {
       info.unit = unit->name;
-      info.dimension = unit->dimension;
+      const bool absolute = unit->dimension == mtf::Dimension::temperature;
+      info.dimension = absolute ? mtf::Dimension::temperature_difference : unit->dimension;
     }
     const auto number = read_held(s, spread, info, section.at(key));
     if (!number) return;

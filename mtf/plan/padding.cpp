@@ -23,9 +23,9 @@ std::vector<double> sections(double nyquist_cy_mm) {
   return f;
 }
 
-// Frequencies, relative to Nyquist, at which a kernel is tested: powers of the golden ratio, which lie far from whole
-// multiples of the step of any canvas.
-constexpr std::array kTestedAt{0.763932022500210, 0.236067977499790, 0.055728090000841, 0.013155617496424};
+// Frequencies, relative to Nyquist, at which a kernel is tested: from the square roots of 3, 5, 7 and 11, so that no
+// distance is close to a whole number of periods of all four.
+constexpr std::array kTestedAt{0.732050807568877, 0.236067977499790, 0.064575131106459, 0.013266499161422};
 
 // The kernel's transform at `turns` per sample, between the frequencies of its canvas. It is the OTF there when the
 // canvas holds the kernel; an echo at a whole number of canvases lies on the kernel's middle and shows nowhere else.

@@ -32,16 +32,16 @@ struct TailLimit {
   double sum = std::numeric_limits<double>::infinity();
 };
 
-/// tails[d] = largest sum of |kernel| at distances beyond d samples, over sections of the OTF; a canvas of `length`, and
-/// what such a canvas misses of the OTF between its frequencies, where a kernel is longer still.
+/// tails[d] = largest sum of |kernel| at distances beyond d samples, over sections of the OTF; a canvas of `length`.
+/// For a kernel longer than that, the error of the OTF between the canvas's frequencies is added to every tails[d].
 /// Values below `noise` count as none: the rounding of the OTF's floats, spread over the whole canvas.
 std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest& request, std::int64_t length,
                                  double noise = 0.0, const TailLimit& limit = {});
 
 /// The defined canvas (mtf/plan/border.h) or, where the tails of the point spread beyond it fit the budget, a shorter
-/// smooth one. The tails are those of the OTF itself: for nine frequencies of the other axis the kernel along this axis
-/// is summed from outside, the largest sum counts; for outputs that stand between two samples the kernel is the one
-/// shifted by half a sample, whose tails are longer. A canvas longer than the longest of use is not sought: the
+/// smooth one. The tails are those of the OTF itself: for fourteen frequencies of the other axis the kernel along this
+/// axis is summed from outside, the largest sum counts; for outputs that stand between two samples the kernel is the
+/// one shifted by half a sample, whose tails are longer. A canvas longer than the longest of use is not sought: the
 /// answer is then the defined one. A filter error e = t * u obeys |e| <= sum|t| |u| (Young), hence the bound.
 CanvasLength choose_canvas(const FactoredOtf& sampler, const CanvasRequest& request);
 

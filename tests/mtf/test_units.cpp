@@ -43,6 +43,9 @@ TEST(Units, degrees_celsius_become_kelvin) {
   }
   EXPECT_NEAR(parse_quantity("-40 degC", Dimension::temperature).value, 233.15, 1e-12);
   EXPECT_THROW(parse_quantity("20 degC", Dimension::length), UsageError);
+  EXPECT_THROW(parse_quantity("2 degC", Dimension::temperature_difference), UsageError);
+  EXPECT_EQ(parse_quantity("2 K", Dimension::temperature_difference).value, 2.0);
+  EXPECT_NE(refusal("27 degc", Dimension::temperature).find("did you mean \"degC\""), std::string::npos);
 }
 
 TEST(Units, whatever_is_not_is_refused) {

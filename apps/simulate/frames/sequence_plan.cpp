@@ -112,9 +112,12 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::S
   };
   const double canvas = options.border == mtf::Border::reflect ? kRounding : kRoomCanvas;
   const SceneDifficulty room{met_.storage * kRoomStorage, met_.canvas * canvas};
-  if (input.summary) try {
-      return attempt(summary_of(room, input.summary->std), roomy);
-    } catch (const mtf::UnreachableTolerance&) {  // there is no room
+  std::vector<double> with_room;  // tolerances, the one for more contrast first
+  if (input.summary && roomy != own) with_room.push_back(roomy);
+  if (input.summary) with_room.push_back(own);
+  for (const double tolerance : with_room) try {
+      return attempt(summary_of(room, input.summary->std), tolerance);
+    } catch (const mtf::UnreachableTolerance&) {  // there is less room
     }
   try {
     return attempt(input.summary, own);

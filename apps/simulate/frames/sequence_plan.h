@@ -6,8 +6,8 @@
 // lies within what it was compiled for; a frame beyond that gets a plan compiled for it, and for all that were before.
 // So does a frame that wants another border, scene aperture or split of the filters, or a tighter tolerance. The
 // default tolerance of a sensor with [adc] is a share of a count, so it falls as the contrast rises: a plan that is
-// compiled again for that reason keeps the tolerance of twice the contrast, and a slow rise takes few plans. A change
-// of parameters remakes the lists that changed and shares the rest (SensorPlan::with).
+// compiled again for that reason is compiled for the tolerance that twice this contrast would need, so that a slow rise
+// needs few plans. A change of parameters remakes the lists that changed and shares the rest (SensorPlan::with).
 
 #include <memory>
 #include <optional>
@@ -51,8 +51,8 @@ class SequencePlanner {
   std::shared_ptr<const mtf::SensorPlan> compile(const mtf::io::SensorConfig& sensor,
                                                  const RadiometricChain* radiometric, const SceneInput& input,
                                                  mtf::PlanOptions options, std::vector<std::string>& warnings);
-  /// The tolerance of a plan with room for frames of more contrast, where it is by its contrast alone that this frame
-  /// needs another plan; else the tolerance of the frame.
+  /// The tolerance of a plan with room for frames of more contrast, where the present plan kept the tolerance of the
+  /// contrast before and does not keep that of this frame; else the tolerance of the frame.
   double roomy_tolerance(const RadiometricChain* radiometric, const SceneInput& input, double tolerance) const;
   /// What a frame wants of its plan, whatever the frames before it wanted.
   mtf::PlanOptions options_for(const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric,

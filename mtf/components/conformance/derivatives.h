@@ -195,18 +195,23 @@ std::vector<std::string> gradient_at_bounds(const Pair<Jet, Double, Jets>& pair,
   return compared;
 }
 
-/// At f = 0 every OTF is 1 whatever its parameters; a filter's is the sum of its taps, and a field of that name holds
-/// them. No slope along the frequency there (a tip counts as none), but the phase of a one-sided response turns at
-/// once.
+/// At f = 0 every OTF is 1 whatever its parameters, but for a gain: a filter's is the sum of its taps, and a field of
+/// that name holds them; others are compared with the difference quotient. No slope along the frequency there (a tip
+/// counts as none), but the phase of a one-sided response turns at once.
 template <class Jet, class Double, class Jets>
 void gradient_at_zero_frequency(const Pair<Jet, Double, Jets>& pair, Outcome& outcome) {
   const std::vector<std::string> names = parameter_names(pair.plain);
-  const bool real = pair.plain.traits().real;
+  const bool real = pair.plain.traits().real, gain = pair.plain.traits().gain;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const bool frequency = i + 2 >= names.size();
     if (frequency && !pair.plain.typical) continue;
     const Gradient g = gradient(pair.jets, {0.0, 0.0}, i, outcome);
     const auto place = [&] { return pair.plain.at(0.0, 0.0) + " by " + names[i]; };
+    if (gain && !frequency && names[i] != "taps[]" && g.slope.re != 0.0) {
+      const double at = *detail::Place(pair.plain, {0.0, 0.0}).parameters()[i];
+      static_cast<void>(slope_equals_difference(pair, {0.0, 0.0}, i, at, 0, outcome));
+      continue;
+    }
     outcome.at_most(std::abs(g.slope.re - (names[i] == "taps[]" ? 1.0 : 0.0)), frequency ? 1e-12 : 1e-14, place);
     if (!frequency || real) outcome.at_most(std::abs(g.slope.im), frequency ? 1e-12 : 0.0, place);
   }
@@ -220,8 +225,8 @@ void gradient_at_and_beyond_the_cutoff(const Pair<Jet, Double, Jets>& pair, Outc
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto place = [&] { return pair.plain.name + " at its cutoff by " + names[i]; };
     outcome.at_most(std::abs(gradient(pair.jets, {cutoff * 1.001, 0.0}, i, outcome).slope.re), 0.0, place);
-    if (!pair.plain.typical) continue;
-    // The MTF ends like (1 - nu)^1.5, so its slope ends in 0.
+    if (!pair.plain.typical || !is_pupil(pair.plain.component)) continue;
+    // The MTF of a pupil ends like (1 - nu)^1.5, so its slope ends in 0.
     const Freq<double> f{cutoff, 0.0};
     const double scale = std::max(1.0, std::abs(*detail::Place(pair.plain, f).parameters()[i]));
     outcome.at_most(std::abs(gradient(pair.jets, f, i, outcome).slope.re) * scale, 1e-4, place);

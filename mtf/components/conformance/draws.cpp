@@ -43,7 +43,8 @@ double draw_number(const FieldInfo& info, double example, Origin from, Random& r
     case Origin::example:
       return example;
     case Origin::near_example: {
-      const double near_lo = info.lo + 0.02 * std::min(1.0, example), near_hi = info.hi - 0.1 * std::min(1.0, example);
+      const double size = std::min(1.0, std::abs(example));
+      const double near_lo = info.lo + 0.02 * size, near_hi = info.hi - 0.1 * size;
       const double value = example * random.uniform(0.35, 2.9);
       return near_lo <= near_hi ? std::clamp(value, near_lo, near_hi) : std::clamp(value, lo, hi);
     }
@@ -95,8 +96,9 @@ void assign(const FieldRef<double>& field, std::string_view in_time, Origin from
         if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::optional<double>>) {
           *value = plain();
         } else if constexpr (std::is_same_v<T, int>) {
-          *value = from == Origin::whole_range ? static_cast<int>(random.uniform(info.lo, info.hi + 1.0))
-                                               : static_cast<int>(std::lround(plain()));
+          *value = from == Origin::whole_range
+                       ? static_cast<int>(std::min(random.uniform(info.lo, info.hi + 1.0), info.hi))
+                       : static_cast<int>(std::lround(plain()));
         } else if constexpr (std::is_same_v<T, AxisPair<double>>) {
           const auto side = [&] {
             const Quantity q = draw_quantity(info, from, random, {"um", "urad", "px"});

@@ -66,6 +66,14 @@ bool is_accepted(const C& component, const Context<S>& ctx) {
 }
 
 template <class C>
+bool is_pupil(const C& component) {
+  if constexpr (requires { component.is_pupil(); })
+    return component.is_pupil();
+  else
+    return requires { C::is_pupil; };
+}
+
+template <class C>
 bool allowed_in_presample(const C& component) {
   if constexpr (requires { component.stages(); })
     return component.stages().presample;
