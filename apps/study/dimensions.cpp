@@ -49,7 +49,8 @@ UnitScale base_of(const mtf::Unit& unit) {
   switch (unit.dimension) {
     case none:
     case extent:
-    case cutoff:  // no unit has these: they stand for several
+    case cutoff:                  // no unit has these: they stand for several
+    case temperature_difference:  // nor this: its units are those of temperature
     case pixel:
       return {};
     case length:
