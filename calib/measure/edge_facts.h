@@ -2,7 +2,7 @@
 #pragma once
 
 // Facts about a region that follow from the fit of a step: how far its pixels extend, their noise, other structure.
-// The judgement (edge_outcome.h) and the removal of single bad pixels are made from these facts.
+// The judgement (edge_outcome.h) is made from these facts.
 
 #include <cstddef>
 
@@ -25,7 +25,7 @@ struct EdgeFacts {
   double significance = 0.0;    ///< contrast / its standard deviation
   bool bright_is_flat = false;  ///< many pixels have the largest value, though the dark side has noise
   bool dark_is_flat = false;    ///< many pixels have the smallest value, though the bright side has noise
-  std::size_t outliers = 0;     ///< single pixels far from the model that were left out
+  std::size_t outliers = 0;     ///< single pixels far from the others at their distance that were left out
   double oversampling = 0.0;    ///< distinct distances a pixel, near the edge
   double narrowed_px = 0.0;     ///< pixels further from the edge were left out, as shading is curved there; 0 = none
   bool curved_shading = false;  ///< shading is curved near the edge too
@@ -42,11 +42,5 @@ double structure_share(const EdgeFacts& facts);
 
 /// Noise from differences of neighbouring pixels, half of which may lie on structure.
 double local_noise(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts);
-
-/// Whether outliers may be why pixels are further from the model than neighbouring pixels from each other.
-bool suspects_outliers(const EdgeFacts& facts);
-/// Removes hot and dead pixels and the like, if there are few; returns how many.
-std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
-                            const EdgeFacts& facts);
 
 }  // namespace calib

@@ -138,9 +138,15 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
     warnings.emplace_back(
         "the sides change nonlinearly next to the edge too: the MTF at low frequencies may be off by more than its "
         "standard deviation");
+  const double finite = std::max(1.0, static_cast<double>(out.roi.width * out.roi.height - out.missing));
+  const auto percent = [&](double count) { return number(100.0 * count / finite, "%.2g") + " %"; };
   if (facts.outliers > 0)
-    warnings.push_back(std::to_string(facts.outliers) + (facts.outliers == 1 ? " single pixel" : " single pixels") +
-                       " far from the model left out");
+    warnings.push_back(std::to_string(facts.outliers) +
+                       (facts.outliers == 1 ? " pixel far from the others at its distance from the edge, as a hot or "
+                                              "dead one is, is left out ("
+                                            : " pixels far from the others at their distances from the edge, as hot "
+                                              "and dead ones are, are left out (") +
+                       percent(static_cast<double>(facts.outliers)) + ")");
   if (out.missing > 0 && !sparse)
     warnings.push_back(std::to_string(out.missing) + (out.missing == 1 ? " pixel is" : " pixels are") +
                        " no number or infinite and left out");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calib/measure/edge_outliers.h"
 #include "calib/measure/edge_terms.h"
 
 namespace calib {
@@ -113,11 +114,16 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
     region.facts = facts_of(region.pixels, region.fit.state, region.fit.model, data.local_noise_sd);
   };
   fit_again(data.extent_px);
+  // Outliers hide others from the first fit, and it moves towards them.
+  constexpr int kMostRounds = 3;
   std::size_t outliers = 0;
-  if (suspects_outliers(region.facts))
-    outliers = remove_outliers(region.pixels, region.fit.model, region.fit.state.profile, region.facts);
-  if (outliers > 0) fit_again(data.extent_px);
-
+  for (int round = 0; round < kMostRounds; ++round) {
+    const std::size_t removed =
+        remove_outliers(region.pixels, region.fit.model, region.fit.state, data.settings.rounding);
+    if (removed == 0) break;
+    outliers += removed;
+    fit_again(data.extent_px);
+  }
   // Near the edge a gradient describes curved shading: the pixels are narrowed down to those.
   constexpr double kLeast_px = 8.0, kLeastWidths = 5.0;
   double extent_px = smaller_extent_px(region.facts), narrowed_px = 0.0;
