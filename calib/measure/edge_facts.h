@@ -26,6 +26,8 @@ struct EdgeFacts {
   bool bright_is_flat = false;  ///< many pixels have the largest value, though the dark side has noise
   bool dark_is_flat = false;    ///< many pixels have the smallest value, though the bright side has noise
   std::size_t outliers = 0;     ///< single pixels far from the others at their distance that were left out
+  std::size_t cut = 0;          ///< pixels at a limit of the values that count as values beyond it
+  std::size_t clipped = 0;      ///< other pixels at a limit: left out
   double oversampling = 0.0;    ///< distinct distances a pixel, near the edge
   double narrowed_px = 0.0;     ///< pixels further from the edge were left out, as shading is curved there; 0 = none
   bool curved_shading = false;  ///< shading is curved near the edge too

@@ -150,8 +150,12 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
   if (out.missing > 0 && !sparse)
     warnings.push_back(std::to_string(out.missing) + (out.missing == 1 ? " pixel is" : " pixels are") +
                        " no number or infinite and left out");
-  if (out.clipped_share > 0.0)
-    warnings.push_back(number(100.0 * out.clipped_share) + " % of the pixels are clipped and left out");
+  if (facts.cut > 0)
+    warnings.push_back(
+        "the noise is cut off at the smallest or largest value: " + percent(static_cast<double>(facts.cut)) +
+        " of the pixels count as values beyond it, on the assumption of Gaussian noise");
+  if (facts.clipped > 0)
+    warnings.push_back(percent(static_cast<double>(facts.clipped)) + " of the pixels are clipped and left out");
   return warnings;
 }
 

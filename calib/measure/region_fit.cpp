@@ -105,6 +105,30 @@ bool curved_shading(const RegionFit& region) {
   return shading_is_curved(region.fit.state, region.fit.model, region.facts.width_px, smaller_extent_px(region.facts));
 }
 
+// Adds the pixels whose noise is cut off and continues the fit with them; returns how many. The noise, which lacks the
+// cut tail at first, approaches its value by a factor of two or more a round.
+std::size_t fit_cut(RegionFit& region, const EdgeRegion& data) {
+  constexpr int kMostRounds = 8;
+  constexpr double kSame = 2e-3;  // relative change of the variances
+  if (data.cut.pixels.size() == 0) return 0;
+  EdgeFit& fit = region.fit;
+  const std::size_t cut = add_cut(region.pixels, data.cut, fit.model, fit.state);
+  if (cut == 0) return 0;
+  FitSettings settings = data.settings;
+  settings.unknowns = fit.unknowns;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const NoiseModel before = fit.state.noise;
+    expect_cut(region.pixels, data.cut, fit.model, fit.state);
+    fit.state = fit_reference(region.pixels, fit.model, settings);
+    const NoiseModel& after = fit.state.noise;
+    if (std::abs(after.dark - before.dark) < kSame * after.dark &&
+        std::abs(after.bright - before.bright) < kSame * after.bright)
+      break;
+  }
+  region.facts = facts_of(region.pixels, fit.state, fit.model, data.local_noise_sd);
+  return cut;
+}
+
 }  // namespace
 
 RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
@@ -124,6 +148,8 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
     outliers += removed;
     fit_again(data.extent_px);
   }
+  const std::size_t cut = fit_cut(region, data);
+
   // Near the edge a gradient describes curved shading: the pixels are narrowed down to those.
   constexpr double kLeast_px = 8.0, kLeastWidths = 5.0;
   double extent_px = smaller_extent_px(region.facts), narrowed_px = 0.0;
@@ -137,6 +163,8 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
     curved = curved_shading(region);
   }
   region.facts.outliers = outliers;
+  region.facts.cut = cut;
+  region.facts.clipped = data.cut.pixels.size() - cut;
   region.facts.narrowed_px = narrowed_px;
   region.facts.curved_shading = curved;
   return region;

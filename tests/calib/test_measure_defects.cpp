@@ -137,3 +137,49 @@ TEST(MeasureDefects, HotPixelsCutNoRegion) {
       EXPECT_EQ(found.edges.front().roi, (calib::Roi{0, 0, 128, 100})) << cnr << ' ' << more;
     }
 }
+
+// A dark side 1.5 standard deviations above zero: one in fifteen of its values is cut off.
+TEST(MeasureDefects, NoiseCutOffAtZero) {
+  const auto cut = [](mtf::Image& image, const made::Scene&) { made::cut_off_below(image, 0.0); };
+  for (const auto& [step, cnr] : {std::pair{made::Step::gaussian(0.3), 12.0}, {airy(), 30.0}})
+    for (const std::optional<double> floor : {std::optional<double>(0.0), std::optional<double>()}) {
+      SCOPED_TRACE(cnr);
+      made::Scene scene = scene_of(64, 80, cnr);
+      scene.dark = 1.5 * scene.noise_sd;
+      scene.bright = scene.dark + 0.6;
+      expect_coverage({step, scene, cut, "noise is cut off", {.floor = floor}});
+    }
+}
+
+// The same on the bright side, where reflections beyond the limit are no part of the edge.
+TEST(MeasureDefects, NoiseCutOffAtSaturation) {
+  const auto cut = [](mtf::Image& image, const made::Scene& scene) {
+    for (std::int64_t i = 30; i < 36; ++i) image.at(20 + i, i) = 9.0F;
+    const double saturation = scene.bright + 1.5 * scene.noise_sd;
+    for (std::int64_t j = 0; j < image.height(); ++j)
+      for (std::int64_t i = 0; i < image.width(); ++i)
+        image.at(i, j) = std::min(image.at(i, j), static_cast<float>(saturation));
+  };
+  made::Scene scene = scene_of(64, 80, 30.0);
+  expect_coverage({airy(), scene, cut, "noise is cut off", {.saturation = scene.bright + 1.5 * scene.noise_sd}});
+  expect_coverage({airy(), scene, cut, "noise is cut off"});
+}
+
+// Values that are heaped up for other reasons are no noise cut off: plateaus of few values, a side that is all zero.
+TEST(MeasureDefects, HeapsOfRoundedValuesAreNotCutOff) {
+  made::Scene scene = scene_of(128, 100, 60.0);
+  for (const double quantum : {0.6 / 200.0, 0.6 / 100.0, 0.6 / 20.0}) {
+    scene.quantum = quantum;
+    const mtf::Image image = made::make(made::Step::gaussian(0.3), scene);
+    const EdgeMeasurement found = calib::measure_edge(image.view(), {0, 0, 128, 100}, {.quantum = quantum});
+    ASSERT_EQ(found.trouble, calib::Trouble::none) << found.reason;
+    EXPECT_TRUE(found.warnings.empty()) << found.warnings.front();
+    EXPECT_EQ(found.clipped_share, 0.0);
+  }
+  scene = scene_of(128, 100, 1e12);
+  scene.dark = 0.0;
+  const mtf::Image image = made::make(made::Step::gaussian(0.3), scene);
+  const EdgeMeasurement found = calib::measure_edge(image.view(), {0, 0, 128, 100});
+  ASSERT_EQ(found.trouble, calib::Trouble::none) << found.reason;
+  EXPECT_FALSE(says(found, "cut off"));
+}
