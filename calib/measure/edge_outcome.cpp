@@ -138,6 +138,10 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
     warnings.emplace_back(
         "the sides change nonlinearly next to the edge too: the MTF at low frequencies may be off by more than its "
         "standard deviation");
+  if (facts.unclear_diffraction)
+    warnings.emplace_back(
+        "the noise hides how much of the blur is diffraction, which lowers the MTF at low frequencies: the intervals "
+        "allow for any part, take a longer edge or average frames for narrower ones");
   const double finite = std::max(1.0, static_cast<double>(out.roi.width * out.roi.height - out.missing));
   const auto percent = [&](double count) { return number(100.0 * count / finite, "%.2g") + " %"; };
   if (facts.outliers > 0)

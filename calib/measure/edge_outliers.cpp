@@ -11,21 +11,11 @@
 namespace calib {
 namespace {
 
-constexpr double kFar = 5.0;         // standard deviations: noise alone exceeds them once in 10^6 pixels
+constexpr double kFar = 5.5;         // standard deviations: noise alone exceeds them once in 10^7 pixels
 constexpr double kLeast = 0.02;      // of the contrast: what differs by less is left to the noise
 constexpr double kMostShare = 0.02;  // of all pixels
 constexpr double kCommon = 0.3;      // of the pixels at a distance: these belong to the response
 constexpr double kPlateau = 0.08;
-
-// Whether any residual is beyond the noise of the fit, in which the outliers are still included.
-bool any_far(const PixelResiduals& pixels, const BinRow& variance, double least) {
-  for (std::size_t i = 0; i < pixels.bin.size(); ++i) {
-    if (pixels.bin[i] == kBins) continue;
-    const double square = pixels.residual[i] * pixels.residual[i];
-    if (square > kFar * kFar * variance[static_cast<std::size_t>(pixels.bin[i])] && square > least * least) return true;
-  }
-  return false;
-}
 
 // The pixels in the order of their bins; those of bin k are first[k] .. first[k + 1] - 1. Pixels beyond the range are
 // not listed.
@@ -75,10 +65,13 @@ std::size_t part_of(double esf) { return esf < kPlateau ? 0 : esf > 1.0 - kPlate
 
 std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const FitState& state,
                             const Rounding& rounding) {
-  PixelResiduals all = residuals_of(pixels, model, state.profile);
   const double least = std::max(kLeast * model.contrast(), 1.5 * std::max(rounding.dark, rounding.bright));
-  if (!any_far(all, variances(state.noise, state.profile), least)) return 0;
+  // The noise of the fit, in which the outliers are still included, is a quick test.
+  BinRow variance = variances(state.noise, state.profile);
+  for (double& one : variance) one = std::max(one, least * least / (kFar * kFar));
+  if (!(largest_deviation(pixels, model, state.profile, variance) > kFar)) return 0;
 
+  PixelResiduals all = residuals_of(pixels, model, state.profile);
   const ByBin sorted = sort_by_bin(all);
   const std::vector<Window> windows = windows_of(sorted);
   std::array<std::vector<double>, 3> deviations;

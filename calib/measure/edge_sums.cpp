@@ -211,6 +211,18 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
   return sums;
 }
 
+double largest_deviation(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
+                         const BinRow& variance) {
+  double square = 0.0;
+  visit_chunks(pixels, model, profile, 1, [&](const Chunk& chunk) {
+    for (std::size_t k = 0; k < chunk.size; ++k) {
+      const auto bin = static_cast<std::size_t>(chunk.bin[k]);
+      if (bin < kBins) square = std::max(square, chunk.residual[k] * chunk.residual[k] / variance[bin]);
+    }
+  });
+  return std::sqrt(square);
+}
+
 PixelResiduals residuals_of(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile) {
   PixelResiduals all;
   all.bin.reserve(pixels.size());

@@ -59,6 +59,10 @@ class EdgeSums {
 EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, int order,
                     std::size_t step = 1);
 
+/// Of all residuals in units of their standard deviation.
+double largest_deviation(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
+                         const BinRow& variance);
+
 /// Each pixel's residual and the bin of its distance, kBins beyond the range (there the residual has no meaning).
 struct PixelResiduals {
   std::vector<std::int32_t> bin;

@@ -104,8 +104,9 @@ CorrectedFit correct(const EdgePixels& pixels, EdgeFit fit, const EdgeFacts& fac
   settings.unknowns = fit.unknowns;
   const double extent_px = std::min(facts.extent_dark_px, facts.extent_bright_px);
   const auto solve = [&](const EdgeFit& at, Detail detail) {
-    return solve_jointly(at.state, at.model, without_bounds(at.unknowns, at.model),
-                         facts.few_distances() ? Detail::none : detail, facts.width_px, extent_px);
+    const Unknowns free = at.diffraction == Diffraction::unclear ? at.unknowns : without_bounds(at.unknowns, at.model);
+    return solve_jointly(at.state, at.model, free, facts.few_distances() ? Detail::none : detail, facts.width_px,
+                         extent_px);
   };
   CorrectedFit best{.fit = std::move(fit), .joint = {}};
   best.joint = solve(best.fit, Detail::coarse);

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "calib/measure/edge_outliers.h"
-#include "calib/measure/edge_terms.h"
 
 namespace calib {
 namespace {
@@ -26,19 +25,21 @@ void converge(const EdgePixels& pixels, EdgeFit& fit, FitSettings settings) {
   settings.unknowns = fit.unknowns;
   settings.max_iterations = 8;
   settings.tolerance = 0.3;
-  const auto leave_out_diffraction = [&] {
+  // Whether diffraction is left out.
+  const auto judge_diffraction = [&] {
+    fit.diffraction = diffraction_in(fit.state, fit.model, fit.unknowns);
+    if (fit.diffraction != Diffraction::absent) return false;
     ReferenceShape& shape = fit.model.shape;
     const double s_px = std::exchange(shape.s_px, 0.0);
     shape.v_px2 += 0.1 * s_px * s_px;
     fit.unknowns.reset(kFirstShape);
     settings.unknowns = fit.unknowns;
     if (s_px > 0.0) fit.state = evaluate(pixels, fit.model, settings);
+    return true;
   };
-  const bool likely = shows_diffraction(fit.state, fit.model, fit.unknowns);
-  if (!likely) leave_out_diffraction();
+  const bool left_out = judge_diffraction();
   fit.state = fit_reference(pixels, fit.model, settings, std::move(fit.state));
-  if (!likely || shows_diffraction(fit.state, fit.model, fit.unknowns)) return;
-  leave_out_diffraction();
+  if (left_out || !judge_diffraction()) return;
   fit.state = fit_reference(pixels, fit.model, settings, std::move(fit.state));
 }
 
@@ -47,7 +48,7 @@ EdgeFit fit_edge(const EdgePixels& pixels, EdgeModel start, FitSettings settings
                  double extent_px) {
   constexpr std::size_t kSome = 2000;
   const std::size_t step = step_for(pixels, kSome);
-  EdgeFit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns()};
+  EdgeFit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns(), .diffraction = {}};
   split_blur(fit.model.shape);
   const auto refine = [&](std::size_t every, int max_iterations, double tolerance) {
     settings.unknowns = fit.unknowns;
@@ -162,6 +163,7 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
     fit_again(extent_px);
     curved = curved_shading(region);
   }
+  region.facts.unclear_diffraction = region.fit.diffraction == Diffraction::unclear;
   region.facts.outliers = outliers;
   region.facts.cut = cut;
   region.facts.clipped = data.cut.pixels.size() - cut;
