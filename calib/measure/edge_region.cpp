@@ -7,6 +7,7 @@
 #include "calib/measure/edge_facts.h"
 #include "calib/measure/edge_start.h"
 #include "calib/measure/edge_terms.h"
+#include "calib/measure/neighbours.h"
 
 namespace calib {
 namespace {
@@ -57,9 +58,11 @@ std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const R
   EdgeModel start = start_edge(blocks, block, static_cast<double>(roi.width), static_cast<double>(roi.height));
   if (!(start.curve.half_length_px > 0.0)) return std::nullopt;
   EdgePixels pixels = gather_pixels(image, roi, region, limits, start.curve, kRange_px);
-  const FitSettings settings = noise_settings(start, region, options);
+  FitSettings settings = noise_settings(start, region, options);
   const double extent_px = 0.5 * static_cast<double>(pixels.size()) / (2.0 * start.curve.half_length_px);
   if (block_px > kFineBlocks_px) sharpen_start(pixels, start, block, settings);
+  const Neighbours neighbours = find_neighbours(image, roi, region, start);
+  settings.tails = neighbours.tails;
   CutPixels cut;
   if (region.clipped > 0) cut = gather_cut(image, roi, region, limits, start.curve, kRange_px, settings.rounding);
   return EdgeRegion{.pixels = std::move(pixels),
@@ -67,7 +70,8 @@ std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const R
                     .start = std::move(start),
                     .extent_px = extent_px,
                     .local_noise_sd = local_noise_sd,
-                    .settings = settings};
+                    .settings = settings,
+                    .neighbour_px = neighbours.nearest_px};
 }
 
 }  // namespace calib

@@ -19,6 +19,7 @@ struct EdgeRegion {
   double extent_px = 0.0;       ///< of the pixels on one side of the edge, mean of both
   double local_noise_sd = 0.0;  ///< from differences of neighbouring pixels
   FitSettings settings;         ///< with the noise, if it is known, and the rounding of the pixels
+  double neighbour_px = 0.0;    ///< distance of another edge beside the region; 0 = none
 };
 
 /// Empty where no line divides the region into a dark and a bright side. Pixels at limits that the options do not state

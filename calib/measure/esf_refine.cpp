@@ -89,7 +89,7 @@ FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& referen
   next.profile = corrected_profile(reference, joint, step);
   next.sums = accumulate(pixels, model, next.profile, order_of(settings.unknowns));
   next.noise = noise_of(next.sums, next.profile, settings);
-  reference = StepProfile(tabulate(model.shape, model.curve.angle_rad));
+  reference = profile_of(model, settings);
   BinRow change;
   for (std::size_t i = 0; i < kBins; ++i) change[i] = model.contrast() * (reference.esf()[i] - next.profile.esf()[i]);
   next.sums.take_from_residual(change, next.profile);

@@ -164,6 +164,8 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
     curved = curved_shading(region);
   }
   region.facts.unclear_diffraction = region.fit.diffraction == Diffraction::unclear;
+  region.facts.neighbour_px =
+      region.fit.unknowns[kFirstShape] ? data.neighbour_px : 0.0;  // its tail is proportional to S
   region.facts.outliers = outliers;
   region.facts.cut = cut;
   region.facts.clipped = data.cut.pixels.size() - cut;
