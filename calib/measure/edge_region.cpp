@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/measure/defects/neighbours.h"
 #include "calib/measure/edge_facts.h"
 #include "calib/measure/edge_start.h"
 #include "calib/measure/edge_terms.h"
-#include "calib/measure/neighbours.h"
 
 namespace calib {
 namespace {

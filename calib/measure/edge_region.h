@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "calib/edge/edge_pixels.h"
-#include "calib/measure/cut_values.h"
+#include "calib/measure/defects/cut_values.h"
 #include "calib/measure/edge_fit.h"
 #include "calib/measure/measure.h"
 

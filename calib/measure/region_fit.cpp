@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "calib/measure/edge_outliers.h"
+#include "calib/measure/defects/edge_outliers.h"
 
 namespace calib {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/measure/neighbours.h"
+#include "calib/measure/defects/neighbours.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/measure/edge_outliers.h"
+#include "calib/measure/defects/edge_outliers.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/measure/cut_values.h"
+#include "calib/measure/defects/cut_values.h"
 
 #include <cmath>
 #include <limits>
