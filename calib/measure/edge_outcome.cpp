@@ -139,9 +139,10 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
         "the sides change nonlinearly next to the edge too: the MTF at low frequencies may be off by more than its "
         "standard deviation");
   if (facts.neighbour_px > 0.0)
-    warnings.push_back("another edge lies " + number(facts.neighbour_px, "%.0f") +
-                       " px away, beside the region: the tail of its diffraction is part of the model, and the "
-                       "intervals are wider than with sides as long as those of an edge that stands alone");
+    warnings.push_back(
+        "another edge or other structure lies " + number(facts.neighbour_px, "%.0f") +
+        " px away, beside the region: the tail of its diffraction is part of the model, and sides that end before "
+        "it make the intervals wider");
   if (facts.unclear_diffraction)
     warnings.emplace_back(
         "the noise hides how much of the blur is diffraction, which lowers the MTF at low frequencies: the intervals "
