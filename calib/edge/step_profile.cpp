@@ -83,6 +83,17 @@ void StepProfile::correct(const BinRow& esf, const BinRow& lsf, const BinRow& c2
   find_bend_bins();
 }
 
+void StepProfile::add_per_s(const BinRow& per_s, double s_px) {
+  const DistanceBins& bins = DistanceBins::get();
+  for (std::size_t i = 0; i < kBins; ++i) {
+    const std::size_t before = i - (i > 0), after = i + (i + 1 < kBins);
+    const double apart = bins.centre(static_cast<int>(after)) - bins.centre(static_cast<int>(before));
+    rows_[0][i] += s_px * per_s[i];
+    rows_[1][i] += s_px * (per_s[after] - per_s[before]) / apart;
+    rows_[kCubic][i] += per_s[i];
+  }
+}
+
 void StepProfile::set_slopes(const StepProfile& other) {
   std::copy(other.rows_.begin() + kCubic, other.rows_.end(), rows_.begin() + kCubic);
 }

@@ -22,6 +22,8 @@ class StepProfile {
   const BinRow& slope(std::size_t k) const { return rows_[kCubic + k]; }
   /// Adds to E, the line spread and c2.
   void correct(const BinRow& esf, const BinRow& lsf, const BinRow& c2);
+  /// Adds something that is proportional to S, given per S at the middle of each bin and divided by the contrast.
+  void add_per_s(const BinRow& per_s, double s_px);
   /// Takes the derivatives by the shape from another.
   void set_slopes(const StepProfile& other);
 

@@ -48,6 +48,34 @@ double noise_of(const Cells& cells) {
   return static_cast<double>(median(sample)) / (0.6745 * 6.0);
 }
 
+/// Single cells far above or below all of their neighbours but one, as hot and dead pixels are (two of them may touch),
+/// become cells without a value: each would count as structure, and end the region around an edge. No optics makes such
+/// a spike that would be larger than the noise; corners, lines and their ends are none.
+void leave_out_spikes(Cells& cells) {
+  constexpr double kFar = 6.0;     // standard deviations of the noise
+  constexpr double kLeast = 0.02;  // of the values' range
+  const auto limit = static_cast<float>(std::max(kFar * cells.noise_sd, kLeast));
+  std::vector<std::size_t> spikes;
+  for (std::int64_t y = 1; y + 1 < cells.height; ++y)
+    for (std::int64_t x = 1; x + 1 < cells.width; ++x) {
+      const float v = cells.at(x, y), left = cells.at(x - 1, y), right = cells.at(x + 1, y);
+      // Most cells are not far from both of these, with which the others need no comparison.
+      if (!(std::abs(v - left) > limit) && !(std::abs(v - right) > limit)) continue;
+      int below = 0, above = 0, known = 0;
+      for (std::int64_t j = y - 1; j <= y + 1; ++j)
+        for (std::int64_t i = x - 1; i <= x + 1; ++i) {
+          const float other = cells.at(i, j);
+          if (std::isnan(other) || (i == x && j == y)) continue;
+          ++known;
+          below += v - other > limit ? 1 : 0;
+          above += other - v > limit ? 1 : 0;
+        }
+      if (known >= 5 && std::max(below, above) >= known - 1)
+        spikes.push_back(static_cast<std::size_t>(y * cells.width + x));
+    }
+  for (const std::size_t i : spikes) cells.value[i] = kNone;
+}
+
 /// Weighted mean of five neighbours, `step` elements apart, of those that are numbers; `at` of `count` is the middle
 /// one.
 float binomial_mean(const float* middle, std::int64_t at, std::int64_t count, std::int64_t step) {
@@ -122,6 +150,7 @@ Cells make_cells(mtf::ImageView<const float> image) {
       for (float& v : cells.value)
         v = static_cast<float>((static_cast<double>(v) - static_cast<double>(low)) / cells.range);
     cells.noise_sd = noise_of(cells);
+    if (cells.size_px == 1) leave_out_spikes(cells);
   }
   return cells;
 }

@@ -120,41 +120,4 @@ EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeMo
   return facts;
 }
 
-bool suspects_outliers(const EdgeFacts& facts) {
-  return std::max(facts.plateau_sd, facts.noise_sd) > 2.0 * facts.local_noise_sd &&
-         structure_share(facts) > 0.5 * kVisibleStructure;
-}
-
-std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
-                            const EdgeFacts& facts) {
-  constexpr double kMostShare = 0.02;
-  constexpr double kCommon = 0.3;   // of the pixels at a distance: these belong to the response, as overshoot does
-  constexpr double kWindows = 4.0;  // a pixel
-  constexpr auto kCount = static_cast<std::size_t>(2.0 * kRange_px * kWindows) + 1;
-  const DistanceBins& bins = DistanceBins::get();
-  const double limit = std::max(8.0 * facts.local_noise_sd, 0.25 * model.contrast());
-  std::vector<std::size_t> window(pixels.size());
-  std::vector<bool> far(pixels.size());
-  std::array<double, kCount> all{}, apart{};
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const double d = locate(model.curve, {pixels.x()[i], pixels.y()[i]}).distance_px;
-    const bool inside = std::abs(d) < kRange_px;
-    const double esf = inside ? profile.esf()[static_cast<std::size_t>(bins.index(d))] : d > 0.0;
-    const double expected = model.plateau[0] + model.contrast() * esf;
-    far[i] = std::abs(pixels.value()[i] - expected) > limit;
-    window[i] = inside ? static_cast<std::size_t>((d + kRange_px) * kWindows) : kCount - 1;
-    all[window[i]] += 1.0;
-    apart[window[i]] += far[i] ? 1.0 : 0.0;
-  }
-  EdgePixels kept(pixels.size());
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (far[i] && apart[window[i]] <= kCommon * all[window[i]]) continue;
-    kept.add(pixels.x()[i], pixels.y()[i], pixels.value()[i]);
-  }
-  const std::size_t removed = pixels.size() - kept.size();
-  if (removed == 0 || static_cast<double>(removed) > kMostShare * static_cast<double>(pixels.size())) return 0;
-  pixels = std::move(kept);
-  return removed;
-}
-
 }  // namespace calib

@@ -2,7 +2,7 @@
 #pragma once
 
 // Facts about a region that follow from the fit of a step: how far its pixels extend, their noise, other structure.
-// The judgement (edge_outcome.h) and the removal of single bad pixels are made from these facts.
+// The judgement (edge_outcome.h) is made from these facts.
 
 #include <cstddef>
 
@@ -20,13 +20,17 @@ struct EdgeFacts {
   double extent_dark_px = 0.0, extent_bright_px = 0.0;  ///< mean extent of the pixels on both sides
   double contrast = 0.0;                                ///< in units of EdgePixels::value, as the next three
   double noise_sd = 0.0;
-  double local_noise_sd = 0.0;  ///< from differences of neighbouring pixels
-  double plateau_sd = 0.0;      ///< of the pixels of the plateaus about the model
-  double significance = 0.0;    ///< contrast / its standard deviation
-  bool bright_is_flat = false;  ///< many pixels have the largest value, though the dark side has noise
-  bool dark_is_flat = false;    ///< many pixels have the smallest value, though the bright side has noise
-  std::size_t outliers = 0;     ///< single pixels far from the model that were left out
-  double oversampling = 0.0;    ///< distinct distances a pixel, near the edge
+  double local_noise_sd = 0.0;       ///< from differences of neighbouring pixels
+  double plateau_sd = 0.0;           ///< of the pixels of the plateaus about the model
+  double significance = 0.0;         ///< contrast / its standard deviation
+  bool bright_is_flat = false;       ///< many pixels have the largest value, though the dark side has noise
+  bool dark_is_flat = false;         ///< many pixels have the smallest value, though the bright side has noise
+  std::size_t outliers = 0;          ///< single pixels far from the others at their distance that were left out
+  std::size_t cut = 0;               ///< pixels at a limit of the values that count as values beyond it
+  std::size_t clipped = 0;           ///< other pixels at a limit: left out
+  bool unclear_diffraction = false;  ///< noise hides how much of the blur is diffraction
+  double neighbour_px = 0.0;         ///< distance of another edge, beside the region; 0 = none
+  double oversampling = 0.0;         ///< distinct distances a pixel, near the edge
   double narrowed_px = 0.0;     ///< pixels further from the edge were left out, as shading is curved there; 0 = none
   bool curved_shading = false;  ///< shading is curved near the edge too
 
@@ -42,11 +46,5 @@ double structure_share(const EdgeFacts& facts);
 
 /// Noise from differences of neighbouring pixels, half of which may lie on structure.
 double local_noise(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts);
-
-/// Whether outliers may be why pixels are further from the model than neighbouring pixels from each other.
-bool suspects_outliers(const EdgeFacts& facts);
-/// Removes hot and dead pixels and the like, if there are few; returns how many.
-std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
-                            const EdgeFacts& facts);
 
 }  // namespace calib

@@ -128,9 +128,18 @@ NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitS
   return estimate_noise(sums, profile, settings.least_variance, settings.rounding);
 }
 
+StepProfile profile_of(const EdgeModel& model, const FitSettings& settings) {
+  StepProfile profile(tabulate(model.shape, model.curve.angle_rad));
+  if (settings.tails.empty()) return profile;
+  BinRow per_s;
+  for (std::size_t i = 0; i < kBins; ++i) per_s[i] = settings.tails[i] / model.contrast();
+  profile.add_per_s(per_s, model.shape.s_px);
+  return profile;
+}
+
 FitState evaluate(const EdgePixels& pixels, const EdgeModel& model, const FitSettings& settings) {
   FitState state;
-  state.profile = StepProfile(tabulate(model.shape, model.curve.angle_rad));
+  state.profile = profile_of(model, settings);
   state.sums = accumulate(pixels, model, state.profile, order_of(settings.unknowns), settings.every);
   state.noise = noise_of(state.sums, state.profile, settings);
   assemble(state, model, settings);

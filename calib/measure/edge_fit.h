@@ -7,6 +7,7 @@
 #include <array>
 #include <bitset>
 #include <optional>
+#include <vector>
 
 #include "calib/measure/edge_noise.h"
 #include "calib/measure/edge_sums.h"
@@ -59,7 +60,10 @@ struct FitSettings {
   double least_variance = 4e-12;  ///< of a pixel
   std::optional<double> variance{};  ///< of a pixel, when known
   Rounding rounding{};
+  std::vector<double> tails{};  ///< of edges beside the region (neighbours.h); empty: none
 };
+/// The reference step of a model, with the tails that extend into the region.
+StepProfile profile_of(const EdgeModel& model, const FitSettings& settings);
 /// The highest power of t that the unknowns' derivatives have, at least 1.
 int order_of(const Unknowns& unknowns);
 NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitSettings& settings);

@@ -138,14 +138,33 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
     warnings.emplace_back(
         "the sides change nonlinearly next to the edge too: the MTF at low frequencies may be off by more than its "
         "standard deviation");
+  if (facts.neighbour_px > 0.0)
+    warnings.push_back(
+        "another edge or other structure lies " + number(facts.neighbour_px, "%.0f") +
+        " px away, beside the region: the tail of its diffraction is part of the model, and sides that end before "
+        "it make the intervals wider");
+  if (facts.unclear_diffraction)
+    warnings.emplace_back(
+        "the noise hides how much of the blur is diffraction, which lowers the MTF at low frequencies: the intervals "
+        "allow for any part, take a longer edge or average frames for narrower ones");
+  const double finite = std::max(1.0, static_cast<double>(out.roi.width * out.roi.height - out.missing));
+  const auto percent = [&](double count) { return number(100.0 * count / finite, "%.2g") + " %"; };
   if (facts.outliers > 0)
-    warnings.push_back(std::to_string(facts.outliers) + (facts.outliers == 1 ? " single pixel" : " single pixels") +
-                       " far from the model left out");
+    warnings.push_back(std::to_string(facts.outliers) +
+                       (facts.outliers == 1 ? " pixel far from the others at its distance from the edge, as a hot or "
+                                              "dead one is, is left out ("
+                                            : " pixels far from the others at their distances from the edge, as hot "
+                                              "and dead ones are, are left out (") +
+                       percent(static_cast<double>(facts.outliers)) + ")");
   if (out.missing > 0 && !sparse)
     warnings.push_back(std::to_string(out.missing) + (out.missing == 1 ? " pixel is" : " pixels are") +
                        " no number or infinite and left out");
-  if (out.clipped_share > 0.0)
-    warnings.push_back(number(100.0 * out.clipped_share) + " % of the pixels are clipped and left out");
+  if (facts.cut > 0)
+    warnings.push_back(
+        "the noise is cut off at the smallest or largest value: " + percent(static_cast<double>(facts.cut)) +
+        " of the pixels count as values beyond it, on the assumption of Gaussian noise");
+  if (facts.clipped > 0)
+    warnings.push_back(percent(static_cast<double>(facts.clipped)) + " of the pixels are clipped and left out");
   return warnings;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calib/measure/defects/neighbours.h"
 #include "calib/measure/edge_facts.h"
 #include "calib/measure/edge_start.h"
 #include "calib/measure/edge_terms.h"
@@ -45,24 +46,32 @@ void sharpen_start(const EdgePixels& pixels, EdgeModel& start, double block_px, 
 
 }  // namespace
 
-std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& region,
+std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const Roi& roi, RegionFacts& region,
                                       const MeasureOptions& options) {
   constexpr std::int64_t kFineBlocks_px = 4;
-  const ValueLimits limits{options.saturation, options.floor};
+  const double local_noise_sd = local_noise(image, roi, region);
+  const auto [limits, heaped] = find_limits(image, roi, region, options, region.scale * local_noise_sd);
+  region.clipped += heaped;
   std::int64_t block_px = 1;
   const EdgePixels blocks = gather_blocks(image, roi, region, limits, block_px);
   const auto block = static_cast<double>(block_px);
   EdgeModel start = start_edge(blocks, block, static_cast<double>(roi.width), static_cast<double>(roi.height));
   if (!(start.curve.half_length_px > 0.0)) return std::nullopt;
   EdgePixels pixels = gather_pixels(image, roi, region, limits, start.curve, kRange_px);
-  const FitSettings settings = noise_settings(start, region, options);
+  FitSettings settings = noise_settings(start, region, options);
   const double extent_px = 0.5 * static_cast<double>(pixels.size()) / (2.0 * start.curve.half_length_px);
   if (block_px > kFineBlocks_px) sharpen_start(pixels, start, block, settings);
+  const Neighbours neighbours = find_neighbours(image, roi, region, start);
+  settings.tails = neighbours.tails;
+  CutPixels cut;
+  if (region.clipped > 0) cut = gather_cut(image, roi, region, limits, start.curve, kRange_px, settings.rounding);
   return EdgeRegion{.pixels = std::move(pixels),
+                    .cut = std::move(cut),
                     .start = std::move(start),
                     .extent_px = extent_px,
-                    .local_noise_sd = local_noise(image, roi, region),
-                    .settings = settings};
+                    .local_noise_sd = local_noise_sd,
+                    .settings = settings,
+                    .neighbour_px = neighbours.nearest_px};
 }
 
 }  // namespace calib

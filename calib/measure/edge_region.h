@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "calib/edge/edge_pixels.h"
+#include "calib/measure/defects/cut_values.h"
 #include "calib/measure/edge_fit.h"
 #include "calib/measure/measure.h"
 
@@ -13,14 +14,17 @@ namespace calib {
 
 struct EdgeRegion {
   EdgePixels pixels;            ///< within kRange_px of the starting line
+  CutPixels cut;                ///< those of them that are at a limit of the values
   EdgeModel start;              ///< a straight Gaussian step
   double extent_px = 0.0;       ///< of the pixels on one side of the edge, mean of both
   double local_noise_sd = 0.0;  ///< from differences of neighbouring pixels
   FitSettings settings;         ///< with the noise, if it is known, and the rounding of the pixels
+  double neighbour_px = 0.0;    ///< distance of another edge beside the region; 0 = none
 };
 
-/// Empty where no line divides the region into a dark and a bright side.
-std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& region,
+/// Empty where no line divides the region into a dark and a bright side. Pixels at limits that the options do not state
+/// are added to the clipped ones of the region.
+std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const Roi& roi, RegionFacts& region,
                                       const MeasureOptions& options);
 
 }  // namespace calib

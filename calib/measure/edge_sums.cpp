@@ -147,6 +147,26 @@ MTFKIT_CLONES void turn(const double* sums, std::size_t stride, std::size_t firs
   }
 }
 
+// Calls visit(chunk) for every `step`-th pixel, a chunk at a time.
+template <class Visit>
+void visit_chunks(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, std::size_t step,
+                  const Visit& visit) {
+  const double per_length = 1.0 / model.curve.half_length_px;
+  const Point normal = model.curve.normal();
+  Chunk chunk;
+  for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
+    chunk.size = std::min(kChunk, (pixels.size() - first + step - 1) / step);
+    place(pixels.x() + first, pixels.y() + first, pixels.value() + first, step, model.curve.origin, normal, chunk);
+    bend_all(model.curve, {chunk.distance.data(), chunk.size}, {chunk.along.data(), chunk.size});
+    for (std::size_t k = 0; k < chunk.size; ++k) chunk.along[k] *= per_length;
+    find_bins(chunk.distance.data(), chunk.bin.data(), chunk.size);
+    interpolate(profile, DistanceBins::get(), chunk);
+    subtract_model(model.plateau, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
+                   chunk.size);
+    visit(chunk);
+  }
+}
+
 }  // namespace
 
 void EdgeSums::take_from_residual(const BinRow& change, const StepProfile& profile) {
@@ -167,27 +187,16 @@ double EdgeSums::pure_error(int i) const {
 
 EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, int order,
                     std::size_t step) {
-  const double per_length = 1.0 / model.curve.half_length_px;
-  const Point normal = model.curve.normal();
   const int first_bent = profile.bend_first, orders = order - 1;
   const int bent_bins = orders > 0 ? profile.bend_end - first_bent : 0;
   // One cache line a bin, and one more bin for pixels beyond the range.
   constexpr std::size_t kPlain = 8, kBent = 4;
   alignas(64) std::array<double, (kBins + 1) * kPlain> plain{};
   std::vector<double> bent(kBent * static_cast<std::size_t>(bent_bins * orders));
-  Chunk chunk;
-  for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
-    chunk.size = std::min(kChunk, (pixels.size() - first + step - 1) / step);
-    place(pixels.x() + first, pixels.y() + first, pixels.value() + first, step, model.curve.origin, normal, chunk);
-    bend_all(model.curve, {chunk.distance.data(), chunk.size}, {chunk.along.data(), chunk.size});
-    for (std::size_t k = 0; k < chunk.size; ++k) chunk.along[k] *= per_length;
-    find_bins(chunk.distance.data(), chunk.bin.data(), chunk.size);
-    interpolate(profile, DistanceBins::get(), chunk);
-    subtract_model(model.plateau, chunk.distance.data(), chunk.along.data(), chunk.esf.data(), chunk.residual.data(),
-                   chunk.size);
+  visit_chunks(pixels, model, profile, step, [&](const Chunk& chunk) {
     add_plain(chunk, plain.data());
     if (orders > 0) add_bent(chunk, orders, first_bent, bent_bins, bent.data());
-  }
+  });
   EdgeSums sums;
   sums.rows_.resize(EdgeSums::rows_of(order));
   const auto moment = [&](int k) { return sums.rows_[EdgeSums::moment_row(k)].data(); };
@@ -200,6 +209,30 @@ EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const Step
          static_cast<std::size_t>(first_bent), static_cast<std::size_t>(profile.bend_end),
          {moment(2 * k - 1), moment(2 * k), residual(k), unused.data()});
   return sums;
+}
+
+double largest_deviation(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
+                         const BinRow& variance) {
+  double square = 0.0;
+  visit_chunks(pixels, model, profile, 1, [&](const Chunk& chunk) {
+    for (std::size_t k = 0; k < chunk.size; ++k) {
+      const auto bin = static_cast<std::size_t>(chunk.bin[k]);
+      if (bin < kBins) square = std::max(square, chunk.residual[k] * chunk.residual[k] / variance[bin]);
+    }
+  });
+  return std::sqrt(square);
+}
+
+PixelResiduals residuals_of(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile) {
+  PixelResiduals all;
+  all.bin.reserve(pixels.size());
+  all.residual.reserve(pixels.size());
+  visit_chunks(pixels, model, profile, 1, [&](const Chunk& chunk) {
+    const auto size = static_cast<std::ptrdiff_t>(chunk.size);
+    all.bin.insert(all.bin.end(), chunk.bin.begin(), chunk.bin.begin() + size);
+    all.residual.insert(all.residual.end(), chunk.residual.begin(), chunk.residual.begin() + size);
+  });
+  return all;
 }
 
 }  // namespace calib

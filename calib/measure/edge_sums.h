@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "calib/edge/distance_bins.h"
@@ -57,5 +58,16 @@ class EdgeSums {
 /// The sums over every `step`-th pixel.
 EdgeSums accumulate(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile, int order,
                     std::size_t step = 1);
+
+/// Of all residuals in units of their standard deviation.
+double largest_deviation(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile,
+                         const BinRow& variance);
+
+/// Each pixel's residual and the bin of its distance, kBins beyond the range (there the residual has no meaning).
+struct PixelResiduals {
+  std::vector<std::int32_t> bin;
+  std::vector<double> residual;
+};
+PixelResiduals residuals_of(const EdgePixels& pixels, const EdgeModel& model, const StepProfile& profile);
 
 }  // namespace calib

@@ -153,20 +153,23 @@ bool shading_is_curved(const FitState& state, const EdgeModel& model, double wid
   return false;
 }
 
-bool shows_diffraction(const FitState& state, const EdgeModel& model, const Unknowns& unknowns) {
+Diffraction diffraction_in(const FitState& state, const EdgeModel& model, const Unknowns& unknowns) {
   constexpr double kSure = 6.0;  // chi2: once in 140 blurs without diffraction
+  constexpr double kUnclear =
+      0.35;  // of the blur's standard deviation; an aberration-free pupil alone has S = 2.2 of it
   NormalEquations normal = state.normal;
   add_prior(normal, model.shape, unknowns);
-  const Selection all = select(normal, without_bounds(unknowns, model));
+  const Selection all = select(normal, without_bounds(unknowns, model).set(kFirstShape, unknowns[kFirstShape]));
   for (std::size_t i = 0; i < all.list.size(); ++i) {
     if (all.list[i] != kFirstShape) continue;
     const auto k = static_cast<Eigen::Index>(i);
     const Eigen::VectorXd column = all.matrix.ldlt().solve(Eigen::VectorXd::Unit(all.matrix.rows(), k));
     const double variance = column[k] * all.scale[k] * all.scale[k];
     const double s_px = std::max(0.0, model.shape.s_px + column.dot(all.gradient) * all.scale[k]);
-    return s_px * s_px > kSure * variance;
+    if (variance > kUnclear * kUnclear * model.shape.blur_px2()) return Diffraction::unclear;
+    return s_px * s_px > kSure * variance ? Diffraction::shown : Diffraction::absent;
   }
-  return false;
+  return Diffraction::absent;
 }
 
 void set_order(EdgeCurve& curve, int order, bool circle) {

@@ -31,9 +31,13 @@ Terms choose_terms(const FitState& state, const EdgeModel& model, double extent_
 /// correction of the edge spread function could describe it.
 bool shading_is_curved(const FitState& state, const EdgeModel& model, double width_px, double extent_px);
 
-/// Whether the data show the cusp of diffraction, S > 0, significantly. With S >= 0 as the only condition, noise would
-/// make blurs without diffraction seem sharper on average than they are.
-bool shows_diffraction(const FitState& state, const EdgeModel& model, const Unknowns& unknowns);
+/// Whether the data show the cusp of diffraction, S > 0, significantly. Where they do not, it is left out: with S >= 0
+/// as the only condition, noise would make blurs without diffraction seem sharper on average than they are. But where S
+/// is so uncertain that most of the blur may or may not be diffraction (`unclear`), leaving it out would state an MTF
+/// at low frequencies that the data do not know. All of the shape stays unknown then, and the joint solution may take
+/// it beyond its bounds: an estimate that ends at a bound is biased, and its standard deviation is too small.
+enum class Diffraction { shown, absent, unclear };
+Diffraction diffraction_in(const FitState& state, const EdgeModel& model, const Unknowns& unknowns);
 
 /// Sets the kind of the curve and the number of its coefficients.
 void set_order(EdgeCurve& curve, int order, bool circle);

@@ -89,7 +89,7 @@ FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& referen
   next.profile = corrected_profile(reference, joint, step);
   next.sums = accumulate(pixels, model, next.profile, order_of(settings.unknowns));
   next.noise = noise_of(next.sums, next.profile, settings);
-  reference = StepProfile(tabulate(model.shape, model.curve.angle_rad));
+  reference = profile_of(model, settings);
   BinRow change;
   for (std::size_t i = 0; i < kBins; ++i) change[i] = model.contrast() * (reference.esf()[i] - next.profile.esf()[i]);
   next.sums.take_from_residual(change, next.profile);
@@ -104,8 +104,9 @@ CorrectedFit correct(const EdgePixels& pixels, EdgeFit fit, const EdgeFacts& fac
   settings.unknowns = fit.unknowns;
   const double extent_px = std::min(facts.extent_dark_px, facts.extent_bright_px);
   const auto solve = [&](const EdgeFit& at, Detail detail) {
-    return solve_jointly(at.state, at.model, without_bounds(at.unknowns, at.model),
-                         facts.few_distances() ? Detail::none : detail, facts.width_px, extent_px);
+    const Unknowns free = at.diffraction == Diffraction::unclear ? at.unknowns : without_bounds(at.unknowns, at.model);
+    return solve_jointly(at.state, at.model, free, facts.few_distances() ? Detail::none : detail, facts.width_px,
+                         extent_px);
   };
   CorrectedFit best{.fit = std::move(fit), .joint = {}};
   best.joint = solve(best.fit, Detail::coarse);

@@ -63,17 +63,21 @@ std::string_view trouble_name(Trouble trouble) {
 
 EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, const MeasureOptions& options) {
   check(image, roi, options);
-  const RegionFacts region = survey(image, roi, {options.saturation, options.floor});
+  RegionFacts region = survey(image, roi, {options.saturation, options.floor});
   EdgeMeasurement known;  // what is known of the region, also without a result
   known.roi = roi;
   known.missing = roi.width * roi.height - region.finite;
-  if (region.finite > 0) known.clipped_share = static_cast<double>(region.clipped) / static_cast<double>(region.finite);
+  const auto clipped_share = [&region] {
+    return region.finite > 0 ? static_cast<double>(region.clipped) / static_cast<double>(region.finite) : 0.0;
+  };
+  known.clipped_share = clipped_share();
   if (const Outcome outcome = judge_region(region, roi, options); outcome.refused()) return refused(known, outcome);
 
   std::optional<EdgeRegion> data = gather_edge(image, roi, region, options);
   if (!data)
     return refused(known, {Trouble::no_edge,
                            "no line divides the region into a dark and a bright side: move the region onto an edge"});
+  known.clipped_share = clipped_share();  // with those at limits that the options do not state
   const FitSettings settings = data->settings;
   RegionFit fitted = fit_region(*std::move(data), options);
   describe_plateaus(fitted.fit.model, fitted.fit.state.noise, region, known);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "calib/measure/edge_terms.h"
+#include "calib/measure/defects/edge_outliers.h"
 
 namespace calib {
 namespace {
@@ -25,19 +25,21 @@ void converge(const EdgePixels& pixels, EdgeFit& fit, FitSettings settings) {
   settings.unknowns = fit.unknowns;
   settings.max_iterations = 8;
   settings.tolerance = 0.3;
-  const auto leave_out_diffraction = [&] {
+  // Whether diffraction is left out.
+  const auto judge_diffraction = [&] {
+    fit.diffraction = diffraction_in(fit.state, fit.model, fit.unknowns);
+    if (fit.diffraction != Diffraction::absent) return false;
     ReferenceShape& shape = fit.model.shape;
     const double s_px = std::exchange(shape.s_px, 0.0);
     shape.v_px2 += 0.1 * s_px * s_px;
     fit.unknowns.reset(kFirstShape);
     settings.unknowns = fit.unknowns;
     if (s_px > 0.0) fit.state = evaluate(pixels, fit.model, settings);
+    return true;
   };
-  const bool likely = shows_diffraction(fit.state, fit.model, fit.unknowns);
-  if (!likely) leave_out_diffraction();
+  const bool left_out = judge_diffraction();
   fit.state = fit_reference(pixels, fit.model, settings, std::move(fit.state));
-  if (!likely || shows_diffraction(fit.state, fit.model, fit.unknowns)) return;
-  leave_out_diffraction();
+  if (left_out || !judge_diffraction()) return;
   fit.state = fit_reference(pixels, fit.model, settings, std::move(fit.state));
 }
 
@@ -46,7 +48,7 @@ EdgeFit fit_edge(const EdgePixels& pixels, EdgeModel start, FitSettings settings
                  double extent_px) {
   constexpr std::size_t kSome = 2000;
   const std::size_t step = step_for(pixels, kSome);
-  EdgeFit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns()};
+  EdgeFit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns(), .diffraction = {}};
   split_blur(fit.model.shape);
   const auto refine = [&](std::size_t every, int max_iterations, double tolerance) {
     settings.unknowns = fit.unknowns;
@@ -104,6 +106,30 @@ bool curved_shading(const RegionFit& region) {
   return shading_is_curved(region.fit.state, region.fit.model, region.facts.width_px, smaller_extent_px(region.facts));
 }
 
+// Adds the pixels whose noise is cut off and continues the fit with them; returns how many. The noise, which lacks the
+// cut tail at first, approaches its value by a factor of two or more a round.
+std::size_t fit_cut(RegionFit& region, const EdgeRegion& data) {
+  constexpr int kMostRounds = 8;
+  constexpr double kSame = 2e-3;  // relative change of the variances
+  if (data.cut.pixels.size() == 0) return 0;
+  EdgeFit& fit = region.fit;
+  const std::size_t cut = add_cut(region.pixels, data.cut, fit.model, fit.state);
+  if (cut == 0) return 0;
+  FitSettings settings = data.settings;
+  settings.unknowns = fit.unknowns;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const NoiseModel before = fit.state.noise;
+    expect_cut(region.pixels, data.cut, fit.model, fit.state);
+    fit.state = fit_reference(region.pixels, fit.model, settings);
+    const NoiseModel& after = fit.state.noise;
+    if (std::abs(after.dark - before.dark) < kSame * after.dark &&
+        std::abs(after.bright - before.bright) < kSame * after.bright)
+      break;
+  }
+  region.facts = facts_of(region.pixels, fit.state, fit.model, data.local_noise_sd);
+  return cut;
+}
+
 }  // namespace
 
 RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
@@ -113,10 +139,17 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
     region.facts = facts_of(region.pixels, region.fit.state, region.fit.model, data.local_noise_sd);
   };
   fit_again(data.extent_px);
+  // Outliers hide others from the first fit, and it moves towards them.
+  constexpr int kMostRounds = 3;
   std::size_t outliers = 0;
-  if (suspects_outliers(region.facts))
-    outliers = remove_outliers(region.pixels, region.fit.model, region.fit.state.profile, region.facts);
-  if (outliers > 0) fit_again(data.extent_px);
+  for (int round = 0; round < kMostRounds; ++round) {
+    const std::size_t removed =
+        remove_outliers(region.pixels, region.fit.model, region.fit.state, data.settings.rounding);
+    if (removed == 0) break;
+    outliers += removed;
+    fit_again(data.extent_px);
+  }
+  const std::size_t cut = fit_cut(region, data);
 
   // Near the edge a gradient describes curved shading: the pixels are narrowed down to those.
   constexpr double kLeast_px = 8.0, kLeastWidths = 5.0;
@@ -130,7 +163,12 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
     fit_again(extent_px);
     curved = curved_shading(region);
   }
+  region.facts.unclear_diffraction = region.fit.diffraction == Diffraction::unclear;
+  region.facts.neighbour_px =
+      region.fit.unknowns[kFirstShape] ? data.neighbour_px : 0.0;  // its tail is proportional to S
   region.facts.outliers = outliers;
+  region.facts.cut = cut;
+  region.facts.clipped = data.cut.pixels.size() - cut;
   region.facts.narrowed_px = narrowed_px;
   region.facts.curved_shading = curved;
   return region;

@@ -8,6 +8,7 @@
 #include "calib/measure/edge_facts.h"
 #include "calib/measure/edge_fit.h"
 #include "calib/measure/edge_region.h"
+#include "calib/measure/edge_terms.h"
 #include "calib/measure/measure.h"
 
 namespace calib {
@@ -16,6 +17,7 @@ struct EdgeFit {
   EdgeModel model;
   FitState state;  ///< of all pixels, at the model
   Unknowns unknowns;
+  Diffraction diffraction = Diffraction::absent;
 };
 
 struct RegionFit {

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What spoils real images of edges, done to the images of made_edges.h: hot pixels, values cut off at a floor, a second
+// edge, noise that neighbouring pixels share, coarse steps between values.
+
+#include "tests/calib/made_edges.h"
+
+namespace made {
+
+/// Adds `more` to a share of the pixels, chosen at random.
+void heat_pixels(mtf::Image& image, double share, double more, std::uint64_t seed);
+/// Values below `floor` become it, as those of a converter without an offset.
+void cut_off_below(mtf::Image& image, double floor);
+/// A parallel edge of the same blur and of another contrast, on the bright side.
+void add_second_edge(mtf::Image& image, const Scene& scene, const Step& step, double apart_px, double contrast);
+/// The noise is drawn again and blurred by a Gaussian of `sd_px`, and has the deviation of the scene's after that.
+void correlate_noise(mtf::Image& image, const Scene& scene, const Step& step, double sd_px);
+/// Values become multiples of `quantum`.
+void round_values(mtf::Image& image, double quantum);
+
+}  // namespace made
