@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/edges/frequency_unit.h"
 #include "apps/simulate/simulate_options.h"
 
 namespace apps {
@@ -107,6 +108,9 @@ struct MeasureOptions {
   std::optional<int> order;  ///< of the edge curve
   bool circle = false;
   bool iso12233 = false;
+  FrequencyUnit unit = FrequencyUnit::cy_px;
+  std::optional<double> pitch_um, focal_length_mm;  ///< for the unit
+  std::vector<double> contrasts;                    ///< whose frequencies are wanted
   Format format = Format::table;
   std::string out;       ///< "" = stdout
   std::string curves;    ///< CSV of all curves; "" = none, as the others below

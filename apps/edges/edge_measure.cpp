@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/edges/edge_measure.h"
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
 
@@ -34,6 +35,15 @@ calib::EdgeMeasurement as_measurement(const calib::Iso12233Result& result, const
   };
   edge.mtf50 = figure("mtf50", result.mtf50, "the curve does not fall to 50 %");
   edge.mtf10 = figure("mtf10", result.mtf10, "the curve does not fall to 10 %");
+  const auto fall = [&edge](double contrast) {
+    const auto frequency = calib::frequency_at(edge, contrast);
+    return frequency ? std::optional(frequency->value) : std::nullopt;
+  };
+  edge.mtf20 = figure("mtf20", fall(0.2), "the curve does not fall to 20 %");
+  edge.mtf30 = figure("mtf30", fall(0.3), "the curve does not fall to 30 %");
+  if (!edge.mtf.empty())
+    edge.mtf50p = figure("mtf50p", fall(0.5 * *std::max_element(edge.mtf.begin(), edge.mtf.end())),
+                         "the curve does not fall to half of its peak");
   edge.nyquist = figure("nyquist", result.nyquist, "the curve ends before 0.5 cycles/pixel");
   edge.sampling_efficiency =
       figure("sampling_efficiency", result.sampling_efficiency, "the curve does not fall to 10 %");

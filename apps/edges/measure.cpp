@@ -8,6 +8,7 @@
 #include <set>
 
 #include "apps/edges/edge_measure.h"
+#include "apps/edges/edge_merits.h"
 #include "apps/edges/measure_report.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
@@ -63,11 +64,11 @@ void write_figures_of(const MeasureOptions& options, const MeasureReport& report
       drawn(write_figures(options.plot, edge_figures(*best)), options.plot);
   }
   if (!options.map.empty()) {
-    const std::vector<Figure> map = field_map(report.edges);
+    const std::vector<Figure> map = field_map(report);
     if (map.empty()) {
       note(global, "mtf: note: no edge has an MTF50: no map " + one_line(options.map));
     } else {
-      mtf::io::write_text_file(figure_data_path(options.map), field_map_csv(report.edges));
+      mtf::io::write_text_file(figure_data_path(options.map), field_map_csv(report));
       drawn(draw_figures(options.map, map), options.map);
     }
   }
@@ -90,8 +91,16 @@ int run_measure(const MeasureOptions& options, const Global& global) {
   require_writable(outputs_of(options), files_of(options.input));
   if (options.iso12233 && options.circle)
     throw mtf::UsageError("--circle: --method iso12233 knows polynomials only; leave out one of the two");
-  MeasureReport report{
-      .method = options.iso12233 ? "iso12233" : "regression", .edges = {}, .left_out = {}, .failed = {}};
+  const auto scale_of = [&options](std::int64_t rows) {
+    return frequency_scale(options.unit, options.pitch_um, options.focal_length_mm, rows);
+  };
+  static_cast<void>(scale_of(1));  // what the unit lacks is said before any image is read
+  MeasureReport report{.method = options.iso12233 ? "iso12233" : "regression",
+                       .edges = {},
+                       .left_out = {},
+                       .failed = {},
+                       .unit = options.unit,
+                       .contrasts = further_contrasts(options.contrasts)};
   const std::vector<std::string>& images = options.input.images;
   ProgressLine progress(global);
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -105,6 +114,10 @@ int run_measure(const MeasureOptions& options, const Global& global) {
           report.left_out.push_back({images[i], plane.channel, plane.left_out, plane.not_tried});
         const EdgeMethod method{.order = options.order, .circle = options.circle, .iso12233 = options.iso12233};
         std::vector<MeasuredEdge> edges = measure_plane(plane, method, global.threads);
+        for (MeasuredEdge& edge : edges) {
+          edge.scale = scale_of(plane.plane.height());
+          add_contrasts(edge, report.contrasts);
+        }
         if (first && !options.annotate.empty()) annotate(options.annotate, plane, edges);
         first = false;
         std::move(edges.begin(), edges.end(), std::back_inserter(report.edges));
