@@ -106,7 +106,7 @@ Command measure_command() {
       "itself). --plot and --annotate write the figures of the best edge and of the first image.",
       "  mtf measure edge.png\n"
       "  mtf measure edge.png --roi 10,12,80,96 --format json -o edge.json --plot edge.svg"};
-  OptionSpec& images = add_text(app, "images", "IMAGE...", "OpenEXR, PNG or TIFF",
+  OptionSpec& images = add_text(app, "images", "IMAGE...", "OpenEXR, PNG, TIFF or JPEG",
                                 [&](const std::string& text) { options.input.images.push_back(text); });
   images.required = images.repeats = true;
   add_edge_input(app, options.input);
@@ -148,7 +148,7 @@ Command fit_command() {
       "  mtf fit sensor.toml edge.png -o fitted.toml\n"
       "  mtf fit sensor.toml edge.png --format json --report fit.json --plot fit.svg"};
   add_file(app, "sensor", "sensor file (TOML) with numbers to fit", options.sensor);
-  add_text(app, "images", "IMAGE...", "images of edges: OpenEXR, PNG or TIFF", [&](const std::string& text) {
+  add_text(app, "images", "IMAGE...", "images of edges: OpenEXR, PNG, TIFF or JPEG", [&](const std::string& text) {
     options.input.images.push_back(text);
   }).repeats = true;
   add_edge_input(app, options.input);

@@ -74,6 +74,7 @@ Json provenance(const MeasuredEdge& measured) {
           {"whole_numbers", from.integer},
           {"full_scale", from.full_scale},
           {"step_at_mid_level", measured.quantum > 0.0 ? Json(measured.quantum) : Json()},
+          {"dct_rounding_sd", from.dct_rounding_sd > 0.0 ? Json(from.dct_rounding_sd) : Json()},
           {"floor", or_null(from.dark_end)},
           {"saturation", or_null(from.light_end)},
           {"cfa_pattern", word_or_null(from.mosaic)},
