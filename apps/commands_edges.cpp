@@ -8,8 +8,9 @@
 namespace apps {
 namespace {
 
-constexpr std::array kMethods{std::pair{std::string_view("regression"), false},
-                              std::pair{std::string_view("iso12233"), true}};
+constexpr std::array kMethods{std::pair{std::string_view("regression"), MeasureMethod::regression},
+                              std::pair{std::string_view("iso12233"), MeasureMethod::iso12233},
+                              std::pair{std::string_view("both"), MeasureMethod::both}};
 constexpr std::array kLoss{std::pair{std::string_view("huber"), true}, std::pair{std::string_view("squares"), false}};
 constexpr std::array kCurveUnits{std::pair{std::string_view("cy/mm"), 0}, std::pair{std::string_view("cy/mrad"), 1},
                                  std::pair{std::string_view("cy/px"), 2}};
@@ -113,8 +114,9 @@ Command measure_command() {
   add_word(app, "--order", "N", "of the polynomial that the edge follows, 1 to 5; default: by an F-test",
            [&](const std::string& text) { options.order = whole_number("--order", text, 1, 5); });
   add_flag(app, "--circle", "the edge follows a circle", options.circle);
-  add_choice(app, "--method", "METHOD", "regression (default), or iso12233 to compare with other programs", kMethods,
-             options.iso12233);
+  add_choice(app, "--method", "METHOD",
+             "regression (default), iso12233 as other programs compute it, or both with why they differ", kMethods,
+             options.method);
   add_frequency_unit(app, options);
   add_contrast_level(app, options.contrasts);
   add_format(app, "table (default), csv (a line an edge) or json", options.format);

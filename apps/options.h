@@ -103,11 +103,14 @@ struct EdgeInput {
   std::optional<double> saturation;            ///< stored values from here on are clipped
 };
 
+/// How `mtf measure` takes the MTF: by regression, after ISO 12233, or both with the reasons of their difference.
+enum class MeasureMethod { regression, iso12233, both };
+
 struct MeasureOptions {
   EdgeInput input;
   std::optional<int> order;  ///< of the edge curve
   bool circle = false;
-  bool iso12233 = false;
+  MeasureMethod method = MeasureMethod::regression;
   FrequencyUnit unit = FrequencyUnit::cy_px;
   std::optional<double> pitch_um, focal_length_mm;  ///< for the unit
   std::vector<double> contrasts;                    ///< whose frequencies are wanted

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "apps/text/words.h"
-#include "calib/iso12233/iso12233.h"
+#include "calib/iso12233/iso12233_difference.h"
 #include "mtf/parallel.h"
 
 namespace apps {
@@ -51,6 +51,10 @@ calib::EdgeMeasurement as_measurement(const calib::Iso12233Result& result, const
   return edge;
 }
 
+calib::Iso12233Result measure_by_standard(const EdgePlane& plane, const calib::Roi& roi, const EdgeMethod& method) {
+  return calib::measure_iso12233(plane.plane.view(), roi, {.order = method.order.value_or(5)});
+}
+
 calib::EdgeMeasurement measure(const EdgePlane& plane, const calib::Roi& roi, const EdgeMethod& method) {
   const mtf::Image& image = plane.plane;
   if (roi.x < 0 || roi.y < 0 || roi.x > image.width() - roi.width || roi.y > image.height() - roi.height) {
@@ -61,8 +65,7 @@ calib::EdgeMeasurement measure(const EdgePlane& plane, const calib::Roi& roi, co
                      std::to_string(image.height()) + " pixels: give one inside";
     return outside;
   }
-  if (method.iso12233)
-    return as_measurement(calib::measure_iso12233(image.view(), roi, {.order = method.order.value_or(5)}), roi);
+  if (method.method == MeasureMethod::iso12233) return as_measurement(measure_by_standard(plane, roi, method), roi);
   calib::MeasureOptions how = plane.options;
   how.order = method.order;
   how.circle = method.circle;
@@ -104,6 +107,11 @@ std::vector<MeasuredEdge> measure_plane(const EdgePlane& plane, const EdgeMethod
       if (edges[i].edge.trouble != calib::Trouble::none) continue;
       edges[i].place = field_place(edges[i].edge, plane.plane.width(), plane.plane.height());
       warn_of_jpeg(edges[i]);
+      if (method.method != MeasureMethod::both) continue;
+      MethodComparison& both = edges[i].standard.emplace();
+      both.result = measure_by_standard(plane, plane.regions[i].roi, method);
+      if (both.result.trouble == calib::Trouble::none)
+        both.difference = calib::explain_difference(edges[i].edge, both.result);
     }
   });
   return edges;

@@ -80,6 +80,11 @@ std::string without_name(std::string message, const std::string& file) {
   return message.starts_with(name) ? message.substr(name.size()) : message;
 }
 
+std::string_view method_name(MeasureMethod method) {
+  if (method == MeasureMethod::both) return "both";
+  return method == MeasureMethod::iso12233 ? "iso12233" : "regression";
+}
+
 std::string formatted(const MeasureReport& report, Format format) {
   if (format == Format::csv) return measure_csv(report);
   return format == Format::json ? measure_json(report) : measure_table(report);
@@ -89,13 +94,13 @@ std::string formatted(const MeasureReport& report, Format format) {
 
 int run_measure(const MeasureOptions& options, const Global& global) {
   require_writable(outputs_of(options), files_of(options.input));
-  if (options.iso12233 && options.circle)
-    throw mtf::UsageError("--circle: --method iso12233 knows polynomials only; leave out one of the two");
+  if (options.method != MeasureMethod::regression && options.circle)
+    throw mtf::UsageError("--circle: ISO 12233 knows polynomials only; leave out one of the two");
   const auto scale_of = [&options](std::int64_t rows) {
     return frequency_scale(options.unit, options.pitch_um, options.focal_length_mm, rows);
   };
   static_cast<void>(scale_of(1));  // what the unit lacks is said before any image is read
-  MeasureReport report{.method = options.iso12233 ? "iso12233" : "regression",
+  MeasureReport report{.method = std::string(method_name(options.method)),
                        .edges = {},
                        .left_out = {},
                        .failed = {},
@@ -112,7 +117,7 @@ int run_measure(const MeasureOptions& options, const Global& global) {
         for (const std::string& remark : plane.notes) note(global, "mtf: note: " + remark);
         if (plane.left_out + plane.not_tried > 0)
           report.left_out.push_back({images[i], plane.channel, plane.left_out, plane.not_tried});
-        const EdgeMethod method{.order = options.order, .circle = options.circle, .iso12233 = options.iso12233};
+        const EdgeMethod method{.order = options.order, .circle = options.circle, .method = options.method};
         std::vector<MeasuredEdge> edges = measure_plane(plane, method, global.threads);
         for (MeasuredEdge& edge : edges) {
           edge.scale = scale_of(plane.plane.height());

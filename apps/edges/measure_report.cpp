@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/edges/edge_merits.h"
+#include "apps/edges/method_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/units.h"
@@ -96,6 +97,7 @@ Json as_json(const MeasuredEdge& measured, const std::vector<std::string>& names
   json["angle_deg"] = measured_it ? Json(edge.angle_deg.value) : Json();
   const std::vector<std::optional<Estimate>> merits = merits_of(measured);
   for (std::size_t i = 0; i < merits.size(); ++i) json[names[i]] = as_json(merits[i]);
+  if (measured.standard) json["iso12233"] = comparison_json(measured);
   if (!measured_it) {
     json["mtf"] = Json();
     return json;
@@ -192,7 +194,8 @@ std::string measure_table(const MeasureReport& report) {
   if (any)
     text += "\nMTF and frequencies along the normal of the edge, in " +
             (pixels ? "cycles per pixel" : std::string(unit_name(report.unit))) + "; " +
-            (report.method == "iso12233" ? "" : "+- is one standard deviation; ") + "method " + report.method + "\n";
+            (report.method == "iso12233" ? "" : "+- is one standard deviation; ") + "method " +
+            (report.method == "both" ? "regression" : report.method) + "\n" + comparison_table(report);
   for (const FailedImage& failed : report.failed) {
     const bool named = failed.reason.find(one_line(failed.image)) != std::string::npos;
     notes += (named ? "" : one_line(failed.image) + ": ") + failed.reason + "\n";
@@ -205,7 +208,8 @@ std::string measure_csv(const MeasureReport& report) {
   for (const std::string& name : merit_names(report.contrasts)) text += "," + name + "," + name + "_sd";
   text +=
       ",cnr,length_px,sagitta_px,order,oversampling,chi2_per_dof,missing_pixels,field_x_px,field_y_px,field_radius_px,"
-      "direction,encoding,reason,warnings,frequency_unit\n";
+      "direction,encoding,reason,warnings,frequency_unit" +
+      comparison_header(report) + "\n";
   std::size_t number = 0;
   for (const MeasuredEdge& measured : report.edges) {
     const EdgeMeasurement& edge = measured.edge;
@@ -225,7 +229,7 @@ std::string measure_csv(const MeasureReport& report) {
       text += ",,,,,,,,,,";
     text += "," + measured.place.direction + "," + csv_field(measured.linearisation.encoding) + "," +
             csv_field(reason_of(edge)) + "," + csv_field(joined(edge.warnings)) + "," +
-            std::string(unit_symbol(report.unit)) + "\n";
+            std::string(unit_symbol(report.unit)) + comparison_columns(measured) + "\n";
   }
   return text;
 }

@@ -11,6 +11,7 @@
 #include "apps/edges/edge_input.h"
 #include "apps/edges/frequency_unit.h"
 #include "apps/figures/plot.h"
+#include "calib/iso12233/iso12233_difference.h"
 #include "calib/measure/measure.h"
 #include "mtf/io/codecs/drawing.h"
 
@@ -27,6 +28,12 @@ struct FieldPlace {
 };
 FieldPlace field_place(const calib::EdgeMeasurement& edge, std::int64_t width, std::int64_t height);
 
+/// What ISO 12233 gives for the same region, and why it differs where there is a result.
+struct MethodComparison {
+  calib::Iso12233Result result;
+  std::optional<calib::Iso12233Difference> difference;
+};
+
 struct MeasuredEdge {
   std::string image, channel, name;
   Linearisation linearisation;
@@ -35,6 +42,7 @@ struct MeasuredEdge {
   FieldPlace place;
   FrequencyScale scale{};                                      ///< unit of the frequencies that are shown
   std::vector<std::optional<calib::Estimate>> at_contrasts{};  ///< cycles per pixel, of MeasureReport::contrasts
+  std::optional<MethodComparison> standard{};                  ///< where both methods were asked for
 };
 
 /// An image that could not be used at all.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// `mtf measure`: JPEG files.
+// `mtf measure`: JPEG files, and ISO 12233 beside the MTF with the reasons of the difference.
 
 #include <gtest/gtest.h>
 
@@ -61,6 +61,50 @@ TEST(MeasureJpeg, RoundingAboveTheNoiseIsAWarning) {
   const Json edge = report(scratch, "coarse.jpg").at("edges")[0];
   ASSERT_EQ(edge.at("warnings").size(), 1U) << edge.at("warnings");
   EXPECT_NE(edge.at("warnings")[0].get<std::string>().find("JPEG: the rounding"), std::string::npos);
+}
+
+TEST(MeasureBoth, TheReasonsLeadFromOneMethodToTheOther) {
+  const Scratch scratch;
+  const mtf::Image image = made::make(made::Step::gaussian(0.3), {.noise_sd = 0.001});
+  mtf::io::write_exr((scratch / "edge.exr").string(), {{"Y", image.view()}}, {});
+  const Json both = report(scratch, "edge.exr --method both"), alone = report(scratch, "edge.exr"),
+             standard = report(scratch, "edge.exr --method iso12233").at("edges")[0];
+  EXPECT_EQ(both.at("method"), "both");
+  const Json edge = both.at("edges")[0], iso = edge.at("iso12233");
+  EXPECT_EQ(edge.at("mtf50"), alone.at("edges")[0].at("mtf50"));
+  for (const char* figure : {"mtf50", "nyquist"}) {
+    EXPECT_EQ(iso.at(figure), standard.at(figure).at("value"));
+    double sum = iso.at("unexplained").at(figure).get<double>();
+    for (const Json& reason : iso.at("reasons")) sum += reason.at(figure).get<double>();
+    EXPECT_NEAR(sum, iso.at("difference").at(figure).get<double>(), 1e-5);
+    EXPECT_NEAR(sum, iso.at(figure).get<double>() - edge.at(figure).at("value").get<double>(), 1e-5);
+  }
+  ASSERT_EQ(iso.at("reasons").size(), 5U);
+  EXPECT_EQ(iso.at("reasons")[0].at("reason"), "averages over bins of a quarter pixel");
+  EXPECT_FALSE(alone.at("edges")[0].contains("iso12233"));
+
+  const Json scaled = report(scratch, "edge.exr --method both --unit cy/mm --pitch 5um").at("edges")[0].at("iso12233");
+  EXPECT_NEAR(scaled.at("reasons")[0].at("mtf50").get<double>(), 200.0 * iso.at("reasons")[0].at("mtf50").get<double>(),
+              1e-9);
+  EXPECT_EQ(scaled.at("nyquist"), iso.at("nyquist"));
+  const std::string table = scratch.run("mtf measure edge.exr --method both").out;
+  for (const char* part : {"averages over bins", "not explained", "ISO 12233"})
+    EXPECT_NE(table.find(part), std::string::npos) << table;
+  const std::string csv = scratch.run("mtf measure edge.exr --method both --format csv").out;
+  EXPECT_NE(csv.find(",iso12233_mtf50,iso12233_nyquist\n"), std::string::npos) << csv;
+  EXPECT_EQ(scratch.run("mtf measure edge.exr --method both --circle").status, 2);
+}
+
+// A region that the standard's method cannot take: the MTF is there, and why there is no comparison.
+TEST(MeasureBoth, AnEdgeThatOnlyOneMethodMeasures) {
+  const Scratch scratch;
+  const mtf::Image image = made::make(made::Step::gaussian(0.3), {.angle_deg = 0.2, .noise_sd = 0.005});
+  mtf::io::write_exr((scratch / "edge.exr").string(), {{"Y", image.view()}}, {});
+  const Json edge = report(scratch, "edge.exr --roi 0,0,128,100 --method both").at("edges")[0];
+  EXPECT_TRUE(edge.at("mtf50").is_object());
+  EXPECT_TRUE(edge.at("iso12233").at("mtf50").is_null());
+  EXPECT_NE(edge.at("iso12233").at("reason").get<std::string>().find("drifts by less than a pixel"), std::string::npos);
+  EXPECT_FALSE(edge.at("iso12233").contains("reasons"));
 }
 
 }  // namespace
