@@ -116,6 +116,7 @@ struct MeasureOptions {
   std::vector<double> contrasts;                    ///< whose frequencies are wanted
   Format format = Format::table;
   std::string out;       ///< "" = stdout
+  std::string table;     ///< CSV with a line an image; "" = none
   std::string curves;    ///< CSV of all curves; "" = none, as the others below
   std::string plot;      ///< figure of the best edge's ESF, LSF and MTF
   std::string map;       ///< maps of MTF50 over the image

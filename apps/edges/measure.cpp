@@ -9,6 +9,7 @@
 
 #include "apps/edges/edge_measure.h"
 #include "apps/edges/edge_merits.h"
+#include "apps/edges/image_table.h"
 #include "apps/edges/measure_report.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
@@ -35,6 +36,7 @@ void annotate(const std::string& path, const EdgePlane& plane, std::span<const M
 std::vector<std::string> outputs_of(const MeasureOptions& options) {
   std::vector<std::string> outputs;
   if (options.out != "-") outputs.push_back(options.out);
+  outputs.push_back(options.table);
   outputs.push_back(options.curves);
   for (const std::string& figure : {options.plot, options.map}) {
     if (figure.empty()) continue;
@@ -134,6 +136,7 @@ int run_measure(const MeasureOptions& options, const Global& global) {
   }
   progress.update("measuring", 1.0);
   write_figures_of(options, report, global);
+  if (!options.table.empty()) emit(options.table, image_table(report));
   if (!options.curves.empty()) emit(options.curves, curves_csv(report));
   emit(options.out, formatted(report, options.format));
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// `mtf measure`: JPEG files, and ISO 12233 beside the MTF with the reasons of the difference.
+// `mtf measure`: JPEG files, ISO 12233 beside the MTF with the reasons of the difference, and tables of images.
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
+#include <vector>
 
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
@@ -93,6 +95,49 @@ TEST(MeasureBoth, TheReasonsLeadFromOneMethodToTheOther) {
   const std::string csv = scratch.run("mtf measure edge.exr --method both --format csv").out;
   EXPECT_NE(csv.find(",iso12233_mtf50,iso12233_nyquist\n"), std::string::npos) << csv;
   EXPECT_EQ(scratch.run("mtf measure edge.exr --method both --circle").status, 2);
+}
+
+// Images of a series in their order; an image without an edge, and one that cannot be read, have a line too.
+TEST(MeasureTable, ALineAnImage) {
+  const Scratch scratch;
+  const auto add = [&](const char* name, double mtf50) {
+    const mtf::Image image = made::make(made::Step::gaussian(mtf50), {.noise_sd = 0.005});
+    mtf::io::write_exr((scratch / name).string(), {{"Y", image.view()}}, {});
+  };
+  add("1.exr", 0.2);
+  add("2.exr", 0.3);
+  const mtf::Image flat = made::make(made::Step::gaussian(0.3), {.dark = 0.5, .bright = 0.5, .noise_sd = 0.005});
+  mtf::io::write_exr((scratch / "3.exr").string(), {{"Y", flat.view()}}, {});
+  apps_test::write_file(scratch / "4.png", "no image");
+  const std::string regions = "--roi 0,0,128,50 --roi 0,50,128,50 --roi 0,0,20,20";
+  const Result result = scratch.run("mtf measure 1.exr 2.exr 3.exr 4.png --table t.csv -o edges.csv --format csv " +
+                                    regions + " --unit cy/mm --pitch 5um");
+  EXPECT_EQ(result.status, 1);
+  std::istringstream table(apps_test::read_file(scratch / "t.csv"));
+  std::vector<std::vector<std::string>> rows;
+  for (std::string line; std::getline(table, line);) {
+    std::istringstream cells(line);
+    rows.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  std::erase_if(rows, [](const auto& row) { return row.at(2) != "all"; });
+  ASSERT_EQ(rows.size(), 4U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double truth = i == 0 ? 40.0 : 60.0;  // cycles/mm
+    EXPECT_EQ(rows[i].at(3), "3");
+    EXPECT_EQ(rows[i].at(4), "2");
+    EXPECT_NEAR(std::stod(rows[i].at(5)), 1.0 / 3.0, 1e-12);
+    const double best = std::stod(rows[i].at(6)), median = std::stod(rows[i].at(8)), sd = std::stod(rows[i].at(9));
+    EXPECT_GE(best, median);
+    EXPECT_NEAR(median, truth, 5.0 * sd);
+    EXPECT_LT(sd, std::stod(rows[i].at(7)));  // a mean of two
+    EXPECT_EQ(rows[i].at(10), "cy/mm");
+  }
+  EXPECT_EQ(rows[2].at(4), "0");
+  EXPECT_EQ(rows[2].at(6), "");
+  EXPECT_GT(rows[2].size(), 11U);  // the reason
+  EXPECT_EQ(rows[3].at(0), "4.png");
+  EXPECT_EQ(rows[3].at(3), "0");
 }
 
 // A region that the standard's method cannot take: the MTF is there, and why there is no comparison.
