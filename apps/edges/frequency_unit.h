@@ -2,7 +2,7 @@
 #pragma once
 
 // The units in which `mtf measure` states spatial frequencies. A measurement is in cycles per pixel along the normal of
-// its edge. Of square pixels p apart behind the focal length F, one cycle per pixel is
+// its edge. With square pixels p apart and the focal length F, one cycle per pixel is
 //   1 / p              cy/mm, and lp/mm: a pair of lines is a cycle
 //   F / p              cy/mrad in object space, with F in mm and p in um
 //   2 x rows           lw/ph: line widths, two a cycle, in the height of the picture, whatever its orientation

@@ -105,8 +105,8 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
 
 /// The frequency in cycles per pixel at which the MTF of a measurement first falls to `contrast`, with its standard
 /// deviation; nothing where the MTF stays above or was not measured. It follows from the sampled curve: for the
-/// contrasts that are members above it agrees with them to a few parts in a million of a cycle per pixel, where the MTF
-/// is smooth over the samples' step. A curve without standard deviations is taken as straight lines, and the deviation
+/// contrasts that are members above it agrees with them to a hundredth of their standard deviation
+/// (tests/calib/test_contrast.cpp). A curve without standard deviations is taken as straight lines, and the deviation
 /// is NaN. Throws UsageError unless the contrast is above 0.
 std::optional<Estimate> frequency_at(const EdgeMeasurement& edge, double contrast);
 

@@ -87,7 +87,8 @@ void read_frame(const std::string& path, int marker, Segment data, JpegFacts& fa
   facts.header.storage = marker == kSof2 ? "8-bit progressive" : "8-bit";
 }
 
-/// `at` is behind a scan's header: the next marker that is neither a stuffed byte nor a restart.
+/// `at` is the first byte that follows a scan's header. Returns the place of the next marker that is neither a stuffed
+/// byte nor a restart.
 std::size_t end_of_scan(Segment file, std::size_t at) {
   for (; at + 1 < file.size(); ++at) {
     const int next = file[at + 1];
