@@ -8,8 +8,9 @@
 namespace apps {
 namespace {
 
-constexpr std::array kMethods{std::pair{std::string_view("regression"), false},
-                              std::pair{std::string_view("iso12233"), true}};
+constexpr std::array kMethods{std::pair{std::string_view("regression"), MeasureMethod::regression},
+                              std::pair{std::string_view("iso12233"), MeasureMethod::iso12233},
+                              std::pair{std::string_view("both"), MeasureMethod::both}};
 constexpr std::array kLoss{std::pair{std::string_view("huber"), true}, std::pair{std::string_view("squares"), false}};
 constexpr std::array kCurveUnits{std::pair{std::string_view("cy/mm"), 0}, std::pair{std::string_view("cy/mrad"), 1},
                                  std::pair{std::string_view("cy/px"), 2}};
@@ -19,10 +20,50 @@ constexpr std::array kBayer{std::pair{std::string_view("r"), 0},  std::pair{std:
 constexpr std::array kPatterns{std::pair{std::string_view("rggb"), 0}, std::pair{std::string_view("grbg"), 1},
                                std::pair{std::string_view("gbrg"), 2}, std::pair{std::string_view("bggr"), 3}};
 
+constexpr std::array kUnits{std::pair{std::string_view("cy/px"), FrequencyUnit::cy_px},
+                            std::pair{std::string_view("cy/mm"), FrequencyUnit::cy_mm},
+                            std::pair{std::string_view("lp/mm"), FrequencyUnit::lp_mm},
+                            std::pair{std::string_view("cy/mrad"), FrequencyUnit::cy_mrad},
+                            std::pair{std::string_view("lw/ph"), FrequencyUnit::lw_ph}};
+
 double positive(const std::string& option, const std::string& text) {
   const double value = number(option, text);
   if (!(value > 0.0)) throw mtf::UsageError(option + ": " + text + " has to be above 0");
   return value;
+}
+
+/// A length such as "4.73um", in `unit`.
+double length(const std::string& option, const std::string& text, std::string_view unit) {
+  try {
+    const mtf::Quantity given = mtf::parse_quantity(text, mtf::Dimension::length);
+    if (given.unit->dimension == mtf::Dimension::length && given.value > 0.0) return mtf::convert(given, unit);
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(option + ": " + error.what());
+  }
+  throw mtf::UsageError(option + ": " + text + " has to be a length above 0, such as 4.73um or 50mm");
+}
+
+void add_contrast_level(Command& app, std::vector<double>& contrasts) {
+  add_word(app, "--contrast-level", "C",
+           "also the frequency at which the MTF falls to C, above 0 and below 1; may be given again",
+           [&contrasts](const std::string& text) {
+             const double contrast = number("--contrast-level", text);
+             if (!(contrast > 0.0 && contrast < 1.0))
+               throw mtf::UsageError("--contrast-level: " + text + " has to lie between 0 and 1, such as 0.35");
+             contrasts.push_back(contrast);
+           })
+      .repeats = true;
+}
+
+void add_frequency_unit(Command& app, MeasureOptions& options) {
+  add_choice(app, "--unit", "UNIT",
+             "of all frequencies: cy/px (default), cy/mm, lp/mm (a line pair is a cycle), cy/mrad, or lw/ph\n"
+             "(line widths per picture height: 2 x cy/px x rows of the image)",
+             kUnits, options.unit);
+  add_word(app, "--pitch", "LENGTH", "spacing of the pixels, such as 4.73um; for --unit cy/mm, lp/mm and cy/mrad",
+           [&options](const std::string& text) { options.pitch_um = length("--pitch", text, "um"); });
+  add_word(app, "--focal-length", "LENGTH", "such as 50mm; for --unit cy/mrad",
+           [&options](const std::string& text) { options.focal_length_mm = length("--focal-length", text, "mm"); });
 }
 
 void add_edge_input(Command& app, EdgeInput& input) {
@@ -59,24 +100,30 @@ Command measure_command() {
   MeasureOptions& options = *shared;
   Command app{
       "measure", "the MTF from images of edges, with error bands",
-      "Finds the edges, or takes those of --roi, and gives MTF and figures of merit of each in cycles per pixel\n"
-      "along its normal, with standard deviations. No model of the sensor is needed. Angles are of the edge's\n"
-      "normal, from +x (right) towards +y (down), as of mtf curve. What cannot be determined is left out with\n"
-      "the reason, in json as null. Channels besides a full name: luminance, or all (each for\n"
+      "Finds the edges, or takes those of --roi, and gives MTF and figures of merit of each along its normal, in\n"
+      "cycles per pixel or another --unit, with standard deviations. No model of the sensor is needed. Angles\n"
+      "are of the edge's normal, from +x (right) towards +y (down), as of mtf curve. What cannot be determined is\n"
+      "left out with the reason, in json as null. Channels besides a full name: luminance, or all (each for\n"
       "itself). --plot and --annotate write the figures of the best edge and of the first image.",
       "  mtf measure edge.png\n"
       "  mtf measure edge.png --roi 10,12,80,96 --format json -o edge.json --plot edge.svg"};
-  OptionSpec& images = add_text(app, "images", "IMAGE...", "OpenEXR, PNG or TIFF",
+  OptionSpec& images = add_text(app, "images", "IMAGE...", "OpenEXR, PNG, TIFF or JPEG",
                                 [&](const std::string& text) { options.input.images.push_back(text); });
   images.required = images.repeats = true;
   add_edge_input(app, options.input);
   add_word(app, "--order", "N", "of the polynomial that the edge follows, 1 to 5; default: by an F-test",
            [&](const std::string& text) { options.order = whole_number("--order", text, 1, 5); });
   add_flag(app, "--circle", "the edge follows a circle", options.circle);
-  add_choice(app, "--method", "METHOD", "regression (default), or iso12233 to compare with other programs", kMethods,
-             options.iso12233);
+  add_choice(app, "--method", "METHOD",
+             "regression (default), iso12233 as other programs compute it, or both with why they differ", kMethods,
+             options.method);
+  add_frequency_unit(app, options);
+  add_contrast_level(app, options.contrasts);
   add_format(app, "table (default), csv (a line an edge) or json", options.format);
   add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);
+  add_text(app, "--table", "FILE",
+           "CSV with a line an image and direction: best and median MTF50, share of edges that were refused",
+           options.table);
   add_text(app, "--curves", "FILE", "MTF, OTF, ESF and LSF of all edges as CSV", options.curves);
   add_text(app, "--plot", "FILE",
            "figure of ESF, LSF and MTF with error band: .svg, .pdf or .png; its data in FILE.csv", options.plot);
@@ -106,7 +153,7 @@ Command fit_command() {
       "  mtf fit sensor.toml edge.png -o fitted.toml\n"
       "  mtf fit sensor.toml edge.png --format json --report fit.json --plot fit.svg"};
   add_file(app, "sensor", "sensor file (TOML) with numbers to fit", options.sensor);
-  add_text(app, "images", "IMAGE...", "images of edges: OpenEXR, PNG or TIFF", [&](const std::string& text) {
+  add_text(app, "images", "IMAGE...", "images of edges: OpenEXR, PNG, TIFF or JPEG", [&](const std::string& text) {
     options.input.images.push_back(text);
   }).repeats = true;
   add_edge_input(app, options.input);

@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string format_name(mtf::io::Format format) {
-  constexpr std::array names{"OpenEXR", "PNG", "TIFF"};
+  constexpr std::array names{"OpenEXR", "PNG", "TIFF", "JPEG"};
   return names.at(static_cast<std::size_t>(format));
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/edges/frequency_unit.h"
 #include "apps/simulate/simulate_options.h"
 
 namespace apps {
@@ -103,13 +104,20 @@ struct EdgeInput {
   std::optional<double> saturation;            ///< stored values from here on are clipped
 };
 
+/// How `mtf measure` takes the MTF: by regression, after ISO 12233, or both with the reasons of their difference.
+enum class MeasureMethod { regression, iso12233, both };
+
 struct MeasureOptions {
   EdgeInput input;
   std::optional<int> order;  ///< of the edge curve
   bool circle = false;
-  bool iso12233 = false;
+  MeasureMethod method = MeasureMethod::regression;
+  FrequencyUnit unit = FrequencyUnit::cy_px;
+  std::optional<double> pitch_um, focal_length_mm;  ///< for the unit
+  std::vector<double> contrasts;                    ///< whose frequencies are wanted
   Format format = Format::table;
   std::string out;       ///< "" = stdout
+  std::string table;     ///< CSV with a line an image; "" = none
   std::string curves;    ///< CSV of all curves; "" = none, as the others below
   std::string plot;      ///< figure of the best edge's ESF, LSF and MTF
   std::string map;       ///< maps of MTF50 over the image

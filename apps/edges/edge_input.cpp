@@ -12,6 +12,7 @@
 #include "calib/find/mask.h"
 #include "calib/find/roi_file.h"
 #include "mtf/error.h"
+#include "mtf/io/codecs/dct_rounding.h"
 #include "mtf/io/codecs/encoding.h"
 #include "mtf/io/csv/curve_csv.h"
 
@@ -146,6 +147,16 @@ std::string curve_note(const std::string& image, const mtf::io::FileInfo& info, 
   return says + ": the curve " + word + " is undone; --encoding linear takes the values as they are";
 }
 
+/// What the rounding of a JPEG does to the values.
+std::string jpeg_note(const std::string& image, const mtf::io::FileInfo& info) {
+  if (info.dct_steps.empty()) return "";
+  const auto [least, most] = std::minmax_element(info.dct_steps.begin(), info.dct_steps.end());
+  return one_line(image) + ": JPEG: rounding of the cosine coefficients of its blocks, in steps of " +
+         std::to_string(*least) + " to " + std::to_string(*most) + " counts, changes pixels by up to " +
+         significant(mtf::io::dct_rounding_sd(info.dct_steps), 2) +
+         " counts rms; what the camera did before it, such as sharpening, is part of the MTF";
+}
+
 /// Which of the edges found are not among the regions.
 std::string left_out_note(const EdgePlane& plane, const EdgeInput& input) {
   std::string text;
@@ -171,6 +182,7 @@ Linearisation linearisation_of(const mtf::io::ImageFile& file, const mtf::io::Ch
           .full_scale = mtf::io::full_scale(file.info),
           .dark_end = options.floor,
           .light_end = options.saturation,
+          .dct_rounding_sd = mtf::io::dct_rounding_sd(file.info.dct_steps),
           .mosaic = input.bayer.empty()     ? ""
                     : input.pattern.empty() ? "rggb"
                                             : input.pattern,
@@ -215,7 +227,8 @@ std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInpu
     plane.options.sparse = !input.bayer.empty() || !input.mask.empty();
     plane.linearisation = linearisation_of(file, chosen, plane.options, input);
     if (result.size() == 1)
-      if (std::string note = curve_note(image, file.info, input); !note.empty()) plane.notes.push_back(std::move(note));
+      for (const std::string& note : std::array{curve_note(image, file.info, input), jpeg_note(image, file.info)})
+        if (!note.empty()) plane.notes.push_back(note);
     if (regions == Regions::wanted && plane.regions.empty()) {
       const calib::FindOptions find{
           .most = static_cast<std::size_t>(input.most), .min_length_px = input.min_length_px, .min_cnr = input.min_cnr};

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/edges/edge_measure.h"
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
 
-#include "calib/iso12233/iso12233.h"
+#include "apps/text/words.h"
+#include "calib/iso12233/iso12233_difference.h"
 #include "mtf/parallel.h"
 
 namespace apps {
@@ -34,10 +36,23 @@ calib::EdgeMeasurement as_measurement(const calib::Iso12233Result& result, const
   };
   edge.mtf50 = figure("mtf50", result.mtf50, "the curve does not fall to 50 %");
   edge.mtf10 = figure("mtf10", result.mtf10, "the curve does not fall to 10 %");
+  const auto fall = [&edge](double contrast) {
+    const auto frequency = calib::frequency_at(edge, contrast);
+    return frequency ? std::optional(frequency->value) : std::nullopt;
+  };
+  edge.mtf20 = figure("mtf20", fall(0.2), "the curve does not fall to 20 %");
+  edge.mtf30 = figure("mtf30", fall(0.3), "the curve does not fall to 30 %");
+  if (!edge.mtf.empty())
+    edge.mtf50p = figure("mtf50p", fall(0.5 * *std::max_element(edge.mtf.begin(), edge.mtf.end())),
+                         "the curve does not fall to half of its peak");
   edge.nyquist = figure("nyquist", result.nyquist, "the curve ends before 0.5 cycles/pixel");
   edge.sampling_efficiency =
       figure("sampling_efficiency", result.sampling_efficiency, "the curve does not fall to 10 %");
   return edge;
+}
+
+calib::Iso12233Result measure_by_standard(const EdgePlane& plane, const calib::Roi& roi, const EdgeMethod& method) {
+  return calib::measure_iso12233(plane.plane.view(), roi, {.order = method.order.value_or(5)});
 }
 
 calib::EdgeMeasurement measure(const EdgePlane& plane, const calib::Roi& roi, const EdgeMethod& method) {
@@ -50,12 +65,22 @@ calib::EdgeMeasurement measure(const EdgePlane& plane, const calib::Roi& roi, co
                      std::to_string(image.height()) + " pixels: give one inside";
     return outside;
   }
-  if (method.iso12233)
-    return as_measurement(calib::measure_iso12233(image.view(), roi, {.order = method.order.value_or(5)}), roi);
+  if (method.method == MeasureMethod::iso12233) return as_measurement(measure_by_standard(plane, roi, method), roi);
   calib::MeasureOptions how = plane.options;
   how.order = method.order;
   how.circle = method.circle;
   return calib::measure_edge(image.view(), roi, how);
+}
+
+/// Of a JPEG whose rounding is not small against the noise: see "JPEG" in calib/README.md.
+void warn_of_jpeg(MeasuredEdge& edge) {
+  const double rounding = edge.linearisation.dct_rounding_sd * edge.quantum;
+  if (!(rounding > edge.edge.noise_sd)) return;
+  edge.edge.warnings.push_back(
+      "JPEG: the rounding of its cosine coefficients changes pixels by up to " + significant(rounding, 2) +
+      " rms, more than the noise of " + significant(edge.edge.noise_sd, 2) +
+      ": standard deviations may be 1.3 to 4 times too small, and contrast near Nyquist may be "
+      "lost; take a higher quality or the raw image");
 }
 
 }  // namespace
@@ -79,8 +104,14 @@ std::vector<MeasuredEdge> measure_plane(const EdgePlane& plane, const EdgeMethod
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       edges[i].name = plane.regions[i].name;
       edges[i].edge = measure(plane, plane.regions[i].roi, method);
-      if (edges[i].edge.trouble == calib::Trouble::none)
-        edges[i].place = field_place(edges[i].edge, plane.plane.width(), plane.plane.height());
+      if (edges[i].edge.trouble != calib::Trouble::none) continue;
+      edges[i].place = field_place(edges[i].edge, plane.plane.width(), plane.plane.height());
+      warn_of_jpeg(edges[i]);
+      if (method.method != MeasureMethod::both) continue;
+      MethodComparison& both = edges[i].standard.emplace();
+      both.result = measure_by_standard(plane, plane.regions[i].roi, method);
+      if (both.result.trouble == calib::Trouble::none)
+        both.difference = calib::explain_difference(edges[i].edge, both.result);
     }
   });
   return edges;

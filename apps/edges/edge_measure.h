@@ -14,7 +14,7 @@ namespace apps {
 struct EdgeMethod {
   std::optional<int> order;  ///< of the edge curve
   bool circle = false;
-  bool iso12233 = false;
+  MeasureMethod method = MeasureMethod::regression;
 };
 
 /// One result a region, in their order; a region that leaves the image has that as its outcome. A plane without regions

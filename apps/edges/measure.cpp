@@ -8,6 +8,8 @@
 #include <set>
 
 #include "apps/edges/edge_measure.h"
+#include "apps/edges/edge_merits.h"
+#include "apps/edges/image_table.h"
 #include "apps/edges/measure_report.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
@@ -34,6 +36,7 @@ void annotate(const std::string& path, const EdgePlane& plane, std::span<const M
 std::vector<std::string> outputs_of(const MeasureOptions& options) {
   std::vector<std::string> outputs;
   if (options.out != "-") outputs.push_back(options.out);
+  outputs.push_back(options.table);
   outputs.push_back(options.curves);
   for (const std::string& figure : {options.plot, options.map}) {
     if (figure.empty()) continue;
@@ -63,11 +66,11 @@ void write_figures_of(const MeasureOptions& options, const MeasureReport& report
       drawn(write_figures(options.plot, edge_figures(*best)), options.plot);
   }
   if (!options.map.empty()) {
-    const std::vector<Figure> map = field_map(report.edges);
+    const std::vector<Figure> map = field_map(report);
     if (map.empty()) {
       note(global, "mtf: note: no edge has an MTF50: no map " + one_line(options.map));
     } else {
-      mtf::io::write_text_file(figure_data_path(options.map), field_map_csv(report.edges));
+      mtf::io::write_text_file(figure_data_path(options.map), field_map_csv(report));
       drawn(draw_figures(options.map, map), options.map);
     }
   }
@@ -79,6 +82,11 @@ std::string without_name(std::string message, const std::string& file) {
   return message.starts_with(name) ? message.substr(name.size()) : message;
 }
 
+std::string_view method_name(MeasureMethod method) {
+  if (method == MeasureMethod::both) return "both";
+  return method == MeasureMethod::iso12233 ? "iso12233" : "regression";
+}
+
 std::string formatted(const MeasureReport& report, Format format) {
   if (format == Format::csv) return measure_csv(report);
   return format == Format::json ? measure_json(report) : measure_table(report);
@@ -88,10 +96,18 @@ std::string formatted(const MeasureReport& report, Format format) {
 
 int run_measure(const MeasureOptions& options, const Global& global) {
   require_writable(outputs_of(options), files_of(options.input));
-  if (options.iso12233 && options.circle)
-    throw mtf::UsageError("--circle: --method iso12233 knows polynomials only; leave out one of the two");
-  MeasureReport report{
-      .method = options.iso12233 ? "iso12233" : "regression", .edges = {}, .left_out = {}, .failed = {}};
+  if (options.method != MeasureMethod::regression && options.circle)
+    throw mtf::UsageError("--circle: ISO 12233 knows polynomials only; leave out one of the two");
+  const auto scale_of = [&options](std::int64_t rows) {
+    return frequency_scale(options.unit, options.pitch_um, options.focal_length_mm, rows);
+  };
+  static_cast<void>(scale_of(1));  // what the unit lacks is said before any image is read
+  MeasureReport report{.method = std::string(method_name(options.method)),
+                       .edges = {},
+                       .left_out = {},
+                       .failed = {},
+                       .unit = options.unit,
+                       .contrasts = further_contrasts(options.contrasts)};
   const std::vector<std::string>& images = options.input.images;
   ProgressLine progress(global);
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -103,8 +119,12 @@ int run_measure(const MeasureOptions& options, const Global& global) {
         for (const std::string& remark : plane.notes) note(global, "mtf: note: " + remark);
         if (plane.left_out + plane.not_tried > 0)
           report.left_out.push_back({images[i], plane.channel, plane.left_out, plane.not_tried});
-        const EdgeMethod method{.order = options.order, .circle = options.circle, .iso12233 = options.iso12233};
+        const EdgeMethod method{.order = options.order, .circle = options.circle, .method = options.method};
         std::vector<MeasuredEdge> edges = measure_plane(plane, method, global.threads);
+        for (MeasuredEdge& edge : edges) {
+          edge.scale = scale_of(plane.plane.height());
+          add_contrasts(edge, report.contrasts);
+        }
         if (first && !options.annotate.empty()) annotate(options.annotate, plane, edges);
         first = false;
         std::move(edges.begin(), edges.end(), std::back_inserter(report.edges));
@@ -116,6 +136,7 @@ int run_measure(const MeasureOptions& options, const Global& global) {
   }
   progress.update("measuring", 1.0);
   write_figures_of(options, report, global);
+  if (!options.table.empty()) emit(options.table, image_table(report));
   if (!options.curves.empty()) emit(options.curves, curves_csv(report));
   emit(options.out, formatted(report, options.format));
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/edges/edge_merits.h"
+#include "apps/edges/method_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/units.h"
@@ -16,21 +18,6 @@ namespace {
 using calib::EdgeMeasurement;
 using calib::Estimate;
 using Json = nlohmann::ordered_json;
-
-struct Merit {
-  const char* name;
-  std::optional<Estimate> EdgeMeasurement::*value;
-};
-/// The figures of merit in the order of every output.
-constexpr std::array kMerits{Merit{"mtf50", &EdgeMeasurement::mtf50},
-                             Merit{"mtf30", &EdgeMeasurement::mtf30},
-                             Merit{"mtf10", &EdgeMeasurement::mtf10},
-                             Merit{"nyquist", &EdgeMeasurement::nyquist},
-                             Merit{"rer", &EdgeMeasurement::rer},
-                             Merit{"overshoot", &EdgeMeasurement::overshoot},
-                             Merit{"fwhm_px", &EdgeMeasurement::fwhm_px},
-                             Merit{"mtfa", &EdgeMeasurement::mtfa},
-                             Merit{"sampling_efficiency", &EdgeMeasurement::sampling_efficiency}};
 
 /// "0.3021 +- 0.0017", as many digits as the deviation has.
 std::string shown(const std::optional<Estimate>& estimate) {
@@ -88,13 +75,14 @@ Json provenance(const MeasuredEdge& measured) {
           {"whole_numbers", from.integer},
           {"full_scale", from.full_scale},
           {"step_at_mid_level", measured.quantum > 0.0 ? Json(measured.quantum) : Json()},
+          {"dct_rounding_sd", from.dct_rounding_sd > 0.0 ? Json(from.dct_rounding_sd) : Json()},
           {"floor", or_null(from.dark_end)},
           {"saturation", or_null(from.light_end)},
           {"cfa_pattern", word_or_null(from.mosaic)},
           {"mask", word_or_null(from.mask)}};
 }
 
-Json as_json(const MeasuredEdge& measured) {
+Json as_json(const MeasuredEdge& measured, const std::vector<std::string>& names) {
   const EdgeMeasurement& edge = measured.edge;
   Json json{{"image", measured.image}};
   json["channel"] = measured.channel.empty() ? Json() : Json(measured.channel);
@@ -107,7 +95,9 @@ Json as_json(const MeasuredEdge& measured) {
   json["warnings"] = edge.warnings;
   const bool measured_it = edge.trouble == calib::Trouble::none;
   json["angle_deg"] = measured_it ? Json(edge.angle_deg.value) : Json();
-  for (const Merit& figure : kMerits) json[figure.name] = as_json(edge.*figure.value);
+  const std::vector<std::optional<Estimate>> merits = merits_of(measured);
+  for (std::size_t i = 0; i < merits.size(); ++i) json[names[i]] = as_json(merits[i]);
+  if (measured.standard) json["iso12233"] = comparison_json(measured);
   if (!measured_it) {
     json["mtf"] = Json();
     return json;
@@ -130,7 +120,8 @@ Json as_json(const MeasuredEdge& measured) {
   json["chi2_per_dof"] = edge.chi2_per_dof;
   json["clipped_share"] = edge.clipped_share;
   json["missing_pixels"] = edge.missing;
-  json["mtf"] = {{"frequency", edge.frequency_cy_px}, {"value", edge.mtf}, {"sd", edge.mtf_sd}};
+  json["mtf"] = {
+      {"frequency", in_unit(edge.frequency_cy_px, measured.scale)}, {"value", edge.mtf}, {"sd", edge.mtf_sd}};
   json["otf"] = {{"re", edge.otf_re}, {"im", edge.otf_im}};
   json["esf"] = {{"distance_px", edge.distance_px}, {"value", edge.esf}, {"sd", edge.esf_sd}};
   json["lsf"] = {{"distance_px", edge.distance_px}, {"value", edge.lsf}};
@@ -162,8 +153,13 @@ FieldPlace field_place(const EdgeMeasurement& edge, std::int64_t width, std::int
 }
 
 std::string measure_table(const MeasureReport& report) {
-  TextTable table(
-      {"edge", "region", "normal [deg]", "MTF50 [cy/px]", "MTF at 0.5", "FWHM [px]", "RER", "CNR", "length"});
+  const bool pixels = report.unit == FrequencyUnit::cy_px;
+  const std::string unit = " [" + std::string(unit_symbol(report.unit)) + "]";
+  std::vector<std::string> header{"edge", "region", "normal [deg]", "MTF50" + unit};
+  for (const double contrast : report.contrasts) header.push_back("MTF" + percent_text(contrast) + unit);
+  for (const char* heading : {pixels ? "MTF at 0.5" : "MTF at Nyquist", "FWHM [px]", "RER", "CNR", "length"})
+    header.emplace_back(heading);
+  TextTable table(std::move(header));
   std::string notes;
   bool any = false;
   for (std::size_t i = 0; i < report.edges.size(); ++i) {
@@ -176,9 +172,13 @@ std::string measure_table(const MeasureReport& report) {
       continue;
     }
     any = true;
-    table.add({number, region_text(edge.roi), fixed(edge.angle_deg.value, 2), shown(edge.mtf50), shown(edge.nyquist),
-               shown(edge.fwhm_px), shown(edge.rer), std::isfinite(edge.cnr) ? significant(edge.cnr, 3) : "-",
-               std::isfinite(edge.length_px) ? fixed(edge.length_px, 0) : "-"});
+    std::vector<std::string> row{number, region_text(edge.roi), fixed(edge.angle_deg.value, 2),
+                                 shown(in_unit(edge.mtf50, measured.scale))};
+    for (const auto& frequency : measured.at_contrasts) row.push_back(shown(in_unit(frequency, measured.scale)));
+    for (const auto& merit : {edge.nyquist, edge.fwhm_px, edge.rer}) row.push_back(shown(merit));
+    row.push_back(std::isfinite(edge.cnr) ? significant(edge.cnr, 3) : "-");
+    row.push_back(std::isfinite(edge.length_px) ? fixed(edge.length_px, 0) : "-");
+    table.add(std::move(row));
     for (const auto& [name, why] : edge.absent) notes += number + "  " + name + ": " + why + "\n";
     for (const std::string& warning : edge.warnings) notes += number + "  " + warning + "\n";
   }
@@ -192,8 +192,10 @@ std::string measure_table(const MeasureReport& report) {
   }
   if (any) text += "\n" + table.aligned({Align::right, Align::left, Align::right});
   if (any)
-    text += std::string("\nMTF and frequencies along the normal of the edge, in cycles per pixel; ") +
-            (report.method == "iso12233" ? "" : "+- is one standard deviation; ") + "method " + report.method + "\n";
+    text += "\nMTF and frequencies along the normal of the edge, in " +
+            (pixels ? "cycles per pixel" : std::string(unit_name(report.unit))) + "; " +
+            (report.method == "iso12233" ? "" : "+- is one standard deviation; ") + "method " +
+            (report.method == "both" ? "regression" : report.method) + "\n" + comparison_table(report);
   for (const FailedImage& failed : report.failed) {
     const bool named = failed.reason.find(one_line(failed.image)) != std::string::npos;
     notes += (named ? "" : one_line(failed.image) + ": ") + failed.reason + "\n";
@@ -203,10 +205,11 @@ std::string measure_table(const MeasureReport& report) {
 
 std::string measure_csv(const MeasureReport& report) {
   std::string text = "edge,image,channel,name,x,y,width,height,outcome,angle_deg";
-  for (const Merit& figure : kMerits) text += "," + std::string(figure.name) + "," + figure.name + "_sd";
+  for (const std::string& name : merit_names(report.contrasts)) text += "," + name + "," + name + "_sd";
   text +=
       ",cnr,length_px,sagitta_px,order,oversampling,chi2_per_dof,missing_pixels,field_x_px,field_y_px,field_radius_px,"
-      "direction,encoding,reason,warnings\n";
+      "direction,encoding,reason,warnings,frequency_unit" +
+      comparison_header(report) + "\n";
   std::size_t number = 0;
   for (const MeasuredEdge& measured : report.edges) {
     const EdgeMeasurement& edge = measured.edge;
@@ -215,10 +218,8 @@ std::string measure_csv(const MeasureReport& report) {
             csv_field(measured.name) + "," + region_text(edge.roi) + "," +
             (measured_it ? "measured" : std::string(trouble_name(edge.trouble))) + "," +
             (measured_it ? csv_number(edge.angle_deg.value) : "");
-    for (const Merit& figure : kMerits) {
-      const auto& estimate = edge.*figure.value;
-      text += "," + (estimate ? csv_number(estimate->value) + "," + csv_number(estimate->sd) : std::string(","));
-    }
+    for (const std::optional<Estimate>& merit : merits_of(measured))
+      text += "," + (merit ? csv_number(merit->value) + "," + csv_number(merit->sd) : std::string(","));
     if (measured_it)
       for (const double value : {edge.cnr, edge.length_px, edge.sagitta_px, static_cast<double>(edge.curve.order()),
                                  edge.oversampling, edge.chi2_per_dof, static_cast<double>(edge.missing),
@@ -227,14 +228,17 @@ std::string measure_csv(const MeasureReport& report) {
     else
       text += ",,,,,,,,,,";
     text += "," + measured.place.direction + "," + csv_field(measured.linearisation.encoding) + "," +
-            csv_field(reason_of(edge)) + "," + csv_field(joined(edge.warnings)) + "\n";
+            csv_field(reason_of(edge)) + "," + csv_field(joined(edge.warnings)) + "," +
+            std::string(unit_symbol(report.unit)) + comparison_columns(measured) + "\n";
   }
   return text;
 }
 
 std::string measure_json(const MeasureReport& report) {
-  Json json{{"version", mtf::version}, {"method", report.method}, {"unit", "cycles/pixel"}, {"edges", Json::array()}};
-  for (const MeasuredEdge& edge : report.edges) json["edges"].push_back(as_json(edge));
+  Json json{
+      {"version", mtf::version}, {"method", report.method}, {"unit", unit_name(report.unit)}, {"edges", Json::array()}};
+  const std::vector<std::string> names = merit_names(report.contrasts);
+  for (const MeasuredEdge& edge : report.edges) json["edges"].push_back(as_json(edge, names));
   json["left_out"] = Json::array();
   for (const LeftOutEdges& left : report.left_out)
     json["left_out"].push_back({{"image", left.image},
@@ -248,20 +252,24 @@ std::string measure_json(const MeasureReport& report) {
 }
 
 std::string curves_csv(const MeasureReport& report) {
-  std::string text = "edge,curve,x,value,sd\n";
+  const bool pixels = report.unit == FrequencyUnit::cy_px;
+  std::string text = pixels ? "edge,curve,x,value,sd\n" : "edge,curve,x,value,sd,x_unit\n";
   for (std::size_t i = 0; i < report.edges.size(); ++i) {
     const EdgeMeasurement& edge = report.edges[i].edge;
-    const auto add = [&](const char* curve, const std::vector<double>& x, const std::vector<double>& value,
-                         const std::vector<double>& sd) {
+    const auto add = [&](const char* curve, const std::vector<double>& x, std::string_view x_unit,
+                         const std::vector<double>& value, const std::vector<double>& sd) {
+      const std::string end = pixels ? "\n" : "," + std::string(x_unit) + "\n";
       for (std::size_t k = 0; k < value.size(); ++k)
         text += std::to_string(i + 1) + "," + curve + "," + csv_number(x[k]) + "," + csv_number(value[k]) + "," +
-                (k < sd.size() ? csv_number(sd[k]) : "") + "\n";
+                (k < sd.size() ? csv_number(sd[k]) : "") + end;
     };
-    add("mtf", edge.frequency_cy_px, edge.mtf, edge.mtf_sd);
-    add("otf_re", edge.frequency_cy_px, edge.otf_re, {});
-    add("otf_im", edge.frequency_cy_px, edge.otf_im, {});
-    add("esf", edge.distance_px, edge.esf, edge.esf_sd);
-    add("lsf", edge.distance_px, edge.lsf, {});
+    const std::vector<double> frequency = in_unit(edge.frequency_cy_px, report.edges[i].scale);
+    const std::string_view unit = unit_symbol(report.unit);
+    add("mtf", frequency, unit, edge.mtf, edge.mtf_sd);
+    add("otf_re", frequency, unit, edge.otf_re, {});
+    add("otf_im", frequency, unit, edge.otf_im, {});
+    add("esf", edge.distance_px, "px", edge.esf, edge.esf_sd);
+    add("lsf", edge.distance_px, "px", edge.lsf, {});
   }
   return text;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Measured edges as table, CSV, JSON and figures.
+// Measured edges as table, CSV, JSON and figures. Every frequency in them is in the unit that they name.
 
 #include <optional>
 #include <span>
@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "apps/edges/edge_input.h"
+#include "apps/edges/frequency_unit.h"
 #include "apps/figures/plot.h"
+#include "calib/iso12233/iso12233_difference.h"
 #include "calib/measure/measure.h"
 #include "mtf/io/codecs/drawing.h"
 
@@ -26,12 +28,21 @@ struct FieldPlace {
 };
 FieldPlace field_place(const calib::EdgeMeasurement& edge, std::int64_t width, std::int64_t height);
 
+/// What ISO 12233 gives for the same region, and why it differs where there is a result.
+struct MethodComparison {
+  calib::Iso12233Result result;
+  std::optional<calib::Iso12233Difference> difference;
+};
+
 struct MeasuredEdge {
   std::string image, channel, name;
   Linearisation linearisation;
   double quantum = 0.0;  ///< linear step between neighbouring stored values, in the middle of their range; 0 = none
   calib::EdgeMeasurement edge;
   FieldPlace place;
+  FrequencyScale scale{};                                      ///< unit of the frequencies that are shown
+  std::vector<std::optional<calib::Estimate>> at_contrasts{};  ///< cycles per pixel, of MeasureReport::contrasts
+  std::optional<MethodComparison> standard{};                  ///< where both methods were asked for
 };
 
 /// An image that could not be used at all.
@@ -50,22 +61,26 @@ struct MeasureReport {
   std::vector<MeasuredEdge> edges;
   std::vector<LeftOutEdges> left_out;
   std::vector<FailedImage> failed;
+  FrequencyUnit unit = FrequencyUnit::cy_px;
+  std::vector<double> contrasts{};  ///< whose frequencies were asked for besides those of every edge
 };
 
 std::string measure_table(const MeasureReport& report);
 /// A line an edge.
 std::string measure_csv(const MeasureReport& report);
 std::string measure_json(const MeasureReport& report);
-/// A line a frequency or distance: edge,curve,x,value,sd.
+/// A line a frequency or distance: edge,curve,x,value,sd. Where frequencies are not in cycles per pixel a column x_unit
+/// follows, which `mtf fit` reads.
 std::string curves_csv(const MeasureReport& report);
 
 /// ESF, LSF and MTF of one edge, with bands of two standard deviations.
 std::vector<Figure> edge_figures(const MeasuredEdge& edge);
 /// Maps of the image's field: MTF50 by colour where the edges lie, a panel for sagittal ones, one for tangential ones
 /// and, where there are any, one for those between; none when no edge has an MTF50.
-std::vector<Figure> field_map(std::span<const MeasuredEdge> edges);
-/// The data of the maps: edge,image,channel,direction,x_px,y_px,field_x_px,field_y_px,field_radius_px,mtf50,mtf50_sd.
-std::string field_map_csv(std::span<const MeasuredEdge> edges);
+std::vector<Figure> field_map(const MeasureReport& report);
+/// The data of the maps: edge,image,channel,direction,x_px,y_px,field_x_px,field_y_px,field_radius_px,mtf50,
+/// mtf50_sd,frequency_unit.
+std::string field_map_csv(const MeasureReport& report);
 /// Regions, edges and their MTF50.
 mtf::io::Drawing edge_drawing(std::span<const MeasuredEdge> edges, std::int64_t width, std::int64_t height);
 

@@ -7,12 +7,14 @@
 #include <numbers>
 #include <string>
 
+#include "mtf/error.h"
+
 namespace calib {
 namespace {
 
 constexpr int kEsfSamples = 129;
 constexpr double kEsfStep_px = 0.125;  // at the edge
-constexpr double kMethod = 1e-4;       // error of curves without noise, see the tolerances of test_measure_truth.cpp
+constexpr double kMethodError = 1e-4;  // of curves without noise, see the tolerances of test_measure_truth.cpp
 
 // Distances from -range_px to range_px, kEsfStep_px apart at the edge and wider in the tails: d = a sinh(b t), t in
 // [-1, 1].
@@ -44,7 +46,7 @@ void curves_of_frequency(const EdgeResponse& response, EdgeMeasurement& out) {
     out.otf_re[i] = otf.re;
     out.otf_im[i] = otf.im;
     out.mtf[i] = otf.mtf();
-    out.mtf_sd[i] = f > 0.0 ? std::sqrt(otf.mtf_sd() * otf.mtf_sd() + kMethod * kMethod) : 0.0;
+    out.mtf_sd[i] = f > 0.0 ? std::sqrt(otf.mtf_sd() * otf.mtf_sd() + kMethodError * kMethodError) : 0.0;
   }
 }
 
@@ -61,47 +63,116 @@ void curves_of_distance(const EdgeResponse& response, double range_px, EdgeMeasu
   }
 }
 
-struct Sample {
+struct CurvePoint {
   double at, value;
 };
+
 // Where a function falls to `height`, between a place where it is above and one where it is not: the Illinois variant
 // of regula falsi.
 template <class Function>
-double falls_to(double height, Sample above, Sample below, const Function& function) {
+double falls_to(double height, CurvePoint above, CurvePoint below, const Function& function) {
   above.value -= height;
   below.value -= height;
   for (int round = 0; round < 8 && std::abs(below.at - above.at) > 1e-9; ++round) {
     const double at = above.at + (below.at - above.at) * above.value / (above.value - below.value);
     const double value = function(at) - height;
     if (std::abs(value) < 1e-9) return at;
-    Sample& moved = value > 0.0 ? above : below;
+    CurvePoint& moved = value > 0.0 ? above : below;
     (value > 0.0 ? below : above).value *= 0.5;
     moved = {at, value};
   }
   return 0.5 * (above.at + below.at);
 }
 
-// The frequency at which the MTF first falls to `contrast`, with its sd = sd of the MTF / slope.
-std::optional<Estimate> crossing(const EdgeResponse& response, const EdgeMeasurement& out, double contrast) {
-  std::size_t i = 1;
-  while (i < out.mtf.size() && out.mtf[i] > contrast) ++i;
-  if (i == out.mtf.size()) return std::nullopt;
-  const double f = falls_to(contrast, {out.frequency_cy_px[i - 1], out.mtf[i - 1]},
-                            {out.frequency_cy_px[i], out.mtf[i]}, [&](double at) { return response.otf(at).mtf(); });
-  // The mean of a crossing of noisy curves is off in second order of the noise: with M' and M'' the derivatives by f,
-  //   <df> = cov(M, M') / M'^2 - M'' var(M) / (2 M'^3).
-  const double step = std::min(2e-3, 0.5 * f);
+// Of the MTF less the contrast that is sought, without the error of the method.
+struct MtfNoise {
+  double variance = 0.0;
+  double covariance_with_slope = 0.0;
+};
+
+// The MTF and its noise from the response itself.
+struct MtfOfResponse {
+  static constexpr double step_cy_px = 2e-3;  // of derivatives by the frequency
+  const EdgeResponse& response;
+  std::optional<EdgeResponse::Row> contrast_row{};  // derivatives of a contrast that is itself measured
+
+  double operator()(double f) const { return response.otf(f).mtf(); }
+  MtfNoise noise(double f, double step) const {
+    EdgeResponse::Row row = response.mtf_row(f);
+    const EdgeResponse::Row slope = (response.mtf_row(f + step) - response.mtf_row(f - step)) / (2.0 * step);
+    if (contrast_row) row -= *contrast_row;
+    return {response.variance(row), response.covariance(row, slope)};
+  }
+};
+
+// The same from sampled curves, by cubics through four samples. As cov(M, M') is half of the derivative of var(M), the
+// samples hold all that is needed.
+struct MtfOfCurve {
+  const EdgeMeasurement& edge;
+  static constexpr double step_cy_px = kCurveStep_cy_px;
+
+  template <class Value>
+  double interpolated(double f, const Value& value) const {
+    const double x = f / kCurveStep_cy_px;
+    const auto i = static_cast<std::size_t>(std::clamp(std::floor(x), 1.0, static_cast<double>(kCurveSamples - 3)));
+    const double t = x - static_cast<double>(i);  // Lagrange's polynomial on -1, 0, 1, 2
+    return -t * (t - 1.0) * (t - 2.0) / 6.0 * value(i - 1) + (t * t - 1.0) * (t - 2.0) / 2.0 * value(i) -
+           t * (t + 1.0) * (t - 2.0) / 2.0 * value(i + 1) + t * (t * t - 1.0) / 6.0 * value(i + 2);
+  }
+  double operator()(double f) const {
+    return interpolated(f, [&](std::size_t i) { return edge.mtf[i]; });
+  }
+  double variance(double f) const {
+    return interpolated(
+        f, [&](std::size_t i) { return std::max(0.0, edge.mtf_sd[i] * edge.mtf_sd[i] - kMethodError * kMethodError); });
+  }
+  MtfNoise noise(double f, double step) const {
+    return {std::max(0.0, variance(f)), (variance(f + step) - variance(f - step)) / (4.0 * step)};
+  }
+};
+
+// The first frequency, from sample `first` on, at which an MTF falls to a contrast. With M' and M'' the derivatives of
+// the MTF by the frequency its noise moves that frequency by dM / -M', so that its sd is sd(M) / -M'. In second order
+// the mean of the frequency is off by
+//   <df> = cov(M, M') / M'^2 - M'' var(M) / (2 M'^3),
+// which is taken off.
+template <class Mtf>
+std::optional<Estimate> crossing(const Mtf& mtf, const EdgeMeasurement& curves, double contrast, std::size_t first) {
+  const std::size_t count = curves.mtf.size();
+  while (first < count && !(curves.mtf[first] > contrast)) ++first;
+  std::size_t i = first + 1;
+  while (i < count && curves.mtf[i] > contrast) ++i;
+  if (i >= count) return std::nullopt;
+  const double f = falls_to(contrast, {curves.frequency_cy_px[i - 1], curves.mtf[i - 1]},
+                            {curves.frequency_cy_px[i], curves.mtf[i]}, mtf);
+  const double step = std::min(mtf.step_cy_px, 0.5 * f);
   if (step <= 0.0) return Estimate{f, 0.0};
-  const double above = response.otf(f + step).mtf(), below = response.otf(f - step).mtf();
+  const double above = mtf(f + step), below = mtf(f - step);
   const double slope = (above - below) / (2.0 * step), bend = (above - 2.0 * contrast + below) / (step * step);
   if (!(slope < 0.0)) return Estimate{f, 0.0};
-  const EdgeResponse::Row row = response.mtf_row(f);
-  const EdgeResponse::Row slope_row = (response.mtf_row(f + step) - response.mtf_row(f - step)) / (2.0 * step);
-  const double variance = response.variance(row);
+  const MtfNoise noise = mtf.noise(f, step);
   const double shift =
-      response.covariance(row, slope_row) / (slope * slope) - bend * variance / (2.0 * slope * slope * slope);
-  const double sd = std::hypot(std::sqrt(std::max(0.0, variance)), kMethod) / -slope;
+      noise.covariance_with_slope / (slope * slope) - bend * noise.variance / (2.0 * slope * slope * slope);
+  const double sd = std::hypot(std::sqrt(std::max(0.0, noise.variance)), kMethodError) / -slope;
   return Estimate{f - std::clamp(shift, -0.2 * sd, 0.2 * sd), sd};
+}
+
+std::optional<Estimate> frequency_at(const EdgeResponse& response, const EdgeMeasurement& curves, double contrast) {
+  return crossing(MtfOfResponse{response}, curves, contrast, 0);
+}
+
+// Where the MTF falls to half of its peak, beyond the peak. The noise of the peak is part of the standard deviation;
+// that the largest of noisy values is taken for the peak is not corrected.
+std::optional<Estimate> frequency_at_half_peak(const EdgeResponse& response, const EdgeMeasurement& curves) {
+  const std::vector<double>& mtf = curves.mtf;
+  const auto peak = static_cast<std::size_t>(std::max_element(mtf.begin(), mtf.end()) - mtf.begin());
+  if (peak == 0) return curves.mtf50;
+  double f = curves.frequency_cy_px[peak];
+  if (peak + 1 < mtf.size()) {  // the top of the parabola through three samples
+    const double bend = mtf[peak - 1] - 2.0 * mtf[peak] + mtf[peak + 1];
+    if (bend < 0.0) f += 0.5 * kCurveStep_cy_px * (mtf[peak - 1] - mtf[peak + 1]) / bend;
+  }
+  return crossing(MtfOfResponse{response, 0.5 * response.mtf_row(f)}, curves, 0.5 * response.otf(f).mtf(), peak);
 }
 
 Estimate linear(const EdgeResponse& response, double value, const EdgeResponse::Row& row) {
@@ -126,7 +197,7 @@ double half_height(const EdgeResponse& response, const EdgeMeasurement& out, std
   const auto last = static_cast<std::ptrdiff_t>(out.lsf.size()) - 1;
   while (i > 0 && i < last && out.lsf[static_cast<std::size_t>(i)] > half) i += direction;
   const auto sample = [&out](std::ptrdiff_t k) {
-    return Sample{out.distance_px[static_cast<std::size_t>(k)], out.lsf[static_cast<std::size_t>(k)]};
+    return CurvePoint{out.distance_px[static_cast<std::size_t>(k)], out.lsf[static_cast<std::size_t>(k)]};
   };
   if (sample(i).value > half) return NAN;
   return falls_to(half, sample(i - direction), sample(i), [&](double at) { return response.lsf(at); });
@@ -182,14 +253,17 @@ void describe(const EdgeResponse& response, EdgeMeasurement& out) {
   const double width_px = 1.0 / std::max(1e-3, response.lsf(0.0));
   curves_of_distance(response, std::clamp(4.0 * width_px, 8.0, 64.0), out);
   const auto find = [&](double contrast, const char* name, std::optional<Estimate>& place) {
-    place = crossing(response, out, contrast);
+    place = frequency_at(response, out, contrast);
     if (!place)
       out.absent.emplace_back(
           name, "the MTF stays above " + std::to_string(std::lround(100.0 * contrast)) + " % up to 1 cycle per pixel");
   };
   find(0.1, "mtf10", out.mtf10);
+  find(0.2, "mtf20", out.mtf20);
   find(0.3, "mtf30", out.mtf30);
   find(0.5, "mtf50", out.mtf50);
+  out.mtf50p = frequency_at_half_peak(response, out);
+  if (!out.mtf50p) out.absent.emplace_back("mtf50p", "the MTF stays above half of its peak up to 1 cycle per pixel");
   constexpr std::size_t kNyquist = 100;
   out.nyquist = Estimate{out.mtf[kNyquist], out.mtf_sd[kNyquist]};
   out.rer = linear(response, response.esf(0.5) - response.esf(-0.5), response.esf_row(0.5) - response.esf_row(-0.5));
@@ -204,23 +278,38 @@ void describe(const EdgeResponse& response, EdgeMeasurement& out) {
     out.absent.emplace_back("sampling_efficiency", "the MTF stays above 10 % up to 1 cycle per pixel");
 }
 
+std::optional<Estimate> frequency_at(const EdgeMeasurement& edge, double contrast) {
+  if (!(contrast > 0.0 && std::isfinite(contrast)))
+    throw mtf::UsageError("edge: the contrast whose frequency is wanted must be above 0, such as 0.35");
+  if (edge.mtf.size() < 2) return std::nullopt;
+  if (!edge.mtf_sd.empty()) return crossing(MtfOfCurve{edge}, edge, contrast, 0);
+  const auto above = std::find_if(edge.mtf.begin(), edge.mtf.end(), [&](double mtf) { return mtf > contrast; });
+  const auto below = std::find_if(above, edge.mtf.end(), [&](double mtf) { return !(mtf > contrast); });
+  if (below == edge.mtf.end()) return std::nullopt;
+  const auto i = static_cast<std::size_t>(below - edge.mtf.begin());
+  const double share = (edge.mtf[i - 1] - contrast) / (edge.mtf[i - 1] - edge.mtf[i]);
+  return Estimate{std::lerp(edge.frequency_cy_px[i - 1], edge.frequency_cy_px[i], share), NAN};
+}
+
 void add_difference(const EdgeMeasurement& other, EdgeMeasurement& out) {
   for (std::size_t i = 0; i < out.mtf.size(); ++i) out.mtf_sd[i] = std::hypot(out.mtf_sd[i], out.mtf[i] - other.mtf[i]);
   for (std::size_t i = 0; i < out.esf.size(); ++i) {
     const bool same = i < other.distance_px.size() && other.distance_px[i] == out.distance_px[i];
     if (same) out.esf_sd[i] = std::hypot(out.esf_sd[i], out.esf[i] - other.esf[i]);
   }
-  for (auto figure : {&EdgeMeasurement::mtf10, &EdgeMeasurement::mtf30, &EdgeMeasurement::mtf50,
-                      &EdgeMeasurement::nyquist, &EdgeMeasurement::rer, &EdgeMeasurement::overshoot,
-                      &EdgeMeasurement::fwhm_px, &EdgeMeasurement::mtfa, &EdgeMeasurement::sampling_efficiency}) {
+  const auto add = [&](std::optional<Estimate> EdgeMeasurement::*figure, std::optional<double> in_place) {
     std::optional<Estimate>& one = out.*figure;
-    if (!one) continue;
-    // Where the other MTF does not fall so far, its frequency lies beyond the curves.
-    const bool frequency =
-        figure == &EdgeMeasurement::mtf10 || figure == &EdgeMeasurement::mtf30 || figure == &EdgeMeasurement::mtf50;
-    const double beyond = frequency ? 1.0 : one->value;
-    one->sd = std::hypot(one->sd, (other.*figure ? (other.*figure)->value : beyond) - one->value);
-  }
+    if (!one) return;
+    const double differs = other.*figure ? (other.*figure)->value : in_place.value_or(one->value);
+    one->sd = std::hypot(one->sd, differs - one->value);
+  };
+  // Where the other MTF does not fall so far, its frequency lies beyond the curves.
+  for (auto frequency : {&EdgeMeasurement::mtf10, &EdgeMeasurement::mtf20, &EdgeMeasurement::mtf30,
+                         &EdgeMeasurement::mtf50, &EdgeMeasurement::mtf50p})
+    add(frequency, 1.0);
+  for (auto figure : {&EdgeMeasurement::nyquist, &EdgeMeasurement::rer, &EdgeMeasurement::overshoot,
+                      &EdgeMeasurement::fwhm_px, &EdgeMeasurement::mtfa, &EdgeMeasurement::sampling_efficiency})
+    add(figure, std::nullopt);
 }
 
 void describe_geometry(const EdgeModel& model, const JointFit& joint, const RegionFacts& facts, EdgeMeasurement& out) {

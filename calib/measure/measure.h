@@ -86,7 +86,9 @@ struct EdgeMeasurement {
   std::vector<double> esf, esf_sd, lsf;  ///< E from 0 to 1; the line spread per px
 
   // Absent when they cannot be determined (the curve does not fall so far); `absent` then says why, in words.
-  std::optional<Estimate> mtf10, mtf30, mtf50;  ///< frequency of that contrast, cycles per pixel
+  std::optional<Estimate> mtf10, mtf20, mtf30, mtf50;  ///< frequency of that contrast, cycles per pixel
+  /// Frequency beyond the peak of the MTF at which half of the peak is left: of sharpened images, else as mtf50.
+  std::optional<Estimate> mtf50p;
   std::optional<Estimate> nyquist;              ///< MTF at 0.5 cycles per pixel
   std::optional<Estimate> rer;                  ///< E(0.5) - E(-0.5): relative edge response
   std::optional<Estimate> overshoot;            ///< largest E from 1 to 3 px beyond the edge, less 1 (GIQE: H)
@@ -100,5 +102,12 @@ struct EdgeMeasurement {
 /// masks and Bayer planes are images with NaN elsewhere. Data never throw: what cannot be measured is an outcome.
 /// Throws UsageError for a region that is empty or outside the image and for options out of range.
 EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, const MeasureOptions& options = {});
+
+/// The frequency in cycles per pixel at which the MTF of a measurement first falls to `contrast`, with its standard
+/// deviation; nothing where the MTF stays above or was not measured. It follows from the sampled curve: for the
+/// contrasts that are members above it agrees with them to a hundredth of their standard deviation
+/// (tests/calib/test_contrast.cpp). A curve without standard deviations is taken as straight lines, and the deviation
+/// is NaN. Throws UsageError unless the contrast is above 0.
+std::optional<Estimate> frequency_at(const EdgeMeasurement& edge, double contrast);
 
 }  // namespace calib

@@ -10,6 +10,7 @@
 #include "mtf/error.h"
 #include "mtf/io/channel_choice.h"
 #include "mtf/io/codecs/codecs.h"
+#include "mtf/io/codecs/jpeg_scan.h"
 #include "mtf/io/codecs/png_scan.h"
 #include "mtf/io/exr/exr_read.h"
 #include "mtf/io/file_checks.h"
@@ -18,7 +19,8 @@ namespace mtf::io {
 namespace {
 
 RasterHeader raster_header(const std::string& path, Format format) {
-  return format == Format::png ? scan_png(path) : codecs().tiff_header(path, input_file_size(path));
+  if (format == Format::png) return scan_png(path);
+  return format == Format::jpeg ? scan_jpeg(path) : codecs().tiff_header(path, input_file_size(path));
 }
 
 FileInfo describe(const RasterHeader& header, Format format) {
@@ -31,6 +33,7 @@ FileInfo describe(const RasterHeader& header, Format format) {
   info.data_window = info.display_window;
   info.attributes = header.attributes;
   info.encoding = header.encoding;
+  info.dct_steps = header.dct_steps;
   std::vector<std::string> names{"Y"};
   if (header.colours == 3) names = {"R", "G", "B"};
   if (header.alpha) names.emplace_back("A");
@@ -43,17 +46,25 @@ FileInfo describe(const RasterHeader& header, Format format) {
   return info;
 }
 
+std::vector<Image> decode_raster(const std::string& path, Format format, const RasterHeader& header) {
+  if (format == Format::png) return codecs().decode_png(path, header);
+  return format == Format::jpeg ? codecs().decode_jpeg(path, header) : codecs().decode_tiff(path, header);
+}
+
 ImageFile read_raster(const std::string& path, Format format, const ReadOptions& options) {
   const RasterHeader header = raster_header(path, format);
   ImageFile image;
   image.info = describe(header, format);
+  if (format == Format::jpeg && options.channel && *options.channel != "Y")
+    throw UsageError(path +
+                     ": of a JPEG only the luminance plane Y is read: its colours are mixed and mostly of fewer "
+                     "pixels; leave out the choice of a channel, or measure the raw image");
   const ChannelChoice choice = choose_channels(path, image.info.channels, options);
   for (const std::size_t i : choice.indices)
     if (image.info.channels[i].name == "A")
       throw UsageError(path + ": the alpha channel is not image data; choose Y or R, G, B");
   check_plane_size(path, header.width, header.height, header.colours);
-  std::vector<Image> planes =
-      format == Format::png ? codecs().decode_png(path, header) : codecs().decode_tiff(path, header);
+  std::vector<Image> planes = decode_raster(path, format, header);
   for (const std::size_t i : choice.indices) image.planes.push_back(std::move(planes.at(i)));
   image.names = choice.names;
   image.integer = header.type == "uint8" || header.type == "uint16";
@@ -72,10 +83,11 @@ Format detect_format(const std::string& path) {
   using std::string_literals::operator""s;
   if (magic.starts_with("\x76\x2f\x31\x01"s)) return Format::exr;
   if (magic.starts_with("\x89PNG\r\n\x1a\n"s)) return Format::png;
+  if (magic.starts_with("\xff\xd8\xff"s)) return Format::jpeg;
   for (const std::string& tiff : {"II\x2a\0"s, "MM\0\x2a"s, "II\x2b\0"s, "MM\0\x2b"s})
     if (magic.starts_with(tiff)) return Format::tiff;
   throw RuntimeError("cannot read " + path + ": its content (" + shown_bytes(static_cast<double>(size)) +
-                     ") is neither OpenEXR nor PNG nor TIFF; convert the image to one of them");
+                     ") is neither OpenEXR nor PNG nor TIFF nor JPEG; convert the image to one of them");
 }
 
 Format format_from_extension(const std::string& path) {

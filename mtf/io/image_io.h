@@ -2,8 +2,8 @@
 #pragma once
 
 // Image files in and out. Everything inside the toolkit is linear float32 planes; this header is the only interface to
-// OpenEXR, PNG and TIFF. Values are returned as stored (integers as their counts): gain, offset and quantity belong to
-// the sensor configuration, nothing is guessed here.
+// OpenEXR, PNG, TIFF and (for reading) JPEG. Values are returned as stored (integers as their counts): gain, offset and
+// quantity belong to the sensor configuration, nothing is guessed here.
 
 #include <array>
 #include <cstdint>
@@ -20,7 +20,7 @@
 
 namespace mtf::io {
 
-enum class Format { exr, png, tiff };
+enum class Format { exr, png, tiff, jpeg };
 
 /// Format by file content for reading (magic bytes). Throws RuntimeError when the file is missing, empty or none of
 /// ours.
@@ -48,7 +48,8 @@ struct FileInfo {
   std::array<int, 4> display_window{};
   std::vector<ChannelInfo> channels;              ///< in the file's order
   std::map<std::string, std::string> attributes;  ///< other attributes that can be shown as text
-  StatedEncoding encoding;                        ///< curve of PNG and TIFF values; OpenEXR is linear by definition
+  StatedEncoding encoding;                        ///< curve of the values of PNG, TIFF and JPEG; OpenEXR is linear
+  std::vector<std::uint16_t> dct_steps{};         ///< of a JPEG, in counts (mtf/io/codecs/dct_rounding.h)
 };
 
 FileInfo read_info(const std::string& path);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The interface to PNG and TIFF. OpenCV's codecs load GDAL and much more, so the functions of this table are in a
+// The interface to PNG, TIFF and JPEG. OpenCV's codecs load GDAL and much more, so the functions of this table are in a
 // separately loaded module (CMake target `mtfkit_codecs`), opened on first use: a command that reads no PNG never pays.
 // Both sides are built together from this header; `codecs_version` refuses a module of another build.
 
@@ -18,9 +18,9 @@
 
 namespace mtf::io {
 
-inline constexpr int codecs_version = 4;
+inline constexpr int codecs_version = 5;
 
-/// A PNG or TIFF as its header describes it, sizes already checked against the file.
+/// A PNG, TIFF or JPEG as its header describes it, sizes already checked against the file.
 struct RasterHeader {
   std::int64_t width = 0, height = 0;
   int colours = 1;     ///< 1 grey, 3 R,G,B
@@ -30,6 +30,7 @@ struct RasterHeader {
   std::string storage;
   std::map<std::string, std::string> attributes;
   StatedEncoding encoding;
+  std::vector<std::uint16_t> dct_steps{};  ///< of a JPEG (mtf/io/codecs/dct_rounding.h)
 };
 
 /// Samples to be written, row-major, colours interleaved as R,G,B, 8 or 16 bits each.
@@ -49,6 +50,7 @@ struct Codecs {
   /// First page, planes in the order R,G,B or Y, values as stored.
   std::vector<Image> (*decode_png)(const std::string& path, const RasterHeader& header);
   std::vector<Image> (*decode_tiff)(const std::string& path, const RasterHeader& header);
+  std::vector<Image> (*decode_jpeg)(const std::string& path, const RasterHeader& header);
   int (*encode_png)(int descriptor, const RasterData& data);
   int (*encode_tiff)(int descriptor, const RasterData& data);
   OpenCvFilter (*opencv_filter)(const OpenCvJob& job);

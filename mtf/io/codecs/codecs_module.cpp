@@ -26,8 +26,8 @@ int write_all(int descriptor, const void* data, std::size_t size) {
 extern "C" __attribute__((visibility("default"))) const mtf::io::Codecs* mtfkit_codecs() {
   namespace module = mtf::io::module;
   static const mtf::io::Codecs table{mtf::io::codecs_version, module::tiff_header, module::decode_png,
-                                     module::decode_tiff,     module::encode_png,  module::encode_tiff,
-                                     module::make_filter,     module::draw};
+                                     module::decode_tiff,     module::decode_jpeg, module::encode_png,
+                                     module::encode_tiff,     module::make_filter, module::draw};
   module::silence_tiff();
   return &table;
 }

@@ -7,6 +7,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/codecs/codecs_parts.h"
+#include "mtf/io/codecs/jpeg_scan.h"
 #include "mtf/io/codecs/png_scan.h"
 #include "mtf/io/file_checks.h"
 
@@ -83,6 +84,14 @@ std::vector<Image> decode_png(const std::string& path, const RasterHeader& heade
     std::vector<unsigned char> file;
     static_cast<void>(scan_png(path, &file));
     return cv::imdecode(file, cv::IMREAD_UNCHANGED);
+  });
+}
+
+std::vector<Image> decode_jpeg(const std::string& path, const RasterHeader& header) {
+  return decode(path, "JPEG", header, [&] {
+    std::vector<unsigned char> file;
+    static_cast<void>(scan_jpeg(path, &file));
+    return cv::imdecode(file, cv::IMREAD_GRAYSCALE);  // libjpeg gives the luminance plane as it is stored
   });
 }
 

@@ -16,6 +16,7 @@ RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes);
 void verify_tiff(const std::string& path);
 std::vector<Image> decode_png(const std::string& path, const RasterHeader& header);
 std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& header);
+std::vector<Image> decode_jpeg(const std::string& path, const RasterHeader& header);
 int encode_png(int descriptor, const RasterData& data);
 int encode_tiff(int descriptor, const RasterData& data);
 OpenCvFilter make_filter(const OpenCvJob& job);

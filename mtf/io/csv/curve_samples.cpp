@@ -94,16 +94,28 @@ double sd_of(const Table& table, std::size_t row, std::size_t column) {
   return sd;
 }
 
+/// Of the frequency in a row of `mtf measure --curves`.
+const Unit* unit_of_row(const Table& table, std::size_t row, std::optional<std::size_t> column) {
+  if (!column) return find_unit("cy/px");
+  const std::string_view text = table.rows[row][*column];
+  const Unit* unit = find_unit(text == "lp/mm" ? "cy/mm" : text);
+  if (unit == nullptr || unit->dimension != Dimension::frequency)
+    throw UsageError(table.where[row] + "frequencies in \"" + printable(text, 40) +
+                     "\" cannot be fitted; measure with --unit cy/px, cy/mm, lp/mm or cy/mrad");
+  return unit;
+}
+
 std::vector<CurveSamples> measured_curves(const Table& table, std::size_t kind) {
   const std::size_t edge = *table.column("edge"), x = *table.column("x"), value = *table.column("value"),
                     sd = *table.column("sd");
+  const std::optional<std::size_t> unit = table.column("x_unit");
   std::vector<CurveSamples> all;
   std::string_view present;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     if (table.rows[i][kind] != "mtf") continue;
     if (all.empty() || table.rows[i][edge] != present) {
       present = table.rows[i][edge];
-      all.push_back({"edge " + printable(present, 20), find_unit("cy/px"), {}, {}, {}});
+      all.push_back({"edge " + printable(present, 20), unit_of_row(table, i, unit), {}, {}, {}});
     }
     if (table.rows[i][value].empty()) continue;  // not measured there
     const double error = sd_of(table, i, sd);

@@ -6,7 +6,8 @@
 //   frequency,...,system            `mtf curve --format csv`: the system's column, or system_re and system_im; its
 //                                   frequency has the unit of --unit, cycles/mm by default;
 //                                   the file does not state it
-//   edge,curve,x,value,sd           `mtf measure --curves`: one curve an edge, the rows called mtf, in cycles/pixel
+//   edge,curve,x,value,sd[,x_unit]  `mtf measure --curves`: one curve an edge, the rows called mtf, in cycles/pixel or
+//                                   the unit of their column x_unit: cy/px, cy/mm, lp/mm (the same) or cy/mrad
 
 #include <string>
 #include <string_view>

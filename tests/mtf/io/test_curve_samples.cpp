@@ -45,6 +45,18 @@ TEST(CurveSamples, OfTheCurveCommand) {
   EXPECT_NEAR(complex[0].mtf.at(1), 0.5, 1e-15);
 }
 
+TEST(CurveSamples, OfMeasuredEdgesInTheirUnit) {
+  const std::string head = "edge,curve,x,value,sd,x_unit\n";
+  for (const auto& [word, unit] : {std::pair{"cy/mm", "cy/mm"}, {"lp/mm", "cy/mm"}, {"cy/mrad", "cy/mrad"}}) {
+    const auto curves = parse_curve_samples(head + "1,mtf,40,0.9,0.01," + word + "\n1,esf,0,0.5,0.1,px\n", "m.csv");
+    EXPECT_EQ(curves.at(0).unit->name, unit);
+    EXPECT_EQ(curves[0].frequency, std::vector{40.0});
+  }
+  for (const char* word : {"lw/ph", "um", ""})
+    EXPECT_NE(refusal(head + "1,mtf,40,0.9,0.01," + word + "\n").find("c.csv:2: frequencies in"), std::string::npos)
+        << word;
+}
+
 TEST(CurveSamples, OfMeasuredEdges) {
   const auto curves = parse_curve_samples(
       "edge,curve,x,value,sd\n1,mtf,0,1,0\n1,mtf,0.1,0.9,0.01\n1,mtf,0.2,,\n1,esf,0,0.5,0.1\n2,mtf,0,1,0\n2,mtf,0.1,0."

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/edges/edge_merits.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "apps/terminal/text_table.h"
+
+namespace apps {
+namespace {
+
+using calib::EdgeMeasurement;
+using calib::Estimate;
+
+struct Merit {
+  const char* name;
+  std::optional<Estimate> EdgeMeasurement::*value;
+  bool frequency = false;
+};
+constexpr std::array kMerits{Merit{"mtf50", &EdgeMeasurement::mtf50, true},
+                             Merit{"mtf30", &EdgeMeasurement::mtf30, true},
+                             Merit{"mtf20", &EdgeMeasurement::mtf20, true},
+                             Merit{"mtf10", &EdgeMeasurement::mtf10, true},
+                             Merit{"mtf50p", &EdgeMeasurement::mtf50p, true},
+                             Merit{"nyquist", &EdgeMeasurement::nyquist},
+                             Merit{"rer", &EdgeMeasurement::rer},
+                             Merit{"overshoot", &EdgeMeasurement::overshoot},
+                             Merit{"fwhm_px", &EdgeMeasurement::fwhm_px},
+                             Merit{"mtfa", &EdgeMeasurement::mtfa},
+                             Merit{"sampling_efficiency", &EdgeMeasurement::sampling_efficiency}};
+
+}  // namespace
+
+std::string percent_text(double contrast) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.12g", 100.0 * contrast);  // few enough digits for 0.29 to be 29
+  return text.data();
+}
+
+std::vector<std::string> merit_names(std::span<const double> contrasts) {
+  std::vector<std::string> names;
+  for (const Merit& merit : kMerits) names.emplace_back(merit.name);
+  for (const double contrast : contrasts) names.push_back("mtf" + percent_text(contrast));
+  return names;
+}
+
+std::vector<std::optional<Estimate>> merits_of(const MeasuredEdge& edge) {
+  std::vector<std::optional<Estimate>> values;
+  for (const Merit& merit : kMerits) {
+    const std::optional<Estimate>& value = edge.edge.*merit.value;
+    values.push_back(merit.frequency ? in_unit(value, edge.scale) : value);
+  }
+  for (const std::optional<Estimate>& frequency : edge.at_contrasts) values.push_back(in_unit(frequency, edge.scale));
+  return values;
+}
+
+std::optional<Estimate> in_unit(const std::optional<Estimate>& cy_px, const FrequencyScale& scale) {
+  if (!cy_px) return std::nullopt;
+  return Estimate{cy_px->value * scale.per_cy_px, cy_px->sd * scale.per_cy_px};
+}
+
+std::vector<double> in_unit(std::vector<double> cy_px, const FrequencyScale& scale) {
+  for (double& frequency : cy_px) frequency *= scale.per_cy_px;
+  return cy_px;
+}
+
+void add_contrasts(MeasuredEdge& edge, std::span<const double> contrasts) {
+  const std::vector<double>& frequencies = edge.edge.frequency_cy_px;
+  for (const double contrast : contrasts) {
+    edge.at_contrasts.push_back(calib::frequency_at(edge.edge, contrast));
+    if (edge.at_contrasts.back() || frequencies.empty()) continue;
+    edge.edge.absent.emplace_back("mtf" + percent_text(contrast),
+                                  "the MTF stays above " + percent_text(contrast) + " % up to " +
+                                      significant(frequencies.back() * edge.scale.per_cy_px, 4) + " " +
+                                      std::string(unit_name(edge.scale.unit)));
+  }
+}
+
+std::vector<double> further_contrasts(std::vector<double> asked) {
+  std::vector<std::string> known = merit_names({});
+  std::erase_if(asked, [&](double contrast) {
+    const std::string name = "mtf" + percent_text(contrast);
+    if (std::find(known.begin(), known.end(), name) != known.end()) return true;
+    known.push_back(name);
+    return false;
+  });
+  return asked;
+}
+
+}  // namespace apps

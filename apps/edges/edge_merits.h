@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The figures of merit of a measured edge, in one order and one unit for every output.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/edges/measure_report.h"
+#include "calib/measure/measure.h"
+
+namespace apps {
+
+/// Names of the figures: "mtf50", ..., then those of the contrasts that were asked for.
+std::vector<std::string> merit_names(std::span<const double> contrasts);
+
+/// Their values in the same order, frequencies in the unit of the edge.
+std::vector<std::optional<calib::Estimate>> merits_of(const MeasuredEdge& edge);
+
+/// "35" for 0.35.
+std::string percent_text(double contrast);
+
+/// A frequency in the unit of the edge.
+std::optional<calib::Estimate> in_unit(const std::optional<calib::Estimate>& cy_px, const FrequencyScale& scale);
+std::vector<double> in_unit(std::vector<double> cy_px, const FrequencyScale& scale);
+
+/// Finds the frequencies of these contrasts in the measured curve. Those to which it does not fall are named in
+/// `absent`.
+void add_contrasts(MeasuredEdge& edge, std::span<const double> contrasts);
+
+/// The contrasts without those that are figures of every edge, and without repetitions.
+std::vector<double> further_contrasts(std::vector<double> asked);
+
+}  // namespace apps
