@@ -283,6 +283,22 @@ TEST_F(SimulateChainTiles, StagesThatNeedTheWholeImageAreRefusedByName) {
   refuse("[agc]\n", "agc", "--stage dn");
 }
 
+TEST_F(SimulateChainTiles, ARunOfAnotherRegionStartsOver) {
+  const mtf::io::SensorConfig config = sensor(kConverter);
+  SimulateOptions options = tiles_to_file(1e-3);
+  options.memory = std::int64_t{300} << 20;
+  options.region = std::array<std::int64_t, 4>{0, 0, 200, 180};
+  options.watch = [](const SimulateEvent& event) { return event.text != "tiles" || event.value < 0.5; };
+  EXPECT_THROW(run(config, options), apps::Cancelled);
+  EXPECT_GT(fs::file_size(scratch / "out.exr.part.tiles"), 90U);  // a tile is there
+  options.watch = nullptr;
+  options.region = std::array<std::int64_t, 4>{200, 180, 200, 180};
+  const SimulateResult other = run(config, options);
+  EXPECT_EQ(other.report.tiles->tally.resumed, 0);
+  options.out = "";
+  EXPECT_EQ(share_of_other_counts(read(scratch / "out.exr"), image_of(run(config, options))), 0.0);
+}
+
 TEST_F(SimulateChainTiles, ScenesThatAreMoreThanTheirWindowsAreRefusedByName) {
   const SimulateOptions options = tiles_to_file();
   write_scene("counts.exr", 5000.0, 300.0, "counts");

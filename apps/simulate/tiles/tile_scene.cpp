@@ -93,6 +93,8 @@ std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& 
     key += " " + std::to_string(part.st_size) + " " + std::to_string(part.st_mtim.tv_sec) + "." +
            std::to_string(part.st_mtim.tv_nsec);
   }
+  if (options.region)
+    for (const std::int64_t number : *options.region) key += " " + std::to_string(number);
   for (const std::string& name : source.scene.names) key += " [" + name + "]";
   for (const mtf::Survey& survey : surveys) key += " " + std::to_string(survey.fingerprint);
   return key + " " + std::to_string(r.every) + " " + header;
