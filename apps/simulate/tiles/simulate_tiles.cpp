@@ -125,12 +125,13 @@ void run_to_sink(TileRun& all, const mtf::io::Metadata& metadata) {
 void run_to_file(TileRun& all, const mtf::io::Metadata& metadata) {
   const mtf::TiledSensorPlan& plan = all.plan;
   const std::vector<std::string>& names = all.result.names;
-  mtf::io::TileStore store(all.options.out,
-                           {key_of(all.options, all.config, all.file.file, all.source, all.surveys, plan,
-                                   all.result.report.chain ? all.result.report.chain->stage : ""),
-                            plan.out().width, plan.out().height, names.size(), plan.report().count,
-                            [&](std::int64_t i) { return plan.tile(i).region; }},
-                           all.options.resume);
+  mtf::io::TileStore store(
+      all.options.out,
+      {key_of(all.options, all.config, all.file.file, all.source, all.surveys, plan,
+              all.result.report.chain ? all.result.report.chain->stage : ""),
+       plan.out().width, plan.out().height, names.size(), plan.report().count,
+       all.chain != nullptr ? ChainOfTiles::counts_a_tile() : 0, [&](std::int64_t i) { return plan.tile(i).region; }},
+      all.options.resume);
   if (!store.note().empty()) all.watch.note(store.note());
   if (store.resumed() > 0)
     all.watch.note(std::to_string(store.resumed()) + " of " + std::to_string(plan.report().count) +

@@ -30,7 +30,7 @@ auto counts_in(Frame& frame) {
 
 mtf::io::TileCounts counts_of(const radiometry::ChainFrame& frame) {
   mtf::io::TileCounts counts;
-  std::ranges::transform(counts_in(frame), counts.begin(), [](const std::int64_t* count) { return *count; });
+  for (const std::int64_t* count : counts_in(frame)) counts.push_back(*count);
   return counts;
 }
 
@@ -120,6 +120,8 @@ ChainOfTiles::Result ChainOfTiles::run(const mtf::Tile& tile, mtf::ImageView<con
   add_times(frame, report_);
   return {std::move(frame.image), counts_of(frame)};
 }
+
+std::size_t ChainOfTiles::counts_a_tile() { return counts_of({}).size(); }
 
 void ChainOfTiles::add(const mtf::io::TileCounts& counts) {
   radiometry::ChainFrame frame;

@@ -44,6 +44,8 @@ class ChainOfTiles {
   };
   /// Light to the output stage. From several threads at once.
   Result run(const mtf::Tile& tile, mtf::ImageView<const float> light);
+  /// The number of Result::counts.
+  static std::size_t counts_a_tile();
   /// Adds what a stopped run counted in a tile.
   void add(const mtf::io::TileCounts& counts);
 
