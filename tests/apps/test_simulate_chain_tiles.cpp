@@ -283,6 +283,21 @@ TEST_F(SimulateChainTiles, StagesThatNeedTheWholeImageAreRefusedByName) {
   refuse("[agc]\n", "agc", "--stage dn");
 }
 
+TEST_F(SimulateChainTiles, MapsAreCheckedBeforeTheSceneIsRead) {
+  Image small(10, 10);
+  std::fill_n(small.data(), small.size(), 1.0F);
+  mtf::io::write_exr((scratch / "small.exr").string(), {{"Y", small.view()}}, {});
+  SimulateOptions options = tiles_to_file();
+  bool scene_read = false;
+  options.watch = [&](const SimulateEvent& event) {
+    scene_read = scene_read || event.text == "range";
+    return true;
+  };
+  for (const std::string key : {"[vignetting]\nmap", "[nonuniformity]\nresponsivity", "[nonuniformity]\noffset"})
+    expect_refused(sensor(key + " = \"small.exr\"\n" + kConverter), options, {"s.toml:", "10x10", "425x365"});
+  EXPECT_FALSE(scene_read);
+}
+
 TEST_F(SimulateChainTiles, ARunOfAnotherRegionStartsOver) {
   const mtf::io::SensorConfig config = sensor(kConverter);
   SimulateOptions options = tiles_to_file(1e-3);

@@ -81,6 +81,8 @@ mtf::System<double> presample_of(const RadiometricChain& radiometric) {
 double read_as_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, const std::string& file,
                      TileScene& source, std::int64_t memory, int threads, RunWatch& watch) {
   require_light_of_windows(config, radiometric.loaded, source.scene, one_line(file));
+  const mtf::SampleGrid detector = mtf::detector_grid(config.system, source.scene.grid);
+  at_its_place(config, [&] { require_maps(radiometric.loaded.sensor, detector.width, detector.height); });
   const std::vector<mtf::Survey> values =
       survey_all(source, {.every = 0, .memory = memory, .threads = threads, .step = "range"}, watch);
   const LightOfWindows light = at_its_place(
