@@ -274,13 +274,29 @@ TEST_F(SimulateChainTiles, StagesThatNeedTheWholeImageAreRefusedByName) {
   refuse("[distortion]\nk1 = -0.05\n", "distortion", "remove their tables");
   refuse("[veiling_glare]\nfraction = 0.03\n", "veiling glare", "remove their tables");
   refuse("[ghost]\nfraction = 0.01\n", "ghost", "remove their tables");
-  refuse("[microscan]\nsteps = 2\n", "microscan", "--stage irradiance");
   refuse("[blooming]\n", "blooming", "--stage irradiance");
   refuse("[[readout]]\nkind = \"gaussian\"\nsigma = \"4 um\"\n", "readout", "--stage irradiance");
   refuse("[correction]\n", "correction", "--stage dn");
   refuse("[[postsample]]\nkind = \"fir\"\ntaps = [[0, -0.25, 0], [-0.25, 2.0, -0.25], [0, -0.25, 0]]\n", "postsample",
          "--stage dn");
   refuse("[agc]\n", "agc", "--stage dn");
+}
+
+// The samples of a microscan are finer than the pitch from the first stage on: the image of no stage has tiles.
+TEST_F(SimulateChainTiles, AMicroscanIsRefusedAtEveryStage) {
+  const mtf::io::SensorConfig config = sensor("[microscan]\nsteps = 2\n" + kConverter);
+  for (const auto stage : {radiometry::OutputStage::radiance, radiometry::OutputStage::irradiance,
+                           radiometry::OutputStage::electrons, radiometry::OutputStage::dn}) {
+    SimulateOptions options = tiles_to_file();
+    options.stage = stage;
+    expect_refused(config, options,
+                   {"--memory", "s.toml", "microscan (", "leave out --memory, or remove their tables"});
+    try {
+      run(config, options);
+    } catch (const mtf::UsageError& error) {
+      EXPECT_EQ(std::string(error.what()).find("--stage"), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST_F(SimulateChainTiles, MapsAreCheckedBeforeTheSceneIsRead) {

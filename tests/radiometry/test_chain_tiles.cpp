@@ -179,6 +179,8 @@ TEST(ChainTiles, StagesThatNeedTheWholeImageAreNamed) {
     s.agc = AutomaticGain{};
   };
   EXPECT_EQ(named(two, OutputStage::irradiance), "");
+  for (const OutputStage stage : {OutputStage::radiance, OutputStage::irradiance, OutputStage::dn})
+    EXPECT_EQ(named([](SensorSettings& s) { s.microscan = Microscan{.steps = 2}; }, stage).find("microscan"), 0U);
   EXPECT_EQ(named(two, OutputStage::dn).find("blooming"), 0U);
   EXPECT_NE(named(two, OutputStage::display).find(", agc"), std::string::npos);
   expect_refused({"veiling glare"}, [&] {
