@@ -10,6 +10,7 @@
 #include <mutex>
 
 #include "apps/simulate/simulate.h"
+#include "apps/simulate/tiles/simulate_tiles.h"
 #include "tests/apps/chain_sensor.h"
 
 namespace apps_test {
@@ -297,6 +298,31 @@ TEST_F(SimulateChainTiles, AMicroscanIsRefusedAtEveryStage) {
       EXPECT_EQ(std::string(error.what()).find("--stage"), std::string::npos) << error.what();
     }
   }
+}
+
+TEST_F(SimulateChainTiles, AreChosenOnlyWhereTheyCanMakeTheImage) {
+  const auto chosen = [&](const mtf::io::SensorConfig& config, const SimulateOptions& options = {},
+                          const std::string& scene = "scene.exr", double machine_bytes = 1.0) {
+    return apps::wants_tiles(config, {.file = (scratch / scene).string()}, options,
+                             apps::radiometric_chain_of(config, options.stage).get(), machine_bytes);
+  };
+  EXPECT_TRUE(chosen(sensor(kConverter)));
+  EXPECT_FALSE(chosen(sensor(kConverter), {}, "scene.exr", 1e12));
+  EXPECT_TRUE(chosen(sensor(kConverter), {.out = (scratch / "out.exr").string()}));
+  EXPECT_FALSE(chosen(sensor(kConverter), {.out = (scratch / "out.png").string()}));
+  EXPECT_FALSE(chosen(sensor(kConverter), {.out = (scratch / "out.tif").string()}));
+  EXPECT_FALSE(chosen(sensor(kConverter), {.nan = apps::NanPolicy::fill}));
+  EXPECT_FALSE(chosen(sensor("[agc]\n" + kConverter)));
+  EXPECT_TRUE(chosen(sensor("[agc]\n" + kConverter), {.stage = radiometry::OutputStage::dn}));
+  write_scene("counts.exr", 5000.0, 300.0, "counts");
+  EXPECT_FALSE(chosen(sensor(kConverter), {}, "counts.exr"));
+  EXPECT_TRUE(chosen(sensor(kConverter), {.memory = kMemory}, "counts.exr"));  // asked for: refused by name
+  EXPECT_FALSE(chosen(sensor(kConverter, "quantity = \"temperature\"",
+                             "quantity = \"temperature\"\nemissivity_channel = \"e\"\nsurroundings = \"280 K\"")));
+  write_file(scratch / "path.csv",
+             "range_m,wavelength_um,transmission,radiance_w_m2_sr_um\n1000,3,0.8,0.01\n1000,5,0.8,0.01\n");
+  EXPECT_FALSE(chosen(sensor("[path]\ntable = \"path.csv\"\n" + kConverter, "quantity = \"temperature\"",
+                             "quantity = \"temperature\"\ndepth_channel = \"Z\"")));
 }
 
 TEST_F(SimulateChainTiles, MapsAreCheckedBeforeTheSceneIsRead) {

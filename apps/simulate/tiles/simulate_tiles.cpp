@@ -186,15 +186,22 @@ std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const m
   return plan.run(planes, border_value, &report.tiles->tally);
 }
 
-bool wants_tiles(const SceneSource& scene, const SimulateOptions& options, const RadiometricChain* radiometric) {
+double memory_of_machine() {
+  return static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
+bool wants_tiles(const mtf::io::SensorConfig& config, const SceneSource& scene, const SimulateOptions& options,
+                 const RadiometricChain* radiometric, double machine_bytes) {
   if (options.memory || (options.region && radiometric == nullptr)) return true;
-  if (radiometric != nullptr && !stages_of_the_whole(*radiometric).empty()) return false;
-  if (scene.image) return false;
-  if (mtf::io::detect_format(scene.file) != mtf::io::Format::exr) return false;
+  if (!refusal_of_windows(options, scene).empty()) return false;
   // Planes of three channels, transforms and OTF of one, about.
   const mtf::io::FileInfo info = mtf::io::read_info(scene.file);
-  const double machine = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
-  return static_cast<double>(info.width) * static_cast<double>(info.height) * 20.0 > machine;
+  if (static_cast<double>(info.width) * static_cast<double>(info.height) * 20.0 <= machine_bytes) return false;
+  if (radiometric == nullptr) return true;
+  if (!stages_of_the_whole(*radiometric).empty()) return false;
+  TileScene source;
+  open_windows(options, config, scene, source);
+  return refusal_of_light(config, radiometric->loaded, source.scene).empty();
 }
 
 SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& file, const SimulateOptions& options,
@@ -209,9 +216,6 @@ SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& 
   TileScene source;
   std::vector<mtf::Image> masks;
   if (streamed) {
-    if (file.image)
-      throw mtf::UsageError("--memory: " + one_line(file.file) +
-                            " is in memory already; name a file of the scene, or leave out the limit");
     if (options.memory) return_freed_memory();
     open_windows(options, config, file, source);
   } else {

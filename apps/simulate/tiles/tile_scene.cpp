@@ -20,17 +20,23 @@ constexpr std::size_t kHeaderBytes = 65536;   // of a scene file, for telling it
 
 }  // namespace
 
+std::string refusal_of_windows(const SimulateOptions& options, const SceneSource& file) {
+  if (file.image)
+    return "--memory: " + one_line(file.file) +
+           " is in memory already; name a file of the scene, or leave out the limit";
+  if (mtf::io::detect_format(file.file) != mtf::io::Format::exr)
+    return "--memory: " + one_line(file.file) +
+           " is no OpenEXR file, which is the format that can be read in pieces; convert it";
+  if (!options.out.empty() && mtf::io::format_from_extension(options.out) != mtf::io::Format::exr)
+    return "--memory: tiles are written as OpenEXR; end the name of the output in .exr";
+  if (options.nan != NanPolicy::refuse)
+    return "--nan: fill and propagate need the whole image; leave out --memory, or replace such pixels before";
+  return "";
+}
+
 void open_windows(const SimulateOptions& options, const mtf::io::SensorConfig& config, const SceneSource& file,
                   TileScene& source) {
-  if (mtf::io::detect_format(file.file) != mtf::io::Format::exr)
-    throw mtf::UsageError("--memory: " + one_line(file.file) +
-                          " is no OpenEXR file, which is the format that can be read in pieces; convert it");
-  if (!options.out.empty() && mtf::io::format_from_extension(options.out) != mtf::io::Format::exr)
-    throw mtf::UsageError("--memory: tiles are written as OpenEXR; end the name of the output in .exr");
-  if (options.nan != NanPolicy::refuse)
-    throw mtf::UsageError(
-        "--nan: fill and propagate look at the whole image; leave out --memory, or replace such "
-        "pixels before");
+  if (const std::string refusal = refusal_of_windows(options, file); !refusal.empty()) throw mtf::UsageError(refusal);
   source.file.emplace(file.file, file.read);
   source.scene = mtf::io::describe_scene(config, file.file, source.file->file());
   source.read = [&source](std::size_t channel, std::int64_t x, std::int64_t y, mtf::ImageView<float> out) {

@@ -21,8 +21,12 @@ struct TileScene {
   mtf::ReadWindow read;
 };
 
-/// Opens the file of a scene that is read in windows; `scene` stays where it is. Throws UsageError for what cannot be
-/// read or written in pieces.
+/// Why a scene, an output or a treatment of bad pixels needs the whole image, as the message of an error; "" where the
+/// scene can be read and the image be written in pieces.
+std::string refusal_of_windows(const SimulateOptions& options, const SceneSource& file);
+
+/// Opens the file of a scene that is read in windows; `scene` stays where it is. Throws UsageError with
+/// refusal_of_windows().
 void open_windows(const SimulateOptions& options, const mtf::io::SensorConfig& config, const SceneSource& file,
                   TileScene& source);
 
