@@ -340,6 +340,21 @@ TEST_F(SimulateChainTiles, MapsAreCheckedBeforeTheSceneIsRead) {
   EXPECT_FALSE(scene_read);
 }
 
+TEST_F(SimulateChainTiles, LightBeyondFloatIsCalledSo) {
+  write_scene("bright.exr", 1e20, 1e18, "radiance");
+  const auto message = [&](const SimulateOptions& options) -> std::string {
+    try {
+      run(sensor(kConverter), options, "bright.exr");
+    } catch (const mtf::RuntimeError& error) {
+      return error.what();
+    }
+    return "nothing was thrown";
+  };
+  const std::string whole = message({}), tiled = message(tiles_to_file({}));
+  EXPECT_EQ(tiled, whole);
+  EXPECT_NE(tiled.find("3.4e38"), std::string::npos) << tiled;
+}
+
 TEST_F(SimulateChainTiles, ARunOfAnotherRegionStartsOver) {
   const mtf::io::SensorConfig config = sensor(kConverter);
   SimulateOptions options = tiles_to_file(1e-3);

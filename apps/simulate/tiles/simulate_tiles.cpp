@@ -254,7 +254,8 @@ SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& 
                   .border_value = defaults.border_value,
                   .every = mtf::coarse_every(scene.grid, defaults.border, tile_options.memory),
                   .memory = tile_options.memory,
-                  .threads = options.threads},
+                  .threads = options.threads,
+                  .computed = radiometric != nullptr},
                  watch);
   plan_options.scene = worst_of(surveys, defaults);
   if (radiometric != nullptr && !options.tolerance && plan_options.scene)

@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "apps/sensor/sensor_chain.h"
+#include "apps/simulate/simulate_parts.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/version.h"
@@ -68,6 +69,7 @@ std::vector<mtf::Survey> survey_all(TileScene& source, const SceneSurvey& asked,
   }
   for (std::size_t c = 0; c < channels; ++c) {
     const mtf::Statistics& s = surveys[c].statistics;
+    if (s.not_finite > 0 && asked.computed) refuse_overflow(source.scene.names[c]);
     if (s.not_finite > 0)
       throw mtf::RuntimeError("channel " + one_line(source.scene.names[c]) + ": " + std::to_string(s.not_finite) +
                               " pixels are NaN or infinite, the first at column " + std::to_string(s.first_x) +

@@ -37,9 +37,10 @@ struct SceneSurvey {
   std::int64_t memory = 0;  ///< an eighth of it is for rows; 0 = as many as are read together
   int threads = 0;
   std::string_view step = "survey";  ///< its name in progress
+  bool computed = false;             ///< the samples are made of finite ones: those that are not finite exceed float32
 };
 
-/// Every channel surveyed, within the memory that rows may take. Throws RuntimeError for pixels that are not finite.
+/// Every channel surveyed, within the memory that rows may take. Throws RuntimeError for samples that are not finite.
 std::vector<mtf::Survey> survey_all(TileScene& source, const SceneSurvey& asked, RunWatch& watch);
 
 /// All that the pixels of a run in tiles depend on; `stage` is that of a chain whose output they are, "" without one.
