@@ -4,20 +4,24 @@
 // ones are made from the numbers of each pixel's place on the detector.
 
 #include <algorithm>
+#include <limits>
 
 #include "mtf/parallel.h"
 #include "radiometry/chain_impl.h"
+#include "radiometry/chain_tiles.h"
 
 namespace radiometry {
 namespace {
 
+void require_size(const mtf::Image& map, const char* key, std::int64_t columns, std::int64_t rows) {
+  if (map.width() == columns && map.height() == rows) return;
+  throw mtf::UsageError(std::string(key) + ": the map has " + std::to_string(map.width()) + "x" +
+                        std::to_string(map.height()) + " pixels, the detector " + std::to_string(columns) + "x" +
+                        std::to_string(rows) + "; give a map of the whole detector");
+}
+
 /// The part of a map of the whole detector that an image at `origin` has.
-mtf::Image crop(const mtf::Image& map, const char* what, const FocalPlane& detector, Origin origin, std::int64_t width,
-                std::int64_t height) {
-  if (map.width() != detector.columns || map.height() != detector.rows)
-    throw mtf::UsageError(std::string(what) + ": the map has " + std::to_string(map.width()) + "x" +
-                          std::to_string(map.height()) + " pixels, the detector " + std::to_string(detector.columns) +
-                          "x" + std::to_string(detector.rows) + "; give a map of the whole detector");
+mtf::Image crop(const mtf::Image& map, Origin origin, std::int64_t width, std::int64_t height) {
   mtf::Image part(width, height);
   for (std::int64_t y = 0; y < height; ++y)
     std::copy_n(map.data() + (origin.y + y) * map.width() + origin.x, width, part.data() + y * width);
@@ -45,15 +49,32 @@ Factor factor_of(double number, const mtf::Image& map, double added) {
 
 }  // namespace
 
+void require_maps(const Sensor& sensor, std::int64_t columns, std::int64_t rows) {
+  const auto check = [&](const std::shared_ptr<const mtf::Image>& map, const char* key, const std::string& file,
+                         float least) {
+    if (!map) return;
+    require_size(*map, key, columns, rows);
+    require_numbers(std::string(key) + ": " + (file.empty() ? "the map" : file), map->view(), least);
+  };
+  if (const auto& corners = sensor.settings.vignetting) check(sensor.vignetting, "vignetting.map", corners->map, 0.0F);
+  if (const auto& unequal = sensor.settings.nonuniformity) {
+    check(sensor.responsivity, "nonuniformity.responsivity", unequal->responsivity, 0.0F);
+    check(sensor.offset, "nonuniformity.offset", unequal->offset, std::numeric_limits<float>::lowest());
+  }
+}
+
 PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
                      std::int64_t height, int threads) {
   const SensorSettings& s = chain.settings;
   const int cores = mtf::threads_of(threads);
   require_on_detector(origin, width, height);
+  require_region(chain.detector, origin, width, height);
   PixelMaps maps;
   maps.origin = origin;
-  const auto detector_map = [&](const std::shared_ptr<const mtf::Image>& whole, const char* what) {
-    return whole ? crop(*whole, what, chain.detector, origin, width, height) : mtf::Image();
+  const auto detector_map = [&](const std::shared_ptr<const mtf::Image>& whole, const char* key) {
+    if (!whole) return mtf::Image();
+    require_size(*whole, key, chain.detector.columns, chain.detector.rows);
+    return crop(*whole, origin, width, height);
   };
   if (s.vignetting) {
     const mtf::Image given = detector_map(sensor.vignetting, "vignetting.map");

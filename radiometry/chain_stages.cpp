@@ -247,8 +247,9 @@ constexpr std::array kChain{
              .whole_image = "adds the image mirrored at its axis"},
     StageRow{.name = "light", .part = detector, .words = light},
     StageRow{.name = "vignetting", .part = detector, .words = vignetting},
+    // Its steps run in the detector's part; its finer sampling is in the image of every output stage.
     StageRow{.name = "microscan",
-             .part = detector,
+             .part = optics,
              .words = microscan,
              .whole_image = "samples between the pixels, where tiles sample at the pitch"},
     StageRow{.name = "shutter", .part = detector, .words = shutter, .step = step::shutter, .in_sequence = true},

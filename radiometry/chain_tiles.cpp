@@ -13,7 +13,8 @@ TiledChain::TiledChain(const mtf::SensorPlan& tile, const mtf::System<double>& s
     throw mtf::UsageError("stages that need the whole image cannot run in tiles: " + whole);
   auto compiled = std::make_shared<CompiledChain>(tile, system, sensor, columns, rows);
   require_output_stage(stage, compiled->last, compiled->adc.has_value());
-  pixel_maps(*compiled, sensor, {}, 1, 1, 1);  // refuses maps that do not fit before any tile has been made
+  require_maps(sensor, compiled->detector.columns, compiled->detector.rows);
+  pixel_maps(*compiled, sensor, {}, 1, 1, 1);  // refuses settings of maps before any tile has been made
   compiled_ = std::move(compiled);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "apps/sensor/sensor_place.h"
+#include "apps/simulate/simulate_parts.h"
 #include "mtf/error.h"
 
 namespace apps {
@@ -66,7 +67,11 @@ double to_light(const mtf::io::SensorConfig& config, const RadiometricChain& rad
   }
   masks.clear();
   masks.push_back(std::move(bad));
-  return at_its_place(config, [&] { return to_light(config, radiometric.loaded, scene, source, threads); });
+  const double border_value =
+      at_its_place(config, [&] { return to_light(config, radiometric.loaded, scene, source, threads); });
+  // The scene's own values are finite here: bad pixels have been filled or refused.
+  if (!mtf::all_finite(scene.planes.front().view())) refuse_overflow(scene.names.front());
+  return border_value;
 }
 
 ChainReport report_of(const RadiometricChain& radiometric) {

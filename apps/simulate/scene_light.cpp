@@ -191,18 +191,22 @@ double to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
   return convert.border(config.scene.border_value);
 }
 
+std::string refusal_of_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
+                             const mtf::io::Scene& scene) {
+  const radiometry::SceneSettings settings = loaded.sensor.settings.scene.value_or(radiometry::SceneSettings{});
+  if (!scene.wavelength_um.empty()) return "a sensor with [detector] takes no scene of spectral channels";
+  if (scene.quantity == Quantity::counts) return "a sensor with [detector] takes no scene of counts";
+  if (!settings.emissivity_channel.name.empty()) return "scene.emissivity_channel of " + config.file + " is not read";
+  if (loaded.paths) return "scene.depth_channel of " + config.file + " is not read";
+  return "";
+}
+
 void require_light_of_windows(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
                               const mtf::io::Scene& scene, const std::string& file) {
-  const radiometry::SceneSettings settings = loaded.sensor.settings.scene.value_or(radiometry::SceneSettings{});
-  const auto refuse = [&](const std::string& what) {
-    throw mtf::UsageError(file + ": in tiles (--memory) " + what +
+  if (const std::string refusal = refusal_of_light(config, loaded, scene); !refusal.empty())
+    throw mtf::UsageError(file + ": in tiles (--memory) " + refusal +
                           "; make a scene of radiance of it before, or let the whole image through at once");
-  };
-  if (!scene.wavelength_um.empty()) refuse("a sensor with [detector] takes no scene of spectral channels");
   require_one_channel(scene, file);
-  if (scene.quantity == Quantity::counts) refuse("a sensor with [detector] takes no scene of counts");
-  if (!settings.emissivity_channel.name.empty()) refuse("scene.emissivity_channel of " + config.file + " is not read");
-  if (loaded.paths) refuse("scene.depth_channel of " + config.file + " is not read");
 }
 
 LightOfWindows light_of_windows(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,

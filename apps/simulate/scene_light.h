@@ -28,8 +28,11 @@ struct LightOfWindows {
   double border_value = 0.0;  ///< what a constant border is worth
 };
 
-/// Throws UsageError for a scene whose windows cannot become light by themselves: spectra, counts, and scenes with a
-/// channel of emissivity or depth. `file` is its name.
+/// Why the windows of a scene cannot become light by themselves: it has spectra, counts, or a channel of emissivity or
+/// depth; "" where they can.
+std::string refusal_of_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
+                             const mtf::io::Scene& scene);
+/// Throws UsageError with refusal_of_light(), and for a scene of several channels. `file` is its name.
 void require_light_of_windows(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
                               const mtf::io::Scene& scene, const std::string& file);
 

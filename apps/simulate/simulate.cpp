@@ -143,7 +143,8 @@ SimulateResult simulate(const mtf::io::SensorConfig& sensor, SceneSource scene, 
   if (!options.out.empty()) outputs.insert(outputs.begin(), options.out);
   require_writable(outputs, inputs);
   const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(sensor, options.stage);
-  if (!wants_tiles(scene, options, radiometric.get())) return simulate_whole(sensor, scene, options, radiometric.get());
+  if (!wants_tiles(sensor, scene, options, radiometric.get()))
+    return simulate_whole(sensor, scene, options, radiometric.get());
   if (!options.out.empty())
     for (const char* suffix : {".part", ".part.tiles"}) {  // where finished tiles are kept
       for (const std::string& input : inputs) require_different(input, options.out + suffix);

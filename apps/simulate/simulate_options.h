@@ -50,7 +50,7 @@ struct SimulateOptions {
   std::optional<std::array<std::int64_t, 4>> region{};  ///< --roi: x, y, width, height in pixels of the output
   /// --memory: bytes that may be in use; a scene file (OpenEXR) then goes through in tiles. A sensor with [detector]
   /// may have no stage that needs the whole image. Sets thresholds of the C library's allocator for the whole process.
-  /// Default: tiles only where the image would not fit the machine.
+  /// Default: tiles only for an image that would not fit the machine and that can be made in tiles.
   std::optional<std::int64_t> memory{};
   bool resume = true;  ///< --resume: an output file in tiles goes on from what a stopped run left
 

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
+#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -20,11 +20,33 @@ namespace {
 
 constexpr std::uint64_t kHashStart = 1469598103934665603ULL, kHashPrime = 1099511628211ULL;  // FNV-1a, words for bytes
 
+/// A line of the journal: the counts of a tile, its number and the checksum, each of 8 bytes.
 struct Record {
-  TileCounts counts{};
+  TileCounts counts;
   std::int64_t tile = 0;
   std::uint64_t hash = 0;
 };
+
+std::int64_t record_bytes(const TileStoreLayout& layout) {
+  return static_cast<std::int64_t>((layout.counts + 2) * sizeof(std::int64_t));
+}
+
+std::vector<std::int64_t> words_of(const Record& record) {
+  std::vector<std::int64_t> words = record.counts;
+  words.push_back(record.tile);
+  words.push_back(std::bit_cast<std::int64_t>(record.hash));
+  return words;
+}
+
+Record record_of(std::vector<std::int64_t> words) {
+  Record record;
+  record.hash = std::bit_cast<std::uint64_t>(words.back());
+  words.pop_back();
+  record.tile = words.back();
+  words.pop_back();
+  record.counts = std::move(words);
+  return record;
+}
 
 std::uint64_t hash_of(const TileCounts& counts) {
   std::uint64_t hash = kHashStart;
@@ -83,9 +105,10 @@ void require_ours(const std::string& pixels, const std::string& journal) {
 }
 
 std::string header_of(const TileStoreLayout& layout) {
-  return "mtfkit tiles 2 " +
+  return "mtfkit tiles 3 " +
          sha256_hex(layout.key + " " + std::to_string(layout.width) + "x" + std::to_string(layout.height) + "x" +
-                    std::to_string(layout.planes) + " in " + std::to_string(layout.tiles)) +
+                    std::to_string(layout.planes) + " in " + std::to_string(layout.tiles) + " with " +
+                    std::to_string(layout.counts)) +
          "\n";
 }
 
@@ -140,12 +163,11 @@ bool TileStore::load() {
   }
   std::vector<float> row(static_cast<std::size_t>(layout_.width));
   // A record cut short is that of a tile that was not finished.
-  for (std::int64_t at = length; at + static_cast<std::int64_t>(sizeof(Record)) <= status.st_size;
-       at += static_cast<std::int64_t>(sizeof(Record))) {
-    Record record;
-    std::array<char, sizeof(Record)> bytes{};
-    if (transfer_all(::pread, journal_, bytes.data(), sizeof(Record), at) != 0) return false;
-    std::memcpy(&record, bytes.data(), sizeof record);
+  const std::int64_t record_size = record_bytes(layout_);
+  for (std::int64_t at = length; at + record_size <= status.st_size; at += record_size) {
+    std::vector<std::int64_t> words(layout_.counts + 2);
+    if (transfer_all(::pread, journal_, reinterpret_cast<char*>(words.data()), record_size, at) != 0) return false;
+    const Record record = record_of(std::move(words));
     bool whole = record.tile >= 0 && record.tile < layout_.tiles;
     std::uint64_t hash = hash_of(record.counts);
     if (whole) {
@@ -170,7 +192,7 @@ bool TileStore::load() {
     }
     mark = 1;
   }
-  const std::int64_t torn = (status.st_size - length) % static_cast<std::int64_t>(sizeof(Record));
+  const std::int64_t torn = (status.st_size - length) % record_size;
   return ::ftruncate(journal_, status.st_size - torn) == 0;
 }
 
@@ -194,6 +216,9 @@ void TileStore::start_over() {
 }
 
 void TileStore::write(std::int64_t tile, std::span<const ImageView<const float>> planes, const TileCounts& counts) {
+  if (counts.size() != layout_.counts)
+    throw UsageError("a tile with " + std::to_string(counts.size()) + " counts; those of " + pixels_path_ + " have " +
+                     std::to_string(layout_.counts) + ", as TileStoreLayout::counts says");
   const Region region = layout_.region(tile);
   Record record{counts, tile, hash_of(counts)};
   for (std::size_t plane = 0; plane < planes.size(); ++plane)
@@ -204,11 +229,11 @@ void TileStore::write(std::int64_t tile, std::span<const ImageView<const float>>
       record.hash = hash_row(record.hash, row, region.width);
     }
   // One append a record: they neither mix nor come before their pixels.
-  std::array<char, sizeof(Record)> bytes{};
-  std::memcpy(bytes.data(), &record, sizeof record);
+  const std::vector<std::int64_t> words = words_of(record);
+  const auto size = static_cast<ssize_t>(words.size() * sizeof(std::int64_t));
   const std::scoped_lock lock(journal_lock_);
   const off_t before = ::lseek(journal_, 0, SEEK_END);
-  if (::write(journal_, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) {
+  if (::write(journal_, words.data(), static_cast<std::size_t>(size)) != size) {
     const int error_number = errno != 0 ? errno : ENOSPC;
     static_cast<void>(::ftruncate(journal_, before));  // half a record would misalign those after it
     fail(journal_path_, error_number);

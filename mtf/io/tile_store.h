@@ -2,10 +2,10 @@
 #pragma once
 
 // Finished tiles of a run that may be stopped: OUT.part holds their pixels, OUT.part.tiles a line of what the run is
-// and a record for each tile, with the counts that belong to it and a checksum of both. Both survive a signal, a kill
-// and a full disk; the same command continues from them. When it is done only the image is left.
+// and a record for each tile, with the counts that belong to it and a checksum of pixels and counts. The two files
+// survive a signal, a kill and a full disk; the same command continues from them. When it is done only the image is
+// left.
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <mutex>
@@ -23,11 +23,13 @@ struct TileStoreLayout {
   std::int64_t width = 0, height = 0;
   std::size_t planes = 1;
   std::int64_t tiles = 0;
+  std::size_t counts = 0;                      ///< that belong to a tile
   std::function<Region(std::int64_t)> region;  ///< of a tile
 };
 
-/// Whole numbers that belong to a tile beside its pixels; their meaning is the caller's.
-using TileCounts = std::array<std::int64_t, 12>;
+/// Whole numbers that belong to a tile beside its pixels, TileStoreLayout::counts of them; their meaning is the
+/// caller's.
+using TileCounts = std::vector<std::int64_t>;
 
 /// Whose pixels are not kept longer than the process.
 class TileStore {
@@ -44,7 +46,8 @@ class TileStore {
   const std::string& note() const { return note_; }
   /// The counts of the tiles that a stopped run left.
   const std::vector<TileCounts>& resumed_counts() const { return resumed_counts_; }
-  /// Keeps a finished tile. From several threads, each tile once. Throws RuntimeError naming the disk.
+  /// Keeps a finished tile. From several threads, each tile once. Throws RuntimeError naming the disk, UsageError for
+  /// another number of counts than the layout has.
   void write(std::int64_t tile, std::span<const ImageView<const float>> planes, const TileCounts& counts = {});
   /// Rows from `first` of one plane.
   void read_rows(std::size_t plane, std::int64_t first, ImageView<float> rows) const;

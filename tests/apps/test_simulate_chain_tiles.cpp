@@ -10,6 +10,7 @@
 #include <mutex>
 
 #include "apps/simulate/simulate.h"
+#include "apps/simulate/tiles/simulate_tiles.h"
 #include "tests/apps/chain_sensor.h"
 
 namespace apps_test {
@@ -274,13 +275,100 @@ TEST_F(SimulateChainTiles, StagesThatNeedTheWholeImageAreRefusedByName) {
   refuse("[distortion]\nk1 = -0.05\n", "distortion", "remove their tables");
   refuse("[veiling_glare]\nfraction = 0.03\n", "veiling glare", "remove their tables");
   refuse("[ghost]\nfraction = 0.01\n", "ghost", "remove their tables");
-  refuse("[microscan]\nsteps = 2\n", "microscan", "--stage irradiance");
   refuse("[blooming]\n", "blooming", "--stage irradiance");
   refuse("[[readout]]\nkind = \"gaussian\"\nsigma = \"4 um\"\n", "readout", "--stage irradiance");
   refuse("[correction]\n", "correction", "--stage dn");
   refuse("[[postsample]]\nkind = \"fir\"\ntaps = [[0, -0.25, 0], [-0.25, 2.0, -0.25], [0, -0.25, 0]]\n", "postsample",
          "--stage dn");
   refuse("[agc]\n", "agc", "--stage dn");
+}
+
+// The samples of a microscan are finer than the pitch from the first stage on: the image of no stage has tiles.
+TEST_F(SimulateChainTiles, AMicroscanIsRefusedAtEveryStage) {
+  const mtf::io::SensorConfig config = sensor("[microscan]\nsteps = 2\n" + kConverter);
+  for (const auto stage : {radiometry::OutputStage::radiance, radiometry::OutputStage::irradiance,
+                           radiometry::OutputStage::electrons, radiometry::OutputStage::dn}) {
+    SimulateOptions options = tiles_to_file();
+    options.stage = stage;
+    expect_refused(config, options,
+                   {"--memory", "s.toml", "microscan (", "leave out --memory, or remove their tables"});
+    try {
+      run(config, options);
+    } catch (const mtf::UsageError& error) {
+      EXPECT_EQ(std::string(error.what()).find("--stage"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST_F(SimulateChainTiles, AreChosenOnlyWhereTheyCanMakeTheImage) {
+  const auto chosen = [&](const mtf::io::SensorConfig& config, const SimulateOptions& options = {},
+                          const std::string& scene = "scene.exr", double machine_bytes = 1.0) {
+    return apps::wants_tiles(config, {.file = (scratch / scene).string()}, options,
+                             apps::radiometric_chain_of(config, options.stage).get(), machine_bytes);
+  };
+  EXPECT_TRUE(chosen(sensor(kConverter)));
+  EXPECT_FALSE(chosen(sensor(kConverter), {}, "scene.exr", 1e12));
+  EXPECT_TRUE(chosen(sensor(kConverter), {.out = (scratch / "out.exr").string()}));
+  EXPECT_FALSE(chosen(sensor(kConverter), {.out = (scratch / "out.png").string()}));
+  EXPECT_FALSE(chosen(sensor(kConverter), {.out = (scratch / "out.tif").string()}));
+  EXPECT_FALSE(chosen(sensor(kConverter), {.nan = apps::NanPolicy::fill}));
+  EXPECT_FALSE(chosen(sensor("[agc]\n" + kConverter)));
+  EXPECT_TRUE(chosen(sensor("[agc]\n" + kConverter), {.stage = radiometry::OutputStage::dn}));
+  write_scene("counts.exr", 5000.0, 300.0, "counts");
+  EXPECT_FALSE(chosen(sensor(kConverter), {}, "counts.exr"));
+  EXPECT_TRUE(chosen(sensor(kConverter), {.memory = kMemory}, "counts.exr"));  // asked for: refused by name
+  EXPECT_FALSE(chosen(sensor(kConverter, "quantity = \"temperature\"",
+                             "quantity = \"temperature\"\nemissivity_channel = \"e\"\nsurroundings = \"280 K\"")));
+  write_file(scratch / "path.csv",
+             "range_m,wavelength_um,transmission,radiance_w_m2_sr_um\n1000,3,0.8,0.01\n1000,5,0.8,0.01\n");
+  EXPECT_FALSE(chosen(sensor("[path]\ntable = \"path.csv\"\n" + kConverter, "quantity = \"temperature\"",
+                             "quantity = \"temperature\"\ndepth_channel = \"Z\"")));
+}
+
+TEST_F(SimulateChainTiles, MapsAreCheckedBeforeTheSceneIsRead) {
+  Image small(10, 10);
+  std::fill_n(small.data(), small.size(), 1.0F);
+  mtf::io::write_exr((scratch / "small.exr").string(), {{"Y", small.view()}}, {});
+  SimulateOptions options = tiles_to_file();
+  bool scene_read = false;
+  options.watch = [&](const SimulateEvent& event) {
+    scene_read = scene_read || event.text == "range";
+    return true;
+  };
+  for (const std::string key : {"[vignetting]\nmap", "[nonuniformity]\nresponsivity", "[nonuniformity]\noffset"})
+    expect_refused(sensor(key + " = \"small.exr\"\n" + kConverter), options, {"s.toml:", "10x10", "425x365"});
+  EXPECT_FALSE(scene_read);
+}
+
+TEST_F(SimulateChainTiles, LightBeyondFloatIsCalledSo) {
+  write_scene("bright.exr", 1e20, 1e18, "radiance");
+  const auto message = [&](const SimulateOptions& options) -> std::string {
+    try {
+      run(sensor(kConverter), options, "bright.exr");
+    } catch (const mtf::RuntimeError& error) {
+      return error.what();
+    }
+    return "nothing was thrown";
+  };
+  const std::string whole = message({}), tiled = message(tiles_to_file({}));
+  EXPECT_EQ(tiled, whole);
+  EXPECT_NE(tiled.find("3.4e38"), std::string::npos) << tiled;
+}
+
+TEST_F(SimulateChainTiles, ARunOfAnotherRegionStartsOver) {
+  const mtf::io::SensorConfig config = sensor(kConverter);
+  SimulateOptions options = tiles_to_file(1e-3);
+  options.memory = std::int64_t{300} << 20;
+  options.region = std::array<std::int64_t, 4>{0, 0, 200, 180};
+  options.watch = [](const SimulateEvent& event) { return event.text != "tiles" || event.value < 0.5; };
+  EXPECT_THROW(run(config, options), apps::Cancelled);
+  EXPECT_GT(fs::file_size(scratch / "out.exr.part.tiles"), 90U);  // a tile is there
+  options.watch = nullptr;
+  options.region = std::array<std::int64_t, 4>{200, 180, 200, 180};
+  const SimulateResult other = run(config, options);
+  EXPECT_EQ(other.report.tiles->tally.resumed, 0);
+  options.out = "";
+  EXPECT_EQ(share_of_other_counts(read(scratch / "out.exr"), image_of(run(config, options))), 0.0);
 }
 
 TEST_F(SimulateChainTiles, ScenesThatAreMoreThanTheirWindowsAreRefusedByName) {

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/radiometry/chain_cases.h"
 #include "tests/radiometry/expect_refused.h"
 
@@ -128,6 +130,41 @@ TEST(ChainTiles, TakeTheirPartOfMapsOfTheDetector) {
   });
 }
 
+TEST(ChainTiles, MapsAreCheckedAsAWholeBeforeTheFirstTile) {
+  const auto map = [](std::int64_t x, std::int64_t y, float value) {
+    mtf::Image image = test::flat(kWidth, kHeight, 0.5F);
+    image.at(x, y) = value;
+    return std::make_shared<const mtf::Image>(std::move(image));
+  };
+  const auto refused = [](const Sensor& sensor, std::initializer_list<std::string_view> parts) {
+    expect_refused(parts, [&] {
+      TiledChain(mtf::compile_sensor(mwir_system(), {16, 16, kStep_um, kStep_um}, {}), mwir_system(), sensor, kWidth,
+                 kHeight, OutputStage::dn);
+    });
+  };
+  Sensor corners = noisy_sensor(), factors = noisy_sensor(), offsets = noisy_sensor();
+  corners.settings.vignetting = Vignetting{.map = "made.exr"};
+  corners.vignetting = map(40, 30, std::nanf(""));
+  refused(corners, {"vignetting.map: made.exr", "nan at pixel 40, 30"});
+  factors.settings.nonuniformity = offsets.settings.nonuniformity = NonuniformitySettings{};
+  factors.responsivity = map(60, 46, -0.5F);
+  refused(factors, {"nonuniformity.responsivity", "-0.5 at pixel 60, 46"});
+  offsets.offset = map(0, 46, INFINITY);
+  refused(offsets, {"nonuniformity.offset", "inf at pixel 0, 46"});
+}
+
+TEST(ChainTiles, PixelsBeyondTheDetectorAreRefused) {
+  Sensor sensor = noisy_sensor();
+  sensor.settings.nonuniformity = NonuniformitySettings{};
+  sensor.responsivity = std::make_shared<const mtf::Image>(test::flat(kWidth, kHeight, 0.5F));
+  const TiledChain tiled(mtf::compile_sensor(mwir_system(), {16, 16, kStep_um, kStep_um}, {}), mwir_system(), sensor,
+                         kWidth, kHeight, OutputStage::electrons);
+  expect_refused({"16 x 13", "column 50, row 40", "61 x 47"}, [&] {
+    tiled.run(test::flat(16, 13, 1.0F), {50, 40}, 0);
+  });
+  EXPECT_NO_THROW(tiled.run(test::flat(16, 13, 1.0F), {kWidth - 16, kHeight - 13}, 0));
+}
+
 TEST(ChainTiles, StagesThatNeedTheWholeImageAreNamed) {
   const auto named = [](const auto& change, OutputStage stage) {
     Sensor sensor = noisy_sensor();
@@ -142,6 +179,8 @@ TEST(ChainTiles, StagesThatNeedTheWholeImageAreNamed) {
     s.agc = AutomaticGain{};
   };
   EXPECT_EQ(named(two, OutputStage::irradiance), "");
+  for (const OutputStage stage : {OutputStage::radiance, OutputStage::irradiance, OutputStage::dn})
+    EXPECT_EQ(named([](SensorSettings& s) { s.microscan = Microscan{.steps = 2}; }, stage).find("microscan"), 0U);
   EXPECT_EQ(named(two, OutputStage::dn).find("blooming"), 0U);
   EXPECT_NE(named(two, OutputStage::display).find(", agc"), std::string::npos);
   expect_refused({"veiling glare"}, [&] {

@@ -84,6 +84,11 @@ TEST(Vignetting, refusals) {
                  [&] { vignetting_map(map.view(), {.map = "m.exr"}, detector, 50.0, {}, other.view()); });
   expect_refused({"-0.5 at pixel 0, 0"},
                  [&] { vignetting_map(map.view(), {.map = "m.exr"}, detector, 50.0, {}, negative.view()); });
+  const mtf::Image part = flat(2, 2, -0.5F);
+  expect_refused({"-0.5 at pixel 2, 1"}, [&] {  // of the detector, not of the part
+    mtf::Image factors(2, 2);
+    vignetting_map(factors.view(), {.map = "m.exr"}, detector, 50.0, {2, 1}, part.view());
+  });
   expect_refused({"column 1, row 0", "4 x 3"}, [&] { vignetting_map(map.view(), {}, detector, 50.0, {1, 0}); });
   expect_refused({"focal plane of 0 x 3"}, [] { focal_plane(0, 3, 15.0, 15.0); });
   expect_refused({"inf"}, [] { focal_plane(4, 3, 15.0, INFINITY); });

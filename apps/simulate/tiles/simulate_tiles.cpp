@@ -125,12 +125,13 @@ void run_to_sink(TileRun& all, const mtf::io::Metadata& metadata) {
 void run_to_file(TileRun& all, const mtf::io::Metadata& metadata) {
   const mtf::TiledSensorPlan& plan = all.plan;
   const std::vector<std::string>& names = all.result.names;
-  mtf::io::TileStore store(all.options.out,
-                           {key_of(all.options, all.config, all.file.file, all.source, all.surveys, plan,
-                                   all.result.report.chain ? all.result.report.chain->stage : ""),
-                            plan.out().width, plan.out().height, names.size(), plan.report().count,
-                            [&](std::int64_t i) { return plan.tile(i).region; }},
-                           all.options.resume);
+  mtf::io::TileStore store(
+      all.options.out,
+      {key_of(all.options, all.config, all.file.file, all.source, all.surveys, plan,
+              all.result.report.chain ? all.result.report.chain->stage : ""),
+       plan.out().width, plan.out().height, names.size(), plan.report().count,
+       all.chain != nullptr ? ChainOfTiles::counts_a_tile() : 0, [&](std::int64_t i) { return plan.tile(i).region; }},
+      all.options.resume);
   if (!store.note().empty()) all.watch.note(store.note());
   if (store.resumed() > 0)
     all.watch.note(std::to_string(store.resumed()) + " of " + std::to_string(plan.report().count) +
@@ -161,6 +162,106 @@ void run_to_file(TileRun& all, const mtf::io::Metadata& metadata) {
   store.remove();
 }
 
+/// Opens the scene's file for windows of it or, for a region of a sensor without a chain, reads all its planes. Returns
+/// the masks of the bad pixels of planes.
+std::vector<mtf::Image> open_scene(const mtf::io::SensorConfig& config, SceneSource& file,
+                                   const SimulateOptions& options, bool windows, TileScene& source, RunReport& report,
+                                   RunWatch& watch) {
+  if (windows) {
+    if (options.memory) return_freed_memory();
+    open_windows(options, config, file, source);
+    return {};
+  }
+  source.scene = take_scene(config, file);
+  std::vector<mtf::Image> masks = treat_bad_pixels(source.scene, options.nan, report.bad_pixels);
+  if (!report.bad_pixels.empty()) watch.note(report.bad_pixels);
+  for (const mtf::Image& plane : source.scene.planes) source.planes.push_back(plane.view());
+  source.read = mtf::windows_of(source.planes);
+  return masks;
+}
+
+/// The region that is wanted; empty for the whole image.
+mtf::Region region_of(const SimulateOptions& options) {
+  if (!options.region) return {};
+  const auto& [x, y, width, height] = *options.region;
+  return {x, y, width, height};
+}
+
+mtf::TileOptions tile_options_of(const SimulateOptions& options, const TileScene& source,
+                                 const RadiometricChain* radiometric) {
+  mtf::TileOptions tiles;
+  tiles.memory = options.memory.value_or(0);
+  tiles.threads = options.threads;
+  if (source.file) {
+    tiles.row_bytes = source.file->row_bytes();
+    tiles.more_rows = source.file->more_rows();
+  }
+  tiles.channels = static_cast<std::int64_t>(source.scene.names.size());
+  if (options.region) tiles.region = region_of(options);
+  if (radiometric != nullptr) count_memory(*radiometric, tiles);
+  return tiles;
+}
+
+struct SurveyedPlan {
+  std::vector<mtf::Survey> surveys;
+  mtf::PlanOptions options;  ///< with the tolerance that the plan keeps
+  mtf::TiledSensorPlan plan;
+};
+
+/// Surveys the samples that are filtered, and compiles the plan of their tiles.
+SurveyedPlan survey_and_plan(const mtf::io::SensorConfig& config, const SimulateOptions& options,
+                             const RadiometricChain* radiometric, const mtf::io::SceneDefaults& defaults,
+                             TileScene& source, RunReport& report, RunWatch& watch) {
+  const mtf::SampleGrid& grid = source.scene.grid;
+  const mtf::TileOptions tiles = tile_options_of(options, source, radiometric);
+  mtf::PlanOptions plan_options = plan_options_of(options, config, grid);
+  plan_options.progress = watch.planning();
+  std::vector<mtf::Survey> surveys = survey_all(source,
+                                                {.border = defaults.border,
+                                                 .border_value = defaults.border_value,
+                                                 .every = mtf::coarse_every(grid, defaults.border, tiles.memory),
+                                                 .memory = tiles.memory,
+                                                 .threads = options.threads,
+                                                 .computed = radiometric != nullptr},
+                                                watch);
+  plan_options.scene = worst_of(surveys, defaults);
+  if (radiometric != nullptr && !options.tolerance && plan_options.scene)
+    plan_options.tolerance = radiometric->tolerance(plan_options.tolerance, plan_options.scene->std);
+  watch.lap("survey");
+  const mtf::System<double> system = radiometric != nullptr ? presample_of(*radiometric) : config.system;
+  mtf::TiledSensorPlan plan = compile_reachable(options.tolerance.has_value(), plan_options, report.warnings,
+                                                [&] { return mtf::compile_tiled(system, grid, plan_options, tiles); });
+  if (source.file)
+    source.file->keep_rows(plan.report().whole ? source.file->more_rows() : plan.inner().presample.in().height);
+  plan_options.progress = {};
+  for (const std::string& warning : report.warnings) watch.tell_warning(warning);
+  watch.lap("plan");
+  return {std::move(surveys), std::move(plan_options), std::move(plan)};
+}
+
+mtf::io::Metadata metadata_of(const mtf::io::SensorConfig& config, const SimulateOptions& options,
+                              const RadiometricChain* radiometric, const mtf::io::Scene& scene,
+                              const SurveyedPlan& planned) {
+  mtf::io::Metadata metadata = provenance(config, scene, planned.plan.inner(), planned.options.tolerance);
+  if (radiometric != nullptr) add_chain(metadata, *radiometric, 0);
+  if (options.region) {
+    const auto& [x, y, width, height] = *options.region;
+    metadata.text["mtf:region"] = std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(width) + " " +
+                                  std::to_string(height) + " pixels of the whole image";
+  }
+  return metadata;
+}
+
+/// Hands the planes of an image in memory over: to the file, to the sink, or in the result.
+void deliver_image(TileRun& all, SimulatedImage image, const RadiometricChain* radiometric) {
+  SimulateResult& result = all.result;
+  for (const mtf::Image& plane : image.planes) result.statistics.push_back(mtf::statistics(plane.view()));
+  const Written written =
+      deliver(all.options, all.options.out, result.names, image, integer_range(radiometric, all.options));
+  if (written.scaling) describe_integers(result.report, written);
+  if (!image.planes.empty()) result.images.push_back(std::move(image));
+}
+
 }  // namespace
 
 std::optional<mtf::TiledSensorPlan> flat_tiles(const mtf::io::SensorConfig& config, const mtf::io::Scene& scene,
@@ -185,15 +286,22 @@ std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const m
   return plan.run(planes, border_value, &report.tiles->tally);
 }
 
-bool wants_tiles(const SceneSource& scene, const SimulateOptions& options, const RadiometricChain* radiometric) {
+double memory_of_machine() {
+  return static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
+bool wants_tiles(const mtf::io::SensorConfig& config, const SceneSource& scene, const SimulateOptions& options,
+                 const RadiometricChain* radiometric, double machine_bytes) {
   if (options.memory || (options.region && radiometric == nullptr)) return true;
-  if (radiometric != nullptr && !stages_of_the_whole(*radiometric).empty()) return false;
-  if (scene.image) return false;
-  if (mtf::io::detect_format(scene.file) != mtf::io::Format::exr) return false;
+  if (!refusal_of_windows(options, scene).empty()) return false;
   // Planes of three channels, transforms and OTF of one, about.
   const mtf::io::FileInfo info = mtf::io::read_info(scene.file);
-  const double machine = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
-  return static_cast<double>(info.width) * static_cast<double>(info.height) * 20.0 > machine;
+  if (static_cast<double>(info.width) * static_cast<double>(info.height) * 20.0 <= machine_bytes) return false;
+  if (radiometric == nullptr) return true;
+  if (!stages_of_the_whole(*radiometric).empty()) return false;
+  TileScene source;
+  open_windows(options, config, scene, source);
+  return refusal_of_light(config, radiometric->loaded, source.scene).empty();
 }
 
 SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& file, const SimulateOptions& options,
@@ -201,113 +309,54 @@ SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& 
   SimulateResult result;
   RunReport& report = result.report;
   RunWatch watch(options, report);
-  const bool streamed = options.memory || !options.region || radiometric != nullptr;
+  const bool windows = options.memory || !options.region || radiometric != nullptr;
   if (radiometric != nullptr) require_tileable(config, *radiometric);
-  const mtf::System<double> system = radiometric != nullptr ? presample_of(*radiometric) : config.system;
-  mtf::io::SceneDefaults defaults = config.scene;
   TileScene source;
-  std::vector<mtf::Image> masks;
-  if (streamed) {
-    if (file.image)
-      throw mtf::UsageError("--memory: " + one_line(file.file) +
-                            " is in memory already; name a file of the scene, or leave out the limit");
-    if (options.memory) return_freed_memory();
-    open_windows(options, config, file, source);
-  } else {
-    source.scene = take_scene(config, file);
-    masks = treat_bad_pixels(source.scene, options.nan, report.bad_pixels);
-    if (!report.bad_pixels.empty()) watch.note(report.bad_pixels);
-    for (const mtf::Image& plane : source.scene.planes) source.planes.push_back(plane.view());
-    source.read = mtf::windows_of(source.planes);
-  }
+  const std::vector<mtf::Image> masks = open_scene(config, file, options, windows, source, report, watch);
   const mtf::io::Scene& scene = source.scene;
+  mtf::io::SceneDefaults defaults = config.scene;
   if (radiometric != nullptr)
     defaults.border_value =
         read_as_light(config, *radiometric, file.file, source, options.memory.value_or(0), options.threads, watch);
   report.warnings = scene.warnings;
   for (std::string& warning : mtf::io::sampling_warnings(config.system, scene.grid))
     report.warnings.push_back(std::move(warning));
-
-  mtf::PlanOptions plan_options = plan_options_of(options, config, scene.grid);
-  plan_options.progress = watch.planning();
-  mtf::TileOptions tile_options;
-  tile_options.memory = options.memory.value_or(0);
-  tile_options.threads = options.threads;
-  if (source.file) {
-    tile_options.row_bytes = source.file->row_bytes();
-    tile_options.more_rows = source.file->more_rows();
-  }
-  tile_options.channels = static_cast<std::int64_t>(scene.names.size());
-  if (options.region) {
-    const auto [x, y, width, height] = *options.region;
-    tile_options.region = mtf::Region{x, y, width, height};
-  }
-  if (radiometric != nullptr) count_memory(*radiometric, tile_options);
-  const std::vector<mtf::Survey> surveys =
-      survey_all(source,
-                 {.border = defaults.border,
-                  .border_value = defaults.border_value,
-                  .every = mtf::coarse_every(scene.grid, defaults.border, tile_options.memory),
-                  .memory = tile_options.memory,
-                  .threads = options.threads},
-                 watch);
-  plan_options.scene = worst_of(surveys, defaults);
-  if (radiometric != nullptr && !options.tolerance && plan_options.scene)
-    plan_options.tolerance = radiometric->tolerance(plan_options.tolerance, plan_options.scene->std);
-  watch.lap("survey");
-  const mtf::TiledSensorPlan plan =
-      compile_reachable(options.tolerance.has_value(), plan_options, report.warnings,
-                        [&] { return mtf::compile_tiled(system, scene.grid, plan_options, tile_options); });
-  if (source.file)
-    source.file->keep_rows(plan.report().whole ? source.file->more_rows() : plan.inner().presample.in().height);
-  plan_options.progress = {};
-  for (const std::string& warning : report.warnings) watch.tell_warning(warning);
-  watch.lap("plan");
+  const SurveyedPlan planned = survey_and_plan(config, options, radiometric, defaults, source, report, watch);
+  const mtf::TiledSensorPlan& plan = planned.plan;
 
   result.names = output_names(scene.names);
-  describe_run(report, config, facts_of(scene), file.file, options, plan_options.tolerance);
+  describe_run(report, config, facts_of(scene), file.file, options, planned.options.tolerance);
   report.plan = std::make_shared<const mtf::SensorPlan>(plan.inner());
   report.tiles = TilesReport{plan.report(), {}, scene.grid, plan.out(), whole_pixels(config, scene.grid), false};
-
   std::optional<ChainOfTiles> chain;
   if (radiometric != nullptr) {
     report.chain = report_of(*radiometric);
-    chain.emplace(
-        config, *radiometric, plan,
-        radiometry::Origin{options.region ? (*options.region)[0] : 0, options.region ? (*options.region)[1] : 0},
-        options.threads, *report.chain);
+    const mtf::Region region = region_of(options);
+    chain.emplace(config, *radiometric, plan, radiometry::Origin{region.x, region.y}, options.threads, *report.chain);
   }
-  TileRun run{config, file, options, source, surveys, plan, chain ? &*chain : nullptr, {}, watch, result};
+  TileRun run{config, file, options, source, planned.surveys, plan, chain ? &*chain : nullptr, {}, watch, result};
   run.run.border_value = defaults.border_value;
   run.run.progress = [&](std::int64_t done, std::int64_t of) {
     watch.share("tiles", static_cast<double>(done) / static_cast<double>(of));
   };
-  SimulatedImage image;
-  image.metadata = provenance(config, scene, plan.inner(), plan_options.tolerance);
-  if (radiometric != nullptr) add_chain(image.metadata, *radiometric, 0);
-  if (options.region) {
-    const auto& [x, y, width, height] = *options.region;
-    image.metadata.text["mtf:region"] = std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(width) +
-                                        " " + std::to_string(height) + " pixels of the whole image";
-  }
   if (options.measure)
     watch.note("--rigor measure chose methods and FFT plans by timing; results may differ between runs");
+
+  SimulatedImage image;
+  image.metadata = metadata_of(config, options, radiometric, scene, planned);
   const bool any_bad = std::any_of(masks.begin(), masks.end(), [](const mtf::Image& mask) { return mask.size() > 0; });
-  if (streamed && !options.out.empty()) {
+  if (windows && !options.out.empty()) {
     run_to_file(run, image.metadata);
   } else if (!any_bad && options.out.empty() && options.sink) {
     run_to_sink(run, image.metadata);
     watch.lap("run");
   } else {
     if (any_bad)
-      image.planes = run_whole(config, source, masks, plan_options, *tile_options.region);
+      image.planes = run_whole(config, source, masks, planned.options, region_of(options));
     else
       run_to_memory(run, image.planes);
     watch.lap("run");
-    for (const mtf::Image& plane : image.planes) result.statistics.push_back(mtf::statistics(plane.view()));
-    const Written written = deliver(options, options.out, result.names, image, integer_range(radiometric, options));
-    if (written.scaling) describe_integers(report, written);
-    if (!image.planes.empty()) result.images.push_back(std::move(image));
+    deliver_image(run, std::move(image), radiometric);
   }
   watch.lap("write");
   return result;

@@ -30,7 +30,7 @@ auto counts_in(Frame& frame) {
 
 mtf::io::TileCounts counts_of(const radiometry::ChainFrame& frame) {
   mtf::io::TileCounts counts;
-  std::ranges::transform(counts_in(frame), counts.begin(), [](const std::int64_t* count) { return *count; });
+  for (const std::int64_t* count : counts_in(frame)) counts.push_back(*count);
   return counts;
 }
 
@@ -81,6 +81,8 @@ mtf::System<double> presample_of(const RadiometricChain& radiometric) {
 double read_as_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, const std::string& file,
                      TileScene& source, std::int64_t memory, int threads, RunWatch& watch) {
   require_light_of_windows(config, radiometric.loaded, source.scene, one_line(file));
+  const mtf::SampleGrid detector = mtf::detector_grid(config.system, source.scene.grid);
+  at_its_place(config, [&] { require_maps(radiometric.loaded.sensor, detector.width, detector.height); });
   const std::vector<mtf::Survey> values =
       survey_all(source, {.every = 0, .memory = memory, .threads = threads, .step = "range"}, watch);
   const LightOfWindows light = at_its_place(
@@ -120,6 +122,8 @@ ChainOfTiles::Result ChainOfTiles::run(const mtf::Tile& tile, mtf::ImageView<con
   add_times(frame, report_);
   return {std::move(frame.image), counts_of(frame)};
 }
+
+std::size_t ChainOfTiles::counts_a_tile() { return counts_of({}).size(); }
 
 void ChainOfTiles::add(const mtf::io::TileCounts& counts) {
   radiometry::ChainFrame frame;

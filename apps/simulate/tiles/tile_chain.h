@@ -22,8 +22,9 @@ void require_tileable(const mtf::io::SensorConfig& config, const RadiometricChai
 /// What of a sensor's filters tiles do themselves: the presample OTF and the sampling.
 mtf::System<double> presample_of(const RadiometricChain& radiometric);
 
-/// From now on the windows of `source` are light. Reads the whole scene once. Returns what a constant border is worth.
-/// Throws UsageError as require_light_of_windows and light_of_windows.
+/// From now on the windows of `source` are light. Reads the whole scene once, after the checks of the sensor's maps.
+/// Returns what a constant border is worth. Throws UsageError as require_light_of_windows, require_maps and
+/// light_of_windows.
 double read_as_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, const std::string& file,
                      TileScene& source, std::int64_t memory, int threads, RunWatch& watch);
 
@@ -44,6 +45,8 @@ class ChainOfTiles {
   };
   /// Light to the output stage. From several threads at once.
   Result run(const mtf::Tile& tile, mtf::ImageView<const float> light);
+  /// The number of Result::counts.
+  static std::size_t counts_a_tile();
   /// Adds what a stopped run counted in a tile.
   void add(const mtf::io::TileCounts& counts);
 

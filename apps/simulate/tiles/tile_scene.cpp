@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "apps/sensor/sensor_chain.h"
+#include "apps/simulate/simulate_parts.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/version.h"
@@ -20,17 +21,23 @@ constexpr std::size_t kHeaderBytes = 65536;   // of a scene file, for telling it
 
 }  // namespace
 
+std::string refusal_of_windows(const SimulateOptions& options, const SceneSource& file) {
+  if (file.image)
+    return "--memory: " + one_line(file.file) +
+           " is in memory already; name a file of the scene, or leave out the limit";
+  if (mtf::io::detect_format(file.file) != mtf::io::Format::exr)
+    return "--memory: " + one_line(file.file) +
+           " is no OpenEXR file, which is the format that can be read in pieces; convert it";
+  if (!options.out.empty() && mtf::io::format_from_extension(options.out) != mtf::io::Format::exr)
+    return "--memory: tiles are written as OpenEXR; end the name of the output in .exr";
+  if (options.nan != NanPolicy::refuse)
+    return "--nan: fill and propagate need the whole image; leave out --memory, or replace such pixels before";
+  return "";
+}
+
 void open_windows(const SimulateOptions& options, const mtf::io::SensorConfig& config, const SceneSource& file,
                   TileScene& source) {
-  if (mtf::io::detect_format(file.file) != mtf::io::Format::exr)
-    throw mtf::UsageError("--memory: " + one_line(file.file) +
-                          " is no OpenEXR file, which is the format that can be read in pieces; convert it");
-  if (!options.out.empty() && mtf::io::format_from_extension(options.out) != mtf::io::Format::exr)
-    throw mtf::UsageError("--memory: tiles are written as OpenEXR; end the name of the output in .exr");
-  if (options.nan != NanPolicy::refuse)
-    throw mtf::UsageError(
-        "--nan: fill and propagate look at the whole image; leave out --memory, or replace such "
-        "pixels before");
+  if (const std::string refusal = refusal_of_windows(options, file); !refusal.empty()) throw mtf::UsageError(refusal);
   source.file.emplace(file.file, file.read);
   source.scene = mtf::io::describe_scene(config, file.file, source.file->file());
   source.read = [&source](std::size_t channel, std::int64_t x, std::int64_t y, mtf::ImageView<float> out) {
@@ -62,6 +69,7 @@ std::vector<mtf::Survey> survey_all(TileScene& source, const SceneSurvey& asked,
   }
   for (std::size_t c = 0; c < channels; ++c) {
     const mtf::Statistics& s = surveys[c].statistics;
+    if (s.not_finite > 0 && asked.computed) refuse_overflow(source.scene.names[c]);
     if (s.not_finite > 0)
       throw mtf::RuntimeError("channel " + one_line(source.scene.names[c]) + ": " + std::to_string(s.not_finite) +
                               " pixels are NaN or infinite, the first at column " + std::to_string(s.first_x) +
@@ -93,6 +101,8 @@ std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& 
     key += " " + std::to_string(part.st_size) + " " + std::to_string(part.st_mtim.tv_sec) + "." +
            std::to_string(part.st_mtim.tv_nsec);
   }
+  if (options.region)
+    for (const std::int64_t number : *options.region) key += " " + std::to_string(number);
   for (const std::string& name : source.scene.names) key += " [" + name + "]";
   for (const mtf::Survey& survey : surveys) key += " " + std::to_string(survey.fingerprint);
   return key + " " + std::to_string(r.every) + " " + header;

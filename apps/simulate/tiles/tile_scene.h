@@ -21,8 +21,12 @@ struct TileScene {
   mtf::ReadWindow read;
 };
 
-/// Opens the file of a scene that is read in windows; `scene` stays where it is. Throws UsageError for what cannot be
-/// read or written in pieces.
+/// Why a scene, an output or a treatment of bad pixels needs the whole image, as the message of an error; "" where the
+/// scene can be read and the image be written in pieces.
+std::string refusal_of_windows(const SimulateOptions& options, const SceneSource& file);
+
+/// Opens the file of a scene that is read in windows; `scene` stays where it is. Throws UsageError with
+/// refusal_of_windows().
 void open_windows(const SimulateOptions& options, const mtf::io::SensorConfig& config, const SceneSource& file,
                   TileScene& source);
 
@@ -33,9 +37,10 @@ struct SceneSurvey {
   std::int64_t memory = 0;  ///< an eighth of it is for rows; 0 = as many as are read together
   int threads = 0;
   std::string_view step = "survey";  ///< its name in progress
+  bool computed = false;             ///< the samples are made of finite ones: those that are not finite exceed float32
 };
 
-/// Every channel surveyed, within the memory that rows may take. Throws RuntimeError for pixels that are not finite.
+/// Every channel surveyed, within the memory that rows may take. Throws RuntimeError for samples that are not finite.
 std::vector<mtf::Survey> survey_all(TileScene& source, const SceneSurvey& asked, RunWatch& watch);
 
 /// All that the pixels of a run in tiles depend on; `stage` is that of a chain whose output they are, "" without one.

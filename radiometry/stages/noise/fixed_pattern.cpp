@@ -68,6 +68,15 @@ void offset_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origi
   add_gaussian(map, rms, {seed, 0}, Stream::dsnu, origin, threads);
 }
 
+void require_numbers(const std::string& name, mtf::ImageView<const float> map, float least, Origin origin) {
+  for (std::int64_t y = 0; y < map.height; ++y)
+    for (std::int64_t x = 0; x < map.width; ++x)
+      if (!(map.at(x, y) >= least && std::isfinite(map.at(x, y))))
+        throw mtf::UsageError(name + " has " + mtf::format_double(static_cast<double>(map.at(x, y))) + " at pixel " +
+                              std::to_string(origin.x + x) + ", " + std::to_string(origin.y + y) +
+                              (least == 0.0F ? "; factors are 0 or above and finite" : "; offsets are finite"));
+}
+
 void multiply_by(mtf::ImageView<float> image, mtf::ImageView<const float> map) {
   with_map(image, map, [](float& value, float factor) { value *= factor; });
 }

@@ -5,6 +5,7 @@
 // in all frames and for any region; temporal row and column noise has a number for every frame too.
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "radiometry/fields.h"
@@ -17,6 +18,10 @@ namespace radiometry {
 void responsivity_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin = {}, int threads = 1);
 /// Offset non-uniformity: rms x standard normal.
 void offset_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin = {}, int threads = 1);
+
+/// Throws UsageError for a map with a number that is not finite or below `least`: it says the number and its pixel on
+/// the detector. `name` is the map's, `origin` the pixel at which the map begins.
+void require_numbers(const std::string& name, mtf::ImageView<const float> map, float least, Origin origin = {});
 
 /// image *= map: mean electrons of light, before the shot noise. UsageError for a map of another size.
 void multiply_by(mtf::ImageView<float> image, mtf::ImageView<const float> map);

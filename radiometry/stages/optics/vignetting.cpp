@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "radiometry/stages/noise/fixed_pattern.h"
+
 namespace radiometry {
 namespace {
 
 using mtf::UsageError;
 
-void require_map(const Vignetting& vignetting, mtf::ImageView<const float> given, mtf::ImageView<const float> factors) {
+void require_map(const Vignetting& vignetting, mtf::ImageView<const float> given, mtf::ImageView<const float> factors,
+                 Origin origin) {
   if (given.data == nullptr) throw UsageError("vignetting.map: the image " + vignetting.map + " was not given");
   if (vignetting.a2 != 0.0 || vignetting.a4 != 0.0 || vignetting.a6 != 0.0)
     throw UsageError("vignetting: give either a map or the coefficients a2, a4, a6");
@@ -17,12 +20,7 @@ void require_map(const Vignetting& vignetting, mtf::ImageView<const float> given
     throw UsageError("vignetting.map: " + vignetting.map + " has " + std::to_string(given.width) + " x " +
                      std::to_string(given.height) + " pixels, the detector's region " + std::to_string(factors.width) +
                      " x " + std::to_string(factors.height) + "; give one of its size");
-  for (std::int64_t y = 0; y < given.height; ++y)
-    for (std::int64_t x = 0; x < given.width; ++x)
-      if (!(given.at(x, y) >= 0.0F && std::isfinite(given.at(x, y))))
-        throw UsageError("vignetting.map: " + vignetting.map + " has " +
-                         mtf::format_double(static_cast<double>(given.at(x, y))) + " at pixel " + std::to_string(x) +
-                         ", " + std::to_string(y) + "; factors are 0 or above and finite");
+  require_numbers("vignetting.map: " + vignetting.map, given, 0.0F, origin);
 }
 
 }  // namespace
@@ -35,7 +33,7 @@ void vignetting_map(mtf::ImageView<float> factors, const Vignetting& vignetting,
     throw UsageError("vignetting: a focal length of " + mtf::format_double(focal_length_mm) +
                      " mm; it has to be above 0");
   const bool has_map = !vignetting.map.empty() || given.data != nullptr;
-  if (has_map) require_map(vignetting, given, factors);
+  if (has_map) require_map(vignetting, given, factors, origin);
   const double scale = 1.0 / detector.half_diagonal_um();
   for (std::int64_t y = 0; y < factors.height; ++y) {
     const double y_um = detector.y_um(origin.y + y);

@@ -61,14 +61,14 @@ TEST(ExrWindows, EqualTheWholeImage) {
 
 class Store : public testing::Test {
  protected:
-  // Four tiles of 10 x 10 in 20 x 20 pixels.
-  mtf::io::TileStoreLayout layout(const std::string& key = "a run") const {
-    return {key, 20, 20, 1, 4, [](std::int64_t i) { return Region{i % 2 * 10, i / 2 * 10, 10, 10}; }};
+  // Four tiles of 10 x 10 in 20 x 20 pixels, with three counts each.
+  mtf::io::TileStoreLayout layout(const std::string& key = "a run", std::size_t counts = 3) const {
+    return {key, 20, 20, 1, 4, counts, [](std::int64_t i) { return Region{i % 2 * 10, i / 2 * 10, 10, 10}; }};
   }
   void put(TileStore& store, std::int64_t tile) const {
     const Image plane = pattern(10, 10, static_cast<float>(tile));
     const ImageView<const float> view = plane.view();
-    store.write(tile, std::span(&view, 1));
+    store.write(tile, std::span(&view, 1), {tile, 5, 6});
   }
   void stop_after_two() const {
     TileStore store(out, layout(), true);
@@ -103,20 +103,24 @@ TEST_F(Store, KeepsTheCountsOfFinishedTiles) {
     TileStore store(out, layout(), true);
     EXPECT_TRUE(store.resumed_counts().empty());
     store.write(2, std::span(&view, 1), {1, -2, 3});
-    store.write(1, std::span(&view, 1), {4});
+    store.write(1, std::span(&view, 1), {4, 0, 0});
   }
   TileStore store(out, layout(), true);
-  EXPECT_EQ(store.resumed_counts(), (std::vector<mtf::io::TileCounts>{{1, -2, 3}, {4}}));
+  EXPECT_EQ(store.resumed_counts(), (std::vector<mtf::io::TileCounts>{{1, -2, 3}, {4, 0, 0}}));
+  EXPECT_NE(io_test::message_of<mtf::UsageError>([&] { store.write(0, std::span(&view, 1), {4}); }).find("1 counts"),
+            std::string::npos);
   store.remove();
 }
 
 TEST_F(Store, StartsOverWhenAskedOrForAnotherRun) {
   stop_after_two();
   EXPECT_EQ(TileStore(out, layout(), false).resumed(), 0);
-  stop_after_two();
-  const TileStore other(out, layout("another run"), true);
-  EXPECT_EQ(other.resumed(), 0);
-  EXPECT_NE(other.note().find("another run or scene"), std::string::npos) << other.note();
+  for (const auto& another : {layout("another run"), layout("a run", 12)}) {
+    stop_after_two();
+    const TileStore other(out, another, true);
+    EXPECT_EQ(other.resumed(), 0);
+    EXPECT_NE(other.note().find("another run or scene"), std::string::npos) << other.note();
+  }
 }
 
 TEST_F(Store, StartsOverWhenDamagedAndSaysSo) {
@@ -127,7 +131,7 @@ TEST_F(Store, StartsOverWhenDamagedAndSaysSo) {
     if (damage == 0) bytes[100] = static_cast<char>(bytes[100] ^ 1);    // a pixel of tile 0
     if (damage == 1) bytes[bytes.size() - 12] = static_cast<char>(99);  // a tile that there is not
     if (damage == 2) bytes[3] = '?';                                    // the header
-    if (damage == 3) bytes[bytes.size() - 60] = static_cast<char>(99);  // a count
+    if (damage == 3) bytes[bytes.size() - 30] = static_cast<char>(99);  // a count
     io_test::write_bytes(path, bytes);
     TileStore store(out, layout(), true);
     EXPECT_EQ(store.resumed(), 0) << damage;
