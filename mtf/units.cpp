@@ -124,9 +124,10 @@ Quantity parse_quantity(std::string_view text, Dimension expected) {
   // The one unit with an offset becomes kelvin here; all others are factors.
   if (text == "degC" || text == "\u00b0C") {
     if (expected == Dimension::temperature_difference) throw fail("degC has an offset, a difference has none");
-    if (expected != Dimension::temperature) throw fail("unit " + quoted(text) + " does not fit");
-    result.value += kZeroCelsius_k;
-    text = "K";
+    if (expected == Dimension::temperature) {
+      result.value += kZeroCelsius_k;
+      text = "K";
+    }
   }
   result.unit = find_unit(text);
   if (result.unit == nullptr) {

