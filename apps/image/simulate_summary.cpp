@@ -44,7 +44,8 @@ std::string tiles_text(const TilesReport& tiles) {
 std::string image_text(const SimulateResult& result) {
   const RunReport& report = result.report;
   const mtf::SampleGrid& out = report.tiles ? report.tiles->out : report.plan->out();
-  std::string text = one_line(report.out_path) + "  " + by(out.width, out.height) + "  " + quantity_text(report);
+  const auto size = report.region ? by((*report.region)[2], (*report.region)[3]) : by(out.width, out.height);
+  std::string text = one_line(report.out_path) + "  " + size + "  " + quantity_text(report);
   if (report.tiles && !report.tiles->for_flat_parts)
     return text + channels_text(result) + tiles_text(*report.tiles) + costs_text(report) + ", peak memory " +
            fixed(peak_rss_mib(), 0) + " MiB\n";

@@ -168,7 +168,7 @@ std::string to_json(const RunReport& r) {
   json["scene_size"] = {plan.in.width, plan.in.height};
   json["scene_step_um"] = {plan.in.step_x_um, plan.in.step_y_um};
   json["whole_pixels_in_scene"] = {plan.whole_pitches_x, plan.whole_pitches_y};
-  json["out_size"] = {plan.out.width, plan.out.height};
+  json["out_size"] = {r.region ? (*r.region)[2] : plan.out.width, r.region ? (*r.region)[3] : plan.out.height};
   json["out_step_um"] = {plan.out.step_x_um, plan.out.step_y_um};
   json["tolerance"] = r.tolerance;
   json["plan"] = plan_json(r.plan->presample);

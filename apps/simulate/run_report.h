@@ -3,6 +3,7 @@
 
 // What a simulation did, how exactly and how fast; as JSON the report of `mtf simulate --report`.
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,10 +54,11 @@ struct ChainReport {
 };
 
 struct RunReport {
-  std::string sensor_file, sensor_sha256;       ///< name of the sensor file, hash of its text
-  std::string scene_path, out_path;             ///< "" for an image that was written to no file
-  mtf::io::Scene scene;                         ///< as it was read, without its planes
-  std::shared_ptr<const mtf::SensorPlan> plan;  ///< of the image, of one tile of it, or of the last frame
+  std::string sensor_file, sensor_sha256;             ///< name of the sensor file, hash of its text
+  std::string scene_path, out_path;                   ///< "" for an image that was written to no file
+  mtf::io::Scene scene;                               ///< as it was read, without its planes
+  std::shared_ptr<const mtf::SensorPlan> plan;        ///< of the image, of one tile of it, or of the last frame
+  std::optional<std::array<std::int64_t, 4>> region;  ///< x, y, width, height: cut from the whole image of `plan`
   double tolerance = 0.0;
   std::vector<std::pair<std::string, double>> timing_ms;  ///< in order
   std::vector<std::string> warnings;                      ///< reasons to doubt the result

@@ -97,10 +97,16 @@ SimulateResult simulate_whole(const mtf::io::SensorConfig& config, SceneSource& 
     image.planes = run_flat_tiles(*tiles, scene, config.scene.border_value, report);
   else
     image.planes = plan.run(std::move(scene.planes), config.scene.border_value, options.threads);
-  if (report.chain && report.chain->held.any()) watch.warn(words(report.chain->held));
+  if (report.chain && report.chain->held.any())
+    watch.warn(words(report.chain->held) +
+               (options.region ? ", counted in the whole image and not in --roi alone" : ""));
   for (std::size_t c = 0; c < masks.size(); ++c)
     if (masks[c].size() > 0)
       mtf::propagate_bad_pixels(plan, masks[c], plan_options.tolerance, options.threads, image.planes[c].view());
+  if (radiometric != nullptr && options.region) {
+    report.region = options.region;
+    for (mtf::Image& plane : image.planes) plane = cropped(plane, *options.region);
+  }
   for (std::size_t c = 0; c < image.planes.size(); ++c) {
     result.statistics.push_back(mtf::statistics(image.planes[c].view()));
     if (masks[c].size() == 0 && result.statistics.back().not_finite > 0) refuse_overflow(scene.names[c]);
@@ -108,8 +114,6 @@ SimulateResult simulate_whole(const mtf::io::SensorConfig& config, SceneSource& 
   watch.tell_stage("run");
 
   result.names = output_names(scene.names);
-  if (radiometric != nullptr && options.region)
-    for (mtf::Image& plane : image.planes) plane = cropped(plane, *options.region);
   image.metadata = provenance(config, scene, plan, plan_options.tolerance);
   if (radiometric != nullptr) add_chain(image.metadata, *radiometric, 0);
   describe_run(report, config, facts_of(scene), source.file, options, plan_options.tolerance);

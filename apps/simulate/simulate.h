@@ -52,8 +52,8 @@ struct ImagePart {
 struct SimulateResult {
   std::vector<std::string> names{};      ///< of the planes: "Y", or "R", "G", "B", or those of the scene
   std::vector<SimulatedImage> images{};  ///< rising frames; empty where a file or SimulateOptions::sink took them
-  /// Of the planes of one image, none of tiles that a sink took. With [detector] the whole image counts, whatever
-  /// region of it is wanted; in tiles only the region is made, and counts.
+  /// Of the planes of one image or of the region of it that is wanted; none of tiles that a sink took. Saturated pixels
+  /// in `report` are those of the whole image, but for tiles, which make the region alone.
   std::vector<mtf::Statistics> statistics{};
   RunReport report{};  ///< what was done, how exactly and how fast; to_json() of it
 };

@@ -86,7 +86,7 @@ Outcome judge_edge(const EdgeFacts& facts) {
 
 Outcome judge_response(const EdgeMeasurement& out) {
   // Sharpening lifts the MTF with the square of the frequency and overshoots by parts of the step.
-  constexpr double kLow_cy_px = 0.05, kMostLow = 1.2, kMost = 2.0, kOvershoot = 0.6, kSure = 4.0;
+  constexpr double kLow_cy_px = 0.05, kMostLow = 1.2, kMost = 2.0, kOvershoot = 0.6, kSure = 4.0, kImpossible = 10.0;
   constexpr double kFewDistances = 3.0;  // a pixel, as EdgeFacts::few_distances()
   const auto because = [&out](const std::string& what) {
     if (out.oversampling < kFewDistances)
@@ -100,6 +100,10 @@ Outcome judge_response(const EdgeMeasurement& out) {
   for (std::size_t i = 0; i < out.mtf.size(); ++i) {
     if (!std::isfinite(out.mtf[i]) || !std::isfinite(out.mtf_sd[i]))
       return {Trouble::no_edge, "the pixels do not determine a response: take a larger region on an edge"};
+    // However large the error that comes with it.
+    if (out.frequency_cy_px[i] <= 0.5 && out.mtf[i] > kImpossible)
+      return because("the pixels do not determine the MTF at " + number(out.frequency_cy_px[i]) +
+                     " cycles per pixel, where it comes out as " + number(out.mtf[i]));
     const double most = out.frequency_cy_px[i] <= kLow_cy_px ? kMostLow : kMost;
     if (out.mtf[i] > most + kSure * out.mtf_sd[i])
       return because("the MTF rises to " + number(out.mtf[i]) + " at " + number(out.frequency_cy_px[i]) +

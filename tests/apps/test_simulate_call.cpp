@@ -14,6 +14,7 @@
 #include "apps/simulate/live_simulation.h"
 #include "apps/simulate/simulate.h"
 #include "mtf/io/config/schedule.h"
+#include "mtf/survey/statistics.h"
 #include "tests/apps/chain_sensor.h"
 
 namespace apps_test {
@@ -153,6 +154,18 @@ TEST_F(SimulateCall, ARegionOfASceneInMemory) {
   const SimulateResult result =
       apps::simulate(sensor(), radiance(), {.region = std::array<std::int64_t, 4>{20, 30, 25, 15}});
   EXPECT_TRUE(same_pixels(result.images.at(0).planes.at(0), expected));
+}
+
+// Of a camera the whole image is made, and the region is cut from it.
+TEST_F(SimulateCall, ARegionOfACameraHasItsOwnStatistics) {
+  const SimulateResult whole = apps::simulate(sensor("camera.toml"), temperatures());
+  const SimulateResult part =
+      apps::simulate(sensor("camera.toml"), temperatures(), {.region = std::array<std::int64_t, 4>{5, 6, 7, 8}});
+  const Image& image = part.images.at(0).planes.at(0);
+  EXPECT_EQ(image.at(0, 0), whole.images.at(0).planes.at(0).at(5, 6));
+  EXPECT_EQ(part.statistics.at(0).mean, mtf::statistics(image.view()).mean);
+  EXPECT_NE(part.statistics.at(0).mean, whole.statistics.at(0).mean);
+  EXPECT_EQ(Json::parse(to_json(part.report))["out_size"], Json({7, 8}));
 }
 
 TEST_F(SimulateCall, TellsProgressAndEndsWhereTheCallerSaysSo) {

@@ -11,6 +11,7 @@
 #include <random>
 #include <string>
 
+#include "calib/measure/edge_outcome.h"
 #include "calib/measure/measure.h"
 #include "mtf/error.h"
 #include "tests/calib/made_edges.h"
@@ -59,6 +60,22 @@ mtf::Image changed(const mtf::Image& image, Change change) {
 }
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+
+// A step along the grid between noisy sides once gave an MTF of 2e7 +- 3e7.
+TEST(MeasureOutcomes, AnMtfThatIsBeyondAllStepsIsRefusedWhateverItsError) {
+  EdgeMeasurement edge;
+  edge.frequency_cy_px = {0.0, 0.005, 0.5, 0.9};
+  edge.mtf = {1.0, 1.0, 0.8, 40.0};
+  edge.mtf_sd = {0.0, 0.01, 0.1, 50.0};
+  edge.oversampling = 8.0;
+  EXPECT_FALSE(calib::judge_response(edge).refused());  // beyond Nyquist the noise may win
+  edge.mtf[2] = 12.0;
+  edge.mtf_sd[2] = 100.0;
+  EXPECT_EQ(calib::judge_response(edge).trouble, Trouble::contaminated);
+  edge.oversampling = 2.0;
+  EXPECT_EQ(calib::judge_response(edge).trouble, Trouble::too_short);
+  EXPECT_NE(calib::judge_response(edge).reason.find("do not determine the MTF at 0.5"), std::string::npos);
+}
 
 }  // namespace
 

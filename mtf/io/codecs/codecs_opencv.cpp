@@ -3,7 +3,11 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include <turbojpeg.h>
+
 #include <exception>
+#include <memory>
+#include <stdexcept>
 
 #include "mtf/error.h"
 #include "mtf/io/codecs/codecs_parts.h"
@@ -77,6 +81,18 @@ std::vector<Image> decode(const std::string& path, const std::string& format, co
   return planes;
 }
 
+/// The luminance plane as it is stored. Of damaged data libjpeg makes some image, with a warning, and OpenCV hands it
+/// on: here the first warning is an error.
+cv::Mat luminance_of_jpeg(const std::vector<unsigned char>& file, const RasterHeader& header) {
+  const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), &tjDestroy);
+  cv::Mat pixels(static_cast<int>(header.height), static_cast<int>(header.width), CV_8UC1);
+  const int failed =
+      tjDecompress2(decoder.get(), file.data(), file.size(), pixels.data, pixels.cols, static_cast<int>(pixels.step),
+                    pixels.rows, TJPF_GRAY, TJFLAG_STOPONWARNING | TJFLAG_ACCURATEDCT);
+  if (failed != 0) throw std::runtime_error(tjGetErrorStr2(decoder.get()));
+  return pixels;
+}
+
 }  // namespace
 
 std::vector<Image> decode_png(const std::string& path, const RasterHeader& header) {
@@ -91,7 +107,7 @@ std::vector<Image> decode_jpeg(const std::string& path, const RasterHeader& head
   return decode(path, "JPEG", header, [&] {
     std::vector<unsigned char> file;
     static_cast<void>(scan_jpeg(path, &file));
-    return cv::imdecode(file, cv::IMREAD_GRAYSCALE);  // libjpeg gives the luminance plane as it is stored
+    return luminance_of_jpeg(file, header);
   });
 }
 

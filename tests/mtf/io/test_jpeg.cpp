@@ -116,6 +116,20 @@ TEST_F(Jpeg, SegmentsOfApplications) {
   EXPECT_NE(refusal().find("red, green and blue"), std::string::npos);
 }
 
+// Whole by its segments, damaged inside: a decoder makes an image of that too.
+TEST_F(Jpeg, DamagedPixelDataAreRefused) {
+  const std::string good = JpegWriter::make(noisy_ramp().view(), jpeg_steps(90));
+  const std::size_t frame = good.find("\xff\xc0");
+  std::string taller = good, shorter = good, overwritten = good;
+  taller[frame + 6] = static_cast<char>(taller[frame + 6] + 16);
+  shorter[frame + 6] = static_cast<char>(shorter[frame + 6] - 16);
+  for (std::size_t i = 0; i < 60; ++i) overwritten[good.size() / 2 + 10 + i] = static_cast<char>(0x5b + i % 7);
+  for (const std::string& bytes : {taller, shorter, overwritten}) {
+    write(bytes);
+    EXPECT_NE(refusal().find("damaged, incomplete or unsupported JPEG file"), std::string::npos);
+  }
+}
+
 TEST_F(Jpeg, BadFilesAreRefusedBeforeTheyAreDecoded) {
   const std::string good = JpegWriter::make(noisy_ramp().view(), jpeg_steps(90));
   for (const std::size_t length :
