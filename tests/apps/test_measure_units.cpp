@@ -110,6 +110,12 @@ TEST_F(UnitsOfMeasure, AUnitThatLacksALengthIsRefused) {
   EXPECT_NE(refusal("--unit cy/mrad --pitch 5um").find("--focal-length"), std::string::npos);
   EXPECT_NE(refusal("--unit cy/mm --pitch 5").find("--pitch"), std::string::npos);
   EXPECT_NE(refusal("--unit cy/mm --pitch 5urad").find("--pitch: "), std::string::npos);
+  EXPECT_NE(refusal("--pitch 5um").find("add --unit cy/mm"), std::string::npos);
+  EXPECT_NE(refusal("--unit lw/ph --focal-length 5mm").find("--focal-length: "), std::string::npos);
+  for (const char* pitch : {"1e300um", "1e-300um", "1e-308um"})
+    EXPECT_NE(refusal("--unit cy/mm --pitch " + std::string(pitch)).find("is outside [1e-06, 1e+06]"),
+              std::string::npos)
+        << pitch;
   EXPECT_NE(refusal("--unit cy/mm --pitch -5um").find("length above 0"), std::string::npos);
   EXPECT_NE(refusal("--unit lw/pw").find("lw/ph"), std::string::npos);
 }
