@@ -104,16 +104,23 @@ TEST(MeasureTruth, ResonantAngles) {
 // At 45 degrees only one and a half distances a pixel occur, which the standard deviation has to include.
 TEST(MeasureTruth, FewDistancesAreUncertain) {
   const made::Step step = made::Step::gaussian(0.6246);
+  int refused = 0;
   for (int k = 0; k < 24; ++k) {
     made::Scene scene = scene_at(k % 2 == 0 ? 45.0 : 0.0, k / 24.0);
     scene.noise_sd = k % 3 == 0 ? 0.002 : 0.01;
     scene.seed = static_cast<std::uint64_t>(k) + 1;
     const EdgeMeasurement found = measure(made::make(step, scene));
-    ASSERT_EQ(found.trouble, Trouble::none) << found.reason;
+    if (found.trouble != Trouble::none) {  // an edge between two columns may say nothing of the blur: MTF 4000 +- 10000
+      EXPECT_EQ(found.trouble, Trouble::too_short) << found.reason;
+      EXPECT_NE(found.reason.find("tilt the edge"), std::string::npos) << found.reason;
+      ++refused;
+      continue;
+    }
     EXPECT_FALSE(found.warnings.empty());
     EXPECT_TRUE(!found.mtf50 || std::abs(found.mtf50->value - 0.6246) < 5.0 * found.mtf50->sd)
         << k << ' ' << found.mtf50->value << ' ' << found.mtf50->sd;
   }
+  EXPECT_LE(refused, 1);
 }
 
 TEST(MeasureTruth, Cameras) {
