@@ -3,8 +3,6 @@
 // Components of doubles, and what is asked of them alone: the sentence for the values in use, checks, and what plans
 // need to know.
 
-#include <cmath>
-
 #include "mtf/component_impl.h"
 
 namespace mtf {
@@ -37,20 +35,16 @@ typename Component<S>::Rows Component<S>::rows(std::span<const S> fx,
 template <class S>
 std::optional<Freq<double>> Component<S>::line(const Context<S>& ctx) const requires std::same_as<S, double> {
   return detail::visit(*value_, [&](const auto& c) -> std::optional<Freq<double>> {
-    if constexpr (requires { c.displacement_mm(ctx); }) {
-      const Freq<S> d = c.displacement_mm(ctx);
-      const double length = std::hypot(value_of(d.x), value_of(d.y));
-      if (length > 0.0 && length < kInfinity) return Freq<double>{value_of(d.x) / length, value_of(d.y) / length};
-    }
-    return std::nullopt;
+    if constexpr (requires { c.displacement_mm(ctx); })
+      return detail::direction_of(c.displacement_mm(ctx));
+    else
+      return std::nullopt;
   });
 }
 
 template <class S>
 std::vector<Problem> Component<S>::check(const Context<S>& ctx) const requires std::same_as<S, double> {
-  std::vector<Problem> problems;
-  for (const FieldRef<S>& field : fields()) detail::check_field(field, ctx, problems);
-  if (!problems.empty()) return problems;  // the component's own check may rely on its bounds
+  if (std::vector<Problem> problems = detail::check_fields(fields(), ctx); !problems.empty()) return problems;
   return detail::visit(*value_, [&](const auto& c) { return c.check(ctx); });
 }
 

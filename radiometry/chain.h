@@ -72,6 +72,17 @@ struct ChainStage {
   std::string what;  ///< what it does, with numbers; of a stage that is off, the table that would switch it on
 };
 
+/// Adds to the time of that name; times are in the order in which they came first.
+template <class Name>
+void add_time(std::vector<std::pair<Name, double>>& times, std::string_view name, double ms) {
+  for (auto& [known, sum] : times) {
+    if (known != name) continue;
+    sum += ms;
+    return;
+  }
+  times.emplace_back(name, ms);
+}
+
 /// One frame that has gone through the chain.
 struct ChainFrame {
   mtf::Image image;

@@ -53,6 +53,9 @@ struct StageRow {
 /// The rows that run for a sensor with [detector], in their order.
 std::vector<StageRow> stages_to_run(const mtf::System<double>& system, const Sensor& sensor);
 
+/// True where the image of an output stage has gone through that part of the chain.
+bool goes_through(StageRow::Part part, OutputStage stage);
+
 /// What differs from pixel to pixel, for the pixels of an image or of a tile of one.
 struct PixelMaps {
   Origin origin;       ///< of the first pixel on the detector

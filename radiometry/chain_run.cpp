@@ -30,9 +30,8 @@ void run_detector(FrameRun& run, mtf::Image& image, OutputStage stage) {
   run.counter.begin(image);
   run.run(Part::detector, image);
   run.counter.count(run.frame.held, run.frame.held_defects);
-  if (stage == OutputStage::electrons) return;
-  run.run(Part::conversion, image);
-  if (stage == OutputStage::display) run.run(Part::correction, image);
+  for (const Part part : {Part::conversion, Part::correction})
+    if (goes_through(part, stage)) run.run(part, image);
 }
 
 /// Runs the frames of the positions of [microscan] and puts them together.
@@ -57,12 +56,7 @@ void FrameRun::lap(std::string_view stage) {
   const auto now = std::chrono::steady_clock::now();
   const double ms = std::chrono::duration<double, std::milli>(now - last).count();
   last = now;
-  auto& all = frame.timing_ms;
-  const auto known = std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.first == stage; });
-  if (known == all.end())
-    all.emplace_back(stage, ms);
-  else
-    known->second += ms;
+  add_time(frame.timing_ms, stage, ms);
 }
 
 void FrameRun::run(Part part, mtf::Image& image) {
@@ -83,7 +77,7 @@ void FrameRun::run_to(OutputStage stage) {
     run_positions(*this, frame.image, *scan, stage);
   else
     run_detector(*this, frame.image, stage);
-  if (stage == OutputStage::display) run(Part::display, frame.image);
+  if (goes_through(Part::display, stage)) run(Part::display, frame.image);
 }
 
 ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, OutputStage stage, double border_value, int threads,

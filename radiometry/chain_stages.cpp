@@ -301,23 +301,13 @@ constexpr std::array kChain{
              .step = step::agc,
              .whole_image = "takes its curve from the histogram of all pixels"}};
 
-/// True where the image of an output stage has gone through that part of the chain.
-bool goes_through(StageRow::Part part, OutputStage stage) {
-  switch (part) {
-    case optics:
-      return true;
-    case detector:
-      return stage >= OutputStage::electrons;
-    case conversion:
-      return stage >= OutputStage::dn;
-    case correction:
-    case display:
-      return stage == OutputStage::display;
-  }
-  return true;
-}
-
 }  // namespace
+
+bool goes_through(StageRow::Part part, OutputStage stage) {
+  constexpr std::array kFirst{OutputStage::radiance, OutputStage::electrons, OutputStage::dn, OutputStage::display,
+                              OutputStage::display};
+  return stage >= kFirst[static_cast<std::size_t>(part)];
+}
 
 std::string whole_image_stages(const System& system, const Sensor& sensor, OutputStage stage) {
   std::string text;

@@ -43,13 +43,13 @@ std::string tiles_text(const TilesReport& tiles) {
 
 std::string image_text(const SimulateResult& result) {
   const RunReport& report = result.report;
-  const mtf::SampleGrid& out = report.tiles ? report.tiles->out : report.plan->out();
-  const auto size = report.region ? by((*report.region)[2], (*report.region)[3]) : by(out.width, out.height);
-  std::string text = one_line(report.out_path) + "  " + size + "  " + quantity_text(report);
+  const auto [width, height] = report.out_size();
+  std::string text = one_line(report.out_path) + "  " + by(width, height) + "  " + quantity_text(report);
   if (report.tiles && !report.tiles->for_flat_parts)
     return text + channels_text(result) + tiles_text(*report.tiles) + costs_text(report) + ", peak memory " +
            fixed(peak_rss_mib(), 0) + " MiB\n";
   const mtf::PlanReport& plan = report.plan->presample.report();
+  const mtf::SampleGrid& out = report.whole_image();
   if (out.width < plan.whole_pitches_x || out.height < plan.whole_pitches_y)
     text += "the scene holds " + by(plan.whole_pitches_x, plan.whole_pitches_y) +
             " whole pixels; frame.format takes the first of them\n";

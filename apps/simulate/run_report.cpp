@@ -113,7 +113,6 @@ Json chain_json(const ChainReport& chain) {
 void add_tiles(Json& json, const TilesReport& tiles) {
   json["scene_size"] = {tiles.scene.width, tiles.scene.height};
   json["whole_pixels_in_scene"] = tiles.whole_pixels;
-  json["out_size"] = {tiles.out.width, tiles.out.height};
   json["tiles"] = {{"count", tiles.plan.count},         {"flat", tiles.tally.flat},
                    {"resumed", tiles.tally.resumed},    {"size", tiles.plan.side},
                    {"halo", tiles.plan.halo},           {"post_halo", tiles.plan.post_halo},
@@ -150,6 +149,11 @@ double peak_rss_mib() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
+std::array<std::int64_t, 2> RunReport::out_size() const {
+  if (region) return {(*region)[2], (*region)[3]};
+  return {whole_image().width, whole_image().height};
+}
+
 std::string to_json(const RunReport& r) {
   const mtf::PlanReport& plan = r.plan->presample.report();
   Json json;
@@ -168,7 +172,7 @@ std::string to_json(const RunReport& r) {
   json["scene_size"] = {plan.in.width, plan.in.height};
   json["scene_step_um"] = {plan.in.step_x_um, plan.in.step_y_um};
   json["whole_pixels_in_scene"] = {plan.whole_pitches_x, plan.whole_pitches_y};
-  json["out_size"] = {r.region ? (*r.region)[2] : plan.out.width, r.region ? (*r.region)[3] : plan.out.height};
+  json["out_size"] = r.out_size();
   json["out_step_um"] = {plan.out.step_x_um, plan.out.step_y_um};
   json["tolerance"] = r.tolerance;
   json["plan"] = plan_json(r.plan->presample);

@@ -54,6 +54,11 @@ struct ChainReport {
 };
 
 struct RunReport {
+  /// Of the whole image, whatever region of it is wanted.
+  const mtf::SampleGrid& whole_image() const { return tiles ? tiles->out : plan->out(); }
+  /// Width and height of what was handed over.
+  std::array<std::int64_t, 2> out_size() const;
+
   std::string sensor_file, sensor_sha256;             ///< name of the sensor file, hash of its text
   std::string scene_path, out_path;                   ///< "" for an image that was written to no file
   mtf::io::Scene scene;                               ///< as it was read, without its planes

@@ -14,6 +14,9 @@ namespace calib {
 /// Structure beside the edge, as a share of the contrast, from which a warning is given.
 inline constexpr double kVisibleStructure = 0.03;
 
+/// Distances a pixel below which the shape of a step is hardly known.
+inline constexpr double kFewDistances = 3.0;
+
 struct EdgeFacts {
   double length_px = 0.0;                               ///< of the edge inside the region
   double width_px = 0.0;                                ///< equivalent width of the line spread function
@@ -35,7 +38,7 @@ struct EdgeFacts {
   bool curved_shading = false;  ///< shading is curved near the edge too
 
   /// With fewer distances a pixel than three, a correction of the reference cannot be told from aliases.
-  bool few_distances() const { return oversampling < 3.0; }
+  bool few_distances() const { return oversampling < kFewDistances; }
 };
 EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model, double local_noise_sd);
 

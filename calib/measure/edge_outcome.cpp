@@ -87,7 +87,6 @@ Outcome judge_edge(const EdgeFacts& facts) {
 Outcome judge_response(const EdgeMeasurement& out) {
   // Sharpening lifts the MTF with the square of the frequency and overshoots by parts of the step.
   constexpr double kLow_cy_px = 0.05, kMostLow = 1.2, kMost = 2.0, kOvershoot = 0.6, kSure = 4.0, kImpossible = 10.0;
-  constexpr double kFewDistances = 3.0;  // a pixel, as EdgeFacts::few_distances()
   const auto because = [&out](const std::string& what) {
     if (out.oversampling < kFewDistances)
       return Outcome{Trouble::too_short, "only " + number(out.oversampling) +

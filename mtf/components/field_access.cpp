@@ -18,8 +18,6 @@ std::string range_text(const FieldInfo& info) {
          (info.hi_open ? ")" : "]");
 }
 
-}  // namespace
-
 void check_field(const FieldRef<double>& field, const Context<double>& ctx, std::vector<Problem>& problems) {
   const FieldInfo& info = *field.info;
   const auto missing = [&] { problems.push_back({.field = std::string(info.name), .text = "missing"}); };
@@ -76,6 +74,14 @@ void check_field(const FieldRef<double>& field, const Context<double>& ctx, std:
     problems.push_back({.field = std::string(info.name),
                         .text = "missing; give it here, or for all components in [optics]" +
                                 std::string(info.name == "wavelength" ? " or as [band] wavelength" : "")});
+}
+
+}  // namespace
+
+std::vector<Problem> check_fields(std::span<const FieldRef<double>> fields, const Context<double>& ctx) {
+  std::vector<Problem> problems;
+  for (const FieldRef<double>& field : fields) check_field(field, ctx, problems);
+  return problems;
 }
 
 }  // namespace mtf::detail

@@ -5,6 +5,8 @@
 // bounds, and the same values in another scalar type. These functions take the types that component headers define;
 // whoever has a Component<S> calls its members instead.
 
+#include <cmath>
+#include <optional>
 #include <span>
 #include <string>
 #include <tuple>
@@ -40,8 +42,16 @@ std::vector<FieldRef<S>> field_refs(C& component) {
       table);
 }
 
-/// Adds to `problems` what is missing or outside its bounds.
-void check_field(const FieldRef<double>& field, const Context<double>& ctx, std::vector<Problem>& problems);
+/// What is missing or outside its bounds. A component's own check() may rely on there being nothing.
+std::vector<Problem> check_fields(std::span<const FieldRef<double>> fields, const Context<double>& ctx);
+
+/// The direction of a displacement; nothing where it has none.
+template <class S>
+std::optional<Freq<double>> direction_of(const Freq<S>& displacement) {
+  const double x = value_of(displacement.x), y = value_of(displacement.y), length = std::hypot(x, y);
+  if (!(length > 0.0) || !std::isfinite(length)) return std::nullopt;
+  return Freq<double>{x / length, y / length};
+}
 
 // A value in another scalar type, one overload for each type of field.
 template <class To, class From>

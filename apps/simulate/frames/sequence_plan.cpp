@@ -88,9 +88,10 @@ mtf::PlanOptions SequencePlanner::options_for(const mtf::io::SensorConfig& senso
 
 double SequencePlanner::roomy_tolerance(const RadiometricChain* radiometric, const SceneInput& input,
                                         double tolerance) const {
-  if (radiometric == nullptr || asked_ || !plan_ || !input.summary || !(contrast_ > 0.0)) return tolerance;
+  if (radiometric == nullptr || asked_ || !input.summary || !plan_ || !plan_->options.scene) return tolerance;
   const auto wanted = [&](double std) { return radiometric->tolerance(base_.tolerance, std); };
-  const bool served_before = plan_->options.tolerance <= std::max(wanted(contrast_), loosened_) * kRounding;
+  const bool served_before =
+      plan_->options.tolerance <= std::max(wanted(plan_->options.scene->std), loosened_) * kRounding;
   if (!served_before || plan_->options.tolerance <= tolerance * kRounding) return tolerance;
   return std::max(wanted(kRoomContrast * input.summary->std), loosened_);
 }
@@ -103,7 +104,6 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::S
   ++compiled_;
   const double own = options.tolerance;
   const double roomy = roomy_tolerance(radiometric, input, own);
-  contrast_ = input.summary ? input.summary->std : 0.0;
   const auto attempt = [&](const std::optional<mtf::SceneSummary>& summary, double tolerance) {
     options.scene = summary;
     options.tolerance = tolerance;

@@ -60,7 +60,6 @@ class SequencePlanner {
 
   mtf::PlanOptions base_;  ///< the same for all frames; its tolerance is the one asked for, or the default
   bool asked_ = false;
-  double contrast_ = 0.0;  ///< std of the frame that plan_ was compiled for
   double loosened_ = 0.0;  ///< least tolerance that the sensor of plan_ keeps, where that is not its default; else 0
   mtf::io::SceneDefaults scene_;  ///< [scene] of that sensor
   SceneDifficulty met_;           ///< the hardest of all frames so far

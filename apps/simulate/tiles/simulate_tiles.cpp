@@ -55,17 +55,13 @@ std::optional<std::size_t> overflowing(Planes planes) {
 // Pixels that are NaN because bad samples blur into them need the whole image and its plan.
 std::vector<mtf::Image> run_whole(const mtf::io::SensorConfig& config, TileScene& source,
                                   const std::vector<mtf::Image>& masks, const mtf::PlanOptions& options,
-                                  const mtf::Region& region) {
+                                  const std::array<std::int64_t, 4>& region) {
   const mtf::SensorPlan plan = mtf::compile_sensor(config.system, source.scene.grid, options);
   std::vector<mtf::Image> images = plan.run(std::move(source.scene.planes), config.scene.border_value, options.threads);
   for (std::size_t c = 0; c < images.size(); ++c) {
     if (masks[c].size() > 0)
       mtf::propagate_bad_pixels(plan, masks[c], options.tolerance, options.threads, images[c].view());
-    mtf::Image cut(region.width, region.height);
-    for (std::int64_t y = 0; y < region.height; ++y)
-      std::memcpy(cut.view().row(y), images[c].view().row(region.y + y) + region.x,
-                  static_cast<std::size_t>(region.width) * sizeof(float));
-    images[c] = std::move(cut);
+    images[c] = cropped(images[c], region);
   }
   return images;
 }
@@ -352,7 +348,7 @@ SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& 
     watch.lap("run");
   } else {
     if (any_bad)
-      image.planes = run_whole(config, source, masks, planned.options, region_of(options));
+      image.planes = run_whole(config, source, masks, planned.options, *options.region);
     else
       run_to_memory(run, image.planes);
     watch.lap("run");

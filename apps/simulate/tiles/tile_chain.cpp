@@ -34,16 +34,6 @@ mtf::io::TileCounts counts_of(const radiometry::ChainFrame& frame) {
   return counts;
 }
 
-void add_times(const radiometry::ChainFrame& frame, ChainReport& report) {
-  for (const auto& [stage, ms] : frame.timing_ms) {
-    const auto known = std::ranges::find(report.timing_ms, stage, [](const auto& one) { return one.first; });
-    if (known == report.timing_ms.end())
-      report.timing_ms.emplace_back(stage, ms);
-    else
-      known->second += ms;
-  }
-}
-
 /// The last output stage before the one wanted whose image can be made in tiles.
 std::optional<radiometry::OutputStage> earlier_stage(const RadiometricChain& radiometric) {
   using radiometry::OutputStage;
@@ -119,7 +109,7 @@ ChainOfTiles::Result ChainOfTiles::run(const mtf::Tile& tile, mtf::ImageView<con
       chain_.run(std::move(image), {first_.x + tile.region.x, first_.y + tile.region.y}, 0, threads_);
   const std::scoped_lock guard(lock_);
   report_.add(frame);
-  add_times(frame, report_);
+  for (const auto& [stage, ms] : frame.timing_ms) radiometry::add_time(report_.timing_ms, stage, ms);
   return {std::move(frame.image), counts_of(frame)};
 }
 

@@ -198,14 +198,12 @@ void rows_equal_the_otf(const Subject<double, C>& s, Outcome& outcome) {
 /// The direction of a motion: of a Component its line(), of a type of its own its displacement_mm().
 template <class C>
 std::optional<Freq<double>> line_of(const Subject<double, C>& s) {
-  if constexpr (requires { s.component.line(s.ctx); }) {
+  if constexpr (requires { s.component.line(s.ctx); })
     return s.component.line(s.ctx);
-  } else if constexpr (requires { s.component.displacement_mm(s.ctx); }) {
-    const Freq<double> d = s.component.displacement_mm(s.ctx);
-    const double length = std::hypot(d.x, d.y);
-    if (length > 0.0 && std::isfinite(length)) return Freq<double>{d.x / length, d.y / length};
-  }
-  return std::nullopt;
+  else if constexpr (requires { s.component.displacement_mm(s.ctx); })
+    return mtf::detail::direction_of(s.component.displacement_mm(s.ctx));
+  else
+    return std::nullopt;
 }
 
 template <class C>

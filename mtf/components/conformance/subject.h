@@ -53,8 +53,7 @@ std::vector<Problem> problems_of(const C& component, const Context<S>& ctx) {
     return component.check(ctx);
   } else {
     C copy = component;
-    std::vector<Problem> problems;
-    for (const FieldRef<S>& field : fields_of<S>(copy)) mtf::detail::check_field(field, ctx, problems);
+    const std::vector<Problem> problems = mtf::detail::check_fields(fields_of<S>(copy), ctx);
     return problems.empty() ? component.check(ctx) : problems;
   }
 }

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "mtf/components/gaussian.h"
+#include "mtf/components/same_bits.h"
 #include "mtf/io/config/config.h"
 #include "mtf/io/config/round_trip.h"
 #include "tests/mtf/conformance.h"
@@ -39,46 +40,22 @@ std::string sensor_path() {
   return (folder.path / "s.toml").string();
 }
 
-bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
-bool same(const std::optional<double>& a, const std::optional<double>& b) {
-  return a.has_value() == b.has_value() && (!a || same(*a, *b));
-}
-bool same(const Extent<double>& a, const Extent<double>& b) { return a.unit == b.unit && same(a.value, b.value); }
-bool same(const AxisPair<double>& a, const AxisPair<double>& b) {
-  return a.split == b.split && same(a.x, b.x) && (!a.split || same(a.y, b.y));
-}
-bool same(const SpatialFrequency<double>& a, const SpatialFrequency<double>& b) {
-  return a.unit == b.unit && same(a.value, b.value);
-}
-bool same(int a, int b) { return a == b; }
-bool same(const Choice& a, const Choice& b) { return a.index == b.index; }
-bool same(const Coefficients<double>& a, const Coefficients<double>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double s, double t) { return same(s, t); });
-}
-bool same(const Taps<double>& a, const Taps<double>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) { return same(x, y); });
-}
-bool same(const std::shared_ptr<const Curve>& a, const std::shared_ptr<const Curve>& b) {
-  return (a == nullptr) == (b == nullptr) &&
-         (!a || (a->frequency == b->frequency && a->value == b->value && a->unit == b->unit));
-}
-
 void expect_same(const SensorConfig& a, const SensorConfig& b, const std::string& text) {
   const System<double>&s = a.system, &t = b.system;
   EXPECT_EQ(s.name, t.name);
-  EXPECT_TRUE(same(s.frame.focal_length_mm, t.frame.focal_length_mm)) << text;
-  EXPECT_TRUE(same(s.frame.pitch_x_um, t.frame.pitch_x_um)) << text;
-  EXPECT_TRUE(same(s.frame.pitch_y_um, t.frame.pitch_y_um)) << text;
-  EXPECT_TRUE(same(s.frame.integration_time_s, t.frame.integration_time_s)) << text;
+  EXPECT_TRUE(same_bits(s.frame.focal_length_mm, t.frame.focal_length_mm)) << text;
+  EXPECT_TRUE(same_bits(s.frame.pitch_x_um, t.frame.pitch_x_um)) << text;
+  EXPECT_TRUE(same_bits(s.frame.pitch_y_um, t.frame.pitch_y_um)) << text;
+  EXPECT_TRUE(same_bits(s.frame.integration_time_s, t.frame.integration_time_s)) << text;
   EXPECT_EQ(s.frame.columns, t.frame.columns);
   EXPECT_EQ(s.frame.rows, t.frame.rows);
-  EXPECT_TRUE(same(s.optics.f_number, t.optics.f_number)) << text;
-  EXPECT_TRUE(same(s.optics.aperture_mm, t.optics.aperture_mm)) << text;
-  EXPECT_TRUE(same(s.optics.obscuration, t.optics.obscuration)) << text;
-  EXPECT_TRUE(same(s.optics.wavelength_um, t.optics.wavelength_um)) << text;
+  EXPECT_TRUE(same_bits(s.optics.f_number, t.optics.f_number)) << text;
+  EXPECT_TRUE(same_bits(s.optics.aperture_mm, t.optics.aperture_mm)) << text;
+  EXPECT_TRUE(same_bits(s.optics.obscuration, t.optics.obscuration)) << text;
+  EXPECT_TRUE(same_bits(s.optics.wavelength_um, t.optics.wavelength_um)) << text;
   ASSERT_EQ(s.band.has_value(), t.band.has_value()) << text;
   if (s.band) {
-    EXPECT_TRUE(same(s.band->lo_um, t.band->lo_um) && same(s.band->hi_um, t.band->hi_um)) << text;
+    EXPECT_TRUE(same_bits(s.band->lo_um, t.band->lo_um) && same_bits(s.band->hi_um, t.band->hi_um)) << text;
   }
   for (const Stage stage : kStages) {
     ASSERT_EQ(s.list(stage).size(), t.list(stage).size()) << text;
@@ -91,27 +68,30 @@ void expect_same(const SensorConfig& a, const SensorConfig& b, const std::string
         std::visit(
             [&](const auto* u) {
               const auto* v = std::get<std::remove_cvref_t<decltype(*u)>*>(g[k].value);
-              EXPECT_TRUE(same(*u, *v)) << x.label << "." << f[k].info->name << "\n" << text;
+              EXPECT_TRUE(same_bits(*u, *v)) << x.label << "." << f[k].info->name << "\n" << text;
             },
             f[k].value);
     }
   }
-  EXPECT_TRUE(same(a.scene.sample_x_um, b.scene.sample_x_um) && same(a.scene.sample_y_um, b.scene.sample_y_um)) << text;
+  EXPECT_TRUE(same_bits(a.scene.sample_x_um, b.scene.sample_x_um) &&
+              same_bits(a.scene.sample_y_um, b.scene.sample_y_um))
+      << text;
   EXPECT_EQ(a.scene.quantity, b.scene.quantity);
-  EXPECT_TRUE(same(a.scene.gain, b.scene.gain) && same(a.scene.offset, b.scene.offset)) << text;
+  EXPECT_TRUE(same_bits(a.scene.gain, b.scene.gain) && same_bits(a.scene.offset, b.scene.offset)) << text;
   EXPECT_EQ(a.scene.encoding ? a.scene.encoding->name : "", b.scene.encoding ? b.scene.encoding->name : "") << text;
   EXPECT_EQ(a.scene.border, b.scene.border);
-  EXPECT_TRUE(same(a.scene.border_value, b.scene.border_value)) << text;
+  EXPECT_TRUE(same_bits(a.scene.border_value, b.scene.border_value)) << text;
   EXPECT_EQ(a.scene.aperture, b.scene.aperture);
-  EXPECT_TRUE(same(a.scene.aperture_size, b.scene.aperture_size)) << text;
-  EXPECT_TRUE(same(a.scene.aperture_curve, b.scene.aperture_curve)) << text;
-  EXPECT_TRUE(same(a.scene.aperture_gain_limit, b.scene.aperture_gain_limit)) << text;
+  EXPECT_TRUE(same_bits(a.scene.aperture_size, b.scene.aperture_size)) << text;
+  EXPECT_TRUE(same_bits(a.scene.aperture_curve, b.scene.aperture_curve)) << text;
+  EXPECT_TRUE(same_bits(a.scene.aperture_gain_limit, b.scene.aperture_gain_limit)) << text;
   ASSERT_EQ(a.fits.size(), b.fits.size()) << text;
   for (std::size_t i = 0; i < a.fits.size(); ++i) {
     const FitSpec &f = a.fits[i], &g = b.fits[i];
     EXPECT_EQ(f.path, g.path);
     EXPECT_EQ(f.fit, g.fit);
-    EXPECT_TRUE(same(f.min, g.min) && same(f.max, g.max) && same(f.stderr_value, g.stderr_value)) << text;
+    EXPECT_TRUE(same_bits(f.min, g.min) && same_bits(f.max, g.max) && same_bits(f.stderr_value, g.stderr_value))
+        << text;
     EXPECT_EQ(f.prior, g.prior) << text;
   }
 }
