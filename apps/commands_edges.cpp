@@ -121,9 +121,11 @@ Command measure_command() {
   add_contrast_level(app, options.contrasts);
   add_format(app, "table (default), csv (a line an edge) or json", options.format);
   add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);
-  add_text(app, "--table", "FILE",
-           "CSV with a line an image and direction: best and median MTF50, share of edges that were refused",
-           options.table);
+  add_text(
+      app, "--table", "FILE",
+      "CSV with a line an image and direction: best and median MTF50, and those of each --contrast-level; share of "
+      "edges that were refused",
+      options.table);
   add_text(app, "--curves", "FILE", "MTF, OTF, ESF and LSF of all edges as CSV", options.curves);
   add_text(app, "--plot", "FILE",
            "figure of ESF, LSF and MTF with error band: .svg, .pdf or .png; its data in FILE.csv", options.plot);

@@ -15,6 +15,7 @@
 #include "mtf/io/codecs/dct_rounding.h"
 #include "mtf/io/codecs/encoding.h"
 #include "mtf/io/csv/curve_csv.h"
+#include "mtf/io/scene.h"
 
 namespace apps {
 namespace {
@@ -222,6 +223,7 @@ std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInpu
                       one_line(encoding.name) + " (" + mtf::format_double(encoding.stored.front()) + " to " +
                       mtf::format_double(encoding.stored.back()) + ") and are taken as no data";
     plane.channel = named.name;
+    plane.stated_pitch_um = mtf::io::stated_pitch_um(file.info);
     if (regions == Regions::wanted) plane.regions = given_regions(input);
     plane.options = options_of(file, encoding, scale, input, named.plane);
     plane.options.sparse = !input.bayer.empty() || !input.mask.empty();

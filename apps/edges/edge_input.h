@@ -3,6 +3,7 @@
 
 // Images of edges as the command line describes them: linear planes, no data as NaN, and the regions to measure.
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,7 +37,8 @@ struct EdgePlane {
   std::string image;    ///< the file
   std::string channel;  ///< "" when there is only one
   mtf::Image plane;
-  std::vector<EdgeRegion> regions;  ///< given or found; empty: `reason`
+  std::optional<std::array<double, 2>> stated_pitch_um{};  ///< along x and y, of the file; absent: it states none
+  std::vector<EdgeRegion> regions;                         ///< given or found; empty: `reason`
   std::string reason;
   std::string warning;             ///< "" = none
   std::vector<std::string> notes;  ///< which curve that the file states was undone, and which edges are left out

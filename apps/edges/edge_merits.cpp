@@ -30,6 +30,19 @@ constexpr std::array kMerits{Merit{"mtf50", &EdgeMeasurement::mtf50, true},
                              Merit{"mtfa", &EdgeMeasurement::mtfa},
                              Merit{"sampling_efficiency", &EdgeMeasurement::sampling_efficiency}};
 
+std::string merit_name(double contrast) { return "mtf" + percent_text(contrast); }
+
+/// The contrasts whose names are neither known nor those of earlier ones.
+std::vector<double> unknown_of(std::vector<double> contrasts, std::vector<std::string> known) {
+  std::erase_if(contrasts, [&](double contrast) {
+    const std::string name = merit_name(contrast);
+    if (std::find(known.begin(), known.end(), name) != known.end()) return true;
+    known.push_back(name);
+    return false;
+  });
+  return contrasts;
+}
+
 }  // namespace
 
 std::string percent_text(double contrast) {
@@ -41,7 +54,7 @@ std::string percent_text(double contrast) {
 std::vector<std::string> merit_names(std::span<const double> contrasts) {
   std::vector<std::string> names;
   for (const Merit& merit : kMerits) names.emplace_back(merit.name);
-  for (const double contrast : contrasts) names.push_back("mtf" + percent_text(contrast));
+  for (const double contrast : contrasts) names.push_back(merit_name(contrast));
   return names;
 }
 
@@ -53,6 +66,13 @@ std::vector<std::optional<Estimate>> merits_of(const MeasuredEdge& edge) {
   }
   for (const std::optional<Estimate>& frequency : edge.at_contrasts) values.push_back(in_unit(frequency, edge.scale));
   return values;
+}
+
+std::optional<Estimate> at_contrast(const MeasuredEdge& edge, double contrast, std::span<const double> further) {
+  const std::vector<std::string> names = merit_names(further);
+  const auto name = std::find(names.begin(), names.end(), merit_name(contrast));
+  if (name == names.end()) return std::nullopt;
+  return merits_of(edge)[static_cast<std::size_t>(name - names.begin())];
 }
 
 std::optional<Estimate> in_unit(const std::optional<Estimate>& cy_px, const FrequencyScale& scale) {
@@ -70,22 +90,14 @@ void add_contrasts(MeasuredEdge& edge, std::span<const double> contrasts) {
   for (const double contrast : contrasts) {
     edge.at_contrasts.push_back(calib::frequency_at(edge.edge, contrast));
     if (edge.at_contrasts.back() || frequencies.empty()) continue;
-    edge.edge.absent.emplace_back("mtf" + percent_text(contrast),
-                                  "the MTF stays above " + percent_text(contrast) + " % up to " +
-                                      significant(frequencies.back() * edge.scale.per_cy_px, 4) + " " +
-                                      std::string(unit_name(edge.scale.unit)));
+    edge.edge.absent.emplace_back(merit_name(contrast), "the MTF stays above " + percent_text(contrast) + " % up to " +
+                                                            significant(frequencies.back() * edge.scale.per_cy_px, 4) +
+                                                            " " + std::string(unit_name(edge.scale.unit)));
   }
 }
 
-std::vector<double> further_contrasts(std::vector<double> asked) {
-  std::vector<std::string> known = merit_names({});
-  std::erase_if(asked, [&](double contrast) {
-    const std::string name = "mtf" + percent_text(contrast);
-    if (std::find(known.begin(), known.end(), name) != known.end()) return true;
-    known.push_back(name);
-    return false;
-  });
-  return asked;
-}
+std::vector<double> without_repetitions(const std::vector<double>& asked) { return unknown_of(asked, {}); }
+
+std::vector<double> further_contrasts(const std::vector<double>& asked) { return unknown_of(asked, merit_names({})); }
 
 }  // namespace apps

@@ -19,6 +19,9 @@ std::vector<std::string> merit_names(std::span<const double> contrasts);
 /// Their values in the same order, frequencies in the unit of the edge.
 std::vector<std::optional<calib::Estimate>> merits_of(const MeasuredEdge& edge);
 
+/// The frequency of one contrast in the unit of the edge, be it a figure of every edge or one of `further`.
+std::optional<calib::Estimate> at_contrast(const MeasuredEdge& edge, double contrast, std::span<const double> further);
+
 /// "35" for 0.35.
 std::string percent_text(double contrast);
 
@@ -30,7 +33,8 @@ std::vector<double> in_unit(std::vector<double> cy_px, const FrequencyScale& sca
 /// `absent`.
 void add_contrasts(MeasuredEdge& edge, std::span<const double> contrasts);
 
-/// The contrasts without those that are figures of every edge, and without repetitions.
-std::vector<double> further_contrasts(std::vector<double> asked);
+/// The contrasts without repetitions, and those of them that are no figures of every edge.
+std::vector<double> without_repetitions(const std::vector<double>& asked);
+std::vector<double> further_contrasts(const std::vector<double>& asked);
 
 }  // namespace apps

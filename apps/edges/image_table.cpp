@@ -13,6 +13,9 @@ namespace {
 
 using calib::Estimate;
 
+/// The columns of a contrast that no edge has a frequency of.
+constexpr const char* kNoFigures = ",,,,";
+
 struct BestAndMedian {
   Estimate best, median;
 };
@@ -25,16 +28,25 @@ BestAndMedian best_and_median(std::vector<Estimate> values) {
   return {values.back(), {0.5 * (upper.value + lower.value), sd}};
 }
 
+/// The contrasts whose frequencies the table has.
+std::vector<double> contrasts_of(const MeasureReport& report) {
+  std::vector<double> contrasts{0.5};
+  contrasts.insert(contrasts.end(), report.contrasts.begin(), report.contrasts.end());
+  return contrasts;
+}
+
 /// The figures of one line, for edges of a direction or of all ("").
-std::string line_of(std::span<const MeasuredEdge> edges, const std::string& direction) {
-  std::vector<Estimate> mtf50;
+std::string line_of(const MeasureReport& report, std::span<const MeasuredEdge> edges, const std::string& direction) {
+  const std::vector<double> contrasts = contrasts_of(report);
+  std::vector<std::vector<Estimate>> frequencies(contrasts.size());
   std::size_t count = 0, measured = 0;
   for (const MeasuredEdge& edge : edges) {
     const bool good = edge.edge.trouble == calib::Trouble::none;
     if (!direction.empty() && !(good && edge.place.direction == direction)) continue;
     ++count;
     measured += good ? 1 : 0;
-    if (const auto figure = in_unit(edge.edge.mtf50, edge.scale)) mtf50.push_back(*figure);
+    for (std::size_t i = 0; i < contrasts.size(); ++i)
+      if (const auto figure = at_contrast(edge, contrasts[i], report.further)) frequencies[i].push_back(*figure);
   }
   if (count == 0) return "";
   const MeasuredEdge& first = edges.front();
@@ -42,10 +54,12 @@ std::string line_of(std::span<const MeasuredEdge> edges, const std::string& dire
   std::string text = csv_field(first.image) + "," + csv_field(first.channel) + "," +
                      (direction.empty() ? "all" : direction) + "," + std::to_string(count) + "," +
                      std::to_string(measured) + "," + (direction.empty() ? csv_number(refused) : "");
-  if (mtf50.empty()) {
-    text += ",,,,";
-  } else {
-    const auto [best, median] = best_and_median(std::move(mtf50));
+  for (std::vector<Estimate>& values : frequencies) {
+    if (values.empty()) {
+      text += kNoFigures;
+      continue;
+    }
+    const auto [best, median] = best_and_median(std::move(values));
     for (const double value : {best.value, best.sd, median.value, median.sd}) text += "," + csv_number(value);
   }
   const std::string reason = direction.empty() && measured == 0 ? first.edge.reason : "";
@@ -55,18 +69,22 @@ std::string line_of(std::span<const MeasuredEdge> edges, const std::string& dire
 }  // namespace
 
 std::string image_table(const MeasureReport& report) {
-  std::string text =
-      "image,channel,direction,edges,measured,refused_share,mtf50_best,mtf50_best_sd,mtf50_median,mtf50_median_sd,"
-      "frequency_unit,reason\n";
+  std::string text = "image,channel,direction,edges,measured,refused_share", no_figures;
+  for (const double contrast : contrasts_of(report)) {
+    const std::string name = ",mtf" + percent_text(contrast);
+    text += name + "_best" + name + "_best_sd" + name + "_median" + name + "_median_sd";
+    no_figures += kNoFigures;
+  }
+  text += ",frequency_unit,reason\n";
   for (auto begin = report.edges.begin(); begin != report.edges.end();) {
     const auto end = std::find_if(begin, report.edges.end(), [&](const MeasuredEdge& edge) {
       return edge.image != begin->image || edge.channel != begin->channel;
     });
-    for (const char* direction : {"", "sagittal", "tangential"}) text += line_of({begin, end}, direction);
+    for (const char* direction : {"", "sagittal", "tangential"}) text += line_of(report, {begin, end}, direction);
     begin = end;
   }
   for (const FailedImage& failed : report.failed)
-    text += csv_field(failed.image) + ",,all,0,0,,,,,," + std::string(unit_symbol(report.unit)) + "," +
+    text += csv_field(failed.image) + ",,all,0,0," + no_figures + "," + std::string(unit_symbol(report.unit)) + "," +
             csv_field(failed.reason) + "\n";
   return text;
 }

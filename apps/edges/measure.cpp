@@ -82,6 +82,16 @@ std::string without_name(std::string message, const std::string& file) {
   return message.starts_with(name) ? message.substr(name.size()) : message;
 }
 
+/// What the file says of its pixels against --pitch; "" where the two agree to the digits that a user writes.
+std::string pitch_note(const EdgePlane& plane, std::optional<double> pitch_um) {
+  if (!pitch_um || !plane.stated_pitch_um) return "";
+  const auto& [x, y] = *plane.stated_pitch_um;
+  constexpr double kRounding = 1e-3;
+  if (std::abs(x / *pitch_um - 1.0) <= kRounding && std::abs(y / *pitch_um - 1.0) <= kRounding) return "";
+  return one_line(plane.image) + " states samples of " + mtf::format_double(x) + " x " + mtf::format_double(y) +
+         " um, --pitch says " + mtf::format_double(*pitch_um) + " um, which is what the frequencies are made with";
+}
+
 std::string_view method_name(MeasureMethod method) {
   if (method == MeasureMethod::both) return "both";
   return method == MeasureMethod::iso12233 ? "iso12233" : "regression";
@@ -107,7 +117,9 @@ int run_measure(const MeasureOptions& options, const Global& global) {
                        .left_out = {},
                        .failed = {},
                        .unit = options.unit,
-                       .contrasts = further_contrasts(options.contrasts)};
+                       .contrasts = without_repetitions(options.contrasts),
+                       .further = further_contrasts(options.contrasts)};
+  std::erase(report.contrasts, 0.5);  // MTF50 is in every table
   const std::vector<std::string>& images = options.input.images;
   ProgressLine progress(global);
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -117,13 +129,15 @@ int run_measure(const MeasureOptions& options, const Global& global) {
       for (const EdgePlane& plane : load_edge_planes(images[i], options.input)) {
         if (!plane.warning.empty()) note(global, "mtf: warning: " + plane.warning);
         for (const std::string& remark : plane.notes) note(global, "mtf: note: " + remark);
+        if (const std::string remark = pitch_note(plane, options.pitch_um); first && !remark.empty())
+          note(global, "mtf: warning: " + remark);
         if (plane.left_out + plane.not_tried > 0)
           report.left_out.push_back({images[i], plane.channel, plane.left_out, plane.not_tried});
         const EdgeMethod method{.order = options.order, .circle = options.circle, .method = options.method};
         std::vector<MeasuredEdge> edges = measure_plane(plane, method, global.threads);
         for (MeasuredEdge& edge : edges) {
           edge.scale = scale_of(plane.plane.height());
-          add_contrasts(edge, report.contrasts);
+          add_contrasts(edge, report.further);
         }
         if (first && !options.annotate.empty()) annotate(options.annotate, plane, edges);
         first = false;

@@ -174,7 +174,8 @@ std::string measure_table(const MeasureReport& report) {
     any = true;
     std::vector<std::string> row{number, region_text(edge.roi), fixed(edge.angle_deg.value, 2),
                                  shown(in_unit(edge.mtf50, measured.scale))};
-    for (const auto& frequency : measured.at_contrasts) row.push_back(shown(in_unit(frequency, measured.scale)));
+    for (const double contrast : report.contrasts)
+      row.push_back(shown(at_contrast(measured, contrast, report.further)));
     for (const auto& merit : {edge.nyquist, edge.fwhm_px, edge.rer}) row.push_back(shown(merit));
     row.push_back(std::isfinite(edge.cnr) ? significant(edge.cnr, 3) : "-");
     row.push_back(std::isfinite(edge.length_px) ? fixed(edge.length_px, 0) : "-");
@@ -205,7 +206,7 @@ std::string measure_table(const MeasureReport& report) {
 
 std::string measure_csv(const MeasureReport& report) {
   std::string text = "edge,image,channel,name,x,y,width,height,outcome,angle_deg";
-  for (const std::string& name : merit_names(report.contrasts)) text += "," + name + "," + name + "_sd";
+  for (const std::string& name : merit_names(report.further)) text += "," + name + "," + name + "_sd";
   text +=
       ",cnr,length_px,sagitta_px,order,oversampling,chi2_per_dof,missing_pixels,field_x_px,field_y_px,field_radius_px,"
       "direction,encoding,reason,warnings,frequency_unit" +
@@ -237,7 +238,7 @@ std::string measure_csv(const MeasureReport& report) {
 std::string measure_json(const MeasureReport& report) {
   Json json{
       {"version", mtf::version}, {"method", report.method}, {"unit", unit_name(report.unit)}, {"edges", Json::array()}};
-  const std::vector<std::string> names = merit_names(report.contrasts);
+  const std::vector<std::string> names = merit_names(report.further);
   for (const MeasuredEdge& edge : report.edges) json["edges"].push_back(as_json(edge, names));
   json["left_out"] = Json::array();
   for (const LeftOutEdges& left : report.left_out)

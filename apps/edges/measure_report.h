@@ -41,7 +41,7 @@ struct MeasuredEdge {
   calib::EdgeMeasurement edge;
   FieldPlace place;
   FrequencyScale scale{};                                      ///< unit of the frequencies that are shown
-  std::vector<std::optional<calib::Estimate>> at_contrasts{};  ///< cycles per pixel, of MeasureReport::contrasts
+  std::vector<std::optional<calib::Estimate>> at_contrasts{};  ///< cycles per pixel, of MeasureReport::further
   std::optional<MethodComparison> standard{};                  ///< where both methods were asked for
 };
 
@@ -62,7 +62,8 @@ struct MeasureReport {
   std::vector<LeftOutEdges> left_out;
   std::vector<FailedImage> failed;
   FrequencyUnit unit = FrequencyUnit::cy_px;
-  std::vector<double> contrasts{};  ///< whose frequencies were asked for besides those of every edge
+  std::vector<double> contrasts{};  ///< whose frequencies were asked for
+  std::vector<double> further{};    ///< those of them that are no figures of every edge
 };
 
 std::string measure_table(const MeasureReport& report);

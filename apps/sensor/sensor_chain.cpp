@@ -12,8 +12,8 @@
 #include "mtf/io/csv/spectrum_csv.h"
 #include "mtf/io/csv/tape7.h"
 #include "mtf/io/image_io.h"
-#include "mtf/survey/statistics.h"
 #include "radiometry/light/band_response.h"
+#include "radiometry/stages/noise/fixed_pattern.h"
 
 namespace apps {
 namespace {
@@ -58,10 +58,8 @@ std::shared_ptr<const mtf::Image> map_of(const std::string& file, const char* ke
     if (image.planes.size() != 1)
       throw mtf::UsageError(file + ": has " + std::to_string(image.planes.size()) + " channels; a map has one");
     if (image.integer) throw mtf::UsageError(file + ": holds whole numbers; a map is a float image (EXR)");
-    if (!mtf::all_finite(image.planes.front().view()))
-      throw mtf::UsageError(file + ": holds NaN or infinite values; a map has a number for every pixel");
-    if (factors && mtf::statistics(image.planes.front().view()).min < 0.0)
-      throw mtf::UsageError(file + ": holds factors below 0");
+    radiometry::require_numbers(file, image.planes.front().view(),
+                                factors ? 0.0F : std::numeric_limits<float>::lowest());
     return std::make_shared<const mtf::Image>(std::move(image.planes.front()));
   });
 }

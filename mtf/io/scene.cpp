@@ -41,9 +41,7 @@ double um_from_m(double value_m) {
 
 SampleGrid grid_of(const SensorConfig& config, const ImageFile& file, const std::string& path) {
   const SampleGrid size{file.info.width, file.info.height, 0.0, 0.0};
-  if (const auto found = file.info.attributes.find("mtf:pixelPitch"); found != file.info.attributes.end())
-    if (const auto pitch = two_numbers(found->second); pitch && (*pitch)[0] > 0.0 && (*pitch)[1] > 0.0)
-      return {size.width, size.height, um_from_m((*pitch)[0]), um_from_m((*pitch)[1])};
+  if (const auto pitch = stated_pitch_um(file.info)) return {size.width, size.height, (*pitch)[0], (*pitch)[1]};
   if (config.scene.sample_x_um && config.scene.sample_y_um)
     return {size.width, size.height, *config.scene.sample_x_um, *config.scene.sample_y_um};
   throw UsageError(path +
@@ -117,6 +115,14 @@ std::string first_outside(const Encoding& encoding, ImageView<const float> image
 }
 
 }  // namespace
+
+std::optional<std::array<double, 2>> stated_pitch_um(const FileInfo& info) {
+  const auto found = info.attributes.find("mtf:pixelPitch");
+  if (found == info.attributes.end()) return std::nullopt;
+  const auto pitch_m = two_numbers(found->second);
+  if (!pitch_m || !((*pitch_m)[0] > 0.0 && (*pitch_m)[1] > 0.0)) return std::nullopt;
+  return std::array{um_from_m((*pitch_m)[0]), um_from_m((*pitch_m)[1])};
+}
 
 std::int64_t make_physical(const Scene& scene, ImageView<float> image) {
   const std::int64_t outside = decode(scene.encoding.encoding, image, full_scale(scene.info));

@@ -3,6 +3,8 @@
 
 // A scene file together with [scene] of the sensor file: planes of physical values on a known sample grid.
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +27,9 @@ struct Scene {
   /// Samples that the table of the encoding does not cover and that are NaN in `planes`, as a sentence; "" for none.
   std::string undecoded;
 };
+
+/// The spacing of the samples along x and y at the focal plane that a file states (attribute mtf:pixelPitch), if any.
+std::optional<std::array<double, 2>> stated_pitch_um(const FileInfo& info);
 
 /// Reads `path`. The sample spacing comes from the file (attribute mtf:pixelPitch) or [scene]; integer files need gain,
 /// offset and quantity, float TIFF needs quantity, PNG and TIFF that say that their values follow a curve need

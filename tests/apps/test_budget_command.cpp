@@ -146,6 +146,10 @@ TEST_F(BudgetCommand, RefusalsOfTheChainHaveTheirLine) {
   write_flat(scratch / "small.exr", 1.0F);
   expect_refused("mtf simulate s.toml t300.exr -o out.exr",
                  {"s.toml:26:1: error: nonuniformity.responsivity: the map has 64x48 pixels, the detector 32x24"});
+  sensor("[nonuniformity]\nresponsivity = \"below.exr\"\n");
+  write_flat(scratch / "below.exr", -0.5F);
+  expect_refused("mtf config check s.toml",
+                 {"responsivity: ", "below.exr has -0.5 at pixel 0, 0; factors are 0 or above"});
   sensor("[nonuniformity]\nresponsivity = \"none.exr\"\n");
   expect_refused("mtf budget s.toml", {"s.toml:26:1: error: nonuniformity.responsivity: cannot read"}, 1);
 }

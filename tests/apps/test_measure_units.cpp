@@ -159,6 +159,41 @@ TEST_F(UnitsOfMeasure, ContrastsThatWereAskedFor) {
     EXPECT_NE(refusal(std::string("--contrast-level ") + wrong).find("between 0 and 1"), std::string::npos) << wrong;
 }
 
+// A contrast that is a figure of every edge in JSON and CSV has its column in the tables too.
+TEST_F(UnitsOfMeasure, AContrastThatEveryEdgeHasStandsInTheTables) {
+  const Json edge = json("").at("edges")[0];
+  const Result table =
+      scratch.run("mtf measure edge.exr --contrast-level 0.2 --contrast-level 0.35 --contrast-level 0.5 --table t.csv");
+  EXPECT_NE(table.out.find("MTF50 [cy/px]"), std::string::npos);
+  EXPECT_NE(table.out.find("MTF20 [cy/px]"), std::string::npos) << table.out;
+  EXPECT_EQ(table.out.find("MTF50 [cy/px]"), table.out.rfind("MTF50 [cy/px]")) << table.out;
+  std::istringstream csv(read_file(scratch / "t.csv"));
+  std::string head, line;
+  std::getline(csv, head);
+  std::getline(csv, line);
+  const std::vector<std::string> names = cells(head), values = cells(line);
+  ASSERT_EQ(names.size(), 6U + 3U * 4U + 2U) << head;
+  for (const char* figure : {"mtf50", "mtf20"})
+    for (const char* kind : {"_best", "_median"}) {
+      const auto at = std::find(names.begin(), names.end(), figure + std::string(kind));
+      ASSERT_NE(at, names.end()) << head;
+      EXPECT_NEAR(std::stod(values.at(static_cast<std::size_t>(at - names.begin()))),
+                  edge.at(figure).at("value").get<double>(), 1e-9)
+          << *at;
+    }
+}
+
+TEST_F(UnitsOfMeasure, APitchThatIsNotTheFilesIsRemarked) {
+  const mtf::Image image = made::make(made::Step::gaussian(0.3), {.noise_sd = 0.01});
+  mtf::io::Metadata stated;
+  stated.pairs["mtf:pixelPitch"] = {15e-6, 15e-6};
+  mtf::io::write_exr((scratch / "edge.exr").string(), {{"Y", image.view()}}, stated);
+  const std::string measure = "mtf measure edge.exr --unit cy/mm --pitch ";
+  EXPECT_EQ(scratch.run(measure + "15um").err, "");
+  const Result other = scratch.run(measure + "5um");
+  EXPECT_NE(other.err.find("edge.exr states samples of 15 x 15 um, --pitch says 5 um"), std::string::npos) << other.err;
+}
+
 TEST_F(UnitsOfMeasure, AContrastToWhichTheMtfDoesNotFallIsNull) {
   const mtf::Image image = made::make(made::Step::gaussian(0.75), {});
   mtf::io::write_exr((scratch / "edge.exr").string(), {{"Y", image.view()}}, {});
