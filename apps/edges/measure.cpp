@@ -10,6 +10,7 @@
 #include "apps/edges/edge_measure.h"
 #include "apps/edges/edge_merits.h"
 #include "apps/edges/image_table.h"
+#include "apps/edges/lateral_shift.h"
 #include "apps/edges/measure_report.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
@@ -126,6 +127,7 @@ int run_measure(const MeasureOptions& options, const Global& global) {
     progress.update("measuring", static_cast<double>(i) / static_cast<double>(images.size()));
     try {
       bool first = i == 0;
+      const std::size_t before = report.edges.size();
       for (const EdgePlane& plane : load_edge_planes(images[i], options.input)) {
         if (!plane.warning.empty()) note(global, "mtf: warning: " + plane.warning);
         for (const std::string& remark : plane.notes) note(global, "mtf: note: " + remark);
@@ -143,6 +145,7 @@ int run_measure(const MeasureOptions& options, const Global& global) {
         first = false;
         std::move(edges.begin(), edges.end(), std::back_inserter(report.edges));
       }
+      add_lateral_shifts(std::span(report.edges).subspan(before));
     } catch (const mtf::Error& error) {
       if (images.size() == 1) throw;
       report.failed.push_back({images[i], without_name(error.what(), images[i])});

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/edges/edge_merits.h"
+#include "apps/edges/lateral_shift.h"
 #include "apps/edges/method_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
@@ -102,6 +103,9 @@ Json as_json(const MeasuredEdge& measured, const std::vector<std::string>& names
     json["mtf"] = Json();
     return json;
   }
+  if (measured.shift)
+    json["lateral_shift"] = {
+        {"from", measured.shift->from}, {"value", measured.shift->px.value}, {"sd", measured.shift->px.sd}};
   json["angle_sd_deg"] = edge.angle_deg.sd;
   json["edge"] = geometry(edge);
   json["position_px"] = {edge.curve.origin.x, edge.curve.origin.y};
@@ -196,7 +200,8 @@ std::string measure_table(const MeasureReport& report) {
     text += "\nMTF and frequencies along the normal of the edge, in " +
             (pixels ? "cycles per pixel" : std::string(unit_name(report.unit))) + "; " +
             (report.method == "iso12233" ? "" : "+- is one standard deviation; ") + "method " +
-            (report.method == "both" ? "regression" : report.method) + "\n" + comparison_table(report);
+            (report.method == "both" ? "regression" : report.method) + "\n" + comparison_table(report) +
+            lateral_shift_table(report);
   for (const FailedImage& failed : report.failed) {
     const bool named = failed.reason.find(one_line(failed.image)) != std::string::npos;
     notes += (named ? "" : one_line(failed.image) + ": ") + failed.reason + "\n";
@@ -210,7 +215,7 @@ std::string measure_csv(const MeasureReport& report) {
   text +=
       ",cnr,length_px,sagitta_px,order,oversampling,chi2_per_dof,missing_pixels,field_x_px,field_y_px,field_radius_px,"
       "direction,encoding,reason,warnings,frequency_unit" +
-      comparison_header(report) + "\n";
+      comparison_header(report) + lateral_shift_header(report) + "\n";
   std::size_t number = 0;
   for (const MeasuredEdge& measured : report.edges) {
     const EdgeMeasurement& edge = measured.edge;
@@ -230,7 +235,8 @@ std::string measure_csv(const MeasureReport& report) {
       text += ",,,,,,,,,,";
     text += "," + measured.place.direction + "," + csv_field(measured.linearisation.encoding) + "," +
             csv_field(reason_of(edge)) + "," + csv_field(joined(edge.warnings)) + "," +
-            std::string(unit_symbol(report.unit)) + comparison_columns(measured) + "\n";
+            std::string(unit_symbol(report.unit)) + comparison_columns(measured) +
+            lateral_shift_columns(report, measured) + "\n";
   }
   return text;
 }

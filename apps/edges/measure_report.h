@@ -34,6 +34,12 @@ struct MethodComparison {
   std::optional<calib::Iso12233Difference> difference;
 };
 
+/// From the same edge in another plane of the image, along the normal (apps/edges/lateral_shift.h).
+struct LateralShift {
+  std::string from;    ///< the other plane
+  calib::Estimate px;  ///< positive along the normal that angle_deg gives
+};
+
 struct MeasuredEdge {
   std::string image, channel, name;
   Linearisation linearisation;
@@ -43,6 +49,7 @@ struct MeasuredEdge {
   FrequencyScale scale{};                                      ///< unit of the frequencies that are shown
   std::vector<std::optional<calib::Estimate>> at_contrasts{};  ///< cycles per pixel, of MeasureReport::further
   std::optional<MethodComparison> standard{};                  ///< where both methods were asked for
+  std::optional<LateralShift> shift{};                         ///< where another plane has the same edge
 };
 
 /// An image that could not be used at all.

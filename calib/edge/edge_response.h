@@ -11,6 +11,7 @@
 // and changes of the response that are no more than a change of the location do not count as its noise.
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -30,6 +31,7 @@ class EdgeResponse {
   };
   /// From where the joint fit's equations were taken to the location, towards the bright side.
   double shift_px() const { return shift_px_; }
+  double shift_sd_px() const { return std::sqrt(std::max(0.0, shift_variance_)); }
   Otf otf(double f_cy_px) const;
   /// At 0, step .. (count - 1) step.
   std::vector<Otf> otfs(double step_cy_px, std::size_t count) const;

@@ -96,6 +96,7 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   move(found, movement(joint, response.shift_px()));
   describe_plateaus(found, fit.state.noise, region, out);
   describe_geometry(found, joint, region, out);
+  out.location_sd_px = response.shift_sd_px();
   out.chi2_per_dof = joint.chi2_per_dof;
   fitted.facts.outliers += static_cast<std::size_t>(region.wild);
   out.warnings = warnings_of(fitted.facts, out, options.sparse);

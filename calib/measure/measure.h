@@ -67,6 +67,9 @@ struct EdgeMeasurement {
   std::vector<std::string> warnings;  ///< what to be careful with, though there is a result
 
   EdgeCurve curve;
+  /// Of the curve across the edge, at its origin. The curve runs where the phase of the OTF, weighted by frequency and
+  /// modulus, is least: a displaced edge is displaced by just that. Absent where a method does not know it.
+  std::optional<double> location_sd_px;
   Estimate angle_deg;               ///< of the normal, in (-90, 90]
   double length_px = 0.0;           ///< of the edge inside the region
   double sagitta_px = 0.0;          ///< largest distance of the curve from its chord
