@@ -46,6 +46,22 @@ TEST(Demo, KeepsWhatIsThere) {
   EXPECT_EQ(scratch.run("mtf demo -o no/such/folder").status, 1);
 }
 
+TEST(Demo, WhereTheDiskIsFullNothingIsLeft) {
+  const Scratch scratch;
+  const std::string full = "ulimit -f 64; ";  // no file above 32 KiB: sensor.toml is written, scene.exr is not
+  const Result fresh = scratch.run(full + "mtf demo -o d");
+  EXPECT_EQ(fresh.status, 1);
+  EXPECT_EQ(lines(fresh.err), 1U) << fresh.err;
+  EXPECT_NE(fresh.err.find("d/scene.exr"), std::string::npos) << fresh.err;
+  EXPECT_FALSE(fs::exists(scratch / "d"));
+
+  fs::create_directory(scratch / "d");
+  write_file(scratch / "d/mine", "precious");
+  EXPECT_EQ(scratch.run(full + "mtf demo -o d --force").status, 1);
+  EXPECT_EQ(scratch.run("ls -A d").out, "mine\n");
+  EXPECT_EQ(read_file(scratch / "d/mine"), "precious");
+}
+
 TEST(Demo, AToleranceBelowFloatIsRefusedWithTheOneToUse) {
   const Scratch scratch;
   const Result refused = scratch.run("mtf demo -o d --tolerance 1e-12");
