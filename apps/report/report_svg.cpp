@@ -213,7 +213,10 @@ std::string svg_bars(const std::string& title, const std::string& x_label, std::
     range.take(bar.value - bar.spread, false);
     range.take(bar.value + bar.spread, false);
   }
-  constexpr double left = 250.0, row = 22.0;
+  constexpr double row = 22.0, character = 7.2;  // its mean width in the type of labels
+  std::size_t longest = 0;
+  for (const Bar& bar : bars) longest = std::max(longest, bar.label.size());
+  const double left = std::clamp(20.0 + character * static_cast<double>(longest), 100.0, 400.0);
   const double bottom = kTop + row * static_cast<double>(bars.size()), height = bottom + kBottom;
   const Scale x(range.lo, range.hi, left, kWidth - 70.0, false);
   std::string svg = open(title, height);

@@ -115,6 +115,18 @@ async function checkValues(page, folder) {
   return { header, rows, data };
 }
 
+// No text of a chart reaches beyond the chart, where it would be cut off.
+async function checkText(page) {
+  const cut = await page.evaluate(() => [...document.querySelectorAll(".view svg")].flatMap((svg) => {
+    const around = svg.getBoundingClientRect();
+    return [...svg.querySelectorAll("text")].filter((text) => {
+      const box = text.getBoundingClientRect();
+      return box.width > 0 && (box.left < around.left - 1 || box.right > around.right + 1 || box.top < around.top - 1 || box.bottom > around.bottom + 1);
+    }).map((text) => text.textContent);
+  }));
+  assert.deepEqual(cut, []);
+}
+
 // Filters by keyboard, picking a design, other columns, the other theme.
 async function checkInteraction(page, { header, rows, data }) {
   const feasible = header.indexOf("feasible");
@@ -202,6 +214,7 @@ try {
       paint: Math.round(performance.getEntriesByName("first-contentful-paint")[0]?.startTime ?? NaN) }));
     console.log(`${kind} ${points}: ${size} bytes, first paint ${times.paint} ms, designs drawn ${times.first} ms, all charts ${times.all} ms`);
     await checkCharts(page, chartIds.filter((id) => !missing.includes(id)));
+    await checkText(page);
     const values = await checkValues(page, folder);
     if (kind === "sobol" && points < 1000) await checkMapLegend(page, values);
     if (kind === "grid") await checkInteraction(page, values);
@@ -228,6 +241,7 @@ try {
   const { page } = await openPage(still, join(options.work, "grid400", "report.html"));
   assert.ok(await page.locator("svg.static").count() >= 6);
   assert.ok(await page.locator("svg.static").first().isVisible());
+  await checkText(page);
   assert.equal(await page.locator("body").evaluate((body) => getComputedStyle(body).backgroundColor), "rgb(20, 24, 29)");
 } finally {
   await browser.close();

@@ -103,7 +103,7 @@ const extremes = new Map(filterColumns.filter((column) => !column.discrete).map(
   return [column.index, { low, high, down: objective !== undefined && !objective.maximize, objective }];
 }));
 
-const parallelColumns = filterColumns.filter((column) => extremes.get(column.index)?.high > extremes.get(column.index)?.low).slice(0, 9);
+const parallelColumns = filterColumns.filter((column) => extremes.get(column.index)?.high > extremes.get(column.index)?.low);
 
 // A long name of words joined by underscores, broken near its middle; a short one stands on the second line.
 function twoLines(name) {
@@ -114,25 +114,26 @@ function twoLines(name) {
 }
 
 function parallelSpec(visible) {
+  const across = parallelColumns.slice(0, Math.max(2, columnsIn("parallel", 114, 9)));
   const always = visible.filter((row) => row.chosen);
   const others = visible.filter((row) => !row.chosen);
   const step = Math.max(1, Math.ceil(others.length / mostLines));
   const lines = [];
   for (const row of [...others.filter((_, i) => i % step === 0), ...always])
-    for (const [place, column] of parallelColumns.entries()) {
+    for (const [place, column] of across.entries()) {
       const { low, high, down } = extremes.get(column.index);
       const value = row[column.field];
       if (typeof value !== "number") continue;
       const share = high > low ? (value - low) / (high - low) : 0.5;
       lines.push({ design: row.design, place, share: down ? 1 - share : share, kind: row.chosen ? `design ${row.design}` : row.front ? "Pareto front" : row.feasible ? "feasible" : "not feasible", name: column.label, value });
     }
-  const ends = parallelColumns.map((column, place) => {
+  const ends = across.map((column, place) => {
     const { low, high, down, objective } = extremes.get(column.index);
     return { place, name: twoLines(column.name.replace(/^[a-z_]\w*\.(?=[a-z_]\w*$)/i, "")), unit: column.unit, top: shown(down ? low : high), bottom: shown(down ? high : low), wanted: objective ? (down ? "small is wanted" : "large is wanted") : "" };
   });
   const kinds = ["not feasible", "feasible", "Pareto front", ...always.map((row) => `design ${row.design}`)];
   const colours = [colourOf("--rule"), colourOf("--s7"), colourOf("--ink"), ...always.map((row) => designColour(row.design))];
-  const x = { field: "place", type: "quantitative", axis: null, scale: { domain: [-0.35, parallelColumns.length - 0.65] } };
+  const x = { field: "place", type: "quantitative", axis: null, scale: { domain: [-0.35, across.length - 0.65] } };
   const words = (field, y, dy, more = {}) => ({ data: { name: "ends" }, mark: { type: "text", dy, fontSize: 11, color: colourOf("--soft"), limit: 100, ...more },
     encoding: { x, y: { datum: y, axis: null }, text: { field } } });
   return {
@@ -143,7 +144,7 @@ function parallelSpec(visible) {
       { data: { name: "lines" }, params: [{ name: "hover", select: { type: "point", fields: ["design"], on: "pointerover", clear: "pointerout" } }],
         mark: { type: "line", strokeJoin: "round" },
         encoding: { x, y: { field: "share", type: "quantitative", axis: null, scale: { domain: [0, 1] } }, detail: { field: "design" },
-          color: { field: "kind", type: "nominal", scale: { domain: kinds, range: colours }, legend: { title: null, orient: "bottom", columns: 6, symbolType: "stroke", symbolStrokeWidth: 3 } },
+          color: { field: "kind", type: "nominal", scale: { domain: kinds, range: colours }, legend: { title: null, orient: "bottom", columns: columnsIn("parallel", 120, 6), symbolType: "stroke", symbolStrokeWidth: 3 } },
           strokeWidth: { condition: [{ param: "hover", empty: false, value: 3 }, { test: "indexof(datum.kind, 'design ') === 0", value: 2.6 }], value: 1 },
           opacity: { condition: [{ param: "hover", empty: false, value: 1 }, { test: "indexof(datum.kind, 'design ') === 0", value: 1 }, { test: "datum.kind === 'not feasible'", value: 0.35 }], value: 0.5 },
           tooltip: [{ field: "design" }, { field: "kind" }] } },
