@@ -35,8 +35,9 @@ std::string terminal(Medium medium, int columns, int rows, int panels, bool maps
   switch (medium) {
     case Medium::svg:
       return "svg size " + wide(960) + ",560 noenhanced font 'DejaVu Sans,Arial,sans-serif,15' background '#ffffff'";
-    case Medium::pdf:
-      return "pdfcairo size " + wide(20) + "cm,11.7cm noenhanced font 'DejaVu Sans,11' background '#ffffff'";
+    case Medium::pdf:  // in a PDF gnuplot halves the size of type unless told otherwise
+      return "pdfcairo size " + wide(20) +
+             "cm,11.7cm noenhanced fontscale 0.8 font 'DejaVu Sans,11' background '#ffffff'";
     case Medium::png:
       return "pngcairo size " + wide(1200) + ",700 noenhanced font 'DejaVu Sans,14' background '#ffffff'";
     case Medium::characters:
