@@ -18,6 +18,7 @@
 #include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "apps/terminal/write_together.h"
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
@@ -177,8 +178,14 @@ int run_bench(const BenchOptions& options, const Global& global) {
     time_all(results, options, seconds, progress, report);
   }
   for (const std::string& text : report.notes) note(global, "note: " + one_line(text));
-  prepare_folder(folder, options.force);
-  const std::string written = write_results(folder, report, global);
+  std::vector<std::string> outputs{folder.string()};
+  for (const char* name : {"bench.csv", "bench.json", "bench.svg", "bench.png"})
+    outputs.push_back((folder / name).string());
+  std::string written;
+  write_together(outputs, [&] {
+    prepare_folder(folder, options.force);
+    written = write_results(folder, report, global);
+  });
   print(options.format == Format::json ? bench_json(report)
         : options.format == Format::csv
             ? bench_csv(report)

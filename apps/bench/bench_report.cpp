@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "apps/bench/bench_rivals.h"
 #include "apps/bench/machine.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
@@ -151,26 +152,25 @@ std::optional<Figure> bench_figure(const BenchReport& report) {
                  size_text({report.job->in.width, report.job->in.height}) + " samples to " +
                  size_text({report.job->out.width, report.job->out.height}) + " pixels";
   figure.x_label = "time of one image [ms], minimum of interleaved runs";
-  figure.y_label = "realised rms error / std of the scene";
+  figure.y_label = "realised rms error [std of the scene]";
   figure.log_x = figure.log_y = true;
   figure.series.push_back(pareto_front(report.rows));
   if (figure.series.front().x.empty()) return std::nullopt;
-  std::vector<std::string> methods;
-  for (const BenchRow& row : report.rows)
-    if (row.time && std::find(methods.begin(), methods.end(), row.method) == methods.end())
-      methods.push_back(row.method);
   Series chosen{"chosen by the plan", {}, {}, true, Mark::large_points};
-  for (const std::string& method : methods) {
-    Series series{method, {}, {}, false, Mark::points};
+  // All methods in one order, present or not, so that each has the same symbol in every chart.
+  std::vector<std::string_view> methods(mtf::kMethodNames.begin(), mtf::kMethodNames.end());
+  methods.insert(methods.end(), kRivalNames.begin(), kRivalNames.end());
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    Series series{.name = std::string(methods[i]), .x = {}, .y = {}, .mark = Mark::points, .style = i};
     for (const BenchRow& row : report.rows) {
-      if (row.method != method || !row.time) continue;
+      if (row.method != methods[i] || !row.time) continue;
       series.x.push_back(row.time->min_ms);
       series.y.push_back(*row.rms_error);
       if (!row.chosen) continue;
       chosen.x.push_back(row.time->min_ms);
       chosen.y.push_back(*row.rms_error);
     }
-    figure.series.push_back(std::move(series));
+    if (!series.x.empty()) figure.series.push_back(std::move(series));
   }
   figure.series.push_back(std::move(chosen));
   double low = figure.series.front().x.front(), high = low;

@@ -152,7 +152,7 @@ Rivals::Trial Rivals::make(Method method, std::int64_t extent) const {
   job.stride_y = y_.stride;
   Contender contender;
   const std::string size = std::to_string(job.kernel_width) + " x " + std::to_string(job.kernel_height);
-  contender.method = method == Method::dft ? "opencv_dft" : method == Method::sep ? "opencv_sep" : "opencv_filter2d";
+  contender.method = kRivalNames[static_cast<std::size_t>(method)];
   contender.detail = method == Method::dft ? "padded to " + size : size + " taps";
   contender.size = {job.width, job.height};
   const std::int64_t image = job.width * job.height, kernel = job.kernel_width * job.kernel_height;

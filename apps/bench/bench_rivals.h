@@ -5,14 +5,19 @@
 // filter2D with the kernel cut to the smallest size that is exact enough, sepFilter2D where the kernel factors; then,
 // for scenes finer than the pitch, picking the detector's samples.
 
+#include <array>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/bench/bench_job.h"
 #include "mtf/io/codecs/opencv_filters.h"
 
 namespace apps {
+
+/// Names of the methods, in the order of mtf::io::OpenCvJob::Method.
+inline constexpr std::array<std::string_view, 3> kRivalNames{"opencv_dft", "opencv_filter2d", "opencv_sep"};
 
 class Rivals {
  public:

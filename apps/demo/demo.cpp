@@ -4,6 +4,7 @@
 // targets in the simulated image against the analytic MTF.
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -12,12 +13,14 @@
 #include "apps/demo/demo_scene.h"
 #include "apps/demo/demo_thermal.h"
 #include "apps/figures/curve_figure.h"
+#include "apps/figures/picture.h"
 #include "apps/figures/plot.h"
 #include "apps/options.h"
 #include "apps/simulate/sensor_image.h"
 #include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "apps/terminal/write_together.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/survey/scene_spectrum.h"
@@ -33,6 +36,12 @@ constexpr double kPass = 1e-4;  // the default tolerance: what the plan promises
 // Half cycles over the frame of 3.84 mm: 3.9 to 57 cy/mm; Nyquist is 256. No two have the same alias.
 const std::vector<int> kTargets{30, 60, 90, 120, 150, 170, 190, 210, 225, 240, 250, 280, 310, 340, 390, 440};
 
+constexpr std::array kFiles{"sensor.toml", "scene.exr",          "sensor.exr",  "preview.png", "mtf.csv",
+                            "targets.exr", "targets_sensor.exr", "targets.png", "edge.exr",    "fit.toml",
+                            "thermal.exr", "camera.toml",        "camera.exr",  "thermal.png", "mtf.svg",
+                            "mtf.png"};
+constexpr std::size_t kFigures = 2;  // the last ones, by gnuplot
+
 mtf::io::Metadata scene_metadata(const mtf::SampleGrid& grid) {
   mtf::io::Metadata m;
   m.text["mtf:quantity"] = mtf::io::quantity_name(mtf::io::Quantity::radiance);
@@ -42,28 +51,33 @@ mtf::io::Metadata scene_metadata(const mtf::SampleGrid& grid) {
   return m;
 }
 
-/// Scene and sensor image at one size, side by side; each detector pixel becomes a square.
-mtf::Image side_by_side(const mtf::Image& scene, const mtf::Image& sensor) {
-  const std::int64_t ratio = scene.width() / sensor.width(), gap = 16;
-  mtf::Image pair(2 * scene.width() + gap, scene.height());
-  for (std::int64_t y = 0; y < scene.height(); ++y) {
-    for (std::int64_t x = 0; x < scene.width(); ++x) {
-      pair.at(x, y) = scene.at(x, y);
-      pair.at(scene.width() + gap + x, y) = sensor.at(x / ratio, y / ratio);
-    }
-    for (std::int64_t x = 0; x < gap; ++x) pair.at(scene.width() + x, y) = scene.at(0, 0);
-  }
-  return pair;
+std::string size_text(const mtf::Image& image) {
+  return std::to_string(image.width()) + " x " + std::to_string(image.height());
 }
 
-/// The image on a scale of its own: 0 the mean, 1 a standard deviation.
-mtf::Image alike(mtf::ImageView<const float> image) {
-  const mtf::Statistics s = mtf::statistics(image);
-  mtf::Image scaled(image.width, image.height);
-  for (std::int64_t y = 0; y < image.height; ++y)
-    for (std::int64_t x = 0; x < image.width; ++x)
-      scaled.at(x, y) = static_cast<float>((static_cast<double>(image.at(x, y)) - s.mean) / s.std);
-  return scaled;
+/// How many samples of the scene a pixel is wide.
+int zoom_to(const mtf::Image& scene, const mtf::Image& image) {
+  return static_cast<int>(scene.width() / image.width());
+}
+
+/// The range of the scene, for both panels, so that the loss of contrast shows.
+void write_radiance_picture(const std::string& path, const std::string& what, const mtf::Image& scene,
+                            const mtf::Image& sensor) {
+  const mtf::Statistics s = mtf::statistics(scene.view());
+  const std::string quantity = "radiance [" + std::string(mtf::io::quantity_unit(mtf::io::Quantity::radiance)) + "]";
+  const Panel left{what + ", " + size_text(scene) + " samples", scene.view(), 1, s.min, s.max, quantity};
+  const Panel right{
+      "sensor image, " + size_text(sensor) + " pixels", sensor.view(), zoom_to(scene, sensor), s.min, s.max, quantity};
+  write_picture(path, std::array{left, right});
+}
+
+/// Temperatures and counts, each between its smallest and largest value.
+void write_thermal_picture(const std::string& path, const mtf::Image& scene, const mtf::Image& counts) {
+  const mtf::Statistics s = mtf::statistics(scene.view()), c = mtf::statistics(counts.view());
+  write_picture(path, std::array{Panel{"scene, " + size_text(scene) + " samples", scene.view(), 1, s.min, s.max,
+                                       "temperature [K]"},
+                                 Panel{"camera image with noise, " + size_text(counts) + " pixels", counts.view(),
+                                       zoom_to(scene, counts), c.min, c.max, "counts"}});
 }
 
 struct Target {
@@ -93,9 +107,12 @@ std::string target_table(const std::vector<Target>& targets, double nyquist, dou
   return table.aligned({Align::right, Align::right, Align::right, Align::right});
 }
 
-}  // namespace
+struct DemoResult {
+  std::string text;
+  bool pass = false;
+};
 
-int run_demo(const DemoOptions& options, const Global& global) {
+DemoResult make_demo(const DemoOptions& options, const Global& global) {
   const mtf::io::SensorConfig config = mtf::io::parse_config(mtf::io::starter_config(), "sensor.toml").config;
   const mtf::System<double>& system = config.system;
   const mtf::SampleGrid grid{kSize, kSize, config.scene.sample_x_um.value(), config.scene.sample_y_um.value()};
@@ -138,14 +155,11 @@ int run_demo(const DemoOptions& options, const Global& global) {
   const mtf::Image edge = demo_edge(config, global.threads);
   mtf::io::write_exr(path("edge.exr"), {{"Y", edge.view()}}, scene_metadata(plan.out()));
   mtf::io::write_text_file(path("fit.toml"), demo_fit_config(config));
-  const mtf::Statistics s = mtf::statistics(landscape.view());
-  const double low = s.mean - 1.7 * s.std, high = s.mean + 2.3 * s.std;
-  mtf::io::write_preview_png(path("preview.png"), {{"Y", side_by_side(landscape, images[0]).view()}}, low, high);
+  write_radiance_picture(path("preview.png"), "scene", landscape, images[0]);
+  write_radiance_picture(path("targets.png"), "sine targets", targets, images[1]);
   mtf::Image temperatures, counts;
   const std::string thermal = demo_thermal(folder, landscape, grid.step_x_um, global.threads, temperatures, counts);
-  mtf::io::write_preview_png(path("thermal.png"),
-                             {{"Y", side_by_side(alike(temperatures.view()), alike(counts.view())).view()}}, -1.7, 2.3);
-  mtf::io::write_preview_png(path("targets.png"), {{"Y", side_by_side(targets, images[1]).view()}}, 3.0, 5.0);
+  write_thermal_picture(path("thermal.png"), temperatures, counts);
 
   std::vector<double> frequency;
   for (int i = 0; i <= 130; ++i) frequency.push_back(i);
@@ -153,11 +167,10 @@ int run_demo(const DemoOptions& options, const Global& global) {
   const Figure figure = curve_figure(curves);
   const std::vector<Target> results = measure_targets(system, targets, images[1], grid.step_x_um);
   mtf::io::write_text_file(path("mtf.csv"), figure_csv(figure));
-  if (!draw_figure(path("mtf.svg"), figure))
+  const bool drawn = draw_figure(path("mtf.svg"), figure) && draw_figure(path("mtf.png"), figure);
+  if (!drawn)
     note(global,
          "note: gnuplot is not installed; mtf.csv has the curves, the figures mtf.svg and mtf.png are left out");
-  else
-    draw_figure(path("mtf.png"), figure);
 
   double worst = 0.0;
   std::string text = "sensor    " + one_line(system.name) + "\n" + curve_footer(system, curves);
@@ -169,17 +182,27 @@ int run_demo(const DemoOptions& options, const Global& global) {
   const double allowed = std::max(kPass, plan_options.tolerance);
   const bool pass = worst <= allowed;
   text += std::string(pass ? "PASS" : "FAIL") + "  largest difference " + significant(worst, 2) + ", allowed " +
-          significant(allowed, 2) + "\n" + thermal + "\nwritten to " + one_line(folder.string()) +
-          "/: sensor.toml scene.exr sensor.exr preview.png mtf.svg mtf.png mtf.csv targets.exr targets_sensor.exr "
-          "targets.png edge.exr fit.toml thermal.exr camera.toml camera.exr thermal.png\nnext: edit " +
-          one_line(path("sensor.toml")) + ", then  mtf simulate " + shell_word(path("sensor.toml")) + " " +
-          shell_word(path("scene.exr")) + " -o out.exr\n";
+          significant(allowed, 2) + "\n" + thermal + "\nwritten to " + one_line(folder.string()) + "/:";
+  for (std::size_t i = 0; i < kFiles.size() - (drawn ? 0 : kFigures); ++i) text += std::string(" ") + kFiles[i];
+  text += "\nnext: edit " + one_line(path("sensor.toml")) + ", then  mtf simulate " + shell_word(path("sensor.toml")) +
+          " " + shell_word(path("scene.exr")) + " -o out.exr\n";
 #ifdef MTFKIT_HAVE_CALIB
   text += "      or  mtf measure " + shell_word(path("edge.exr")) + "  and  mtf fit " + shell_word(path("fit.toml")) +
           " " + shell_word(path("edge.exr")) + " -o fitted.toml\n";
 #endif
-  print(text);
-  return pass ? 0 : 3;
+  return {std::move(text), pass};
+}
+
+}  // namespace
+
+int run_demo(const DemoOptions& options, const Global& global) {
+  const fs::path folder = options.out;
+  std::vector<std::string> outputs{folder.string()};
+  for (const char* name : kFiles) outputs.push_back((folder / name).string());
+  DemoResult result;
+  write_together(outputs, [&] { result = make_demo(options, global); });
+  print(result.text);
+  return result.pass ? 0 : 3;
 }
 
 }  // namespace apps

@@ -67,8 +67,8 @@ void vehicle(Point p, double& l) {
   for (int w = 0; w < 6; ++w)
     if (in_disk(p, {0.385 + 0.05 * w, 0.677}, 0.021)) l = in_disk(p, {0.385 + 0.05 * w, 0.677}, 0.009) ? 3.7 : 4.9;
   if (in_trapezoid(p, 0.60, 0.65, 0.35, 0.67, 0.32, 0.70)) l = 4.3;
-  if (in_box(p, 0.59, 0.602, 0.665, 0.628)) l = 6.4 + 0.5 * std::sin(300.0 * p.x);
-  if (in_disk(p, {0.688, 0.622}, 0.012)) l = 9.0;
+  if (in_box(p, 0.59, 0.602, 0.665, 0.628)) l = 5.5 + 0.4 * std::sin(300.0 * p.x);
+  if (in_disk(p, {0.688, 0.622}, 0.012)) l = 6.0;
   if (in_trapezoid(p, 0.548, 0.60, 0.44, 0.55, 0.42, 0.58)) l = 4.1;
   if (in_box(p, 0.235, 0.566, 0.44, 0.574)) l = 4.0;
 }
@@ -92,7 +92,7 @@ double objects(Point p, double l) {
   if (p.y > 0.68) targets(p, l);
   if (p.y > 0.25) return l;
   for (const Point star : {Point{0.21, 0.13}, Point{0.62, 0.08}, Point{0.84, 0.22}})
-    if (in_disk(p, star, 0.0011)) l = 60.0;
+    if (in_disk(p, star, 0.0016)) l = 6.0;
   return l;
 }
 

@@ -11,8 +11,9 @@
 
 namespace apps {
 
-/// In-band radiance (W m-2 sr-1, 2 to 9 as in the MWIR) of a landscape with a vehicle, bar and star targets and point
-/// sources; edges are area-averaged over each sample.
+/// In-band radiance (W m-2 sr-1, 1.7 to 6 as in the MWIR) of a landscape with a vehicle, bar and star targets and
+/// point sources; edges are area-averaged over each sample. No highlight is far brighter than the rest, so that a
+/// picture can show all values and still has grey values left for the bars.
 mtf::Image demo_landscape(std::int64_t size);
 
 /// One strip a target over the full width: mean + amplitude cos(pi k (i + 1/2) / size), k = `half_cycles[strip]`.

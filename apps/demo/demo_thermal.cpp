@@ -82,6 +82,8 @@ std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& 
   mtf::io::write_text_file(path("camera.toml"), kCamera);
   const mtf::io::SensorConfig config = read_sensor_file(path("camera.toml"));
 
+  // So little contrast, as before sunrise, that the camera's noise is seen and nothing fills the wells.
+  constexpr double kMean_k = 288.0, kContrast_k = 0.5;
   const mtf::Statistics s = mtf::statistics(landscape.view());
   mtf::io::Scene thermal;
   thermal.names = {"Y"};
@@ -89,7 +91,7 @@ std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& 
   thermal.quantity = mtf::io::Quantity::temperature;
   thermal.planes.push_back(landscape.clone());
   for (float& v : std::span(thermal.planes[0].data(), static_cast<std::size_t>(landscape.size())))
-    v = static_cast<float>(288.0 + 5.0 * (static_cast<double>(v) - s.mean) / s.std);
+    v = static_cast<float>(kMean_k + kContrast_k * (static_cast<double>(v) - s.mean) / s.std);
   scene = thermal.planes[0].clone();
   mtf::io::Metadata metadata;
   metadata.text["mtf:quantity"] = "temperature";
@@ -103,7 +105,7 @@ std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& 
   image = std::move(simulated.planes.front());
   mtf::io::write_exr(path("camera.exr"), {{"Y", image.view()}}, simulated.metadata);
 
-  const radiometry::Budget<double> budget = budget_of(config.system, load_chain(config).sensor, 288.0);
+  const radiometry::Budget<double> budget = budget_of(config.system, load_chain(config).sensor, kMean_k);
   TextTable table({"at 288 K", "value", "", ""});
   for (const radiometry::BudgetRow& row : rows(budget))
     if (row.value != 0.0) table.add({row.name, significant(row.value, 5), row.unit, row.doc});

@@ -68,12 +68,10 @@ void write_figures_of(const MeasureOptions& options, const MeasureReport& report
   }
   if (!options.map.empty()) {
     const std::vector<Figure> map = field_map(report);
-    if (map.empty()) {
+    if (map.empty())
       note(global, "mtf: note: no edge has an MTF50: no map " + one_line(options.map));
-    } else {
-      mtf::io::write_text_file(figure_data_path(options.map), field_map_csv(report));
-      drawn(draw_figures(options.map, map), options.map);
-    }
+    else
+      drawn(write_figures(options.map, map, field_map_csv(report)), options.map);
   }
 }
 

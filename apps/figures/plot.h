@@ -23,6 +23,8 @@ struct Series {
   std::vector<double> low{}, high{};  ///< a band around the line, shaded; empty or of the same length
   std::vector<double> value{};        ///< colours of points, in Figure::colour_range; empty or of the same length
   std::vector<std::string> words{};   ///< next to points that have colours; empty or of the same length
+  /// Number of colour and shape, for what has to have the same ones in every figure; else the place among the series.
+  std::optional<std::size_t> style{};
 };
 
 struct VerticalLine {
@@ -49,16 +51,16 @@ std::string figure_data_path(const std::string& path);
 /// Throws UsageError unless the extension is .svg, .pdf or .png (any case).
 void check_figure_path(const std::string& path);
 
-/// Writes the data as CSV (17 digits) beside `path`, then the figure, each whole or not at all. False when there is no
-/// gnuplot: the CSV is there, the figure is not. Throws UsageError (extension) and RuntimeError.
+/// Writes the data as CSV (17 digits) beside `path`, then the figure, both or neither. False when there is no gnuplot:
+/// the CSV is there, the figure is not. Throws UsageError (extension) and RuntimeError.
 bool write_figure(const std::string& path, const Figure& figure);
 
-/// Several figures side by side in one file, one to four; the data have a column for the figure.
+/// Several figures side by side in one file, one to four; the data have a column for the figure, or are `data`.
 bool write_figures(const std::string& path, std::span<const Figure> figures);
+bool write_figures(const std::string& path, std::span<const Figure> figures, const std::string& data);
 
 /// The figure alone, for data that have a file of their own. False when there is no gnuplot.
 bool draw_figure(const std::string& path, const Figure& figure);
-bool draw_figures(const std::string& path, std::span<const Figure> figures);
 
 /// The figure in characters, or nothing when there is no gnuplot. Throws RuntimeError.
 std::optional<std::string> ascii_figure(const Figure& figure, int columns, int rows);

@@ -110,7 +110,8 @@ std::string images(const Chosen& chosen, const std::string& scene) {
                          "3 &micro;m sunlit ground.")
            : "The scene <code>" + html(scene) + "</code>, its middle part of the same angle for all.") +
       " Each is stretched between its own quantiles of 0.5 and 99.5 %, so contrast against noise can be compared, "
-      "brightness cannot. The OTF is kept to 0.2 %, half a grey value.</p>\n<div class=\"images\">";
+      "brightness cannot; values beyond these are clipped to black or white. The OTF is kept to 0.2 %, half a grey "
+      "value.</p>\n<div class=\"images\">";
   std::string gaps;
   for (const ChosenDesign& design : chosen) {
     const ChosenImage& image = design.image;
@@ -126,9 +127,10 @@ std::string images(const Chosen& chosen, const std::string& scene) {
     text += "<figure><img src=\"" + image.data_uri +
             "\" width=\"220\" height=\"220\" alt=\"simulated image of design " + number +
             "\"><figcaption><span class=\"key\" data-design=\"" + number + "\">" + number + "</span> " +
-            html(design.chosen.why) + "<br><small>" + std::to_string(image.width) + " &times; " +
-            std::to_string(image.height) + " px, " + significant(image.low, 4) + " to " + significant(image.high, 4) +
-            " " + html(image.unit) + notes + "</small></figcaption></figure>\n";
+            html(design.chosen.why) + "<br><span class=\"greys\"><span>&le; " + significant(image.low, 4) +
+            "</span><span>" + html(image.unit) + "</span><span>&ge; " + significant(image.high, 4) +
+            "</span></span><small>" + std::to_string(image.width) + " &times; " + std::to_string(image.height) + " px" +
+            notes + "</small></figcaption></figure>\n";
   }
   return text + "</div>\n" + gaps;
 }

@@ -45,7 +45,7 @@ class Scale {
       }
     if (log_) step = std::max(1.0, std::round(step));
     for (double k = std::ceil(lo_ / step - 1e-9); k * step <= hi_ + 1e-9 * step && values.size() < 20; k += 1.0)
-      values.push_back(log_ ? std::pow(10.0, k * step) : k * step);
+      values.push_back(log_ ? std::pow(10.0, k * step) : k * step + 0.0);  // + 0.0 makes 0 of -0
     return values;
   }
 
@@ -137,7 +137,10 @@ std::string points_of(const Series& series, const Scale& x, const Scale& y, cons
     const bool coloured = i < series.value.size() && std::isfinite(series.value[i]);
     svg += "<circle cx=\"" + px(x.at(series.x[i])) + "\" cy=\"" + px(y.at(series.y[i])) + "\" r=\"" +
            (series.mark == Mark::large_points ? "5" : "2.6") + "\" class=\"" + style + "\"" +
-           (coloured ? " style=\"fill:" + colour((series.value[i] - colours.lo) / span) + ";stroke:none\"" : "") + "/>";
+           (coloured ? " style=\"fill:" + colour((series.value[i] - colours.lo) / span) +
+                           ";fill-opacity:1;stroke:var(--soft);stroke-width:.4\""
+                     : "") +
+           "/>";
   }
   return svg;
 }
@@ -210,7 +213,10 @@ std::string svg_bars(const std::string& title, const std::string& x_label, std::
     range.take(bar.value - bar.spread, false);
     range.take(bar.value + bar.spread, false);
   }
-  constexpr double left = 250.0, row = 22.0;
+  constexpr double row = 22.0, character = 7.2;  // its mean width in the type of labels
+  std::size_t longest = 0;
+  for (const Bar& bar : bars) longest = std::max(longest, bar.label.size());
+  const double left = std::clamp(20.0 + character * static_cast<double>(longest), 100.0, 400.0);
   const double bottom = kTop + row * static_cast<double>(bars.size()), height = bottom + kBottom;
   const Scale x(range.lo, range.hi, left, kWidth - 70.0, false);
   std::string svg = open(title, height);
@@ -222,7 +228,8 @@ std::string svg_bars(const std::string& title, const std::string& x_label, std::
     if (std::isfinite(bar.value)) {
       const double a = std::min(x.at(0.0), x.at(bar.value)), b = std::max(x.at(0.0), x.at(bar.value));
       svg += "<rect class=\"bar\" x=\"" + px(a) + "\" y=\"" + px(y + 4) + "\" width=\"" + px(std::max(b - a, 0.5)) +
-             "\" height=\"14\"/>" + text(b + 6, y + 15, "tick", significant(bar.value, 3));
+             "\" height=\"14\"/>" +
+             text(std::max(b, x.at(bar.value + bar.spread)) + 6, y + 15, "tick", significant(bar.value, 3));
       if (bar.spread > 0.0)
         svg += line(x.at(bar.value - bar.spread), y + 11, x.at(bar.value + bar.spread), y + 11, "axis");
     }

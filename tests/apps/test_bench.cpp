@@ -138,6 +138,36 @@ TEST(Bench, FilesAndFormats) {
   EXPECT_TRUE(nlohmann::json::accept(as_json.out)) << as_json.out;
 }
 
+/// Shape and colour of a method in the legend of bench.svg, "" without the method.
+std::string symbol_of(const std::string& svg, const std::string& method) {
+  const std::size_t name = svg.find("<text>" + method + "</text>");
+  if (name == std::string::npos) return "";
+  const std::size_t shape = svg.find("#gpPt", name), colour = svg.find("color='rgb", shape);
+  return svg.substr(shape, svg.find('\'', shape) - shape) + " " + svg.substr(colour, svg.find(')', colour) - colour);
+}
+
+TEST(Bench, AMethodHasOneSymbolWhicheverOthersArePresent) {
+  const Scratch scratch;
+  if (scratch.run("command -v gnuplot").status != 0) GTEST_SKIP() << "no gnuplot";
+  write_bench_scene(scratch / "scene.exr", 60, 48);
+  std::vector<std::string> charts;
+  for (const std::string& stages : {kDiffraction, kSeparable}) {
+    write_bench_sensor(scratch / "sensor.toml", 2, "reflect", stages);
+    ASSERT_EQ(scratch.run("mtf bench sensor.toml scene.exr -o b --force" + kQuick).status, 0);
+    charts.push_back(read_file(scratch / "b/bench.svg"));
+  }
+  std::map<std::string, std::string> of;  // the methods of both charts, by symbol
+  for (const char* method : {"separable", "fft_float", "fft_cut", "fft_double", "opencv_dft", "opencv_filter2d"}) {
+    const std::string first = symbol_of(charts[0], method), second = symbol_of(charts[1], method);
+    if (first.empty() || second.empty()) continue;
+    EXPECT_EQ(first, second) << method;
+    EXPECT_TRUE(of.try_emplace(first, method).second) << method << " and " << of[first];
+  }
+  EXPECT_GE(of.size(), 2U);
+  EXPECT_NE(symbol_of(charts[0], "separable").empty(), symbol_of(charts[1], "separable").empty())
+      << "the charts are to differ in their methods";
+}
+
 TEST(Bench, WithoutGnuplotTheNumbersAreThere) {
   const Scratch scratch;
   scratch.add_sensor();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
 
@@ -44,6 +46,36 @@ TEST(Demo, KeepsWhatIsThere) {
   EXPECT_EQ(scratch.run("mtf demo -o d --force").status, 0);
   EXPECT_EQ(read_file(scratch / "d/mine"), "precious");
   EXPECT_EQ(scratch.run("mtf demo -o no/such/folder").status, 1);
+}
+
+TEST(Demo, WhereTheDiskIsFullNothingIsLeft) {
+  const Scratch scratch;
+  const std::string full = "ulimit -f 64; ";  // no file above 32 KiB: sensor.toml is written, scene.exr is not
+  const Result fresh = scratch.run(full + "mtf demo -o d");
+  EXPECT_EQ(fresh.status, 1);
+  EXPECT_EQ(lines(fresh.err), 1U) << fresh.err;
+  EXPECT_NE(fresh.err.find("d/scene.exr"), std::string::npos) << fresh.err;
+  EXPECT_FALSE(fs::exists(scratch / "d"));
+
+  fs::create_directory(scratch / "d");
+  write_file(scratch / "d/mine", "precious");
+  EXPECT_EQ(scratch.run(full + "mtf demo -o d --force").status, 1);
+  EXPECT_EQ(scratch.run("ls -A d").out, "mine\n");
+  EXPECT_EQ(read_file(scratch / "d/mine"), "precious");
+}
+
+TEST(Demo, WithoutGnuplotItNamesTheFilesThatAreThere) {
+  const Scratch scratch;
+  const Result demo = scratch.run("m=$(command -v mtf); PATH=/nonexistent $m demo -o d");
+  ASSERT_EQ(demo.status, 0) << demo.err;
+  EXPECT_NE(demo.err.find("gnuplot is not installed"), std::string::npos) << demo.err;
+  const std::size_t begin = demo.out.find("written to d/:"), end = demo.out.find('\n', begin);
+  ASSERT_NE(end, std::string::npos) << demo.out;
+  std::istringstream names(demo.out.substr(begin + 14, end - begin - 14));
+  std::size_t named = 0;
+  for (std::string name; names >> name; ++named) EXPECT_TRUE(fs::exists(scratch / "d" / name)) << name;
+  EXPECT_EQ(named, 14U);
+  EXPECT_FALSE(fs::exists(scratch / "d/mtf.svg"));
 }
 
 TEST(Demo, AToleranceBelowFloatIsRefusedWithTheOneToUse) {

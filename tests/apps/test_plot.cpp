@@ -51,6 +51,20 @@ TEST(Plot, NoFileThatWasNotNamedIsReplaced) {
   }
 }
 
+TEST(Plot, WhereTheDiskIsFullNeitherFigureNorDataAreLeft) {
+  const Scratch scratch;
+  if (!have_gnuplot(scratch)) GTEST_SKIP() << "no gnuplot";
+  scratch.add_sensor();
+  ASSERT_EQ(scratch.run("mtf curve sensor.toml --plot whole.svg").status, 0);
+  constexpr std::uintmax_t kLimit = 8192;
+  ASSERT_LT(std::filesystem::file_size(scratch / "whole.svg.csv"), kLimit);
+  ASSERT_GT(std::filesystem::file_size(scratch / "whole.svg"), kLimit);
+  const Result result = scratch.run("ulimit -f 16; mtf curve sensor.toml --plot f.svg");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_EQ(apps_test::lines(result.err), 1U) << result.err;
+  EXPECT_EQ(scratch.run("ls -A").out, "sensor.toml\nwhole.svg\nwhole.svg.csv\n");
+}
+
 TEST(Plot, LabelsAreTakenLiterally) {
   const Scratch scratch;
   if (!have_gnuplot(scratch)) GTEST_SKIP() << "no gnuplot";

@@ -115,6 +115,18 @@ async function checkValues(page, folder) {
   return { header, rows, data };
 }
 
+// No text of a chart reaches beyond the chart, where it would be cut off.
+async function checkText(page) {
+  const cut = await page.evaluate(() => [...document.querySelectorAll(".view svg")].flatMap((svg) => {
+    const around = svg.getBoundingClientRect();
+    return [...svg.querySelectorAll("text")].filter((text) => {
+      const box = text.getBoundingClientRect();
+      return box.width > 0 && (box.left < around.left - 1 || box.right > around.right + 1 || box.top < around.top - 1 || box.bottom > around.bottom + 1);
+    }).map((text) => text.textContent);
+  }));
+  assert.deepEqual(cut, []);
+}
+
 // Filters by keyboard, picking a design, other columns, the other theme.
 async function checkInteraction(page, { header, rows, data }) {
   const feasible = header.indexOf("feasible");
@@ -145,6 +157,34 @@ async function checkInteraction(page, { header, rows, data }) {
   await page.locator("#theme").click();
   await page.waitForTimeout(1500);
   assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), "dark");
+  await checkDark(page);
+}
+
+// Dark paper, and on it text with the contrast of WCAG 2 for text, lines with that for graphics.
+async function checkDark(page) {
+  const contrast = await page.evaluate(() => {
+    const luminance = (colour) => {
+      const [r, g, b] = colour.match(/\w\w/g).map((two) => parseInt(two, 16) / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+      return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    };
+    const style = getComputedStyle(document.documentElement), of = (name) => luminance(style.getPropertyValue(name).trim());
+    const against = (name) => (of(name) + 0.05) / (of("--paper") + 0.05);
+    return { paper: getComputedStyle(document.body).backgroundColor, text: ["--ink", "--soft", "--accent"].map(against),
+      lines: ["--s0", "--s1", "--s2", "--s3", "--s4", "--s5", "--s6", "--s7", "--bar", "--warn"].map(against) };
+  });
+  assert.ok(contrast.paper.match(/\d+/g).every((part) => Number(part) < 40), contrast.paper);
+  assert.ok(contrast.text.every((ratio) => ratio >= 4.5), contrast.text.join());
+  assert.ok(contrast.lines.every((ratio) => ratio >= 3), contrast.lines.join());
+}
+
+// The ends of the map's legend say whether designs that are not feasible lie beyond.
+async function checkMapLegend(page, { header, rows, data }) {
+  const column = header.indexOf(await page.evaluate(() => map.value.name)), feasible = header.indexOf("feasible");
+  const values = data.design.map((design) => rows[design]).filter((row) => row[column] !== "").map((row) => [Number(row[column]), row[feasible] === "1"]);
+  const counted = values.filter(([, good]) => good).map(([value]) => value);
+  const legend = await page.locator("#map .role-legend").textContent();
+  assert.equal(legend.includes("and below"), values.some(([value]) => value < Math.min(...counted)), legend);
+  assert.equal(legend.includes("and above"), values.some(([value]) => value > Math.max(...counted)), legend);
 }
 
 async function checkPrint(page) {
@@ -163,7 +203,7 @@ const profile = mkdtempSync(join(tmpdir(), "mtfkit_report_"));
 const context = await chromium.launchPersistentContext(profile, { executablePath: options.chromium, headless: true, args: flags,
   colorScheme: "light", viewport: { width: 1280, height: 900 } });
 try {
-  for (const [kind, points, missing] of [["grid", 400, []], ["sobol", 3000, []], ["levels", 40, ["map"]], ["infeasible", 100, []], ["grid", 25000, []]]) {
+  for (const [kind, points, missing] of [["grid", 400, []], ["sobol", 3000, []], ["sobol", 300, []], ["levels", 40, ["map"]], ["infeasible", 100, []], ["grid", 25000, []]]) {
     const folder = makeReport(kind, points);
     const file = join(folder, "report.html");
     const size = statSync(file).size;
@@ -174,7 +214,9 @@ try {
       paint: Math.round(performance.getEntriesByName("first-contentful-paint")[0]?.startTime ?? NaN) }));
     console.log(`${kind} ${points}: ${size} bytes, first paint ${times.paint} ms, designs drawn ${times.first} ms, all charts ${times.all} ms`);
     await checkCharts(page, chartIds.filter((id) => !missing.includes(id)));
+    await checkText(page);
     const values = await checkValues(page, folder);
+    if (kind === "sobol" && points < 1000) await checkMapLegend(page, values);
     if (kind === "grid") await checkInteraction(page, values);
     await checkPrint(page);
     assert.deepEqual(said, []);
@@ -192,13 +234,15 @@ try {
   rmSync(profile, { recursive: true, force: true });
 }
 
-// Without scripts: the static charts.
+// Without scripts: the static charts, dark for readers who have set that.
 const browser = await chromium.launch({ executablePath: options.chromium, headless: true, args: flags });
 try {
-  const still = await browser.newContext({ javaScriptEnabled: false });
+  const still = await browser.newContext({ javaScriptEnabled: false, colorScheme: "dark" });
   const { page } = await openPage(still, join(options.work, "grid400", "report.html"));
   assert.ok(await page.locator("svg.static").count() >= 6);
   assert.ok(await page.locator("svg.static").first().isVisible());
+  await checkText(page);
+  assert.equal(await page.locator("body").evaluate((body) => getComputedStyle(body).backgroundColor), "rgb(20, 24, 29)");
 } finally {
   await browser.close();
 }

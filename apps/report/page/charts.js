@@ -36,6 +36,9 @@ async function draw(id, spec, marks = 0, about = "") {
   return view;
 }
 
+// How many columns of that width have room in a chart, at most `most`.
+const columnsIn = (id, pixels, most) => Math.max(1, Math.min(most, Math.floor(document.querySelector(`#${id} .view`).clientWidth / pixels)));
+
 // A labelled choice in the controls of a chart. `options`: [value, text].
 function addChoice(id, label, options, value, changed) {
   const element = document.createElement("label");

@@ -66,8 +66,8 @@ async function startNoise() {
     mark: { type: "bar", height: { band: 0.72 } },
     encoding: {
       y: { field: "design", type: "nominal", title: null, sort: null },
-      x: { field: "variance", type: "quantitative", stack: "normalize", title: "share of the temporal variance", axis: { format: "%" } },
-      color: { field: "term", type: "nominal", title: null, sort: terms, scale: { domain: terms, range: palette.map(colourOf) }, legend: { orient: "bottom", columns: 4, labelLimit: 240 } },
+      x: { field: "variance", type: "quantitative", stack: "normalize", title: "share of the temporal variance", axis: { format: "%", tickCount: 10 } },
+      color: { field: "term", type: "nominal", title: null, sort: terms, scale: { domain: terms, range: palette.map(colourOf) }, legend: { orient: "bottom", columns: columnsIn("noise", 210, 4), labelLimit: 240 } },
       order: { field: "place", sort: "ascending" },
       tooltip: [{ field: "design" }, { field: "term" }, { field: "rms", title: "e- rms", format: ".4~g" }],
     },

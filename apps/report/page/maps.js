@@ -4,18 +4,27 @@
 const map = { x: numericAxes[0], y: numericAxes[1], value: asked.find((column) => column.role !== "axis") ?? asked[0], held: new Map() };
 const isGrid = report.method === "grid" && report.every === 1;
 
+// Labels of a legend over `domain`, which say at its ends where values beyond have the same colour.
+function clippedLegend(values, [low, high]) {
+  if (!(high > low)) return { format: ".6~g" };
+  const numbers = values.filter((v) => typeof v === "number");
+  const below = numbers.some((v) => v < low), above = numbers.some((v) => v > high);
+  return { values: [0, 1, 2, 3, 4].map((i) => low + (high - low) * i / 4),
+    labelExpr: `format(datum.value, '.5~g') + (${below} && datum.index === 0 ? ' and below' : ${above} && datum.index === 4 ? ' and above' : '')` };
+}
+
 function mapSpec() {
   const { x, y, value } = map;
   // Colours are for designs that count: those that are not feasible may be far off.
   const counted = (rows.some((row) => row.feasible) ? rows.filter((row) => row.feasible) : rows).map((row) => row[value.field]).filter((v) => typeof v === "number");
   const domain = counted.reduce(([low, high], v) => [Math.min(low, v), Math.max(high, v)], [Infinity, -Infinity]);
-  const colour = { field: value.field, type: "quantitative", title: value.label, scale: { scheme: "viridis", zero: false, clamp: true, ...(domain[1] > domain[0] ? { domain } : {}) }, legend: { format: ".6~g", gradientLength: 300 } };
   const here = isGrid ? rows.filter((row) => [...map.held].every(([index, level]) => String(row[`c${index}`]) === level)) : rows;
+  const colour = { field: value.field, type: "quantitative", title: value.label, scale: { scheme: "viridis", zero: false, clamp: true, ...(domain[1] > domain[0] ? { domain } : {}) }, legend: { gradientLength: 300, ...clippedLegend(here.map((row) => row[value.field]), domain) } };
   const fade = { condition: { test: "datum.feasible", value: 1 }, value: 0.35 };
   if (!isGrid)
     return { marks: here.length, spec: { width: "container", height: 400, data: { values: here.filter((row) => row[value.field] !== null) },
-      mark: { type: "circle", size: 34, tooltip: hoverDesign }, encoding: { x: quantity(x, { scale: { type: x.scale === "log" ? "log" : "linear" } }), y: quantity(y, { scale: { type: y.scale === "log" ? "log" : "linear" } }), color: colour, opacity: fade } } };
-  const level = (column) => ({ field: column.field, type: "ordinal", title: column.label, axis: { labelExpr: "format(datum.value, '.4~g')", labelOverlap: "greedy", labelAngle: 0, ticks: false, domain: false } });
+      mark: { type: "circle", size: 34, stroke: colourOf("--soft"), strokeWidth: 0.4, tooltip: hoverDesign }, encoding: { x: quantity(x, { scale: { type: x.scale === "log" ? "log" : "linear" } }), y: quantity(y, { scale: { type: y.scale === "log" ? "log" : "linear" } }), color: colour, opacity: fade } } };
+  const level = (column) => ({ field: column.field, type: "ordinal", title: column.label, axis: { labelExpr: "format(datum.value, '.4~g')", labelOverlap: "parity", labelSeparation: 4, labelAngle: 0, ticks: false, domain: false } });
   const encoding = { x: level(x), y: { ...level(y), sort: "descending" } };
   return { marks: here.length, spec: { width: "container", height: 400,
     datasets: { here: here.filter((row) => row[value.field] !== null), chosen: here.filter((row) => row.chosen) },

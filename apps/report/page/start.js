@@ -21,7 +21,11 @@ function setKeys() {
     key.style.setProperty("--key", designColour(Number(key.dataset.design)));
 }
 
+// The style sheet follows the reader's setting by itself; the button overrules that.
+const darkRule = [...document.styleSheets[0].cssRules].find((rule) => rule.media?.mediaText.includes("prefers-color-scheme"));
+
 function setTheme(theme) {
+  darkRule.media.mediaText = theme === "dark" ? "all" : "not all";
   document.documentElement.dataset.theme = theme;
   document.getElementById("theme").textContent = theme === "dark" ? "Light" : "Dark";
   setKeys();

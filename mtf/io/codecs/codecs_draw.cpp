@@ -22,6 +22,20 @@ cv::Point sixteenths(double x, double y, int zoom) {
   return {place(x), place(y)};
 }
 
+void write(cv::Mat& picture, const Caption& caption, int zoom) {
+  constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+  const double scale = 0.4 * caption.size;
+  const int thickness = std::max(1, cvRound(caption.size));
+  int below = 0;
+  const cv::Size size = cv::getTextSize(caption.text, kFont, scale, thickness, &below);
+  cv::Point at = sixteenths(caption.x, caption.y, zoom);
+  at = {(at.x >> kShift) - cvRound(caption.alignment * size.width), at.y >> kShift};
+  // A dark rim keeps the words readable on any ground.
+  for (const auto& [colour, width] :
+       {std::pair{cv::Scalar(0, 0, 0), thickness + 2}, std::pair{scalar(caption.colour), thickness}})
+    cv::putText(picture, caption.text, at, kFont, scale, colour, width, cv::LINE_AA);
+}
+
 }  // namespace
 
 RasterData draw(const RasterData& data, const Drawing& drawing) {
@@ -34,13 +48,7 @@ RasterData draw(const RasterData& data, const Drawing& drawing) {
       for (const auto& [x, y] : stroke.points) points.push_back(sixteenths(x, y, drawing.zoom));
       cv::polylines(picture, points, false, scalar(stroke.colour), 1, cv::LINE_AA, kShift);
     }
-    for (const Caption& caption : drawing.captions) {
-      cv::Point at = sixteenths(caption.x, caption.y, drawing.zoom);
-      at = {at.x >> kShift, at.y >> kShift};
-      // A dark rim keeps the words readable on any ground.
-      for (const auto& [colour, thickness] : {std::pair{cv::Scalar(0, 0, 0), 3}, std::pair{scalar(caption.colour), 1}})
-        cv::putText(picture, caption.text, at, cv::FONT_HERSHEY_SIMPLEX, 0.4, colour, thickness, cv::LINE_AA);
-    }
+    for (const Caption& caption : drawing.captions) write(picture, caption, drawing.zoom);
     RasterData drawn = data;
     drawn.width = picture.cols;
     drawn.height = picture.rows;

@@ -18,11 +18,13 @@ struct Stroke {
   Colour colour{};
 };
 
-/// Words in ASCII; (x, y) is the left end of their base line, in pixels of the image.
+/// Words in ASCII. (x, y) is a place on their base line, in pixels of the image: the left end for an alignment of 0,
+/// the middle for 0.5, the right end for 1. Capital letters are 9 pixels of the picture high, times `size`.
 struct Caption {
   double x = 0.0, y = 0.0;
   std::string text;
   Colour colour{};
+  double size = 1.0, alignment = 0.0;
 };
 
 struct Drawing {

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/figures/picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/text/words.h"
+#include "mtf/io/image_io.h"
+
+namespace apps {
+namespace {
+
+// Pixels of the picture. Text is large, since pages show pictures of this width at half their size.
+constexpr std::int64_t kMargin = 16, kHead = 52, kBarGap = 14, kBar = 24, kFoot = 46;
+constexpr double kTextSize = 2.2, kTextGap = 16.0;
+constexpr float kGround = 0.1F;  // grey value behind the panels
+constexpr mtf::io::Colour kText{235, 235, 235}, kFrame{140, 140, 140};
+
+std::int64_t shown_width(const Panel& panel) { return panel.image.width * panel.zoom; }
+std::int64_t shown_height(const Panel& panel) { return panel.image.height * panel.zoom; }
+
+/// A value as share of the panel's range.
+float share(const Panel& panel, float value) {
+  return static_cast<float>((static_cast<double>(value) - panel.low) /
+                            (panel.high > panel.low ? panel.high - panel.low : 1.0));
+}
+
+std::string end_words(double value, const char* beyond, std::int64_t clipped, std::int64_t pixels) {
+  std::string text = significant(value, 4);
+  if (clipped > 0)
+    text += std::string(" and ") + beyond + ": " +
+            significant(100.0 * static_cast<double>(clipped) / static_cast<double>(pixels), 2) + " % of the pixels";
+  return text;
+}
+
+mtf::io::Stroke frame(std::int64_t x, std::int64_t y, std::int64_t width, std::int64_t height) {
+  const double left = static_cast<double>(x), top = static_cast<double>(y);
+  const double right = left + static_cast<double>(width), bottom = top + static_cast<double>(height);
+  return {{{left, top}, {right, top}, {right, bottom}, {left, bottom}, {left, top}}, kFrame};
+}
+
+/// Draws a panel whose image has its upper left corner at (x, kHead), and its bar with the upper edge at `bar_y`.
+void place(const Panel& panel, std::int64_t x, std::int64_t bar_y, mtf::Image& page, mtf::io::Drawing& drawing) {
+  const std::int64_t width = shown_width(panel);
+  for (std::int64_t j = 0; j < shown_height(panel); ++j)
+    for (std::int64_t i = 0; i < width; ++i)
+      page.at(x + i, kHead + j) = share(panel, panel.image.at(i / panel.zoom, j / panel.zoom));
+  for (std::int64_t j = 0; j < kBar; ++j)
+    for (std::int64_t i = 0; i < width; ++i)
+      page.at(x + i, bar_y + j) = static_cast<float>(i) / static_cast<float>(std::max<std::int64_t>(1, width - 1));
+  drawing.strokes.push_back(frame(x, bar_y, width, kBar));
+
+  const BarEnds ends = bar_ends(panel);
+  const double left = static_cast<double>(x), right = static_cast<double>(x + width), middle = 0.5 * (left + right);
+  const double text_y = static_cast<double>(bar_y + kBar) + 1.9 * kTextGap;
+  const auto add = [&](double at, double y, const std::string& text, double alignment) {
+    drawing.captions.push_back({at, y, text, kText, kTextSize, alignment});
+  };
+  add(left, static_cast<double>(kHead) - kTextGap, panel.caption, 0.0);
+  add(left, text_y, ends.low, 0.0);
+  add(middle, text_y, panel.quantity, 0.5);
+  add(right, text_y, ends.high, 1.0);
+}
+
+}  // namespace
+
+BarEnds bar_ends(const Panel& panel) {
+  std::int64_t below = 0, above = 0;
+  for (std::int64_t y = 0; y < panel.image.height; ++y)
+    for (const float value : std::span(panel.image.row(y), static_cast<std::size_t>(panel.image.width))) {
+      below += static_cast<double>(value) < panel.low ? 1 : 0;
+      above += static_cast<double>(value) > panel.high ? 1 : 0;
+    }
+  const std::int64_t pixels = panel.image.width * panel.image.height;
+  return {end_words(panel.low, "below", below, pixels), end_words(panel.high, "above", above, pixels)};
+}
+
+void write_picture(const std::string& path, std::span<const Panel> panels) {
+  std::int64_t width = kMargin, tallest = 0;
+  for (const Panel& panel : panels) {
+    width += shown_width(panel) + kMargin;
+    tallest = std::max(tallest, shown_height(panel));
+  }
+  const std::int64_t bar_y = kHead + tallest + kBarGap;
+  mtf::Image page(width, bar_y + kBar + kFoot);
+  std::fill_n(page.data(), page.size(), kGround);
+  mtf::io::Drawing drawing;
+  std::int64_t x = kMargin;
+  for (const Panel& panel : panels) {
+    place(panel, x, bar_y, page, drawing);
+    x += shown_width(panel) + kMargin;
+  }
+  mtf::io::write_annotated_png(path, page.view(), 0.0, 1.0, drawing);
+}
+
+}  // namespace apps

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Pictures of images for the eye: panels side by side, each with a caption above it and a bar of grey values below it
+// that states range and unit. They are not data: what `mtf simulate` writes as PNG or TIFF holds values only.
+
+#include <span>
+#include <string>
+
+#include "mtf/image.h"
+
+namespace apps {
+
+struct Panel {
+  std::string caption;  ///< ASCII
+  mtf::ImageView<const float> image;
+  int zoom = 1;              ///< a pixel becomes a square of so many pixels a side
+  double low = 0, high = 1;  ///< the values shown in black and in white; values beyond are clipped
+  std::string quantity;      ///< of the bar, with unit: "radiance [W/m2]"; ASCII
+};
+
+/// Words at the two ends of a panel's bar, "2.5" or, where values are clipped, "2.5 and below: 0.3 % of the pixels".
+struct BarEnds {
+  std::string low, high;
+};
+BarEnds bar_ends(const Panel& panel);
+
+/// Writes the panels as one PNG, whole or not at all.
+void write_picture(const std::string& path, std::span<const Panel> panels);
+
+}  // namespace apps
