@@ -32,6 +32,7 @@ struct EdgeFacts {
   std::size_t cut = 0;               ///< pixels at a limit of the values that count as values beyond it
   std::size_t clipped = 0;           ///< other pixels at a limit: left out
   bool unclear_diffraction = false;  ///< noise hides how much of the blur is diffraction
+  double shared_noise = 0.0;         ///< largest correlation of the noise of two neighbours; 0 = independent
   double neighbour_px = 0.0;         ///< distance of another edge, beside the region; 0 = none
   double oversampling = 0.0;         ///< distinct distances a pixel, near the edge
   double narrowed_px = 0.0;     ///< pixels further from the edge were left out, as shading is curved there; 0 = none

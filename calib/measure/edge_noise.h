@@ -7,6 +7,7 @@
 // be that of rounding, step^2 / 12.
 
 #include <algorithm>
+#include <vector>
 
 #include "calib/measure/edge_sums.h"
 
@@ -24,6 +25,18 @@ struct NoiseModel {
     const double inside = std::clamp(esf, 0.0, 1.0);
     return std::max(least_dark + (least_bright - least_dark) * inside, dark + (bright - dark) * esf);
   }
+};
+
+/// What neighbouring pixels share of their noise: the correlation of two pixels that many columns and rows apart, and
+/// how many of the pixels have such a neighbour. The opposite lag has the same.
+struct NoiseLag {
+  int x = 0, y = 0;
+  double correlation = 0.0, share = 1.0;
+};
+struct NoiseCorrelation {
+  std::vector<NoiseLag> lags;  ///< of one half plane; none: the noise of the pixels is independent
+  double margin = 1.0;         ///< by which the correlations count more, as they are estimates
+  bool white() const { return lags.empty(); }
 };
 
 /// `least` > 0: the smallest variance there can be, besides that of rounding.

@@ -150,6 +150,11 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
     warnings.emplace_back(
         "the noise hides how much of the blur is diffraction, which lowers the MTF at low frequencies: the intervals "
         "allow for any part, take a longer edge or average frames for narrower ones");
+  if (facts.shared_noise > 0.0)
+    warnings.push_back("noise is correlated between neighbouring pixels: they share " +
+                       number(100.0 * facts.shared_noise, "%.2g") +
+                       " % of it, as after demosaicing, denoising, resampling or JPEG, and the intervals are wider by "
+                       "that; take the MTF from the raw image for narrower ones");
   const double finite = std::max(1.0, static_cast<double>(out.roi.width * out.roi.height - out.missing));
   const auto percent = [&](double count) { return number(100.0 * count / finite, "%.2g") + " %"; };
   if (facts.outliers > 0)

@@ -78,18 +78,17 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
     return refused(known, {Trouble::no_edge,
                            "no line divides the region into a dark and a bright side: move the region onto an edge"});
   known.clipped_share = clipped_share();  // with those at limits that the options do not state
-  const FitSettings settings = data->settings;
   RegionFit fitted = fit_region(*std::move(data), options);
   describe_plateaus(fitted.fit.model, fitted.fit.state.noise, region, known);
   known.oversampling = fitted.facts.oversampling;
   if (const Outcome outcome = judge_edge(fitted.facts); outcome.refused()) return refused(known, outcome);
 
-  const auto [fit, joint] = correct(fitted.pixels, std::move(fitted.fit), fitted.facts, settings);
+  const auto [fit, joint] = correct(fitted.pixels, std::move(fitted.fit), fitted.facts, fitted.settings);
   const EdgeResponse response(fit.model, joint);
   describe_plateaus(fit.model, fit.state.noise, region, known);
   EdgeMeasurement out = known;
   describe(response, out);
-  if (fitted.facts.few_distances()) add_other_shapes(fitted.pixels, fit, fitted.facts, settings, out);
+  if (fitted.facts.few_distances()) add_other_shapes(fitted.pixels, fit, fitted.facts, fitted.settings, out);
   if (const Outcome outcome = judge_response(out); outcome.refused()) return refused(known, outcome);
 
   EdgeModel found = fit.model;

@@ -211,6 +211,45 @@ TEST(MeasureDefects, ASecondEdgeBesideTheRegion) {
   }
 }
 
+// Noise that neighbours share is larger at low frequencies than that of independent pixels of the same deviation: the
+// intervals are wider there.
+TEST(MeasureDefects, NoiseThatNeighboursShare) {
+  const auto blurred = [](mtf::Image& image, const made::Scene& scene) {
+    made::correlate_noise(image, scene, airy(), 0.8);
+  };
+  const auto demosaiced = [](mtf::Image& image, const made::Scene& scene) {
+    made::interpolate_noise(image, scene, airy());
+  };
+  const auto compressed = [](mtf::Image& image, const made::Scene& scene) {
+    made::compress_noise(image, scene, airy());
+  };
+  const std::string word = "correlated between neighbouring pixels";
+  {
+    SCOPED_TRACE("blurred");
+    expect_coverage({airy(), scene_of(64, 80, 60.0), blurred, word, {}, 3.0});
+  }
+  {
+    SCOPED_TRACE("demosaiced");
+    expect_coverage({airy(), scene_of(64, 80, 30.0), demosaiced, word, {}, 1.5});
+  }
+  {
+    SCOPED_TRACE("compressed");
+    expect_coverage({airy(), scene_of(64, 80, 30.0), compressed, word, {}, 1.3});
+  }
+}
+
+// The noise of independent pixels has no correlation by chance, whatever its size.
+TEST(MeasureDefects, IndependentNoiseIsNotSharedByNeighbours) {
+  for (const double cnr : {6.0, 30.0, 200.0, 1e5})
+    for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+      made::Scene scene = scene_of(64, 80, cnr);
+      scene.seed = seed;
+      const EdgeMeasurement found = calib::measure_edge(made::make(airy(), scene).view(), {0, 0, 64, 80});
+      ASSERT_EQ(found.trouble, calib::Trouble::none) << found.reason;
+      EXPECT_FALSE(says(found, "correlated")) << cnr << ' ' << seed;
+    }
+}
+
 // Values that are heaped up for other reasons are no noise cut off: plateaus of few values, a side that is all zero.
 TEST(MeasureDefects, HeapsOfRoundedValuesAreNotCutOff) {
   made::Scene scene = scene_of(128, 100, 60.0);
