@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "calib/edge/pixel_correlation.h"
 #include "calib/measure/edge_sums.h"
 
 namespace calib {
@@ -27,14 +28,9 @@ struct NoiseModel {
   }
 };
 
-/// What neighbouring pixels share of their noise: the correlation of two pixels that many columns and rows apart, and
-/// how many of the pixels have such a neighbour. The opposite lag has the same.
-struct NoiseLag {
-  int x = 0, y = 0;
-  double correlation = 0.0, share = 1.0;
-};
+/// What neighbouring pixels share of their noise.
 struct NoiseCorrelation {
-  std::vector<NoiseLag> lags;  ///< of one half plane; none: the noise of the pixels is independent
+  std::vector<PixelLag> lags;  ///< of one half plane; none: the noise of the pixels is independent
   double margin = 1.0;         ///< by which the correlations count more, as they are estimates
   bool white() const { return lags.empty(); }
 };

@@ -150,7 +150,8 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
     outliers += removed;
     fit_again(data.extent_px);
   }
-  data.settings.correlation = correlation_of(region.pixels, region.fit.model, region.fit.state, data.settings.rounding);
+  data.settings.correlation =
+      noise_correlation(region.pixels, region.fit.model, region.fit.state, data.settings.rounding);
   if (!data.settings.correlation.white()) fit_again(data.extent_px);
   const std::size_t cut = fit_cut(region, data);
 
@@ -174,7 +175,7 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
   region.facts.clipped = data.cut.pixels.size() - cut;
   region.facts.narrowed_px = narrowed_px;
   region.facts.curved_shading = curved;
-  for (const NoiseLag& lag : data.settings.correlation.lags)
+  for (const PixelLag& lag : data.settings.correlation.lags)
     if (std::max(std::abs(lag.x), std::abs(lag.y)) == 1)
       region.facts.shared_noise = std::max(region.facts.shared_noise, std::abs(lag.correlation));
   region.settings = std::move(data.settings);

@@ -6,6 +6,8 @@
 #include <complex>
 #include <numbers>
 
+#include "calib/edge/pixel_correlation.h"
+
 namespace calib {
 namespace {
 
@@ -62,6 +64,21 @@ Adequacy sums(std::span<const Residual> residuals) {
   }
   if (!residuals.empty()) a.outlier_share = beyond / static_cast<double>(residuals.size());
   return a;
+}
+
+/// The distance from which the noise that pixels share is too little to show in a test.
+int spacing_of(const PixelCorrelation& correlation) {
+  constexpr double kLittle = 0.05;
+  for (int ring = 1; ring <= correlation.rings; ++ring) {
+    double squares = 0.0, count = 0.0;
+    for (const PixelLag& lag : correlation.lags)
+      if (std::max(std::abs(lag.x), std::abs(lag.y)) == ring) {
+        squares += lag.correlation * lag.correlation;
+        count += 1.0;
+      }
+    if (squares < kLittle * kLittle * count) return std::max(2, ring);
+  }
+  return correlation.rings + 1;
 }
 
 double incomplete_beta(double x, double a, double b) {
@@ -125,6 +142,30 @@ Adequacy judge_edge(std::span<const Residual> residuals, std::size_t fitted, dou
   const double by_neighbours = normal_tail(neighbours / std::sqrt(groups));
   a.whiteness_p = std::min(1.0, 2.0 * std::min(by_means, by_neighbours));
   return a;
+}
+
+IndependentResiduals independent(std::vector<Residual> residuals, Point normal, double flat_px) {
+  IndependentResiduals found{.residuals = std::move(residuals)};
+  if (found.residuals.empty()) return found;
+  const auto [left, right] = std::minmax_element(found.residuals.begin(), found.residuals.end(),
+                                                 [](const Residual& a, const Residual& b) { return a.x < b.x; });
+  const auto [top, bottom] = std::minmax_element(found.residuals.begin(), found.residuals.end(),
+                                                 [](const Residual& a, const Residual& b) { return a.y < b.y; });
+  const std::int64_t x0 = left->x, y0 = top->y;
+  constexpr std::int64_t kMostRows = 1024;  // bounds the memory of the grid
+  PixelGrid grid(static_cast<std::size_t>(right->x - x0) + 1,
+                 static_cast<std::size_t>(std::min(kMostRows, bottom->y - y0 + 1)));
+  for (const Residual& r : found.residuals)
+    if (std::abs(r.distance_px) >= flat_px && r.y - y0 < kMostRows)
+      grid.set(static_cast<std::size_t>(r.x - x0), static_cast<std::size_t>(r.y - y0), bent(r.value, true).value);
+  const PixelCorrelation correlation = correlation_of(grid, normal);
+  if (correlation.rings == 0) return found;
+  found.spacing_px = spacing_of(correlation);
+  found.variance_ratio = std::max(1.0, correlation.sum);
+  std::erase_if(found.residuals, [&](const Residual& r) {
+    return (r.x - x0) % found.spacing_px != 0 || (r.y - y0) % found.spacing_px != 0;
+  });
+  return found;
 }
 
 Adequacy judge_sequence(std::span<const Residual> residuals) {

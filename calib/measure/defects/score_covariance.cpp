@@ -29,7 +29,7 @@ Neighbourhood neighbourhood_of(const FitState& state, Point normal) {
     if (state.sums.count(b) > 0.0) found.first = std::min(found.first, b), found.end = b + 1;
   if (found.end == 0) return found;
   const double low = bins.centre(found.first), high = bins.centre(found.end - 1);
-  for (const NoiseLag& lag : state.correlation.lags)
+  for (const PixelLag& lag : state.correlation.lags)
     for (const double sign : {-1.0, 1.0}) {
       Neighbour& one =
           found.neighbours.emplace_back(Neighbour{state.correlation.margin * lag.correlation * lag.share, {}});
