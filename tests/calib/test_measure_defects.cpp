@@ -163,6 +163,21 @@ TEST(MeasureDefects, HotPixelsCutNoRegion) {
     }
 }
 
+// A pixel that is many orders of magnitude away sets no scale for the search.
+TEST(MeasureDefects, OneWildPixelHidesNoEdge) {
+  for (const double cnr : {12.0, 1e12})
+    for (const float wild : {1e30F, -3e38F, 1e3F}) {
+      mtf::Image image = made::make(made::Step::gaussian(0.3), scene_of(128, 100, cnr));
+      image.at(40, 30) = wild;
+      const calib::FoundEdges found = calib::find_edges(image.view());
+      ASSERT_EQ(found.edges.size(), 1U) << found.reason;
+      EXPECT_EQ(found.edges.front().roi, (calib::Roi{0, 0, 128, 100})) << cnr << ' ' << wild;
+      const EdgeMeasurement edge = calib::measure_edge(image.view(), found.edges.front().roi);
+      ASSERT_EQ(edge.trouble, calib::Trouble::none) << edge.reason;
+      EXPECT_NEAR(edge.mtf50->value, 0.3, 5.0 * edge.mtf50->sd);
+    }
+}
+
 // A dark side 1.5 standard deviations above zero: one in fifteen of its values is cut off.
 TEST(MeasureDefects, NoiseCutOffAtZero) {
   const auto cut = [](mtf::Image& image, const made::Scene&) { made::cut_off_below(image, 0.0); };
