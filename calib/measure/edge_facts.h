@@ -23,11 +23,16 @@ struct EdgeFacts {
   double extent_dark_px = 0.0, extent_bright_px = 0.0;  ///< mean extent of the pixels on both sides
   double contrast = 0.0;                                ///< in units of EdgePixels::value, as the next three
   double noise_sd = 0.0;
-  double local_noise_sd = 0.0;       ///< from differences of neighbouring pixels
-  double plateau_sd = 0.0;           ///< of the pixels of the plateaus about the model
-  double significance = 0.0;         ///< contrast / its standard deviation
-  bool bright_is_flat = false;       ///< many pixels have the largest value, though the dark side has noise
-  bool dark_is_flat = false;         ///< many pixels have the smallest value, though the bright side has noise
+  double local_noise_sd = 0.0;  ///< from differences of neighbouring pixels
+  double plateau_sd = 0.0;      ///< of the pixels of the plateaus about the model
+  double significance = 0.0;    ///< contrast / its standard deviation
+  bool bright_is_flat = false;  ///< many pixels have the largest value, though the dark side has noise
+  bool dark_is_flat = false;    ///< many pixels have the smallest value, though the bright side has noise
+  /// Many pixels have the smallest and many the largest value, though the edge between them has noise.
+  bool both_are_flat = false;
+  /// Many pixels have the smallest and many the largest value, and the values next to these are rare: an edge spread
+  /// function approaches its plateaus gradually.
+  bool ends_abruptly = false;
   std::size_t outliers = 0;          ///< single pixels far from the others at their distance that were left out
   std::size_t cut = 0;               ///< pixels at a limit of the values that count as values beyond it
   std::size_t clipped = 0;           ///< other pixels at a limit: left out

@@ -81,6 +81,10 @@ Outcome judge_edge(const EdgeFacts& facts) {
     return {Trouble::clipped,
             "many pixels of the dark side have the smallest value of all while the bright side has noise, as sides at "
             "the floor do: expose more, or add an offset, so that both sides stay above the floor"};
+  if (facts.both_are_flat)
+    return {Trouble::clipped,
+            "many pixels have exactly the smallest and many exactly the largest value while the edge between them has "
+            "noise, as where both sides are clipped: expose so that both stay between the floor and the saturation"};
   return {};
 }
 
@@ -155,6 +159,10 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
                        number(100.0 * facts.shared_noise, "%.2g") +
                        " % of it, as after demosaicing, denoising, resampling or JPEG, and the intervals are wider by "
                        "that; take the MTF from the raw image for narrower ones");
+  if (facts.ends_abruptly)
+    warnings.emplace_back(
+        "many pixels have exactly the smallest and many exactly the largest value, and few lie next to these: if both "
+        "sides are clipped the MTF is too high");
   const double finite = std::max(1.0, static_cast<double>(out.roi.width * out.roi.height - out.missing));
   const auto percent = [&](double count) { return number(100.0 * count / finite, "%.2g") + " %"; };
   if (facts.outliers > 0)
