@@ -11,6 +11,7 @@
 // and changes of the response that are no more than a change of the location do not count as its noise.
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -44,6 +45,8 @@ class EdgeResponse {
   };
   Step step(double d_px) const;
   Row mtf_row(double f_cy_px) const;
+  /// The changes of S, v and q from the solution to the upper end of the 95 % interval of the MTF at a frequency.
+  std::array<double, kShapes> towards_sharper(double f_cy_px) const;
   Row esf_row(double d_px) const { return step(d_px).row; }
   Row lsf_row(double d_px) const;
   double variance(const Row& row) const { return covariance(row, row); }

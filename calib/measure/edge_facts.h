@@ -4,6 +4,7 @@
 // Facts about a region that follow from the fit of a step: how far its pixels extend, their noise, other structure.
 // The judgement (edge_outcome.h) is made from these facts.
 
+#include <algorithm>
 #include <cstddef>
 
 #include "calib/edge/edge_pixels.h"
@@ -16,6 +17,9 @@ inline constexpr double kVisibleStructure = 0.03;
 
 /// Distances a pixel below which the shape of a step is hardly known.
 inline constexpr double kFewDistances = 3.0;
+
+/// Widths of the blur, 1 / (largest line spread), below which a side is short.
+inline constexpr double kShortSide = 4.4;
 
 struct EdgeFacts {
   double length_px = 0.0;                               ///< of the edge inside the region
@@ -36,6 +40,7 @@ struct EdgeFacts {
   std::size_t outliers = 0;          ///< single pixels far from the others at their distance that were left out
   std::size_t cut = 0;               ///< pixels at a limit of the values that count as values beyond it
   std::size_t clipped = 0;           ///< other pixels at a limit: left out
+  bool large_errors = false;         ///< the response is not linear in the errors of its shape
   bool unclear_diffraction = false;  ///< noise hides how much of the blur is diffraction
   double shared_noise = 0.0;         ///< largest correlation of the noise of two neighbours; 0 = independent
   double neighbour_px = 0.0;         ///< distance of another edge, beside the region; 0 = none
@@ -43,6 +48,8 @@ struct EdgeFacts {
   double narrowed_px = 0.0;     ///< pixels further from the edge were left out, as shading is curved there; 0 = none
   bool curved_shading = false;  ///< shading is curved near the edge too
 
+  /// Sides so short that tails of the blur may count as their plateaus.
+  bool short_sides() const { return std::min(extent_dark_px, extent_bright_px) < kShortSide * width_px; }
   /// With fewer distances a pixel than three, a correction of the reference cannot be told from aliases.
   bool few_distances() const { return oversampling < kFewDistances; }
 };

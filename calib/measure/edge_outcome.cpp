@@ -134,9 +134,15 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
     warnings.push_back("the pixels lie " + number(std::sqrt(out.chi2_per_dof)) +
                        " times further from the model than their noise: something else is in the region");
   const double shorter = std::min(facts.extent_dark_px, facts.extent_bright_px);
-  if (shorter < 4.0 * facts.width_px)
-    warnings.push_back("only " + number(shorter) +
-                       " px of one side are inside the region: tails of the blur may count as its plateau");
+  if (facts.short_sides())
+    warnings.push_back(
+        "only " + number(shorter) +
+        " px of one side are inside the region: tails of the blur may count as its plateau, and the intervals "
+        "allow for tails of other sizes");
+  if (facts.large_errors)
+    warnings.push_back("the contrast is only " + number(out.cnr) +
+                       " times the noise of a pixel: the MTF is not linear in errors so large, and the intervals allow "
+                       "for a sharper edge; average frames");
   if (facts.narrowed_px > 0.0)
     warnings.push_back(
         "the sides change nonlinearly with the distance from the edge, as under uneven light: pixels further than " +

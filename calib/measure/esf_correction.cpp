@@ -183,10 +183,13 @@ MatrixXd correlated_scores(const FitState& state, const EdgeModel& model, const 
 // lambda + tau^2 lambda^2, twice the gain in log likelihood is sum of tau^2 z^2 / (1 + tau^2 lambda) - ln(1 + tau^2
 // lambda). Scores of correlated noise have the variance s in place of lambda, and both z and lambda count times
 // lambda / s.
-double likeliest_variance(const MatrixXd& information, const VectorXd& score, const MatrixXd* noise) {
-  constexpr double kLeastGain = 3.0;
+// `largest_likely`: the upper end of the 95 % interval instead.
+double likeliest_variance(const MatrixXd& information, const VectorXd& score, const MatrixXd* noise,
+                          bool largest_likely) {
+  constexpr double kLeastGain = 3.0, kChi2Of95 = 3.84;
   const MatrixXd& expected = noise != nullptr ? *noise : information;
-  if (information.rows() == 0 || !(score.squaredNorm() > expected.trace())) return 0.0;
+  if (information.rows() == 0) return 0.0;
+  if (!largest_likely && !(score.squaredNorm() > expected.trace())) return 0.0;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(information);
   VectorXd z = eigen.eigenvectors().transpose() * score, lambda = eigen.eigenvalues();
   if (noise != nullptr) {
@@ -215,6 +218,10 @@ double likeliest_variance(const MatrixXd& information, const VectorXd& score, co
   const double first = std::log(1e-2 / largest), last = std::min(first + 60.0, std::log(100.0));
   for (double at = first; at <= last; at += 0.25)
     if (const double value = gain(at); value > best_gain) best = std::exp(at), best_gain = value;
+  if (!largest_likely) return best;
+  if (best == 0.0) best_gain = 0.0;
+  for (double at = last; at >= first; at -= 0.25)
+    if (gain(at) > best_gain - kChi2Of95) return std::max(best, std::exp(at));
   return best;
 }
 
@@ -235,7 +242,7 @@ double pair_slope(const SplinePair& pair, double d_px) {
 }
 
 JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, Detail detail,
-                       double width_px, double extent_px) {
+                       double width_px, double extent_px, Smoothing smoothing) {
   JointFit joint;
   for (int a = 0; a < kUnknowns; ++a)
     if (unknowns[static_cast<std::size_t>(a)]) joint.unknowns.push_back(a);
@@ -295,7 +302,8 @@ JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unkn
                                     pairs[static_cast<std::size_t>(b)].prior_sd * of_splines(a, b);
       }
     }
-    const double variance = likeliest_variance(information, scaled, of_splines.size() == 0 ? nullptr : &noise);
+    const double variance = likeliest_variance(information, scaled, of_splines.size() == 0 ? nullptr : &noise,
+                                               smoothing == Smoothing::least);
     (odd ? joint.tau_odd : joint.tau_even) = std::sqrt(variance);
     if (variance == 0.0) continue;
     for (const Eigen::Index a : group) {

@@ -127,6 +127,40 @@ TEST(MeasureDefects, DiffractionThatNoiseHides) {
   EXPECT_TRUE(clear.warnings.empty());
 }
 
+// Errors of a tenth and more: the MTF of an edge that comes out too blurred depends little on the blur, but that of the
+// true one does.
+TEST(MeasureDefects, FewPixelsOfLittleContrast) {
+  const auto nothing = [](mtf::Image&, const made::Scene&) {};
+  for (const auto& [width, height, cnr] : {std::tuple{24, 24, 4.0}, {24, 24, 6.0}, {40, 60, 4.0}}) {
+    SCOPED_TRACE(std::to_string(width) + " px, contrast / noise " + std::to_string(cnr));
+    expect_coverage({airy(), scene_of(width, height, cnr), nothing, "times the noise of a pixel"});
+  }
+}
+
+// The tails of a lens out of focus extend beyond short sides, where only the reference says how large they are.
+TEST(MeasureDefects, DefocusInNarrowRegions) {
+  const auto nothing = [](mtf::Image&, const made::Scene&) {};
+  made::Camera camera = made::camera_of(8.0);
+  camera.w020 = 1.0;
+  const made::Step defocused = made::camera_step(camera, 5.0);
+  for (const double cnr : {12.0, 30.0}) {
+    SCOPED_TRACE(cnr);
+    expect_coverage({defocused, scene_of(40, 60, cnr), nothing, "tails of the blur"});
+  }
+  for (const double y : {30.0, 30.3, 30.6}) {
+    made::Scene scene = scene_of(40, 60, 1e12);
+    scene.y = y;
+    const EdgeMeasurement found = calib::measure_edge(made::make(defocused, scene).view(), {0, 0, 40, 60});
+    ASSERT_EQ(found.trouble, calib::Trouble::none) << found.reason;
+    EXPECT_TRUE(says(found, "tails of the blur"));
+    for (const double f : kFrequencies) {
+      const double truth = std::abs(defocused.mtf(f));
+      EXPECT_NEAR(found.mtf[index_of(f)], truth, 1.96 * found.mtf_sd[index_of(f)]) << f;
+      EXPECT_LT(found.mtf_sd[index_of(f)], 0.02) << f;
+    }
+  }
+}
+
 TEST(MeasureDefects, HotPixels) {
   for (const double more : {0.3, 1.0, -2.0}) {
     SCOPED_TRACE(more);
