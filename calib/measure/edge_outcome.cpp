@@ -160,7 +160,8 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
     warnings.emplace_back(
         "the noise hides how much of the blur is diffraction, which lowers the MTF at low frequencies: the intervals "
         "allow for any part, take a longer edge or average frames for narrower ones");
-  if (facts.shared_noise > 0.0)
+  constexpr double kVisibleShare = 0.08;  // less widens intervals by a few per cent
+  if (facts.shared_noise > kVisibleShare)
     warnings.push_back("noise is correlated between neighbouring pixels: they share " +
                        number(100.0 * facts.shared_noise, "%.2g") +
                        " % of it, as after demosaicing, denoising, resampling or JPEG, and the intervals are wider by "
