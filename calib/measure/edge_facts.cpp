@@ -185,7 +185,7 @@ EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeMo
     facts.both_are_flat = on_edge.dof >= kFewestOnEdge && on_edge.variance() > visible &&
                           std::max(a, b) < kQuiet * on_edge.variance() && fine(on_edge.variance(), rounding);
     const double step = kStep * facts.contrast;
-    facts.ends_abruptly = !facts.few_distances() && rounding < 0.1 * step &&
+    facts.ends_abruptly = !facts.few_distances() && rounding <= 0.25 * step &&
                           ends_abruptly(pixels, ends.low, 1.0, step) && ends_abruptly(pixels, ends.high, -1.0, step);
   }
   return facts;

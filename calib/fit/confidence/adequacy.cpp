@@ -147,16 +147,15 @@ Adequacy judge_edge(std::span<const Residual> residuals, std::size_t fitted, dou
 IndependentResiduals independent(std::vector<Residual> residuals, Point normal, double flat_px) {
   IndependentResiduals found{.residuals = std::move(residuals)};
   if (found.residuals.empty()) return found;
-  const auto [left, right] = std::minmax_element(found.residuals.begin(), found.residuals.end(),
-                                                 [](const Residual& a, const Residual& b) { return a.x < b.x; });
-  const auto [top, bottom] = std::minmax_element(found.residuals.begin(), found.residuals.end(),
-                                                 [](const Residual& a, const Residual& b) { return a.y < b.y; });
-  const std::int64_t x0 = left->x, y0 = top->y;
   constexpr std::int64_t kMostRows = 1024;  // bounds the memory of the grid
-  PixelGrid grid(static_cast<std::size_t>(right->x - x0) + 1,
-                 static_cast<std::size_t>(std::min(kMostRows, bottom->y - y0 + 1)));
+  std::int64_t x0 = found.residuals.front().x, y0 = found.residuals.front().y, x1 = x0, y1 = y0;
+  for (const Residual& r : found.residuals) y0 = std::min(y0, r.y);
+  const auto taken = [&](const Residual& r) { return r.y - y0 < kMostRows; };
   for (const Residual& r : found.residuals)
-    if (std::abs(r.distance_px) >= flat_px && r.y - y0 < kMostRows)
+    if (taken(r)) x0 = std::min(x0, r.x), x1 = std::max(x1, r.x), y1 = std::max(y1, r.y);
+  PixelGrid grid(static_cast<std::size_t>(x1 - x0) + 1, static_cast<std::size_t>(y1 - y0) + 1);
+  for (const Residual& r : found.residuals)
+    if (taken(r) && std::abs(r.distance_px) >= flat_px)
       grid.set(static_cast<std::size_t>(r.x - x0), static_cast<std::size_t>(r.y - y0), bent(r.value, true).value);
   const PixelCorrelation correlation = correlation_of(grid, normal);
   if (correlation.rings == 0) return found;

@@ -52,8 +52,8 @@ NoiseCorrelation noise_correlation(const EdgePixels& pixels, const EdgeModel& mo
   const double taken = kTerms / static_cast<double>(pixels.size());
   const double lost = taken * std::max(0.0, found.sum) / std::max(0.5, 1.0 - taken * lags);
   // The sum of the correlations, which scales the variances at low frequencies, has the relative variance 2 lags /
-  // count: intervals of an estimated variance have to be wider, as those of Student's t, and where the fit goes by
-  // noise that is too small it ends at bounds of the blur. With this margin the 95 % intervals hold (bench_coverage).
+  // count. Intervals from an estimated variance have to be wider, as those of Student's t, and the tests for terms and
+  // diffraction err where it is estimated too small. With this margin the 95 % intervals hold (bench_coverage).
   correlation.margin = kMargin + kErrorMargin * 2.0 * lags / std::max(1.0, grid.count());
   for (PixelLag lag : found.lags) {
     lag.correlation = (lag.correlation + lost) / (1.0 + lost);
