@@ -217,6 +217,15 @@ double EdgeResponse::Otf::mtf_sd() const {
 
 EdgeResponse::Row EdgeResponse::mtf_row(double f_cy_px) const { return parts(f_cy_px).along(); }
 
+std::array<double, kShapes> EdgeResponse::towards_sharper(double f_cy_px) const {
+  constexpr double k95_sd = 1.96;
+  const Row row = mtf_row(f_cy_px), direction = covariance_ * row;
+  const double variance = direction.dot(row), times = variance > 0.0 ? k95_sd / std::sqrt(variance) : 0.0;
+  std::array<double, kShapes> change{};
+  for (std::size_t i = 0; i < shapes_.size(); ++i) change[shapes_[i]] = times * direction[static_cast<Eigen::Index>(i)];
+  return change;
+}
+
 double EdgeResponse::at_knots(const std::array<double, kSideBins + 1>& values, double d_px) const {
   const DistanceBins& bins = DistanceBins::get();
   const double d = std::min(std::abs(d_px), kRange_px * (1.0 - 1e-12));

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -46,6 +47,8 @@ class EdgeResponse {
   };
   Step step(double d_px) const;
   Row mtf_row(double f_cy_px) const;
+  /// The changes of S, v and q from the solution to the upper end of the 95 % interval of the MTF at a frequency.
+  std::array<double, kShapes> towards_sharper(double f_cy_px) const;
   Row esf_row(double d_px) const { return step(d_px).row; }
   Row lsf_row(double d_px) const;
   double variance(const Row& row) const { return covariance(row, row); }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -28,6 +29,33 @@ double valid_share(mtf::ImageView<const float> image) {
   for (std::int64_t y = 0; y < image.height; ++y)
     for (std::int64_t x = 0; x < image.width; ++x) valid += std::isfinite(image.at(x, y)) ? 1 : 0;
   return static_cast<double>(valid) / static_cast<double>(image.width * image.height);
+}
+
+/// The least and the largest value that at least three cells of some 3 x 3 neighbourhood have in common: one wild
+/// pixel, or two that touch, are no part of the range. Only a cell beyond the range so far can extend it.
+struct Range {
+  float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+  double size() const { return static_cast<double>(high) - static_cast<double>(low); }
+};
+Range shared_range(const Cells& cells) {
+  Range range;
+  const auto third = [&](std::int64_t x, std::int64_t y, float sign) {
+    std::array<float, 9> values;
+    std::size_t count = 0;
+    for (std::int64_t j = std::max<std::int64_t>(0, y - 1); j <= std::min(cells.height - 1, y + 1); ++j)
+      for (std::int64_t i = std::max<std::int64_t>(0, x - 1); i <= std::min(cells.width - 1, x + 1); ++i)
+        if (const float value = cells.at(i, j); !std::isnan(value)) values[count++] = sign * value;
+    if (count < 3) return sign * std::numeric_limits<float>::lowest();
+    std::nth_element(values.begin(), values.begin() + 2, values.begin() + count, std::greater<>());
+    return sign * values[2];
+  };
+  for (std::int64_t y = 0; y < cells.height; ++y)
+    for (std::int64_t x = 0; x < cells.width; ++x) {
+      const float value = cells.at(x, y);
+      if (value > range.high) range.high = std::max(range.high, third(x, y, 1.0F));
+      if (value < range.low) range.low = std::min(range.low, third(x, y, -1.0F));
+    }
+  return range;
 }
 
 /// The median of |second differences along both axes|, which planes and straight edges along an axis do not show.
@@ -142,6 +170,14 @@ Cells make_cells(mtf::ImageView<const float> image) {
   }
   cells.valid = static_cast<double>(known) / static_cast<double>(cells.value.size());
   if (known > 0) {
+    constexpr double kWild = 20.0;
+    const Range shared = shared_range(cells);
+    if (shared.size() > 0.0 && static_cast<double>(high) - static_cast<double>(low) > kWild * shared.size()) {
+      low = shared.low;
+      high = shared.high;
+      for (float& v : cells.value)
+        if (!(v >= low && v <= high)) v = kNone;
+    }
     cells.range = static_cast<double>(high) - static_cast<double>(low);
     cells.pixels_a_cell = pixels / static_cast<double>(known);
     const double largest = std::max(std::abs(static_cast<double>(low)), std::abs(static_cast<double>(high)));

@@ -3,7 +3,7 @@
 
 // Regions with a usable edge in an image: charts, tilted squares, checkerboards, knife edges, natural scenes.
 // 1. Pixels are averaged in cells (of one pixel, of two where most are masked, of more above 2^24 cells), smoothed by
-//    binomials that leave masked cells and single hot or dead pixels out, and differentiated. Gradients above 6
+//    binomials that leave masked cells and single hot, dead or wild pixels out, and differentiated. Gradients above 6
 //    standard deviations of the noise count; the noise is the median second difference along both axes.
 // 2. From the largest gradients down, connected cells whose directions agree within 22.5 degrees make a ridge;
 //    it is cut where it leaves a parabola, so that gently curved edges stay whole and corners end them.

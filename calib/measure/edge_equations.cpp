@@ -87,6 +87,7 @@ double chi2_of(const EdgeSums& sums, const BinRow& weight) { return sum_of_produ
 
 void assemble(FitState& state, const EdgeModel& model, const FitSettings& settings) {
   const EdgeSums& sums = state.sums;
+  state.correlation = settings.correlation;
   NormalEquations& normal = state.normal = {};
   state.weight = pixel_weights(sums, model, state.profile, state.noise, settings.rounding);
   normal.chi2 = chi2_of(sums, state.weight);

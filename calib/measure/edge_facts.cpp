@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <numeric>
+#include <vector>
 
 #include "calib/edge/median.h"
 #include "mtf/engines/clones.h"
@@ -17,6 +19,7 @@ namespace {
 struct Ends {
   std::ptrdiff_t at_low = 0, at_high = 0;
   double low_step = 0.0, high_step = 0.0;
+  double low = 0.0, high = 0.0;
 };
 
 MTFKIT_CLONES Ends ends_of(const double* values, std::size_t n) {
@@ -46,7 +49,65 @@ MTFKIT_CLONES Ends ends_of(const double* values, std::size_t n) {
   for (std::size_t i = whole; i < n; ++i) take(0, values[i]);
   return {std::accumulate(at_low.begin(), at_low.end(), std::ptrdiff_t{0}),
           std::accumulate(at_high.begin(), at_high.end(), std::ptrdiff_t{0}),
-          *std::min_element(above.begin(), above.end()) - least, most - *std::max_element(below.begin(), below.end())};
+          *std::min_element(above.begin(), above.end()) - least,
+          most - *std::max_element(below.begin(), below.end()),
+          least,
+          most};
+}
+
+// Of two different values between the ends: of rounded values a step or more.
+double least_difference(const EdgePixels& pixels, const Ends& ends) {
+  std::vector<double> between;
+  std::copy_if(pixels.value(), pixels.value() + pixels.size(), std::back_inserter(between),
+               [&](double value) { return value > ends.low && value < ends.high; });
+  std::sort(between.begin(), between.end());
+  between.erase(std::unique(between.begin(), between.end()), between.end());
+  double least = ends.high - ends.low;
+  for (std::size_t i = 1; i < between.size(); ++i) least = std::min(least, between[i] - between[i - 1]);
+  return least;
+}
+
+// Of the residuals at the edge about straight lines of an eighth of a pixel.
+struct Scatter {
+  double sum = 0.0, dof = 0.0;
+  double variance() const { return sum / std::max(1.0, dof); }
+};
+Scatter scatter_on_edge(const FitState& state) {
+  constexpr int kMerged = kFinest / 8;
+  constexpr double kPlateau = 0.15;
+  Scatter scatter;
+  for (int first = 0; first + kMerged <= kBins; first += kMerged) {
+    const double esf = state.profile.esf()[static_cast<std::size_t>(first)];
+    if (esf < kPlateau || esf > 1.0 - kPlateau) continue;
+    double n = 0.0, x = 0.0, xx = 0.0, r = 0.0, xr = 0.0, rr = 0.0;
+    for (int k = 0; k < kMerged; ++k) {
+      const auto bin = static_cast<std::size_t>(first + k);
+      const double count = state.sums.moment(0)[bin], residual = state.sums.residual(0)[bin];
+      n += count;
+      x += k * count;
+      xx += k * k * count;
+      r += residual;
+      xr += k * residual;
+      rr += state.sums.square()[bin];
+    }
+    if (n < 3.0) continue;
+    const double spread = xx - x * x / n, slope = spread > 0.0 ? (xr - x * r / n) / spread : 0.0;
+    scatter.sum += std::max(0.0, rr - r * r / n - slope * slope * spread);
+    scatter.dof += n - 2.0;
+  }
+  return scatter;
+}
+
+// Whether fewer values lie near one end than a step further from it; `sign` is 1 at the smallest.
+bool ends_abruptly(const EdgePixels& pixels, double end, double sign, double step) {
+  constexpr double kFewest = 8.0, kGradual = 1.5;
+  double near = 0.0, further = 0.0;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const double away = sign * (pixels.value()[i] - end);
+    near += away > 0.0 && away <= step ? 1.0 : 0.0;
+    further += away > step && away <= 2.0 * step ? 1.0 : 0.0;
+  }
+  return further >= kFewest && near < kGradual * further;
 }
 
 }  // namespace
@@ -117,6 +178,16 @@ EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeMo
     filled += n > 0.0;
   }
   facts.oversampling = static_cast<double>(filled) / (2.0 * kHalf_px);
+  if (static_cast<double>(ends.at_low) > kHeaped * dark && static_cast<double>(ends.at_high) > kHeaped * bright) {
+    constexpr double kFewestOnEdge = 10.0, kQuiet = 0.5, kStep = 0.05;
+    const Scatter on_edge = scatter_on_edge(state);
+    const double rounding = least_difference(pixels, ends);
+    facts.both_are_flat = on_edge.dof >= kFewestOnEdge && on_edge.variance() > visible &&
+                          std::max(a, b) < kQuiet * on_edge.variance() && fine(on_edge.variance(), rounding);
+    const double step = kStep * facts.contrast;
+    facts.ends_abruptly = !facts.few_distances() && rounding <= 0.25 * step &&
+                          ends_abruptly(pixels, ends.low, 1.0, step) && ends_abruptly(pixels, ends.high, -1.0, step);
+  }
   return facts;
 }
 

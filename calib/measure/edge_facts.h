@@ -4,6 +4,7 @@
 // Facts about a region that follow from the fit of a step: how far its pixels extend, their noise, other structure.
 // The judgement (edge_outcome.h) is made from these facts.
 
+#include <algorithm>
 #include <cstddef>
 
 #include "calib/edge/edge_pixels.h"
@@ -17,26 +18,38 @@ inline constexpr double kVisibleStructure = 0.03;
 /// Distances a pixel below which the shape of a step is hardly known.
 inline constexpr double kFewDistances = 3.0;
 
+/// Widths of the blur, 1 / (largest line spread), below which a side is short.
+inline constexpr double kShortSide = 4.4;
+
 struct EdgeFacts {
   double length_px = 0.0;                               ///< of the edge inside the region
   double width_px = 0.0;                                ///< equivalent width of the line spread function
   double extent_dark_px = 0.0, extent_bright_px = 0.0;  ///< mean extent of the pixels on both sides
   double contrast = 0.0;                                ///< in units of EdgePixels::value, as the next three
   double noise_sd = 0.0;
-  double local_noise_sd = 0.0;       ///< from differences of neighbouring pixels
-  double plateau_sd = 0.0;           ///< of the pixels of the plateaus about the model
-  double significance = 0.0;         ///< contrast / its standard deviation
-  bool bright_is_flat = false;       ///< many pixels have the largest value, though the dark side has noise
-  bool dark_is_flat = false;         ///< many pixels have the smallest value, though the bright side has noise
+  double local_noise_sd = 0.0;  ///< from differences of neighbouring pixels
+  double plateau_sd = 0.0;      ///< of the pixels of the plateaus about the model
+  double significance = 0.0;    ///< contrast / its standard deviation
+  bool bright_is_flat = false;  ///< many pixels have the largest value, though the dark side has noise
+  bool dark_is_flat = false;    ///< many pixels have the smallest value, though the bright side has noise
+  /// Many pixels have the smallest and many the largest value, though the edge between them has noise.
+  bool both_are_flat = false;
+  /// Many pixels have the smallest and many the largest value, and the values next to these are rare: an edge spread
+  /// function approaches its plateaus gradually.
+  bool ends_abruptly = false;
   std::size_t outliers = 0;          ///< single pixels far from the others at their distance that were left out
   std::size_t cut = 0;               ///< pixels at a limit of the values that count as values beyond it
   std::size_t clipped = 0;           ///< other pixels at a limit: left out
+  bool large_errors = false;         ///< the response is not linear in the errors of its shape
   bool unclear_diffraction = false;  ///< noise hides how much of the blur is diffraction
+  double shared_noise = 0.0;         ///< largest correlation of the noise of two neighbours; 0 = independent
   double neighbour_px = 0.0;         ///< distance of another edge, beside the region; 0 = none
   double oversampling = 0.0;         ///< distinct distances a pixel, near the edge
   double narrowed_px = 0.0;     ///< pixels further from the edge were left out, as shading is curved there; 0 = none
   bool curved_shading = false;  ///< shading is curved near the edge too
 
+  /// Sides so short that tails of the blur may count as their plateaus.
+  bool short_sides() const { return std::min(extent_dark_px, extent_bright_px) < kShortSide * width_px; }
   /// With fewer distances a pixel than three, a correction of the reference cannot be told from aliases.
   bool few_distances() const { return oversampling < kFewDistances; }
 };

@@ -246,6 +246,30 @@ double sagitta(const EdgeCurve& curve) {
   return most;
 }
 
+// Changes every standard deviation to combined(deviation, difference from another result, the other's deviation).
+template <class Combined>
+void combine(const EdgeMeasurement& other, EdgeMeasurement& out, const Combined& combined) {
+  for (std::size_t i = 0; i < out.mtf.size(); ++i)
+    out.mtf_sd[i] = combined(out.mtf_sd[i], out.mtf[i] - other.mtf[i], other.mtf_sd[i]);
+  for (std::size_t i = 0; i < out.esf.size(); ++i) {
+    const bool same = i < other.distance_px.size() && other.distance_px[i] == out.distance_px[i];
+    if (same) out.esf_sd[i] = combined(out.esf_sd[i], out.esf[i] - other.esf[i], other.esf_sd[i]);
+  }
+  const auto change = [&](std::optional<Estimate> EdgeMeasurement::*figure, std::optional<double> in_place) {
+    std::optional<Estimate>& one = out.*figure;
+    if (!one) return;
+    const Estimate others = (other.*figure).value_or(Estimate{in_place.value_or(one->value), 0.0});
+    one->sd = combined(one->sd, others.value - one->value, others.sd);
+  };
+  // Where the other MTF does not fall so far, its frequency lies beyond the curves.
+  for (auto frequency : {&EdgeMeasurement::mtf10, &EdgeMeasurement::mtf20, &EdgeMeasurement::mtf30,
+                         &EdgeMeasurement::mtf50, &EdgeMeasurement::mtf50p})
+    change(frequency, 1.0);
+  for (auto figure : {&EdgeMeasurement::nyquist, &EdgeMeasurement::rer, &EdgeMeasurement::overshoot,
+                      &EdgeMeasurement::fwhm_px, &EdgeMeasurement::mtfa, &EdgeMeasurement::sampling_efficiency})
+    change(figure, std::nullopt);
+}
+
 }  // namespace
 
 void describe(const EdgeResponse& response, EdgeMeasurement& out) {
@@ -292,24 +316,18 @@ std::optional<Estimate> frequency_at(const EdgeMeasurement& edge, double contras
 }
 
 void add_difference(const EdgeMeasurement& other, EdgeMeasurement& out) {
-  for (std::size_t i = 0; i < out.mtf.size(); ++i) out.mtf_sd[i] = std::hypot(out.mtf_sd[i], out.mtf[i] - other.mtf[i]);
-  for (std::size_t i = 0; i < out.esf.size(); ++i) {
-    const bool same = i < other.distance_px.size() && other.distance_px[i] == out.distance_px[i];
-    if (same) out.esf_sd[i] = std::hypot(out.esf_sd[i], out.esf[i] - other.esf[i]);
-  }
-  const auto add = [&](std::optional<Estimate> EdgeMeasurement::*figure, std::optional<double> in_place) {
-    std::optional<Estimate>& one = out.*figure;
-    if (!one) return;
-    const double differs = other.*figure ? (other.*figure)->value : in_place.value_or(one->value);
-    one->sd = std::hypot(one->sd, differs - one->value);
-  };
-  // Where the other MTF does not fall so far, its frequency lies beyond the curves.
-  for (auto frequency : {&EdgeMeasurement::mtf10, &EdgeMeasurement::mtf20, &EdgeMeasurement::mtf30,
-                         &EdgeMeasurement::mtf50, &EdgeMeasurement::mtf50p})
-    add(frequency, 1.0);
-  for (auto figure : {&EdgeMeasurement::nyquist, &EdgeMeasurement::rer, &EdgeMeasurement::overshoot,
-                      &EdgeMeasurement::fwhm_px, &EdgeMeasurement::mtfa, &EdgeMeasurement::sampling_efficiency})
-    add(figure, std::nullopt);
+  combine(other, out, [](double sd, double difference, double) { return std::hypot(sd, difference); });
+}
+
+void take_larger_deviations(const EdgeMeasurement& other, EdgeMeasurement& out) {
+  combine(other, out, [](double sd, double, double others) { return std::max(sd, others); });
+}
+
+void widen_to_end(const EdgeMeasurement& end, EdgeMeasurement& out) {
+  constexpr double k95_sd = 1.96;
+  combine(end, out, [](double sd, double difference, double others) {
+    return std::max({sd, others, std::abs(difference) / k95_sd});
+  });
 }
 
 void describe_geometry(const EdgeModel& model, const JointFit& joint, const RegionFacts& facts, EdgeMeasurement& out) {

@@ -16,6 +16,12 @@ void describe(const EdgeResponse& response, EdgeMeasurement& measurement);
 /// Adds the difference from the result of another shape that fits as well to the standard deviations.
 void add_difference(const EdgeMeasurement& other, EdgeMeasurement& measurement);
 
+/// Gives every figure the larger of its standard deviation and the one of another result.
+void take_larger_deviations(const EdgeMeasurement& other, EdgeMeasurement& measurement);
+
+/// The same, and no smaller than the distance from a result at the end of a 95 % interval allows.
+void widen_to_end(const EdgeMeasurement& end, EdgeMeasurement& measurement);
+
 /// The edge's curve, length, sagitta and angle.
 void describe_geometry(const EdgeModel& model, const JointFit& joint, const RegionFacts& region,
                        EdgeMeasurement& measurement);

@@ -60,6 +60,7 @@ struct FitSettings {
   double least_variance = 4e-12;  ///< of a pixel
   std::optional<double> variance{};  ///< of a pixel, when known
   Rounding rounding{};
+  NoiseCorrelation correlation{};
   std::vector<double> tails{};  ///< of edges beside the region (neighbours.h); empty: none
 };
 /// The reference step of a model, with the tails that extend into the region.
@@ -71,6 +72,7 @@ NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitS
 /// What one evaluation of a model tells: profile, sums of the residuals, noise, normal equations.
 struct FitState {
   NoiseModel noise;
+  NoiseCorrelation correlation;
   StepProfile profile;
   EdgeSums sums;
   BinRow weight{};  ///< of a pixel, by bin

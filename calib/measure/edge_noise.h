@@ -7,7 +7,9 @@
 // be that of rounding, step^2 / 12.
 
 #include <algorithm>
+#include <vector>
 
+#include "calib/edge/pixel_correlation.h"
 #include "calib/measure/edge_sums.h"
 
 namespace calib {
@@ -24,6 +26,13 @@ struct NoiseModel {
     const double inside = std::clamp(esf, 0.0, 1.0);
     return std::max(least_dark + (least_bright - least_dark) * inside, dark + (bright - dark) * esf);
   }
+};
+
+/// What neighbouring pixels share of their noise.
+struct NoiseCorrelation {
+  std::vector<PixelLag> lags;  ///< of one half plane; none: the noise of the pixels is independent
+  double margin = 1.0;         ///< by which the correlations count more, as they are estimates
+  bool white() const { return lags.empty(); }
 };
 
 /// `least` > 0: the smallest variance there can be, besides that of rounding.

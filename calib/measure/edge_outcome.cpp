@@ -81,6 +81,10 @@ Outcome judge_edge(const EdgeFacts& facts) {
     return {Trouble::clipped,
             "many pixels of the dark side have the smallest value of all while the bright side has noise, as sides at "
             "the floor do: expose more, or add an offset, so that both sides stay above the floor"};
+  if (facts.both_are_flat)
+    return {Trouble::clipped,
+            "many pixels have exactly the smallest and many exactly the largest value while the edge between them has "
+            "noise, as where both sides are clipped: expose so that both stay between the floor and the saturation"};
   return {};
 }
 
@@ -130,9 +134,15 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
     warnings.push_back("the pixels lie " + number(std::sqrt(out.chi2_per_dof)) +
                        " times further from the model than their noise: something else is in the region");
   const double shorter = std::min(facts.extent_dark_px, facts.extent_bright_px);
-  if (shorter < 4.0 * facts.width_px)
-    warnings.push_back("only " + number(shorter) +
-                       " px of one side are inside the region: tails of the blur may count as its plateau");
+  if (facts.short_sides())
+    warnings.push_back(
+        "only " + number(shorter) +
+        " px of one side are inside the region: tails of the blur may count as its plateau, and the intervals "
+        "allow for tails of other sizes");
+  if (facts.large_errors)
+    warnings.push_back("the contrast is only " + number(out.cnr) +
+                       " times the noise of a pixel: the MTF is not linear in errors so large, and the intervals allow "
+                       "for a sharper edge; average frames");
   if (facts.narrowed_px > 0.0)
     warnings.push_back(
         "the sides change nonlinearly with the distance from the edge, as under uneven light: pixels further than " +
@@ -150,6 +160,16 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
     warnings.emplace_back(
         "the noise hides how much of the blur is diffraction, which lowers the MTF at low frequencies: the intervals "
         "allow for any part, take a longer edge or average frames for narrower ones");
+  constexpr double kVisibleShare = 0.08;  // less widens intervals by a few per cent
+  if (facts.shared_noise > kVisibleShare)
+    warnings.push_back("noise is correlated between neighbouring pixels: they share " +
+                       number(100.0 * facts.shared_noise, "%.2g") +
+                       " % of it, as after demosaicing, denoising, resampling or JPEG, and the intervals are wider by "
+                       "that; take the MTF from the raw image for narrower ones");
+  if (facts.ends_abruptly)
+    warnings.emplace_back(
+        "many pixels have exactly the smallest and many exactly the largest value, and few lie next to these: if both "
+        "sides are clipped the MTF is too high");
   const double finite = std::max(1.0, static_cast<double>(out.roi.width * out.roi.height - out.missing));
   const auto percent = [&](double count) { return number(100.0 * count / finite, "%.2g") + " %"; };
   if (facts.outliers > 0)

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "calib/measure/defects/score_covariance.h"
+
 namespace calib {
 namespace {
 
@@ -36,16 +38,37 @@ Selection select(const NormalEquations& normal, const Unknowns& unknowns) {
   return all;
 }
 
+// A matrix of all unknowns in the order and the scale of a selection.
+Eigen::MatrixXd selected(const Matrix& matrix, const Selection& all) {
+  const auto n = static_cast<Eigen::Index>(all.list.size());
+  Eigen::MatrixXd some(n, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j)
+      some(i, j) = all.scale[i] * all.scale[j] *
+                   matrix(all.list[static_cast<std::size_t>(i)], all.list[static_cast<std::size_t>(j)]);
+  return some;
+}
+
 struct Gain {
   double chi2 = 0.0;
+  double by_noise = 0.0;  ///< the mean of chi2 where the residuals are noise: one an unknown if that is independent
   Vector step = Vector::Zero();
 };
 
+// The normal equations and the covariance of their right side.
+struct Equations {
+  const NormalEquations& normal;
+  Matrix scores;
+  bool independent;
+};
+
 // The linear step in some unknowns and how much it lowers chi2.
-Gain gain_of(const NormalEquations& normal, const Unknowns& unknowns) {
-  const Selection all = select(normal, unknowns);
-  const Eigen::VectorXd x = all.matrix.ldlt().solve(all.gradient);
-  Gain gain{.chi2 = x.dot(all.gradient)};
+Gain gain_of(const Equations& equations, const Unknowns& unknowns) {
+  const Selection all = select(equations.normal, unknowns);
+  const Eigen::LDLT<Eigen::MatrixXd> factor = all.matrix.ldlt();
+  const Eigen::VectorXd x = factor.solve(all.gradient);
+  Gain gain{.chi2 = x.dot(all.gradient), .by_noise = static_cast<double>(all.list.size())};
+  if (!equations.independent) gain.by_noise = factor.solve(selected(equations.scores, all)).trace();
   for (std::size_t i = 0; i < all.list.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     gain.step[all.list[i]] = x[k] * all.scale[k];
@@ -98,29 +121,35 @@ Terms choose_terms(const FitState& state, const EdgeModel& model, double extent_
   constexpr double kLeastGradient = 2e-3;                  // of the contrast, at the outermost pixels
   constexpr double kLeastBend_px = 3e-3;                   // changes no MTF by more than 1e-4
   const Unknowns base = without_bounds(basic_unknowns(), model);
-  const Gain all = gain_of(state.normal, with_gradients(with_order(base, kHighestOrder)));
+  const Unknowns most = with_gradients(with_order(base, kHighestOrder));
+  const Equations equations{state.normal, score_covariance(state, model, most), state.correlation.white()};
+  const Gain all = gain_of(equations, most);
   const double unit = std::max(1.0, (state.normal.chi2 - all.chi2) / std::max(1.0, state.normal.count - kUnknowns));
   Terms terms;
   const int tested = options.order || options.circle ? options.order.value_or(2) : least_order;
-  const Gain flat = gain_of(state.normal, with_order(base, tested));
-  const Gain tilted = gain_of(state.normal, with_gradients(with_order(base, tested)));
+  const Gain flat = gain_of(equations, with_order(base, tested));
+  const Gain tilted = gain_of(equations, with_gradients(with_order(base, tested)));
   const double across = std::max(std::abs(tilted.step[2]), std::abs(tilted.step[3])) * extent_px;
   const double along = std::max(std::abs(tilted.step[4]), std::abs(tilted.step[5]));
-  terms.gradients = (tilted.chi2 - flat.chi2) / 4.0 > kSureGradient * unit &&
-                    std::max(across, along) > kLeastGradient * std::abs(model.contrast());
+  // How many gains of an unknown by noise the terms of `more` add to those of `less`.
+  const auto surely = [&](const Gain& more, const Gain& less, double count, double times) {
+    return more.chi2 - less.chi2 > times * unit * std::max(count, more.by_noise - less.by_noise);
+  };
+  terms.gradients =
+      surely(tilted, flat, 4.0, kSureGradient) && std::max(across, along) > kLeastGradient * std::abs(model.contrast());
   if (options.circle || options.order) {
     terms.order = options.circle ? 2 : *options.order;
     return terms;
   }
   terms.order = least_order;
   const Unknowns rest = with_order(terms.gradients ? with_gradients(base) : base, least_order);
-  double explained = gain_of(state.normal, rest).chi2;
+  Gain explained = gain_of(equations, rest);
   for (int order = least_order + 1; order <= kHighestOrder; ++order) {
-    const Gain bent = gain_of(state.normal, with_order(rest, order));
-    if ((bent.chi2 - explained) / (order - terms.order) <= kSureBend * unit) continue;
+    const Gain bent = gain_of(equations, with_order(rest, order));
+    if (!surely(bent, explained, order - terms.order, kSureBend)) continue;
     if (largest_bend(bent.step, terms.order + 1, order) < kLeastBend_px) continue;
     terms.order = order;
-    explained = bent.chi2;
+    explained = bent;
   }
   return terms;
 }
@@ -134,11 +163,14 @@ bool shading_is_curved(const FitState& state, const EdgeModel& model, double wid
     Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     double end = 0.0;
+    std::array<ScoreColumn, 3> powers;
     for (int i = 0; i < kBins; ++i) {
       const double d = sign * bins.centre(i), n = state.sums.count(i);
       if (d < from || n == 0.0) continue;
       const double weight = state.weight[static_cast<std::size_t>(i)], x = d / extent_px;
       const Eigen::Vector3d row(1.0, x, x * x);
+      for (std::size_t k = 0; k < powers.size(); ++k)
+        powers[k].row[static_cast<std::size_t>(i)] = row[static_cast<Eigen::Index>(k)];
       matrix += weight * n * row * row.transpose();
       right += weight * state.sums.residual(0)[static_cast<std::size_t>(i)] * row;
       end = std::max(end, x);
@@ -146,7 +178,10 @@ bool shading_is_curved(const FitState& state, const EdgeModel& model, double wid
     const Eigen::LDLT<Eigen::Matrix3d> factor(matrix);
     if (!(matrix(2, 2) > 0.0) || factor.rcond() < 1e-12) continue;
     const double bend = factor.solve(right)[2];
-    const double variance = factor.solve(Eigen::Vector3d::Unit(2))[2];
+    const Eigen::Vector3d column = factor.solve(Eigen::Vector3d::Unit(2));
+    double variance = column[2];
+    if (!state.correlation.white())
+      variance = std::max(variance, column.dot(score_covariance(state, model, powers) * column));
     const double half = 0.5 * (end - from / extent_px);
     if (bend * bend > kSure * variance && std::abs(bend) * half * half > kLeast * model.contrast()) return true;
   }
@@ -164,7 +199,12 @@ Diffraction diffraction_in(const FitState& state, const EdgeModel& model, const 
     if (all.list[i] != kFirstShape) continue;
     const auto k = static_cast<Eigen::Index>(i);
     const Eigen::VectorXd column = all.matrix.ldlt().solve(Eigen::VectorXd::Unit(all.matrix.rows(), k));
-    const double variance = column[k] * all.scale[k] * all.scale[k];
+    double by_score = column[k];
+    if (!state.correlation.white()) {
+      const Eigen::MatrixXd more = selected(score_covariance(state, model, unknowns) - state.normal.matrix, all);
+      by_score += std::max(0.0, column.dot(more * column));
+    }
+    const double variance = by_score * all.scale[k] * all.scale[k];
     const double s_px = std::max(0.0, model.shape.s_px + column.dot(all.gradient) * all.scale[k]);
     if (variance > kUnclear * kUnclear * model.shape.blur_px2()) return Diffraction::unclear;
     return s_px * s_px > kSure * variance ? Diffraction::shown : Diffraction::absent;

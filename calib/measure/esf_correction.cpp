@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
+#include "calib/measure/defects/score_covariance.h"
 #include "mtf/engines/clones.h"
 
 namespace calib {
@@ -154,22 +156,56 @@ SplineEquations assemble_splines(const FitState& state, const EdgeModel& model, 
   return equations;
 }
 
+// The covariance of the scores of the unknowns, scaled, and of the splines where neighbouring pixels share their noise,
+// given that of independent pixels.
+MatrixXd correlated_scores(const FitState& state, const EdgeModel& model, const std::vector<int>& unknowns,
+                           const VectorXd& scale, const std::vector<SplinePair>& pairs, const MatrixXd& independent) {
+  const Basis basis(state.profile, model.contrast(), Unknowns().set());
+  std::vector<ScoreColumn> columns;
+  columns.reserve(unknowns.size() + pairs.size());
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    columns.push_back(score_column(basis, state.profile, unknowns[i]));
+    for (double& value : columns.back().row) value *= scale[static_cast<Eigen::Index>(i)];
+  }
+  for (const SplinePair& pair : pairs) {
+    const auto& [first, end, value] = spread_of(pair, model.contrast());
+    BinRow& row = columns.emplace_back().row;
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(end); ++i) {
+      row[kSideBins + i] = value[i];
+      row[kSideBins - 1 - i] = pair.odd ? -value[i] : value[i];
+    }
+  }
+  return no_less_than(independent, score_covariance(state, model, columns));
+}
+
 // The tau^2 of largest marginal likelihood, 0 where the data do not ask for any. With A = (information on the
 // coefficients beside the model's unknowns), scaled to unit prior, and z the scores in its eigenvectors, of variance
 // lambda + tau^2 lambda^2, twice the gain in log likelihood is sum of tau^2 z^2 / (1 + tau^2 lambda) - ln(1 + tau^2
-// lambda).
-double likeliest_variance(const MatrixXd& information, const VectorXd& score) {
-  constexpr double kLeastGain = 3.0;
-  if (information.rows() == 0 || !(score.squaredNorm() > information.trace())) return 0.0;
+// lambda). Scores of correlated noise have the variance s in place of lambda, and both z and lambda count times
+// lambda / s.
+// `largest_likely`: the upper end of the 95 % interval instead.
+double likeliest_variance(const MatrixXd& information, const VectorXd& score, const MatrixXd* noise,
+                          bool largest_likely) {
+  constexpr double kLeastGain = 3.0, kChi2Of95 = 3.84;
+  const MatrixXd& expected = noise != nullptr ? *noise : information;
+  if (information.rows() == 0) return 0.0;
+  if (!largest_likely && !(score.squaredNorm() > expected.trace())) return 0.0;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(information);
-  const VectorXd z = eigen.eigenvectors().transpose() * score;
-  const double largest = eigen.eigenvalues().maxCoeff();
+  VectorXd z = eigen.eigenvectors().transpose() * score, lambda = eigen.eigenvalues();
+  if (noise != nullptr) {
+    const VectorXd s =
+        (eigen.eigenvectors().transpose() * *noise).cwiseProduct(eigen.eigenvectors().transpose()).rowwise().sum();
+    const VectorXd part = lambda.cwiseMax(0.0).cwiseQuotient(s.cwiseMax(lambda.cwiseAbs()).cwiseMax(1e-300));
+    z = z.cwiseProduct(part);
+    lambda = lambda.cwiseProduct(part);
+  }
+  const double largest = lambda.maxCoeff();
   if (!(largest > 0.0)) return 0.0;
   const auto gain = [&](double log_variance) {
     const double t = std::exp(log_variance);
     double sum = 0.0, product = 1.0;  // one logarithm for many factors
     for (Eigen::Index i = 0; i < z.size(); ++i) {
-      const double grown = 1.0 + t * std::max(0.0, eigen.eigenvalues()[i]);
+      const double grown = 1.0 + t * std::max(0.0, lambda[i]);
       sum += t * z[i] * z[i] / grown;
       product *= grown;
       if (product < 1e150) continue;
@@ -182,6 +218,10 @@ double likeliest_variance(const MatrixXd& information, const VectorXd& score) {
   const double first = std::log(1e-2 / largest), last = std::min(first + 60.0, std::log(100.0));
   for (double at = first; at <= last; at += 0.25)
     if (const double value = gain(at); value > best_gain) best = std::exp(at), best_gain = value;
+  if (!largest_likely) return best;
+  if (best == 0.0) best_gain = 0.0;
+  for (double at = last; at >= first; at -= 0.25)
+    if (gain(at) > best_gain - kChi2Of95) return std::max(best, std::exp(at));
   return best;
 }
 
@@ -202,7 +242,7 @@ double pair_slope(const SplinePair& pair, double d_px) {
 }
 
 JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, Detail detail,
-                       double width_px, double extent_px) {
+                       double width_px, double extent_px, Smoothing smoothing) {
   JointFit joint;
   for (int a = 0; a < kUnknowns; ++a)
     if (unknowns[static_cast<std::size_t>(a)]) joint.unknowns.push_back(a);
@@ -230,6 +270,16 @@ JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unkn
   MatrixXd explained(fixed, cross.cols());
   if (cross.cols() > 0) explained = factor.solve(cross);  // Eigen takes the address of the first element
   const VectorXd score = splines.with_residual - explained.transpose() * scale.cwiseProduct(r);
+  const auto every = fixed + cross.cols();
+  MatrixXd scores, of_splines;  // covariances of all scores and of `score` where neighbouring pixels share their noise
+  if (!state.correlation.white()) {
+    MatrixXd independent(every, every);
+    independent << n, cross, cross.transpose(), splines.with_each_other;
+    scores = correlated_scores(state, model, joint.unknowns, scale, pairs, independent);
+    MatrixXd projection = MatrixXd::Identity(every, every).bottomRows(cross.cols());
+    projection.leftCols(fixed) = -explained.transpose();
+    of_splines = projection * scores * projection.transpose();
+  }
   std::vector<Eigen::Index> chosen;
   std::vector<double> precision;
   for (const bool odd : {true, false}) {
@@ -237,7 +287,7 @@ JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unkn
     for (std::size_t j = 0; j < pairs.size(); ++j)
       if (pairs[j].odd == odd) group.push_back(static_cast<Eigen::Index>(j));
     const auto size = static_cast<Eigen::Index>(group.size());
-    MatrixXd information(size, size);
+    MatrixXd information(size, size), noise(size, size);
     VectorXd scaled(size);
     for (Eigen::Index j = 0; j < size; ++j) {
       const Eigen::Index a = group[static_cast<std::size_t>(j)];
@@ -247,9 +297,13 @@ JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unkn
         information(j, k) = pairs[static_cast<std::size_t>(a)].prior_sd * pairs[static_cast<std::size_t>(b)].prior_sd *
                             (splines.with_each_other(a, b) - cross.col(a).dot(explained.col(b)));
         information(k, j) = information(j, k);
+        if (of_splines.size() == 0) continue;
+        noise(j, k) = noise(k, j) = pairs[static_cast<std::size_t>(a)].prior_sd *
+                                    pairs[static_cast<std::size_t>(b)].prior_sd * of_splines(a, b);
       }
     }
-    const double variance = likeliest_variance(information, scaled);
+    const double variance = likeliest_variance(information, scaled, of_splines.size() == 0 ? nullptr : &noise,
+                                               smoothing == Smoothing::least);
     (odd ? joint.tau_odd : joint.tau_even) = std::sqrt(variance);
     if (variance == 0.0) continue;
     for (const Eigen::Index a : group) {
@@ -293,7 +347,18 @@ JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unkn
   const double left = state.normal.chi2 - 2.0 * solution.dot(right) + solution.dot(all * solution);
   joint.chi2_per_dof = std::max(0.0, left) / std::max(1.0, state.normal.count - spent);
   // Where the pixels lie further from the model than their noise, the misfit counts as noise.
-  joint.covariance = std::max(1.0, joint.chi2_per_dof) * (full_scale.asDiagonal() * inverse * full_scale.asDiagonal());
+  MatrixXd unit = inverse;
+  if (scores.size() > 0) {
+    std::vector<Eigen::Index> kept(static_cast<std::size_t>(fixed));
+    std::iota(kept.begin(), kept.end(), Eigen::Index{0});
+    for (const Eigen::Index a : chosen) kept.push_back(fixed + a);
+    VectorXd rescale = VectorXd::Ones(total);
+    rescale.tail(total - fixed) = full_scale.tail(total - fixed);
+    MatrixXd sum = rescale.asDiagonal() * scores(kept, kept) * rescale.asDiagonal();
+    sum.diagonal() += penalty;
+    unit = inverse * sum * inverse;
+  }
+  joint.covariance = std::max(1.0, joint.chi2_per_dof) * (full_scale.asDiagonal() * unit * full_scale.asDiagonal());
   return joint;
 }
 

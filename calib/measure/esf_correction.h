@@ -41,8 +41,11 @@ struct JointFit {
 /// also extend further out, where the residuals exceed the noise.
 enum class Detail { none, coarse, fine };
 
+/// The likeliest tau, or the largest one that the pixels allow with 95 %.
+enum class Smoothing { likeliest, least };
+
 /// `width_px`: equivalent width of the line spread; `extent_px`: how far there are pixels on both sides.
 JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, Detail detail,
-                       double width_px, double extent_px);
+                       double width_px, double extent_px, Smoothing smoothing = Smoothing::likeliest);
 
 }  // namespace calib

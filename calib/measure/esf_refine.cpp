@@ -104,7 +104,10 @@ CorrectedFit correct(const EdgePixels& pixels, EdgeFit fit, const EdgeFacts& fac
   settings.unknowns = fit.unknowns;
   const double extent_px = std::min(facts.extent_dark_px, facts.extent_bright_px);
   const auto solve = [&](const EdgeFit& at, Detail detail) {
-    const Unknowns free = at.diffraction == Diffraction::unclear ? at.unknowns : without_bounds(at.unknowns, at.model);
+    // Noise that hides diffraction or is correlated is larger than the weights say at low frequencies: a fit that ends
+    // at a bound does not show then that the shape lies there.
+    const bool open = at.diffraction == Diffraction::unclear || !at.state.correlation.white();
+    const Unknowns free = open ? at.unknowns : without_bounds(at.unknowns, at.model);
     return solve_jointly(at.state, at.model, free, facts.few_distances() ? Detail::none : detail, facts.width_px,
                          extent_px);
   };

@@ -31,6 +31,12 @@ void check(mtf::ImageView<const float> image, const Roi& roi, const MeasureOptio
     throw mtf::UsageError("edge: the saturation must be above the floor");
 }
 
+// Below the contrast / noise that the search for edges asks for, where few pixels leave an error of 6 %.
+bool has_large_errors(const EdgeMeasurement& edge) {
+  constexpr double kNoisyCnr = 8.0, kLarge = 0.06;
+  return edge.cnr < kNoisyCnr && !(edge.mtf50 && edge.mtf50->sd < kLarge * edge.mtf50->value);
+}
+
 EdgeMeasurement refused(EdgeMeasurement known, const Outcome& outcome) {
   known.trouble = outcome.trouble;
   known.reason = outcome.reason;
@@ -78,18 +84,21 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
     return refused(known, {Trouble::no_edge,
                            "no line divides the region into a dark and a bright side: move the region onto an edge"});
   known.clipped_share = clipped_share();  // with those at limits that the options do not state
-  const FitSettings settings = data->settings;
   RegionFit fitted = fit_region(*std::move(data), options);
   describe_plateaus(fitted.fit.model, fitted.fit.state.noise, region, known);
   known.oversampling = fitted.facts.oversampling;
   if (const Outcome outcome = judge_edge(fitted.facts); outcome.refused()) return refused(known, outcome);
 
-  const auto [fit, joint] = correct(fitted.pixels, std::move(fitted.fit), fitted.facts, settings);
+  const CorrectedFit corrected = correct(fitted.pixels, std::move(fitted.fit), fitted.facts, fitted.settings);
+  const auto& [fit, joint] = corrected;
   const EdgeResponse response(fit.model, joint);
   describe_plateaus(fit.model, fit.state.noise, region, known);
   EdgeMeasurement out = known;
   describe(response, out);
-  if (fitted.facts.few_distances()) add_other_shapes(fitted.pixels, fit, fitted.facts, settings, out);
+  fitted.facts.large_errors = has_large_errors(out);
+  if (fitted.facts.large_errors) add_sharper_end(fitted.pixels, corrected, fitted.facts, fitted.settings, out);
+  if (fitted.facts.few_distances()) add_other_shapes(fitted.pixels, fit, fitted.facts, fitted.settings, out);
+  if (fitted.facts.short_sides()) add_other_tail(fitted.pixels, corrected, fitted.facts, fitted.settings, out);
   if (const Outcome outcome = judge_response(out); outcome.refused()) return refused(known, outcome);
 
   EdgeModel found = fit.model;

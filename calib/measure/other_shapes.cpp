@@ -34,4 +34,59 @@ void add_other_shapes(const EdgePixels& pixels, const EdgeFit& fit, const EdgeFa
   }
 }
 
+void add_other_tail(const EdgePixels& pixels, const CorrectedFit& corrected, const EdgeFacts& facts,
+                    FitSettings settings, EdgeMeasurement& measurement) {
+  settings.max_iterations = 8;
+  settings.tolerance = 0.3;
+  EdgeFit other = corrected.fit;
+  ReferenceShape& shape = other.model.shape;
+  const double blur_px2 = shape.blur_px2();
+  // A tail of unknown size between none and that of the fit, or of a blur that is all diffraction: the rms difference
+  // from either end is 1 / sqrt(3) of what lies between them.
+  constexpr double kRms = 0.57735;
+  shape.s_px = other.unknowns[kFirstShape] ? (1.0 - kRms) * shape.s_px : kRms * std::sqrt(blur_px2);
+  shape.v_px2 = std::max(2.0 * kLeastVariance_px2, blur_px2 - shape.q_px2 / 12.0 - 0.1 * shape.s_px * shape.s_px);
+  other.unknowns.reset(kFirstShape);
+  other.diffraction = Diffraction::absent;
+  settings.unknowns = other.unknowns;
+  other.state = fit_reference(pixels, other.model, settings);
+  const double extent_px = std::min(facts.extent_dark_px, facts.extent_bright_px);
+  const auto add = [&](const EdgeModel& model, const JointFit& joint) {
+    EdgeMeasurement described;
+    describe(EdgeResponse(model, joint), described);
+    take_larger_deviations(described, measurement);
+    add_difference(described, measurement);
+  };
+  const CorrectedFit found = correct(pixels, std::move(other), facts, settings);
+  add(found.fit.model, found.joint);
+  const EdgeFit& own = corrected.fit;
+  add(own.model,
+      solve_jointly(own.state, own.model, own.unknowns, Detail::coarse, facts.width_px, extent_px, Smoothing::least));
+}
+
+void add_sharper_end(const EdgePixels& pixels, const CorrectedFit& corrected, const EdgeFacts& facts,
+                     FitSettings settings, EdgeMeasurement& measurement) {
+  constexpr double kNyquist_cy_px = 0.5;
+  constexpr int kRounds = 2;
+  const EdgeFit& own = corrected.fit;
+  settings.unknowns = own.unknowns;
+  const Vector at = movement(corrected.joint, 0.0);
+  EdgeModel sharper = own.model;
+  JointFit joint = corrected.joint;
+  for (int round = 0; round < kRounds; ++round) {
+    const std::array<double, kShapes> more = EdgeResponse(sharper, joint).towards_sharper(kNyquist_cy_px);
+    Vector step = Vector::Zero();
+    for (int k = 0; k < kShapes; ++k) step[kFirstShape + k] = at[kFirstShape + k] + more[static_cast<std::size_t>(k)];
+    sharper = own.model;
+    move(sharper, step);
+    joint =
+        solve_jointly(evaluate(pixels, sharper, settings), sharper, own.unknowns, Detail::none, facts.width_px, 0.0);
+    joint.value.setZero();  // the response of the sharper model itself
+    joint.contrast_ratio = 1.0;
+    EdgeMeasurement described;
+    describe(EdgeResponse(sharper, joint), described);
+    widen_to_end(described, measurement);
+  }
+}
+
 }  // namespace calib

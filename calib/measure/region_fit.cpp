@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calib/measure/defects/correlated_noise.h"
 #include "calib/measure/defects/edge_outliers.h"
 
 namespace calib {
@@ -133,7 +134,7 @@ std::size_t fit_cut(RegionFit& region, const EdgeRegion& data) {
 }  // namespace
 
 RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
-  RegionFit region{.pixels = std::move(data.pixels), .fit = {}, .facts = {}};
+  RegionFit region{.pixels = std::move(data.pixels), .fit = {}, .facts = {}, .settings = {}};
   const auto fit_again = [&](double extent_px) {
     region.fit = fit_edge(region.pixels, data.start, data.settings, options, extent_px);
     region.facts = facts_of(region.pixels, region.fit.state, region.fit.model, data.local_noise_sd);
@@ -149,6 +150,9 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
     outliers += removed;
     fit_again(data.extent_px);
   }
+  data.settings.correlation =
+      noise_correlation(region.pixels, region.fit.model, region.fit.state, data.settings.rounding);
+  if (!data.settings.correlation.white()) fit_again(data.extent_px);
   const std::size_t cut = fit_cut(region, data);
 
   // Near the edge a gradient describes curved shading: the pixels are narrowed down to those.
@@ -171,6 +175,10 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
   region.facts.clipped = data.cut.pixels.size() - cut;
   region.facts.narrowed_px = narrowed_px;
   region.facts.curved_shading = curved;
+  for (const PixelLag& lag : data.settings.correlation.lags)
+    if (std::max(std::abs(lag.x), std::abs(lag.y)) == 1)
+      region.facts.shared_noise = std::max(region.facts.shared_noise, std::abs(lag.correlation));
+  region.settings = std::move(data.settings);
   return region;
 }
 

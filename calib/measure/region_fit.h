@@ -24,6 +24,7 @@ struct RegionFit {
   EdgePixels pixels;  ///< those that were fitted
   EdgeFit fit;
   EdgeFacts facts;
+  FitSettings settings;  ///< with what the fit found out about the noise
 };
 RegionFit fit_region(EdgeRegion data, const MeasureOptions& options);
 

@@ -95,11 +95,15 @@ std::vector<Case> cases(std::string_view wanted) {
         }
       for (const double cnr : {4.0, 6.0})
         add({"low " + std::string(blur) + size_name(size, cnr), step, scene_of(size, cnr), {}});
-      for (const double cnr : {12.0, 30.0, 60.0})
-        add({"correlated " + std::string(blur) + size_name(size, cnr), step, scene_of(size, cnr),
-             [](mtf::Image& image, const made::Scene& scene, const made::Step& one) {
-               made::correlate_noise(image, scene, one, 0.8);
-             }});
+      for (const double cnr : {12.0, 30.0, 60.0}) {
+        const std::string name = std::string(blur) + size_name(size, cnr);
+        const auto blurred = [](mtf::Image& image, const made::Scene& scene, const made::Step& one) {
+          made::correlate_noise(image, scene, one, 0.8);
+        };
+        add({"correlated " + name, step, scene_of(size, cnr), blurred});
+        add({"demosaiced " + name, step, scene_of(size, cnr), made::interpolate_noise});
+        add({"compressed " + name, step, scene_of(size, cnr), made::compress_noise});
+      }
     }
     for (const double apart_px : {20.0, 30.0, 45.0})
       for (const double cnr : {12.0, 30.0, 60.0, 1e9})

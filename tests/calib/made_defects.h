@@ -16,6 +16,12 @@ void cut_off_below(mtf::Image& image, double floor);
 void add_second_edge(mtf::Image& image, const Scene& scene, const Step& step, double apart_px, double contrast);
 /// The noise is drawn again and blurred by a Gaussian of `sd_px`, and has the deviation of the scene's after that.
 void correlate_noise(mtf::Image& image, const Scene& scene, const Step& step, double sd_px);
+/// The noise is drawn again on every second pixel, as on the sites of green in a Bayer mosaic; the others have the mean
+/// of their four neighbours.
+void interpolate_noise(mtf::Image& image, const Scene& scene, const Step& step);
+/// The noise is drawn again and its cosine coefficients in blocks of 8 x 8 pixels are rounded, the more coarsely the
+/// higher their frequency, as JPEG does.
+void compress_noise(mtf::Image& image, const Scene& scene, const Step& step);
 /// Values become multiples of `quantum`.
 void round_values(mtf::Image& image, double quantum);
 

@@ -6,6 +6,7 @@
 
 #include "calib/fit/confidence/adequacy.h"
 #include "tests/calib/fit_cases.h"
+#include "tests/calib/made_defects.h"
 
 namespace calib {
 namespace {
@@ -48,6 +49,30 @@ TEST(Adequacy, UnmodelledDefocusIsFlagged) {
   const FitResult result =
       fit(data_of(fit_cases::camera(8.0), edge_of(image, scene)), std::vector{parameter("optics.f_number")});
   EXPECT_EQ(result.status, FitStatus::converged_model_wrong) << result.whiteness_p;
+}
+
+// Noise that neighbouring pixels share has structure of its own, which is none of the model.
+TEST(Adequacy, CorrelatedNoiseIsNoWrongModel) {
+  const made::Step step = made::Step::gaussian(0.3), airy = made::camera_step(made::camera_of(8.0), 5.0);
+  int wrong = 0, warned = 0, missed = 0;
+  constexpr int kDraws = 20;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    made::Scene scene = noisy(static_cast<std::uint64_t>(40 + draw));
+    const auto fitted = [&](const made::Step& truth) {
+      mtf::Image image = made::make(truth, scene);
+      made::correlate_noise(image, scene, truth, 0.8);
+      return fit(data_of(fit_cases::gaussian(0.6), edge_of(image, scene)),
+                 std::vector{parameter("presample[0].sigma")});
+    };
+    const FitResult right = fitted(step);
+    wrong += right.status == FitStatus::converged_model_wrong ? 1 : 0;
+    for (const std::string& warning : right.warnings)
+      warned += warning.find("correlated between neighbouring pixels") != std::string::npos ? 1 : 0;
+    missed += fitted(airy).status == FitStatus::converged_model_wrong ? 0 : 1;
+  }
+  EXPECT_LE(wrong, 1);
+  EXPECT_EQ(warned, kDraws);
+  EXPECT_LE(missed, kDraws / 4);  // at low frequencies the noise has eight times its variance
 }
 
 TEST(Adequacy, ARightModelIsNotAndItsProbabilityIsUniform) {

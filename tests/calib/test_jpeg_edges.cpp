@@ -66,18 +66,19 @@ TEST(JpegEdges, RoundingBelowTheNoiseIsHarmless) {
   for (const auto& [quality, noise_sd] : {std::pair{98, 0.01}, {95, 0.03}, {90, 0.03}}) {
     const Scatter found = measured_through_jpeg(quality, noise_sd);
     EXPECT_LT(found.rounding, found.noise) << quality;
-    EXPECT_LT(found.pull, 1.45) << quality;
+    EXPECT_LT(found.pull, 1.35) << quality;
     EXPECT_NEAR(found.mean_error, 0.0, 0.012) << quality;
   }
 }
 
-// Where it is above, errors belong together within the blocks, and the standard deviations are too small.
+// Where it is above, errors belong together within the blocks. As far as neighbours share them they are part of the
+// standard deviations; contrast that quantisation has removed, at low quality, is not.
 TEST(JpegEdges, RoundingAboveTheNoiseIsNotPartOfTheDeviations) {
   for (const auto& [quality, noise_sd] : {std::pair{75, 0.01}, {60, 0.003}}) {
     const Scatter found = measured_through_jpeg(quality, noise_sd);
     EXPECT_GT(found.rounding, found.noise) << quality;
-    EXPECT_GT(found.pull, 1.3) << quality;
-    EXPECT_LT(found.pull, 4.5) << quality;
+    EXPECT_GT(found.pull, quality < 75 ? 1.3 : 1.0) << quality;
+    EXPECT_LT(found.pull, quality < 75 ? 3.5 : 1.6) << quality;
     EXPECT_LT(std::abs(found.mean_error), 0.05) << quality;
   }
 }

@@ -127,6 +127,40 @@ TEST(MeasureDefects, DiffractionThatNoiseHides) {
   EXPECT_TRUE(clear.warnings.empty());
 }
 
+// Errors of a tenth and more: the MTF of an edge that comes out too blurred depends little on the blur, but that of the
+// true one does.
+TEST(MeasureDefects, FewPixelsOfLittleContrast) {
+  const auto nothing = [](mtf::Image&, const made::Scene&) {};
+  for (const auto& [width, height, cnr] : {std::tuple{24, 24, 4.0}, {24, 24, 6.0}, {40, 60, 4.0}}) {
+    SCOPED_TRACE(std::to_string(width) + " px, contrast / noise " + std::to_string(cnr));
+    expect_coverage({airy(), scene_of(width, height, cnr), nothing, "times the noise of a pixel"});
+  }
+}
+
+// The tails of a lens out of focus extend beyond short sides, where only the reference says how large they are.
+TEST(MeasureDefects, DefocusInNarrowRegions) {
+  const auto nothing = [](mtf::Image&, const made::Scene&) {};
+  made::Camera camera = made::camera_of(8.0);
+  camera.w020 = 1.0;
+  const made::Step defocused = made::camera_step(camera, 5.0);
+  for (const double cnr : {12.0, 30.0}) {
+    SCOPED_TRACE(cnr);
+    expect_coverage({defocused, scene_of(40, 60, cnr), nothing, "tails of the blur"});
+  }
+  for (const double y : {30.0, 30.3, 30.6}) {
+    made::Scene scene = scene_of(40, 60, 1e12);
+    scene.y = y;
+    const EdgeMeasurement found = calib::measure_edge(made::make(defocused, scene).view(), {0, 0, 40, 60});
+    ASSERT_EQ(found.trouble, calib::Trouble::none) << found.reason;
+    EXPECT_TRUE(says(found, "tails of the blur"));
+    for (const double f : kFrequencies) {
+      const double truth = std::abs(defocused.mtf(f));
+      EXPECT_NEAR(found.mtf[index_of(f)], truth, 1.96 * found.mtf_sd[index_of(f)]) << f;
+      EXPECT_LT(found.mtf_sd[index_of(f)], 0.02) << f;
+    }
+  }
+}
+
 TEST(MeasureDefects, HotPixels) {
   for (const double more : {0.3, 1.0, -2.0}) {
     SCOPED_TRACE(more);
@@ -160,6 +194,21 @@ TEST(MeasureDefects, HotPixelsCutNoRegion) {
       const calib::FoundEdges found = calib::find_edges(image.view());
       ASSERT_EQ(found.edges.size(), 1U) << found.reason;
       EXPECT_EQ(found.edges.front().roi, (calib::Roi{0, 0, 128, 100})) << cnr << ' ' << more;
+    }
+}
+
+// A pixel that is many orders of magnitude away sets no scale for the search.
+TEST(MeasureDefects, OneWildPixelHidesNoEdge) {
+  for (const double cnr : {12.0, 1e12})
+    for (const float wild : {1e30F, -3e38F, 1e3F}) {
+      mtf::Image image = made::make(made::Step::gaussian(0.3), scene_of(128, 100, cnr));
+      image.at(40, 30) = wild;
+      const calib::FoundEdges found = calib::find_edges(image.view());
+      ASSERT_EQ(found.edges.size(), 1U) << found.reason;
+      EXPECT_EQ(found.edges.front().roi, (calib::Roi{0, 0, 128, 100})) << cnr << ' ' << wild;
+      const EdgeMeasurement edge = calib::measure_edge(image.view(), found.edges.front().roi);
+      ASSERT_EQ(edge.trouble, calib::Trouble::none) << edge.reason;
+      EXPECT_NEAR(edge.mtf50->value, 0.3, 5.0 * edge.mtf50->sd);
     }
 }
 
@@ -209,6 +258,45 @@ TEST(MeasureDefects, ASecondEdgeBesideTheRegion) {
         EXPECT_NEAR(found.mtf[i], std::abs(airy().mtf(found.frequency_cy_px[i])), 5e-4) << found.frequency_cy_px[i];
     }
   }
+}
+
+// Noise that neighbours share is larger at low frequencies than that of independent pixels of the same deviation: the
+// intervals are wider there.
+TEST(MeasureDefects, NoiseThatNeighboursShare) {
+  const auto blurred = [](mtf::Image& image, const made::Scene& scene) {
+    made::correlate_noise(image, scene, airy(), 0.8);
+  };
+  const auto demosaiced = [](mtf::Image& image, const made::Scene& scene) {
+    made::interpolate_noise(image, scene, airy());
+  };
+  const auto compressed = [](mtf::Image& image, const made::Scene& scene) {
+    made::compress_noise(image, scene, airy());
+  };
+  const std::string word = "correlated between neighbouring pixels";
+  {
+    SCOPED_TRACE("blurred");
+    expect_coverage({airy(), scene_of(64, 80, 60.0), blurred, word, {}, 3.0});
+  }
+  {
+    SCOPED_TRACE("demosaiced");
+    expect_coverage({airy(), scene_of(64, 80, 30.0), demosaiced, word, {}, 1.5});
+  }
+  {
+    SCOPED_TRACE("compressed");
+    expect_coverage({airy(), scene_of(64, 80, 30.0), compressed, word, {}, 1.3});
+  }
+}
+
+// The noise of independent pixels has no correlation by chance, whatever its size.
+TEST(MeasureDefects, IndependentNoiseIsNotSharedByNeighbours) {
+  for (const double cnr : {6.0, 30.0, 200.0, 1e5})
+    for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+      made::Scene scene = scene_of(64, 80, cnr);
+      scene.seed = seed;
+      const EdgeMeasurement found = calib::measure_edge(made::make(airy(), scene).view(), {0, 0, 64, 80});
+      ASSERT_EQ(found.trouble, calib::Trouble::none) << found.reason;
+      EXPECT_FALSE(says(found, "correlated")) << cnr << ' ' << seed;
+    }
 }
 
 // Values that are heaped up for other reasons are no noise cut off: plateaus of few values, a side that is all zero.

@@ -237,6 +237,38 @@ TEST(MeasureOutcomes, CutOffOrCoarselyQuantised) {
   EXPECT_NEAR(found.mtf50->value, 0.3, 5.0 * found.mtf50->sd);
 }
 
+// Both sides clipped far inside their plateaus have no noise, and the rest of the edge is too steep.
+TEST(MeasureOutcomes, ClippedOnBothSides) {
+  const auto cut = [](float v, std::int64_t, std::int64_t) { return std::clamp(v, 0.28F, 0.72F); };
+  for (const double noise_sd : {0.003, 0.01, 0.03})
+    for (const std::int64_t height : {40, 100})
+      for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+        made::Scene scene;
+        scene.height = height;
+        scene.noise_sd = noise_sd;
+        scene.seed = seed;
+        const EdgeMeasurement found = measure(changed(made::make(made::Step::gaussian(0.3), scene), cut));
+        EXPECT_EQ(found.trouble, Trouble::clipped) << noise_sd << ' ' << height << ' ' << seed << found.reason;
+      }
+  const auto words = [](const EdgeMeasurement& found) {
+    return std::count_if(found.warnings.begin(), found.warnings.end(),
+                         [](const std::string& one) { return one.find("sides are clipped") != std::string::npos; });
+  };
+  // Without noise it is the abrupt end of the values that tells.
+  EXPECT_EQ(words(measure(changed(usual(0.0), cut))), 1);
+  for (const double angle_deg : {1.0, 5.0, 20.0, 45.0}) {
+    made::Scene scene;
+    scene.angle_deg = angle_deg;
+    const made::Step narrow = made::Step::gaussian(0.5), wide = made::Step::gaussian(0.1),
+                     camera = made::camera_step(made::camera_of(8.0), angle_deg);
+    for (const made::Step* step : {&narrow, &wide, &camera}) {
+      const EdgeMeasurement found = measure(made::make(*step, scene));
+      EXPECT_EQ(found.trouble, Trouble::none) << found.reason;
+      EXPECT_EQ(words(found), 0) << angle_deg;
+    }
+  }
+}
+
 TEST(MeasureOutcomes, OneHugePixelIsLeftOut) {
   for (const float hot : {1e4F, 1e10F, -1e30F}) {
     mtf::Image image = usual();

@@ -6,6 +6,8 @@
 #include <complex>
 #include <numbers>
 
+#include "calib/edge/pixel_correlation.h"
+
 namespace calib {
 namespace {
 
@@ -62,6 +64,21 @@ Adequacy sums(std::span<const Residual> residuals) {
   }
   if (!residuals.empty()) a.outlier_share = beyond / static_cast<double>(residuals.size());
   return a;
+}
+
+/// The distance from which the noise that pixels share is too little to show in a test.
+int spacing_of(const PixelCorrelation& correlation) {
+  constexpr double kLittle = 0.05;
+  for (int ring = 1; ring <= correlation.rings; ++ring) {
+    double squares = 0.0, count = 0.0;
+    for (const PixelLag& lag : correlation.lags)
+      if (std::max(std::abs(lag.x), std::abs(lag.y)) == ring) {
+        squares += lag.correlation * lag.correlation;
+        count += 1.0;
+      }
+    if (squares < kLittle * kLittle * count) return std::max(2, ring);
+  }
+  return correlation.rings + 1;
 }
 
 double incomplete_beta(double x, double a, double b) {
@@ -125,6 +142,29 @@ Adequacy judge_edge(std::span<const Residual> residuals, std::size_t fitted, dou
   const double by_neighbours = normal_tail(neighbours / std::sqrt(groups));
   a.whiteness_p = std::min(1.0, 2.0 * std::min(by_means, by_neighbours));
   return a;
+}
+
+IndependentResiduals independent(std::vector<Residual> residuals, Point normal, double flat_px) {
+  IndependentResiduals found{.residuals = std::move(residuals)};
+  if (found.residuals.empty()) return found;
+  constexpr std::int64_t kMostRows = 1024;  // bounds the memory of the grid
+  std::int64_t x0 = found.residuals.front().x, y0 = found.residuals.front().y, x1 = x0, y1 = y0;
+  for (const Residual& r : found.residuals) y0 = std::min(y0, r.y);
+  const auto taken = [&](const Residual& r) { return r.y - y0 < kMostRows; };
+  for (const Residual& r : found.residuals)
+    if (taken(r)) x0 = std::min(x0, r.x), x1 = std::max(x1, r.x), y1 = std::max(y1, r.y);
+  PixelGrid grid(static_cast<std::size_t>(x1 - x0) + 1, static_cast<std::size_t>(y1 - y0) + 1);
+  for (const Residual& r : found.residuals)
+    if (taken(r) && std::abs(r.distance_px) >= flat_px)
+      grid.set(static_cast<std::size_t>(r.x - x0), static_cast<std::size_t>(r.y - y0), bent(r.value, true).value);
+  const PixelCorrelation correlation = correlation_of(grid, normal);
+  if (correlation.rings == 0) return found;
+  found.spacing_px = spacing_of(correlation);
+  found.variance_ratio = std::max(1.0, correlation.sum);
+  std::erase_if(found.residuals, [&](const Residual& r) {
+    return (r.x - x0) % found.spacing_px != 0 || (r.y - y0) % found.spacing_px != 0;
+  });
+  return found;
 }
 
 Adequacy judge_sequence(std::span<const Residual> residuals) {

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "calib/edge/edge_curve.h"
 #include "calib/fit/data/data_block.h"
 
 namespace calib {
@@ -32,6 +33,16 @@ struct Adequacy {
 /// `fitted`: number of unknowns that change E or the plateaus; `contrast` and `quantum` in the image's unit, 0 for what
 /// has none.
 Adequacy judge_edge(std::span<const Residual> residuals, std::size_t fitted, double contrast, double quantum);
+
+/// Residuals of an edge that are far enough from each other to be independent where neighbouring pixels share their
+/// noise, as after demosaicing, denoising or JPEG.
+struct IndependentResiduals {
+  std::vector<Residual> residuals;
+  int spacing_px = 1;           ///< every so-many-th column and row; 1 = all, the noise is not correlated
+  double variance_ratio = 1.0;  ///< of a mean of many pixels, to that of as many independent ones
+};
+/// The correlation is estimated from pixels at least `flat_px` from the edge, whose normal is given.
+IndependentResiduals independent(std::vector<Residual> residuals, Point normal, double flat_px);
 
 /// For curves and spots: neighbours in the order given.
 Adequacy judge_sequence(std::span<const Residual> residuals);

@@ -37,12 +37,29 @@ double contrast_of(const FitProblem& problem, std::size_t b) {
   return edge == nullptr ? 0.0 : std::abs(problem.own[b][edge->contrast_index()]);
 }
 
-Adequacy adequacy_of(const FitProblem& problem, std::size_t b, std::span<const Residual> residuals) {
+/// An edge's structure is judged by pixels that do not share their noise; `ratio` is that of IndependentResiduals.
+Adequacy adequacy_of(const FitProblem& problem, std::size_t b, std::span<const Residual> residuals, double& ratio) {
   const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]);
   if (edge == nullptr) return judge_sequence(residuals);
-  // The unknowns that change E: offset, plateaus and parameters.
-  return judge_edge(residuals, 3 + problem.variables.size(), contrast_of(problem, b), edge->data().quantum);
+  constexpr double kFlatWidths = 2.0, kFlat_px = 6.0;
+  const std::optional<Estimate>& fwhm_px = edge->data().start.fwhm_px;
+  const double flat_px = fwhm_px ? kFlatWidths * fwhm_px->value : kFlat_px;
+  const auto judge = [&](std::span<const Residual> some) {
+    // The unknowns that change E: offset, plateaus and parameters.
+    return judge_edge(some, 3 + problem.variables.size(), contrast_of(problem, b), edge->data().quantum);
+  };
+  const Adequacy all = judge(residuals);
+  const IndependentResiduals some =
+      independent({residuals.begin(), residuals.end()}, edge->curve(problem.own[b]).normal(), flat_px);
+  ratio = some.variance_ratio;
+  if (some.spacing_px == 1) return all;
+  Adequacy adequacy = judge(some.residuals);
+  adequacy.chi2 = all.chi2;
+  adequacy.outlier_share = all.outlier_share;
+  return adequacy;
 }
+
+std::string rounded(double value) { return mtf::format_double(std::round(10.0 * value) / 10.0); }
 
 mtf::Image residual_image(const Roi& roi, std::span<const Residual> residuals) {
   mtf::Image image(roi.width, roi.height);
@@ -70,7 +87,13 @@ void report_data(const FitData& data, std::span<const std::optional<std::size_t>
     const std::size_t b = *block_of[i];
     const std::vector<Residual> residuals = std::visit(
         [&](const auto& block) { return block.residuals(*problem.sensors, problem.own[b]); }, problem.blocks[b]);
-    const Adequacy adequacy = adequacy_of(problem, b, residuals);
+    double variance_ratio = 1.0;
+    const Adequacy adequacy = adequacy_of(problem, b, residuals, variance_ratio);
+    if (variance_ratio > 1.0)
+      result.warnings.push_back(out.name +
+                                ": noise is correlated between neighbouring pixels, as after demosaicing, denoising or "
+                                "JPEG: the errors given are those of independent pixels, and may be up to " +
+                                rounded(std::sqrt(variance_ratio)) + " times too small; fit the raw image");
     out.count = residuals.size();
     const double scale = std::visit([](const auto& block) { return block.noise_scale(); }, problem.blocks[b]);
     out.chi2_per_dof = solved.noise_factor[b] * scale;
@@ -109,16 +132,14 @@ void report_data(const FitData& data, std::span<const std::optional<std::size_t>
   result.whiteness_p = std::min(1.0, least_p * tests);
   for (const FitResiduals& one : result.data)
     if (one.chi2_per_dof > kNoiseDoubt * kNoiseDoubt)
-      result.warnings.push_back(one.name + ": the residuals are " +
-                                mtf::format_double(std::round(10.0 * std::sqrt(one.chi2_per_dof)) / 10.0) +
+      result.warnings.push_back(one.name + ": the residuals are " + rounded(std::sqrt(one.chi2_per_dof)) +
                                 " times the noise that is assumed; the errors are scaled to them");
   if (result.status == FitStatus::converged && far) {
     const FitResiduals& one = result.data[*far];
     const bool spot = *far >= data.edges.size() + data.curves.size();
     result.status = FitStatus::converged_model_wrong;
     result.reason =
-        "the residuals of " + one.name + " are " +
-        mtf::format_double(std::round(10.0 * std::sqrt(one.chi2_per_dof)) / 10.0) +
+        "the residuals of " + one.name + " are " + rounded(std::sqrt(one.chi2_per_dof)) +
         (spot ? " times the noise of its background: it is saturated, not alone, or the model has the wrong shape"
               : " times the standard deviation that was given: the model has the wrong shape, or the curve is that of "
                 "another sensor");
