@@ -120,7 +120,7 @@ std::string best(const Sweep& sweep, const DesignTable& table) {
     const bool known = objective != sweep.objectives.end();
     const auto column = sweep.column(known ? objective->column : one.objective);
     const auto row = table.row(one.design);
-    std::vector<std::string> cells{(known ? objective->maximize ? "largest " : "smallest " : "") + html(one.objective),
+    std::vector<std::string> cells{(known ? objective->maximize ? "maximize " : "minimize " : "") + html(one.objective),
                                    std::to_string(one.design),
                                    (row && column ? html_value(table.cells[*row][*column]) : html_value(one.value)) +
                                        (column ? " " + html(sweep.columns[*column].unit) : "")};
@@ -158,9 +158,9 @@ std::string words(const Sweep& sweep) {
 std::string summary_section(const Sweep& sweep, const DesignTable& table) {
   std::string objectives;
   for (const SweepObjective& objective : sweep.objectives)
-    objectives += (objectives.empty() ? "" : ", ") + std::string(objective.maximize ? "large " : "small ") + "<em>" +
-                  html(objective.text) + "</em>";
-  return html_section("summary", "Summary", objectives.empty() ? "" : "Wanted: " + objectives + ".",
+    objectives += (objectives.empty() ? "" : ", ") + std::string(objective.maximize ? "maximize " : "minimize ") +
+                  "<em>" + html(objective.text) + "</em>";
+  return html_section("summary", "Summary", objectives.empty() ? "" : "Objectives: " + objectives + ".",
                       tiles(sweep) + words(sweep) + "<h3>Axes</h3>" + varies(sweep, table) +
                           (sweep.constraints.empty() ? "" : "<h3>Constraints</h3>" + constraints(sweep)) +
                           (sweep.best.empty() ? "" : "<h3>Best designs</h3>" + best(sweep, table)));

@@ -42,7 +42,7 @@ async function startCurves() {
   addChoice("curves", "show", [["all", "systems of all designs"], ...withCurves.map((one) => [one.design, `components of design ${one.design}`])], "all", (value) => { curves.what = value; redraw(); });
   addChoice("curves", "frequency in", [["cy/mm", "cy/mm"], ["cy/mrad", "cy/mrad"], ["cy/px", "cy/px"]], curves.unit, (value) => { curves.unit = value; redraw(); });
   const hint = document.createElement("small");
-  hint.textContent = "Dots: Nyquist.";
+  hint.textContent = "Dots: the MTF at Nyquist along x.";
   document.querySelector("#curves .controls").append(hint);
   await redraw();
 }
