@@ -257,7 +257,7 @@ def main():
         "chosen": [{"design": d, "file": f"chosen/design_{d}.toml", "why": why} for d, why in sorted(chosen.items())],
         "sensitivities": {
             "design": reference,
-            "derivatives": [{"column": c, "parameter": p, "value": (-0.8) ** j * s, "unit": f"{u}/{units[p]}"}
+            "derivatives": [{"column": c, "parameter": p, "value": (-0.8) ** j * s, "unit": f"{u} per {units[p]}"}
                             for c, u, s in (("mtf_nyquist", "1", 0.004), ("netd", "mK", -0.6))
                             for j, p in enumerate(parameters)],
             "samples": 4096,

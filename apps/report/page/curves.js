@@ -99,6 +99,7 @@ async function startAccuracy() {
   const values = report.accuracy.flatMap(([tolerance, promised, realised, time]) =>
     [{ tolerance, kind: "promised", error: promised, time }, { tolerance, kind: "realised", error: realised, time }])
     .filter((one) => one.error > 0 && one.time > 0);
+  if (values.length === 0) return;
   await draw("accuracy", {
     width: "container", height: 300, data: { values },
     mark: { type: "line", point: { size: 45, filled: true }, strokeWidth: 2 },
