@@ -42,7 +42,8 @@ std::string values(const Sweep& sweep, const DesignTable& table, const Chosen& c
     for (const ChosenDesign& design : chosen) {
       const auto row = table.row(design.chosen.design);
       const std::string cell = row ? table.cells[*row][c] : "";
-      cells.push_back(column.role == "feasible" ? (cell == "1" ? "yes" : "no") : html_value(cell));
+      const bool yes_or_no = column.role == "feasible" || column.role == "pareto";
+      cells.push_back(yes_or_no ? (cell == "1" ? "yes" : "no") : html_value(cell));
     }
     rows.add(cells);
   }

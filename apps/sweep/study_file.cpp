@@ -24,21 +24,17 @@ bool is_study_file(const std::string& file) {
 #ifdef MTFKIT_HAVE_CALIB
 namespace {
 
-std::string plural(std::size_t n, const std::string& word) {
-  return std::to_string(n) + " " + word + (n == 1 ? "" : "s");
-}
-
 std::string summary(const study::Study& study) {
   using study::Method;
   const std::string method = study.method == Method::grid              ? "a grid"
                              : study.method == Method::latin_hypercube ? "a Latin hypercube"
                                                                        : "a Sobol sequence";
   std::string text = study.name.empty() ? "" : one_line(study.name) + ", ";
-  text += plural(static_cast<std::size_t>(study.designs), "design") + " (" + method + "), " +
+  text += plural(study.designs, "design") + " (" + method + "), " +
           (study.axes.size() == 1 ? "1 axis" : std::to_string(study.axes.size()) + " axes") + ", " +
-          plural(study.metrics.size(), "metric") + ", " + plural(study.constraints.size(), "constraint") + ", " +
-          plural(study.objectives.size(), "objective");
-  if (study.variants > 1) text += ", " + plural(static_cast<std::size_t>(study.variants), "sensor");
+          plural(std::ssize(study.metrics), "metric") + ", " + plural(std::ssize(study.constraints), "constraint") +
+          ", " + plural(std::ssize(study.objectives), "objective");
+  if (study.variants > 1) text += ", " + plural(study.variants, "sensor");
   return text;
 }
 

@@ -64,7 +64,7 @@ std::string first_line(const fs::path& file) {
 
 /// The files that a sweep writes, apart from copies.
 void remove_results(const fs::path& folder) {
-  for (const char* name : {"parts", "chosen", "sweep.json", "designs.csv", "designs.npy"}) {
+  for (const char* name : {"parts", "chosen", "sweep.json", "designs.csv", "designs.npy", "columns.csv"}) {
     std::error_code error;
     fs::remove_all(folder / name, error);
     if (error) throw mtf::RuntimeError("cannot remove " + one_line((folder / name).string()) + ": " + error.message());

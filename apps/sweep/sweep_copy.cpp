@@ -35,8 +35,9 @@ void write_below(const fs::path& folder, const fs::path& name, const std::string
 
 /// Names that a folder of results or a plan has for itself.
 bool reserved(const fs::path& name) {
-  constexpr std::array<std::string_view, 8> names{"study.toml",  "plan.json", "sweep.json", "designs.csv",
-                                                  "designs.npy", "parts",     "shards",     "chosen"};
+  constexpr std::array<std::string_view, 9> names{"study.toml",  "plan.json",   "sweep.json",
+                                                  "designs.csv", "designs.npy", "columns.csv",
+                                                  "parts",       "shards",      "chosen"};
   return std::find(names.begin(), names.end(), name.begin()->string()) != names.end();
 }
 

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <sstream>
 #include <thread>
 
 #include "apps/study/rows/row_run.h"
@@ -129,6 +130,31 @@ TEST(Rows, NpyIsVersionOneWithTheRowsBehindAnAlignedHeader) {
   fill(32, expected);
   std::memcpy(row.data(), npy.data() + npy.size() - sizeof row, sizeof row);
   EXPECT_EQ(std::memcmp(row.data(), expected.data(), sizeof row), 0);
+}
+
+TEST(Rows, MarkedDesignsHaveAOneInAColumnOfTheirOwn) {
+  const TempFolder folder;
+  const study::RowRun run = run_of(folder, 33, 2, 4);
+  const std::string plain = table_of(folder, run);
+  std::vector<study::TableColumn> columns = kTable;
+  columns.push_back({"mark", {}});
+  study::write_table({.pieces = study::rows_of(run),
+                      .columns = columns,
+                      .marked = std::vector<std::int64_t>{0, 7, 8, 32},
+                      .csv = folder / "m.csv",
+                      .npy = folder / "m.npy"});
+  std::istringstream without(plain), with(read_file(folder / "m.csv"));
+  std::string left, right;
+  for (int line = -1; line < 33; ++line) {
+    ASSERT_TRUE(std::getline(without, left) && std::getline(with, right));
+    const bool one = line == 0 || line == 7 || line == 8 || line == 32;
+    EXPECT_EQ(right, left + (line < 0 ? ",mark" : one ? ",1" : ",0"));
+  }
+  const std::string npy = read_file(folder / "m.npy");
+  EXPECT_NE(npy.find("'shape': (33, 6)"), std::string::npos);
+  double last = 0.0;
+  std::memcpy(&last, npy.data() + npy.size() - sizeof last, sizeof last);
+  EXPECT_EQ(last, 1.0);
 }
 
 TEST(Rows, NoDesignIsATableOfAHeader) {

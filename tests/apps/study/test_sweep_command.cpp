@@ -108,6 +108,62 @@ TEST(SweepCommand, LeavesAFolderThatAgreesWithItself) {
   }
 }
 
+// The front is a column of both tables and a short table on the terminal; columns.csv has the unit of every column.
+TEST(SweepCommand, TheFrontIsMarkedAndTheColumnsAreDescribed) {
+  const Scratch scratch;
+  add_study(scratch, replaced(kSmallStudy, "count = 13", "count = 49"));
+  const Result result = scratch.run("mtf sweep study.toml -o out");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json sweep = json::parse(read_file(scratch / "out/sweep.json"));
+  const json& columns = sweep["columns"];
+  EXPECT_EQ(columns.back()["name"], "pareto");
+  EXPECT_EQ(columns.back()["role"], "pareto");
+  const std::vector<double> numbers = numbers_of(read_file(scratch / "out/designs.npy"));
+  ASSERT_EQ(numbers.size(), 441 * columns.size());
+  std::vector<std::int64_t> marked;
+  for (std::size_t d = 0; d < 441; ++d) {
+    const double mark = numbers[(d + 1) * columns.size() - 1];
+    EXPECT_TRUE(mark == 0.0 || mark == 1.0) << d;
+    if (mark == 1.0) marked.push_back(static_cast<std::int64_t>(d));
+  }
+  EXPECT_EQ(json(marked), sweep["pareto"]);
+  const std::size_t size = marked.size();
+  ASSERT_GT(size, 12U);
+  expect_says(result.out, "Pareto front: " + std::to_string(size) +
+                              " designs\ndesign  mtf_nyquist  frame.pitch [um]  jitter.rms [um]\n");
+  expect_says(result.out,
+              "\nand " + std::to_string(size - 10) + " more, which the column pareto of designs.csv marks\n");
+  std::string described = "column,unit,definition\ndesign,,\"number of the design, from 0\"\n";
+  const std::string csv = read_file(scratch / "out/columns.csv");
+  EXPECT_TRUE(csv.starts_with(described)) << csv;
+  EXPECT_EQ(lines(csv), columns.size() + 2);
+  for (const json& column : columns)
+    expect_says(csv, "\n" + std::string(column["name"]) + "," + std::string(column["unit"]) + ",");
+
+  write_file(scratch / "study.toml", replaced(kSmallStudy, ", \"minimize frame.pitch\"]", "]"));
+  const Result one = scratch.run("mtf sweep study.toml -o one");
+  EXPECT_EQ(one.out.find("Pareto"), std::string::npos) << one.out;
+  EXPECT_EQ(read_file(scratch / "one/designs.csv").find("pareto"), std::string::npos);
+}
+
+TEST(SweepCommand, TheReportHasElasticitiesAndNoEmptyChartOfErrors) {
+  const Scratch scratch;
+  add_study(scratch, replaced(kSmallStudy, "\"mtf_nyquist_x\"]", "\"rer\"]"));
+  const std::string axis = "[[axis]]\nparameter = \"frame.pitch\"\nvalues = [\"8 um\", \"10 um\"]\n";
+  write_file(scratch / "exact.toml", "schema = 1\nsensor = \"sensor.toml\"\nobjectives = [\"maximize ifov\"]\n" + axis);
+  for (const std::string name : {"study", "exact"}) {
+    const Result result = scratch.run("mtf sweep " + name + ".toml -o " + name + " --accuracy && mtf report " + name +
+                                      " -o " + name + ".html");
+    ASSERT_EQ(result.status, 0) << result.err;
+  }
+  const std::string page = read_file(scratch / "study.html"), exact = read_file(scratch / "exact.html");
+  const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  EXPECT_TRUE(has(page, "Change of a metric in percent for one percent of a parameter"));
+  EXPECT_TRUE(has(page, "<figure class=\"chart\" id=\"accuracy\""));
+  EXPECT_FALSE(has(exact, "id=\"accuracy\""));
+  EXPECT_TRUE(has(exact, "No metric of this study has an error at any tolerance"));
+}
+
 TEST(SweepCommand, TheErrorAgainstTimeIsMeasuredWhereItIsAskedFor) {
   const Scratch scratch;
   add_study(scratch);
