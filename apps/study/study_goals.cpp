@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "apps/study/design/metric_gap.h"
+#include "apps/study/result_columns.h"
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
@@ -238,6 +240,21 @@ void check_gaps(StudyReader& s) {
         if (!gap->second.empty())
           s.error_in(source, at.column, "needs " + at.name + ", which no design has: " + gap->second);
       }
+}
+
+void check_column_names(StudyReader& s) {
+  std::set<std::string> taken{"design"};
+  for (const Column& column : file_columns(s.study))
+    if (column.role == Column::Role::feasible || column.role == Column::Role::yield ||
+        column.role == Column::Role::error || column.role == Column::Role::pareto)
+      taken.insert(column.name);
+  const std::string problem = " is a column of designs.csv already; take another name";
+  for (std::size_t a = 0; a < s.study.axes.size(); ++a)
+    if (const std::string& name = s.study.parameters[a].name; s.own.contains(name) && taken.contains(name))
+      s.error(s.tree.find("axis")->items[a].find("name")->position, "axis[" + std::to_string(a) + "].name",
+              name + problem);
+  for (const LinkSource& link : s.links)
+    if (link.own && taken.contains(link.target)) s.error(link.target_at, link.source.path, link.target + problem);
 }
 
 }  // namespace study

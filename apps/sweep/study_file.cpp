@@ -11,6 +11,7 @@
 #ifdef MTFKIT_HAVE_CALIB
 #include "apps/sensor/sensor_chain.h"
 #include "apps/study/study.h"
+#include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/output.h"
 #endif
 
@@ -41,7 +42,11 @@ std::string summary(const study::Study& study) {
 }  // namespace
 
 int check_study(const std::string& file, Format format) {
-  const study::StudyResult result = study::parse_study(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file);
+  study::StudyResult result = study::parse_study(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file);
+  if (result.ok()) {  // what only a sweep of it would find
+    const std::vector<mtf::io::Diagnostic> problems = copy_problems(result.study);
+    result.diagnostics.insert(result.diagnostics.begin(), problems.begin(), problems.end());
+  }
   return report_verdict({.file = file,
                          .ok = result.ok(),
                          .name = result.study.name,

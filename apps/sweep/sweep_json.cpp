@@ -188,7 +188,8 @@ Json to_json(const SweepReport& report) {
                {"conditions", {{"temperature_k", study.conditions.temperature_k}}}};
   json["sensors"] = Json::array();
   for (std::size_t i = 1; i < run.files.size(); ++i)
-    json["sensors"].push_back({{"file", run.files[i].file}, {"sha256", run.files[i].sha256}});
+    json["sensors"].push_back({{"file", std::filesystem::path(run.files[i].file).lexically_normal().generic_string()},
+                               {"sha256", run.files[i].sha256}});
   json["designs"] = study.designs;
   json["evaluated"] = tally.designs();
   json["method"] = kMethods[static_cast<std::size_t>(study.method)];

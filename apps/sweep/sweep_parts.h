@@ -28,8 +28,11 @@ struct StudyCopy {
   std::filesystem::path name;
   std::string bytes;
 };
+/// Files that a sweep of the study cannot copy: they lie elsewhere than in or below its folder, or have a name that the
+/// folder of a sweep uses itself.
+std::vector<mtf::io::Diagnostic> copy_problems(const study::Study& study);
 /// The study (as study.toml, the first), its sensor files and the files these name, by their names relative to the
-/// study. Nothing is written. Throws UsageError for a file that lies elsewhere, RuntimeError.
+/// study. Nothing is written. Throws UsageError with all copy_problems, RuntimeError.
 std::vector<StudyCopy> copies_of(const study::Study& study);
 /// Writes them into a folder. Throws RuntimeError.
 std::vector<study::PlanFile> write_copies(const std::vector<StudyCopy>& copies, const std::filesystem::path& folder);

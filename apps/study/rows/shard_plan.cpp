@@ -96,8 +96,8 @@ ShardPlan read_plan(const fs::path& folder) {
     plan.layout = {json.at("key"), json.at("columns")};
     for (const Json& copy : json.at("files")) plan.files.push_back({copy.at("file"), copy.at("sha256")});
     for (const PlanFile& copy : plan.files) {  // nothing outside of the folder
-      const fs::path name = copy.file;
-      if (name.empty() || name.is_absolute() || std::find(name.begin(), name.end(), "..") != name.end())
+      const fs::path name = fs::path(copy.file).lexically_normal();
+      if (name.empty() || name.is_absolute() || *name.begin() == "..")
         throw mtf::UsageError("");
     }
     if (plan.shards < 1 || plan.shards > plan.designs || plan.shards > kMostShards || plan.layout.columns < 1)

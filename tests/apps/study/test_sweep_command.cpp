@@ -350,43 +350,4 @@ TEST(SweepCommand, AStudyNamedLikeAVerbIsGivenByItsPath) {
   EXPECT_EQ(scratch.run("mtf sweep ./plan -o out").status, 0);
 }
 
-TEST(SweepCommand, UsageErrorsSayWhatIsWrong) {
-  const Scratch scratch;
-  add_study(scratch);
-  const std::vector<std::pair<std::string, std::string>> cases{
-      {"", "study"},
-      {"study.toml", "needs a folder to write; add -o FOLDER"},
-      {"study.toml -o out --shards 3", "--shards: `mtf sweep` does not take it"},
-      {"study.toml -o out --submit", "--submit: `mtf sweep` does not take it"},
-      {"study.toml -o out --tolerance 2", "--tolerance: 2 is outside [1e-12, 0.1]"},
-      {"study.toml -o out --format csv", "--format"},
-      {"rum study.toml -o out", "did you mean run?"},
-      {"nothing.toml -o out", "nothing.toml"},
-      {"study.toml -o a/b", "there is no folder"},
-      {"plan study.toml -o out", "--shards: not given"},
-      {"plan study.toml -o out --shards 118", "more than the study has designs (117)"},
-      {"run out --shard 0/3", "--shard: '0/3' is not I/N"},
-      {"run out --shard 4/3", "--shard: '4/3' is not I/N"},
-      {"run out --shard 1/3", "holds no plan.json"},
-      {"merge out -o merged", "holds no plan.json"},
-      {"submit out --engine cloud", "slurm, parallel, local"}};
-  for (const auto& [arguments, message] : cases) {
-    const Result result = scratch.run("mtf sweep " + arguments);
-    EXPECT_NE(result.status, 0) << arguments;
-    expect_says(result.err, message);
-    EXPECT_FALSE(fs::exists(scratch / "out")) << arguments;
-  }
-}
-
-TEST(SweepCommand, FilesOutsideOfTheStudysFolderAreRefused) {
-  const Scratch scratch;
-  add_study(scratch);
-  fs::create_directory(scratch / "below");
-  write_file(scratch / "below/study.toml", replaced(kSmallStudy, "sensor.toml", "../sensor.toml"));
-  const Result result = scratch.run("mtf sweep below/study.toml -o out");
-  EXPECT_EQ(result.status, 2);
-  expect_says(result.err, "lies outside of the study's folder");
-  EXPECT_FALSE(fs::exists(scratch / "out"));  // where the corrected study would find a sweep that was stopped
-}
-
 }  // namespace
