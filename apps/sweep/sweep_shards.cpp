@@ -73,7 +73,7 @@ bool finished(const study::ShardPlan& plan, const fs::path& folder, int shard, c
   try {
     return !study::find_shard(plan, folder, shard).empty();
   } catch (const mtf::RuntimeError& error) {
-    if (std::string_view(error.what()).find(": damaged: ") == std::string_view::npos) throw;
+    if (!study::is_damaged(error)) throw;
     note(global, std::string("note: ") + error.what() + "; making it again");
     return false;
   }

@@ -242,6 +242,36 @@ TEST(Rows, DamageThatComesLaterIsNamedAndLeavesNoTable) {
   EXPECT_FALSE(std::filesystem::exists(folder / "t.npy"));
 }
 
+// Whichever bit flips, in the lines, the checksums or the numbers: the file is called damaged, not another study's, and
+// a row whose numbers have changed is named.
+TEST(Rows, AFlippedBitIsDamageWhereverItIs) {
+  const TempFolder folder;
+  const study::RowRun run = run_of(folder, 12, 2, 4);
+  study::run_rows(run);
+  study::join_rows(study::rows_of(run), folder / "joined");
+  const std::string good = read_file(folder / "joined");
+  const study::RowPiece last = study::list_rows(folder / "joined").back();
+  const std::size_t numbers = good.size() - 4 * kColumns * sizeof(double);
+  std::vector<double> rows;
+  for (std::size_t at = 0; at < good.size(); ++at) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ (1 << at % 8));
+    write_file(folder / "joined", bad);
+    const std::string message = message_of([&] {
+      for (const study::RowPiece& piece : study::in_order(study::list_rows(folder / "joined"), kLayout, {0, 12}))
+        study::read_rows(piece, rows);
+    });
+    EXPECT_NE(message.find("joined: damaged: "), std::string::npos) << at << ": " << message;
+    if (at < numbers) continue;
+    const std::size_t row = (at - numbers) / (kColumns * sizeof(double));
+    EXPECT_NE(message.find("designs 8 to 11 are not those that were written: the row of design " +
+                           std::to_string(8 + row) + " has changed"),
+              std::string::npos)
+        << at << ": " << message;
+  }
+  EXPECT_EQ(last.range, (RowRange{8, 4}));
+}
+
 TEST(Rows, PiecesHaveToCoverTheDesignsOnce) {
   const TempFolder folder;
   const study::RowRun run = run_of(folder, 100);
