@@ -41,6 +41,17 @@ std::vector<study::PlanFile> write_copies(const std::vector<StudyCopy>& copies, 
 void copy_files(const std::vector<study::PlanFile>& files, const std::filesystem::path& from,
                 const std::filesystem::path& to);
 
+/// The rows of a sweep that is being made.
+std::filesystem::path parts_of(const std::filesystem::path& folder);
+/// Throws where open_sweep_folder would, and changes nothing.
+void check_sweep_folder(const std::filesystem::path& folder, const study::RowLayout& layout, bool force);
+/// Makes the folder, or takes the one that a stopped run of the same study left. Throws UsageError for one that a
+/// stopped run of another study left or that is not empty, unless `force`, which removes their results.
+void open_sweep_folder(const std::filesystem::path& folder, const study::RowLayout& layout, bool force,
+                       const Global& global);
+/// Removes the rows once all results are there: from now on the sweep is finished.
+void close_sweep_folder(const std::filesystem::path& folder);
+
 /// Makes the rows that are not there yet, with progress. `seconds`: what it took.
 study::RowTally make_rows(const SweepStudy& sweep, study::RowRange range, const std::filesystem::path& folder,
                           const Global& global, double& seconds);

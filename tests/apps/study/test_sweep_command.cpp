@@ -269,49 +269,6 @@ TEST(SweepCommand, TheTablesAreTheSameForAnyThreads) {
   EXPECT_EQ(tables(scratch, "t1"), tables(scratch, "t5"));
 }
 
-/// Stops a sweep behind its third piece; returns the exit code of the command.
-int stopped(const Scratch& scratch, const std::string& signal) {
-  const Result result = scratch.run(
-      "mtf sweep study.toml -o out --threads 1 & pid=$!\n"
-      "for i in $(seq 3000); do [ $(ls out/parts 2>/dev/null | wc -l) -ge 4 ] && break; sleep 0.01; done\n"
-      "kill -" +
-      signal + " $pid; wait $pid");
-  EXPECT_TRUE(fs::exists(scratch / "out/parts/key")) << "it was faster than the signal";
-  EXPECT_FALSE(fs::exists(scratch / "out/sweep.json"));
-  return result.status;
-}
-
-TEST(SweepCommand, AStoppedRunGoesOnAndGivesTheSameBytes) {
-  for (const std::string signal : {"KILL", "INT"}) {
-    const Scratch scratch;
-    add_study(scratch, sampled_study(4096, 20));
-    ASSERT_EQ(scratch.run("mtf sweep study.toml -o whole").status, 0);
-    EXPECT_EQ(stopped(scratch, signal), signal == "INT" ? 130 : 137);
-    const Result again = scratch.run("mtf sweep study.toml -o out");
-    ASSERT_EQ(again.status, 0) << again.err;
-    expect_says(again.err, "which is continued");
-    const json timing = json::parse(read_file(scratch / "out/sweep.json"))["timing"];
-    EXPECT_GE(timing["resumed_designs"], 16);
-    EXPECT_LT(timing["resumed_designs"], 4096);
-    EXPECT_EQ(tables(scratch, "out"), tables(scratch, "whole"));
-    EXPECT_FALSE(fs::exists(scratch / "out/parts"));
-  }
-}
-
-TEST(SweepCommand, AStoppedRunOfAnotherStudyIsNotGoneOnWith) {
-  const Scratch scratch;
-  add_study(scratch, sampled_study(4096, 20));
-  stopped(scratch, "KILL");
-  write_file(scratch / "study.toml", sampled_study(100, 2));
-  const Result other = scratch.run("mtf sweep study.toml -o out");
-  EXPECT_EQ(other.status, 2);
-  expect_says(other.err, "holds a stopped sweep of another study");
-  EXPECT_TRUE(fs::exists(scratch / "out/parts/rows-0000000000"));
-  ASSERT_EQ(scratch.run("mtf sweep study.toml -o out --force").status, 0);
-  ASSERT_EQ(scratch.run("mtf sweep study.toml -o new").status, 0);
-  EXPECT_EQ(tables(scratch, "out"), tables(scratch, "new"));
-}
-
 TEST(SweepCommand, AFinishedFolderIsReplacedByForceOnly) {
   const Scratch scratch;
   add_study(scratch);
