@@ -43,7 +43,7 @@ std::string tiles(const Sweep& sweep) {
   }
   if (sweep.objectives.size() > 1) body += tile(std::to_string(sweep.pareto_size), "on the Pareto front");
   if (std::isfinite(sweep.worst_error))
-    body += tile(significant(sweep.worst_error, 2), "largest error, " + significant(sweep.tolerance, 2) + " allowed");
+    body += tile(significant(sweep.worst_error, 2), "largest error, tolerance " + significant(sweep.tolerance, 2));
   if (sweep.seconds && sweep.designs_per_second)
     body += tile(significant(*sweep.designs_per_second, 3) + "/s",
                  significant(*sweep.seconds, 3) + " s on " + std::to_string(sweep.threads) + " threads");
@@ -112,7 +112,7 @@ std::string best(const Sweep& sweep, const DesignTable& table) {
   if (sweep.draws > 0)
     header.push_back("<abbr title=\"share of " + std::to_string(sweep.draws) +
                      " builds, with the variation as built, that meet every constraint\">Yield</abbr>");
-  header.emplace_back("Constraints within 1 % of their limit");
+  header.emplace_back("<abbr title=\"constraints within 1 % of their limit\">Limited by</abbr>");
   HtmlTable rows("Best designs", header, {1, 2});
   for (const SweepBest& one : sweep.best) {
     const auto objective = std::find_if(sweep.objectives.begin(), sweep.objectives.end(),

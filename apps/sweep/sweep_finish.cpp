@@ -190,7 +190,7 @@ int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOption
   for (const study::AccuracyRow& row : report.accuracy.rows) {
     if (!study::broken(report.accuracy, row)) continue;
     note(global, "mtf: at tolerance " + mtf::format_double(row.tolerance) + " a metric is off by " +
-                     significant(row.realised, 2) + ", more than the stated " + significant(row.promised, 2) +
+                     significant(row.realised, 2) + ", more than the promised " + significant(row.promised, 2) +
                      "; take a tighter tolerance, and please report the study");
     status = 3;
   }

@@ -52,7 +52,7 @@ study::RowRun run_of(const TempFolder& folder, std::int64_t designs, int threads
 const std::vector<study::TableColumn> kTable{
     {"kind", {"plain, wide", "say \"hi\""}}, {"a", {}}, {"b", {}}, {"c", {}}, {"d", {}}};
 
-/// CSV and NPY of the pieces, behind each other.
+/// CSV of the pieces, then their NPY.
 std::string table_of(const TempFolder& folder, const std::vector<study::RowPiece>& pieces, int threads = 2) {
   study::write_table(
       {.pieces = pieces, .columns = kTable, .csv = folder / "t.csv", .npy = folder / "t.npy", .threads = threads});
@@ -116,7 +116,7 @@ TEST(Rows, CsvReadsBackBitForBit) {
   EXPECT_EQ(at, csv.size());
 }
 
-TEST(Rows, NpyIsVersionOneWithTheRowsBehindAnAlignedHeader) {
+TEST(Rows, NpyIsVersionOneWithTheRowsAfterAnAlignedHeader) {
   const TempFolder folder;
   table_of(folder, run_of(folder, 33));
   const std::string npy = read_file(folder / "t.npy");
