@@ -21,8 +21,9 @@ Command sweep_command() {
   const auto shared = std::make_shared<SweepOptions>();
   SweepOptions& options = *shared;
   Command app{"sweep", "every design of a trade study, here or in shards on many machines",
-              "Writes a folder with designs.csv, designs.npy, sweep.json, the study with its sensor files, and sensor\n"
-              "files of the best designs. A run that was stopped continues when the same command is given again.\n"
+              "Writes a folder with designs.csv, designs.npy, columns.csv (units), sweep.json, the study with its\n"
+              "sensor files, and sensor files of the best designs. A run that was stopped continues when the same "
+              "command is given again.\n"
               "--accuracy compares a sample of the designs at every tolerance with a tight one; where a difference is\n"
               "larger than the stated error, the files are written and the exit code is 3.\n\n"
               "Beyond one machine, in a folder PLAN that all of them share:\n"

@@ -161,8 +161,7 @@ std::string measure_table(const MeasureReport& report) {
   const std::string unit = " [" + std::string(unit_symbol(report.unit)) + "]";
   std::vector<std::string> header{"edge", "region", "normal [deg]", "MTF50" + unit};
   for (const double contrast : report.contrasts) header.push_back("MTF" + percent_text(contrast) + unit);
-  for (const char* heading : {pixels ? "MTF at 0.5" : "MTF at Nyquist", "FWHM [px]", "RER", "CNR", "length"})
-    header.emplace_back(heading);
+  for (const char* heading : {"MTF at Nyquist", "FWHM [px]", "RER", "CNR", "length"}) header.emplace_back(heading);
   TextTable table(std::move(header));
   std::string notes;
   bool any = false;

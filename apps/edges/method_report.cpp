@@ -51,8 +51,8 @@ std::vector<std::string> comparison_row(const std::string& number, std::string_v
 }  // namespace
 
 std::string comparison_table(const MeasureReport& report) {
-  const std::string at = report.unit == FrequencyUnit::cy_px ? "MTF at 0.5" : "MTF at Nyquist";
-  TextTable table({"edge", "from the MTF to ISO 12233", "MTF50 [" + std::string(unit_symbol(report.unit)) + "]", at});
+  TextTable table(
+      {"edge", "from the MTF to ISO 12233", "MTF50 [" + std::string(unit_symbol(report.unit)) + "]", "MTF at Nyquist"});
   std::string notes;
   bool any = false;
   for (std::size_t i = 0; i < report.edges.size(); ++i) {

@@ -10,9 +10,22 @@
 namespace apps {
 namespace {
 
+/// A study's mtf_nyquist is the geometric mean of both axes, so a value along one direction says which.
+std::string direction_words(const Direction& direction) {
+  if (direction.angle_deg == 0.0) return "along x";
+  if (direction.angle_deg == 90.0) return "along y";
+  return "at " + significant(direction.angle_deg, 6) + " deg";
+}
+
+/// The head of a line of the footer, as wide as the longest.
+std::string head(const std::string& name, const Direction& direction) {
+  const std::size_t width = ("MTF at Nyquist " + direction_words(direction)).size() + 2;
+  return name + std::string(width - name.size(), ' ');
+}
+
 std::string budget(const mtf::System<double>& system, const OtfCurves& curves) {
   const OtfCurves at = otf_curves(system, {curves.figures.nyquist}, curves.direction);
-  std::string text = "MTF at Nyquist  ";
+  std::string text = head("MTF at Nyquist " + direction_words(curves.direction), curves.direction);
   for (const OtfColumn& component : at.components)
     text += (&component == at.components.data() ? "" : " x ") + one_line(component.label) + " " +
             fixed(modulus(component.otf.front()), 4);
@@ -31,12 +44,13 @@ std::string budget(const mtf::System<double>& system, const OtfCurves& curves) {
 std::string curve_footer(const mtf::System<double>& system, const OtfCurves& curves) {
   const KeyFigures& figures = curves.figures;
   const std::string& unit = curves.direction.unit;
-  std::string text = "cutoff          ";
+  const Direction& direction = curves.direction;
+  std::string text = head("cutoff", direction);
   text += figures.cutoff ? significant(*figures.cutoff, 4, true) + " " + unit : "none: no component ends the response";
   if (figures.cutoff && system.band) text += " (at " + significant(system.band->lo_um, 4) + " um)";
-  text += "\nNyquist         " + significant(figures.nyquist, 4, true) + " " + unit + "\n";
+  text += "\n" + head("Nyquist", direction) + significant(figures.nyquist, 4, true) + " " + unit + "\n";
   if (figures.q) {
-    text += "Q               " + significant(*figures.q, 4, true) + " (lambda N / pitch";
+    text += head("Q", direction) + significant(*figures.q, 4, true) + " (lambda N / pitch";
     if (system.band) text += " at " + significant(0.5 * (system.band->lo_um + system.band->hi_um), 4) + " um";
     text += ")\n";
   }

@@ -17,7 +17,8 @@ inline double modulus(const mtf::Complex<double>& h) { return std::hypot(h.re, h
 /// are drawn where they are neither the system nor a single component.
 Figure curve_figure(const OtfCurves& curves);
 
-/// Cutoff, Nyquist, Q and the MTF of every component at Nyquist, a line each.
+/// Cutoff, Nyquist frequency, Q and the MTF of every component at Nyquist along the direction of the curves, a line
+/// each.
 std::string curve_footer(const mtf::System<double>& system, const OtfCurves& curves);
 
 }  // namespace apps

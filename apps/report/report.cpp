@@ -17,7 +17,7 @@ namespace apps {
 namespace {
 
 void require_no_input(const Sweep& sweep, const ReportOptions& options, const std::string& out) {
-  std::vector<std::string> inputs{"sweep.json", "designs.csv", "designs.npy", sweep.study.file};
+  std::vector<std::string> inputs{"sweep.json", "designs.csv", "designs.npy", "columns.csv", sweep.study.file};
   for (const NamedFile& sensor : sweep.sensors) inputs.push_back(sensor.file);
   for (const SweepChosen& chosen : sweep.chosen) inputs.push_back(chosen.file);
   for (const std::string& input : inputs) require_different((sweep.folder / input).string(), out);
@@ -59,7 +59,7 @@ int run_report(const ReportOptions& options, const Global& global) {
   if (out == "-") return 0;  // standard output is the report
   std::string text = std::to_string(sweep.designs) + " designs";
   if (!table.whole()) text += ", " + std::to_string(table.design.size()) + " of them in the page";
-  print(text + ", " + std::to_string(chosen.size()) + " chosen ones\nwritten to " + one_line(out) + " (" +
+  print(text + ", " + std::to_string(chosen.size()) + " chosen\nwritten to " + one_line(out) + " (" +
         mtf::io::shown_bytes(static_cast<double>(page.size())) + ")\n");
   return 0;
 }

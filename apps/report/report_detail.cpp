@@ -42,7 +42,8 @@ std::string values(const Sweep& sweep, const DesignTable& table, const Chosen& c
     for (const ChosenDesign& design : chosen) {
       const auto row = table.row(design.chosen.design);
       const std::string cell = row ? table.cells[*row][c] : "";
-      cells.push_back(column.role == "feasible" ? (cell == "1" ? "yes" : "no") : html_value(cell));
+      const bool yes_or_no = column.role == "feasible" || column.role == "pareto";
+      cells.push_back(yes_or_no ? (cell == "1" ? "yes" : "no") : html_value(cell));
     }
     rows.add(cells);
   }
@@ -61,7 +62,7 @@ std::string problems(const Chosen& chosen) {
 std::string static_curves(const Chosen& chosen) {
   Figure figure;
   figure.title = "MTF of the chosen designs, along x";
-  figure.x_label = "spatial frequency (cy/mm)";
+  figure.x_label = "spatial frequency along x (cy/mm)";
   figure.y_label = "MTF";
   figure.y_low = 0.0;
   figure.y_high = 1.0;
@@ -73,7 +74,7 @@ std::string static_curves(const Chosen& chosen) {
   return svg_figure(figure);
 }
 
-/// What each component leaves at Nyquist: the budget of the MTF.
+/// What each component leaves at Nyquist along x: the budget of the MTF.
 std::string component_budget(const Chosen& chosen) {
   std::vector<std::pair<std::string, std::string>> labels;  // with what they are
   for (const ChosenDesign& design : chosen)
@@ -81,7 +82,7 @@ std::string component_budget(const Chosen& chosen) {
       if (std::none_of(labels.begin(), labels.end(), [&](const auto& l) { return l.first == curve.label; }))
         labels.emplace_back(curve.label, curve.doc);
   if (labels.empty()) return "";
-  HtmlTable rows("MTF at Nyquist by component", header_of("Component", chosen), all_but_first(chosen));
+  HtmlTable rows("MTF at Nyquist along x, by component", header_of("Component", chosen), all_but_first(chosen));
   for (const auto& [label, doc] : labels) {
     std::vector<std::string> cells{"<abbr title=\"" + html(doc) + "\">" + html(label) + "</abbr>"};
     for (const ChosenDesign& design : chosen) {
@@ -91,7 +92,8 @@ std::string component_budget(const Chosen& chosen) {
     }
     rows.add(cells);
   }
-  std::vector<std::string> product{"<strong>system</strong>"}, nyquist{"Nyquist <span class=\"unit\">cy/mm</span>"};
+  std::vector<std::string> product{"<strong>system</strong>"},
+      nyquist{"Nyquist frequency along x <span class=\"unit\">cy/mm</span>"};
   for (const ChosenDesign& design : chosen) {
     product.push_back(design.problem.empty() ? html_value(design.system.at_nyquist) : html_value(""));
     nyquist.push_back(design.problem.empty() ? html_value(design.nyquist_cy_mm) : html_value(""));
@@ -177,9 +179,11 @@ std::string chosen_section(const Sweep& sweep, const DesignTable& table, const C
   if (chosen.empty()) return html_section("chosen", "Chosen designs", "", "<p class=\"gap\">The sweep chose none.</p>");
   std::string body = problems(chosen) + values(sweep, table, chosen);
   if (std::any_of(chosen.begin(), chosen.end(), [](const auto& d) { return d.problem.empty(); }))
-    body += "<h3>MTF</h3>\n" + html_chart("curves", static_curves(chosen)) +
-            "<p>What each component leaves of the modulation at Nyquist, along x:</p>\n" + component_budget(chosen) +
-            images(chosen, scene) + noise_budget(chosen, sweep.temperature_k);
+    body +=
+        "<h3>MTF</h3>\n" + html_chart("curves", static_curves(chosen)) +
+        "<p>What each component leaves of the modulation at Nyquist, along x; the metric <code>mtf_nyquist</code> is "
+        "the geometric mean of both axes:</p>\n" +
+        component_budget(chosen) + images(chosen, scene) + noise_budget(chosen, sweep.temperature_k);
   return html_section("chosen", "Chosen designs", "The best of each objective, and some from along the Pareto front.",
                       body);
 }

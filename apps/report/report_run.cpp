@@ -21,7 +21,7 @@ double elasticity(const Sweep& sweep, const DesignTable& table, const Derivative
   if (!metric || !parameter || !row) return NAN;
   const std::string& unit = sweep.columns[*metric].unit;
   const std::string& by = sweep.columns[*parameter].unit;
-  if (one.unit != (by.empty() ? unit : (unit.empty() ? "1" : unit) + "/" + by)) return NAN;
+  if (one.unit != (by.empty() ? unit : (unit.empty() ? "1" : unit) + " per " + by)) return NAN;
   const auto m = cell_value(table.cells[*row][*metric]), p = cell_value(table.cells[*row][*parameter]);
   return m && p && *m != 0.0 ? one.value * *p / *m : NAN;
 }
@@ -76,8 +76,12 @@ std::string accuracy(const Sweep& sweep) {
                html_value(point.us_per_design)});
   }
   figure.series = {promised, realised};
-  return html_chart("accuracy", svg_figure(figure)) + "<details><summary>Numbers</summary>" + table.html() +
-         "</details>\n";
+  // The axis of errors is logarithmic: where all are 0 there is nothing on it.
+  const bool any = std::any_of(sweep.accuracy.begin(), sweep.accuracy.end(),
+                               [](const AccuracyPoint& point) { return point.promised > 0.0 || point.realised > 0.0; });
+  const std::string chart = any ? html_chart("accuracy", svg_figure(figure))
+                                : "<p>No metric of this study has an error at any tolerance: all are exact.</p>\n";
+  return chart + "<details><summary>Numbers</summary>" + table.html() + "</details>\n";
 }
 
 std::string shown_file(const std::string& file, const std::string& sha256, const std::string& text,

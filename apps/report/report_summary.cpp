@@ -43,7 +43,7 @@ std::string tiles(const Sweep& sweep) {
   }
   if (sweep.objectives.size() > 1) body += tile(std::to_string(sweep.pareto_size), "on the Pareto front");
   if (std::isfinite(sweep.worst_error))
-    body += tile(significant(sweep.worst_error, 2), "largest error, " + significant(sweep.tolerance, 2) + " allowed");
+    body += tile(significant(sweep.worst_error, 2), "largest error, tolerance " + significant(sweep.tolerance, 2));
   if (sweep.seconds && sweep.designs_per_second)
     body += tile(significant(*sweep.designs_per_second, 3) + "/s",
                  significant(*sweep.seconds, 3) + " s on " + std::to_string(sweep.threads) + " threads");
@@ -112,7 +112,7 @@ std::string best(const Sweep& sweep, const DesignTable& table) {
   if (sweep.draws > 0)
     header.push_back("<abbr title=\"share of " + std::to_string(sweep.draws) +
                      " builds, with the variation as built, that meet every constraint\">Yield</abbr>");
-  header.emplace_back("Constraints within 1 % of their limit");
+  header.emplace_back("<abbr title=\"constraints within 1 % of their limit\">Limited by</abbr>");
   HtmlTable rows("Best designs", header, {1, 2});
   for (const SweepBest& one : sweep.best) {
     const auto objective = std::find_if(sweep.objectives.begin(), sweep.objectives.end(),
@@ -120,7 +120,7 @@ std::string best(const Sweep& sweep, const DesignTable& table) {
     const bool known = objective != sweep.objectives.end();
     const auto column = sweep.column(known ? objective->column : one.objective);
     const auto row = table.row(one.design);
-    std::vector<std::string> cells{(known ? objective->maximize ? "largest " : "smallest " : "") + html(one.objective),
+    std::vector<std::string> cells{(known ? objective->maximize ? "maximize " : "minimize " : "") + html(one.objective),
                                    std::to_string(one.design),
                                    (row && column ? html_value(table.cells[*row][*column]) : html_value(one.value)) +
                                        (column ? " " + html(sweep.columns[*column].unit) : "")};
@@ -158,9 +158,9 @@ std::string words(const Sweep& sweep) {
 std::string summary_section(const Sweep& sweep, const DesignTable& table) {
   std::string objectives;
   for (const SweepObjective& objective : sweep.objectives)
-    objectives += (objectives.empty() ? "" : ", ") + std::string(objective.maximize ? "large " : "small ") + "<em>" +
-                  html(objective.text) + "</em>";
-  return html_section("summary", "Summary", objectives.empty() ? "" : "Wanted: " + objectives + ".",
+    objectives += (objectives.empty() ? "" : ", ") + std::string(objective.maximize ? "maximize " : "minimize ") +
+                  "<em>" + html(objective.text) + "</em>";
+  return html_section("summary", "Summary", objectives.empty() ? "" : "Objectives: " + objectives + ".",
                       tiles(sweep) + words(sweep) + "<h3>Axes</h3>" + varies(sweep, table) +
                           (sweep.constraints.empty() ? "" : "<h3>Constraints</h3>" + constraints(sweep)) +
                           (sweep.best.empty() ? "" : "<h3>Best designs</h3>" + best(sweep, table)));

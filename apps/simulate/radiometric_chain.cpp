@@ -2,6 +2,7 @@
 #include "apps/simulate/radiometric_chain.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "apps/sensor/sensor_place.h"
 #include "apps/simulate/simulate_parts.h"
@@ -37,6 +38,11 @@ std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::Sens
 double RadiometricChain::tolerance(double otherwise, double std) const {
   return stage < radiometry::OutputStage::dn ? otherwise
                                              : adc_tolerance(system, loaded.sensor, std).value_or(otherwise);
+}
+
+double RadiometricChain::unseen_tolerance(double by_default) const {
+  const bool counts = stage >= radiometry::OutputStage::dn && loaded.sensor.settings.adc.has_value();
+  return counts ? 10.0 / std::sqrt(12.0) * by_default : 0.0;
 }
 
 bool remembers(const RadiometricChain& radiometric) {

@@ -20,6 +20,9 @@ struct RadiometricChain {
   int samples_a_pitch() const { return radiometry::samples_a_pitch(loaded.sensor); }
   /// The default tolerance for a scene of that standard deviation: a tenth of a count after the converter.
   double tolerance(double otherwise, double std) const;
+  /// What that default may become without a warning: errors no larger than those of the converter's rounding,
+  /// 1/sqrt(12) of a count rms, are not seen in counts. 0 where the image is not counts.
+  double unseen_tolerance(double by_default) const;
   std::string_view quantity() const { return output_quantity(loaded.sensor, stage); }
   std::string_view unit() const { return output_unit(loaded.sensor, stage); }
 };

@@ -75,10 +75,11 @@ SimulateResult simulate_whole(const mtf::io::SensorConfig& config, SceneSource& 
   // Which pixels a bad one changes is asked of the plan: it has to hold for more than this scene.
   if (!tiles && !any_bad(masks)) plan_options.spectrum = spectrum_of_all(scene, config.scene.border, options.threads);
   const int samples_a_pitch = radiometric != nullptr ? radiometric->samples_a_pitch() : 1;
+  const double unseen = radiometric != nullptr ? radiometric->unseen_tolerance(plan_options.tolerance) : 0.0;
   mtf::SensorPlan plan =
-      tiles ? tiles->inner() : compile_reachable(options.tolerance.has_value(), plan_options, report.warnings, [&] {
-        return mtf::compile_sensor(system, scene.grid, plan_options, samples_a_pitch);
-      });
+      tiles ? tiles->inner()
+            : compile_reachable(options.tolerance.has_value(), unseen, plan_options, report.warnings,
+                                [&] { return mtf::compile_sensor(system, scene.grid, plan_options, samples_a_pitch); });
   plan_options.progress = {};
   for (const std::string& text : plan.presample.report().notes) report.warnings.push_back(text);
   for (const std::string& warning : report.warnings) watch.tell_warning(warning);

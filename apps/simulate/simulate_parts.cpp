@@ -81,10 +81,11 @@ std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, cons
   return worst;
 }
 
-void loosen_default(const mtf::UnreachableTolerance& refusal, mtf::PlanOptions& options,
+void loosen_default(const mtf::UnreachableTolerance& refusal, double unseen, mtf::PlanOptions& options,
                     std::vector<std::string>& warnings) {
-  warnings.push_back("the default tolerance " + significant(options.tolerance, 2) + " cannot be kept for this scene; " +
-                     significant(refusal.reachable(), 2) + " is used");
+  if (refusal.reachable() > unseen)
+    warnings.push_back("the default tolerance " + significant(options.tolerance, 2) +
+                       " cannot be kept for this scene; " + significant(refusal.reachable(), 2) + " is used");
   options.tolerance = refusal.reachable();
 }
 

@@ -36,20 +36,21 @@ std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy
 std::optional<mtf::SceneSummary> harder_of(std::optional<mtf::SceneSummary> a,
                                            const std::optional<mtf::SceneSummary>& b);
 
-/// Takes what can be kept for the tolerance, and says so.
-void loosen_default(const mtf::UnreachableTolerance& refusal, mtf::PlanOptions& options,
+/// Takes what can be kept for the tolerance, with a warning where that is above `unseen`
+/// (RadiometricChain::unseen_tolerance).
+void loosen_default(const mtf::UnreachableTolerance& refusal, double unseen, mtf::PlanOptions& options,
                     std::vector<std::string>& warnings);
 
 /// compile() for the tolerance asked for; without one, for the default or, where that cannot be kept, for what can be
 /// kept. `compile` uses `options`.
 template <class Compile>
-auto compile_reachable(bool asked, mtf::PlanOptions& options, std::vector<std::string>& warnings,
+auto compile_reachable(bool asked, double unseen, mtf::PlanOptions& options, std::vector<std::string>& warnings,
                        const Compile& compile) {
   try {
     return compile();
   } catch (const mtf::UnreachableTolerance& refusal) {
     if (asked || !(refusal.reachable() < 1.0)) throw;
-    loosen_default(refusal, options, warnings);
+    loosen_default(refusal, unseen, options, warnings);
   }
   return compile();
 }

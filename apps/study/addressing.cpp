@@ -237,7 +237,8 @@ Found find_place(const SensorView& view, std::string_view name) {
   const auto target = cfg::find_target(view.targets, full);
   if (!target) {
     const std::string missing = missing_table(view, full);
-    return {std::nullopt, missing.empty() ? cfg::unknown_parameter(view.targets, full) : missing};
+    if (!missing.empty()) return {std::nullopt, missing};
+    return {std::nullopt, cfg::unknown_parameter(view.targets, full), true};
   }
   if (target->component) return of_component(view, *target);
   if (const mtf::SettingInfo* row = row_of(view, *target)) return of_setting(view, *target, *row);

@@ -38,6 +38,7 @@ struct Place {
 struct Found {
   std::optional<Place> place;
   std::string problem{};
+  bool unknown = false;  ///< true: no sensor file has a value of that name
 };
 
 /// "owner.key", "owner.key[3]", or the key alone where one owner has it. A number that the sensor file does not give is

@@ -100,6 +100,16 @@ TallyJob tally_job(std::shared_ptr<const Study> study, const std::vector<Column>
   return job;
 }
 
+std::vector<Column> file_columns(const Study& study) {
+  std::vector<Column> columns = columns_of(study);
+  if (study.objectives.size() > 1)
+    columns.push_back({"pareto", "",
+                       "1 for a design of the Pareto front: feasible, and no feasible one is as good in all objectives "
+                       "and better in one",
+                       "study file", Column::Role::pareto});
+  return columns;
+}
+
 std::vector<TableColumn> table_columns(const Study& study, const std::vector<Column>& columns) {
   std::vector<TableColumn> table;
   for (const Column& column : columns) table.push_back({column.name, {}});
@@ -110,6 +120,13 @@ std::vector<TableColumn> table_columns(const Study& study, const std::vector<Col
     if (indices) table[a].levels = axis.levels;
   }
   return table;
+}
+
+std::string columns_csv(const std::vector<Column>& columns) {
+  std::string text = "column,unit,definition\ndesign,,\"number of the design, from 0\"\n";
+  for (const Column& column : columns)
+    text += csv_cell(column.name) + "," + csv_cell(column.unit) + "," + csv_cell(column.definition) + "\n";
+  return text;
 }
 
 }  // namespace study

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// From a row of results to the values of the study's constraints and objectives.
+// From a row of results to the values of the study's constraints and objectives, and the columns of the files.
 
 #include <memory>
 
@@ -38,7 +38,14 @@ class SlotReader {
 /// What a tally needs to know of a study.
 TallyJob tally_job(std::shared_ptr<const Study> study, const std::vector<Column>& columns);
 
+/// The columns of designs.csv and designs.npy: those of a row, then `pareto` where the study has two objectives or
+/// more.
+std::vector<Column> file_columns(const Study& study);
+
 /// The columns of a table. The values of a discrete axis that are no numbers stand there as words.
 std::vector<TableColumn> table_columns(const Study& study, const std::vector<Column>& columns);
+
+/// columns.csv: name, unit and definition of every column of designs.csv, a line each.
+std::string columns_csv(const std::vector<Column>& columns);
 
 }  // namespace study

@@ -40,7 +40,7 @@ void read_on_sensor(StudyReader& s) {
 std::string hash_of(const Study& study) {
   std::string all = mtf::io::sha256_hex(study.text) + study.base.sha256;
   for (const mtf::io::SensorConfig& sensor : study.sensors) all += sensor.sha256;
-  for (const std::string& file : files_of(study)) all += mtf::io::sha256_file(file);
+  for (const StudyFile& named : files_of(study)) all += mtf::io::sha256_file(named.file);
   return mtf::io::sha256_hex(all);
 }
 
@@ -70,6 +70,7 @@ StudyResult parse_study(const std::string& text, const std::string& file) {
   const bool good = std::none_of(s.reader.diagnostics.begin(), s.reader.diagnostics.end(),
                                  [](const Diagnostic& d) { return d.error; });
   if (good) check_gaps(s);
+  if (good) check_column_names(s);
   result.diagnostics = std::move(s.reader.diagnostics);
   if (result.ok()) try {
       s.study.sha256 = hash_of(s.study);

@@ -155,9 +155,16 @@ StudyResult parse_study(const std::string& text, const std::string& file);
 /// True for a file whose top level has [[axis]] or `sensor`: a study and no sensor.
 bool is_study(const std::string& text);
 
-/// All sensor files of the study and the files that they name, for each value of each discrete axis. A value
-/// that contradicts the first values of the other axes is skipped, as its designs have no sensor.
-std::vector<std::string> files_of(const Study& study);
+/// A file that a study is made from, and the value of the study file that names it, or the sensor file that names it.
+struct StudyFile {
+  std::string file;
+  mtf::io::Position position;
+  std::string path;  ///< of that value: "sensor", "axis[0].values"
+};
+
+/// All sensor files of the study and the files that they name, for each value of each discrete axis; each once, sorted
+/// by name. A value that contradicts the first values of the other axes is skipped, as its designs have no sensor.
+std::vector<StudyFile> files_of(const Study& study);
 
 /// Reads a file. Throws RuntimeError when it cannot be read, UsageError with all errors as "file:line:col: error: ..."
 /// lines.

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "apps/study/design/metric_gap.h"
+#include "apps/study/result_columns.h"
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
@@ -122,10 +124,29 @@ void read_objective(StudyReader& s, const Source& source) {
   s.study.objectives.push_back(std::move(objective));
 }
 
+std::vector<std::string_view> names_of_metrics() {
+  std::vector<std::string_view> names{"mtf_at_20_cy_mm"};
+  for (const MetricInfo& metric : metric_catalogue()) names.push_back(metric.name);
+  return names;
+}
+
+/// A name in an expression that nothing has. It may have been meant for a metric, a parameter or one of the study's own
+/// numbers; parameters are found by their key alone too.
+std::string unknown_name(const StudyReader& s, const std::string& name) {
+  std::vector<std::string_view> known = names_of_metrics();
+  for (const auto& [own, index] : s.by_name) known.push_back(own);
+  for (const auto& [full, target] : s.views.front().targets) {
+    known.push_back(full);
+    known.push_back(target.key);
+  }
+  const auto guess = name.size() > 1 && name.size() <= 64 ? mtf::nearest(name, known) : std::nullopt;
+  return "the sensor has no parameter of that name, and there is no such metric; " +
+         (guess ? "did you mean " + *guess + "?"
+                : "mtf config explain shows the parameters, apps/study/README.md the metrics");
+}
+
 std::string unknown_metric(const std::string& name) {
-  std::vector<std::string_view> known;
-  for (const MetricInfo& metric : metric_catalogue()) known.push_back(metric.name);
-  known.push_back("mtf_at_20_cy_mm");
+  const std::vector<std::string_view> known = names_of_metrics();
   const auto guess = name.size() <= 64 ? mtf::nearest(name, known) : std::nullopt;
   const std::string unknown = "unknown metric \"" + mtf::io::printable(name, 60) + "\"; ";
   if (guess) return unknown + "did you mean \"" + *guess + "\"?";
@@ -193,8 +214,11 @@ void register_names(StudyReader& s, const std::vector<Source>& sources) {
       }
       if (s.by_name.contains(at.name)) continue;
       std::string problem = "one unknown name of many";
-      if (s.why.size() >= kMostUnknown || parameter_named(s, at.name, problem) < 0)
-        s.why[at.name] = "'" + at.name + "': " + problem;
+      if (s.why.size() < kMostUnknown) {
+        if (parameter_named(s, at.name, problem) >= 0) continue;
+        if (at.name != "sensor" && find_place(s.views.front(), at.name).unknown) problem = unknown_name(s, at.name);
+      }
+      s.why[at.name] = "'" + at.name + "': " + problem;
     }
 }
 
@@ -216,6 +240,21 @@ void check_gaps(StudyReader& s) {
         if (!gap->second.empty())
           s.error_in(source, at.column, "needs " + at.name + ", which no design has: " + gap->second);
       }
+}
+
+void check_column_names(StudyReader& s) {
+  std::set<std::string> taken{"design"};
+  for (const Column& column : file_columns(s.study))
+    if (column.role == Column::Role::feasible || column.role == Column::Role::yield ||
+        column.role == Column::Role::error || column.role == Column::Role::pareto)
+      taken.insert(column.name);
+  const std::string problem = " is a column of designs.csv already; take another name";
+  for (std::size_t a = 0; a < s.study.axes.size(); ++a)
+    if (const std::string& name = s.study.parameters[a].name; s.own.contains(name) && taken.contains(name))
+      s.error(s.tree.find("axis")->items[a].find("name")->position, "axis[" + std::to_string(a) + "].name",
+              name + problem);
+  for (const LinkSource& link : s.links)
+    if (link.own && taken.contains(link.target)) s.error(link.target_at, link.source.path, link.target + problem);
 }
 
 }  // namespace study

@@ -84,6 +84,8 @@ std::vector<Source> goal_sources(StudyReader& s);
 void read_goals(StudyReader& s);
 /// Refuses constraints and objectives over metrics that no design can have.
 void check_gaps(StudyReader& s);
+/// Refuses numbers of the study's own with the name of a column that the tables of this study have for themselves.
+void check_column_names(StudyReader& s);
 
 /// Index of the parameter that `name` denotes, made when it is not there yet; -1 with a problem when there is none.
 int parameter_named(StudyReader& s, const std::string& name, std::string& problem);

@@ -71,26 +71,33 @@ void check_in_sensors(StudyReader& s, const Parameter& parameter, mtf::io::Posit
 
 }  // namespace
 
-std::vector<std::string> files_of(const Study& study) {
-  std::vector<std::string> files = apps::files_of(study.base);
-  const auto append = [&](const mtf::io::SensorConfig& sensor) {
-    for (std::string& file : apps::files_of(sensor)) files.push_back(std::move(file));
+std::vector<StudyFile> files_of(const Study& study) {
+  const Node tree = cfg::read_tree(study.text).root;
+  std::vector<StudyFile> files;
+  const auto append = [&](const mtf::io::SensorConfig& sensor, const Node& named, const std::string& path) {
+    for (std::string& file : apps::files_of(sensor)) files.push_back({std::move(file), named.position, path});
   };
-  for (const mtf::io::SensorConfig& sensor : study.sensors) append(sensor);
+  const auto values_of = [&](std::size_t axis) { return tree.find("axis")->items.at(axis).find("values"); };
+  const auto path_of = [](std::size_t axis) { return "axis[" + std::to_string(axis) + "].values"; };
+  if (const Node* named = tree.find("sensor")) append(study.base, *named, "sensor");
   std::vector<int> levels(study.axes.size(), 0);
   for (std::size_t a = 0; a < study.axes.size(); ++a) {
     for (std::size_t level = 0; level < study.axes[a].levels.size(); ++level) {
+      const Node& value = values_of(a)->items.at(level);
+      if (is_sensor(study, a)) append(study.sensors.at(level), value, path_of(a));
       levels[a] = static_cast<int>(level);
       try {
-        append(variant(study, levels));
+        append(variant(study, levels), value, path_of(a));
       } catch (const mtf::UsageError&) {
         continue;
       }
     }
     levels[a] = 0;
   }
-  std::sort(files.begin(), files.end());
-  files.erase(std::unique(files.begin(), files.end()), files.end());
+  const auto by_name = [](const StudyFile& x, const StudyFile& y) { return x.file < y.file; };
+  const auto same = [](const StudyFile& x, const StudyFile& y) { return x.file == y.file; };
+  std::stable_sort(files.begin(), files.end(), by_name);
+  files.erase(std::unique(files.begin(), files.end(), same), files.end());
   return files;
 }
 

@@ -28,8 +28,8 @@ OptimizedGoal one_objective(const study::Study& study, std::size_t which) {
 }
 
 std::vector<OptimizedGoal> goals_of(const study::Study& study, const OptimizeCommandOptions& options) {
-  const int ways = (options.weights.empty() ? 0 : 1) + (options.objective ? 1 : 0) + (options.each ? 1 : 0);
-  if (ways > 1) throw mtf::UsageError("optimize: --weights, --objective and --each exclude each other; give one");
+  const int choices = (options.weights.empty() ? 0 : 1) + (options.objective ? 1 : 0) + (options.each ? 1 : 0);
+  if (choices > 1) throw mtf::UsageError("optimize: --weights, --objective and --each exclude each other; give one");
   const std::size_t count = study.objectives.size();
   if (count == 0)
     throw mtf::UsageError(study.file +

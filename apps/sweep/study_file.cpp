@@ -11,6 +11,7 @@
 #ifdef MTFKIT_HAVE_CALIB
 #include "apps/sensor/sensor_chain.h"
 #include "apps/study/study.h"
+#include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/output.h"
 #endif
 
@@ -24,28 +25,28 @@ bool is_study_file(const std::string& file) {
 #ifdef MTFKIT_HAVE_CALIB
 namespace {
 
-std::string plural(std::size_t n, const std::string& word) {
-  return std::to_string(n) + " " + word + (n == 1 ? "" : "s");
-}
-
 std::string summary(const study::Study& study) {
   using study::Method;
   const std::string method = study.method == Method::grid              ? "a grid"
                              : study.method == Method::latin_hypercube ? "a Latin hypercube"
                                                                        : "a Sobol sequence";
   std::string text = study.name.empty() ? "" : one_line(study.name) + ", ";
-  text += plural(static_cast<std::size_t>(study.designs), "design") + " (" + method + "), " +
+  text += plural(study.designs, "design") + " (" + method + "), " +
           (study.axes.size() == 1 ? "1 axis" : std::to_string(study.axes.size()) + " axes") + ", " +
-          plural(study.metrics.size(), "metric") + ", " + plural(study.constraints.size(), "constraint") + ", " +
-          plural(study.objectives.size(), "objective");
-  if (study.variants > 1) text += ", " + plural(static_cast<std::size_t>(study.variants), "sensor");
+          plural(std::ssize(study.metrics), "metric") + ", " + plural(std::ssize(study.constraints), "constraint") +
+          ", " + plural(std::ssize(study.objectives), "objective");
+  if (study.variants > 1) text += ", " + plural(study.variants, "sensor");
   return text;
 }
 
 }  // namespace
 
 int check_study(const std::string& file, Format format) {
-  const study::StudyResult result = study::parse_study(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file);
+  study::StudyResult result = study::parse_study(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file);
+  if (result.ok()) {  // what only a sweep of it would find
+    const std::vector<mtf::io::Diagnostic> problems = copy_problems(result.study);
+    result.diagnostics.insert(result.diagnostics.begin(), problems.begin(), problems.end());
+  }
   return report_verdict({.file = file,
                          .ok = result.ok(),
                          .name = result.study.name,

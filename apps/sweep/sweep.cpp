@@ -4,18 +4,15 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 
 #include "apps/study/result_columns.h"
 #include "apps/study/rows/sweep_rows.h"
-#include "apps/sweep/output_folder.h"
 #include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/error.h"
-#include "mtf/io/atomic_file.h"
 
 namespace apps {
 namespace {
@@ -52,53 +49,13 @@ void check_options(const SweepOptions& options, const std::string& command, cons
     throw mtf::UsageError("--out: `" + command + "` needs a folder to write; add -o FOLDER");
 }
 
-fs::path parts_of(const fs::path& folder) { return folder / "parts"; }
-fs::path key_file(const fs::path& folder) { return parts_of(folder) / "key"; }
-
-std::string first_line(const fs::path& file) {
-  std::ifstream in(file);
-  std::string line;
-  std::getline(in, line);
-  return line;
-}
-
-/// The files that a sweep writes, apart from copies.
-void remove_results(const fs::path& folder) {
-  for (const char* name : {"parts", "chosen", "sweep.json", "designs.csv", "designs.npy"}) {
-    std::error_code error;
-    fs::remove_all(folder / name, error);
-    if (error) throw mtf::RuntimeError("cannot remove " + one_line((folder / name).string()) + ": " + error.message());
-  }
-}
-
-/// Makes the folder, or takes the one that a stopped run of the same study left. Throws UsageError for any other that
-/// is not empty, unless `force`.
-void open_folder(const fs::path& folder, const study::RowLayout& layout, bool force, const Global& global) {
-  std::error_code error;
-  if (fs::is_regular_file(key_file(folder), error) && !force) {
-    if (first_line(key_file(folder)) != layout.key)
-      throw mtf::UsageError(one_line(folder.string()) +
-                            " holds a stopped sweep of another study, tolerance or version of mtf; choose another "
-                            "folder, or --force to start over");
-    note(global, "note: " + one_line(folder.string()) + " holds a stopped sweep, which is continued");
-    return;
-  }
-  if (fs::exists(folder / "plan.json", error))
-    throw mtf::UsageError(one_line(folder.string()) + " holds a plan and its shards; choose another folder");
-  prepare_folder(folder, force);
-  remove_results(folder);
-  fs::create_directory(parts_of(folder), error);
-  if (error) throw mtf::RuntimeError("cannot create " + one_line(parts_of(folder).string()) + ": " + error.message());
-  mtf::io::write_text_file(key_file(folder).string(), layout.key + "\n");
-}
-
 int sweep_here(const SweepOptions& options, const Global& global) {
   const fs::path folder = options.out;
   const SweepStudy named = open_study(options.words[0], options.tolerance);
   for (const auto& warning : named.study->warnings)
     note(global, one_line(mtf::io::format_diagnostic(warning, options.words[0])));
   const std::vector<StudyCopy> copies = copies_of(*named.study);
-  open_folder(folder, named.layout, options.force, global);
+  open_sweep_folder(folder, named.layout, options.force, global);
   SweepRun run;
   run.folder = folder;
   run.files = write_copies(copies, folder);
@@ -112,8 +69,7 @@ int sweep_here(const SweepOptions& options, const Global& global) {
     run.pieces = study::rows_of(row_run(sweep, all, parts_of(folder), global));
     status = finish_sweep(sweep, run, options, global);
   }
-  std::error_code ignored;
-  fs::remove_all(parts_of(folder), ignored);
+  close_sweep_folder(folder);
   return status;
 }
 

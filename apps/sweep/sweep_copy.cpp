@@ -12,6 +12,7 @@
 #include "apps/terminal/output.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
+#include "mtf/io/config/config_reader.h"
 #include "mtf/io/sha256.h"
 
 namespace apps {
@@ -35,26 +36,55 @@ void write_below(const fs::path& folder, const fs::path& name, const std::string
 
 /// Names that a folder of results or a plan has for itself.
 bool reserved(const fs::path& name) {
-  constexpr std::array<std::string_view, 8> names{"study.toml",  "plan.json", "sweep.json", "designs.csv",
-                                                  "designs.npy", "parts",     "shards",     "chosen"};
+  constexpr std::array<std::string_view, 9> names{"study.toml",  "plan.json",   "sweep.json",
+                                                  "designs.csv", "designs.npy", "columns.csv",
+                                                  "parts",       "shards",      "chosen"};
   return std::find(names.begin(), names.end(), name.begin()->string()) != names.end();
+}
+
+fs::path home_of(const study::Study& study) { return fs::absolute(study.file).parent_path(); }
+
+/// The name of a file from the folder of the study, as the study or its sensor writes it ("curves/../qe.csv"), so that
+/// copies name each other as the files do; empty for a file elsewhere. A link counts where it lies, not where it
+/// points.
+fs::path name_of(const study::Study& study, const std::string& file) {
+  const auto below = [](const fs::path& whole, const fs::path& home) {
+    const fs::path name = whole.lexically_relative(home), simple = name.lexically_normal();
+    return simple.empty() || *simple.begin() == ".." ? fs::path() : name;
+  };
+  const fs::path name = below(fs::absolute(file), home_of(study));
+  return !name.empty() ? name : below(fs::weakly_canonical(fs::absolute(file)), fs::weakly_canonical(home_of(study)));
+}
+
+/// Why a sweep cannot take a copy of a file; "" where it can.
+std::string problem_of(const study::Study& study, const std::string& file) {
+  const fs::path name = name_of(study, file);
+  if (name.empty())
+    return one_line(file) + " lies outside of the study's folder " +
+           one_line(home_of(study).lexically_normal().string()) +
+           "; copy it to the folder of the study, so that the results can hold all files that they were made from";
+  if (reserved(name) || reserved(name.lexically_normal()))
+    return one_line(file) + " has a name that the folder of a sweep uses itself; rename it";
+  return "";
 }
 
 }  // namespace
 
+std::vector<mtf::io::Diagnostic> copy_problems(const study::Study& study) {
+  std::vector<mtf::io::Diagnostic> problems;
+  for (const study::StudyFile& named : study::files_of(study))
+    if (std::string problem = problem_of(study, named.file); !problem.empty())
+      problems.push_back({.error = true, .position = named.position, .path = named.path, .text = std::move(problem)});
+  return problems;
+}
+
 std::vector<StudyCopy> copies_of(const study::Study& study) {
-  const fs::path home = fs::weakly_canonical(fs::absolute(study.file)).parent_path();
+  mtf::io::cfg::require_no_errors(copy_problems(study), study.file);
   std::vector<StudyCopy> copies{{"study.toml", study.text}};
-  for (const std::string& file : study::files_of(study)) {
-    const fs::path name = fs::weakly_canonical(fs::absolute(file)).lexically_relative(home);
-    if (name.empty() || *name.begin() == "..")
-      throw mtf::UsageError(
-          one_line(file) + ": lies outside of the study's folder " + one_line(home.string()) +
-          "; copy it to the folder of the study, so that the results can hold all files that they were made from");
-    if (reserved(name))
-      throw mtf::UsageError(one_line(file) + ": has a name that the folder of a sweep uses itself; rename it");
+  for (const study::StudyFile& named : study::files_of(study)) {
+    const fs::path name = name_of(study, named.file);
     if (std::none_of(copies.begin(), copies.end(), [&](const StudyCopy& each) { return each.name == name; }))
-      copies.push_back({name, bytes_of(file)});
+      copies.push_back({name, bytes_of(named.file)});
   }
   return copies;
 }

@@ -41,15 +41,8 @@ std::vector<ChosenFile> choose(const SweepReport& report) {
   const auto& best = report.tally->best();
   for (std::size_t o = 0; o < best.size(); ++o)
     if (best[o].design >= 0) add(best[o].design, "best " + study.objectives[o].text);
-  const study::FrontPoints& front = report.front;
-  std::vector<std::size_t> order(front.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return front.at(a)[0] != front.at(b)[0] ? front.at(a)[0] < front.at(b)[0] : a < b;
-  });
-  const std::size_t some = std::min(kSpreadOverFront, order.size());
-  for (std::size_t i = 0; i < some; ++i)
-    add(front.designs[order[some == 1 ? 0 : i * (order.size() - 1) / (some - 1)]], "on the Pareto front");
+  for (const std::size_t point : spread_over_front(report.front, kSpreadOverFront))
+    add(report.front.designs[point], "on the Pareto front");
   if (report.tally->feasible() == 0 && report.tally->nearest().design >= 0)
     add(report.tally->nearest().design, "nearest to the constraints");
   if (chosen.empty()) add(study.designs / 2, "middle of the study");
@@ -126,6 +119,18 @@ std::vector<std::size_t> constraints_of(const SweepReport& report, std::span<con
 
 }  // namespace
 
+std::vector<std::size_t> spread_over_front(const study::FrontPoints& front, std::size_t most) {
+  std::vector<std::size_t> order(front.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return front.at(a)[0] != front.at(b)[0] ? front.at(a)[0] < front.at(b)[0] : a < b;
+  });
+  const std::size_t some = std::min(most, order.size());
+  std::vector<std::size_t> points;
+  for (std::size_t i = 0; i < some; ++i) points.push_back(order[some == 1 ? 0 : i * (order.size() - 1) / (some - 1)]);
+  return points;
+}
+
 bool none_valid(const SweepReport& report) { return report.tally->invalid().designs == report.tally->designs(); }
 
 std::vector<std::size_t> active_constraints(const SweepReport& report, std::span<const double> row) {
@@ -147,15 +152,22 @@ int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOption
   {
     ProgressLine progress(global);
     const auto designs = static_cast<double>(sweep.study->designs);
+    // Counted first: which designs are on the front is known only when all of them have been read.
+    study::read_pieces(
+        run.pieces, [&](study::RowRange range, const std::vector<double>& rows) { return tally.count(range, rows); },
+        global.threads, [&](std::int64_t done) { progress.update("counts", static_cast<double>(done) / designs); });
+    report.front = tally.front();
+    const std::vector<study::Column> columns = study::file_columns(*sweep.study);
+    const bool with_front = sweep.study->objectives.size() > 1;
     study::write_table(
         {.pieces = run.pieces,
-         .columns = study::table_columns(*sweep.study, sweep.columns),
+         .columns = study::table_columns(*sweep.study, columns),
+         .marked = with_front ? std::optional(report.front.designs) : std::nullopt,
          .csv = run.folder / "designs.csv",
          .npy = run.folder / "designs.npy",
-         .count_rows = [&](study::RowRange range, std::span<const double> rows) { return tally.count(range, rows); },
          .threads = global.threads,
          .done = [&](std::int64_t done) { progress.update("tables", static_cast<double>(done) / designs); }});
-    report.front = tally.front();
+    mtf::io::write_text_file((run.folder / "columns.csv").string(), study::columns_csv(columns));
     ask_evaluator(report);
     report.indices = study::study_indices(sweep.study, sweep.columns, global.threads,
                                           [&](double share) { progress.update("sensitivities", share); });
@@ -178,7 +190,7 @@ int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOption
   for (const study::AccuracyRow& row : report.accuracy.rows) {
     if (!study::broken(report.accuracy, row)) continue;
     note(global, "mtf: at tolerance " + mtf::format_double(row.tolerance) + " a metric is off by " +
-                     significant(row.realised, 2) + ", more than the stated " + significant(row.promised, 2) +
+                     significant(row.realised, 2) + ", more than the promised " + significant(row.promised, 2) +
                      "; take a tighter tolerance, and please report the study");
     status = 3;
   }

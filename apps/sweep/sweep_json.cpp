@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostFront = 10'000;  // designs of the front that are listed
-constexpr std::array kRoles{"axis", "link", "metric", "objective", "feasible", "yield", "error"};
+constexpr std::array kRoles{"axis", "link", "metric", "objective", "feasible", "yield", "error", "pareto"};
 constexpr std::array kMethods{"grid", "latin_hypercube", "sobol"};
 
 std::string machine_text() {
@@ -35,10 +35,11 @@ Json texts_of(const SweepReport& report, const std::vector<std::size_t>& constra
 }
 
 Json columns_json(const SweepReport& report) {
-  const auto shown = study::table_columns(*report.sweep->study, report.sweep->columns);
+  const std::vector<study::Column> all = study::file_columns(*report.sweep->study);
+  const auto shown = study::table_columns(*report.sweep->study, all);
   Json columns = Json::array();
-  for (std::size_t c = 0; c < report.sweep->columns.size(); ++c) {
-    const study::Column& column = report.sweep->columns[c];
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    const study::Column& column = all[c];
     Json one = {{"name", column.name},
                 {"unit", column.unit},
                 {"role", kRoles[static_cast<std::size_t>(column.role)]},
@@ -46,7 +47,7 @@ Json columns_json(const SweepReport& report) {
                 {"source", column.source}};
     if (!shown[c].levels.empty()) one["levels"] = shown[c].levels;
     if (c < report.gaps.size() && !report.gaps[c].empty()) one["gap"] = report.gaps[c];
-    one["missing"] = report.tally->missing()[c];
+    one["missing"] = c < report.tally->missing().size() ? report.tally->missing()[c] : 0;
     columns.push_back(one);
   }
   return columns;
@@ -187,7 +188,8 @@ Json to_json(const SweepReport& report) {
                {"conditions", {{"temperature_k", study.conditions.temperature_k}}}};
   json["sensors"] = Json::array();
   for (std::size_t i = 1; i < run.files.size(); ++i)
-    json["sensors"].push_back({{"file", run.files[i].file}, {"sha256", run.files[i].sha256}});
+    json["sensors"].push_back({{"file", std::filesystem::path(run.files[i].file).lexically_normal().generic_string()},
+                               {"sha256", run.files[i].sha256}});
   json["designs"] = study.designs;
   json["evaluated"] = tally.designs();
   json["method"] = kMethods[static_cast<std::size_t>(study.method)];

@@ -28,8 +28,11 @@ struct StudyCopy {
   std::filesystem::path name;
   std::string bytes;
 };
+/// Files that a sweep of the study cannot copy: they lie elsewhere than in or below its folder, or have a name that the
+/// folder of a sweep uses itself.
+std::vector<mtf::io::Diagnostic> copy_problems(const study::Study& study);
 /// The study (as study.toml, the first), its sensor files and the files these name, by their names relative to the
-/// study. Nothing is written. Throws UsageError for a file that lies elsewhere, RuntimeError.
+/// study. Nothing is written. Throws UsageError with all copy_problems, RuntimeError.
 std::vector<StudyCopy> copies_of(const study::Study& study);
 /// Writes them into a folder. Throws RuntimeError.
 std::vector<study::PlanFile> write_copies(const std::vector<StudyCopy>& copies, const std::filesystem::path& folder);
@@ -37,6 +40,17 @@ std::vector<study::PlanFile> write_copies(const std::vector<StudyCopy>& copies, 
 /// Copies the files of one folder into another, checking that each is still what it was. Throws RuntimeError.
 void copy_files(const std::vector<study::PlanFile>& files, const std::filesystem::path& from,
                 const std::filesystem::path& to);
+
+/// The rows of a sweep that is being made.
+std::filesystem::path parts_of(const std::filesystem::path& folder);
+/// Throws where open_sweep_folder would, and changes nothing.
+void check_sweep_folder(const std::filesystem::path& folder, const study::RowLayout& layout, bool force);
+/// Makes the folder, or takes the one that a stopped run of the same study left. Throws UsageError for one that a
+/// stopped run of another study left or that is not empty, unless `force`, which removes their results.
+void open_sweep_folder(const std::filesystem::path& folder, const study::RowLayout& layout, bool force,
+                       const Global& global);
+/// Removes the rows once all results are there: from now on the sweep is finished.
+void close_sweep_folder(const std::filesystem::path& folder);
 
 /// Makes the rows that are not there yet, with progress. `seconds`: what it took.
 study::RowTally make_rows(const SweepStudy& sweep, study::RowRange range, const std::filesystem::path& folder,

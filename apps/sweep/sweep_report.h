@@ -35,6 +35,10 @@ struct SweepReport {
   double finish_seconds = 0.0;  ///< of tables, sensitivities and the accuracy against time
 };
 
+/// At most `most` points of the Pareto front, both ends among them, evenly spread over the front in the order of the
+/// first objective, the best last.
+std::vector<std::size_t> spread_over_front(const study::FrontPoints& front, std::size_t most);
+
 /// True when every design is invalid: there is nothing to choose.
 bool none_valid(const SweepReport& report);
 

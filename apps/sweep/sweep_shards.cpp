@@ -73,7 +73,7 @@ bool finished(const study::ShardPlan& plan, const fs::path& folder, int shard, c
   try {
     return !study::find_shard(plan, folder, shard).empty();
   } catch (const mtf::RuntimeError& error) {
-    if (std::string_view(error.what()).find(": damaged: ") == std::string_view::npos) throw;
+    if (!study::is_damaged(error)) throw;
     note(global, std::string("note: ") + error.what() + "; making it again");
     return false;
   }
@@ -156,16 +156,17 @@ int sweep_run(const SweepOptions& options, const Global& global) {
 int sweep_merge(const SweepOptions& options, const Global& global) {
   const fs::path plan_folder = options.words[1], folder = options.out;
   const OpenPlan open = open_plan(plan_folder);
-  check_folder(folder, options.force);
+  check_sweep_folder(folder, open.plan.layout, options.force);
   SweepRun run;
   run.folder = folder;
   run.files = open.plan.files;
   run.pieces = study::all_shards(open.plan, plan_folder);
   run.tally.resumed = open.plan.designs;
   run.seconds = std::numeric_limits<double>::quiet_NaN();
-  prepare_folder(folder, options.force);
+  open_sweep_folder(folder, open.plan.layout, options.force, global);
   copy_files(run.files, plan_folder, folder);
   const int code = finish_sweep(open_study(folder / "study.toml", open.plan.tolerance), run, options, global);
+  close_sweep_folder(folder);
   for (int shard = 1; shard <= open.plan.shards; ++shard)
     study::remove_parts(study::shard_file(open.plan, plan_folder, shard));
   return code;

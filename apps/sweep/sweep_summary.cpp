@@ -21,6 +21,12 @@ std::string list(const SweepReport& report, const std::vector<std::size_t>& cons
   return text;
 }
 
+/// The value of an axis: its word where it has words.
+std::string axis_text(const study::TableColumn& column, double value) {
+  const bool named = !column.levels.empty() && value >= 0.0 && value < static_cast<double>(column.levels.size());
+  return named ? one_line(column.levels[static_cast<std::size_t>(value)]) : significant(value, 5);
+}
+
 /// The best designs with their axes.
 std::string best_table(const SweepReport& report) {
   const study::Study& study = *report.sweep->study;
@@ -42,16 +48,47 @@ std::string best_table(const SweepReport& report) {
     std::vector<std::string> cells{(objective.maximize ? "maximize " : "minimize ") + one_line(objective.text),
                                    significant(best.value, 5) + (objective.unit.empty() ? "" : " " + objective.unit),
                                    std::to_string(best.design)};
-    for (std::size_t a = 0; a < study.axes.size(); ++a) {
-      const auto& levels = shown[a].levels;
-      const bool named = !levels.empty() && best.row[a] >= 0.0 && best.row[a] < static_cast<double>(levels.size());
-      cells.push_back(named ? one_line(levels[static_cast<std::size_t>(best.row[a])]) : significant(best.row[a], 5));
-    }
+    for (std::size_t a = 0; a < study.axes.size(); ++a) cells.push_back(axis_text(shown[a], best.row[a]));
     const std::string active = list(report, active_constraints(report, best.row), ", ");
     cells.push_back(active.empty() ? "-" : active);
     table.add(cells);
   }
   return any ? table.aligned(align) : "";
+}
+
+/// A few designs from all along the front, with their objectives and axes; the others are counted.
+std::string front_table(const SweepReport& report) {
+  constexpr std::size_t kMost = 10;
+  const study::Study& study = *report.sweep->study;
+  const std::vector<study::Column>& columns = report.sweep->columns;
+  const auto shown = study::table_columns(study, columns);
+  const auto heading = [](const std::string& name, const std::string& unit) {
+    return one_line(name) + (unit.empty() ? "" : " [" + unit + "]");
+  };
+  std::vector<std::string> header{"design"};
+  std::vector<std::size_t> objectives;  // those that are no axis, which has a column anyway
+  for (std::size_t o = 0; o < study.objectives.size(); ++o)
+    if (report.tally->job().goals[o].column >= study.axes.size()) objectives.push_back(o);
+  for (const std::size_t o : objectives) header.push_back(heading(study.objectives[o].text, study.objectives[o].unit));
+  for (std::size_t a = 0; a < study.axes.size(); ++a) header.push_back(heading(columns[a].name, columns[a].unit));
+  TextTable table(header);
+  const std::vector<std::size_t> points = spread_over_front(report.front, kMost);
+  std::vector<double> levels(study.axes.size());
+  for (auto point = points.rbegin(); point != points.rend(); ++point) {
+    std::vector<std::string> cells{std::to_string(report.front.designs[*point])};
+    for (const std::size_t o : objectives)
+      cells.push_back(significant((study.objectives[o].maximize ? 1.0 : -1.0) * report.front.at(*point)[o], 5));
+    study::design_at(study, report.front.designs[*point], levels);
+    for (std::size_t a = 0; a < levels.size(); ++a) {
+      const study::Axis& axis = study.axes[a];
+      cells.push_back(
+          axis_text(shown[a], axis.discrete() ? axis.values[static_cast<std::size_t>(levels[a])] : levels[a]));
+    }
+    table.add(cells);
+  }
+  const std::size_t others = report.front.size() - points.size();
+  return table.aligned(std::vector<Align>(header.size(), Align::right)) +
+         (others > 0 ? "and " + std::to_string(others) + " more, which the column pareto of designs.csv marks\n" : "");
 }
 
 std::string infeasible(const SweepReport& report) {
@@ -109,7 +146,9 @@ std::string sweep_summary(const SweepReport& report) {
   for (const ChosenFile& chosen : report.chosen)
     if (!chosen.caution.empty())
       text += "design " + std::to_string(chosen.design) + " (" + one_line(chosen.why) + ") is " + chosen.caution + "\n";
-  if (study.objectives.size() > 1) text += "Pareto front: " + std::to_string(report.front.size()) + " designs\n";
+  if (study.objectives.size() > 1)
+    text += "Pareto front: " + plural(std::ssize(report.front.designs), "design") + "\n" +
+            (report.front.size() > 0 ? front_table(report) : "");
   if (const auto column = study::column_of(columns, study::Column::Role::yield);
       column && tally.highest_yield().design >= 0) {
     const double yield = tally.highest_yield().value;

@@ -11,6 +11,7 @@
 #include "mtf/plan/plan_parts.h"
 #include "mtf/tiles/tile_fit.h"
 #include "mtf/tiles/tile_halo.h"
+#include "mtf/tiles/tiles_refusal.h"
 
 namespace mtf {
 namespace {
@@ -47,10 +48,6 @@ bool raise(TileNeeds& thought, const TileNeeds& found) {
   for (double TileNeeds::*part : {&TileNeeds::otf, &TileNeeds::buffers, &TileNeeds::coarse})
     if (found.*part > slack * thought.*part) thought.*part = found.*part, raised = true;
   return raised;
-}
-
-std::string mib(double bytes) {
-  return std::to_string(static_cast<std::int64_t>(std::ceil(bytes / 1048576.0))) + "MiB";
 }
 
 double canvas_norm_of(const PlanOptions& options, const SampleGrid& in) {
@@ -92,8 +89,6 @@ std::int64_t coarse_every(const SampleGrid& scene, Border border, std::int64_t m
   return every;
 }
 
-// The plan with the OTF split at `every`, or whole where that is 0. Nothing, and the reason, where tiles are
-// impossible.
 std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, const SampleGrid& scene,
                                               const PlanOptions& options, const TileOptions& tiles, std::int64_t every,
                                               std::string& reason) {
@@ -257,27 +252,6 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
   return plan;
 }
 
-namespace {
-
-// The least memory, within a quarter, with which the scene goes through: in tiles, else whole.
-std::int64_t least_memory(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
-                          const TileOptions& tiles, double whole) {
-  std::string reason;
-  for (double memory = 1.25 * static_cast<double>(tiles.memory > 0 ? tiles.memory : machine_bytes()); memory < whole;
-       memory *= 1.25) {
-    TileOptions larger = tiles;
-    larger.memory = static_cast<std::int64_t>(memory);
-    for (const std::int64_t every : {std::int64_t{0}, coarse_every(scene, options.border, larger.memory)}) try {
-        if (cut_into_tiles(system, scene, options, larger, every, reason)) return larger.memory;
-      } catch (const UnreachableTolerance&) {  // nor will more memory help
-        return static_cast<std::int64_t>(whole);
-      }
-  }
-  return static_cast<std::int64_t>(whole);
-}
-
-}  // namespace
-
 TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
                               const TileOptions& tiles) {
   const SampleGrid detector = detector_grid(system, scene);
@@ -298,7 +272,8 @@ TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& sc
       auto plan = cut_into_tiles(system, scene, options, tiles, every, reason);
       if (plan && (!best || work(*plan) < work(*best))) best = std::move(plan);
     } catch (const UnreachableTolerance& e) {
-      reason = "the tolerance leaves no room for a halo";
+      reason =
+          "rounding of its float32 samples leaves too little of the tolerance for what tiles cut off beyond their halo";
     }
   }
   // More tiles than the scene is worth: one plan for all of it is less work.
@@ -307,11 +282,10 @@ TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& sc
   if (useful) return std::move(*best);
 
   const auto require_room = [&](double bytes) {
-    if (bytes > limit)
-      throw UsageError("the scene does not go through " + mib(limit) + " of memory: " + reason +
-                       ", and all of it at once needs " + mib(bytes) + "; allow " +
-                       mib(count(least_memory(system, scene, options, tiles, bytes))) +
-                       " or more, or a larger tolerance");
+    if (!(bytes > limit)) return;
+    TileOptions given = tiles;
+    given.memory = static_cast<std::int64_t>(limit);
+    refuse_memory(system, scene, options, given, reason, bytes);
   };
   const TileNeeds least;  // before there is a plan, which is worth no time where even this is too much
   double bytes = whole_bytes(scene, detector, tiles, (least.otf + least.buffers) * area(scene));

@@ -65,9 +65,14 @@ TEST(Curve, TableAndItsFooter) {
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(result.err, "");
   EXPECT_NE(result.out.find("cy/mm  diffraction  footprint   jitter  presample   system\n"), std::string::npos);
-  for (const char* text :
-       {"125.0 cy/mm", "33.33 cy/mm", "0.5333", "diffraction 0.6645 x footprint 0.6366 x jitter 0.9160 = 0.3875\n"})
+  for (const char* text : {"125.0 cy/mm", "33.33 cy/mm", "0.5333",
+                           "MTF at Nyquist along x  diffraction 0.6645 x footprint 0.6366 x jitter 0.9160 = 0.3875\n"})
     EXPECT_NE(result.out.find(text), std::string::npos) << text << "\n" << result.out;
+  for (const auto& [angle, text] : {std::pair{"90", "\nMTF at Nyquist along y  diffraction "},
+                                    std::pair{"45", "\nMTF at Nyquist at 45 deg  diffraction "}}) {
+    const Result other = scratch.run(std::string("mtf curve sensor.toml --freq 0:60:7 --angle ") + angle);
+    EXPECT_NE(other.out.find(text), std::string::npos) << other.out;
+  }
 }
 
 TEST(Curve, ShapeOfTheJson) {

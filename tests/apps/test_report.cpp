@@ -314,9 +314,12 @@ TEST(Report, WritesWhereItIsTold) {
   make_sweep(scratch);
   const std::string page = page_of(scratch, "-o sweep/report.html");
   EXPECT_EQ(scratch.run("mtf report sweep -o -").out, page);
-  const Result input = scratch.run("mtf report sweep -o sweep/designs.csv");
-  EXPECT_EQ(input.status, 2);
-  EXPECT_NE(input.err.find("is the input"), std::string::npos);
+  apps_test::write_file(scratch / "sweep/columns.csv", "column,unit,definition\n");
+  for (const std::string file : {"designs.csv", "columns.csv"}) {
+    const Result input = scratch.run("mtf report sweep -o sweep/" + file);
+    EXPECT_EQ(input.status, 2);
+    EXPECT_NE(input.err.find("is the input"), std::string::npos);
+  }
   EXPECT_EQ(scratch.run("mtf report sweep -o nowhere/report.html").status, 1);
 }
 

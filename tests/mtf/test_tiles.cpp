@@ -147,6 +147,41 @@ TEST(Tiles, too_little_memory_names_what_is_enough) {
   }
 }
 
+/// The number after `before` in a message.
+double number_after(const std::string& what, const std::string& before) {
+  const std::size_t at = what.find(before);
+  EXPECT_NE(at, std::string::npos) << what;
+  return at == std::string::npos ? 0.0 : std::strtod(what.c_str() + at + before.size(), nullptr);
+}
+
+// A scene of little contrast: its samples round by a good part of the tolerance. The memory that the refusal names
+// keeps the tolerance with one plan, or says with which tolerance; the tolerance that it names goes through the memory.
+TEST(Tiles, a_refused_scene_goes_through_with_what_the_message_names) {
+  const SampleGrid in{7000, 7000, 3.75, 3.75};
+  const TileOptions tiles{.memory = 400 << 20, .row_bytes = 28000, .threads = 1};
+  for (const double std : {5e-3, 2e-3}) {  // the second one allows no plan 1e-4
+    PlanOptions options;
+    options.scene = SceneSummary{std, 5.0, 2.0 * std};
+    std::string what;
+    try {
+      compile_tiled(mwir(), in, options, tiles);
+      FAIL() << "400 MiB and 1e-4 cannot be enough";
+    } catch (const UsageError& e) {
+      what = e.what();
+    }
+    const bool too_tight = what.find(" and that tolerance") != std::string::npos;
+    EXPECT_EQ(too_tight, std < 3e-3) << what;
+    PlanOptions at_once = options, looser = options;
+    if (too_tight) at_once.tolerance = number_after(what, ", with a tolerance of ");
+    TileOptions larger = tiles;
+    larger.memory = static_cast<std::int64_t>(number_after(what, "allow ")) << 20;
+    EXPECT_TRUE(compile_tiled(mwir(), in, at_once, larger).report().whole) << what;
+    looser.tolerance = number_after(what, ", or a tolerance of ");
+    EXPECT_FALSE(compile_tiled(mwir(), in, looser, tiles).report().whole) << what;
+    EXPECT_NE(what.find("float32"), std::string::npos) << what;
+  }
+}
+
 TEST(Tiles, memory_holds_what_the_caller_and_the_receiver_take) {
   const SampleGrid in{16384, 16384, 3.75, 3.75};
   PlanOptions options;

@@ -224,14 +224,17 @@ def main():
     base = SENSOR.format(f_number=2.0, pitch=15.0, time=8.0, aperture=100.0, band=list(BANDS)[0])
     study = STUDY.format(name=options.name.replace('"', '\\"'), limit=limit, netd=netd_limit)
 
+    on_front = set(front)
+    columns.append(column("pareto", "", "pareto", "1 for a design of the Pareto front", missing=0))
+    table = [row + [int(i in on_front)] for i, row in enumerate(rows)]
     header = ",".join(["design"] + [field(c["name"]) for c in columns])
     (folder / "designs.csv").write_text(
-        "\n".join([header] + [",".join([str(i)] + [field(v) for v in row]) for i, row in enumerate(rows)]) + "\n")
+        "\n".join([header] + [",".join([str(i)] + [field(v) for v in row]) for i, row in enumerate(table)]) + "\n")
     with open(folder / "designs.npy", "wb") as out:
         head = f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({len(rows)}, {len(columns)}), }}"
         head += " " * (-(10 + len(head) + 1) % 64) + "\n"
         out.write(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(head)) + head.encode())
-        for row in rows:
+        for row in table:
             numbers = [float("nan") if v is None else float(list(BANDS).index(v)) if isinstance(v, str) else float(v)
                        for v in row]
             out.write(struct.pack(f"<{len(numbers)}d", *numbers))
@@ -257,7 +260,7 @@ def main():
         "chosen": [{"design": d, "file": f"chosen/design_{d}.toml", "why": why} for d, why in sorted(chosen.items())],
         "sensitivities": {
             "design": reference,
-            "derivatives": [{"column": c, "parameter": p, "value": (-0.8) ** j * s, "unit": f"{u}/{units[p]}"}
+            "derivatives": [{"column": c, "parameter": p, "value": (-0.8) ** j * s, "unit": f"{u} per {units[p]}"}
                             for c, u, s in (("mtf_nyquist", "1", 0.004), ("netd", "mK", -0.6))
                             for j, p in enumerate(parameters)],
             "samples": 4096,

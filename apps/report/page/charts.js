@@ -57,7 +57,7 @@ const quantity = (column, more = {}) => ({ field: column.field, type: "quantitat
   scale: { zero: false, nice: true, ...(more.scale ?? {}) }, axis: { format: ".6~g", tickCount: 9, ...(more.axis ?? {}) } });
 // Marks that stand for a design carry the design itself; its words are made when somebody points at it.
 const hoverDesign = { content: "data" };
-const hoverColumns = columns.filter((column) => !column.gap && column.role !== "feasible" && column.role !== "error").slice(0, 14);
+const hoverColumns = columns.filter((column) => !column.gap && !["feasible", "pareto", "error"].includes(column.role)).slice(0, 14);
 function tooltipHtml(value, sanitize) {
   const pairs = value.design !== undefined && "front" in value
     ? [["design", value.design], ...hoverColumns.map((column) => [column.label, shown(value[column.field])])]

@@ -42,7 +42,7 @@ async function startCurves() {
   addChoice("curves", "show", [["all", "systems of all designs"], ...withCurves.map((one) => [one.design, `components of design ${one.design}`])], "all", (value) => { curves.what = value; redraw(); });
   addChoice("curves", "frequency in", [["cy/mm", "cy/mm"], ["cy/mrad", "cy/mrad"], ["cy/px", "cy/px"]], curves.unit, (value) => { curves.unit = value; redraw(); });
   const hint = document.createElement("small");
-  hint.textContent = "Dots: Nyquist.";
+  hint.textContent = "Dots: the MTF at Nyquist along x.";
   document.querySelector("#curves .controls").append(hint);
   await redraw();
 }
@@ -99,6 +99,7 @@ async function startAccuracy() {
   const values = report.accuracy.flatMap(([tolerance, promised, realised, time]) =>
     [{ tolerance, kind: "promised", error: promised, time }, { tolerance, kind: "realised", error: realised, time }])
     .filter((one) => one.error > 0 && one.time > 0);
+  if (values.length === 0) return;
   await draw("accuracy", {
     width: "container", height: 300, data: { values },
     mark: { type: "line", point: { size: 45, filled: true }, strokeWidth: 2 },

@@ -24,7 +24,7 @@ const rows = report.design.map((design, i) => {
 });
 
 // Numbers that differ between designs: what a chart can show.
-const numeric = columns.filter((column) => column.role !== "feasible" && !column.gap && !column.discrete &&
+const numeric = columns.filter((column) => !["feasible", "pareto"].includes(column.role) && !column.gap && !column.discrete &&
   report.cells[column.index].some((v) => typeof v === "number"));
 const axes = report.axes.map((axis) => ({ ...axis, ...columnOf(axis.column) }));
 const objectives = report.objectives.map((objective) => ({ ...objective, ...columnOf(objective.column), text: objective.text }));

@@ -123,8 +123,9 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::S
     return attempt(input.summary, own);
   } catch (const mtf::UnreachableTolerance& e) {
     if (asked_ || !(e.reachable() < 1.0)) throw;
-    warnings.push_back("the default tolerance " + mtf::format_double(own) + " cannot be kept for this scene; " +
-                       significant(e.reachable(), 2) + " is used from here on");
+    if (radiometric == nullptr || e.reachable() > radiometric->unseen_tolerance(own))
+      warnings.push_back("the default tolerance " + mtf::format_double(own) + " cannot be kept for this scene; " +
+                         significant(e.reachable(), 2) + " is used from here on");
     loosened_ = e.reachable();
   }
   return attempt(input.summary, loosened_);

@@ -225,7 +225,8 @@ SurveyedPlan survey_and_plan(const mtf::io::SensorConfig& config, const Simulate
     plan_options.tolerance = radiometric->tolerance(plan_options.tolerance, plan_options.scene->std);
   watch.lap("survey");
   const mtf::System<double> system = radiometric != nullptr ? presample_of(*radiometric) : config.system;
-  mtf::TiledSensorPlan plan = compile_reachable(options.tolerance.has_value(), plan_options, report.warnings,
+  const double unseen = radiometric != nullptr ? radiometric->unseen_tolerance(plan_options.tolerance) : 0.0;
+  mtf::TiledSensorPlan plan = compile_reachable(options.tolerance.has_value(), unseen, plan_options, report.warnings,
                                                 [&] { return mtf::compile_tiled(system, grid, plan_options, tiles); });
   if (source.file)
     source.file->keep_rows(plan.report().whole ? source.file->more_rows() : plan.inner().presample.in().height);

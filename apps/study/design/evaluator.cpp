@@ -28,7 +28,8 @@ std::vector<Column> columns_of(const Study& study) {
   std::vector<Column> columns;
   for (const Axis& axis : study.axes) {
     const Parameter& parameter = study.parameters[static_cast<std::size_t>(axis.parameter)];
-    columns.push_back({parameter.name, parameter.unit, "varied", "study file", Column::Role::axis, axis.levels});
+    columns.push_back({parameter.name, parameter.unit, "parameter that the study varies", "study file",
+                       Column::Role::axis, axis.levels});
   }
   for (const Link& link : study.links) {
     const Parameter& parameter = study.parameters[static_cast<std::size_t>(link.parameter)];

@@ -23,7 +23,8 @@ struct Column {
     objective,  ///< value of an objective that is not just one metric or parameter
     feasible,   ///< 1 when all constraints hold and all objectives are finite, else 0
     yield,      ///< share of as-built draws that meet all constraints
-    error       ///< estimate of the largest error of the metrics, each as `tolerance` counts it
+    error,      ///< estimate of the largest error of the metrics, each as `tolerance` counts it
+    pareto      ///< 1 for a design of the Pareto front, else 0: a column of files, which no row has
   };
   std::string name, unit, definition, source;
   Role role = Role::metric;

@@ -20,7 +20,8 @@ static_assert(std::endian::native == std::endian::little, "row files hold the nu
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMagic = "mtfkit rows 1\n";
+constexpr std::string_view kMagic = "mtfkit rows 2\n";
+constexpr std::string_view kDamaged = ": damaged: ";
 constexpr std::size_t kMostHead = 400;  // bytes; the lines take some 240
 constexpr std::int64_t kMostRows = 1'000'000'000, kMostColumns = 100'000;
 
@@ -30,14 +31,48 @@ std::string lines_of(const RowLayout& layout, RowRange range) {
          std::to_string(range.count) + "\ncolumns " + std::to_string(layout.columns) + "\n";
 }
 
-std::string hash_of(const RowLayout& layout, RowRange range, std::span<const double> rows) {
+std::string hash_of(const RowLayout& layout, RowRange range, std::span<const std::uint64_t> sums,
+                    std::span<const double> rows) {
+  const std::string checksums =
+      mtf::io::sha256_hex({reinterpret_cast<const char*>(sums.data()), sums.size() * sizeof(std::uint64_t)});
   const std::string numbers =
       mtf::io::sha256_hex({reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(double)});
-  return mtf::io::sha256_hex(lines_of(layout, range) + numbers);
+  return mtf::io::sha256_hex(lines_of(layout, range) + checksums + numbers);
+}
+
+/// A checksum of each row, over the bits of its numbers: FNV-1a, a number at a time.
+std::vector<std::uint64_t> sums_of(RowRange range, std::span<const double> rows) {
+  constexpr std::uint64_t kStart = 0xcbf29ce484222325, kPrime = 0x100000001b3;
+  std::vector<std::uint64_t> sums;
+  const std::size_t columns = rows.size() / static_cast<std::size_t>(range.count);
+  for (std::size_t row = 0; row < static_cast<std::size_t>(range.count); ++row) {
+    std::uint64_t sum = kStart;
+    for (const double value : rows.subspan(row * columns, columns))
+      sum = (sum ^ std::bit_cast<std::uint64_t>(value)) * kPrime;
+    sums.push_back(sum);
+  }
+  return sums;
 }
 
 [[noreturn]] void damaged(const fs::path& file, const std::string& what) {
-  throw mtf::RuntimeError(shown(file) + ": damaged: " + what + "; remove it and run its designs again");
+  throw mtf::RuntimeError(shown(file) + std::string(kDamaged) + what + "; its designs have to be computed again");
+}
+
+/// Says which rows do not have their checksum.
+[[noreturn]] void damaged_rows(const RowPiece& piece, std::span<const std::uint64_t> sums,
+                               std::span<const double> rows) {
+  const std::vector<std::uint64_t> found = sums_of(piece.range, rows);
+  std::int64_t first = -1, wrong = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i] == sums[i]) continue;
+    if (++wrong == 1) first = piece.range.first + static_cast<std::int64_t>(i);
+  }
+  const std::string numbers = "the numbers of " + describe(piece.range) + " are not those that were written";
+  if (wrong == 0) damaged(piece.file, "the lines above " + describe(piece.range) + " are not those that were written");
+  damaged(piece.file, numbers + ": " +
+                          (wrong == 1 ? "the row of design " + std::to_string(first) + " has changed"
+                                      : std::to_string(wrong) + " rows have changed, the first is that of design " +
+                                            std::to_string(first)));
 }
 
 /// Takes "<word> <value>\n" off the front of `text`; null where that is not there.
@@ -69,16 +104,23 @@ bool take_hash(std::string_view& text, std::string_view word, std::string& hash)
 
 }  // namespace
 
+bool is_damaged(const mtf::RuntimeError& error) {
+  return std::string_view(error.what()).find(kDamaged) != std::string_view::npos;
+}
+
 std::string shown(const fs::path& path) { return mtf::io::printable(path.string()); }
 
 std::uint64_t RowPiece::bytes() const {
-  return static_cast<std::uint64_t>(range.count) * static_cast<std::uint64_t>(layout.columns) * sizeof(double);
+  const auto words_of_row = static_cast<std::uint64_t>(layout.columns) + 1;  // a checksum and the numbers
+  return static_cast<std::uint64_t>(range.count) * words_of_row * sizeof(double);
 }
 
 void write_rows(const fs::path& file, const RowLayout& layout, RowRange range, std::span<const double> rows) {
   mtf::io::AtomicFile out(file.string());
-  const std::string head = lines_of(layout, range) + "sha256 " + hash_of(layout, range, rows) + "\n\n";
+  const std::vector<std::uint64_t> sums = sums_of(range, rows);
+  const std::string head = lines_of(layout, range) + "sha256 " + hash_of(layout, range, sums, rows) + "\n\n";
   out.write(head.data(), head.size());
+  out.write(sums.data(), sums.size() * sizeof(std::uint64_t));
   out.write(rows.data(), rows.size() * sizeof(double));
   out.commit();
 }
@@ -112,13 +154,14 @@ std::vector<RowPiece> list_rows(const fs::path& file) {
 }
 
 void read_rows(const RowPiece& piece, std::vector<double>& rows) {
-  rows.resize(piece.bytes() / sizeof(double));
+  std::vector<std::uint64_t> sums(static_cast<std::size_t>(piece.range.count));
+  rows.resize(sums.size() * static_cast<std::size_t>(piece.layout.columns));
   std::ifstream in(piece.file, std::ios::binary);
   in.seekg(static_cast<std::streamoff>(piece.offset + piece.head));
-  in.read(reinterpret_cast<char*>(rows.data()), static_cast<std::streamsize>(piece.bytes()));
+  in.read(reinterpret_cast<char*>(sums.data()), static_cast<std::streamsize>(sums.size() * sizeof(std::uint64_t)));
+  in.read(reinterpret_cast<char*>(rows.data()), static_cast<std::streamsize>(rows.size() * sizeof(double)));
   if (!in) throw mtf::RuntimeError(shown(piece.file) + ": cannot be read");
-  if (hash_of(piece.layout, piece.range, rows) != piece.sha256)
-    damaged(piece.file, "the numbers of " + describe(piece.range) + " are not those that were written");
+  if (hash_of(piece.layout, piece.range, sums, rows) != piece.sha256) damaged_rows(piece, sums, rows);
 }
 
 void join_rows(const std::vector<RowPiece>& pieces, const fs::path& file) {
@@ -141,19 +184,25 @@ std::string describe(RowRange range) {
 }
 
 std::vector<RowPiece> in_order(std::vector<RowPiece> pieces, const RowLayout& layout, RowRange range) {
+  // A flipped bit in the lines of a piece makes it look like one of another study or of other designs.
+  const auto refuse = [](const RowPiece& piece, const std::string& problem) {
+    std::vector<double> rows;
+    read_rows(piece, rows);
+    throw mtf::RuntimeError(problem);
+  };
   for (const RowPiece& piece : pieces)
     if (piece.layout != layout)
-      throw mtf::RuntimeError(shown(piece.file) + ": foreign: made for another study, tolerance or version; remove it");
+      refuse(piece, shown(piece.file) + ": foreign: made for another study, tolerance or version; remove it");
   std::sort(pieces.begin(), pieces.end(),
             [](const RowPiece& a, const RowPiece& b) { return a.range.first < b.range.first; });
   std::int64_t next = range.first;
   for (const RowPiece& piece : pieces) {
     if (piece.range.first > next)
-      throw mtf::RuntimeError(describe(RowRange{next, piece.range.first - next}) + ": missing, " + shown(piece.file) +
-                              " comes after them");
+      refuse(piece, describe(RowRange{next, piece.range.first - next}) + ": missing, " + shown(piece.file) +
+                        " comes after them");
     if (piece.range.first < next || piece.range.end() > range.end())
-      throw mtf::RuntimeError(shown(piece.file) + ": foreign: holds " + describe(piece.range) +
-                              ", which others hold or nothing asks for; remove it");
+      refuse(piece, shown(piece.file) + ": foreign: holds " + describe(piece.range) +
+                        ", which others hold or nothing asks for; remove it");
     next = piece.range.end();
   }
   if (next < range.end()) throw mtf::RuntimeError(describe(RowRange{next, range.end() - next}) + ": missing");

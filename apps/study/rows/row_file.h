@@ -2,9 +2,10 @@
 #pragma once
 
 // Rows of results on disk. A piece holds the rows of the designs [first, first + count): a few lines of text that say
-// which study and designs the rows belong to, then the doubles (little endian, row by row). A row file is one piece or
-// several, one after the other; it appears whole or not at all. Every piece carries a hash of its lines and numbers, so
-// that a piece that a bad disk or an incomplete copy changed is recognised.
+// which study and designs the rows belong to, a checksum of each row, then the doubles (little endian, row by row). A
+// row file is one piece or several, one after the other; it appears whole or not at all. Every piece carries a hash of
+// its lines, checksums and numbers, so that a piece that a bad disk or an incomplete copy changed is recognised; the
+// checksums say which rows of it are wrong.
 
 #include <cstdint>
 #include <filesystem>
@@ -12,6 +13,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "mtf/error.h"
 
 namespace study {
 
@@ -40,7 +43,7 @@ struct RowPiece {
   RowRange range;
   std::string sha256;
 
-  std::uint64_t bytes() const;  ///< size of the numbers
+  std::uint64_t bytes() const;  ///< size of the checksums and the numbers
 };
 
 /// Writes a file of one piece; rows.size() = range.count x layout.columns. Throws RuntimeError (disk full, ...).
@@ -51,11 +54,15 @@ void write_rows(const std::filesystem::path& file, const RowLayout& layout, RowR
 /// is shorter or longer than its lines say.
 std::vector<RowPiece> list_rows(const std::filesystem::path& file);
 
-/// The numbers of a piece, checked against its hash. Throws RuntimeError naming the file and the designs.
+/// The numbers of a piece, checked against its hash. Throws RuntimeError naming the file, the designs of the piece and
+/// those whose rows are damaged.
 void read_rows(const RowPiece& piece, std::vector<double>& rows);
 
 /// Joins row files into one. Throws RuntimeError.
 void join_rows(const std::vector<RowPiece>& pieces, const std::filesystem::path& file);
+
+/// True for an error that names a damaged file: its rows can be computed again, whatever it holds.
+bool is_damaged(const mtf::RuntimeError& error);
 
 /// A path in messages: printable characters only.
 std::string shown(const std::filesystem::path& path);
@@ -64,7 +71,8 @@ std::string shown(const std::filesystem::path& path);
 std::string describe(RowRange range);
 
 /// The pieces in the order of their designs. Throws RuntimeError naming the file for a piece of another layout, and the
-/// designs where the pieces do not cover `range` without a gap or twice.
+/// designs where the pieces do not cover `range` without a gap or twice; a piece that does not fit is damaged where its
+/// hash is not that of its lines and numbers, else foreign.
 std::vector<RowPiece> in_order(std::vector<RowPiece> pieces, const RowLayout& layout, RowRange range);
 
 }  // namespace study

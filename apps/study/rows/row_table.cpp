@@ -8,7 +8,6 @@
 #include <charconv>
 #include <cmath>
 #include <memory>
-#include <optional>
 
 #include "mtf/io/atomic_file.h"
 #include "mtf/parallel.h"
@@ -78,19 +77,24 @@ std::string npy_header(std::int64_t rows, std::size_t columns) {
   return std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(length & 0xFFU) + static_cast<char>(length >> 8U) + text;
 }
 
+/// What is known of a piece on its way through the threads.
 struct Token {
   const RowPiece* piece = nullptr;
-  std::vector<double> rows;
-  std::string csv;
-  std::function<void()> count;
+  std::function<void()> finish;
 };
 
-std::optional<mtf::io::AtomicFile>& open(std::optional<mtf::io::AtomicFile>& file, const std::filesystem::path& path,
-                                         const std::string& header) {
-  if (path.empty()) return file;
-  file.emplace(path.string());
-  file->write(header.data(), header.size());
-  return file;
+/// Rows of one column more: 1 for the marked designs, 0 for the others.
+std::vector<double> with_mark(RowRange range, const std::vector<double>& rows,
+                              const std::vector<std::int64_t>& marked) {
+  const std::size_t columns = rows.size() / static_cast<std::size_t>(range.count);
+  std::vector<double> wider;
+  wider.reserve(rows.size() + static_cast<std::size_t>(range.count));
+  for (std::int64_t i = 0; i < range.count; ++i) {
+    const auto row = rows.begin() + i * static_cast<std::int64_t>(columns);
+    wider.insert(wider.end(), row, row + static_cast<std::int64_t>(columns));
+    wider.push_back(std::binary_search(marked.begin(), marked.end(), range.first + i) ? 1.0 : 0.0);
+  }
+  return wider;
 }
 
 }  // namespace
@@ -102,46 +106,55 @@ std::string csv_cell(std::string_view text) {
   return quoted + "\"";
 }
 
-void write_table(const TableJob& job) {
-  std::int64_t designs = 0;
-  for (const RowPiece& piece : job.pieces) designs += piece.range.count;
-  const Cells cells(job.columns);
-  std::optional<mtf::io::AtomicFile> csv, npy;
-  open(csv, job.csv, csv_header(job.columns));
-  open(npy, job.npy, npy_header(designs, job.columns.size()));
-
+void read_pieces(const std::vector<RowPiece>& pieces, const PieceWork& work, int threads, const RowsDone& done) {
   using Next = std::shared_ptr<Token>;
   std::size_t next = 0;
-  std::int64_t written = 0;
-  const int threads = mtf::threads_of(job.threads);
-  tbb::task_arena arena(threads);
+  std::int64_t finished = 0;
+  const int count = mtf::threads_of(threads);
+  tbb::task_arena arena(count);
   arena.execute([&] {
     tbb::parallel_pipeline(
-        static_cast<std::size_t>(threads) + 2,
+        static_cast<std::size_t>(count) + 2,
         tbb::make_filter<void, Next>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
-          if (next == job.pieces.size()) {
+          if (next == pieces.size()) {
             control.stop();
             return Next();
           }
           const auto token = std::make_shared<Token>();
-          token->piece = &job.pieces[next++];
+          token->piece = &pieces[next++];
           return token;
         }) & tbb::make_filter<Next, Next>(tbb::filter_mode::parallel, [&](const Next& token) {
-          const RowPiece& piece = *token->piece;
-          read_rows(piece, token->rows);
-          if (csv) token->csv = csv_rows(cells, piece.range, token->rows);
-          if (job.count_rows) token->count = job.count_rows(piece.range, token->rows);
+          std::vector<double> rows;
+          read_rows(*token->piece, rows);
+          token->finish = work(token->piece->range, std::move(rows));
           return token;
         }) & tbb::make_filter<Next, void>(tbb::filter_mode::serial_in_order, [&](const Next& token) {
-          if (csv) csv->write(token->csv.data(), token->csv.size());
-          if (npy) npy->write(token->rows.data(), token->rows.size() * sizeof(double));
-          if (token->count) token->count();
-          written += token->piece->range.count;
-          if (job.done) job.done(written);
+          token->finish();
+          finished += token->piece->range.count;
+          if (done) done(finished);
         }));
   });
-  if (csv) csv->commit();
-  if (npy) npy->commit();
+}
+
+void write_table(const TableJob& job) {
+  std::int64_t designs = 0;
+  for (const RowPiece& piece : job.pieces) designs += piece.range.count;
+  const Cells cells(job.columns);
+  mtf::io::AtomicFile csv(job.csv.string()), npy(job.npy.string());
+  const auto put = [](mtf::io::AtomicFile& file, const std::string& text) { file.write(text.data(), text.size()); };
+  put(csv, csv_header(job.columns));
+  put(npy, npy_header(designs, job.columns.size()));
+  const auto work = [&](RowRange range, std::vector<double> read) {
+    if (job.marked) read = with_mark(range, read, *job.marked);
+    const auto rows = std::make_shared<const std::vector<double>>(std::move(read));
+    return [&csv, &npy, put, rows, text = csv_rows(cells, range, *rows)] {
+      put(csv, text);
+      npy.write(rows->data(), rows->size() * sizeof(double));
+    };
+  };
+  read_pieces(job.pieces, work, job.threads, job.done);
+  csv.commit();
+  npy.commit();
 }
 
 }  // namespace study

@@ -54,6 +54,11 @@ std::string shard_words(const std::vector<int>& shards) {
   return named < shards.size() ? text + " and " + std::to_string(shards.size() - named) + " more" : text;
 }
 
+std::string run_command(const ShardPlan& plan, const fs::path& folder, int shard) {
+  return "`mtf sweep run " + shown(folder) + " --shard " + std::to_string(shard) + "/" + std::to_string(plan.shards) +
+         "`";
+}
+
 /// The pieces of a finished shard. Throws RuntimeError.
 std::vector<RowPiece> pieces_of(const ShardPlan& plan, const fs::path& file, int shard) {
   return in_order(list_rows(file), plan.layout, shard_range(plan, shard));
@@ -96,9 +101,8 @@ ShardPlan read_plan(const fs::path& folder) {
     plan.layout = {json.at("key"), json.at("columns")};
     for (const Json& copy : json.at("files")) plan.files.push_back({copy.at("file"), copy.at("sha256")});
     for (const PlanFile& copy : plan.files) {  // nothing outside of the folder
-      const fs::path name = copy.file;
-      if (name.empty() || name.is_absolute() || std::find(name.begin(), name.end(), "..") != name.end())
-        throw mtf::UsageError("");
+      const fs::path name = fs::path(copy.file).lexically_normal();
+      if (name.empty() || name.is_absolute() || *name.begin() == "..") throw mtf::UsageError("");
     }
     if (plan.shards < 1 || plan.shards > plan.designs || plan.shards > kMostShards || plan.layout.columns < 1)
       throw mtf::UsageError("");
@@ -166,15 +170,15 @@ std::vector<RowPiece> all_shards(const ShardPlan& plan, const fs::path& folder) 
       continue;
     }
     try {
-      for (RowPiece& piece : pieces_of(plan, file, shard)) pieces.push_back(std::move(piece));
+      for (RowPiece& piece : find_shard(plan, folder, shard)) pieces.push_back(std::move(piece));
     } catch (const mtf::RuntimeError& problem) {
-      report("shard " + std::to_string(shard) + ": " + problem.what());
+      report("shard " + std::to_string(shard) + ": " + problem.what() +
+             (is_damaged(problem) ? ": " + run_command(plan, folder, shard) : ""));
     }
   }
   if (!missing.empty())
     report(shard_words(missing) + " of " + std::to_string(plan.shards) + (missing.size() == 1 ? " is" : " are") +
-           " missing; make each with `mtf sweep run " + shown(folder) + " --shard " + std::to_string(missing[0]) + "/" +
-           std::to_string(plan.shards) + "`");
+           " missing; make each with " + run_command(plan, folder, missing[0]));
   for (const fs::path& file : files_in_shards(folder))
     if (!expected.contains(file))
       report(shown(file) + ": foreign: no shard of this plan has that name; move it elsewhere");

@@ -58,8 +58,8 @@ void remove_parts(const std::filesystem::path& shard_file);
 /// The result is empty when the file is not there.
 std::vector<RowPiece> find_shard(const ShardPlan& plan, const std::filesystem::path& folder, int shard);
 
-/// The pieces of all shards in the order of the designs. Throws RuntimeError with a line for every shard that is
-/// missing, damaged or foreign; the folder stays as it is. The numbers are checked when they are read.
+/// The pieces of all shards in the order of the designs, their numbers as written. Throws RuntimeError with a line for
+/// every shard that is missing, damaged or foreign; the folder stays as it is.
 std::vector<RowPiece> all_shards(const ShardPlan& plan, const std::filesystem::path& folder);
 
 /// Finished files in shards/ whatever they belong to.

@@ -62,7 +62,7 @@ class Tally {
  public:
   explicit Tally(TallyJob job);
 
-  /// The function for TableJob::count_rows.
+  /// The work on a piece, for read_pieces() of row_table.h.
   std::function<void()> count(RowRange range, std::span<const double> rows);
 
   std::int64_t designs() const { return designs_; }

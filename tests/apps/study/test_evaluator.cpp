@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_chain.h"
 #include "mtf/error.h"
 #include "mtf/metrics/resolution.h"
@@ -91,6 +92,31 @@ TEST(Evaluator, ASensorOfADesignSaysTheSame) {
   EXPECT_NEAR(e["mtf_nyquist"], std::sqrt(direct.x.nyquist * direct.y.nyquist), 1e-12);
   const auto budget = radiometry::budget_of(config.system, apps::load_chain(config).sensor, 5800.0);
   EXPECT_NEAR(e["temporal_noise"] / budget.temporal_e, 1.0, 1e-12);
+}
+
+// The camera's jitter is larger along x than along y. The name without an axis is their geometric mean, and the values
+// along an axis are those of `mtf curve`.
+TEST(Evaluator, TheMtfAtNyquistHasAValueAlongEachAxisAndAMeanOfBoth) {
+  const Folder folder;
+  const std::string text = with_metrics(R"("mtf_nyquist", "mtf_nyquist_x", "mtf_nyquist_y")", "tolerance = 1e-10\n");
+  Evaluated e = evaluated(folder, text);
+  e.at(1);
+  EXPECT_LT(e["mtf_nyquist_x"], 0.95 * e["mtf_nyquist_y"]);
+  EXPECT_NEAR(e["mtf_nyquist"], std::sqrt(e["mtf_nyquist_x"] * e["mtf_nyquist_y"]), 1e-14);
+  std::vector<double> axes(e.study->axes.size());
+  study::design_at(*e.study, 1, axes);
+  folder.write("design.toml", mtf::io::write_config(e.evaluator->sensor_at(axes), folder / "design.toml"));
+  const auto config = mtf::io::load_config(folder / "design.toml", nullptr, radiometry::sensor_tables());
+  const mtf::System<double> system = apps::with_electron_rate(config.system, apps::load_chain(config));
+  for (const auto& [metric, angle] : {std::pair{"mtf_nyquist_x", 0.0}, std::pair{"mtf_nyquist_y", 90.0}}) {
+    const apps::Direction direction = apps::make_direction(system.frame, "cy/px", angle);
+    const auto h = apps::otf_curves(system, {0.5}, direction).system.otf.front();
+    EXPECT_NEAR(e[metric], std::hypot(h.re, h.im), 1e-9) << metric;
+  }
+  expect_gradient(folder, text, 1, 1e-5);
+  for (const auto& [metric, ends] : {std::pair{"mtf_nyquist", "; geometric mean of both axes"},
+                                     std::pair{"mtf_nyquist_x", "; along x"}, std::pair{"mtf_nyquist_y", "; along y"}})
+    EXPECT_TRUE(study::find_metric(metric)->definition.ends_with(ends)) << metric;
 }
 
 TEST(Evaluator, ARowDoesNotDependOnWhatCameBefore) {

@@ -81,7 +81,7 @@ Designs run_study(const std::string& name) {
   study::write_table({.pieces = study::rows_of(run),
                       .columns = study::table_columns(*study, columns),
                       .csv = folder / "designs.csv",
-                      .npy = {}});
+                      .npy = folder / "designs.npy"});
   Designs designs = read_designs(folder / "designs.csv");
   EXPECT_EQ(static_cast<std::int64_t>(designs.count()), study->designs);
   for (std::size_t i = 0; i < designs.count(); ++i) EXPECT_LT(designs.at("error", i), study->tolerance) << i;

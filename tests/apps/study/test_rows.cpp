@@ -11,6 +11,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <sstream>
 #include <thread>
 
 #include "apps/study/rows/row_run.h"
@@ -51,7 +52,7 @@ study::RowRun run_of(const TempFolder& folder, std::int64_t designs, int threads
 const std::vector<study::TableColumn> kTable{
     {"kind", {"plain, wide", "say \"hi\""}}, {"a", {}}, {"b", {}}, {"c", {}}, {"d", {}}};
 
-/// CSV and NPY of the pieces, behind each other.
+/// CSV of the pieces, then their NPY.
 std::string table_of(const TempFolder& folder, const std::vector<study::RowPiece>& pieces, int threads = 2) {
   study::write_table(
       {.pieces = pieces, .columns = kTable, .csv = folder / "t.csv", .npy = folder / "t.npy", .threads = threads});
@@ -115,7 +116,7 @@ TEST(Rows, CsvReadsBackBitForBit) {
   EXPECT_EQ(at, csv.size());
 }
 
-TEST(Rows, NpyIsVersionOneWithTheRowsBehindAnAlignedHeader) {
+TEST(Rows, NpyIsVersionOneWithTheRowsAfterAnAlignedHeader) {
   const TempFolder folder;
   table_of(folder, run_of(folder, 33));
   const std::string npy = read_file(folder / "t.npy");
@@ -129,6 +130,31 @@ TEST(Rows, NpyIsVersionOneWithTheRowsBehindAnAlignedHeader) {
   fill(32, expected);
   std::memcpy(row.data(), npy.data() + npy.size() - sizeof row, sizeof row);
   EXPECT_EQ(std::memcmp(row.data(), expected.data(), sizeof row), 0);
+}
+
+TEST(Rows, MarkedDesignsHaveAOneInAColumnOfTheirOwn) {
+  const TempFolder folder;
+  const study::RowRun run = run_of(folder, 33, 2, 4);
+  const std::string plain = table_of(folder, run);
+  std::vector<study::TableColumn> columns = kTable;
+  columns.push_back({"mark", {}});
+  study::write_table({.pieces = study::rows_of(run),
+                      .columns = columns,
+                      .marked = std::vector<std::int64_t>{0, 7, 8, 32},
+                      .csv = folder / "m.csv",
+                      .npy = folder / "m.npy"});
+  std::istringstream without(plain), with(read_file(folder / "m.csv"));
+  std::string left, right;
+  for (int line = -1; line < 33; ++line) {
+    ASSERT_TRUE(std::getline(without, left) && std::getline(with, right));
+    const bool one = line == 0 || line == 7 || line == 8 || line == 32;
+    EXPECT_EQ(right, left + (line < 0 ? ",mark" : one ? ",1" : ",0"));
+  }
+  const std::string npy = read_file(folder / "m.npy");
+  EXPECT_NE(npy.find("'shape': (33, 6)"), std::string::npos);
+  double last = 0.0;
+  std::memcpy(&last, npy.data() + npy.size() - sizeof last, sizeof last);
+  EXPECT_EQ(last, 1.0);
 }
 
 TEST(Rows, NoDesignIsATableOfAHeader) {
@@ -214,6 +240,36 @@ TEST(Rows, DamageThatComesLaterIsNamedAndLeavesNoTable) {
   EXPECT_NE(message.find("rows-0000000048: damaged: the numbers of designs 48 to 63"), std::string::npos) << message;
   EXPECT_FALSE(std::filesystem::exists(folder / "t.csv"));
   EXPECT_FALSE(std::filesystem::exists(folder / "t.npy"));
+}
+
+// Whichever bit flips, in the lines, the checksums or the numbers: the file is called damaged, not another study's, and
+// a row whose numbers have changed is named.
+TEST(Rows, AFlippedBitIsDamageWhereverItIs) {
+  const TempFolder folder;
+  const study::RowRun run = run_of(folder, 12, 2, 4);
+  study::run_rows(run);
+  study::join_rows(study::rows_of(run), folder / "joined");
+  const std::string good = read_file(folder / "joined");
+  const study::RowPiece last = study::list_rows(folder / "joined").back();
+  const std::size_t numbers = good.size() - 4 * kColumns * sizeof(double);
+  std::vector<double> rows;
+  for (std::size_t at = 0; at < good.size(); ++at) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ (1 << at % 8));
+    write_file(folder / "joined", bad);
+    const std::string message = message_of([&] {
+      for (const study::RowPiece& piece : study::in_order(study::list_rows(folder / "joined"), kLayout, {0, 12}))
+        study::read_rows(piece, rows);
+    });
+    EXPECT_NE(message.find("joined: damaged: "), std::string::npos) << at << ": " << message;
+    if (at < numbers) continue;
+    const std::size_t row = (at - numbers) / (kColumns * sizeof(double));
+    EXPECT_NE(message.find("designs 8 to 11 are not those that were written: the row of design " +
+                           std::to_string(8 + row) + " has changed"),
+              std::string::npos)
+        << at << ": " << message;
+  }
+  EXPECT_EQ(last.range, (RowRange{8, 4}));
 }
 
 TEST(Rows, PiecesHaveToCoverTheDesignsOnce) {

@@ -246,7 +246,17 @@ TEST(StudyErrors, OfGoals) {
       {goals("constraints = [\"mtf_nyquist\"]"), {"error: constraints[0]: has to compare two expressions"}},
       {goals("constraints = [\"0.1 < mtf_nyquist < 0.5\"]"), {"error: constraints[0]: has to compare two expressions"}},
       {goals("constraints = [\"mtf_nyquist == 0.1\"]"), {"error: constraints[0]: has to compare two expressions"}},
-      {goals("constraints = [\"mtf_nyqist > 0.1\"]"), {"3:17: error: constraints[0]: 'mtf_nyqist'"}},
+      {goals("constraints = [\"mtf_nyqist > 0.1\"]"),
+       {"3:17: error: constraints[0]: 'mtf_nyqist': the sensor has no parameter of that name, and there is no such "
+        "metric; did you mean mtf_nyquist?"}},
+      {goals("objectives = [\"minimize mtf_nyquist_z\"]"), {"did you mean mtf_nyquist_x?"}},
+      {goals("objectives = [\"minimize 2 * nidt\"]"),
+       {"3:29: error: objectives[0]: 'nidt': the sensor has no parameter of that name, and there is no such metric; "
+        "did you mean netd?"}},
+      {goals("objectives = [\"minimize mtf_at_35_cymm\"]"), {"did you mean mtf_at_20_cy_mm?"}},
+      {goals("objectives = [\"minimize pich\"]"), {"did you mean pitch?"}},
+      {goals("objectives = [\"minimize jiter.rms\"]"), {"did you mean jitter.rms?"}},
+      {goals("objectives = [\"minimize bandwidth_of_everything\"]"), {"mtf config explain shows the parameters"}},
       {goals("constraints = [\"mtf_nyquist > \"]"), {"3:31: error: constraints[0]: empty"}},
       {goals("constraints = [\"mtf_nyquist > 1 um\"]"),
        {"3:17: error: constraints[0]: compares a plain number with m"}},

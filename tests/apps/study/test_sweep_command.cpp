@@ -108,6 +108,62 @@ TEST(SweepCommand, LeavesAFolderThatAgreesWithItself) {
   }
 }
 
+// The front is a column of both tables and a short table on the terminal; columns.csv has the unit of every column.
+TEST(SweepCommand, TheFrontIsMarkedAndTheColumnsAreDescribed) {
+  const Scratch scratch;
+  add_study(scratch, replaced(kSmallStudy, "count = 13", "count = 49"));
+  const Result result = scratch.run("mtf sweep study.toml -o out");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json sweep = json::parse(read_file(scratch / "out/sweep.json"));
+  const json& columns = sweep["columns"];
+  EXPECT_EQ(columns.back()["name"], "pareto");
+  EXPECT_EQ(columns.back()["role"], "pareto");
+  const std::vector<double> numbers = numbers_of(read_file(scratch / "out/designs.npy"));
+  ASSERT_EQ(numbers.size(), 441 * columns.size());
+  std::vector<std::int64_t> marked;
+  for (std::size_t d = 0; d < 441; ++d) {
+    const double mark = numbers[(d + 1) * columns.size() - 1];
+    EXPECT_TRUE(mark == 0.0 || mark == 1.0) << d;
+    if (mark == 1.0) marked.push_back(static_cast<std::int64_t>(d));
+  }
+  EXPECT_EQ(json(marked), sweep["pareto"]);
+  const std::size_t size = marked.size();
+  ASSERT_GT(size, 12U);
+  expect_says(result.out, "Pareto front: " + std::to_string(size) +
+                              " designs\ndesign  mtf_nyquist  frame.pitch [um]  jitter.rms [um]\n");
+  expect_says(result.out,
+              "\nand " + std::to_string(size - 10) + " more, which the column pareto of designs.csv marks\n");
+  std::string described = "column,unit,definition\ndesign,,\"number of the design, from 0\"\n";
+  const std::string csv = read_file(scratch / "out/columns.csv");
+  EXPECT_TRUE(csv.starts_with(described)) << csv;
+  EXPECT_EQ(lines(csv), columns.size() + 2);
+  for (const json& column : columns)
+    expect_says(csv, "\n" + std::string(column["name"]) + "," + std::string(column["unit"]) + ",");
+
+  write_file(scratch / "study.toml", replaced(kSmallStudy, ", \"minimize frame.pitch\"]", "]"));
+  const Result one = scratch.run("mtf sweep study.toml -o one");
+  EXPECT_EQ(one.out.find("Pareto"), std::string::npos) << one.out;
+  EXPECT_EQ(read_file(scratch / "one/designs.csv").find("pareto"), std::string::npos);
+}
+
+TEST(SweepCommand, TheReportHasElasticitiesAndNoEmptyChartOfErrors) {
+  const Scratch scratch;
+  add_study(scratch, replaced(kSmallStudy, "\"mtf_nyquist_x\"]", "\"rer\"]"));
+  const std::string axis = "[[axis]]\nparameter = \"frame.pitch\"\nvalues = [\"8 um\", \"10 um\"]\n";
+  write_file(scratch / "exact.toml", "schema = 1\nsensor = \"sensor.toml\"\nobjectives = [\"maximize ifov\"]\n" + axis);
+  for (const std::string name : {"study", "exact"}) {
+    const Result result = scratch.run("mtf sweep " + name + ".toml -o " + name + " --accuracy && mtf report " + name +
+                                      " -o " + name + ".html");
+    ASSERT_EQ(result.status, 0) << result.err;
+  }
+  const std::string page = read_file(scratch / "study.html"), exact = read_file(scratch / "exact.html");
+  const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  EXPECT_TRUE(has(page, "Change of a metric in percent for one percent of a parameter"));
+  EXPECT_TRUE(has(page, "<figure class=\"chart\" id=\"accuracy\""));
+  EXPECT_FALSE(has(exact, "id=\"accuracy\""));
+  EXPECT_TRUE(has(exact, "No metric of this study has an error at any tolerance"));
+}
+
 TEST(SweepCommand, TheErrorAgainstTimeIsMeasuredWhereItIsAskedFor) {
   const Scratch scratch;
   add_study(scratch);
@@ -213,49 +269,6 @@ TEST(SweepCommand, TheTablesAreTheSameForAnyThreads) {
   EXPECT_EQ(tables(scratch, "t1"), tables(scratch, "t5"));
 }
 
-/// Stops a sweep behind its third piece; returns the exit code of the command.
-int stopped(const Scratch& scratch, const std::string& signal) {
-  const Result result = scratch.run(
-      "mtf sweep study.toml -o out --threads 1 & pid=$!\n"
-      "for i in $(seq 3000); do [ $(ls out/parts 2>/dev/null | wc -l) -ge 4 ] && break; sleep 0.01; done\n"
-      "kill -" +
-      signal + " $pid; wait $pid");
-  EXPECT_TRUE(fs::exists(scratch / "out/parts/key")) << "it was faster than the signal";
-  EXPECT_FALSE(fs::exists(scratch / "out/sweep.json"));
-  return result.status;
-}
-
-TEST(SweepCommand, AStoppedRunGoesOnAndGivesTheSameBytes) {
-  for (const std::string signal : {"KILL", "INT"}) {
-    const Scratch scratch;
-    add_study(scratch, sampled_study(4096, 20));
-    ASSERT_EQ(scratch.run("mtf sweep study.toml -o whole").status, 0);
-    EXPECT_EQ(stopped(scratch, signal), signal == "INT" ? 130 : 137);
-    const Result again = scratch.run("mtf sweep study.toml -o out");
-    ASSERT_EQ(again.status, 0) << again.err;
-    expect_says(again.err, "which is continued");
-    const json timing = json::parse(read_file(scratch / "out/sweep.json"))["timing"];
-    EXPECT_GE(timing["resumed_designs"], 16);
-    EXPECT_LT(timing["resumed_designs"], 4096);
-    EXPECT_EQ(tables(scratch, "out"), tables(scratch, "whole"));
-    EXPECT_FALSE(fs::exists(scratch / "out/parts"));
-  }
-}
-
-TEST(SweepCommand, AStoppedRunOfAnotherStudyIsNotGoneOnWith) {
-  const Scratch scratch;
-  add_study(scratch, sampled_study(4096, 20));
-  stopped(scratch, "KILL");
-  write_file(scratch / "study.toml", sampled_study(100, 2));
-  const Result other = scratch.run("mtf sweep study.toml -o out");
-  EXPECT_EQ(other.status, 2);
-  expect_says(other.err, "holds a stopped sweep of another study");
-  EXPECT_TRUE(fs::exists(scratch / "out/parts/rows-0000000000"));
-  ASSERT_EQ(scratch.run("mtf sweep study.toml -o out --force").status, 0);
-  ASSERT_EQ(scratch.run("mtf sweep study.toml -o new").status, 0);
-  EXPECT_EQ(tables(scratch, "out"), tables(scratch, "new"));
-}
-
 TEST(SweepCommand, AFinishedFolderIsReplacedByForceOnly) {
   const Scratch scratch;
   add_study(scratch);
@@ -292,45 +305,6 @@ TEST(SweepCommand, AStudyNamedLikeAVerbIsGivenByItsPath) {
   EXPECT_EQ(verb.status, 2);
   expect_says(verb.err, "is given as ./plan");
   EXPECT_EQ(scratch.run("mtf sweep ./plan -o out").status, 0);
-}
-
-TEST(SweepCommand, UsageErrorsSayWhatIsWrong) {
-  const Scratch scratch;
-  add_study(scratch);
-  const std::vector<std::pair<std::string, std::string>> cases{
-      {"", "study"},
-      {"study.toml", "needs a folder to write; add -o FOLDER"},
-      {"study.toml -o out --shards 3", "--shards: `mtf sweep` does not take it"},
-      {"study.toml -o out --submit", "--submit: `mtf sweep` does not take it"},
-      {"study.toml -o out --tolerance 2", "--tolerance: 2 is outside [1e-12, 0.1]"},
-      {"study.toml -o out --format csv", "--format"},
-      {"rum study.toml -o out", "did you mean run?"},
-      {"nothing.toml -o out", "nothing.toml"},
-      {"study.toml -o a/b", "there is no folder"},
-      {"plan study.toml -o out", "--shards: not given"},
-      {"plan study.toml -o out --shards 118", "more than the study has designs (117)"},
-      {"run out --shard 0/3", "--shard: '0/3' is not I/N"},
-      {"run out --shard 4/3", "--shard: '4/3' is not I/N"},
-      {"run out --shard 1/3", "holds no plan.json"},
-      {"merge out -o merged", "holds no plan.json"},
-      {"submit out --engine cloud", "slurm, parallel, local"}};
-  for (const auto& [arguments, message] : cases) {
-    const Result result = scratch.run("mtf sweep " + arguments);
-    EXPECT_NE(result.status, 0) << arguments;
-    expect_says(result.err, message);
-    EXPECT_FALSE(fs::exists(scratch / "out")) << arguments;
-  }
-}
-
-TEST(SweepCommand, FilesOutsideOfTheStudysFolderAreRefused) {
-  const Scratch scratch;
-  add_study(scratch);
-  fs::create_directory(scratch / "below");
-  write_file(scratch / "below/study.toml", replaced(kSmallStudy, "sensor.toml", "../sensor.toml"));
-  const Result result = scratch.run("mtf sweep below/study.toml -o out");
-  EXPECT_EQ(result.status, 2);
-  expect_says(result.err, "lies outside of the study's folder");
-  EXPECT_FALSE(fs::exists(scratch / "out"));  // where the corrected study would find a sweep that was stopped
 }
 
 }  // namespace

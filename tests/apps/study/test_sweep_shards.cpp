@@ -128,6 +128,46 @@ TEST(SweepShards, ADamagedShardIsMadeAgain) {
   expect_same_tables(scratch, "local", "merged");
 }
 
+// A bit that flipped in the key would make the shard look like one of another study.
+TEST(SweepShards, AFlippedBitOfAShardIsDamageWithTheCommandThatMendsIt) {
+  const Scratch scratch;
+  add_plan(scratch);
+  ASSERT_EQ(scratch.run("mtf sweep submit plan --engine local --submit").status, 0);
+  const fs::path file = shard_file(scratch, 2);
+  const std::string good = read_file(file);
+  const std::size_t number = good.size() - 100;  // of a row
+  for (const std::size_t at : {good.find("key ") + 4, good.find("first ") + 6, number}) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ 1);
+    write_file(file, bad);
+    const Result merge = scratch.run("mtf sweep merge plan -o merged");
+    EXPECT_EQ(merge.status, 1);
+    expect_says(merge.err, file.filename().string() + ": damaged: ");
+    if (at == number) expect_says(merge.err, ": the row of design ");
+    expect_says(merge.err, "computed again: `mtf sweep run plan --shard 2/3`\n");
+    EXPECT_FALSE(fs::exists(scratch / "merged"));
+    EXPECT_EQ(scratch.run("mtf sweep run plan --shard 2/3").status, 0);
+    EXPECT_EQ(read_file(file), good);
+  }
+}
+
+TEST(SweepShards, AStoppedMergeGoesOn) {
+  const Scratch scratch;
+  add_plan(scratch);
+  ASSERT_EQ(scratch.run("mtf sweep submit plan --engine local --submit").status, 0);
+  const Result stopped = scratch.run(
+      "mtf sweep merge plan -o merged --accuracy & pid=$!\n"
+      "for i in $(seq 3000); do [ -e merged/designs.csv ] && break; sleep 0.01; done\n"
+      "kill -KILL $pid; wait $pid");
+  EXPECT_EQ(stopped.status, 137);
+  ASSERT_TRUE(fs::exists(scratch / "merged/parts/key")) << "it was faster than the signal";
+  const Result again = scratch.run("mtf sweep merge plan -o merged");
+  EXPECT_EQ(again.status, 0) << again.err;
+  expect_says(again.err, "which is continued");
+  expect_same_tables(scratch, "local", "merged");
+  EXPECT_FALSE(fs::exists(scratch / "merged/parts"));
+}
+
 TEST(SweepShards, MissingAndForeignShardsAreNamed) {
   const Scratch scratch;
   add_plan(scratch);
