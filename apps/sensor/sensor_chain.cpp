@@ -230,7 +230,8 @@ mtf::System<double> with_electron_rate(const mtf::System<double>& system, const 
   const radiometry::BandResponse response(band.band, band.curves);
   const std::string key = response.integral() > 0.0 ? "scene.source_temperature" : "path.transmission";
   try {
-    weighted.band->rate = std::make_shared<const mtf::ElectronRate>(response.electron_rate(loaded.source_k));
+    weighted.band->rate =
+        std::make_shared<const mtf::ElectronRate>(response.electron_rate(loaded.source_k, camera.flux));
   } catch (const mtf::UsageError& error) {
     throw mtf::UsageError(key + ": " + error.what());
   }
