@@ -26,7 +26,8 @@ std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::Sens
   const radiometry::OutputStage last = last_output_stage(config.system, sensor);
   radiometric->stage = stage.value_or(last);
   try {
-    require_output_stage(radiometric->stage, last, sensor.settings.adc.has_value());
+    require_output_stage(radiometric->stage, last, sensor.settings.adc.has_value(),
+                         sensor.settings.thermal.has_value());
     require_consistent(config.system, sensor);
   } catch (const mtf::UsageError& error) {
     throw mtf::UsageError(placed(config, config.file + ": " + error.what()));
@@ -80,6 +81,7 @@ ChainReport report_of(const RadiometricChain& radiometric) {
   report.quantity = radiometric.quantity();
   report.unit = radiometric.unit();
   report.stages = chain_stages(radiometric.system, radiometric.loaded.sensor);
+  report.held.volts = radiometric.loaded.sensor.settings.thermal.has_value();
   return report;
 }
 

@@ -77,6 +77,7 @@ BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface
   require_temperature("air", path.air_temperature_k);
   require_temperature("optics", emission.optics_k);
   require_temperature("a stop", emission.stop_k);
+  require_temperature("a shutter", emission.shutter_k);
   BandRadiances<double> radiances;
   const Spectrum black = constant_spectrum("blackbody", 1.0);
 
@@ -89,6 +90,8 @@ BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface
   radiances.scene = scene_light(camera, surface, path);
   radiances.optics = thermal(camera.flux, camera.band, joined({&camera.cold_filter, &camera.quantum_efficiency}), black,
                              emission.optics_k);
+  radiances.shutter = thermal(camera.flux, camera.band, joined({&camera.cold_filter, &camera.quantum_efficiency}),
+                              black, emission.shutter_k);
   radiances.stop =
       thermal(camera.flux, stop_range(camera, emission.stop_band), camera.quantum_efficiency, black, emission.stop_k);
   return radiances;

@@ -42,6 +42,7 @@ struct CameraEmission {
   double optics_k = 0.0;
   double stop_k = 0.0;
   StopBand stop_band = StopBand::band;
+  double shutter_k = 0.0;  ///< of the shutter from which a thermal camera takes its offsets
 };
 
 /// The wavelengths over which the stop counts. Throws UsageError for `response` without a curve that says where the

@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "mtf/components/bolometer.h"
+#include "mtf/from_quantities.h"
+#include "mtf/literals.h"
+#include "radiometry/light/constants.h"
+#include "radiometry/performance/sensor_budget.h"
+#include "radiometry/performance/thermal_detector.h"
+#include "tests/radiometry/chain_cases.h"
+#include "tests/radiometry/expect_refused.h"
+
+// The chain and the budget of [detector] kind = "thermal".
+
+namespace radiometry {
+namespace {
+
+using test::expect_refused;
+using test::make_chain;
+
+/// F/1, 17 um, 8 to 14 um.
+mtf::System<double> lwir_system() {
+  mtf::System<double> system;
+  system.name = "LWIR";
+  system.frame = {18.0, 17.0, 17.0, 0.0, 0, 0};
+  system.optics.f_number = 1.0;
+  system.band = mtf::Band{8.0, 14.0};
+  system.add(mtf::Stage::presample, mtf::test::footprint(17.0));
+  return system;
+}
+
+Sensor sensor_of(const ThermalSettings& thermal) {
+  Sensor sensor;
+  sensor.curves.band = {8.0, 14.0};
+  sensor.curves.flux = Flux::watts;
+  sensor.settings.thermal = thermal;
+  sensor.settings.detector = pixel_settings(thermal);
+  return sensor;
+}
+
+/// 50 mK at F/1 and 300 K.
+ThermalSettings by_netd() {
+  ThermalSettings thermal;
+  thermal.absorptance = {0.8};
+  thermal.responsivity_v_w = 1e5;
+  thermal.netd_k = 0.05;
+  thermal.netd_f_number = 1.0;
+  thermal.netd_transmission = 1.0;
+  thermal.netd_temperature_k = 300.0;
+  return thermal;
+}
+
+ThermalSettings by_physics() {
+  ThermalSettings thermal;
+  thermal.absorptance = {0.8};
+  thermal.bandwidth_hz = 8e3;
+  thermal.readout_v = 10e-6;
+  thermal.heat_capacity_j_k = 3e-10;
+  thermal.conductance_w_k = 3e-8;
+  thermal.temperature_k = 300.0;
+  thermal.resistance_ohm = 1e5;
+  thermal.tcr_per_k = -0.02;
+  thermal.bias_v = 2.0;
+  return thermal;
+}
+
+double netd_k(const mtf::System<double>& system, const Sensor& sensor) {
+  return budget_of(system, sensor, 300.0).netd_k;
+}
+
+std::map<std::string, double> rows_of(const mtf::System<double>& system, const Sensor& sensor) {
+  std::map<std::string, double> values;
+  for (const BudgetRow& row : budget_rows(system, sensor, budget_of(system, sensor, 300.0)))
+    values[row.name] = row.value;
+  return values;
+}
+
+TEST(ThermalChain, the_netd_that_is_given_is_that_of_the_budget) {
+  mtf::System<double> system = lwir_system();
+  EXPECT_NEAR(netd_k(system, sensor_of(by_netd())), 0.05, 1e-15);
+  // At F/1.4 through optics of 0.8 the same detector has (1 + 4 1.4^2)/(1 + 4)/0.8 = 2.21 times that.
+  system.optics.f_number = 1.4;
+  Sensor slow = sensor_of(by_netd());
+  slow.settings.optics = OpticsSettings{.transmission = {0.8}};
+  EXPECT_NEAR(netd_k(system, slow), 0.05 * 2.21, 1e-14);
+  // Four times the bandwidth of the specification: twice the white noise.
+  slow.settings.thermal->netd_bandwidth_hz = 30.0;
+  slow.settings.thermal->bandwidth_hz = 120.0;
+  EXPECT_NEAR(netd_k(system, slow), 0.1 * 2.21, 1e-14);
+  // Both sides take the cone that [optics] names: nothing changes at the f-number of the specification.
+  Sensor sine = sensor_of(by_netd());
+  sine.settings.optics = OpticsSettings{.cone = Cone::sine};
+  EXPECT_NEAR(netd_k(lwir_system(), sine), 0.05, 1e-15);
+  // Readout noise adds to an NETD of the focal plane.
+  Sensor noisy = sensor_of(by_netd());
+  const Budget<double> quiet = budget_of(lwir_system(), noisy, 300.0);
+  noisy.settings.thermal->readout_v = quiet.temporal_e;
+  EXPECT_NEAR(netd_k(lwir_system(), noisy), 0.05 * std::sqrt(2.0), 1e-14);
+}
+
+TEST(ThermalChain, an_netd_of_the_camera_has_its_rounding_already) {
+  Sensor sensor = sensor_of(by_netd());
+  const double volts = budget_of(lwir_system(), sensor, 300.0).temporal_e;
+  sensor.settings.adc = AdcSettings{.bits = 16, .electrons_per_count = 2.0 * volts, .offset_counts = 1000.0};
+  EXPECT_NEAR(netd_k(lwir_system(), sensor), 0.05 * std::sqrt(1.0 + 4.0 / 12.0), 1e-14);
+  sensor.settings.thermal->netd_of = NetdOf::camera;
+  EXPECT_NEAR(netd_k(lwir_system(), sensor), 0.05, 1e-14);
+  sensor.settings.adc->electrons_per_count = 4.0 * volts;  // 4/sqrt(12) > 1
+  expect_refused({"adc.volts_per_count: rounding"}, [&] { netd_k(lwir_system(), sensor); });
+}
+
+TEST(ThermalChain, figures_of_data_sheets_come_back) {
+  const Spectrum curve = make_spectrum("curve", {8.0, 10.0, 14.0}, {0.5, 0.9, 0.7});  // 0.85 at 11 um, the middle
+  for (const bool with_curve : {false, true}) {
+    const auto rows = [&](auto set) {
+      ThermalSettings thermal;
+      thermal.absorptance = {0.8};
+      thermal.responsivity_v_w = 1e5;
+      thermal.bandwidth_hz = 120.0;
+      set(thermal);
+      Sensor sensor = sensor_of(thermal);
+      if (with_curve) {
+        sensor.settings.thermal->absorptance = sensor.settings.detector->quantum_efficiency = {.file = "curve"};
+        sensor.curves.quantum_efficiency = {curve};
+      }
+      return rows_of(lwir_system(), sensor);
+    };
+    const auto nep = rows([](ThermalSettings& t) { t.nep_w = 8e-12, t.nep_bandwidth_hz = 30.0; });
+    EXPECT_NEAR(nep.at("nep"), 16e-12, 1e-25);
+    EXPECT_NEAR(nep.at("temporal"), 16e-12 * 1e5, 1e-19);  // responsivity is that of incident power too
+    EXPECT_NEAR(nep.at("responsivity"), 1e5 / (with_curve ? 0.85 : 0.8), 1e-8);
+    const auto density = rows([](ThermalSettings& t) { t.nep_density = 1e-12; });
+    EXPECT_NEAR(density.at("nep"), 1e-12 * std::sqrt(120.0), 1e-25);
+    const auto dstar = rows([](ThermalSettings& t) { t.dstar_jones = 7e8; });
+    EXPECT_NEAR(dstar.at("dstar"), 7e8, 1e-5);
+    EXPECT_NEAR(dstar.at("nep"), 1e2 * 17e-6 * std::sqrt(120.0) / 7e8, 1e-24);
+    EXPECT_NEAR(dstar.at("netd") / nep.at("netd"), dstar.at("nep") / nep.at("nep"), 1e-13);
+  }
+}
+
+TEST(ThermalChain, the_budget_of_the_physics_has_its_terms) {
+  const auto rows = rows_of(lwir_system(), sensor_of(by_physics()));
+  // In watts as in test_thermal_detector.cpp, times 2 V x 0.02/K / 3e-8 W/K.
+  const double volts = 4e6 / 3.0;
+  EXPECT_NEAR(rows.at("thermal_fluctuation"), volts * 1.9287297034143677e-12, 1e-18);
+  EXPECT_NEAR(rows.at("johnson"), volts * 2.7304769912965756e-12, 1e-18);
+  EXPECT_NEAR(rows.at("readout"), 10e-6, 1e-18);
+  const double sum = std::hypot(rows.at("thermal_fluctuation"), rows.at("johnson"), rows.at("readout"));
+  EXPECT_NEAR(rows.at("temporal"), sum, 1e-18);
+  EXPECT_NEAR(rows.at("largest"), 1e-10 / (sum * sum), 1e-12);
+  EXPECT_NEAR(rows.at("nep"), sum / volts / 0.8, 1e-24);
+  EXPECT_NEAR(rows.at("time_constant"), 10e-3, 1e-17);
+  // NETD = NEP / (pi/5 x 0.83782128952792565 W m^-2 sr^-1 K^-1 x (17 um)^2), of incident power both.
+  EXPECT_NEAR(rows.at("netd"), 1e3 * rows.at("nep") / 1.52134987434e-10, 1e-8);
+}
+
+/// Watts of a thermal pixel are electrons times h c/lambda: test_watts.cpp says for which absorptance at all
+/// wavelengths.
+TEST(ThermalChain, signal_through_watts_is_that_through_photons) {
+  mtf::System<double> system = lwir_system();
+  ThermalSettings thermal = by_netd();
+  thermal.absorptance = {.file = "curve"};
+  Sensor watts = sensor_of(thermal), photons;
+  watts.curves.quantum_efficiency = {make_spectrum("curve", {8.0, 14.0}, {8.0 / 14.0, 1.0})};
+  watts.settings.optics =
+      OpticsSettings{.transmission = {0.85}, .emissivity = 0.1, .temperature_k = 295.0, .stop_temperature_k = 290.0};
+  const Budget<double> v = budget_of(system, watts, 305.0);
+  system.frame.integration_time_s = 1.0;
+  photons.curves.band = {8.0, 14.0};
+  photons.settings.optics = watts.settings.optics;
+  photons.settings.detector = DetectorSettings{};
+  const Budget<double> e = budget_of(system, photons, 305.0);
+  const double volts_per_electron = 1e5 / (11.0 / 14.0) * kPhotonEnergy_j_um / 14.0;
+  for (const auto& [volts, electrons] :
+       {std::pair{v.signal.scene_e, e.signal.scene_e}, std::pair{v.signal.optics_e, e.signal.optics_e},
+        std::pair{v.signal.stop_e, e.signal.stop_e}, std::pair{v.signal_per_k, e.signal_per_k}})
+    EXPECT_NEAR(volts / (electrons * volts_per_electron), 1.0, 1e-12);
+  EXPECT_EQ(v.scene_shot_e, 0.0);
+  // The same in images, to the digits of floats.
+  const auto image = [&](const Sensor& sensor, OutputStage stage) {
+    mtf::Image scene = test::flat(16, 16, 305.0F);
+    radiance_of_temperature(scene.view(), scene_band(sensor.curves));
+    return static_cast<double>(make_chain(system, sensor, 16, 16, 17.0).run(std::move(scene), 0, stage).image.at(8, 8));
+  };
+  const double electrons = image(photons, OutputStage::electrons);
+  EXPECT_NEAR(image(watts, OutputStage::watts) / (electrons * kPhotonEnergy_j_um / 14.0), 1.0, 1e-6);
+  EXPECT_NEAR(image(watts, OutputStage::volts) / (electrons * volts_per_electron), 1.0, 1e-6);
+}
+
+TEST(ThermalChain, a_camera_as_warm_as_its_shutter_gives_nothing) {
+  ThermalSettings thermal = by_netd();
+  thermal.shutter_k = 295.0;
+  Sensor sensor = sensor_of(thermal);
+  sensor.settings.optics =
+      OpticsSettings{.transmission = {0.9}, .emissivity = 0.1, .temperature_k = 295.0, .stop_temperature_k = 295.0};
+  const Budget<double> same = budget_of(lwir_system(), sensor, 295.0);
+  EXPECT_LT(same.signal.shutter_e, 0.0);
+  EXPECT_NEAR(same.signal.total_e(), 0.0, 1e-13 * same.signal.scene_e);
+  const Budget<double> warmer = budget_of(lwir_system(), sensor, 296.0);
+  EXPECT_NEAR(warmer.signal.total_e(), warmer.signal.scene_e - same.signal.scene_e, 1e-13 * same.signal.scene_e);
+  // In frames too; a lens between cold and warm counts as its own temperature.
+  mtf::Image scene = test::flat(16, 16, 295.0F);
+  radiance_of_temperature(scene.view(), scene_band(sensor.curves));
+  const mtf::Image volts =
+      make_chain(lwir_system(), sensor, 16, 16, 17.0).run(std::move(scene), 0, OutputStage::volts).image;
+  EXPECT_NEAR(static_cast<double>(volts.at(5, 5)), 0.0, 2e-7 * same.signal.scene_e);
+}
+
+/// Two blackbodies in front of the camera: rms of one pixel over frames, over counts per kelvin.
+TEST(ThermalChain, netd_of_frames_of_two_blackbodies_is_the_specified_one) {
+  for (const NetdOf of : {NetdOf::focal_plane, NetdOf::camera}) {
+    ThermalSettings thermal = by_netd();
+    thermal.netd_of = of;
+    thermal.shutter_k = 290.0;
+    Sensor sensor = sensor_of(thermal);
+    sensor.settings.optics = OpticsSettings{.stop_temperature_k = 290.0};
+    sensor.settings.noise = NoiseSettings{.seed = 5};
+    const double volts = budget_of(lwir_system(), sensor, 300.0).temporal_e;
+    const double step = of == NetdOf::camera ? 1.5 * volts : 0.05 * volts;
+    sensor.settings.adc = AdcSettings{.bits = 16, .electrons_per_count = step, .offset_counts = 8000.0};
+    const Chain chain = make_chain(lwir_system(), sensor, 384, 384, 17.0);
+    const auto frame = [&](float temperature_k, std::uint32_t number) {
+      mtf::Image scene = test::flat(384, 384, temperature_k);
+      radiance_of_temperature(scene.view(), scene_band(sensor.curves));
+      return chain.run(std::move(scene), number, OutputStage::dn).image;
+    };
+    const auto mean = [](const mtf::Image& image) {
+      double sum = 0.0;
+      for (const float value : test::samples(image)) sum += static_cast<double>(value);
+      return sum / static_cast<double>(image.size());
+    };
+    const mtf::Image warm = frame(301.0F, 0), cold = frame(299.0F, 1);
+    const double counts_per_k = 0.5 * (mean(warm) - mean(cold));
+    double squares = 0.0;
+    std::int64_t count = 0;
+    for (std::uint32_t pair = 2; pair < 6; pair += 2) {
+      const mtf::Image a = frame(300.0F, pair), b = frame(300.0F, pair + 1);
+      for (std::int64_t i = 0; i < a.size(); ++i, ++count) {
+        const auto difference = static_cast<double>(a.data()[i] - b.data()[i]);
+        squares += difference * difference;
+      }
+    }
+    const double rms = std::sqrt(0.5 * squares / static_cast<double>(count));
+    EXPECT_NEAR(rms / counts_per_k, 0.05, 0.01 * 0.05);
+  }
+}
+
+TEST(ThermalChain, lag_conserves_energy) {
+  Sensor sensor = sensor_of(by_physics());
+  sensor.settings.frame = FrameSettings{.frame_time_s = 5e-3};
+  sensor.settings.lag = Lag{.time_constant_s = 10e-3};
+  const Chain chain = make_chain(lwir_system(), sensor, 16, 16, 17.0);
+  ChainState state;
+  const auto volts = [&](float temperature_k, std::uint32_t number) {
+    mtf::Image scene = test::flat(16, 16, temperature_k);
+    radiance_of_temperature(scene.view(), scene_band(sensor.curves));
+    return static_cast<double>(chain.run(std::move(scene), number, OutputStage::volts, 0.0, 1, &state).image.at(4, 4));
+  };
+  const double still = volts(300.0F, 0), flash = budget_of(lwir_system(), sensor, 400.0).signal.scene_e - still;
+  double energy = volts(400.0F, 1) - still, last = energy;
+  EXPECT_NEAR(energy, flash * -std::expm1(-0.5), 1e-6 * flash);
+  for (std::uint32_t n = 2; n < 40; ++n) {
+    const double more = volts(300.0F, n) - still;
+    if (n < 12) {
+      EXPECT_NEAR(more / last, std::exp(-0.5), 1e-4);  // the tail of the time constant
+    }
+    last = more;
+    energy += more;
+  }
+  EXPECT_NEAR(energy, flash, 1e-5 * flash);
+}
+
+TEST(ThermalChain, what_a_thermal_detector_does_not_have_is_refused) {
+  const mtf::System<double> system = lwir_system();
+  const auto refused = [&](std::initializer_list<std::string_view> parts, const auto& change) {
+    Sensor sensor = sensor_of(by_netd());
+    change(sensor.settings);
+    expect_refused(parts, [&] { require_consistent(system, sensor); });
+  };
+  refused({"[blooming]", "remove it"}, [](SensorSettings& s) { s.blooming.emplace(); });
+  refused({"[nonlinearity]", "full well"}, [](SensorSettings& s) { s.nonlinearity.emplace(); });
+  refused({"[correction]", "[nonuniformity]"}, [](SensorSettings& s) { s.correction.emplace(); });
+  refused({"[narcissus]"}, [](SensorSettings& s) { s.narcissus.emplace(); });
+  refused({"detector.shutter_temperature", "give optics.stop_temperature"},
+          [](SensorSettings& s) { s.thermal->shutter_k = 300.0; });
+  refused({"adc.volts_per_count: missing"}, [](SensorSettings& s) { s.adc.emplace(); });
+  refused({"frame.frame_time: missing", "20 ms"}, [](SensorSettings& s) { s.lag.emplace(); });
+  const Sensor sensor = sensor_of(by_netd());
+  expect_refused({"stage electrons", "watts or volts"}, [&] {
+    make_chain(system, sensor, 16, 16, 17.0).run(test::flat(16, 16, 1.0F), 0, OutputStage::electrons);
+  });
+  expect_refused({"stage volts", "kind = \"thermal\""}, [&] {
+    make_chain(test::mwir_system(), test::mwir_sensor(), 16, 16, 15.0)
+        .run(test::flat(16, 16, 1.0F), 0, OutputStage::volts);
+  });
+  // The converter's range is that of the microbridges.
+  Sensor small = sensor_of(by_netd());
+  small.settings.adc = AdcSettings{.bits = 8, .electrons_per_count = 1e-6};
+  const Budget<double> budget = budget_of(system, small, 300.0);
+  ASSERT_TRUE(budget.saturation.saturated());
+  const std::string said = words(budget.saturation);
+  EXPECT_NE(said.find(" V"), std::string::npos) << said;
+  EXPECT_NE(said.find("raise adc.volts_per_count or adc.bits"), std::string::npos) << said;
+  EXPECT_EQ(said.find("e-"), std::string::npos) << said;
+  EXPECT_EQ(said.find("integration"), std::string::npos) << said;
+}
+
+TEST(ThermalChain, one_time_constant_is_counted_once) {
+  mtf::System<double> moving = lwir_system();
+  using namespace mtf::literals;
+  const mtf::Bolometer<double> tail{.time_constant_s = 10_ms, .velocity_um_s = 0.5_mm / 1_s};
+  moving.add(mtf::Stage::presample, tail);
+  Sensor sensor = sensor_of(by_physics());
+  require_consistent(moving, sensor);  // the component alone, with the time constant of the pixel
+  sensor.settings.frame = FrameSettings{.frame_time_s = 20e-3};
+  sensor.settings.lag = Lag{.time_constant_s = 10e-3};
+  expect_refused({"[lag]", "bolometer", "keep [lag] for sequences"}, [&] { require_consistent(moving, sensor); });
+  require_consistent(lwir_system(), sensor);
+  sensor.settings.lag.reset();
+  sensor.settings.thermal->heat_capacity_j_k = 4e-10;
+  expect_refused({"heat_capacity / conductance", "0.01 s", "one time constant"},
+                 [&] { require_consistent(moving, sensor); });
+}
+
+TEST(ThermalChain, noise_is_given_once_and_whole) {
+  const auto refused = [&](std::initializer_list<std::string_view> parts, ThermalSettings thermal) {
+    expect_refused(parts, [&] { budget_of(lwir_system(), sensor_of(thermal), 300.0); });
+  };
+  ThermalSettings thermal;
+  thermal.responsivity_v_w = 1e5;
+  refused({"[detector]", "without its noise", "netd, nep, nep_density, dstar"}, thermal);
+  thermal = by_netd();
+  thermal.dstar_jones = 1e9;
+  refused({"the noise is given by netd and dstar; keep one"}, thermal);
+  thermal = by_netd();
+  thermal.conductance_w_k = 1e-8;
+  refused({"netd and the physics"}, thermal);
+  thermal = by_netd();
+  thermal.netd_f_number.reset();
+  thermal.netd_temperature_k.reset();
+  refused({"detector.netd: given without netd_f_number, netd_temperature; write netd_f_number = 1.0"}, thermal);
+  thermal = by_netd();
+  thermal.netd_bandwidth_hz = 30.0;
+  refused({"detector.netd_bandwidth: given without noise_bandwidth"}, thermal);
+  thermal = by_netd();
+  thermal.netd_of = NetdOf::camera;
+  thermal.readout_v = 1e-6;
+  refused({"detector.readout_noise", "in the NETD of the camera already"}, thermal);
+  thermal = by_netd();
+  thermal.responsivity_v_w.reset();
+  refused({"detector.responsivity: missing"}, thermal);
+  thermal = by_netd();
+  thermal.nep_bandwidth_hz = 30.0;
+  refused({"detector.nep_bandwidth: belongs to nep"}, thermal);
+  thermal = by_physics();
+  thermal.responsivity_v_w = 1e5;
+  refused({"detector.responsivity: given beside bias"}, thermal);
+  thermal = by_physics();
+  thermal.tcr_per_k.reset();
+  refused({"detector.conductance: given without tcr"}, thermal);
+  thermal = by_physics();
+  thermal.conductance_w_k = 0.0;
+  refused({"detector.conductance: 0 W/K"}, thermal);
+  thermal = by_physics();
+  thermal.conductance_w_k = 1e-9;
+  refused({"detector.conductance", "4 emissivity sigma A T^3"}, thermal);
+}
+
+}  // namespace
+}  // namespace radiometry
