@@ -38,12 +38,15 @@ void require_thermal_tables(const mtf::System<double>& system, const SensorSetti
                                "\" of [[presample]] has " + mtf::format_double(moving->time_constant_s) +
                                " s; a pixel has one time constant: give the component the first");
   }
+  const bool frames = s.frame && s.frame->frame_time_s;
+  if (thermal.corner_hz && !frames)
+    refuse("frame.frame_time", "missing; 1/f noise is correlated from frame to frame: for example \"20 ms\"");
   if (!s.lag) return;
   if (moving)
     refuse("[lag]", "counts the thermal time constant of the pixels, which \"" + moving->label +
                         "\" of [[presample]] counts too; keep [lag] for sequences, the component for single images of "
                         "steady motion");
-  if (!s.frame || !s.frame->frame_time_s)
+  if (!frames)
     refuse("frame.frame_time",
            "missing; the [lag] of a thermal detector goes from frame to frame: for example \"20 ms\"");
 }
@@ -256,6 +259,15 @@ CompiledChain::CompiledChain(const mtf::SensorPlan& filters, const mtf::System<d
   read_e = settings.thermal
                ? thermal_volts(settings, pixel, thermal_reference(sensor))
                : std::hypot(settings.detector->read_e, reset_e_of(*settings.detector), settings.detector->other_e);
+  if (settings.thermal &&
+      settings.thermal->corner_hz) {  // correlated from frame to frame, so no part of the white noise
+    const double flicker_e =
+        pixel.volts_per_watt * thermal_noise_of(settings, pixel, thermal_reference(sensor)).flicker_w;
+    slow.lowest = *settings.thermal->lowest_hz * frame_time_s;
+    slow.highest = *settings.thermal->bandwidth_hz * frame_time_s;
+    slow.strength = flicker_e * flicker_e / std::log(slow.highest / slow.lowest);
+    read_e = std::sqrt(std::max(read_e * read_e - flicker_e * flicker_e, 0.0));
+  }
   gain = radiometry::electrons_per_radiance(camera, pixel);
   focal_length_mm = system.frame.focal_length_mm;
   detector = focal_plane(system.frame.columns > 0 ? system.frame.columns : columns,

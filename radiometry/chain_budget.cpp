@@ -142,15 +142,14 @@ namespace {
 /// The noise terms of a thermal detector in volts: those of the physics, or the one that is given.
 std::vector<BudgetRow> thermal_terms(const Sensor& sensor, const Pixel<double>& pixel, const Budget<double>& b) {
   const ThermalSettings& thermal = *sensor.settings.thermal;
-  const Cone cone = sensor.settings.optics.value_or(OpticsSettings{}).cone;
   const double volts = pixel.volts_per_watt;
-  const ThermalNoise<double> noise = thermal_noise(thermal, pixel.area_m2(), pixel.quantum_efficiency, volts, cone,
-                                                   thermal_reference(sensor), Overrides<double>{});
+  const ThermalNoise<double> noise = thermal_noise_of(sensor.settings, pixel, thermal_reference(sensor));
   const double readout = volts * noise.readout_w;
   std::vector<BudgetRow> terms;
   if (thermal.physics())
     terms = {{"thermal_fluctuation", "V", volts * noise.fluctuation_w, "fluctuation of the pixel's temperature"},
-             {"johnson", "V", volts * noise.johnson_w, "Johnson noise of its resistance"}};
+             {"johnson", "V", volts * noise.johnson_w, "Johnson noise of its resistance"},
+             {"flicker", "V", volts * noise.flicker_w, "1/f noise from lowest_frequency to noise_bandwidth"}};
   else
     terms = {{"detector", "V", std::sqrt(std::max(b.read_e * b.read_e - readout * readout, 0.0)),
               thermal.netd_of == NetdOf::camera ? "noise of the camera by its NETD, less the rounding to counts"

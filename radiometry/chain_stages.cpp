@@ -191,7 +191,9 @@ StageWords read_noise(const System& system, const Sensor& sensor) {
   if (!sensor.settings.noise) return {false, "no [noise]"};
   if (sensor.settings.thermal) {
     const double volts = thermal_volts(sensor.settings, pixel_of(system, sensor), thermal_reference(sensor));
-    return said(terms({{"pixel and readout", volts}}, rms_unit(sensor)), "no noise beside the rounding of [adc]");
+    return said(terms({{"pixel and readout", volts}}, rms_unit(sensor)) +
+                    (sensor.settings.thermal->corner_hz ? ", its 1/f part correlated from frame to frame" : ""),
+                "no noise beside the rounding of [adc]");
   }
   const DetectorSettings& detector = *sensor.settings.detector;
   return said(

@@ -8,7 +8,7 @@
 //            the camera itself. netd_of = "focal_plane" is the detector alone, "camera" has readout and converter in it
 //   NEP      nep in nep_bandwidth, or nep_density per root hertz
 //   D*       dstar
-//   physics  heat_capacity, conductance, temperature, resistance, tcr, bias
+//   physics  heat_capacity, conductance, temperature, resistance, tcr, bias; 1/f noise by corner and lowest_frequency
 // NEP, D* and responsivity are those of incident power at the middle of [band], as data sheets have them: the power
 // that the pixel absorbs is absorptance times that.
 
@@ -41,10 +41,12 @@ struct ThermalSettings {
   std::optional<double> dstar_jones{};
   std::optional<double> heat_capacity_j_k{}, conductance_w_k{}, temperature_k{};
   std::optional<double> resistance_ohm{}, tcr_per_k{}, bias_v{};
+  std::optional<double> corner_hz{}, lowest_hz{};
 
   /// True where the noise is that of the physics: any of its keys is given.
   bool physics() const {
-    return heat_capacity_j_k || conductance_w_k || temperature_k || resistance_ohm || tcr_per_k || bias_v;
+    return heat_capacity_j_k || conductance_w_k || temperature_k || resistance_ohm || tcr_per_k || bias_v ||
+           corner_hz || lowest_hz;
   }
 
   static constexpr auto fields() {
@@ -103,8 +105,13 @@ struct ThermalSettings {
         Field{optional_row("resistance", 1e-12, 1e12, "1e5", "ohm, of a pixel"), &T::resistance_ohm},
         Field{optional_row("tcr", -10.0, 10.0, "-0.02", "temperature coefficient of the resistance, 1/K"),
               &T::tcr_per_k},
-        Field{optional_row("bias", voltage, "V", 1e-12, 1e6, "\"2 V\"", "across a pixel while it is read"),
-              &T::bias_v}};
+        Field{optional_row("bias", voltage, "V", 1e-12, 1e6, "\"2 V\"", "across a pixel while it is read"), &T::bias_v},
+        Field{optional_row("corner", temporal, "Hz", 1e-12, 1e15, "\"500 Hz\"",
+                           "frequency at which 1/f noise equals Johnson noise; without it there is none"),
+              &T::corner_hz},
+        Field{optional_row("lowest_frequency", temporal, "Hz", 1e-12, 1e15, "\"0.01 Hz\"",
+                           "of 1/f noise: the inverse of the time between two corrections of the offset"),
+              &T::lowest_hz}};
   }
 };
 

@@ -124,18 +124,23 @@ PixelRange range_numbers(const SensorSettings& settings, const Pixel<S>& pixel, 
   return range;
 }
 
+/// The noise of a thermal pixel as absorbed power.
+template <class S>
+ThermalNoise<S> thermal_noise_of(const SensorSettings& settings, const Pixel<S>& pixel,
+                                 const ThermalReference<S>& reference, const Overrides<S>& numbers = {}) {
+  const Cone cone = settings.optics.value_or(OpticsSettings{}).cone;
+  return thermal_noise(*settings.thermal, pixel.area_m2(), pixel.quantum_efficiency, pixel.volts_per_watt, cone,
+                       reference, numbers);
+}
+
 /// Rms volts of a thermal pixel and its readout. An NETD of the camera has the rounding to counts in it already; it is
 /// taken off here, since the budget and the converter of simulated frames add it. Throws UsageError where the rounding
 /// alone is more.
 template <class S>
 S thermal_volts(const SensorSettings& settings, const Pixel<S>& pixel, const ThermalReference<S>& reference,
                 const Overrides<S>& numbers = {}) {
-  const ThermalSettings& thermal = *settings.thermal;
-  const Cone cone = settings.optics.value_or(OpticsSettings{}).cone;
-  const S volts = pixel.volts_per_watt * thermal_noise(thermal, pixel.area_m2(), pixel.quantum_efficiency,
-                                                       pixel.volts_per_watt, cone, reference, numbers)
-                                             .total_w();
-  if (thermal.netd_of == NetdOf::focal_plane) return volts;
+  const S volts = pixel.volts_per_watt * thermal_noise_of(settings, pixel, reference, numbers).total_w();
+  if (settings.thermal->netd_of == NetdOf::focal_plane) return volts;
   const S step = electrons_per_count(settings, pixel.full_well_e, numbers);
   const S rest = volts * volts - step * step / S(12);
   if (mtf::value_of(rest) < 0.0)

@@ -17,7 +17,7 @@ struct ThermalReference {
 };
 
 /// The numbers of `sensor_settings` that these functions read.
-inline constexpr std::array<std::string_view, 15> kThermalNumbers{"detector.absorptance",
+inline constexpr std::array<std::string_view, 17> kThermalNumbers{"detector.absorptance",
                                                                   "detector.responsivity",
                                                                   "detector.noise_bandwidth",
                                                                   "detector.readout_noise",
@@ -31,7 +31,9 @@ inline constexpr std::array<std::string_view, 15> kThermalNumbers{"detector.abso
                                                                   "detector.conductance",
                                                                   "detector.resistance",
                                                                   "detector.tcr",
-                                                                  "detector.bias"};
+                                                                  "detector.bias",
+                                                                  "detector.corner",
+                                                                  "detector.lowest_frequency"};
 
 namespace detail {
 
@@ -52,6 +54,8 @@ BolometerReadout<S> readout_numbers(const ThermalSettings& s, const Overrides<S>
   return {.resistance_ohm = given(numbers, "detector.resistance", s.resistance_ohm),
           .tcr_per_k = given(numbers, "detector.tcr", s.tcr_per_k),
           .bias_v = given(numbers, "detector.bias", s.bias_v),
+          .corner_hz = given(numbers, "detector.corner", s.corner_hz),
+          .lowest_hz = given(numbers, "detector.lowest_frequency", s.lowest_hz),
           .readout_v = numbers("detector.readout_noise", s.readout_v),
           .bandwidth_hz = given(numbers, "detector.noise_bandwidth", s.bandwidth_hz)};
 }

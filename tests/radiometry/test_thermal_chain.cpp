@@ -157,6 +157,40 @@ TEST(ThermalChain, the_budget_of_the_physics_has_its_terms) {
   EXPECT_NEAR(rows.at("netd"), 1e3 * rows.at("nep") / 1.52134987434e-10, 1e-8);
 }
 
+TEST(ThermalChain, one_over_f_noise_goes_on_from_frame_to_frame) {
+  ThermalSettings thermal = by_physics();
+  thermal.readout_v = 0.0;
+  thermal.corner_hz = 1e3;
+  thermal.lowest_hz = 0.01;
+  Sensor sensor = sensor_of(thermal);
+  sensor.settings.noise = NoiseSettings{.seed = 5};
+  expect_refused({"frame.frame_time", "1/f"}, [&] { require_consistent(lwir_system(), sensor); });
+  sensor.settings.frame = FrameSettings{.frame_time_s = 20e-3};
+  const auto rows = rows_of(lwir_system(), sensor);
+  const double volts = 4e6 / 3.0, flicker = volts * 3.5591072395856483e-12;
+  EXPECT_NEAR(rows.at("flicker"), flicker, 1e-18);
+  EXPECT_NEAR(rows.at("temporal"), std::hypot(flicker, rows.at("johnson"), rows.at("thermal_fluctuation")), 1e-18);
+  const Chain chain = make_chain(lwir_system(), sensor, 256, 256, 17.0);
+  const auto noise = [&](std::uint32_t number) {
+    return chain.run(test::flat(256, 256, 0.0F), number, OutputStage::volts).image;
+  };
+  const mtf::Image first = noise(70), next = noise(71), later = noise(70 + 100000);
+  const double n = static_cast<double>(first.size());
+  double square = 0.0, near = 0.0, far = 0.0;
+  for (std::int64_t i = 0; i < first.size(); ++i) {
+    const auto value = static_cast<double>(first.data()[i]);
+    square += value * value / n;
+    near += value * static_cast<double>(next.data()[i]) / n;
+    far += value * static_cast<double>(later.data()[i]) / n;
+  }
+  const double variance = rows.at("temporal") * rows.at("temporal");
+  EXPECT_NEAR(square / variance, 1.0, 4.5 * std::sqrt(2.0 / n));
+  // What lies below a cycle in some frames, 0.01 Hz to some Hz of the 0.01 Hz to 8 kHz, is the same in the next frame.
+  EXPECT_GT(near / (flicker * flicker), 0.3);
+  EXPECT_LT(near / (flicker * flicker), 0.6);
+  EXPECT_NEAR(far / variance, 0.0, 4.5 / std::sqrt(n));
+}
+
 /// Watts of a thermal pixel are electrons times h c/lambda: test_watts.cpp says for which absorptance at all
 /// wavelengths.
 TEST(ThermalChain, signal_through_watts_is_that_through_photons) {
@@ -358,6 +392,12 @@ TEST(ThermalChain, noise_is_given_once_and_whole) {
   thermal = by_physics();
   thermal.responsivity_v_w = 1e5;
   refused({"detector.responsivity: given beside bias"}, thermal);
+  thermal = by_physics();
+  thermal.corner_hz = 1e3;
+  refused({"detector.lowest_frequency: 0 Hz; 1/f noise"}, thermal);
+  thermal = by_physics();
+  thermal.lowest_hz = 1e-2;
+  refused({"detector.lowest_frequency: belongs to corner"}, thermal);
   thermal = by_physics();
   thermal.tcr_per_k.reset();
   refused({"detector.conductance: given without tcr"}, thermal);
