@@ -103,7 +103,7 @@ std::vector<mtf::TableInfo> thermal_tables(const std::vector<mtf::TableInfo>& ph
 
 /// A pixel has one time constant: that of its heat capacity and conductance, or the one of [lag].
 void set_time_constant(Lag& lag, const ThermalSettings& thermal, bool given) {
-  const bool own = thermal.heat_capacity_j_k && thermal.conductance_w_k && *thermal.conductance_w_k > 0.0;
+  const bool own = thermal.heat_capacity_j_k && thermal.conductance_w_k;
   if (own && given)
     throw mtf::UsageError("lag.time_constant: given beside detector.heat_capacity and conductance, which are " +
                           mtf::format_double(*thermal.heat_capacity_j_k / *thermal.conductance_w_k) +
