@@ -44,6 +44,16 @@ bool remembers(const RadiometricChain& radiometric) {
   return radiometric.loaded.sensor.settings.lag || radiometric.loaded.sensor.settings.shutter;
 }
 
+std::string lag_warning(const RadiometricChain& radiometric, std::int64_t steps) {
+  const radiometry::SensorSettings& s = radiometric.loaded.sensor.settings;
+  if (!s.thermal || !s.lag || !s.frame || !s.frame->frame_time_s || steps == 0) return "";
+  const double length_s = static_cast<double>(steps) * *s.frame->frame_time_s;
+  if (s.lag->time_constant_s <= length_s) return "";
+  return "[lag]: the time constant of " + radiometry::three_digits(s.lag->time_constant_s) +
+         " s is longer than the sequence of " + radiometry::three_digits(length_s) +
+         " s, so that its last frame still shows the first one, which is taken for a steady state; give more frames";
+}
+
 bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
   const auto band = [](const mtf::io::SensorConfig& config) {
     return config.system.band ? std::pair{config.system.band->lo_um, config.system.band->hi_um} : std::pair{0.0, 0.0};
