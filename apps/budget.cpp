@@ -99,8 +99,7 @@ int run_budget(const BudgetOptions& options, const Global& global) {
     note(global, "note: spatial noise has no number: " + gap);
   const std::vector<std::string> notes = budget_notes(loaded.sensor);
   for (const std::string& text : notes) note(global, "note: " + text);
-  Rows rows = radiometry::rows(budget);
-  rows.push_back(dstar_row(config.system, loaded.sensor, budget));
+  const Rows rows = budget_rows(config.system, loaded.sensor, budget);
   const radiometry::Saturation& saturation = budget.saturation;
   if (const std::string said = words(saturation); !said.empty() && options.format != Format::table)
     note(global, (saturation.saturated() ? "warning: " : "note: ") + said);

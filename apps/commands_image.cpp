@@ -41,7 +41,9 @@ Command demo_command() {
 constexpr std::array kOutputStages{
     std::pair{std::string_view("radiance"), std::optional(radiometry::OutputStage::radiance)},
     std::pair{std::string_view("irradiance"), std::optional(radiometry::OutputStage::irradiance)},
+    std::pair{std::string_view("watts"), std::optional(radiometry::OutputStage::watts)},
     std::pair{std::string_view("electrons"), std::optional(radiometry::OutputStage::electrons)},
+    std::pair{std::string_view("volts"), std::optional(radiometry::OutputStage::volts)},
     std::pair{std::string_view("dn"), std::optional(radiometry::OutputStage::dn)},
     std::pair{std::string_view("display"), std::optional(radiometry::OutputStage::display)}};
 
@@ -66,11 +68,11 @@ Command simulate_command() {
   add_channel_choice(app, options.channel, options.layer, options.part);
   add_word(app, "--tolerance", "X", "rms error allowed; default 1e-4, with [adc] in the sensor file a tenth of a count",
            set_tolerance(options.run.tolerance));
-  add_choice(app, "--stage,--tap", "STAGE",
-             "whose output is wanted, of a sensor with [detector]: radiance, irradiance, electrons, dn (counts) or "
-             "display; default: the end of "
-             "its chain",
-             kOutputStages, options.run.stage);
+  add_choice(
+      app, "--stage,--tap", "STAGE",
+      "whose output is wanted, of a sensor with [detector]: radiance, irradiance, electrons (of a thermal detector "
+      "watts, volts), dn (counts) or display; default: the end of its chain",
+      kOutputStages, options.run.stage);
   add_choice(app, "--nan", "POLICY", "NaN and infinite pixels: refuse (default), fill or propagate", kNan,
              options.run.nan);
   add_flag(app, "--explain", "show what the plan left out, merged and chose", options.explain);

@@ -65,7 +65,9 @@ std::string describe_table(const TableKind& kind) {
     table.add({"  " + std::string(key.name), std::string(key.example), values_of(key), std::string(presence_of(key)),
                std::string(key.doc)});
   return "[" + std::string(kind.name) + "]: " + (kind.doc.empty() ? "" : std::string(kind.doc) + "; ") +
-         "keys of the sensor file for electrons and counts\n\n" + table.aligned();
+         "keys of the sensor file for " +
+         (kind.condition.empty() ? "electrons and counts" : "volts and counts, with " + kind.condition) + "\n\n" +
+         table.aligned();
 }
 
 std::string describe_component(const ComponentKind& kind) {
@@ -107,8 +109,10 @@ std::string_view presence_of(const Parameter& parameter) {
 
 std::string describe_kinds(const std::string& kind) {
   const SensorKinds kinds = sensor_kinds();
+  std::string tables;  // one for each kind of detector
   for (const TableKind& table : kinds.tables)
-    if (table.name == kind) return describe_table(table);
+    if (table.name == kind) tables += (tables.empty() ? "" : "\n") + describe_table(table);
+  if (!tables.empty()) return tables;
   if (!kind.empty()) return describe_component(component_kind(kind));
   std::string text;
   for (const ComponentKind& each : kinds.components) text += (text.empty() ? "" : "\n") + describe_component(each);

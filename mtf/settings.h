@@ -37,10 +37,23 @@ inline bool names_file(const SettingInfo& row) {
   return row.type == SettingType::file || row.type == SettingType::number_or_file;
 }
 
+/// A word that stands in the file: [table] key = "word".
+struct GivenWord {
+  std::string_view table, key, word;
+};
+
+/// A key that a table does not have, though a reader might expect it there, and what to write instead.
+struct AbsentKey {
+  std::string_view name, remedy;
+};
+
 struct TableInfo {
   std::string_view name;  ///< "detector"; the name of a table of the System ("optics") adds rows to that one
   std::string_view doc{};
   std::vector<SettingInfo> settings;
+  /// These rows take the place of those of the same table without a condition where the file has that word.
+  std::optional<GivenWord> where{};
+  std::vector<AbsentKey> absent{};
 };
 
 /// A value as given: a number in FieldInfo::unit; a whole number or the index of a word; true or false; a text or the

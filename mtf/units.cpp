@@ -76,6 +76,14 @@ constexpr std::array kUnits{
     Unit{"fF", Dimension::capacitance, 1e-15},
     Unit{"pF", Dimension::capacitance, 1e-12},
     Unit{"F", Dimension::capacitance, 1.0},
+    Unit{"nV", Dimension::voltage, 1e-9},
+    Unit{"uV", Dimension::voltage, 1e-6},
+    Unit{"mV", Dimension::voltage, 1e-3},
+    Unit{"V", Dimension::voltage, 1.0},
+    Unit{"fW", Dimension::power, 1e-15},
+    Unit{"pW", Dimension::power, 1e-12},
+    Unit{"nW", Dimension::power, 1e-9},
+    Unit{"W", Dimension::power, 1.0},
 };
 
 std::string ascii_micro(std::string_view name) {
@@ -205,6 +213,10 @@ std::string_view describe(Dimension dimension) {
       return "a current such as \"1e5 e-/s\" or \"16 fA\"";
     case Dimension::capacitance:
       return "a capacitance such as \"100 fF\"";
+    case Dimension::voltage:
+      return "a voltage such as \"2 mV\"";
+    case Dimension::power:
+      return "a power such as \"20 pW\"";
   }
   return "";
 }

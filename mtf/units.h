@@ -32,7 +32,9 @@ enum class Dimension {
   temperature_difference,  ///< base K; units are those of temperature, without degC
   electrons,               ///< charge of a pixel, base e-
   current,                 ///< electrons per second, base e-/s
-  capacitance              ///< base F
+  capacitance,             ///< base F
+  voltage,                 ///< base V
+  power                    ///< base W
 };
 
 struct Unit {

@@ -5,14 +5,71 @@
 
 #include "radiometry/chain_impl.h"
 #include "radiometry/light/band_response.h"
-#include "radiometry/performance/sensor_numbers.h"
+#include "radiometry/performance/sensor_budget.h"
 
 namespace radiometry {
 namespace {
 
 void refuse(const char* where, const std::string& why) { throw mtf::UsageError(std::string(where) + ": " + why); }
 
+/// The tables that a thermal detector does not have, and the time constant of its pixels, which is counted once.
+void require_thermal_tables(const mtf::System<double>& system, const SensorSettings& s) {
+  if (s.blooming) refuse("[blooming]", "of a thermal detector, which has no well whose charge could spill; remove it");
+  if (s.nonlinearity)
+    refuse("[nonlinearity]",
+           "its coefficients refer to a full well, which a thermal detector does not have; remove it");
+  if (s.correction)
+    refuse("[correction]",
+           "its flat frames are parts of a full well, which a thermal detector does not have; remove it, and give in "
+           "[nonuniformity] what the camera's own correction leaves");
+  if (s.narcissus)
+    refuse("[narcissus]", "the pixels of a thermal detector are as warm as what they see around the lens; remove it");
+  const ThermalSettings& thermal = *s.thermal;
+  if (thermal.shutter_k && !(s.optics && s.optics->stop_temperature_k > 0.0))
+    refuse("detector.shutter_temperature",
+           "the signal is the difference to a shutter that fills the hemisphere of a pixel, and what the pixel sees "
+           "around "
+           "the lens has no temperature; give optics.stop_temperature, that of the housing");
+  const std::optional<MovingBolometer> moving = moving_bolometer(system);
+  if (moving && thermal.heat_capacity_j_k && thermal.conductance_w_k) {
+    const double own_s = *thermal.heat_capacity_j_k / *thermal.conductance_w_k;
+    if (!(std::abs(moving->time_constant_s - own_s) <= 1e-6 * own_s))
+      refuse("[detector]", "heat_capacity / conductance is " + mtf::format_double(own_s) + " s, \"" + moving->label +
+                               "\" of [[presample]] has " + mtf::format_double(moving->time_constant_s) +
+                               " s; a pixel has one time constant: give the component the first");
+  }
+  const bool frames = s.frame && s.frame->frame_time_s;
+  if (thermal.corner_hz && !frames)
+    refuse("frame.frame_time", "missing; 1/f noise is correlated from frame to frame: for example \"20 ms\"");
+  if (!s.lag) return;
+  if (moving)
+    refuse("[lag]", "counts the thermal time constant of the pixels, which \"" + moving->label +
+                        "\" of [[presample]] counts too; keep [lag] for sequences, the component for single images of "
+                        "steady motion");
+  if (!frames)
+    refuse("frame.frame_time",
+           "missing; the [lag] of a thermal detector goes from frame to frame: for example \"20 ms\"");
+}
+
 }  // namespace
+
+std::optional<MovingBolometer> moving_bolometer(const mtf::System<double>& system) {
+  const auto number_of = [](const mtf::Component<double>& component, std::string_view name) {
+    for (const auto& field : component.fields()) {
+      if (field.info->name != name) continue;
+      if (const auto* number = std::get_if<double*>(&field.value)) return **number;
+      if (const auto* number = std::get_if<std::optional<double>*>(&field.value)) return (*number)->value_or(0.0);
+    }
+    return 0.0;
+  };
+  for (const auto& entry : system.list(mtf::Stage::presample)) {
+    if (entry.component.kind() != "bolometer") continue;
+    const double time_constant_s = number_of(entry.component, "time_constant");
+    const bool moves = number_of(entry.component, "velocity") != 0.0 || number_of(entry.component, "rate") != 0.0;
+    if (moves && time_constant_s != 0.0) return MovingBolometer{entry.label, time_constant_s};
+  }
+  return std::nullopt;
+}
 
 void require_consistent(const mtf::System<double>& system, const Sensor& sensor) {
   const SensorSettings& s = sensor.settings;
@@ -20,6 +77,7 @@ void require_consistent(const mtf::System<double>& system, const Sensor& sensor)
   camera_of(system, sensor);
   stop_range(sensor.curves, s.optics.value_or(OpticsSettings{}).stop_band);
   const Pixel<double> pixel = pixel_of(system, sensor);
+  if (s.thermal) require_thermal_tables(system, s);
   if (s.adc) adc_of(sensor);
   if (s.nonlinearity && std::isfinite(pixel.full_well_e)) Response(*s.nonlinearity, pixel.full_well_e);
   if (s.microscan) {
@@ -48,10 +106,14 @@ void require_consistent(const mtf::System<double>& system, const Sensor& sensor)
 }
 
 void require_response(const Sensor& sensor) {
-  const char* const detector = "detector.quantum_efficiency";
+  const bool thermal = sensor.settings.thermal.has_value();
+  const char* const detector = thermal ? "detector.absorptance" : "detector.quantum_efficiency";
+  const std::string no_signal = thermal ? ", so that no light is absorbed" : ", so that no light makes electrons";
   if (sensor.settings.detector && sensor.settings.detector->quantum_efficiency.file.empty() &&
       sensor.settings.detector->quantum_efficiency.number == 0.0)
-    refuse(detector, "0, so that no light makes electrons; give the electrons per photon, for example 0.75");
+    refuse(detector,
+           "0" + no_signal + "; give " +
+               (thermal ? "the part of the power, for example 0.8" : "the electrons per photon, for example 0.75"));
   const SceneBand all = scene_band(sensor.curves);
   std::string names;
   const auto check = [&](const char* key, const std::vector<Spectrum>& curves) {
@@ -62,8 +124,8 @@ void require_response(const Sensor& sensor) {
       } catch (const mtf::UsageError& outside) {
         refuse(key, outside.what());
       }
-      refuse(key, curve.source + " is 0 everywhere in the band of " + describe(all.band) +
-                      ", so that no light makes electrons; check its values, and that its wavelengths are in um");
+      refuse(key, curve.source + " is 0 everywhere in the band of " + describe(all.band) + no_signal +
+                      "; check its values, and that its wavelengths are in um");
     }
   };
   check(detector, sensor.curves.quantum_efficiency);
@@ -71,8 +133,8 @@ void require_response(const Sensor& sensor) {
   check("optics.cold_transmission", sensor.curves.cold_filter);
   if (names.empty() || BandResponse(all.band, all.curves).integral() > 0.0) return;
   refuse(sensor.curves.quantum_efficiency.empty() ? "optics.transmission" : detector,
-         "the curves " + names + " multiply to 0 everywhere in the band of " + describe(all.band) +
-             ", so that no light makes electrons; check that they overlap there, with wavelengths in um");
+         "the curves " + names + " multiply to 0 everywhere in the band of " + describe(all.band) + no_signal +
+             "; check that they overlap there, with wavelengths in um");
 }
 
 Camera<double> camera_of(const mtf::System<double>& system, const Sensor& sensor) {
@@ -87,9 +149,12 @@ Camera<double> camera_of(const mtf::System<double>& system, const Sensor& sensor
 Pixel<double> pixel_of(const mtf::System<double>& system, const Sensor& sensor) {
   if (!sensor.settings.detector)
     throw mtf::UsageError("[detector]: missing; electrons need it: write [detector] quantum_efficiency = 0.75");
-  if (!(system.frame.integration_time_s > 0.0))
+  const auto& thermal = sensor.settings.thermal;
+  if (!thermal && !(system.frame.integration_time_s > 0.0))
     throw mtf::UsageError("frame.integration_time: missing; [detector] needs it, for example \"10 ms\"");
-  const Pixel<double> pixel = pixel_numbers(system, sensor.settings);
+  const ThermalReference<double> reference = thermal_reference(sensor);
+  const Pixel<double> pixel = pixel_numbers(system, sensor.settings, {}, reference);
+  if (thermal) require_thermal(*thermal, pixel.area_m2(), pixel.quantum_efficiency * reference.middle);
   require_valid("detector", pixel);
   return pixel;
 }
@@ -98,6 +163,8 @@ Adc adc_of(const Sensor& sensor) {
   const auto& adc = sensor.settings.adc;
   if (!adc) throw mtf::UsageError("[adc]: missing; counts need it");
   const double well = sensor.settings.detector ? sensor.settings.detector->full_well_e : mtf::kInfinity;
+  if (!adc->electrons_per_count && sensor.settings.thermal)
+    throw mtf::UsageError("adc.volts_per_count: missing; give it, for example \"50 uV\"");
   if (!adc->electrons_per_count && !std::isfinite(well))
     throw mtf::UsageError(
         "adc.electrons_per_count: missing; give it, or detector.full_well, which then fills the range");
@@ -123,7 +190,11 @@ std::optional<double> adc_tolerance(const mtf::System<double>& system, const Sen
   return std::isfinite(tolerance) ? std::optional(std::min(tolerance, 1e-2)) : std::nullopt;
 }
 
-void require_output_stage(OutputStage stage, OutputStage last, bool has_converter) {
+void require_output_stage(OutputStage stage, OutputStage last, bool has_converter, bool thermal) {
+  if (!may_have_stage(stage, thermal))
+    throw mtf::UsageError("stage " + output_stage_name(stage) +
+                          (thermal ? ": a thermal detector has none; take watts or volts"
+                                   : ": of thermal detectors alone ([detector] kind = \"thermal\"); take electrons"));
   if (stage > last)
     throw mtf::UsageError("stage " + output_stage_name(stage) + ": this sensor has none such; its last one is " +
                           output_stage_name(last));
@@ -134,23 +205,37 @@ void require_output_stage(OutputStage stage, OutputStage last, bool has_converte
 OutputStage last_output_stage(const mtf::System<double>& system, const Sensor& sensor) {
   const SensorSettings& s = sensor.settings;
   if (!system.list(mtf::Stage::postsample).empty() || s.correction || s.agc) return OutputStage::display;
-  return s.adc ? OutputStage::dn : OutputStage::electrons;
+  if (s.adc) return OutputStage::dn;
+  return s.thermal ? OutputStage::volts : OutputStage::electrons;
 }
 
+std::string_view signal_unit(const Sensor& sensor) { return sensor.settings.thermal ? "V" : "e-"; }
+
 std::string_view output_unit(const Sensor& sensor, OutputStage stage) {
-  if (stage == OutputStage::radiance) return "ph.s^-1.m^-2.sr^-1";
-  if (stage == OutputStage::irradiance) return "ph.s^-1.m^-2";
+  const bool thermal = sensor.settings.thermal.has_value();
+  if (stage == OutputStage::radiance) return thermal ? "W.m^-2.sr^-1" : "ph.s^-1.m^-2.sr^-1";
+  if (stage == OutputStage::irradiance) return thermal ? "W.m^-2" : "ph.s^-1.m^-2";
+  if (stage == OutputStage::watts) return "W";
   if (stage == OutputStage::display && sensor.settings.agc) return "levels";
-  return stage == OutputStage::electrons || !sensor.settings.adc ? "e-" : "counts";
+  return stage <= OutputStage::volts || !sensor.settings.adc ? signal_unit(sensor) : "counts";
 }
 
 std::string_view output_quantity(const Sensor& sensor, OutputStage stage) {
   const SpectralCamera& curves = sensor.curves;
   const bool weighted = !(curves.optics.empty() && curves.cold_filter.empty() && curves.quantum_efficiency.empty());
-  if (stage == OutputStage::radiance) return weighted ? "weighted_photon_radiance" : "photon_radiance";
-  if (stage == OutputStage::irradiance) return weighted ? "weighted_photon_irradiance" : "photon_irradiance";
+  const bool thermal = sensor.settings.thermal.has_value();
+  if (stage == OutputStage::radiance)
+    return thermal ? (weighted ? "weighted_radiance" : "radiance")
+                   : (weighted ? "weighted_photon_radiance" : "photon_radiance");
+  if (stage == OutputStage::irradiance)
+    return thermal ? (weighted ? "weighted_irradiance" : "irradiance")
+                   : (weighted ? "weighted_photon_irradiance" : "photon_irradiance");
   const std::string_view unit = output_unit(sensor, stage);
-  return unit == "e-" ? "electrons" : unit == "levels" ? "display" : "counts";
+  return unit == "e-"       ? "electrons"
+         : unit == "V"      ? "voltage"
+         : unit == "W"      ? "power"
+         : unit == "levels" ? "display"
+                            : "counts";
 }
 
 int samples_a_pitch(const Sensor& sensor) {
@@ -171,17 +256,27 @@ CompiledChain::CompiledChain(const mtf::SensorPlan& filters, const mtf::System<d
   if (settings.adc) adc = adc_of(sensor);
   if (settings.nonlinearity) response.emplace(*settings.nonlinearity, pixel.full_well_e);
   frame_time_s = settings.frame ? settings.frame->frame_time_s.value_or(pixel.integration_s) : pixel.integration_s;
-  read_e = std::hypot(settings.detector->read_e, reset_e_of(*settings.detector), settings.detector->other_e);
+  read_e = settings.thermal
+               ? thermal_volts(settings, pixel, thermal_reference(sensor))
+               : std::hypot(settings.detector->read_e, reset_e_of(*settings.detector), settings.detector->other_e);
+  if (settings.thermal &&
+      settings.thermal->corner_hz) {  // correlated from frame to frame, so no part of the white noise
+    const double flicker_e =
+        pixel.volts_per_watt * thermal_noise_of(settings, pixel, thermal_reference(sensor)).flicker_w;
+    slow.lowest = *settings.thermal->lowest_hz * frame_time_s;
+    slow.highest = *settings.thermal->bandwidth_hz * frame_time_s;
+    slow.strength = flicker_e * flicker_e / std::log(slow.highest / slow.lowest);
+    read_e = std::sqrt(std::max(read_e * read_e - flicker_e * flicker_e, 0.0));
+  }
   gain = radiometry::electrons_per_radiance(camera, pixel);
   focal_length_mm = system.frame.focal_length_mm;
   detector = focal_plane(system.frame.columns > 0 ? system.frame.columns : columns,
                          system.frame.rows > 0 ? system.frame.rows : rows, system.frame.pitch_x_um,
                          system.frame.pitch_y_um, settings.axis.value_or(OpticalAxis{}));
-  const OpticsSettings warm = settings.optics.value_or(OpticsSettings{});
-  const BandRadiances<double> radiances = band_radiances(sensor.curves, {.temperature_k = 0.0}, {}, emission_of(warm));
-  const Signal<double> background =
-      signal(camera, pixel, {.scene = 0.0, .path = 0.0, .optics = radiances.optics, .stop = radiances.stop});
-  warm_e = background.optics_e + background.stop_e;
+  BandRadiances<double> radiances = band_radiances(sensor.curves, {.temperature_k = 0.0}, {}, emission_of(settings));
+  radiances.scene = radiances.path = 0.0;
+  const Signal<double> background = signal(camera, pixel, radiances);
+  warm_e = background.optics_e + background.stop_e + background.shutter_e;
   dark_e = background.dark_e;
 }
 

@@ -8,6 +8,8 @@
 //     -> shutter -> mean electrons of light + warm optics + stop (narcissus), x responsivity, + dark current -> lag
 //     -> defects, blinking -> shot noise -> full well or blooming -> nonlinearity -> readout OTF
 //     -> offsets, read, 1/f, row, column, 3-D noise                                           stage `electrons`
+//        (a thermal detector has watts for photons and volts for electrons, no dark current, shot noise and full well:
+//        stage `volts`; the power that it absorbs, before lag and noise, is stage `watts`)
 //     -> gain, offset, rounding, saturation                                                   stage `dn`
 //     -> two-point correction, bad pixels -> postsample filters -> automatic gain, polarity   stage `display`
 // Each stage is a free function on one frame, and a row of the table in chain_stages.cpp. A stage whose table is not in
@@ -40,6 +42,14 @@ struct Sensor {
 /// Throws UsageError for settings that need or exclude each other: what no table can say by itself.
 void require_consistent(const mtf::System<double>& system, const Sensor& sensor);
 
+/// A component of [[presample]] that counts the thermal time constant under an image that moves.
+struct MovingBolometer {
+  std::string label;
+  double time_constant_s = 0.0;
+};
+/// The first one; nothing where none moves.
+std::optional<MovingBolometer> moving_bolometer(const mtf::System<double>& system);
+
 /// Throws UsageError for a detector or for curves that make no electrons of any light in the band. Whoever reads the
 /// curves from files checks them so.
 void require_response(const Sensor& sensor);
@@ -55,13 +65,16 @@ Adc adc_of(const Sensor& sensor);
 int samples_a_pitch(const Sensor& sensor);
 
 /// Throws UsageError for a stage that a sensor whose last one is `last` does not have.
-void require_output_stage(OutputStage stage, OutputStage last, bool has_converter);
+void require_output_stage(OutputStage stage, OutputStage last, bool has_converter, bool thermal);
 
-/// The last output stage of a sensor: display where anything follows the converter, dn with [adc], else electrons.
+/// The last output stage of a sensor: display where anything follows the converter, dn with [adc], else electrons or
+/// volts.
 OutputStage last_output_stage(const mtf::System<double>& system, const Sensor& sensor);
-/// The unit of the image of a sensor at a stage, "ph.s^-1.m^-2.sr^-1", "ph.s^-1.m^-2", "e-", "counts" or "levels" (of
-/// the display), and its quantity. Where the camera has curves of the wavelength, radiance and irradiance are weighted
-/// by them, and the name of the quantity says so.
+/// The unit that the signal has between light and converter, "e-" or "V".
+std::string_view signal_unit(const Sensor& sensor);
+/// The unit of the image of a sensor at a stage, "ph.s^-1.m^-2.sr^-1", "ph.s^-1.m^-2", "e-" (of a thermal detector
+/// "W.m^-2.sr^-1", "W.m^-2", "W", "V"), "counts" or "levels" (of the display), and its quantity. Where the camera has
+/// curves of the wavelength, radiance and irradiance are weighted by them, and the name of the quantity says so.
 std::string_view output_unit(const Sensor& sensor, OutputStage stage);
 std::string_view output_quantity(const Sensor& sensor, OutputStage stage);
 
@@ -141,10 +154,13 @@ Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor
 double flicker_rms_e(const mtf::System<double>& system, const SensorSettings& settings);
 
 /// D* in cm sqrt(Hz) / W of that budget's temporal noise, at the middle of the band and with the quantum efficiency
-/// there.
+/// there; NaN for a thermal detector without noise_bandwidth.
 double dstar_of(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget);
 /// The same as a row of the budget, which says the wavelength.
 BudgetRow dstar_row(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget);
+/// All rows of a budget, the D* last. Those of a thermal detector are in volts, with each noise as NETD too.
+std::vector<BudgetRow> budget_rows(const mtf::System<double>& system, const Sensor& sensor,
+                                   const Budget<double>& budget);
 
 /// Every stage in its order; those that are off name the table that would switch them on.
 std::vector<ChainStage> chain_stages(const mtf::System<double>& system, const Sensor& sensor);

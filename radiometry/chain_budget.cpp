@@ -11,9 +11,10 @@
 namespace radiometry {
 
 bool is_spectral(std::string_view path) {
-  constexpr std::array<std::string_view, 7> paths{"optics.temperature", "optics.stop_temperature", "path.transmission",
-                                                  "path.radiance",      "path.air_temperature",    "scene.emissivity",
-                                                  "scene.surroundings"};
+  constexpr std::array<std::string_view, 8> paths{
+      "optics.temperature", "optics.stop_temperature", "detector.shutter_temperature",
+      "path.transmission",  "path.radiance",           "path.air_temperature",
+      "scene.emissivity",   "scene.surroundings"};
   return std::find(paths.begin(), paths.end(), path) != paths.end();
 }
 
@@ -35,13 +36,15 @@ SpectralNumbers<double> spectral_numbers(const Sensor& sensor, double temperatur
     path.emissivity = absorbing.emissivity;
     path.air_temperature_k = absorbing.air_temperature_k;
   }
-  CameraEmission emission = emission_of(settings.optics.value_or(OpticsSettings{}));
+  CameraEmission emission = emission_of(settings);
   emission.optics_k = numbers("optics.temperature", emission.optics_k);
   emission.stop_k = numbers("optics.stop_temperature", emission.stop_k);
+  emission.shutter_k = numbers("detector.shutter_temperature", emission.shutter_k);
   return {.radiances = band_radiances(sensor.curves, surface, path, emission),
           .per_k = scene_derivative(sensor.curves, surface, path),
           .contrast = warmer_k == 0.0 ? 0.0 : scene_difference(sensor.curves, surface, path, warmer_k),
-          .quantum_efficiency = mean_quantum_efficiency(sensor.curves, surface, path)};
+          .quantum_efficiency = mean_quantum_efficiency(sensor.curves, surface, path),
+          .thermal = thermal_reference(sensor)};
 }
 
 SensorSettings budget_settings(const Sensor& sensor) {
@@ -81,8 +84,9 @@ std::vector<std::string> budget_notes(const Sensor& sensor) {
   if (sensor.offset) {
     const mtf::Statistics offset = mtf::statistics(sensor.offset->view());
     if (!has_mean(*sensor.offset, offset, 0.0, offset.std))
-      notes.push_back("the mean of nonuniformity.offset is " + three_digits(offset.mean) +
-                      " e-, which the budget leaves out of the mean signal at the converter");
+      notes.push_back("the mean of nonuniformity.offset is " + three_digits(offset.mean) + " " +
+                      std::string(signal_unit(sensor)) +
+                      ", which the budget leaves out of the mean signal at the converter");
   }
   return notes;
 }
@@ -106,12 +110,106 @@ namespace {
 double middle_um(const Sensor& sensor) { return 0.5 * (sensor.curves.band.lo_um + sensor.curves.band.hi_um); }
 }  // namespace
 
+ThermalReference<double> thermal_reference(const Sensor& sensor) {
+  const auto& thermal = sensor.settings.thermal;
+  if (!thermal) return {};
+  ThermalReference<double> reference;
+  for (const Spectrum& curve : sensor.curves.quantum_efficiency) reference.middle *= evaluate(curve, middle_um(sensor));
+  if (thermal->netd_temperature_k) {
+    SpectralCamera bare = sensor.curves;  // the optics of the reference are its one transmission
+    bare.optics.clear();
+    bare.cold_filter.clear();
+    reference.per_k = scene_derivative(bare, {.temperature_k = *thermal->netd_temperature_k}, {});
+  }
+  return reference;
+}
+
 double dstar_of(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget) {
   Pixel<double> pixel = pixel_of(system, sensor);
+  if (pixel.thermal()) {
+    const auto& bandwidth_hz = sensor.settings.thermal->bandwidth_hz;
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    return bandwidth_hz ? dstar_from_nep_jones(budget.nep_w, pixel.area_m2(), *bandwidth_hz, 1.0) : none;
+  }
   const double wavelength_um = middle_um(sensor);
   for (const Spectrum& curve : sensor.curves.quantum_efficiency)
     pixel.quantum_efficiency *= evaluate(curve, wavelength_um);
   return dstar_jones(pixel, budget.temporal_e, wavelength_um);
+}
+
+namespace {
+
+/// The noise terms of a thermal detector in volts: those of the physics, or the one that is given.
+std::vector<BudgetRow> thermal_terms(const Sensor& sensor, const Pixel<double>& pixel, const Budget<double>& b) {
+  const ThermalSettings& thermal = *sensor.settings.thermal;
+  const double volts = pixel.volts_per_watt;
+  const ThermalNoise<double> noise = thermal_noise_of(sensor.settings, pixel, thermal_reference(sensor));
+  const double readout = volts * noise.readout_w;
+  std::vector<BudgetRow> terms;
+  if (thermal.physics())
+    terms = {{"thermal_fluctuation", "V", volts * noise.fluctuation_w, "fluctuation of the pixel's temperature"},
+             {"johnson", "V", volts * noise.johnson_w, "Johnson noise of its resistance"},
+             {"flicker", "V", volts * noise.flicker_w, "1/f noise from lowest_frequency to noise_bandwidth"}};
+  else
+    terms = {{"detector", "V", std::sqrt(std::max(b.read_e * b.read_e - readout * readout, 0.0)),
+              thermal.netd_of == NetdOf::camera ? "noise of the camera by its NETD, less the rounding to counts"
+                                                : "noise of the detector by its NETD, NEP or D*"}};
+  terms.push_back({"readout", "V", readout, "noise of the readout"});
+  terms.push_back({"other", "V", b.other_e, "[flicker], row, column and 3-D noise of the frames"});
+  terms.push_back({"quantisation", "V", b.quantisation_e, "rounding to counts"});
+  const auto largest =
+      std::max_element(terms.begin(), terms.end(), [](const auto& x, const auto& y) { return x.value < y.value; });
+  const std::string name = largest->name;
+  const double share = largest->value * largest->value / (b.temporal_e * b.temporal_e);
+  terms.push_back({"temporal", "V", b.temporal_e, "temporal noise, root sum of squares"});
+  terms.push_back({"largest", "", share, "part of the temporal variance that is " + name + ", the largest term"});
+  return terms;
+}
+
+std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& b) {
+  const Pixel<double> pixel = pixel_of(system, sensor);
+  const ThermalSettings& thermal = *sensor.settings.thermal;
+  const Signal<double>& s = b.signal;
+  std::vector<BudgetRow> all{
+      {"scene", "V", s.scene_e, "signal of the scene"},
+      {"path", "V", s.path_e, "signal of the path between scene and camera"},
+      {"optics", "V", s.optics_e, "signal of the warm optics"},
+      {"stop", "V", s.stop_e, "signal from around the cone of light"},
+      {"shutter", "V", s.shutter_e, "signal of the closed shutter, taken off"},
+      {"total", "V", s.total_e(), "all signal"},
+      {"absorbed", "W", s.total_e() / pixel.volts_per_watt, "absorbed power, less that of the shutter"},
+      {"responsivity", "V/W", pixel.volts_per_watt, "volts for a watt of absorbed power"},
+      {"signal_per_k", "V/K", b.signal_per_k, "volts per kelvin of the scene"}};
+  for (BudgetRow& row : thermal_terms(sensor, pixel, b)) all.push_back(std::move(row));
+  const std::vector<BudgetRow> figures{
+      {"prnu", "V", b.prnu_e, "spatial noise of the responsivity (prnu, or its map)"},
+      {"dsnu", "V", b.dsnu_e, "spatial noise of the offset (dsnu, or its map)"},
+      {"spatial", "V", b.spatial_e, "spatial noise, root sum of squares"},
+      {"snr", "", b.snr, "scene / temporal noise"},
+      {"netd", "mK", 1e3 * b.netd_k, "noise-equivalent temperature difference, temporal"},
+      {"spatial_netd", "mK", 1e3 * b.spatial_netd_k, "the same from the spatial noise"},
+      {"nei", "W m^-2", b.nei_ph, "noise-equivalent irradiance, of the scene's spectrum"},
+      {"nep", "W", b.nep_w, "incident power at the middle of the band that equals the temporal noise"}};
+  all.insert(all.end(), figures.begin(), figures.end());
+  if (thermal.heat_capacity_j_k && thermal.conductance_w_k)
+    all.push_back({"time_constant", "s", *thermal.heat_capacity_j_k / *thermal.conductance_w_k,
+                   "heat capacity / conductance of a pixel"});
+  for (BudgetRow& row : all) {
+    row.refused = refusal_of(b, row.value);
+    row.saturated = is_saturated(b, row.value);
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<BudgetRow> budget_rows(const mtf::System<double>& system, const Sensor& sensor,
+                                   const Budget<double>& budget) {
+  std::vector<BudgetRow> all = sensor.settings.thermal ? thermal_rows(system, sensor, budget) : rows(budget);
+  all.push_back(dstar_row(system, sensor, budget));
+  if (sensor.settings.thermal && !sensor.settings.thermal->bandwidth_hz)
+    all.back().refused = "no detector.noise_bandwidth";
+  return all;
 }
 
 BudgetRow dstar_row(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& budget) {

@@ -10,6 +10,7 @@
 
 #include "radiometry/chain.h"
 #include "radiometry/stages/detector/held_counter.h"
+#include "radiometry/stages/noise/frame_flicker.h"
 
 namespace radiometry {
 
@@ -82,10 +83,11 @@ struct CompiledChain {
   Pixel<double> pixel;
   std::optional<Adc> adc;
   std::optional<Response> response;
-  double gain = 0.0;    ///< electrons for one unit of weighted radiance on the axis
-  double warm_e = 0.0;  ///< mean electrons of warm optics and stop on the axis
+  double gain = 0.0;    ///< electrons (volts of a thermal detector) for one unit of weighted radiance on the axis
+  double warm_e = 0.0;  ///< mean electrons of warm optics and stop on the axis; volts less those of the shutter
   double dark_e = 0.0;  ///< mean electrons of the dark current
-  double read_e = 0.0;  ///< rms of read, reset and other noise
+  double read_e = 0.0;  ///< rms of read, reset and other noise, or of a thermal pixel and its readout
+  FrameFlicker slow;    ///< 1/f noise of a thermal pixel from frame to frame; strength 0: none
   double frame_time_s = 0.0;
   double focal_length_mm = 0.0;
   PixelMaps maps;  ///< of the image; empty where the image comes in tiles, each of which has its own

@@ -25,6 +25,15 @@ void cast_on_detector(FrameRun& run, mtf::Image& image) {
   run.lap("irradiance");
 }
 
+/// Turns the radiance of the detector's samples into the power that its pixels absorb, less that of the shutter.
+void absorb(FrameRun& run, mtf::Image& image) {
+  const CompiledChain& chain = run.chain;
+  cast_on_detector(run, image);
+  multiply_add(image, {.number = chain.pixel.area_m2() * chain.pixel.quantum_efficiency},
+               {.number = chain.warm_e / chain.pixel.volts_per_watt}, run.threads);
+  run.lap("watts");
+}
+
 /// Takes one frame of the detector from radiance to an output stage.
 void run_detector(FrameRun& run, mtf::Image& image, OutputStage stage) {
   run.counter.begin(image);
@@ -73,6 +82,10 @@ void FrameRun::run_to(OutputStage stage) {
     cast_on_detector(*this, frame.image);
     return;
   }
+  if (stage == OutputStage::watts) {
+    absorb(*this, frame.image);
+    return;
+  }
   if (const auto& scan = chain.settings.microscan)
     run_positions(*this, frame.image, *scan, stage);
   else
@@ -82,13 +95,14 @@ void FrameRun::run_to(OutputStage stage) {
 
 ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, OutputStage stage, double border_value, int threads,
                       ChainState* state) const {
-  require_output_stage(stage, compiled_->last, compiled_->adc.has_value());
+  require_output_stage(stage, compiled_->last, compiled_->adc.has_value(), compiled_->settings.thermal.has_value());
   FrameRun run{.chain = *compiled_,
                .maps = compiled_->maps,
                .threads = mtf::threads_of(threads),
                .key = {compiled_->seed, number},
                .border = border_value};
   run.frame.image = std::move(radiance);
+  run.frame.held.volts = run.frame.held_defects.volts = compiled_->settings.thermal.has_value();
   run.run(Part::optics, run.frame.image);
   if (state != nullptr && stage >= OutputStage::electrons && !compiled_->settings.microscan) {
     run.state = state;

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "radiometry/chain_steps.h"
+#include "radiometry/performance/sensor_budget.h"
 
 namespace radiometry {
 namespace {
@@ -33,6 +34,10 @@ std::string terms(std::initializer_list<std::pair<const char*, double>> list, co
     if (value > 0.0) text += (text.empty() ? "" : ", ") + std::string(name) + " " + rounded(value) + " " + unit;
   return text;
 }
+
+constexpr const char* kNotThermal = "a thermal detector has none";
+
+const char* rms_unit(const Sensor& sensor) { return sensor.settings.thermal ? "V rms" : "e- rms"; }
 
 StageWords filters(const System& system, mtf::Stage stage) {
   std::string labels;
@@ -63,11 +68,15 @@ StageWords ghost(const System&, const Sensor& sensor) {
 
 StageWords light(const System& system, const Sensor& sensor) {
   const Camera<double> camera = camera_of(system, sensor);
-  const bool weighted =
-      output_quantity(sensor, OutputStage::irradiance) != output_quantity({}, OutputStage::irradiance);
-  return {true, rounded(electrons_per_radiance(camera, pixel_of(system, sensor))) + " e- for 1 ph s^-1 m^-2 sr^-1" +
-                    (weighted ? ", weighted by the curves" : "") + "; cone of " + rounded(cone_sr(camera)) +
-                    " sr by the " + std::string(kConeNames[static_cast<std::size_t>(camera.cone)])};
+  const bool weighted = output_quantity(sensor, OutputStage::irradiance).starts_with("weighted");
+  const auto& thermal = sensor.settings.thermal;
+  return {
+      true,
+      rounded(electrons_per_radiance(camera, pixel_of(system, sensor))) + " " + std::string(signal_unit(sensor)) +
+          " for 1 " + (thermal ? "W" : "ph s^-1") + " m^-2 sr^-1" + (weighted ? ", weighted by the curves" : "") +
+          "; cone of " + rounded(cone_sr(camera)) + " sr by the " +
+          std::string(kConeNames[static_cast<std::size_t>(camera.cone)]) +
+          (thermal && thermal->shutter_k ? "; less that of a shutter at " + rounded(*thermal->shutter_k) + " K" : "")};
 }
 
 /// A map from a file has its name; one that a program made has none.
@@ -125,6 +134,7 @@ StageWords responsivity(const System&, const Sensor& sensor) {
 
 StageWords dark_current(const System& system, const Sensor& sensor) {
   const Pixel<double> pixel = pixel_of(system, sensor);
+  if (pixel.thermal()) return {false, kNotThermal};
   return said(terms({{"mean", pixel.dark_e_s * pixel.integration_s}}, "e-"), "no dark_current in [detector]");
 }
 
@@ -146,6 +156,7 @@ StageWords blinking(const System&, const Sensor& sensor) {
 
 StageWords shot_noise(const System&, const Sensor& sensor) {
   const auto& noise = sensor.settings.noise;
+  if (sensor.settings.thermal) return {false, kNotThermal};
   if (!noise) return {false, "no [noise]"};
   return said(noise->shot ? "Poisson" : "", "shot = false in [noise]");
 }
@@ -156,6 +167,7 @@ std::string well_of(const Sensor& sensor) {
 }
 
 StageWords full_well(const System&, const Sensor& sensor) {
+  if (sensor.settings.thermal) return {false, kNotThermal};
   if (sensor.settings.blooming) return {false, "[blooming] takes its place"};
   return said(well_of(sensor), "no full_well in [detector]");
 }
@@ -172,11 +184,17 @@ StageWords nonlinearity(const System&, const Sensor& sensor) {
 StageWords offsets(const System&, const Sensor& sensor) {
   const NonuniformitySettings unequal = nonuniformity_of(sensor);
   if (sensor.offset && sensor.settings.nonuniformity) return {true, map_words(unequal.offset)};
-  return said(terms({{"dsnu", unequal.dsnu_e}}, "e- rms"), "no dsnu in [nonuniformity]");
+  return said(terms({{"dsnu", unequal.dsnu_e}}, rms_unit(sensor)), "no dsnu in [nonuniformity]");
 }
 
-StageWords read_noise(const System&, const Sensor& sensor) {
+StageWords read_noise(const System& system, const Sensor& sensor) {
   if (!sensor.settings.noise) return {false, "no [noise]"};
+  if (sensor.settings.thermal) {
+    const double volts = thermal_volts(sensor.settings, pixel_of(system, sensor), thermal_reference(sensor));
+    return said(terms({{"pixel and readout", volts}}, rms_unit(sensor)) +
+                    (sensor.settings.thermal->corner_hz ? ", its 1/f part correlated from frame to frame" : ""),
+                "no noise beside the rounding of [adc]");
+  }
   const DetectorSettings& detector = *sensor.settings.detector;
   return said(
       terms({{"read", detector.read_e}, {"reset", reset_e_of(detector)}, {"other", detector.other_e}}, "e- rms"),
@@ -195,19 +213,20 @@ StageWords line_noise(const System&, const Sensor& sensor) {
                      {"column", noise->column_e},
                      {"fixed row", noise->fixed_row_e},
                      {"fixed column", noise->fixed_column_e}},
-                    "e- rms"),
+                    rms_unit(sensor)),
               "no row or column in [noise]");
 }
 
 StageWords noise_3d(const System&, const Sensor& sensor) {
   const auto& cube = sensor.settings.noise_3d;
-  return said(cube ? terms({{"total", cube->total()}}, "e- rms") : "", "no [noise_3d]");
+  return said(cube ? terms({{"total", cube->total()}}, rms_unit(sensor)) : "", "no [noise_3d]");
 }
 
 StageWords converter(const System&, const Sensor& sensor) {
   if (!sensor.settings.adc) return {false, "no [adc]"};
   const Adc adc = adc_of(sensor);
-  return {true, std::to_string(adc.bits) + " bits, " + rounded(adc.electrons_per_count) + " e- a count"};
+  return {true, std::to_string(adc.bits) + " bits, " + rounded(adc.electrons_per_count) + " " +
+                    std::string(signal_unit(sensor)) + " a count"};
 }
 
 StageWords two_points(const System&, const Sensor& sensor) {

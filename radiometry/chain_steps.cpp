@@ -150,6 +150,8 @@ void offsets(FrameRun& run, mtf::Image& electrons) { add_map(electrons.view(), r
 
 void read_noise(FrameRun& run, mtf::Image& electrons) {
   add_gaussian(electrons.view(), run.chain.read_e, run.key, Stream::read, run.maps.origin, run.threads);
+  if (run.chain.slow.strength > 0.0)
+    add_frame_flicker(electrons.view(), run.chain.slow, run.key, run.maps.origin, run.threads);
 }
 
 void flicker(FrameRun& run, mtf::Image& electrons) {

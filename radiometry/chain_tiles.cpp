@@ -12,7 +12,7 @@ TiledChain::TiledChain(const mtf::SensorPlan& tile, const mtf::System<double>& s
   if (const std::string whole = whole_image_stages(system, sensor, stage); !whole.empty())
     throw mtf::UsageError("stages that need the whole image cannot run in tiles: " + whole);
   auto compiled = std::make_shared<CompiledChain>(tile, system, sensor, columns, rows);
-  require_output_stage(stage, compiled->last, compiled->adc.has_value());
+  require_output_stage(stage, compiled->last, compiled->adc.has_value(), sensor.settings.thermal.has_value());
   require_maps(sensor, compiled->detector.columns, compiled->detector.rows);
   pixel_maps(*compiled, sensor, {}, 1, 1, 1);  // refuses settings of maps before any tile has been made
   compiled_ = std::move(compiled);

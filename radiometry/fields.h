@@ -127,7 +127,7 @@ void assign(T& member, const mtf::SettingValue& value) {
 /// The type as a table of a sensor file.
 template <class T>
 mtf::TableInfo table_info(std::string_view name, std::string_view doc) {
-  mtf::TableInfo table{name, doc, {}};
+  mtf::TableInfo table{.name = name, .doc = doc, .settings = {}};
   T prototype{};
   for_each_field(prototype, [&](const FieldInfo& info, const auto& member) {
     table.settings.push_back(detail::row_of<std::decay_t<decltype(member)>>(info));

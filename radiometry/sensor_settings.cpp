@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/sensor_settings.h"
 
+#include <algorithm>
+
 namespace radiometry {
 namespace {
 
@@ -35,7 +37,98 @@ void for_each_table(Settings& s, Visit visit) {
   visit("agc", "from counts to display levels", s.agc);
 }
 
+constexpr mtf::GivenWord kThermal{"detector", "kind", "thermal"};
+
+/// The table of a thermal detector: volts in place of electrons.
+mtf::TableInfo in_volts(mtf::TableInfo table) {
+  using mtf::Dimension;
+  table.where = kThermal;
+  for (mtf::SettingInfo& row : table.settings) {
+    FieldInfo& info = row.info;
+    if (info.dimension != Dimension::electrons) continue;
+    info.dimension = Dimension::voltage;
+    info.unit = "V";
+    info.example = "\"2 mV\"";
+    if (info.name == "electrons_per_count") {
+      info.name = "volts_per_count";
+      info.example = "\"50 uV\"";
+      info.doc = "volts of one count";
+      info.presence = mtf::Presence::required;
+      table.absent.push_back(
+          {"electrons_per_count", "the signal of a thermal detector is in volts; write volts_per_count"});
+    }
+  }
+  return table;
+}
+
+void drop_row(mtf::TableInfo& table, std::string_view name) {
+  std::erase_if(table.settings, [&](const mtf::SettingInfo& row) { return row.info.name == name; });
+}
+
+mtf::TableInfo thermal_detector_table() {
+  mtf::TableInfo table = table_info<ThermalSettings>("detector", "from watts to volts, of a thermal detector");
+  table.where = kThermal;
+  table.absent = {
+      {"quantum_efficiency", "a thermal detector absorbs power; write absorptance"},
+      {"full_well", "a thermal detector has no well; the range is that of [adc]: give its volts_per_count and bits"},
+      {"dark_current", "a thermal detector has none; give the noise as netd, nep, dstar or by its physics"},
+      {"read_noise", "of a thermal detector it is a voltage; write readout_noise"},
+      {"reset_noise", "a thermal detector has none; what the readout adds is readout_noise"},
+      {"other_noise",
+       "a thermal detector gives its noise as netd, nep, dstar or by its physics; what the readout adds is "
+       "readout_noise"},
+      {"capacitance", "a thermal detector resets none; its heat_capacity is in J/K"}};
+  return table;
+}
+
+/// The tables that differ for a thermal detector.
+std::vector<mtf::TableInfo> thermal_tables(const std::vector<mtf::TableInfo>& photon) {
+  std::vector<mtf::TableInfo> tables{thermal_detector_table()};
+  for (const mtf::TableInfo& table : photon) {
+    const bool electrons = std::any_of(table.settings.begin(), table.settings.end(), [](const mtf::SettingInfo& row) {
+      return row.info.dimension == mtf::Dimension::electrons;
+    });
+    if (table.name == "detector" || !(electrons || table.name == "lag")) continue;
+    tables.push_back(in_volts(table));
+    mtf::TableInfo& added = tables.back();
+    if (table.name == "noise") {
+      drop_row(added, "shot");
+      added.absent.push_back({"shot", "a thermal detector counts no photons and has no shot noise; remove it"});
+    }
+    if (table.name == "lag")
+      added.settings.front().info.presence = mtf::Presence::optional;  // or heat_capacity / conductance
+  }
+  return tables;
+}
+
+/// A pixel has one time constant: that of its heat capacity and conductance, or the one of [lag].
+void set_time_constant(Lag& lag, const ThermalSettings& thermal, bool given) {
+  const bool own = thermal.heat_capacity_j_k && thermal.conductance_w_k;
+  if (own && given)
+    throw mtf::UsageError("lag.time_constant: given beside detector.heat_capacity and conductance, which are " +
+                          mtf::format_double(*thermal.heat_capacity_j_k / *thermal.conductance_w_k) +
+                          " s; remove it here, [lag] takes theirs");
+  if (!own && !given)
+    throw mtf::UsageError("[lag]: time_constant is missing; write for example time_constant = \"10 ms\"");
+  if (own) lag.time_constant_s = *thermal.heat_capacity_j_k / *thermal.conductance_w_k;
+}
+
 }  // namespace
+
+DetectorSettings pixel_settings(const ThermalSettings& thermal) {
+  DetectorSettings pixel;
+  pixel.kind = DetectorKind::thermal;
+  pixel.width_um = thermal.width_um;
+  pixel.height_um = thermal.height_um;
+  pixel.quantum_efficiency = thermal.absorptance;
+  return pixel;
+}
+
+CameraEmission emission_of(const SensorSettings& settings) {
+  const OpticsSettings optics = settings.optics.value_or(OpticsSettings{});
+  const double shutter_k = settings.thermal ? settings.thermal->shutter_k.value_or(0.0) : 0.0;
+  return {optics.temperature_k, optics.stop_temperature_k, optics.stop_band, shutter_k};
+}
 
 std::vector<mtf::TableInfo> sensor_tables() {
   std::vector<mtf::TableInfo> tables;
@@ -43,6 +136,7 @@ std::vector<mtf::TableInfo> sensor_tables() {
   for_each_table(prototype, [&]<class T>(std::string_view name, std::string_view doc, const std::optional<T>&) {
     tables.push_back(table_info<T>(name, doc));
   });
+  for (mtf::TableInfo& table : thermal_tables(tables)) tables.push_back(std::move(table));
   return tables;
 }
 
@@ -51,6 +145,14 @@ SensorSettings sensor_settings(const std::vector<mtf::SettingsTable>& tables) {
   for_each_table(settings, [&]<class T>(std::string_view name, std::string_view, std::optional<T>& value) {
     if (const mtf::SettingsTable* table = find_table(tables, name)) value = from_table<T>(*table);
   });
+  if (!settings.detector || settings.detector->kind != DetectorKind::thermal) return settings;
+  settings.thermal = from_table<ThermalSettings>(*find_table(tables, "detector"));
+  settings.detector = pixel_settings(*settings.thermal);
+  if (settings.lag)
+    set_time_constant(*settings.lag, *settings.thermal, find_table(tables, "lag")->find("time_constant") != nullptr);
+  if (settings.adc)
+    if (const mtf::SettingValue* volts = find_table(tables, "adc")->find("volts_per_count"))
+      settings.adc->electrons_per_count = std::get<double>(*volts);
   return settings;
 }
 

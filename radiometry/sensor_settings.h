@@ -2,7 +2,8 @@
 #pragma once
 
 // What a sensor file says of everything but the OTF: one value type for each of its tables, in the order of the chain.
-// A stage whose table is missing is left out.
+// A stage whose table is missing is left out. The signal of a thermal detector is in volts: its tables have volts where
+// those of a photon detector have electrons, and hold them in the same members, whose names end in _e.
 
 #include <optional>
 #include <vector>
@@ -28,6 +29,7 @@
 #include "radiometry/stages/optics/vignetting.h"
 #include "radiometry/stages/processing/agc.h"
 #include "radiometry/stages/processing/measure_correction.h"
+#include "radiometry/thermal_settings.h"
 
 namespace radiometry {
 
@@ -146,12 +148,8 @@ struct OpticsSettings {
   }
 };
 
-/// What [optics] says of the camera's own emission.
-inline CameraEmission emission_of(const OpticsSettings& optics) {
-  return {optics.temperature_k, optics.stop_temperature_k, optics.stop_band};
-}
-
 struct DetectorSettings {
+  DetectorKind kind = DetectorKind::photon;
   std::optional<double> width_um{}, height_um{};  ///< of the active area; else the pitch
   NumberOrFile quantum_efficiency{1.0};
   double full_well_e = std::numeric_limits<double>::infinity();
@@ -164,6 +162,8 @@ struct DetectorSettings {
   static constexpr auto fields() {
     using enum mtf::Dimension;
     return std::tuple{
+        Field{optional_row("kind", "\"photon\"", "photon: electrons; thermal: a pixel that warms"),
+              &DetectorSettings::kind},
         Field{optional_row("width", length, "um", 1e-3, 1e6, "\"14 um\"", "of the active area; else the pitch"),
               &DetectorSettings::width_um},
         Field{optional_row("height", length, "um", 1e-3, 1e6, "\"14 um\"", "of the active area; else the pitch"),
@@ -200,7 +200,7 @@ struct NonuniformitySettings {
   double prnu = 0.0;
   double dsnu_e = 0.0;
   std::string responsivity{};  ///< map of factors
-  std::string offset{};        ///< map of electrons
+  std::string offset{};        ///< map of offsets
 
   static constexpr auto fields() {
     using enum mtf::Dimension;
@@ -211,8 +211,9 @@ struct NonuniformitySettings {
               &NonuniformitySettings::dsnu_e},
         Field{optional_row("responsivity", "\"gain.exr\"", "map of factors in place of prnu"),
               &NonuniformitySettings::responsivity},
-        Field{optional_row("offset", "\"offset.exr\"", "map of electrons in place of dsnu"),
-              &NonuniformitySettings::offset}};
+        Field{
+            optional_row("offset", "\"offset.exr\"", "map of offsets in place of dsnu, in electrons or volts as that"),
+            &NonuniformitySettings::offset}};
   }
 };
 
@@ -254,7 +255,7 @@ struct AdcSettings {
         Field{optional_row("electrons_per_count", electrons, "e-", 1e-30, 1e30, "\"420 e-\"",
                            "else the full well fills the range"),
               &AdcSettings::electrons_per_count},
-        Field{optional_row("offset", -1e10, 1e10, "200.0", "counts without electrons"), &AdcSettings::offset_counts},
+        Field{optional_row("offset", -1e10, 1e10, "200.0", "counts without signal"), &AdcSettings::offset_counts},
         Field{optional_row("rounding", "\"down\"", "nearest (halves upwards), or down"), &AdcSettings::rounding}};
   }
 };
@@ -273,6 +274,7 @@ struct SensorSettings {
   std::optional<Vignetting> vignetting;
   std::optional<Narcissus> narcissus;
   std::optional<DetectorSettings> detector;
+  std::optional<ThermalSettings> thermal;  ///< beside detector = pixel_settings(thermal)
   std::optional<Microscan> microscan;
   std::optional<Shutter> shutter;
   std::optional<Lag> lag;
@@ -289,10 +291,18 @@ struct SensorSettings {
   std::optional<AutomaticGain> agc;
 };
 
-/// The tables that a sensor file may hold, for mtf::io::load_config.
+/// What a thermal detector has in common with a photon detector: its active area and, as quantum efficiency, its
+/// absorptance.
+DetectorSettings pixel_settings(const ThermalSettings& thermal);
+
+/// What [optics] and [detector] say of the camera's own emission.
+CameraEmission emission_of(const SensorSettings& settings);
+
+/// The tables that a sensor file may hold, for mtf::io::load_config. Those of a thermal detector have a condition.
 std::vector<mtf::TableInfo> sensor_tables();
 
-/// The settings of the tables that a sensor file holds.
+/// The settings of the tables that a sensor file holds. Throws UsageError for a [lag] of a thermal detector whose time
+/// constant is given twice or not at all.
 SensorSettings sensor_settings(const std::vector<mtf::SettingsTable>& tables);
 
 }  // namespace radiometry

@@ -64,16 +64,6 @@ std::shared_ptr<const mtf::Image> map_of(const std::string& file, const char* ke
   });
 }
 
-/// A field of a component that is one number; 0 where it is not given.
-double number_of(const mtf::Component<double>& component, std::string_view name) {
-  for (const auto& field : component.fields()) {
-    if (field.info->name != name) continue;
-    if (const auto* number = std::get_if<double*>(&field.value)) return **number;
-    if (const auto* number = std::get_if<std::optional<double>*>(&field.value)) return (*number)->value_or(0.0);
-  }
-  return 0.0;
-}
-
 /// A tape7 of one run has the range that is given; a CSV names its own.
 radiometry::PathTable table_of(const radiometry::PathSettings& settings, bool by_pixel) {
   return at_key("path.table", [&] {
@@ -181,8 +171,10 @@ LoadedSensor load_parts(const mtf::io::SensorConfig& config) {
     add_curve(sensor.curves.optics, settings.optics->transmission, "optics.transmission");
     add_curve(sensor.curves.cold_filter, settings.optics->cold_transmission, "optics.cold_transmission");
   }
+  if (settings.thermal) sensor.curves.flux = radiometry::Flux::watts;
   if (settings.detector)
-    add_curve(sensor.curves.quantum_efficiency, settings.detector->quantum_efficiency, "detector.quantum_efficiency");
+    add_curve(sensor.curves.quantum_efficiency, settings.detector->quantum_efficiency,
+              settings.thermal ? "detector.absorptance" : "detector.quantum_efficiency");
   if (settings.scene) sensor.emissivity = curve_of(settings.scene->emissivity, "scene.emissivity", 1.0);
   if (settings.path)
     read_path(settings, loaded);
@@ -228,7 +220,8 @@ mtf::System<double> with_electron_rate(const mtf::System<double>& system, const 
   const radiometry::BandResponse response(band.band, band.curves);
   const std::string key = response.integral() > 0.0 ? "scene.source_temperature" : "path.transmission";
   try {
-    weighted.band->rate = std::make_shared<const mtf::ElectronRate>(response.electron_rate(loaded.source_k));
+    weighted.band->rate =
+        std::make_shared<const mtf::ElectronRate>(response.electron_rate(loaded.source_k, camera.flux));
   } catch (const mtf::UsageError& error) {
     throw mtf::UsageError(key + ": " + error.what());
   }
@@ -246,30 +239,31 @@ std::string unused_table(const mtf::io::SensorConfig& config) {
 
 std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& config) {
   std::vector<mtf::io::Diagnostic> warnings;
-  if (find_table(config.tables, "lag") == nullptr) return warnings;
-  const double lag_s = radiometry::sensor_settings(config.tables).lag->time_constant_s;
-  for (const auto& entry : config.system.list(mtf::Stage::presample)) {
-    if (entry.component.kind() != "bolometer") continue;
-    const double other_s = number_of(entry.component, "time_constant");
-    if (other_s == 0.0 || (number_of(entry.component, "velocity") == 0.0 && number_of(entry.component, "rate") == 0.0))
-      continue;
-    const bool same = std::abs(other_s - lag_s) <= 1e-6 * lag_s;
-    const auto milliseconds = [](double s) {
-      std::array<char, 32> text{};
-      std::snprintf(text.data(), text.size(), "%.6g ms", 1e3 * s);
-      return std::string(text.data());
-    };
-    warnings.push_back(
-        {.error = false,
-         .position = {},
-         .path = "lag.time_constant",
-         .text = milliseconds(lag_s) + " here, " + (same ? "the same" : milliseconds(other_s)) + " in \"" +
-                 entry.label + "\" of [[presample]]: both are the thermal lag of the detector" +
-                 (same ? "" : ", which has one time constant") +
-                 ", and a sequence whose frames show the motion counts it twice; keep [lag] for such sequences, "
-                 "the component for single images, curves and budgets" +
-                 (same ? "" : ", unless one of them is another effect")});
-  }
+  const mtf::SettingsTable* lag = find_table(config.tables, "lag");
+  const mtf::SettingValue* given = lag != nullptr ? lag->find("time_constant") : nullptr;
+  const auto moving = radiometry::moving_bolometer(config.system);
+  if (given == nullptr || !moving) return warnings;
+  const mtf::SettingsTable* detector = find_table(config.tables, "detector");
+  if (detector != nullptr &&
+      radiometry::from_table<radiometry::DetectorSettings>(*detector).kind == radiometry::DetectorKind::thermal)
+    return warnings;  // refused
+  const double lag_s = std::get<double>(*given), other_s = moving->time_constant_s;
+  const bool same = std::abs(other_s - lag_s) <= 1e-6 * lag_s;
+  const auto milliseconds = [](double s) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.6g ms", 1e3 * s);
+    return std::string(text.data());
+  };
+  warnings.push_back(
+      {.error = false,
+       .position = {},
+       .path = "lag.time_constant",
+       .text = milliseconds(lag_s) + " here, " + (same ? "the same" : milliseconds(other_s)) + " in \"" +
+               moving->label + "\" of [[presample]]: both are the thermal lag of the detector" +
+               (same ? "" : ", which has one time constant") +
+               ", and a sequence whose frames show the motion counts it twice; keep [lag] for such sequences, "
+               "the component for single images, curves and budgets" +
+               (same ? "" : ", unless one of them is another effect")});
   return warnings;
 }
 

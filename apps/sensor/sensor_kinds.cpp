@@ -156,6 +156,9 @@ SensorKinds sensor_kinds() {
   for (const std::string_view kind : mtf::component_kinds()) kinds.components.push_back(component_kind(kind));
   for (const mtf::TableInfo& table : radiometry::sensor_tables()) {
     TableKind& added = kinds.tables.emplace_back(TableKind{table.name, table.doc, {}});
+    if (table.where)
+      added.condition = "[" + std::string(table.where->table) + "] " + std::string(table.where->key) + " = \"" +
+                        std::string(table.where->word) + "\"";
     for (const mtf::SettingInfo& row : table.settings) added.parameters.push_back(parameter_of(row));
   }
   return kinds;

@@ -63,6 +63,7 @@ struct TableKind {
   std::string_view name;
   std::string_view doc;
   std::vector<Parameter> parameters;
+  std::string condition{};  ///< what the file has to say for these keys to hold: "[detector] kind = \"thermal\""
 };
 
 struct SensorKinds {

@@ -27,7 +27,8 @@ std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::Sens
   const radiometry::OutputStage last = last_output_stage(config.system, sensor);
   radiometric->stage = stage.value_or(last);
   try {
-    require_output_stage(radiometric->stage, last, sensor.settings.adc.has_value());
+    require_output_stage(radiometric->stage, last, sensor.settings.adc.has_value(),
+                         sensor.settings.thermal.has_value());
     require_consistent(config.system, sensor);
   } catch (const mtf::UsageError& error) {
     throw mtf::UsageError(placed(config, config.file + ": " + error.what()));
@@ -47,6 +48,16 @@ double RadiometricChain::unseen_tolerance(double by_default) const {
 
 bool remembers(const RadiometricChain& radiometric) {
   return radiometric.loaded.sensor.settings.lag || radiometric.loaded.sensor.settings.shutter;
+}
+
+std::string lag_warning(const RadiometricChain& radiometric, std::int64_t steps) {
+  const radiometry::SensorSettings& s = radiometric.loaded.sensor.settings;
+  if (!s.thermal || !s.lag || !s.frame || !s.frame->frame_time_s || steps == 0) return "";
+  const double length_s = static_cast<double>(steps) * *s.frame->frame_time_s;
+  if (s.lag->time_constant_s <= length_s) return "";
+  return "[lag]: the time constant of " + radiometry::three_digits(s.lag->time_constant_s) +
+         " s is longer than the sequence of " + radiometry::three_digits(length_s) +
+         " s, so that its last frame still shows the first one, which is taken for a steady state; give more frames";
 }
 
 bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
@@ -86,6 +97,7 @@ ChainReport report_of(const RadiometricChain& radiometric) {
   report.quantity = radiometric.quantity();
   report.unit = radiometric.unit();
   report.stages = chain_stages(radiometric.system, radiometric.loaded.sensor);
+  report.held.volts = radiometric.loaded.sensor.settings.thermal.has_value();
   return report;
 }
 

@@ -38,6 +38,10 @@ inline constexpr std::int64_t kLastNoiseFrame = 0x7fffffff;
 /// True when each frame leaves something to the next.
 bool remembers(const RadiometricChain& radiometric);
 
+/// What to say of a thermal detector whose time constant is longer than a sequence of frames `steps` after the first;
+/// "" where it is not, or where there is one frame.
+std::string lag_warning(const RadiometricChain& radiometric, std::int64_t steps);
+
 /// True when a scene of the same values under [scene] (SceneDefaults) has the same light in both.
 bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
 

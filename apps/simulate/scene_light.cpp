@@ -50,7 +50,7 @@ class Converter {
       case Quantity::radiance:
       case Quantity::photon_radiance:
       case Quantity::spectral_radiance:
-        radiance_of_band(image.view(), photons_per_unit(), options_);
+        radiance_of_band(image.view(), light_per_unit(), options_);
         break;
       case Quantity::counts:
         if (!settings_.counts)
@@ -81,7 +81,7 @@ class Converter {
         add(path, window);
       };
     }
-    return [factor = photons_per_unit(), path, negative = scene_.negative](mtf::ImageView<float> window) {
+    return [factor = light_per_unit(), path, negative = scene_.negative](mtf::ImageView<float> window) {
       radiometry::radiance_of_band(window, factor, {.negative = negative});
       add(path, window);
     };
@@ -110,19 +110,19 @@ class Converter {
   /// Of this scene's own quantity, which its file may state.
   std::optional<double> source_k() const { return source_temperature_k(settings_, quantity_); }
 
-  /// Weighted photon radiance for one unit of a scene of radiance.
-  double photons_per_unit() const {
+  /// Weighted radiance for one unit of a scene of radiance.
+  double light_per_unit() const {
     if (quantity_ == Quantity::spectral_radiance) {
       const double middle_um = 0.5 * (band_.band.lo_um + band_.band.hi_um);
       return channel_weights(band_, std::array{middle_um}).weight.front();
     }
     const auto flux = quantity_ == Quantity::radiance ? radiometry::Flux::watts : radiometry::Flux::photons;
-    return photons_per_radiance(flux, band_, source_k());
+    return light_per_radiance(flux, band_, source_k());
   }
 
   float path_light() const {
     if (loaded_.paths) return 0.0F;
-    return static_cast<float>(path_photon_radiance(loaded_.sensor.curves, loaded_.sensor.path));
+    return static_cast<float>(weighted_path_radiance(loaded_.sensor.curves, loaded_.sensor.path));
   }
 
   static void add(float added, mtf::ImageView<float> image) {

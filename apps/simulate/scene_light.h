@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A scene's values, whatever they stand for, as the weighted photon radiance that passes through a chain
+// A scene's values, whatever they stand for, as the weighted radiance that passes through a chain
 // (radiometry/light/scene_radiance.h).
 
 #include <functional>

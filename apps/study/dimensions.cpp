@@ -37,7 +37,6 @@ constexpr std::array kMore{
     Named{"g", {{.kilogram = 1}, 1e-3}},
     Named{"cd", {{.candela = 1}, 1.0}},
     Named{"J", {{.metre = 2, .second = -2, .kilogram = 1}, 1.0}},
-    Named{"W", {{.metre = 2, .second = -3, .kilogram = 1}, 1.0}},
     Named{"cy/m", {{.metre = -1}, 1.0}},
     Named{"cy/rad", {{}, 1.0}},
     Named{"cm^2", {{.metre = 2}, 1e-4}},
@@ -84,6 +83,10 @@ UnitScale base_of(const mtf::Unit& unit) {
       constexpr double per_coulomb = 1.0 / 1.602176634e-19;
       return {{.metre = -2, .second = 2, .electron = 2, .kilogram = -1}, per_coulomb * per_coulomb};
     }
+    case voltage:  // V = J / C
+      return {{.metre = 2, .second = -2, .electron = -1, .kilogram = 1}, 1.602176634e-19};
+    case power:
+      return {{.metre = 2, .second = -3, .kilogram = 1}, 1.0};
   }
   return {};
 }

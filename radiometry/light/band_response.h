@@ -48,12 +48,14 @@ class BandResponse {
   /// of `temperature_k` gives, the response being that per photon; without a temperature the photon radiance is the
   /// same at all wavelengths. They are a Gauss rule, exact for polynomials of degree 2n - 1 in the wavelength, with
   /// positive weights of sum 1 and rising wavelengths, and take the place of mtf::wavelength_nodes. 1 <= n <= 256.
-  /// There are fewer than n where the rate is above 0 at fewer points. Throws UsageError when there are no electrons.
-  mtf::WavelengthNodes electron_nodes(int n, std::optional<double> temperature_k) const;
+  /// There are fewer than n where the rate is above 0 at fewer points. With watts it is the signal of a thermal
+  /// detector in place of the electrons, the response being that to power. Throws UsageError when there are no
+  /// electrons.
+  mtf::WavelengthNodes electron_nodes(int n, std::optional<double> temperature_k, Flux flux = Flux::photons) const;
 
   /// The same electrons for mtf::Band::rate: these nodes, at most 256 of them, and their density. Throws as
   /// electron_nodes does.
-  mtf::ElectronRate electron_rate(std::optional<double> temperature_k) const;
+  mtf::ElectronRate electron_rate(std::optional<double> temperature_k, Flux flux = Flux::photons) const;
 
  private:
   struct Piece {
@@ -73,7 +75,7 @@ class BandResponse {
     double log_largest = 0.0, sum = 0.0;
   };
   /// Enough points for a Gauss rule of n nodes.
-  RatePoints rate_points(int n, std::optional<double> temperature_k) const;
+  RatePoints rate_points(int n, std::optional<double> temperature_k, Flux flux) const;
   double piece_value(const Piece& piece, double wavelength_um) const;
   double planck_integral(Flux flux, double temperature_k, bool derivative) const;
 

@@ -61,7 +61,7 @@ std::vector<BandResponse::Panel> BandResponse::panels(std::optional<double> temp
 
 // A piece gets as many points as the integral of a polynomial of degree 2n times the response needs, a narrow one
 // fewer.
-BandResponse::RatePoints BandResponse::rate_points(int n, std::optional<double> temperature_k) const {
+BandResponse::RatePoints BandResponse::rate_points(int n, std::optional<double> temperature_k, Flux flux) const {
   if (temperature_k && !(*temperature_k > 0.0 && *temperature_k <= kHottest_k))
     throw mtf::UsageError("a source of " + mtf::format_double(*temperature_k) +
                           " K; the temperature has to be above 0, at most " + mtf::format_double(kHottest_k) + " K");
@@ -80,7 +80,7 @@ BandResponse::RatePoints BandResponse::rate_points(int n, std::optional<double> 
       if (!(response > 0.0)) continue;
       points.wavelength_um.push_back(rule.node[i]);
       points.rate.push_back(rule.weight[i] * step * response);
-      log_rate.push_back(temperature_k ? log_planck(Flux::photons, rule.node[i], *temperature_k) : 0.0);
+      log_rate.push_back(temperature_k ? log_planck(flux, rule.node[i], *temperature_k) : 0.0);
     }
   }
   if (!log_rate.empty()) points.log_largest = *std::max_element(log_rate.begin(), log_rate.end());
@@ -99,10 +99,10 @@ BandResponse::RatePoints BandResponse::rate_points(int n, std::optional<double> 
   return points;
 }
 
-mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> temperature_k) const {
+mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> temperature_k, Flux flux) const {
   if (n < 1 || n > kMostNodes)
     throw mtf::UsageError(std::to_string(n) + " wavelengths of a band; give 1 to " + std::to_string(kMostNodes));
-  const RatePoints points = rate_points(n, temperature_k);
+  const RatePoints points = rate_points(n, temperature_k, flux);
   Jacobi jacobi{.diagonal = {}, .square = {}, .most = static_cast<std::size_t>(n)};
   for (std::size_t i = 0; i < points.rate.size(); ++i)
     if (points.rate[i] > 0.0) jacobi.add(points.wavelength_um[i], points.rate[i]);
@@ -121,16 +121,18 @@ mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> t
   return nodes;
 }
 
-mtf::ElectronRate BandResponse::electron_rate(std::optional<double> temperature_k) const {
-  const RatePoints points = rate_points(1, temperature_k);
+mtf::ElectronRate BandResponse::electron_rate(std::optional<double> temperature_k, Flux flux) const {
+  const RatePoints points = rate_points(1, temperature_k, flux);
   std::vector<double> breaks_um;
   for (const Panel& panel : panels(temperature_k)) breaks_um.push_back(panel.lo_um);
   breaks_um.push_back(range_.hi_um);
-  auto nodes = [*this, temperature_k](int n) { return electron_nodes(std::min(n, kMostNodes), temperature_k); };
-  auto density = [*this, temperature_k, largest = points.log_largest, sum = points.sum](double wavelength_um) {
+  auto nodes = [*this, temperature_k, flux](int n) {
+    return electron_nodes(std::min(n, kMostNodes), temperature_k, flux);
+  };
+  auto density = [*this, temperature_k, flux, largest = points.log_largest, sum = points.sum](double wavelength_um) {
     const double response = value(wavelength_um);
     if (!(response > 0.0) || !temperature_k) return response / sum;
-    return response * std::exp(log_planck(Flux::photons, wavelength_um, *temperature_k) - largest) / sum;
+    return response * std::exp(log_planck(flux, wavelength_um, *temperature_k) - largest) / sum;
   };
   return {std::move(nodes), std::move(density), std::move(breaks_um)};
 }

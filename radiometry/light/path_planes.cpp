@@ -62,7 +62,7 @@ RangeTable::RangeTable(const SceneBand& scene, const PathTable& table, std::opti
   std::vector<double> weight = shape_weights(scene, table.wavelength_um(), source_k).weight;
   const std::vector<double> added = channel_weights(scene, table.wavelength_um()).weight;
   const BandResponse response(scene.band, scene.curves);
-  const double whole = source_k ? response.radiance(Flux::photons, *source_k) : response.integral();
+  const double whole = source_k ? response.radiance(scene.flux, *source_k) : response.integral();
   if (!(whole > 0.0) || !std::isfinite(whole))
     throw mtf::UsageError(source_ + ": a scene " +
                           (source_k ? "of " + mtf::format_double(*source_k) + " K " : std::string()) +

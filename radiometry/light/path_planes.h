@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A path whose length differs from pixel to pixel: weighted photon radiance (scene_radiance.h, made with the camera's
+// A path whose length differs from pixel to pixel: weighted radiance (scene_radiance.h, made with the camera's
 // curves alone) times the transmission at the pixel's range, plus the radiance of the path, both from one PathTable.
 //   tau(r) = sum w_j tau_j(r) / w,   w_j = integral of hat_j R S,   w = integral of R S
-//   L(r)   = sum v_j L_j(r),         v_j = integral of hat_j R lambda/(hc)
-// with hat_j, the straight lines between the wavelengths of the table, and S, the photon radiance of a blackbody of
+//   L(r)   = sum v_j L_j(r),         v_j = integral of hat_j R lambda/(hc), or of hat_j R in watts
+// with hat_j, the straight lines between the wavelengths of the table, and S, the radiance of a blackbody of
 // `source_k` or, without one, a constant. So tau(r) is exact for a scene of that spectrum, band and not Beer behaviour
 // included; for a scene of other spectra or temperatures it is an approximation, since the spectrum of a pixel is no
 // longer known here. Between the ranges of the table tau_j and L_j follow PathTable; at range 0 the path is clear. tau
@@ -30,7 +30,7 @@ class RangeTable {
   double longest_m() const { return range_m_.back(); }
   /// The transmission at a range in [0, longest]. Throws UsageError for other ranges.
   double transmission(double range_m) const;
-  double radiance(double range_m) const;  ///< photons s^-1 m^-2 sr^-1, weighted
+  double radiance(double range_m) const;  ///< weighted
 
   /// radiance = transmission x radiance + path, pixel by pixel. Ranges are in m, above 0 and not beyond the table.
   /// Throws UsageError for others, with the number of pixels and the first one, and for a plane of another size; then

@@ -24,9 +24,9 @@ struct Knot {
   double log_t, log_l, slope;
 };
 
-Knot knot(const BandResponse& response, double log_t) {
-  const double t = std::exp(log_t), l = response.radiance(Flux::photons, t);
-  return {log_t, std::log(l), t * response.derivative(Flux::photons, t) / l};
+Knot knot(const BandResponse& response, Flux flux, double log_t) {
+  const double t = std::exp(log_t), l = response.radiance(flux, t);
+  return {log_t, std::log(l), t * response.derivative(flux, t) / l};
 }
 
 /// The cubic through two knots, and its slope.
@@ -38,13 +38,14 @@ Knot between(const Knot& a, const Knot& b, double log_t) {
 }
 
 /// Knots after `a` up to `b`. Halving leaves 1/16 of the error in the middle.
-void add_knots(const BandResponse& response, const Knot& a, const Knot& b, int depth, std::vector<Knot>& knots) {
-  const Knot middle = knot(response, 0.5 * (a.log_t + b.log_t));
+void add_knots(const BandResponse& response, Flux flux, const Knot& a, const Knot& b, int depth,
+               std::vector<Knot>& knots) {
+  const Knot middle = knot(response, flux, 0.5 * (a.log_t + b.log_t));
   const double error = std::abs(between(a, b, middle.log_t).log_l - middle.log_l);
   const bool wide = b.log_t - a.log_t > 0.35;
   if (depth > 0 && (wide || !(error <= 8.0 * kLogError))) {
-    add_knots(response, a, middle, depth - 1, knots);
-    add_knots(response, middle, b, depth - 1, knots);
+    add_knots(response, flux, a, middle, depth - 1, knots);
+    add_knots(response, flux, middle, b, depth - 1, knots);
   } else {
     knots.push_back(middle);
     knots.push_back(b);
@@ -52,8 +53,8 @@ void add_knots(const BandResponse& response, const Knot& a, const Knot& b, int d
 }
 
 /// The lowest temperature in [lo, hi] from which on there is radiance, or a little less; above hi when there is none.
-double first_warm(const BandResponse& response, double lo_k, double hi_k) {
-  const auto warm = [&](double t) { return response.radiance(Flux::photons, t) >= kLeast; };
+double first_warm(const BandResponse& response, Flux flux, double lo_k, double hi_k) {
+  const auto warm = [&](double t) { return response.radiance(flux, t) >= kLeast; };
   if (!warm(hi_k)) return 2.0 * hi_k;
   double cold = std::max(lo_k, 1e-30), hot = hi_k;
   if (warm(cold)) return cold;
@@ -66,13 +67,13 @@ double first_warm(const BandResponse& response, double lo_k, double hi_k) {
 
 }  // namespace
 
-RadianceTable::RadianceTable(const BandResponse& response, double lo_k, double hi_k) {
+RadianceTable::RadianceTable(const BandResponse& response, double lo_k, double hi_k, Flux flux) {
   if (!(lo_k >= 0.0 && hi_k >= lo_k && hi_k <= std::numeric_limits<float>::max()))
     throw mtf::UsageError("a table of radiances from " + mtf::format_double(lo_k) + " K to " +
                           mtf::format_double(hi_k) + " K; temperatures are 0 or above, finite and rise");
   start_ = 1.0F;
   if (hi_k == 0.0) return;
-  const double warm = first_warm(response, lo_k, hi_k);
+  const double warm = first_warm(response, flux, lo_k, hi_k);
   start_ = static_cast<float>(warm);
   end_ = static_cast<float>(hi_k);
   if (start_ > end_) {
@@ -81,8 +82,8 @@ RadianceTable::RadianceTable(const BandResponse& response, double lo_k, double h
   }
 
   // The table goes one cell further at both ends.
-  std::vector<Knot> knots{knot(response, std::log(warm) - kWidestCell)};
-  add_knots(response, knots[0], knot(response, std::log(hi_k) + kWidestCell), 16, knots);
+  std::vector<Knot> knots{knot(response, flux, std::log(warm) - kWidestCell)};
+  add_knots(response, flux, knots[0], knot(response, flux, std::log(hi_k) + kWidestCell), 16, knots);
   double growth = 1.0;
   for (const Knot& k : knots) growth = std::max(growth, k.slope);
   const int cell_bits = std::clamp(static_cast<int>(std::ceil(std::log2(growth / kGrowth))), kFewestBits, 16);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Weighted photon radiance of a blackbody for every pixel of a temperature image: the integral of BandResponse, made
+// Weighted radiance of a blackbody for every pixel of a temperature image: the integral of BandResponse, made
 // once into a table that the bits of the temperature index.
 //
 // First log L is sampled over log T, with its slope, densely enough that cubics through value and slope at both ends
@@ -22,10 +22,10 @@ namespace radiometry {
 class RadianceTable {
  public:
   /// For temperatures from lo_k to hi_k, 0 <= lo <= hi, finite. Throws UsageError for others.
-  RadianceTable(const BandResponse& response, double lo_k, double hi_k);
+  RadianceTable(const BandResponse& response, double lo_k, double hi_k, Flux flux = Flux::photons);
 
-  /// Photons per second, m^-2 sr^-1, weighted by the response, of a temperature in [lo, hi]; 0 where the radiance is
-  /// below the smallest float. Below lo it is 0, above hi that of hi; NaN for NaN, infinite for infinite.
+  /// Photons per second or watts, m^-2 sr^-1, weighted by the response, of a temperature in [lo, hi]; 0 where the
+  /// radiance is below the smallest float. Below lo it is 0, above hi that of hi; NaN for NaN, infinite for infinite.
   double operator()(float temperature_k) const {
     const auto bits = std::bit_cast<std::uint32_t>(temperature_k);
     if (!(temperature_k >= start_)) return temperature_k < start_ ? 0.0 : static_cast<double>(temperature_k);

@@ -93,7 +93,8 @@ ChannelWeights weights_of(const SceneBand& scene, std::span<const double> wavele
   for (std::size_t i = 0; i < wavelength_um.size(); ++i) {
     const Spectrum own = hat(wavelength_um, i);
     const Interval range = range_of(own);
-    SceneBand near{{std::max(range.lo_um, weights.used.lo_um), std::min(range.hi_um, weights.used.hi_um)}, {}};
+    SceneBand near{
+        {std::max(range.lo_um, weights.used.lo_um), std::min(range.hi_um, weights.used.hi_um)}, {}, scene.flux};
     const bool seen = near.band.hi_um > near.band.lo_um;
     if (seen)
       for (const Spectrum& curve : scene.curves) near.curves.push_back(around(curve, near.band));
@@ -102,14 +103,16 @@ ChannelWeights weights_of(const SceneBand& scene, std::span<const double> wavele
   return weights;
 }
 
-double mean_wavelength_um(const Interval& band) {  // harmonic, of photons that are spread evenly
+/// Mean wavelength in um of light that is even over the band: photons, of which it is the harmonic mean, or watts.
+double mean_wavelength_um(Flux even, const Interval& band) {
+  if (even == Flux::watts) return 0.5 * (band.lo_um + band.hi_um);
   return (band.hi_um - band.lo_um) / std::log1p((band.hi_um - band.lo_um) / band.lo_um);
 }
 
 }  // namespace
 
 SceneBand scene_band(const SpectralCamera& camera) {
-  SceneBand scene{camera.band, camera.optics};
+  SceneBand scene{camera.band, camera.optics, camera.flux};
   scene.curves.insert(scene.curves.end(), camera.cold_filter.begin(), camera.cold_filter.end());
   scene.curves.insert(scene.curves.end(), camera.quantum_efficiency.begin(), camera.quantum_efficiency.end());
   return scene;
@@ -121,15 +124,15 @@ SceneBand scene_band(const SpectralCamera& camera, const Path& path) {
   return scene;
 }
 
-double path_photon_radiance(const SpectralCamera& camera, const Path& path) {
+double weighted_path_radiance(const SpectralCamera& camera, const Path& path) {
   return band_radiances(camera, {.temperature_k = 0.0}, path, {}).path;
 }
 
 TemperatureRadiance::TemperatureRadiance(const SceneBand& scene, const Spectrum& emissivity, double surroundings_k,
                                          double lo_k, double hi_k)
-    : table_(response_with(scene, {emissivity}), lo_k, hi_k) {
+    : table_(response_with(scene, {emissivity}), lo_k, hi_k, scene.flux) {
   require_surroundings(surroundings_k);
-  reflected_ = response_with(scene, {complement(emissivity)}).radiance(Flux::photons, surroundings_k);
+  reflected_ = response_with(scene, {complement(emissivity)}).radiance(scene.flux, surroundings_k);
 }
 
 void TemperatureRadiance::apply(mtf::ImageView<float> plane, int threads) const {
@@ -151,23 +154,25 @@ void radiance_of_temperature(mtf::ImageView<float> plane, const SceneBand& scene
   refuse_pixels(finish.plane, {"emissivity", "outside 0 to 1", "correct the plane; is it in percent?"}, options.threads,
                 [](float value) { return !(value >= 0.0F && value <= 1.0F); });
   const BandResponse response = response_with(scene, {});
-  const RadianceTable table(response, lo, hi);
-  const double surroundings = response.radiance(Flux::photons, finish.surroundings_k);
+  const RadianceTable table(response, lo, hi, scene.flux);
+  const double surroundings = response.radiance(scene.flux, finish.surroundings_k);
   for_each_pixel(plane, finish.plane, options.threads, [&](float t, float emissivity) {
     const auto e = static_cast<double>(emissivity);
     return static_cast<float>(e * table(t) + (1.0 - e) * surroundings);
   });
 }
 
-double photons_per_radiance(Flux given, const SceneBand& scene, std::optional<double> source_k) {
+double light_per_radiance(Flux given, const SceneBand& scene, std::optional<double> source_k) {
   const BandResponse response = response_with(scene, {});
   const Interval& band = scene.band;
   if (!source_k) {
-    const double per_photon = response.integral() / (band.hi_um - band.lo_um);
-    return given == Flux::photons ? per_photon : per_photon * mean_wavelength_um(band) / kPhotonEnergy_j_um;
+    const double of_same = response.integral() / (band.hi_um - band.lo_um);
+    if (given == scene.flux) return of_same;
+    const double mean_um = mean_wavelength_um(scene.flux, band);
+    return given == Flux::watts ? of_same * mean_um / kPhotonEnergy_j_um : of_same * kPhotonEnergy_j_um / mean_um;
   }
   const double whole = band_radiance(given, band.lo_um, band.hi_um, *source_k);
-  const double seen = response.radiance(Flux::photons, *source_k);
+  const double seen = response.radiance(scene.flux, *source_k);
   if (!(whole >= std::numeric_limits<double>::min()) || !std::isfinite(whole) || !std::isfinite(seen))
     throw UsageError("source_temperature of " + format_double(*source_k) + " K: its radiance in the band " +
                      describe(band) + " is " + format_double(whole) +
@@ -176,7 +181,9 @@ double photons_per_radiance(Flux given, const SceneBand& scene, std::optional<do
 }
 
 ChannelWeights channel_weights(const SceneBand& scene, std::span<const double> wavelength_um) {
-  const Spectrum per_joule = photons_per_joule(response_with(scene, {}).range());
+  const bool photons = scene.flux == Flux::photons;
+  const Spectrum per_joule =
+      photons ? photons_per_joule(response_with(scene, {}).range()) : constant_spectrum("watts", 1.0);
   return weights_of(scene, wavelength_um, [&](const SceneBand& near, const Spectrum& own) {
     return response_with(near, {own, per_joule}).integral();
   });
@@ -186,7 +193,7 @@ ChannelWeights shape_weights(const SceneBand& scene, std::span<const double> wav
                              std::optional<double> source_k) {
   return weights_of(scene, wavelength_um, [&](const SceneBand& near, const Spectrum& own) {
     const BandResponse response = response_with(near, {own});
-    return source_k ? response.radiance(Flux::photons, *source_k) : response.integral();
+    return source_k ? response.radiance(scene.flux, *source_k) : response.integral();
   });
 }
 

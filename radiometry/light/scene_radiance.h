@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Planes of a scene become *weighted photon radiance* at the aperture, photons s^-1 m^-2 sr^-1:
-//   L = integral over the band of R(lambda) L_photon(lambda) dlambda
+// Planes of a scene become *weighted radiance* at the aperture, photons s^-1 m^-2 sr^-1 or, for a thermal detector,
+// W m^-2 sr^-1:
+//   L = integral over the band of R(lambda) L(lambda) dlambda,  L(lambda) in photons or in watts: SceneBand::flux
 // with R the product of the curves that the light passes: transmission of the path where it is the same for all pixels,
 // of the optics and filters, quantum efficiency. That is BandRadiances::scene of signal.h; it is linear in the light,
 // so it may pass the OTF before the camera equation makes electrons of it.
@@ -10,8 +11,8 @@
 //   spectral radiance   a straight line in wavelength between the channels, 0 beyond the first and the last one; a
 //                       single channel is a constant over the band
 //   band radiance       says nothing of the spectrum. It is taken as that of a blackbody of `source_k` or, without one,
-//                       as constant in photons per wavelength (as BandResponse::electron_nodes does), over the band of
-//                       SceneBand, and 0 outside: L = factor x radiance.
+//                       as constant per wavelength in that flux (as BandResponse::electron_nodes does), over the band
+//                       of SceneBand, and 0 outside: L = factor x radiance.
 // NaN stays NaN and +infinity stays. Pixels below 0 (temperatures in K too) are refused, or taken as 0 when asked.
 // A refusal is a UsageError with the number of pixels and the first one, thrown before a pixel is changed.
 
@@ -33,15 +34,16 @@ namespace radiometry {
 struct SceneBand {
   Interval band;
   std::vector<Spectrum> curves;
+  Flux flux = Flux::photons;  ///< of the weighted radiance
 };
 
 /// The curves of the camera alone: for paths that differ from pixel to pixel (path_planes.h), or none.
 SceneBand scene_band(const SpectralCamera& camera);
 /// The same with a path in front of the camera that is the same for all pixels. The path also adds
-/// path_photon_radiance: always take both.
+/// weighted_path_radiance: always take both.
 SceneBand scene_band(const SpectralCamera& camera, const Path& path);
-/// What a path adds, weighted by the camera's curves, photons s^-1 m^-2 sr^-1: BandRadiances::path.
-double path_photon_radiance(const SpectralCamera& camera, const Path& path);
+/// What a path adds, weighted by the camera's curves: BandRadiances::path.
+double weighted_path_radiance(const SpectralCamera& camera, const Path& path);
 
 enum class Negative {
   refuse,
@@ -84,7 +86,7 @@ class TemperatureRadiance {
 
 /// L for one unit of radiance in the band, W or photons s^-1, m^-2 sr^-1, of the spectral shape said above. Throws
 /// UsageError when a blackbody of `source_k` radiates nothing there.
-double photons_per_radiance(Flux given, const SceneBand& scene, std::optional<double> source_k);
+double light_per_radiance(Flux given, const SceneBand& scene, std::optional<double> source_k);
 
 /// For spectral radiance in W m^-2 sr^-1 um^-1 at rising wavelengths: L = sum of weight x channel. `used` is what
 /// channels, band and curves have in common; UsageError (with the ranges) when that is nothing.
@@ -95,7 +97,7 @@ struct ChannelWeights {
 ChannelWeights channel_weights(const SceneBand& scene, std::span<const double> wavelength_um);
 
 /// The same with a factor: what part of L comes from the wavelengths around each, as integrals of hat x R x shape. The
-/// shape is a blackbody's photon radiance at `source_k` or, without one, 1 photon per um: for curves that multiply the
+/// shape is a blackbody's radiance at `source_k` or, without one, 1 per um: for curves that multiply the
 /// light, such as the transmission of a path at these wavelengths.
 ChannelWeights shape_weights(const SceneBand& scene, std::span<const double> wavelength_um,
                              std::optional<double> source_k);

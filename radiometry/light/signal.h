@@ -8,6 +8,9 @@
 //   around the cone of light   (pi - cone) eps_stop L_bb(T_stop), the rest of the hemisphere
 //   electrons                  (cold transmission x (lens + its emission) + stop) QE x area x time
 //                              + dark current x time
+//   volts of a thermal detector  the same with absorptance x area x volts per watt, radiances in watts; less
+//                              cold transmission x pi L_bb(T_shutter), which the whole hemisphere sends from a closed
+//                              shutter
 // Radiances here are photons per second, m^-2 sr^-1, in the band. eta is the linear obscuration, cone = pi sin^2 theta'
 // the projected solid angle of the cone of light at the image, theta' its half angle. What the f-number N says of
 // theta' is a choice:
@@ -71,10 +74,15 @@ template <class S>
 struct Pixel {
   S width_um{};  ///< of the active area
   S height_um{};
-  S quantum_efficiency{1};
+  S quantum_efficiency{1};  ///< electrons per photon, or absorptance
   S integration_s{};
   S dark_e_s{};  ///< dark current, electrons per second
   S full_well_e{std::numeric_limits<double>::infinity()};
+  S volts_per_watt{};  ///< of a thermal detector, for the power that it absorbs; 0: a photon detector
+
+  bool thermal() const { return mtf::value_of(volts_per_watt) > 0.0; }
+  /// Signal for one photon per second, or one watt, that the pixel takes in.
+  S signal_per_flux() const { return thermal() ? volts_per_watt : integration_s; }
 
   S area_m2() const { return width_um * height_um * S(1e-12); }
 
@@ -150,32 +158,38 @@ S irradiance(const Camera<S>& camera, const S& radiance) {
 template <class S>
 struct BandRadiances {
   S scene{}, path{}, optics{}, stop{};
+  S shutter{};  ///< that a thermal camera takes its offsets from; behind the lens, so that the cold filter weights it
 };
 
-/// Mean electrons in a pixel by where they come from; everything but `scene` is background.
+/// Mean electrons in a pixel by where they come from; everything but `scene` is background. Of a thermal detector these
+/// are volts, here and wherever a name ends in _e.
 template <class S>
 struct Signal {
   S scene_e{}, path_e{}, optics_e{}, stop_e{}, dark_e{};
+  S shutter_e{};  ///< 0 or less: what the closed shutter gives is taken off
 
-  S total_e() const { return scene_e + path_e + optics_e + stop_e + dark_e; }
+  S total_e() const { return scene_e + path_e + optics_e + stop_e + dark_e + shutter_e; }
 };
 
-/// Electrons for one unit of radiance at the aperture: the slope of the signal, e- per (photons s^-1 m^-2 sr^-1).
+/// Electrons for one unit of radiance at the aperture: the slope of the signal, e- per (photons s^-1 m^-2 sr^-1), of a
+/// thermal detector V per (W m^-2 sr^-1).
 template <class S>
 S electrons_per_radiance(const Camera<S>& camera, const Pixel<S>& pixel) {
-  return irradiance(camera, S(1)) * pixel.quantum_efficiency * pixel.area_m2() * pixel.integration_s;
+  return irradiance(camera, S(1)) * pixel.quantum_efficiency * pixel.area_m2() * pixel.signal_per_flux();
 }
 
 template <class S>
 Signal<S> signal(const Camera<S>& camera, const Pixel<S>& pixel, const BandRadiances<S>& radiances) {
   const S gain = electrons_per_radiance(camera, pixel);
-  const S pixel_gain = pixel.quantum_efficiency * pixel.area_m2() * pixel.integration_s;
+  const S pixel_gain = pixel.quantum_efficiency * pixel.area_m2() * pixel.signal_per_flux();
   const S obscured = camera.obscuration * camera.obscuration;
   const S warm = camera.optics_emissivity * (S(1) - obscured) + camera.obscuration_emissivity * obscured;
-  return {gain * radiances.scene, gain * radiances.path,
+  return {gain * radiances.scene,
+          gain * radiances.path,
           pixel_gain * camera.cold_transmission * cone_sr(camera) * warm * radiances.optics,
           pixel_gain * around_cone_sr(camera) * camera.stop_emissivity * radiances.stop,
-          pixel.dark_e_s * pixel.integration_s};
+          pixel.dark_e_s * pixel.integration_s,
+          -(pixel_gain * camera.cold_transmission * S(mtf::kPi) * radiances.shutter)};
 }
 
 /// Part of the full well that is filled; above 1 the pixel saturates.

@@ -24,10 +24,10 @@ Curves behind_aperture(const SpectralCamera& camera) {
   return joined({&camera.optics, &camera.cold_filter, &camera.quantum_efficiency});
 }
 
-double thermal(const Interval& band, Curves curves, const Spectrum& emissivity, double temperature_k) {
+double thermal(Flux flux, const Interval& band, Curves curves, const Spectrum& emissivity, double temperature_k) {
   if (temperature_k == 0.0) return 0.0;
   curves.push_back(emissivity);
-  return BandResponse(band, curves).radiance(Flux::photons, temperature_k);
+  return BandResponse(band, curves).radiance(flux, temperature_k);
 }
 
 void require_temperature(const char* what, double temperature_k) {
@@ -43,10 +43,10 @@ Curves scene_curves(const SpectralCamera& camera, const Path& path) {
 }
 
 /// BandRadiances::scene.
-double scene_photons(const SpectralCamera& camera, const Surface& surface, const Path& path) {
+double scene_light(const SpectralCamera& camera, const Surface& surface, const Path& path) {
   const Curves curves = scene_curves(camera, path);
-  return thermal(camera.band, curves, surface.emissivity, surface.temperature_k) +
-         thermal(camera.band, curves, complement(surface.emissivity), surface.surroundings_k);
+  return thermal(camera.flux, camera.band, curves, surface.emissivity, surface.temperature_k) +
+         thermal(camera.flux, camera.band, curves, complement(surface.emissivity), surface.surroundings_k);
 }
 
 }  // namespace
@@ -77,27 +77,31 @@ BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface
   require_temperature("air", path.air_temperature_k);
   require_temperature("optics", emission.optics_k);
   require_temperature("a stop", emission.stop_k);
+  require_temperature("a shutter", emission.shutter_k);
   BandRadiances<double> radiances;
   const Spectrum black = constant_spectrum("blackbody", 1.0);
 
   Curves curves = behind_aperture(camera);
-  radiances.path = thermal(camera.band, curves, path.emissivity, path.air_temperature_k);
+  radiances.path = thermal(camera.flux, camera.band, curves, path.emissivity, path.air_temperature_k);
   curves.push_back(path.radiance);
-  curves.push_back(photons_per_joule(camera.band));
+  if (camera.flux == Flux::photons) curves.push_back(photons_per_joule(camera.band));
   radiances.path += BandResponse(camera.band, curves).integral();
 
-  radiances.scene = scene_photons(camera, surface, path);
-  radiances.optics =
-      thermal(camera.band, joined({&camera.cold_filter, &camera.quantum_efficiency}), black, emission.optics_k);
-  radiances.stop = thermal(stop_range(camera, emission.stop_band), camera.quantum_efficiency, black, emission.stop_k);
+  radiances.scene = scene_light(camera, surface, path);
+  radiances.optics = thermal(camera.flux, camera.band, joined({&camera.cold_filter, &camera.quantum_efficiency}), black,
+                             emission.optics_k);
+  radiances.shutter = thermal(camera.flux, camera.band, joined({&camera.cold_filter, &camera.quantum_efficiency}),
+                              black, emission.shutter_k);
+  radiances.stop =
+      thermal(camera.flux, stop_range(camera, emission.stop_band), camera.quantum_efficiency, black, emission.stop_k);
   return radiances;
 }
 
 double mean_quantum_efficiency(const SpectralCamera& camera, const Surface& surface, const Path& path) {
   if (camera.quantum_efficiency.empty()) return 1.0;
-  SpectralCamera counting = camera;  // every photon
+  SpectralCamera counting = camera;  // all light
   counting.quantum_efficiency.clear();
-  return scene_photons(camera, surface, path) / scene_photons(counting, surface, path);
+  return scene_light(camera, surface, path) / scene_light(counting, surface, path);
 }
 
 double scene_difference(const SpectralCamera& camera, const Surface& surface, const Path& path, double warmer_k) {
@@ -107,14 +111,14 @@ double scene_difference(const SpectralCamera& camera, const Surface& surface, co
   Curves curves = scene_curves(camera, path);
   curves.push_back(surface.emissivity);
   const BandResponse response(camera.band, curves);
-  const double from = response.radiance(Flux::photons, from_k), to = response.radiance(Flux::photons, to_k);
+  const double from = response.radiance(camera.flux, from_k), to = response.radiance(camera.flux, to_k);
   if (!(std::abs(to - from) < 1e-3 * from)) return to - from;
   // The warming is so small that a difference would lose digits. It is the mean slope instead, which three nodes give
   // to all digits.
   const mtf::GaussRule rule = mtf::mean_rule(from_k, to_k, 3);
   double slope = 0.0;
   for (std::size_t i = 0; i < rule.node.size(); ++i)
-    slope += rule.weight[i] * response.derivative(Flux::photons, rule.node[i]);
+    slope += rule.weight[i] * response.derivative(camera.flux, rule.node[i]);
   return warmer_k * slope;
 }
 
@@ -122,7 +126,7 @@ double scene_derivative(const SpectralCamera& camera, const Surface& surface, co
   require_temperature("a surface", surface.temperature_k);
   Curves curves = scene_curves(camera, path);
   curves.push_back(surface.emissivity);
-  return BandResponse(camera.band, curves).derivative(Flux::photons, surface.temperature_k);
+  return BandResponse(camera.band, curves).derivative(camera.flux, surface.temperature_k);
 }
 
 }  // namespace radiometry

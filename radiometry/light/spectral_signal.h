@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "radiometry/light/blackbody.h"
 #include "radiometry/light/path.h"
 #include "radiometry/light/signal.h"
 
@@ -15,7 +16,9 @@ struct SpectralCamera {
   Interval band;
   std::vector<Spectrum> optics;              ///< transmission of the warm optics
   std::vector<Spectrum> cold_filter;         ///< of what lies between cold stop and detector
-  std::vector<Spectrum> quantum_efficiency;  ///< of the detector
+  std::vector<Spectrum> quantum_efficiency;  ///< of the detector, or its absorptance
+  /// What the detector answers to: photons, or the power of a thermal detector. All radiances are of this kind.
+  Flux flux = Flux::photons;
 };
 
 /// A surface: emissivity x Planck(temperature) + (1 - emissivity) x Planck(surroundings).
@@ -39,6 +42,7 @@ struct CameraEmission {
   double optics_k = 0.0;
   double stop_k = 0.0;
   StopBand stop_band = StopBand::band;
+  double shutter_k = 0.0;  ///< of the shutter from which a thermal camera takes its offsets
 };
 
 /// The wavelengths over which the stop counts. Throws UsageError for `response` without a curve that says where the
@@ -51,8 +55,8 @@ Interval stop_range(const SpectralCamera& camera, StopBand stop_band);
 BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface& surface, const Path& path,
                                      const CameraEmission& emission);
 
-/// Mean of the quantum-efficiency curves over the photons of the scene (not of the path) that arrive at the detector:
-/// what a plain number stands for. 1 without curves, NaN where the scene sends no photon.
+/// Mean of the quantum-efficiency curves over the photons of the scene (not of the path) that arrive at the detector,
+/// or over their power: what a plain number stands for. 1 without curves, NaN where the scene sends no photon.
 double mean_quantum_efficiency(const SpectralCamera& camera, const Surface& surface, const Path& path);
 
 /// The growth of the scene's part when the surface gets warmer by `warmer_k`, to a relative 1e-12.

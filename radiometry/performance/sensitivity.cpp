@@ -64,8 +64,9 @@ bool is_saturated(const Budget<double>& budget, double value) {
 std::string refusal_of(const Budget<double>& budget, double value) {
   if (std::isfinite(value)) return {};
   if (is_saturated(budget, value)) return words(budget.saturation);
-  if (!(budget.signal.scene_e > 0.0)) return "no light of the scene makes electrons";
-  if (!(budget.signal_per_k > 0.0)) return "the electrons of the scene do not change with its temperature";
+  const std::string signal = budget.saturation.volts ? "volts" : "electrons";
+  if (!(budget.signal.scene_e > 0.0)) return "no light of the scene makes " + signal;
+  if (!(budget.signal_per_k > 0.0)) return "the " + signal + " of the scene do not change with its temperature";
   return "the value is beyond what a number can hold";
 }
 

@@ -37,6 +37,9 @@ struct NoiseTerms {
   S step_e{};   ///< electrons per count of the ADC; 0: no quantisation
   S prnu{};     ///< residual, fraction of the electrons of light
   S dsnu_e{};   ///< residual offset
+  /// Electrons have shot noise. The volts of a thermal detector have none beside their read noise, in which the
+  /// fluctuation of the light is counted.
+  bool shot = true;
 
   static constexpr auto fields() {
     constexpr auto electrons = [](std::string_view name, std::string_view doc, auto member) {
@@ -119,7 +122,8 @@ struct Budget {
   S shot_netd_k{};     ///< from the shot noise of all light alone
   S netd_k{};          ///< from the temporal noise
   S spatial_netd_k{};  ///< from the spatial noise
-  S nei_ph{};          ///< photons s^-1 m^-2 at the detector
+  S nei_ph{};          ///< photons s^-1 m^-2 at the detector; W m^-2 of a thermal one
+  S nep_w{};           ///< of a thermal detector: incident power that equals the temporal noise
   S dynamic_range{};   ///< full well / floor, a ratio
   Saturation saturation{};
 };
@@ -138,7 +142,7 @@ void refuse_saturated(Budget<S>& b) {
   for (S Budget<S>::*figure :
        {&Budget<S>::signal_per_k, &Budget<S>::scene_shot_e, &Budget<S>::background_shot_e, &Budget<S>::dark_shot_e,
         &Budget<S>::temporal_e, &Budget<S>::prnu_e, &Budget<S>::spatial_e, &Budget<S>::snr, &Budget<S>::shot_netd_k,
-        &Budget<S>::netd_k, &Budget<S>::spatial_netd_k, &Budget<S>::nei_ph})
+        &Budget<S>::netd_k, &Budget<S>::spatial_netd_k, &Budget<S>::nei_ph, &Budget<S>::nep_w})
     b.*figure = none;
   // The dark current alone may saturate the pixel.
   const Saturation& s = b.saturation;
@@ -149,7 +153,8 @@ void refuse_saturated(Budget<S>& b) {
 /// spatial terms of the budget have to be those before any correction.
 template <class S>
 PixelScatter scatter_of(const Budget<S>& b) {
-  const double total_e = mtf::value_of(b.signal.total_e()), shot_e = std::sqrt(std::max(total_e, 0.0));
+  const double total_e = mtf::value_of(b.signal.total_e());
+  const double shot_e = b.saturation.volts ? 0.0 : std::sqrt(std::max(total_e, 0.0));
   const double readout_e = std::hypot(mtf::value_of(b.read_e), mtf::value_of(b.reset_e), mtf::value_of(b.other_e));
   const double well_e = std::hypot(shot_e, mtf::value_of(b.prnu_e));
   return {.mean_e = total_e, .well_e = well_e, .converter_e = std::hypot(well_e, readout_e, mtf::value_of(b.dsnu_e))};
@@ -166,27 +171,30 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
   b.signal = signal;
   b.well_fill = radiometry::well_fill(signal, pixel);
   b.signal_per_k = signal_per_k;
-  const S scene = signal.scene_e + signal.path_e, background = signal.optics_e + signal.stop_e;
-  b.scene_shot_e = root(scene);
-  b.background_shot_e = root(background);
-  b.dark_shot_e = root(signal.dark_e);
+  const S scene = signal.scene_e + signal.path_e, background = signal.optics_e + signal.stop_e + signal.shutter_e;
+  const S shot(noise.shot ? 1.0 : 0.0);  // variance of the signal for one unit of it
+  b.scene_shot_e = root(S(shot * scene));
+  b.background_shot_e = root(S(shot * background));
+  b.dark_shot_e = root(S(shot * signal.dark_e));
   b.read_e = noise.read_e;
   b.reset_e = noise.reset_e;
   b.other_e = noise.other_e;
   b.quantisation_e = noise.step_e * S(0.28867513459481288225);  // 1 / sqrt(12)
-  const S floor2 = signal.dark_e + b.read_e * b.read_e + b.reset_e * b.reset_e + b.other_e * b.other_e +
+  const S floor2 = shot * signal.dark_e + b.read_e * b.read_e + b.reset_e * b.reset_e + b.other_e * b.other_e +
                    b.quantisation_e * b.quantisation_e;
   b.floor_e = root(floor2);
-  b.temporal_e = root(S(scene + background + floor2));
+  b.temporal_e = root(S(shot * (scene + background) + floor2));
   b.prnu_e = noise.prnu * (scene + background);
   b.dsnu_e = noise.dsnu_e;
   b.snr = signal.scene_e / b.temporal_e;
-  b.shot_netd_k = root(S(scene + background)) / signal_per_k;
+  b.shot_netd_k = root(S(shot * (scene + background))) / signal_per_k;
   b.netd_k = b.temporal_e / signal_per_k;
   set_spatial(b);
-  b.nei_ph = b.temporal_e / (pixel.quantum_efficiency * pixel.area_m2() * pixel.integration_s);
+  b.nei_ph = b.temporal_e / (pixel.quantum_efficiency * pixel.area_m2() * pixel.signal_per_flux());
   b.dynamic_range = pixel.full_well_e / b.floor_e;
+  b.saturation.volts = !noise.shot;
   b.saturation = saturation_of(scatter_of(b), range, mtf::value_of(pixel.full_well_e));
+  b.saturation.volts = !noise.shot;
   if (b.saturation.saturated()) refuse_saturated(b);
   return b;
 }

@@ -17,10 +17,11 @@ struct SpectralNumbers {
   S per_k{};                ///< derivative of the scene's radiance by its temperature
   S contrast{};             ///< scene_difference of a target
   S quantum_efficiency{1};  ///< mean_quantum_efficiency
+  ThermalReference<S> thermal{};
 
-  std::array<S*, 7> all() {
-    return {&radiances.scene, &radiances.path, &radiances.optics,  &radiances.stop,
-            &per_k,           &contrast,       &quantum_efficiency};
+  std::array<S*, 10> all() {
+    return {&radiances.scene, &radiances.path, &radiances.optics,   &radiances.stop, &radiances.shutter,
+            &per_k,           &contrast,       &quantum_efficiency, &thermal.per_k,  &thermal.middle};
   }
 };
 
@@ -52,13 +53,16 @@ std::optional<FlatFrames<S>> flat_frames(const SensorSettings& settings, const P
   return flats;
 }
 
+/// The curve of the absorptance at the reference of the noise; of a photon detector nothing.
+ThermalReference<double> thermal_reference(const Sensor& sensor);
+
 /// The budget, and in it the electrons of the target. Spatial terms are NaN where no flat frame of [correction] can be
 /// made, see spatial_gap. Throws UsageError as cone_sr.
 template <class S>
 Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& settings,
                         const SpectralNumbers<S>& spectral, double flicker_e, const Overrides<S>& numbers = {}) {
   const Camera<S> camera = camera_numbers(system, settings, numbers);
-  Pixel<S> pixel = pixel_numbers(system, settings, numbers);
+  Pixel<S> pixel = pixel_numbers(system, settings, numbers, spectral.thermal);
   const S gain = electrons_per_radiance(camera, pixel);
   Signal<S> electrons = signal(camera, pixel, spectral.radiances);
   S lost(0);
@@ -68,11 +72,13 @@ Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& sett
     electrons.optics_e = electrons.optics_e * (S(1) - depth);
     electrons.stop_e = electrons.stop_e * (S(1) - depth);
   }
-  const NoiseTerms<S> noise = noise_numbers(settings, pixel, flicker_e, numbers);
+  const NoiseTerms<S> noise = noise_numbers(settings, pixel, flicker_e, numbers, spectral.thermal);
+  const S middle = pixel.quantum_efficiency * spectral.thermal.middle;
   pixel.quantum_efficiency = pixel.quantum_efficiency * spectral.quantum_efficiency;
   Budget<S> budget =
       make_budget(pixel, electrons, noise, S(gain * spectral.per_k), range_numbers(settings, pixel, numbers));
   budget.contrast_e = gain * spectral.contrast;
+  if (pixel.thermal()) budget.nep_w = budget.temporal_e / (pixel.volts_per_watt * middle);
   if (settings.correction) {
     if (const auto flats = flat_frames(settings, pixel, electrons, lost, budget, numbers)) {
       apply_correction(budget, noise.prnu, *flats);

@@ -2,47 +2,21 @@
 #pragma once
 
 // What the camera equation and the budget take from a sensor file, as numbers of any scalar, so that studies
-// differentiate through detector and converter as they do through the OTF. A number of the tables may be overridden by
-// its path ("detector.read_noise"); that is how a design of a study differs from its sensor file.
+// differentiate through detector and converter as they do through the OTF.
 
 #include <algorithm>
 #include <array>
 #include <span>
 #include <string_view>
 
+#include "radiometry/performance/overrides.h"
+#include "radiometry/performance/thermal_numbers.h"
 #include "radiometry/sensor_settings.h"
 
 namespace radiometry {
 
-template <class S>
-struct Override {
-  std::string_view path;  ///< "table.key"
-  S value{};
-};
-
-template <class S>
-class Overrides {
- public:
-  Overrides() = default;
-  explicit Overrides(std::span<const Override<S>> list) : list_(list) {}
-
-  const S* find(std::string_view path) const {
-    for (const Override<S>& one : list_)
-      if (one.path == path) return &one.value;
-    return nullptr;
-  }
-  S operator()(std::string_view path, double given) const {
-    const S* value = find(path);
-    return value != nullptr ? *value : S(given);
-  }
-  bool empty() const { return list_.empty(); }
-
- private:
-  std::span<const Override<S>> list_;
-};
-
 /// The numbers that the functions below read from overrides.
-inline constexpr std::array<std::string_view, 31> kBudgetNumbers{"optics.transmission",
+inline constexpr std::array<std::string_view, 32> kBudgetNumbers{"optics.transmission",
                                                                  "optics.cold_transmission",
                                                                  "optics.emissivity",
                                                                  "optics.obscuration_emissivity",
@@ -58,6 +32,7 @@ inline constexpr std::array<std::string_view, 31> kBudgetNumbers{"optics.transmi
                                                                  "detector.read_noise",
                                                                  "detector.other_noise",
                                                                  "adc.electrons_per_count",
+                                                                 "adc.volts_per_count",
                                                                  "adc.offset",
                                                                  "noise.row",
                                                                  "noise.column",
@@ -93,9 +68,10 @@ Camera<S> camera_numbers(const mtf::System<S>& system, const SensorSettings& set
   return camera;
 }
 
-/// The active area is the pitch unless [detector] gives its size.
+/// The active area is the pitch unless [detector] gives its size. `reference`: of a thermal detector.
 template <class S>
-Pixel<S> pixel_numbers(const mtf::System<S>& system, const SensorSettings& settings, const Overrides<S>& numbers = {}) {
+Pixel<S> pixel_numbers(const mtf::System<S>& system, const SensorSettings& settings, const Overrides<S>& numbers = {},
+                       const ThermalReference<S>& reference = {}) {
   const DetectorSettings detector = settings.detector.value_or(DetectorSettings{});
   const auto size = [&](std::string_view path, const std::optional<double>& given, const S& pitch_um) {
     return given || numbers.find(path) != nullptr ? numbers(path, given.value_or(0.0)) : pitch_um;
@@ -106,17 +82,24 @@ Pixel<S> pixel_numbers(const mtf::System<S>& system, const SensorSettings& setti
                  .dark_e_s = numbers("detector.dark_current", detector.dark_e_s),
                  .full_well_e = numbers("detector.full_well", detector.full_well_e)};
   if (detector.quantum_efficiency.file.empty())
-    pixel.quantum_efficiency = numbers("detector.quantum_efficiency", detector.quantum_efficiency.number);
+    pixel.quantum_efficiency = numbers(settings.thermal ? "detector.absorptance" : "detector.quantum_efficiency",
+                                       detector.quantum_efficiency.number);
+  if (settings.thermal) {
+    pixel.volts_per_watt = volts_per_watt(*settings.thermal, S(pixel.quantum_efficiency * reference.middle), numbers);
+    pixel.integration_s = S(1);  // the signal follows the power, not its sum over a time
+  }
   return pixel;
 }
 
-/// Electrons of one count: as given, or the full well over the counts that the offset leaves. It is 0 without [adc].
+/// Electrons (volts of a thermal detector) of one count: as given, or the full well over the counts that the offset
+/// leaves. It is 0 without [adc].
 template <class S>
 S electrons_per_count(const SensorSettings& settings, const S& full_well_e, const Overrides<S>& numbers = {}) {
   if (!settings.adc) return S(0);
   const AdcSettings& adc = *settings.adc;
-  if (adc.electrons_per_count || numbers.find("adc.electrons_per_count") != nullptr)
-    return numbers("adc.electrons_per_count", adc.electrons_per_count.value_or(0.0));
+  const std::string_view path = settings.thermal ? "adc.volts_per_count" : "adc.electrons_per_count";
+  if (adc.electrons_per_count || numbers.find(path) != nullptr)
+    return numbers(path, adc.electrons_per_count.value_or(0.0));
   const double most = Adc{.bits = adc.bits}.most_counts();
   return full_well_e / (S(most) - numbers("adc.offset", adc.offset_counts));
 }
@@ -141,10 +124,37 @@ PixelRange range_numbers(const SensorSettings& settings, const Pixel<S>& pixel, 
   return range;
 }
 
-/// All temporal and spatial terms. `flicker_e`: rms of the 1/f noise over the detector.
+/// The noise of a thermal pixel as absorbed power.
+template <class S>
+ThermalNoise<S> thermal_noise_of(const SensorSettings& settings, const Pixel<S>& pixel,
+                                 const ThermalReference<S>& reference, const Overrides<S>& numbers = {}) {
+  const Cone cone = settings.optics.value_or(OpticsSettings{}).cone;
+  return thermal_noise(*settings.thermal, pixel.area_m2(), pixel.quantum_efficiency, pixel.volts_per_watt, cone,
+                       reference, numbers);
+}
+
+/// Rms volts of a thermal pixel and its readout. An NETD of the camera has the rounding to counts in it already; it is
+/// taken off here, since the budget and the converter of simulated frames add it. Throws UsageError where the rounding
+/// alone is more.
+template <class S>
+S thermal_volts(const SensorSettings& settings, const Pixel<S>& pixel, const ThermalReference<S>& reference,
+                const Overrides<S>& numbers = {}) {
+  const S volts = pixel.volts_per_watt * thermal_noise_of(settings, pixel, reference, numbers).total_w();
+  if (settings.thermal->netd_of == NetdOf::focal_plane) return volts;
+  const S step = electrons_per_count(settings, pixel.full_well_e, numbers);
+  const S rest = volts * volts - step * step / S(12);
+  if (mtf::value_of(rest) < 0.0)
+    throw mtf::UsageError("adc.volts_per_count: rounding to counts of " + three_digits(mtf::value_of(step)) +
+                          " V is more than the noise of " + three_digits(mtf::value_of(volts)) +
+                          " V that the NETD of the camera stands for; lower it, or raise detector.netd");
+  return detail::root(rest);
+}
+
+/// All temporal and spatial terms. `flicker_e`: rms of the 1/f noise over the detector. `reference`: of a thermal
+/// detector.
 template <class S>
 NoiseTerms<S> noise_numbers(const SensorSettings& settings, const Pixel<S>& pixel, double flicker_e,
-                            const Overrides<S>& numbers = {}) {
+                            const Overrides<S>& numbers = {}, const ThermalReference<S>& reference = {}) {
   const DetectorSettings detector = settings.detector.value_or(DetectorSettings{});
   const NoiseSettings lines = settings.noise.value_or(NoiseSettings{});
   const Noise3d cube = settings.noise_3d.value_or(Noise3d{});
@@ -161,7 +171,8 @@ NoiseTerms<S> noise_numbers(const SensorSettings& settings, const Pixel<S>& pixe
                                           temperature != nullptr ? *temperature : S(*detector.temperature_k))
                           : numbers("detector.reset_noise", detector.reset_e);
   return {
-      .read_e = numbers("detector.read_noise", detector.read_e),
+      .read_e = settings.thermal ? thermal_volts(settings, pixel, reference, numbers)
+                                 : numbers("detector.read_noise", detector.read_e),
       .reset_e = reset_e,
       .other_e = root_sum({numbers("detector.other_noise", detector.other_e), S(flicker_e),
                            numbers("noise.row", lines.row_e), numbers("noise.column", lines.column_e),
@@ -171,7 +182,8 @@ NoiseTerms<S> noise_numbers(const SensorSettings& settings, const Pixel<S>& pixe
       .prnu = numbers("nonuniformity.prnu", unequal.prnu),
       .dsnu_e = root_sum({numbers("nonuniformity.dsnu", unequal.dsnu_e), numbers("noise.fixed_row", lines.fixed_row_e),
                           numbers("noise.fixed_column", lines.fixed_column_e), numbers("noise_3d.v", cube.v),
-                          numbers("noise_3d.h", cube.h), numbers("noise_3d.vh", cube.vh)})};
+                          numbers("noise_3d.h", cube.h), numbers("noise_3d.vh", cube.vh)}),
+      .shot = !settings.thermal};
 }
 
 }  // namespace radiometry

@@ -7,6 +7,7 @@
 #include "radiometry/performance/ground_resolution.h"
 #include "radiometry/performance/johnson.h"
 #include "radiometry/performance/mrtd.h"
+#include "radiometry/performance/thermal_detector.h"
 #include "tests/radiometry/performance_cases.h"
 
 // One body for double and Jet: derivatives by every parameter against central differences, to 1e-6 of the largest
@@ -201,6 +202,23 @@ TEST(PerformanceJets, probability) {
   for (const Psychometric p : {Psychometric::ttp_nvthermip, Psychometric::ttp_nvipm, Psychometric::johnson})
     for (const double at : {0.2, 0.99, 3.0})
       expect_gradient([&](const auto& x) { return task_probability(p, x[0]); }, std::array{at});
+}
+
+TEST(PerformanceJets, noise_of_a_bolometer) {
+  const auto noise_w = [](const auto& x) {
+    using S = std::decay_t<decltype(x[0])>;
+    const ThermalBody<S> body{.heat_capacity_j_k = x[0], .conductance_w_k = x[1], .temperature_k = x[2]};
+    const BolometerReadout<S> readout{.resistance_ohm = x[3],
+                                      .tcr_per_k = x[4],
+                                      .bias_v = x[5],
+                                      .corner_hz = x[6],
+                                      .lowest_hz = x[7],
+                                      .readout_v = x[8],
+                                      .bandwidth_hz = x[9]};
+    return bolometer_noise(body, readout).total_w();
+  };
+  expect_gradient(noise_w, std::array{3e-10, 3e-8, 300.0, 1e5, -0.02, 2.0, 1e3, 0.01, 2e-6, 8e3});
+  expect_gradient(noise_w, std::array{3e-10, 3e-8, 300.0, 1e5, 0.02, 20.0, 10.0, 0.01, 2e-6, 40.0});
 }
 
 }  // namespace

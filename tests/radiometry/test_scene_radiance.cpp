@@ -47,7 +47,7 @@ TEST(SceneRadiance, a_surface_as_the_camera_equation_has_it) {
     const Surface surface{t, emissivity, 290.0};
     expect_close(static_cast<double>(plane.at(x, 0)), band_radiances(mwir, surface, path, {}).scene, 1.7e-7);
   }
-  EXPECT_EQ(path_photon_radiance(mwir, path), band_radiances(mwir, Surface{}, path, {}).path);
+  EXPECT_EQ(weighted_path_radiance(mwir, path), band_radiances(mwir, Surface{}, path, {}).path);
 }
 
 TEST(SceneRadiance, emissivity_plane_as_a_grey_curve) {
@@ -111,27 +111,27 @@ TEST(SceneRadiance, watts_and_photons_agree) {
   for (const double t : {200.0, 300.0, 1000.0, 5800.0}) {
     const double exact = response.radiance(Flux::photons, t);
     for (const Flux flux : {Flux::watts, Flux::photons})
-      expect_close(photons_per_radiance(flux, scene, t) * band_radiance(flux, 3.0, 5.0, t), exact, 1e-12);
+      expect_close(light_per_radiance(flux, scene, t) * band_radiance(flux, 3.0, 5.0, t), exact, 1e-12);
   }
   // Constant in photons: n photons per um are n h c / lambda watts per um.
   const double watts = kPhotonEnergy_j_um * std::log(5.0 / 3.0), photons = 2.0;
-  expect_close(photons_per_radiance(Flux::watts, scene, {}) * watts,
-               photons_per_radiance(Flux::photons, scene, {}) * photons, 1e-12);
-  expect_close(photons_per_radiance(Flux::photons, scene, {}) * photons, response.integral(), 1e-12);
-  expect_close(photons_per_radiance(Flux::photons, open_band(), {}), 1.0, 1e-15);
+  expect_close(light_per_radiance(Flux::watts, scene, {}) * watts,
+               light_per_radiance(Flux::photons, scene, {}) * photons, 1e-12);
+  expect_close(light_per_radiance(Flux::photons, scene, {}) * photons, response.integral(), 1e-12);
+  expect_close(light_per_radiance(Flux::photons, open_band(), {}), 1.0, 1e-15);
   const SceneBand narrow{{4.0, 4.0 + 1e-9}, {}};
-  expect_close(photons_per_radiance(Flux::watts, narrow, {}), 4.0 / kPhotonEnergy_j_um, 1e-9);
+  expect_close(light_per_radiance(Flux::watts, narrow, {}), 4.0 / kPhotonEnergy_j_um, 1e-9);
 }
 
 TEST(SceneRadiance, shape_of_a_source_matters) {
   const SceneBand scene = scene_band(camera());
   EXPECT_GT(
-      std::abs(photons_per_radiance(Flux::watts, scene, 250.0) / photons_per_radiance(Flux::watts, scene, 6000.0) -
+      std::abs(light_per_radiance(Flux::watts, scene, 250.0) / light_per_radiance(Flux::watts, scene, 6000.0) -
                1.0),
       0.05);
-  expect_refused({"source_temperature of 1 K", "3 um to 5 um"}, [&] { photons_per_radiance(Flux::watts, scene, 1.0); });
-  expect_refused({"-4 K"}, [&] { photons_per_radiance(Flux::watts, scene, -4.0); });
-  expect_refused({"nan K"}, [&] { photons_per_radiance(Flux::watts, scene, std::nan("")); });
+  expect_refused({"source_temperature of 1 K", "3 um to 5 um"}, [&] { light_per_radiance(Flux::watts, scene, 1.0); });
+  expect_refused({"-4 K"}, [&] { light_per_radiance(Flux::watts, scene, -4.0); });
+  expect_refused({"nan K"}, [&] { light_per_radiance(Flux::watts, scene, std::nan("")); });
 }
 
 TEST(SceneRadiance, spectral_channels_are_lines_between_them) {

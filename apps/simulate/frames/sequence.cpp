@@ -187,6 +187,10 @@ SimulateResult simulate_sequence(const mtf::io::SensorConfig& sensor, SceneSourc
     watch.note(options.schedule + " goes on to frame " + std::to_string(schedule.settings.back().frame) +
                ", the sequence ends with " + std::to_string(names.frames.back()));
 
+  if (radiometric)
+    if (const std::string slow = lag_warning(*radiometric, names.frames.back() - names.frames.front()); !slow.empty())
+      watch.warn(slow);
+
   const std::string schedule_sha256 = schedule.sha256, scene_path = scene.file;
   const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
   SequenceFrames frames(options, sensor, radiometric, std::move(schedule), names, std::move(scene), threads);

@@ -41,6 +41,7 @@ std::optional<radiometry::OutputStage> earlier_stage(const RadiometricChain& rad
   for (int i = static_cast<int>(radiometric.stage) - 1; i >= 0; --i) {
     const auto stage = static_cast<OutputStage>(i);
     if (stage == OutputStage::dn && !sensor.settings.adc) continue;
+    if (!may_have_stage(stage, sensor.settings.thermal.has_value())) continue;
     if (whole_image_stages(radiometric.system, sensor, stage).empty()) return stage;
   }
   return std::nullopt;

@@ -28,6 +28,11 @@ std::string metric_gap(const MetricChoice& choice, const Study& study, const Var
     return "no [frame] format";
   if (effort == Effort::spurious && !mtf::is_reconstructed(sensor.system))
     return "no display, interpolation or eye in [[postsample]]";
+  const bool thermal = sensor.loaded && sensor.loaded->sensor.settings.thermal;
+  if (metric == Metric::nep && sensor.loaded && !thermal) return "no [detector] kind = \"thermal\"";
+  const bool of_electrons = choice.row->unit == "e-" || metric == Metric::well_fill || metric == Metric::shot_netd ||
+                            metric == Metric::nei || metric == Metric::dynamic_range;
+  if (thermal && of_electrons) return "a thermal detector has no electrons and no photons; take netd, nep or snr";
   if (metric == Metric::dynamic_range && sensor.loaded && sensor.loaded->sensor.settings.detector &&
       !std::isfinite(sensor.loaded->sensor.settings.detector->full_well_e))
     return "no [detector] full_well";

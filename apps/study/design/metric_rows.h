@@ -57,6 +57,7 @@ enum class Metric {
   shot_netd,
   spatial_netd,
   nei,
+  nep,
   dynamic_range,
   target_snr,
   niirs_giqe3,

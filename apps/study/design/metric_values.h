@@ -207,6 +207,8 @@ S budget_value(Metric metric, const radiometry::Budget<S>& b) {
       return S(1e3) * b.spatial_netd_k;
     case Metric::nei:
       return b.nei_ph;
+    case Metric::nep:
+      return S(1e12) * b.nep_w;
     case Metric::dynamic_range:
       return b.dynamic_range;
     default:

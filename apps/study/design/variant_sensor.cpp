@@ -22,8 +22,8 @@ double table_number(const mtf::io::SensorConfig& config, const std::string& path
 }  // namespace
 
 bool is_overridable(std::string_view path) {
-  const auto& numbers = radiometry::kBudgetNumbers;
-  return radiometry::is_spectral(path) || std::find(numbers.begin(), numbers.end(), path) != numbers.end();
+  const auto in = [&](const auto& numbers) { return std::find(numbers.begin(), numbers.end(), path) != numbers.end(); };
+  return radiometry::is_spectral(path) || in(radiometry::kBudgetNumbers) || in(radiometry::kThermalNumbers);
 }
 
 radiometry::SpectralNumbers<double> spectral_numbers(const Conditions& conditions, const radiometry::Sensor& sensor,

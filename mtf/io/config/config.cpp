@@ -90,6 +90,7 @@ bool ConfigResult::ok() const {
 namespace cfg {
 
 void interpret(const Node& tree, ConfigResult& result) {
+  result.config.schema = schema_of(tree, std::move(result.config.schema));
   Reader reader{.folder = folder_of(result.config.file),
                 .schema = result.config.schema,
                 .diagnostics = {},

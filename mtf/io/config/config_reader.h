@@ -119,6 +119,9 @@ std::vector<std::string_view> known_tables(std::span<const TableInfo> schema);
 std::vector<std::string_view> with_rows(std::span<const std::string_view> keys, std::span<const TableInfo> schema,
                                         std::string_view table);
 
+/// The tables that hold for this file: of those of one name the one whose condition the file fulfils. In
+/// config_settings.cpp.
+std::vector<TableInfo> schema_of(const Node& root, std::vector<TableInfo> schema);
 /// The tables of the schema that are in the file. In config_settings.cpp.
 std::vector<SettingsTable> read_settings(const Section& root);
 

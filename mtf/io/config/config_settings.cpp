@@ -99,6 +99,22 @@ SettingsTable read_table(const Section& section, const TableInfo& info) {
 
 }  // namespace
 
+std::vector<TableInfo> schema_of(const Node& root, std::vector<TableInfo> schema) {
+  const auto holds = [&](const GivenWord& given) {
+    const Node* table = root.find(given.table);
+    const Node* word = table != nullptr && table->kind == Node::Kind::table ? table->find(given.key) : nullptr;
+    return word != nullptr && word->kind == Node::Kind::string && word->text == given.word;
+  };
+  std::erase_if(schema, [&](const TableInfo& info) { return info.where && !holds(*info.where); });
+  std::vector<std::string_view> special;
+  for (const TableInfo& info : schema)
+    if (info.where) special.push_back(info.name);
+  std::erase_if(schema, [&](const TableInfo& info) {
+    return !info.where && std::find(special.begin(), special.end(), info.name) != special.end();
+  });
+  return schema;
+}
+
 std::vector<std::string_view> known_tables(std::span<const TableInfo> schema) {
   std::vector<std::string_view> known(kTopKeys.begin(), kTopKeys.end());
   for (const TableInfo& table : schema)
@@ -125,7 +141,15 @@ std::vector<SettingsTable> read_settings(const Section& root) {
     if (node == nullptr) continue;
     const std::string name(info.name);
     const Section section{root.reader, *node, name, "[" + name + "]"};
-    if (!own) check_keys(section, with_rows({}, root.reader.schema, info.name));
+    if (!own) {
+      std::vector<std::string_view> known = with_rows({}, root.reader.schema, info.name);
+      for (const AbsentKey& absent : info.absent) {
+        if (section.find(absent.name) == nullptr) continue;
+        known.push_back(absent.name);
+        section.error(absent.name, std::string(absent.remedy));
+      }
+      check_keys(section, known);
+    }
     SettingsTable table = read_table(section, info);
     if (!own || !table.settings.empty()) tables.push_back(std::move(table));
   }

@@ -77,18 +77,19 @@ std::string words(const Saturation& s) {
   if (!(s.held >= kFarAway)) return {};
   std::string text = s.saturated() ? "saturated: " : "near saturation: about ";
   text += percent(s.held) + " of the values are held at ";
-  const std::string mean = " for a mean of " + three_digits(s.mean_e) + " e-";
+  const std::string unit = s.volts ? " V" : " e-", mean = " for a mean of " + three_digits(s.mean_e) + unit;
   switch (s.end) {
     case RangeEnd::full_well:
       text += "the full well of " + three_digits(s.end_e) + " e-" + mean + "; " + shorter(s) +
               ", or raise detector.full_well";
       break;
     case RangeEnd::most_count:
-      text += "the largest count of [adc], which stands for " + three_digits(s.end_e) + " e-," + mean +
-              "; raise adc.electrons_per_count or adc.bits, lower adc.offset, or " + shorter(s);
+      text += "the largest count of [adc], which stands for " + three_digits(s.end_e) + unit + "," + mean + "; raise " +
+              (s.volts ? "adc.volts_per_count or adc.bits, or lower adc.offset"
+                       : "adc.electrons_per_count or adc.bits, lower adc.offset, or " + shorter(s));
       break;
     default:
-      text += "count 0 of [adc], which stands for " + three_digits(s.end_e) + " e-," + mean + "; raise adc.offset";
+      text += "count 0 of [adc], which stands for " + three_digits(s.end_e) + unit + "," + mean + "; raise adc.offset";
       break;
   }
   if (s.saturated()) return text;
@@ -107,6 +108,7 @@ HeldPixels& HeldPixels::operator+=(const HeldPixels& other) {
   full_well += other.full_well;
   most_count += other.most_count;
   least_count += other.least_count;
+  volts = volts || other.volts;
   return *this;
 }
 
@@ -133,8 +135,11 @@ std::string words(const HeldPixels& held) {
   const bool converter = held.most_count > held.full_well;
   std::string change = held.full_well > 0 ? "shorten frame.integration_time or raise detector.full_well" : "";
   if (converter)
-    change += std::string(change.empty() ? "shorten frame.integration_time, " : "; ") +
-              "raise adc.electrons_per_count or adc.bits, or lower adc.offset";
+    change += std::string(held.volts       ? ""
+                          : change.empty() ? "shorten frame.integration_time, "
+                                           : "; ") +
+              (held.volts ? "raise adc.volts_per_count or adc.bits, or lower adc.offset"
+                          : "raise adc.electrons_per_count or adc.bits, or lower adc.offset");
   if (held.least_count > 0) change += std::string(change.empty() ? "" : "; ") + "raise adc.offset";
   return "saturated: " + where_held(held) + ", where values no longer follow the scene; " + change;
 }

@@ -43,6 +43,7 @@ struct Saturation {
   double mean_e = 0.0, end_e = 0.0;
   double sigmas = mtf::kInfinity;  ///< from the mean to that end, in standard deviations
   double held = 0.0;               ///< share of the values that are held at any end
+  bool volts = false;              ///< of a thermal detector; else the values are electrons
 
   bool saturated() const { return held >= kHalfHeld; }
 };
@@ -69,6 +70,7 @@ std::string words(const Saturation& saturation);
 struct HeldPixels {
   std::int64_t pixels = 0;  ///< of which
   std::int64_t full_well = 0, most_count = 0, least_count = 0;
+  bool volts = false;  ///< of a thermal detector
 
   /// Of the end that holds most: pixels at the full well may be at the largest count too.
   double share() const;

@@ -101,5 +101,26 @@ TEST(ConfigSettings, WithoutASchemaTheTableIsUnknown) {
   EXPECT_EQ(result.diagnostics.front().path, "widget");
 }
 
+TEST(ConfigSettings, ATableMayDependOnAWordOfTheFile) {
+  std::vector<TableInfo> tables = schema();
+  const FieldInfo weight{.name = "weight", .hi = 9.0, .presence = Presence::optional, .example = "1", .doc = "a row"};
+  tables.push_back({.name = "widget",
+                    .settings = {tables[1].settings[3], {weight, SettingType::number}},
+                    .where = GivenWord{"widget", "speed", "slow"},
+                    .absent = {{"charge", "a slow widget has none; write weight"}}});
+  const auto error = [&](const std::string& body) {
+    const ConfigResult result = parse_config(kHead + body, "s.toml", tables);
+    return result.ok() ? "" : result.diagnostics.front().path + ": " + result.diagnostics.front().text;
+  };
+  EXPECT_EQ(error("[widget]\nspeed = \"slow\"\nweight = 2\n"), "");
+  EXPECT_EQ(error("[widget]\nspeed = \"slow\"\ncharge = \"5 e-\"\n"),
+            "widget.charge: a slow widget has none; write weight");
+  EXPECT_EQ(error("[widget]\nspeed = \"fast\"\ncharge = \"5 e-\"\n"), "");
+  EXPECT_EQ(error("[widget]\nspeed = \"fast\"\nweight = 2\ncharge = \"5 e-\"\n").substr(0, 26),
+            "widget.weight: unknown key");
+  const ConfigResult slow = parse_config(kHead + "[widget]\nspeed = \"slow\"\nweight = 2\n", "s.toml", tables);
+  EXPECT_EQ(slow.config.schema.size(), 2U);  // optics and one widget: what explains and writes the file
+}
+
 }  // namespace
 }  // namespace mtf::io

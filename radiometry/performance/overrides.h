@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A number of the tables of a sensor file may be overridden by its path ("detector.read_noise"); that is how a design
+// of a study differs from its sensor file.
+
+#include <span>
+#include <string_view>
+
+namespace radiometry {
+
+template <class S>
+struct Override {
+  std::string_view path;  ///< "table.key"
+  S value{};
+};
+
+template <class S>
+class Overrides {
+ public:
+  Overrides() = default;
+  explicit Overrides(std::span<const Override<S>> list) : list_(list) {}
+
+  const S* find(std::string_view path) const {
+    for (const Override<S>& one : list_)
+      if (one.path == path) return &one.value;
+    return nullptr;
+  }
+  S operator()(std::string_view path, double given) const {
+    const S* value = find(path);
+    return value != nullptr ? *value : S(given);
+  }
+  bool empty() const { return list_.empty(); }
+
+ private:
+  std::span<const Override<S>> list_;
+};
+
+}  // namespace radiometry

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// 1/f noise of every pixel from frame to frame.
+//   S(f) = K/f from `lowest` to `highest`, one-sided, f in cycles per frame; variance K ln(highest/lowest)
+// A frame is a sample of it: what lies above half a cycle per frame is folded and looks white. It is a sum over octaves
+// i = 1, 2, ... of random numbers 2^i frames apart, joined by the two quarters of a cosine, which keep the variance the
+// same in every frame, and of numbers that are new in every frame, which have the rest of the variance (after Voss;
+// Gardner, Scientific American 238 (4), 16 (1978)). With the variance K ln 2 of an octave, 1.48 times that of the first
+// and a part of the last one, the folded spectrum is kept within 3 % from 5 times `lowest` to 0.02 cycles per frame and
+// within 7 % up to the Nyquist frequency, where `highest` is 2 cycles per frame or more; where it is 1/2, within 30 %
+// next to the Nyquist frequency. Below `lowest` it is flat. Each number is that of its pixel and frame: any region,
+// order or number of threads gives the same ones.
+
+#include "radiometry/stages/noise/noise.h"
+
+namespace radiometry {
+
+struct FrameFlicker {
+  double strength = 0.0;               ///< K, the square of the unit of the image
+  double lowest = 0.0, highest = 0.0;  ///< cycles per frame
+};
+
+double frame_flicker_variance(const FrameFlicker& noise);
+
+/// Two-sided density in squares of the unit per (cycle per frame), by the sum above; f from 0 to 1/2.
+double frame_flicker_density(const FrameFlicker& noise, double f_cy_frame);
+
+/// Adds that of the frame in `key` to a region of the detector. Throws UsageError for a strength below 0 and for
+/// frequencies that are not 0 < lowest < highest.
+void add_frame_flicker(mtf::ImageView<float> image, const FrameFlicker& noise, const NoiseKey& key, Origin origin = {},
+                       int threads = 1);
+
+}  // namespace radiometry

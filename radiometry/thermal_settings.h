@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// [detector] kind = "thermal": microbolometer, thermopile, pyroelectric (performance/thermal_detector.h has the
+// physics). Its noise is given once, in one of four forms:
+//   NETD     netd with netd_f_number, netd_transmission and netd_temperature: the scene of that temperature fills the
+//            band, the optics let that part of its light through. The cone of light is that of [optics] cone, as for
+//            the camera itself. netd_of = "focal_plane" is the detector alone, "camera" has readout and converter in it
+//   NEP      nep in nep_bandwidth, or nep_density per root hertz
+//   D*       dstar
+//   physics  heat_capacity, conductance, temperature, resistance, tcr, bias; 1/f noise by corner and lowest_frequency
+// NEP, D* and responsivity are those of incident power at the middle of [band], as data sheets have them: the power
+// that the pixel absorbs is absorptance times that.
+
+#include <optional>
+
+#include "radiometry/fields.h"
+
+namespace radiometry {
+
+enum class DetectorKind { photon, thermal };
+inline constexpr std::array<std::string_view, 2> kDetectorKindNames{"photon", "thermal"};
+constexpr std::span<const std::string_view> words(DetectorKind) { return kDetectorKindNames; }
+
+/// What an NETD that is given has in it.
+enum class NetdOf { focal_plane, camera };
+inline constexpr std::array<std::string_view, 2> kNetdOfNames{"focal_plane", "camera"};
+constexpr std::span<const std::string_view> words(NetdOf) { return kNetdOfNames; }
+
+struct ThermalSettings {
+  DetectorKind kind = DetectorKind::thermal;
+  std::optional<double> width_um{}, height_um{};  ///< of the active area; else the pitch
+  NumberOrFile absorptance{1.0};
+  std::optional<double> responsivity_v_w{};
+  std::optional<double> shutter_k{};
+  std::optional<double> bandwidth_hz{};
+  double readout_v = 0.0;
+  std::optional<double> netd_k{}, netd_f_number{}, netd_transmission{}, netd_temperature_k{}, netd_bandwidth_hz{};
+  NetdOf netd_of = NetdOf::focal_plane;
+  std::optional<double> nep_w{}, nep_bandwidth_hz{}, nep_density{};
+  std::optional<double> dstar_jones{};
+  std::optional<double> heat_capacity_j_k{}, conductance_w_k{}, temperature_k{};
+  std::optional<double> resistance_ohm{}, tcr_per_k{}, bias_v{};
+  std::optional<double> corner_hz{}, lowest_hz{};
+
+  /// True where the noise is that of the physics: any of its keys is given.
+  bool physics() const {
+    return heat_capacity_j_k || conductance_w_k || temperature_k || resistance_ohm || tcr_per_k || bias_v ||
+           corner_hz || lowest_hz;
+  }
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    using T = ThermalSettings;
+    return std::tuple{
+        Field{optional_row("kind", "\"thermal\"", "photon: electrons; thermal: a pixel that warms"), &T::kind},
+        Field{optional_row("width", length, "um", 1e-3, 1e6, "\"15 um\"", "of the active area; else the pitch"),
+              &T::width_um},
+        Field{optional_row("height", length, "um", 1e-3, 1e6, "\"15 um\"", "of the active area; else the pitch"),
+              &T::height_um},
+        Field{optional_row("absorptance", 0.0, 1.0, "0.8",
+                           "part of the incident power that is absorbed: a number or the CSV file of a curve"),
+              &T::absorptance},
+        Field{optional_row("responsivity", 1e-30, 1e30, "1e5",
+                           "V/W of incident power at the middle of the band; not with the physics, which gives it"),
+              &T::responsivity_v_w},
+        Field{optional_row("shutter_temperature", temperature, "K", 0.0, 1e6, "\"300 K\"",
+                           "of the shutter that offsets are taken from: the signal is the difference to it"),
+              &T::shutter_k},
+        Field{optional_row("noise_bandwidth", temporal, "Hz", 1e-12, 1e15, "\"30 Hz\"", "of the readout"),
+              &T::bandwidth_hz},
+        Field{optional_row("readout_noise", voltage, "V", 0.0, 1e6, "\"10 uV\"",
+                           "rms, of what follows the detector; not beside an NETD of the camera"),
+              &T::readout_v},
+        Field{optional_row("netd", temperature_difference, "K", 1e-12, 1e6, "\"50 mK\"",
+                           "noise-equivalent temperature difference at its reference"),
+              &T::netd_k},
+        Field{optional_row("netd_f_number", 0.1, 1e4, "1.0", "f-number at which the NETD holds"), &T::netd_f_number},
+        Field{optional_row("netd_transmission", 1e-6, 1.0, "1.0", "of the optics at which the NETD holds"),
+              &T::netd_transmission},
+        Field{optional_row("netd_temperature", temperature, "K", 1.0, 1e6, "\"300 K\"",
+                           "of the scene at which the NETD holds"),
+              &T::netd_temperature_k},
+        Field{optional_row("netd_bandwidth", temporal, "Hz", 1e-12, 1e15, "\"30 Hz\"",
+                           "noise bandwidth of the NETD; else that of this camera"),
+              &T::netd_bandwidth_hz},
+        Field{optional_row("netd_of", "\"camera\"",
+                           "focal_plane: the detector alone; camera: with its readout noise and converter"),
+              &T::netd_of},
+        Field{optional_row("nep", power, "W", 1e-30, 1e6, "\"10 pW\"",
+                           "incident power that equals the noise in nep_bandwidth"),
+              &T::nep_w},
+        Field{optional_row("nep_bandwidth", temporal, "Hz", 1e-12, 1e15, "\"30 Hz\"",
+                           "noise bandwidth of nep; else that of this camera"),
+              &T::nep_bandwidth_hz},
+        Field{optional_row("nep_density", 1e-30, 1e6, "2e-12", "incident power, W Hz^-1/2, in noise_bandwidth"),
+              &T::nep_density},
+        Field{optional_row("dstar", 1e-6, 1e30, "1e9", "cm Hz^1/2 W^-1 of incident power, in noise_bandwidth"),
+              &T::dstar_jones},
+        Field{optional_row("heat_capacity", 0.0, 1.0, "3e-10", "J/K of a pixel"), &T::heat_capacity_j_k},
+        Field{optional_row("conductance", 0.0, 1.0, "3e-8",
+                           "W/K from a pixel to its surroundings; heat_capacity over it is the time constant"),
+              &T::conductance_w_k},
+        Field{optional_row("temperature", temperature, "K", 1.0, 1e4, "\"300 K\"", "of the pixels"), &T::temperature_k},
+        Field{optional_row("resistance", 1e-12, 1e12, "1e5", "ohm, of a pixel"), &T::resistance_ohm},
+        Field{optional_row("tcr", -10.0, 10.0, "-0.02", "temperature coefficient of the resistance, 1/K"),
+              &T::tcr_per_k},
+        Field{optional_row("bias", voltage, "V", 1e-12, 1e6, "\"2 V\"", "across a pixel while it is read"), &T::bias_v},
+        Field{optional_row("corner", temporal, "Hz", 1e-12, 1e15, "\"500 Hz\"",
+                           "frequency at which 1/f noise equals Johnson noise; without it there is none"),
+              &T::corner_hz},
+        Field{optional_row("lowest_frequency", temporal, "Hz", 1e-12, 1e15, "\"0.01 Hz\"",
+                           "of 1/f noise: the inverse of the time between two corrections of the offset"),
+              &T::lowest_hz}};
+  }
+};
+
+/// Throws UsageError, beginning with the key, for noise that is given in no form or in two, without its reference or
+/// bandwidth, for a missing responsivity, and as require_bolometer. `middle_absorptance`: at the middle of the band.
+void require_thermal(const ThermalSettings& settings, double area_m2, double middle_absorptance);
+
+}  // namespace radiometry

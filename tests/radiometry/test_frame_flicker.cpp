@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "mtf/math/special.h"
+#include "radiometry/stages/noise/frame_flicker.h"
+#include "tests/radiometry/expect_refused.h"
+#include "tests/radiometry/frames.h"
+#include "tests/radiometry/statistics.h"
+
+namespace radiometry {
+namespace {
+
+using test::flat;
+using test::kMostSigmas;
+
+/// 1/f from a hundredth of a hertz to 8 kHz at 50 frames a second.
+constexpr FrameFlicker kNoise{.strength = 4.0, .lowest = 2e-4, .highest = 160.0};
+
+/// K/f folded at the frames, two-sided.
+double folded(const FrameFlicker& noise, double f) {
+  double sum = 0.0;
+  const auto add = [&](double g) {
+    if (g >= noise.lowest && g <= noise.highest) sum += 0.5 * noise.strength / g;
+  };
+  add(f);
+  for (double k = 1.0; k < noise.highest + 1.0; ++k) add(k - f), add(k + f);
+  return sum;
+}
+
+TEST(FrameFlicker, density_is_that_of_folded_one_over_f) {
+  for (int i = 0; i <= 200; ++i) {
+    const double f = 1e-3 * std::pow(490.0, i / 200.0);
+    EXPECT_NEAR(frame_flicker_density(kNoise, f) / folded(kNoise, f), 1.0, f < 0.02 ? 0.03 : 0.05) << f;
+    const FrameFlicker slow{.strength = 4.0, .lowest = 2e-4, .highest = 2.0};
+    EXPECT_NEAR(frame_flicker_density(slow, f) / folded(slow, f), 1.0, f < 0.02 ? 0.03 : 0.07) << f;
+  }
+}
+
+TEST(FrameFlicker, variance_is_the_integral_of_the_density) {
+  double sum = 0.0;
+  const int points = 1 << 18;  // more than twice the longest octave
+  for (int i = 0; i < points; ++i) sum += frame_flicker_density(kNoise, std::abs((i + 0.5) / points - 0.5)) / points;
+  EXPECT_NEAR(sum / frame_flicker_variance(kNoise), 1.0, 1e-9);
+  EXPECT_NEAR(frame_flicker_variance(kNoise), 4.0 * std::log(160.0 / 2e-4), 1e-12);
+}
+
+/// Periodograms of 256 pixels over 4096 frames with a Hann window, which sees 2/3 S(k) + (S(k - 1) + S(k + 1))/6.
+TEST(FrameFlicker, spectrum_over_4096_frames) {
+  constexpr int kFrames = 4096, kPixels = 256;
+  std::vector<float> values(static_cast<std::size_t>(kFrames) * kPixels);
+  for (int n = 0; n < kFrames; ++n) {
+    mtf::Image frame = flat(16, 16, 0.0F);
+    add_frame_flicker(frame.view(), kNoise, {3, static_cast<std::uint32_t>(n)}, {100, 40});
+    for (int p = 0; p < kPixels; ++p) values[static_cast<std::size_t>(p * kFrames + n)] = frame.data()[p];
+  }
+  for (const int k : {4, 8, 16, 41, 82, 164, 410, 819, 1638, 2000}) {
+    double power = 0.0;
+    for (int p = 0; p < kPixels; ++p) {
+      double re = 0.0, im = 0.0;
+      for (int n = 0; n < kFrames; ++n) {
+        const double turn = 2.0 * mtf::kPi * n / kFrames;
+        const double value =
+            0.5 * (1.0 - std::cos(turn)) * static_cast<double>(values[static_cast<std::size_t>(p * kFrames + n)]);
+        re += value * std::cos(k * turn);
+        im += value * std::sin(k * turn);
+      }
+      power += (re * re + im * im) / (kFrames * 3.0 / 8.0) / kPixels;
+    }
+    const auto density = [&](int j) { return folded(kNoise, static_cast<double>(j) / kFrames); };
+    const double expected = 2.0 / 3.0 * density(k) + (density(k - 1) + density(k + 1)) / 6.0;
+    EXPECT_NEAR(power / expected, 1.0, 0.05 + kMostSigmas / std::sqrt(kPixels)) << k;
+  }
+}
+
+TEST(FrameFlicker, every_frame_has_the_same_variance) {
+  for (const std::uint32_t n : {0U, 1U, 7U, 1000U, 123456789U}) {
+    mtf::Image frame = flat(128, 128, 0.0F);
+    add_frame_flicker(frame.view(), kNoise, {9, n});
+    const auto found = test::moments(test::samples(frame));
+    EXPECT_LT(std::abs(found.variance / frame_flicker_variance(kNoise) - 1.0) * std::sqrt(0.5 * 128 * 128),
+              kMostSigmas);
+  }
+}
+
+TEST(FrameFlicker, a_region_is_a_crop_of_the_detector) {
+  mtf::Image whole = flat(40, 30, 5.0F), part = flat(10, 6, 5.0F);
+  add_frame_flicker(whole.view(), kNoise, {9, 77}, {}, 2);
+  add_frame_flicker(part.view(), kNoise, {9, 77}, {13, 9});
+  for (std::int64_t y = 0; y < 6; ++y)
+    for (std::int64_t x = 0; x < 10; ++x) EXPECT_EQ(part.at(x, y), whole.at(x + 13, y + 9));
+}
+
+TEST(FrameFlicker, what_cannot_be_is_refused) {
+  mtf::Image image = flat(2, 2, 0.0F);
+  for (const FrameFlicker& wrong :
+       {FrameFlicker{1.0, 0.0, 1.0}, FrameFlicker{1.0, 2.0, 1.0}, FrameFlicker{-1.0, 0.1, 1.0}})
+    test::expect_refused({"1/f noise of frames", "above 0 and rise"}, [&] {
+      add_frame_flicker(image.view(), wrong, {1, 0});
+    });
+}
+
+}  // namespace
+}  // namespace radiometry

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "mtf/io/config/config.h"
+#include "radiometry/sensor_settings.h"
+#include "tests/radiometry/expect_refused.h"
+
+// [detector] kind = "thermal" in a sensor file: volts where a photon detector has electrons, and keys of its own.
+
+namespace radiometry {
+namespace {
+
+const std::string kHead =
+    "schema = 1\n[frame]\nfocal_length = \"18 mm\"\npitch = \"17 um\"\n[optics]\nf_number = 1.0\n"
+    "[band]\nwavelength = [\"8 um\", \"14 um\"]\n";
+const std::string kThermal =
+    "[detector]\nkind = \"thermal\"\nabsorptance = 0.8\nresponsivity = 1e5\nnetd = \"50 mK\"\nnetd_f_number = 1.0\n"
+    "netd_transmission = 1.0\nnetd_temperature = \"300 K\"\n";
+
+mtf::io::ConfigResult parse(const std::string& body) {
+  return mtf::io::parse_config(kHead + body, "s.toml", sensor_tables());
+}
+
+std::string first_error(const std::string& body) {
+  const mtf::io::ConfigResult result = parse(body);
+  for (const mtf::io::Diagnostic& d : result.diagnostics)
+    if (d.error) return d.path + ": " + d.text;
+  return "";
+}
+
+void expect_error(const std::string& body, const std::string& start) {
+  const std::string error = first_error(body);
+  EXPECT_EQ(error.substr(0, start.size()), start) << error;
+}
+
+TEST(ThermalSettings, are_read_in_volts) {
+  const mtf::io::ConfigResult result =
+      parse(kThermal +
+            "[nonuniformity]\ndsnu = \"2 mV\"\n[noise]\nseed = 3\ncolumn = \"5 uV\"\n[noise_3d]\ntvh = \"1 uV\"\n" +
+            "[adc]\nbits = 16\nvolts_per_count = \"50 uV\"\n");
+  ASSERT_TRUE(result.ok()) << result.diagnostics.front().text;
+  const SensorSettings settings = sensor_settings(result.config.tables);
+  ASSERT_TRUE(settings.thermal && settings.detector);
+  EXPECT_EQ(settings.thermal->netd_k, 0.05);
+  EXPECT_EQ(settings.thermal->netd_of, NetdOf::focal_plane);
+  EXPECT_EQ(settings.detector->quantum_efficiency.number, 0.8);
+  EXPECT_EQ(settings.nonuniformity->dsnu_e, 2e-3);
+  EXPECT_EQ(settings.noise->column_e, 5e-6);
+  EXPECT_EQ(settings.noise_3d->tvh, 1e-6);
+  EXPECT_EQ(settings.adc->electrons_per_count, 50e-6);
+  const std::string text = mtf::io::write_config(result.config);
+  EXPECT_NE(text.find("volts_per_count = \"5e-05 V\""), std::string::npos) << text;
+  const mtf::io::ConfigResult again = mtf::io::parse_config(text, "s.toml", sensor_tables());
+  ASSERT_TRUE(again.ok());
+  EXPECT_TRUE(again.config.tables == result.config.tables);
+}
+
+TEST(ThermalSettings, a_wrong_unit_is_an_error_that_says_so) {
+  expect_error(kThermal + "[nonuniformity]\ndsnu = \"200 e-\"\n",
+               "nonuniformity.dsnu: \"200 e-\": unit \"e-\" does not fit; expected a voltage such as \"2 mV\"");
+  expect_error("[detector]\nquantum_efficiency = 0.7\n[nonuniformity]\ndsnu = \"2 mV\"\n",
+               "nonuniformity.dsnu: \"2 mV\": unit \"mV\" does not fit; expected a charge");
+  expect_error(kThermal + "[adc]\nbits = 14\nvolts_per_count = \"5 e-\"\n",
+               "adc.volts_per_count: \"5 e-\": unit \"e-\" does not fit");
+}
+
+TEST(ThermalSettings, keys_of_photon_detectors_name_what_to_write) {
+  for (const auto& [key, remedy] :
+       {std::pair{"quantum_efficiency = 0.7", "write absorptance"},
+        std::pair{"full_well = \"1 Me-\"", "volts_per_count"},
+        std::pair{"dark_current = \"1 e-/s\"", "netd, nep, dstar"}, std::pair{"read_noise = \"1 e-\"", "readout_noise"},
+        std::pair{"reset_noise = \"1 e-\"", "readout_noise"}, std::pair{"other_noise = \"1 e-\"", "readout_noise"},
+        std::pair{"capacitance = \"1 fF\"", "heat_capacity"}}) {
+    const std::string error = first_error(kThermal + key + "\n");
+    EXPECT_NE(error.find("a thermal detector"), std::string::npos) << error;
+    EXPECT_NE(error.find(remedy), std::string::npos) << error;
+    EXPECT_EQ(error.find("unknown key"), std::string::npos) << error;
+  }
+  expect_error(kThermal + "[noise]\nshot = false\n", "noise.shot: a thermal detector counts no photons");
+  expect_error(kThermal + "[adc]\nbits = 14\nelectrons_per_count = \"3 e-\"\nvolts_per_count = \"1 uV\"\n",
+               "adc.electrons_per_count: the signal of a thermal detector is in volts; write volts_per_count");
+  expect_error(kThermal + "[adc]\nbits = 14\n", "adc.volts_per_count: missing");
+  // And the other way round.
+  expect_error("[detector]\nabsorptance = 0.8\n", "detector.absorptance: unknown key in [detector]");
+  EXPECT_EQ(first_error("[detector]\nkind = \"photon\"\nquantum_efficiency = 0.7\n"), "");
+}
+
+TEST(ThermalSettings, lag_takes_the_time_constant_of_the_pixel) {
+  const std::string physics =
+      "[detector]\nkind = \"thermal\"\nnoise_bandwidth = \"8 kHz\"\nheat_capacity = 3e-10\nconductance = 3e-8\n"
+      "temperature = \"300 K\"\nresistance = 1e5\ntcr = -0.02\nbias = \"2 V\"\n";
+  const auto lag_s = [](const std::string& body) {
+    const mtf::io::ConfigResult result = parse(body);
+    EXPECT_TRUE(result.ok()) << result.diagnostics.front().text;
+    return sensor_settings(result.config.tables).lag->time_constant_s;
+  };
+  EXPECT_NEAR(lag_s(physics + "[lag]\n"), 10e-3, 1e-17);
+  EXPECT_EQ(lag_s(kThermal + "[lag]\ntime_constant = \"8 ms\"\n"), 8e-3);
+  test::expect_refused({"lag.time_constant", "0.01 s; remove it"},
+                       [&] { lag_s(physics + "[lag]\ntime_constant = \"8 ms\"\n"); });
+  test::expect_refused({"[lag]: time_constant is missing"}, [&] { lag_s(kThermal + "[lag]\n"); });
+  expect_error("[detector]\nquantum_efficiency = 0.7\n[lag]\n", "lag.time_constant: missing");
+}
+
+}  // namespace
+}  // namespace radiometry
