@@ -126,8 +126,7 @@ TEST(SceneRadiance, watts_and_photons_agree) {
 TEST(SceneRadiance, shape_of_a_source_matters) {
   const SceneBand scene = scene_band(camera());
   EXPECT_GT(
-      std::abs(light_per_radiance(Flux::watts, scene, 250.0) / light_per_radiance(Flux::watts, scene, 6000.0) -
-               1.0),
+      std::abs(light_per_radiance(Flux::watts, scene, 250.0) / light_per_radiance(Flux::watts, scene, 6000.0) - 1.0),
       0.05);
   expect_refused({"source_temperature of 1 K", "3 um to 5 um"}, [&] { light_per_radiance(Flux::watts, scene, 1.0); });
   expect_refused({"-4 K"}, [&] { light_per_radiance(Flux::watts, scene, -4.0); });
