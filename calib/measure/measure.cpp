@@ -31,9 +31,9 @@ void check(mtf::ImageView<const float> image, const Roi& roi, const MeasureOptio
     throw mtf::UsageError("edge: the saturation must be above the floor");
 }
 
-// Below the contrast / noise that the search for edges asks for, where few pixels leave an error of 6 %.
+// Below the contrast / noise that the search for edges asks for, where few pixels leave an error of 8 %.
 bool has_large_errors(const EdgeMeasurement& edge) {
-  constexpr double kNoisyCnr = 8.0, kLarge = 0.06;
+  constexpr double kNoisyCnr = 8.0, kLarge = 0.08;
   return edge.cnr < kNoisyCnr && !(edge.mtf50 && edge.mtf50->sd < kLarge * edge.mtf50->value);
 }
 
