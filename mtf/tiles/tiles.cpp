@@ -262,6 +262,7 @@ TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& sc
 
   std::optional<TiledSensorPlan> best;
   std::string reason;
+  std::optional<double> too_small;  // the share of the tolerance that rounding exceeds
   const auto work = [](const TiledSensorPlan& plan) {
     return count(plan.report().count) * count(plan.inner().presample.in().width) *
            count(plan.inner().presample.in().height) * (plan.report().every > 0 ? 1.2 : 1.0);
@@ -271,9 +272,10 @@ TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& sc
     try {
       auto plan = cut_into_tiles(system, scene, options, tiles, every, reason);
       if (plan && (!best || work(*plan) < work(*best))) best = std::move(plan);
-    } catch (const UnreachableTolerance& e) {
+    } catch (const UnreachableTolerance&) {
       reason =
           "rounding of its float32 samples leaves too little of the tolerance for what tiles cut off beyond their halo";
+      too_small = kFarShare;
     }
   }
   // More tiles than the scene is worth: one plan for all of it is less work.
@@ -285,7 +287,7 @@ TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& sc
     if (!(bytes > limit)) return;
     TileOptions given = tiles;
     given.memory = static_cast<std::int64_t>(limit);
-    refuse_memory(system, scene, options, given, reason, bytes);
+    refuse_memory(system, scene, options, given, reason, too_small, bytes);
   };
   const TileNeeds least;  // before there is a plan, which is worth no time where even this is too much
   double bytes = whole_bytes(scene, detector, tiles, (least.otf + least.buffers) * area(scene));
