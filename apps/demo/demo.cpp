@@ -171,7 +171,8 @@ int run_demo(const DemoOptions& options, const Global& global) {
   text += std::string(pass ? "PASS" : "FAIL") + "  largest difference " + significant(worst, 2) + ", allowed " +
           significant(allowed, 2) + "\n" + thermal + "\nwritten to " + one_line(folder.string()) +
           "/: sensor.toml scene.exr sensor.exr preview.png mtf.svg mtf.png mtf.csv targets.exr targets_sensor.exr "
-          "targets.png edge.exr fit.toml thermal.exr camera.toml camera.exr thermal.png\nnext: edit " +
+          "targets.png edge.exr fit.toml thermal.exr camera.toml camera.exr uncooled.toml uncooled.exr "
+          "thermal.png\nnext: edit " +
           one_line(path("sensor.toml")) + ", then  mtf simulate " + shell_word(path("sensor.toml")) + " " +
           shell_word(path("scene.exr")) + " -o out.exr\n";
 #ifdef MTFKIT_HAVE_CALIB
