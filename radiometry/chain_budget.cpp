@@ -119,6 +119,8 @@ ThermalReference<double> thermal_reference(const Sensor& sensor) {
     SpectralCamera bare = sensor.curves;  // the optics of the reference are its one transmission
     bare.optics.clear();
     bare.cold_filter.clear();
+    if (thermal->netd_shortest_um && thermal->netd_longest_um && *thermal->netd_shortest_um < *thermal->netd_longest_um)
+      bare.band = {*thermal->netd_shortest_um, *thermal->netd_longest_um};
     reference.per_k = scene_derivative(bare, {.temperature_k = *thermal->netd_temperature_k}, {});
   }
   return reference;

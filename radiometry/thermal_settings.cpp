@@ -57,6 +57,8 @@ void require_thermal(const ThermalSettings& s, double area_m2, double middle_abs
                   {"netd_transmission", s.netd_transmission.has_value(), ""},
                   {"netd_temperature", s.netd_temperature_k.has_value(), ""},
                   {"netd_bandwidth", s.netd_bandwidth_hz.has_value(), ""},
+                  {"netd_shortest", s.netd_shortest_um.has_value(), ""},
+                  {"netd_longest", s.netd_longest_um.has_value(), ""},
                   {"netd_of", s.netd_of != NetdOf::focal_plane, ""}});
   require_figure(s.nep_w.has_value(), "nep", {{"nep_bandwidth", s.nep_bandwidth_hz.has_value(), ""}});
   const Key bandwidth{"noise_bandwidth", s.bandwidth_hz.has_value(), "\"30 Hz\""};
@@ -65,6 +67,9 @@ void require_thermal(const ThermalSettings& s, double area_m2, double middle_abs
                           {"netd_transmission", s.netd_transmission.has_value(), "1.0"},
                           {"netd_temperature", s.netd_temperature_k.has_value(), "\"300 K\""}});
     if (s.netd_bandwidth_hz) require_keys("netd_bandwidth", {bandwidth});
+    if (s.netd_shortest_um.has_value() != s.netd_longest_um.has_value() ||
+        (s.netd_shortest_um && !(*s.netd_shortest_um < *s.netd_longest_um)))
+      refuse("netd", "its band has two ends; give netd_shortest below netd_longest, or none for [band]");
     if (s.netd_of == NetdOf::camera && s.readout_v > 0.0)
       refuse("readout_noise", "is in the NETD of the camera already; remove it, or give netd_of = \"focal_plane\"");
   }

@@ -3,9 +3,10 @@
 
 // [detector] kind = "thermal": microbolometer, thermopile, pyroelectric (performance/thermal_detector.h has the
 // physics). Its noise is given once, in one of four forms:
-//   NETD     netd with netd_f_number, netd_transmission and netd_temperature: the scene of that temperature fills the
-//            band, the optics let that part of its light through. The cone of light is that of [optics] cone, as for
-//            the camera itself. netd_of = "focal_plane" is the detector alone, "camera" has readout and converter in it
+//   NETD     netd with netd_f_number, netd_transmission and netd_temperature: of a blackbody, through optics that let
+//            that part of its light pass, in [band] or from netd_shortest to netd_longest. The cone of light is that of
+//            [optics] cone, as for the camera itself. netd_of = "focal_plane" is the detector alone, "camera" has
+//            readout and converter in it
 //   NEP      nep in nep_bandwidth, or nep_density per root hertz
 //   D*       dstar
 //   physics  heat_capacity, conductance, temperature, resistance, tcr, bias; 1/f noise by corner and lowest_frequency
@@ -36,6 +37,7 @@ struct ThermalSettings {
   std::optional<double> bandwidth_hz{};
   double readout_v = 0.0;
   std::optional<double> netd_k{}, netd_f_number{}, netd_transmission{}, netd_temperature_k{}, netd_bandwidth_hz{};
+  std::optional<double> netd_shortest_um{}, netd_longest_um{};
   NetdOf netd_of = NetdOf::focal_plane;
   std::optional<double> nep_w{}, nep_bandwidth_hz{}, nep_density{};
   std::optional<double> dstar_jones{};
@@ -84,6 +86,12 @@ struct ThermalSettings {
         Field{optional_row("netd_bandwidth", temporal, "Hz", 1e-12, 1e15, "\"30 Hz\"",
                            "noise bandwidth of the NETD; else that of this camera"),
               &T::netd_bandwidth_hz},
+        Field{optional_row("netd_shortest", length, "um", 0.1, 1e4, "\"8 um\"",
+                           "wavelength at which the band of the NETD begins; else it is [band]"),
+              &T::netd_shortest_um},
+        Field{optional_row("netd_longest", length, "um", 0.1, 1e4, "\"14 um\"",
+                           "wavelength at which the band of the NETD ends"),
+              &T::netd_longest_um},
         Field{optional_row("netd_of", "\"camera\"",
                            "focal_plane: the detector alone; camera: with its readout noise and converter"),
               &T::netd_of},

@@ -36,10 +36,10 @@ constexpr double kPass = 1e-4;  // the default tolerance: what the plan promises
 // Half cycles over the frame of 3.84 mm: 3.9 to 57 cy/mm; Nyquist is 256. No two have the same alias.
 const std::vector<int> kTargets{30, 60, 90, 120, 150, 170, 190, 210, 225, 240, 250, 280, 310, 340, 390, 440};
 
-constexpr std::array kFiles{"sensor.toml", "scene.exr",          "sensor.exr",  "preview.png", "mtf.csv",
-                            "targets.exr", "targets_sensor.exr", "targets.png", "edge.exr",    "fit.toml",
-                            "thermal.exr", "camera.toml",        "camera.exr",  "thermal.png", "mtf.svg",
-                            "mtf.png"};
+constexpr std::array kFiles{
+    "sensor.toml",        "scene.exr",     "sensor.exr",   "preview.png", "mtf.csv",     "targets.exr",
+    "targets_sensor.exr", "targets.png",   "edge.exr",     "fit.toml",    "thermal.exr", "camera.toml",
+    "camera.exr",         "uncooled.toml", "uncooled.exr", "thermal.png", "mtf.svg",     "mtf.png"};
 constexpr std::size_t kFigures = 2;  // the last ones, by gnuplot
 
 mtf::io::Metadata scene_metadata(const mtf::SampleGrid& grid) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/demo/demo_thermal.h"
 
+#include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <vector>
 
 #include "apps/simulate/simulate.h"
 #include "apps/terminal/text_table.h"
@@ -74,44 +77,112 @@ bits = 14
 frames = 8
 )toml";
 
+constexpr const char* kUncooled = R"toml(schema = 1
+name = "uncooled LWIR camera with noise"
+
+[frame]
+focal_length = "100 mm"
+pitch = "15 um"
+
+[scene]
+quantity = "temperature"
+
+[optics]
+f_number = 1.0
+transmission = 0.9
+emissivity = 0.1
+temperature = "293 K"
+stop_temperature = "293 K"      # the housing is seen around the lens
+
+[band]
+wavelength = ["8 um", "13 um"]
+
+[[presample]]
+kind = "diffraction"
+[[presample]]
+kind = "footprint"
+width = "15 um"
+
+[detector]
+kind = "thermal"                # microbolometers, stated as data sheets do
+absorptance = 0.8
+responsivity = 1e5              # V/W of incident power
+shutter_temperature = "293 K"   # offsets are taken from it
+netd = "50 mK"
+netd_f_number = 1.0
+netd_transmission = 1.0
+netd_temperature = "300 K"
+
+[nonuniformity]
+dsnu = "0.2 uV"
+
+[noise]
+seed = 1
+column = "0.1 uV"
+
+[adc]
+bits = 14
+volts_per_count = "0.1 uV"
+offset = 4000
+)toml";
+
+struct Camera {
+  const char* stem;  ///< of its file and its image
+  const char* text;
+  std::vector<std::string_view> rows;  ///< of the budget that are shown; none: all
+};
+
+/// Writes the file of a camera and its image of the scene; returns both lines of the summary and the image.
+std::pair<std::string, mtf::Image> through(const Camera& camera, const std::filesystem::path& folder,
+                                           const mtf::Image& temperatures, double step_um, int threads) {
+  const std::string file = std::string(camera.stem) + ".toml", out = std::string(camera.stem) + ".exr";
+  mtf::io::write_text_file((folder / file).string(), camera.text);
+  const mtf::io::SensorConfig config = read_sensor_file((folder / file).string());
+  mtf::io::Scene scene;
+  scene.names = {"Y"};
+  scene.grid = {temperatures.width(), temperatures.height(), step_um, step_um};
+  scene.quantity = mtf::io::Quantity::temperature;
+  scene.planes.push_back(temperatures.clone());
+  SimulateResult result =
+      simulate(config, {.file = (folder / "thermal.exr").string(), .image = std::move(scene)}, {.threads = threads});
+  SimulatedImage& simulated = result.images.front();
+  mtf::Image image = std::move(simulated.planes.front());
+  mtf::io::write_exr((folder / out).string(), {{"Y", image.view()}}, simulated.metadata);
+
+  const radiometry::Sensor sensor = load_chain(config).sensor;
+  TextTable table({"at 288 K", "value", "", ""});
+  for (const radiometry::BudgetRow& row : budget_rows(config.system, sensor, budget_of(config.system, sensor, 288.0))) {
+    const bool shown =
+        camera.rows.empty() || std::find(camera.rows.begin(), camera.rows.end(), row.name) != camera.rows.end();
+    if (shown && row.value != 0.0) table.add({row.name, significant(row.value, 5), row.unit, row.doc});
+  }
+  std::string text = "\nthermal scene through the whole chain of " + file + ", and its noise budget\n" +
+                     table.aligned({Align::left, Align::right});
+  if (result.report.chain->held.any()) text += out + " is " + words(result.report.chain->held) + "\n";
+  return {std::move(text), std::move(image)};
+}
+
 }  // namespace
 
 std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& landscape, double step_um, int threads,
                          mtf::Image& scene, mtf::Image& image) {
-  const auto path = [&](const char* name) { return (folder / name).string(); };
-  mtf::io::write_text_file(path("camera.toml"), kCamera);
-  const mtf::io::SensorConfig config = read_sensor_file(path("camera.toml"));
-
   // So little contrast, as before sunrise, that the camera's noise is seen and nothing fills the wells.
   constexpr double kMean_k = 288.0, kContrast_k = 0.5;
   const mtf::Statistics s = mtf::statistics(landscape.view());
-  mtf::io::Scene thermal;
-  thermal.names = {"Y"};
-  thermal.grid = {landscape.width(), landscape.height(), step_um, step_um};
-  thermal.quantity = mtf::io::Quantity::temperature;
-  thermal.planes.push_back(landscape.clone());
-  for (float& v : std::span(thermal.planes[0].data(), static_cast<std::size_t>(landscape.size())))
+  scene = landscape.clone();
+  for (float& v : std::span(scene.data(), static_cast<std::size_t>(scene.size())))
     v = static_cast<float>(kMean_k + kContrast_k * (static_cast<double>(v) - s.mean) / s.std);
-  scene = thermal.planes[0].clone();
   mtf::io::Metadata metadata;
   metadata.text["mtf:quantity"] = "temperature";
   metadata.text["mtf:units"] = "K";
   metadata.pairs["mtf:pixelPitch"] = {step_um / 1e6, step_um / 1e6};
-  mtf::io::write_exr(path("thermal.exr"), {{"Y", scene.view()}}, metadata);
+  mtf::io::write_exr((folder / "thermal.exr").string(), {{"Y", scene.view()}}, metadata);
 
-  SimulateResult result =
-      simulate(config, {.file = path("thermal.exr"), .image = std::move(thermal)}, {.threads = threads});
-  SimulatedImage& simulated = result.images.front();
-  image = std::move(simulated.planes.front());
-  mtf::io::write_exr(path("camera.exr"), {{"Y", image.view()}}, simulated.metadata);
-
-  const radiometry::Budget<double> budget = budget_of(config.system, load_chain(config).sensor, kMean_k);
-  TextTable table({"at 288 K", "value", "", ""});
-  for (const radiometry::BudgetRow& row : rows(budget))
-    if (row.value != 0.0) table.add({row.name, significant(row.value, 5), row.unit, row.doc});
-  return "\nthermal scene through the whole chain of camera.toml, and its noise budget\n" +
-         table.aligned({Align::left, Align::right}) +
-         (result.report.chain->held.any() ? "camera.exr is " + words(result.report.chain->held) + "\n" : "");
+  auto [text, counts] = through({"camera", kCamera, {}}, folder, scene, step_um, threads);
+  image = std::move(counts);
+  return text + through({"uncooled", kUncooled, {"signal_per_k", "temporal", "largest", "netd", "spatial_netd", "nep"}},
+                        folder, scene, step_um, threads)
+                    .first;
 }
 
 }  // namespace apps

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The thermal camera of `mtf demo`: a scene of temperatures through a whole chain, with its noise budget.
+// The thermal cameras of `mtf demo`, a cooled and an uncooled one: a scene of temperatures through their whole chains,
+// with their noise budgets.
 
 #include <filesystem>
 #include <string>
@@ -10,9 +11,9 @@
 
 namespace apps {
 
-/// Writes camera.toml, thermal.exr (temperatures in K of the given landscape) and the image of the camera,
-/// camera.exr (counts), into the folder; returns the lines of the summary. `scene` and `image` become temperatures and
-/// counts, to be shown side by side.
+/// Writes thermal.exr (temperatures in K of the given landscape), camera.toml, uncooled.toml and the images of these
+/// cameras, camera.exr and uncooled.exr (counts), into the folder; returns the lines of the summary. `scene` and
+/// `image` become temperatures and the counts of the cooled camera, to be shown side by side.
 std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& landscape, double step_um, int threads,
                          mtf::Image& scene, mtf::Image& image);
 

@@ -27,7 +27,8 @@ TEST(Demo, SimulateRepeatsItsImages) {
   ASSERT_EQ(scratch.run("mtf demo -o d").status, 0);
   ASSERT_EQ(scratch.run("mtf simulate d/sensor.toml d/scene.exr -o sensor.exr").status, 0);
   ASSERT_EQ(scratch.run("mtf simulate d/camera.toml d/thermal.exr -o camera.exr").status, 0);
-  for (const std::string name : {"sensor.exr", "camera.exr"}) {
+  ASSERT_EQ(scratch.run("mtf simulate d/uncooled.toml d/thermal.exr -o uncooled.exr").status, 0);
+  for (const std::string name : {"sensor.exr", "camera.exr", "uncooled.exr"}) {
     const auto first = mtf::io::read_image((scratch / ("d/" + name)).string());
     const auto second = mtf::io::read_image((scratch / name).string());
     ASSERT_EQ(first.planes.front().size(), second.planes.front().size());

@@ -328,7 +328,7 @@ TEST_F(Simulate, ScenesThatWouldBecomeHugeAreRefusedAtOnce) {
   text.replace(text.find("sample = \"3.75 um\""), 18, "sample = \"0.1 m\"  ");
   text.replace(text.find("format = [640, 512]"), 19, "# no format        ");
   write_file(scratch / "sensor.toml", text);
-  expect_refused("ulimit -v 4000000; mtf simulate sensor.toml scene.exr -o out.exr", 2, "above 2^31");
+  expect_refused(kLimitMemory + "mtf simulate sensor.toml scene.exr -o out.exr", 2, "above 2^31");
 }
 
 class RealImages : public testing::Test {

@@ -45,6 +45,11 @@ TEST(ThermalChain, the_netd_that_is_given_is_that_of_the_budget) {
   slow.settings.thermal->netd_bandwidth_hz = 30.0;
   slow.settings.thermal->bandwidth_hz = 120.0;
   EXPECT_NEAR(netd_k(system, slow), 0.1 * 2.21, 1e-14);
+  // The same camera by a sheet that states 8 to 12 um: 0.6297043467221892 of 0.83782128952792565 W m^-2 sr^-1 K^-1.
+  Sensor narrow = sensor_of(by_netd());
+  narrow.settings.thermal->netd_shortest_um = 8.0;
+  narrow.settings.thermal->netd_longest_um = 12.0;
+  EXPECT_NEAR(netd_k(lwir_system(), narrow), 0.05 * 0.6297043467221892 / 0.83782128952792565, 1e-14);
   // Both sides take the cone that [optics] names: nothing changes at the f-number of the specification.
   Sensor sine = sensor_of(by_netd());
   sine.settings.optics = OpticsSettings{.cone = Cone::sine};

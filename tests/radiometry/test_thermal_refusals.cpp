@@ -89,6 +89,11 @@ TEST(ThermalRefusals, noise_is_given_once_and_whole) {
   thermal.netd_temperature_k.reset();
   refused({"detector.netd: given without netd_f_number, netd_temperature; write netd_f_number = 1.0"}, thermal);
   thermal = by_netd();
+  thermal.netd_shortest_um = 14.0;
+  refused({"detector.netd: its band has two ends"}, thermal);
+  thermal.netd_longest_um = 8.0;
+  refused({"detector.netd: its band has two ends"}, thermal);
+  thermal = by_netd();
   thermal.netd_bandwidth_hz = 30.0;
   refused({"detector.netd_bandwidth: given without noise_bandwidth"}, thermal);
   thermal = by_netd();

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// An uncooled camera through the commands: stages and units, budget, sequences, what is refused and warned about.
+
+#include "tests/apps/chain_sensor.h"
+
+namespace apps_test {
+namespace {
+
+const std::string kUncooled = R"(schema = 1
+name = "uncooled"
+[frame]
+focal_length = "18 mm"
+pitch = "17 um"
+frame_time = "20 ms"
+[scene]
+sample = "17 um"
+quantity = "temperature"
+[optics]
+f_number = 1.0
+transmission = 0.9
+emissivity = 0.1
+temperature = "295 K"
+stop_temperature = "295 K"
+[band]
+wavelength = ["8 um", "14 um"]
+[[presample]]
+kind = "footprint"
+fill_factor = 1.0
+[detector]
+kind = "thermal"
+absorptance = 0.8
+responsivity = 1e5
+shutter_temperature = "295 K"
+netd = "50 mK"
+netd_f_number = 1.0
+netd_transmission = 1.0
+netd_temperature = "300 K"
+)";
+const std::string kConverter = "[adc]\nbits = 14\nvolts_per_count = \"0.5 uV\"\noffset = 4000\n";
+
+class ThermalCommand : public ChainSensor {
+ protected:
+  void camera(const std::string& more, const std::string& from = "", const std::string& to = "") const {
+    std::string text = kUncooled + more;
+    if (!from.empty()) text.replace(text.find(from), from.size(), to);
+    write_file(scratch / "s.toml", text);
+  }
+};
+
+TEST_F(ThermalCommand, StagesHaveTheirUnitsAndTheValuesOfTheBudget) {
+  camera(kConverter);
+  const Json terms = budget();
+  for (const auto& [stage, unit, quantity, value] :
+       {std::tuple{"watts", "W", "power", terms["absorbed"]["value"].get<double>()},
+        std::tuple{"volts", "V", "voltage", terms["total"]["value"].get<double>()},
+        std::tuple{"dn", "counts", "counts", std::round(4000.0 + terms["total"]["value"].get<double>() / 0.5e-6)}}) {
+    const Result r = scratch.run(std::string("mtf simulate s.toml t300.exr -o out.exr --stage ") + stage);
+    ASSERT_EQ(r.status, 0) << r.err;
+    const mtf::io::ImageFile image = mtf::io::read_image((scratch / "out.exr").string(), {});
+    EXPECT_EQ(image.info.attributes.at("mtf:units"), unit);
+    EXPECT_EQ(image.info.attributes.at("mtf:quantity"), quantity);
+    EXPECT_NEAR(static_cast<double>(image.planes.front().at(30, 20)) / value, 1.0, 1e-4) << stage;
+    fs::remove(scratch / "out.exr");
+  }
+  expect_refused("mtf simulate s.toml t300.exr -o out.exr --stage electrons", {"stage electrons", "watts or volts"});
+  sensor("");
+  expect_refused("mtf simulate s.toml t300.exr -o out.exr --stage volts", {"stage volts", "take electrons"});
+}
+
+TEST_F(ThermalCommand, TheBudgetNamesItsTerms) {
+  camera("");
+  Json terms = budget();
+  EXPECT_NEAR(terms["netd"]["value"].get<double>(), 50.0 / 0.9, 1e-9);  // the optics let 0.9 through
+  EXPECT_EQ(terms["detector"]["unit"], "V");
+  EXPECT_EQ(terms["dstar"]["reason"], "no detector.noise_bandwidth");
+  EXPECT_FALSE(terms.contains("scene_shot"));
+  const std::string spec = kUncooled.substr(kUncooled.find("responsivity"));
+  camera("", spec,
+         "shutter_temperature = \"295 K\"\nnoise_bandwidth = \"8 kHz\"\nheat_capacity = 3e-10\nconductance = 3e-8\n"
+         "temperature = \"300 K\"\nresistance = 1e5\ntcr = -0.02\nbias = \"2 V\"\ncorner = \"1 kHz\"\n"
+         "lowest_frequency = \"0.01 Hz\"\n");
+  terms = budget();
+  for (const char* name : {"thermal_fluctuation", "johnson", "flicker", "readout", "largest", "nep", "dstar", "netd"})
+    EXPECT_TRUE(terms[name]["value"].is_number()) << name;
+  EXPECT_EQ(terms["largest"]["doc"], "part of the temporal variance that is flicker, the largest term");
+}
+
+TEST_F(ThermalCommand, ASequenceShorterThanTheTimeConstantIsWarnedAbout) {
+  camera("[lag]\ntime_constant = \"50 ms\"\n");
+  for (int n = 0; n < 4; ++n) write_flat(scratch / ("s." + std::to_string(n) + ".exr"), 300.0F);
+  const std::string run = "mtf simulate s.toml s.%d.exr -o o.%d.exr --stage volts --frames ";
+  const Result two = scratch.run(run + "0:1");
+  EXPECT_EQ(two.status, 0) << two.err;
+  EXPECT_NE(two.err.find("0.05 s is longer than the sequence of 0.02 s"), std::string::npos) << two.err;
+  EXPECT_EQ(scratch.run(run + "0:3").err.find("longer than"), std::string::npos);
+}
+
+TEST_F(ThermalCommand, AScenePastTheRangeIsSaidInTheWordsOfTheFile) {
+  camera("[noise]\nseed = 1\n" + kConverter, "295 K\"\nnetd", "200 K\"\nnetd");
+  const Result r = scratch.run("mtf simulate s.toml t300.exr -o out.exr");
+  EXPECT_EQ(r.status, 0) << r.err;
+  EXPECT_EQ(r.err.find("saturated"), std::string::npos) << r.err;
+  camera("[noise]\nseed = 1\n[adc]\nbits = 8\nvolts_per_count = \"0.5 uV\"\n", "295 K\"\nnetd", "200 K\"\nnetd");
+  const Result hot = scratch.run("mtf simulate s.toml t300.exr -o hot.exr");
+  EXPECT_NE(hot.err.find("raise adc.volts_per_count or adc.bits, or lower adc.offset"), std::string::npos) << hot.err;
+  EXPECT_EQ(hot.err.find("integration"), std::string::npos) << hot.err;
+}
+
+TEST_F(ThermalCommand, ErrorsHaveTheirPlace) {
+  camera("", "absorptance = 0.8", "quantum_efficiency = 0.8");
+  expect_refused("mtf config check s.toml", {"s.toml:23:22: error: detector.quantum_efficiency", "write absorptance"});
+  camera("", "netd_temperature = \"300 K\"\n", "");
+  for (const std::string command : {"config check s.toml", "budget s.toml", "simulate s.toml t300.exr -o out.exr"})
+    expect_refused("mtf " + command, {"s.toml:26:", "detector.netd: given without netd_temperature"});
+  camera("[lag]\n");
+  expect_refused("mtf config check s.toml", {"s.toml:30:", "[lag]: time_constant is missing"});
+  camera("[correction]\n");
+  expect_refused("mtf config check s.toml", {"s.toml:30:", "[correction]: its flat frames"});
+}
+
+#ifdef MTFKIT_HAVE_STUDY
+TEST_F(ThermalCommand, StudiesHaveItsNetdAndNep) {
+  camera("");
+  const std::string study =
+      "schema = 1\nsensor = \"s.toml\"\n[[axis]]\nparameter = \"detector.netd\"\nvalues = [\"25 mK\", \"50 mK\"]\n"
+      "[metrics]\nlist = [\"netd\", \"nep\"";
+  write_file(scratch / "study.toml", study + "]\n");
+  const Result r = scratch.run("mtf sweep study.toml -o sweep");
+  ASSERT_EQ(r.status, 0) << r.err;
+  std::istringstream rows(read_file(scratch / "sweep" / "designs.csv"));
+  std::string head, first, second;
+  std::getline(rows, head), std::getline(rows, first), std::getline(rows, second);
+  EXPECT_NE(head.find("netd,nep"), std::string::npos) << head;
+  const auto number = [](const std::string& row, int column) {
+    std::istringstream text(row);
+    std::string cell;
+    for (int i = 0; i <= column; ++i) std::getline(text, cell, ',');
+    return std::stod(cell);
+  };
+  EXPECT_NEAR(number(first, 2), 25.0 / 0.9, 1e-6);
+  EXPECT_NEAR(number(second, 2), 50.0 / 0.9, 1e-6);
+  // pi/5 x 0.83782128952792565 W m^-2 sr^-1 K^-1 x (17 um)^2 x 50 mK, in pW.
+  EXPECT_NEAR(number(second, 3), 7.6067493717, 1e-6);
+  write_file(scratch / "study.toml", study + ", \"signal\"]\n");
+  const Result wrong = scratch.run("mtf sweep study.toml -o wrong");
+  EXPECT_NE((wrong.err + wrong.out).find("a thermal detector has no electrons"), std::string::npos) << wrong.err;
+}
+#endif
+
+}  // namespace
+}  // namespace apps_test
