@@ -12,6 +12,27 @@ namespace {
 
 void refuse(const char* where, const std::string& why) { throw mtf::UsageError(std::string(where) + ": " + why); }
 
+/// A closed shutter fills the hemisphere of a pixel, and is seen there as lens and housing are: what weakens one of
+/// them alone would leave a difference where everything has one temperature.
+void require_shutter(const SensorSettings& s) {
+  const char* const key = "detector.shutter_temperature";
+  const OpticsSettings optics = s.optics.value_or(OpticsSettings{});
+  if (!(optics.stop_temperature_k > 0.0))
+    refuse(key,
+           "the signal is the difference to a shutter that fills the hemisphere of a pixel, and what the pixel sees "
+           "around the lens has no temperature; give optics.stop_temperature, that of the housing");
+  if (!optics.cold_transmission.file.empty() || optics.cold_transmission.number != 1.0)
+    refuse(key,
+           "with optics.cold_transmission, which the light of the housing does not pass; give it as part of "
+           "detector.absorptance");
+  if (optics.stop_band == StopBand::response)
+    refuse(key, "with optics.stop_band = \"response\": shutter and housing have to count in the same band; remove it");
+  if (s.vignetting)
+    refuse(key,
+           "with [vignetting], where the housing fills in what the lens loses, which is not modelled; remove one "
+           "of the two");
+}
+
 /// The tables that a thermal detector does not have, and the time constant of its pixels, which is counted once.
 void require_thermal_tables(const mtf::System<double>& system, const SensorSettings& s) {
   if (s.blooming) refuse("[blooming]", "of a thermal detector, which has no well whose charge could spill; remove it");
@@ -25,11 +46,7 @@ void require_thermal_tables(const mtf::System<double>& system, const SensorSetti
   if (s.narcissus)
     refuse("[narcissus]", "the pixels of a thermal detector are as warm as what they see around the lens; remove it");
   const ThermalSettings& thermal = *s.thermal;
-  if (thermal.shutter_k && !(s.optics && s.optics->stop_temperature_k > 0.0))
-    refuse("detector.shutter_temperature",
-           "the signal is the difference to a shutter that fills the hemisphere of a pixel, and what the pixel sees "
-           "around "
-           "the lens has no temperature; give optics.stop_temperature, that of the housing");
+  if (thermal.shutter_k) require_shutter(s);
   const std::optional<MovingBolometer> moving = moving_bolometer(system);
   if (moving && thermal.heat_capacity_j_k && thermal.conductance_w_k) {
     const double own_s = *thermal.heat_capacity_j_k / *thermal.conductance_w_k;
@@ -41,6 +58,10 @@ void require_thermal_tables(const mtf::System<double>& system, const SensorSetti
   const bool frames = s.frame && s.frame->frame_time_s;
   if (thermal.corner_hz && !frames)
     refuse("frame.frame_time", "missing; 1/f noise is correlated from frame to frame: for example \"20 ms\"");
+  if (thermal.corner_hz && s.microscan)
+    refuse("detector.corner", "1/f noise between the positions of [microscan] is not modelled; remove one of the two");
+  if (s.shutter && s.shutter->kind == ShutterKind::rolling && !frames)
+    refuse("frame.frame_time", "missing; a rolling readout needs the time from frame to frame: for example \"20 ms\"");
   if (!s.lag) return;
   if (moving)
     refuse("[lag]", "counts the thermal time constant of the pixels, which \"" + moving->label +
@@ -75,9 +96,11 @@ void require_consistent(const mtf::System<double>& system, const Sensor& sensor)
   const SensorSettings& s = sensor.settings;
   if (!s.detector) return;
   camera_of(system, sensor);
-  stop_range(sensor.curves, s.optics.value_or(OpticsSettings{}).stop_band);
   const Pixel<double> pixel = pixel_of(system, sensor);
   if (s.thermal) require_thermal_tables(system, s);
+  if (s.thermal && sensor.curves.flux != Flux::watts)
+    refuse("[detector]", "of kind thermal needs curves with flux = Flux::watts (SpectralCamera)");
+  stop_range(sensor.curves, s.optics.value_or(OpticsSettings{}).stop_band);
   if (s.adc) adc_of(sensor);
   if (s.nonlinearity && std::isfinite(pixel.full_well_e)) Response(*s.nonlinearity, pixel.full_well_e);
   if (s.microscan) {

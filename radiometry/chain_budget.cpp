@@ -180,7 +180,8 @@ std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sen
       {"shutter", "V", s.shutter_e, "signal of the closed shutter, taken off"},
       {"total", "V", s.total_e(), "all signal"},
       {"absorbed", "W", s.total_e() / pixel.volts_per_watt, "absorbed power, less that of the shutter"},
-      {"responsivity", "V/W", pixel.volts_per_watt, "volts for a watt of absorbed power"},
+      {"responsivity", "V/W", pixel.volts_per_watt * pixel.quantum_efficiency * thermal_reference(sensor).middle,
+       "volts for a watt of incident power at the middle of the band"},
       {"signal_per_k", "V/K", b.signal_per_k, "volts per kelvin of the scene"}};
   for (BudgetRow& row : thermal_terms(sensor, pixel, b)) all.push_back(std::move(row));
   const std::vector<BudgetRow> figures{

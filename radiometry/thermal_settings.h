@@ -93,7 +93,8 @@ struct ThermalSettings {
                            "wavelength at which the band of the NETD ends"),
               &T::netd_longest_um},
         Field{optional_row("netd_of", "\"camera\"",
-                           "focal_plane: the detector alone; camera: with its readout noise and converter"),
+                           "focal_plane: the detector alone; camera: with its readout noise and converter, without "
+                           "what [flicker], [noise] and [noise_3d] add"),
               &T::netd_of},
         Field{optional_row("nep", power, "W", 1e-30, 1e6, "\"10 pW\"",
                            "incident power that equals the noise in nep_bandwidth"),

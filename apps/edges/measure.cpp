@@ -124,13 +124,14 @@ int run_measure(const MeasureOptions& options, const Global& global) {
   for (std::size_t i = 0; i < images.size(); ++i) {
     progress.update("measuring", static_cast<double>(i) / static_cast<double>(images.size()));
     try {
-      bool first = i == 0;
+      bool first = i == 0, told = false;
       const std::size_t before = report.edges.size();
       for (const EdgePlane& plane : load_edge_planes(images[i], options.input)) {
         if (!plane.warning.empty()) note(global, "mtf: warning: " + plane.warning);
         for (const std::string& remark : plane.notes) note(global, "mtf: note: " + remark);
-        if (const std::string remark = pitch_note(plane, options.pitch_um); first && !remark.empty())
+        if (const std::string remark = pitch_note(plane, options.pitch_um); !remark.empty() && !told)
           note(global, "mtf: warning: " + remark);
+        told = true;
         if (plane.left_out + plane.not_tried > 0)
           report.left_out.push_back({images[i], plane.channel, plane.left_out, plane.not_tried});
         const EdgeMethod method{.order = options.order, .circle = options.circle, .method = options.method};

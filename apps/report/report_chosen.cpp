@@ -43,8 +43,7 @@ void add_budget(ChosenDesign& design, double temperature_k) {
   try {
     const LoadedSensor loaded = load_chain(design.config);
     const radiometry::Budget<double> budget = budget_of(design.config.system, loaded.sensor, temperature_k);
-    design.budget = radiometry::rows(budget);
-    design.budget.push_back(dstar_row(design.config.system, loaded.sensor, budget));
+    design.budget = budget_rows(design.config.system, loaded.sensor, budget);
     design.saturation = words(budget.saturation);
   } catch (const std::exception& error) {
     design.budget_gap = one_line(error.what());

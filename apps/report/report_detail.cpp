@@ -155,20 +155,28 @@ std::string noise_budget(const Chosen& chosen, double temperature_k) {
     const radiometry::BudgetRow& row = with->budget[i];
     std::vector<std::string> cells{"<abbr title=\"" + html(row.doc) + "\">" + html(row.name) +
                                    "</abbr> <span class=\"unit\">" + html(row.unit) + "</span>"};
-    for (const ChosenDesign& design : chosen)
-      cells.push_back(i >= design.budget.size()    ? html_value("")
-                      : design.budget[i].saturated ? "saturated"
-                                                   : html_value(design.budget[i].value));
+    for (const ChosenDesign& design : chosen) {
+      const auto same = std::find_if(design.budget.begin(), design.budget.end(), [&](const auto& other) {
+        return other.name == row.name && other.unit == row.unit;
+      });
+      cells.push_back(same == design.budget.end() ? html_value("")
+                      : same->saturated           ? "saturated"
+                                                  : html_value(same->value));
+    }
     rows.add(cells);
   }
   std::vector<Bar> bars;
+  std::string unit;  // of the first design: volts and electrons do not share an axis
   for (const ChosenDesign& design : chosen)
-    for (const radiometry::BudgetRow& row : design.budget)
-      if (row.name == "temporal" && row.refused.empty())
-        bars.push_back({"design " + std::to_string(design.chosen.design), row.value, 0.0});
+    for (const radiometry::BudgetRow& row : design.budget) {
+      if (row.name != "temporal" || !row.refused.empty()) continue;
+      if (unit.empty()) unit = row.unit;
+      if (row.unit == unit) bars.push_back({"design " + std::to_string(design.chosen.design), row.value, 0.0});
+    }
   return "<h3>Noise budget</h3>\n<p>Of a pixel on the optical axis that images a surface of " + surface +
          ", as in <code>mtf budget</code>. Variances add: bars are shares of the temporal variance.</p>\n" +
-         html_chart("noise", svg_bars("Temporal noise", "electrons rms", bars)) +
+         html_chart("noise",
+                    svg_bars("Temporal noise", (unit == "V" ? "volts" : "electrons") + std::string(" rms"), bars)) +
          "<details><summary>All terms</summary>" + rows.html() + "</details>\n" + gaps;
 }
 

@@ -64,9 +64,9 @@ Interval stop_range(const SpectralCamera& camera, StopBand stop_band) {
     own = {std::max(own.lo_um, range.lo_um), std::min(own.hi_um, range.hi_um)};
   }
   if (!(own.lo_um > 0.0 && std::isfinite(own.hi_um)))
-    throw mtf::UsageError(
-        "optics.stop_band = \"response\": needs detector.quantum_efficiency as a CSV file; a number does not say where "
-        "the response ends");
+    throw mtf::UsageError("optics.stop_band = \"response\": needs detector." +
+                          std::string(camera.flux == Flux::watts ? "absorptance" : "quantum_efficiency") +
+                          " as a CSV file; a number does not say where the response ends");
   return own;
 }
 

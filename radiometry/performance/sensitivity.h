@@ -184,7 +184,8 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
                    b.quantisation_e * b.quantisation_e;
   b.floor_e = root(floor2);
   b.temporal_e = root(S(shot * (scene + background) + floor2));
-  b.prnu_e = noise.prnu * (scene + background);
+  const S light = scene + background;  // below 0 where a scene is colder than the shutter of a thermal detector
+  b.prnu_e = noise.prnu * (mtf::value_of(light) < 0.0 ? S(-light) : light);
   b.dsnu_e = noise.dsnu_e;
   b.snr = signal.scene_e / b.temporal_e;
   b.shot_netd_k = root(S(shot * (scene + background))) / signal_per_k;

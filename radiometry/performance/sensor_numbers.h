@@ -85,7 +85,10 @@ Pixel<S> pixel_numbers(const mtf::System<S>& system, const SensorSettings& setti
     pixel.quantum_efficiency = numbers(settings.thermal ? "detector.absorptance" : "detector.quantum_efficiency",
                                        detector.quantum_efficiency.number);
   if (settings.thermal) {
-    pixel.volts_per_watt = volts_per_watt(*settings.thermal, S(pixel.quantum_efficiency * reference.middle), numbers);
+    const S absorptance = pixel.quantum_efficiency * reference.middle;
+    if (settings.thermal->physics() && !numbers.empty())
+      require_physics(*settings.thermal, absorptance, S(pixel.area_m2()), numbers);
+    pixel.volts_per_watt = volts_per_watt(*settings.thermal, absorptance, numbers);
     pixel.integration_s = S(1);  // the signal follows the power, not its sum over a time
   }
   return pixel;
@@ -142,7 +145,12 @@ S thermal_volts(const SensorSettings& settings, const Pixel<S>& pixel, const The
   const S volts = pixel.volts_per_watt * thermal_noise_of(settings, pixel, reference, numbers).total_w();
   if (settings.thermal->netd_of == NetdOf::focal_plane) return volts;
   const S step = electrons_per_count(settings, pixel.full_well_e, numbers);
-  const S rest = volts * volts - step * step / S(12);
+  // Rounding does not follow the bandwidth: its part of the NETD is taken off before the rest is scaled.
+  const auto& stated_hz = settings.thermal->netd_bandwidth_hz;
+  const S scale =
+      stated_hz ? S(numbers("detector.noise_bandwidth", settings.thermal->bandwidth_hz.value_or(0.0)) / S(*stated_hz))
+                : S(1);
+  const S rest = volts * volts - scale * step * step / S(12);
   if (mtf::value_of(rest) < 0.0)
     throw mtf::UsageError("adc.volts_per_count: rounding to counts of " + three_digits(mtf::value_of(step)) +
                           " V is more than the noise of " + three_digits(mtf::value_of(volts)) +

@@ -10,8 +10,9 @@
 // with B the noise bandwidth of the readout:
 //   temperature fluctuation   4 k T^2 G, W^2/Hz, at frequencies below 1/(2 pi tau); k T^2/C for the temperature itself
 //   Johnson                   4 k T R, V^2/Hz, of the resistance
-//   1/f                       Johnson's density x corner/f, from `lowest` to B: corner x ln(B/lowest) times that
-//   density readout                   volts rms, as given
+//   1/f                       Johnson's density x corner/f, from `lowest` to B: corner x ln(B/lowest) times
+//                             that density
+//   readout                   volts rms, as given
 // Volts become a power by the responsivity. A bolometer at constant current has V_bias |alpha| / G volts for a watt
 // that it absorbs, alpha the temperature coefficient of its resistance; electrothermal feedback is left out.
 //   D*   = sqrt(A B) / NEP          NETD = NEP / (dP/dT_scene)

@@ -62,6 +62,26 @@ BolometerReadout<S> readout_numbers(const ThermalSettings& s, const Overrides<S>
 
 }  // namespace detail
 
+/// Throws as require_bolometer for numbers of a design that no pixel can have.
+template <class S>
+void require_physics(const ThermalSettings& s, const S& absorptance, const S& area_m2, const Overrides<S>& numbers) {
+  const ThermalBody<S> body = detail::body_numbers(s, numbers);
+  const BolometerReadout<S> readout = detail::readout_numbers(s, numbers);
+  const auto value = [](const S& x) { return mtf::value_of(x); };
+  require_bolometer("detector",
+                    {.heat_capacity_j_k = value(body.heat_capacity_j_k),
+                     .conductance_w_k = value(body.conductance_w_k),
+                     .temperature_k = value(body.temperature_k)},
+                    {.resistance_ohm = value(readout.resistance_ohm),
+                     .tcr_per_k = value(readout.tcr_per_k),
+                     .bias_v = value(readout.bias_v),
+                     .corner_hz = value(readout.corner_hz),
+                     .lowest_hz = value(readout.lowest_hz),
+                     .readout_v = value(readout.readout_v),
+                     .bandwidth_hz = value(readout.bandwidth_hz)},
+                    value(absorptance), value(area_m2));
+}
+
 /// Volts for a watt of absorbed power. `middle_absorptance`: the whole one at the middle of the band.
 template <class S>
 S volts_per_watt(const ThermalSettings& s, const S& middle_absorptance, const Overrides<S>& numbers = {}) {

@@ -75,7 +75,7 @@ TEST(Demo, WithoutGnuplotItNamesTheFilesThatAreThere) {
   std::istringstream names(demo.out.substr(begin + 14, end - begin - 14));
   std::size_t named = 0;
   for (std::string name; names >> name; ++named) EXPECT_TRUE(fs::exists(scratch / "d" / name)) << name;
-  EXPECT_EQ(named, 14U);
+  EXPECT_EQ(named, 16U);
   EXPECT_FALSE(fs::exists(scratch / "d/mtf.svg"));
 }
 

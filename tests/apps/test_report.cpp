@@ -234,7 +234,7 @@ INSTANTIATE_TEST_SUITE_P(
         Damage{"OtherColumn", "sed -i '1s/mtf50/mtf51/' designs.csv", "column 'mtf51' where sweep.json has 'mtf50'"},
         Damage{"FewerCells", "sed -i '5s/,[^,]*$//' designs.csv", "designs.csv:5: "},
         Damage{"OutOfOrder", "sed -i '7s/^5,/6,/' designs.csv", "design '6' where 5 follows"},
-        Damage{"OtherGaps", "sed -i '9s/,[^,]*$/,/' designs.csv", "column 'error' has 1 empty cells"},
+        Damage{"OtherGaps", "sed -i '9s/,[^,]*$/,/' designs.csv", "column 'pareto' has 1 empty cells"},
         Damage{"OpenQuote", "printf '\"' >>designs.csv", "a quote is never closed"},
         Damage{"HugeRow", "head -c 3000000 /dev/zero | tr '\\0' 7 >>designs.csv", "a row of more than"}),
     [](const auto& parameter) { return std::string(parameter.param.name); });

@@ -33,6 +33,10 @@ std::string metric_gap(const MetricChoice& choice, const Study& study, const Var
   const bool of_electrons = choice.row->unit == "e-" || metric == Metric::well_fill || metric == Metric::shot_netd ||
                             metric == Metric::nei || metric == Metric::dynamic_range;
   if (thermal && of_electrons) return "a thermal detector has no electrons and no photons; take netd, nep or snr";
+  if (thermal && acquisition && !(given.frame_rate_hz > 0.0)) {
+    const auto& frame = sensor.loaded->sensor.settings.frame;
+    if (!frame || !frame->frame_time_s) return "no [frame] frame_time or [conditions] frame_rate";
+  }
   if (metric == Metric::dynamic_range && sensor.loaded && sensor.loaded->sensor.settings.detector &&
       !std::isfinite(sensor.loaded->sensor.settings.detector->full_well_e))
     return "no [detector] full_well";

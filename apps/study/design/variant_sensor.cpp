@@ -19,6 +19,19 @@ double table_number(const mtf::io::SensorConfig& config, const std::string& path
   return number != nullptr ? *number : std::numeric_limits<double>::quiet_NaN();
 }
 
+/// A pixel has one time constant: a study that moves it in [detector] or in the component leaves two.
+std::string time_constant_problem(const Study& study, const mtf::System<double>& system,
+                                  const radiometry::SensorSettings& settings) {
+  if (!settings.thermal || !settings.thermal->physics() || !radiometry::moving_bolometer(system)) return "";
+  for (const Parameter& parameter : study.parameters)
+    if (parameter.path == "detector.heat_capacity" || parameter.path == "detector.conductance" ||
+        parameter.path.ends_with(".time_constant"))
+      return parameter.path +
+             ": the time constant of the pixels stands in [detector] and in the bolometer component, and only one of "
+             "them would change; remove the component";
+  return "";
+}
+
 }  // namespace
 
 bool is_overridable(std::string_view path) {
@@ -46,6 +59,9 @@ VariantSensor load_variant(const Study& study, std::span<const int> levels) {
     try {
       result.loaded = apps::load_chain(result.config);
       require_consistent(result.system, result.loaded->sensor);
+      if (const std::string why = time_constant_problem(study, result.system, result.loaded->sensor.settings);
+          !why.empty())
+        result.problems.push_back(why);
       result.system = apps::with_electron_rate(result.config.system, *result.loaded);
       result.flicker_e = radiometry::flicker_rms_e(result.system, result.loaded->sensor.settings);
       result.spectral = spectral_numbers(study.conditions, result.loaded->sensor);
