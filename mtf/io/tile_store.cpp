@@ -14,11 +14,10 @@
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
+#include "mtf/math/word_hash.h"
 
 namespace mtf::io {
 namespace {
-
-constexpr std::uint64_t kHashStart = 1469598103934665603ULL, kHashPrime = 1099511628211ULL;  // FNV-1a, words for bytes
 
 /// A line of the journal: the counts of a tile, its number and the checksum, each of 8 bytes.
 struct Record {
@@ -49,8 +48,8 @@ Record record_of(std::vector<std::int64_t> words) {
 }
 
 std::uint64_t hash_of(const TileCounts& counts) {
-  std::uint64_t hash = kHashStart;
-  for (const std::int64_t count : counts) hash = (hash ^ static_cast<std::uint64_t>(count)) * kHashPrime;
+  std::uint64_t hash = kWordHashStart;
+  for (const std::int64_t count : counts) hash = mixed(hash, static_cast<std::uint64_t>(count));
   return hash;
 }
 
@@ -58,7 +57,7 @@ std::uint64_t hash_row(std::uint64_t hash, const float* row, std::int64_t n) {
   for (std::int64_t i = 0; i < n; ++i) {
     std::uint32_t word = 0;
     std::memcpy(&word, row + i, sizeof word);
-    hash = (hash ^ word) * kHashPrime;
+    hash = mixed(hash, word);
   }
   return hash;
 }

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "mtf/error.h"
+#include "mtf/math/word_hash.h"
 #include "mtf/parallel.h"
 #include "mtf/survey/row_moments.h"
 #include "mtf/survey/uniform_runs.h"
@@ -15,13 +16,10 @@
 namespace mtf {
 namespace {
 
-// FNV-1a over words: Fowler, Noll, Vo; for telling scenes apart, not against malice.
-std::uint64_t mixed(std::uint64_t hash, std::uint64_t word) { return (hash ^ word) * 1099511628211ULL; }
-
 std::uint64_t fingerprint_of(const float* values, std::int64_t n) {
   constexpr std::int64_t kStreams = 4;  // side by side: a multiplication waits for the one before
   std::array<std::uint64_t, kStreams> hashes;
-  hashes.fill(1469598103934665603ULL);
+  hashes.fill(kWordHashStart);
   std::int64_t x = 0;
   for (; x + 2 * kStreams <= n; x += 2 * kStreams) {
     std::array<std::uint64_t, kStreams> words;

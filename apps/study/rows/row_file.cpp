@@ -12,6 +12,7 @@
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
+#include "mtf/math/word_hash.h"
 
 namespace study {
 namespace {
@@ -21,7 +22,6 @@ static_assert(std::endian::native == std::endian::little, "row files hold the nu
 namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "mtfkit rows 2\n";
-constexpr std::string_view kDamaged = ": damaged: ";
 constexpr std::size_t kMostHead = 400;  // bytes; the lines take some 240
 constexpr std::int64_t kMostRows = 1'000'000'000, kMostColumns = 100'000;
 
@@ -40,22 +40,21 @@ std::string hash_of(const RowLayout& layout, RowRange range, std::span<const std
   return mtf::io::sha256_hex(lines_of(layout, range) + checksums + numbers);
 }
 
-/// A checksum of each row, over the bits of its numbers: FNV-1a, a number at a time.
+/// A checksum of each row, over the bits of its numbers.
 std::vector<std::uint64_t> sums_of(RowRange range, std::span<const double> rows) {
-  constexpr std::uint64_t kStart = 0xcbf29ce484222325, kPrime = 0x100000001b3;
   std::vector<std::uint64_t> sums;
   const std::size_t columns = rows.size() / static_cast<std::size_t>(range.count);
   for (std::size_t row = 0; row < static_cast<std::size_t>(range.count); ++row) {
-    std::uint64_t sum = kStart;
+    std::uint64_t sum = mtf::kWordHashStart;
     for (const double value : rows.subspan(row * columns, columns))
-      sum = (sum ^ std::bit_cast<std::uint64_t>(value)) * kPrime;
+      sum = mtf::mixed(sum, std::bit_cast<std::uint64_t>(value));
     sums.push_back(sum);
   }
   return sums;
 }
 
 [[noreturn]] void damaged(const fs::path& file, const std::string& what) {
-  throw mtf::RuntimeError(shown(file) + std::string(kDamaged) + what + "; its designs have to be computed again");
+  throw DamagedRows(shown(file) + ": damaged: " + what + "; its designs have to be computed again");
 }
 
 /// Says which rows do not have their checksum.
@@ -103,10 +102,6 @@ bool take_hash(std::string_view& text, std::string_view word, std::string& hash)
 }
 
 }  // namespace
-
-bool is_damaged(const mtf::RuntimeError& error) {
-  return std::string_view(error.what()).find(kDamaged) != std::string_view::npos;
-}
 
 std::string shown(const fs::path& path) { return mtf::io::printable(path.string()); }
 
