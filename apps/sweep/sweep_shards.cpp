@@ -72,8 +72,7 @@ int shard_of(const SweepOptions& options, const study::ShardPlan& plan) {
 bool finished(const study::ShardPlan& plan, const fs::path& folder, int shard, const Global& global) {
   try {
     return !study::find_shard(plan, folder, shard).empty();
-  } catch (const mtf::RuntimeError& error) {
-    if (!study::is_damaged(error)) throw;
+  } catch (const study::DamagedRows& error) {
     note(global, std::string("note: ") + error.what() + "; making it again");
     return false;
   }

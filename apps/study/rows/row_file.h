@@ -61,8 +61,11 @@ void read_rows(const RowPiece& piece, std::vector<double>& rows);
 /// Joins row files into one. Throws RuntimeError.
 void join_rows(const std::vector<RowPiece>& pieces, const std::filesystem::path& file);
 
-/// True for an error that names a damaged file: its rows can be computed again, whatever it holds.
-bool is_damaged(const mtf::RuntimeError& error);
+/// An error that names a damaged file: its rows can be computed again, whatever it holds.
+class DamagedRows : public mtf::RuntimeError {
+ public:
+  using RuntimeError::RuntimeError;
+};
 
 /// A path in messages: printable characters only.
 std::string shown(const std::filesystem::path& path);

@@ -171,9 +171,10 @@ std::vector<RowPiece> all_shards(const ShardPlan& plan, const fs::path& folder) 
     }
     try {
       for (RowPiece& piece : find_shard(plan, folder, shard)) pieces.push_back(std::move(piece));
+    } catch (const DamagedRows& problem) {
+      report("shard " + std::to_string(shard) + ": " + problem.what() + ": " + run_command(plan, folder, shard));
     } catch (const mtf::RuntimeError& problem) {
-      report("shard " + std::to_string(shard) + ": " + problem.what() +
-             (is_damaged(problem) ? ": " + run_command(plan, folder, shard) : ""));
+      report("shard " + std::to_string(shard) + ": " + problem.what());
     }
   }
   if (!missing.empty())
