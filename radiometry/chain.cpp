@@ -2,6 +2,7 @@
 #include "radiometry/chain.h"
 
 #include <cmath>
+#include <utility>
 
 #include "radiometry/chain_impl.h"
 #include "radiometry/light/band_response.h"
@@ -70,6 +71,20 @@ void require_thermal_tables(const mtf::System<double>& system, const SensorSetti
   if (!frames)
     refuse("frame.frame_time",
            "missing; the [lag] of a thermal detector goes from frame to frame: for example \"20 ms\"");
+}
+
+/// What a thermal pixel and its readout add anew to every frame, and the 1/f noise that goes on from frame to frame.
+void set_thermal_noise(CompiledChain& chain, const Sensor& sensor) {
+  const ThermalSettings& thermal = *chain.settings.thermal;
+  const ThermalReference<double> reference = thermal_reference(sensor);
+  chain.read_e = thermal_volts(chain.settings, chain.pixel, reference);
+  if (!thermal.corner_hz) return;
+  ThermalNoise<double> noise = thermal_noise_of(chain.settings, chain.pixel, reference);
+  const double flicker_v = chain.pixel.volts_per_watt * std::exchange(noise.flicker_w, 0.0);
+  chain.read_e = chain.pixel.volts_per_watt * noise.total_w();
+  chain.slow.lowest = *thermal.lowest_hz * chain.frame_time_s;
+  chain.slow.highest = *thermal.bandwidth_hz * chain.frame_time_s;
+  chain.slow.strength = flicker_v * flicker_v / std::log(chain.slow.highest / chain.slow.lowest);
 }
 
 }  // namespace
@@ -279,18 +294,10 @@ CompiledChain::CompiledChain(const mtf::SensorPlan& filters, const mtf::System<d
   if (settings.adc) adc = adc_of(sensor);
   if (settings.nonlinearity) response.emplace(*settings.nonlinearity, pixel.full_well_e);
   frame_time_s = settings.frame ? settings.frame->frame_time_s.value_or(pixel.integration_s) : pixel.integration_s;
-  read_e = settings.thermal
-               ? thermal_volts(settings, pixel, thermal_reference(sensor))
-               : std::hypot(settings.detector->read_e, reset_e_of(*settings.detector), settings.detector->other_e);
-  if (settings.thermal &&
-      settings.thermal->corner_hz) {  // correlated from frame to frame, so no part of the white noise
-    const double flicker_e =
-        pixel.volts_per_watt * thermal_noise_of(settings, pixel, thermal_reference(sensor)).flicker_w;
-    slow.lowest = *settings.thermal->lowest_hz * frame_time_s;
-    slow.highest = *settings.thermal->bandwidth_hz * frame_time_s;
-    slow.strength = flicker_e * flicker_e / std::log(slow.highest / slow.lowest);
-    read_e = std::sqrt(std::max(read_e * read_e - flicker_e * flicker_e, 0.0));
-  }
+  if (settings.thermal)
+    set_thermal_noise(*this, sensor);
+  else
+    read_e = std::hypot(settings.detector->read_e, reset_e_of(*settings.detector), settings.detector->other_e);
   gain = radiometry::electrons_per_radiance(camera, pixel);
   focal_length_mm = system.frame.focal_length_mm;
   detector = focal_plane(system.frame.columns > 0 ? system.frame.columns : columns,

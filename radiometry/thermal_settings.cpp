@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/thermal_settings.h"
 
-#include "radiometry/performance/thermal_detector.h"
+#include "radiometry/performance/thermal_numbers.h"
 
 namespace radiometry {
 namespace {
@@ -93,18 +93,7 @@ void require_thermal(const ThermalSettings& s, double area_m2, double middle_abs
                                {"bias", s.bias_v.has_value(), "\"2 V\""},
                                bandwidth});
   if (s.lowest_hz && !s.corner_hz) refuse("lowest_frequency", "belongs to corner, which is not given; remove it");
-  require_bolometer("detector",
-                    {.heat_capacity_j_k = *s.heat_capacity_j_k,
-                     .conductance_w_k = *s.conductance_w_k,
-                     .temperature_k = *s.temperature_k},
-                    {.resistance_ohm = *s.resistance_ohm,
-                     .tcr_per_k = *s.tcr_per_k,
-                     .bias_v = *s.bias_v,
-                     .corner_hz = s.corner_hz.value_or(0.0),
-                     .lowest_hz = s.lowest_hz.value_or(0.0),
-                     .readout_v = s.readout_v,
-                     .bandwidth_hz = *s.bandwidth_hz},
-                    middle_absorptance, area_m2);
+  require_physics<double>(s, middle_absorptance, area_m2, {});
 }
 
 }  // namespace radiometry

@@ -152,9 +152,9 @@ void refuse_saturated(Budget<S>& b) {
 /// How the values of all pixels and frames scatter in the well and before the converter (which adds its rounding). The
 /// spatial terms of the budget have to be those before any correction.
 template <class S>
-PixelScatter scatter_of(const Budget<S>& b) {
+PixelScatter scatter_of(const Budget<S>& b, bool shot) {
   const double total_e = mtf::value_of(b.signal.total_e());
-  const double shot_e = b.saturation.volts ? 0.0 : std::sqrt(std::max(total_e, 0.0));
+  const double shot_e = shot ? std::sqrt(std::max(total_e, 0.0)) : 0.0;
   const double readout_e = std::hypot(mtf::value_of(b.read_e), mtf::value_of(b.reset_e), mtf::value_of(b.other_e));
   const double well_e = std::hypot(shot_e, mtf::value_of(b.prnu_e));
   return {.mean_e = total_e, .well_e = well_e, .converter_e = std::hypot(well_e, readout_e, mtf::value_of(b.dsnu_e))};
@@ -193,8 +193,7 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
   set_spatial(b);
   b.nei_ph = b.temporal_e / (pixel.quantum_efficiency * pixel.area_m2() * pixel.signal_per_flux());
   b.dynamic_range = pixel.full_well_e / b.floor_e;
-  b.saturation.volts = !noise.shot;
-  b.saturation = saturation_of(scatter_of(b), range, mtf::value_of(pixel.full_well_e));
+  b.saturation = saturation_of(scatter_of(b, noise.shot), range, mtf::value_of(pixel.full_well_e));
   b.saturation.volts = !noise.shot;
   if (b.saturation.saturated()) refuse_saturated(b);
   return b;
