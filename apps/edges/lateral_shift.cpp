@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "apps/terminal/text_table.h"
 #include "apps/text/words.h"
@@ -26,6 +27,11 @@ bool measured(const MeasuredEdge& edge) {
 std::optional<calib::Estimate> shift_between(const calib::EdgeMeasurement& edge,
                                              const calib::EdgeMeasurement& reference) {
   constexpr double kMostTurn_deg = 2.0, kMost_px = 5.0;
+  // Charts have thousands of edges in each plane: most pairs are ruled out by where they are, before the search for the
+  // foot on the curve.
+  const double away_px =
+      std::hypot(edge.curve.origin.x - reference.curve.origin.x, edge.curve.origin.y - reference.curve.origin.y);
+  if (away_px > 2.0 * (reference.curve.half_length_px + kMost_px)) return std::nullopt;
   const double turn_deg = std::remainder(edge.angle_deg.value - reference.angle_deg.value, 180.0);
   if (std::abs(turn_deg) > kMostTurn_deg) return std::nullopt;
   const calib::EdgePoint place = calib::locate(reference.curve, edge.curve.origin);
@@ -42,15 +48,17 @@ std::optional<calib::Estimate> shift_between(const calib::EdgeMeasurement& edge,
 }  // namespace
 
 void add_lateral_shifts(std::span<MeasuredEdge> edges) {
+  if (edges.empty()) return;
   const auto green =
       std::find_if(edges.begin(), edges.end(), [](const MeasuredEdge& edge) { return is_green(edge.channel); });
-  if (edges.empty()) return;
   const std::string reference = green != edges.end() ? green->channel : edges.front().channel;
+  std::vector<const calib::EdgeMeasurement*> partners;
+  for (const MeasuredEdge& edge : edges)
+    if (edge.channel == reference && measured(edge)) partners.push_back(&edge.edge);
   for (MeasuredEdge& edge : edges) {
     if (edge.channel == reference || !measured(edge)) continue;
-    for (const MeasuredEdge& other : edges) {
-      if (other.channel != reference || !measured(other)) continue;
-      const auto shift = shift_between(edge.edge, other.edge);
+    for (const calib::EdgeMeasurement* partner : partners) {
+      const auto shift = shift_between(edge.edge, *partner);
       if (shift && (!edge.shift || std::abs(shift->value) < std::abs(edge.shift->px.value)))
         edge.shift = LateralShift{reference, *shift};
     }
@@ -79,8 +87,7 @@ std::string lateral_shift_header(const MeasureReport& report) {
   return any ? ",lateral_shift_px,lateral_shift_px_sd,lateral_shift_from" : "";
 }
 
-std::string lateral_shift_columns(const MeasureReport& report, const MeasuredEdge& edge) {
-  if (lateral_shift_header(report).empty()) return "";
+std::string lateral_shift_columns(const MeasuredEdge& edge) {
   if (!edge.shift) return ",,,";
   return "," + csv_number(edge.shift->px.value) + "," + csv_number(edge.shift->px.sd) + "," +
          csv_field(edge.shift->from);

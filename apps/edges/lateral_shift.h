@@ -24,8 +24,9 @@ void add_lateral_shifts(std::span<MeasuredEdge> edges);
 /// A table of the shifts; "" where there are none.
 std::string lateral_shift_table(const MeasureReport& report);
 
-/// Columns of CSV: lateral_shift_px, lateral_shift_px_sd, lateral_shift_from; "" where no edge has a shift.
+/// Columns of CSV: lateral_shift_px, lateral_shift_px_sd, lateral_shift_from; "" where no edge has a shift, and then
+/// edges have none of the columns.
 std::string lateral_shift_header(const MeasureReport& report);
-std::string lateral_shift_columns(const MeasureReport& report, const MeasuredEdge& edge);
+std::string lateral_shift_columns(const MeasuredEdge& edge);
 
 }  // namespace apps

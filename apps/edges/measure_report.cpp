@@ -209,12 +209,13 @@ std::string measure_table(const MeasureReport& report) {
 }
 
 std::string measure_csv(const MeasureReport& report) {
+  const std::string shift_header = lateral_shift_header(report);
   std::string text = "edge,image,channel,name,x,y,width,height,outcome,angle_deg";
   for (const std::string& name : merit_names(report.further)) text += "," + name + "," + name + "_sd";
   text +=
       ",cnr,length_px,sagitta_px,order,oversampling,chi2_per_dof,missing_pixels,field_x_px,field_y_px,field_radius_px,"
       "direction,encoding,reason,warnings,frequency_unit" +
-      comparison_header(report) + lateral_shift_header(report) + "\n";
+      comparison_header(report) + shift_header + "\n";
   std::size_t number = 0;
   for (const MeasuredEdge& measured : report.edges) {
     const EdgeMeasurement& edge = measured.edge;
@@ -235,7 +236,7 @@ std::string measure_csv(const MeasureReport& report) {
     text += "," + measured.place.direction + "," + csv_field(measured.linearisation.encoding) + "," +
             csv_field(reason_of(edge)) + "," + csv_field(joined(edge.warnings)) + "," +
             std::string(unit_symbol(report.unit)) + comparison_columns(measured) +
-            lateral_shift_columns(report, measured) + "\n";
+            (shift_header.empty() ? "" : lateral_shift_columns(measured)) + "\n";
   }
   return text;
 }
