@@ -12,12 +12,9 @@ using apps_test::Result;
 using apps_test::Scratch;
 using apps_test::write_file;
 using study_test::add_study;
+using study_test::expect_says;
 using study_test::kSmallStudy;
 using study_test::replaced;
-
-void expect_says(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << text << "\nhas no: " << part;
-}
 
 TEST(SweepCommand, UsageErrorsSayWhatIsWrong) {
   const Scratch scratch;

@@ -17,12 +17,9 @@ using apps_test::Scratch;
 using apps_test::write_file;
 using nlohmann::json;
 using study_test::add_study;
+using study_test::expect_says;
 using study_test::kSmallStudy;
 using study_test::replaced;
-
-void expect_says(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << text << "\nhas no: " << part;
-}
 
 void expect_same_tables(const Scratch& scratch, const std::string& a, const std::string& b) {
   for (const char* name : {"/designs.csv", "/designs.npy"}) {

@@ -16,17 +16,11 @@ using apps_test::Scratch;
 using apps_test::write_file;
 using nlohmann::json;
 using study_test::add_study;
+using study_test::expect_says;
 using study_test::kSmallStudy;
 using study_test::replaced;
 using study_test::sampled_study;
-
-void expect_says(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << text << "\nhas no: " << part;
-}
-
-std::string tables(const Scratch& scratch, const std::string& folder) {
-  return read_file(scratch / (folder + "/designs.csv")) + read_file(scratch / (folder + "/designs.npy"));
-}
+using study_test::tables;
 
 /// Stops a sweep after its third piece; returns the exit code of the command.
 int stopped(const Scratch& scratch, const std::string& signal) {
