@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A mesh as a file has it: polygons over shared vertices, each with the group and the material that the file names.
+// Nothing is checked or repaired here; facets.h makes planar facets of it.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace radiometry::scene {
+
+/// Metres; x east, y north, z up.
+using Point = std::array<double, 3>;
+
+struct Mesh {
+  std::vector<Point> vertices;
+  std::vector<std::uint32_t> corners;   ///< vertex of each corner, face after face, counter-clockwise seen from outside
+  std::vector<std::uint64_t> first;     ///< face i has the corners [first[i], first[i + 1]); size faces + 1, or empty
+  std::vector<std::uint32_t> group;     ///< of each face, an index into group_names
+  std::vector<std::uint32_t> material;  ///< of each face, an index into material_names
+  std::vector<std::string> group_names, material_names;
+
+  std::size_t faces() const { return group.size(); }
+};
+
+}  // namespace radiometry::scene
