@@ -22,6 +22,12 @@ std::string channels_text(const SimulateResult& result) {
   return table.aligned({Align::left, Align::right, Align::right, Align::right, Align::right});
 }
 
+/// A tolerance as it was given; one that was computed, as a share of a count, in three digits.
+std::string tolerance_text(double tolerance) {
+  const std::string exact = mtf::format_double(tolerance);
+  return exact.size() <= 8 ? exact : significant(tolerance, 3);
+}
+
 /// Predicted error, and the time in its parts; the last line is not ended.
 std::string costs_text(const RunReport& report) {
   double total = 0.0;
@@ -31,7 +37,7 @@ std::string costs_text(const RunReport& report) {
     total += ms;
   }
   return "predicted error " + significant(report.plan->predicted_error, 2) + " of the scene's std (tolerance " +
-         mtf::format_double(report.tolerance) + ")\ntime " + fixed(total, 1) + " ms (" + times + ")";
+         tolerance_text(report.tolerance) + ")\ntime " + fixed(total, 1) + " ms (" + times + ")";
 }
 
 std::string tiles_text(const TilesReport& tiles) {
@@ -63,7 +69,7 @@ std::string sequence_text(const RunReport& report, const SequenceReport& s) {
   text += plural(s.schedule_changes, "change") + " of parameters; " + plural(s.plans_compiled, "plan") + " compiled, " +
           std::to_string(s.plans_updated) + " updated\n";
   text += "predicted error up to " + significant(s.predicted_error, 2) + " of a frame's std (tolerance " +
-          mtf::format_double(report.tolerance) + ")\n";
+          tolerance_text(report.tolerance) + ")\n";
   std::string times;
   for (const auto& [name, ms] : report.timing_ms)
     times += (times.empty() ? "" : ", ") + name + " " + fixed(ms / static_cast<double>(s.frames), 1);
