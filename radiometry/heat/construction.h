@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a facet is made of. Heat flows along the depth x alone, from the outer surface at x = 0 inwards:
+//   rho c dT/dt = d/dx (k dT/dx)
+//   x = 0:  -k dT/dx = absorbed - epsilon sigma T^4 - convection
+//   inside: one of
+//     adiabatic   no flow
+//     fixed       T = the inside value
+//     film        k dT/dx = h (inside value - T): an interior of that temperature
+//     flux        k dT/dx = the inside value, W/m2 into the construction
+//     sheet       a second exposed surface, with absorbed flux, radiation and convection of its own
+// Conduction along the surface is left out. Over the length sqrt(k d / h), with d the thickness and h the sum of the
+// film and 4 epsilon sigma T^3, it evens out differences: facets that are larger and lit uniformly do not need it.
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "radiometry/heat/convection.h"
+
+namespace radiometry::heat {
+
+struct Layer {
+  double conductivity_w_m_k = 0.0, density_kg_m3 = 0.0, heat_capacity_j_kg_k = 0.0, thickness_m = 0.0;
+
+  double resistance() const { return thickness_m / conductivity_w_m_k; }                  ///< m2 K / W
+  double capacity() const { return density_kg_m3 * heat_capacity_j_kg_k * thickness_m; }  ///< J / m2 / K
+  double diffusivity() const {                                                            ///< m2 / s
+    return conductivity_w_m_k / (density_kg_m3 * heat_capacity_j_kg_k);
+  }
+};
+
+struct Adiabatic {};
+struct FixedTemperature {};
+struct InnerFilm {
+  double h_w_m2_k = 0.0;
+};
+struct InnerFlux {};
+struct Sheet {
+  double emissivity = 0.9;
+  Convection convection = McAdams{};
+};
+using Inside = std::variant<Adiabatic, FixedTemperature, InnerFilm, InnerFlux, Sheet>;
+
+struct Construction {
+  std::vector<Layer> layers;  ///< outside first
+  double emissivity = 0.9;    ///< of the outer surface, its Planck mean
+  Convection convection = McAdams{};
+  Inside inside = Adiabatic{};
+
+  bool is_sheet() const { return std::holds_alternative<Sheet>(inside); }
+};
+
+/// Throws UsageError that begins with `where` and names the value: a layer whose conductivity, density, heat capacity
+/// or thickness is not above 0 and finite, an emissivity outside 0 ... 1, no layer, a negative film.
+void require_valid(const Construction& construction, std::string_view where);
+
+/// Thermal resistance of all layers, m2 K / W, and their heat capacity, J / m2 / K.
+double resistance(const Construction& construction);
+double capacity(const Construction& construction);
+
+/// sqrt(k d / h): facets much smaller than this exchange heat along the surface, which is not modelled. k d is summed
+/// over the layers; `loss_w_m2_k` is h + 4 epsilon sigma T^3.
+double in_plane_length_m(const Construction& construction, double loss_w_m2_k);
+
+}  // namespace radiometry::heat

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the surroundings do to a batch of facets of equal construction, as functions of time.
+//
+// The forcing is asked at any time of the run. Between two breaks it has to be smooth; a break is a time at which it,
+// or its slope, jumps: a shadow edge, a weather record, a schedule. Steps of the solver end at breaks. At a break the
+// forcing has two values, and the Instant says which one is asked for.
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "radiometry/heat/construction.h"
+
+namespace radiometry::heat {
+
+/// A time in seconds; at a break, whether the value before it or after it is meant. Everywhere else both are the same.
+struct Instant {
+  double time_s = 0.0;
+  enum class Limit { before, after } limit = Limit::after;
+};
+
+/// What one side of the facets is exposed to.
+struct SideForcing {
+  std::span<double> absorbed_w_m2;  ///< per facet, to be filled: all that is absorbed, short-wave and long-wave, and
+                                    ///< sources at the surface; emission and convection are the solver's
+  double air_k = 0.0;
+  double wind_m_s = 0.0;
+};
+
+struct ForcingValues {
+  SideForcing front;
+  SideForcing back;     ///< of sheets; absorbed_w_m2 is empty for other constructions
+  double inside = 0.0;  ///< K for a fixed temperature and a film, W/m2 for a flux, unused otherwise
+};
+
+/// Fills the values at an instant for the facets first, first + 1, ... of the batch, as many as
+/// values.front.absorbed_w_m2 has. It is called from several threads at once, and for any facets in any order of time.
+using Forcing = std::function<void(Instant, std::size_t first, ForcingValues& values)>;
+
+struct Break {
+  double time_s = 0.0;
+  bool jump = false;  ///< the value of the forcing jumps; otherwise only its slope
+};
+
+/// Facets of one construction that are advanced side by side. Neighbours in the batch share their time steps, so facets
+/// with similar forcing (the same shadows at the same times) should stand together.
+struct Batch {
+  Construction construction;
+  std::size_t facets = 0;
+  std::vector<double> up;  ///< per facet: vertical component of the outward normal, for tarp; empty: all vertical, 0
+};
+
+/// Throws UsageError for a construction that is not valid, no facets, or `up` of another size or outside -1 ... 1.
+void require_valid(const Batch& batch);
+
+/// The times of a run. Outputs and breaks rise; those outside [start, end] are ignored.
+struct Timeline {
+  double start_s = 0.0, end_s = 0.0;
+  std::vector<double> outputs_s;
+  std::vector<Break> breaks;
+};
+
+}  // namespace radiometry::heat

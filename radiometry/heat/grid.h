@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The depth of a construction in cells: vertex-centred finite volumes, a node at each surface and each interface.
+//   m_i dT_i/dt = g_(i-1) (T_(i-1) - T_i) + g_i (T_(i+1) - T_i)
+// m: heat capacity of the halves of the cells beside a node, J/m2/K; g = k / dx of a cell, W/m2/K.
+//
+// Heat spreads over s = x / sqrt(alpha) like sqrt(t) in every material, so cells are laid out in s, in sqrt(s): near an
+// exposed surface they are sqrt(t_short) / 3 and grow in proportion to the distance from it. Doubling `density` halves
+// every cell, and the coarse grid is the fine one without every second node, which is what Richardson's estimate needs.
+
+#include <vector>
+
+#include "radiometry/heat/construction.h"
+
+namespace radiometry::heat {
+
+struct Grid {
+  std::vector<double> capacity;     ///< of each node, J/m2/K, outside first
+  std::vector<double> conductance;  ///< of each cell, W/m2/K: one fewer than nodes
+  std::vector<double> depth_m;      ///< of each node
+  double inner_w_m2_k = 0.0;  ///< from the last node to the inside temperature: a film, or the last cell before a fixed
+                              ///< temperature; 0: none
+
+  std::size_t nodes() const { return capacity.size(); }
+};
+
+struct Grids {
+  Grid fine, coarse;
+};
+
+struct GridRequest {
+  double short_time_s = 600.0;  ///< the shortest time after a break at which the temperature has to be right
+  double density = 1.0;         ///< cells per length, relative to the first guess
+};
+
+Grids make_grids(const Construction& construction, const GridRequest& request);
+
+/// One node for all layers, whose resistance stands between it and the inside: for constructions so thin that no
+/// difference of temperature builds up. Nothing is left to refine, so both grids are the same.
+Grids make_one_node(const Construction& construction);
+
+/// Bound of the error of one node instead of the layers, K, for net fluxes up to `flux_w_m2`: the flux times half the
+/// resistance (a third for an adiabatic inside).
+double one_node_error(const Construction& construction, double flux_w_m2);
+
+/// The construction cut off, adiabatic, where what lies deeper changes the surface by no more than `error_k`, and the
+/// bound that was found; only an adiabatic construction is cut. Temperatures within a range of `range_k`, over
+/// `duration_s`: a step of that size at the depth s arrives at the surface as 2 erfc(s / (2 sqrt(t))) of it, an
+/// oscillation of period P as 2 exp(-s sqrt(pi / P)); every interface at most doubles it.
+struct Cut {
+  Construction construction;
+  double error_k = 0.0;
+};
+Cut cut_depth(const Construction& construction, double range_k, double duration_s, double error_k);
+
+}  // namespace radiometry::heat

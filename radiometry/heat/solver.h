@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Surface temperatures of a batch of facets over time, with their error.
+//
+// Every facet is carried three times: on its grid in steps of h, on the same grid in steps of 2h, and on the grid of
+// half as many cells in steps of 2h. Both the steps and the grid are of second order, so the differences between the
+// three are 3 times the error of the steps and 3 times the error of the grid (Richardson). The promise of a run is the
+// largest such difference over facets and outputs, undivided: a factor of 3 is left for steps and cells that are not
+// yet small. The result is the first of the three.
+
+#include <cstdint>
+#include <vector>
+
+#include "radiometry/heat/forcing.h"
+#include "radiometry/heat/grid.h"
+
+namespace radiometry::heat {
+
+/// Bounds of the error of the surface temperatures, K: the worst facet at any output time.
+struct Promise {
+  double steps_k = 0.0;  ///< time steps
+  double grid_k = 0.0;   ///< cells
+  double depth_k = 0.0;  ///< layers taken as one node, and depth that was cut off
+  double total_k() const { return steps_k + grid_k + depth_k; }
+};
+
+/// How a batch is solved: made by make_plan, used by advance.
+struct Plan {
+  Batch batch;
+  Grid fine, coarse;              ///< coarse has every second node of fine
+  double step_tolerance_k = 0.0;  ///< largest error of a step of 2h, by the embedded estimate
+  double depth_k = 0.0;           ///< as in Promise
+};
+
+/// Temperatures of all nodes of a batch at a time, as a value: an interval can be taken again from the same state.
+struct State {
+  double time_s = 0.0;
+  std::size_t facets = 0;
+  /// [node * facets + facet], K: in steps of h, in steps of 2h, on the coarse grid in steps of 2h.
+  std::vector<double> fine, doubled, coarse;
+  std::vector<double> step_s;  ///< per group of facets that share their steps: the step 2h to try next
+};
+
+/// Heat of one facet over a run, J/m2, summed with the weights of the scheme itself.
+struct HeatBalance {
+  double absorbed = 0.0;   ///< both sides of a sheet
+  double emitted = 0.0;    ///< epsilon sigma T^4
+  double convected = 0.0;  ///< to the air
+  double inside = 0.0;     ///< from the inside boundary into the construction
+  double stored = 0.0;     ///< end minus start
+  /// What is missing: rounding alone.
+  double drift() const { return absorbed + inside - emitted - convected - stored; }
+  /// The sum of the sizes of what was exchanged, against which the drift is judged.
+  double exchanged = 0.0;
+};
+
+struct StepCount {
+  std::int64_t taken = 0, refused = 0;  ///< steps of 2h, of groups of facets
+  std::int64_t facet_steps = 0;         ///< TR-BDF2 steps of all facets on all three grids, refused ones too
+};
+
+struct Run {
+  std::vector<double> outputs_s;  ///< the outputs of the timeline that lie in the run, start included
+  std::vector<double> front_k;    ///< [output * facets + facet]
+  std::vector<double> back_k;     ///< of sheets; else empty
+  Promise promised;
+  StepCount steps;
+  std::vector<HeatBalance> balance;  ///< per facet
+  State end;
+};
+
+/// The state in which all nodes of every facet have a temperature.
+State uniform_state(const Plan& plan, double time_s, double temperature_k);
+/// One temperature per facet.
+State uniform_state(const Plan& plan, double time_s, std::span<const double> temperature_k);
+
+/// Advances a batch from `start` over the timeline (start.time_s has to be timeline.start_s). Results do not depend on
+/// `threads` (0: all cores). Throws UsageError for a state of another plan or a timeline whose times do not rise, and
+/// RuntimeError where the forcing gives a value that is not finite, or no step is short enough.
+Run advance(const Plan& plan, const State& start, const Forcing& forcing, const Timeline& timeline, int threads = 1);
+
+}  // namespace radiometry::heat
