@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Weather and schedules as CSV of our own:
+//   # demo weather, clear-sky model
+//   time,air_temperature (degC),relative_humidity (%),wind_speed (m/s),direct_normal (W/m2),longwave_down (W/m2)
+//   2016-01-01T00:00:00Z,-7.6,52.7,3.1,0,186.3
+// One header line; every column but `time` carries its unit in brackets. `time` is ISO 8601 with a compulsory zone (Z
+// or +01:00); "time (s)", "time (min)" and "time (h)" count from the start of the run. Columns: the names of weather.h,
+// and relative_humidity or dew_point in place of vapour_pressure (saturation over water, sky.h); a column of another
+// name is refused with the nearest name. Empty cells and nan are missing values. `#` starts a comment line; the
+// separator is a comma, semicolon or tab.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/scene/weather/weather_file.h"
+#include "radiometry/heat/weather/timeline.h"
+
+namespace apps::scene {
+
+WeatherFile parse_weather_csv(std::string_view text, const std::string& source, const WeatherRequest& request = {});
+
+/// A CSV that reads back as the same numbers: the columns that are there, SI but degC and hPa, times to 1 us;
+/// `comments` become # lines at the top.
+std::string weather_csv(const radiometry::heat::Weather& weather, const std::vector<std::string>& comments = {});
+
+/// A schedule: `time` as above and one column of any name with a unit that converts to `si_unit` ("K", "W/m2"); degC is
+/// a temperature. Throws RuntimeError and UsageError as read_weather.
+radiometry::heat::Timeline read_timeline(const std::string& path, std::string_view si_unit, double origin_s);
+radiometry::heat::Timeline parse_timeline(std::string_view text, const std::string& source, std::string_view si_unit,
+                                          double origin_s);
+
+}  // namespace apps::scene

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Weather as records over time, as a station writes them. Values are SI; a column may be absent as a whole, and a
+// single value may be missing (NaN). What a record's time stands for is said by `stamp`: the instant of the values, or
+// the begin or the end of an interval whose means they are. weather_series.h makes of it functions of time.
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace radiometry::heat {
+
+enum class WeatherQuantity {
+  air_temperature,     ///< K
+  wind_speed,          ///< m/s
+  vapour_pressure,     ///< Pa, partial pressure of water vapour
+  pressure,            ///< Pa, at the station
+  direct_normal,       ///< W/m2, beam of the sun on a plane that faces it
+  diffuse_horizontal,  ///< W/m2, solar without the beam
+  global_horizontal,   ///< W/m2, both on a horizontal plane
+  longwave_down,       ///< W/m2, thermal irradiance of a horizontal plane
+  cloud_cover          ///< fraction of the sky, 0 to 1
+};
+inline constexpr std::size_t kQuantities = 9;
+
+/// "air_temperature", ...: the names of columns in files and of keys in scene files.
+inline constexpr std::array<std::string_view, kQuantities> kQuantityNames{
+    "air_temperature",    "wind_speed",        "vapour_pressure", "pressure",   "direct_normal",
+    "diffuse_horizontal", "global_horizontal", "longwave_down",   "cloud_cover"};
+constexpr std::string_view quantity_name(WeatherQuantity quantity) {
+  return kQuantityNames[static_cast<std::size_t>(quantity)];
+}
+
+enum class Stamp { instant, begin, end };
+inline constexpr std::array<std::string_view, 3> kStampNames{"instant", "begin", "end"};
+
+struct Weather {
+  std::string source;  ///< file it came from, for messages
+  Stamp stamp = Stamp::instant;
+  std::vector<double> time_s;                           ///< UTC (instant.h), strictly rising
+  std::array<std::vector<double>, kQuantities> values;  ///< by WeatherQuantity, as long as time_s; empty: absent
+  std::vector<std::size_t> line{};                      ///< of the source, by record; empty where there are no lines
+
+  bool has(WeatherQuantity quantity) const { return !values[static_cast<std::size_t>(quantity)].empty(); }
+  std::vector<double>& operator[](WeatherQuantity quantity) { return values[static_cast<std::size_t>(quantity)]; }
+  const std::vector<double>& operator[](WeatherQuantity quantity) const {
+    return values[static_cast<std::size_t>(quantity)];
+  }
+};
+
+/// Refuses what no weather is: no records, columns of another length, times that do not rise, solar irradiance above
+/// 1500 W/m2 or below -20 W/m2 (a little below 0 is a night reading of a pyranometer), air outside of -95 ... 65 degC
+/// (values in degrees Fahrenheit, or kelvins taken for degrees Celsius, are said to look so), wind above 120 m/s or
+/// below 0, pressures that no place has, long-wave irradiance outside of 30 ... 700 W/m2, cloud cover outside of 0
+/// ... 1. Throws UsageError with "source:line: ..." lines, one for each kind of fault in each column.
+void check_weather(const Weather& weather);
+
+}  // namespace radiometry::heat
