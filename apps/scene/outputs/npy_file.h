@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A table of float32 that numpy.load reads: NPY 1.0, '<f4', C order, shape (rows, columns).
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+#include "mtf/io/atomic_file.h"
+
+namespace apps::scene {
+
+/// The table row by row, as temperatures come: one row an output time, one column a facet. The file appears with
+/// `commit`, with as many rows as were appended.
+class NpyFile {
+ public:
+  NpyFile(const std::filesystem::path& file, std::uint64_t columns);
+
+  /// Throws UsageError for a row of another length, RuntimeError when it cannot be written.
+  void append(std::span<const float> row);
+  void commit();
+
+ private:
+  mtf::io::AtomicFile file_;
+  std::uint64_t columns_, rows_ = 0;
+};
+
+}  // namespace apps::scene
