@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The sampling error of tables of views and of visibility, from a second independent set with twice the rays (and, of
+// the sun, twice the directions) on facets picked at random. The difference of two sets has the variance of both; it is
+// reported as it is, so that the error of the first one is overstated by a factor of 1.1 to 1.2.
+
+#include <cstdint>
+#include <span>
+
+#include "radiometry/scene/sun_visibility.h"
+#include "radiometry/scene/views.h"
+
+namespace radiometry::scene {
+
+/// Over `count` sides that were looked at: all of them where there are no more.
+struct TableError {
+  double rms = 0.0;
+  double percentile_95 = 0.0;  ///< of the absolute difference
+  std::size_t count = 0;
+};
+
+/// Of the view of the whole sky, and of other surfaces.
+struct ViewError {
+  TableError sky, surfaces;
+};
+
+/// `views` was made of `receivers` with `options`.
+ViewError view_error(const Rays& rays, const Receivers& receivers, const Views& views, const ViewOptions& options,
+                     std::size_t count = 2000);
+
+/// Of the irradiance by the sun as a share of the direct normal irradiance, visibility times cosine, at the tabulated
+/// directions and halfway between successive ones, with visibility linear between them. Directions more than 15 degrees
+/// apart are not successive. `sun` was made of `sides` and `to_sun` with `options`.
+TableError sun_error(const Rays& rays, std::span<const Side> sides, std::span<const Vector> to_sun,
+                     const SunVisibility& sun, const SunOptions& options, std::size_t count = 2000);
+
+}  // namespace radiometry::scene
