@@ -15,9 +15,9 @@
 
 #include "apps/scene/weather/weather_file.h"
 #include "mtf/io/config/config.h"
+#include "radiometry/heat/weather/schedule.h"
 #include "radiometry/heat/weather/sky.h"
 #include "radiometry/heat/weather/sun.h"
-#include "radiometry/heat/weather/timeline.h"
 #include "radiometry/heat/weather/weather.h"
 #include "radiometry/heat/weather/weather_series.h"
 #include "radiometry/light/spectrum.h"
@@ -92,8 +92,8 @@ enum class InsideKind {
 struct Inside {
   InsideKind kind = InsideKind::adiabatic;
   double h_w_m2_k = 0.0;                           ///< film
-  radiometry::heat::Timeline temperature{};        ///< K: fixed, film; empty otherwise
-  radiometry::heat::Timeline flux{};               ///< W/m2: flux; empty otherwise
+  radiometry::heat::Schedule temperature{};        ///< K: fixed, film; empty otherwise
+  radiometry::heat::Schedule flux{};               ///< W/m2: flux; empty otherwise
   std::optional<double> thickness_m{};             ///< pair: longest ray
   std::optional<double> back_solar_absorptance{};  ///< sheet: as the front where absent
   std::optional<Emissivity> back_emissivity{};     ///< sheet: as the front where absent
@@ -117,7 +117,7 @@ struct MeshSection {
 
 /// Temperatures given instead of solved: a constant or a schedule, or the path of a facet table.
 struct GivenTemperature {
-  radiometry::heat::Timeline timeline{};  ///< K; empty where `table` is named
+  radiometry::heat::Schedule schedule{};  ///< K; empty where `table` is named
   std::string table;                      ///< path of an NPY or CSV of facets, as `mtf heat` writes them
 };
 

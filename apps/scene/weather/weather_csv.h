@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "apps/scene/weather/weather_file.h"
-#include "radiometry/heat/weather/timeline.h"
+#include "radiometry/heat/weather/schedule.h"
 
 namespace apps::scene {
 
@@ -28,8 +28,8 @@ std::string weather_csv(const radiometry::heat::Weather& weather, const std::vec
 
 /// A schedule: `time` as above and one column of any name with a unit that converts to `si_unit` ("K", "W/m2"); degC is
 /// a temperature. Throws RuntimeError and UsageError as read_weather.
-radiometry::heat::Timeline read_timeline(const std::string& path, std::string_view si_unit, double origin_s);
-radiometry::heat::Timeline parse_timeline(std::string_view text, const std::string& source, std::string_view si_unit,
+radiometry::heat::Schedule read_schedule(const std::string& path, std::string_view si_unit, double origin_s);
+radiometry::heat::Schedule parse_schedule(std::string_view text, const std::string& source, std::string_view si_unit,
                                           double origin_s);
 
 }  // namespace apps::scene

@@ -5,7 +5,7 @@
 // Insolation on Horizontal Surfaces", SERI/TR-642-761 (1981). With M the relative air mass of Kasten (Arch. Meteorol.
 // Geophys. Bioklimatol. B 14, 206 (1966)), M' = M p / 1013.25 hPa and tau = 0.27583 tau(380 nm) + 0.35 tau(500 nm):
 //   Rayleigh  T_R = exp(-0.0903 M'^0.84 (1 + M' - M'^1.01))
-//   ozone     T_O = 1 - 0.1611 x (1 + 139.48 x)^-0.3035 - 0.002715 x / (1 + 0.044 x + 0.0003 x^2),   x = M ozone / cm
+//   ozone     T_O = 1 - 0.1611 x (1 + 139.48 x)^-0.3034 - 0.002715 x / (1 + 0.044 x + 0.0003 x^2),   x = M ozone / cm
 //   gases     T_G = exp(-0.0127 M'^0.26)
 //   water     T_W = 1 - 2.4959 w / ((1 + 79.034 w)^0.6828 + 6.385 w),                                w = M water / cm
 //   aerosol   T_A = exp(-tau^0.873 (1 + tau - tau^0.7088) M^0.9108);  absorbed T_AA = 1 - 0.1 (1 - M + M^1.06)(1 - T_A)
@@ -38,7 +38,7 @@ struct SolarIrradiance {
 /// air has.
 SolarIrradiance clear_sky(const ClearSkyAir& air, double zenith_rad, double extraterrestrial_w_m2);
 
-/// Kasten's relative air mass 1 / (cos z + 0.15 (93.885 - z/deg)^-1.253), z below 93 deg.
+/// 1 / (cos z + 0.15 (93.885 - z / deg)^-1.25), z below 93 deg; Kasten himself has the exponent 1.253.
 double relative_air_mass(double zenith_rad);
 
 /// Pressure in Pa of the standard atmosphere at an altitude: 101325 (1 - 2.25577e-5 h)^5.25588 (ISO 2533), h below

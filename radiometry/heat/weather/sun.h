@@ -56,7 +56,8 @@ struct SunCrossing {
 };
 
 /// The times between `begin_s` and `end_s`, in order, at which the zenith angle of the geometric sun passes
-/// `zenith_rad`, to 0.01 s; none where the sun stays up or down. 90.833 deg is the sunrise of almanacs.
+/// `zenith_rad`, to 0.01 s; none where the sun stays up or down. The search goes in steps of 10 min, so that daylight
+/// (or night) of less than that at the edge of the polar night may be missed. 90.833 deg is the sunrise of almanacs.
 std::vector<SunCrossing> sun_crossings(const Place& place, double begin_s, double end_s,
                                        double zenith_rad = 1.5707963267948966);
 

@@ -9,7 +9,7 @@
 
 namespace radiometry::heat {
 
-struct Timeline {
+struct Schedule {
   std::string source;          ///< file it came from, for messages
   std::vector<double> time_s;  ///< UTC (instant.h), strictly rising
   std::vector<double> value;   ///< finite, as many
@@ -19,12 +19,12 @@ struct Timeline {
 
 /// Throws UsageError, with the source, for no samples, sizes that differ, times that do not rise, and values that are
 /// not finite.
-Timeline make_timeline(std::string source, std::vector<double> time_s, std::vector<double> value);
-Timeline constant_timeline(double value);
+Schedule make_schedule(std::string source, std::vector<double> time_s, std::vector<double> value);
+Schedule constant_schedule(double value);
 
-double value_at(const Timeline& timeline, double utc_s);
+double value_at(const Schedule& schedule, double utc_s);
 
 /// The sample times strictly between the two times.
-std::vector<double> break_times(const Timeline& timeline, double begin_s, double end_s);
+std::vector<double> break_times(const Schedule& schedule, double begin_s, double end_s);
 
 }  // namespace radiometry::heat

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/heat/weather/weather.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/error.h"
+#include "mtf/units.h"
+#include "radiometry/heat/weather/instant.h"
+
+namespace radiometry::heat {
+namespace {
+
+using enum WeatherQuantity;
+
+constexpr double kZeroCelsius_k = 273.15;
+
+/// What values of a quantity can be, and what is to be said of others.
+struct Range {
+  WeatherQuantity quantity;
+  double lo, hi;
+  std::string_view unit, below, above;
+};
+
+constexpr std::string_view kSolarHigh =
+    "the sun gives at most 1500 W/m2 on the ground; is the column in W/m2, and not in J or kJ over the hour?";
+constexpr std::string_view kSolarLow =
+    "no pyranometer reads below -20 W/m2; mark missing values as nan or leave their cells empty";
+constexpr std::array kRanges{
+    Range{air_temperature, kZeroCelsius_k - 95.0, kZeroCelsius_k + 65.0, "K",
+          "no air is that cold; are these degrees Celsius that were taken for kelvins?", ""},
+    Range{wind_speed, 0.0, 120.0, "m/s", "a speed is not negative", "is the column in m/s?"},
+    Range{vapour_pressure, 0.0, 12000.0, "Pa", "a pressure is not negative",
+          "is the column in the unit of its header?"},
+    Range{pressure, 20e3, 115e3, "Pa", "is the column in the unit of its header (1013 hPa at sea level)?",
+          "is the column in the unit of its header (1013 hPa at sea level)?"},
+    Range{direct_normal, -20.0, 1500.0, "W/m2", kSolarLow, kSolarHigh},
+    Range{diffuse_horizontal, -20.0, 1500.0, "W/m2", kSolarLow, kSolarHigh},
+    Range{global_horizontal, -20.0, 1500.0, "W/m2", kSolarLow, kSolarHigh},
+    Range{longwave_down, 30.0, 700.0, "W/m2", "every sky radiates more than 30 W/m2; is this the net flux?",
+          "no sky radiates that much; is the column in W/m2?"},
+    Range{cloud_cover, 0.0, 1.0, "", "it is a fraction of the sky", "it is a fraction of the sky; are these tenths?"}};
+
+std::string shown(double value) { return mtf::format_double(std::round(value * 100.0) / 100.0); }
+
+/// "weather.csv:12: "
+std::string place_of(const Weather& weather, std::size_t record) {
+  return weather.source + ":" + (record < weather.line.size() ? std::to_string(weather.line[record]) + ":" : "") + " ";
+}
+
+/// Why air above the range is there: the numbers as they would have been read.
+std::string hot_air(double largest_k) {
+  const double c = largest_k - kZeroCelsius_k;
+  if (c > 150.0) return "these look like kelvins that were taken for degrees Celsius";
+  return "these look like degrees Fahrenheit (" + shown(c) + " degF are " + shown((c - 32.0) / 1.8) + " degC)";
+}
+
+void check_column(const Weather& weather, const Range& range, std::vector<std::string>& faults) {
+  const auto& values = weather[range.quantity];
+  const auto outside = [&](double v) { return v < range.lo || v > range.hi; };
+  const auto bad = std::find_if(values.begin(), values.end(), outside);
+  if (bad == values.end()) return;
+  const auto count = std::count_if(bad, values.end(), outside);
+  const bool low = *bad < range.lo;
+  const double largest = *std::max_element(bad, values.end(), [](double a, double b) {
+    return (std::isnan(a) ? -1e300 : a) < (std::isnan(b) ? -1e300 : b);
+  });
+  std::string text = place_of(weather, static_cast<std::size_t>(bad - values.begin())) +
+                     "error: " + std::string(quantity_name(range.quantity)) + " " + shown(*bad) +
+                     (range.unit.empty() ? "" : " " + std::string(range.unit)) + " is outside of " + shown(range.lo) +
+                     " ... " + shown(range.hi);
+  if (count > 1) text += " (and " + std::to_string(count - 1) + " more records)";
+  faults.push_back(
+      text + "; " +
+      (range.quantity == air_temperature && !low ? hot_air(largest) : std::string(low ? range.below : range.above)));
+}
+
+}  // namespace
+
+void check_weather(const Weather& weather) {
+  if (weather.time_s.empty()) throw mtf::UsageError(weather.source + ": error: the weather has no records");
+  const std::size_t size = weather.time_s.size();
+  std::vector<std::string> faults;
+  for (std::size_t q = 0; q < kQuantities; ++q)
+    if (!weather.values[q].empty() && weather.values[q].size() != size)
+      throw mtf::UsageError(weather.source + ": error: " + std::string(kQuantityNames[q]) + " has " +
+                            std::to_string(weather.values[q].size()) + " values for " + std::to_string(size) +
+                            " times");
+  for (std::size_t i = 0; i < size; ++i) {
+    if (!std::isfinite(weather.time_s[i])) {
+      faults.push_back(place_of(weather, i) + "error: the time is not finite");
+      break;
+    }
+    if (i == 0 || weather.time_s[i] > weather.time_s[i - 1]) continue;
+    const bool twice = weather.time_s[i] == weather.time_s[i - 1];
+    faults.push_back(place_of(weather, i) + "error: the time " + instant_text(weather.time_s[i]) +
+                     (twice ? " stands twice; remove one of the records"
+                            : " is before that of the record above it, " + instant_text(weather.time_s[i - 1]) +
+                                  "; sort the records"));
+    break;
+  }
+  for (const Range& range : kRanges) check_column(weather, range, faults);
+  std::string text;
+  for (const std::string& fault : faults) text += (text.empty() ? "" : "\n") + fault;
+  if (!text.empty()) throw mtf::UsageError(text);
+}
+
+}  // namespace radiometry::heat
