@@ -2,7 +2,6 @@
 #include "apps/scene/import/mesh_stream.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <span>
 #include <vector>
@@ -81,12 +80,6 @@ bool all_below(const std::vector<std::uint32_t>& indices, std::size_t count) {
   return std::all_of(indices.begin(), indices.end(), [count](std::uint32_t index) { return index < count; });
 }
 
-bool all_finite(const std::vector<Point>& points) {
-  return std::all_of(points.begin(), points.end(), [](const Point& p) {
-    return std::all_of(p.begin(), p.end(), [](double x) { return std::isfinite(x); });
-  });
-}
-
 Mesh read_mesh(Reader& reader) {
   const std::vector<std::uint64_t> counts = reader.array<std::uint64_t>(5);
   const std::uint64_t faces = counts[1];
@@ -103,7 +96,6 @@ Mesh read_mesh(Reader& reader) {
   require(all_below(mesh.corners, mesh.vertices.size()), "a face has a vertex that is not there");
   require(all_below(mesh.group, mesh.group_names.size()), "a face has a group that is not there");
   require(all_below(mesh.material, mesh.material_names.size()), "a face has a material that is not there");
-  require(all_finite(mesh.vertices), "a coordinate is not a finite number");
   mesh.first.reserve(faces + 1);
   mesh.first.push_back(0);
   for (const std::uint32_t size : sizes) {

@@ -41,7 +41,7 @@ struct DecodedImport {
 };
 
 /// Throws RuntimeError when the bytes are not of this form: too few, too many, an index that leads nowhere, a face of
-/// fewer than three corners, a coordinate that is not finite.
+/// fewer than three corners.
 DecodedImport decode_import(std::string_view bytes);
 
 }  // namespace apps::scene

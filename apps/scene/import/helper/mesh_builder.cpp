@@ -2,7 +2,6 @@
 #include "apps/scene/import/helper/mesh_builder.h"
 
 #include <bit>
-#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -41,10 +40,7 @@ void MeshBuilder::set_material(std::string_view name) {
 }
 
 std::uint32_t MeshBuilder::vertex(radiometry::scene::Point point) {
-  for (double& x : point) {
-    if (!std::isfinite(x)) throw std::runtime_error("a coordinate is not a finite number");
-    x += 0.0;
-  }
+  for (double& x : point) x += 0.0;  // -0 becomes 0
   return number_of(vertices_, mesh_.vertices, point);
 }
 

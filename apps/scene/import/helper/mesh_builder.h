@@ -21,7 +21,7 @@ class MeshBuilder {
   void set_group(std::string_view name);
   void set_material(std::string_view name);
 
-  /// The number of the vertex there. Throws std::runtime_error when a coordinate is not finite, or there are 2^32.
+  /// The number of the vertex there. Throws std::runtime_error when there are 2^32.
   std::uint32_t vertex(radiometry::scene::Point point);
   /// Fewer than three corners make no face.
   void add_face(std::span<const std::uint32_t> vertices);

@@ -4,8 +4,6 @@
 // Words and numbers of a text, whatever the locale.
 
 #include <charconv>
-#include <cmath>
-#include <cstdint>
 #include <string_view>
 
 namespace apps::scene {
@@ -29,18 +27,12 @@ inline std::string_view next_word(std::string_view& text) {
   return word;
 }
 
+/// False when the word is not a number of this type, or is more than that number. Of real ones `nan` and `inf` are.
 template <class T>
-bool parse_whole_word(std::string_view word, T& value) {
+bool parse_number(std::string_view word, T& value) {
   if (word.starts_with('+')) word.remove_prefix(1);  // which from_chars does not know
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   return error == std::errc() && end == word.data() + word.size();
 }
-
-/// False when the word is not a finite number, or is more than that number.
-inline bool parse_number(std::string_view word, double& value) {
-  return parse_whole_word(word, value) && std::isfinite(value);
-}
-
-inline bool parse_whole(std::string_view word, std::int64_t& value) { return parse_whole_word(word, value); }
 
 }  // namespace apps::scene

@@ -66,7 +66,7 @@ class ObjReader {
   void add_vertex(std::string_view rest) {
     Point point{};
     for (double& x : point)
-      if (!parse_number(next_word(rest), x)) refuse("a vertex needs three finite numbers");
+      if (!parse_number(next_word(rest), x)) refuse("a vertex needs three numbers");
     points_.push_back(point);
     numbers_.push_back(unknown);
   }
@@ -80,7 +80,7 @@ class ObjReader {
 
   std::uint32_t corner(std::string_view word) {
     std::int64_t index = 0;
-    if (!parse_whole(word, index)) refuse("\"" + std::string(word) + "\" is no vertex of a face");
+    if (!parse_number(word, index)) refuse("\"" + std::string(word) + "\" is no vertex of a face");
     const auto count = static_cast<std::int64_t>(points_.size());
     const std::int64_t at = index < 0 ? count + index : index - 1;
     if (at < 0 || at >= count)

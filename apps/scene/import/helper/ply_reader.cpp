@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <stdexcept>
@@ -79,7 +80,8 @@ Header take_header(std::string_view& content) {
     } else if (key == "element") {
       const std::string name(next_word(rest));
       std::int64_t count = 0;
-      if (!parse_whole(next_word(rest), count) || count < 0) refuse("its number of elements \"" + name + "\" is wrong");
+      if (!parse_number(next_word(rest), count) || count < 0)
+        refuse("its number of elements \"" + name + "\" is wrong");
       header.elements.push_back({name, static_cast<std::uint64_t>(count), {}});
     } else if (key == "property") {
       if (header.elements.empty()) refuse("its header has a property before the first element");
@@ -124,7 +126,7 @@ class Values {
     const std::string_view word = next_word(left_);
     double value = 0.0;
     if (word.empty()) refuse("it ends before all that its header announces");
-    if (!parse_whole_word(word, value)) refuse("\"" + std::string(word) + "\" is no number");
+    if (!parse_number(word, value)) refuse("\"" + std::string(word) + "\" is no number");
     return value;
   }
 
