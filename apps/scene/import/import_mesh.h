@@ -5,19 +5,20 @@
 //
 //   const radiometry::scene::Mesh vehicle = apps::scene::import_mesh("vehicle.obj", 1.0);
 //
-// The file is parsed by Assimp in a process of its own, `libexec/mtfkit/mtfkit-import`, which is given limits on
-// memory, processor time and output. A damaged or malicious file can therefore stop that process only: the caller gets
-// an error that names the file. The process ends with the caller, however that one ends.
+// The file is parsed, STL and glTF by Assimp, in a process of its own, `libexec/mtfkit/mtfkit-import`, which is given
+// limits on memory, processor time and output. A damaged or malicious file can therefore stop that process only: the
+// caller gets an error that names the file. The process ends with the caller, however that one ends.
 //
 // Faces stay the polygons that the file has. Vertices with the same coordinates become one vertex, others stay apart;
 // those that no face uses are left out, and so are points and lines. Normals, texture coordinates, colours, skins and
-// animations are not read. Coordinates have the precision of float32, which is what Assimp keeps: 6e-8 of the distance
-// from the origin of the file.
+// animations are not read. Coordinates keep the precision of the file: double in OBJ and PLY, float32 in STL and glTF.
+// Those that are not finite stay too: radiometry/scene/facets.h leaves their faces out and counts them, with the other
+// repairs of a mesh.
 //
 //   format       group of a face                                   material of a face
 //   OBJ          the name in the `g` or `o` line before it         the name in `usemtl` (.mtl files are not opened)
 //   PLY          none                                              none
-//   STL          the name after `solid`                            none
+//   STL          the word after `solid`                            none
 //   glTF 2       the name of its node, whose transforms apply      the name of the material of its primitive
 //
 // A face without a group or a material has the empty name. Buffers of a .gltf file are read from its own folder only.
@@ -46,9 +47,8 @@ struct ImportLimits {
 
 /// The mesh in `file`, whose coordinates are multiples of `unit_m` metres. Throws UsageError for an extension that is
 /// not one of .obj, .ply, .stl, .gltf, .glb, and for a unit that is not positive; RuntimeError when the file is
-/// missing, no ordinary file, empty, damaged (a coordinate that is not a finite number, a face with a vertex that is
-/// not there) or without faces, when the process came up against a limit or crashed, and when the process is not
-/// installed.
+/// missing, no ordinary file, empty, damaged (cut short, a vertex that is no number, a face with a vertex that is not
+/// there) or without faces, when the process came up against a limit or crashed, and when it is not installed.
 radiometry::scene::Mesh import_mesh(const std::filesystem::path& file, double unit_m, Up up = Up::of_format,
                                     const ImportLimits& limits = {});
 

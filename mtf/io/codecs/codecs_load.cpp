@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <dlfcn.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -8,6 +7,7 @@
 #include <vector>
 
 #include "mtf/error.h"
+#include "mtf/io/code_folder.h"
 #include "mtf/io/codecs/codecs.h"
 #include "mtf/io/csv/number_text.h"
 #include "mtf/io/file_checks.h"
@@ -22,21 +22,9 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* module_name = "libmtfkit_codecs.so";
 
-// Folder of the shared library or executable that contains this code.
-fs::path own_folder() {
-  std::error_code error;
-  Dl_info where{};
-  fs::path object;
-  if (::dladdr(reinterpret_cast<const void*>(&codecs), &where) != 0 && where.dli_fname != nullptr)
-    object = fs::canonical(where.dli_fname, error);
-  // For an executable dladdr gives argv[0], which need not be a path.
-  if (object.empty() || error) object = fs::canonical("/proc/self/exe", error);
-  return object.parent_path();
-}
-
 std::vector<fs::path> candidates() {
   if (const char* chosen = std::getenv("MTFKIT_CODECS"); chosen != nullptr && *chosen != '\0') return {chosen};
-  const fs::path here = own_folder();
+  const fs::path here = code_folder(reinterpret_cast<const void*>(&codecs));
   std::vector<fs::path> paths{here / module_name, here / "mtfkit" / module_name,
                               here.parent_path() / MTFKIT_LIBDIR / "mtfkit" / module_name,
                               here.parent_path() / "lib" / "mtfkit" / module_name};
