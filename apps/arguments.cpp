@@ -68,6 +68,15 @@ GivenTemperature temperature(std::string_view option, std::string_view text) {
   refuse(option, text, "a temperature in K or degC, such as 288, \"288 K\" or \"15 degC\"");
 }
 
+double temperature_difference(std::string_view option, std::string_view text) {
+  try {
+    const mtf::Quantity given = mtf::parse_quantity(text, mtf::Dimension::temperature_difference);
+    if (const double kelvin = mtf::convert(given, "K"); kelvin > 0.0) return kelvin;
+  } catch (const mtf::UsageError&) {  // refused below in the words of the option
+  }
+  refuse(option, text, "a temperature difference above 0 with its unit, such as \"0.1 K\" or \"50 mK\"");
+}
+
 int whole_number(std::string_view option, std::string_view text, int low, int high) {
   const auto value = read_number<int>(text);
   if (!value || *value < low || *value > high)

@@ -27,6 +27,9 @@ struct GivenTemperature {
 /// "288", "288 K" or "15 degC".
 GivenTemperature temperature(std::string_view option, std::string_view text);
 
+/// "0.1 K" or "50 mK"; above 0.
+double temperature_difference(std::string_view option, std::string_view text);
+
 /// A whole number in [low, high].
 int whole_number(std::string_view option, std::string_view text, int low, int high);
 

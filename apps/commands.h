@@ -22,5 +22,8 @@ Command fit_command();
 // Where apps/study is built.
 Command sweep_command();
 Command optimize_command();
+// Where scenes are built.
+Command scene_command();
+Command heat_command();
 
 }  // namespace apps

@@ -186,6 +186,24 @@ struct OptimizeCommandOptions {
   bool force = false;
 };
 
+/// `mtf scene`.
+struct SceneOptions {
+  enum class Action { demo, check, explain } action = Action::check;
+  std::string file;  ///< demo: the folder to create
+  bool force = false;
+};
+
+/// `mtf heat`.
+struct HeatCommandOptions {
+  std::string scene, out;
+  double tolerance_k = 0.1;
+  int rays = 512;       ///< of the view of each class of facets
+  int directions = 36;  ///< of the table of shadows, a day
+  bool ply = false;
+  bool force = false;
+  Format format = Format::table;  ///< of standard output: table or json
+};
+
 int run_curve(const CurveOptions& options, const Global& global);
 int run_info(const InfoOptions& options, const Global& global);
 int run_config(const ConfigOptions& options, const Global& global);
@@ -199,5 +217,7 @@ int run_sweep(const SweepOptions& options, const Global& global);
 int run_optimize(const OptimizeCommandOptions& options, const Global& global);
 int run_check(const CheckOptions& options, const Global& global);
 int run_report(const ReportOptions& options, const Global& global);
+int run_scene(const SceneOptions& options, const Global& global);
+int run_heat(const HeatCommandOptions& options, const Global& global);
 
 }  // namespace apps

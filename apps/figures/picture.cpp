@@ -75,7 +75,7 @@ BarEnds bar_ends(const Panel& panel) {
   return {end_words(panel.low, "below", below, pixels), end_words(panel.high, "above", above, pixels)};
 }
 
-void write_picture(const std::string& path, std::span<const Panel> panels) {
+void write_picture(const std::string& path, std::span<const Panel> panels, bool false_colour) {
   std::int64_t width = kMargin, tallest = 0;
   for (const Panel& panel : panels) {
     width += shown_width(panel) + kMargin;
@@ -85,6 +85,7 @@ void write_picture(const std::string& path, std::span<const Panel> panels) {
   mtf::Image page(width, bar_y + kBar + kFoot);
   std::fill_n(page.data(), page.size(), kGround);
   mtf::io::Drawing drawing;
+  drawing.false_colour = false_colour;
   std::int64_t x = kMargin;
   for (const Panel& panel : panels) {
     place(panel, x, bar_y, page, drawing);

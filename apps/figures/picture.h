@@ -25,7 +25,7 @@ struct BarEnds {
 };
 BarEnds bar_ends(const Panel& panel);
 
-/// Writes the panels as one PNG, whole or not at all.
-void write_picture(const std::string& path, std::span<const Panel> panels);
+/// Writes the panels as one PNG, whole or not at all; in false colours instead of grey where that is asked for.
+void write_picture(const std::string& path, std::span<const Panel> panels, bool false_colour = false);
 
 }  // namespace apps

@@ -42,6 +42,10 @@ RasterData draw(const RasterData& data, const Drawing& drawing) {
   try {
     cv::Mat picture(static_cast<int>(data.height), static_cast<int>(data.width), CV_8UC3);
     std::copy(data.samples.begin(), data.samples.end(), picture.ptr<std::uint8_t>());
+    if (drawing.false_colour) {
+      cv::applyColorMap(picture, picture, cv::COLORMAP_INFERNO);
+      cv::cvtColor(picture, picture, cv::COLOR_BGR2RGB);
+    }
     if (drawing.zoom > 1) cv::resize(picture, picture, {}, drawing.zoom, drawing.zoom, cv::INTER_NEAREST);
     for (const Stroke& stroke : drawing.strokes) {
       std::vector<cv::Point> points;

@@ -28,7 +28,8 @@ struct Caption {
 };
 
 struct Drawing {
-  int zoom = 1;  ///< the picture is this many times the image a side, 1 to 16
+  int zoom = 1;               ///< the picture is this many times the image a side, 1 to 16
+  bool false_colour = false;  ///< grey values as colours from black through red and yellow to white (inferno)
   std::vector<Stroke> strokes;
   std::vector<Caption> captions;
 };

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What the commands of 3-D scenes take.
+
+#include "apps/command_line.h"
+#include "apps/commands.h"
+
+namespace apps {
+namespace {
+
+Command scene_verb(const char* name, SceneOptions::Action action, const char* doc, const char* details,
+                   const char* examples) {
+  const auto shared = std::make_shared<SceneOptions>();
+  shared->action = action;
+  Command verb{name, doc, details, examples};
+  if (action == SceneOptions::Action::demo) {
+    shared->file = "mtf-scene";
+    add_text(verb, "-o,--out", "FOLDER", "folder to create; default: mtf-scene", shared->file);
+    add_force(verb, shared->force);
+  } else {
+    add_file(verb, "scene", "scene file (TOML)", shared->file);
+  }
+  verb.run = [shared](const Global& global) { return run_scene(*shared, global); };
+  return verb;
+}
+
+}  // namespace
+
+Command scene_command() {
+  using enum SceneOptions::Action;
+  Command app{"scene", "scene files: write an example, check one, explain one",
+              "A scene file names meshes, the materials of their faces, place, time and weather.",
+              "  mtf scene demo -o vehicle\n"
+              "  mtf scene check vehicle/scene.toml"};
+  app.commands.push_back(scene_verb("demo", demo, "a tracked vehicle on terrain with two days of weather",
+                                    "The vehicle has 178,190 vertices and four regions; the weather is a model of "
+                                    "clear days, not a measurement.",
+                                    "  mtf scene demo\n  mtf scene demo -o vehicle"));
+  app.commands.push_back(scene_verb("check", check, "read a scene with its meshes and weather, and say what is wrong",
+                                    "", "  mtf scene check scene.toml\n  mtf scene check vehicle/scene.toml"));
+  app.commands.push_back(scene_verb("explain", explain, "regions, materials and weather of a scene in numbers", "",
+                                    "  mtf scene explain scene.toml\n  mtf scene explain vehicle/scene.toml"));
+  return app;
+}
+
+Command heat_command() {
+  const auto shared = std::make_shared<HeatCommandOptions>();
+  HeatCommandOptions& options = *shared;
+  Command app{
+      "heat", "surface temperatures of a scene over time, by heat balance",
+      "Writes a folder with temperatures of all facets (NPY) and of regions (CSV), facets.csv, times.csv,\n"
+      "heat.json, a plot, and with [camera] a picture. The tolerance is that of the worst facet at any output;\n"
+      "the sampling error of shadows and views is measured and stated beside it. Conduction along surfaces is\n"
+      "left out, and formulas of convection and sky are good to 1 to 3 K: they are named in heat.json.",
+      "  mtf heat vehicle/scene.toml -o temperatures\n"
+      "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --rays 128"};
+  add_file(app, "scene", "scene file (TOML)", options.scene);
+  add_text(app, "-o,--out", "FOLDER", "folder to create", options.out).required = true;
+  add_word(app, "--tolerance", "X", "with its unit; default \"0.1 K\"",
+           [&](const std::string& text) { options.tolerance_k = temperature_difference("--tolerance", text); });
+  add_word(app, "--rays", "N", "for the view of each class of facets; default 512",
+           [&](const std::string& text) { options.rays = whole_number("--rays", text, 16, 65536); });
+  add_word(app, "--sun-directions", "N", "of the table of shadows, a day; default 36",
+           [&](const std::string& text) { options.directions = whole_number("--sun-directions", text, 4, 1440); });
+  add_flag(app, "--ply", "write the mesh with the last temperatures too, for ParaView, MeshLab or Blender",
+           options.ply);
+  add_choice(app, "--format", "FORMAT", "of standard output: table (default) or json", kTableOrJson, options.format);
+  add_force(app, options.force);
+  app.run = [shared](const Global& global) { return run_heat(*shared, global); };
+  return app;
+}
+
+}  // namespace apps

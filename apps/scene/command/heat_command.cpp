@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf heat`: a scene file to a folder of temperatures.
+
+#include <algorithm>
+#include <filesystem>
+
+#include "apps/figures/plot.h"
+#include "apps/options.h"
+#include "apps/scene/command/heat_files.h"
+#include "apps/scene/command/scene_picture.h"
+#include "apps/scene/outputs/mesh_files.h"
+#include "apps/sweep/output_folder.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/progress_line.h"
+#include "apps/terminal/text_table.h"
+#include "apps/terminal/write_together.h"
+#include "mtf/error.h"
+#include "radiometry/heat/weather/instant.h"
+
+namespace apps {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace scene;
+
+Figure region_figure(const SceneFile& file, const HeatFiles& files) {
+  Figure figure;
+  figure.title = "mean temperatures of regions, shaded: from the least to the largest";
+  figure.x_label = "hours since " + radiometry::heat::instant_text(file.time.start_s);
+  figure.y_label = "temperature [K]";
+  for (std::size_t r = 0; r < file.regions.size(); ++r) {
+    Series series;
+    series.name = file.regions[r].name;
+    for (std::size_t i = 0; i < files.times_s().size(); ++i) {
+      const RegionTemperature& region = files.regions()[i][r];
+      series.x.push_back(files.times_s()[i] / 3600.0);
+      series.y.push_back(region.mean_k);
+      series.low.push_back(region.least_k);
+      series.high.push_back(region.most_k);
+    }
+    figure.series.push_back(std::move(series));
+  }
+  return figure;
+}
+
+/// The facets as a mesh of triangles, with their temperatures.
+void write_ply_of(const std::string& path, const HeatScene& scene, std::span<const double> facet_k) {
+  const radiometry::scene::Facets& facets = scene.facets();
+  radiometry::scene::Mesh mesh;
+  mesh.vertices = facets.vertices;
+  mesh.group_names = mesh.material_names = {""};
+  mesh.first.push_back(0);
+  std::vector<float> of_face;
+  std::vector<double> sum(facets.vertices.size(), 0.0), area(facets.vertices.size(), 0.0);
+  for (std::size_t t = 0; t < facets.triangles.size(); ++t) {
+    const std::uint32_t facet = facets.facet_of[t];
+    for (const std::uint32_t corner : facets.triangles[t]) {
+      mesh.corners.push_back(corner);
+      sum[corner] += facets.facet[facet].area_m2 * facet_k[facet];
+      area[corner] += facets.facet[facet].area_m2;
+    }
+    mesh.first.push_back(mesh.corners.size());
+    mesh.group.push_back(0);
+    mesh.material.push_back(0);
+    of_face.push_back(static_cast<float>(facet_k[facet]));
+  }
+  std::vector<float> of_vertex;
+  for (std::size_t v = 0; v < sum.size(); ++v) of_vertex.push_back(static_cast<float>(sum[v] / area[v]));
+  write_ply(path, mesh, {{"temperature", of_vertex}}, {{"temperature", of_face}});
+}
+
+std::string summary_text(const HeatScene& scene, const HeatReport& report, const HeatFiles& files) {
+  TextTable table({"region", "coldest", "mean", "warmest [K]"});
+  for (std::size_t r = 0; r < scene.file.regions.size(); ++r) {
+    double least = files.regions().front()[r].least_k, most = files.regions().front()[r].most_k, mean = 0.0;
+    for (const auto& regions : files.regions()) {
+      least = std::min(least, regions[r].least_k);
+      most = std::max(most, regions[r].most_k);
+      mean += regions[r].mean_k / static_cast<double>(files.regions().size());
+    }
+    table.add({one_line(scene.file.regions[r].name), fixed(least, 2), fixed(mean, 2), fixed(most, 2)});
+  }
+  const HeatPromise& p = report.promised;
+  std::string text = table.aligned({Align::left, Align::right, Align::right, Align::right});
+  text += plural(static_cast<std::int64_t>(report.facets), "facet") + " as " +
+          plural(static_cast<std::int64_t>(report.units), "class") + "es, " +
+          plural(static_cast<std::int64_t>(report.outputs), "output") + "\n";
+  text += "promised error " + significant(p.total_k(), 2) + " K: steps and cells " +
+          significant(p.solver.total_k(), 2) + ", ground " + significant(p.ground_k, 2) + ", classes " +
+          significant(p.units_k, 2) + ", exchange " + significant(p.exchange_k, 2) + ", times " +
+          significant(p.feedback, 3) + " for what exchange passes on\n";
+  text += "not in it: sampling error of shadows " + significant(100.0 * report.sun_error.rms, 2) +
+          " % of the direct light rms, of the view of the sky " + significant(100.0 * report.view_error.sky.rms, 2) +
+          " % rms; models of convection and sky, 1 to 3 K\n";
+  double total = 0.0;
+  std::string times;
+  for (const auto& [name, ms] : report.timing_ms) {
+    times += (times.empty() ? "" : ", ") + name + " " + fixed(ms / 1000.0, 2);
+    total += ms;
+  }
+  return text + "time " + fixed(total / 1000.0, 2) + " s (" + times + ")\n";
+}
+
+}  // namespace
+
+int run_heat(const HeatCommandOptions& options, const Global& global) {
+  check_folder(options.out, options.force);
+  std::vector<mtf::io::Diagnostic> findings;
+  const SceneFile file = load_scene(options.scene, &findings);
+  for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
+  const HeatOptions heat_options{.tolerance_k = options.tolerance_k,
+                                 .directions = options.directions,
+                                 .rays = options.rays,
+                                 .threads = global.threads};
+  ProgressLine progress(global);
+  const HeatScene scene = prepare_heat(file, heat_options);
+  for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
+  const bool existed = fs::exists(options.out);
+  prepare_folder(options.out, options.force);
+  std::string text;
+  std::vector<std::string> paths;
+  if (!existed) paths.push_back(options.out);
+  for (const char* name : {"temperatures.npy", "temperatures_back.npy", "facets.csv", "times.csv", "regions.csv",
+                           "heat.json", "regions.svg", "regions.svg.csv", "scene.png", "facets.ply"})
+    paths.push_back(options.out + "/" + name);
+  write_together(paths, [&] {
+    HeatFiles files(options.out, scene);
+    std::vector<double> last;
+    const HeatReport report = run_heat(
+        scene, heat_options,
+        [&](const HeatOutput& output) {
+          files.append(output);
+          last.assign(output.front_k.begin(), output.front_k.end());
+        },
+        [&](const std::string& step, double share) { progress.update(step, share); });
+    files.commit(report, heat_options);
+    write_figure(options.out + "/regions.svg", region_figure(file, files));
+    if (file.camera)
+      write_scene_picture(options.out + "/scene.png", scene, *file.camera, last,
+                          "surface temperatures at " + radiometry::heat::instant_text(file.time.end_s));
+    if (options.ply) write_ply_of(options.out + "/facets.ply", scene, last);
+    text = options.format == Format::json ? heat_json(scene, report, heat_options) : summary_text(scene, report, files);
+  });
+  print(text);
+  if (options.format == Format::table) print("written to " + options.out + "/\n");
+  return 0;
+}
+
+}  // namespace apps

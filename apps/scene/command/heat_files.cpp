@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/command/heat_files.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
+#include "radiometry/heat/weather/instant.h"
+
+namespace apps::scene {
+
+HeatFiles::HeatFiles(std::string folder, const HeatScene& scene) : folder_(std::move(folder)), scene_(scene) {
+  front_ = std::make_unique<NpyFile>(at("temperatures.npy"), scene.facets().size());
+  for (std::uint32_t f = 0; f < scene.facets().size() && !back_; ++f)
+    if (scene.is_sheet(f)) back_ = std::make_unique<NpyFile>(at("temperatures_back.npy"), scene.facets().size());
+}
+
+std::string HeatFiles::instant(double time_s) const {
+  return radiometry::heat::instant_text(scene_.file.time.start_s + time_s);
+}
+
+void HeatFiles::append(const HeatOutput& output) {
+  front_->append(std::vector<float>(output.front_k.begin(), output.front_k.end()));
+  if (back_) back_->append(std::vector<float>(output.back_k.begin(), output.back_k.end()));
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::vector<RegionTemperature> regions(scene_.file.regions.size(), {kInfinity, 0.0, -kInfinity});
+  std::vector<double> areas(regions.size(), 0.0);
+  for (std::size_t f = 0; f < output.front_k.size(); ++f) {
+    RegionTemperature& region = regions[scene_.region[f]];
+    const double kelvin = output.front_k[f], area = scene_.facets().facet[f].area_m2;
+    region.least_k = std::min(region.least_k, kelvin);
+    region.most_k = std::max(region.most_k, kelvin);
+    region.mean_k += area * kelvin;
+    areas[scene_.region[f]] += area;
+  }
+  for (std::size_t r = 0; r < regions.size(); ++r) regions[r].mean_k /= areas[r];
+  regions_.push_back(std::move(regions));
+  times_s_.push_back(output.time_s);
+}
+
+std::string HeatFiles::facets_csv() const {
+  std::string text = "facet,mesh,region,material,area_m2,centre_x_m,centre_y_m,centre_z_m,normal_x,normal_y,normal_z\n";
+  const auto& facets = scene_.facets().facet;
+  for (std::uint32_t f = 0; f < facets.size(); ++f) {
+    const RegionSection& region = scene_.region_of(f);
+    text += std::to_string(f) + "," + csv_field(scene_.file.meshes[facets[f].mesh].name) + "," +
+            csv_field(region.name) + "," +
+            (region.material ? csv_field(scene_.file.materials[*region.material].name) : "") + "," +
+            significant(facets[f].area_m2, 9);
+    for (const double value : facets[f].centre) text += "," + significant(value, 9);
+    for (const double value : facets[f].normal) text += "," + significant(value, 9);
+    text += "\n";
+  }
+  return text;
+}
+
+std::vector<std::string> HeatFiles::paths() const {
+  std::vector<std::string> paths{at("temperatures.npy")};
+  if (back_) paths.push_back(at("temperatures_back.npy"));
+  for (const char* name : {"facets.csv", "times.csv", "regions.csv", "heat.json"}) paths.push_back(at(name));
+  return paths;
+}
+
+void HeatFiles::commit(const HeatReport& report, const HeatOptions& options) {
+  std::string times = "output,time,time_s\n", regions = "time,region,min_K,mean_K,max_K\n";
+  for (std::size_t i = 0; i < times_s_.size(); ++i) {
+    const std::string when = instant(times_s_[i]);
+    times += std::to_string(i) + "," + when + "," + csv_number(times_s_[i]) + "\n";
+    for (std::size_t r = 0; r < regions_[i].size(); ++r) {
+      const RegionTemperature& region = regions_[i][r];
+      regions += when + "," + csv_field(scene_.file.regions[r].name) + "," + fixed(region.least_k, 4) + "," +
+                 fixed(region.mean_k, 4) + "," + fixed(region.most_k, 4) + "\n";
+    }
+  }
+  front_->commit();
+  if (back_) back_->commit();
+  emit(at("facets.csv"), facets_csv());
+  emit(at("times.csv"), times);
+  emit(at("regions.csv"), regions);
+  emit(at("heat.json"), heat_json(scene_, report, options));
+}
+
+}  // namespace apps::scene

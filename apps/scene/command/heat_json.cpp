@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <nlohmann/json.hpp>
+
+#include "apps/scene/command/heat_files.h"
+#include "mtf/version.h"
+#include "radiometry/heat/weather/instant.h"
+
+namespace apps::scene {
+namespace {
+
+namespace heat = radiometry::heat;
+using Json = nlohmann::ordered_json;
+
+constexpr std::array kCloudNames{"none", "from_longwave", "from_weather", "constant"};
+
+std::string inside_name(const heat::Inside& inside) {
+  constexpr std::array kNames{"adiabatic", "fixed", "film", "flux", "sheet"};
+  return kNames.at(inside.index());
+}
+
+Json closures(const HeatScene& scene) {
+  Json materials = Json::array();
+  for (const Surface& material : scene.material)
+    materials.push_back({{"material", material.name},
+                         {"convection", name_of(material.construction.convection)},
+                         {"inside", inside_name(material.construction.inside)},
+                         {"solar_absorptance", material.solar_absorptance},
+                         {"emissivity", material.construction.emissivity}});
+  const std::optional<GroundSection>& ground = scene.file.ground;
+  return {{"materials", materials},
+          {"sky_longwave", kLongwaveNames.at(static_cast<std::size_t>(scene.file.sky.longwave))},
+          {"cloud", kCloudNames.at(static_cast<std::size_t>(scene.file.sky.cloud))},
+          {"sky_radiance", "isotropic"},
+          {"sun", "point, visibility linear in time between the directions of the table"},
+          {"ground", !ground               ? "black, at the temperature of the air"
+                     : ground->temperature ? "of given temperature"
+                                           : "solved"},
+          {"left_out", {"conduction along surfaces", "evaporation", "half shadow of the sun's disc"}}};
+}
+
+Json promise(const heat::Promise& promised) {
+  return {{"steps_K", promised.steps_k}, {"grid_K", promised.grid_k}, {"depth_K", promised.depth_k}};
+}
+
+Json error_json(const radiometry::scene::TableError& error) {
+  return {{"rms", error.rms}, {"percentile_95", error.percentile_95}, {"count", error.count}};
+}
+
+}  // namespace
+
+std::string heat_json(const HeatScene& scene, const HeatReport& report, const HeatOptions& options) {
+  Json materials = Json::array();
+  double residual = 0.0;
+  std::int64_t steps = 0;
+  for (const MaterialRun& run : report.materials) {
+    materials.push_back({{"material", run.name},
+                         {"classes", run.units},
+                         {"nodes", run.nodes},
+                         {"promised", promise(run.promised)},
+                         {"facet_steps", run.steps.facet_steps},
+                         {"steps_refused", run.steps.refused},
+                         {"residual_K", run.start_residual_k},
+                         {"energy_drift", run.drift}});
+    residual = std::max(residual, run.start_residual_k);
+    steps += run.steps.facet_steps;
+  }
+  Json timing = Json::object();
+  for (const auto& [name, ms] : report.timing_ms) timing[name] = ms;
+  const HeatPromise& p = report.promised;
+  const Json json = {{"scene", scene.file.file},
+                     {"scene_sha256", scene.file.sha256},
+                     {"version", mtf::version},
+                     {"commit", mtf::git_commit},
+                     {"start", heat::instant_text(scene.file.time.start_s)},
+                     {"end", heat::instant_text(scene.file.time.end_s)},
+                     {"outputs", report.outputs},
+                     {"facets", report.facets},
+                     {"classes", report.units},
+                     {"patches", report.patches},
+                     {"steps", steps},
+                     {"tolerance_K", options.tolerance_k},
+                     {"promised_K", p.total_k()},
+                     {"promised",
+                      {{"solver", promise(p.solver)},
+                       {"ground_K", p.ground_k},
+                       {"classes_K", p.units_k},
+                       {"exchange_K", p.exchange_k},
+                       {"feedback", p.feedback}}},
+                     {"residual_K", residual},
+                     {"exchange_iterations", report.iterations},
+                     {"tables",
+                      {{"sun_directions", scene.surroundings.shadow_to_sun.size()},
+                       {"sun_points", options.sun_points},
+                       {"sun_share_error", error_json(report.sun_error)},
+                       {"view_rays", options.rays},
+                       {"sky_share_error", error_json(report.view_error.sky)},
+                       {"surfaces_share_error", error_json(report.view_error.surfaces)}}},
+                     {"closures", closures(scene)},
+                     {"materials", materials},
+                     {"timing_ms", timing},
+                     {"warnings", report.warnings}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace apps::scene

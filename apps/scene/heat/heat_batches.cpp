@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/heat/heat_batches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apps/text/words.h"
+#include "mtf/error.h"
+#include "mtf/parallel.h"
+#include "radiometry/heat/solve.h"
+#include "radiometry/heat/weather/instant.h"
+
+namespace apps::scene {
+namespace {
+
+namespace heat = radiometry::heat;
+constexpr int kMostIterations = 60;
+constexpr double kStartShare = 0.2;  // of the tolerance: what the state at the start may change in a day
+
+heat::Timeline timeline_of(const Surroundings& s, const Window& window) {
+  heat::Timeline timeline{s.time_s[window.first], s.time_s[window.last], {}, breaks_of(s, window.first, window.last)};
+  for (std::size_t k = window.first; k <= window.last; ++k) timeline.outputs_s.push_back(s.time_s[k]);
+  return timeline;
+}
+
+/// The larger of two promises, part by part.
+heat::Promise worse(const heat::Promise& a, const heat::Promise& b) {
+  return {std::max(a.steps_k, b.steps_k), std::max(a.grid_k, b.grid_k), std::max(a.depth_k, b.depth_k)};
+}
+
+double worst_drift(const std::vector<heat::HeatBalance>& balances) {
+  double worst = 0.0;
+  for (const heat::HeatBalance& balance : balances)
+    if (balance.exchanged > 0.0) worst = std::max(worst, std::abs(balance.drift()) / balance.exchanged);
+  return worst;
+}
+
+}  // namespace
+
+std::vector<Window> windows_of(const Surroundings& s) {
+  std::vector<Window> windows;
+  for (std::size_t first = 0; first + 1 < s.nodes(); first = windows.back().last) {
+    const double end = s.time_s[first] + heat::kDay_s + 1e-3;
+    const auto above = std::upper_bound(s.time_s.begin(), s.time_s.end(), end);
+    windows.push_back({first, static_cast<std::size_t>(above - s.time_s.begin()) - 1});
+  }
+  return windows;
+}
+
+HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const GroundLight& ground, double tolerance_k,
+                         int threads)
+    : scene_(scene), units_(units), ground_(ground), tolerance_k_(tolerance_k), threads_(threads) {
+  for (std::size_t i = 0; i < units.unit.size(); ++i) {
+    const Unit& unit = units.unit[i];
+    if (unit.given) continue;
+    if (batches_.empty() || batches_.back().material != *unit.material) {
+      Batch batch;
+      batch.first = i;
+      batch.material = *unit.material;
+      batch.run.name = scene.material[batch.material].name;
+      batch.heat.construction = scene.material[batch.material].construction;
+      batches_.push_back(std::move(batch));
+    }
+    ++batches_.back().units;
+    batches_.back().heat.up.push_back(std::clamp(unit.front.normal[2], -1.0, 1.0));
+  }
+  for (Batch& batch : batches_) {
+    batch.heat.facets = batch.run.units = batch.units;
+    batch.forcing =
+        forcing_of(std::span(units.unit).subspan(batch.first, batch.units), units, scene.surroundings, ground, solar_,
+                   longwave_, scene.material[batch.material].inside, scene.file.time.start_s);
+  }
+}
+
+double HeatBatches::update_exchange() {
+  const std::size_t receivers = units_.area_m2.size();
+  std::vector<double> change(longwave_.nodes(), 0.0);
+  mtf::parallel_for(static_cast<std::int64_t>(change.size()), 1, threads_, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<float> before(receivers);
+    for (std::int64_t k = begin; k < end; ++k) {
+      const auto row = static_cast<std::size_t>(k);
+      const std::span<float> irradiance = longwave_.row(window_.first + row);
+      std::copy(irradiance.begin(), irradiance.end(), before.begin());
+      longwave_exchange(units_, scene_.surroundings, ground_, window_.first + row,
+                        std::span(receiver_k_).subspan(row * receivers, receivers), irradiance);
+      for (std::size_t i = 0; i < receivers; ++i)
+        change[row] = std::max(change[row], static_cast<double>(std::abs(irradiance[i] - before[i])));
+    }
+  });
+  return *std::max_element(change.begin(), change.end());
+}
+
+void HeatBatches::set_window(const Window& window, bool first) {
+  const std::size_t receivers = units_.area_m2.size();
+  std::vector<double> before;  // temperatures at the end of the window before
+  if (!first) before.assign(receiver_k_.end() - static_cast<std::ptrdiff_t>(receivers), receiver_k_.end());
+  window_ = window;
+  receiver_k_.assign((window.last + 1 - window.first) * receivers, 0.0);
+  for (std::size_t k = window.first; k <= window.last; ++k)
+    for (const Unit& unit : units_.unit) {
+      double start = first ? scene_.surroundings.air_k[k] : before[unit.receiver];
+      if (unit.given)
+        start = value_at(scene_.file.regions[unit.region].temperature->schedule,
+                         scene_.file.time.start_s + scene_.surroundings.time_s[k]);
+      kelvin(k, unit.receiver) = start;
+      if (unit.back) kelvin(k, unit.receiver + 1) = first ? start : before[unit.receiver + 1];
+    }
+  solar_ = make_receiver_table(window.first, window.last, receivers);
+  longwave_ = solar_;
+  fill_solar_exchange(units_, scene_.surroundings, ground_, threads_, solar_);
+}
+
+void HeatBatches::solve_batch(Batch& batch, const Window& window, bool first) {
+  const heat::Timeline timeline = timeline_of(scene_.surroundings, window);
+  if (!batch.plan)
+    batch.plan = make_plan(batch.heat, batch.forcing, timeline, heat::RepeatingStart{heat::kDay_s}, tolerance_k_);
+  if (first) {
+    const heat::PeriodicStart start =
+        periodic_start(*batch.plan, batch.forcing, timeline, kStartShare * tolerance_k_, 8, threads_);
+    batch.state = start.state;
+    batch.run.start_residual_k = start.residual_k;
+  }
+  const heat::Run run = advance(*batch.plan, batch.state, batch.forcing, timeline, threads_);
+  batch.end = run.end;
+  batch.promised = run.promised;
+  batch.drift = worst_drift(run.balance);
+  batch.run.nodes = batch.plan->fine.nodes();
+  batch.run.steps.taken += run.steps.taken;
+  batch.run.steps.refused += run.steps.refused;
+  batch.run.steps.facet_steps += run.steps.facet_steps;
+  for (std::size_t k = 0; k < run.outputs_s.size(); ++k)
+    for (std::size_t i = 0; i < batch.units; ++i) {
+      const Unit& unit = units_.unit[batch.first + i];
+      kelvin(window.first + k, unit.receiver) = run.front_k[k * batch.units + i];
+      if (unit.back) kelvin(window.first + k, unit.receiver + 1) = run.back_k[k * batch.units + i];
+    }
+}
+
+Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k, double loss_w_m2_k) {
+  set_window(window, first);
+  update_exchange();
+  Relaxed relaxed;
+  double last = 0.0;
+  for (;;) {
+    for (Batch& batch : batches_) solve_batch(batch, window, first);
+    ++relaxed.iterations;
+    const double change = update_exchange() / loss_w_m2_k;
+    // The first change is from a guess: it says nothing about how fast the iteration converges.
+    if (relaxed.iterations > 2 && last > 0.0) relaxed.ratio = std::max(relaxed.ratio, std::min(change / last, 0.99));
+    const double ratio = relaxed.iterations > 2 ? relaxed.ratio : 0.5;
+    relaxed.error_k = change / (1.0 - ratio);
+    if (relaxed.error_k <= tolerance_k) break;
+    if (relaxed.iterations == kMostIterations)
+      throw mtf::RuntimeError("the exchange of radiation between surfaces has an error of " +
+                              significant(relaxed.error_k, 2) + " K after " + plural(kMostIterations, "iteration") +
+                              "; ask for a larger tolerance");
+    last = change;
+  }
+  for (Batch& batch : batches_) {
+    batch.state = std::move(batch.end);
+    batch.run.promised = worse(batch.run.promised, batch.promised);
+    batch.run.drift = std::max(batch.run.drift, batch.drift);
+  }
+  return relaxed;
+}
+
+std::vector<MaterialRun> HeatBatches::materials() const {
+  std::vector<MaterialRun> runs;
+  for (const Batch& batch : batches_) runs.push_back(batch.run);
+  return runs;
+}
+
+}  // namespace apps::scene

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A scene that is ready for its heat balance: what does not depend on the tolerance.
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/scene/heat/surfaces.h"
+#include "apps/scene/heat/surroundings.h"
+#include "radiometry/scene/rays.h"
+
+namespace apps::scene {
+
+struct HeatOptions {
+  double tolerance_k = 0.1;  ///< of the worst facet at any output, with the tables of shadows, views and exchange given
+  int directions = 36;       ///< of the table of shadows, a day
+  int rough_rays = 64;       ///< of each facet: they tell which facets are alike
+  int rays = 512;            ///< of each unit
+  int sun_points = 4;        ///< of each facet
+  std::size_t patches = 2000;  ///< at most
+  int threads = 0;             ///< 0: all cores; results do not depend on it
+};
+
+struct HeatScene {
+  SceneFile file;
+  Surroundings surroundings;
+  std::vector<std::uint32_t> region;  ///< of each facet, an index into file.regions
+  std::vector<Surface> material;      ///< as file.materials
+  radiometry::scene::Rays rays;       ///< with the facets
+  std::vector<std::pair<std::string, double>> timing_ms;
+  std::vector<std::string> warnings;
+
+  const radiometry::scene::Facets& facets() const { return rays.facets(); }
+  const RegionSection& region_of(std::uint32_t facet) const { return file.regions[region[facet]]; }
+  /// Whether the facet is solved with two exposed sides.
+  bool is_sheet(std::uint32_t facet) const;
+};
+
+/// Reads weather and meshes. Throws as surroundings_of and read_surfaces.
+HeatScene prepare_heat(const SceneFile& file, const HeatOptions& options);
+
+}  // namespace apps::scene

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/heat/surfaces.h"
+
+#include <algorithm>
+#include <map>
+
+#include "apps/scene/import/import_mesh.h"
+#include "apps/text/words.h"
+#include "mtf/error.h"
+
+namespace apps::scene {
+namespace {
+
+namespace heat = radiometry::heat;
+using radiometry::scene::Mesh;
+
+heat::Convection convection_of(const Convection& convection) {
+  switch (convection.model) {
+    case ConvectionModel::none:
+      return heat::NoConvection{};
+    case ConvectionModel::tarp:
+      return heat::Tarp{};
+    case ConvectionModel::linear:
+      return heat::LinearConvection{convection.h0_w_m2_k, convection.h1_j_m3_k};
+    case ConvectionModel::mcadams:
+      break;
+  }
+  return heat::McAdams{};
+}
+
+/// Sets the inside of the surface, and the schedule that drives it.
+void set_inside(const MaterialSection& material, Surface& surface) {
+  const Inside& inside = material.inside;
+  switch (inside.kind) {
+    case InsideKind::adiabatic:
+      break;
+    case InsideKind::fixed:
+      surface.construction.inside = heat::FixedTemperature{};
+      surface.inside = inside.temperature;
+      break;
+    case InsideKind::film:
+      surface.construction.inside = heat::InnerFilm{inside.h_w_m2_k};
+      surface.inside = inside.temperature;
+      break;
+    case InsideKind::flux:
+      surface.construction.inside = heat::InnerFlux{};
+      surface.inside = inside.flux;
+      break;
+    case InsideKind::sheet:
+      surface.construction.inside =
+          heat::Sheet{inside.back_emissivity ? inside.back_emissivity->value : material.emissivity.value,
+                      convection_of(material.convection)};
+      break;
+    case InsideKind::pair:
+      throw mtf::UsageError("material '" + one_line(material.name) +
+                            "': inside.kind = \"pair\" is not solved yet; use \"adiabatic\" with half of the "
+                            "thickness, or \"sheet\" for plates that are exposed on both sides");
+  }
+}
+
+/// Of each face of the mesh, the region that has it.
+std::vector<std::uint32_t> regions_of_faces(const SceneFile& scene, std::size_t mesh_index, const Mesh& mesh) {
+  constexpr std::uint32_t kNobody = radiometry::scene::kNone;
+  std::vector<std::uint32_t> of_group(mesh.group_names.size(), kNobody);
+  std::vector<std::uint32_t> of_material(mesh.material_names.size(), kNobody);
+  std::uint32_t of_rest = kNobody;
+  const auto names_text = [](const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + one_line(name.empty() ? "''" : name);
+    return text.empty() ? std::string("none") : text;
+  };
+  for (std::size_t r = 0; r < scene.regions.size(); ++r) {
+    const RegionSection& region = scene.regions[r];
+    if (region.mesh != mesh_index) continue;
+    const auto claim = [&](const std::vector<std::string>& names, const std::string& name,
+                           std::vector<std::uint32_t>& of, const char* what) {
+      const auto found = std::find(names.begin(), names.end(), name);
+      if (found == names.end())
+        throw mtf::UsageError(one_line(scene.file) + ": region '" + one_line(region.name) +
+                              "': " + one_line(scene.meshes[mesh_index].file) + " has no " + what + " '" +
+                              one_line(name) + "' (there are: " + names_text(names) + ")");
+      of[static_cast<std::size_t>(found - names.begin())] = static_cast<std::uint32_t>(r);
+    };
+    if (!region.group.empty())
+      claim(mesh.group_names, region.group, of_group, "group");
+    else if (!region.mesh_material.empty())
+      claim(mesh.material_names, region.mesh_material, of_material, "material");
+    else
+      of_rest = static_cast<std::uint32_t>(r);
+  }
+  std::vector<std::uint32_t> of_face(mesh.faces());
+  for (std::size_t f = 0; f < mesh.faces(); ++f) {
+    const std::uint32_t by_group = of_group[mesh.group[f]];
+    const std::uint32_t by_material = of_material[mesh.material[f]];
+    of_face[f] = by_group != kNobody ? by_group : by_material != kNobody ? by_material : of_rest;
+    if (of_face[f] == kNobody)
+      throw mtf::UsageError(one_line(scene.file) + ": mesh '" + one_line(scene.meshes[mesh_index].name) +
+                            "': no [[region]] has the faces of group '" + one_line(mesh.group_names[mesh.group[f]]) +
+                            "', material '" + one_line(mesh.material_names[mesh.material[f]]) +
+                            "'; add one for them, or one of the mesh without a group for the rest");
+  }
+  return of_face;
+}
+
+}  // namespace
+
+double Surface::emissivity(bool back) const {
+  const auto* sheet = std::get_if<heat::Sheet>(&construction.inside);
+  return back && sheet != nullptr ? sheet->emissivity : construction.emissivity;
+}
+
+Surface surface_of(const MaterialSection& material) {
+  const std::string where = "material '" + one_line(material.name) + "'";
+  if (material.wet_fraction > 0.0)
+    throw mtf::UsageError(where + ": wet_fraction: evaporation is not solved yet; leave it out");
+  Surface surface;
+  surface.name = material.name;
+  for (const LayerSection& layer : material.layers) {
+    if (layer.source_w_m3 != 0.0)
+      throw mtf::UsageError(where + ": a source within a layer is not solved yet; use inside.kind = \"flux\"");
+    surface.construction.layers.push_back(
+        {layer.conductivity_w_m_k, layer.density_kg_m3, layer.heat_capacity_j_kg_k, layer.thickness_m});
+  }
+  surface.construction.emissivity = material.emissivity.value;
+  surface.construction.convection = convection_of(material.convection);
+  surface.solar_absorptance = material.solar_absorptance;
+  surface.back_solar_absorptance = material.inside.back_solar_absorptance.value_or(material.solar_absorptance);
+  set_inside(material, surface);
+  require_valid(surface.construction, where);
+  return surface;
+}
+
+Surfaces read_surfaces(const SceneFile& scene) {
+  Surfaces surfaces;
+  for (const MaterialSection& material : scene.materials) surfaces.material.push_back(surface_of(material));
+  std::vector<Mesh> meshes;
+  for (const MeshSection& mesh : scene.meshes) meshes.push_back(import_mesh(mesh.file, mesh.unit_m));
+  std::vector<radiometry::scene::PlacedMesh> placed;
+  std::vector<std::vector<std::uint32_t>> regions;
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    placed.push_back({scene.meshes[m].name, &meshes[m]});
+    regions.push_back(regions_of_faces(scene, m, meshes[m]));
+  }
+  surfaces.facets = facets_of(placed);
+  std::vector<bool> used(scene.regions.size(), false);
+  for (const radiometry::scene::Facet& facet : surfaces.facets.facet) {
+    surfaces.region.push_back(regions[facet.mesh][facet.face]);
+    used[surfaces.region.back()] = true;
+  }
+  for (std::size_t r = 0; r < used.size(); ++r)
+    if (!used[r])
+      throw mtf::UsageError(one_line(scene.file) + ": region '" + one_line(scene.regions[r].name) +
+                            "' has no face; remove it, or name a group that has faces");
+  surfaces.warnings = surfaces.facets.warnings;
+  return surfaces;
+}
+
+}  // namespace apps::scene

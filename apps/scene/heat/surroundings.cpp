@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/heat/surroundings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "apps/text/words.h"
+#include "mtf/error.h"
+#include "radiometry/heat/weather/instant.h"
+
+namespace apps::scene {
+namespace {
+
+namespace heat = radiometry::heat;
+constexpr double kLongestStep_s = 600.0;
+constexpr double kSame_s = 1e-3;  // times closer than this are one node
+
+/// Rising, without doubles.
+std::vector<double> merged(std::vector<double> times) {
+  std::sort(times.begin(), times.end());
+  std::vector<double> kept;
+  for (const double t : times)
+    if (kept.empty() || t - kept.back() > kSame_s) kept.push_back(t);
+  return kept;
+}
+
+/// Schedules whose samples are nodes: those of insides, regions and the ground.
+std::vector<const heat::Schedule*> schedules_of(const SceneFile& scene) {
+  std::vector<const heat::Schedule*> all;
+  const auto add = [&](const heat::Schedule& timeline) {
+    if (!timeline.value.empty()) all.push_back(&timeline);
+  };
+  for (const MaterialSection& material : scene.materials) {
+    add(material.inside.temperature);
+    add(material.inside.flux);
+  }
+  for (const RegionSection& region : scene.regions)
+    if (region.temperature) add(region.temperature->schedule);
+  if (scene.ground && scene.ground->temperature) add(scene.ground->temperature->schedule);
+  return all;
+}
+
+std::size_t node_at(const std::vector<double>& times, double t) {
+  const auto at = std::lower_bound(times.begin(), times.end(), t - kSame_s);
+  return std::min(static_cast<std::size_t>(at - times.begin()), times.size() - 1);
+}
+
+/// For the interval after each node the entry of the table of shadows that it begins in.
+std::vector<int> entries_of(const Surroundings& s, const SceneFile& scene) {
+  std::vector<int> entry(s.nodes(), -1);
+  std::size_t j = 0;
+  for (std::size_t k = 0; k + 1 < s.nodes(); ++k) {
+    const double middle = 0.5 * (s.time_s[k] + s.time_s[k + 1]);
+    while (j + 1 < s.shadow_time_s.size() && s.shadow_time_s[j + 1] <= middle) ++j;
+    if (j + 1 >= s.shadow_time_s.size() || s.shadow_time_s[j] > middle) continue;
+    if (sun_position(scene.time.start_s + middle, scene.place).direction[2] > 0.0) entry[k] = static_cast<int>(j);
+  }
+  return entry;
+}
+
+}  // namespace
+
+radiometry::scene::Vector in_mesh_axes(const std::array<double, 3>& v, double north_rad) {
+  const double c = std::cos(north_rad), s = std::sin(north_rad);
+  return {v[0] * c - v[1] * s, v[0] * s + v[1] * c, v[2]};
+}
+
+Surroundings surroundings_of(const SceneFile& scene, int directions) {
+  using enum heat::WeatherQuantity;
+  const heat::WeatherSeries weather = scene_weather(scene);
+  const double start = scene.time.start_s;
+  const double end = std::max(scene.time.end_s, start + heat::kDay_s);
+  std::vector<heat::WeatherQuantity> wanted{air_temperature, wind_speed, direct_normal, diffuse_horizontal};
+  if (scene.sky.longwave == LongwaveModel::measured) wanted.push_back(longwave_down);
+  try {
+    heat::require(weather, wanted, start, end);
+  } catch (const mtf::UsageError& e) {
+    if (scene.time.end_s >= end) throw;
+    throw mtf::UsageError(std::string(e.what()) +
+                          " (a run of less than a day starts from the day that repeats, so that a whole day of weather "
+                          "is needed; or write weather.repeat = \"day\")");
+  }
+
+  Surroundings s;
+  s.warnings = weather.warnings;
+  const double days = (end - start) / heat::kDay_s;
+  std::vector<double> times{0.0, end - start};
+  for (const heat::SunAt& at :
+       sun_table(scene.place, start, end, static_cast<int>(std::lround(std::ceil(directions * days))))) {
+    s.shadow_time_s.push_back(at.utc_s - start);
+    s.shadow_to_sun.push_back(in_mesh_axes(at.sun.direction, scene.north_rad));
+    times.push_back(at.utc_s - start);
+  }
+  for (const double t : break_times(weather, start, end)) times.push_back(t - start);
+  for (const heat::Schedule* schedule : schedules_of(scene))
+    for (const double t : break_times(*schedule, start, end)) times.push_back(t - start);
+  std::vector<double> outputs;
+  const auto steps = std::llround((scene.time.end_s - start) / scene.time.step_s);
+  for (std::int64_t i = 0; i <= steps; ++i) outputs.push_back(static_cast<double>(i) * scene.time.step_s);
+  times.insert(times.end(), outputs.begin(), outputs.end());
+  for (double t = 0.0; t < end - start; t += kLongestStep_s) times.push_back(t);
+  s.time_s = merged(std::move(times));
+  for (const double t : outputs) s.outputs.push_back(node_at(s.time_s, t));
+
+  for (const double t : s.time_s) {
+    const double utc = std::min(start + t, end);
+    const heat::WeatherAt at = weather_at(weather, utc);
+    const heat::SunPosition sun = sun_position(utc, scene.place);
+    const double up = sun.direction[2];
+    s.air_k.push_back(at[air_temperature]);
+    s.wind_m_s.push_back(std::max(at[wind_speed], 0.0));
+    s.direct_w_m2.push_back(up > 0.0 ? std::max(at[direct_normal], 0.0) : 0.0);
+    s.diffuse_w_m2.push_back(std::max(at[diffuse_horizontal], 0.0));
+    s.global_w_m2.push_back(s.direct_w_m2.back() * std::max(up, 0.0) + s.diffuse_w_m2.back());
+    s.sky_longwave_w_m2.push_back(sky_longwave(scene.sky, at).irradiance_w_m2);
+    s.to_sun.push_back(in_mesh_axes(sun.direction, scene.north_rad));
+  }
+  s.shadow_entry = entries_of(s, scene);
+  return s;
+}
+
+}  // namespace apps::scene

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What all surfaces of a scene share, as a table over time: air, wind, sun and sky. Between two nodes everything is a
+// straight line, and so is the direction to the sun (then made a unit vector again): nodes are at most 10 minutes
+// apart, within which the sun's path differs from the line by 1e-4 rad. Nodes stand at the nodes of the weather, at
+// the directions of the table of shadows, at outputs and at samples of schedules.
+
+#include <vector>
+
+#include "apps/scene/scene_file/scene_file.h"
+#include "radiometry/scene/vectors.h"
+
+namespace apps::scene {
+
+struct Surroundings {
+  std::vector<double> time_s;  ///< from the start of the run, strictly rising
+  std::vector<double> air_k, wind_m_s;
+  std::vector<double> direct_w_m2;                ///< on a plane that faces the sun; 0 while the sun is down
+  std::vector<double> diffuse_w_m2;               ///< on a horizontal plane, without the beam
+  std::vector<double> global_w_m2;                ///< on a horizontal plane: direct cos z + diffuse
+  std::vector<double> sky_longwave_w_m2;          ///< on a horizontal plane
+  std::vector<radiometry::scene::Vector> to_sun;  ///< in the axes of the meshes
+  std::vector<std::size_t> outputs;               ///< nodes that are outputs, the start included
+
+  /// The table of shadows: directions to the sun, and for the interval after each node the entry of the table that it
+  /// begins in; -1 where the sun is down. Entries are linear in time between neighbours.
+  std::vector<double> shadow_time_s;
+  std::vector<radiometry::scene::Vector> shadow_to_sun;
+  std::vector<int> shadow_entry;
+
+  std::vector<std::string> warnings;
+
+  std::size_t nodes() const { return time_s.size(); }
+  bool jumps(std::size_t node) const {  ///< the sun rises or sets
+    return node > 0 && node + 1 < nodes() && (shadow_entry[node] < 0) != (shadow_entry[node - 1] < 0);
+  }
+};
+
+/// From the start of the run to its end, or to a day after the start where that is later: the first day is what the
+/// start repeats. `directions` a day of the table of shadows. Throws UsageError for weather that does not cover this,
+/// with the remedy.
+Surroundings surroundings_of(const SceneFile& scene, int directions);
+
+/// A vector east, north, up in the axes of the meshes, whose y axis has the azimuth `north_rad`.
+radiometry::scene::Vector in_mesh_axes(const std::array<double, 3>& east_north_up, double north_rad);
+
+}  // namespace apps::scene

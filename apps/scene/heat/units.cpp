@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/heat/units.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "apps/scene/heat/stopwatch.h"
+#include "radiometry/light/constants.h"
+
+namespace apps::scene {
+namespace {
+
+namespace geometry = radiometry::scene;
+using geometry::Side;
+
+/// The fronts of all facets, then the backs of sheets; where the back of each facet stands.
+struct Sides {
+  std::vector<Side> sides;
+  std::vector<std::uint32_t> back_of;  ///< of each facet, kNone without
+};
+
+Sides sides_of(const HeatScene& scene) {
+  Sides all;
+  const auto facets = static_cast<std::uint32_t>(scene.facets().size());
+  all.back_of.assign(facets, geometry::kNone);
+  for (std::uint32_t f = 0; f < facets; ++f) all.sides.push_back({f, false});
+  for (std::uint32_t f = 0; f < facets; ++f)
+    if (scene.is_sheet(f)) {
+      all.back_of[f] = static_cast<std::uint32_t>(all.sides.size());
+      all.sides.push_back({f, true});
+    }
+  return all;
+}
+
+/// What decides beside the view: region of given temperature or material, and the tilt where convection depends on it.
+std::vector<geometry::SideFinish> finishes_of(const HeatScene& scene, const std::vector<Side>& sides) {
+  std::vector<geometry::SideFinish> finishes;
+  for (const Side side : sides) {
+    const RegionSection& region = scene.region_of(side.facet);
+    geometry::SideFinish finish;
+    if (region.material) {
+      const Surface& surface = scene.material[*region.material];
+      finish.solar_absorptance = surface.absorptance(side.back);
+      finish.emissivity = surface.emissivity(side.back);
+      finish.key = static_cast<std::uint32_t>(*region.material) * 64;
+      if (std::holds_alternative<radiometry::heat::Tarp>(surface.construction.convection))
+        finish.key +=
+            static_cast<std::uint32_t>(std::lround(10.0 * (1.0 + scene.facets().facet[side.facet].normal[2])));
+    }
+    if (region.temperature)
+      finish.key = 64 * static_cast<std::uint32_t>(scene.material.size() + scene.region[side.facet]);
+    finish.key = 2 * finish.key + (side.back ? 1 : 0);
+    finishes.push_back(finish);
+  }
+  return finishes;
+}
+
+/// Largest irradiances of the run. Long-wave shares sum to 1, so that only differences from the air's matter; those of
+/// ground and other surfaces are not known before they are solved: as large as that of the sky is a fair scale.
+geometry::FluxAmplitudes amplitudes_of(const Surroundings& s, int rings) {
+  const auto largest = [](const std::vector<double>& values) {
+    return *std::max_element(values.begin(), values.end());
+  };
+  geometry::FluxAmplitudes a;
+  a.direct.assign(s.shadow_to_sun.size(), 0.0);
+  for (std::size_t k = 0; k + 1 < s.nodes(); ++k)
+    if (s.shadow_entry[k] >= 0)
+      for (const int entry : {s.shadow_entry[k], s.shadow_entry[k] + 1})
+        for (const std::size_t node : {k, k + 1})
+          a.direct[static_cast<std::size_t>(entry)] =
+              std::max(a.direct[static_cast<std::size_t>(entry)], s.direct_w_m2[node]);
+  double longwave = 0.0;
+  for (std::size_t k = 0; k < s.nodes(); ++k)
+    longwave = std::max(
+        longwave, std::abs(radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(s.air_k[k], 4) - s.sky_longwave_w_m2[k]));
+  a.sky_solar.assign(static_cast<std::size_t>(rings), largest(s.diffuse_w_m2));
+  a.sky_longwave.assign(static_cast<std::size_t>(rings), longwave);
+  a.ground_solar = a.surfaces_solar = 0.3 * largest(s.global_w_m2);
+  a.ground_longwave = a.surfaces_longwave = 0.5 * longwave;
+  return a;
+}
+
+/// The facets of a unit have the same class in front and, sheets, at the back.
+struct Grouping {
+  std::vector<std::uint32_t> unit_of;  ///< of each facet
+  std::vector<std::uint32_t> leader;   ///< facet of each unit
+};
+
+Grouping group(const Sides& sides, const geometry::Classes& classes, std::size_t facets) {
+  Grouping g;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> known;
+  for (std::uint32_t f = 0; f < facets; ++f) {
+    const std::uint32_t back = sides.back_of[f];
+    const std::pair key{classes.class_of[f], back == geometry::kNone ? geometry::kNone : classes.class_of[back]};
+    const auto [at, fresh] = known.try_emplace(key, static_cast<std::uint32_t>(g.leader.size()));
+    if (fresh) g.leader.push_back(f);
+    g.unit_of.push_back(at->second);
+  }
+  return g;
+}
+
+/// Puts units of one material together, and those with similar shadows side by side: they share the steps of the
+/// solver.
+void sort_units(Grouping& g, const HeatScene& scene, const geometry::SunVisibility& sun) {
+  std::vector<std::uint32_t> order(g.leader.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto rank = [&](std::uint32_t facet) {
+    const RegionSection& region = scene.region_of(facet);
+    return region.temperature ? scene.material.size() : *region.material;
+  };
+  const auto shadows = [&](std::uint32_t facet) {
+    return std::span(sun.lit).subspan(facet * sun.directions, sun.directions);
+  };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t fa = g.leader[a], fb = g.leader[b];
+    if (rank(fa) != rank(fb)) return rank(fa) < rank(fb);
+    const auto sa = shadows(fa), sb = shadows(fb);
+    const auto compared = std::lexicographical_compare_three_way(sa.begin(), sa.end(), sb.begin(), sb.end());
+    return compared != 0 ? compared < 0 : a < b;
+  });
+  std::vector<std::uint32_t> place(order.size()), leader(order.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) {
+    place[order[i]] = i;
+    leader[i] = g.leader[order[i]];
+  }
+  for (std::uint32_t& unit : g.unit_of) unit = place[unit];
+  g.leader = std::move(leader);
+}
+
+/// Patches of the leaders: classes of a growing tolerance until there are few enough.
+geometry::Classes patches_of(const HeatScene& scene, const std::vector<Side>& leaders,
+                             const std::vector<geometry::SideFinish>& finish, const geometry::Views& views,
+                             const geometry::SunVisibility& sun, const geometry::FluxAmplitudes& amplitudes,
+                             double tolerance_w_m2, std::size_t most) {
+  for (double tolerance = 4.0 * tolerance_w_m2;; tolerance *= 2.0) {
+    geometry::Classes classes = classes_of(scene.facets(), leaders, finish, views, sun,
+                                           scene.surroundings.shadow_to_sun, amplitudes, tolerance);
+    if (classes.size() <= most || tolerance > 1e5) return classes;
+  }
+}
+
+/// Entries of a table for some of its rows.
+geometry::Views rows_of(const geometry::Views& views, const std::vector<std::uint32_t>& rows) {
+  geometry::Views some;
+  some.rings = views.rings;
+  const auto rings = static_cast<std::size_t>(views.rings);
+  for (const std::uint32_t row : rows) {
+    const auto ring = views.sky.begin() + static_cast<std::ptrdiff_t>(row * rings);
+    some.sky.insert(some.sky.end(), ring, ring + views.rings);
+    some.ground.push_back(views.ground[row]);
+    some.surfaces.push_back(views.surfaces[row]);
+  }
+  return some;
+}
+
+geometry::SunVisibility rows_of(const geometry::SunVisibility& sun, const std::vector<std::uint32_t>& rows) {
+  geometry::SunVisibility some{sun.points, sun.directions, {}};
+  for (const std::uint32_t row : rows) {
+    const auto first = sun.lit.begin() + static_cast<std::ptrdiff_t>(row * sun.directions);
+    some.lit.insert(some.lit.end(), first, first + static_cast<std::ptrdiff_t>(sun.directions));
+  }
+  return some;
+}
+
+UnitSide side_of(const HeatScene& scene, const Unit& unit, std::uint32_t facet, bool back, std::size_t sun_row) {
+  UnitSide side;
+  side.normal = scene.facets().facet[facet].normal;
+  if (back)
+    for (double& component : side.normal) component = -component;
+  side.sun_row = sun_row;
+  side.absorptance = unit.material ? scene.material[*unit.material].absorptance(back) : 1.0;
+  side.emissivity = unit.material ? scene.material[*unit.material].emissivity(back) : 1.0;
+  return side;
+}
+
+}  // namespace
+
+Units units_of(const HeatScene& scene, const HeatOptions& options, double tolerance_w_m2) {
+  const Stopwatch watch;
+  const geometry::Facets& facets = scene.facets();
+  const std::vector<geometry::Vector>& to_sun = scene.surroundings.shadow_to_sun;
+  const Sides all = sides_of(scene);
+  const std::vector<geometry::SideFinish> finish = finishes_of(scene, all.sides);
+  const geometry::ViewOptions rough{.rays = options.rough_rays, .threads = options.threads};
+  const geometry::Views seen = views(scene.rays, geometry::single_sides(all.sides), rough);
+  const geometry::SunOptions sun_options{.points = options.sun_points, .threads = options.threads};
+  Units units;
+  units.sun = sun_visibility(scene.rays, all.sides, to_sun, sun_options);
+  const geometry::FluxAmplitudes amplitudes = amplitudes_of(scene.surroundings, rough.rings);
+  const geometry::Classes classes =
+      classes_of(facets, all.sides, finish, seen, units.sun, to_sun, amplitudes, tolerance_w_m2);
+  units.bound_w_m2 = classes.bound_w_m2;
+  Grouping grouping = group(all, classes, facets.size());
+  sort_units(grouping, scene, units.sun);
+  units.unit_of = grouping.unit_of;
+
+  std::vector<std::uint32_t> leader_rows;  // of receivers, rows of `all`
+  std::vector<Side> leaders;
+  for (const std::uint32_t facet : grouping.leader) {
+    const RegionSection& region = scene.region_of(facet);
+    Unit unit;
+    unit.region = scene.region[facet];
+    if (region.material) unit.material = static_cast<std::uint32_t>(*region.material);
+    unit.given = region.temperature.has_value();
+    unit.receiver = leaders.size();
+    unit.front = side_of(scene, unit, facet, false, facet);
+    leader_rows.push_back(facet);
+    leaders.push_back({facet, false});
+    if (const std::uint32_t back = all.back_of[facet]; back != geometry::kNone) {
+      unit.back = side_of(scene, unit, facet, true, back);
+      leader_rows.push_back(back);
+      leaders.push_back({facet, true});
+    }
+    units.unit.push_back(unit);
+  }
+
+  std::vector<std::uint32_t> receiver_of;  // of each side of `all`
+  for (const Side side : all.sides)
+    receiver_of.push_back(
+        static_cast<std::uint32_t>(units.unit[units.unit_of[side.facet]].receiver + (side.back ? 1 : 0)));
+  const geometry::Receivers receivers = geometry::sets_of_sides(all.sides, receiver_of, leaders.size());
+  units.area_m2 = areas_m2(facets, receivers);
+  std::vector<geometry::SideFinish> leader_finish;
+  for (const std::uint32_t row : leader_rows) leader_finish.push_back(finish[row]);
+  const geometry::Classes patches =
+      patches_of(scene, leaders, leader_finish, rows_of(seen, leader_rows), rows_of(units.sun, leader_rows), amplitudes,
+                 tolerance_w_m2, options.patches);
+  units.patch_of = patches.class_of;
+  const geometry::ViewOptions fine{.rays = options.rays, .threads = options.threads};
+  units.views = views(scene.rays, receivers, patches_of_sides(facets, receivers, units.patch_of), patches.size(), fine);
+  units.exchange = exchange_of(units.views, units.area_m2, units.patch_of, patches.size());
+  // Sky and ground are what patches of a uniform radiosity leave, so that an isothermal scene stays one.
+  const std::vector<double> from_patches = received_from_patches(
+      units.exchange, units.views, units.area_m2, units.patch_of, std::vector<double>(patches.size(), 1.0));
+  const auto close = [&](UnitSide& side, std::size_t receiver) {
+    const double sky = units.views.sky_share(receiver), ground = units.views.ground[receiver];
+    const double scale = sky + ground > 0.0 ? std::max(1.0 - from_patches[receiver], 0.0) / (sky + ground) : 0.0;
+    side.sky = scale * sky;
+    side.ground = scale * ground;
+  };
+  for (Unit& unit : units.unit) {
+    close(unit.front, unit.receiver);
+    if (unit.back) close(*unit.back, unit.receiver + 1);
+  }
+  units.rays_ms = watch.ms();
+
+  const Stopwatch errors;
+  units.view_error = view_error(scene.rays, receivers, units.views, fine);
+  units.sun_error = sun_error(scene.rays, all.sides, to_sun, units.sun, sun_options);
+  units.error_ms = errors.ms();
+  return units;
+}
+
+}  // namespace apps::scene

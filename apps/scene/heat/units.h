@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What is solved: units. A unit is a set of facets of one material whose absorbed flux is nearly the same all the time
+// (radiometry/scene/classes.h); the one that leads it is solved for all. Sides of units exchange radiation through
+// patches, coarser sets of nearly equal flux.
+
+#include "apps/scene/heat/heat_scene.h"
+#include "radiometry/scene/classes.h"
+#include "radiometry/scene/exchange.h"
+#include "radiometry/scene/table_error.h"
+
+namespace apps::scene {
+
+/// A side of a unit, as the balance needs it.
+struct UnitSide {
+  radiometry::scene::Vector normal{};
+  std::size_t sun_row = 0;         ///< of Units::sun
+  double sky = 1.0, ground = 0.0;  ///< shares of the view, closed with the patches
+  double absorptance = 0.0, emissivity = 0.0;
+};
+
+struct Unit {
+  std::uint32_t region = 0;                 ///< of the facet that leads
+  std::optional<std::uint32_t> material{};  ///< absent: black, of given temperature
+  bool given = false;                       ///< its temperature is given
+  UnitSide front;
+  std::optional<UnitSide> back{};  ///< of sheets
+  std::size_t receiver = 0;        ///< of the front in Units::views; that of the back is the next
+};
+
+struct Units {
+  std::vector<Unit> unit;                ///< by material; those of given temperature last
+  std::vector<std::uint32_t> unit_of;    ///< of each facet
+  radiometry::scene::SunVisibility sun;  ///< of all sides
+  radiometry::scene::Views views;        ///< of receivers: fronts and backs of units
+  std::vector<double> area_m2;           ///< of receivers
+  std::vector<std::uint32_t> patch_of;   ///< of receivers
+  radiometry::scene::Exchange exchange;
+  double bound_w_m2 = 0.0;                  ///< largest difference of absorbed flux between a facet and its unit
+  radiometry::scene::ViewError view_error;  ///< shares, of units
+  radiometry::scene::TableError sun_error;  ///< shares of the direct normal irradiance, of facets
+  double rays_ms = 0.0, error_ms = 0.0;
+
+  bool has_sheets() const { return area_m2.size() > unit.size(); }
+};
+
+/// `tolerance_w_m2`: the largest difference of absorbed flux within a unit.
+Units units_of(const HeatScene& scene, const HeatOptions& options, double tolerance_w_m2);
+
+}  // namespace apps::scene
