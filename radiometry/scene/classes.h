@@ -55,6 +55,6 @@ struct Classes {
 /// tolerance of 0 each side is a class. Throws mtf::UsageError when sizes do not fit each other.
 Classes classes_of(const Facets& facets, std::span<const Side> sides, std::span<const SideFinish> finish,
                    const Views& views, const SunVisibility& sun, std::span<const Vector> to_sun,
-                   const FluxAmplitudes& amplitudes, double tolerance_w_m2);
+                   const FluxAmplitudes& amplitudes, double tolerance_w_m2, int threads = 0);
 
 }  // namespace radiometry::scene

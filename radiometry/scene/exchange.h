@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Exchange of radiation between patches, which are groups of receivers of nearly equal temperature.
+// Exchange of radiation between receivers, by way of patches: groups of receivers that have nearly the same temperature
+// and the same reflectance. What a receiver sees is told by patch; what a patch gives off is the mean of its receivers.
 //
-// Sampled factors keep neither of the laws that the true ones keep. Both are restored, since energy would be made or
-// lost otherwise:
+// Sampled factors keep neither of the laws that the true ones keep, and without them energy would be made or lost:
 //   reciprocity  A_i F_ij = A_j F_ji
-//   closure      sum_j F_ij + sky + ground = 1
-// With the exchange areas S_ij = A_i F_ij: S <- (S + S^T) / 2, and then factors d of the patches so that d_i S_ij d_j
-// and d_i x (what leaves) have the row sums A_i (symmetric scaling: Sinkhorn and Knopp, Pacific J. Math. 21, 1967;
-// Knight, Ruiz and Ucar, SIAM J. Matrix Anal. Appl. 35, 2014). What rounding leaves, and what no scaling can mend, is
-// given to the view of the patch by itself, where no heat is exchanged.
+//   closure      sum_j F_ij + l_i = 1,   l_i the share that leaves for the sky or the ground
+// With exchange areas S_ij = A_i F_ij, S is made symmetric, (S + S^T)/2, and then changed by the least amount that
+// closes it, where the square of a change counts inversely to the value (as the variance of a count does):
+//   S_ij <- S_ij (1 + x_i + x_j),   A_i l_i <- A_i l_i (1 + x_i),   (diag(row sums) + S) x = A - row sums
+// (van Leersum, Int. J. Heat Fluid Flow 10, 1989; Lawson, Proc. 7th Heat Pipe Conf., 1995). A value that would fall
+// below 0 becomes 0; rows that then still exceed their area are scaled down with their columns, and what lacks is given
+// to the view of the patch by itself, where no heat is exchanged.
 //
-// Radiosity J of a diffuse grey patch with emitted flux E, reflectance rho and flux H0 received from sky, ground and
-// sun:
-//   H = H0 + F J,   J = E + rho H          (W m^-2)
-// the same for long-wave and solar radiation. With A F symmetric and z = sqrt(rho A) H, (1 - M) z = b with the
-// symmetric M = sqrt(rho/A) S sqrt(rho/A), whose eigenvalues are below max(rho): solved by conjugate gradients
-// (Hestenes and Stiefel 1952), whatever the number of bounces.
+// Irradiance H and radiosity J of grey diffuse patches (Hottel and Sarofim, Radiative Transfer, 1967), E emitted flux,
+// rho reflectance, H0 what comes from sky, ground and sun, in W m^-2, long-wave and solar alike:
+//   H = H0 + F J,   J = E + rho H
+// With z = sqrt(rho A) H this is (1 - M) z = b, M = sqrt(rho/A) S sqrt(rho/A) symmetric with eigenvalues within
+// +-max(rho): conjugate gradients (Hestenes and Stiefel, 1952) solve it for any number of bounces.
 
 #include <span>
 #include <vector>
@@ -27,38 +28,50 @@
 namespace radiometry::scene {
 
 struct Exchange {
-  std::vector<double> area_m2;  ///< of each patch
-  SparseRows factors;           ///< F_ij, reciprocal; row i and leaving[i] sum to 1
-  std::vector<double> leaving;  ///< share of each patch that ends in the sky or on the ground
-  std::vector<double> scale;    ///< d_i: what multiplies sky and ground of the sampled views of the patch
-  double correction =
-      0.0;                ///< rms over patches, by area, of the change of F_ij in a row: sqrt(sum_j (F_ij - sampled)^2)
-  double own_view = 0.0;  ///< largest share that was given to the view of a patch by itself; 0 but for rounding
+  std::vector<double> area_m2;        ///< of each patch
+  SparseRows factors;                 ///< F_ij between patches; columns rising
+  std::vector<double> leaving;        ///< l_i
+  std::vector<double> leaving_scale;  ///< l_i over the sampled mean of the patch; 1 where that is 0
+  double change = 0.0;                ///< rms over patches, by area, of sqrt(sum_j (F_ij - sampled F_ij)^2)
+  double own_view = 0.0;  ///< largest share that was given to the view of a patch by itself: 0 but for rounding
 
-  std::size_t size() const { return area_m2.size(); }
+  std::vector<double> receiver_area_m2;
+  std::vector<std::uint32_t> patch_of;  ///< of each receiver
+  SparseRows rows;                      ///< of each receiver: what it sees of each patch, as sampled
+
+  std::size_t patches() const { return area_m2.size(); }
+  std::size_t receivers() const { return patch_of.size(); }
 };
 
-/// Exchange of the patches that `views` was made for: receiver i has the area `area_m2[i]` and belongs to patch
-/// `patch_of[i]`. Throws mtf::UsageError when a patch has no receiver.
-Exchange exchange_of(const Views& views, std::span<const double> area_m2, std::span<const std::uint32_t> patch_of,
-                     std::size_t patches);
+/// `views` has a row for each receiver, `patch_of` the patch that it belongs to. Throws mtf::UsageError when sizes do
+/// not fit each other or a patch has no receiver.
+Exchange exchange_of(const Views& views, std::span<const double> receiver_area_m2,
+                     std::span<const std::uint32_t> patch_of, std::size_t patches);
 
 struct Radiosity {
-  std::vector<double> leaving_w_m2;   ///< J
-  std::vector<double> received_w_m2;  ///< H, with H0
+  std::vector<double> irradiance_w_m2;  ///< H
+  std::vector<double> radiosity_w_m2;   ///< J
   int iterations = 0;
 };
 
-/// Reflectances are in [0, 1); with 1, where a closed group of mirrors has no answer, a mtf::UsageError. Throws
-/// mtf::RuntimeError when the relative residual does not fall to `tolerance`.
+/// Of patches. Reflectances are in [0, 1). Throws mtf::UsageError for others, and mtf::RuntimeError when the relative
+/// residual does not fall to `tolerance`.
 Radiosity radiosity(const Exchange& exchange, std::span<const double> emitted_w_m2, std::span<const double> reflectance,
-                    std::span<const double> received_from_outside_w_m2, double tolerance = 1e-14);
+                    std::span<const double> from_outside_w_m2, double tolerance = 1e-14);
 
-/// What each receiver takes in from the patches, W m^-2, given their radiosities: its own row of `views.patches`,
-/// shifted so that the mean over the receivers of a patch is that of `exchange`. So the energy that receivers take in
-/// is exactly what the patches give off, and a uniform radiosity stays one.
-std::vector<double> received_from_patches(const Exchange& exchange, const Views& views, std::span<const double> area_m2,
-                                          std::span<const std::uint32_t> patch_of,
-                                          std::span<const double> radiosity_w_m2);
+/// Fluxes of receivers, W m^-2; an entry for each.
+struct ReceiverFluxes {
+  std::span<const double> emitted;      ///< epsilon sigma T^4; 0 for solar radiation
+  std::span<const double> reflectance;  ///< in [0, 1)
+  std::span<const double>
+      environment;                 ///< from the sky and the ground that it sees: shares of its view times radiation
+  std::span<const double> direct;  ///< from the sun
+};
+
+/// The irradiance H of each receiver, with what comes from sky, ground and sun: radiosity between patches, then the
+/// receiver's own row, shifted so that the mean of the receivers of a patch is the patch's. So what all receivers take
+/// in is what they are given (to rounding, where reflectance is the same within each patch), and in an isothermal scene
+/// every receiver gets sigma T^4.
+std::vector<double> irradiance_w_m2(const Exchange& exchange, const ReceiverFluxes& fluxes, double tolerance = 1e-14);
 
 }  // namespace radiometry::scene

@@ -29,9 +29,10 @@ struct ViewError {
 ViewError view_error(const Rays& rays, const Receivers& receivers, const Views& views, const ViewOptions& options,
                      std::size_t count = 2000);
 
-/// Of the irradiance by the sun as a share of the direct normal irradiance, visibility times cosine, at the tabulated
-/// directions and halfway between successive ones, with visibility linear between them. Directions more than 15 degrees
-/// apart are not successive. `sun` was made of `sides` and `to_sun` with `options`.
+/// Of the irradiance by the sun as a share of the direct normal irradiance, visibility times cosine, over sides and
+/// those directions that they face: the tabulated ones and those halfway between two successive ones, with visibility
+/// linear between them. Directions more than 15 degrees apart are not successive. `sun` was made of `sides` and
+/// `to_sun` with `options`.
 TableError sun_error(const Rays& rays, std::span<const Side> sides, std::span<const Vector> to_sun,
                      const SunVisibility& sun, const SunOptions& options, std::size_t count = 2000);
 

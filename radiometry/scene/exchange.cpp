@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/scene/exchange.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "mtf/error.h"
+#include "radiometry/scene/conjugate_gradients.h"
+
+namespace radiometry::scene {
+namespace {
+
+/// One value of a symmetric matrix, row <= column, and what was sampled: S_ij and S_ji, the same on the diagonal.
+struct Pair {
+  std::uint32_t row, column;
+  double value, sampled, sampled_back;
+};
+
+/// Exchange areas between patches, m^2.
+struct ExchangeAreas {
+  std::vector<Pair> pairs;      // rows, then columns, rising
+  std::vector<double> leaving;  // A_i l_i
+  std::vector<double> area;
+};
+
+ExchangeAreas sampled_areas(const Views& views, std::span<const double> receiver_area,
+                            std::span<const std::uint32_t> patch_of, std::size_t patches) {
+  ExchangeAreas areas{
+      .pairs = {}, .leaving = std::vector<double>(patches, 0.0), .area = std::vector<double>(patches, 0.0)};
+  std::vector<Pair> parts;
+  parts.reserve(views.patches.value.size());
+  for (std::size_t i = 0; i < patch_of.size(); ++i) {
+    const std::uint32_t p = patch_of[i];
+    areas.area[p] += receiver_area[i];
+    areas.leaving[p] += receiver_area[i] * (views.sky_share(i) + views.ground[i]);
+    for (std::uint64_t e = views.patches.first[i]; e < views.patches.first[i + 1]; ++e) {
+      const std::uint32_t q = views.patches.column[e];
+      const double part = receiver_area[i] * views.patches.value[e];
+      parts.push_back({std::min(p, q), std::max(p, q), 0.0, p <= q ? part : 0.0, p >= q ? part : 0.0});
+    }
+  }
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const Pair& a, const Pair& b) { return a.row != b.row ? a.row < b.row : a.column < b.column; });
+  for (const Pair& part : parts) {
+    if (areas.pairs.empty() || areas.pairs.back().row != part.row || areas.pairs.back().column != part.column) {
+      areas.pairs.push_back(part);
+    } else {
+      areas.pairs.back().sampled += part.sampled;
+      areas.pairs.back().sampled_back += part.sampled_back;
+    }
+  }
+  for (Pair& pair : areas.pairs) pair.value = 0.5 * (pair.sampled + pair.sampled_back);
+  return areas;
+}
+
+/// (S x) added to `image`.
+void add_product(std::span<const Pair> pairs, const std::vector<double>& x, std::vector<double>& image) {
+  for (const Pair& pair : pairs) {
+    image[pair.row] += pair.value * x[pair.column];
+    if (pair.row != pair.column) image[pair.column] += pair.value * x[pair.row];
+  }
+}
+
+std::vector<double> row_sums(const ExchangeAreas& areas) {
+  std::vector<double> sums = areas.leaving;
+  add_product(areas.pairs, std::vector<double>(sums.size(), 1.0), sums);
+  return sums;
+}
+
+/// Closes the rows; returns the largest share that a patch's view of itself had to take.
+double close(ExchangeAreas& areas) {
+  constexpr double kTolerance = 1e-15;
+  constexpr int kMostIterations = 1000;
+  const std::size_t n = areas.area.size();
+  const std::vector<double> sums = row_sums(areas);
+  std::vector<double> lack(n);
+  for (std::size_t i = 0; i < n; ++i) lack[i] = areas.area[i] - sums[i];
+  const auto multiply = [&](const std::vector<double>& x) {
+    std::vector<double> image(n);
+    for (std::size_t i = 0; i < n; ++i) image[i] = sums[i] * x[i];
+    add_product(areas.pairs, x, image);
+    return image;
+  };
+  const std::vector<double> x = conjugate_gradients(multiply, std::move(lack), kTolerance, kMostIterations).x;
+  for (Pair& pair : areas.pairs) pair.value *= std::max(0.0, 1.0 + x[pair.row] + x[pair.column]);
+  for (std::size_t i = 0; i < n; ++i) areas.leaving[i] *= std::max(0.0, 1.0 + x[i]);
+
+  // Only rounding is left to do, unless a value fell to 0.
+  std::vector<double> scale = row_sums(areas);
+  for (std::size_t i = 0; i < n; ++i) scale[i] = std::min(1.0, areas.area[i] / scale[i]);
+  for (Pair& pair : areas.pairs) pair.value *= std::min(scale[pair.row], scale[pair.column]);
+  for (std::size_t i = 0; i < n; ++i) areas.leaving[i] *= scale[i];
+  const std::vector<double> closed = row_sums(areas);
+  std::vector<double> own(n);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    own[i] = std::max(0.0, areas.area[i] - closed[i]);
+    largest = std::max(largest, own[i] / areas.area[i]);
+  }
+  for (Pair& pair : areas.pairs)
+    if (pair.row == pair.column) pair.value += std::exchange(own[pair.row], 0.0);
+  for (std::uint32_t i = 0; i < n; ++i)
+    if (own[i] > 0.0) areas.pairs.push_back({i, i, own[i], 0.0, 0.0});
+  return largest;
+}
+
+SparseRows factors_of(const ExchangeAreas& areas) {
+  const std::size_t n = areas.area.size();
+  SparseRows factors{.first = std::vector<std::uint64_t>(n + 1, 0), .column = {}, .value = {}};
+  for (const Pair& pair : areas.pairs) {
+    ++factors.first[pair.row + 1];
+    if (pair.row != pair.column) ++factors.first[pair.column + 1];
+  }
+  std::partial_sum(factors.first.begin(), factors.first.end(), factors.first.begin());
+  factors.column.resize(factors.first.back());
+  factors.value.resize(factors.first.back());
+  std::vector<std::uint64_t> next(factors.first.begin(), factors.first.end() - 1);
+  const auto put = [&](std::uint32_t row, std::uint32_t column, double value) {
+    factors.column[next[row]] = column;
+    factors.value[next[row]++] = value / areas.area[row];
+  };
+  // Pairs below the diagonal come in the order of their columns first, then the others: columns rise in every row.
+  for (const Pair& pair : areas.pairs)
+    if (pair.row != pair.column) put(pair.column, pair.row, pair.value);
+  for (const Pair& pair : areas.pairs) put(pair.row, pair.column, pair.value);
+  return factors;
+}
+
+double rms_change(const ExchangeAreas& areas) {
+  double squares = 0.0, total = 0.0;
+  for (const Pair& pair : areas.pairs) {
+    const double change = pair.value - pair.sampled, change_back = pair.value - pair.sampled_back;
+    squares += change * change / areas.area[pair.row];
+    if (pair.row != pair.column) squares += change_back * change_back / areas.area[pair.column];
+  }
+  for (const double area : areas.area) total += area;
+  return std::sqrt(squares / total);
+}
+
+}  // namespace
+
+Exchange exchange_of(const Views& views, std::span<const double> receiver_area, std::span<const std::uint32_t> patch_of,
+                     std::size_t patches) {
+  if (views.patches.rows() != patch_of.size() || receiver_area.size() != patch_of.size())
+    throw mtf::UsageError("exchange_of: there are views of " + std::to_string(views.patches.rows()) +
+                          " receivers with patches, areas of " + std::to_string(receiver_area.size()) +
+                          " and patches of " + std::to_string(patch_of.size()));
+  for (const std::uint32_t p : patch_of)
+    if (p >= patches)
+      throw mtf::UsageError("exchange_of: a receiver belongs to patch " + std::to_string(p) + " of " +
+                            std::to_string(patches));
+  for (const std::uint32_t q : views.patches.column)
+    if (q >= patches)
+      throw mtf::UsageError("exchange_of: a view names patch " + std::to_string(q) + " of " + std::to_string(patches));
+  ExchangeAreas areas = sampled_areas(views, receiver_area, patch_of, patches);
+  for (std::size_t p = 0; p < patches; ++p)
+    if (!(areas.area[p] > 0.0)) throw mtf::UsageError("exchange_of: patch " + std::to_string(p) + " has no receiver");
+
+  const std::vector<double> sampled_leaving = areas.leaving;
+  Exchange exchange;
+  exchange.own_view = close(areas);
+  exchange.change = rms_change(areas);
+  std::sort(areas.pairs.begin(), areas.pairs.end(),
+            [](const Pair& a, const Pair& b) { return a.row != b.row ? a.row < b.row : a.column < b.column; });
+  exchange.factors = factors_of(areas);
+  for (std::size_t p = 0; p < patches; ++p) {
+    exchange.leaving.push_back(areas.leaving[p] / areas.area[p]);
+    exchange.leaving_scale.push_back(sampled_leaving[p] > 0.0 ? areas.leaving[p] / sampled_leaving[p] : 1.0);
+  }
+  exchange.area_m2 = std::move(areas.area);
+  exchange.receiver_area_m2.assign(receiver_area.begin(), receiver_area.end());
+  exchange.patch_of.assign(patch_of.begin(), patch_of.end());
+  exchange.rows = views.patches;
+  return exchange;
+}
+
+}  // namespace radiometry::scene

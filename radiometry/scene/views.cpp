@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/scene/views.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+
+#include "mtf/error.h"
+#include "mtf/parallel.h"
+#include "radiometry/scene/tracing/embree_scene.h"
+#include "radiometry/scene/tracing/sampling.h"
+#include "radiometry/scene/tracing/zenith_rings.h"
+
+namespace radiometry::scene {
+namespace {
+
+void check(const Rays& rays, const Receivers& receivers, const ViewOptions& options) {
+  const auto refuse = [](const std::string& what, int value, const std::string& range) {
+    throw mtf::UsageError("views: " + what + " is " + std::to_string(value) + ", it must be " + range);
+  };
+  if (options.rings < 1 || options.rings > 90) refuse("the number of rings", options.rings, "1 to 90.");
+  if (options.rays < 1 || options.rays > 1 << 24) refuse("the number of rays", options.rays, "1 to 16777216.");
+  for (const Side& side : receivers.sides)
+    if (side.facet >= rays.facets().size())
+      throw mtf::UsageError("views: there is no facet " + std::to_string(side.facet));
+  for (std::size_t i = 0; i < receivers.size(); ++i)
+    if (receivers[i].empty()) throw mtf::UsageError("views: receiver " + std::to_string(i) + " has no side");
+}
+
+/// A ray that ended on a facet: the patch of the side it met, and the zone of its direction.
+struct HiddenRay {
+  std::uint32_t patch;
+  int zone;
+};
+
+/// The rays of one receiver: how many went to each zone, and those that ended on facets.
+struct Sample {
+  std::vector<int> sent;
+  std::vector<HiddenRay> hidden;
+};
+
+/// Patch of the side that a ray meets when it ends on the triangle, or 0 where `patch_of` is empty.
+class PatchFinder {
+ public:
+  PatchFinder(const Facets& facets, std::span<const std::uint32_t> patch_of) : facets_(facets), patch_of_(patch_of) {}
+  bool wanted() const { return !patch_of_.empty(); }
+  std::uint32_t operator()(std::uint32_t triangle, const Vector& direction) const {
+    const std::uint32_t facet = facets_.facet_of[triangle];
+    return patch_of_[index({facet, dot(facets_.facet[facet].normal, direction) > 0.0})];
+  }
+
+ private:
+  const Facets& facets_;
+  std::span<const std::uint32_t> patch_of_;
+};
+
+Sample sample(const Rays& rays, std::span<const Side> sides, std::uint64_t receiver, const ZenithRings& rings,
+              const PatchFinder& patch_of, const ViewOptions& options) {
+  const EmbreeScene& embree = rays.embree();
+  const ReceiverSurface surface(rays.facets(), sides, embree.lift_m());
+  const SpreadNumbers<4> numbers(receiver, options.seed);
+  Sample sample{.sent = std::vector<int>(static_cast<std::size_t>(rings.rings()) + 1, 0), .hidden = {}};
+  for (int i = 0; i < options.rays; ++i) {
+    const auto [u, v, p, q] = numbers(static_cast<std::uint64_t>(i));
+    const auto [point, normal] = surface.at(u, v);
+    const Vector direction = cosine_direction(normal, p, q);
+    const int zone = rings.zone(direction[2]);
+    ++sample.sent[static_cast<std::size_t>(zone)];
+    const SingleRay ray = embree.single(point, direction);
+    if (!patch_of.wanted()) {
+      if (embree.blocked(ray)) sample.hidden.push_back({0, zone});
+    } else if (const std::uint32_t triangle = embree.first_triangle(ray); triangle != kNone) {
+      sample.hidden.push_back({patch_of(triangle, direction), zone});
+    }
+  }
+  return sample;
+}
+
+struct PatchShare {
+  std::uint32_t patch;
+  double share;
+};
+
+/// Turns counts into shares: `zones` holds what the receiver would see without obstacles, and gets what it sees. The
+/// hidden part of each zone goes to the patches in proportion to the rays; of a zone that no ray went to, to all rays.
+std::vector<PatchShare> post_stratify(Sample& sample, std::span<double> zones) {
+  const auto rays = std::accumulate(sample.sent.begin(), sample.sent.end(), 0.0);
+  std::vector<double> weight(zones.size());  // of a ray of the zone
+  double unsampled = 0.0;
+  for (std::size_t z = 0; z < zones.size(); ++z) {
+    if (sample.sent[z] > 0)
+      weight[z] = zones[z] / sample.sent[z];
+    else
+      unsampled += zones[z];
+  }
+  const double hidden_part = static_cast<double>(sample.hidden.size()) / rays;
+  std::vector<int> hidden(zones.size(), 0);
+  for (const HiddenRay& ray : sample.hidden) ++hidden[static_cast<std::size_t>(ray.zone)];
+  for (std::size_t z = 0; z < zones.size(); ++z)
+    zones[z] *=
+        sample.sent[z] > 0 ? static_cast<double>(sample.sent[z] - hidden[z]) / sample.sent[z] : 1.0 - hidden_part;
+
+  std::sort(sample.hidden.begin(), sample.hidden.end(), [](const HiddenRay& a, const HiddenRay& b) {
+    return a.patch != b.patch ? a.patch < b.patch : a.zone < b.zone;
+  });
+  std::vector<PatchShare> shares;
+  for (const HiddenRay& ray : sample.hidden) {
+    if (shares.empty() || shares.back().patch != ray.patch) shares.push_back({ray.patch, 0.0});
+    shares.back().share += weight[static_cast<std::size_t>(ray.zone)] + unsampled / rays;
+  }
+  return shares;
+}
+
+}  // namespace
+
+double Views::sky_share(std::size_t i) const {
+  const auto begin = sky.begin() + static_cast<std::ptrdiff_t>(i * static_cast<std::size_t>(rings));
+  return std::accumulate(begin, begin + rings, 0.0);
+}
+
+Views views(const Rays& rays, const Receivers& receivers, std::span<const std::uint32_t> patch_of, std::size_t patches,
+            const ViewOptions& options) {
+  check(rays, receivers, options);
+  const Facets& facets = rays.facets();
+  if (!patch_of.empty() && patch_of.size() != 2 * facets.size())
+    throw mtf::UsageError("views: there are " + std::to_string(patch_of.size()) + " patches of sides and " +
+                          std::to_string(2 * facets.size()) + " sides");
+  for (const std::uint32_t patch : patch_of)
+    if (patch >= patches)
+      throw mtf::UsageError("views: a side belongs to patch " + std::to_string(patch) + " of " +
+                            std::to_string(patches));
+  const ZenithRings rings(options.rings);
+  const PatchFinder finder(facets, patch_of);
+  const std::size_t count = receivers.size(), zones = static_cast<std::size_t>(options.rings) + 1;
+  Views views{.rings = options.rings,
+              .sky = std::vector<double>(count * (zones - 1)),
+              .ground = std::vector<double>(count),
+              .surfaces = std::vector<double>(count),
+              .patches = {}};
+  std::vector<std::vector<PatchShare>> shares(finder.wanted() ? count : 0);
+
+  mtf::parallel_for(static_cast<std::int64_t>(count), 256, options.threads, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<double> seen(zones);
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+      double area = 0.0;
+      for (const Side& side : receivers[i]) area += facets.facet[side.facet].area_m2;
+      std::fill(seen.begin(), seen.end(), 0.0);
+      for (const Side& side : receivers[i]) {
+        const Facet& facet = facets.facet[side.facet];
+        rings.add_shares(side.back ? -facet.normal[2] : facet.normal[2], facet.area_m2 / area, seen);
+      }
+      Sample counts = sample(rays, receivers[i], i, rings, finder, options);
+      std::vector<PatchShare> row = post_stratify(counts, seen);
+      std::copy(seen.begin(), seen.end() - 1, views.sky.begin() + static_cast<std::ptrdiff_t>(i * (zones - 1)));
+      views.ground[i] = seen.back();
+      for (const PatchShare& entry : row) views.surfaces[i] += entry.share;
+      if (finder.wanted()) shares[i] = std::move(row);
+    }
+  });
+
+  for (const std::vector<PatchShare>& row : shares) {
+    for (const PatchShare& entry : row) {
+      views.patches.column.push_back(entry.patch);
+      views.patches.value.push_back(entry.share);
+    }
+    views.patches.first.push_back(views.patches.column.size());
+  }
+  return views;
+}
+
+Views views(const Rays& rays, const Receivers& receivers, const ViewOptions& options) {
+  return views(rays, receivers, {}, 0, options);
+}
+
+std::vector<std::uint32_t> patches_of_sides(const Facets& facets, const Receivers& receivers,
+                                            std::span<const std::uint32_t> patch_of_receiver) {
+  if (patch_of_receiver.size() != receivers.size())
+    throw mtf::UsageError("patches_of_sides: there are " + std::to_string(receivers.size()) + " receivers and " +
+                          std::to_string(patch_of_receiver.size()) + " patches of receivers");
+  std::vector<std::uint32_t> patch_of(2 * facets.size(), kNone);
+  for (std::size_t i = 0; i < receivers.size(); ++i)
+    for (const Side& side : receivers[i]) patch_of[index(side)] = patch_of_receiver[i];
+  for (std::size_t s = 0; s < patch_of.size(); s += 2) {
+    if (patch_of[s] == kNone) patch_of[s] = patch_of[s + 1];
+    if (patch_of[s + 1] == kNone) patch_of[s + 1] = patch_of[s];
+    if (patch_of[s] == kNone)
+      throw mtf::UsageError("patches_of_sides: neither side of facet " + std::to_string(s / 2) +
+                            " belongs to a receiver");
+  }
+  return patch_of;
+}
+
+}  // namespace radiometry::scene
