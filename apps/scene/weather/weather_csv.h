@@ -22,7 +22,7 @@ namespace apps::scene {
 
 WeatherFile parse_weather_csv(std::string_view text, const std::string& source, const WeatherRequest& request = {});
 
-/// A CSV that reads back as the same numbers: the columns that are there, SI but degC and hPa, times to 1 us;
+/// A CSV that reads back as the same numbers: the columns that are there in SI units, times to 1 us;
 /// `comments` become # lines at the top.
 std::string weather_csv(const radiometry::heat::Weather& weather, const std::vector<std::string>& comments = {});
 

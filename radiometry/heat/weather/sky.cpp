@@ -5,25 +5,25 @@
 #include <cmath>
 
 #include "mtf/error.h"
+#include "mtf/units.h"
 #include "radiometry/light/constants.h"
 
 namespace radiometry::heat {
 namespace {
 
-constexpr double kZeroCelsius_k = 273.15;
 constexpr double kMagnusPressure_pa = 611.2, kMagnusFactor = 17.62, kMagnusOffset_k = 243.12;
 constexpr double kCloudGain = 0.22, kCloudExponent = 2.75;
 
 }  // namespace
 
 double saturation_pressure_pa(double temperature_k) {
-  const double t = temperature_k - kZeroCelsius_k;
+  const double t = temperature_k - mtf::kZeroCelsius_k;
   return kMagnusPressure_pa * std::exp(kMagnusFactor * t / (kMagnusOffset_k + t));
 }
 
 double dew_point_k(double vapour_pressure_pa) {
   const double x = std::log(vapour_pressure_pa / kMagnusPressure_pa);
-  return kZeroCelsius_k + kMagnusOffset_k * x / (kMagnusFactor - x);
+  return mtf::kZeroCelsius_k + kMagnusOffset_k * x / (kMagnusFactor - x);
 }
 
 double clear_sky_longwave_w_m2(SkyModel model, double air_temperature_k, double vapour_pressure_pa) {

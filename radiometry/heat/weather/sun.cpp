@@ -10,6 +10,7 @@
 #include <string>
 
 #include "mtf/error.h"
+#include "mtf/units.h"
 #include "radiometry/heat/weather/instant.h"
 
 namespace radiometry::heat {
@@ -84,7 +85,8 @@ SunPosition position_of(const std::array<double, 3>& direction, double distance_
 std::array<double, 3> refracted(const std::array<double, 3>& direction, const RefractingAir& air) {
   constexpr double kWavelength_um = 0.55, kLeastUp = 0.05;  // sine of the lowest elevation that the formula serves
   double a = 0.0, b = 0.0;
-  eraRefco(air.pressure_pa / 100.0, air.temperature_k - 273.15, air.relative_humidity, kWavelength_um, &a, &b);
+  eraRefco(air.pressure_pa / 100.0, air.temperature_k - mtf::kZeroCelsius_k, air.relative_humidity, kWavelength_um, &a,
+           &b);
   const auto [east, north, up] = direction;
   const double across = std::max(std::hypot(east, north), 1e-6), high = std::max(up, kLeastUp);
   const double tangent = across / high, w = b * tangent * tangent;

@@ -13,8 +13,6 @@ namespace {
 
 using enum WeatherQuantity;
 
-constexpr double kZeroCelsius_k = 273.15;
-
 /// What values of a quantity can be, and what is to be said of others.
 struct Range {
   WeatherQuantity quantity;
@@ -27,7 +25,7 @@ constexpr std::string_view kSolarHigh =
 constexpr std::string_view kSolarLow =
     "no pyranometer reads below -20 W/m2; mark missing values as nan or leave their cells empty";
 constexpr std::array kRanges{
-    Range{air_temperature, kZeroCelsius_k - 95.0, kZeroCelsius_k + 65.0, "K",
+    Range{air_temperature, mtf::kZeroCelsius_k - 95.0, mtf::kZeroCelsius_k + 65.0, "K",
           "no air is that cold; are these degrees Celsius that were taken for kelvins?", ""},
     Range{wind_speed, 0.0, 120.0, "m/s", "a speed is not negative", "is the column in m/s?"},
     Range{vapour_pressure, 0.0, 12000.0, "Pa", "a pressure is not negative",
@@ -39,7 +37,10 @@ constexpr std::array kRanges{
     Range{global_horizontal, -20.0, 1500.0, "W/m2", kSolarLow, kSolarHigh},
     Range{longwave_down, 30.0, 700.0, "W/m2", "every sky radiates more than 30 W/m2; is this the net flux?",
           "no sky radiates that much; is the column in W/m2?"},
-    Range{cloud_cover, 0.0, 1.0, "", "it is a fraction of the sky", "it is a fraction of the sky; are these tenths?"}};
+    Range{cloud_cover, 0.0, 1.0, "", "it is a fraction of the sky", "it is a fraction of the sky; are these tenths?"},
+    Range{longwave_up, 30.0, 2000.0, "W/m2", "every ground radiates more than 30 W/m2; is this the net flux?",
+          "no ground radiates that much; is the column in W/m2?"},
+    Range{solar_up, -20.0, 1500.0, "W/m2", kSolarLow, kSolarHigh}};
 
 std::string shown(double value) { return mtf::format_double(std::round(value * 100.0) / 100.0); }
 
@@ -50,7 +51,7 @@ std::string place_of(const Weather& weather, std::size_t record) {
 
 /// Why air above the range is there: the numbers as they would have been read.
 std::string hot_air(double largest_k) {
-  const double c = largest_k - kZeroCelsius_k;
+  const double c = largest_k - mtf::kZeroCelsius_k;
   if (c > 150.0) return "these look like kelvins that were taken for degrees Celsius";
   return "these look like degrees Fahrenheit (" + shown(c) + " degF are " + shown((c - 32.0) / 1.8) + " degC)";
 }

@@ -21,14 +21,16 @@ enum class WeatherQuantity {
   diffuse_horizontal,  ///< W/m2, solar without the beam
   global_horizontal,   ///< W/m2, both on a horizontal plane
   longwave_down,       ///< W/m2, thermal irradiance of a horizontal plane
-  cloud_cover          ///< fraction of the sky, 0 to 1
+  cloud_cover,         ///< fraction of the sky, 0 to 1
+  longwave_up,         ///< W/m2, thermal irradiance from the ground: tells its temperature
+  solar_up             ///< W/m2, solar irradiance from the ground: tells its albedo
 };
-inline constexpr std::size_t kQuantities = 9;
+inline constexpr std::size_t kQuantities = 11;
 
 /// "air_temperature", ...: the names of columns in files and of keys in scene files.
 inline constexpr std::array<std::string_view, kQuantities> kQuantityNames{
-    "air_temperature",    "wind_speed",        "vapour_pressure", "pressure",   "direct_normal",
-    "diffuse_horizontal", "global_horizontal", "longwave_down",   "cloud_cover"};
+    "air_temperature",   "wind_speed",    "vapour_pressure", "pressure",    "direct_normal", "diffuse_horizontal",
+    "global_horizontal", "longwave_down", "cloud_cover",     "longwave_up", "solar_up"};
 constexpr std::string_view quantity_name(WeatherQuantity quantity) {
   return kQuantityNames[static_cast<std::size_t>(quantity)];
 }

@@ -48,7 +48,7 @@ double value_of(const std::vector<double>& nodes, const Spot& spot) {
   // Exact at the nodes, so that a gap beside one does not spoil it.
   if (spot.weight == 0.0) return nodes[spot.left];
   if (spot.weight == 1.0) return nodes[spot.right];
-  return std::lerp(nodes[spot.left], nodes[spot.right], spot.weight);
+  return (1.0 - spot.weight) * nodes[spot.left] + spot.weight * nodes[spot.right];  // std::lerp may drop a NaN
 }
 
 double checked_value(const WeatherSeries& series, std::size_t q, const Spot& spot, double utc_s) {

@@ -250,7 +250,7 @@ WeatherSeries make_series(const Weather& weather, const Place& place, const Seri
       values.clear();
     }
   }
-  for (const WeatherQuantity quantity : kSolar)
+  for (const WeatherQuantity quantity : {direct_normal, diffuse_horizontal, global_horizontal, solar_up})
     for (double& value : clean[quantity])
       if (value < 0.0) value = 0.0;  // the night offset of a pyranometer; NaN stays
 

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Small weather files of each format for tests, and the shared measured ones.
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "mtf/error.h"
+
+namespace apps::scene::test {
+
+/// Empty without the shared data.
+inline std::string shared_weather(const std::string& name) {
+  const char* chosen = std::getenv("MTFKIT_SHARED");
+  const std::filesystem::path shared =
+      chosen != nullptr ? std::filesystem::path(chosen) : std::filesystem::path(MTFKIT_SOURCE_DIR) / "../shared";
+  const auto file = shared / "data/weather" / name;
+  return std::filesystem::exists(file) ? file.string() : std::string();
+}
+
+template <class... Values>
+std::string formatted(const char* format, Values... values) {
+  std::array<char, 1024> text{};
+  const int size = std::snprintf(text.data(), text.size(), format, values...);
+  return {text.data(), static_cast<std::size_t>(size)};
+}
+
+inline std::string csv_text(int hours = 30) {
+  std::string text =
+      "# made for a test\n"
+      "time,air_temperature (degC),relative_humidity (%),wind_speed (m/s),pressure (hPa),direct_normal (W/m2),"
+      "diffuse_horizontal (W/m2),longwave_down (W/m2),cloud_cover (%)\n";
+  for (int i = 0; i < hours; ++i)
+    text += formatted("2016-01-%02dT%02d:00:00Z,%.1f,%d,%.1f,1013.2,%d,%d,%d,%d\n", 1 + i / 24, i % 24, 0.5 * i, 50 + i,
+                      0.1 * i, 10 * i, 3 * i, 250 + i, 2 * i);
+  return text;
+}
+
+inline std::string epw_text(int hours = 48, const std::array<int, 2>& years = {1999, 2003}) {
+  std::string text =
+      "LOCATION,Somewhere,XX,USA,TMY2,123456,40.00,-105.00,-7.0,1600.0\nDESIGN CONDITIONS,0\n"
+      "TYPICAL/EXTREME PERIODS,0\nGROUND TEMPERATURES,0\nHOLIDAYS/DAYLIGHT SAVINGS,No,0,0,0\nCOMMENTS 1,\n"
+      "COMMENTS 2,\nDATA PERIODS,1,1,Data,Sunday, 1/ 1,12/31\n";
+  for (int i = 0; i < hours; ++i)
+    text += formatted(
+        "%d,2,%d,%d,60,?9?9,%.1f,%.1f,%d,84000,0,1415,%d,%d,%d,%d,0,0,0,0,270,%.1f,5,%d,16.1,77777,9,"
+        "999999999,10,0.08,0,88,0.2,0,0\n",
+        years[static_cast<std::size_t>(i / 24 % 2)], 28 + i / 24, 1 + i % 24, 0.5 * i, -5.0, 40 + i % 24, 200 + i,
+        10 * i, 12 * i, 3 * i, 2.5, i % 11);
+  return text;
+}
+
+inline std::string tmy3_text(int hours = 48) {
+  std::string text =
+      "723170,\"GREENSBORO\",NC,-5.0,36.100,-79.950,273\n"
+      "Date (MM/DD/YYYY),Time (HH:MM),GHI (W/m^2),DNI (W/m^2),DHI (W/m^2),OpqCld (tenths),Dry-bulb (C),RHum (%),"
+      "Pressure (mbar),Wspd (m/s)\n";
+  for (int i = 0; i < hours; ++i)
+    text += formatted("%02d/%02d/%d,%02d:00,%d,%d,%d,%d,%.1f,%d,990,%.1f\n", i < 24 ? 1 : 2, i < 24 ? 31 : 1,
+                      i < 24 ? 1988 : 1981, 1 + i % 24, 5 * i, 6 * i, 2 * i, i % 11, 0.3 * i, 60, 3.1);
+  return text;
+}
+
+inline std::string surfrad_text(int minutes = 60) {
+  std::string text = " Alamosa\n   37.70  105.92 2317 m version 1\n";
+  for (int i = 0; i < minutes; ++i) {
+    text += formatted(" 2016   1  1  1 %2d %2d %6.3f  91.65", i / 60, i % 60, i / 60.0);
+    const std::array values{400.0 + i, 50.0, 800.0 + i, 90.0,  186.3,           -5.7, -6.2, 276.0, -6.3, -6.4, -9999.9,
+                            -9999.9,   -1.0, -89.7,     -90.7, -7.6 + i / 10.0, 52.7, 3.1,  304.7, 773.5};
+    for (const double value : values) text += formatted(" %7.1f %d", value, value < -9999.0 ? 1 : 0);
+    text += "\n";
+  }
+  return text;
+}
+
+inline std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const mtf::Error& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// The text with `from` in the place of the first `to`.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  return at == std::string::npos ? "" : text.replace(at, from.size(), to);
+}
+
+}  // namespace apps::scene::test

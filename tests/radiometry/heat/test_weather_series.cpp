@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "mtf/error.h"
+#include "radiometry/heat/weather/demo_weather.h"
+#include "radiometry/heat/weather/instant.h"
+#include "radiometry/heat/weather/schedule.h"
+#include "radiometry/heat/weather/weather_series.h"
+
+namespace radiometry::heat {
+namespace {
+
+using enum WeatherQuantity;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+const Place kAlamosa{37.70 * kDegree, -105.92 * kDegree, 2317.0};
+const double kBegin = instant_of({2016, 1, 1});
+
+Weather hourly(Stamp stamp, std::vector<double> temperature, double step = 3600.0) {
+  Weather weather{.source = "test.csv", .stamp = stamp, .time_s = {}, .values = {}};
+  for (std::size_t i = 0; i < temperature.size(); ++i)
+    weather.time_s.push_back(kBegin + (static_cast<double>(i) + (stamp == Stamp::end ? 1.0 : 0.0)) * step);
+  weather[air_temperature] = std::move(temperature);
+  return weather;
+}
+
+std::string message(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const mtf::UsageError& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST(WeatherSeries, InstantsAreLinear) {
+  const auto series = make_series(hourly(Stamp::instant, {280.0, 290.0, 285.0}), kAlamosa);
+  EXPECT_EQ(value_at(series, air_temperature, kBegin), 280.0);
+  EXPECT_DOUBLE_EQ(value_at(series, air_temperature, kBegin + 1800.0), 285.0);
+  EXPECT_DOUBLE_EQ(value_at(series, air_temperature, kBegin + 7200.0), 285.0);
+  EXPECT_DOUBLE_EQ(mean_over(series, air_temperature, kBegin, kBegin + 7200.0), 286.25);
+  EXPECT_EQ(break_times(series, kBegin, kBegin + 7200.0), std::vector<double>{kBegin + 3600.0});
+  EXPECT_TRUE(has(message([&] { value_at(series, air_temperature, kBegin + 7201.0); }), "records cover"));
+  EXPECT_TRUE(has(message([&] { value_at(series, wind_speed, kBegin); }), "no wind_speed"));
+  EXPECT_TRUE(std::isnan(weather_at(series, kBegin)[wind_speed]));
+}
+
+// Means of every record to 1e-12, for random data with nights and steps that vary, stamped at either end.
+TEST(WeatherSeries, MeansAreConserved) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> any(0.0, 1000.0);
+  for (const Stamp stamp : {Stamp::begin, Stamp::end})
+    for (int round = 0; round < 20; ++round) {
+      Weather weather{.source = "random", .stamp = stamp, .time_s = {}, .values = {}};
+      double t = kBegin;
+      for (int i = 0; i < 60; ++i) {
+        weather.time_s.push_back(t);
+        weather[diffuse_horizontal].push_back(any(random) < 300.0 ? 0.0 : any(random));
+        weather[air_temperature].push_back(250.0 + any(random) / 20.0);
+        t += round % 2 == 0 ? 3600.0 : std::round(3000.0 + any(random));
+      }
+      const auto series = make_series(weather, kAlamosa);
+      for (const WeatherQuantity quantity : {diffuse_horizontal, air_temperature})
+        for (std::size_t i = 1; i + 1 < weather.time_s.size(); ++i) {
+          const bool ends = stamp == Stamp::end;
+          const double from = weather.time_s[ends ? i - 1 : i], to = weather.time_s[ends ? i : i + 1];
+          const double mean = mean_over(series, quantity, from, to), given = weather[quantity][i];
+          ASSERT_NEAR(mean, given, 1e-12 * std::max(given, 1.0)) << i;
+        }
+      for (const double value : series.value[static_cast<std::size_t>(diffuse_horizontal)]) {
+        ASSERT_GE(value, 0.0);
+        ASSERT_LE(value, 2000.0);
+      }
+    }
+}
+
+TEST(WeatherSeries, NightStaysDark) {
+  Weather weather = hourly(Stamp::end, {280.0, 280.0, 280.0, 280.0});
+  weather[diffuse_horizontal] = {0.0, 0.0, 50.0, 0.0};
+  const auto series = make_series(weather, kAlamosa);
+  for (double t = 0.0; t <= 7200.0; t += 300.0) EXPECT_EQ(value_at(series, diffuse_horizontal, kBegin + t), 0.0);
+  EXPECT_DOUBLE_EQ(value_at(series, diffuse_horizontal, kBegin + 9000.0), 100.0);
+}
+
+TEST(WeatherSeries, StampsMoveTheMeans) {
+  const auto by_end = make_series(hourly(Stamp::end, {280.0, 290.0, 300.0}), kAlamosa);
+  const auto by_begin = make_series(hourly(Stamp::begin, {280.0, 290.0, 300.0}), kAlamosa);
+  for (double t = 0.0; t <= 10800.0; t += 700.0)
+    EXPECT_DOUBLE_EQ(value_at(by_end, air_temperature, kBegin + t), value_at(by_begin, air_temperature, kBegin + t));
+}
+
+TEST(WeatherSeries, ADayRepeats) {
+  std::vector<double> day(24);
+  for (std::size_t i = 0; i < day.size(); ++i) day[i] = 280.0 + static_cast<double>(i * (23 - i)) / 10.0;
+  for (const Stamp stamp : {Stamp::instant, Stamp::begin, Stamp::end}) {
+    const auto series = make_series(hourly(stamp, day), kAlamosa, {.repeat = Repeat::day});
+    const double other_day = kBegin - 5.0 * kDay_s;
+    for (double t = 0.0; t < kDay_s; t += 1234.5)
+      EXPECT_NEAR(value_at(series, air_temperature, kBegin + t), value_at(series, air_temperature, other_day + t),
+                  1e-9);
+    const double midnight = kBegin + 3.0 * kDay_s;
+    EXPECT_NEAR(value_at(series, air_temperature, midnight - 0.01), value_at(series, air_temperature, midnight + 0.01),
+                1e-3);
+    const auto breaks = break_times(series, midnight - 1.5 * kDay_s, midnight + 0.5 * kDay_s);
+    EXPECT_EQ(breaks.size(), stamp == Stamp::instant ? 47u : 95u);
+    EXPECT_TRUE(std::is_sorted(breaks.begin(), breaks.end()));
+  }
+  // 25 records from midnight to midnight are a day too; 26 are more.
+  day.push_back(280.0);
+  const auto series = make_series(hourly(Stamp::instant, day), kAlamosa, {.repeat = Repeat::day});
+  EXPECT_NEAR(value_at(series, air_temperature, kBegin + kDay_s), 280.0, 1e-9);
+  day.push_back(280.0);
+  EXPECT_TRUE(has(message([&] { make_series(hourly(Stamp::instant, day), kAlamosa, {.repeat = Repeat::day}); }),
+                  "those of one day"));
+  // Half a day leaves a gap with a name.
+  day.resize(12);
+  const auto half = make_series(hourly(Stamp::end, day), kAlamosa, {.repeat = Repeat::day});
+  ASSERT_EQ(half.gaps.size(), 1u);
+  const double later = kBegin + 40.0 * kDay_s;
+  EXPECT_TRUE(has(message([&] { require(half, {air_temperature}, later, later + kDay_s); }), "is missing from"));
+  EXPECT_NO_THROW(require(half, {air_temperature}, later + 600.0, later + 10.0 * 3600.0));
+}
+
+TEST(WeatherSeries, ShortGapsAreBridgedLongOnesHaveNames) {
+  Weather weather = hourly(Stamp::instant, {280.0, kMissing, 284.0, kMissing, kMissing, kMissing, 280.0});
+  const auto series = make_series(weather, kAlamosa);
+  EXPECT_DOUBLE_EQ(value_at(series, air_temperature, kBegin + 3600.0), 282.0);
+  ASSERT_EQ(series.warnings.size(), 1u);
+  EXPECT_TRUE(has(series.warnings[0], "air_temperature: 1 missing record is bridged"));
+  ASSERT_EQ(series.gaps.size(), 1u);
+  EXPECT_EQ(series.gaps[0].begin_s, kBegin + 2.0 * 3600.0);
+  EXPECT_EQ(series.gaps[0].end_s, kBegin + 6.0 * 3600.0);
+  EXPECT_EQ(value_at(series, air_temperature, kBegin + 7200.0), 284.0);
+  EXPECT_TRUE(has(message([&] { value_at(series, air_temperature, kBegin + 7300.0); }), "gap is too long"));
+  const std::string all = message([&] { require(series, {air_temperature, wind_speed}, kBegin, kBegin + kDay_s); });
+  EXPECT_TRUE(has(all, "air_temperature is missing from 2016-01-01T02:00:00Z to 2016-01-01T06:00:00Z")) << all;
+  EXPECT_TRUE(has(all, "no wind_speed")) << all;
+  EXPECT_TRUE(has(all, "is not covered")) << all;
+  EXPECT_NO_THROW(require(series, {air_temperature}, kBegin, kBegin + 7200.0));
+  EXPECT_TRUE(make_series(weather, kAlamosa, {.longest_bridge_s = 10800.0}).gaps.empty());
+}
+
+TEST(WeatherSeries, RecordsThatAreLeftOutAreGaps) {
+  for (const Stamp stamp : {Stamp::instant, Stamp::begin, Stamp::end}) {
+    Weather weather = hourly(stamp, std::vector<double>(24, 280.0));
+    const auto cut = [&](auto& list) { list.erase(list.begin() + 10, list.begin() + 15); };
+    cut(weather.time_s);
+    cut(weather[air_temperature]);
+    const auto series = make_series(weather, kAlamosa);
+    ASSERT_EQ(series.gaps.size(), 1u);
+    const std::string text = message([&] { value_at(series, air_temperature, kBegin + 12.5 * 3600.0); });
+    EXPECT_TRUE(has(text, "gap is too long")) << text;
+    EXPECT_EQ(value_at(series, air_temperature, kBegin + 8.0 * 3600.0), 280.0);
+    EXPECT_EQ(value_at(series, air_temperature, kBegin + 17.0 * 3600.0), 280.0);
+  }
+}
+
+TEST(WeatherSeries, TheThirdSolarColumnFollowsFromTheTrueSun) {
+  const Weather full = demo_weather(kAlamosa, kBegin, kBegin + kDay_s, 1200.0);
+  for (const WeatherQuantity absent : {direct_normal, diffuse_horizontal, global_horizontal}) {
+    Weather weather = full;
+    weather[absent].clear();
+    const auto series = make_series(weather, kAlamosa);
+    ASSERT_TRUE(series.has(absent));
+    ASSERT_FALSE(series.warnings.empty());
+    for (std::size_t i = 0; i < full.time_s.size(); ++i)
+      EXPECT_NEAR(series.value[static_cast<std::size_t>(absent)][i], full[absent][i], 1e-8) << i;
+  }
+}
+
+// Hourly means of a beam of 800 W/m2 and 100 W/m2 of diffuse light while the sun is up: the mean of B max(cos z, 0) is
+// integrated here with steps of 10 s.
+TEST(WeatherSeries, HourlyMeansAreClosedByTheMeanCosine) {
+  Weather weather{.source = "means", .stamp = Stamp::end, .time_s = {}, .values = {}};
+  for (int hour = 1; hour <= 24; ++hour) {
+    const double end = kBegin + 3600.0 * hour;
+    double cosine = 0.0;
+    for (double t = end - 3595.0; t < end; t += 10.0)
+      cosine += std::max(sun_position(t, kAlamosa).direction[2], 0.0) / 360.0;
+    weather.time_s.push_back(end);
+    weather[diffuse_horizontal].push_back(cosine > 0.0 ? 100.0 : 0.0);
+    weather[global_horizontal].push_back(800.0 * cosine + weather[diffuse_horizontal].back());
+  }
+  const auto series = make_series(weather, kAlamosa);
+  int lit = 0;
+  for (int hour = 0; hour < 24; ++hour) {
+    const double mean = mean_over(series, direct_normal, kBegin + 3600.0 * hour, kBegin + 3600.0 * (hour + 1));
+    const bool dark = weather[global_horizontal][static_cast<std::size_t>(hour)] < 20.0;
+    if (!dark) ++lit;
+    if (dark) {
+      EXPECT_LT(mean, 801.0);
+    } else {
+      EXPECT_NEAR(mean, 800.0, 2.0) << hour;
+    }
+  }
+  EXPECT_GE(lit, 9);
+}
+
+TEST(WeatherSeries, ConstantWeatherHasNoTime) {
+  const auto series = make_series(hourly(Stamp::instant, {288.0}), kAlamosa);
+  EXPECT_TRUE(series.constant());
+  EXPECT_EQ(value_at(series, air_temperature, 0.0), 288.0);
+  EXPECT_EQ(mean_over(series, air_temperature, 0.0, 1e9), 288.0);
+  EXPECT_TRUE(break_times(series, 0.0, 1e9).empty());
+  EXPECT_NO_THROW(require(series, {air_temperature}, 0.0, 1e9));
+}
+
+TEST(Weather, WrongValuesAreNamedWithTheirRecord) {
+  const auto fault = [](WeatherQuantity quantity, double value) {
+    Weather weather = hourly(Stamp::instant, {280.0, 281.0, 282.0});
+    weather.line = {2, 3, 4};
+    weather[quantity].resize(3, weather[quantity].empty() ? kMissing : 280.0);
+    weather[quantity][1] = value;
+    return message([&] { check_weather(weather); });
+  };
+  EXPECT_TRUE(has(fault(global_horizontal, 1501.0), "test.csv:3: error: global_horizontal 1501 W/m2"));
+  EXPECT_TRUE(has(fault(direct_normal, 3600.0), "kJ"));
+  EXPECT_TRUE(has(fault(diffuse_horizontal, -9999.9), "mark missing values"));
+  EXPECT_TRUE(has(fault(air_temperature, 273.15 + 95.0), "Fahrenheit (95 degF are 35 degC)"));
+  EXPECT_TRUE(has(fault(air_temperature, 273.15 + 295.0), "kelvins that were taken"));
+  EXPECT_TRUE(has(fault(air_temperature, 15.0), "degrees Celsius"));
+  EXPECT_TRUE(has(fault(wind_speed, -1.0), "wind_speed"));
+  EXPECT_TRUE(has(fault(pressure, 1013.0), "hPa"));
+  EXPECT_TRUE(has(fault(longwave_down, -60.0), "net flux"));
+  EXPECT_TRUE(has(fault(cloud_cover, 10.0), "tenths"));
+  EXPECT_EQ(fault(global_horizontal, 1499.0), "nothing was thrown");
+}
+
+TEST(Weather, RecordsOutOfOrderOrTwiceAreRefused) {
+  Weather weather = hourly(Stamp::instant, {280.0, 281.0, 282.0});
+  weather.line = {2, 3, 4};
+  std::swap(weather.time_s[1], weather.time_s[2]);
+  EXPECT_TRUE(
+      has(message([&] { check_weather(weather); }), "test.csv:4: error: the time 2016-01-01T01:00:00Z is before"));
+  weather.time_s[2] = weather.time_s[1];
+  EXPECT_TRUE(has(message([&] { check_weather(weather); }), "stands twice"));
+  weather.time_s.clear();
+  weather[air_temperature].clear();
+  EXPECT_TRUE(has(message([&] { check_weather(weather); }), "no records"));
+}
+
+TEST(DemoWeather, IsAClearDay) {
+  const Weather weather = demo_weather(kAlamosa, kBegin, kBegin + 2.0 * kDay_s, 600.0);
+  EXPECT_EQ(weather.time_s.size(), 289u);
+  EXPECT_EQ(weather.time_s.back(), kBegin + 2.0 * kDay_s);
+  const auto series = make_series(weather, kAlamosa);
+  EXPECT_TRUE(series.warnings.empty());
+  EXPECT_TRUE(series.gaps.empty());
+  const double noon = kBegin + 19.0 * 3600.0;  // 12 h local
+  EXPECT_GT(value_at(series, direct_normal, noon), 800.0);
+  EXPECT_EQ(value_at(series, direct_normal, kBegin + 7.0 * 3600.0), 0.0);
+  EXPECT_GT(value_at(series, air_temperature, noon + 3.0 * 3600.0),
+            value_at(series, air_temperature, noon - 9.0 * 3600.0));
+  EXPECT_THROW(demo_weather(kAlamosa, kBegin, kBegin + 1000.0, 300.0), mtf::UsageError);
+  EXPECT_THROW(demo_weather(kAlamosa, kBegin, kBegin, 300.0), mtf::UsageError);
+}
+
+TEST(Schedule, IsLinearAndHeldAtItsEnds) {
+  const Schedule schedule = make_schedule("engine.csv", {0.0, 100.0, 200.0}, {300.0, 400.0, 350.0});
+  EXPECT_EQ(value_at(schedule, -5.0), 300.0);
+  EXPECT_DOUBLE_EQ(value_at(schedule, 50.0), 350.0);
+  EXPECT_EQ(value_at(schedule, 1e9), 350.0);
+  EXPECT_EQ(break_times(schedule, 0.0, 200.0), std::vector<double>{100.0});
+  EXPECT_TRUE(break_times(schedule, 300.0, 200.0).empty());
+  EXPECT_EQ(value_at(constant_schedule(7.0), 1e9), 7.0);
+  EXPECT_THROW(make_schedule("x", {0.0, 0.0}, {1.0, 2.0}), mtf::UsageError);
+  EXPECT_THROW(make_schedule("x", {0.0}, {1.0, 2.0}), mtf::UsageError);
+  EXPECT_THROW(make_schedule("x", {}, {}), mtf::UsageError);
+  EXPECT_THROW(make_schedule("x", {0.0}, {kMissing}), mtf::UsageError);
+}
+
+}  // namespace
+}  // namespace radiometry::heat
