@@ -9,10 +9,11 @@
 //   power_top      top of the power compartment: engine deck with its louvres
 //   others         hull, fenders, stowage, lamps, exhaust, tools
 //
-// The vehicle faces east (+x) and stands on z = 0, its middle above the origin: 7 m long, 3 m wide, 2.6 m high. It is
-// made of closed shells that overlap or touch, as parts of a vehicle do. Every face is a quad with at least two edges
-// along the same axis, whose ends share their other coordinates digit by digit: it stays plane to the last bit when the
-// coordinates are rounded to float32. Coordinates are whole micrometres, so that every machine writes the same file.
+// The vehicle faces east (+x) and stands on z = 0, its middle above the origin: 7.3 m long with its gun, 3.2 m wide,
+// 2.7 m high without its aerials. It is made of closed shells that overlap or touch, as parts of a vehicle do. Every
+// face is a quad with at least two edges along the same axis, whose ends share their other coordinates digit by digit:
+// it stays plane to the last bit when the coordinates are rounded to float32. Coordinates are whole micrometres, so
+// that every machine writes the same file.
 
 #include "radiometry/scene/mesh.h"
 
@@ -22,7 +23,7 @@ namespace apps::scene {
 radiometry::scene::Mesh make_vehicle();
 
 /// A square of 80 m with the group and the material `terrain`: 8,100 plane quads, 0.3 m wide at the vehicle and growing
-/// outwards. It is level under the vehicle, 5 mm below its tracks, and rises and falls by less than 1 m elsewhere.
+/// outwards. It is horizontal under the vehicle, 5 mm below its tracks, and rises and falls by less than 1 m elsewhere.
 radiometry::scene::Mesh make_terrain();
 
 }  // namespace apps::scene

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/outputs/mesh_files.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <string_view>
+
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/io/csv/number_text.h"
+#include "mtf/io/file_checks.h"
+
+namespace apps::scene {
+namespace {
+
+namespace fs = std::filesystem;
+using radiometry::scene::Mesh;
+using radiometry::scene::Point;
+
+[[noreturn]] void refuse(const fs::path& file, const std::string& what) {
+  throw mtf::UsageError("cannot write the mesh " + mtf::io::printable(file.string(), 1000) + ": " + what);
+}
+
+std::span<const std::uint32_t> corners_of(const Mesh& mesh, std::size_t face) {
+  return std::span(mesh.corners).subspan(mesh.first[face], mesh.first[face + 1] - mesh.first[face]);
+}
+
+void append(mtf::io::AtomicFile& file, std::string_view text) { file.write(text.data(), text.size()); }
+
+/// The bytes of a number, lowest first.
+template <class T>
+void append_binary(mtf::io::AtomicFile& file, T value) {
+  static_assert(std::endian::native == std::endian::little, "reverse the bytes here");
+  file.write(&value, sizeof value);
+}
+
+void check_obj_names(const fs::path& file, const std::vector<std::string>& names) {
+  constexpr std::string_view blanks = " \t\v\f";
+  for (const std::string& name : names)
+    if (name.find_first_of("\r\n") != std::string::npos || name.ends_with('\\') ||
+        (!name.empty() && (blanks.find(name.front()) != blanks.npos || blanks.find(name.back()) != blanks.npos)))
+      refuse(file,
+             "OBJ cannot hold the name \"" + mtf::io::printable(name) +
+                 "\"; take one without line breaks, without blanks at its ends and without a backslash at its end");
+}
+
+bool is_word(std::string_view name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  });
+}
+
+void check_values(const fs::path& file, const std::vector<MeshValues>& all, std::size_t count, const char* of) {
+  for (const MeshValues& values : all) {
+    if (!is_word(values.name))
+      refuse(file, "PLY cannot hold the name \"" + mtf::io::printable(values.name) +
+                       "\" of values; take letters, digits and _");
+    if (values.values.size() != count)
+      refuse(file, "there are " + mtf::io::number_text(values.values.size()) + " values of \"" + values.name +
+                       "\" for " + mtf::io::number_text(count) + " " + of);
+  }
+}
+
+std::string ply_header(const Mesh& mesh, const std::vector<MeshValues>& of_vertices,
+                       const std::vector<MeshValues>& of_faces) {
+  std::string text = "ply\nformat binary_little_endian 1.0\ncomment written by mtfkit; metres, x east, y north, z up\n";
+  const auto add_names = [&text](const char* kind, const std::vector<std::string>& names) {
+    for (std::size_t i = 0; i < names.size(); ++i)
+      text += std::string("comment ") + kind + " " + std::to_string(i) + " " + mtf::io::printable(names[i]) + "\n";
+  };
+  const auto add_values = [&text](const std::vector<MeshValues>& all) {
+    for (const MeshValues& values : all) text += "property float " + values.name + "\n";
+  };
+  add_names("group", mesh.group_names);
+  add_names("material", mesh.material_names);
+  text += "element vertex " + std::to_string(mesh.vertices.size()) + "\n";
+  text += "property double x\nproperty double y\nproperty double z\n";
+  add_values(of_vertices);
+  text += "element face " + std::to_string(mesh.faces()) + "\n";
+  text += "property list uint uint vertex_indices\nproperty int group\nproperty int material\n";
+  add_values(of_faces);
+  return text + "end_header\n";
+}
+
+}  // namespace
+
+void write_obj(const fs::path& file, const Mesh& mesh) {
+  check_obj_names(file, mesh.group_names);
+  check_obj_names(file, mesh.material_names);
+  mtf::io::AtomicFile out(file.string());
+  append(out, "# written by mtfkit; metres, x east, y north, z up\n");
+  std::string line;
+  for (const Point& p : mesh.vertices) {
+    line = "v";
+    for (const double x : p) line += " " + mtf::io::number_text(x);
+    append(out, line + "\n");
+  }
+  constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t group = none, material = none;
+  for (std::size_t face = 0; face < mesh.faces(); ++face) {
+    line.clear();
+    if (mesh.group[face] != group) line += "g " + mesh.group_names[group = mesh.group[face]] + "\n";
+    if (mesh.material[face] != material) line += "usemtl " + mesh.material_names[material = mesh.material[face]] + "\n";
+    line += "f";
+    for (const std::uint32_t corner : corners_of(mesh, face))
+      line += " " + mtf::io::number_text(corner + std::uint64_t{1});
+    append(out, line + "\n");
+  }
+  out.commit();
+}
+
+void write_ply(const fs::path& file, const Mesh& mesh, const std::vector<MeshValues>& of_vertices,
+               const std::vector<MeshValues>& of_faces) {
+  check_values(file, of_vertices, mesh.vertices.size(), "vertices");
+  check_values(file, of_faces, mesh.faces(), "faces");
+  mtf::io::AtomicFile out(file.string());
+  append(out, ply_header(mesh, of_vertices, of_faces));
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    for (const double x : mesh.vertices[i]) append_binary(out, x);
+    for (const MeshValues& values : of_vertices) append_binary(out, values.values[i]);
+  }
+  for (std::size_t face = 0; face < mesh.faces(); ++face) {
+    const std::span<const std::uint32_t> corners = corners_of(mesh, face);
+    append_binary(out, static_cast<std::uint32_t>(corners.size()));
+    out.write(corners.data(), corners.size_bytes());
+    append_binary(out, mesh.group[face]);
+    append_binary(out, mesh.material[face]);
+    for (const MeshValues& values : of_faces) append_binary(out, values.values[face]);
+  }
+  out.commit();
+}
+
+}  // namespace apps::scene

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Scenes from file to temperatures: closed forms, exchange, shadows, and what is refused.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "apps/scene/heat/heat_run.h"
+#include "radiometry/light/constants.h"
+#include "mtf/error.h"
+#include "tests/apps/study/temp_folder.h"
+
+namespace apps::scene {
+namespace {
+
+constexpr double kSigma = radiometry::kStefanBoltzmann_w_m2_k4;
+
+/// A level plate of 1 m, facing up at a height of `z`.
+std::string plate(double z, int first = 1, const std::string& group = "plate") {
+  std::string text = "g " + group + "\n";
+  for (const auto& [x, y] : {std::pair{0, 0}, std::pair{1, 0}, std::pair{1, 1}, std::pair{0, 1}})
+    text += "v " + std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) + "\n";
+  text += "f";
+  for (int i = 0; i < 4; ++i) text += " " + std::to_string(first + i);
+  return text + "\n";
+}
+
+const std::string kSky = "[sky]\nlongwave = \"measured\"\n";
+const std::string kDay = "[time]\nstart = 2016-03-20T00:00:00Z\nend = 2016-03-21T00:00:00Z\nstep = \"1 h\"\n";
+
+std::string weather(double air_k, double wind, double direct, double diffuse, double longwave) {
+  return "[weather]\nair_temperature = \"" + std::to_string(air_k) + " K\"\nwind_speed = \"" + std::to_string(wind) +
+         " m/s\"\ndirect_normal = \"" + std::to_string(direct) + " W/m2\"\ndiffuse_horizontal = \"" +
+         std::to_string(diffuse) + " W/m2\"\nlongwave_down = \"" + std::to_string(longwave) + " W/m2\"\n";
+}
+
+std::string material(const std::string& name, double absorptance, double emissivity, const std::string& convection,
+                     const std::string& rest = "") {
+  return "[[material]]\nname = \"" + name + "\"\nsolar_absorptance = " + std::to_string(absorptance) +
+         "\nemissivity = " + std::to_string(emissivity) + "\nconvection = " + convection +
+         "\nlayers = [{ conductivity = \"45 W/m/K\", density = \"7800 kg/m3\", heat_capacity = \"480 J/kg/K\", "
+         "thickness = \"5 mm\" }]\n" +
+         rest;
+}
+
+struct Outcome {
+  HeatReport report;
+  std::vector<double> times_s;
+  std::vector<std::vector<double>> front, back;  ///< [output][facet]
+};
+
+class HeatRun : public testing::Test {
+ protected:
+  HeatScene prepare(const std::string& text, const std::string& obj, const HeatOptions& options = {}) {
+    std::ofstream(folder_ / "plates.obj") << obj;
+    std::ofstream(folder_ / "scene.toml") << "schema = 1\n[place]\nlatitude = \"0 deg\"\nlongitude = \"0 deg\"\n"
+                                             "altitude = \"0 m\"\n"
+                                          << text;
+    return prepare_heat(load_scene((folder_ / "scene.toml").string()), options);
+  }
+
+  Outcome run(const std::string& text, const std::string& obj, const HeatOptions& options = {}) {
+    const HeatScene scene = prepare(text, obj, options);
+    Outcome outcome;
+    outcome.report = run_heat(
+        scene, options,
+        [&](const HeatOutput& output) {
+          outcome.times_s.push_back(output.time_s);
+          outcome.front.emplace_back(output.front_k.begin(), output.front_k.end());
+          outcome.back.emplace_back(output.back_k.begin(), output.back_k.end());
+        },
+        [](const std::string&, double) {});
+    return outcome;
+  }
+
+  study_test::TempFolder folder_;
+};
+
+std::string region(const std::string& group, const std::string& rest) {
+  return "[[region]]\nmesh = \"plates\"\n" + (group.empty() ? "" : "group = \"" + group + "\"\n") + rest + "\n";
+}
+const std::string kMesh = "[[mesh]]\nname = \"plates\"\nfile = \"plates.obj\"\nunit = \"1 m\"\n";
+
+/// eps L + a D = eps sigma T^4 + h (T - air), by bisection.
+double equilibrium(double absorbed, double emissivity, double h, double air_k) {
+  double low = 1.0, high = 1000.0;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = 0.5 * (low + high);
+    (absorbed > emissivity * kSigma * std::pow(middle, 4) + h * (middle - air_k) ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+// Values of DESIGN's study, to 30 digits: absorbed 0.7 x 900 + 0.9 x 300 W/m2, h = 10 W/m2/K, air of 293.15 K.
+TEST_F(HeatRun, ASteadySceneHasItsClosedForm) {
+  const Outcome outcome = run(kDay + weather(293.15, 1.0, 0.0, 900.0, 300.0) + kSky +
+                                  material("paint", 0.7, 0.9, "{ h0 = \"10 W/m2/K\", h1 = \"0 J/m3/K\" }") + kMesh +
+                                  region("", "material = \"paint\""),
+                              plate(1.0), {.tolerance_k = 1e-3});
+  ASSERT_EQ(outcome.front.size(), 25U);
+  for (const auto& facets : outcome.front) EXPECT_NEAR(facets[0], 325.712777538, 1e-3);
+  EXPECT_LE(outcome.report.promised.total_k(), 1e-3);
+}
+
+TEST_F(HeatRun, ASceneOfOneTemperatureKeepsIt) {
+  const double longwave = kSigma * std::pow(290.0, 4);
+  std::string obj = plate(0.5, 1, "lower") + plate(1.0, 5, "upper");
+  const Outcome outcome = run(kDay + weather(290.0, 2.0, 0.0, 0.0, longwave) + kSky +
+                                  material("steel", 0.7, 0.8, "\"mcadams\"", "inside = { kind = \"sheet\" }\n") +
+                                  kMesh + region("", "material = \"steel\""),
+                              obj);
+  for (const auto& facets : outcome.front)
+    for (const double kelvin : facets) EXPECT_NEAR(kelvin, 290.0, 1e-6);
+  for (const auto& facets : outcome.back)
+    for (const double kelvin : facets) EXPECT_NEAR(kelvin, 290.0, 1e-6);
+}
+
+// A square that faces one of 400 K at the same size and distance: F = .19982489569839.
+TEST_F(HeatRun, PlatesExchangeByTheirViewFactor) {
+  std::string obj = plate(0.0, 1, "cold") + "g hot\n";
+  for (const auto& [x, y] : {std::pair{0, 0}, std::pair{1, 0}, std::pair{1, 1}, std::pair{0, 1}})
+    obj += "v " + std::to_string(x) + " " + std::to_string(y) + " 1\n";
+  obj += "f 8 7 6 5\n";  // faces down
+  const Outcome outcome =
+      run(kDay + weather(300.0, 0.0, 0.0, 0.0, 100.0) + kSky + material("black", 1.0, 1.0, "\"none\"") + kMesh +
+              region("cold", "material = \"black\"") + region("hot", "temperature = \"400 K\""),
+          obj, {.rays = 65536});
+  const double factor = 0.19982489569839;
+  const double expected = equilibrium(factor * kSigma * std::pow(400.0, 4) + (1.0 - factor) * 100.0, 1.0, 0.0, 300.0);
+  // 65536 rays have an rms error of 3.3e-4 in F; three of them are 0.3 K here.
+  for (const auto& facets : outcome.front) EXPECT_NEAR(facets[0], expected, 0.3 + 0.1);
+}
+
+TEST_F(HeatRun, AShadeKeepsTheSunOff) {
+  std::string obj = plate(0.0, 1, "shaded");
+  obj += "g shade\nv -20 -20 1\nv 21 -20 1\nv 21 21 1\nv -20 21 1\nf 5 6 7 8\n";
+  const std::string rest = kSky + material("paint", 0.7, 0.9, "\"mcadams\"") + kMesh +
+                           region("shaded", "material = \"paint\"") + region("shade", "temperature = \"290 K\"");
+  const Outcome dark = run(kDay + weather(290.0, 2.0, 0.0, 0.0, 350.0) + rest, obj);
+  const Outcome sunny = run(kDay + weather(290.0, 2.0, 900.0, 0.0, 350.0) + rest, obj);
+  const Outcome open = run(kDay + weather(290.0, 2.0, 900.0, 0.0, 350.0) + kSky +
+                               material("paint", 0.7, 0.9, "\"mcadams\"") + kMesh + region("", "material = \"paint\""),
+                           plate(0.0));
+  for (std::size_t i = 6; i < 19; ++i) EXPECT_NEAR(sunny.front[i][0], dark.front[i][0], 1.0) << i;
+  EXPECT_GT(open.front[12][0], sunny.front[12][0] + 30.0);  // 630 W/m2 over 19 W/m2/K
+}
+
+// The error that is promised is that of a run with a tolerance a hundred times smaller, and of twice the outputs.
+TEST_F(HeatRun, RealisedErrorsAreBelowThePromise) {
+  const std::string text = kDay + weather(280.0, 3.0, 800.0, 80.0, 280.0) + kSky +
+                           material("thin", 0.8, 0.9, "\"mcadams\"", "inside = { kind = \"sheet\" }\n") + kMesh +
+                           region("", "material = \"thin\"");
+  const std::string obj = plate(0.0, 1, "lower") + plate(0.5, 5, "upper");
+  const Outcome fine = run(text, obj, {.tolerance_k = 1e-3});
+  for (const double tolerance : {1.0, 0.1, 0.01}) {
+    const Outcome coarse = run(text, obj, {.tolerance_k = tolerance});
+    double worst = 0.0;
+    for (std::size_t i = 0; i < coarse.front.size(); ++i)
+      for (std::size_t f = 0; f < coarse.front[i].size(); ++f)
+        worst = std::max(
+            {worst, std::abs(coarse.front[i][f] - fine.front[i][f]), std::abs(coarse.back[i][f] - fine.back[i][f])});
+    EXPECT_LE(worst, coarse.report.promised.total_k() + fine.report.promised.total_k()) << tolerance;
+    EXPECT_LE(coarse.report.promised.total_k(), tolerance);
+  }
+}
+
+TEST_F(HeatRun, TheSameForEveryNumberOfThreads) {
+  const std::string text = kDay + weather(280.0, 3.0, 800.0, 80.0, 280.0) + kSky +
+                           material("thin", 0.8, 0.9, "\"mcadams\"") + kMesh + region("", "material = \"thin\"");
+  const std::string obj = plate(0.0, 1, "lower") + plate(0.5, 5, "upper");
+  EXPECT_EQ(run(text, obj, {.threads = 1}).front, run(text, obj, {.threads = 3}).front);
+}
+
+template <class Call>
+std::string message_of(const Call& call) {
+  try {
+    call();
+  } catch (const mtf::Error& e) {
+    return e.what();
+  }
+  return "nothing was refused";
+}
+
+TEST_F(HeatRun, RefusesWhatItCannotSolve) {
+  const std::string head = kDay + weather(280.0, 3.0, 800.0, 80.0, 280.0) + kSky;
+  const auto refusal = [&](const std::string& text) { return message_of([&] { prepare(text, plate(0.0)); }); };
+  EXPECT_NE(refusal(head +
+                    material("wall", 0.8, 0.9, "\"mcadams\"", "inside = { kind = \"pair\", thickness = \"0.1 m\" }\n") +
+                    kMesh + region("", "material = \"wall\""))
+                .find("\"pair\" is not solved yet"),
+            std::string::npos);
+  EXPECT_NE(refusal(head + material("wall", 0.8, 0.9, "\"mcadams\"") + kMesh + region("roof", "material = \"wall\""))
+                .find("has no group 'roof' (there are: plate)"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace apps::scene
