@@ -39,11 +39,6 @@ struct ForcingValues {
 /// values.front.absorbed_w_m2 has. It is called from several threads at once, and for any facets in any order of time.
 using Forcing = std::function<void(Instant, std::size_t first, ForcingValues& values)>;
 
-struct Break {
-  double time_s = 0.0;
-  bool jump = false;  ///< the value of the forcing jumps; otherwise only its slope
-};
-
 /// Facets of one construction that are advanced side by side. Neighbours in the batch share their time steps, so facets
 /// with similar forcing (the same shadows at the same times) should stand together.
 struct Batch {
@@ -55,11 +50,11 @@ struct Batch {
 /// Throws UsageError for a construction that is not valid, no facets, or `up` of another size or outside -1 ... 1.
 void require_valid(const Batch& batch);
 
-/// The times of a run. Outputs and breaks rise; those outside [start, end] are ignored.
+/// The times of a run. Outputs rise; times outside [start, end] are ignored.
 struct Timeline {
   double start_s = 0.0, end_s = 0.0;
   std::vector<double> outputs_s;
-  std::vector<Break> breaks;
+  std::vector<double> breaks_s;
 };
 
 }  // namespace radiometry::heat

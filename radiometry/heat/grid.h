@@ -6,8 +6,8 @@
 // m: heat capacity of the halves of the cells beside a node, J/m2/K; g = k / dx of a cell, W/m2/K.
 //
 // Heat spreads over s = x / sqrt(alpha) like sqrt(t) in every material, so cells are laid out in s, in sqrt(s): near an
-// exposed surface they are sqrt(t_short) / 3 and grow in proportion to the distance from it. Doubling `density` halves
-// every cell, and the coarse grid is the fine one without every second node, which is what Richardson's estimate needs.
+// exposed surface they are sqrt(t_short) / 3 and grow in proportion to the distance from it. The fine
+// grid halves every cell of the coarse one in s, which is what Richardson's estimate needs.
 
 #include <vector>
 

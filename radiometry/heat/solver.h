@@ -10,6 +10,7 @@
 // yet small. The result is the first of the three.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "radiometry/heat/forcing.h"
@@ -28,7 +29,8 @@ struct Promise {
 /// How a batch is solved: made by make_plan, used by advance.
 struct Plan {
   Batch batch;
-  Grid fine, coarse;              ///< coarse has every second node of fine
+  Grid fine, coarse;              ///< coarse has half the cells
+  GridRequest request;            ///< that made the grids
   double step_tolerance_k = 0.0;  ///< largest error of a step of 2h, by the embedded estimate
   double depth_k = 0.0;           ///< as in Promise
 };
@@ -52,7 +54,7 @@ struct HeatBalance {
   /// What is missing: rounding alone.
   double drift() const { return absorbed + inside - emitted - convected - stored; }
   /// The sum of the sizes of what was exchanged, against which the drift is judged.
-  double exchanged = 0.0;
+  double exchanged() const;
 };
 
 struct StepCount {

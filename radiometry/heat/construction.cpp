@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/heat/construction.h"
+
+#include <cmath>
+
+#include "mtf/error.h"
+#include "mtf/units.h"
+
+namespace radiometry::heat {
+namespace {
+
+[[noreturn]] void refuse(std::string_view where, const std::string& name, double value, const char* rule) {
+  throw mtf::UsageError(std::string(where) + ": " + name + " is " + mtf::format_double(value) + ", has to be " + rule);
+}
+
+void require_fraction(double value, std::string_view where, const std::string& name) {
+  if (!(value >= 0.0 && value <= 1.0)) refuse(where, name, value, "between 0 and 1");
+}
+
+}  // namespace
+
+void require_valid(const Construction& construction, std::string_view where) {
+  if (construction.layers.empty())
+    throw mtf::UsageError(std::string(where) + ": a construction without layers, give at least one");
+  for (std::size_t i = 0; i < construction.layers.size(); ++i) {
+    const Layer& layer = construction.layers[i];
+    const std::string prefix = "layers[" + std::to_string(i) + "] ";
+    for (const auto& [name, value] : {std::pair{"conductivity (W/m/K)", layer.conductivity_w_m_k},
+                                      std::pair{"density (kg/m3)", layer.density_kg_m3},
+                                      std::pair{"heat_capacity (J/kg/K)", layer.heat_capacity_j_kg_k},
+                                      std::pair{"thickness (m)", layer.thickness_m}})
+      if (!(value > 0.0) || !std::isfinite(value)) refuse(where, prefix + name, value, "above 0");
+  }
+  require_fraction(construction.emissivity, where, "emissivity");
+  require_valid(construction.convection, where);
+  if (const auto* film = std::get_if<InnerFilm>(&construction.inside)) {
+    if (!(film->h_w_m2_k >= 0.0) || !std::isfinite(film->h_w_m2_k))
+      refuse(where, "inside h (W/m2/K)", film->h_w_m2_k, "a number that is not negative");
+  } else if (const auto* sheet = std::get_if<Sheet>(&construction.inside)) {
+    require_fraction(sheet->emissivity, where, "inside emissivity");
+    require_valid(sheet->convection, std::string(where) + ": inside");
+  }
+}
+
+double resistance(const Construction& construction) {
+  double sum = 0.0;
+  for (const Layer& layer : construction.layers) sum += layer.resistance();
+  return sum;
+}
+
+double capacity(const Construction& construction) {
+  double sum = 0.0;
+  for (const Layer& layer : construction.layers) sum += layer.capacity();
+  return sum;
+}
+
+double in_plane_length_m(const Construction& construction, double loss_w_m2_k) {
+  double sum = 0.0;
+  for (const Layer& layer : construction.layers) sum += layer.conductivity_w_m_k * layer.thickness_m;
+  return std::sqrt(sum / loss_w_m2_k);
+}
+
+}  // namespace radiometry::heat

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/heat/group_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "mtf/error.h"
+#include "mtf/units.h"
+#include "radiometry/light/constants.h"
+
+namespace radiometry::heat {
+namespace {
+
+/// Positions in an interval between breaks count in 2^-kFinest of it. A step is the interval halved a number of times,
+/// so intervals of equal length share their eliminations.
+constexpr int kFinest = 48;
+constexpr std::int64_t kWhole = std::int64_t{1} << kFinest;
+
+/// The error of a step falls with its third power; a step grows to at most twice the last.
+double next_step(double step_s, double error_k, double tolerance_k) {
+  const double ratio = 0.9 * std::cbrt(tolerance_k / std::max(error_k, 1e-12 * tolerance_k));
+  return step_s * std::clamp(ratio, 1.0 / 16.0, 2.0);
+}
+
+void gather(const std::vector<double>& all, std::size_t facets, std::size_t first, std::size_t count,
+            std::vector<double>& lanes) {
+  for (std::size_t i = 0; i < lanes.size() / kLanes; ++i)
+    for (std::size_t l = 0; l < kLanes; ++l) lanes[i * kLanes + l] = all[i * facets + first + std::min(l, count - 1)];
+}
+
+void scatter(const std::vector<double>& lanes, std::size_t facets, std::size_t first, std::size_t count,
+             std::vector<double>& all) {
+  for (std::size_t i = 0; i < lanes.size() / kLanes; ++i)
+    std::copy_n(lanes.begin() + static_cast<std::ptrdiff_t>(i * kLanes), count,
+                all.begin() + static_cast<std::ptrdiff_t>(i * facets + first));
+}
+
+Buoyancy buoyancy_of(const Convection& convection, const Batch& batch, std::size_t first, std::size_t count,
+                     double side) {
+  Buoyancy buoyancy{.present = std::holds_alternative<Tarp>(convection), .warm = {}, .cold = {}};
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const double up = batch.up.empty() ? 0.0 : batch.up[first + std::min(l, count - 1)];
+    const NaturalConvection natural = natural_coefficient(convection, side * up);
+    buoyancy.warm[l] = natural.warm;
+    buoyancy.cold[l] = natural.cold;
+  }
+  return buoyancy;
+}
+
+GroupGrid group_grid(const Grid& grid, const Construction& construction, const Buoyancy& front, const Buoyancy& back) {
+  const Sides sides = !construction.is_sheet() ? Sides::one : grid.nodes() == 1 ? Sides::two_on_one_node : Sides::two;
+  return {&grid, sides, std::holds_alternative<InnerFlux>(construction.inside), &front, &back};
+}
+
+}  // namespace
+
+GroupRun::GroupRun(const Plan& plan, const State& start, const Forcing& forcing, std::size_t first,
+                   PlanEliminations& kept)
+    : plan_(&plan),
+      forcing_(&forcing),
+      kept_(&kept),
+      first_(first),
+      count_(std::min(kLanes, plan.batch.facets - first)),
+      fine_(plan.fine.nodes()),
+      doubled_(plan.fine.nodes()),
+      coarse_(plan.coarse.nodes()),
+      before_(plan.fine.nodes() * kLanes),
+      wanted_s_(start.step_s[first / kLanes]) {
+  const Construction& construction = plan.batch.construction;
+  front_buoyancy_ = buoyancy_of(construction.convection, plan.batch, first, count_, 1.0);
+  if (const auto* sheet = std::get_if<Sheet>(&construction.inside))
+    back_buoyancy_ = buoyancy_of(sheet->convection, plan.batch, first, count_, -1.0);
+  fine_grid_ = group_grid(plan.fine, construction, front_buoyancy_, back_buoyancy_);
+  coarse_grid_ = group_grid(plan.coarse, construction, front_buoyancy_, back_buoyancy_);
+  gather(start.fine, start.facets, first, count_, fine_.t);
+  gather(start.doubled, start.facets, first, count_, doubled_.t);
+  gather(start.coarse, start.facets, first, count_, coarse_.t);
+}
+
+Surfaces GroupRun::back() const {
+  const auto last = [](const GroupState& state) { return state.t.data() + (state.t.size() - kLanes); };
+  return {last(fine_), last(doubled_), last(coarse_)};
+}
+
+void GroupRun::store(State& end) const {
+  scatter(fine_.t, end.facets, first_, count_, end.fine);
+  scatter(doubled_.t, end.facets, first_, count_, end.doubled);
+  scatter(coarse_.t, end.facets, first_, count_, end.coarse);
+  end.step_s[first_ / kLanes] = wanted_s_;
+}
+
+void GroupRun::evaluate(Instant instant, Boundary& boundary) const {
+  const Construction& construction = plan_->batch.construction;
+  const auto* sheet = std::get_if<Sheet>(&construction.inside);
+  ForcingValues values;
+  values.front.absorbed_w_m2 = {boundary.front.absorbed.at.data(), count_};
+  if (sheet) values.back.absorbed_w_m2 = {boundary.back.absorbed.at.data(), count_};
+  (*forcing_)(instant, first_, values);
+
+  double sum = values.inside;
+  const auto take = [&](const SideForcing& from, double emissivity, const Convection& convection, Surface& to) {
+    to.emission = emissivity * kStefanBoltzmann_w_m2_k4;
+    to.film = forced_coefficient(convection, from.wind_m_s);
+    to.air_k = from.air_k;
+    for (std::size_t l = count_; l < kLanes; ++l) to.absorbed[l] = to.absorbed[count_ - 1];
+    for (const double absorbed : to.absorbed.at) sum += absorbed;
+    sum += to.film + to.air_k;
+  };
+  take(values.front, construction.emissivity, construction.convection, boundary.front);
+  if (sheet) take(values.back, sheet->emissivity, sheet->convection, boundary.back);
+  boundary.inside = values.inside;
+  if (!std::isfinite(sum))
+    throw mtf::RuntimeError("heat: the forcing of facets " + std::to_string(first_) + " to " +
+                            std::to_string(first_ + count_ - 1) + " at " + mtf::format_double(instant.time_s) +
+                            " s has a value that is not finite, or a wind below 0");
+}
+
+void GroupRun::advance(double t0_s, double t1_s) {
+  const double length = t1_s - t0_s;
+  const auto instant = [&](double position) -> Instant {  // in units of 2^-kFinest of the interval
+    if (position >= static_cast<double>(kWhole)) return {t1_s, Instant::Limit::before};
+    return {t0_s + length * (position / static_cast<double>(kWhole)), Instant::Limit::after};
+  };
+  kept_->fine.limit();
+  kept_->coarse.limit();
+  Boundary begin, early, quarter, late, doubled_middle, middle, end;
+  evaluate(instant(0.0), begin);
+
+  for (std::int64_t at = 0; at < kWhole;) {
+    std::int64_t step = kWhole;
+    while (step > 2 && (step > kWhole - at || length * std::ldexp(static_cast<double>(step), -kFinest) > wanted_s_))
+      step /= 2;
+    if (step <= 2)
+      throw mtf::RuntimeError("heat: no step keeps the tolerance at " +
+                              mtf::format_double(instant(static_cast<double>(at)).time_s) +
+                              " s: has the forcing a jump that is not in the breaks?");
+    const double from = static_cast<double>(at), whole = static_cast<double>(step), half = 0.5 * whole;
+    const double step_s = length * std::ldexp(whole, -kFinest);
+    const Elimination<double>& long_step = kept_->fine.of_step(step_s);
+
+    evaluate(instant(from + kGamma * whole), doubled_middle);
+    evaluate(instant(from + whole), end);
+    before_ = doubled_.t;
+    take_step(fine_grid_, long_step, {&begin, &doubled_middle, &end}, doubled_, nullptr);
+    const double error = step_error(fine_grid_, long_step, begin, before_, doubled_);
+    wanted_s_ = next_step(step_s, error, plan_->step_tolerance_k);
+    const auto lanes = static_cast<std::int64_t>(count_);
+    steps_.facet_steps += lanes;
+    if (!(error <= plan_->step_tolerance_k)) {
+      doubled_.t = before_;
+      wanted_s_ = std::min(wanted_s_, 0.5 * step_s);
+      ++steps_.refused;
+      continue;
+    }
+
+    evaluate(instant(from + kGamma * half), early);
+    evaluate(instant(from + half), quarter);
+    evaluate(instant(from + half + kGamma * half), late);
+    const Elimination<double>& short_step = kept_->fine.of_step(0.5 * step_s);
+    take_step(fine_grid_, short_step, {&begin, &early, &quarter}, fine_, &heat_);
+    take_step(fine_grid_, short_step, {&quarter, &late, &end}, fine_, &heat_);
+    take_step(coarse_grid_, kept_->coarse.of_step(step_s), {&begin, &doubled_middle, &end}, coarse_, nullptr);
+    steps_.facet_steps += 3 * lanes;
+    ++steps_.taken;
+    std::swap(begin, end);
+    at += step;
+  }
+}
+
+}  // namespace radiometry::heat

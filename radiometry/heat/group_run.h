@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// One group of facets over time: the three runs of solver.h side by side, with steps that all lanes share.
+
+#include "radiometry/heat/solver.h"
+#include "radiometry/heat/steps.h"
+
+namespace radiometry::heat {
+
+/// The eliminations that a thread keeps from group to group.
+struct PlanEliminations {
+  explicit PlanEliminations(const Plan& plan)
+      : fine(plan.fine, plan.batch.construction.is_sheet()), coarse(plan.coarse, plan.batch.construction.is_sheet()) {}
+  Eliminations fine, coarse;
+};
+
+/// Surface temperatures of the three runs.
+struct Surfaces {
+  const double *fine, *doubled, *coarse;  ///< kLanes each
+};
+
+class GroupRun {
+ public:
+  /// Facets `first` and up to kLanes - 1 more of the batch.
+  GroupRun(const Plan& plan, const State& start, const Forcing& forcing, std::size_t first, PlanEliminations& kept);
+
+  /// Advances from t0 to t1, between which there is no break. Throws RuntimeError as advance does.
+  void advance(double t0_s, double t1_s);
+
+  std::size_t count() const { return count_; }
+  Surfaces front() const { return {fine_.t.data(), doubled_.t.data(), coarse_.t.data()}; }
+  Surfaces back() const;
+  const HeatSums& heat() const { return heat_; }
+  const StepCount& steps() const { return steps_; }
+  void store(State& end) const;
+
+ private:
+  void evaluate(Instant instant, Boundary& boundary) const;
+
+  const Plan* plan_;
+  const Forcing* forcing_;
+  PlanEliminations* kept_;
+  std::size_t first_, count_;
+  Buoyancy front_buoyancy_, back_buoyancy_;
+  GroupGrid fine_grid_, coarse_grid_;
+  GroupState fine_, doubled_, coarse_;
+  std::vector<double> before_;
+  double wanted_s_;  ///< the step 2h to try next
+  HeatSums heat_;
+  StepCount steps_;
+};
+
+}  // namespace radiometry::heat

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/heat/lanes.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "mtf/engines/simd.h"
+
+// Plain loops over the lanes, which the compiler turns into vectors of the widest kind of the machine (simd::run).
+#define MTFKIT_LANES(l) for (std::size_t l = 0; l < kLanes; ++l)
+
+namespace radiometry::heat {
+namespace {
+
+/// x^(1/3) for x >= 0: a third of the exponent, then three of Halley's steps (an error e becomes 2/3 e^3, from 0.05).
+MTFKIT_INLINE double cube_root(double x) {
+  const auto bits = std::bit_cast<std::int32_t>(static_cast<float>(x) + 1e-30f);
+  double r = std::bit_cast<float>(bits / 3 + 709921077);
+  for (int i = 0; i < 3; ++i) {
+    const double cube = r * r * r;
+    r *= (cube + 2.0 * x) / (2.0 * cube + x);
+  }
+  return r;
+}
+
+struct LossAndSlope {
+  double loss, slope;
+};
+
+/// What a surface of temperature t gives off, and its derivative. Below 0 K, which Newton's method may visit, the loss
+/// goes on as an odd function, so that it rises everywhere.
+template <bool Natural>
+MTFKIT_INLINE LossAndSlope loss_of(const Surface& surface, const Buoyancy& buoyancy, std::size_t l, double t) {
+  const double cube = t * t * std::abs(t), excess = t - surface.air_k;
+  LossAndSlope sum{surface.emission * cube * t + surface.film * excess, 4.0 * surface.emission * cube + surface.film};
+  if constexpr (Natural) {
+    const double c = (excess > 0.0 ? buoyancy.warm[l] : buoyancy.cold[l]) * cube_root(std::abs(excess));
+    sum.loss += c * excess;
+    sum.slope += 4.0 / 3.0 * c;
+  }
+  return sum;
+}
+
+template <bool Natural>
+MTFKIT_INLINE double net(const Surface& surface, const Buoyancy& buoyancy, std::size_t l, double t) {
+  return surface.absorbed[l] - loss_of<Natural>(surface, buoyancy, l, t).loss;
+}
+
+MTFKIT_INLINE double inside_flow(const GroupGrid& group, double inside, double t) {
+  return group.inner_flux ? inside : group.grid->inner_w_m2_k * (inside - t);
+}
+
+/// b += weight * (flow into each node over its boundaries at `at`)
+template <Sides S, bool Natural>
+MTFKIT_INLINE void add_boundary_flow(const GroupGrid& group, const Boundary& at, double weight,
+                                     const double* __restrict t, double* __restrict b) {
+  const std::size_t last = (group.grid->nodes() - 1) * kLanes;
+  MTFKIT_LANES(l) b[l] += weight * net<Natural>(at.front, *group.front_buoyancy, l, t[l]);
+  if constexpr (S == Sides::one)
+    MTFKIT_LANES(l) b[last + l] += weight * inside_flow(group, at.inside, t[last + l]);
+  else
+    MTFKIT_LANES(l) b[last + l] += weight * net<Natural>(at.back, *group.back_buoyancy, l, t[last + l]);
+}
+
+/// b = keep M d + weight (-K T)
+MTFKIT_INLINE void conduction(const Grid& grid, double keep, double weight, const double* __restrict t,
+                              const double* __restrict d, double* __restrict b) {
+  const std::size_t n = grid.nodes();
+  Lanes before;
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const double m = keep * grid.capacity[i], g = weight * grid.conductance[i];
+    MTFKIT_LANES(l) {
+      const double flow = g * (t[i * kLanes + l] - t[(i + 1) * kLanes + l]);
+      b[i * kLanes + l] = m * d[i * kLanes + l] + (before[l] - flow);
+      before[l] = flow;
+    }
+  }
+  const double m = keep * grid.capacity[n - 1];
+  MTFKIT_LANES(l) b[(n - 1) * kLanes + l] = m * d[(n - 1) * kLanes + l] + before[l];
+}
+
+template <Sides S>
+MTFKIT_INLINE void forward(const Elimination<double>& e, std::size_t nodes, double* b) {
+  double* back = b + (nodes - 1) * kLanes;
+  for (std::size_t i = e.end - 1; i > 0; --i) {
+    const double forward = e.forward[i], to_back = e.to_back[i];
+    MTFKIT_LANES(l) b[(i - 1) * kLanes + l] += forward * b[i * kLanes + l];
+    if constexpr (S == Sides::two) MTFKIT_LANES(l) back[l] += to_back * b[i * kLanes + l];
+  }
+}
+
+/// Newton's method ends when no lane moved by more: it is quadratic, so what is left is below the rounding.
+constexpr double kLastMove_k = 1e-6;
+constexpr int kMostIterations = 60;
+
+/// x: the increments of the front node; on one node, the losses of both sides.
+template <Sides S, bool Natural>
+MTFKIT_INLINE void solve_one(const GroupGrid& group, const Elimination<double>& e, const Boundary& at,
+                             const double* __restrict t, const double* __restrict b, double* __restrict x) {
+  Lanes at_start;
+  const auto loss = [&](std::size_t l, double temperature) {
+    LossAndSlope sum = loss_of<Natural>(at.front, *group.front_buoyancy, l, temperature);
+    if constexpr (S == Sides::two_on_one_node) {
+      const LossAndSlope other = loss_of<Natural>(at.back, *group.back_buoyancy, l, temperature);
+      sum.loss += other.loss;
+      sum.slope += other.slope;
+    }
+    return sum;
+  };
+  MTFKIT_LANES(l) {
+    const LossAndSlope start = loss(l, t[l]);
+    at_start[l] = start.loss;
+    x[l] = b[l] / (e.own + e.a * start.slope);
+  }
+  for (int i = 0; i < kMostIterations; ++i) {
+    int moving = 0;
+    MTFKIT_LANES(l) {
+      const LossAndSlope now = loss(l, t[l] + x[l]);
+      const double move = (e.own * x[l] + e.a * (now.loss - at_start[l]) - b[l]) / (e.own + e.a * now.slope);
+      x[l] -= move;
+      moving += std::abs(move) > kLastMove_k;
+    }
+    if (moving == 0) break;
+  }
+}
+
+/// x and y: the increments of the front and the back node of a sheet.
+template <bool Natural>
+MTFKIT_INLINE void solve_two(const GroupGrid& group, const Elimination<double>& e, const Boundary& at, const double* t,
+                             const double* t_back, const double* b, const double* b_back, double* x, double* y) {
+  Lanes front_start, back_start;
+  MTFKIT_LANES(l) {
+    front_start[l] = loss_of<Natural>(at.front, *group.front_buoyancy, l, t[l]).loss;
+    back_start[l] = loss_of<Natural>(at.back, *group.back_buoyancy, l, t_back[l]).loss;
+    x[l] = y[l] = 0.0;
+  }
+  for (int i = 0; i < kMostIterations; ++i) {
+    int moving = 0;
+    MTFKIT_LANES(l) {
+      const LossAndSlope f = loss_of<Natural>(at.front, *group.front_buoyancy, l, t[l] + x[l]);
+      const LossAndSlope k = loss_of<Natural>(at.back, *group.back_buoyancy, l, t_back[l] + y[l]);
+      const double between = e.mutual * (x[l] - y[l]);
+      const double rest = e.own * x[l] + between + e.a * (f.loss - front_start[l]) - b[l];
+      const double rest_back = e.back_own * y[l] - between + e.a * (k.loss - back_start[l]) - b_back[l];
+      const double p = e.own + e.a * f.slope, q = e.back_own + e.a * k.slope;
+      const double determinant = p * q + e.mutual * (p + q);
+      const double move = (q * rest + e.mutual * (rest + rest_back)) / determinant;
+      const double move_back = (p * rest_back + e.mutual * (rest + rest_back)) / determinant;
+      x[l] -= move;
+      y[l] -= move_back;
+      moving += (std::abs(move) > kLastMove_k) | (std::abs(move_back) > kLastMove_k);
+    }
+    if (moving == 0) break;
+  }
+}
+
+template <Sides S, bool Natural>
+struct Stage {
+  template <int Bytes>
+  static MTFKIT_INLINE void run(const GroupGrid* group, const StageRequest* request, double* __restrict t,
+                                double* __restrict d, double* __restrict b) {
+    const Grid& grid = *group->grid;
+    const Elimination<double>& e = *request->elimination;
+    const std::size_t n = grid.nodes(), last = (n - 1) * kLanes;
+    conduction(grid, request->keep, (request->before ? 2.0 : 1.0) * e.a, t, d, b);
+    if (request->before) add_boundary_flow<S, Natural>(*group, *request->before, e.a, t, b);
+    add_boundary_flow<S, Natural>(*group, *request->at, e.a, t, b);
+    forward<S>(e, n, b);
+    if constexpr (S == Sides::two)
+      solve_two<Natural>(*group, e, *request->at, t, t + last, b, b + last, d, d + last);
+    else
+      solve_one<S, Natural>(*group, e, *request->at, t, b, d);
+    for (std::size_t i = 1; i < e.end; ++i) {
+      const double inverse = e.inverse[i], forward = e.forward[i], to_back = e.to_back[i];
+      MTFKIT_LANES(l) d[i * kLanes + l] = inverse * b[i * kLanes + l] + forward * d[(i - 1) * kLanes + l];
+      if constexpr (S == Sides::two) MTFKIT_LANES(l) d[i * kLanes + l] += to_back * d[last + l];
+    }
+    for (std::size_t i = 0; i < n * kLanes; ++i) t[i] += d[i];
+  }
+};
+
+template <Sides S, bool Natural>
+struct SurfaceError {
+  template <int Bytes>
+  static MTFKIT_INLINE void run(const GroupGrid* group, const Elimination<double>* elimination,
+                                const ErrorWeights* weights, const Boundary* at, const double* t, const double* first,
+                                const double* second, double* b, double* worst) {
+    const Grid& grid = *group->grid;
+    const Elimination<double>& e = *elimination;
+    const std::size_t n = grid.nodes(), last = (n - 1) * kLanes;
+    conduction(grid, weights->of_first, weights->of_flow * e.a, t, first, b);
+    add_boundary_flow<S, Natural>(*group, *at, weights->of_flow * e.a, t, b);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double m = weights->of_second * grid.capacity[i];
+      MTFKIT_LANES(l) b[i * kLanes + l] += m * second[i * kLanes + l];
+    }
+    forward<S>(e, n, b);
+    Lanes error;
+    MTFKIT_LANES(l) {
+      double p = e.own + e.a * loss_of<Natural>(at->front, *group->front_buoyancy, l, t[l]).slope;
+      if constexpr (S == Sides::one) {
+        error[l] = std::abs(b[l] / p);
+      } else {
+        const double back = e.a * loss_of<Natural>(at->back, *group->back_buoyancy, l, t[last + l]).slope;
+        if constexpr (S == Sides::two) {
+          const double q = e.back_own + back, both = e.mutual * (b[l] + b[last + l]);
+          const double determinant = p * q + e.mutual * (p + q);
+          error[l] = std::max(std::abs(q * b[l] + both), std::abs(p * b[last + l] + both)) / determinant;
+        } else {
+          error[l] = std::abs(b[l] / (p + back));
+        }
+      }
+    }
+    *worst = *std::max_element(error.at.begin(), error.at.end());
+  }
+};
+
+template <Sides S, bool Natural>
+struct AddHeat {
+  template <int Bytes>
+  static MTFKIT_INLINE void run(const GroupGrid* group, const Boundary* at, const double* t, double duration_s,
+                                HeatSums* sums) {
+    const std::size_t last = (group->grid->nodes() - 1) * kLanes;
+    const auto side = [&](const Surface& surface, const Buoyancy& buoyancy, const double* temperature) {
+      MTFKIT_LANES(l) {
+        const double t4 =
+            surface.emission * temperature[l] * temperature[l] * temperature[l] * std::abs(temperature[l]);
+        sums->absorbed[l] += duration_s * surface.absorbed[l];
+        sums->emitted[l] += duration_s * t4;
+        sums->convected[l] += duration_s * (loss_of<Natural>(surface, buoyancy, l, temperature[l]).loss - t4);
+      }
+    };
+    side(at->front, *group->front_buoyancy, t);
+    if constexpr (S == Sides::one)
+      MTFKIT_LANES(l) sums->inside[l] += duration_s * inside_flow(*group, at->inside, t[last + l]);
+    else
+      side(at->back, *group->back_buoyancy, t + last);
+  }
+};
+
+template <template <Sides, bool> class Kernel, class... A>
+void run_for(const GroupGrid& group, A... a) {
+  const bool natural = group.front_buoyancy->present || group.back_buoyancy->present;
+  const auto with = [&]<Sides S>() {
+    natural ? mtf::simd::run<Kernel<S, true>>(a...) : mtf::simd::run<Kernel<S, false>>(a...);
+  };
+  switch (group.sides) {
+    case Sides::one:
+      return with.template operator()<Sides::one>();
+    case Sides::two_on_one_node:
+      return with.template operator()<Sides::two_on_one_node>();
+    case Sides::two:
+      return with.template operator()<Sides::two>();
+  }
+}
+
+}  // namespace
+
+void run_stage(const GroupGrid& group, const StageRequest& request, std::vector<double>& t, std::vector<double>& d,
+               std::vector<double>& scratch) {
+  run_for<Stage>(group, &group, &request, t.data(), d.data(), scratch.data());
+}
+
+double surface_error(const GroupGrid& group, const Elimination<double>& elimination, const ErrorWeights& weights,
+                     const Boundary& at, const std::vector<double>& t, const std::vector<double>& first,
+                     const std::vector<double>& second, std::vector<double>& scratch) {
+  double worst = 0.0;
+  run_for<SurfaceError>(group, &group, &elimination, &weights, &at, t.data(), first.data(), second.data(),
+                        scratch.data(), &worst);
+  return worst;
+}
+
+void add_heat(const GroupGrid& group, const Boundary& at, const std::vector<double>& t, double duration_s,
+              HeatSums& sums) {
+  run_for<AddHeat>(group, &group, &at, t.data(), duration_s, &sums);
+}
+
+}  // namespace radiometry::heat

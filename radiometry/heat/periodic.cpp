@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/heat/periodic.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <string>
+
+#include "mtf/error.h"
+#include "mtf/parallel.h"
+#include "radiometry/heat/elimination.h"
+#include "radiometry/light/constants.h"
+
+namespace radiometry::heat {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr std::size_t kSamples = 128;  ///< of the forcing in a period
+constexpr std::size_t kHarmonics = kSamples / 2 - 1;
+constexpr std::size_t kFacetsAtOnce = 64;
+constexpr int kMostIterations = 100;
+
+struct LossAndSlope {
+  double loss, slope;
+};
+
+/// One exposed side of one facet over the period.
+struct SideSamples {
+  double emission = 0.0;
+  NaturalConvection natural;
+  std::array<double, kSamples> absorbed{}, film{}, air_k{};
+
+  LossAndSlope at(std::size_t j, double t) const {
+    const double cube = t * t * std::abs(t), excess = t - air_k[j];
+    const double c = (excess > 0.0 ? natural.warm : natural.cold) * std::cbrt(std::abs(excess));
+    return {emission * cube * t + (film[j] + c) * excess, 4.0 * emission * cube + film[j] + 4.0 / 3.0 * c};
+  }
+  /// Means over the period at a temperature: net flow inwards, and the slope of the loss.
+  LossAndSlope mean(double t) const {
+    double net = 0.0, slope = 0.0;
+    for (std::size_t j = 0; j < kSamples; ++j) {
+      const LossAndSlope now = at(j, t);
+      net += absorbed[j] - now.loss;
+      slope += now.slope;
+    }
+    return {net / kSamples, slope / kSamples};
+  }
+};
+
+struct FacetSamples {
+  SideSamples front, back;
+  std::array<double, kSamples> inside{};
+};
+
+double sample_time(const Timeline& period, std::size_t j) {
+  return period.start_s + (period.end_s - period.start_s) * static_cast<double>(j) / kSamples;
+}
+
+/// The forcing of some facets at all sample times.
+std::vector<FacetSamples> sample(const Plan& plan, const Forcing& forcing, const Timeline& period, std::size_t first,
+                                 std::size_t count) {
+  const Construction& construction = plan.batch.construction;
+  const auto* sheet = std::get_if<Sheet>(&construction.inside);
+  std::vector<FacetSamples> samples(count);
+  std::vector<double> front(count), back(sheet ? count : 0);
+  for (std::size_t j = 0; j < kSamples; ++j) {
+    ForcingValues values{.front = {.absorbed_w_m2 = front}, .back = {.absorbed_w_m2 = back}};
+    forcing({sample_time(period, j), Instant::Limit::after}, first, values);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto take = [&](const SideForcing& from, const Convection& convection, SideSamples& to) {
+        to.absorbed[j] = from.absorbed_w_m2[i];
+        to.film[j] = forced_coefficient(convection, from.wind_m_s);
+        to.air_k[j] = from.air_k;
+      };
+      take(values.front, construction.convection, samples[i].front);
+      if (sheet) take(values.back, sheet->convection, samples[i].back);
+      samples[i].inside[j] = values.inside;
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const double up = plan.batch.up.empty() ? 0.0 : plan.batch.up[first + i];
+    samples[i].front.emission = construction.emissivity * kStefanBoltzmann_w_m2_k4;
+    samples[i].front.natural = natural_coefficient(construction.convection, up);
+    if (!sheet) continue;
+    samples[i].back.emission = sheet->emissivity * kStefanBoltzmann_w_m2_k4;
+    samples[i].back.natural = natural_coefficient(sheet->convection, -up);
+  }
+  return samples;
+}
+
+/// A facet linearised about the mean of the period.
+struct Linearised {
+  std::vector<double> mean_k;  ///< of each node
+  double front_slope = 0.0, back_slope = 0.0;
+};
+
+double mean_of(const std::array<double, kSamples>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / kSamples;
+}
+
+/// Heat from the inside boundary for an inside value and the temperature of the last node.
+double inside_flow(const Plan& plan, const Grid& grid, double inside, double t) {
+  return std::holds_alternative<InnerFlux>(plan.batch.construction.inside) ? inside : grid.inner_w_m2_k * (inside - t);
+}
+
+Linearised mean_state(const Plan& plan, const Grid& grid, const FacetSamples& facet) {
+  const bool sheet = plan.batch.construction.is_sheet();
+  const Elimination<double> steady = eliminate(grid, sheet, 1.0, 0.0);
+  const double inside = mean_of(facet.inside);
+  const std::size_t n = grid.nodes();
+  constexpr double kStart_k = 300.0;
+  Linearised state{.mean_k = std::vector<double>(n, kStart_k)};
+  std::vector<double> b(n);
+  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    const LossAndSlope front = facet.front.mean(state.mean_k.front()), back = facet.back.mean(state.mean_k.back());
+    state.front_slope = front.slope;
+    state.back_slope = sheet ? back.slope : 0.0;
+    if (!(front.slope + state.back_slope + grid.inner_w_m2_k > 0.0))
+      throw mtf::UsageError(
+          "heat: no mean temperature: the construction has neither emission, convection nor an inside temperature; "
+          "start at a uniform temperature");
+    double flow = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double inwards = i + 1 < n ? grid.conductance[i] * (state.mean_k[i] - state.mean_k[i + 1]) : 0.0;
+      b[i] = flow - inwards;
+      flow = inwards;
+    }
+    b.front() += front.loss;
+    b.back() += sheet ? back.loss : inside_flow(plan, grid, inside, state.mean_k.back());
+    solve_linear(steady, state.front_slope, state.back_slope, b);
+    double move = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      state.mean_k[i] += b[i];
+      move = std::max(move, std::abs(b[i]));
+    }
+    if (move < 1e-9) break;
+  }
+  return state;
+}
+
+/// Fourier coefficient k of samples, as an amplitude: the mean of x exp(-2 pi i j k / N), doubled.
+template <class Value>
+Complex harmonic(std::size_t k, const std::vector<Complex>& turns, Value value) {
+  Complex sum{};
+  for (std::size_t j = 0; j < kSamples; ++j) sum += value(j) * turns[(j * k) % kSamples];
+  return sum * (2.0 / kSamples);
+}
+
+/// What all facets share: exp(-2 pi i j / N), and the eliminations of every harmonic.
+struct Harmonics {
+  std::vector<Complex> turns;
+  std::vector<Elimination<Complex>> eliminations;
+};
+
+Harmonics harmonics_of(const Grid& grid, bool sheet, double period_s) {
+  Harmonics all;
+  for (std::size_t j = 0; j < kSamples; ++j)
+    all.turns.push_back(std::polar(1.0, -2.0 * std::numbers::pi * static_cast<double>(j) / kSamples));
+  for (std::size_t k = 1; k <= kHarmonics; ++k) {
+    const Complex i_omega(0.0, 2.0 * std::numbers::pi * static_cast<double>(k) / period_s);
+    all.eliminations.push_back(eliminate(grid, sheet, 1.0 / i_omega));
+  }
+  return all;
+}
+
+/// Temperatures of all nodes at the start of the period, of the linearised balance.
+std::vector<double> linear_state(const Plan& plan, const Grid& grid, const Harmonics& harmonics,
+                                 const FacetSamples& facet, const Linearised& linear) {
+  const bool sheet = plan.batch.construction.is_sheet();
+  std::vector<double> t = linear.mean_k;
+  const auto net = [](const SideSamples& side, double mean_k) {
+    std::array<double, kSamples> flow{};
+    for (std::size_t j = 0; j < kSamples; ++j) flow[j] = side.absorbed[j] - side.at(j, mean_k).loss;
+    return flow;
+  };
+  const auto front = net(facet.front, t.front());
+  std::array<double, kSamples> back{};
+  if (sheet)
+    back = net(facet.back, t.back());
+  else
+    for (std::size_t j = 0; j < kSamples; ++j) back[j] = inside_flow(plan, grid, facet.inside[j], linear.mean_k.back());
+  std::vector<Complex> b(grid.nodes());
+  for (std::size_t k = 1; k <= kHarmonics; ++k) {
+    const Elimination<Complex>& e = harmonics.eliminations[k - 1];
+    std::fill(b.begin(), b.end(), Complex{});
+    b.front() += e.a * harmonic(k, harmonics.turns, [&](std::size_t j) { return front[j]; });
+    b.back() += e.a * harmonic(k, harmonics.turns, [&](std::size_t j) { return back[j]; });
+    solve_linear(e, linear.front_slope, linear.back_slope, b);
+    for (std::size_t i = 0; i < t.size(); ++i) t[i] += b[i].real();
+  }
+  return t;
+}
+
+/// What the change `r` of the nodes over a period says of the periodic state: r + 2 (AP)^-1 (AP + 2)^-1 r with
+/// A = M^-1 (K + slopes).
+void correct(const Plan& plan, const Grid& grid, double period_s, const Linearised& linear, std::vector<double>& r) {
+  const bool sheet = plan.batch.construction.is_sheet();
+  const Elimination<double> half = eliminate(grid, sheet, 0.5 * period_s), steady = eliminate(grid, sheet, 1.0, 0.0);
+  std::vector<double> z = r;
+  for (std::size_t i = 0; i < z.size(); ++i) z[i] *= 0.5 * grid.capacity[i];
+  solve_linear(half, linear.front_slope, linear.back_slope, z);
+  for (std::size_t i = 0; i < z.size(); ++i) z[i] *= grid.capacity[i] / period_s;
+  solve_linear(steady, linear.front_slope, linear.back_slope, z);
+  for (std::size_t i = 0; i < z.size(); ++i) r[i] += 2.0 * z[i];
+}
+
+/// The three runs of a state, on their grids.
+struct GridOfRun {
+  const Grid* grid;
+  std::vector<double> State::*t;
+};
+
+}  // namespace
+
+PeriodicStart periodic_start(const Plan& plan, const Forcing& forcing, const Timeline& period, double residual_k,
+                             int most_periods, int threads) {
+  const double period_s = period.end_s - period.start_s;
+  if (!(period_s > 0.0)) throw mtf::UsageError("heat: the period of a repeating start has to be above 0");
+  const std::size_t facets = plan.batch.facets;
+  const bool sheet = plan.batch.construction.is_sheet();
+  const GridOfRun runs[] = {{&plan.fine, &State::fine}, {&plan.fine, &State::doubled}, {&plan.coarse, &State::coarse}};
+  Timeline days = period;
+  days.outputs_s.clear();
+
+  PeriodicStart result{.state = uniform_state(plan, period.start_s, 0.0)};
+  std::vector<Linearised> fine(facets), coarse(facets);
+  const Harmonics harmonics_fine = harmonics_of(plan.fine, sheet, period_s);
+  const Harmonics harmonics_coarse = harmonics_of(plan.coarse, sheet, period_s);
+  mtf::parallel_for(
+      static_cast<std::int64_t>(facets), kFacetsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+        const auto first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
+        const std::vector<FacetSamples> samples = sample(plan, forcing, period, first, count);
+        for (std::size_t i = 0; i < count; ++i) {
+          const std::size_t facet = first + i;
+          const auto put = [&](const std::vector<double>& nodes, std::vector<double>& all) {
+            for (std::size_t node = 0; node < nodes.size(); ++node) all[node * facets + facet] = nodes[node];
+          };
+          fine[facet] = mean_state(plan, plan.fine, samples[i]);
+          coarse[facet] = mean_state(plan, plan.coarse, samples[i]);
+          const std::vector<double> t = linear_state(plan, plan.fine, harmonics_fine, samples[i], fine[facet]);
+          put(t, result.state.fine);
+          put(t, result.state.doubled);
+          put(linear_state(plan, plan.coarse, harmonics_coarse, samples[i], coarse[facet]), result.state.coarse);
+        }
+      });
+
+  while (result.periods < most_periods) {
+    const Run day = advance(plan, result.state, forcing, days, threads);
+    ++result.periods;
+    result.residual_k = 0.0;
+    for (const GridOfRun& run : runs)
+      for (std::size_t i = 0; i < (result.state.*run.t).size(); ++i)
+        result.residual_k = std::max(result.residual_k, std::abs((day.end.*run.t)[i] - (result.state.*run.t)[i]));
+    result.state.step_s = day.end.step_s;
+    for (const GridOfRun& run : runs) {
+      const std::size_t n = run.grid->nodes();
+      std::vector<double> r(n);
+      for (std::size_t facet = 0; facet < facets; ++facet) {
+        for (std::size_t i = 0; i < n; ++i)
+          r[i] = (day.end.*run.t)[i * facets + facet] - (result.state.*run.t)[i * facets + facet];
+        correct(plan, *run.grid, period_s, run.grid == &plan.coarse ? coarse[facet] : fine[facet], r);
+        for (std::size_t i = 0; i < n; ++i) (result.state.*run.t)[i * facets + facet] += r[i];
+      }
+    }
+    if (result.residual_k <= residual_k) break;
+  }
+  return result;
+}
+
+}  // namespace radiometry::heat

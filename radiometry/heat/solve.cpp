@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/heat/solve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "mtf/error.h"
+#include "mtf/units.h"
+#include "radiometry/heat/survey.h"
+
+namespace radiometry::heat {
+namespace {
+
+constexpr double kStepsShare = 0.5, kGridShare = 0.4, kDepthShare = 0.1;
+constexpr double kAim = 0.7;  ///< of a share: what the next guess aims at
+constexpr int kMostTrials = 12, kMostEconomies = 3;
+constexpr double kFirstStepShare = 0.5;  ///< of the tolerance: the first guess of that of a step
+constexpr std::size_t kFacetsTried = 16;
+constexpr double kFinestDensity = 300.0;
+constexpr double kResidualShare = 0.1;  ///< of the tolerance: residual of a repeating start
+constexpr int kMostPeriods = 12;
+
+/// What a plan depends on and trials change.
+struct Guess {
+  double density = 0.5;
+  double step_tolerance_k = 0.0;
+};
+
+/// What the survey decides once: the layers that are left, or one node for them.
+struct Layers {
+  Construction construction;
+  bool one_node = false;
+  double error_k = 0.0;
+  double short_time_s = 0.0;  ///< of the grid
+};
+
+/// The shortest time at which the surface has to be right: the shortest lag from a break to an output, but not less
+/// than the time in which the largest flux q warms a half-space of the outermost layer by the tolerance:
+/// dT = 2 q sqrt(t / pi) / e, e = sqrt(k rho c).
+double short_time(const Layer& outermost, const Survey& survey, const Timeline& timeline, double tolerance_k) {
+  const double effusivity = outermost.conductivity_w_m_k / std::sqrt(outermost.diffusivity());
+  const double root = tolerance_k * effusivity / (2.0 * survey.flux_w_m2);
+  const double visible_s = std::max(survey.shortest_lag_s, std::numbers::pi * root * root);
+  return std::min(visible_s, timeline.end_s - timeline.start_s);
+}
+
+Layers layers_of(const Batch& batch, const Survey& survey, const Timeline& timeline, double tolerance_k) {
+  const double allowed_k = kDepthShare * tolerance_k;
+  const double short_s = short_time(batch.construction.layers.front(), survey, timeline, tolerance_k);
+  const double one = one_node_error(batch.construction, survey.flux_w_m2);
+  if (one <= allowed_k) return {batch.construction, true, one, short_s};
+  Cut cut =
+      cut_depth(batch.construction, survey.hottest_k - survey.coldest_k, timeline.end_s - timeline.start_s, allowed_k);
+  return {std::move(cut.construction), false, cut.error_k, short_s};
+}
+
+Plan plan_of(const Batch& batch, const Layers& layers, const Guess& guess) {
+  const GridRequest request{.short_time_s = layers.short_time_s, .density = guess.density};
+  Grids grids = layers.one_node ? make_one_node(layers.construction) : make_grids(layers.construction, request);
+  return {batch, std::move(grids.fine), std::move(grids.coarse), request, guess.step_tolerance_k, layers.error_k};
+}
+
+/// Some facets of a batch as a batch of their own.
+struct Trial {
+  Batch batch;
+  Forcing forcing;
+};
+
+Trial trial_of(const Batch& batch, const Forcing& forcing, std::vector<std::size_t> facets) {
+  Trial trial{.batch = {batch.construction, facets.size(), {}}, .forcing = {}};
+  if (!batch.up.empty())
+    for (const std::size_t facet : facets) trial.batch.up.push_back(batch.up[facet]);
+  trial.forcing = [&forcing, facets = std::move(facets)](Instant instant, std::size_t first, ForcingValues& values) {
+    ForcingValues one = values;
+    for (std::size_t i = 0; i < values.front.absorbed_w_m2.size(); ++i) {
+      one.front.absorbed_w_m2 = values.front.absorbed_w_m2.subspan(i, 1);
+      if (!values.back.absorbed_w_m2.empty()) one.back.absorbed_w_m2 = values.back.absorbed_w_m2.subspan(i, 1);
+      forcing(instant, facets[first + i], one);
+    }
+    values.front.air_k = one.front.air_k;
+    values.front.wind_m_s = one.front.wind_m_s;
+    values.back.air_k = one.back.air_k;
+    values.back.wind_m_s = one.back.wind_m_s;
+    values.inside = one.inside;
+  };
+  return trial;
+}
+
+struct Started {
+  State state;
+  double residual_k = 0.0;
+};
+
+Started start_of(const Plan& plan, const Forcing& forcing, const Timeline& timeline, const Start& start,
+                 double tolerance_k, int threads) {
+  if (const auto* uniform = std::get_if<UniformStart>(&start))
+    return {uniform_state(plan, timeline.start_s, uniform->temperature_k), 0.0};
+  Timeline period = timeline;
+  period.end_s = timeline.start_s + std::get<RepeatingStart>(start).period_s;
+  PeriodicStart repeating = periodic_start(plan, forcing, period, kResidualShare * tolerance_k, kMostPeriods, threads);
+  return {std::move(repeating.state), repeating.residual_k};
+}
+
+struct Outcome {
+  Run run;
+  double residual_k;
+};
+
+Outcome run_plan(const Plan& plan, const Forcing& forcing, const Timeline& timeline, const Start& start,
+                 double tolerance_k, int threads) {
+  const Started started = start_of(plan, forcing, timeline, start, tolerance_k, threads);
+  return {advance(plan, started.state, forcing, timeline, threads), started.residual_k};
+}
+
+/// The next guess: errors fall with the square of the cells, and with the power 2/3 of the tolerance of a step.
+Guess next_guess(const Guess& guess, const Promise& promised, double tolerance_k) {
+  Guess next = guess;
+  const double grid = promised.grid_k / (kAim * kGridShare * tolerance_k);
+  const double steps = promised.steps_k / (kAim * kStepsShare * tolerance_k);
+  next.density *= std::clamp(std::sqrt(grid), 0.5, 3.0);
+  next.step_tolerance_k /= std::clamp(std::pow(steps, 1.5), 0.1, 30.0);
+  return next;
+}
+
+bool keeps(const Promise& promised, double tolerance_k) {
+  return promised.grid_k <= kGridShare * tolerance_k && promised.steps_k <= kStepsShare * tolerance_k;
+}
+
+/// Both errors are so far below their shares that another trial pays.
+bool wastes(const Promise& promised, double tolerance_k) {
+  return promised.grid_k < 0.1 * kGridShare * tolerance_k || promised.steps_k < 0.1 * kStepsShare * tolerance_k;
+}
+
+[[noreturn]] void give_up(const Promise& promised, double tolerance_k) {
+  throw mtf::RuntimeError("heat: a tolerance of " + mtf::format_double(tolerance_k) +
+                          " K is not kept: the time steps leave " + mtf::format_double(promised.steps_k) +
+                          " K, the grid " + mtf::format_double(promised.grid_k) + " K; ask for a larger tolerance");
+}
+
+/// A batch of facets with all that decides its plan but the guess.
+struct Problem {
+  const Batch* batch;
+  const Forcing* forcing;
+  const Timeline* timeline;
+  const Start* start;
+  double tolerance_k;
+};
+
+struct Found {
+  Plan plan;
+  Outcome outcome;
+};
+
+/// Runs the problem with better and better guesses until the tolerance is kept, and with `economise` not wasted.
+/// `guess` is the first one and becomes the last.
+Found find(const Problem& problem, const Layers& layers, Guess& guess, bool economise, int threads) {
+  const double tolerance_k = problem.tolerance_k;
+  for (int trial = 1;; ++trial) {
+    Plan plan = plan_of(*problem.batch, layers, guess);
+    Outcome outcome = run_plan(plan, *problem.forcing, *problem.timeline, *problem.start, tolerance_k, threads);
+    const Promise& promised = outcome.run.promised;
+    const bool kept = keeps(promised, tolerance_k);
+    if (kept && !(economise && trial <= kMostEconomies && wastes(promised, tolerance_k)))
+      return {std::move(plan), std::move(outcome)};
+    guess = next_guess(guess, promised, tolerance_k);
+    if (trial == kMostTrials || guess.density > kFinestDensity) give_up(promised, tolerance_k);
+  }
+}
+
+struct Prepared {
+  Survey survey;
+  Layers layers;
+  Guess guess;
+};
+
+/// The guess after the trial of a few facets; a batch of few is its own trial.
+Prepared prepare(const Problem& problem) {
+  require_valid(*problem.batch);
+  if (!(problem.tolerance_k > 0.0) || !std::isfinite(problem.tolerance_k))
+    throw mtf::UsageError("heat: the tolerance is " + mtf::format_double(problem.tolerance_k) +
+                          " K, has to be above 0");
+  const auto* uniform = std::get_if<UniformStart>(problem.start);
+  const double start_k = uniform ? uniform->temperature_k : std::numeric_limits<double>::quiet_NaN();
+  Prepared prepared{survey(*problem.batch, *problem.forcing, *problem.timeline, start_k), {}, {}};
+  prepared.layers = layers_of(*problem.batch, prepared.survey, *problem.timeline, problem.tolerance_k);
+  prepared.guess.step_tolerance_k = kFirstStepShare * problem.tolerance_k;
+  if (problem.batch->facets > kFacetsTried) {
+    const Trial trial = trial_of(*problem.batch, *problem.forcing, facets_to_try(prepared.survey, kFacetsTried));
+    Problem few = problem;
+    few.batch = &trial.batch;
+    few.forcing = &trial.forcing;
+    find(few, prepared.layers, prepared.guess, true, 1);
+  }
+  return prepared;
+}
+
+}  // namespace
+
+Plan make_plan(const Batch& batch, const Forcing& forcing, const Timeline& timeline, const Start& start,
+               double tolerance_k) {
+  const Problem problem{&batch, &forcing, &timeline, &start, tolerance_k};
+  Prepared prepared = prepare(problem);
+  if (batch.facets <= kFacetsTried) return find(problem, prepared.layers, prepared.guess, true, 1).plan;
+  return plan_of(batch, prepared.layers, prepared.guess);
+}
+
+Solution solve(const Batch& batch, const Forcing& forcing, const Timeline& timeline, const Start& start,
+               double tolerance_k, int threads) {
+  const Problem problem{&batch, &forcing, &timeline, &start, tolerance_k};
+  Prepared prepared = prepare(problem);
+  Found found = find(problem, prepared.layers, prepared.guess, false, threads);
+  return {std::move(found.plan), std::move(found.outcome.run), found.outcome.residual_k};
+}
+
+}  // namespace radiometry::heat

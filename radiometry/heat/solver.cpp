@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/heat/solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <string>
+
+#include "mtf/error.h"
+#include "mtf/parallel.h"
+#include "radiometry/heat/group_run.h"
+
+namespace radiometry::heat {
+namespace {
+
+constexpr std::int64_t kGroupsInPiece = 8;
+
+std::size_t groups_of(const Plan& plan) { return (plan.batch.facets + kLanes - 1) / kLanes; }
+
+void require(bool holds, const char* message) {
+  if (!holds) throw mtf::UsageError(std::string("heat: ") + message);
+}
+
+void require_state_of(const Plan& plan, const State& state) {
+  require(state.facets == plan.batch.facets && state.fine.size() == plan.fine.nodes() * state.facets &&
+              state.doubled.size() == state.fine.size() && state.coarse.size() == plan.coarse.nodes() * state.facets &&
+              state.step_s.size() == groups_of(plan),
+          "the state is of another plan: start with uniform_state or periodic_start of this plan");
+}
+
+/// A time at which steps end.
+struct Stop {
+  double time_s;
+  bool output;
+};
+
+std::vector<Stop> stops_of(const Timeline& timeline) {
+  require(std::isfinite(timeline.start_s) && std::isfinite(timeline.end_s) && timeline.start_s <= timeline.end_s,
+          "the end of the timeline is before its start");
+  std::vector<Stop> all{{timeline.start_s, false}, {timeline.end_s, false}};
+  for (const double output : timeline.outputs_s) all.push_back({output, true});
+  for (const double at : timeline.breaks_s) all.push_back({at, false});
+  for (const Stop& stop : all) require(std::isfinite(stop.time_s), "a time of the timeline is not finite");
+  require(std::is_sorted(timeline.outputs_s.begin(), timeline.outputs_s.end()), "the outputs do not rise");
+  std::erase_if(all, [&](const Stop& stop) { return stop.time_s < timeline.start_s || stop.time_s > timeline.end_s; });
+  std::sort(all.begin(), all.end(), [](const Stop& a, const Stop& b) { return a.time_s < b.time_s; });
+  std::vector<Stop> merged;
+  for (const Stop& stop : all) {
+    if (merged.empty() || merged.back().time_s < stop.time_s) merged.push_back({stop.time_s, false});
+    merged.back().output |= stop.output;
+  }
+  return merged;
+}
+
+double worst_difference(const double* a, const double* b, std::size_t count) {
+  double worst = 0.0;
+  for (std::size_t l = 0; l < count; ++l) worst = std::max(worst, std::abs(a[l] - b[l]));
+  return worst;
+}
+
+/// What an output adds to the result and to the promise.
+void record(const Surfaces& surfaces, std::size_t count, double* to, Promise& promised) {
+  std::copy_n(surfaces.fine, count, to);
+  promised.steps_k = std::max(promised.steps_k, worst_difference(surfaces.fine, surfaces.doubled, count));
+  promised.grid_k = std::max(promised.grid_k, worst_difference(surfaces.doubled, surfaces.coarse, count));
+}
+
+HeatBalance balance_of(const HeatSums& heat, std::size_t lane, double stored) {
+  return {.absorbed = heat.absorbed[lane],
+          .emitted = heat.emitted[lane],
+          .convected = heat.convected[lane],
+          .inside = heat.inside[lane],
+          .stored = stored};
+}
+
+double heat_stored(const Plan& plan, const State& start, const State& end, std::size_t facet) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < plan.fine.nodes(); ++i) {
+    const std::size_t at = i * start.facets + facet;
+    sum += plan.fine.capacity[i] * (end.fine[at] - start.fine[at]);
+  }
+  return sum;
+}
+
+}  // namespace
+
+double HeatBalance::exchanged() const { return std::abs(absorbed) + emitted + std::abs(convected) + std::abs(inside); }
+
+State uniform_state(const Plan& plan, double time_s, std::span<const double> temperature_k) {
+  const std::size_t facets = plan.batch.facets;
+  require(temperature_k.size() == facets, "as many temperatures are needed as the batch has facets");
+  for (const double t : temperature_k)
+    require(t >= 0.0 && std::isfinite(t), "a temperature of the start is below 0 K or not finite");
+  State state{.time_s = time_s,
+              .facets = facets,
+              .fine = {},
+              .doubled = {},
+              .coarse = {},
+              .step_s = std::vector<double>(groups_of(plan), std::numeric_limits<double>::infinity())};
+  for (std::size_t i = 0; i < plan.fine.nodes(); ++i)
+    state.fine.insert(state.fine.end(), temperature_k.begin(), temperature_k.end());
+  state.doubled = state.fine;
+  state.coarse.assign(state.fine.begin(),
+                      state.fine.begin() + static_cast<std::ptrdiff_t>(plan.coarse.nodes() * facets));
+  return state;
+}
+
+State uniform_state(const Plan& plan, double time_s, double temperature_k) {
+  return uniform_state(plan, time_s, std::vector<double>(plan.batch.facets, temperature_k));
+}
+
+Run advance(const Plan& plan, const State& start, const Forcing& forcing, const Timeline& timeline, int threads) {
+  require_state_of(plan, start);
+  require(start.time_s == timeline.start_s, "the state is of another time than the start of the timeline");
+  const std::vector<Stop> stops = stops_of(timeline);
+  const std::size_t facets = plan.batch.facets;
+  const bool sheet = plan.batch.construction.is_sheet();
+
+  Run run;
+  run.promised.depth_k = plan.depth_k;
+  for (const Stop& stop : stops)
+    if (stop.output) run.outputs_s.push_back(stop.time_s);
+  run.front_k.resize(run.outputs_s.size() * facets);
+  if (sheet) run.back_k.resize(run.front_k.size());
+  run.balance.resize(facets);
+  run.end = start;
+  run.end.time_s = timeline.end_s;
+
+  std::mutex merging;
+  const auto advance_groups = [&](std::int64_t begin, std::int64_t end) {
+    PlanEliminations kept(plan);
+    Promise promised;
+    StepCount steps;
+    for (std::int64_t g = begin; g < end; ++g) {
+      const std::size_t first = static_cast<std::size_t>(g) * kLanes;
+      GroupRun group(plan, start, forcing, first, kept);
+      std::size_t output = 0;
+      for (std::size_t i = 0; i < stops.size(); ++i) {
+        if (i > 0) group.advance(stops[i - 1].time_s, stops[i].time_s);
+        if (!stops[i].output) continue;
+        record(group.front(), group.count(), &run.front_k[output * facets + first], promised);
+        if (sheet) record(group.back(), group.count(), &run.back_k[output * facets + first], promised);
+        ++output;
+      }
+      group.store(run.end);
+      for (std::size_t l = 0; l < group.count(); ++l)
+        run.balance[first + l] = balance_of(group.heat(), l, heat_stored(plan, start, run.end, first + l));
+      steps.taken += group.steps().taken;
+      steps.refused += group.steps().refused;
+      steps.facet_steps += group.steps().facet_steps;
+    }
+    const std::lock_guard lock(merging);
+    run.promised.steps_k = std::max(run.promised.steps_k, promised.steps_k);
+    run.promised.grid_k = std::max(run.promised.grid_k, promised.grid_k);
+    run.steps.taken += steps.taken;
+    run.steps.refused += steps.refused;
+    run.steps.facet_steps += steps.facet_steps;
+  };
+  mtf::parallel_for(static_cast<std::int64_t>(groups_of(plan)), kGroupsInPiece, threads, advance_groups);
+  return run;
+}
+
+}  // namespace radiometry::heat

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/heat/survey.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "radiometry/light/constants.h"
+
+namespace radiometry::heat {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kMostSamples = 128;
+constexpr std::size_t kFacetsAtOnce = 256;
+
+/// The stops in the timeline, once each, thinned to at most `kMostSamples`.
+std::vector<double> stops_of(const Timeline& timeline) {
+  std::vector<double> stops{timeline.start_s, timeline.end_s};
+  for (const auto* list : {&timeline.outputs_s, &timeline.breaks_s})
+    for (const double t : *list)
+      if (t > timeline.start_s && t < timeline.end_s) stops.push_back(t);
+  std::sort(stops.begin(), stops.end());
+  stops.erase(std::unique(stops.begin(), stops.end()), stops.end());
+  return stops;
+}
+
+/// The shortest time from the start or a break to the next output.
+double shortest_lag(const Timeline& timeline) {
+  double lag = timeline.end_s - timeline.start_s;
+  std::vector<double> breaks = timeline.breaks_s;
+  std::sort(breaks.begin(), breaks.end());
+  for (const double output : timeline.outputs_s) {
+    if (output <= timeline.start_s || output > timeline.end_s) continue;
+    const auto before = std::lower_bound(breaks.begin(), breaks.end(), output);
+    const double since = before == breaks.begin() ? timeline.start_s : std::max(*(before - 1), timeline.start_s);
+    lag = std::min(lag, output - since);
+  }
+  return lag;
+}
+
+std::vector<Instant> sample_instants(const std::vector<double>& stops) {
+  const std::size_t stride = 1 + stops.size() / (kMostSamples / 4);
+  std::vector<Instant> instants;
+  for (std::size_t i = 0; i + 1 < stops.size(); i += stride) {
+    if (i > 0) instants.push_back({stops[i], Instant::Limit::before});
+    instants.push_back({stops[i], Instant::Limit::after});
+    for (const double part : {0.25, 0.5, 0.75})
+      instants.push_back({stops[i] + part * (stops[std::min(i + stride, stops.size() - 1)] - stops[i])});
+  }
+  instants.push_back({stops.back(), Instant::Limit::before});
+  return instants;
+}
+
+/// What a surface gains at an instant when it has a temperature; an inside temperature acts through all layers.
+struct Gain {
+  const Construction* construction;
+  const ForcingValues* values;
+  std::size_t facet;
+  double up;
+
+  double side(const SideForcing& from, double emissivity, const Convection& convection, double direction,
+              double t) const {
+    const NaturalConvection natural = natural_coefficient(convection, direction);
+    const double excess = t - from.air_k;
+    const double h = forced_coefficient(convection, from.wind_m_s) +
+                     (excess > 0.0 ? natural.warm : natural.cold) * std::cbrt(std::abs(excess));
+    return from.absorbed_w_m2[facet] - emissivity * kStefanBoltzmann_w_m2_k4 * t * t * t * t - h * excess;
+  }
+  double at(double t) const {
+    double sum = side(values->front, construction->emissivity, construction->convection, up, t);
+    if (const auto* sheet = std::get_if<Sheet>(&construction->inside))
+      sum += side(values->back, sheet->emissivity, sheet->convection, -up, t);
+    const double through = resistance(*construction);
+    if (const auto* film = std::get_if<InnerFilm>(&construction->inside))
+      sum += film->h_w_m2_k / (1.0 + film->h_w_m2_k * through) * (values->inside - t);
+    if (std::holds_alternative<FixedTemperature>(construction->inside)) sum += (values->inside - t) / through;
+    if (std::holds_alternative<InnerFlux>(construction->inside)) sum += values->inside;
+    return sum;
+  }
+};
+
+constexpr double kHottest_k = 1e4;
+
+/// The temperature at which nothing is gained, within 0.1 K; the gain falls with the temperature.
+double balance_temperature(const Gain& gain) {
+  double lo = 0.0, hi = kHottest_k;
+  while (hi - lo > 0.1) {
+    const double middle = 0.5 * (lo + hi);
+    (gain.at(middle) > 0.0 ? lo : hi) = middle;
+  }
+  return 0.5 * (lo + hi);
+}
+
+}  // namespace
+
+Survey survey(const Batch& batch, const Forcing& forcing, const Timeline& timeline, double start_k) {
+  const std::vector<double> stops = stops_of(timeline);
+  const std::vector<Instant> instants = sample_instants(stops);
+  const bool sheet = batch.construction.is_sheet();
+  Survey result{.lowest_w_m2 = std::vector<double>(batch.facets, kInfinity),
+                .highest_w_m2 = std::vector<double>(batch.facets, -kInfinity),
+                .coldest_k = std::isnan(start_k) ? kInfinity : start_k,
+                .hottest_k = std::isnan(start_k) ? -kInfinity : start_k,
+                .flux_w_m2 = 0.0,
+                .shortest_lag_s = shortest_lag(timeline)};
+  std::vector<double> front(kFacetsAtOnce), back(kFacetsAtOnce);
+  // Twice over the samples: the range of temperatures, then the largest net flux within it.
+  for (const bool flux : {false, true})
+    for (std::size_t first = 0; first < batch.facets; first += kFacetsAtOnce) {
+      const std::size_t count = std::min(kFacetsAtOnce, batch.facets - first);
+      for (const Instant instant : instants) {
+        ForcingValues values;
+        values.front.absorbed_w_m2 = {front.data(), count};
+        if (sheet) values.back.absorbed_w_m2 = {back.data(), count};
+        forcing(instant, first, values);
+        // A few facets stand for all of the piece: the extremes of the absorbed flux.
+        std::size_t least = 0, most = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+          const double absorbed = front[i] + (sheet ? back[i] : 0.0);
+          result.lowest_w_m2[first + i] = std::min(result.lowest_w_m2[first + i], absorbed);
+          result.highest_w_m2[first + i] = std::max(result.highest_w_m2[first + i], absorbed);
+          if (front[i] < front[least]) least = i;
+          if (front[i] > front[most]) most = i;
+        }
+        for (const std::size_t i : {least, most}) {
+          const Gain gain{&batch.construction, &values, i, batch.up.empty() ? 0.0 : batch.up[first + i]};
+          if (flux) {
+            for (const double t : {result.coldest_k, result.hottest_k})
+              result.flux_w_m2 = std::max(result.flux_w_m2, std::abs(gain.at(t)));
+          } else {
+            const double t = balance_temperature(gain);
+            result.coldest_k = std::min(result.coldest_k, t);
+            result.hottest_k = std::max(result.hottest_k, t);
+          }
+        }
+      }
+    }
+  return result;
+}
+
+std::vector<std::size_t> facets_to_try(const Survey& survey, std::size_t most) {
+  const std::size_t facets = survey.highest_w_m2.size();
+  std::vector<std::size_t> by_change(facets);
+  std::iota(by_change.begin(), by_change.end(), std::size_t{0});
+  std::vector<std::size_t> by_size = by_change;
+  const auto change = [&](std::size_t i) { return survey.highest_w_m2[i] - survey.lowest_w_m2[i]; };
+  std::stable_sort(by_change.begin(), by_change.end(), [&](auto a, auto b) { return change(a) > change(b); });
+  std::stable_sort(by_size.begin(), by_size.end(),
+                   [&](auto a, auto b) { return survey.highest_w_m2[a] > survey.highest_w_m2[b]; });
+  std::vector<std::size_t> chosen(by_change.begin(),
+                                  by_change.begin() + static_cast<std::ptrdiff_t>(std::min(facets, 3 * most / 4)));
+  chosen.insert(chosen.end(), by_size.begin(),
+                by_size.begin() + static_cast<std::ptrdiff_t>(std::min(facets, most / 4)));
+  std::sort(chosen.begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  return chosen;
+}
+
+}  // namespace radiometry::heat

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Facets of random construction under random weather: conductivities of 1e-3 to 400 W/m/K, layers of 50 um to 1 m,
+// vacuum to 30 m/s of wind, emissivities of 0.02 to 1, 0 to 1361 W/m2 of sun that shadows switch on and off.
+
+#include "radiometry/heat/solve.h"
+
+namespace radiometry::heat::test {
+
+struct RandomFacet {
+  Batch batch;
+  Forcing forcing;
+  Timeline timeline;
+  double start_k;
+};
+
+RandomFacet random_facet(std::uint32_t seed);
+
+}  // namespace radiometry::heat::test
