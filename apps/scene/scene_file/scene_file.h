@@ -36,6 +36,7 @@ struct WeatherSection {
   radiometry::heat::Weather constant;            ///< one record at the start; empty where a file is named
   std::optional<radiometry::heat::Stamp> stamp;  ///< as written; what formats state themselves need not be
   radiometry::heat::Repeat repeat = radiometry::heat::Repeat::none;
+  double longest_bridge_s = 3600.0;  ///< longest gap that a straight line closes
 };
 
 enum class LongwaveModel { measured, brunt, brutsaert, swinbank, atmosphere };
@@ -72,13 +73,12 @@ double planck_mean(const radiometry::Spectrum& emissivity, double temperature_k)
 enum class ConvectionModel {
   none,     ///< vacuum: h = 0
   mcadams,  ///< 5.7 + 3.8 v
-  tarp,     ///< natural by inclination, with forced
+  tarp,     ///< natural by inclination, and forced
   linear    ///< h0 + h1 v of the file
 };
 struct Convection {
   ConvectionModel model = ConvectionModel::mcadams;
-  double h0_w_m2_k = 5.7;  ///< of mcadams and linear
-  double h1_j_m3_k = 3.8;  ///< W/m2/K per m/s
+  double h0_w_m2_k = 0.0, h1_j_m3_k = 0.0;  ///< linear: W/m2/K, and W/m2/K per m/s
 };
 
 enum class InsideKind {

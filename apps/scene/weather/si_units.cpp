@@ -149,7 +149,7 @@ std::optional<SiUnit> parse_unit(std::string_view text) {
 
 bool same_dimension(const SiUnit& a, const SiUnit& b) { return a.powers == b.powers; }
 
-double parse_si(std::string_view text, std::string_view si_unit, std::string_view example) {
+double parse_si(std::string_view text, std::string_view in_unit, std::string_view example) {
   const auto fail = [&](const std::string& why) {
     return mtf::UsageError("\"" + mtf::io::printable(text, 60) + "\": " + why + "; write it like \"" +
                            std::string(example) + "\"");
@@ -162,15 +162,16 @@ double parse_si(std::string_view text, std::string_view si_unit, std::string_vie
   if (status != std::errc{}) throw fail("no number");
   if (!std::isfinite(value)) throw fail("the number is not finite");
   rest = trimmed(rest.substr(static_cast<std::size_t>(end - rest.data())));
-  const SiUnit wanted = si_unit.empty() ? SiUnit{} : parse_unit(si_unit).value();
-  if (rest.empty() && si_unit.empty()) return value;
+  const SiUnit wanted = in_unit.empty() ? SiUnit{} : parse_unit(in_unit).value();
+  if (rest.empty() && in_unit.empty()) return value;
   if (rest.empty()) throw fail("no unit");
   const auto unit = parse_unit(rest);
   if (!unit) throw fail("unknown unit \"" + mtf::io::printable(rest, 40) + "\"");
   if (!same_dimension(*unit, wanted)) throw fail("the unit \"" + mtf::io::printable(rest, 40) + "\" does not fit");
-  const double si = value * unit->factor + unit->offset;
-  if (!std::isfinite(si)) throw fail("the number is out of range");
-  return si;
+  // A quotient of equal factors is 1, so that a value in the unit that is asked for stays what it is.
+  const double result = value * (unit->factor / wanted.factor) + (unit->offset - wanted.offset) / wanted.factor;
+  if (!std::isfinite(result)) throw fail("the number is out of range");
+  return result;
 }
 
 }  // namespace apps::scene

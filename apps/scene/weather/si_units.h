@@ -26,9 +26,9 @@ std::optional<SiUnit> parse_unit(std::string_view text);
 
 bool same_dimension(const SiUnit& a, const SiUnit& b);
 
-/// "45 W/m/K" as a number in `si_unit`. Throws UsageError for a missing unit, one that is unknown or of another
-/// dimension, trailing text, a number that is not finite; `example` ("45 W/m/K") says what is expected. Plain numbers
-/// and percentages are read where `si_unit` is "".
-double parse_si(std::string_view text, std::string_view si_unit, std::string_view example);
+/// "45 W/m/K" as a number in `in_unit` ("W/m/K", "deg"; "" for plain numbers and percentages). Throws UsageError for a
+/// missing unit, one that is unknown or of another dimension, trailing text, a number that is not finite; `example`
+/// ("45 W/m/K") says what is expected.
+double parse_si(std::string_view text, std::string_view in_unit, std::string_view example);
 
 }  // namespace apps::scene

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <new>
+#include <sstream>
 
 #include "mtf/io/config/config_tree.h"
 #include "mtf/io/file_checks.h"
@@ -12,6 +13,18 @@ namespace {
 
 Position position_of(const toml::source_region& source) {
   return {static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
+}
+
+/// As RFC 3339 writes it: "2016-01-01T00:00:00Z"; a part of it where the file has no more.
+std::string date_text(const toml::node& from) {
+  std::ostringstream text;
+  if (const auto* both = from.as_date_time())
+    text << both->get();
+  else if (const auto* date = from.as_date())
+    text << date->get();
+  else if (const auto* time = from.as_time())
+    text << time->get();
+  return text.str();
 }
 
 Node node_of(const toml::node& from);
@@ -49,6 +62,7 @@ Node node_of(const toml::node& from) {
     node.boolean = boolean->get();
   } else {
     node.kind = Node::Kind::date;
+    node.text = date_text(from);
   }
   node.position = position_of(from.source());
   return node;

@@ -25,7 +25,7 @@ struct Node {
   enum class Kind { string, integer, real, boolean, date, array, table };
   Kind kind = Kind::table;
   Position position;
-  std::string text;             ///< string
+  std::string text;             ///< string; date or time as RFC 3339 writes it
   double number = 0.0;          ///< real, and integer as a real
   std::int64_t integer = 0;     ///< integer
   bool boolean = false;         ///< boolean

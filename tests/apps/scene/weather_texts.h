@@ -37,8 +37,8 @@ inline std::string csv_text(int hours = 30) {
       "time,air_temperature (degC),relative_humidity (%),wind_speed (m/s),pressure (hPa),direct_normal (W/m2),"
       "diffuse_horizontal (W/m2),longwave_down (W/m2),cloud_cover (%)\n";
   for (int i = 0; i < hours; ++i)
-    text += formatted("2016-01-%02dT%02d:00:00Z,%.1f,%d,%.1f,1013.2,%d,%d,%d,%d\n", 1 + i / 24, i % 24, 0.5 * i, 50 + i,
-                      0.1 * i, 10 * i, 3 * i, 250 + i, 2 * i);
+    text += formatted("2016-01-%02dT%02d:00:00Z,%.1f,%d,%.1f,1013.2,%d,%d,%d,%d\n", 1 + i / 24, i % 24, 0.5 * i,
+                      50 + i % 40, 0.1 * i, 10 * i, 3 * i, 250 + i, 2 * i % 100);
   return text;
 }
 

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/scene_file/scene_file.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "apps/scene/scene_file/scene_reader.h"
+#include "mtf/io/csv/curve_csv.h"
+#include "mtf/io/sha256.h"
+
+namespace apps::scene {
+namespace {
+
+namespace cfg = mtf::io::cfg;
+using mtf::io::Diagnostic;
+
+constexpr std::array<std::string_view, 10> kTables{"schema",   "place", "time",   "weather", "sky",
+                                                   "material", "mesh",  "region", "ground",  "camera"};
+
+/// False when the file is of another version: its keys mean something else then.
+bool read_schema(SceneReader& s) {
+  const cfg::Node* schema = s.tree.find("schema");
+  if (schema != nullptr && schema->kind == cfg::Node::Kind::integer && schema->integer == 1) return true;
+  s.reader.error(schema != nullptr ? schema->position : mtf::io::Position{}, "schema",
+                 schema == nullptr ? "missing; write schema = 1 on the first line" : "this mtfkit reads schema = 1");
+  return schema == nullptr;
+}
+
+/// What is defined and not used is more often a slip than a wish.
+void note_unused(SceneReader& s) {
+  const auto note = [&](std::string_view list, const std::vector<std::string_view>& names,
+                        const std::set<std::string, std::less<>>& used, const std::string& text) {
+    const cfg::Node* tables = s.tree.find(list);
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (!names[i].empty() && !used.contains(names[i]))
+        s.reader.note(tables->items[i].position, std::string(list) + "[" + std::to_string(i) + "]", text, false);
+  };
+  note("material", s.material_names, s.used_materials, "no region and no ground has this material");
+  note("mesh", s.mesh_names, s.used_meshes, "no region has faces of this mesh");
+}
+
+}  // namespace
+
+bool SceneResult::ok() const {
+  return std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.error; });
+}
+
+SceneResult parse_scene(const std::string& text, const std::string& file) {
+  SceneReader s{
+      .reader = {
+          .folder = cfg::folder_of(file), .schema = {}, .diagnostics = {}, .positions = {}, .failed = {}, .fits = {}}};
+  s.scene.file = file;
+  s.scene.text = text;
+  s.scene.sha256 = mtf::io::sha256_hex(text);
+  cfg::Tree tree = cfg::read_tree(text);
+  if (tree.error) return {.scene = std::move(s.scene), .diagnostics = {*tree.error}};
+  s.tree = std::move(tree.root);
+  if (read_schema(s)) {
+    cfg::check_keys(s.root(), kTables);
+    read_place(s);
+    read_time(s);
+    read_weather_section(s);
+    read_sky(s);
+    read_materials(s);
+    read_meshes(s);
+    read_regions(s);
+    read_ground(s);
+    read_camera(s);
+    if (s.reader.failed.empty()) note_unused(s);
+  }
+  std::stable_sort(s.reader.diagnostics.begin(), s.reader.diagnostics.end(),
+                   [](const Diagnostic& a, const Diagnostic& b) {
+                     return std::tuple(!a.error, a.position.line, a.position.column) <
+                            std::tuple(!b.error, b.position.line, b.position.column);
+                   });
+  return {.scene = std::move(s.scene), .diagnostics = std::move(s.reader.diagnostics)};
+}
+
+SceneFile load_scene(const std::string& file, std::vector<Diagnostic>* warnings) {
+  SceneResult result = parse_scene(mtf::io::read_text_file(file, cfg::kMaxBytes), file);
+  cfg::require_no_errors(result.diagnostics, file);
+  if (warnings != nullptr)
+    std::move(result.diagnostics.begin(), result.diagnostics.end(), std::back_inserter(*warnings));
+  return std::move(result.scene);
+}
+
+}  // namespace apps::scene

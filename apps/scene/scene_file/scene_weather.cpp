@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The weather and the sky that a scene file asks for, at run time.
+
+#include <cmath>
+#include <numbers>
+
+#include "apps/scene/scene_file/scene_file.h"
+#include "mtf/error.h"
+#include "radiometry/heat/weather/instant.h"
+
+namespace apps::scene {
+namespace {
+
+namespace heat = radiometry::heat;
+using heat::WeatherQuantity;
+
+/// Degrees of latitude and longitude by which the place of a weather file may differ before it is said.
+constexpr double kNear_deg = 0.5;
+
+double value_of(const heat::WeatherAt& weather, WeatherQuantity quantity, std::string_view what) {
+  const double value = weather[quantity];
+  if (std::isnan(value))
+    throw mtf::UsageError("[sky] " + std::string(what) + " needs " + std::string(heat::quantity_name(quantity)) +
+                          ", which the weather does not have");
+  return value;
+}
+
+heat::SkyModel model_of(LongwaveModel longwave) {
+  return longwave == LongwaveModel::brunt      ? heat::SkyModel::brunt
+         : longwave == LongwaveModel::swinbank ? heat::SkyModel::swinbank
+                                               : heat::SkyModel::brutsaert;
+}
+
+}  // namespace
+
+heat::WeatherSeries scene_weather(const SceneFile& scene) {
+  const WeatherSection& section = scene.weather;
+  const heat::SeriesOptions options{.repeat = section.repeat, .longest_bridge_s = section.longest_bridge_s};
+  if (section.file.empty()) return make_series(section.constant, scene.place, options);
+  WeatherFile file = read_weather(
+      section.file,
+      {.stamp = section.stamp, .origin_s = scene.time.start_s, .year = heat::date_of(scene.time.start_s).year});
+  heat::WeatherSeries series = make_series(file.weather, scene.place, options);
+  series.warnings.insert(series.warnings.begin(), file.warnings.begin(), file.warnings.end());
+  if (file.place) {
+    constexpr double degree = std::numbers::pi / 180.0;
+    const double north_deg = (file.place->latitude_rad - scene.place.latitude_rad) / degree;
+    const double east_deg = std::remainder((file.place->longitude_rad - scene.place.longitude_rad) / degree, 360.0);
+    if (std::hypot(north_deg, east_deg) > kNear_deg)
+      series.warnings.push_back(section.file + ": the station is " +
+                                mtf::format_double(std::round(10.0 * std::hypot(north_deg, east_deg)) / 10.0) +
+                                " deg away from [place]; is it the right one?");
+  }
+  return series;
+}
+
+SkyLongwave sky_longwave(const SkySection& sky, const heat::WeatherAt& weather) {
+  if (sky.longwave == LongwaveModel::atmosphere)
+    throw mtf::UsageError(
+        "[sky] longwave = \"atmosphere\" is not there yet; write \"measured\", \"brunt\", \"brutsaert\" or "
+        "\"swinbank\"");
+  const auto clear = [&](std::string_view what) {
+    const heat::SkyModel model = model_of(sky.longwave);
+    const double vapour =
+        model == heat::SkyModel::swinbank ? 0.0 : value_of(weather, WeatherQuantity::vapour_pressure, what);
+    return heat::clear_sky_longwave_w_m2(model, value_of(weather, WeatherQuantity::air_temperature, what), vapour);
+  };
+  double cover = 0.0;
+  if (sky.cloud == CloudSource::constant) cover = sky.cloud_cover;
+  if (sky.cloud == CloudSource::from_weather)
+    cover = value_of(weather, WeatherQuantity::cloud_cover, "cloud = \"from_weather\"");
+  if (sky.cloud == CloudSource::from_longwave) {
+    constexpr std::string_view what = "cloud = \"from_longwave\"";
+    cover = heat::cloud_cover_from_longwave(value_of(weather, WeatherQuantity::longwave_down, what), clear(what));
+  }
+  if (sky.longwave == LongwaveModel::measured)
+    return {value_of(weather, WeatherQuantity::longwave_down, "longwave = \"measured\""), cover};
+  const std::string what = "longwave = \"" + std::string(kLongwaveNames[static_cast<std::size_t>(sky.longwave)]) + "\"";
+  return {clear(what) * heat::cloud_factor(cover), cover};
+}
+
+}  // namespace apps::scene

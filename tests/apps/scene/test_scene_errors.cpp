@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "apps/scene/scene_file/scene_file.h"
+#include "tests/apps/scene/scene_folder.h"
+
+namespace apps::scene {
+namespace {
+
+using namespace test;
+
+/// All errors of the text, a line each: "scene.toml:3:12: error: ...".
+std::string errors_of(const SceneFolder& folder, const std::string& text) {
+  std::string errors;
+  for (const auto& diagnostic : folder.parse(text).diagnostics)
+    if (diagnostic.error) errors += mtf::io::format_diagnostic(diagnostic, "scene.toml") + "\n";
+  return errors;
+}
+
+struct Fault {
+  const char* from;
+  const char* to;
+  const char* expected;
+};
+
+TEST(SceneErrors, EachHasItsPlaceAndItsRemedy) {
+  const SceneFolder folder;
+  for (const Fault& fault : {
+           Fault{"schema = 1", "schema = 2", "scene.toml:1:10: error: schema: this mtfkit reads schema = 1"},
+           Fault{"schema = 1\n", "", "schema: missing; write schema = 1"},
+           Fault{"[place]", "[plase]", "scene.toml:2:2: error: plase: unknown key; did you mean \"place\"?"},
+           Fault{"\"37.70 deg\"", "37.70",
+                 "scene.toml:3:12: error: place.latitude: 37.7 has no unit; write \"37.7 deg\""},
+           Fault{"37.70 deg", "97.70 deg", "scene.toml:3:12: error: place.latitude: 97.7 deg is outside [-90, 90] deg"},
+           Fault{"37.70 deg", "37.70 m", "the unit \"m\" does not fit; write it like \"37.70 deg\""},
+           Fault{"longitude = \"-105.92 deg\"\n", "",
+                 "place.longitude: missing; write for example longitude = \"-105.92 deg\""},
+           Fault{"altitude", "altitud", "did you mean \"altitude\"?"},
+           Fault{"2016-01-01T00:00:00Z", "2016-01-01T00:00:00",
+                 "scene.toml:8:9: error: time.start: 2016-01-01T00:00:00: the time zone is missing"},
+           Fault{"2016-01-01T00:00:00Z", "2016-01-01", "a date without a time"},
+           Fault{"2016-01-01T00:00:00Z", "5", "a whole number where a date and time belongs"},
+           Fault{"2016-01-03T00:00:00Z", "2016-01-01T00:00:00Z",
+                 "scene.toml:9:7: error: time.end: the end is not after the start"},
+           Fault{"2016-01-03T00:00:00Z", "2316-01-01T00:00:00Z", "years 1900 to 2100"},
+           Fault{"\"10 min\"", "\"7 min\"", "scene.toml:10:8: error: time.step: the step is no divisor"},
+           Fault{"\"10 min\"", "\"0.1 s\"", "more than a million output times"},
+           Fault{"\"10 min\"", "\"10 mins\"", "unknown unit \"mins\""},
+           Fault{"\"10 min\"", "\"-10 min\"", "is outside"},
+           Fault{"file = \"weather.csv\"", "fil = \"weather.csv\"", "did you mean \"file\"?"},
+           Fault{"file = \"weather.csv\"", "file = \"weather.csv\"\nwind_speed = \"3 m/s\"",
+                 "scene.toml:13:14: error: weather.wind_speed: a constant value beside a file"},
+           Fault{"file = \"weather.csv\"", "", "weather.file: missing"},
+           Fault{"file = \"weather.csv\"", "air_temperature = \"95 degC\"", "368.15 K is outside"},
+           Fault{"file = \"weather.csv\"", "direct_normal = \"1600 W/m2\"", "1600 W/m2 is outside [0, 1500] W/m2"},
+           Fault{"file = \"weather.csv\"", "relative_humidity = 0.5", "needs air_temperature"},
+           Fault{"\"instant\"", "\"instnat\"",
+                 "scene.toml:13:9: error: weather.stamp: unknown word \"instnat\"; did you mean \"instant\"?"},
+           Fault{"\"none\"", "\"week\"", "unknown word \"week\""},
+           Fault{"\"measured\"", "\"measure\"", "did you mean \"measured\"?"},
+           Fault{"\"from_longwave\"", "1.5", "sky.cloud: 1.5 is outside [0, 1]"},
+           Fault{"name = \"armour\"\n", "", "material[0].name: missing"},
+           Fault{"name = \"soil\"", "name = \"armour\"", "there is a material of that name already"},
+           Fault{"solar_absorptance = 0.7", "solar_absorptance = 1.7",
+                 "scene.toml:20:21: error: material[0].solar_absorptance: 1.7 is outside [0, 1]"},
+           Fault{"solar_absorptance = 0.7\n", "", "material[0].solar_absorptance: missing"},
+           Fault{"\"paint.csv\"", "\"pain.csv\"", "scene.toml:21:14: error: material[0].emissivity: cannot read"},
+           Fault{"\"paint.csv\"", "\"0.9\"", "is a string; write the number without quotes"},
+           Fault{"\"paint.csv\"", "-0.1", "is outside [0, 1]"},
+           Fault{"emissivity = \"paint.csv\"\n", "", "material[0].emissivity: missing"},
+           Fault{"\"mcadams\"", "\"mcadam\"", "did you mean \"mcadams\"?"},
+           Fault{"\"mcadams\"", "5.7", "a number where a word or a table belongs"},
+           Fault{"h1 = \"3.8 W/m2/K/(m/s)\"", "h2 = \"3.8 W/m2/K/(m/s)\"",
+                 "unknown key in convection of [[material]] soil"},
+           Fault{"\"3.8 W/m2/K/(m/s)\"", "\"3.8 W/m2/K\"", "does not fit"},
+           Fault{"45 W/m/K", "-45 W/m/K", "material[0].layers[0].conductivity: -45 W/m/K is outside (0, 10000] W/m/K"},
+           Fault{"7800 kg/m3", "0 kg/m3",
+                 "scene.toml:23:50: error: material[0].layers[0].density: 0 kg/m3 is outside (0,"},
+           Fault{"\"20 mm\"", "\"-20 mm\"", "thickness: -0.02 m is outside (0, 100] m"},
+           Fault{"thickness = \"20 mm\"", "thicknes = \"20 mm\"", "did you mean \"thickness\"?"},
+           Fault{"layers = [{ conductivity = \"45 W/m/K\", density = \"7800 kg/m3\", heat_capacity = \"480 J/kg/K\", "
+                 "thickness = \"20 mm\" }]\n",
+                 "", "material[0].layers: missing; write layers = [{ conductivity"},
+           Fault{"layers = [{ conductivity = \"45 W/m/K\", density = \"7800 kg/m3\", heat_capacity = \"480 J/kg/K\", "
+                 "thickness = \"20 mm\" }]",
+                 "layers = []", "at least one layer"},
+           Fault{"kind = \"film\"", "kind = \"flim\"", "did you mean \"film\"?"},
+           Fault{"kind = \"film\"", "kind = \"fixed\"",
+                 "material[0].inside.h: unknown key in inside of [[material]] armour"},
+           Fault{"kind = \"film\", ", "", "material[0].inside.kind: missing"},
+           Fault{"\"engine.csv\"", "\"engin.csv\"",
+                 "scene.toml:24:58: error: material[0].inside.temperature: cannot read"},
+           Fault{"\"engine.csv\"", "\"heater.csv\"", "heater.csv:1: error: column flux has a unit that does not fit"},
+           Fault{"\"engine.csv\"", "\"-300 degC\"", "is outside (0, 3000] K"},
+           Fault{"name = \"terrain\"", "name = \"vehicle\"", "there is a mesh of that name already"},
+           Fault{"file = \"vehicle.obj\"\n", "", "mesh[0].file: missing"},
+           Fault{"\"1 mm\"", "\"1 kg\"", "does not fit"},
+           Fault{"\"1 mm\"", "1", "1 has no unit; write \"1 mm\""},
+           Fault{"material = \"armour\"", "material = \"armor\"",
+                 "there is no material \"armor\"; did you mean \"armour\"?"},
+           Fault{"mesh = \"terrain\"", "mesh = \"terain\"", "there is no mesh \"terain\"; did you mean \"terrain\"?"},
+           Fault{"mesh_material = \"cloth\"", "group = \"power_top\"", "region of the same faces already"},
+           Fault{"group = \"others\"", "group = \"tent\"", "there is a region \"tent\" already"},
+           Fault{"temperature = \"30 degC\"", "", "write the name of a [[material]], or temperature"},
+           Fault{"temperature = \"30 degC\"", "temperature = \"30\"", "no unit"},
+           Fault{"[ground]\nmaterial = \"soil\"", "[ground]\nmaterial = \"sand\"", "there is no material \"sand\""},
+           Fault{"[\"14 m\", \"-12 m\", \"5 m\"]", "[\"14 m\", \"-12 m\"]", "camera.position: a list of three lengths"},
+           Fault{"[\"14 m\", \"-12 m\", \"5 m\"]", "[14, \"-12 m\", \"5 m\"]", "14 has no unit; write \"14 m\""},
+           Fault{"[\"14 m\", \"-12 m\", \"5 m\"]", "[\"0 m\", \"0 m\", \"1.2 m\"]",
+                 "the camera looks at its own position"},
+           Fault{"[camera]", "[[camera]]", "a list where a table belongs"},
+           Fault{"[[mesh]]", "[mesh]", "not valid TOML"},
+       }) {
+    const std::string text = replaced(scene_text(), fault.from, fault.to);
+    ASSERT_FALSE(text.empty()) << fault.from << " is not in the scene";
+    const std::string errors = errors_of(folder, text);
+    EXPECT_TRUE(contains(errors, fault.expected)) << fault.from << " -> " << fault.to << "\n" << errors;
+  }
+}
+
+TEST(SceneErrors, OneFaultIsOneError) {
+  const SceneFolder folder;
+  for (const Fault& fault :
+       {Fault{"latitude", "lattitude", ""}, Fault{"\"10 min\"", "\"10 mins\"", ""},
+        Fault{"emissivity = \"paint.csv\"", "emisivity = \"paint.csv\"", ""},
+        Fault{"thickness = \"20 mm\"", "thicknes = \"20 mm\"", ""}, Fault{"[weather]", "[wether]", ""},
+        Fault{"material = \"armour\"", "materal = \"armour\"", ""}}) {
+    const std::string errors = errors_of(folder, replaced(scene_text(), fault.from, fault.to));
+    EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 1) << errors;
+  }
+}
+
+TEST(SceneErrors, AllOfAFileAtOnceInItsOrder) {
+  const SceneFolder folder;
+  std::string text = scene_text();
+  for (const auto& [from, to] :
+       {std::pair{"37.70 deg", "137.70 deg"}, std::pair{"7800 kg/m3", "0 kg/m3"}, std::pair{"\"1 mm\"", "\"1 kg\""},
+        std::pair{"\"armour\"\n[[region]]", "\"armor\"\n[[region]]"}, std::pair{"120 cm", "120"}})
+    text = replaced(text, from, to);
+  const SceneResult result = folder.parse(text);
+  ASSERT_EQ(result.diagnostics.size(), 5u);
+  EXPECT_FALSE(result.ok());
+  for (std::size_t i = 1; i < 5; ++i)
+    EXPECT_GT(result.diagnostics[i].position.line, result.diagnostics[i - 1].position.line);
+  folder.write("scene.toml", text);
+  const std::string thrown = message_of([&] { load_scene(folder.file("scene.toml")); });
+  EXPECT_EQ(std::count(thrown.begin(), thrown.end(), '\n'), 4);
+  EXPECT_TRUE(contains(thrown, folder.file("scene.toml") + ":3:12: error: place.latitude"));
+  EXPECT_FALSE(folder.parse("").ok());
+}
+
+TEST(SceneErrors, DamagedFilesEndInErrorsOrValues) {
+  const SceneFolder folder;
+  const std::string good = scene_text();
+  std::uint64_t state = 99;
+  const auto random = [&](std::size_t below) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return static_cast<std::size_t>(state >> 33) % below;
+  };
+  int refused = 0;
+  for (int round = 0; round < 1500; ++round) {
+    std::string text = good;
+    if (round % 3 == 0) text[random(text.size())] = static_cast<char>(random(256));
+    if (round % 3 == 1) {  // a stretch is lost
+      const std::size_t at = random(text.size());
+      text.erase(at, random(40));
+    }
+    if (round % 3 == 2) {  // two lines change places
+      const std::size_t a = text.find('\n', random(text.size() / 2)) + 1, b = text.find('\n', a + random(400)) + 1;
+      const std::string first = text.substr(a, text.find('\n', a) + 1 - a),
+                        second = text.substr(b, text.find('\n', b) + 1 - b);
+      text.replace(b, second.size(), first);
+      text.replace(a, first.size(), second);
+    }
+    const SceneResult result = folder.parse(text);
+    if (result.ok())
+      EXPECT_EQ(result.scene.text, text);
+    else
+      ++refused;
+  }
+  EXPECT_GT(refused, 500);
+}
+
+}  // namespace
+}  // namespace apps::scene
