@@ -20,7 +20,6 @@ Units level_unit(const Surface& surface) {
   unit.front.absorptance = surface.solar_absorptance;
   unit.front.emissivity = surface.construction.emissivity;
   units.unit.push_back(unit);
-  units.area_m2 = {1.0};
   return units;
 }
 
@@ -33,7 +32,7 @@ std::vector<double> solved_temperatures(const HeatScene& scene, const Surface& s
   const ReceiverTable table = make_receiver_table(0, s.nodes() - 1, 1);
   const heat::Forcing forcing =
       forcing_of(units.unit, units, s, none, table, table, surface.inside, scene.file.time.start_s);
-  const heat::Timeline timeline{s.time_s.front(), s.time_s.back(), s.time_s, breaks_of(s, 0, s.nodes() - 1)};
+  const heat::Timeline timeline{s.time_s.front(), s.time_s.back(), s.time_s, s.time_s};
   const heat::Solution solution =
       solve({surface.construction, 1, {1.0}}, forcing, timeline, heat::RepeatingStart{heat::kDay_s}, tolerance_k);
   run.name = "ground (" + surface.name + ")";
@@ -43,7 +42,7 @@ std::vector<double> solved_temperatures(const HeatScene& scene, const Surface& s
   run.steps = solution.run.steps;
   run.start_residual_k = solution.residual_k;
   const heat::HeatBalance& balance = solution.run.balance.front();
-  run.drift = balance.exchanged > 0.0 ? std::abs(balance.drift()) / balance.exchanged : 0.0;
+  run.drift = balance.exchanged() > 0.0 ? std::abs(balance.drift()) / balance.exchanged() : 0.0;
   return solution.run.front_k;
 }
 

@@ -19,9 +19,9 @@ constexpr int kMostIterations = 60;
 constexpr double kStartShare = 0.2;  // of the tolerance: what the state at the start may change in a day
 
 heat::Timeline timeline_of(const Surroundings& s, const Window& window) {
-  heat::Timeline timeline{s.time_s[window.first], s.time_s[window.last], {}, breaks_of(s, window.first, window.last)};
-  for (std::size_t k = window.first; k <= window.last; ++k) timeline.outputs_s.push_back(s.time_s[k]);
-  return timeline;
+  const auto first = s.time_s.begin() + static_cast<std::ptrdiff_t>(window.first);
+  const std::vector<double> nodes(first, s.time_s.begin() + static_cast<std::ptrdiff_t>(window.last) + 1);
+  return {nodes.front(), nodes.back(), nodes, nodes};
 }
 
 /// The larger of two promises, part by part.
@@ -32,7 +32,7 @@ heat::Promise worse(const heat::Promise& a, const heat::Promise& b) {
 double worst_drift(const std::vector<heat::HeatBalance>& balances) {
   double worst = 0.0;
   for (const heat::HeatBalance& balance : balances)
-    if (balance.exchanged > 0.0) worst = std::max(worst, std::abs(balance.drift()) / balance.exchanged);
+    if (balance.exchanged() > 0.0) worst = std::max(worst, std::abs(balance.drift()) / balance.exchanged());
   return worst;
 }
 
@@ -74,7 +74,7 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
 }
 
 double HeatBatches::update_exchange() {
-  const std::size_t receivers = units_.area_m2.size();
+  const std::size_t receivers = units_.exchange.receivers();
   std::vector<double> change(longwave_.nodes(), 0.0);
   mtf::parallel_for(static_cast<std::int64_t>(change.size()), 1, threads_, [&](std::int64_t begin, std::int64_t end) {
     std::vector<float> before(receivers);
@@ -92,7 +92,7 @@ double HeatBatches::update_exchange() {
 }
 
 void HeatBatches::set_window(const Window& window, bool first) {
-  const std::size_t receivers = units_.area_m2.size();
+  const std::size_t receivers = units_.exchange.receivers();
   std::vector<double> before;  // temperatures at the end of the window before
   if (!first) before.assign(receiver_k_.end() - static_cast<std::ptrdiff_t>(receivers), receiver_k_.end());
   window_ = window;

@@ -46,7 +46,7 @@ class HeatBatches {
   /// The temperature of a receiver (Unit::receiver, and the next one for the back of a sheet) at a node of the window
   /// solved last.
   double receiver_k(std::size_t node, std::size_t receiver) const {
-    return receiver_k_[(node - window_.first) * units_.area_m2.size() + receiver];
+    return receiver_k_[(node - window_.first) * units_.exchange.receivers() + receiver];
   }
 
   std::vector<MaterialRun> materials() const;
@@ -68,7 +68,7 @@ class HeatBatches {
   void solve_batch(Batch& batch, const Window& window, bool first);
   void set_window(const Window& window, bool first);
   double& kelvin(std::size_t node, std::size_t receiver) {
-    return receiver_k_[(node - window_.first) * units_.area_m2.size() + receiver];
+    return receiver_k_[(node - window_.first) * units_.exchange.receivers() + receiver];
   }
   /// Long-wave exchange from the temperatures; the largest change of irradiance, W/m2.
   double update_exchange();

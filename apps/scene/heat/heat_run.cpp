@@ -90,7 +90,7 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
   report.promised.units_k = units.bound_w_m2 / loss;
   report.facets = scene.region.size();
   report.units = units.unit.size();
-  report.patches = units.exchange.size();
+  report.patches = units.exchange.patches();
   report.view_error = units.view_error;
   report.sun_error = units.sun_error;
   return report;

@@ -32,9 +32,6 @@ struct Surroundings {
   std::vector<std::string> warnings;
 
   std::size_t nodes() const { return time_s.size(); }
-  bool jumps(std::size_t node) const {  ///< the sun rises or sets
-    return node > 0 && node + 1 < nodes() && (shadow_entry[node] < 0) != (shadow_entry[node - 1] < 0);
-  }
 };
 
 /// From the start of the run to its end, or to a day after the start where that is later: the first day is what the

@@ -72,23 +72,15 @@ void for_receivers(const Units& units, const Visit& visit) {
   }
 }
 
-/// Means over the receivers of each patch, by area.
-std::vector<double> patch_means(const Units& units, std::span<const double> of_receiver) {
-  std::vector<double> mean(units.exchange.size(), 0.0);
-  for (std::size_t i = 0; i < of_receiver.size(); ++i) mean[units.patch_of[i]] += units.area_m2[i] * of_receiver[i];
-  for (std::size_t p = 0; p < mean.size(); ++p) mean[p] /= units.exchange.area_m2[p];
-  return mean;
+/// Of receivers, what comes from other surfaces: the whole irradiance without that from sky, ground and sun.
+void solve_exchange(const Units& units, const geometry::ReceiverFluxes& fluxes, std::span<float> from_surfaces) {
+  const std::vector<double> whole = irradiance_w_m2(units.exchange, fluxes);
+  for (std::size_t i = 0; i < whole.size(); ++i)
+    from_surfaces[i] = static_cast<float>(whole[i] - fluxes.environment[i] - fluxes.direct[i]);
 }
 
-void solve_exchange(const Units& units, std::span<const double> emitted, std::span<const double> reflectance,
-                    std::span<const double> outside, std::span<float> irradiance) {
-  const std::vector<double> h0 = patch_means(units, outside);
-  const geometry::Radiosity light =
-      radiosity(units.exchange, patch_means(units, emitted), patch_means(units, reflectance), h0);
-  const std::vector<double> received =
-      received_from_patches(units.exchange, units.views, units.area_m2, units.patch_of, light.leaving_w_m2);
-  for (std::size_t i = 0; i < received.size(); ++i) irradiance[i] = static_cast<float>(received[i]);
-}
+/// The exchange is defined for reflectances below 1.
+double reflectance_of(double absorbed_part) { return std::min(1.0 - absorbed_part, 1.0 - 1e-9); }
 
 }  // namespace
 
@@ -100,35 +92,36 @@ void fill_solar_exchange(const Units& units, const Surroundings& s, const Ground
                          ReceiverTable& irradiance) {
   const std::size_t receivers = irradiance.receivers;
   std::vector<double> reflectance(receivers);
-  for_receivers(units,
-                [&](std::size_t i, const Unit&, const UnitSide& side) { reflectance[i] = 1.0 - side.absorptance; });
+  for_receivers(units, [&](std::size_t i, const Unit&, const UnitSide& side) {
+    reflectance[i] = reflectance_of(side.absorptance);
+  });
   mtf::parallel_for(
       static_cast<std::int64_t>(irradiance.nodes()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
-        std::vector<double> none(receivers, 0.0), outside(receivers);
+        std::vector<double> none(receivers, 0.0), environment(receivers), direct(receivers);
         for (std::int64_t k = begin; k < end; ++k) {
           const std::size_t node = irradiance.first + static_cast<std::size_t>(k);
           if (s.global_w_m2[node] <= 0.0) continue;
           const bool from_before = node + 1 == s.nodes() || (node > 0 && s.shadow_entry[node] < 0);
           const Beam beam = beam_at(s, from_before ? Between{node - 1, 1.0} : Between{node, 0.0}, s.time_s[node]);
           for_receivers(units, [&](std::size_t i, const Unit&, const UnitSide& side) {
-            outside[i] = direct_w_m2(side, units.sun, beam) + side.sky * s.diffuse_w_m2[node] +
-                         side.ground * ground.solar_w_m2[node];
+            direct[i] = direct_w_m2(side, units.sun, beam);
+            environment[i] = side.sky * s.diffuse_w_m2[node] + side.ground * ground.solar_w_m2[node];
           });
-          solve_exchange(units, none, reflectance, outside, irradiance.row(node));
+          solve_exchange(units, {none, reflectance, environment, direct}, irradiance.row(node));
         }
       });
 }
 
 void longwave_exchange(const Units& units, const Surroundings& s, const GroundLight& ground, std::size_t node,
                        std::span<const double> receiver_k, std::span<float> irradiance) {
-  const std::size_t receivers = units.area_m2.size();
-  std::vector<double> emitted(receivers), reflectance(receivers), outside(receivers);
+  const std::size_t receivers = units.exchange.receivers();
+  std::vector<double> emitted(receivers), reflectance(receivers), environment(receivers), none(receivers, 0.0);
   for_receivers(units, [&](std::size_t i, const Unit&, const UnitSide& side) {
     emitted[i] = side.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(receiver_k[i], 4);
-    reflectance[i] = 1.0 - side.emissivity;
-    outside[i] = side.sky * s.sky_longwave_w_m2[node] + side.ground * ground.longwave_w_m2[node];
+    reflectance[i] = reflectance_of(side.emissivity);
+    environment[i] = side.sky * s.sky_longwave_w_m2[node] + side.ground * ground.longwave_w_m2[node];
   });
-  solve_exchange(units, emitted, reflectance, outside, irradiance);
+  solve_exchange(units, {emitted, reflectance, environment, none}, irradiance);
 }
 
 heat::Forcing forcing_of(std::span<const Unit> batch, const Units& units, const Surroundings& s,
@@ -159,12 +152,6 @@ heat::Forcing forcing_of(std::span<const Unit> batch, const Units& units, const 
       if (unit.back) values.back.absorbed_w_m2[i] = absorbed(*unit.back, unit.receiver + 1);
     }
   };
-}
-
-std::vector<heat::Break> breaks_of(const Surroundings& s, std::size_t first, std::size_t last) {
-  std::vector<heat::Break> breaks;
-  for (std::size_t k = first; k <= last; ++k) breaks.push_back({s.time_s[k], s.jumps(k)});
-  return breaks;
 }
 
 }  // namespace apps::scene

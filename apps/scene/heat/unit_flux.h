@@ -52,7 +52,4 @@ radiometry::heat::Forcing forcing_of(std::span<const Unit> batch, const Units& u
                                      const ReceiverTable& longwave, const radiometry::heat::Schedule& inside,
                                      double start_s);
 
-/// The breaks of a run over nodes [first, last].
-std::vector<radiometry::heat::Break> breaks_of(const Surroundings& surroundings, std::size_t first, std::size_t last);
-
 }  // namespace apps::scene

@@ -221,28 +221,22 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
     receiver_of.push_back(
         static_cast<std::uint32_t>(units.unit[units.unit_of[side.facet]].receiver + (side.back ? 1 : 0)));
   const geometry::Receivers receivers = geometry::sets_of_sides(all.sides, receiver_of, leaders.size());
-  units.area_m2 = areas_m2(facets, receivers);
   std::vector<geometry::SideFinish> leader_finish;
   for (const std::uint32_t row : leader_rows) leader_finish.push_back(finish[row]);
   const geometry::Classes patches =
       patches_of(scene, leaders, leader_finish, rows_of(seen, leader_rows), rows_of(units.sun, leader_rows), amplitudes,
                  tolerance_w_m2, options.patches);
-  units.patch_of = patches.class_of;
   const geometry::ViewOptions fine{.rays = options.rays, .threads = options.threads};
-  units.views = views(scene.rays, receivers, patches_of_sides(facets, receivers, units.patch_of), patches.size(), fine);
-  units.exchange = exchange_of(units.views, units.area_m2, units.patch_of, patches.size());
-  // Sky and ground are what patches of a uniform radiosity leave, so that an isothermal scene stays one.
-  const std::vector<double> from_patches = received_from_patches(
-      units.exchange, units.views, units.area_m2, units.patch_of, std::vector<double>(patches.size(), 1.0));
-  const auto close = [&](UnitSide& side, std::size_t receiver) {
-    const double sky = units.views.sky_share(receiver), ground = units.views.ground[receiver];
-    const double scale = sky + ground > 0.0 ? std::max(1.0 - from_patches[receiver], 0.0) / (sky + ground) : 0.0;
-    side.sky = scale * sky;
-    side.ground = scale * ground;
+  units.views =
+      views(scene.rays, receivers, patches_of_sides(facets, receivers, patches.class_of), patches.size(), fine);
+  units.exchange = exchange_of(units.views, areas_m2(facets, receivers), patches.class_of, patches.size());
+  const auto add_view = [&](UnitSide& side, std::size_t receiver) {
+    side.sky = units.views.sky_share(receiver);
+    side.ground = units.views.ground[receiver];
   };
   for (Unit& unit : units.unit) {
-    close(unit.front, unit.receiver);
-    if (unit.back) close(*unit.back, unit.receiver + 1);
+    add_view(unit.front, unit.receiver);
+    if (unit.back) add_view(*unit.back, unit.receiver + 1);
   }
   units.rays_ms = watch.ms();
 

@@ -16,7 +16,7 @@ namespace apps::scene {
 struct UnitSide {
   radiometry::scene::Vector normal{};
   std::size_t sun_row = 0;         ///< of Units::sun
-  double sky = 1.0, ground = 0.0;  ///< shares of the view, closed with the patches
+  double sky = 1.0, ground = 0.0;  ///< shares of the view
   double absorptance = 0.0, emissivity = 0.0;
 };
 
@@ -34,15 +34,13 @@ struct Units {
   std::vector<std::uint32_t> unit_of;    ///< of each facet
   radiometry::scene::SunVisibility sun;  ///< of all sides
   radiometry::scene::Views views;        ///< of receivers: fronts and backs of units
-  std::vector<double> area_m2;           ///< of receivers
-  std::vector<std::uint32_t> patch_of;   ///< of receivers
   radiometry::scene::Exchange exchange;
   double bound_w_m2 = 0.0;                  ///< largest difference of absorbed flux between a facet and its unit
   radiometry::scene::ViewError view_error;  ///< shares, of units
   radiometry::scene::TableError sun_error;  ///< shares of the direct normal irradiance, of facets
   double rays_ms = 0.0, error_ms = 0.0;
 
-  bool has_sheets() const { return area_m2.size() > unit.size(); }
+  bool has_sheets() const { return exchange.receivers() > unit.size(); }
 };
 
 /// `tolerance_w_m2`: the largest difference of absorbed flux within a unit.
