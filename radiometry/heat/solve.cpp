@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -19,7 +21,7 @@ constexpr double kAim = 0.7;  ///< of a share: what the next guess aims at
 constexpr int kMostTrials = 12, kMostEconomies = 3;
 constexpr double kFirstStepShare = 0.5;  ///< of the tolerance: the first guess of that of a step
 constexpr std::size_t kFacetsTried = 16;
-constexpr double kFinestDensity = 300.0;
+constexpr double kFinestDensity = 3000.0;
 constexpr double kResidualShare = 0.1;  ///< of the tolerance: residual of a repeating start
 constexpr int kMostPeriods = 12;
 
@@ -115,13 +117,14 @@ Outcome run_plan(const Plan& plan, const Forcing& forcing, const Timeline& timel
   return {advance(plan, started.state, forcing, timeline, threads), started.residual_k};
 }
 
-/// The next guess: errors fall with the square of the cells, and with the power 2/3 of the tolerance of a step.
-Guess next_guess(const Guess& guess, const Promise& promised, double tolerance_k) {
+/// The next guess: errors fall with the square of the cells, and with the power 2/3 of the tolerance of a step. What is
+/// within its share is made coarser only when all is kept, so that guesses do not alternate.
+Guess next_guess(const Guess& guess, const Promise& promised, double tolerance_k, bool kept) {
   Guess next = guess;
   const double grid = promised.grid_k / (kAim * kGridShare * tolerance_k);
   const double steps = promised.steps_k / (kAim * kStepsShare * tolerance_k);
-  next.density *= std::clamp(std::sqrt(grid), 0.5, 3.0);
-  next.step_tolerance_k /= std::clamp(std::pow(steps, 1.5), 0.1, 30.0);
+  next.density *= std::clamp(std::sqrt(grid), kept ? 0.5 : 1.0, 3.0);
+  next.step_tolerance_k /= std::clamp(std::pow(steps, 1.5), kept ? 0.1 : 1.0, 30.0);
   return next;
 }
 
@@ -162,10 +165,14 @@ Found find(const Problem& problem, const Layers& layers, Guess& guess, bool econ
     Plan plan = plan_of(*problem.batch, layers, guess);
     Outcome outcome = run_plan(plan, *problem.forcing, *problem.timeline, *problem.start, tolerance_k, threads);
     const Promise& promised = outcome.run.promised;
+    if (getenv("HEAT_TRIALS"))
+      printf("trial %d density %g steptol %g: steps %g grid %g nodes %zu taken %ld refused %ld\n", trial, guess.density,
+             guess.step_tolerance_k, promised.steps_k, promised.grid_k, plan.fine.nodes(),
+             long(outcome.run.steps.taken), long(outcome.run.steps.refused));
     const bool kept = keeps(promised, tolerance_k);
     if (kept && !(economise && trial <= kMostEconomies && wastes(promised, tolerance_k)))
       return {std::move(plan), std::move(outcome)};
-    guess = next_guess(guess, promised, tolerance_k);
+    guess = next_guess(guess, promised, tolerance_k, kept);
     if (trial == kMostTrials || guess.density > kFinestDensity) give_up(promised, tolerance_k);
   }
 }
