@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -155,10 +153,6 @@ Found find(const Problem& problem, const Layers& layers, Guess& guess, bool econ
     Plan plan = plan_of(*problem.batch, layers, guess);
     Outcome outcome = run_plan(plan, *problem.forcing, *problem.timeline, *problem.start, tolerance_k, threads);
     const Promise& promised = outcome.run.promised;
-    if (getenv("HEAT_TRIALS"))
-      printf("trial %d density %g steptol %g: steps %g grid %g nodes %zu taken %ld refused %ld\n", trial, guess.density,
-             guess.step_tolerance_k, promised.steps_k, promised.grid_k, plan.fine.nodes(),
-             long(outcome.run.steps.taken), long(outcome.run.steps.refused));
     const bool kept = keeps(promised, tolerance_k);
     if (kept && !(economise && trial <= kMostEconomies && wastes(promised, tolerance_k)))
       return {std::move(plan), std::move(outcome)};

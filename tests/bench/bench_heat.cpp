@@ -152,7 +152,6 @@ void compare(const Named& named, std::size_t neighbours, Sum& sum) {
   sum.with_plan_s += solver_s + plan_s;
   sum.cvode_s += cvode_s;
   const double facet_steps = static_cast<double>(run.steps.facet_steps);
-  std::printf("%6.0f taken %6.0f refused a group\n", double(run.steps.taken)/std::ceil(kShare/double(16)), double(run.steps.refused)/std::ceil(kShare/double(16)));
   std::printf("%-15s %5zu  %8.4f %8.4f  %8.4f %8.1e  %8.3f %8.3f %9.1f  %8.3f %7.1f\n", named.name, plan.fine.nodes(),
               run.promised.steps_k, run.promised.grid_k, realised, relative, solver_s, plan_s,
               1e9 * solver_s / facet_steps, cvode_s, cvode_s / solver_s);
