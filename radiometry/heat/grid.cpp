@@ -95,8 +95,15 @@ Grids make_one_node(const Construction& construction) {
 }
 
 double one_node_error(const Construction& construction, double flux_w_m2) {
-  const double share = std::holds_alternative<Adiabatic>(construction.inside) ? 1.0 / 3.0 : 0.5;
-  return share * flux_w_m2 * resistance(construction);
+  if (!std::holds_alternative<Adiabatic>(construction.inside)) return flux_w_m2 * resistance(construction);
+  const double total = capacity(construction);
+  double below = total, sum = 0.0;
+  for (const Layer& layer : construction.layers) {
+    const double deeper = below - layer.capacity();
+    sum += layer.resistance() * (below * below + below * deeper + deeper * deeper) / 3.0;
+    below = deeper;
+  }
+  return flux_w_m2 * sum / (total * total);
 }
 
 Cut cut_depth(const Construction& construction, double range_k, double duration_s, double error_k) {

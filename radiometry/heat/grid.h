@@ -40,8 +40,9 @@ Grids make_grids(const Construction& construction, const GridRequest& request);
 /// difference of temperature builds up. Nothing is left to refine, so both grids are the same.
 Grids make_one_node(const Construction& construction);
 
-/// Bound of the error of one node instead of the layers, K, for net fluxes up to `flux_w_m2`: the flux times half the
-/// resistance (a third for an adiabatic inside).
+/// Bound of the error of one node instead of the layers, K, for net fluxes up to `flux_w_m2`. The flux times the
+/// resistance; with an adiabatic inside the flux at a depth is in proportion to the capacity C below it, and the
+/// surface differs from the mean by flux * integral of (C / C_total)^2 / k dx: a third of that for one layer.
 double one_node_error(const Construction& construction, double flux_w_m2);
 
 /// The construction cut off, adiabatic, where what lies deeper changes the surface by no more than `error_k`, and the

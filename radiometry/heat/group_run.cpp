@@ -17,10 +17,10 @@ namespace {
 constexpr int kFinest = 48;
 constexpr std::int64_t kWhole = std::int64_t{1} << kFinest;
 
-/// The error of a step falls with its third power; a step grows to at most twice the last.
+/// The error of a step falls with its third power; a step grows to at most four times the last.
 double next_step(double step_s, double error_k, double tolerance_k) {
   const double ratio = 0.9 * std::cbrt(tolerance_k / std::max(error_k, 1e-12 * tolerance_k));
-  return step_s * std::clamp(ratio, 1.0 / 16.0, 2.0);
+  return step_s * std::clamp(ratio, 1.0 / 16.0, 4.0);
 }
 
 void gather(const std::vector<double>& all, std::size_t facets, std::size_t first, std::size_t count,

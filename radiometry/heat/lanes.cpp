@@ -52,7 +52,7 @@ MTFKIT_INLINE double inside_flow(const GroupGrid& group, double inside, double t
   return group.inner_flux ? inside : group.grid->inner_w_m2_k * (inside - t);
 }
 
-/// b += weight * (flow into each node over its boundaries at `at`)
+/// b of the end nodes += weight * (flow over the boundaries at `at`)
 template <Sides S, bool Natural>
 MTFKIT_INLINE void add_boundary_flow(const GroupGrid& group, const Boundary& at, double weight,
                                      const double* __restrict t, double* __restrict b) {
@@ -64,35 +64,72 @@ MTFKIT_INLINE void add_boundary_flow(const GroupGrid& group, const Boundary& at,
     MTFKIT_LANES(l) b[last + l] += weight * net<Natural>(at.back, *group.back_buoyancy, l, t[last + l]);
 }
 
-/// b = keep M d + weight (-K T)
-MTFKIT_INLINE void conduction(const Grid& grid, double keep, double weight, const double* __restrict t,
-                              const double* __restrict d, double* __restrict b) {
+/// Increments of earlier stages, with their weights in a right-hand side.
+struct Increments {
+  double of_first;
+  const double* first;
+  double of_second;
+  const double* second;  ///< only where Second
+};
+
+/// Right-hand side and forward elimination in one sweep from the inside outwards:
+///   b = [flows over the boundaries, in b of the end nodes] + M (increments) + weight (-K T)
+template <Sides S, bool Second>
+MTFKIT_INLINE void sweep_outwards(const Grid& grid, const Elimination<double>& e, double weight,
+                                  const Increments& increments, const double* __restrict t, double* __restrict b) {
   const std::size_t n = grid.nodes();
-  Lanes before;
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    const double m = keep * grid.capacity[i], g = weight * grid.conductance[i];
+  double* back = b + (n - 1) * kLanes;
+  Lanes inner;  // flow to the node inside of this one
+  for (std::size_t i = n; i-- > 0;) {
+    const double m = grid.capacity[i], g = i > 0 ? weight * grid.conductance[i - 1] : 0.0;
+    const double forward = i + 1 < n ? e.forward[i + 1] : 0.0;
+    const double* here = t + i * kLanes;
+    const double* outer = i > 0 ? here - kLanes : here;
+    const double* first = increments.first + i * kLanes;
+    const double* second = increments.second + i * kLanes;
+    double* row = b + i * kLanes;
+    const double* eliminated = i + 1 < n ? row + kLanes : row;
+    const bool end = i == 0 || i + 1 == n;
     MTFKIT_LANES(l) {
-      const double flow = g * (t[i * kLanes + l] - t[(i + 1) * kLanes + l]);
-      b[i * kLanes + l] = m * d[i * kLanes + l] + (before[l] - flow);
-      before[l] = flow;
+      const double flow = g * (outer[l] - here[l]);
+      double sum = increments.of_first * m * first[l] + (flow - inner[l]) + forward * eliminated[l];
+      if constexpr (Second) sum += increments.of_second * m * second[l];
+      row[l] = end ? row[l] + sum : sum;
+      inner[l] = flow;
     }
+    if constexpr (S == Sides::two)
+      if (!end) MTFKIT_LANES(l) back[l] += e.to_back[i] * row[l];
   }
-  const double m = keep * grid.capacity[n - 1];
-  MTFKIT_LANES(l) b[(n - 1) * kLanes + l] = m * d[(n - 1) * kLanes + l] + before[l];
 }
 
+/// Back substitution: increments and temperatures of the nodes but the first (and of a sheet the last).
 template <Sides S>
-MTFKIT_INLINE void forward(const Elimination<double>& e, std::size_t nodes, double* b) {
-  double* back = b + (nodes - 1) * kLanes;
-  for (std::size_t i = e.end - 1; i > 0; --i) {
-    const double forward = e.forward[i], to_back = e.to_back[i];
-    MTFKIT_LANES(l) b[(i - 1) * kLanes + l] += forward * b[i * kLanes + l];
-    if constexpr (S == Sides::two) MTFKIT_LANES(l) back[l] += to_back * b[i * kLanes + l];
+MTFKIT_INLINE void sweep_inwards(const Elimination<double>& e, std::size_t nodes, const double* __restrict b,
+                                 double* __restrict d, double* __restrict t) {
+  const std::size_t last = (nodes - 1) * kLanes;
+  MTFKIT_LANES(l) t[l] += d[l];
+  for (std::size_t i = 1; i < e.end; ++i) {
+    const double inverse = e.inverse[i], forward = e.forward[i], to_back = e.to_back[i];
+    const double* row = b + i * kLanes;
+    const double* outer = d + (i - 1) * kLanes;
+    double* here = d + i * kLanes;
+    double* temperature = t + i * kLanes;
+    MTFKIT_LANES(l) {
+      double sum = inverse * row[l] + forward * outer[l];
+      if constexpr (S == Sides::two) sum += to_back * d[last + l];
+      here[l] = sum;
+      temperature[l] += sum;
+    }
   }
+  if constexpr (S == Sides::two) MTFKIT_LANES(l) t[last + l] += d[last + l];
+}
+
+MTFKIT_INLINE void clear_ends(std::size_t nodes, double* b) {
+  MTFKIT_LANES(l) b[l] = b[(nodes - 1) * kLanes + l] = 0.0;
 }
 
 /// Newton's method ends when no lane moved by more: it is quadratic, so what is left is below the rounding.
-constexpr double kLastMove_k = 1e-6;
+constexpr double kLastMove_k = 1e-5;
 constexpr int kMostIterations = 60;
 
 /// x: the increments of the front node; on one node, the losses of both sides.
@@ -164,20 +201,15 @@ struct Stage {
     const Grid& grid = *group->grid;
     const Elimination<double>& e = *request->elimination;
     const std::size_t n = grid.nodes(), last = (n - 1) * kLanes;
-    conduction(grid, request->keep, (request->before ? 2.0 : 1.0) * e.a, t, d, b);
+    clear_ends(n, b);
     if (request->before) add_boundary_flow<S, Natural>(*group, *request->before, e.a, t, b);
     add_boundary_flow<S, Natural>(*group, *request->at, e.a, t, b);
-    forward<S>(e, n, b);
+    sweep_outwards<S, false>(grid, e, (request->before ? 2.0 : 1.0) * e.a, {request->keep, d, 0.0, d}, t, b);
     if constexpr (S == Sides::two)
       solve_two<Natural>(*group, e, *request->at, t, t + last, b, b + last, d, d + last);
     else
       solve_one<S, Natural>(*group, e, *request->at, t, b, d);
-    for (std::size_t i = 1; i < e.end; ++i) {
-      const double inverse = e.inverse[i], forward = e.forward[i], to_back = e.to_back[i];
-      MTFKIT_LANES(l) d[i * kLanes + l] = inverse * b[i * kLanes + l] + forward * d[(i - 1) * kLanes + l];
-      if constexpr (S == Sides::two) MTFKIT_LANES(l) d[i * kLanes + l] += to_back * d[last + l];
-    }
-    for (std::size_t i = 0; i < n * kLanes; ++i) t[i] += d[i];
+    sweep_inwards<S>(e, n, b, d, t);
   }
 };
 
@@ -190,13 +222,10 @@ struct SurfaceError {
     const Grid& grid = *group->grid;
     const Elimination<double>& e = *elimination;
     const std::size_t n = grid.nodes(), last = (n - 1) * kLanes;
-    conduction(grid, weights->of_first, weights->of_flow * e.a, t, first, b);
+    clear_ends(n, b);
     add_boundary_flow<S, Natural>(*group, *at, weights->of_flow * e.a, t, b);
-    for (std::size_t i = 0; i < n; ++i) {
-      const double m = weights->of_second * grid.capacity[i];
-      MTFKIT_LANES(l) b[i * kLanes + l] += m * second[i * kLanes + l];
-    }
-    forward<S>(e, n, b);
+    sweep_outwards<S, true>(grid, e, weights->of_flow * e.a, {weights->of_first, first, weights->of_second, second}, t,
+                            b);
     Lanes error;
     MTFKIT_LANES(l) {
       double p = e.own + e.a * loss_of<Natural>(at->front, *group->front_buoyancy, l, t[l]).slope;

@@ -13,9 +13,10 @@
 
 namespace radiometry::heat {
 
-/// Facets that share their steps. More amortise what a step costs for all of them, fewer let facets with other shadows
-/// have other steps; 16 was fastest for facets sorted by shadow (tests/bench/bench_heat.cpp).
-inline constexpr std::size_t kLanes = 16;
+/// Facets that share their steps. More of them amortise what a step costs for all, fewer let facets with other shadows
+/// have other steps. Of 8, 16, 32 and 64, 32 took the least time, whether neighbours share their shadows or not
+/// (tests/bench/bench_heat.cpp).
+inline constexpr std::size_t kLanes = 32;
 
 struct alignas(64) Lanes {
   std::array<double, kLanes> at{};

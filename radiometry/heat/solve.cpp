@@ -9,6 +9,7 @@
 
 #include "mtf/error.h"
 #include "mtf/units.h"
+#include "radiometry/heat/lanes.h"
 #include "radiometry/heat/survey.h"
 
 namespace radiometry::heat {
@@ -18,8 +19,7 @@ constexpr double kStepsShare = 0.5, kGridShare = 0.4, kDepthShare = 0.1;
 constexpr double kAim = 0.7;  ///< of a share: what the next guess aims at
 constexpr int kMostTrials = 12, kMostEconomies = 3;
 constexpr double kFirstStepShare = 0.5;  ///< of the tolerance: the first guess of that of a step
-constexpr std::size_t kFacetsTried = 16;
-constexpr double kFinestDensity = 300.0;
+constexpr double kFinestDensity = 3000.0;
 constexpr double kResidualShare = 0.1;  ///< of the tolerance: residual of a repeating start
 constexpr int kMostPeriods = 12;
 
@@ -63,28 +63,18 @@ Plan plan_of(const Batch& batch, const Layers& layers, const Guess& guess) {
   return {batch, std::move(grids.fine), std::move(grids.coarse), request, guess.step_tolerance_k, layers.error_k};
 }
 
-/// Some facets of a batch as a batch of their own.
+/// Neighbouring facets of a batch as a batch of their own.
 struct Trial {
   Batch batch;
   Forcing forcing;
 };
 
-Trial trial_of(const Batch& batch, const Forcing& forcing, std::vector<std::size_t> facets) {
-  Trial trial{.batch = {batch.construction, facets.size(), {}}, .forcing = {}};
-  if (!batch.up.empty())
-    for (const std::size_t facet : facets) trial.batch.up.push_back(batch.up[facet]);
-  trial.forcing = [&forcing, facets = std::move(facets)](Instant instant, std::size_t first, ForcingValues& values) {
-    ForcingValues one = values;
-    for (std::size_t i = 0; i < values.front.absorbed_w_m2.size(); ++i) {
-      one.front.absorbed_w_m2 = values.front.absorbed_w_m2.subspan(i, 1);
-      if (!values.back.absorbed_w_m2.empty()) one.back.absorbed_w_m2 = values.back.absorbed_w_m2.subspan(i, 1);
-      forcing(instant, facets[first + i], one);
-    }
-    values.front.air_k = one.front.air_k;
-    values.front.wind_m_s = one.front.wind_m_s;
-    values.back.air_k = one.back.air_k;
-    values.back.wind_m_s = one.back.wind_m_s;
-    values.inside = one.inside;
+Trial trial_of(const Batch& batch, const Forcing& forcing, std::size_t begin) {
+  const std::size_t count = std::min(kLanes, batch.facets - begin);
+  Trial trial{.batch = {batch.construction, count, {}}, .forcing = {}};
+  for (std::size_t i = 0; i < count && !batch.up.empty(); ++i) trial.batch.up.push_back(batch.up[begin + i]);
+  trial.forcing = [&forcing, begin](Instant instant, std::size_t first, ForcingValues& values) {
+    forcing(instant, begin + first, values);
   };
   return trial;
 }
@@ -115,13 +105,14 @@ Outcome run_plan(const Plan& plan, const Forcing& forcing, const Timeline& timel
   return {advance(plan, started.state, forcing, timeline, threads), started.residual_k};
 }
 
-/// The next guess: errors fall with the square of the cells, and with the power 2/3 of the tolerance of a step.
-Guess next_guess(const Guess& guess, const Promise& promised, double tolerance_k) {
+/// The next guess: errors fall with the square of the cells, and with the power 2/3 of the tolerance of a step. What is
+/// within its share is made coarser only when all is kept, so that guesses do not alternate.
+Guess next_guess(const Guess& guess, const Promise& promised, double tolerance_k, bool kept) {
   Guess next = guess;
   const double grid = promised.grid_k / (kAim * kGridShare * tolerance_k);
   const double steps = promised.steps_k / (kAim * kStepsShare * tolerance_k);
-  next.density *= std::clamp(std::sqrt(grid), 0.5, 3.0);
-  next.step_tolerance_k /= std::clamp(std::pow(steps, 1.5), 0.1, 30.0);
+  next.density *= std::clamp(std::sqrt(grid), kept ? 0.5 : 1.0, 3.0);
+  next.step_tolerance_k /= std::clamp(std::pow(steps, 1.5), kept ? 0.1 : 1.0, 30.0);
   return next;
 }
 
@@ -165,7 +156,7 @@ Found find(const Problem& problem, const Layers& layers, Guess& guess, bool econ
     const bool kept = keeps(promised, tolerance_k);
     if (kept && !(economise && trial <= kMostEconomies && wastes(promised, tolerance_k)))
       return {std::move(plan), std::move(outcome)};
-    guess = next_guess(guess, promised, tolerance_k);
+    guess = next_guess(guess, promised, tolerance_k, kept);
     if (trial == kMostTrials || guess.density > kFinestDensity) give_up(promised, tolerance_k);
   }
 }
@@ -187,8 +178,8 @@ Prepared prepare(const Problem& problem) {
   Prepared prepared{survey(*problem.batch, *problem.forcing, *problem.timeline, start_k), {}, {}};
   prepared.layers = layers_of(*problem.batch, prepared.survey, *problem.timeline, problem.tolerance_k);
   prepared.guess.step_tolerance_k = kFirstStepShare * problem.tolerance_k;
-  if (problem.batch->facets > kFacetsTried) {
-    const Trial trial = trial_of(*problem.batch, *problem.forcing, facets_to_try(prepared.survey, kFacetsTried));
+  if (problem.batch->facets > kLanes) {
+    const Trial trial = trial_of(*problem.batch, *problem.forcing, block_to_try(prepared.survey, kLanes));
     Problem few = problem;
     few.batch = &trial.batch;
     few.forcing = &trial.forcing;
@@ -203,7 +194,7 @@ Plan make_plan(const Batch& batch, const Forcing& forcing, const Timeline& timel
                double tolerance_k) {
   const Problem problem{&batch, &forcing, &timeline, &start, tolerance_k};
   Prepared prepared = prepare(problem);
-  if (batch.facets <= kFacetsTried) return find(problem, prepared.layers, prepared.guess, true, 1).plan;
+  if (batch.facets <= kLanes) return find(problem, prepared.layers, prepared.guess, true, 1).plan;
   return plan_of(batch, prepared.layers, prepared.guess);
 }
 

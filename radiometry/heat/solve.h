@@ -3,7 +3,7 @@
 
 // A batch solved to a tolerance: plan, start and run in one call, and what a plan is made from.
 //
-// A plan is found by trial: up to 16 facets, those of the largest and the most changing absorbed flux, are run with a
+// A plan is found by trial: the facet whose absorbed flux changes most and its neighbours, 16 in all, are run with a
 // first guess of grid and step tolerance; what the promise of that run says decides the next guess. The tolerance is
 // shared out: half to the time steps, 0.4 to the grid, 0.1 to the depth.
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "radiometry/light/constants.h"
 
@@ -140,22 +139,17 @@ Survey survey(const Batch& batch, const Forcing& forcing, const Timeline& timeli
   return result;
 }
 
-std::vector<std::size_t> facets_to_try(const Survey& survey, std::size_t most) {
-  const std::size_t facets = survey.highest_w_m2.size();
-  std::vector<std::size_t> by_change(facets);
-  std::iota(by_change.begin(), by_change.end(), std::size_t{0});
-  std::vector<std::size_t> by_size = by_change;
-  const auto change = [&](std::size_t i) { return survey.highest_w_m2[i] - survey.lowest_w_m2[i]; };
-  std::stable_sort(by_change.begin(), by_change.end(), [&](auto a, auto b) { return change(a) > change(b); });
-  std::stable_sort(by_size.begin(), by_size.end(),
-                   [&](auto a, auto b) { return survey.highest_w_m2[a] > survey.highest_w_m2[b]; });
-  std::vector<std::size_t> chosen(by_change.begin(),
-                                  by_change.begin() + static_cast<std::ptrdiff_t>(std::min(facets, 3 * most / 4)));
-  chosen.insert(chosen.end(), by_size.begin(),
-                by_size.begin() + static_cast<std::ptrdiff_t>(std::min(facets, most / 4)));
-  std::sort(chosen.begin(), chosen.end());
-  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-  return chosen;
+std::size_t block_to_try(const Survey& survey, std::size_t block) {
+  std::size_t best = 0;
+  double most = -kInfinity;
+  for (std::size_t i = 0; i < survey.highest_w_m2.size(); ++i) {
+    const double change = survey.highest_w_m2[i] - survey.lowest_w_m2[i];
+    if (change > most) {
+      most = change;
+      best = i;
+    }
+  }
+  return best - best % block;
 }
 
 }  // namespace radiometry::heat

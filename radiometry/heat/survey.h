@@ -22,7 +22,7 @@ struct Survey {
 /// start, `start_k` (NaN: none, as for a start that repeats).
 Survey survey(const Batch& batch, const Forcing& forcing, const Timeline& timeline, double start_k);
 
-/// Up to `most` facets, rising: those whose flux changes most and those with the largest.
-std::vector<std::size_t> facets_to_try(const Survey& survey, std::size_t most);
+/// Of the batch in blocks of `block` neighbours: the first facet of the one with the facet whose flux changes most.
+std::size_t block_to_try(const Survey& survey, std::size_t block);
 
 }  // namespace radiometry::heat

@@ -59,10 +59,10 @@ ExactCase periodic(const Periodic& of) {
   return made;
 }
 
-/// Thick enough that the other side is not felt: 12 sqrt(alpha t).
+/// Thick enough that the other side is not felt: 9 sqrt(alpha t).
 ExactCase half_space(std::string name, Layer material, double flux, double film, double air_k, double start_k,
                      double time_s, double front_k) {
-  material.thickness_m = 12.0 * std::sqrt(material.diffusivity() * time_s);
+  material.thickness_m = 9.0 * std::sqrt(material.diffusivity() * time_s);
   return {.name = std::move(name),
           .construction = {.layers = {material},
                            .emissivity = 0.0,

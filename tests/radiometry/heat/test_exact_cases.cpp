@@ -28,11 +28,6 @@ void expect_within_promise(const ExactCase& exact) {
     EXPECT_LE(promised, tolerance_k) << exact.name;
     EXPECT_LE(realised, promised + solution.residual_k + kDigits * exact.scale_k)
         << exact.name << " at " << tolerance_k << " K, nodes " << solution.plan.fine.nodes();
-    if (std::getenv("HEAT_VERBOSE"))
-      std::printf("%s tol %g promised %g+%g+%g realised %g residual %g nodes %zu taken %ld\n", exact.name.c_str(),
-                  tolerance_k, solution.run.promised.steps_k, solution.run.promised.grid_k,
-                  solution.run.promised.depth_k, realised, solution.residual_k, solution.plan.fine.nodes(),
-                  static_cast<long>(solution.run.steps.taken));
   }
 }
 
