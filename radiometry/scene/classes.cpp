@@ -18,39 +18,46 @@ namespace {
 /// long-wave.
 class FluxTerms {
  public:
-  FluxTerms(std::size_t sides, std::size_t directions)
-      : directions_(directions), terms_(sides * (directions + 2), 0.0F) {}
-  std::span<float> of(std::size_t side) { return std::span(terms_).subspan(side * width(), width()); }
-  std::span<const float> of(std::size_t side) const { return std::span(terms_).subspan(side * width(), width()); }
+  FluxTerms(std::size_t sides, std::size_t directions) : terms_(sides * (directions + 2), 0.0F) {
+    // Every stride-th direction first: the first block that `bound` compares is then spread over the whole day.
+    const std::size_t stride = std::max<std::size_t>(1, directions / kBlock);
+    for (std::size_t from = 0; from < stride; ++from)
+      for (std::size_t d = from; d < directions; d += stride) order_.push_back(d);
+  }
+
+  void set(std::size_t side, std::span<const double> direct, double diffuse, double longwave) {
+    float* term = terms_.data() + side * width();
+    for (std::size_t k = 0; k < order_.size(); ++k) term[k] = static_cast<float>(direct[order_[k]]);
+    term[order_.size()] = static_cast<float>(diffuse);
+    term[order_.size() + 1] = static_cast<float>(longwave);
+  }
 
   /// The bound of classes.h, or any number of at least `enough` where it is not below that.
   double bound(std::size_t a, std::size_t b, double enough) const {
-    const auto p = of(a), q = of(b);
-    const double rest = std::abs(p[directions_] - q[directions_]) + std::abs(p[directions_ + 1] - q[directions_ + 1]);
+    const float *p = terms_.data() + a * width(), *q = terms_.data() + b * width();
+    const std::size_t n = order_.size();
+    const double rest = std::abs(p[n] - q[n]) + std::abs(p[n + 1] - q[n + 1]);
     float worst = 0.0F;
-    constexpr std::size_t kBlock = 16;
-    for (std::size_t begin = 0; begin < directions_; begin += kBlock) {
-      for (std::size_t d = begin; d < std::min(directions_, begin + kBlock); ++d)
-        worst = std::max(worst, std::abs(p[d] - q[d]));
-      if (rest + worst >= enough) break;
-    }
+    for (std::size_t begin = 0; begin < n && rest + worst < enough; begin += kBlock)
+      for (std::size_t k = begin; k < std::min(n, begin + kBlock); ++k) worst = std::max(worst, std::abs(p[k] - q[k]));
     return rest + worst;
   }
 
   /// Three numbers of a side that differ by no more than the bound: means of the direct terms over both halves of the
   /// directions, and the other terms.
   std::array<double, 3> summary(std::size_t side) const {
-    const auto p = of(side);
-    const std::size_t half = directions_ / 2;
-    std::array<double, 3> sums{0.0, 0.0, double{p[directions_]} + p[directions_ + 1]};
-    for (std::size_t d = 0; d < directions_; ++d)
-      sums[d < half ? 0 : 1] += p[d] / static_cast<double>(d < half ? half : directions_ - half);
+    const float* term = terms_.data() + side * width();
+    const std::size_t n = order_.size(), half = n / 2;
+    std::array<double, 3> sums{0.0, 0.0, double{term[n]} + term[n + 1]};
+    for (std::size_t k = 0; k < n; ++k)
+      sums[order_[k] < half ? 0 : 1] += term[k] / static_cast<double>(order_[k] < half ? half : n - half);
     return sums;
   }
 
  private:
-  std::size_t width() const { return directions_ + 2; }
-  std::size_t directions_;
+  static constexpr std::size_t kBlock = 16;
+  std::size_t width() const { return order_.size() + 2; }
+  std::vector<std::size_t> order_;  // of the directions
   std::vector<float> terms_;
 };
 
@@ -79,20 +86,19 @@ FluxTerms flux_terms(const Facets& facets, std::span<const Side> sides, std::spa
   const auto rings = static_cast<std::size_t>(views.rings);
   FluxTerms terms(sides.size(), unit.size());
   const auto work = [&](std::int64_t begin, std::int64_t end) {
+    std::vector<double> direct(unit.size());
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const Vector normal = (sides[i].back ? -1.0 : 1.0) * facets.facet[sides[i].facet].normal;
-      const auto term = terms.of(i);
       for (std::size_t d = 0; d < unit.size(); ++d)
-        term[d] = static_cast<float>(finish[i].solar_absorptance * amplitudes.direct[d] *
-                                     std::max(0.0, dot(normal, unit[d])) * sun.share(i, d));
+        direct[d] =
+            finish[i].solar_absorptance * amplitudes.direct[d] * std::max(0.0, dot(normal, unit[d])) * sun.share(i, d);
       double solar = views.ground[i] * amplitudes.ground_solar + views.surfaces[i] * amplitudes.surfaces_solar;
       double longwave = views.ground[i] * amplitudes.ground_longwave + views.surfaces[i] * amplitudes.surfaces_longwave;
       for (std::size_t r = 0; r < rings; ++r) {
         solar += views.sky[i * rings + r] * amplitudes.sky_solar[r];
         longwave += views.sky[i * rings + r] * amplitudes.sky_longwave[r];
       }
-      term[unit.size()] = static_cast<float>(finish[i].solar_absorptance * solar);
-      term[unit.size() + 1] = static_cast<float>(finish[i].emissivity * longwave);
+      terms.set(i, direct, finish[i].solar_absorptance * solar, finish[i].emissivity * longwave);
     }
   };
   mtf::parallel_for(static_cast<std::int64_t>(sides.size()), 1024, threads, work);
