@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <string>
+#include <tuple>
 #include <unordered_map>
+#include <utility>
 
 #include "mtf/error.h"
 #include "mtf/math/word_hash.h"
@@ -18,39 +21,63 @@ namespace {
 /// long-wave.
 class FluxTerms {
  public:
-  FluxTerms(std::size_t sides, std::size_t directions)
-      : directions_(directions), terms_(sides * (directions + 2), 0.0F) {}
-  std::span<float> of(std::size_t side) { return std::span(terms_).subspan(side * width(), width()); }
-  std::span<const float> of(std::size_t side) const { return std::span(terms_).subspan(side * width(), width()); }
+  static constexpr std::size_t kBlock = 16;
+
+  FluxTerms(std::size_t sides, std::size_t directions) : terms_(sides * (directions + 2), 0.0F) {
+    // Every stride-th direction first: the first block that `bound` compares is then spread over the whole day.
+    const std::size_t stride = std::max<std::size_t>(1, directions / kBlock);
+    for (std::size_t from = 0; from < stride; ++from)
+      for (std::size_t d = from; d < directions; d += stride) order_.push_back(d);
+  }
+
+  void set(std::size_t side, std::span<const double> direct, double diffuse, double longwave) {
+    float* term = terms_.data() + side * width();
+    for (std::size_t k = 0; k < order_.size(); ++k) term[k] = static_cast<float>(direct[order_[k]]);
+    term[order_.size()] = static_cast<float>(diffuse);
+    term[order_.size() + 1] = static_cast<float>(longwave);
+  }
 
   /// The bound of classes.h, or any number of at least `enough` where it is not below that.
   double bound(std::size_t a, std::size_t b, double enough) const {
-    const auto p = of(a), q = of(b);
-    const double rest = std::abs(p[directions_] - q[directions_]) + std::abs(p[directions_ + 1] - q[directions_ + 1]);
+    const float *p = terms_.data() + a * width(), *q = terms_.data() + b * width();
+    const std::size_t n = order_.size();
+    const double rest = std::abs(p[n] - q[n]) + std::abs(p[n + 1] - q[n + 1]);
     float worst = 0.0F;
-    constexpr std::size_t kBlock = 16;
-    for (std::size_t begin = 0; begin < directions_; begin += kBlock) {
-      for (std::size_t d = begin; d < std::min(directions_, begin + kBlock); ++d)
-        worst = std::max(worst, std::abs(p[d] - q[d]));
-      if (rest + worst >= enough) break;
-    }
+    for (std::size_t begin = 0; begin < n && rest + worst < enough; begin += kBlock)
+      for (std::size_t k = begin; k < std::min(n, begin + kBlock); ++k) worst = std::max(worst, std::abs(p[k] - q[k]));
     return rest + worst;
+  }
+
+  /// The last two terms of a side and the first direct ones, a cache line of them: enough to reject most leaders.
+  using Head = std::array<float, kBlock>;
+  Head head(std::size_t side) const {
+    const float* term = terms_.data() + side * width();
+    Head head{term[order_.size()], term[order_.size() + 1]};
+    std::copy(term, term + std::min(order_.size(), kBlock - 2), head.begin() + 2);
+    return head;
+  }
+  /// False only where the bound is `enough` or more, to rounding.
+  static bool may_be_below(const Head& a, const Head& b, double enough) {
+    const float left = static_cast<float>(enough) - std::abs(a[0] - b[0]) - std::abs(a[1] - b[1]);
+    int beyond = left < 0.0F ? 1 : 0;
+    for (std::size_t k = 2; k < kBlock; ++k) beyond += std::abs(a[k] - b[k]) > left ? 1 : 0;
+    return beyond == 0;
   }
 
   /// Three numbers of a side that differ by no more than the bound: means of the direct terms over both halves of the
   /// directions, and the other terms.
   std::array<double, 3> summary(std::size_t side) const {
-    const auto p = of(side);
-    const std::size_t half = directions_ / 2;
-    std::array<double, 3> sums{0.0, 0.0, double{p[directions_]} + p[directions_ + 1]};
-    for (std::size_t d = 0; d < directions_; ++d)
-      sums[d < half ? 0 : 1] += p[d] / static_cast<double>(d < half ? half : directions_ - half);
+    const float* term = terms_.data() + side * width();
+    const std::size_t n = order_.size(), half = n / 2;
+    std::array<double, 3> sums{0.0, 0.0, double{term[n]} + term[n + 1]};
+    for (std::size_t k = 0; k < n; ++k)
+      sums[order_[k] < half ? 0 : 1] += term[k] / static_cast<double>(order_[k] < half ? half : n - half);
     return sums;
   }
 
  private:
-  std::size_t width() const { return directions_ + 2; }
-  std::size_t directions_;
+  std::size_t width() const { return order_.size() + 2; }
+  std::vector<std::size_t> order_;  // of the directions
   std::vector<float> terms_;
 };
 
@@ -79,20 +106,19 @@ FluxTerms flux_terms(const Facets& facets, std::span<const Side> sides, std::spa
   const auto rings = static_cast<std::size_t>(views.rings);
   FluxTerms terms(sides.size(), unit.size());
   const auto work = [&](std::int64_t begin, std::int64_t end) {
+    std::vector<double> direct(unit.size());
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       const Vector normal = (sides[i].back ? -1.0 : 1.0) * facets.facet[sides[i].facet].normal;
-      const auto term = terms.of(i);
       for (std::size_t d = 0; d < unit.size(); ++d)
-        term[d] = static_cast<float>(finish[i].solar_absorptance * amplitudes.direct[d] *
-                                     std::max(0.0, dot(normal, unit[d])) * sun.share(i, d));
+        direct[d] =
+            finish[i].solar_absorptance * amplitudes.direct[d] * std::max(0.0, dot(normal, unit[d])) * sun.share(i, d);
       double solar = views.ground[i] * amplitudes.ground_solar + views.surfaces[i] * amplitudes.surfaces_solar;
       double longwave = views.ground[i] * amplitudes.ground_longwave + views.surfaces[i] * amplitudes.surfaces_longwave;
       for (std::size_t r = 0; r < rings; ++r) {
         solar += views.sky[i * rings + r] * amplitudes.sky_solar[r];
         longwave += views.sky[i * rings + r] * amplitudes.sky_longwave[r];
       }
-      term[unit.size()] = static_cast<float>(finish[i].solar_absorptance * solar);
-      term[unit.size() + 1] = static_cast<float>(finish[i].emissivity * longwave);
+      terms.set(i, direct, finish[i].solar_absorptance * solar, finish[i].emissivity * longwave);
     }
   };
   mtf::parallel_for(static_cast<std::int64_t>(sides.size()), 1024, threads, work);
@@ -103,43 +129,69 @@ bool same_finish(const SideFinish& a, const SideFinish& b) {
   return a.key == b.key && a.solar_absorptance == b.solar_absorptance && a.emissivity == b.emissivity;
 }
 
-/// Leaders in cubes of the summary, one tolerance wide: those within the tolerance of a side are in its own cube or one
-/// of the 26 around it.
+/// Cubes in the space of summaries; the origin is in the middle of one.
+using Cube = std::array<std::int64_t, 3>;
+
+Cube cube_of(const std::array<double, 3>& summary, double width) {
+  Cube cube;
+  for (std::size_t k = 0; k < 3; ++k) cube[k] = static_cast<std::int64_t>(std::floor(summary[k] / width + 0.5));
+  return cube;
+}
+
+/// Leaders in cubes one tolerance wide: those within the tolerance of a side are in its own cube or one of the 26
+/// around it.
 class LeaderGrid {
  public:
+  struct Leader {
+    FluxTerms::Head head;
+    std::uint32_t of_class;
+  };
+
   explicit LeaderGrid(double width) : width_(width) {}
 
-  void add(const std::array<double, 3>& summary, std::uint32_t key, std::uint32_t leader) {
-    cubes_[name(cube(summary), key)].push_back(leader);
+  void add(const std::array<double, 3>& summary, std::uint32_t key, const Leader& leader) {
+    cubes_[name(cube_of(summary, width_), key)].push_back(leader);
   }
 
   template <class Work>
   void for_each_near(const std::array<double, 3>& summary, std::uint32_t key, const Work& work) const {
-    const std::array<std::int64_t, 3> middle = cube(summary);
+    const Cube middle = cube_of(summary, width_);
     for (std::int64_t k = 0; k < 27; ++k) {
       const auto found =
           cubes_.find(name({middle[0] + k % 3 - 1, middle[1] + k / 3 % 3 - 1, middle[2] + k / 9 - 1}, key));
       if (found == cubes_.end()) continue;
-      for (const std::uint32_t leader : found->second) work(leader);
+      for (const Leader& leader : found->second) work(leader);
     }
   }
 
  private:
-  std::array<std::int64_t, 3> cube(const std::array<double, 3>& summary) const {
-    std::array<std::int64_t, 3> at;
-    for (std::size_t k = 0; k < 3; ++k) at[k] = static_cast<std::int64_t>(std::floor(summary[k] / width_));
-    return at;
-  }
   /// Cubes whose hashes are equal share a list: that costs time, no more.
-  static std::uint64_t name(const std::array<std::int64_t, 3>& at, std::uint32_t key) {
+  static std::uint64_t name(const Cube& cube, std::uint32_t key) {
     std::uint64_t hash = mtf::mixed(mtf::kWordHashStart, key);
-    for (const std::int64_t k : at) hash = mtf::mixed(hash, static_cast<std::uint64_t>(k));
+    for (const std::int64_t k : cube) hash = mtf::mixed(hash, static_cast<std::uint64_t>(k));
     return hash ^ hash >> 32;
   }
 
   double width_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cubes_;
+  std::unordered_map<std::uint64_t, std::vector<Leader>> cubes_;
 };
+
+using Finish = std::tuple<std::uint32_t, double, double>;
+
+/// Sides of the same finish in the same cube are together.
+Classes cubes_as_classes(std::span<const SideFinish> finish, std::span<const std::array<double, 3>> summaries,
+                         double width) {
+  std::map<std::pair<Finish, Cube>, std::uint32_t> known;
+  Classes classes{.class_of = {}, .leader = {}, .bound_w_m2 = width};
+  for (std::uint32_t i = 0; i < finish.size(); ++i) {
+    const Finish of_side{finish[i].key, finish[i].solar_absorptance, finish[i].emissivity};
+    const auto [at, fresh] =
+        known.try_emplace({of_side, cube_of(summaries[i], width)}, static_cast<std::uint32_t>(classes.leader.size()));
+    if (fresh) classes.leader.push_back(i);
+    classes.class_of.push_back(at->second);
+  }
+  return classes;
+}
 
 }  // namespace
 
@@ -162,19 +214,26 @@ Classes classes_of(const Facets& facets, std::span<const Side> sides, std::span<
   const FluxTerms terms = flux_terms(facets, sides, finish, views, sun, to_sun, amplitudes, threads);
   // Wider than the tolerance by the rounding of the terms, which are single, in the summary.
   LeaderGrid grid(tolerance_w_m2 * (1.0 + 1e-3) + 1e-3);
+  std::uint32_t joined = kNone;
   for (std::uint32_t i = 0; i < sides.size(); ++i) {
     const std::array<double, 3> summary = terms.summary(i);
+    const FluxTerms::Head head = terms.head(i);
     double best = tolerance_w_m2;
-    std::uint32_t joined = kNone;
-    grid.for_each_near(summary, finish[i].key, [&](std::uint32_t candidate) {
+    const auto consider = [&](std::uint32_t candidate) {
       const std::uint32_t leader = classes.leader[candidate];
       if (!same_finish(finish[i], finish[leader])) return;
       const double bound = terms.bound(i, leader, best);
       if (bound < best) best = bound, joined = candidate;
+    };
+    // Sides that follow each other are often neighbours: with the class of the last one, most others are soon rejected.
+    const std::uint32_t last = std::exchange(joined, kNone);
+    if (last != kNone) consider(last);
+    grid.for_each_near(summary, finish[i].key, [&](const LeaderGrid::Leader& candidate) {
+      if (FluxTerms::may_be_below(head, candidate.head, best)) consider(candidate.of_class);
     });
     if (joined == kNone) {
       joined = static_cast<std::uint32_t>(classes.size());
-      grid.add(summary, finish[i].key, joined);
+      grid.add(summary, finish[i].key, {head, joined});
       classes.leader.push_back(i);
     } else {
       classes.bound_w_m2 = std::max(classes.bound_w_m2, best);
@@ -182,6 +241,33 @@ Classes classes_of(const Facets& facets, std::span<const Side> sides, std::span<
     classes.class_of[i] = joined;
   }
   return classes;
+}
+
+Classes patches_of(const Facets& facets, std::span<const Side> sides, std::span<const SideFinish> finish,
+                   const Views& views, const SunVisibility& sun, std::span<const Vector> to_sun,
+                   const FluxAmplitudes& amplitudes, std::size_t most, int threads) {
+  check_sizes(sides.size(), finish, views, sun, to_sun, amplitudes);
+  const FluxTerms terms = flux_terms(facets, sides, finish, views, sun, to_sun, amplitudes, threads);
+  std::vector<std::array<double, 3>> summaries;
+  for (std::size_t i = 0; i < sides.size(); ++i) summaries.push_back(terms.summary(i));
+
+  constexpr double kNarrow_w_m2 = 1e-3, kWide_w_m2 = 1e6;
+  Classes patches = cubes_as_classes(finish, summaries, kWide_w_m2);
+  if (patches.size() > most)
+    throw mtf::UsageError("patches_of: the sides have more than " + std::to_string(most) +
+                          " different finishes: allow more patches.");
+  double narrow = kNarrow_w_m2, wide = kWide_w_m2;  // bisected to 2 %, in the logarithm
+  while (wide > 1.02 * narrow) {
+    const double width = std::sqrt(narrow * wide);
+    Classes trial = cubes_as_classes(finish, summaries, width);
+    if (trial.size() > most) {
+      narrow = width;
+    } else {
+      wide = width;
+      patches = std::move(trial);
+    }
+  }
+  return patches;
 }
 
 }  // namespace radiometry::scene

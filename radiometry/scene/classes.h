@@ -57,4 +57,12 @@ Classes classes_of(const Facets& facets, std::span<const Side> sides, std::span<
                    const Views& views, const SunVisibility& sun, std::span<const Vector> to_sun,
                    const FluxAmplitudes& amplitudes, double tolerance_w_m2, int threads = 0);
 
+/// Patches for exchange.h: at most `most` groups of sides of the same finish whose absorbed fluxes, averaged over the
+/// first and over the second half of the directions and without the sun, differ by less than a bound, the smallest that
+/// makes so few. Meant for the leaders of classes, so that each class lies in one patch. Throws mtf::UsageError as
+/// classes_of, and when there are more finishes than `most`.
+Classes patches_of(const Facets& facets, std::span<const Side> sides, std::span<const SideFinish> finish,
+                   const Views& views, const SunVisibility& sun, std::span<const Vector> to_sun,
+                   const FluxAmplitudes& amplitudes, std::size_t most, int threads = 0);
+
 }  // namespace radiometry::scene

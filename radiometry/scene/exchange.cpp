@@ -76,15 +76,21 @@ double close(ExchangeAreas& areas) {
   constexpr int kMostIterations = 1000;
   const std::size_t n = areas.area.size();
   const std::vector<double> sums = row_sums(areas);
-  std::vector<double> lack(n);
-  for (std::size_t i = 0; i < n; ++i) lack[i] = areas.area[i] - sums[i];
-  const auto multiply = [&](const std::vector<double>& x) {
-    std::vector<double> image(n);
-    for (std::size_t i = 0; i < n; ++i) image[i] = sums[i] * x[i];
+  // In y = sqrt(row sum) x, so that patches of a square millimetre and of a hectare are closed alike.
+  std::vector<double> root(n), lack(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    root[i] = std::sqrt(sums[i]);
+    lack[i] = (areas.area[i] - sums[i]) / root[i];
+  }
+  const auto multiply = [&](const std::vector<double>& y) {
+    std::vector<double> x(n), image(n, 0.0);
+    for (std::size_t i = 0; i < n; ++i) x[i] = y[i] / root[i];
     add_product(areas.pairs, x, image);
+    for (std::size_t i = 0; i < n; ++i) image[i] = y[i] + image[i] / root[i];
     return image;
   };
-  const std::vector<double> x = conjugate_gradients(multiply, std::move(lack), kTolerance, kMostIterations).x;
+  std::vector<double> x = conjugate_gradients(multiply, std::move(lack), kTolerance, kMostIterations).x;
+  for (std::size_t i = 0; i < n; ++i) x[i] /= root[i];
   for (Pair& pair : areas.pairs) pair.value *= std::max(0.0, 1.0 + x[pair.row] + x[pair.column]);
   for (std::size_t i = 0; i < n; ++i) areas.leaving[i] *= std::max(0.0, 1.0 + x[i]);
 

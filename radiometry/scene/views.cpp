@@ -81,24 +81,32 @@ struct PatchShare {
   double share;
 };
 
+/// For each zone itself or, where no ray went to it, the nearest one with rays, nearer to the zenith of two: what is
+/// hidden of a narrow ring is rather like that of its neighbour than like that of the ground.
+std::vector<std::size_t> sampled_zones(std::span<const int> sent) {
+  std::vector<std::size_t> nearest(sent.size());
+  for (std::size_t z = 0; z < sent.size(); ++z)
+    for (std::size_t step = 0;; ++step) {
+      const bool above = step <= z && sent[z - step] > 0;
+      if (!above && !(z + step < sent.size() && sent[z + step] > 0)) continue;
+      nearest[z] = above ? z - step : z + step;
+      break;
+    }
+  return nearest;
+}
+
 /// Turns counts into shares: `zones` holds what the receiver would see without obstacles, and gets what it sees. The
-/// hidden part of each zone goes to the patches in proportion to the rays; of a zone that no ray went to, to all rays.
+/// hidden part of each zone goes to the patches in proportion to the rays.
 std::vector<PatchShare> post_stratify(Sample& sample, std::span<double> zones) {
-  const auto rays = std::accumulate(sample.sent.begin(), sample.sent.end(), 0.0);
-  std::vector<double> weight(zones.size());  // of a ray of the zone
-  double unsampled = 0.0;
-  for (std::size_t z = 0; z < zones.size(); ++z) {
-    if (sample.sent[z] > 0)
-      weight[z] = zones[z] / sample.sent[z];
-    else
-      unsampled += zones[z];
-  }
-  const double hidden_part = static_cast<double>(sample.hidden.size()) / rays;
+  const std::vector<std::size_t> nearest = sampled_zones(sample.sent);
   std::vector<int> hidden(zones.size(), 0);
   for (const HiddenRay& ray : sample.hidden) ++hidden[static_cast<std::size_t>(ray.zone)];
-  for (std::size_t z = 0; z < zones.size(); ++z)
-    zones[z] *=
-        sample.sent[z] > 0 ? static_cast<double>(sample.sent[z] - hidden[z]) / sample.sent[z] : 1.0 - hidden_part;
+  std::vector<double> weight(zones.size(), 0.0);  // of a ray of the zone
+  for (std::size_t z = 0; z < zones.size(); ++z) {
+    const std::size_t from = nearest[z];
+    weight[from] += zones[z] / sample.sent[from];
+    zones[z] *= static_cast<double>(sample.sent[from] - hidden[from]) / sample.sent[from];
+  }
 
   std::sort(sample.hidden.begin(), sample.hidden.end(), [](const HiddenRay& a, const HiddenRay& b) {
     return a.patch != b.patch ? a.patch < b.patch : a.zone < b.zone;
@@ -106,7 +114,7 @@ std::vector<PatchShare> post_stratify(Sample& sample, std::span<double> zones) {
   std::vector<PatchShare> shares;
   for (const HiddenRay& ray : sample.hidden) {
     if (shares.empty() || shares.back().patch != ray.patch) shares.push_back({ray.patch, 0.0});
-    shares.back().share += weight[static_cast<std::size_t>(ray.zone)] + unsampled / rays;
+    shares.back().share += weight[static_cast<std::size_t>(ray.zone)];
   }
   return shares;
 }

@@ -64,6 +64,13 @@ Views views(const Rays& rays, const Receivers& receivers, const ViewOptions& opt
 Views views(const Rays& rays, const Receivers& receivers, std::span<const std::uint32_t> patch_of, std::size_t patches,
             const ViewOptions& options = {});
 
+/// Views of sets of receivers from those of their members, by area, without new rays: row i belongs to set `set_of[i]`
+/// of `sets`, and what is seen of patch j becomes part of `patch_of[j]`, below `patches`. So that rays need to be
+/// traced once, with each side a patch of its own (patch_of[k] = k), before it is known what is merged. Throws
+/// mtf::UsageError when sizes do not fit each other or a set has no member.
+Views combined_views(const Views& views, std::span<const double> area_m2, std::span<const std::uint32_t> set_of,
+                     std::size_t sets, std::span<const std::uint32_t> patch_of, std::size_t patches);
+
 /// A patch for every side: sides of receiver i belong to `patch_of_receiver[i]`; a side that no receiver has belongs to
 /// the patch of the other side of its facet. Throws mtf::UsageError that names a facet of which neither side is
 /// received.

@@ -125,6 +125,32 @@ TEST(Classes, DifferentFinishesAreNotMerged) {
   EXPECT_EQ(classes(c, 1e6).size(), 4U);
 }
 
+TEST(Patches, AreAsManyAsAllowedAndOfNearlyEqualMeanFlux) {
+  const Case c = made_case();
+  double wider = 0.0;
+  for (const std::size_t most : {500U, 100U, 20U}) {
+    const Classes made = patches_of(c.facets, c.sides, c.finish, c.seen, c.sun, c.to_sun, c.amplitudes, most);
+    EXPECT_LE(made.size(), most);
+    EXPECT_GT(made.size(), most / 2);
+    EXPECT_GT(made.bound_w_m2, wider);
+    wider = made.bound_w_m2;
+    const auto mean_direct = [&](std::size_t i) {
+      double sum = 0.0;
+      for (std::size_t d = 0; d < c.to_sun.size(); ++d)
+        sum += 0.7 * 850.0 * std::max(0.0, dot(c.facets.facet[i].normal, c.to_sun[d]) / length(c.to_sun[d])) *
+               c.sun.share(i, d);
+      return sum / static_cast<double>(c.to_sun.size());
+    };
+    for (std::size_t i = 0; i < c.sides.size(); ++i) {
+      const std::size_t leader = made.leader[made.class_of[i]];
+      EXPECT_EQ(c.finish[i].key, c.finish[leader].key);
+      EXPECT_LT(std::abs(mean_direct(i) - mean_direct(leader)), made.bound_w_m2 + 1e-3);
+    }
+  }
+  expect_refused({"more than 1 different finishes"},
+                 [&] { (void)patches_of(c.facets, c.sides, c.finish, c.seen, c.sun, c.to_sun, c.amplitudes, 1); });
+}
+
 TEST(Classes, Refusals) {
   Case c = made_case();
   expect_refused({"tolerance"}, [&] { (void)classes(c, std::numeric_limits<double>::quiet_NaN()); });
