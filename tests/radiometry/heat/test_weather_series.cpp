@@ -234,6 +234,12 @@ TEST(Weather, WrongValuesAreNamedWithTheirRecord) {
   EXPECT_EQ(fault(global_horizontal, 1499.0), "nothing was thrown");
 }
 
+TEST(Weather, AHotMeanIsAWarning) {
+  const auto series = make_series(hourly(Stamp::instant, {273.15 + 40.0, 273.15 + 50.0}), kAlamosa);
+  ASSERT_EQ(series.warnings.size(), 1u);
+  EXPECT_TRUE(has(series.warnings[0], "the mean is 45 degC; are the values degrees Fahrenheit?"));
+}
+
 TEST(Weather, RecordsOutOfOrderOrTwiceAreRefused) {
   Weather weather = hourly(Stamp::instant, {280.0, 281.0, 282.0});
   weather.line = {2, 3, 4};
