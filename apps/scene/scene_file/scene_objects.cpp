@@ -113,7 +113,8 @@ void read_ground(SceneReader& s) {
   if (table == nullptr) return;
   const Section section{s.reader, *table, "ground", "[ground]"};
   cfg::check_keys(section, std::array<std::string_view, 2>{"material", "temperature"});
-  read_surface(s, section, s.scene.ground.emplace().material, s.scene.ground->temperature);
+  GroundSection& ground = s.scene.ground.emplace();
+  read_surface(s, section, ground.material, ground.temperature);
 }
 
 void read_camera(SceneReader& s) {
