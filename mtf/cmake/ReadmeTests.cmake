@@ -21,7 +21,8 @@ foreach(line IN LISTS readmes)
   foreach(snippet IN LISTS fields)
     add_executable(${snippet} "${snippets_dir}/${snippet}.cpp")
     set_target_properties(${snippet} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${snippets_dir}")
-    target_link_libraries(${snippet} PRIVATE mtfkit::simulate $<TARGET_NAME_IF_EXISTS:mtfkit::calib>)
+    target_link_libraries(${snippet} PRIVATE mtfkit::simulate $<TARGET_NAME_IF_EXISTS:mtfkit::calib>
+      $<TARGET_NAME_IF_EXISTS:mtfkit::weather>)
   endforeach()
 
   set(run "${blocks_script}" --run "${readme}" --mtf "$<TARGET_FILE:mtfkit_cli>" --snippets "${snippets_dir}")

@@ -25,8 +25,8 @@ double rounded(double value, double decimals) { return std::round(value * decima
 
 std::string demo_scene_text() {
   return R"(# A tracked vehicle on bare soil, two clear days of June in a high valley. All of it is made by this program: mesh,
-# weather and schedule. Material properties are typical values: steel, rubber and soil after Incropera and DeWitt,
-# Fundamentals of Heat and Mass Transfer, appendix A; solar absorptances and emissivities of dark matt paint after
+# weather and schedule. Material properties are typical values: steel and rubber after Incropera and DeWitt, Fundamentals of
+# Heat and Mass Transfer, appendix A; dry sandy soil after Oke, Boundary Layer Climates, table 2.1; dark matt paint after
 # Howell, Menguc and Siegel, Thermal Radiation Heat Transfer, appendix B.
 schema = 1
 
@@ -88,13 +88,13 @@ layers = [
 ]
 inside = { kind = "adiabatic" }
 
-# Dry soil, ten times as deep as the day's temperature wave.
+# Dry soil, twelve times as deep as the day's temperature wave.
 [[material]]
 name = "soil"
 solar_absorptance = 0.78
 emissivity = 0.95
 convection = "mcadams"
-layers = [{ conductivity = "0.5 W/m/K", density = "1600 kg/m3", heat_capacity = "900 J/kg/K", thickness = "1 m" }]
+layers = [{ conductivity = "0.3 W/m/K", density = "1600 kg/m3", heat_capacity = "800 J/kg/K", thickness = "1 m" }]
 inside = { kind = "adiabatic" }
 
 [[mesh]]

@@ -34,7 +34,7 @@ struct TimeSection {
 struct WeatherSection {
   std::string file;                              ///< path, "" for constant values
   radiometry::heat::Weather constant;            ///< one record at the start; empty where a file is named
-  std::optional<radiometry::heat::Stamp> stamp;  ///< as written; what formats state themselves need not be
+  std::optional<radiometry::heat::Stamp> stamp;  ///< absent where the file does not say
   radiometry::heat::Repeat repeat = radiometry::heat::Repeat::none;
   double longest_bridge_s = 3600.0;  ///< longest gap that a straight line closes
 };

@@ -209,12 +209,7 @@ void read_materials(SceneReader& s) {
     cfg::check_keys(section, std::array<std::string_view, 7>{"name", "solar_absorptance", "emissivity", "convection",
                                                              "layers", "inside", "wet_fraction"});
     MaterialSection material;
-    material.name = cfg::read_string(section, "name").value_or("");
-    if (name == nullptr) section.error("name", "missing; write name = \"armour\", which regions refer to");
-    if (named && name->text.empty()) section.error("name", "an empty name");
-    if (named && std::find(s.material_names.begin(), s.material_names.end(), name->text) != s.material_names.end())
-      section.error("name", "there is a material of that name already");
-    s.material_names.push_back(named ? std::string_view(name->text) : std::string_view());
+    material.name = read_name(section, s.material_names, "armour");
     material.solar_absorptance = read_si(section, kSolarAbsorptance).value_or(0.0);
     if (section.find("emissivity") == nullptr && !s.reader.has_failed(section.at("emissivity")))
       section.error("emissivity", "missing; write emissivity = 0.9, or the name of a table such as \"paint.csv\"");

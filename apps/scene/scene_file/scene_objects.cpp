@@ -41,7 +41,7 @@ double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) 
 void read_meshes(SceneReader& s) {
   const Node* list = find_tables(s, "mesh");
   if (list == nullptr) {
-    if (s.tree.find("mesh") == nullptr)
+    if (s.tree.find("mesh") == nullptr && !s.reader.has_failed("mesh"))
       s.reader.error({}, "mesh", "missing; write [[mesh]] with name = \"vehicle\" and file = \"vehicle.obj\"");
     return;
   }
@@ -50,14 +50,7 @@ void read_meshes(SceneReader& s) {
     const Section section{s.reader, node, "mesh[" + std::to_string(i) + "]", "[[mesh]]"};
     cfg::check_keys(section, std::array<std::string_view, 3>{"name", "file", "unit"});
     MeshSection mesh;
-    mesh.name = cfg::read_string(section, "name").value_or("");
-    const Node* name = section.find("name");
-    if (name == nullptr) section.error("name", "missing; write name = \"vehicle\", which regions refer to");
-    const bool named = name != nullptr && name->kind == Node::Kind::string;
-    if (named && name->text.empty()) section.error("name", "an empty name");
-    if (named && std::find(s.mesh_names.begin(), s.mesh_names.end(), name->text) != s.mesh_names.end())
-      section.error("name", "there is a mesh of that name already");
-    s.mesh_names.push_back(named ? std::string_view(name->text) : std::string_view());
+    mesh.name = read_name(section, s.mesh_names, "vehicle");
     if (section.find("file") == nullptr && !s.reader.has_failed(section.at("file")))
       section.error("file", "missing; write file = \"vehicle.obj\" (OBJ, PLY, STL or glTF 2)");
     mesh.file = read_path(section, "file").value_or("");
@@ -73,7 +66,7 @@ void read_meshes(SceneReader& s) {
 void read_regions(SceneReader& s) {
   const Node* list = find_tables(s, "region");
   if (list == nullptr) {
-    if (s.tree.find("region") == nullptr)
+    if (s.tree.find("region") == nullptr && !s.reader.has_failed("region"))
       s.reader.error({}, "region", "missing; write [[region]] with mesh = \"vehicle\" and material = \"armour\"");
     return;
   }
@@ -113,7 +106,8 @@ void read_ground(SceneReader& s) {
   if (table == nullptr) return;
   const Section section{s.reader, *table, "ground", "[ground]"};
   cfg::check_keys(section, std::array<std::string_view, 2>{"material", "temperature"});
-  read_surface(s, section, s.scene.ground.emplace().material, s.scene.ground->temperature);
+  GroundSection& ground = s.scene.ground.emplace();
+  read_surface(s, section, ground.material, ground.temperature);
 }
 
 void read_camera(SceneReader& s) {

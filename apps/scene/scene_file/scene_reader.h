@@ -35,6 +35,10 @@ const mtf::io::cfg::Node* find_section(SceneReader& s, std::string_view key, std
 /// The list of tables [[key]]; null when absent, and when it is none (reported).
 const mtf::io::cfg::Node* find_tables(SceneReader& s, std::string_view key);
 
+/// The name of a table that others refer to by it, such as `example`; joins `names`, "" where it is missing or wrong.
+std::string read_name(const mtf::io::cfg::Section& section, std::vector<std::string_view>& names,
+                      std::string_view example);
+
 /// The path of a file that `key` names, against the folder of the scene file; null when absent or reported.
 std::optional<std::string> read_path(const mtf::io::cfg::Section& section, std::string_view key);
 

@@ -112,6 +112,17 @@ const Node* find_tables(SceneReader& s, std::string_view key) {
   return nullptr;
 }
 
+std::string read_name(const Section& section, std::vector<std::string_view>& names, std::string_view example) {
+  const auto name = cfg::read_string(section, "name");
+  if (section.find("name") == nullptr && !section.reader.has_failed(section.at("name")))
+    section.error("name", "missing; write name = \"" + std::string(example) + "\", which others refer to");
+  if (name && name->empty()) section.error("name", "an empty name");
+  if (name && !name->empty() && std::find(names.begin(), names.end(), *name) != names.end())
+    section.error("name", "the name stands twice");
+  names.push_back(name ? std::string_view(section.find("name")->text) : std::string_view());
+  return name.value_or("");
+}
+
 std::optional<std::string> read_path(const Section& section, std::string_view key) {
   const auto name = cfg::read_string(section, key);
   if (!name) return std::nullopt;
@@ -193,6 +204,11 @@ std::optional<std::size_t> read_reference(const Section& section, std::string_vi
   if (!name) return std::nullopt;
   const auto found = std::find(names.begin(), names.end(), *name);
   if (found != names.end() && !name->empty()) return static_cast<std::size_t>(found - names.begin());
+  // A table whose name is missing, which was reported, may be the one that is meant.
+  if (std::find(names.begin(), names.end(), "") != names.end()) {
+    section.reader.failed.insert(section.at(key));
+    return std::nullopt;
+  }
   section.error(key,
                 "there is no " + std::string(what) + " \"" + printable(*name, 60) + "\"" +
                     (names.empty() ? "; define it as [[" + std::string(what) + "]]" : cfg::suggestion(*name, names)));

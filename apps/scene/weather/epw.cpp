@@ -21,7 +21,7 @@ using radiometry::heat::Weather;
 using radiometry::heat::WeatherQuantity;
 using enum radiometry::heat::WeatherQuantity;
 
-constexpr std::size_t kHeaderLines = 8, kLeastCells = 24;
+constexpr std::size_t kHeaderLines = 8, kCells = 35, kOldCells = 32;  // older files end before albedo and rain
 
 /// A column of the data: where it stands, from which value on it is missing, and how it becomes SI.
 struct EpwColumn {
@@ -67,9 +67,9 @@ WeatherFile parse_epw(std::string_view text, const std::string& source, const We
       if (!(per_hour >= 1.0 && per_hour <= 60.0)) record.fail("records per hour are outside of 1 ... 60");
       continue;
     }
-    if (cells.size() < kLeastCells)
-      record.fail(std::to_string(cells.size()) + " cells in a record, at least " + std::to_string(kLeastCells) +
-                  " are needed");
+    if (cells.size() != kOldCells && cells.size() < kCells)
+      record.fail(std::to_string(cells.size()) + " cells in a record, " + std::to_string(kCells) + " or " +
+                  std::to_string(kOldCells) + " are needed");
     const int hour = record.whole(3, "hour"), minute = record.whole(4, "minute");
     const HourStamp stamp{record.whole(0, "year"), record.whole(1, "month"), record.whole(2, "day"),
                           3600.0 * (hour - 1) + 60.0 * (minute == 0 ? 60 : minute)};

@@ -87,9 +87,9 @@ WeatherFile parse_weather_csv(std::string_view text, const std::string& source, 
     require_unit(table, column, kSiUnits[q], source);
     weather.values[q] = std::move(column.value);
   }
-  const int ways = (humidity != nullptr ? 1 : 0) + (dew_point != nullptr ? 1 : 0) +
-                   (weather.has(WeatherQuantity::vapour_pressure) ? 1 : 0);
-  if (ways > 1)
+  const int humidities = (humidity != nullptr ? 1 : 0) + (dew_point != nullptr ? 1 : 0) +
+                         (weather.has(WeatherQuantity::vapour_pressure) ? 1 : 0);
+  if (humidities > 1)
     throw mtf::UsageError(error_at(source, table.header_line) +
                           "the humidity is given more than once; keep one of vapour_pressure, relative_humidity and "
                           "dew_point");

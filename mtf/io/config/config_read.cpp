@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+
+// toml++ 3.3 asserts in parse_key what damaged files break ("[table]]"), and reports them as errors a few lines later;
+// a build with assertions would end there.
+#define TOML_ASSERT(condition) static_cast<void>(0)
 #include <toml++/toml.h>
 
 #include <algorithm>

@@ -122,7 +122,7 @@ std::optional<double> parse_instant(std::string_view text, InstantError& error) 
   if (text.empty()) return fail("the time zone is missing");
   const auto zone = take_zone(text);
   if (!zone) return fail("no time zone");
-  if (!text.empty()) return fail("text behind the time zone");
+  if (!text.empty()) return fail("text after the time zone");
   return instant_of(date, seconds) - *zone;
 }
 

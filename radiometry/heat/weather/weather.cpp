@@ -106,4 +106,31 @@ void check_weather(const Weather& weather) {
   if (!text.empty()) throw mtf::UsageError(text);
 }
 
+Weather averaged(const Weather& weather, double step_s) {
+  check_weather(weather);
+  if (!(step_s > 0.0)) throw mtf::UsageError(weather.source + ": error: the interval of a mean has to be above 0 s");
+  const auto& t = weather.time_s;
+  // The time from a stamp to the middle of its interval, of records at equal distances.
+  const double shift = t.size() < 2 || weather.stamp == Stamp::instant
+                           ? 0.0
+                           : (t[1] - t[0]) * (weather.stamp == Stamp::end ? -0.5 : 0.5);
+  Weather means{.source = weather.source, .stamp = Stamp::end, .time_s = {}, .values = {}};
+  for (std::size_t first = 0, after = 0; first < t.size(); first = after) {
+    const double end_s = (std::floor((t[first] + shift) / step_s) + 1.0) * step_s;
+    while (after < t.size() && t[after] + shift < end_s) ++after;
+    means.time_s.push_back(end_s);
+    for (std::size_t q = 0; q < kQuantities; ++q) {
+      if (weather.values[q].empty()) continue;
+      double sum = 0.0, count = 0.0;
+      for (std::size_t i = first; i < after; ++i)
+        if (!std::isnan(weather.values[q][i])) {
+          sum += weather.values[q][i];
+          count += 1.0;
+        }
+      means.values[q].push_back(sum / count);  // NaN without values
+    }
+  }
+  return means;
+}
+
 }  // namespace radiometry::heat

@@ -59,4 +59,9 @@ struct Weather {
 /// ... 1. Throws UsageError with "source:line: ..." lines, one for each kind of fault in each column.
 void check_weather(const Weather& weather);
 
+/// Means over longer intervals, [k step, (k + 1) step) of UTC, stamped at their end: measured minutes as 5-min means.
+/// Each record counts where its middle is; missing values are left out of a mean, and one without any value is missing.
+/// Throws UsageError for a step that is not positive, and as check_weather does.
+Weather averaged(const Weather& weather, double step_s);
+
 }  // namespace radiometry::heat

@@ -68,6 +68,11 @@ std::string uncovered(const WeatherSeries& series, double begin_s, double end_s)
          span_text(first, last);
 }
 
+bool is_solar(WeatherQuantity quantity) {
+  return quantity == WeatherQuantity::direct_normal || quantity == WeatherQuantity::diffuse_horizontal ||
+         quantity == WeatherQuantity::global_horizontal;
+}
+
 bool meets(const WeatherSeries& series, const WeatherGap& gap, double begin_s, double end_s) {
   if (series.repeat == Repeat::none) return gap.begin_s < end_s && gap.end_s > begin_s;
   const double days = std::floor((begin_s - gap.begin_s) / kDay_s);
@@ -118,7 +123,9 @@ void require(const WeatherSeries& series, const std::vector<WeatherQuantity>& qu
   if (const std::string text = uncovered(series, begin_s, end_s); !text.empty())
     add(text + "; choose another [time], or repeat = \"day\"");
   for (const WeatherQuantity quantity : quantities)
-    if (!series.has(quantity)) add("the weather has no " + std::string(quantity_name(quantity)));
+    if (!series.has(quantity))
+      add("the weather has no " + std::string(quantity_name(quantity)) +
+          (is_solar(quantity) ? "; give two of direct_normal, diffuse_horizontal and global_horizontal" : ""));
   for (const WeatherGap& gap : series.gaps)
     if (std::find(quantities.begin(), quantities.end(), gap.quantity) != quantities.end() &&
         meets(series, gap, begin_s, end_s))

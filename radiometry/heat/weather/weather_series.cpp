@@ -176,6 +176,21 @@ void close_solar(Records& records, const Place& place, std::vector<std::string>&
       " is absent and follows from the other two solar columns: global = direct normal x cos z + diffuse");
 }
 
+/// Air that is this warm on average is more often in degrees Fahrenheit than in a desert.
+void warn_of_heat(const Weather& weather, std::vector<std::string>& warnings) {
+  constexpr double kHotMean_k = mtf::kZeroCelsius_k + 42.0;
+  double sum = 0.0, count = 0.0;
+  for (const double value : weather[air_temperature])
+    if (!std::isnan(value)) {
+      sum += value;
+      count += 1.0;
+    }
+  if (count > 0.0 && sum / count > kHotMean_k)
+    warnings.push_back("air_temperature: the mean is " +
+                       mtf::format_double(std::round(sum / count - mtf::kZeroCelsius_k)) +
+                       " degC; are the values degrees Fahrenheit?");
+}
+
 /// Lines of instants: the records themselves.
 void lines_through_instants(Records&& records, WeatherSeries& series) {
   series.node_s = std::move(records.begin_s);
@@ -254,6 +269,7 @@ WeatherSeries make_series(const Weather& weather, const Place& place, const Seri
     for (double& value : clean[quantity])
       if (value < 0.0) value = 0.0;  // the night offset of a pyranometer; NaN stays
 
+  warn_of_heat(clean, series.warnings);
   if (clean.time_s.size() == 1) {
     series.node_s = clean.time_s;
     series.value = clean.values;

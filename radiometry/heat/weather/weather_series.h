@@ -8,11 +8,11 @@
 //                        mean over every interval is the record's, exactly (a = (e_left + 2m + e_right)/4), nothing
 //                        leaves [0, 2 max], and 0 at night stays 0. (The idea: Rymes and Myers, Sol. Energy 71, 225
 //                        (2001).)
-// A single record is constant weather. A missing one of direct normal B, diffuse D and global G is closed by
-// G = B cos z + D with the true sun: of the instant, or of the mean of max(cos z, 0) over the interval; B is then at
-// most the extraterrestrial irradiance and 0 while the mean cosine is below 0.01. Values that are missing for at most
-// `longest_bridge_s` are bridged by a straight line between their neighbours, longer gaps are kept by name: an
-// evaluation in one throws.
+// A single record is constant weather, as it is given. Of others a missing one of direct normal B, diffuse D and global
+// G is closed by G = B cos z + D with the true sun: of the instant, or of the mean of max(cos z, 0) over the interval;
+// B is then at most the extraterrestrial irradiance and 0 while the mean cosine is below 0.01. Values that are missing
+// for at most `longest_bridge_s` are bridged by a straight line between their neighbours, longer gaps are kept by name:
+// an evaluation in one throws.
 
 #include <array>
 #include <optional>

@@ -60,7 +60,7 @@ TEST(SceneErrors, EachHasItsPlaceAndItsRemedy) {
            Fault{"\"measured\"", "\"measure\"", "did you mean \"measured\"?"},
            Fault{"\"from_longwave\"", "1.5", "sky.cloud: 1.5 is outside [0, 1]"},
            Fault{"name = \"armour\"\n", "", "material[0].name: missing"},
-           Fault{"name = \"soil\"", "name = \"armour\"", "there is a material of that name already"},
+           Fault{"name = \"soil\"", "name = \"armour\"", "material[1].name: the name stands twice"},
            Fault{"solar_absorptance = 0.7", "solar_absorptance = 1.7",
                  "scene.toml:20:21: error: material[0].solar_absorptance: 1.7 is outside [0, 1]"},
            Fault{"solar_absorptance = 0.7\n", "", "material[0].solar_absorptance: missing"},
@@ -92,7 +92,7 @@ TEST(SceneErrors, EachHasItsPlaceAndItsRemedy) {
                  "scene.toml:24:58: error: material[0].inside.temperature: cannot read"},
            Fault{"\"engine.csv\"", "\"heater.csv\"", "heater.csv:1: error: column flux has a unit that does not fit"},
            Fault{"\"engine.csv\"", "\"-300 degC\"", "is outside (0, 3000] K"},
-           Fault{"name = \"terrain\"", "name = \"vehicle\"", "there is a mesh of that name already"},
+           Fault{"name = \"terrain\"", "name = \"vehicle\"", "mesh[1].name: the name stands twice"},
            Fault{"file = \"vehicle.obj\"\n", "", "mesh[0].file: missing"},
            Fault{"\"1 mm\"", "\"1 kg\"", "does not fit"},
            Fault{"\"1 mm\"", "1", "1 has no unit; write \"1 mm\""},
@@ -120,11 +120,11 @@ TEST(SceneErrors, EachHasItsPlaceAndItsRemedy) {
 
 TEST(SceneErrors, OneFaultIsOneError) {
   const SceneFolder folder;
-  for (const Fault& fault :
-       {Fault{"latitude", "lattitude", ""}, Fault{"\"10 min\"", "\"10 mins\"", ""},
-        Fault{"emissivity = \"paint.csv\"", "emisivity = \"paint.csv\"", ""},
-        Fault{"thickness = \"20 mm\"", "thicknes = \"20 mm\"", ""}, Fault{"[weather]", "[wether]", ""},
-        Fault{"material = \"armour\"", "materal = \"armour\"", ""}}) {
+  for (const Fault& fault : {Fault{"latitude", "lattitude", ""}, Fault{"\"10 min\"", "\"10 mins\"", ""},
+                             Fault{"emissivity = \"paint.csv\"", "emisivity = \"paint.csv\"", ""},
+                             Fault{"thickness = \"20 mm\"", "thicknes = \"20 mm\"", ""},
+                             Fault{"[weather]", "[wether]", ""}, Fault{"name = \"canvas\"", "nam = \"canvas\"", ""},
+                             Fault{"material = \"armour\"", "materal = \"armour\"", ""}}) {
     const std::string errors = errors_of(folder, replaced(scene_text(), fault.from, fault.to));
     EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 1) << errors;
   }

@@ -314,6 +314,13 @@ TEST(WeatherDamaged, EveryColumnMissingInTurn) {
   }
   for (std::size_t k = 0; k < 10; ++k)
     EXPECT_NE(refusal(without_column(tmy3_text(), k, ',', 1)), "nothing was thrown") << k;
+  for (std::size_t k = 0; k < 35; ++k)
+    EXPECT_TRUE(contains(refusal(without_column(epw_text(), k, ',', 8)), "34 cells in a record")) << k;
+  // Blanks separate; every run of them is one separator.
+  std::string surfrad = surfrad_text(3);
+  for (std::size_t at = 0; (at = surfrad.find("  ", at)) != std::string::npos;) surfrad.erase(at, 1);
+  for (std::size_t k = 1; k <= 48; ++k)
+    EXPECT_TRUE(contains(refusal(without_column(surfrad, k, ' ', 2)), "47 numbers, 48 are needed")) << k;
 }
 
 }  // namespace

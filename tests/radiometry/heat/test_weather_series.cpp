@@ -234,6 +234,12 @@ TEST(Weather, WrongValuesAreNamedWithTheirRecord) {
   EXPECT_EQ(fault(global_horizontal, 1499.0), "nothing was thrown");
 }
 
+TEST(Weather, AHotMeanIsAWarning) {
+  const auto series = make_series(hourly(Stamp::instant, {273.15 + 40.0, 273.15 + 50.0}), kAlamosa);
+  ASSERT_EQ(series.warnings.size(), 1u);
+  EXPECT_TRUE(has(series.warnings[0], "the mean is 45 degC; are the values degrees Fahrenheit?"));
+}
+
 TEST(Weather, RecordsOutOfOrderOrTwiceAreRefused) {
   Weather weather = hourly(Stamp::instant, {280.0, 281.0, 282.0});
   weather.line = {2, 3, 4};
@@ -245,6 +251,21 @@ TEST(Weather, RecordsOutOfOrderOrTwiceAreRefused) {
   weather.time_s.clear();
   weather[air_temperature].clear();
   EXPECT_TRUE(has(message([&] { check_weather(weather); }), "no records"));
+}
+
+TEST(Weather, MeansOverLongerIntervals) {
+  Weather weather = hourly(Stamp::end, {280.0, 282.0, 284.0, kMissing, 288.0, kMissing}, 60.0);
+  weather[wind_speed] = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
+  const Weather means = averaged(weather, 180.0);
+  EXPECT_EQ(means.stamp, Stamp::end);
+  EXPECT_EQ(means.time_s, (std::vector<double>{kBegin + 180.0, kBegin + 360.0}));
+  EXPECT_EQ(means[air_temperature], (std::vector<double>{282.0, 288.0}));
+  EXPECT_EQ(means[wind_speed], (std::vector<double>{2.0, 5.0}));
+  weather.stamp = Stamp::begin;  // the same minutes, a minute later
+  EXPECT_EQ(averaged(weather, 180.0)[wind_speed], (std::vector<double>{1.5, 4.0, 6.0}));
+  weather[air_temperature] = std::vector<double>(6, kMissing);
+  EXPECT_TRUE(std::isnan(averaged(weather, 180.0)[air_temperature][0]));
+  EXPECT_THROW(averaged(weather, 0.0), mtf::UsageError);
 }
 
 TEST(DemoWeather, IsAClearDay) {
