@@ -16,6 +16,7 @@ using namespace scene_test;
 using apps::scene::import_mesh;
 using apps::scene::write_obj;
 using apps::scene::write_ply;
+using apps::scene::write_vtk;
 using radiometry::scene::Mesh;
 
 Mesh small_mesh() {
@@ -60,7 +61,7 @@ TEST(MeshFiles, PlyHasValuesOfVerticesAndFaces) {
       "ply\nformat binary_little_endian 1.0\ncomment written by mtfkit; metres, x east, y north, z up\n"
       "comment group 0 hull\ncomment group 1 gun barrel\ncomment material 0 rubber\ncomment material 1 armour\n"
       "element vertex 5\nproperty double x\nproperty double y\nproperty double z\nproperty float temperature\n"
-      "element face 3\nproperty list uint uint vertex_indices\nproperty int group\nproperty int material\n"
+      "element face 3\nproperty list uchar int vertex_indices\nproperty int group\nproperty int material\n"
       "property float temperature\nproperty float flux\nend_header\n";
   ASSERT_EQ(content.substr(0, header.size()), header);
   std::string expected;
@@ -70,12 +71,53 @@ TEST(MeshFiles, PlyHasValuesOfVerticesAndFaces) {
   }
   for (std::size_t face = 0; face < 3; ++face) {
     const std::uint64_t from = mesh.first[face], to = mesh.first[face + 1];
-    expected += bytes(static_cast<std::uint32_t>(to - from));
+    expected += bytes(static_cast<std::uint8_t>(to - from));
     for (std::uint64_t k = from; k < to; ++k) expected += bytes(mesh.corners[k]);
     expected += bytes(mesh.group[face]) + bytes(mesh.material[face]) + bytes(faces[face]) + bytes(faces[face]);
   }
   EXPECT_EQ(content.substr(header.size()), expected);
   expect_same_faces(import_mesh(folder / "a.ply", 1.0), mesh);
+}
+
+// A face of more corners than a byte can count.
+TEST(MeshFiles, PlyOfALargePolygon) {
+  const Folder folder;
+  Mesh mesh{.vertices = {},
+            .corners = {},
+            .first = {0, 300},
+            .group = {0},
+            .material = {0},
+            .group_names = {""},
+            .material_names = {""}};
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    mesh.vertices.push_back({static_cast<double>(i), static_cast<double>(i * i), 0});
+    mesh.corners.push_back(i);
+  }
+  write_ply(folder / "a.ply", mesh);
+  expect_same_faces(import_mesh(folder / "a.ply", 1.0), mesh);
+}
+
+TEST(MeshFiles, VtkHasValuesOfPointsAndCells) {
+  const Folder folder;
+  const Mesh mesh = small_mesh();
+  const std::vector<float> vertices{280, 281, 282, 283, 284}, faces{300, 301, 302};
+  write_vtk(folder / "a.vtk", mesh, {{"temperature", vertices}}, {{"flux", faces}});
+  std::string expected =
+      "# vtk DataFile Version 3.0\nwritten by mtfkit; metres, x east, y north, z up\nBINARY\nDATASET POLYDATA\nPOINTS "
+      "5 double\n";
+  for (const auto& p : mesh.vertices)
+    for (const double x : p) expected += bytes(x, true);
+  expected += "\nPOLYGONS 3 13\n";
+  for (const unsigned number : {4U, 0U, 1U, 2U, 3U, 3U, 1U, 2U, 4U, 3U, 0U, 1U, 4U}) expected += bytes(number, true);
+  expected += "\nCELL_DATA 3\nSCALARS group int 1\nLOOKUP_TABLE default\n";
+  for (const unsigned number : {0U, 1U, 1U}) expected += bytes(number, true);
+  expected += "\nSCALARS material int 1\nLOOKUP_TABLE default\n";
+  for (const unsigned number : {1U, 1U, 0U}) expected += bytes(number, true);
+  expected += "\nSCALARS flux float 1\nLOOKUP_TABLE default\n";
+  for (const float value : faces) expected += bytes(value, true);
+  expected += "\nPOINT_DATA 5\nSCALARS temperature float 1\nLOOKUP_TABLE default\n";
+  for (const float value : vertices) expected += bytes(value, true);
+  EXPECT_EQ(text_of(folder / "a.vtk"), expected + "\n");
 }
 
 TEST(MeshFiles, WhatAFormatCannotHoldIsRefused) {
