@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# find_package(mtfkit COMPONENTS mtf io radiometry calib sensors simulate study)
+# find_package(mtfkit COMPONENTS mtf io radiometry calib sensors simulate study mesh_import scene_outputs vehicle)
 
 include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/mtfkit")

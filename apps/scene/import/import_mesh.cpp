@@ -88,7 +88,8 @@ ImportRequest request_for(const fs::path& file, const InputFile& input, const Im
   if (request.extension == ".gltf") request.folder = fs::absolute(file).parent_path();
   request.memory_bytes = limits.memory_bytes > 0 ? limits.memory_bytes : std::min(memory, 512 * mebibyte + 64 * size);
   request.cpu_s = limits.cpu_s > 0 ? limits.cpu_s : 1 + (size + 4 * mebibyte - 1) / (4 * mebibyte);
-  request.output_bytes = limits.output_bytes > 0 ? limits.output_bytes : 64 * mebibyte + 64 * size;
+  request.output_bytes =
+      limits.output_bytes > 0 ? limits.output_bytes : std::min(memory / 4, 64 * mebibyte + 64 * size);
   return request;
 }
 
@@ -97,10 +98,13 @@ ImportRequest request_for(const fs::path& file, const InputFile& input, const Im
       "export it again, as binary PLY for instance; a file that is right and needs more can be read with higher "
       "ImportLimits";
   if (end == ImportEnd::too_long)
-    refuse(file, "reading it took more than " + mtf::io::number_text(request.cpu_s) + " s of processor time", remedy);
+    refuse(file,
+           "reading it took more than " + mtf::io::number_text(request.cpu_s) + " s of processor time or " +
+               mtf::io::number_text(import_patience * request.cpu_s) + " s in all",
+           remedy);
   if (end == ImportEnd::too_large)
     refuse(file, "its mesh is larger than " + mtf::io::shown_bytes(static_cast<double>(request.output_bytes)), remedy);
-  refuse(file, "the file is damaged: the process that reads it crashed", "export it again");
+  refuse(file, "the process that reads it crashed", "the file is damaged, or memory was short: export it again");
 }
 
 DecodedImport imported(const fs::path& file, const ImportRequest& request) {

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -129,8 +130,7 @@ ImportRun run_import(const ImportRequest& request) {
   in.close();
 
   ImportRun run;
-  constexpr unsigned patience = 10;  // a machine that is busy gives a tenth of a core
-  const auto deadline = Clock::now() + std::chrono::seconds(patience * (request.cpu_s + 1));
+  const auto deadline = Clock::now() + std::chrono::seconds(import_patience * request.cpu_s);
   run.end = receive(out.number(), deadline, request.output_bytes, run.bytes);
   if (run.end != ImportEnd::sent) child.kill();
   const int status = child.wait();

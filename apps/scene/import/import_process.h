@@ -21,9 +21,12 @@ struct ImportRequest {
   std::uint64_t memory_bytes = 0, cpu_s = 0, output_bytes = 0;
 };
 
+/// Seconds that may pass for each second of processor time: a busy machine gives a tenth of a core.
+inline constexpr std::uint64_t import_patience = 10;
+
 enum class ImportEnd {
   sent,       ///< the process sent all that it had to
-  too_long,   ///< it used the processor time, or stood still for ten times as long
+  too_long,   ///< it used the processor time, or `import_patience` times as long passed
   too_large,  ///< it sent more than `output_bytes`
   crashed
 };

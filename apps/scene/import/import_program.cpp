@@ -3,13 +3,11 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <string>
 #include <vector>
 
 #include "apps/scene/import/import_process.h"
 #include "mtf/error.h"
 #include "mtf/io/code_folder.h"
-#include "mtf/io/csv/number_text.h"
 
 namespace apps::scene {
 namespace {
@@ -31,18 +29,13 @@ std::vector<fs::path> run_path() {
   return folders;
 }
 
-// A program linked with the static libraries may lie anywhere, but its run path leads to the installation.
-fs::path found_program(std::string& searched) {
+// In the folder or one of those above; empty when it is not there.
+fs::path found_above(fs::path folder) {
   constexpr int depth = 5;  // of a test program or a Python module below the build folder or the prefix
-  std::vector<fs::path> starts = run_path();
-  starts.insert(starts.begin(), mtf::io::code_folder(reinterpret_cast<const void*>(&import_program)));
-  for (fs::path folder : starts) {
-    for (int up = 0; up < depth && folder != folder.root_path(); ++up, folder = folder.parent_path()) {
-      const fs::path program = folder / "libexec" / "mtfkit" / "mtfkit-import";
-      std::error_code error;
-      if (fs::is_regular_file(program, error)) return program;
-    }
-    mtf::io::append_word(searched, folder.string());
+  for (int up = 0; up < depth && folder != folder.root_path(); ++up, folder = folder.parent_path()) {
+    const fs::path program = folder / "libexec" / "mtfkit" / "mtfkit-import";
+    std::error_code error;
+    if (fs::is_regular_file(program, error)) return program;
   }
   return {};
 }
@@ -51,14 +44,15 @@ fs::path found_program(std::string& searched) {
 
 fs::path import_program() {
   if (const char* chosen = std::getenv("MTFKIT_IMPORT"); chosen != nullptr && *chosen != '\0') return chosen;
-  std::string searched;
-  const fs::path program = found_program(searched);
-  if (program.empty())
-    throw mtf::RuntimeError("cannot find libexec/mtfkit/mtfkit-import, the program that reads mesh files (searched " +
-                            searched +
-                            " and the folders above); install mtfkit with it, or name it in the environment variable "
-                            "MTFKIT_IMPORT");
-  return program;
+  const fs::path own = mtf::io::code_folder(reinterpret_cast<const void*>(&import_program));
+  if (const fs::path program = found_above(own); !program.empty()) return program;
+  // A program linked with the static libraries may lie anywhere, but its run path leads to the installation.
+  for (const fs::path& folder : run_path())
+    if (const fs::path program = found_above(folder); !program.empty()) return program;
+  throw mtf::RuntimeError(
+      "cannot find libexec/mtfkit/mtfkit-import, the program that reads mesh files, neither above " + own.string() +
+      " nor above the folders of the run path; install mtfkit with it, or name it in the "
+      "environment variable MTFKIT_IMPORT");
 }
 
 }  // namespace apps::scene

@@ -2,6 +2,7 @@
 #include "apps/scene/outputs/mesh_files.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <string_view>
@@ -28,11 +29,20 @@ std::span<const std::uint32_t> corners_of(const Mesh& mesh, std::size_t face) {
 
 void append(mtf::io::AtomicFile& file, std::string_view text) { file.write(text.data(), text.size()); }
 
+static_assert(std::endian::native == std::endian::little, "append_binary is for such machines");
+
 /// The bytes of a number, lowest first.
 template <class T>
 void append_binary(mtf::io::AtomicFile& file, T value) {
-  static_assert(std::endian::native == std::endian::little, "reverse the bytes here");
   file.write(&value, sizeof value);
+}
+
+/// The bytes of a number, highest first.
+template <class T>
+void append_big_endian(mtf::io::AtomicFile& file, T value) {
+  auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
+  std::reverse(bytes.begin(), bytes.end());
+  file.write(bytes.data(), bytes.size());
 }
 
 void check_obj_names(const fs::path& file, const std::vector<std::string>& names) {
@@ -54,12 +64,25 @@ bool is_word(std::string_view name) {
 void check_values(const fs::path& file, const std::vector<MeshValues>& all, std::size_t count, const char* of) {
   for (const MeshValues& values : all) {
     if (!is_word(values.name))
-      refuse(file, "PLY cannot hold the name \"" + mtf::io::printable(values.name) +
-                       "\" of values; take letters, digits and _");
+      refuse(file,
+             "values cannot have the name \"" + mtf::io::printable(values.name) + "\"; take letters, digits and _");
     if (values.values.size() != count)
       refuse(file, "there are " + mtf::io::number_text(values.values.size()) + " values of \"" + values.name +
                        "\" for " + mtf::io::number_text(count) + " " + of);
   }
+}
+
+void check_values(const fs::path& file, const Mesh& mesh, const std::vector<MeshValues>& of_vertices,
+                  const std::vector<MeshValues>& of_faces) {
+  check_values(file, of_vertices, mesh.vertices.size(), "vertices");
+  check_values(file, of_faces, mesh.faces(), "faces");
+}
+
+/// Whether every face has few enough corners for the type of their number that all programs read.
+bool has_small_faces(const Mesh& mesh) {
+  for (std::size_t face = 0; face < mesh.faces(); ++face)
+    if (corners_of(mesh, face).size() > std::numeric_limits<std::uint8_t>::max()) return false;
+  return true;
 }
 
 std::string ply_header(const Mesh& mesh, const std::vector<MeshValues>& of_vertices,
@@ -78,7 +101,8 @@ std::string ply_header(const Mesh& mesh, const std::vector<MeshValues>& of_verti
   text += "property double x\nproperty double y\nproperty double z\n";
   add_values(of_vertices);
   text += "element face " + std::to_string(mesh.faces()) + "\n";
-  text += "property list uint uint vertex_indices\nproperty int group\nproperty int material\n";
+  text += std::string("property list ") + (has_small_faces(mesh) ? "uchar" : "uint") +
+          " int vertex_indices\nproperty int group\nproperty int material\n";
   add_values(of_faces);
   return text + "end_header\n";
 }
@@ -112,8 +136,8 @@ void write_obj(const fs::path& file, const Mesh& mesh) {
 
 void write_ply(const fs::path& file, const Mesh& mesh, const std::vector<MeshValues>& of_vertices,
                const std::vector<MeshValues>& of_faces) {
-  check_values(file, of_vertices, mesh.vertices.size(), "vertices");
-  check_values(file, of_faces, mesh.faces(), "faces");
+  check_values(file, mesh, of_vertices, of_faces);
+  const bool small = has_small_faces(mesh);
   mtf::io::AtomicFile out(file.string());
   append(out, ply_header(mesh, of_vertices, of_faces));
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -122,12 +146,47 @@ void write_ply(const fs::path& file, const Mesh& mesh, const std::vector<MeshVal
   }
   for (std::size_t face = 0; face < mesh.faces(); ++face) {
     const std::span<const std::uint32_t> corners = corners_of(mesh, face);
-    append_binary(out, static_cast<std::uint32_t>(corners.size()));
+    if (small)
+      append_binary(out, static_cast<std::uint8_t>(corners.size()));
+    else
+      append_binary(out, static_cast<std::uint32_t>(corners.size()));
     out.write(corners.data(), corners.size_bytes());
     append_binary(out, mesh.group[face]);
     append_binary(out, mesh.material[face]);
     for (const MeshValues& values : of_faces) append_binary(out, values.values[face]);
   }
+  out.commit();
+}
+
+void write_vtk(const fs::path& file, const Mesh& mesh, const std::vector<MeshValues>& of_vertices,
+               const std::vector<MeshValues>& of_faces) {
+  check_values(file, mesh, of_vertices, of_faces);
+  if (mesh.vertices.size() + mesh.corners.size() + mesh.faces() > std::numeric_limits<std::int32_t>::max())
+    refuse(file, "VTK's old format counts up to 2^31 only; write PLY");
+  mtf::io::AtomicFile out(file.string());
+  const auto put_values = [&out](const char* type, const std::string& name, const auto& values) {
+    append(out, "\nSCALARS " + name + " " + type + " 1\nLOOKUP_TABLE default\n");
+    for (const auto value : values) append_big_endian(out, value);
+  };
+  append(out,
+         "# vtk DataFile Version 3.0\nwritten by mtfkit; metres, x east, y north, z up\nBINARY\nDATASET POLYDATA\n");
+  append(out, "POINTS " + std::to_string(mesh.vertices.size()) + " double\n");
+  for (const Point& p : mesh.vertices)
+    for (const double x : p) append_big_endian(out, x);
+  append(out, "\nPOLYGONS " + std::to_string(mesh.faces()) + " " + std::to_string(mesh.corners.size() + mesh.faces()) +
+                  "\n");
+  for (std::size_t face = 0; face < mesh.faces(); ++face) {
+    const std::span<const std::uint32_t> corners = corners_of(mesh, face);
+    append_big_endian(out, static_cast<std::uint32_t>(corners.size()));
+    for (const std::uint32_t corner : corners) append_big_endian(out, corner);
+  }
+  append(out, "\nCELL_DATA " + std::to_string(mesh.faces()));
+  put_values("int", "group", mesh.group);
+  put_values("int", "material", mesh.material);
+  for (const MeshValues& values : of_faces) put_values("float", values.name, values.values);
+  if (!of_vertices.empty()) append(out, "\nPOINT_DATA " + std::to_string(mesh.vertices.size()));
+  for (const MeshValues& values : of_vertices) put_values("float", values.name, values.values);
+  append(out, "\n");
   out.commit();
 }
 

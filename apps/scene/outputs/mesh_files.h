@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Meshes as files that ParaView, MeshLab and Blender open. Files appear whole or not at all.
+// Meshes as files of other programs: OBJ and PLY for MeshLab, Blender and most others, VTK for ParaView, which reads
+// values of that format but not of PLY. Files appear whole or not at all.
 
 #include <filesystem>
 #include <span>
@@ -26,6 +27,11 @@ struct MeshValues {
 /// comments), and the values as float properties of the same name. Throws UsageError when a name is not made of
 /// letters, digits and `_`, or when there is not one value for each vertex or face.
 void write_ply(const std::filesystem::path& file, const radiometry::scene::Mesh& mesh,
+               const std::vector<MeshValues>& of_vertices = {}, const std::vector<MeshValues>& of_faces = {});
+
+/// VTK's old format (DATASET POLYDATA, binary): polygons, their group and material as numbers, and the values as
+/// scalars of points and cells. Throws as write_ply does.
+void write_vtk(const std::filesystem::path& file, const radiometry::scene::Mesh& mesh,
                const std::vector<MeshValues>& of_vertices = {}, const std::vector<MeshValues>& of_faces = {});
 
 }  // namespace apps::scene

@@ -15,6 +15,7 @@
 
 #include "apps/scene/import/helper/given_files.h"
 #include "apps/scene/import/helper/mesh_builder.h"
+#include "apps/scene/import/helper/number_parse.h"
 
 namespace apps::scene {
 namespace {
@@ -137,7 +138,9 @@ void check_end_of_stl(std::string_view content) {
     std::copy_n(content.data() + head - sizeof faces, sizeof faces, reinterpret_cast<char*>(&faces));
   if (content.size() == head + face * std::uint64_t{faces}) return;
   const std::size_t end = content.rfind("endsolid");
-  require(end != std::string_view::npos && content.find("facet", end) == std::string_view::npos,
+  const std::size_t line_end = end == std::string_view::npos ? end : content.find('\n', end);
+  require(end != std::string_view::npos &&
+              (line_end == std::string_view::npos || trimmed(content.substr(line_end)).empty()),
           "it ends before all its faces are there, or is no STL file");
 }
 

@@ -145,9 +145,10 @@ class Values {
   std::string_view left_;
 };
 
-/// Up to 2^32 - 1, or an error.
+/// A whole number below `count` and 2^32, or an error.
 std::uint32_t index_of(double value, std::uint64_t count, const char* what) {
-  if (!(value >= 0.0) || value >= static_cast<double>(count) || value != std::floor(value)) refuse(what);
+  const double end = std::min(static_cast<double>(count), 0x1p32);
+  if (!(value >= 0.0) || value >= end || value != std::floor(value)) refuse(what);
   return static_cast<std::uint32_t>(value);
 }
 

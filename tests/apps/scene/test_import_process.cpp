@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// The process that parses files: its limits, its end, and a machine that does not have it.
+#include <dirent.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "apps/scene/import/import_mesh.h"
+#include "apps/scene/import/import_process.h"
+#include "mesh_samples.h"
+#include "mtf/error.h"
+
+namespace {
+
+using namespace scene_test;
+using apps::scene::import_mesh;
+using apps::scene::ImportLimits;
+using apps::scene::Up;
+
+std::string refusal(const fs::path& file, const ImportLimits& limits) {
+  try {
+    static_cast<void>(import_mesh(file, 1.0, Up::of_format, limits));
+  } catch (const mtf::RuntimeError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST(ImportProcess, MemoryIsLimited) {
+  const Folder folder;
+  const fs::path file = folder.put("a.obj", std::string(128U << 20U, '\n'));
+  const std::string message = refusal(file, {.memory_bytes = 96U << 20U});
+  EXPECT_TRUE(has(message, "a.obj") && has(message, "more than 96 MiB of memory")) << message;
+}
+
+TEST(ImportProcess, ProcessorTimeIsLimited) {
+  const Folder folder;
+  const fs::path file = folder.put("a.obj", std::string(256U << 20U, '\n'));
+  const std::string message = refusal(file, {.cpu_s = 1});
+  EXPECT_TRUE(has(message, "a.obj") && has(message, "more than 1 s of processor time")) << message;
+}
+
+TEST(ImportProcess, OutputIsLimited) {
+  const Folder folder;
+  const fs::path file = folder.put("a.obj", obj);
+  const std::string message = refusal(file, {.output_bytes = 100});
+  EXPECT_TRUE(has(message, "a.obj") && has(message, "larger than 100 bytes")) << message;
+  EXPECT_EQ(import_mesh(file, 1.0, Up::of_format, {.output_bytes = 1000}).faces(), 2U);
+}
+
+/// The variable while it lives.
+class Variable {
+ public:
+  Variable(const char* name, const std::string& value) : name_(name) { ::setenv(name, value.c_str(), 1); }
+  ~Variable() { ::unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+};
+
+/// A program that takes the place of the real one.
+fs::path program(const Folder& folder, const std::string& script) {
+  const fs::path file = folder.put("program", "#!/bin/sh\n" + script + "\n");
+  fs::permissions(file, fs::perms::owner_all);
+  return file;
+}
+
+TEST(ImportProcess, WhatGoesWrongIsAnError) {
+  const Folder folder;
+  const fs::path file = folder.put("a.obj", obj);
+  const std::pair<const char*, const char*> cases[] = {
+      {"kill -SEGV $$", "crashed"},        {"exit 3", "crashed"},
+      {"exit 0", "shorter than it says"},  {"echo nonsense", "no mesh"},
+      {"kill -XCPU $$", "processor time"}, {"exec cat /dev/zero", "larger than"}};
+  for (const auto& [script, what] : cases) {
+    const Variable chosen("MTFKIT_IMPORT", program(folder, script).string());
+    const std::string message = refusal(file, {.output_bytes = 1000000});
+    EXPECT_TRUE(has(message, "a.obj") && has(message, what)) << script << ": " << message;
+  }
+  const Variable chosen("MTFKIT_IMPORT", (folder / "nowhere").string());
+  EXPECT_TRUE(has(refusal(file, {}), "cannot start the process that reads mesh files"));
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1);  // every one was waited for
+}
+
+TEST(ImportProcessLong, AProcessThatStandsStillIsEnded) {
+  const Folder folder;
+  const Variable chosen("MTFKIT_IMPORT", program(folder, "exec sleep 600").string());
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_TRUE(has(refusal(folder.put("a.obj", obj), {.cpu_s = 1}), "processor time"));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+}
+
+/// The process whose parent is `parent`; 0 when there is none.
+pid_t child_of(pid_t parent) {
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    const std::string status = text_of(entry.path() / "status");
+    if (has(status, "Name:\tmtfkit-import") && has(status, "PPid:\t" + std::to_string(parent) + "\n"))
+      return std::stoi(name);
+  }
+  return 0;
+}
+
+template <class Condition>
+bool comes_true(const Condition& condition) {
+  for (int i = 0; i < 1000; ++i) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+// The process is stopped as soon as it is there, so that it cannot end by itself; then its parent is interrupted.
+TEST(ImportProcess, EndsWithTheCaller) {
+  const Folder folder;
+  const fs::path file = folder.put("a.obj", std::string(256U << 20U, '\n'));
+  const pid_t caller = ::fork();
+  ASSERT_GE(caller, 0);
+  if (caller == 0) {
+    static_cast<void>(refusal(file, {}));
+    ::_exit(0);
+  }
+  pid_t child = 0;
+  ASSERT_TRUE(comes_true([&] { return (child = child_of(caller)) != 0; }));
+  ASSERT_EQ(::kill(child, SIGSTOP), 0);
+  ::kill(caller, SIGINT);
+  int status = 0;
+  ASSERT_EQ(::waitpid(caller, &status, 0), caller);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_TRUE(comes_true([&] {
+    const std::string state = text_of("/proc/" + std::to_string(child) + "/status");
+    return state.empty() || has(state, "State:\tZ");
+  }));
+}
+
+}  // namespace
