@@ -16,6 +16,7 @@ namespace {
 
 namespace heat = radiometry::heat;
 constexpr int kMostIterations = 60;
+constexpr int kStarts = 2;
 constexpr double kStartShare = 0.2;  // of the tolerance: what the state at the start may change in a day
 
 heat::Timeline timeline_of(const Surroundings& s, const Window& window) {
@@ -67,6 +68,7 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
   }
   for (Batch& batch : batches_) {
     batch.heat.facets = batch.run.units = batch.units;
+    batch.wanted_k = tolerance_k;
     batch.forcing =
         forcing_of(std::span(units.unit).subspan(batch.first, batch.units), units, scene.surroundings, ground, solar_,
                    longwave_, scene.material[batch.material].inside, scene.file.time.start_s);
@@ -92,36 +94,46 @@ double HeatBatches::update_exchange() {
 }
 
 void HeatBatches::set_window(const Window& window, bool first) {
+  const std::vector<double>& times = scene_.surroundings.time_s;
   const std::size_t receivers = units_.exchange.receivers();
-  std::vector<double> before;  // temperatures at the end of the window before
-  if (!first) before.assign(receiver_k_.end() - static_cast<std::ptrdiff_t>(receivers), receiver_k_.end());
+  const std::vector<double> before = std::move(receiver_k_);
+  const Window old = window_;
   window_ = window;
   receiver_k_.assign((window.last + 1 - window.first) * receivers, 0.0);
-  for (std::size_t k = window.first; k <= window.last; ++k)
-    for (const Unit& unit : units_.unit) {
-      double start = first ? scene_.surroundings.air_k[k] : before[unit.receiver];
-      if (unit.given)
-        start = value_at(scene_.file.regions[unit.region].temperature->schedule,
-                         scene_.file.time.start_s + scene_.surroundings.time_s[k]);
-      kelvin(k, unit.receiver) = start;
-      if (unit.back) kelvin(k, unit.receiver + 1) = first ? start : before[unit.receiver + 1];
+  std::size_t near = old.first;  // a guess: the temperatures of a day before
+  for (std::size_t k = window.first; k <= window.last; ++k) {
+    if (first) {
+      std::fill_n(&kelvin(k, 0), receivers, scene_.surroundings.air_k[k]);
+    } else {
+      while (near < old.last && times[near] < times[k] - heat::kDay_s) ++near;
+      std::copy_n(before.begin() + static_cast<std::ptrdiff_t>((near - old.first) * receivers), receivers,
+                  &kelvin(k, 0));
     }
+    for (const Unit& unit : units_.unit)
+      if (unit.given)
+        kelvin(k, unit.receiver) =
+            value_at(scene_.file.regions[unit.region].temperature->schedule, scene_.file.time.start_s + times[k]);
+  }
   solar_ = make_receiver_table(window.first, window.last, receivers);
   longwave_ = solar_;
   fill_solar_exchange(units_, scene_.surroundings, ground_, threads_, solar_);
 }
 
-void HeatBatches::solve_batch(Batch& batch, const Window& window, bool first) {
-  const heat::Timeline timeline = timeline_of(scene_.surroundings, window);
+void HeatBatches::start(Batch& batch, const heat::Timeline& day) {
   if (!batch.plan)
-    batch.plan = make_plan(batch.heat, batch.forcing, timeline, heat::RepeatingStart{heat::kDay_s}, tolerance_k_);
-  if (first) {
-    const heat::PeriodicStart start =
-        periodic_start(*batch.plan, batch.forcing, timeline, kStartShare * tolerance_k_, 8, threads_);
-    batch.state = start.state;
-    batch.run.start_residual_k = start.residual_k;
+    batch.plan = make_plan(batch.heat, batch.forcing, day, heat::RepeatingStart{heat::kDay_s}, batch.wanted_k);
+  batch.begin = periodic_start(*batch.plan, batch.forcing, day, kStartShare * tolerance_k_, 8, threads_).state;
+}
+
+void HeatBatches::run(Batch& batch, const heat::Timeline& timeline, bool first) {
+  heat::Run run = advance(*batch.plan, batch.begin, batch.forcing, timeline, threads_);
+  // Plans are made by trial on a few units; where another one breaks the promise, a finer plan is made.
+  for (int i = 0; first && run.promised.total_k() > tolerance_k_ && i < 4; ++i) {
+    batch.wanted_k *= 0.7 * tolerance_k_ / run.promised.total_k();
+    batch.plan.reset();
+    start(batch, timeline);
+    run = advance(*batch.plan, batch.begin, batch.forcing, timeline, threads_);
   }
-  const heat::Run run = advance(*batch.plan, batch.state, batch.forcing, timeline, threads_);
   batch.end = run.end;
   batch.promised = run.promised;
   batch.drift = worst_drift(run.balance);
@@ -129,25 +141,42 @@ void HeatBatches::solve_batch(Batch& batch, const Window& window, bool first) {
   batch.run.steps.taken += run.steps.taken;
   batch.run.steps.refused += run.steps.refused;
   batch.run.steps.facet_steps += run.steps.facet_steps;
+  if (first) {
+    batch.run.start_residual_k = 0.0;
+    for (std::size_t i = 0; i < run.end.fine.size(); ++i)
+      batch.run.start_residual_k =
+          std::max(batch.run.start_residual_k, std::abs(run.end.fine[i] - batch.begin.fine[i]));
+  }
   for (std::size_t k = 0; k < run.outputs_s.size(); ++k)
     for (std::size_t i = 0; i < batch.units; ++i) {
       const Unit& unit = units_.unit[batch.first + i];
-      kelvin(window.first + k, unit.receiver) = run.front_k[k * batch.units + i];
-      if (unit.back) kelvin(window.first + k, unit.receiver + 1) = run.back_k[k * batch.units + i];
+      kelvin(window_.first + k, unit.receiver) = run.front_k[k * batch.units + i];
+      if (unit.back) kelvin(window_.first + k, unit.receiver + 1) = run.back_k[k * batch.units + i];
     }
 }
 
 Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k, double loss_w_m2_k) {
   set_window(window, first);
   update_exchange();
+  const heat::Timeline timeline = timeline_of(scene_.surroundings, window);
   Relaxed relaxed;
   double last = 0.0;
   for (;;) {
-    for (Batch& batch : batches_) solve_batch(batch, window, first);
+    for (Batch& batch : batches_) {
+      // The first day repeats itself: its start is found anew while the exchange still changes, then it is run again
+      // from where it ended.
+      if (first && relaxed.iterations < kStarts)
+        start(batch, timeline);
+      else if (first) {
+        batch.begin = std::move(batch.end);
+        batch.begin.time_s = timeline.start_s;
+      }
+      run(batch, timeline, first);
+    }
     ++relaxed.iterations;
     const double change = update_exchange() / loss_w_m2_k;
     // The first change is from a guess: it says nothing about how fast the iteration converges.
-    if (relaxed.iterations > 2 && last > 0.0) relaxed.ratio = std::max(relaxed.ratio, std::min(change / last, 0.99));
+    if (relaxed.iterations > 2 && last > 0.0) relaxed.ratio = std::clamp(change / last, 0.05, 0.99);
     const double ratio = relaxed.iterations > 2 ? relaxed.ratio : 0.5;
     relaxed.error_k = change / (1.0 - ratio);
     if (relaxed.error_k <= tolerance_k) break;
@@ -158,7 +187,7 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
     last = change;
   }
   for (Batch& batch : batches_) {
-    batch.state = std::move(batch.end);
+    batch.begin = std::move(batch.end);
     batch.run.promised = worse(batch.run.promised, batch.promised);
     batch.run.drift = std::max(batch.run.drift, batch.drift);
   }

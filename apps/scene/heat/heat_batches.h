@@ -58,14 +58,18 @@ class HeatBatches {
     radiometry::heat::Batch heat;
     radiometry::heat::Forcing forcing;
     std::optional<radiometry::heat::Plan> plan;
-    radiometry::heat::State state;  ///< at the begin of the window
+    double wanted_k = 0.0;          ///< the tolerance that the plan is made for
+    radiometry::heat::State begin;  ///< at the begin of the window
     radiometry::heat::State end;    ///< at its end, by the last iteration, as the two below
     radiometry::heat::Promise promised;
     double drift = 0.0;
     MaterialRun run;
   };
 
-  void solve_batch(Batch& batch, const Window& window, bool first);
+  /// The state that repeats after the day, and the plan where there is none.
+  void start(Batch& batch, const radiometry::heat::Timeline& day);
+  /// The batch over the window, from batch.begin.
+  void run(Batch& batch, const radiometry::heat::Timeline& timeline, bool first);
   void set_window(const Window& window, bool first);
   double& kelvin(std::size_t node, std::size_t receiver) {
     return receiver_k_[(node - window_.first) * units_.exchange.receivers() + receiver];
