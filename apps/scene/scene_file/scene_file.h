@@ -37,6 +37,7 @@ struct WeatherSection {
   std::optional<radiometry::heat::Stamp> stamp;  ///< absent where the file does not say
   radiometry::heat::Repeat repeat = radiometry::heat::Repeat::none;
   double longest_bridge_s = 3600.0;  ///< longest gap that a straight line closes
+  double average_s = 0.0;            ///< records become means over intervals of this length; 0: they stay
 };
 
 enum class LongwaveModel { measured, brunt, brutsaert, swinbank, atmosphere };

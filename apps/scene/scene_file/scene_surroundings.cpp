@@ -149,7 +149,7 @@ void read_weather_section(SceneReader& s) {
   const Node* table = find_section(s, "weather", "write [weather] with file = \"weather.csv\", or constant values");
   if (table == nullptr) return;
   const Section section{s.reader, *table, "weather", "[weather]"};
-  std::vector<std::string_view> known{"file", "stamp", "repeat", "bridge"};
+  std::vector<std::string_view> known{"file", "stamp", "repeat", "bridge", "average"};
   const auto constants = constant_keys();
   known.insert(known.end(), constants.begin(), constants.end());
   cfg::check_keys(section, known);
@@ -165,6 +165,13 @@ void read_weather_section(SceneReader& s) {
                                                .presence = Presence::optional,
                                                .example = "\"1 h\""})
                                  .value_or(weather.longest_bridge_s);
+  weather.average_s = read_si(section, {.name = "average",
+                                        .unit = "s",
+                                        .lo = 0.0,
+                                        .hi = heat::kDay_s,
+                                        .presence = Presence::optional,
+                                        .example = "\"5 min\""})
+                          .value_or(weather.average_s);
   weather.file = read_path(section, "file").value_or("");
   const auto constant = std::find_if(constants.begin(), constants.end(),
                                      [&](std::string_view key) { return section.find(key) != nullptr; });

@@ -41,6 +41,7 @@ heat::WeatherSeries scene_weather(const SceneFile& scene) {
   WeatherFile file = read_weather(
       section.file,
       {.stamp = section.stamp, .origin_s = scene.time.start_s, .year = heat::date_of(scene.time.start_s).year});
+  if (section.average_s > 0.0) file.weather = averaged(file.weather, section.average_s);
   heat::WeatherSeries series = make_series(file.weather, scene.place, options);
   series.warnings.insert(series.warnings.begin(), file.warnings.begin(), file.warnings.end());
   if (file.place) {

@@ -150,6 +150,12 @@ SunPosition sun_position(double utc_s, const Place& place, const RefractingAir& 
   return position_of(refracted(sun.direction, air), sun.distance_au);
 }
 
+std::array<double, 3> in_scene_axes(const std::array<double, 3>& direction, double north_rad) {
+  const double c = std::cos(north_rad), s = std::sin(north_rad);
+  const auto [east, north, up] = direction;
+  return {c * east - s * north, s * east + c * north, up};
+}
+
 double extraterrestrial_normal_w_m2(const SunPosition& sun) {
   return kSolarConstant_w_m2 / (sun.distance_au * sun.distance_au);
 }

@@ -6,12 +6,12 @@
 // with the heliocentric earth of ERFA's epv00 (VSOP2000 fitted to DE405), bias, precession, nutation (IAU 2000B) and
 // earth rotation in R, the observer on the WGS 84 ellipsoid (so parallax is in it), and annual and diurnal aberration;
 // local axes are x east, y north, z along the normal of the ellipsoid. UT1 is taken for UTC and polar motion for 0:
-// UT1 - UTC is below 0.9 s, which is 0.0038 deg of azimuth at most. TT - UTC are the leap seconds that ERFA knows;
-// before 1972 it is held at 42.184 s, which costs at most 0.0005 deg from 1900 on. Angles in rad, azimuth from north
-// clockwise (over east), times in seconds of UTC (instant.h).
+// UT1 - UTC is below 0.9 s, in which the direction turns by 0.0038 deg. TT - UTC are the leap seconds that ERFA knows;
+// before 1972 it is held at 42.184 s, which costs at most 0.0006 deg from 1900 on, and leap seconds of the future,
+// which nobody knows, cost 0.0007 deg a minute. Angles in rad, azimuth from north clockwise (over east), times in
+// seconds of UTC (instant.h).
 
 #include <array>
-#include <optional>
 #include <vector>
 
 namespace radiometry::heat {
@@ -44,6 +44,9 @@ SunPosition sun_position(double utc_s, const Place& place);
 /// The position as it is seen through air: A tan z + B tan^3 z of ERFA's refco at 0.55 um, held at its value of an
 /// elevation of 3 deg for a lower sun.
 SunPosition sun_position(double utc_s, const Place& place, const RefractingAir& air);
+
+/// A direction in the axes of a scene whose +y has the azimuth `north_rad`.
+std::array<double, 3> in_scene_axes(const std::array<double, 3>& direction, double north_rad);
 
 /// Irradiance of a plane that faces the sun outside of the atmosphere, W/m2: 1361 / distance^2 (Kopp and Lean, Geophys.
 /// Res. Lett. 38, L01706 (2011)).

@@ -157,6 +157,10 @@ TEST(SceneFile, WeatherIsReadAndPlacesAreCompared) {
   const auto measured = scene_weather(folder.parse(repeated).scene);
   EXPECT_EQ(measured.repeat, radiometry::heat::Repeat::day);
   EXPECT_TRUE(measured.warnings.empty()) << measured.warnings.front();
+  const auto means = scene_weather(folder.parse(replaced(repeated, "repeat", "average = \"5 min\"\nrepeat")).scene);
+  // Minutes 1 to 5 of the file, whose beam rises by 1 W/m2 a minute from 800 W/m2.
+  const double midnight = instant_of({2016, 1, 1});
+  EXPECT_NEAR(mean_over(means, direct_normal, midnight, midnight + 300.0), 803.0, 1e-9);
   const auto elsewhere = scene_weather(folder.parse(replaced(repeated, "37.70 deg", "47.70 deg")).scene);
   ASSERT_EQ(elsewhere.warnings.size(), 1u);
   EXPECT_TRUE(contains(elsewhere.warnings[0], "10 deg away from [place]"));

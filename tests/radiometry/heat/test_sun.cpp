@@ -167,6 +167,18 @@ TEST(Sun, TableCoversTheDaylight) {
   EXPECT_EQ(at_the_horizon, 2);
 }
 
+TEST(Sun, TurnsWithTheAxesOfAScene) {
+  // +y to the east: the east is ahead, the north to the left.
+  const auto east = in_scene_axes({1.0, 0.0, 0.0}, 90.0 * kDegree),
+             north = in_scene_axes({0.0, 1.0, 0.5}, 90.0 * kDegree);
+  EXPECT_NEAR(east[1], 1.0, 1e-15);
+  EXPECT_NEAR(north[0], -1.0, 1e-15);
+  EXPECT_EQ(north[2], 0.5);
+  const SunPosition sun = sun_position(0.0, place_of(8.0, 49.0));
+  EXPECT_NEAR(in_scene_axes(sun.direction, sun.azimuth_rad)[0], 0.0, 1e-14);
+  EXPECT_NEAR(in_scene_axes(sun.direction, sun.azimuth_rad)[1], std::sin(sun.zenith_rad), 1e-14);
+}
+
 TEST(Sun, RefusesPlacesAndTimesThatAreNone) {
   EXPECT_THROW(sun_position(0.0, {2.0, 0.0, 0.0}), mtf::UsageError);
   EXPECT_THROW(sun_position(0.0, {0.0, std::nan(""), 0.0}), mtf::UsageError);
