@@ -119,6 +119,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   const bool existed = fs::exists(options.out);
   prepare_folder(options.out, options.force);
   std::string text;
+  double promised_k = 0.0;
   std::vector<std::string> paths;
   if (!existed) paths.push_back(options.out);
   for (const char* name : {"temperatures.npy", "temperatures_back.npy", "facets.csv", "times.csv", "regions.csv",
@@ -134,17 +135,21 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
           last.assign(output.front_k.begin(), output.front_k.end());
         },
         [&](const std::string& step, double share) { progress.update(step, share); });
+    promised_k = report.promised.total_k();
     files.commit(report, heat_options);
     write_figure(options.out + "/regions.svg", region_figure(file, files));
     if (file.camera)
       write_scene_picture(options.out + "/scene.png", scene, *file.camera, last,
-                          "surface temperatures at " + radiometry::heat::instant_text(file.time.end_s));
+                          "surface temperatures [K] at " + radiometry::heat::instant_text(file.time.end_s));
     if (options.ply) write_ply_of(options.out + "/facets.ply", scene, last);
     text = options.format == Format::json ? heat_json(scene, report, heat_options) : summary_text(scene, report, files);
   });
   print(text);
   if (options.format == Format::table) print("written to " + options.out + "/\n");
-  return 0;
+  if (promised_k <= options.tolerance_k) return 0;
+  complain("mtf: warning: the promised error of " + significant(promised_k, 3) + " K is above the tolerance of " +
+           significant(options.tolerance_k, 3) + " K; ask for a smaller one");
+  return 3;
 }
 
 }  // namespace apps

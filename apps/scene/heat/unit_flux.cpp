@@ -74,7 +74,7 @@ void for_receivers(const Units& units, const Visit& visit) {
 
 /// Of receivers, what comes from other surfaces: the whole irradiance without that from sky, ground and sun.
 void solve_exchange(const Units& units, const geometry::ReceiverFluxes& fluxes, std::span<float> from_surfaces) {
-  const std::vector<double> whole = irradiance_w_m2(units.exchange, fluxes);
+  const std::vector<double> whole = irradiance_w_m2(units.exchange, fluxes, 1e-11);
   for (std::size_t i = 0; i < whole.size(); ++i)
     from_surfaces[i] = static_cast<float>(whole[i] - fluxes.environment[i] - fluxes.direct[i]);
 }
@@ -117,7 +117,8 @@ void longwave_exchange(const Units& units, const Surroundings& s, const GroundLi
   const std::size_t receivers = units.exchange.receivers();
   std::vector<double> emitted(receivers), reflectance(receivers), environment(receivers), none(receivers, 0.0);
   for_receivers(units, [&](std::size_t i, const Unit&, const UnitSide& side) {
-    emitted[i] = side.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(receiver_k[i], 4);
+    emitted[i] = side.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * (receiver_k[i] * receiver_k[i]) *
+                 (receiver_k[i] * receiver_k[i]);
     reflectance[i] = reflectance_of(side.emissivity);
     environment[i] = side.sky * s.sky_longwave_w_m2[node] + side.ground * ground.longwave_w_m2[node];
   });

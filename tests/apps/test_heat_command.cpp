@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf scene` and `mtf heat`: files, what they say, and what is refused without leaving anything.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/apps/command.h"
+
+namespace apps_test {
+namespace {
+
+const std::string kScene = R"(schema = 1
+[place]
+latitude = "40 deg"
+longitude = "0 deg"
+altitude = "0 m"
+[time]
+start = 2026-06-21T00:00:00Z
+end = 2026-06-22T00:00:00Z
+step = "2 h"
+[weather]
+air_temperature = "15 degC"
+wind_speed = "2 m/s"
+direct_normal = "800 W/m2"
+diffuse_horizontal = "80 W/m2"
+longwave_down = "320 W/m2"
+[[material]]
+name = "steel"
+solar_absorptance = 0.7
+emissivity = 0.9
+convection = "mcadams"
+layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "5 mm" }]
+[[mesh]]
+name = "plates"
+file = "plates.obj"
+unit = "1 m"
+[[region]]
+mesh = "plates"
+material = "steel"
+[camera]
+position = ["4 m", "-3 m", "3 m"]
+look_at = ["0.5 m", "0.5 m", "0.5 m"]
+)";
+const std::string kPlates =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 1 2 3 4\nf 5 6 7 8\n";
+
+class HeatCommand : public testing::Test {
+ protected:
+  HeatCommand() {
+    write_file(scratch_ / "scene.toml", kScene);
+    write_file(scratch_ / "plates.obj", kPlates);
+  }
+  Scratch scratch_;
+};
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> all;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) all.push_back(line);
+  return all;
+}
+
+TEST_F(HeatCommand, WritesWhatItSays) {
+  const Result result = scratch_.run("mtf heat scene.toml -o out --ply");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("2 facets as 2 classes, 13 outputs"), std::string::npos) << result.out;
+  const auto regions = lines(read_file(scratch_ / "out/regions.csv"));
+  ASSERT_EQ(regions.size(), 14U);
+  EXPECT_EQ(regions[0], "time,region,min_K,mean_K,max_K");
+  EXPECT_EQ(regions[1].substr(0, 28), "2026-06-21T00:00:00Z,plates,");
+  EXPECT_EQ(lines(read_file(scratch_ / "out/times.csv")).size(), 14U);
+  const auto facets = lines(read_file(scratch_ / "out/facets.csv"));
+  ASSERT_EQ(facets.size(), 3U);
+  EXPECT_EQ(facets[1], "0,plates,plates,steel,1,0.5,0.5,0,0,0,1");
+  EXPECT_EQ(facets[2], "1,plates,plates,steel,1,0.5,0.5,1,0,0,1");
+  // An NPY header of 128 bytes and 13 x 2 numbers of 4 bytes; the mean of a region is that of its facets.
+  const std::string npy = read_file(scratch_ / "out/temperatures.npy");
+  ASSERT_EQ(npy.size(), 128U + 13 * 2 * 4);
+  std::array<float, 26> kelvin{};
+  std::memcpy(kelvin.data(), npy.data() + 128, sizeof kelvin);
+  for (std::size_t i = 0; i < 13; ++i) {
+    const double mean = std::stod(regions[i + 1].substr(regions[i + 1].find(',', 28) + 1));
+    EXPECT_NEAR(mean, 0.5 * (double{kelvin[2 * i]} + double{kelvin[2 * i + 1]}), 1e-4) << i;
+  }
+  const auto json = nlohmann::json::parse(read_file(scratch_ / "out/heat.json"));
+  EXPECT_LE(json.at("promised_K").get<double>(), 0.1);
+  EXPECT_EQ(json.at("facets"), 2);
+  EXPECT_EQ(json.at("closures").at("materials").at(0).at("convection"), "mcadams");
+  EXPECT_LT(json.at("materials").at(0).at("energy_drift").get<double>(), 1e-12);
+  for (const char* name : {"scene.png", "facets.ply"})
+    EXPECT_GT(read_file(scratch_ / ("out/" + std::string(name))).size(), 100U);
+}
+
+TEST_F(HeatCommand, CheckAndExplain) {
+  EXPECT_EQ(scratch_.run("mtf scene check scene.toml").out, "scene.toml: ok, 2 facets in 1 region\n");
+  const Result explained = scratch_.run("mtf scene explain scene.toml");
+  ASSERT_EQ(explained.status, 0) << explained.err;
+  // C = 7800 x 480 x 0.005 J/m2/K, h = 5.7 + 3.8 x 2.
+  EXPECT_NE(explained.out.find("steel          5  0.000111         18.7          0.7         0.9         13.3"),
+            std::string::npos)
+      << explained.out;
+  EXPECT_NE(explained.out.find("the sun rises at 2026-06-21T04:"), std::string::npos) << explained.out;
+}
+
+TEST_F(HeatCommand, TheDemoIsAScene) {
+  ASSERT_EQ(scratch_.run("mtf scene demo -o demo").status, 0);
+  const Result checked = scratch_.run("mtf scene check demo/scene.toml");
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  EXPECT_EQ(checked.out, "demo/scene.toml: ok, 185836 facets in 5 regions\n");
+  EXPECT_EQ(scratch_.run("mtf scene demo -o demo").status, 2);  // not empty
+}
+
+TEST_F(HeatCommand, RefusalsLeaveNothing) {
+  const auto refused = [&](const std::string& command, const std::string& words) {
+    const Result result = scratch_.run(command);
+    EXPECT_NE(result.status, 0) << command;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    EXPECT_FALSE(fs::exists(scratch_ / "out")) << command;
+  };
+  refused("mtf heat scene.toml -o out --tolerance 0.1", "\"0.1 K\"");
+  refused("mtf heat scene.toml -o out --tolerance '0 K'", "above 0");
+  refused("mtf heat missing.toml -o out", "missing.toml");
+  write_file(scratch_ / "plates.obj", "v 0 0 0\n");
+  refused("mtf heat scene.toml -o out", "plates.obj");
+  write_file(scratch_ / "plates.obj", kPlates);
+  std::string text = kScene;
+  text.replace(text.find("2026-06-22T00:00:00Z"), 20, "2026-06-22T00:00:00");
+  write_file(scratch_ / "zoneless.toml", text);
+  refused("mtf heat zoneless.toml -o out", "zoneless.toml:8:");
+  text = kScene;
+  text.replace(text.find("longwave_down = \"320 W/m2\"\n"), 27, "");
+  write_file(scratch_ / "skyless.toml", text);
+  refused("mtf heat skyless.toml -o out", "longwave_down");
+}
+
+}  // namespace
+}  // namespace apps_test
