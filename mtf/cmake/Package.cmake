@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# find_package(mtfkit COMPONENTS mtf io radiometry calib sensors simulate study)
+# find_package(mtfkit COMPONENTS mtf io radiometry heat calib sensors simulate study)
 
 include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/mtfkit")

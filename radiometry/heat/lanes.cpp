@@ -242,7 +242,8 @@ struct SurfaceError {
         }
       }
     }
-    *worst = *std::max_element(error.at.begin(), error.at.end());
+    for (const double one : error.at)
+      if (!(one <= *worst)) *worst = one;  // a NaN stays
   }
 };
 

@@ -113,6 +113,7 @@ Guess next_guess(const Guess& guess, const Promise& promised, double tolerance_k
   const double steps = promised.steps_k / (kAim * kStepsShare * tolerance_k);
   next.density *= std::clamp(std::sqrt(grid), kept ? 0.5 : 1.0, 3.0);
   next.step_tolerance_k /= std::clamp(std::pow(steps, 1.5), kept ? 0.1 : 1.0, 30.0);
+  next.step_tolerance_k = std::min(next.step_tolerance_k, tolerance_k);
   return next;
 }
 
@@ -173,6 +174,8 @@ Prepared prepare(const Problem& problem) {
   if (!(problem.tolerance_k > 0.0) || !std::isfinite(problem.tolerance_k))
     throw mtf::UsageError("heat: the tolerance is " + mtf::format_double(problem.tolerance_k) +
                           " K, has to be above 0");
+  if (!(problem.timeline->end_s > problem.timeline->start_s))
+    throw mtf::UsageError("heat: the end of the timeline is not after its start");
   const auto* uniform = std::get_if<UniformStart>(problem.start);
   const double start_k = uniform ? uniform->temperature_k : std::numeric_limits<double>::quiet_NaN();
   Prepared prepared{survey(*problem.batch, *problem.forcing, *problem.timeline, start_k), {}, {}};
