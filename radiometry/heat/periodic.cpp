@@ -2,6 +2,7 @@
 #include "radiometry/heat/periodic.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -10,6 +11,7 @@
 #include "mtf/error.h"
 #include "mtf/parallel.h"
 #include "radiometry/heat/elimination.h"
+#include "radiometry/heat/surface_loss.h"
 #include "radiometry/light/constants.h"
 
 namespace radiometry::heat {
@@ -22,21 +24,13 @@ constexpr std::size_t kHarmonics = kSamples / 2 - 1;
 constexpr std::size_t kFacetsAtOnce = 64;
 constexpr int kMostIterations = 100;
 
-struct LossAndSlope {
-  double loss, slope;
-};
-
 /// One exposed side of one facet over the period.
 struct SideSamples {
   double emission = 0.0;
   NaturalConvection natural;
   std::array<double, kSamples> absorbed{}, film{}, air_k{};
 
-  LossAndSlope at(std::size_t j, double t) const {
-    const double cube = t * t * std::abs(t), excess = t - air_k[j];
-    const double c = (excess > 0.0 ? natural.warm : natural.cold) * std::cbrt(std::abs(excess));
-    return {emission * cube * t + (film[j] + c) * excess, 4.0 * emission * cube + film[j] + 4.0 / 3.0 * c};
-  }
+  LossAndSlope at(std::size_t j, double t) const { return SurfaceLoss{emission, film[j], air_k[j], natural}.at(t); }
   /// Means over the period at a temperature: net flow inwards, and the slope of the loss.
   LossAndSlope mean(double t) const {
     double net = 0.0, slope = 0.0;
