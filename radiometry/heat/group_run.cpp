@@ -149,7 +149,7 @@ void GroupRun::advance(double t0_s, double t1_s) {
     steps_.facet_steps += lanes;
     if (!(error <= plan_->step_tolerance_k)) {
       doubled_.t = before_;
-      wanted_s_ = std::min(wanted_s_, 0.5 * step_s);
+      wanted_s_ = std::min(0.5 * step_s, wanted_s_);  // the first where the error is not a number
       ++steps_.refused;
       continue;
     }

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "mtf/engines/simd.h"
+#include "radiometry/heat/surface_loss.h"
 
 // Plain loops over the lanes, which the compiler turns into vectors of the widest kind of the machine (simd::run).
 #define MTFKIT_LANES(l) for (std::size_t l = 0; l < kLanes; ++l)
@@ -25,12 +26,7 @@ MTFKIT_INLINE double cube_root(double x) {
   return r;
 }
 
-struct LossAndSlope {
-  double loss, slope;
-};
-
-/// What a surface of temperature t gives off, and its derivative. Below 0 K, which Newton's method may visit, the loss
-/// goes on as an odd function, so that it rises everywhere.
+/// As SurfaceLoss::at.
 template <bool Natural>
 MTFKIT_INLINE LossAndSlope loss_of(const Surface& surface, const Buoyancy& buoyancy, std::size_t l, double t) {
   const double cube = t * t * std::abs(t), excess = t - surface.air_k;
@@ -242,7 +238,8 @@ struct SurfaceError {
         }
       }
     }
-    *worst = *std::max_element(error.at.begin(), error.at.end());
+    for (const double one : error.at)
+      if (!(one <= *worst)) *worst = one;  // a NaN stays
   }
 };
 

@@ -2,6 +2,7 @@
 #include "radiometry/heat/periodic.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -10,6 +11,7 @@
 #include "mtf/error.h"
 #include "mtf/parallel.h"
 #include "radiometry/heat/elimination.h"
+#include "radiometry/heat/surface_loss.h"
 #include "radiometry/light/constants.h"
 
 namespace radiometry::heat {
@@ -17,14 +19,10 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr std::size_t kSamples = 128;  ///< of the forcing in a period
+constexpr std::size_t kSamples = 64;  ///< of the forcing in a period
 constexpr std::size_t kHarmonics = kSamples / 2 - 1;
 constexpr std::size_t kFacetsAtOnce = 64;
 constexpr int kMostIterations = 100;
-
-struct LossAndSlope {
-  double loss, slope;
-};
 
 /// One exposed side of one facet over the period.
 struct SideSamples {
@@ -32,11 +30,7 @@ struct SideSamples {
   NaturalConvection natural;
   std::array<double, kSamples> absorbed{}, film{}, air_k{};
 
-  LossAndSlope at(std::size_t j, double t) const {
-    const double cube = t * t * std::abs(t), excess = t - air_k[j];
-    const double c = (excess > 0.0 ? natural.warm : natural.cold) * std::cbrt(std::abs(excess));
-    return {emission * cube * t + (film[j] + c) * excess, 4.0 * emission * cube + film[j] + 4.0 / 3.0 * c};
-  }
+  LossAndSlope at(std::size_t j, double t) const { return SurfaceLoss{emission, film[j], air_k[j], natural}.at(t); }
   /// Means over the period at a temperature: net flow inwards, and the slope of the loss.
   LossAndSlope mean(double t) const {
     double net = 0.0, slope = 0.0;
@@ -107,7 +101,8 @@ double inside_flow(const Plan& plan, const Grid& grid, double inside, double t) 
   return std::holds_alternative<InnerFlux>(plan.batch.construction.inside) ? inside : grid.inner_w_m2_k * (inside - t);
 }
 
-Linearised mean_state(const Plan& plan, const Grid& grid, const FacetSamples& facet) {
+Linearised mean_state(const Plan& plan, const FacetSamples& facet) {
+  const Grid& grid = plan.fine;
   const bool sheet = plan.batch.construction.is_sheet();
   const Elimination<double> steady = eliminate(grid, sheet, 1.0, 0.0);
   const double inside = mean_of(facet.inside);
@@ -168,8 +163,9 @@ Harmonics harmonics_of(const Grid& grid, bool sheet, double period_s) {
 }
 
 /// Temperatures of all nodes at the start of the period, of the linearised balance.
-std::vector<double> linear_state(const Plan& plan, const Grid& grid, const Harmonics& harmonics,
-                                 const FacetSamples& facet, const Linearised& linear) {
+std::vector<double> linear_state(const Plan& plan, const Harmonics& harmonics, const FacetSamples& facet,
+                                 const Linearised& linear) {
+  const Grid& grid = plan.fine;
   const bool sheet = plan.batch.construction.is_sheet();
   std::vector<double> t = linear.mean_k;
   const auto net = [](const SideSamples& side, double mean_k) {
@@ -227,26 +223,23 @@ PeriodicStart periodic_start(const Plan& plan, const Forcing& forcing, const Tim
   days.outputs_s.clear();
 
   PeriodicStart result{.state = uniform_state(plan, period.start_s, 0.0)};
-  std::vector<Linearised> fine(facets), coarse(facets);
-  const Harmonics harmonics_fine = harmonics_of(plan.fine, sheet, period_s);
-  const Harmonics harmonics_coarse = harmonics_of(plan.coarse, sheet, period_s);
-  mtf::parallel_for(
-      static_cast<std::int64_t>(facets), kFacetsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-        const auto first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
-        const std::vector<FacetSamples> samples = sample(plan, forcing, period, first, count);
-        for (std::size_t i = 0; i < count; ++i) {
-          const std::size_t facet = first + i;
-          const auto put = [&](const std::vector<double>& nodes, std::vector<double>& all) {
-            for (std::size_t node = 0; node < nodes.size(); ++node) all[node * facets + facet] = nodes[node];
-          };
-          fine[facet] = mean_state(plan, plan.fine, samples[i]);
-          coarse[facet] = mean_state(plan, plan.coarse, samples[i]);
-          const std::vector<double> t = linear_state(plan, plan.fine, harmonics_fine, samples[i], fine[facet]);
-          put(t, result.state.fine);
-          put(t, result.state.doubled);
-          put(linear_state(plan, plan.coarse, harmonics_coarse, samples[i], coarse[facet]), result.state.coarse);
-        }
-      });
+  std::vector<Linearised> linear(facets);
+  const Harmonics harmonics = harmonics_of(plan.fine, sheet, period_s);
+  const std::size_t stride = plan.fine.nodes() > 1 ? 2 : 1;  // from node to node of the coarse grid
+  const auto linear_states = [&](std::int64_t begin, std::int64_t end) {
+    const auto first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
+    const std::vector<FacetSamples> samples = sample(plan, forcing, period, first, count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t facet = first + i;
+      linear[facet] = mean_state(plan, samples[i]);
+      const std::vector<double> t = linear_state(plan, harmonics, samples[i], linear[facet]);
+      for (std::size_t node = 0; node < t.size(); ++node) result.state.fine[node * facets + facet] = t[node];
+      for (std::size_t node = 0; node < plan.coarse.nodes(); ++node)
+        result.state.coarse[node * facets + facet] = t[stride * node];
+    }
+  };
+  mtf::parallel_for(static_cast<std::int64_t>(facets), kFacetsAtOnce, threads, linear_states);
+  result.state.doubled = result.state.fine;
 
   while (result.periods < most_periods) {
     const Run day = advance(plan, result.state, forcing, days, threads);
@@ -262,7 +255,7 @@ PeriodicStart periodic_start(const Plan& plan, const Forcing& forcing, const Tim
       for (std::size_t facet = 0; facet < facets; ++facet) {
         for (std::size_t i = 0; i < n; ++i)
           r[i] = (day.end.*run.t)[i * facets + facet] - (result.state.*run.t)[i * facets + facet];
-        correct(plan, *run.grid, period_s, run.grid == &plan.coarse ? coarse[facet] : fine[facet], r);
+        correct(plan, *run.grid, period_s, linear[facet], r);
         for (std::size_t i = 0; i < n; ++i) (result.state.*run.t)[i * facets + facet] += r[i];
       }
     }

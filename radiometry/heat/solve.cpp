@@ -113,6 +113,7 @@ Guess next_guess(const Guess& guess, const Promise& promised, double tolerance_k
   const double steps = promised.steps_k / (kAim * kStepsShare * tolerance_k);
   next.density *= std::clamp(std::sqrt(grid), kept ? 0.5 : 1.0, 3.0);
   next.step_tolerance_k /= std::clamp(std::pow(steps, 1.5), kept ? 0.1 : 1.0, 30.0);
+  next.step_tolerance_k = std::min(next.step_tolerance_k, tolerance_k);
   return next;
 }
 
@@ -120,9 +121,9 @@ bool keeps(const Promise& promised, double tolerance_k) {
   return promised.grid_k <= kGridShare * tolerance_k && promised.steps_k <= kStepsShare * tolerance_k;
 }
 
-/// Both errors are so far below their shares that another trial pays.
-bool wastes(const Promise& promised, double tolerance_k) {
-  return promised.grid_k < 0.1 * kGridShare * tolerance_k || promised.steps_k < 0.1 * kStepsShare * tolerance_k;
+/// Whether a coarser guess saves so much that its trial pays.
+bool pays(const Guess& next, const Guess& guess, bool one_node) {
+  return next.step_tolerance_k > 5.0 * guess.step_tolerance_k || (!one_node && next.density < 0.6 * guess.density);
 }
 
 [[noreturn]] void give_up(const Promise& promised, double tolerance_k) {
@@ -145,7 +146,8 @@ struct Found {
   Outcome outcome;
 };
 
-/// Runs the problem with better and better guesses until the tolerance is kept, and with `economise` not wasted.
+/// Runs the problem with better and better guesses until the tolerance is kept; with `economise` also with coarser ones
+/// where that pays.
 /// `guess` is the first one and becomes the last.
 Found find(const Problem& problem, const Layers& layers, Guess& guess, bool economise, int threads) {
   const double tolerance_k = problem.tolerance_k;
@@ -154,15 +156,15 @@ Found find(const Problem& problem, const Layers& layers, Guess& guess, bool econ
     Outcome outcome = run_plan(plan, *problem.forcing, *problem.timeline, *problem.start, tolerance_k, threads);
     const Promise& promised = outcome.run.promised;
     const bool kept = keeps(promised, tolerance_k);
-    if (kept && !(economise && trial <= kMostEconomies && wastes(promised, tolerance_k)))
+    const Guess next = next_guess(guess, promised, tolerance_k, kept);
+    if (kept && !(economise && trial <= kMostEconomies && pays(next, guess, layers.one_node)))
       return {std::move(plan), std::move(outcome)};
-    guess = next_guess(guess, promised, tolerance_k, kept);
-    if (trial == kMostTrials || guess.density > kFinestDensity) give_up(promised, tolerance_k);
+    if (trial == kMostTrials || next.density > kFinestDensity) give_up(promised, tolerance_k);
+    guess = next;
   }
 }
 
 struct Prepared {
-  Survey survey;
   Layers layers;
   Guess guess;
 };
@@ -173,13 +175,15 @@ Prepared prepare(const Problem& problem) {
   if (!(problem.tolerance_k > 0.0) || !std::isfinite(problem.tolerance_k))
     throw mtf::UsageError("heat: the tolerance is " + mtf::format_double(problem.tolerance_k) +
                           " K, has to be above 0");
+  if (!(problem.timeline->end_s > problem.timeline->start_s))
+    throw mtf::UsageError("heat: the end of the timeline is not after its start");
   const auto* uniform = std::get_if<UniformStart>(problem.start);
   const double start_k = uniform ? uniform->temperature_k : std::numeric_limits<double>::quiet_NaN();
-  Prepared prepared{survey(*problem.batch, *problem.forcing, *problem.timeline, start_k), {}, {}};
-  prepared.layers = layers_of(*problem.batch, prepared.survey, *problem.timeline, problem.tolerance_k);
-  prepared.guess.step_tolerance_k = kFirstStepShare * problem.tolerance_k;
+  const Survey seen = survey(*problem.batch, *problem.forcing, *problem.timeline, start_k);
+  Prepared prepared{.layers = layers_of(*problem.batch, seen, *problem.timeline, problem.tolerance_k),
+                    .guess = {.step_tolerance_k = kFirstStepShare * problem.tolerance_k}};
   if (problem.batch->facets > kLanes) {
-    const Trial trial = trial_of(*problem.batch, *problem.forcing, block_to_try(prepared.survey, kLanes));
+    const Trial trial = trial_of(*problem.batch, *problem.forcing, block_to_try(seen, kLanes));
     Problem few = problem;
     few.batch = &trial.batch;
     few.forcing = &trial.forcing;

@@ -3,7 +3,7 @@
 
 // A batch solved to a tolerance: plan, start and run in one call, and what a plan is made from.
 //
-// A plan is found by trial: the facet whose absorbed flux changes most and its neighbours, 16 in all, are run with a
+// A plan is found by trial: the facet whose absorbed flux changes most and its neighbours, 32 in all, are run with a
 // first guess of grid and step tolerance; what the promise of that run says decides the next guess. The tolerance is
 // shared out: half to the time steps, 0.4 to the grid, 0.1 to the depth.
 
@@ -18,7 +18,8 @@ namespace radiometry::heat {
 struct UniformStart {
   double temperature_k = 0.0;
 };
-/// The state that repeats when the first `period_s` of the run repeat.
+/// The state that repeats when the first `period_s` of the run repeat. The breaks of the timeline have to go on to the
+/// end of the period where the run is shorter.
 struct RepeatingStart {
   double period_s = 86400.0;
 };

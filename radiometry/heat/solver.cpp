@@ -36,8 +36,8 @@ struct Stop {
 };
 
 std::vector<Stop> stops_of(const Timeline& timeline) {
-  require(std::isfinite(timeline.start_s) && std::isfinite(timeline.end_s) && timeline.start_s <= timeline.end_s,
-          "the end of the timeline is before its start");
+  require(std::isfinite(timeline.start_s) && std::isfinite(timeline.end_s) && timeline.start_s < timeline.end_s,
+          "the end of the timeline is not after its start");
   std::vector<Stop> all{{timeline.start_s, false}, {timeline.end_s, false}};
   for (const double output : timeline.outputs_s) all.push_back({output, true});
   for (const double at : timeline.breaks_s) all.push_back({at, false});

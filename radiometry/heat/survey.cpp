@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "radiometry/heat/surface_loss.h"
 #include "radiometry/light/constants.h"
 
 namespace radiometry::heat {
@@ -61,11 +62,9 @@ struct Gain {
 
   double side(const SideForcing& from, double emissivity, const Convection& convection, double direction,
               double t) const {
-    const NaturalConvection natural = natural_coefficient(convection, direction);
-    const double excess = t - from.air_k;
-    const double h = forced_coefficient(convection, from.wind_m_s) +
-                     (excess > 0.0 ? natural.warm : natural.cold) * std::cbrt(std::abs(excess));
-    return from.absorbed_w_m2[facet] - emissivity * kStefanBoltzmann_w_m2_k4 * t * t * t * t - h * excess;
+    const SurfaceLoss loss{emissivity * kStefanBoltzmann_w_m2_k4, forced_coefficient(convection, from.wind_m_s),
+                           from.air_k, natural_coefficient(convection, direction)};
+    return from.absorbed_w_m2[facet] - loss.at(t).loss;
   }
   double at(double t) const {
     double sum = side(values->front, construction->emissivity, construction->convection, up, t);

@@ -53,6 +53,7 @@ TEST(Construction, BatchesAndTolerancesAreChecked) {
   expect_refused({"`up`", "1.5"}, [&] { run({steel, 1, {1.5}}, hour, 0.1); });
   expect_refused({"tolerance"}, [&] { run({steel, 1, {}}, hour, 0.0); });
   expect_refused({"end of the timeline"}, [&] { run({steel, 1, {}}, {10.0, 0.0, {}, {}}, 0.1); });
+  expect_refused({"end of the timeline"}, [&] { run({steel, 1, {}}, {10.0, 10.0, {}, {}}, 0.1); });
   expect_refused({"outputs do not rise"}, [&] { run({steel, 1, {}}, {0.0, 10.0, {5.0, 2.0}, {}}, 0.1); });
 }
 

@@ -154,7 +154,7 @@ TEST(HeatSolver, AnIntervalCanBeTakenAgainAndThreadsChangeNothing) {
       std::vector<double>(second.front_k.end() - static_cast<std::ptrdiff_t>(batch.facets), second.front_k.end()));
 }
 
-/// The trial looks at 16 of 150 facets; the promise is kept by all of them, and they are as if solved alone.
+/// The trial runs 32 of 150 facets; the promise is kept by all of them, and they are as if solved alone.
 TEST(HeatSolver, ABatchKeepsTheToleranceOfEveryFacet) {
   const Batch batch{{{kConcrete}, 0.9, McAdams{}, Adiabatic{}}, 150, {}};
   const Timeline day{0.0, kDay_s, every(1800.0, kDay_s), {0.5 * kDay_s}};
@@ -167,6 +167,15 @@ TEST(HeatSolver, ABatchKeepsTheToleranceOfEveryFacet) {
       EXPECT_NEAR(all.run.front_k[i * batch.facets + facet], alone.run.front_k[i],
                   all.run.promised.total_k() + alone.run.promised.total_k());
   }
+}
+
+/// T^4 overflows: an error and not a search without end.
+TEST(HeatSolver, AnAbsurdFluxIsRefused) {
+  const Batch batch{{{kConcrete}, 0.9, McAdams{}, Adiabatic{}}, 1, {}};
+  const Timeline day{0.0, kDay_s, {kDay_s}, {}};
+  const Plan plan = make_plan(batch, SteadyForcing{}, day, UniformStart{290.0}, 1.0);
+  EXPECT_THROW(advance(plan, uniform_state(plan, 0.0, 290.0), SteadyForcing{.absorbed_w_m2 = 1e300}, day),
+               mtf::RuntimeError);
 }
 
 TEST(HeatSolver, AForcingThatIsNotANumberIsNamed) {
