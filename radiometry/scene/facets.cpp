@@ -95,6 +95,17 @@ void append_mesh(Facets& facets, const PlacedMesh& placed, std::uint32_t mesh, M
   report.shells = shells.closed.size();
   report.open_shells = static_cast<std::uint64_t>(std::count(shells.closed.begin(), shells.closed.end(), 0));
   report.one_sided = shells.one_sided;
+
+  std::vector<Vector> vector_area(shells.closed.size());
+  std::vector<double> area(shells.closed.size(), 0.0);
+  for (std::size_t i = first_facet; i < facets.size(); ++i) {
+    const Facet& facet = facets.facet[i];
+    const std::size_t shell = facet.shell - first_shell;
+    vector_area[shell] = vector_area[shell] + facet.area_m2 * facet.normal;
+    area[shell] += facet.area_m2;
+  }
+  for (std::size_t shell = 0; shell < area.size(); ++shell)
+    if (shells.closed[shell] == 0 && length(vector_area[shell]) < 0.5 * area[shell]) ++report.with_hole;
 }
 
 void add_warnings(const MeshReport& report, std::vector<std::string>& warnings) {
@@ -108,11 +119,11 @@ void add_warnings(const MeshReport& report, std::vector<std::string>& warnings) 
     warn(text.str());
   }
   if (report.facets == 0) warn("no face is left of it.");
-  if (report.open_shells > 0) {
+  if (report.with_hole + report.one_sided > 0) {
     std::ostringstream text;
-    text << report.open_shells << " of " << report.shells << " shells are open";
-    if (report.one_sided > 0) text << ", " << report.one_sided << " of them without a consistent winding";
-    text << "; which side of an open shell is its front is said by the winding of most of its faces.";
+    text << report.with_hole << " of " << report.shells << " shells have a hole, " << report.one_sided
+         << " no consistent winding; which side of such a shell is its front is said by the winding of most of its "
+            "faces.";
     warn(text.str());
   }
   const double extent = *std::max_element(report.extent_m.begin(), report.extent_m.end());

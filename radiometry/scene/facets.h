@@ -79,6 +79,7 @@ struct MeshReport {
   std::uint64_t turned = 0;          ///< winding reversed
   std::uint64_t shells = 0;          ///< shells
   std::uint64_t open_shells = 0;     ///< shells with a rim
+  std::uint64_t with_hole = 0;       ///< open shells whose area vectors add up to less than half their area
   std::uint64_t one_sided = 0;       ///< open shells with no consistent winding, as a Moebius strip
   std::array<double, 3> extent_m{};  ///< along x, y and z
 };
@@ -100,7 +101,7 @@ struct Facets {
 
 /// Throws mtf::UsageError that names the mesh when nothing is left of all meshes, when arrays of a mesh do not fit each
 /// other, when a flat face has more than 2000 corners, or when coordinates spread over more than 1e9 m. Warns of
-/// left-out faces, of open shells, and of extents above 1 km or below 1 cm, which a wrong unit makes.
+/// left-out faces, of shells with a hole, and of extents above 1 km or below 1 cm, which a wrong unit makes.
 Facets facets_of(std::span<const PlacedMesh> meshes);
 
 /// A side of a facet that takes in and gives off radiation: the front, where the normal points, or the back of a sheet.

@@ -13,8 +13,9 @@
 // Rays start at points spread over the surface, in directions spread by the cosine law: R4, the additive recurrence of
 // Roberts ("The unreasonable effectiveness of quasirandom sequences", 2018), rotated by a hash of the receiver. What a
 // surface would see of each ring without obstacles is known in closed form (zenith_rings.h); rays only measure which
-// part of a ring is hidden (post-stratification, Cochran, Sampling Techniques, 1977, section 5A.9). So the view of a
-// surface without obstacles is exact, and shares sum to 1 to rounding.
+// part of a ring is hidden (post-stratification, Cochran, Sampling Techniques, 1977, section 5A.9). Of a ring
+// that no ray went to, as much is hidden as of the nearest one that has rays. So the view of a surface without
+// obstacles is exact, and shares sum to 1 to rounding.
 //
 // The rms error of a share F from n rays is at most about sqrt(F (1 - F) / n), that of independent rays; for facing
 // unit squares (F = .2) 64 rays give .033, 256 .014, 1024 .006, 4096 .0022. table_error.h measures it for a scene.

@@ -87,7 +87,22 @@ TEST(Facets, MoebiusStripIsOpenAndOneSided) {
   EXPECT_EQ(facets.report[0].open_shells, 1U);
   EXPECT_EQ(facets.report[0].one_sided, 1U);
   ASSERT_EQ(facets.warnings.size(), 1U);
-  EXPECT_NE(facets.warnings[0].find("1 of 1 shells are open"), std::string::npos);
+  EXPECT_NE(facets.warnings[0].find("of 1 shells have a hole, 1 no consistent winding"), std::string::npos);
+}
+
+TEST(Facets, HolesAreWarnedOfAndSheetsAreNot) {
+  Mesh mesh = test::empty_mesh();
+  test::add_plate(mesh, {0, 0, 0}, {5, 0, 0}, {0, 5, 0}, 4, 4);
+  EXPECT_TRUE(test::facets(mesh).warnings.empty());
+  EXPECT_EQ(test::facets(mesh).report[0].open_shells, 1U);
+  test::add_box(mesh, {0, 0, 1}, {1, 1, 1}, 2);
+  mesh.corners.resize(mesh.corners.size() - 4);
+  mesh.first.pop_back(), mesh.group.pop_back(), mesh.material.pop_back();
+  const Facets facets = test::facets(mesh);
+  EXPECT_EQ(facets.report[0].open_shells, 2U);
+  EXPECT_EQ(facets.report[0].with_hole, 1U);
+  ASSERT_EQ(facets.warnings.size(), 1U);
+  EXPECT_NE(facets.warnings[0].find("mesh `made`: 1 of 2 shells have a hole"), std::string::npos);
 }
 
 TEST(Facets, FlatPolygonsStayAndOthersAreDivided) {
