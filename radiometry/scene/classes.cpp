@@ -17,6 +17,8 @@
 namespace radiometry::scene {
 namespace {
 
+constexpr double kLargestFlux_w_m2 = 1e6;
+
 /// The terms of the absorbed flux of each side: the direct one at each direction of the sun, then diffuse and
 /// long-wave.
 class FluxTerms {
@@ -81,8 +83,8 @@ class FluxTerms {
   std::vector<float> terms_;
 };
 
-void check_sizes(std::size_t sides, std::span<const SideFinish> finish, const Views& views, const SunVisibility& sun,
-                 std::span<const Vector> to_sun, const FluxAmplitudes& amplitudes) {
+void check_inputs(std::size_t sides, std::span<const SideFinish> finish, const Views& views, const SunVisibility& sun,
+                  std::span<const Vector> to_sun, const FluxAmplitudes& amplitudes) {
   const auto refuse = [](const std::string& what, std::size_t is, std::size_t should) {
     throw mtf::UsageError("classes_of: the number of " + what + " is " + std::to_string(is) + ", it should be " +
                           std::to_string(should) + ".");
@@ -96,6 +98,22 @@ void check_sizes(std::size_t sides, std::span<const SideFinish> finish, const Vi
   if (amplitudes.sky_solar.size() != rings) refuse("rings of solar amplitudes", amplitudes.sky_solar.size(), rings);
   if (amplitudes.sky_longwave.size() != rings)
     refuse("rings of long-wave amplitudes", amplitudes.sky_longwave.size(), rings);
+
+  const auto check_flux = [](double flux) {
+    if (!(std::abs(flux) <= kLargestFlux_w_m2))
+      throw mtf::UsageError("classes_of: an amplitude is " + std::to_string(flux) +
+                            " W/m2, it must be a number of at most 1e6.");
+  };
+  for (const auto* list : {&amplitudes.direct, &amplitudes.sky_solar, &amplitudes.sky_longwave})
+    std::for_each(list->begin(), list->end(), check_flux);
+  for (const double flux :
+       {amplitudes.ground_solar, amplitudes.ground_longwave, amplitudes.surfaces_solar, amplitudes.surfaces_longwave})
+    check_flux(flux);
+  for (const SideFinish& side : finish)
+    if (!(side.solar_absorptance >= 0.0 && side.solar_absorptance <= 1.0 && side.emissivity >= 0.0 &&
+          side.emissivity <= 1.0))
+      throw mtf::UsageError("classes_of: absorptance " + std::to_string(side.solar_absorptance) + " or emissivity " +
+                            std::to_string(side.emissivity) + " is not from 0 to 1.");
 }
 
 FluxTerms flux_terms(const Facets& facets, std::span<const Side> sides, std::span<const SideFinish> finish,
@@ -198,7 +216,7 @@ Classes cubes_as_classes(std::span<const SideFinish> finish, std::span<const std
 Classes classes_of(const Facets& facets, std::span<const Side> sides, std::span<const SideFinish> finish,
                    const Views& views, const SunVisibility& sun, std::span<const Vector> to_sun,
                    const FluxAmplitudes& amplitudes, double tolerance_w_m2, int threads) {
-  check_sizes(sides.size(), finish, views, sun, to_sun, amplitudes);
+  check_inputs(sides.size(), finish, views, sun, to_sun, amplitudes);
   if (!(tolerance_w_m2 >= 0.0) || !std::isfinite(tolerance_w_m2))
     throw mtf::UsageError("classes_of: the tolerance is " + std::to_string(tolerance_w_m2) +
                           " W/m2, it must be 0 or more.");
@@ -246,12 +264,12 @@ Classes classes_of(const Facets& facets, std::span<const Side> sides, std::span<
 Classes patches_of(const Facets& facets, std::span<const Side> sides, std::span<const SideFinish> finish,
                    const Views& views, const SunVisibility& sun, std::span<const Vector> to_sun,
                    const FluxAmplitudes& amplitudes, std::size_t most, int threads) {
-  check_sizes(sides.size(), finish, views, sun, to_sun, amplitudes);
+  check_inputs(sides.size(), finish, views, sun, to_sun, amplitudes);
   const FluxTerms terms = flux_terms(facets, sides, finish, views, sun, to_sun, amplitudes, threads);
   std::vector<std::array<double, 3>> summaries;
   for (std::size_t i = 0; i < sides.size(); ++i) summaries.push_back(terms.summary(i));
 
-  constexpr double kNarrow_w_m2 = 1e-3, kWide_w_m2 = 1e6;
+  constexpr double kNarrow_w_m2 = 1e-3, kWide_w_m2 = 100.0 * kLargestFlux_w_m2;  // all in one cube
   Classes patches = cubes_as_classes(finish, summaries, kWide_w_m2);
   if (patches.size() > most)
     throw mtf::UsageError("patches_of: the sides have more than " + std::to_string(most) +

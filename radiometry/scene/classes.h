@@ -52,7 +52,8 @@ struct Classes {
 };
 
 /// `views`, `sun` and `finish` have an entry for each of `sides`; `to_sun` are the directions of `sun`. With a
-/// tolerance of 0 each side is a class. Throws mtf::UsageError when sizes do not fit each other.
+/// tolerance of 0 each side is a class. Throws mtf::UsageError when sizes do not fit each other and for numbers out of
+/// range.
 Classes classes_of(const Facets& facets, std::span<const Side> sides, std::span<const SideFinish> finish,
                    const Views& views, const SunVisibility& sun, std::span<const Vector> to_sun,
                    const FluxAmplitudes& amplitudes, double tolerance_w_m2, int threads = 0);

@@ -119,11 +119,11 @@ void add_warnings(const MeshReport& report, std::vector<std::string>& warnings) 
     warn(text.str());
   }
   if (report.facets == 0) warn("no face is left of it.");
-  if (report.with_hole > 0) {
+  if (report.with_hole + report.one_sided > 0) {
     std::ostringstream text;
-    text << report.with_hole << " of " << report.shells << " shells have a hole";
-    if (report.one_sided > 0) text << ", and " << report.one_sided << " no consistent winding";
-    text << "; which side of such a shell is its front is said by the winding of most of its faces.";
+    text << report.with_hole << " of " << report.shells << " shells have a hole, " << report.one_sided
+         << " no consistent winding; which side of such a shell is its front is said by the winding of most of its "
+            "faces.";
     warn(text.str());
   }
   const double extent = *std::max_element(report.extent_m.begin(), report.extent_m.end());

@@ -67,20 +67,19 @@ struct Shell {
 /// What was found and done in a mesh; numbers of faces unless said otherwise.
 struct MeshReport {
   std::string name;
-  std::uint64_t faces = 0;        ///< of the file
-  std::uint64_t facets = 0;       ///< made of them
-  std::uint64_t vertices = 0;     ///< in use, after welding
-  std::uint64_t welded = 0;       ///< vertices in use that were at the position of another one
-  std::uint64_t bad_index = 0;    ///< left out: a corner names no vertex
-  std::uint64_t not_finite = 0;   ///< left out: a coordinate is NaN or infinite
-  std::uint64_t degenerate = 0;   ///< left out: fewer than three different corners, or no area
-  std::uint64_t duplicate = 0;    ///< left out: the same corners as another face
-  std::uint64_t not_flat = 0;     ///< divided into triangles
-  std::uint64_t turned = 0;       ///< winding reversed
-  std::uint64_t shells = 0;       ///< shells
-  std::uint64_t open_shells = 0;  ///< shells with a rim
-  std::uint64_t with_hole =
-      0;  ///< open shells that bend round a volume: their area vectors add up to less than half their area
+  std::uint64_t faces = 0;           ///< of the file
+  std::uint64_t facets = 0;          ///< made of them
+  std::uint64_t vertices = 0;        ///< in use, after welding
+  std::uint64_t welded = 0;          ///< vertices in use that were at the position of another one
+  std::uint64_t bad_index = 0;       ///< left out: a corner names no vertex
+  std::uint64_t not_finite = 0;      ///< left out: a coordinate is NaN or infinite
+  std::uint64_t degenerate = 0;      ///< left out: fewer than three different corners, or no area
+  std::uint64_t duplicate = 0;       ///< left out: the same corners as another face
+  std::uint64_t not_flat = 0;        ///< divided into triangles
+  std::uint64_t turned = 0;          ///< winding reversed
+  std::uint64_t shells = 0;          ///< shells
+  std::uint64_t open_shells = 0;     ///< shells with a rim
+  std::uint64_t with_hole = 0;       ///< open shells whose area vectors add up to less than half their area
   std::uint64_t one_sided = 0;       ///< open shells with no consistent winding, as a Moebius strip
   std::array<double, 3> extent_m{};  ///< along x, y and z
 };

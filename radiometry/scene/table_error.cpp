@@ -67,6 +67,7 @@ TableError sun_error(const Rays& rays, std::span<const Side> sides, std::span<co
                      const SunVisibility& sun, const SunOptions& options, std::size_t count) {
   const std::vector<std::size_t> numbers = picked(sides.size(), count, options.seed);
   std::vector<Side> some;
+  some.reserve(numbers.size());
   for (const std::size_t i : numbers) some.push_back(sides[i]);
 
   // A direction of the second set lies between two tabulated ones, or is the same as both.

@@ -61,7 +61,7 @@ EmbreeScene::EmbreeScene(const Facets& facets)
   scene_.reset(rtcNewScene(device_.get()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_HIGH);
-  const RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  RTCGeometryTy* const geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);  // the scene holds it
   fill<std::array<float, 3>>(device_.get(), geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, facets.vertices.size(),

@@ -155,6 +155,11 @@ TEST(Classes, Refusals) {
   Case c = made_case();
   expect_refused({"tolerance"}, [&] { (void)classes(c, std::numeric_limits<double>::quiet_NaN()); });
   expect_refused({"tolerance"}, [&] { (void)classes(c, -1.0); });
+  c.amplitudes.ground_solar = std::numeric_limits<double>::quiet_NaN();
+  expect_refused({"amplitude"}, [&] { (void)classes(c, 1.0); });
+  c.amplitudes.ground_solar = 0.0;
+  c.finish[3].emissivity = 2.0;
+  expect_refused({"emissivity 2"}, [&] { (void)classes(c, 1.0); });
   c.amplitudes.sky_solar.pop_back();
   expect_refused({"solar amplitudes is 8, it should be 9"}, [&] { (void)classes(c, 1.0); });
   c.finish.pop_back();
