@@ -72,18 +72,20 @@ Records records_of(const Weather& weather) {
   return records;
 }
 
-/// Makes the records those of one day, to be used again and again: instants get the first one as that of the next
-/// midnight.
+/// Makes the records those of one day, to be used again and again: instants get the first one as that of the next day.
+/// A record too many at the beginning, as of 0 h and 24 h or of a mean that begins on the day before, is left out.
 void close_day(Records& records, const std::string& source) {
-  const double span = records.end_s.back() - records.begin_s.front(), tolerance_s = 1e-3;
-  if (!records.means && std::abs(span - kDay_s) < tolerance_s) {
-    records.begin_s.pop_back();
-    records.end_s.pop_back();
-    for (auto& values : records.values)
-      if (!values.empty()) values.pop_back();
-  } else if (span > kDay_s + tolerance_s) {
-    throw mtf::UsageError(source + ": error: the records cover " + mtf::format_double(std::round(span / 36.0) / 100.0) +
+  constexpr double tolerance_s = 1e-3;
+  const double covered = records.end_s.back() - records.begin_s.front() + (records.means ? 0.0 : records.step_s);
+  if (covered > kDay_s + records.step_s + tolerance_s)
+    throw mtf::UsageError(source + ": error: the records cover " +
+                          mtf::format_double(std::round(covered / 36.0) / 100.0) +
                           " h, but repeat = \"day\" repeats those of one day; leave out the others");
+  if (covered > kDay_s + tolerance_s) {
+    records.begin_s.erase(records.begin_s.begin());
+    records.end_s.erase(records.end_s.begin());
+    for (auto& values : records.values)
+      if (!values.empty()) values.erase(values.begin());
   }
   const double missing_s =
       records.begin_s.front() + kDay_s - records.end_s.back() - (records.means ? 0.0 : records.step_s);

@@ -28,7 +28,7 @@ enum class Repeat { none, day };
 inline constexpr std::array<std::string_view, 2> kRepeatNames{"none", "day"};
 
 struct SeriesOptions {
-  Repeat repeat = Repeat::none;  ///< day: 24 h of records (not more), used for every day
+  Repeat repeat = Repeat::none;  ///< day: 24 h of records, used for every day; one more at the beginning is left out
   double longest_bridge_s = 3600.0;
 };
 

@@ -244,6 +244,13 @@ TEST(WeatherShared, SurfradFileIsReadWhole) {
                 zenith_deg, 0.025);
   const auto series = make_series(weather, *file.place, {.repeat = radiometry::heat::Repeat::day});
   EXPECT_TRUE(series.gaps.empty());
+  // 5-min means: 289 of them, as the first minute belongs to the day before.
+  const auto means = make_series(averaged(weather, 300.0), *file.place, {.repeat = radiometry::heat::Repeat::day});
+  EXPECT_TRUE(means.gaps.empty());
+  EXPECT_EQ(means.node_s.size(), 2u * 288u + 1u);
+  const double noon = instant_of({2016, 1, 4}, 19.0 * 3600.0);
+  EXPECT_NEAR(mean_over(means, direct_normal, noon, noon + 300.0), mean_over(series, direct_normal, noon, noon + 300.0),
+              1e-9);
   const double later = instant_of({2016, 1, 5});
   EXPECT_NO_THROW(require(series, {direct_normal, longwave_down, wind_speed}, later, later + 172800.0));
 }
