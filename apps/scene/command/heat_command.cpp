@@ -26,18 +26,15 @@ using namespace scene;
 
 Figure region_figure(const SceneFile& file, const HeatFiles& files) {
   Figure figure;
-  figure.title = "mean temperatures of regions, shaded: from the least to the largest";
+  figure.title = "mean temperatures of regions";
   figure.x_label = "hours since " + radiometry::heat::instant_text(file.time.start_s);
   figure.y_label = "temperature [K]";
   for (std::size_t r = 0; r < file.regions.size(); ++r) {
     Series series;
     series.name = file.regions[r].name;
     for (std::size_t i = 0; i < files.times_s().size(); ++i) {
-      const RegionTemperature& region = files.regions()[i][r];
       series.x.push_back(files.times_s()[i] / 3600.0);
-      series.y.push_back(region.mean_k);
-      series.low.push_back(region.least_k);
-      series.high.push_back(region.most_k);
+      series.y.push_back(files.regions()[i][r].mean_k);
     }
     figure.series.push_back(std::move(series));
   }

@@ -16,7 +16,7 @@ namespace {
 namespace geometry = radiometry::scene;
 using geometry::Vector;
 
-constexpr std::int64_t kWidth = 960, kHeight = 720;
+constexpr std::int64_t kWidth = 1280, kHeight = 960;
 constexpr double kHalfWidth = 0.364;  // tan 20 deg
 
 Vector unit(const Vector& v) {

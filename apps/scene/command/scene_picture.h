@@ -10,7 +10,7 @@
 
 namespace apps::scene {
 
-/// Writes a PNG of 960 x 720 pixels, 40 degrees wide, with a bar of temperatures. What the camera does not see of the
+/// Writes a PNG of 1280 x 960 pixels, 40 degrees wide, with a bar of temperatures. What the camera does not see of the
 /// scene, and the sky, is black. Throws UsageError for a camera whose view is not defined.
 void write_scene_picture(const std::string& path, const HeatScene& scene, const CameraSection& camera,
                          std::span<const double> facet_k, const std::string& caption);

@@ -39,7 +39,4 @@ struct Surroundings {
 /// with the remedy.
 Surroundings surroundings_of(const SceneFile& scene, int directions);
 
-/// A vector east, north, up in the axes of the meshes, whose y axis has the azimuth `north_rad`.
-radiometry::scene::Vector in_mesh_axes(const std::array<double, 3>& east_north_up, double north_rad);
-
 }  // namespace apps::scene
