@@ -18,12 +18,12 @@ namespace radiometry::heat {
 
 struct PeriodicStart {
   State state;
-  double residual_k = 0.0;  ///< the largest change of any node over the last period
+  double residual_k = 0.0;  ///< the largest change of any node over the last period; it is corrected in the state
   int periods = 0;          ///< periods run
 };
 
 /// The timeline is one period; its outputs are not used. Ends when a period changes no node of any facet by more than
-/// `residual_k`, or after `most_periods`, so the residual has to be looked at. Throws UsageError for a construction
+/// `residual_k`, or after `most_periods`, so the residual has to be checked. Throws UsageError for a construction
 /// whose mean temperature is not determined: neither emission, convection nor an inside temperature.
 PeriodicStart periodic_start(const Plan& plan, const Forcing& forcing, const Timeline& period, double residual_k,
                              int most_periods = 8, int threads = 1);

@@ -14,7 +14,8 @@
 namespace radiometry::heat {
 namespace {
 
-constexpr std::int64_t kGroupsInPiece = 8;
+/// Pieces of the batch for each thread: a piece shares its eliminations, more than one evens out the load.
+constexpr std::int64_t kPieces = 4;
 
 std::size_t groups_of(const Plan& plan) { return (plan.batch.facets + kLanes - 1) / kLanes; }
 
@@ -157,7 +158,9 @@ Run advance(const Plan& plan, const State& start, const Forcing& forcing, const 
     run.steps.refused += steps.refused;
     run.steps.facet_steps += steps.facet_steps;
   };
-  mtf::parallel_for(static_cast<std::int64_t>(groups_of(plan)), kGroupsInPiece, threads, advance_groups);
+  const auto groups = static_cast<std::int64_t>(groups_of(plan));
+  const std::int64_t pieces = kPieces * mtf::threads_of(threads);
+  mtf::parallel_for(groups, (groups + pieces - 1) / pieces, threads, advance_groups);
   return run;
 }
 
