@@ -80,8 +80,8 @@ std::string summary_text(const HeatScene& scene, const HeatReport& report, const
   }
   const HeatPromise& p = report.promised;
   std::string text = table.aligned({Align::left, Align::right, Align::right, Align::right});
-  text += plural(static_cast<std::int64_t>(report.facets), "facet") + " as " +
-          std::to_string(report.units) + (report.units == 1 ? " class, " : " classes, ") +
+  text += plural(static_cast<std::int64_t>(report.facets), "facet") + " as " + std::to_string(report.units) +
+          (report.units == 1 ? " class, " : " classes, ") +
           plural(static_cast<std::int64_t>(report.outputs), "output") + "\n";
   text += "promised error " + significant(p.total_k(), 2) + " K: steps and cells " +
           significant(p.solver.total_k(), 2) + ", ground " + significant(p.ground_k, 2) + ", classes " +

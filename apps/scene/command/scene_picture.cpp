@@ -63,8 +63,7 @@ void write_scene_picture(const std::string& path, const HeatScene& scene, const 
       const geometry::Hit& hit = hits[static_cast<std::size_t>(y * kWidth + x)];
       image.at(x, y) = geometry::hits(hit) ? static_cast<float>(facet_k[hit.facet]) : static_cast<float>(low);
     }
-  write_picture(path, std::array{Panel{caption, image.view(), 1, low, std::max(high, low + 0.1), ""}},
-                true);
+  write_picture(path, std::array{Panel{caption, image.view(), 1, low, std::max(high, low + 0.1), ""}}, true);
 }
 
 }  // namespace apps::scene

@@ -83,7 +83,7 @@ Surroundings surroundings_of(const SceneFile& scene, int directions) {
   for (const heat::SunAt& at :
        sun_table(scene.place, start, end, static_cast<int>(std::lround(std::ceil(directions * days))))) {
     s.shadow_time_s.push_back(at.utc_s - start);
-    s.shadow_to_sun.push_back(in_scene_axes(at.sun.direction, scene.north_rad));
+    s.shadow_to_sun.push_back(heat::in_scene_axes(at.sun.direction, scene.north_rad));
     times.push_back(at.utc_s - start);
   }
   for (const double t : break_times(weather, start, end)) times.push_back(t - start);
@@ -108,7 +108,7 @@ Surroundings surroundings_of(const SceneFile& scene, int directions) {
     s.diffuse_w_m2.push_back(std::max(at[diffuse_horizontal], 0.0));
     s.global_w_m2.push_back(s.direct_w_m2.back() * std::max(up, 0.0) + s.diffuse_w_m2.back());
     s.sky_longwave_w_m2.push_back(sky_longwave(scene.sky, at).irradiance_w_m2);
-    s.to_sun.push_back(in_scene_axes(sun.direction, scene.north_rad));
+    s.to_sun.push_back(heat::in_scene_axes(sun.direction, scene.north_rad));
   }
   s.shadow_entry = entries_of(s, scene);
   return s;

@@ -8,8 +8,8 @@
 #include <fstream>
 
 #include "apps/scene/heat/heat_run.h"
-#include "radiometry/light/constants.h"
 #include "mtf/error.h"
+#include "radiometry/light/constants.h"
 #include "tests/apps/study/temp_folder.h"
 
 namespace apps::scene {
