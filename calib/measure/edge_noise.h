@@ -28,13 +28,6 @@ struct NoiseModel {
   }
 };
 
-/// What neighbouring pixels share of their noise.
-struct NoiseCorrelation {
-  std::vector<PixelLag> lags;  ///< of one half plane; none: the noise of the pixels is independent
-  double margin = 1.0;         ///< by which the correlations count more, as they are estimates
-  bool white() const { return lags.empty(); }
-};
-
 /// `least` > 0: the smallest variance there can be, besides that of rounding.
 NoiseModel estimate_noise(const EdgeSums& sums, const StepProfile& profile, double least, const Rounding& rounding);
 
