@@ -101,6 +101,18 @@ double dither_of(const EdgeSums& sums, const StepProfile& profile, const Roundin
   return places > 0.0 ? sum / places - 1.0 / 12.0 : 0.0;
 }
 
+// The same where distances of all kinds occur: on the edge the values of the pixels lie at all places between two
+// steps, so that they scatter by noise^2 + 1 / 12, while a plateau that lies half way between two steps scatters by up
+// to half a step however little noise there is.
+double dither_on_edge(const EdgeSums& sums, const StepProfile& profile, const NoiseModel& noise,
+                      const Rounding& rounding) {
+  constexpr double kFewest = 50.0;
+  const double step = step_at(rounding, 0.5);
+  if (!(noise.at(0.5) < step * step)) return INFINITY;
+  const Spread edge = spreads(sums, profile.esf()).edge;
+  return edge.dof < kFewest ? INFINITY : edge.variance() / (step * step) - 1.0 / 12.0;
+}
+
 // How many pixels lie within an eighth of a pixel of the distance of each bin.
 BinRow pixels_near(const EdgeSums& sums) {
   constexpr double kNear_px = 0.125;
@@ -151,11 +163,13 @@ BinRow pixel_weights(const EdgeSums& sums, const EdgeModel& model, const StepPro
   BinRow weight = variances(noise, profile);
   for (double& one : weight) one = 1.0 / one;
   const bool rounds = rounding.dark > 0.0 && rounding.bright > 0.0, by_distance = rounds && few_distances;
-  const double dither = by_distance ? dither_of(sums, profile, rounding) : 0.0;
+  const double dither =
+      by_distance ? dither_of(sums, profile, rounding) : dither_on_edge(sums, profile, noise, rounding);
   const BinRow near = by_distance ? pixels_near(sums) : BinRow{};
   const double long_px = kLong / std::max(1e-3, std::abs(profile.lsf()[kSideBins]));
   const auto share = [&](bool bright, double step, double variance) {
-    const double shared = step * step * shared_rounding(by_distance ? dither : variance / (step * step) - 1.0 / 12.0);
+    const double own = variance / (step * step) - 1.0 / 12.0;
+    const double shared = step * step * shared_rounding(by_distance ? dither : std::min(own, dither));
     const auto bin = [&](int k) { return bright ? kBins - 1 - k : k; };  // from the far end inwards
     const auto step_of = [&](int k) {
       const double esf = profile.esf()[static_cast<std::size_t>(bin(k))];
