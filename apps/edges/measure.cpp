@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
+#include "apps/edges/annotated_image.h"
 #include "apps/edges/edge_measure.h"
 #include "apps/edges/edge_merits.h"
 #include "apps/edges/image_table.h"
@@ -21,18 +21,6 @@
 
 namespace apps {
 namespace {
-
-void annotate(const std::string& path, const EdgePlane& plane, std::span<const MeasuredEdge> edges) {
-  const mtf::Image& image = plane.plane;
-  float low = std::numeric_limits<float>::infinity(), high = -low;
-  for (std::int64_t i = 0; i < image.size(); ++i) {
-    if (!std::isfinite(image.data()[i])) continue;
-    low = std::min(low, image.data()[i]);
-    high = std::max(high, image.data()[i]);
-  }
-  if (!(low <= high)) low = high = 0.0F;
-  mtf::io::write_annotated_png(path, image.view(), low, high, edge_drawing(edges, image.width(), image.height()));
-}
 
 std::vector<std::string> outputs_of(const MeasureOptions& options) {
   std::vector<std::string> outputs;
@@ -140,7 +128,7 @@ int run_measure(const MeasureOptions& options, const Global& global) {
           edge.scale = scale_of(plane.plane.height());
           add_contrasts(edge, report.further);
         }
-        if (first && !options.annotate.empty()) annotate(options.annotate, plane, edges);
+        if (first && !options.annotate.empty()) write_annotated_image(options.annotate, plane.plane, edges);
         first = false;
         std::move(edges.begin(), edges.end(), std::back_inserter(report.edges));
       }

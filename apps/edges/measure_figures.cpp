@@ -14,7 +14,6 @@ namespace {
 using calib::EdgeMeasurement;
 using calib::Trouble;
 
-constexpr mtf::io::Colour kRegionColour{90, 200, 255}, kEdgeColour{255, 210, 0}, kTroubleColour{255, 90, 60};
 /// Distances from the edge that figures show.
 constexpr double kShown_px = 8.0;
 
@@ -34,12 +33,12 @@ std::string frequency_text(double frequency, FrequencyUnit unit) {
   return unit == FrequencyUnit::cy_px ? fixed(frequency, 3) : significant(frequency, 4);
 }
 
+}  // namespace
+
 std::string mtf50_text(const MeasuredEdge& edge) {
   const auto mtf50 = in_unit(edge.edge.mtf50, edge.scale);
   return mtf50 ? frequency_text(mtf50->value, edge.scale.unit) : std::string("-");
 }
-
-}  // namespace
 
 std::vector<Figure> edge_figures(const MeasuredEdge& measured) {
   const EdgeMeasurement& edge = measured.edge;
@@ -127,40 +126,6 @@ std::string field_map_csv(const MeasureReport& report) {
     text += "," + std::string(unit_symbol(report.unit)) + "\n";
   }
   return text;
-}
-
-mtf::io::Drawing edge_drawing(std::span<const MeasuredEdge> edges, std::int64_t width, std::int64_t height) {
-  mtf::io::Drawing drawing;
-  // Small images are enlarged so that words can be read.
-  drawing.zoom = static_cast<int>(std::clamp<std::int64_t>(800 / std::max<std::int64_t>({width, height, 1}), 1, 8));
-  int number = 0;
-  for (const MeasuredEdge& measured : edges) {
-    const EdgeMeasurement& edge = measured.edge;
-    const std::string label = std::to_string(++number) + ": ";
-    const bool good = edge.trouble == Trouble::none;
-    const auto x0 = static_cast<double>(edge.roi.x), y0 = static_cast<double>(edge.roi.y);
-    const double x1 = x0 + static_cast<double>(edge.roi.width), y1 = y0 + static_cast<double>(edge.roi.height);
-    const mtf::io::Colour colour = good ? kRegionColour : kTroubleColour;
-    drawing.strokes.push_back({{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}, {x0, y0}}, colour});
-    const double margin = 4.0 / drawing.zoom, line = 14.0 / drawing.zoom;
-    if (!good) {
-      drawing.captions.push_back(
-          {x0 + margin, y0 + line, label + std::string(trouble_name(edge.trouble)), kTroubleColour});
-      continue;
-    }
-    const calib::Point n = edge.curve.normal();
-    mtf::io::Stroke stroke{{}, kEdgeColour};
-    for (int i = -32; i <= 32; ++i) {
-      const double s = 0.5 * edge.length_px * i / 32.0;
-      const double u = offset_at(edge.curve, s);
-      stroke.points.push_back({edge.curve.origin.x - s * n.y + u * n.x, edge.curve.origin.y + s * n.x + u * n.y});
-    }
-    drawing.strokes.push_back(std::move(stroke));
-    const FrequencyUnit unit = measured.scale.unit;
-    const std::string symbol = unit == FrequencyUnit::cy_px ? "" : " " + std::string(unit_symbol(unit));
-    drawing.captions.push_back({x0 + margin, y0 + line, label + "MTF50 " + mtf50_text(measured) + symbol, kEdgeColour});
-  }
-  return drawing;
 }
 
 }  // namespace apps

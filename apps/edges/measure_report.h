@@ -13,7 +13,6 @@
 #include "apps/figures/plot.h"
 #include "calib/iso12233/iso12233_difference.h"
 #include "calib/measure/measure.h"
-#include "mtf/io/codecs/drawing.h"
 
 namespace apps {
 
@@ -89,7 +88,7 @@ std::vector<Figure> field_map(const MeasureReport& report);
 /// The data of the maps: edge,image,channel,direction,x_px,y_px,field_x_px,field_y_px,field_radius_px,mtf50,
 /// mtf50_sd,frequency_unit.
 std::string field_map_csv(const MeasureReport& report);
-/// Regions, edges and their MTF50.
-mtf::io::Drawing edge_drawing(std::span<const MeasuredEdge> edges, std::int64_t width, std::int64_t height);
+/// MTF50 in the unit of the edge, "-" where there is none.
+std::string mtf50_text(const MeasuredEdge& edge);
 
 }  // namespace apps

@@ -102,4 +102,24 @@ PixelCorrelation correlation_of(const PixelGrid& grid, Point normal) {
   return found;
 }
 
+double NoiseCorrelation::sum() const {
+  double all = 1.0;
+  for (const PixelLag& lag : lags) all += 2.0 * margin * lag.correlation;
+  return all;
+}
+
+NoiseCorrelation noise_correlation(const PixelCorrelation& residuals, double values, double pixels) {
+  constexpr double kTerms = 6.0;  // fitted: plateaus and gradients, and tails that take the part of gradients
+  constexpr double kMargin = 1.1, kErrorMargin = 6.0;
+  const double lags = 1.0 + 2.0 * static_cast<double>(residuals.lags.size());
+  const double taken = kTerms / pixels;
+  const double lost = taken * std::max(0.0, residuals.sum) / std::max(0.5, 1.0 - taken * lags);
+  // The sum of the correlations, which scales the variances at low frequencies, has the relative variance 2 lags /
+  // count. Intervals from an estimated variance have to be wider, as those of Student's t, and the tests for terms and
+  // diffraction err where it is estimated too small. With this margin the 95 % intervals hold (bench_coverage).
+  NoiseCorrelation noise{.lags = residuals.lags, .margin = kMargin + kErrorMargin * 2.0 * lags / std::max(1.0, values)};
+  for (PixelLag& lag : noise.lags) lag.correlation = (lag.correlation + lost) / (1.0 + lost);
+  return noise;
+}
+
 }  // namespace calib

@@ -57,4 +57,17 @@ struct PixelCorrelation {
 /// `normal` is that of the edge.
 PixelCorrelation correlation_of(const PixelGrid& grid, Point normal);
 
+/// What neighbouring pixels share of their noise.
+struct NoiseCorrelation {
+  std::vector<PixelLag> lags;  ///< of one half plane; none: the noise of the pixels is independent
+  double margin = 1.0;         ///< by which the correlations count more, as they are estimates
+  bool white() const { return lags.empty(); }
+  /// The variance of a mean of many pixels is so many times that of as many independent ones.
+  double sum() const;
+};
+/// The correlation of the noise, from that of the residuals: fitting the plateaus lowers each of the estimated
+/// correlations by (sum of all correlations) x (number of fitted terms) / (number of pixels), which is added back.
+/// `values`: how many residuals the estimate is made of; `pixels`: how many were fitted.
+NoiseCorrelation noise_correlation(const PixelCorrelation& residuals, double values, double pixels);
+
 }  // namespace calib

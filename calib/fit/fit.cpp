@@ -63,18 +63,20 @@ std::string name_of(const FitParameter& parameter) { return parameter.name.empty
 std::string rounded(double value) { return mtf::format_double(std::round(10.0 * value) / 10.0); }
 
 /// What holds the fit off the minimum of the data: bounds, priors, a start from which nothing can be seen.
-void report_obstacles(FitResult& result) {
+void report_obstacles(const Solved& solved, FitResult& result) {
   constexpr double kClearly_sd = 4.0, kFar_chi2 = 4.0, kNoContrast = 0.02;
   constexpr std::size_t kLow = 20;  // 0.1 cycles/px
   std::string held;
-  for (const FittedParameter& p : result.parameters) {
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const FittedParameter& p = result.parameters[i];
     if (p.knowledge == Knowledge::at_bound && p.pressed_sd > kClearly_sd)
       held = "the " + std::string(p.limit_is_upper ? "lower" : "upper") + " bound of " + name_of(p.parameter) +
              " keeps the fit from its minimum: the data want " + (p.limit_is_upper ? "less" : "more") +
              "; move it, or look for what the model lacks";
     if (p.parameter.prior && p.knowledge != Knowledge::not_determined) {
       const auto [mean, width] = *p.parameter.prior;
-      const double free = width * width - p.linear_sd * p.linear_sd;
+      // The variance of value - mean: v_prior - v, or v_prior - 2 v / ratio + v where pixels share their noise.
+      const double free = width * width - p.linear_sd * p.linear_sd * (2.0 / solved.variance_ratio[i] - 1.0);
       const double off = std::abs(p.value - mean) / std::sqrt(std::max(free, 1e-6 * width * width));
       if (off > kClearly_sd)
         held = "the prior of " + name_of(p.parameter) + " contradicts the data by " + rounded(off) +
@@ -175,7 +177,7 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
     if (options.profile || judge)
       report_intervals(problem, solved, flat, judge, solution.cost, progress.asks(), result);
   }
-  report_obstacles(result);
+  report_obstacles(solved, result);
   if (progress.stopped() && result.status != FitStatus::stopped) {
     result.status = FitStatus::stopped;
     result.reason = "stopped; what had been finished is given";

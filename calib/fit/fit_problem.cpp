@@ -165,6 +165,16 @@ class Asks final : public ceres::IterationCallback {
   const std::function<bool()>* go_on_;
 };
 
+/// Derivatives by the parameters, whose rows and columns end at `end`, become those by the variables.
+void to_variables(const FitProblem& problem, Eigen::Index end, Eigen::MatrixXd& products) {
+  for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+    const Eigen::Index column = end - static_cast<Eigen::Index>(problem.variables.size() - i);
+    const double slope = problem.variables[i].slope(problem.x[i]);
+    products.row(column) *= slope;
+    products.col(column) *= slope;
+  }
+}
+
 }  // namespace
 
 std::vector<Eigen::MatrixXd> FitProblem::normals(bool gradients) const {
@@ -185,12 +195,20 @@ std::vector<Eigen::MatrixXd> FitProblem::normals(bool gradients) const {
         all[b] = Eigen::MatrixXd::Constant(columns, columns, std::numeric_limits<double>::quiet_NaN());
         continue;
       }
-      for (std::size_t i = 0; i < variables.size(); ++i) {
-        const Eigen::Index column = all[b].cols() - 1 - static_cast<Eigen::Index>(variables.size() - i);
-        const double slope = variables[i].slope(x[i]);
-        all[b].row(column) *= slope;
-        all[b].col(column) *= slope;
-      }
+      to_variables(*this, all[b].cols() - 1, all[b]);
+    }
+  });
+  return all;
+}
+
+std::vector<Eigen::MatrixXd> FitProblem::score_covariances(std::span<const NoiseCorrelation> noise) const {
+  std::vector<Eigen::MatrixXd> all(blocks.size());
+  mtf::parallel_for(static_cast<std::int64_t>(blocks.size()), 1, threads, [&](std::int64_t first, std::int64_t last) {
+    for (auto b = static_cast<std::size_t>(first); b < static_cast<std::size_t>(last); ++b) {
+      const auto* edge = std::get_if<EdgeBlock>(&blocks[b]);
+      if (edge == nullptr || noise[b].white()) continue;
+      all[b] = edge->score_covariance(*sensors, own[b], noise[b]);
+      to_variables(*this, all[b].cols(), all[b]);
     }
   });
   return all;

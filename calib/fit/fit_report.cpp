@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kRadian_deg = 180.0 / std::numbers::pi;
 constexpr double kUnseen = 1e18;  // variance of an x that nothing in the data depends on
+constexpr double kTables = 0.1;   // chi-square per degree of freedom: residuals below are those of tables and rounding
 
 /// The size against which an error of x counts as large, see identifiability.h.
 double reference_of(const Variable& v, double x, const FitParameter& parameter) {
@@ -24,28 +25,52 @@ double reference_of(const Variable& v, double x, const FitParameter& parameter) 
 
 }  // namespace
 
-Eigen::MatrixXd information_of(const FitProblem& problem, std::span<const Eigen::MatrixXd> normals,
-                               std::span<const double> noise_factor) {
-  const auto n = static_cast<Eigen::Index>(problem.variables.size());
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
-  for (std::size_t b = 0; b < problem.blocks.size(); ++b)
-    information +=
-        project_out(normals[b], problem.own[b].size(), problem.variables.size()) / trusted_noise(noise_factor[b]);
-  for (std::size_t i = 0; i < problem.variables.size(); ++i) {
+Information information_of(const FitProblem& problem, std::span<const Eigen::MatrixXd> normals,
+                           std::span<const Eigen::MatrixXd> scores, std::span<const double> noise_factor) {
+  const std::size_t n = problem.variables.size();
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::MatrixXd independent = Eigen::MatrixXd::Zero(size, size), more = independent;
+  bool shared = false;
+  for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
+    const std::size_t own = problem.own[b].size();
+    const Eigen::MatrixXd one = project_out(normals[b], own, n);
+    independent += one / trusted_noise(noise_factor[b]);
+    if (scores[b].size() == 0) continue;
+    shared = true;
+    more += (project_scores(normals[b], scores[b], own, n) - one) / trusted_noise(noise_factor[b]);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
     if (!problem.priors[i]) continue;
     const double weight = problem.variables[i].slope(problem.x[i]) / (*problem.priors[i])[1];
-    information(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) += weight * weight;
+    independent(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) += weight * weight;
   }
-  return information;
+  return {shared ? sandwich_information(independent, independent + more) : independent, independent};
+}
+
+void identify(Solved& solved) {
+  solved.identified = identify(solved.information.matrix, solved.reference);
+  solved.variance_ratio.assign(solved.reference.size(), 1.0);
+  const auto white = [](const Eigen::MatrixXd& scores) { return scores.size() == 0; };
+  if (std::all_of(solved.scores.begin(), solved.scores.end(), white)) return;
+  const Eigen::MatrixXd &here = solved.identified.covariance,
+                        least = identify(solved.information.independent, solved.reference).covariance;
+  for (std::size_t i = 0; i < solved.variance_ratio.size(); ++i) {
+    const auto index = static_cast<Eigen::Index>(i);
+    solved.variance_ratio[i] = std::max(1.0, here(index, index) / least(index, index));
+  }
 }
 
 void judge(Solved& solved, std::span<const FitParameter> parameters) {
   const FitProblem& problem = *solved.problem;
-  solved.information = information_of(problem, solved.normals, solved.noise_factor);
+  solved.tests = test_residuals(problem);
+  for (std::size_t b = 0; b < solved.tests.size(); ++b)
+    if (solved.noise_factor[b] < kTables) solved.tests[b].noise = {};
+  solved.scores = problem.score_covariances(noise_of(solved.tests));
+  solved.information = information_of(problem, solved.normals, solved.scores, solved.noise_factor);
   solved.reference.clear();
   for (std::size_t i = 0; i < problem.variables.size(); ++i)
     solved.reference.push_back(reference_of(problem.variables[i], problem.x[i], parameters[i]));
-  solved.identified = identify(solved.information, solved.reference);
+  identify(solved);
 }
 
 double sd_of(const Solved& solved, const Functional& functional) {
@@ -129,6 +154,8 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
         const auto [mean, width] = *problem.priors[i];
         gradient += (v.value(x) - mean) / (width * width) * v.slope(x);
       }
+      // Shared noise makes the profile lower by the ratio of the variances (J. T. Kent, Biometrika 69, 19 (1982)).
+      gradient /= solved.variance_ratio[i];
       const double push = std::max(0.0, near_lo ? gradient : -gradient), variance = sd * sd;
       const double t = variance * (std::sqrt(push * push + k95_sd * k95_sd / variance) - push);
       p.limit95 = v.value(near_lo ? std::min(v.hi, x + t) : std::max(v.lo, x - t));

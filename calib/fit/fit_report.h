@@ -5,7 +5,7 @@
 // band.
 
 #include "calib/fit/confidence/identifiability.h"
-#include "calib/fit/fit_problem.h"
+#include "calib/fit/confidence/residual_tests.h"
 
 namespace calib {
 
@@ -20,13 +20,23 @@ struct Functional {
   Eigen::VectorXd gradient;
 };
 
+/// The information of x, priors included.
+struct Information {
+  Eigen::MatrixXd matrix{};
+  Eigen::MatrixXd independent{};  ///< the same, were the noise of all pixels independent
+};
+
 struct Solved {
   const FitProblem* problem = nullptr;
   std::vector<Eigen::MatrixXd> normals{};  ///< C^T C of every block
-  std::vector<double> noise_factor{};  ///< chi2 per degree of freedom of every block: its noise variances times this
-  Eigen::MatrixXd information{};       ///< information of x, priors included
-  std::vector<double> reference{};     ///< reference of every x, see identifiability.h
+  std::vector<double> noise_factor{};     ///< chi2 per degree of freedom of every block: its noise variances times this
+  std::vector<ResidualTests> tests{};     ///< of the residuals of every block
+  std::vector<Eigen::MatrixXd> scores{};  ///< covariance of the scores of every block whose pixels share their noise
+  Information information{};
+  std::vector<double> reference{};  ///< reference of every x, see identifiability.h
   Identified identified{};
+  /// Variance of every x, in that which independent pixels would leave; 1 where they are.
+  std::vector<double> variance_ratio{};
   std::size_t condition = 0;
   double angle_rad = 0.0;             ///< of the normal along which MTF and variance are given
   std::vector<double> normals_rad{};  ///< directions of all edges
@@ -36,13 +46,16 @@ struct Solved {
 /// are those of an image without noise, or of one that rounding has cleaned: then the noise that was given counts.
 inline double trusted_noise(double chi2_per_dof) { return chi2_per_dof > 0.7 ? chi2_per_dof : 1.0; }
 
-/// The information of x, from the normal matrices of the blocks with their factors on the noise variances, priors
-/// included.
-Eigen::MatrixXd information_of(const FitProblem& problem, std::span<const Eigen::MatrixXd> normals,
-                               std::span<const double> noise_factor);
+/// The information of x, from the normal matrices of the blocks, the covariances of their scores where pixels share
+/// their noise, and the factors on the noise variances.
+Information information_of(const FitProblem& problem, std::span<const Eigen::MatrixXd> normals,
+                           std::span<const Eigen::MatrixXd> scores, std::span<const double> noise_factor);
 
-/// Information and what it determines, from the problem at its solution.
+/// Tests of the residuals, information and what it determines, from the problem at its solution.
 void judge(Solved& solved, std::span<const FitParameter> parameters);
+
+/// What the information determines, and the ratios of the variances.
+void identify(Solved& solved);
 
 double sd_of(const Solved& solved, const Functional& functional);
 
@@ -64,8 +77,8 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
 std::vector<std::vector<double>> correlations(const Solved& solved);
 
 /// Residuals of every set of data; `block_of`: its block, or none when it was left out. Sets chi-square, whiteness,
-/// warnings, and the status of a model that does not fit.
-void report_data(const FitData& data, std::span<const std::optional<std::size_t>> block_of, const Solved& solved,
+/// warnings, and the status of a model that does not fit. Takes the images of the residuals out of `solved`.
+void report_data(const FitData& data, std::span<const std::optional<std::size_t>> block_of, Solved& solved,
                  FitResult& result);
 
 }  // namespace calib

@@ -53,7 +53,8 @@ Eigen::MatrixXd one_more(const Solved& solved, double turn_rad) {
   const StepResponse step(nodes, problem.sensors->otf(edge->condition(), along(angle, nodes.f_cy_px)));
   const double cnr = std::abs(problem.own[b][edge->contrast_index()]) / edge->middle_sd();
   const double length = std::max(1.0, edge->data().start.length_px);
-  const double weight = cnr * std::sqrt(length * kStep_px / trusted_noise(solved.noise_factor[b]));
+  const double noise = trusted_noise(solved.noise_factor[b]) * std::max(1.0, solved.tests[b].noise.sum());
+  const double weight = cnr * std::sqrt(length * kStep_px / noise);
   NormalMatrix normal(3 + n);
   std::vector<double> e(step.count());
   for (double d = -kRange_px; d <= kRange_px; d += kStep_px) {
@@ -102,8 +103,8 @@ std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& so
   if (solved.identified.weak.empty()) return all;
   // More of the same helps a little; an edge across is worth advising only where it does what that does not.
   const Identified with_across =
-      identify(solved.information + one_more(solved, 0.5 * std::numbers::pi), solved.reference);
-  const Identified with_same = identify(solved.information + one_more(solved, 0.0), solved.reference);
+      identify(solved.information.matrix + one_more(solved, 0.5 * std::numbers::pi), solved.reference);
+  const Identified with_same = identify(solved.information.matrix + one_more(solved, 0.0), solved.reference);
   const bool single = one_direction(solved.normals_rad);
   for (const WeakDirection& weak : solved.identified.weak) {
     const auto lead = static_cast<Eigen::Index>(weak.members.front());

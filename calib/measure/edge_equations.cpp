@@ -89,7 +89,7 @@ void assemble(FitState& state, const EdgeModel& model, const FitSettings& settin
   const EdgeSums& sums = state.sums;
   state.correlation = settings.correlation;
   NormalEquations& normal = state.normal = {};
-  state.weight = pixel_weights(sums, model, state.profile, state.noise, settings.rounding);
+  state.weight = pixel_weights(sums, model, state.profile, state.noise, settings.rounding, settings.few_distances);
   normal.chi2 = chi2_of(sums, state.weight);
   const Range everywhere{0, kBins},
       bent{static_cast<std::size_t>(state.profile.bend_first), static_cast<std::size_t>(state.profile.bend_end)};

@@ -36,7 +36,7 @@ std::array<double, kEsfSamples> distances(double range_px) {
 }
 
 void curves_of_frequency(const EdgeResponse& response, EdgeMeasurement& out) {
-  for (auto* list : {&out.frequency_cy_px, &out.mtf, &out.mtf_sd, &out.otf_re, &out.otf_im})
+  for (auto* list : {&out.frequency_cy_px, &out.mtf, &out.mtf_sd, &out.mtf_noise_sd, &out.otf_re, &out.otf_im})
     list->resize(kCurveSamples);
   const std::vector<EdgeResponse::Otf> otfs = response.otfs(kCurveStep_cy_px, kCurveSamples);
   for (std::size_t i = 0; i < kCurveSamples; ++i) {
@@ -47,6 +47,7 @@ void curves_of_frequency(const EdgeResponse& response, EdgeMeasurement& out) {
     out.otf_im[i] = otf.im;
     out.mtf[i] = otf.mtf();
     out.mtf_sd[i] = f > 0.0 ? std::sqrt(otf.mtf_sd() * otf.mtf_sd() + kMethodError * kMethodError) : 0.0;
+    out.mtf_noise_sd[i] = out.mtf_sd[i];
   }
 }
 
@@ -88,6 +89,7 @@ double falls_to(double height, CurvePoint above, CurvePoint below, const Functio
 struct MtfNoise {
   double variance = 0.0;
   double covariance_with_slope = 0.0;
+  double stated = 0.0;  // variance with what another shape of the edge adds, which is no noise and moves no mean
 };
 
 // The MTF and its noise from the response itself.
@@ -101,7 +103,8 @@ struct MtfOfResponse {
     EdgeResponse::Row row = response.mtf_row(f);
     const EdgeResponse::Row slope = (response.mtf_row(f + step) - response.mtf_row(f - step)) / (2.0 * step);
     if (contrast_row) row -= *contrast_row;
-    return {response.variance(row), response.covariance(row, slope)};
+    const double variance = response.variance(row);
+    return {variance, response.covariance(row, slope), variance};
   }
 };
 
@@ -122,12 +125,13 @@ struct MtfOfCurve {
   double operator()(double f) const {
     return interpolated(f, [&](std::size_t i) { return edge.mtf[i]; });
   }
-  double variance(double f) const {
-    return interpolated(
-        f, [&](std::size_t i) { return std::max(0.0, edge.mtf_sd[i] * edge.mtf_sd[i] - kMethodError * kMethodError); });
+  double variance(double f, const std::vector<double>& sd) const {
+    return interpolated(f, [&](std::size_t i) { return std::max(0.0, sd[i] * sd[i] - kMethodError * kMethodError); });
   }
   MtfNoise noise(double f, double step) const {
-    return {std::max(0.0, variance(f)), (variance(f + step) - variance(f - step)) / (4.0 * step)};
+    const std::vector<double>& sd = edge.mtf_noise_sd.empty() ? edge.mtf_sd : edge.mtf_noise_sd;
+    return {std::max(0.0, variance(f, sd)), (variance(f + step, sd) - variance(f - step, sd)) / (4.0 * step),
+            std::max(0.0, variance(f, edge.mtf_sd))};
   }
 };
 
@@ -154,7 +158,8 @@ std::optional<Estimate> crossing(const Mtf& mtf, const EdgeMeasurement& curves, 
   const double shift =
       noise.covariance_with_slope / (slope * slope) - bend * noise.variance / (2.0 * slope * slope * slope);
   const double sd = std::hypot(std::sqrt(std::max(0.0, noise.variance)), kMethodError) / -slope;
-  return Estimate{f - std::clamp(shift, -0.2 * sd, 0.2 * sd), sd};
+  return Estimate{f - std::clamp(shift, -0.2 * sd, 0.2 * sd),
+                  std::hypot(std::sqrt(std::max(0.0, noise.stated)), kMethodError) / -slope};
 }
 
 std::optional<Estimate> frequency_at(const EdgeResponse& response, const EdgeMeasurement& curves, double contrast) {
@@ -328,6 +333,17 @@ void widen_to_end(const EdgeMeasurement& end, EdgeMeasurement& out) {
   combine(end, out, [](double sd, double difference, double others) {
     return std::max({sd, others, std::abs(difference) / k95_sd});
   });
+}
+
+void take_deviations_from_curve(EdgeMeasurement& out) {
+  const bool peak_at_zero = out.mtf50 && out.mtf50p && out.mtf50->value == out.mtf50p->value;
+  for (const auto& [contrast, figure] : {std::pair{0.1, &EdgeMeasurement::mtf10},
+                                         {0.2, &EdgeMeasurement::mtf20},
+                                         {0.3, &EdgeMeasurement::mtf30},
+                                         {0.5, &EdgeMeasurement::mtf50}})
+    if (const auto found = frequency_at(out, contrast); found && out.*figure) (out.*figure)->sd = found->sd;
+  if (peak_at_zero) out.mtf50p = out.mtf50;
+  if (out.sampling_efficiency && out.mtf10) out.sampling_efficiency->sd = 2.0 * out.mtf10->sd;
 }
 
 void describe_geometry(const EdgeModel& model, const JointFit& joint, const RegionFacts& facts, EdgeMeasurement& out) {

@@ -22,6 +22,10 @@ void take_larger_deviations(const EdgeMeasurement& other, EdgeMeasurement& measu
 /// The same, and no smaller than the distance from a result at the end of a 95 % interval allows.
 void widen_to_end(const EdgeMeasurement& end, EdgeMeasurement& measurement);
 
+/// Gives the frequencies of the contrasts the deviations that follow from those of the sampled curve, where these hold
+/// more than the noise of the response.
+void take_deviations_from_curve(EdgeMeasurement& measurement);
+
 /// The edge's curve, length, sagitta and angle.
 void describe_geometry(const EdgeModel& model, const JointFit& joint, const RegionFacts& region,
                        EdgeMeasurement& measurement);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace calib {
 namespace {
@@ -87,6 +88,8 @@ Vector next_step(const NormalEquations& normal, const EdgeModel& model, const Un
   }
 }
 
+double pixels_of(const EdgeSums& sums) { return std::accumulate(sums.moment(0).begin(), sums.moment(0).end(), 0.0); }
+
 // The prior of the footprint.
 constexpr double kMean_px2 = 0.75, kSd_px2 = 0.5;
 
@@ -164,7 +167,7 @@ FitState fit_reference(const EdgePixels& pixels, EdgeModel& model, const FitSett
     // Pixels beyond the range do not count in chi2: an edge that moves away from them fits no better.
     constexpr double kKept = 0.7;
     const double more = chi2_of(tried.sums, state.weight) - state.normal.chi2;
-    const bool better = more <= 2.0 && tried.normal.count >= kKept * state.normal.count;
+    const bool better = more <= 2.0 && pixels_of(tried.sums) >= kKept * pixels_of(state.sums);
     // Steps between shapes that hardly differ may alternate without gaining anything.
     constexpr double kShort = 10.0;
     const double gained = misfit_of(model.shape, settings.unknowns) - misfit_of(next.shape, settings.unknowns) - more;

@@ -60,6 +60,7 @@ struct FitSettings {
   double least_variance = 4e-12;  ///< of a pixel
   std::optional<double> variance{};  ///< of a pixel, when known
   Rounding rounding{};
+  bool few_distances = false;  ///< the pixels at each distance from the edge round alike
   NoiseCorrelation correlation{};
   std::vector<double> tails{};  ///< of edges beside the region (neighbours.h); empty: none
 };

@@ -66,6 +66,67 @@ MTFKIT_CLONES void fill_variances(const NoiseModel& noise, const BinRow& esf, Bi
   for (std::size_t i = 0; i < kBins; ++i) variance[i] = noise.at(esf[i]);
 }
 
+// The variance of the error that pixels of one value share after rounding in steps of 1, from the noise before it.
+double shared_rounding(double variance) {
+  return std::exp(-4.0 * std::numbers::pi * std::numbers::pi * std::max(0.0, variance)) / 12.0;
+}
+
+double step_at(const Rounding& rounding, double esf) {
+  return rounding.dark + (rounding.bright - rounding.dark) * std::clamp(esf, 0.0, 1.0);
+}
+
+// The noise before rounding, in squared steps, of an edge that has a few distances a pixel. Pixels at one distance
+// scatter by what their place between two steps makes of the noise, from nothing to half a step; the mean over the
+// plateaus and the distances between them, each with a place of its own, is noise^2 + 1 / 12 less what they share.
+double dither_of(const EdgeSums& sums, const StepProfile& profile, const Rounding& rounding) {
+  constexpr int kApart = kFinest / 8;  // bins: an eighth of a pixel, as distances are counted
+  constexpr double kFewest = 4.0;
+  Spread dark, bright, one;
+  double sum = 0.0, places = 0.0;
+  const auto take = [&](Spread& spread) {
+    if (spread.dof >= kFewest) sum += spread.variance(), places += 1.0;
+    spread = {};
+  };
+  int empty = 0;
+  for (int b = 0; b < kBins; ++b) {
+    const double esf = profile.esf()[static_cast<std::size_t>(b)], step = step_at(rounding, esf), n = sums.count(b);
+    empty = n > 0.0 ? 0 : empty + 1;
+    if (empty == kApart) take(one);
+    if (n < 2.0 || step <= 0.0) continue;
+    Spread& spread = esf < kPlateau ? dark : esf > 1.0 - kPlateau ? bright : one;
+    spread.sum += sums.pure_error(b) / (step * step);
+    spread.dof += n - 1.0;
+  }
+  for (Spread* spread : {&one, &dark, &bright}) take(*spread);
+  return places > 0.0 ? sum / places - 1.0 / 12.0 : 0.0;
+}
+
+// The same where distances of all kinds occur: on the edge the values of the pixels lie at all places between two
+// steps, so that they scatter by noise^2 + 1 / 12, while a plateau that lies half way between two steps scatters by up
+// to half a step however little noise there is.
+double dither_on_edge(const EdgeSums& sums, const StepProfile& profile, const NoiseModel& noise,
+                      const Rounding& rounding) {
+  constexpr double kFewest = 50.0;
+  const double step = step_at(rounding, 0.5);
+  if (!(noise.at(0.5) < step * step)) return INFINITY;
+  const Spread edge = spreads(sums, profile.esf()).edge;
+  return edge.dof < kFewest ? INFINITY : edge.variance() / (step * step) - 1.0 / 12.0;
+}
+
+// How many pixels lie within an eighth of a pixel of the distance of each bin.
+BinRow pixels_near(const EdgeSums& sums) {
+  constexpr double kNear_px = 0.125;
+  const DistanceBins& bins = DistanceBins::get();
+  BinRow near;
+  double n = 0.0;
+  for (int b = 0, first = 0, end = 0; b < kBins; ++b) {
+    for (; end < kBins && bins.centre(end) <= bins.centre(b) + kNear_px; ++end) n += sums.count(end);
+    for (; bins.centre(first) < bins.centre(b) - kNear_px; ++first) n -= sums.count(first);
+    near[static_cast<std::size_t>(b)] = n;
+  }
+  return near;
+}
+
 }  // namespace
 
 NoiseModel estimate_noise(const EdgeSums& sums, const StepProfile& profile, double least, const Rounding& rounding) {
@@ -97,18 +158,26 @@ BinRow variances(const NoiseModel& noise, const StepProfile& profile) {
 }
 
 BinRow pixel_weights(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile, const NoiseModel& noise,
-                     const Rounding& rounding) {
+                     const Rounding& rounding, bool few_distances) {
   constexpr double kLong = 0.25;  // of the blur's width
   BinRow weight = variances(noise, profile);
   for (double& one : weight) one = 1.0 / one;
+  const bool rounds = rounding.dark > 0.0 && rounding.bright > 0.0, by_distance = rounds && few_distances;
+  const double dither =
+      by_distance ? dither_of(sums, profile, rounding) : dither_on_edge(sums, profile, noise, rounding);
+  const BinRow near = by_distance ? pixels_near(sums) : BinRow{};
   const double long_px = kLong / std::max(1e-3, std::abs(profile.lsf()[kSideBins]));
   const auto share = [&](bool bright, double step, double variance) {
-    const double dither = std::max(0.0, variance / (step * step) - 1.0 / 12.0);
-    const double shared = step * step / 12.0 * std::exp(-4.0 * std::numbers::pi * std::numbers::pi * dither);
+    const double own = variance / (step * step) - 1.0 / 12.0;
+    const double shared = step * step * shared_rounding(by_distance ? dither : std::min(own, dither));
     const auto bin = [&](int k) { return bright ? kBins - 1 - k : k; };  // from the far end inwards
     const auto step_of = [&](int k) {
       const double esf = profile.esf()[static_cast<std::size_t>(bin(k))];
       return std::round(2.0 * model.contrast() * (bright ? 1.0 - esf : esf) / step);
+    };
+    const auto weigh = [&](int k, double alike) {
+      double& one = weight[static_cast<std::size_t>(bin(k))];
+      one = 1.0 / (1.0 / one + alike * shared);
     };
     for (int first = 0, last = 0; first < kSideBins; first = last) {
       double n = 0.0, length_px = 0.0;
@@ -116,11 +185,9 @@ BinRow pixel_weights(const EdgeSums& sums, const EdgeModel& model, const StepPro
         n += sums.count(bin(last));
         length_px += DistanceBins::get().width(bin(last));
       }
-      if (length_px < long_px) break;
-      for (int k = first; k < last; ++k) {
-        double& one = weight[static_cast<std::size_t>(bin(k))];
-        one = 1.0 / (1.0 / one + n * shared);
-      }
+      const bool plateau = length_px >= long_px;
+      if (!plateau && !by_distance) break;
+      for (int k = first; k < last; ++k) weigh(k, plateau ? n : near[static_cast<std::size_t>(bin(k))]);
     }
   };
   if (rounding.dark > 0.0) share(false, rounding.dark, noise.dark);

@@ -28,13 +28,6 @@ struct NoiseModel {
   }
 };
 
-/// What neighbouring pixels share of their noise.
-struct NoiseCorrelation {
-  std::vector<PixelLag> lags;  ///< of one half plane; none: the noise of the pixels is independent
-  double margin = 1.0;         ///< by which the correlations count more, as they are estimates
-  bool white() const { return lags.empty(); }
-};
-
 /// `least` > 0: the smallest variance there can be, besides that of rounding.
 NoiseModel estimate_noise(const EdgeSums& sums, const StepProfile& profile, double least, const Rounding& rounding);
 
@@ -44,8 +37,9 @@ BinRow variances(const NoiseModel& noise, const StepProfile& profile);
 /// 1 / variance of a pixel by bin. Pixels within half a step of their plateau's value round alike where noise does not
 /// break that up: all n of a plateau then share one error, of variance step^2 / 12 x exp(-4 pi^2 noise^2 / step^2) (the
 /// first harmonic of rounding, B. Widrow and I. Kollar, Quantization Noise, 2008), and hold no more information than
-/// one of them; each has the weight 1 / (variance + n x that).
+/// one of them; each has the weight 1 / (variance + n x that). With `few_distances`, along the pixels' grid, so do the
+/// pixels at each distance between the plateaus.
 BinRow pixel_weights(const EdgeSums& sums, const EdgeModel& model, const StepProfile& profile, const NoiseModel& noise,
-                     const Rounding& rounding);
+                     const Rounding& rounding, bool few_distances = false);
 
 }  // namespace calib

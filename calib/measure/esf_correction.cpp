@@ -178,6 +178,11 @@ MatrixXd correlated_scores(const FitState& state, const EdgeModel& model, const 
   return no_less_than(independent, score_covariance(state, model, columns));
 }
 
+// Whether scores are larger than those of noise with this covariance are on average.
+bool exceeds_noise(const VectorXd& score, const MatrixXd& covariance) {
+  return score.squaredNorm() > covariance.trace();
+}
+
 // The tau^2 of largest marginal likelihood, 0 where the data do not ask for any. With A = (information on the
 // coefficients beside the model's unknowns), scaled to unit prior, and z the scores in its eigenvectors, of variance
 // lambda + tau^2 lambda^2, twice the gain in log likelihood is sum of tau^2 z^2 / (1 + tau^2 lambda) - ln(1 + tau^2
@@ -187,9 +192,8 @@ MatrixXd correlated_scores(const FitState& state, const EdgeModel& model, const 
 double likeliest_variance(const MatrixXd& information, const VectorXd& score, const MatrixXd* noise,
                           bool largest_likely) {
   constexpr double kLeastGain = 3.0, kChi2Of95 = 3.84;
-  const MatrixXd& expected = noise != nullptr ? *noise : information;
   if (information.rows() == 0) return 0.0;
-  if (!largest_likely && !(score.squaredNorm() > expected.trace())) return 0.0;
+  if (!largest_likely && !exceeds_noise(score, noise != nullptr ? *noise : information)) return 0.0;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(information);
   VectorXd z = eigen.eigenvectors().transpose() * score, lambda = eigen.eigenvalues();
   if (noise != nullptr) {
@@ -302,6 +306,7 @@ JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unkn
                                     pairs[static_cast<std::size_t>(b)].prior_sd * of_splines(a, b);
       }
     }
+    if (odd && size > 0) joint.shape_in_doubt = exceeds_noise(scaled, of_splines.size() == 0 ? information : noise);
     const double variance = likeliest_variance(information, scaled, of_splines.size() == 0 ? nullptr : &noise,
                                                smoothing == Smoothing::least);
     (odd ? joint.tau_odd : joint.tau_even) = std::sqrt(variance);

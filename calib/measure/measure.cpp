@@ -98,7 +98,11 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   fitted.facts.large_errors = has_large_errors(out);
   if (fitted.facts.large_errors) add_sharper_end(fitted.pixels, corrected, fitted.facts, fitted.settings, out);
   if (fitted.facts.few_distances()) add_other_shapes(fitted.pixels, fit, fitted.facts, fitted.settings, out);
-  if (fitted.facts.short_sides()) add_other_tail(fitted.pixels, corrected, fitted.facts, fitted.settings, out);
+  const bool may_miss_shape = fitted.facts.wide_blur() && joint.shape_in_doubt;
+  if (fitted.facts.short_sides() || may_miss_shape)
+    add_other_tail(fitted.pixels, corrected, fitted.facts, fitted.settings, out);
+  if (may_miss_shape) take_deviations_from_curve(out);
+  if (fitted.facts.wide_blur()) add_unseen_frequencies(corrected, fitted.facts, out);
   if (const Outcome outcome = judge_response(out); outcome.refused()) return refused(known, outcome);
 
   EdgeModel found = fit.model;

@@ -84,6 +84,7 @@ struct EdgeMeasurement {
 
   std::vector<double> frequency_cy_px;   ///< kCurveSamples
   std::vector<double> mtf, mtf_sd;       ///< noise bias removed
+  std::vector<double> mtf_noise_sd;      ///< the part of mtf_sd that is noise, not the doubt about the edge's shape
   std::vector<double> otf_re, otf_im;    ///< about the edge's location
   std::vector<double> distance_px;       ///< of the three curves below
   std::vector<double> esf, esf_sd, lsf;  ///< E from 0 to 1; the line spread per px

@@ -64,6 +64,20 @@ void add_other_tail(const EdgePixels& pixels, const CorrectedFit& corrected, con
       solve_jointly(own.state, own.model, own.unknowns, Detail::coarse, facts.width_px, extent_px, Smoothing::least));
 }
 
+void add_unseen_frequencies(const CorrectedFit& corrected, const EdgeFacts& facts, EdgeMeasurement& measurement) {
+  constexpr double kVanished = 0.03;
+  const EdgeFit& own = corrected.fit;
+  const double extent_px = std::min(facts.extent_dark_px, facts.extent_bright_px);
+  EdgeMeasurement rougher;
+  describe(EdgeResponse(own.model, solve_jointly(own.state, own.model, own.unknowns, Detail::coarse, facts.width_px,
+                                                 extent_px, Smoothing::least)),
+           rougher);
+  for (std::size_t i = 0; i < measurement.mtf.size(); ++i)
+    if (measurement.mtf[i] < kVanished) measurement.mtf_sd[i] = std::max(measurement.mtf_sd[i], rougher.mtf_sd[i]);
+  if (measurement.nyquist && measurement.nyquist->value < kVanished)
+    measurement.nyquist->sd = std::max(measurement.nyquist->sd, rougher.nyquist->sd);
+}
+
 void add_sharper_end(const EdgePixels& pixels, const CorrectedFit& corrected, const EdgeFacts& facts,
                      FitSettings settings, EdgeMeasurement& measurement) {
   constexpr double kNyquist_cy_px = 0.5;

@@ -22,6 +22,10 @@ void add_other_shapes(const EdgePixels& pixels, const EdgeFit& fit, const EdgeFa
 void add_other_tail(const EdgePixels& pixels, const CorrectedFit& corrected, const EdgeFacts& facts,
                     FitSettings settings, EdgeMeasurement& measurement);
 
+/// Where the MTF of a wide blur has vanished, what is stated follows from the shape of the reference alone: the
+/// standard deviations there are no smaller than with the largest correction of the reference that the pixels allow.
+void add_unseen_frequencies(const CorrectedFit& corrected, const EdgeFacts& facts, EdgeMeasurement& measurement);
+
 /// Much noise in few pixels leaves errors for which the response is not linear in its shape: an edge that comes out too
 /// blurred has too small a standard deviation, as the MTF depends little on a wide blur. The standard deviations become
 /// no smaller than those at the upper end of the interval of the MTF at Nyquist, the end being that from which the

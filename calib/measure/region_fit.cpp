@@ -153,6 +153,15 @@ RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
   data.settings.correlation =
       noise_correlation(region.pixels, region.fit.model, region.fit.state, data.settings.rounding);
   if (!data.settings.correlation.white()) fit_again(data.extent_px);
+  const bool rounds = data.settings.rounding.dark > 0.0 && data.settings.rounding.bright > 0.0;
+  if (rounds && region.facts.few_distances()) {
+    data.settings.few_distances = true;
+    FitSettings settings = data.settings;
+    settings.unknowns = region.fit.unknowns;
+    region.fit.state = evaluate(region.pixels, region.fit.model, settings);
+    converge(region.pixels, region.fit, settings);
+    region.facts = facts_of(region.pixels, region.fit.state, region.fit.model, data.local_noise_sd);
+  }
   const std::size_t cut = fit_cut(region, data);
 
   // Near the edge a gradient describes curved shading: the pixels are narrowed down to those.

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -118,6 +119,82 @@ TEST(MeasureNoise, RoundingIsPartOfTheDeviation) {
   EXPECT_LE(error.sd(), 0.4);
   EXPECT_LE(std::abs(error.mean()), 0.2);
   EXPECT_LE(score.mean(), 4.0);
+}
+
+// Along the pixels' grid all pixels at one distance round alike, and their errors do not average out.
+TEST(MeasureNoise, RoundingAlongTheGridIsPartOfTheDeviation) {
+  struct Case {
+    double angle_deg, counts, noise;  ///< contrast and noise in steps
+    std::int64_t width, height;
+  };
+  constexpr int kDraws = 100;
+  for (const Case& one : {Case{0.0, 60, 0.05, 128, 100}, Case{45.0, 20, 0.1, 128, 100}, Case{90.0, 150, 0.25, 128, 100},
+                          Case{45.0, 60, 0.125, 24, 24}, Case{26.565, 60, 0.05, 40, 60}}) {
+    SCOPED_TRACE(one.angle_deg);
+    const made::Step step = made::camera_step(made::camera_of(8.0), one.angle_deg);
+    const double quantum = 0.6 / one.counts;
+    std::mt19937_64 bits(6);
+    std::uniform_real_distribution<double> part(-0.5, 0.5);
+    std::array<int, 3> held{};
+    Moments score;
+    for (int draw = 0; draw < kDraws; ++draw) {
+      made::Scene scene;
+      scene.width = one.width;
+      scene.height = one.height;
+      scene.angle_deg = one.angle_deg;
+      scene.x = 0.5 * static_cast<double>(one.width) + part(bits);
+      scene.y = 0.5 * static_cast<double>(one.height) + part(bits);
+      scene.dark += quantum * part(bits);
+      scene.bright += quantum * part(bits);
+      scene.noise_sd = one.noise * quantum;
+      scene.quantum = quantum;
+      scene.seed = bits();
+      const mtf::Image image = made::make(step, scene);
+      const auto found = calib::measure_edge(image.view(), {0, 0, one.width, one.height}, {.quantum = quantum});
+      ASSERT_EQ(found.trouble, calib::Trouble::none) << found.reason;
+      for (std::size_t k = 0; k < held.size(); ++k) {
+        constexpr std::array<std::size_t, 3> kAt{20, 50, 100};  // 0.1, 0.25, 0.5 cycles/pixel
+        const double z = (found.mtf[kAt[k]] - step.mtf(found.frequency_cy_px[kAt[k]])) / found.mtf_sd[kAt[k]];
+        held[k] += std::abs(z) < 1.96 ? 1 : 0;
+        score.add(z * z);
+        EXPECT_LT(std::abs(z), 8.0) << draw;
+      }
+    }
+    for (const int count : held) EXPECT_GE(count, 93);
+    EXPECT_LE(std::sqrt(score.mean()), 1.1);
+    EXPECT_GE(std::sqrt(score.mean()), 0.4);
+  }
+}
+
+// The reference step does not describe a lens out of focus, and noise hides that.
+TEST(MeasureNoise, AShapeThatTheReferenceLacksIsPartOfTheDeviation) {
+  made::Camera camera = made::camera_of(8.0);
+  camera.w020 = 1.0;
+  const made::Step step = made::camera_step(camera, 5.0);
+  constexpr int kDraws = 60;
+  for (const double cnr : {12.0, 60.0, 1e12}) {
+    SCOPED_TRACE(cnr);
+    std::mt19937_64 bits(7);
+    std::uniform_real_distribution<double> part(-0.5, 0.5);
+    std::array<int, 4> held{};
+    Moments half;
+    for (int draw = 0; draw < kDraws; ++draw) {
+      made::Scene scene = scene_of(cnr);
+      scene.x = 64.0 + part(bits);
+      scene.seed = bits();
+      const mtf::Image image = made::make(step, scene);
+      const auto found = calib::measure_edge(image.view(), {0, 0, image.width(), image.height()});
+      ASSERT_EQ(found.trouble, calib::Trouble::none) << found.reason;
+      for (std::size_t k = 0; k < held.size(); ++k) {
+        constexpr std::array<std::size_t, 4> kAt{10, 20, 50, 100};  // 0.05, 0.1, 0.25, 0.5 cycles/pixel
+        const double off = found.mtf[kAt[k]] - std::abs(step.mtf(found.frequency_cy_px[kAt[k]]));
+        held[k] += std::abs(off) < 1.96 * found.mtf_sd[kAt[k]] ? 1 : 0;
+      }
+      half.add(found.mtf50->sd / found.mtf50->value);
+    }
+    for (const int count : held) EXPECT_GE(count, kDraws * 9 / 10);
+    EXPECT_LT(half.mean(), cnr < 30.0 ? 0.035 : cnr < 1e3 ? 0.008 : 0.004);
+  }
 }
 
 TEST(MeasureNoise, AFewDraws) { run(40); }

@@ -6,8 +6,6 @@
 #include <complex>
 #include <numbers>
 
-#include "calib/edge/pixel_correlation.h"
-
 namespace calib {
 namespace {
 
@@ -160,7 +158,7 @@ IndependentResiduals independent(std::vector<Residual> residuals, Point normal, 
   const PixelCorrelation correlation = correlation_of(grid, normal);
   if (correlation.rings == 0) return found;
   found.spacing_px = spacing_of(correlation);
-  found.variance_ratio = std::max(1.0, correlation.sum);
+  found.noise = noise_correlation(correlation, grid.count(), static_cast<double>(found.residuals.size()));
   std::erase_if(found.residuals, [&](const Residual& r) {
     return (r.x - x0) % found.spacing_px != 0 || (r.y - y0) % found.spacing_px != 0;
   });

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "calib/edge/edge_curve.h"
+#include "calib/edge/pixel_correlation.h"
 #include "calib/fit/data/data_block.h"
 
 namespace calib {
@@ -38,8 +38,8 @@ Adequacy judge_edge(std::span<const Residual> residuals, std::size_t fitted, dou
 /// noise, as after demosaicing, denoising or JPEG.
 struct IndependentResiduals {
   std::vector<Residual> residuals;
-  int spacing_px = 1;           ///< every so-many-th column and row; 1 = all, the noise is not correlated
-  double variance_ratio = 1.0;  ///< of a mean of many pixels, to that of as many independent ones
+  int spacing_px = 1;        ///< every so-many-th column and row; 1 = all, the noise is not correlated
+  NoiseCorrelation noise{};  ///< of all pixels
 };
 /// The correlation is estimated from pixels at least `flat_px` from the edge, whose normal is given.
 IndependentResiduals independent(std::vector<Residual> residuals, Point normal, double flat_px);

@@ -30,7 +30,7 @@ double first_step(const Solved& solved, std::size_t i, std::span<const FlatBound
   const auto index = static_cast<Eigen::Index>(i);
   const double sd = std::sqrt(solved.identified.covariance(index, index));
   if (flat.empty()) return sd;
-  const double own = std::min(sd, kOwnSd / std::sqrt(solved.information(index, index)));
+  const double own = std::min(sd, kOwnSd / std::sqrt(solved.information.matrix(index, index)));
   const auto bound = std::find_if(flat.begin(), flat.end(), [&](const FlatBound& f) { return f.parameter == i; });
   return bound == flat.end() ? own : std::min(own, bound->off);
 }
@@ -149,7 +149,7 @@ bool report_squares(FitProblem& problem, const Solved& solved, double cost, cons
       p.stderr_value.reset();
     }
     const double far = std::min(v.hi, p.limit95 ? v.x_of(*p.limit95) : x + k95_sd * sd);
-    const double rise = rise_at(problem, i, far, cost, factor, {}, go_on);
+    const double rise = rise_at(problem, i, far, cost, factor * solved.variance_ratio[i], {}, go_on);
     bent = bent || std::abs(rise - k95_sd) > kLikeNormal * k95_sd;
   }
   return bent;
@@ -162,7 +162,8 @@ void report_intervals(FitProblem& problem, const Solved& solved, std::span<const
     FittedParameter& p = result.parameters[i];
     const Variable& v = problem.variables[i];
     if (p.knowledge == Knowledge::not_determined && (flat.empty() || v.period > 0.0)) continue;
-    const auto ends = profile(problem, i, first_step(solved, i, flat), cost, factor, flat, go_on);
+    const auto ends =
+        profile(problem, i, first_step(solved, i, flat), cost, factor * solved.variance_ratio[i], flat, go_on);
     if (!ends) return;
     p.interval68 = ends->interval68;
     p.interval95 = ends->interval95;

@@ -34,7 +34,12 @@ class InformationAt {
   double operator()(double x) const {
     problem_->x[i_] = x;
     if (!problem_->apply()) return std::nan("");
-    return left_of(information_of(*problem_, problem_->normals(), solved_->noise_factor));
+    const std::vector<Eigen::MatrixXd> normals = problem_->normals();
+    if (!std::all_of(normals.begin(), normals.end(), [](const auto& one) { return one.allFinite(); }))
+      return std::nan("");
+    return left_of(
+        information_of(*problem_, normals, problem_->score_covariances(noise_of(solved_->tests)), solved_->noise_factor)
+            .matrix);
   }
   double left_of(const Eigen::MatrixXd& information) const {
     const auto i = static_cast<Eigen::Index>(i_);
@@ -56,7 +61,7 @@ std::optional<FlatBound> flat_bound(FitProblem& problem, const Solved& solved, s
   const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
   // The effect of a square is linear in it, or quadratic where its partners can compensate for the linear part. Where
   // it is undetermined then, it is reported as such.
-  const bool made_good = sd * sd * solved.information(index, index) > kMadeGood;
+  const bool made_good = sd * sd * solved.information.matrix(index, index) > kMadeGood;
   if (v.squared && !(made_good && solved.identified.determined[i])) return std::nullopt;
   const bool low = x - v.lo <= v.hi - x;
   const double away = low ? x - v.lo : v.hi - x, range = v.hi - v.lo;
@@ -65,7 +70,7 @@ std::optional<FlatBound> flat_bound(FitProblem& problem, const Solved& solved, s
   FlatBound flat{.parameter = i, .bound = low ? v.lo : v.hi, .inward = low ? 1.0 : -1.0};
   const InformationAt information(problem, solved, i);
   const auto seen = [&](double u) { return u * std::sqrt(information(flat.bound + flat.inward * u)); };
-  const double here = away * std::sqrt(information.left_of(solved.information));
+  const double here = away * std::sqrt(information.left_of(solved.information.matrix));
   flat.at_bound = here < kUnseen_sd || away < sd;
   flat.off = away;
   double effect = here;
@@ -97,14 +102,15 @@ void set_apart(Solved& solved, std::span<const FlatBound> flat) {
   for (const FlatBound& f : flat) {
     if (!f.at_bound) continue;
     const auto i = static_cast<Eigen::Index>(f.parameter);
-    const double own = solved.information(i, i);
-    solved.information.row(i).setZero();
-    solved.information.col(i).setZero();
-    solved.information(i, i) = own;
+    for (Eigen::MatrixXd* information : {&solved.information.matrix, &solved.information.independent}) {
+      const double own = (*information)(i, i);
+      information->row(i).setZero();
+      information->col(i).setZero();
+      (*information)(i, i) = own;
+    }
   }
   const auto at_bound = [](const FlatBound& f) { return f.at_bound; };
-  if (std::any_of(flat.begin(), flat.end(), at_bound))
-    solved.identified = identify(solved.information, solved.reference);
+  if (std::any_of(flat.begin(), flat.end(), at_bound)) identify(solved);
 }
 
 }  // namespace calib

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/fit/confidence/identifiability.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -21,6 +21,33 @@ Eigen::MatrixXd project_out(const Eigen::MatrixXd& normal, std::size_t own, std:
   const Eigen::MatrixXd factor = triangular_factor(normal.topLeftCorner(o + n, o + n));
   const auto corner = factor.block(o, o, n, n);
   return corner.transpose() * corner;
+}
+
+Eigen::MatrixXd project_scores(const Eigen::MatrixXd& normal, const Eigen::MatrixXd& scores, std::size_t own,
+                               std::size_t shared) {
+  const auto o = static_cast<Eigen::Index>(own), n = static_cast<Eigen::Index>(shared);
+  const Eigen::VectorXd scale = normal.diagonal().head(o).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd unit = scale.asDiagonal() * normal.topLeftCorner(o, o) * scale.asDiagonal();
+  Eigen::MatrixXd keep(n, o + n);
+  keep << -(scale.asDiagonal() *
+            unit.completeOrthogonalDecomposition().solve(scale.asDiagonal() * normal.block(0, o, o, n)))
+               .transpose(),
+      Eigen::MatrixXd::Identity(n, n);
+  return keep * scores * keep.transpose();
+}
+
+Eigen::MatrixXd sandwich_information(const Eigen::MatrixXd& information, const Eigen::MatrixXd& scores) {
+  constexpr double kRidge = 1e-11;
+  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Eigen::VectorXd inverse = scale.cwiseInverse();
+  const Eigen::MatrixXd unit = inverse.asDiagonal() * information * inverse.asDiagonal();
+  Eigen::MatrixXd regular = unit;
+  regular.diagonal().array() += kRidge;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      inverse.asDiagonal() * scores * inverse.asDiagonal(), regular);
+  if (eigen.info() != Eigen::Success) return information;
+  const Eigen::MatrixXd parts = scale.asDiagonal() * unit * eigen.eigenvectors();
+  return parts * eigen.eigenvalues().cwiseMax(1.0).cwiseInverse().asDiagonal() * parts.transpose();
 }
 
 Identified identify(const Eigen::MatrixXd& information, std::span<const double> reference) {

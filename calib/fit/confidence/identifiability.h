@@ -32,6 +32,16 @@ struct Identified {
 /// The information of the shared variables in one block's C^T C (normal_matrix.h): S = A_pp - A_po A_oo^-1 A_op.
 Eigen::MatrixXd project_out(const Eigen::MatrixXd& normal, std::size_t own, std::size_t shared);
 
+/// The covariance of the scores of the shared variables, its own unknowns projected out likewise, from that of all of
+/// the block's: T `scores` T^T with T = [-A_po A_oo^-1, 1].
+Eigen::MatrixXd project_scores(const Eigen::MatrixXd& normal, const Eigen::MatrixXd& scores, std::size_t own,
+                               std::size_t shared);
+
+/// The inverse of the sandwich I^-1 `scores` I^-1, which is the information that is left where the scores vary by more
+/// than those of independent pixels, whose covariance is I. It is no more than I in any direction: an estimated
+/// correlation can be trusted to say that noise is more than that of independent pixels, but not that there is none.
+Eigen::MatrixXd sandwich_information(const Eigen::MatrixXd& information, const Eigen::MatrixXd& scores);
+
 Identified identify(const Eigen::MatrixXd& information, std::span<const double> reference);
 
 }  // namespace calib

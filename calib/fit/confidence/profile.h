@@ -14,8 +14,9 @@ struct ProfileEnds {
 };
 
 /// The profile of variable i around the minimum, at which the problem is before and after. `sd`: of x. `noise_factor`:
-/// chi-square per degree of freedom, by which rises are divided. Refits begin away from the `flat` bounds, which
-/// the minimiser would not leave. The result is empty when the fit was stopped.
+/// chi-square per degree of freedom, times the ratio of the variance to that with independent pixels (J. T. Kent,
+/// Biometrika 69, 19 (1982)), by which rises are divided. Refits begin away from the `flat` bounds, which the minimiser
+/// would not leave. The result is empty when the fit was stopped.
 std::optional<ProfileEnds> profile(FitProblem& problem, std::size_t i, double sd, double cost, double noise_factor,
                                    std::span<const FlatBound> flat, const std::function<bool()>& go_on);
 

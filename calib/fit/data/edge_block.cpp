@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "calib/edge/edge_pixels.h"
+#include "calib/fit/data/pixel_scores.h"
 
 namespace calib {
 namespace {
@@ -181,13 +182,14 @@ const StepResponse& EdgeBlock::response(const Sensors& sensors, const EdgeCurve&
   return *kept_.step;
 }
 
-NormalMatrix EdgeBlock::accumulate(const Sensors& sensors, std::span<const double> own, bool gradients) const {
+template <class Rows>
+Rows EdgeBlock::rows_of(const Sensors& sensors, std::span<const double> own, bool gradients) const {
   const EdgeCurve edge = curve(own);
   const Point normal = edge.normal();
   const StepResponse& step = response(sensors, edge);
   const std::size_t bends = curve_unknowns(), plateaus = 2 + bends, parameters = sensors.parameters();
   const std::size_t first_parameter = plateaus + (gradients ? 6 : 2);
-  NormalMatrix all(first_parameter + parameters);
+  Rows all(first_parameter + parameters);
 
   const double length = edge.half_length_px, dark = own[plateaus], contrast = own[plateaus + 1];
   std::array<double, 4> g{};
@@ -228,10 +230,16 @@ NormalMatrix EdgeBlock::accumulate(const Sensors& sensors, std::span<const doubl
 }
 
 NormalMatrix EdgeBlock::normal(const Sensors& sensors, std::span<const double> own) const {
-  return accumulate(sensors, own, gradients_);
+  return rows_of<NormalMatrix>(sensors, own, gradients_);
 }
 NormalMatrix EdgeBlock::normal_with_gradients(const Sensors& sensors, std::span<const double> own) const {
-  return accumulate(sensors, own, true);
+  return rows_of<NormalMatrix>(sensors, own, true);
+}
+Eigen::MatrixXd EdgeBlock::score_covariance(const Sensors& sensors, std::span<const double> own,
+                                            const NoiseCorrelation& noise) const {
+  std::vector<PixelPlace> places;
+  for (std::size_t p = 0; p < pixels_.size(); p += every_) places.push_back({pixels_[p].x, pixels_[p].y});
+  return calib::score_covariance(rows_of<PixelRows>(sensors, own, gradients_), places, noise);
 }
 
 std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<const double> own,
@@ -284,7 +292,7 @@ void EdgeBlock::update_noise(const Sensors& sensors, std::span<const double> own
 
 bool EdgeBlock::rounds_coarsely() const {
   const EdgeMeasurement& start = data_->start;
-  return data_->quantum > 1e-3 * std::abs(start.bright - start.dark) && start.noise_sd < 0.6 * data_->quantum;
+  return data_->quantum > 1e-3 * std::abs(start.bright - start.dark) && rounds();
 }
 
 bool EdgeBlock::noise_follows() const { return data_->start.noise_gain != 0.0 || rounds_coarsely(); }

@@ -11,6 +11,7 @@
 
 #include <optional>
 
+#include "calib/edge/pixel_correlation.h"
 #include "calib/fit/data/data_block.h"
 #include "calib/fit/fit.h"
 
@@ -47,10 +48,15 @@ class EdgeBlock {
   NormalMatrix normal(const Sensors& sensors, std::span<const double> own) const;
   /// The same with the gradients, whether they are in use or not; `own` without them.
   NormalMatrix normal_with_gradients(const Sensors& sensors, std::span<const double> own) const;
+  /// J^T R J of the columns of normal(), where the pixels share their noise (pixel_scores.h).
+  Eigen::MatrixXd score_covariance(const Sensors& sensors, std::span<const double> own,
+                                   const NoiseCorrelation& noise) const;
   /// The residuals without the Huber loss, for tests of adequacy. `own` is as normal() takes it.
   std::vector<Residual> residuals(const Sensors& sensors, std::span<const double> own, std::size_t every = 1) const;
   /// True when the weights depend on the fit: the noise grows with the signal, or the rounding is coarse against it.
   bool noise_follows() const;
+  /// True when the noise is less than rounding leaves uncertain: the residuals are then rounding errors.
+  bool rounds() const { return data_->start.noise_sd < 0.6 * data_->quantum; }
   /// Sets the weights from the fitted values and slopes.
   void update_noise(const Sensors& sensors, std::span<const double> own);
 
@@ -75,7 +81,9 @@ class EdgeBlock {
   std::size_t curve_unknowns() const;
   bool rounds_coarsely() const;
   const StepResponse& response(const Sensors& sensors, const EdgeCurve& curve) const;
-  NormalMatrix accumulate(const Sensors& sensors, std::span<const double> own, bool gradients) const;
+  /// The rows of C = [J r], given to a new NormalMatrix or PixelRows.
+  template <class Rows>
+  Rows rows_of(const Sensors& sensors, std::span<const double> own, bool gradients) const;
   double sd_at(double value) const;
 
   const EdgeData* data_;

@@ -6,9 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 
-#include "calib/fit/confidence/adequacy.h"
 #include "calib/fit/fit_report.h"
 #include "mtf/units.h"
 
@@ -32,45 +30,24 @@ bool beyond_noise(const Block& block, double chi2_per_dof, std::size_t count) {
   return std::holds_alternative<SpotBlock>(block) && chi2_per_dof > kSpotChi2;
 }
 
-double contrast_of(const FitProblem& problem, std::size_t b) {
-  const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]);
-  return edge == nullptr ? 0.0 : std::abs(problem.own[b][edge->contrast_index()]);
-}
-
-/// An edge's structure is judged by pixels that do not share their noise; `ratio` is that of IndependentResiduals.
-Adequacy adequacy_of(const FitProblem& problem, std::size_t b, std::span<const Residual> residuals, double& ratio) {
-  const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]);
-  if (edge == nullptr) return judge_sequence(residuals);
-  constexpr double kFlatWidths = 2.0, kFlat_px = 6.0;
-  const std::optional<Estimate>& fwhm_px = edge->data().start.fwhm_px;
-  const double flat_px = fwhm_px ? kFlatWidths * fwhm_px->value : kFlat_px;
-  const auto judge = [&](std::span<const Residual> some) {
-    // The unknowns that change E: offset, plateaus and parameters.
-    return judge_edge(some, 3 + problem.variables.size(), contrast_of(problem, b), edge->data().quantum);
-  };
-  const Adequacy all = judge(residuals);
-  const IndependentResiduals some =
-      independent({residuals.begin(), residuals.end()}, edge->curve(problem.own[b]).normal(), flat_px);
-  ratio = some.variance_ratio;
-  if (some.spacing_px == 1) return all;
-  Adequacy adequacy = judge(some.residuals);
-  adequacy.chi2 = all.chi2;
-  adequacy.outlier_share = all.outlier_share;
-  return adequacy;
-}
-
 std::string rounded(double value) { return mtf::format_double(std::round(10.0 * value) / 10.0); }
 
-mtf::Image residual_image(const Roi& roi, std::span<const Residual> residuals) {
-  mtf::Image image(roi.width, roi.height);
-  std::fill_n(image.data(), image.size(), std::numeric_limits<float>::quiet_NaN());
-  for (const Residual& r : residuals) image.at(r.x - roi.x, r.y - roi.y) = static_cast<float>(r.value);
-  return image;
+/// sd of an edge's contrast, the shared variables as fitted.
+double contrast_sd(const Solved& solved, std::size_t b, const EdgeBlock& edge) {
+  const auto k = static_cast<Eigen::Index>(edge.contrast_index());
+  const auto own = static_cast<Eigen::Index>(solved.problem->own[b].size());
+  const Eigen::MatrixXd inverse = solved.normals[b].topLeftCorner(own, own).inverse();
+  double variance = inverse(k, k);
+  if (solved.scores[b].size() > 0) {
+    const Eigen::MatrixXd sandwich = inverse * solved.scores[b].topLeftCorner(own, own) * inverse;
+    variance = std::max(variance, sandwich(k, k));
+  }
+  return std::sqrt(std::max(0.0, variance * trusted_noise(solved.noise_factor[b])));
 }
 
 }  // namespace
 
-void report_data(const FitData& data, std::span<const std::optional<std::size_t>> block_of, const Solved& solved,
+void report_data(const FitData& data, std::span<const std::optional<std::size_t>> block_of, Solved& solved,
                  FitResult& result) {
   const FitProblem& problem = *solved.problem;
   double chi2 = 0.0, dof = -static_cast<double>(problem.variables.size());
@@ -85,38 +62,29 @@ void report_data(const FitData& data, std::span<const std::optional<std::size_t>
                                     : data.spots[i - edges - curves].name;
     if (!block_of[i]) continue;
     const std::size_t b = *block_of[i];
-    const std::vector<Residual> residuals = std::visit(
-        [&](const auto& block) { return block.residuals(*problem.sensors, problem.own[b]); }, problem.blocks[b]);
-    double variance_ratio = 1.0;
-    const Adequacy adequacy = adequacy_of(problem, b, residuals, variance_ratio);
-    if (variance_ratio > 1.0)
+    ResidualTests& tested = solved.tests[b];
+    const Adequacy& adequacy = tested.adequacy;
+    if (!tested.noise.white())
       result.warnings.push_back(out.name +
                                 ": noise is correlated between neighbouring pixels, as after demosaicing, denoising or "
-                                "JPEG: the errors given are those of independent pixels, and may be up to " +
-                                rounded(std::sqrt(variance_ratio)) + " times too small; fit the raw image");
-    out.count = residuals.size();
+                                "JPEG; the errors and intervals given include it");
+    out.count = tested.count;
     const double scale = std::visit([](const auto& block) { return block.noise_scale(); }, problem.blocks[b]);
     out.chi2_per_dof = solved.noise_factor[b] * scale;
     out.outlier_share = adequacy.outlier_share;
     out.whiteness_p = adequacy.whiteness_p;
     chi2 += adequacy.chi2 * scale;
-    dof += static_cast<double>(residuals.size() - problem.own[b].size());
+    dof += static_cast<double>(out.count - problem.own[b].size());
     double matters = 0.0;
     if (const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b])) {
       out.curve = edge->curve(problem.own[b]);
-      const auto k = static_cast<Eigen::Index>(edge->contrast_index());
-      const Eigen::MatrixXd& normal = solved.normals[b];
-      const Eigen::Index own = static_cast<Eigen::Index>(problem.own[b].size());
-      const double information = normal.topLeftCorner(own, own).inverse()(k, k) * trusted_noise(solved.noise_factor[b]);
-      out.contrast = {problem.own[b][edge->contrast_index()], std::sqrt(std::max(0.0, information))};
-      out.residual = residual_image(edge->data().roi, residuals);
+      out.contrast = {problem.own[b][edge->contrast_index()], contrast_sd(solved, b, *edge)};
       matters = kStructureMatters * std::abs(out.contrast.value) / edge->middle_sd();
       if (!result.residual_otf.empty() && b == 0)
         result.residual_otf =
             residual_otf(adequacy, std::abs(out.contrast.value) / edge->middle_sd(), result.frequency_cy_px);
     }
-    if (const auto* spot = std::get_if<SpotBlock>(&problem.blocks[b]))
-      out.residual = residual_image(spot->roi(), residuals);
+    out.residual = std::move(tested.image);
     if (beyond_noise(problem.blocks[b], out.chi2_per_dof, out.count) &&
         (!far || out.chi2_per_dof > result.data[*far].chi2_per_dof))
       far = i;

@@ -40,27 +40,15 @@ PixelGrid grid_of(const EdgePixels& pixels, const EdgeModel& model, const FitSta
 NoiseCorrelation noise_correlation(const EdgePixels& pixels, const EdgeModel& model, const FitState& state,
                                    const Rounding& rounding) {
   constexpr double kLeastSteps2 = 0.25;
-  constexpr double kTerms = 6.0;  // fitted: plateaus and gradients, and tails that take the part of gradients
-  constexpr double kMargin = 1.1, kErrorMargin = 6.0;
-  NoiseCorrelation correlation;
   const bool rounded = state.noise.dark < kLeastSteps2 * rounding.dark * rounding.dark ||
                        state.noise.bright < kLeastSteps2 * rounding.bright * rounding.bright;
-  if (pixels.size() == 0 || rounded) return correlation;
+  if (pixels.size() == 0 || rounded) return {};
   const PixelGrid grid = grid_of(pixels, model, state);
-  const PixelCorrelation found = correlation_of(grid, model.curve.normal());
-  const double lags = 1.0 + 2.0 * static_cast<double>(found.lags.size());
-  const double taken = kTerms / static_cast<double>(pixels.size());
-  const double lost = taken * std::max(0.0, found.sum) / std::max(0.5, 1.0 - taken * lags);
-  // The sum of the correlations, which scales the variances at low frequencies, has the relative variance 2 lags /
-  // count. Intervals from an estimated variance have to be wider, as those of Student's t, and the tests for terms and
-  // diffraction err where it is estimated too small. With this margin the 95 % intervals hold (bench_coverage).
-  correlation.margin = kMargin + kErrorMargin * 2.0 * lags / std::max(1.0, grid.count());
-  for (PixelLag lag : found.lags) {
-    lag.correlation = (lag.correlation + lost) / (1.0 + lost);
+  NoiseCorrelation noise =
+      noise_correlation(correlation_of(grid, model.curve.normal()), grid.count(), static_cast<double>(pixels.size()));
+  for (PixelLag& lag : noise.lags)
     lag.share = grid.pixel_pairs(lag.x, lag.y) / static_cast<double>(std::min(pixels.size(), kEnough));
-    correlation.lags.push_back(lag);
-  }
-  return correlation;
+  return noise;
 }
 
 }  // namespace calib

@@ -2,9 +2,7 @@
 #pragma once
 
 // Noise that neighbouring pixels share, as after demosaicing, denoising, resampling or JPEG. Its autocorrelation is
-// that of the residuals of the flat sides, where the model has no structure of its own. The means of the sides are
-// fitted, which lowers each of the estimated correlations by (sum of all correlations) x (number of fitted terms) /
-// (number of pixels); that is added back.
+// that of the residuals of the flat sides, where the model has no structure of its own.
 
 #include "calib/measure/edge_fit.h"
 
