@@ -113,8 +113,8 @@ void require_consistent(const mtf::System<double>& system, const Sensor& sensor)
   camera_of(system, sensor);
   const Pixel<double> pixel = pixel_of(system, sensor);
   if (s.thermal) require_thermal_tables(system, s);
-  if (s.thermal && sensor.curves.flux != Flux::watts)
-    refuse("[detector]", "of kind thermal needs curves with flux = Flux::watts (SpectralCamera)");
+  if (sensor.curves.flux != flux_of(s))
+    refuse("[detector]", "the curves of the sensor are of another kind; set their flux to flux_of(settings)");
   stop_range(sensor.curves, s.optics.value_or(OpticsSettings{}).stop_band);
   if (s.adc) adc_of(sensor);
   if (s.nonlinearity && std::isfinite(pixel.full_well_e)) Response(*s.nonlinearity, pixel.full_well_e);

@@ -295,6 +295,10 @@ struct SensorSettings {
 /// absorptance.
 DetectorSettings pixel_settings(const ThermalSettings& thermal);
 
+/// What the detector answers to. This alone decides whether a sensor is a thermal one: its curves
+/// (SpectralCamera::flux) and its pixel (Pixel::flux) take it from here.
+inline Flux flux_of(const SensorSettings& settings) { return settings.thermal ? Flux::watts : Flux::photons; }
+
 /// What [optics] and [detector] say of the camera's own emission.
 CameraEmission emission_of(const SensorSettings& settings);
 

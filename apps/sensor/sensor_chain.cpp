@@ -171,7 +171,7 @@ LoadedSensor load_parts(const mtf::io::SensorConfig& config) {
     add_curve(sensor.curves.optics, settings.optics->transmission, "optics.transmission");
     add_curve(sensor.curves.cold_filter, settings.optics->cold_transmission, "optics.cold_transmission");
   }
-  if (settings.thermal) sensor.curves.flux = radiometry::Flux::watts;
+  sensor.curves.flux = flux_of(settings);
   if (settings.detector)
     add_curve(sensor.curves.quantum_efficiency, settings.detector->quantum_efficiency,
               settings.thermal ? "detector.absorptance" : "detector.quantum_efficiency");

@@ -28,6 +28,7 @@
 #include <limits>
 
 #include "radiometry/fields.h"
+#include "radiometry/light/blackbody.h"
 
 namespace radiometry {
 
@@ -78,9 +79,10 @@ struct Pixel {
   S integration_s{};
   S dark_e_s{};  ///< dark current, electrons per second
   S full_well_e{std::numeric_limits<double>::infinity()};
-  S volts_per_watt{};  ///< of a thermal detector, for the power that it absorbs; 0: a photon detector
+  Flux flux = Flux::photons;  ///< what it answers to: watts make it a thermal detector
+  S volts_per_watt{};         ///< of a thermal detector, for the power that it absorbs
 
-  bool thermal() const { return mtf::value_of(volts_per_watt) > 0.0; }
+  bool thermal() const { return flux == Flux::watts; }
   /// Signal for one photon per second, or one watt, that the pixel takes in.
   S signal_per_flux() const { return thermal() ? volts_per_watt : integration_s; }
 

@@ -88,6 +88,7 @@ Pixel<S> pixel_numbers(const mtf::System<S>& system, const SensorSettings& setti
     const S absorptance = pixel.quantum_efficiency * reference.middle;
     if (settings.thermal->physics() && !numbers.empty())
       require_physics(*settings.thermal, absorptance, S(pixel.area_m2()), numbers);
+    pixel.flux = flux_of(settings);
     pixel.volts_per_watt = volts_per_watt(*settings.thermal, absorptance, numbers);
     pixel.integration_s = S(1);  // the signal follows the power, not its sum over a time
   }
@@ -190,8 +191,7 @@ NoiseTerms<S> noise_numbers(const SensorSettings& settings, const Pixel<S>& pixe
       .prnu = numbers("nonuniformity.prnu", unequal.prnu),
       .dsnu_e = root_sum({numbers("nonuniformity.dsnu", unequal.dsnu_e), numbers("noise.fixed_row", lines.fixed_row_e),
                           numbers("noise.fixed_column", lines.fixed_column_e), numbers("noise_3d.v", cube.v),
-                          numbers("noise_3d.h", cube.h), numbers("noise_3d.vh", cube.vh)}),
-      .shot = !settings.thermal};
+                          numbers("noise_3d.h", cube.h), numbers("noise_3d.vh", cube.vh)})};
 }
 
 }  // namespace radiometry
