@@ -13,25 +13,31 @@ namespace {
 
 void refuse(const char* where, const std::string& why) { throw mtf::UsageError(std::string(where) + ": " + why); }
 
-/// A closed shutter fills the hemisphere of a pixel, and is seen there as lens and housing are: what weakens one of
-/// them alone would leave a difference where everything has one temperature.
+/// What a shutter needs, and what needs a shutter.
 void require_shutter(const SensorSettings& s) {
-  const char* const key = "detector.shutter_temperature";
-  const OpticsSettings optics = s.optics.value_or(OpticsSettings{});
-  if (!(optics.stop_temperature_k > 0.0))
-    refuse(key,
+  const ThermalSettings& thermal = *s.thermal;
+  const bool closes = thermal.shutter_interval_s || thermal.shutter_frames > 0;
+  const bool before_optics = thermal.shutter_place == ShutterPlace::optics;
+  for (const auto& [key, given] : {std::pair{"detector.shutter_place", before_optics},
+                                   std::pair{"detector.shutter_drift", thermal.drift_k_s != 0.0},
+                                   std::pair{"detector.shutter_interval", thermal.shutter_interval_s.has_value()},
+                                   std::pair{"detector.shutter_frames", thermal.shutter_frames > 0}})
+    if (given && !thermal.shutter_k)
+      refuse(key, "belongs to a shutter, which has no temperature; give detector.shutter_temperature, or remove it");
+  if (!thermal.shutter_k) return;
+  const double housing_k = s.optics.value_or(OpticsSettings{}).stop_temperature_k;
+  if (!before_optics && !(housing_k > 0.0))
+    refuse("detector.shutter_temperature",
            "the signal is the difference to a shutter that fills the hemisphere of a pixel, and what the pixel sees "
            "around the lens has no temperature; give optics.stop_temperature, that of the housing");
-  if (!optics.cold_transmission.file.empty() || optics.cold_transmission.number != 1.0)
-    refuse(key,
-           "with optics.cold_transmission, which the light of the housing does not pass; give it as part of "
-           "detector.absorptance");
-  if (optics.stop_band == StopBand::response)
-    refuse(key, "with optics.stop_band = \"response\": shutter and housing have to count in the same band; remove it");
-  if (s.vignetting)
-    refuse(key,
-           "with [vignetting], where the housing fills in what the lens loses, which is not modelled; remove one "
-           "of the two");
+  if (thermal.shutter_interval_s && thermal.shutter_frames > 0)
+    refuse("detector.shutter_frames", "given beside shutter_interval, which says the same in time; remove one of them");
+  if (thermal.drift_k_s != 0.0 && !closes)
+    refuse("detector.shutter_drift",
+           "the signal is the difference to the shutter when it closed last; give shutter_interval, for example "
+           "\"60 s\", or shutter_frames");
+  if (closes && !(s.frame && s.frame->frame_time_s))
+    refuse("frame.frame_time", "missing; a shutter that closes now and then needs it: for example \"20 ms\"");
 }
 
 /// The tables that a thermal detector does not have, and the time constant of its pixels, which is counted once.
@@ -47,7 +53,7 @@ void require_thermal_tables(const mtf::System<double>& system, const SensorSetti
   if (s.narcissus)
     refuse("[narcissus]", "the pixels of a thermal detector are as warm as what they see around the lens; remove it");
   const ThermalSettings& thermal = *s.thermal;
-  if (thermal.shutter_k) require_shutter(s);
+  require_shutter(s);
   const std::optional<MovingBolometer> moving = moving_bolometer(system);
   if (moving && thermal.heat_capacity_j_k && thermal.conductance_w_k) {
     const double own_s = *thermal.heat_capacity_j_k / *thermal.conductance_w_k;
@@ -85,6 +91,16 @@ void set_thermal_noise(CompiledChain& chain, const Sensor& sensor) {
   chain.slow.lowest = *thermal.lowest_hz * chain.frame_time_s;
   chain.slow.highest = *thermal.bandwidth_hz * chain.frame_time_s;
   chain.slow.strength = flicker_v * flicker_v / std::log(chain.slow.highest / chain.slow.lowest);
+}
+
+void set_shutter_events(CompiledChain& chain) {
+  const ThermalSettings& thermal = *chain.settings.thermal;
+  if (!thermal.shutter_interval_s && thermal.shutter_frames == 0) return;
+  chain.events = ShutterEvents{.drift_k_s = thermal.drift_k_s,
+                               .frame_time_s = chain.frame_time_s,
+                               .interval = thermal.shutter_interval_s
+                                               ? interval_frames(*thermal.shutter_interval_s, chain.frame_time_s)
+                                               : static_cast<std::uint32_t>(thermal.shutter_frames)};
 }
 
 }  // namespace
@@ -303,11 +319,14 @@ CompiledChain::CompiledChain(const mtf::SensorPlan& filters, const mtf::System<d
   detector = focal_plane(system.frame.columns > 0 ? system.frame.columns : columns,
                          system.frame.rows > 0 ? system.frame.rows : rows, system.frame.pitch_x_um,
                          system.frame.pitch_y_um, settings.axis.value_or(OpticalAxis{}));
-  BandRadiances<double> radiances = band_radiances(sensor.curves, {.temperature_k = 0.0}, {}, emission_of(settings));
-  radiances.scene = radiances.path = 0.0;
-  const Signal<double> background = signal(camera, pixel, radiances);
-  warm_e = background.optics_e + background.stop_e + background.shutter_e;
-  dark_e = background.dark_e;
+  curves = sensor.curves;
+  emission = emission_of(settings);
+  if (settings.thermal) set_shutter_events(*this);
+  const BandRadiances<double> radiances = own_radiances(curves, emission);
+  const Directions<double> open = own_light(camera, pixel, radiances),
+                           closed = closed_shutter(camera, pixel, radiances);
+  warm = {open.cone_e - closed.cone_e, open.around_e - closed.around_e};
+  dark_e = signal(camera, pixel, BandRadiances<double>{}).dark_e;
 }
 
 Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin,

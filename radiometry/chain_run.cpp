@@ -4,6 +4,7 @@
 // flat frames of the two-point correction.
 
 #include <algorithm>
+#include <utility>
 
 #include "mtf/parallel.h"
 #include "radiometry/chain_impl.h"
@@ -29,8 +30,18 @@ void cast_on_detector(FrameRun& run, mtf::Image& image) {
 void absorb(FrameRun& run, mtf::Image& image) {
   const CompiledChain& chain = run.chain;
   cast_on_detector(run, image);
-  multiply_add(image, {.number = chain.pixel.area_m2() * chain.pixel.quantum_efficiency},
-               {.number = chain.warm_e / chain.pixel.volts_per_watt}, run.threads);
+  std::vector<Directions<double>> light{chain.warm};
+  if (chain.events) {
+    light.push_back(warming_of(chain, run.number));
+    light.push_back(closing_change(chain, run.number, run.state));
+  }
+  double area_m2 = chain.pixel.area_m2() * chain.pixel.quantum_efficiency;
+  for (const Directions<double>& volts : light) {
+    const Directions<double> watts{volts.cone_e / chain.pixel.volts_per_watt,
+                                   volts.around_e / chain.pixel.volts_per_watt};
+    multiply_add(image, {.number = std::exchange(area_m2, 1.0)}, glow_of(chain, watts, run.maps.corners, {}, 0.0),
+                 run.threads);
+  }
   run.lap("watts");
 }
 
@@ -100,11 +111,12 @@ ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, OutputStage sta
                .maps = compiled_->maps,
                .threads = mtf::threads_of(threads),
                .key = {compiled_->seed, number},
+               .number = number,
                .border = border_value};
   run.frame.image = std::move(radiance);
   run.frame.held.volts = run.frame.held_defects.volts = compiled_->settings.thermal.has_value();
   run.run(Part::optics, run.frame.image);
-  if (state != nullptr && stage >= OutputStage::electrons && !compiled_->settings.microscan) {
+  if (state != nullptr && stage >= OutputStage::watts && !compiled_->settings.microscan) {
     run.state = state;
     if (state->last && number > *state->last) run.frames_passed = number - *state->last;
     state->last = number;

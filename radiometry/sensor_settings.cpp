@@ -126,8 +126,9 @@ DetectorSettings pixel_settings(const ThermalSettings& thermal) {
 
 CameraEmission emission_of(const SensorSettings& settings) {
   const OpticsSettings optics = settings.optics.value_or(OpticsSettings{});
-  const double shutter_k = settings.thermal ? settings.thermal->shutter_k.value_or(0.0) : 0.0;
-  return {optics.temperature_k, optics.stop_temperature_k, optics.stop_band, shutter_k};
+  const ThermalSettings thermal = settings.thermal.value_or(ThermalSettings{});
+  return {optics.temperature_k, optics.stop_temperature_k, optics.stop_band, thermal.shutter_k.value_or(0.0),
+          thermal.shutter_place};
 }
 
 std::vector<mtf::TableInfo> sensor_tables() {

@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "radiometry/fields.h"
+#include "radiometry/light/signal.h"
 
 namespace radiometry {
 
@@ -34,6 +35,10 @@ struct ThermalSettings {
   NumberOrFile absorptance{1.0};
   std::optional<double> responsivity_v_w{};
   std::optional<double> shutter_k{};
+  ShutterPlace shutter_place = ShutterPlace::detector;
+  double drift_k_s = 0.0;                      ///< of shutter, housing and optics
+  std::optional<double> shutter_interval_s{};  ///< from one offset to the next
+  int shutter_frames = 0;                      ///< the same in frames; 0: not given
   std::optional<double> bandwidth_hz{};
   double readout_v = 0.0;
   std::optional<double> netd_k{}, netd_f_number{}, netd_transmission{}, netd_temperature_k{}, netd_bandwidth_hz{};
@@ -69,6 +74,17 @@ struct ThermalSettings {
         Field{optional_row("shutter_temperature", temperature, "K", 0.0, 1e6, "\"300 K\"",
                            "of the shutter that offsets are taken from: the signal is the difference to it"),
               &T::shutter_k},
+        Field{optional_row("shutter_place", "\"optics\"",
+                           "between detector and optics (detector), or before the optics (optics)"),
+              &T::shutter_place},
+        Field{optional_row("shutter_drift", -10.0, 10.0, "0.01",
+                           "K/s by which shutter, housing and optics get warmer, from frame 0 on"),
+              &T::drift_k_s},
+        Field{optional_row("shutter_interval", time, "s", 1e-12, 1e12, "\"60 s\"",
+                           "from one closing of the shutter, which gives a new offset, to the next; else every frame "
+                           "has an offset of its own"),
+              &T::shutter_interval_s},
+        Field{optional_row("shutter_frames", 0.0, 1e9, "1800", "the same interval in frames"), &T::shutter_frames},
         Field{optional_row("noise_bandwidth", temporal, "Hz", 1e-12, 1e15, "\"30 Hz\"", "of the readout"),
               &T::bandwidth_hz},
         Field{optional_row("readout_noise", voltage, "V", 0.0, 1e6, "\"10 uV\"",

@@ -19,9 +19,11 @@ struct SpectralNumbers {
   S quantum_efficiency{1};  ///< mean_quantum_efficiency
   ThermalReference<S> thermal{};
 
-  std::array<S*, 10> all() {
-    return {&radiances.scene, &radiances.path, &radiances.optics,   &radiances.stop, &radiances.shutter,
-            &per_k,           &contrast,       &quantum_efficiency, &thermal.per_k,  &thermal.middle};
+  std::array<S*, 11> all() {
+    return {&radiances.scene, &radiances.path,    &radiances.optics,
+            &radiances.stop,  &radiances.shutter, &radiances.shutter_around,
+            &per_k,           &contrast,          &quantum_efficiency,
+            &thermal.per_k,   &thermal.middle};
   }
 };
 

@@ -65,6 +65,7 @@ Camera<S> camera_numbers(const mtf::System<S>& system, const SensorSettings& set
   camera.obscuration_emissivity = numbers("optics.obscuration_emissivity", optics.obscuration_emissivity);
   camera.stop_emissivity = numbers("optics.stop_emissivity", optics.stop_emissivity);
   camera.cone = optics.cone;
+  if (settings.thermal) camera.shutter_place = settings.thermal->shutter_place;
   return camera;
 }
 

@@ -32,23 +32,6 @@ TEST(ThermalRefusals, what_a_thermal_detector_does_not_have_is_refused) {
   refused({"[narcissus]"}, [](SensorSettings& s) { s.narcissus.emplace(); });
   refused({"detector.shutter_temperature", "give optics.stop_temperature"},
           [](SensorSettings& s) { s.thermal->shutter_k = 300.0; });
-  // A shutter and a housing of one temperature have to give no difference.
-  const auto shuttered = [](SensorSettings& s) {
-    s.thermal->shutter_k = 300.0;
-    s.optics.emplace().stop_temperature_k = 300.0;
-  };
-  refused({"detector.shutter_temperature", "cold_transmission"}, [&](SensorSettings& s) {
-    shuttered(s);
-    s.optics->cold_transmission.number = 0.9;
-  });
-  refused({"detector.shutter_temperature", "stop_band"}, [&](SensorSettings& s) {
-    shuttered(s);
-    s.optics->stop_band = StopBand::response;
-  });
-  refused({"detector.shutter_temperature", "[vignetting]"}, [&](SensorSettings& s) {
-    shuttered(s);
-    s.vignetting.emplace();
-  });
   refused({"frame.frame_time: missing", "rolling"},
           [](SensorSettings& s) { s.shutter = Shutter{.kind = ShutterKind::rolling, .line_time_s = 30e-6}; });
   refused({"adc.volts_per_count: missing"}, [](SensorSettings& s) { s.adc.emplace(); });
