@@ -46,10 +46,11 @@ void require_thermal_tables(const mtf::System<double>& system, const SensorSetti
   if (s.nonlinearity)
     refuse("[nonlinearity]",
            "its coefficients refer to a full well, which a thermal detector does not have; remove it");
-  if (s.correction)
-    refuse("[correction]",
-           "its flat frames are parts of a full well, which a thermal detector does not have; remove it, and give in "
-           "[nonuniformity] what the camera's own correction leaves");
+  if (s.correction && !(s.correction->cold_k && s.correction->hot_k && *s.correction->cold_k < *s.correction->hot_k))
+    refuse(
+        "[correction]",
+        "its flat frames are those of two blackbodies, the second warmer than the first; give cold = \"10 degC\" and "
+        "hot = \"40 degC\", or remove it and give in [nonuniformity] what the camera's own correction leaves");
   if (s.narcissus)
     refuse("[narcissus]", "the pixels of a thermal detector are as warm as what they see around the lens; remove it");
   const ThermalSettings& thermal = *s.thermal;
@@ -152,7 +153,8 @@ void require_consistent(const mtf::System<double>& system, const Sensor& sensor)
   const bool well = std::isfinite(s.detector->full_well_e);
   if (s.nonlinearity && !well) refuse("[nonlinearity]", "needs detector.full_well, which its coefficients refer to");
   if (s.blooming && !well) refuse("[blooming]", "needs detector.full_well, above which charge spills");
-  if (s.correction && !well) refuse("[correction]", "needs detector.full_well, of which low and high are parts");
+  if (s.correction && !s.thermal && !well)
+    refuse("[correction]", "needs detector.full_well, of which low and high are parts");
   if (s.detector->capacitance_f.has_value() != s.detector->temperature_k.has_value())
     refuse("[detector]", "capacitance and temperature go together; they give the reset noise");
   if (s.detector->capacitance_f && s.detector->reset_e > 0.0)

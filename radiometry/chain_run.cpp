@@ -137,20 +137,23 @@ const TwoPoint& CompiledChain::correction(int threads) const {
 
 TwoPoint CompiledChain::measure(int threads) const {
   const std::int64_t steps = plan.samples_a_pitch;
+  CorrectionSettings flats = *settings.correction;
+  if (settings.thermal) flats.low = 0.0, flats.high = 1.0;
+  const auto radiance_of = [&](double fill) {
+    if (settings.thermal)
+      return scene_radiance(curves, {.temperature_k = fill == flats.low ? *flats.cold_k : *flats.hot_k}, {});
+    require_reachable(flats, fill, glow_e(), pixel.full_well_e);
+    return (fill * pixel.full_well_e - glow_e()) / gain;
+  };
   const auto flat = [&](double fill, std::uint32_t number, mtf::ImageView<float> out) {
-    require_reachable(*settings.correction, fill, glow_e(), pixel.full_well_e);
-    FrameRun run{.chain = *this,
-                 .maps = maps,
-                 .threads = threads,
-                 .key = {seed, number},
-                 .border = (fill * pixel.full_well_e - glow_e()) / gain};
+    FrameRun run{.chain = *this, .maps = maps, .threads = threads, .key = {seed, number}, .border = radiance_of(fill)};
     mtf::Image image(out.width, out.height);
     std::fill_n(image.data(), image.size(), static_cast<float>(run.border));
     run_detector(run, image, OutputStage::dn);
-    require_unsaturated(*settings.correction, fill, run.frame.held);
+    require_unsaturated(flats, fill, run.frame.held);
     for (std::int64_t y = 0; y < out.height; ++y) std::copy_n(image.data() + y * out.width, out.width, out.row(y));
   };
-  return measure_correction(plan.out().width / steps, plan.out().height / steps, *settings.correction, flat);
+  return measure_correction(plan.out().width / steps, plan.out().height / steps, flats, flat);
 }
 
 }  // namespace radiometry

@@ -246,6 +246,9 @@ StageWords converter(const System&, const Sensor& sensor) {
 StageWords two_points(const System&, const Sensor& sensor) {
   const auto& correction = sensor.settings.correction;
   if (!correction) return {false, "no [correction]"};
+  if (correction->cold_k && correction->hot_k)
+    return {true, "two points, blackbodies at " + rounded(*correction->cold_k) + " K and " +
+                      rounded(*correction->hot_k) + " K, mean of " + std::to_string(correction->frames)};
   return {true, "two points, flats at " + rounded(correction->low) + " and " + rounded(correction->high) +
                     " of full well, mean of " + std::to_string(correction->frames)};
 }

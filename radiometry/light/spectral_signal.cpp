@@ -42,13 +42,6 @@ Curves scene_curves(const SpectralCamera& camera, const Path& path) {
   return curves;
 }
 
-/// BandRadiances::scene.
-double scene_light(const SpectralCamera& camera, const Surface& surface, const Path& path) {
-  const Curves curves = scene_curves(camera, path);
-  return thermal(camera.flux, camera.band, curves, surface.emissivity, surface.temperature_k) +
-         thermal(camera.flux, camera.band, curves, complement(surface.emissivity), surface.surroundings_k);
-}
-
 }  // namespace
 
 Spectrum photons_per_joule(const Interval& band) {
@@ -70,6 +63,12 @@ Interval stop_range(const SpectralCamera& camera, StopBand stop_band) {
   return own;
 }
 
+double scene_radiance(const SpectralCamera& camera, const Surface& surface, const Path& path) {
+  const Curves curves = scene_curves(camera, path);
+  return thermal(camera.flux, camera.band, curves, surface.emissivity, surface.temperature_k) +
+         thermal(camera.flux, camera.band, curves, complement(surface.emissivity), surface.surroundings_k);
+}
+
 BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface& surface, const Path& path,
                                      const CameraEmission& emission) {
   require_temperature("a surface", surface.temperature_k);
@@ -82,7 +81,7 @@ BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface
   if (camera.flux == Flux::photons) curves.push_back(photons_per_joule(camera.band));
   radiances.path += BandResponse(camera.band, curves).integral();
 
-  radiances.scene = scene_light(camera, surface, path);
+  radiances.scene = scene_radiance(camera, surface, path);
   return radiances;
 }
 
@@ -110,7 +109,7 @@ double mean_quantum_efficiency(const SpectralCamera& camera, const Surface& surf
   if (camera.quantum_efficiency.empty()) return 1.0;
   SpectralCamera counting = camera;  // all light
   counting.quantum_efficiency.clear();
-  return scene_light(camera, surface, path) / scene_light(counting, surface, path);
+  return scene_radiance(camera, surface, path) / scene_radiance(counting, surface, path);
 }
 
 double scene_difference(const SpectralCamera& camera, const Surface& surface, const Path& path, double warmer_k) {

@@ -56,6 +56,9 @@ Interval stop_range(const SpectralCamera& camera, StopBand stop_band);
 BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface& surface, const Path& path,
                                      const CameraEmission& emission);
 
+/// BandRadiances::scene alone: temperatures are 0 or above.
+double scene_radiance(const SpectralCamera& camera, const Surface& surface, const Path& path);
+
 /// The same of the camera alone, without scene and path.
 BandRadiances<double> own_radiances(const SpectralCamera& camera, const CameraEmission& emission);
 
