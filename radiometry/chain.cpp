@@ -16,7 +16,7 @@ void refuse(const char* where, const std::string& why) { throw mtf::UsageError(s
 /// What a shutter needs, and what needs a shutter.
 void require_shutter(const SensorSettings& s) {
   const ThermalSettings& thermal = *s.thermal;
-  const bool closes = thermal.shutter_interval_s || thermal.shutter_frames > 0;
+  const bool closes = thermal.closes();
   const bool before_optics = thermal.shutter_place == ShutterPlace::optics;
   for (const auto& [key, given] : {std::pair{"detector.shutter_place", before_optics},
                                    std::pair{"detector.shutter_drift", thermal.drift_k_s != 0.0},
@@ -92,16 +92,6 @@ void set_thermal_noise(CompiledChain& chain, const Sensor& sensor) {
   chain.slow.lowest = *thermal.lowest_hz * chain.frame_time_s;
   chain.slow.highest = *thermal.bandwidth_hz * chain.frame_time_s;
   chain.slow.strength = flicker_v * flicker_v / std::log(chain.slow.highest / chain.slow.lowest);
-}
-
-void set_shutter_events(CompiledChain& chain) {
-  const ThermalSettings& thermal = *chain.settings.thermal;
-  if (!thermal.shutter_interval_s && thermal.shutter_frames == 0) return;
-  chain.events = ShutterEvents{.drift_k_s = thermal.drift_k_s,
-                               .frame_time_s = chain.frame_time_s,
-                               .interval = thermal.shutter_interval_s
-                                               ? interval_frames(*thermal.shutter_interval_s, chain.frame_time_s)
-                                               : static_cast<std::uint32_t>(thermal.shutter_frames)};
 }
 
 }  // namespace
@@ -323,7 +313,7 @@ CompiledChain::CompiledChain(const mtf::SensorPlan& filters, const mtf::System<d
                          system.frame.pitch_y_um, settings.axis.value_or(OpticalAxis{}));
   curves = sensor.curves;
   emission = emission_of(settings);
-  if (settings.thermal) set_shutter_events(*this);
+  if (settings.thermal && settings.thermal->closes()) events = shutter_events(settings);
   const BandRadiances<double> radiances = own_radiances(curves, emission);
   const Directions<double> open = own_light(camera, pixel, radiances),
                            closed = closed_shutter(camera, pixel, radiances);

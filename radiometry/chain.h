@@ -27,7 +27,6 @@
 #include "radiometry/output_stage.h"
 #include "radiometry/performance/sensitivity.h"
 #include "radiometry/sensor_settings.h"
-#include "radiometry/stages/detector/shutter_events.h"
 
 namespace radiometry {
 

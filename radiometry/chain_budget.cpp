@@ -188,6 +188,18 @@ std::vector<BudgetRow> thermal_terms(const Sensor& sensor, const Pixel<double>& 
   return terms;
 }
 
+/// What has warmed from one closing of the shutter to the next, as a temperature of the scene.
+BudgetRow false_offset(const mtf::System<double>& system, const Sensor& sensor, double signal_per_k) {
+  const ShutterEvents events = shutter_events(sensor.settings);
+  const CameraEmission cool = emission_of(sensor.settings), warm = warmed(cool, events.warming_k(events.interval));
+  const auto volts = [&](const CameraEmission& camera) {
+    return own_light(camera_of(system, sensor), pixel_of(system, sensor), own_radiances(sensor.curves, camera))
+        .total_e();
+  };
+  return {"false_offset", "mK", 1e3 * (volts(warm) - volts(cool)) / signal_per_k,
+          "what shutter_drift adds from one closing of the shutter to the next, as a temperature of the scene"};
+}
+
 /// The surface whose signal, beside `rest_e`, meets an end of the converter; NaN where none is that cold.
 double surface_at_k(const Sensor& sensor, double gain, double rest_e, double end_e) {
   const SensorSettings& settings = sensor.settings;
@@ -252,6 +264,7 @@ std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sen
   if (thermal.heat_capacity_j_k && thermal.conductance_w_k)
     all.push_back({"time_constant", "s", *thermal.heat_capacity_j_k / *thermal.conductance_w_k,
                    "heat capacity / conductance of a pixel"});
+  if (thermal.closes()) all.push_back(false_offset(system, sensor, b.signal_per_k));
   for (BudgetRow& row : all) {
     row.refused = refusal_of(b, row.value);
     row.saturated = is_saturated(b, row.value);

@@ -38,7 +38,7 @@ double tile_bytes_a_pixel(const Sensor& sensor) {
   const bool responsivity = unequal && (sensor.responsivity || unequal->prnu > 0.0);
   const bool offset = unequal && (sensor.offset || unequal->dsnu_e > 0.0);
   // The image, the maps of pixel_maps(), and what these are multiplied from while they are made.
-  const bool closes = s.thermal && (s.thermal->shutter_interval_s || s.thermal->shutter_frames > 0);
+  const bool closes = s.thermal && s.thermal->closes();
   const double planes = 1.0 + one(closes) * (1.0 + one(responsivity)) + one(corners) + one(offset) +
                         2.0 * one(corners || responsivity) + one(responsivity) + one(around) +
                         one(around || responsivity);

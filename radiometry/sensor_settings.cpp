@@ -182,6 +182,15 @@ CameraEmission emission_of(const SensorSettings& settings) {
           thermal.shutter_place};
 }
 
+ShutterEvents shutter_events(const SensorSettings& settings) {
+  const ThermalSettings& thermal = *settings.thermal;
+  const double frame_time_s = *settings.frame->frame_time_s;
+  return {.drift_k_s = thermal.drift_k_s,
+          .frame_time_s = frame_time_s,
+          .interval = thermal.shutter_interval_s ? interval_frames(*thermal.shutter_interval_s, frame_time_s)
+                                                 : static_cast<std::uint32_t>(thermal.shutter_frames)};
+}
+
 std::vector<mtf::TableInfo> sensor_tables() {
   std::vector<mtf::TableInfo> tables;
   SensorSettings prototype;

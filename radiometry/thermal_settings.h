@@ -60,6 +60,9 @@ struct ThermalSettings {
            corner_hz || lowest_hz;
   }
 
+  /// True where the shutter closes now and then; else every frame has an offset of its own.
+  bool closes() const { return shutter_interval_s || shutter_frames > 0; }
+
   static constexpr auto fields() {
     using enum mtf::Dimension;
     using T = ThermalSettings;

@@ -48,7 +48,7 @@ double RadiometricChain::unseen_tolerance(double by_default) const {
 
 bool remembers(const RadiometricChain& radiometric) {
   const radiometry::SensorSettings& s = radiometric.loaded.sensor.settings;
-  return s.lag || s.shutter || (s.thermal && (s.thermal->shutter_interval_s || s.thermal->shutter_frames > 0));
+  return s.lag || s.shutter || (s.thermal && s.thermal->closes());
 }
 
 std::string lag_warning(const RadiometricChain& radiometric, std::int64_t steps) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "radiometry/light/band_response.h"
@@ -144,6 +145,21 @@ TEST(ShutterEvents, a_camera_that_warms_has_a_false_offset_between_two_closings)
       EXPECT_NEAR(camera.volts(310.0, n, &state), expected, 1e-6 * scale) << n;  // frames in order or alone
     }
   }
+}
+
+/// The budget says how large it gets: 0.5 K/s for 50 frames of 20 ms are half a kelvin of housing and lens.
+TEST(ShutterEvents, the_budget_has_the_false_offset) {
+  Sensor sensor = shuttered(ShutterPlace::detector);
+  sensor.settings.frame = FrameSettings{.frame_time_s = kFrameTime_s};
+  sensor.settings.thermal->drift_k_s = 0.5;
+  sensor.settings.thermal->shutter_frames = 50;
+  const double light = watts_of(kWarm_k + 0.5) - watts_of(kWarm_k);
+  const double volts = kVolts * (kCone * 0.1 + mtf::kPi - kCone) * light;
+  const Budget<double> budget = budget_of(lwir_system(), sensor, 300.0);
+  const std::vector<BudgetRow> rows = budget_rows(lwir_system(), sensor, budget);
+  const auto row = std::find_if(rows.begin(), rows.end(), [](const auto& r) { return r.name == "false_offset"; });
+  ASSERT_NE(row, rows.end());
+  EXPECT_NEAR(row->value / (1e3 * volts / budget.signal_per_k), 1.0, 1e-9);
 }
 
 /// The offset is taken off after the pixels have answered: a closing is a step, however slow they are.
