@@ -231,7 +231,8 @@ std::vector<BudgetRow> scene_range(const mtf::System<double>& system, const Sens
   return {
       row("coldest_scene", range.least_e, "surface from which on counts are above 0; raise adc.offset for colder ones"),
       row("hottest_scene", range.most_e,
-          "surface from which on counts are the largest one; raise adc.volts_per_count for hotter ones")};
+          "surface from which on counts are the largest one; raise adc.volts_per_count, or lower "
+          "detector.counts_per_kelvin, for hotter ones")};
 }
 
 std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& b) {

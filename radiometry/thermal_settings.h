@@ -115,11 +115,10 @@ struct ThermalSettings {
         Field{optional_row("netd_bandwidth", temporal, "Hz", 1e-12, 1e15, "\"30 Hz\"",
                            "noise bandwidth of the NETD; else that of this camera"),
               &T::netd_bandwidth_hz},
-        Field{
-            optional_row("netd_frame_rate", temporal, "Hz", 1e-12, 1e15, "\"30 Hz\"",
-                         "of the camera of the NETD, in place of both bandwidths: noise follows the root of the frame "
-                         "rate; that of this camera is 1/frame_time"),
-            &T::netd_frame_rate_hz},
+        Field{optional_row("netd_frame_rate", temporal, "Hz", 1e-12, 1e15, "\"30 Hz\"",
+                           "frame rate at which the NETD was measured, in place of both bandwidths: noise follows the "
+                           "root of the frame rate, which is 1/frame_time for this camera"),
+              &T::netd_frame_rate_hz},
         Field{optional_row("netd_shortest", length, "um", 0.1, 1e4, "\"8 um\"",
                            "wavelength at which the band of the NETD begins; else it is [band]"),
               &T::netd_shortest_um},
