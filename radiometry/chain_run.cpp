@@ -88,6 +88,7 @@ void FrameRun::run(Part part, mtf::Image& image) {
 }
 
 void FrameRun::run_to(OutputStage stage) {
+  frame.held.volts = frame.held_defects.volts = chain.pixel.thermal();
   if (stage == OutputStage::radiance) return;
   if (stage == OutputStage::irradiance) {
     cast_on_detector(*this, frame.image);
@@ -114,7 +115,6 @@ ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, OutputStage sta
                .number = number,
                .border = border_value};
   run.frame.image = std::move(radiance);
-  run.frame.held.volts = run.frame.held_defects.volts = compiled_->settings.thermal.has_value();
   run.run(Part::optics, run.frame.image);
   if (state != nullptr && stage >= OutputStage::watts && !compiled_->settings.microscan) {
     run.state = state;
