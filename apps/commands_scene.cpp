@@ -52,7 +52,7 @@ Command heat_command() {
       "heat.json, a plot, and with [camera] a picture. The tolerance is that of the worst facet at any output;\n"
       "the sampling error of shadows and views is measured and stated beside it. Conduction along surfaces is\n"
       "left out, and formulas of convection and sky are good to 1 to 3 K: they are named in heat.json. Exit code 3\n"
-              "where the promised error is above the tolerance.",
+      "where the promised error is above the tolerance.",
       "  mtf heat vehicle/scene.toml -o temperatures\n"
       "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --rays 128"};
   add_file(app, "scene", "scene file (TOML)", options.scene);

@@ -13,25 +13,31 @@ namespace {
 
 void refuse(const char* where, const std::string& why) { throw mtf::UsageError(std::string(where) + ": " + why); }
 
-/// A closed shutter fills the hemisphere of a pixel, and is seen there as lens and housing are: what weakens one of
-/// them alone would leave a difference where everything has one temperature.
+/// What a shutter needs, and what needs a shutter.
 void require_shutter(const SensorSettings& s) {
-  const char* const key = "detector.shutter_temperature";
-  const OpticsSettings optics = s.optics.value_or(OpticsSettings{});
-  if (!(optics.stop_temperature_k > 0.0))
-    refuse(key,
+  const ThermalSettings& thermal = *s.thermal;
+  const bool closes = thermal.closes();
+  const bool before_optics = thermal.shutter_place == ShutterPlace::optics;
+  for (const auto& [key, given] : {std::pair{"detector.shutter_place", before_optics},
+                                   std::pair{"detector.shutter_drift", thermal.drift_k_s != 0.0},
+                                   std::pair{"detector.shutter_interval", thermal.shutter_interval_s.has_value()},
+                                   std::pair{"detector.shutter_frames", thermal.shutter_frames > 0}})
+    if (given && !thermal.shutter_k)
+      refuse(key, "belongs to a shutter, which has no temperature; give detector.shutter_temperature, or remove it");
+  if (!thermal.shutter_k) return;
+  const double housing_k = s.optics.value_or(OpticsSettings{}).stop_temperature_k;
+  if (!before_optics && !(housing_k > 0.0))
+    refuse("detector.shutter_temperature",
            "the signal is the difference to a shutter that fills the hemisphere of a pixel, and what the pixel sees "
            "around the lens has no temperature; give optics.stop_temperature, that of the housing");
-  if (!optics.cold_transmission.file.empty() || optics.cold_transmission.number != 1.0)
-    refuse(key,
-           "with optics.cold_transmission, which the light of the housing does not pass; give it as part of "
-           "detector.absorptance");
-  if (optics.stop_band == StopBand::response)
-    refuse(key, "with optics.stop_band = \"response\": shutter and housing have to count in the same band; remove it");
-  if (s.vignetting)
-    refuse(key,
-           "with [vignetting], where the housing fills in what the lens loses, which is not modelled; remove one "
-           "of the two");
+  if (thermal.shutter_interval_s && thermal.shutter_frames > 0)
+    refuse("detector.shutter_frames", "given beside shutter_interval, which says the same in time; remove one of them");
+  if (thermal.drift_k_s != 0.0 && !closes)
+    refuse("detector.shutter_drift",
+           "the signal is the difference to the shutter when it closed last; give shutter_interval, for example "
+           "\"60 s\", or shutter_frames");
+  if (closes && !(s.frame && s.frame->frame_time_s))
+    refuse("frame.frame_time", "missing; a shutter that closes now and then needs it: for example \"20 ms\"");
 }
 
 /// The tables that a thermal detector does not have, and the time constant of its pixels, which is counted once.
@@ -40,14 +46,15 @@ void require_thermal_tables(const mtf::System<double>& system, const SensorSetti
   if (s.nonlinearity)
     refuse("[nonlinearity]",
            "its coefficients refer to a full well, which a thermal detector does not have; remove it");
-  if (s.correction)
-    refuse("[correction]",
-           "its flat frames are parts of a full well, which a thermal detector does not have; remove it, and give in "
-           "[nonuniformity] what the camera's own correction leaves");
+  if (s.correction && !(s.correction->cold_k && s.correction->hot_k && *s.correction->cold_k < *s.correction->hot_k))
+    refuse(
+        "[correction]",
+        "its flat frames are those of two blackbodies, the second warmer than the first; give cold = \"10 degC\" and "
+        "hot = \"40 degC\", or remove it and give in [nonuniformity] what the camera's own correction leaves");
   if (s.narcissus)
     refuse("[narcissus]", "the pixels of a thermal detector are as warm as what they see around the lens; remove it");
   const ThermalSettings& thermal = *s.thermal;
-  if (thermal.shutter_k) require_shutter(s);
+  require_shutter(s);
   const std::optional<MovingBolometer> moving = moving_bolometer(system);
   if (moving && thermal.heat_capacity_j_k && thermal.conductance_w_k) {
     const double own_s = *thermal.heat_capacity_j_k / *thermal.conductance_w_k;
@@ -113,8 +120,8 @@ void require_consistent(const mtf::System<double>& system, const Sensor& sensor)
   camera_of(system, sensor);
   const Pixel<double> pixel = pixel_of(system, sensor);
   if (s.thermal) require_thermal_tables(system, s);
-  if (s.thermal && sensor.curves.flux != Flux::watts)
-    refuse("[detector]", "of kind thermal needs curves with flux = Flux::watts (SpectralCamera)");
+  if (sensor.curves.flux != flux_of(s))
+    refuse("[detector]", "the curves of the sensor are of another kind; set their flux to flux_of(settings)");
   stop_range(sensor.curves, s.optics.value_or(OpticsSettings{}).stop_band);
   if (s.adc) adc_of(sensor);
   if (s.nonlinearity && std::isfinite(pixel.full_well_e)) Response(*s.nonlinearity, pixel.full_well_e);
@@ -136,7 +143,8 @@ void require_consistent(const mtf::System<double>& system, const Sensor& sensor)
   const bool well = std::isfinite(s.detector->full_well_e);
   if (s.nonlinearity && !well) refuse("[nonlinearity]", "needs detector.full_well, which its coefficients refer to");
   if (s.blooming && !well) refuse("[blooming]", "needs detector.full_well, above which charge spills");
-  if (s.correction && !well) refuse("[correction]", "needs detector.full_well, of which low and high are parts");
+  if (s.correction && !s.thermal && !well)
+    refuse("[correction]", "needs detector.full_well, of which low and high are parts");
   if (s.detector->capacitance_f.has_value() != s.detector->temperature_k.has_value())
     refuse("[detector]", "capacitance and temperature go together; they give the reset noise");
   if (s.detector->capacitance_f && s.detector->reset_e > 0.0)
@@ -303,11 +311,14 @@ CompiledChain::CompiledChain(const mtf::SensorPlan& filters, const mtf::System<d
   detector = focal_plane(system.frame.columns > 0 ? system.frame.columns : columns,
                          system.frame.rows > 0 ? system.frame.rows : rows, system.frame.pitch_x_um,
                          system.frame.pitch_y_um, settings.axis.value_or(OpticalAxis{}));
-  BandRadiances<double> radiances = band_radiances(sensor.curves, {.temperature_k = 0.0}, {}, emission_of(settings));
-  radiances.scene = radiances.path = 0.0;
-  const Signal<double> background = signal(camera, pixel, radiances);
-  warm_e = background.optics_e + background.stop_e + background.shutter_e;
-  dark_e = background.dark_e;
+  curves = sensor.curves;
+  emission = emission_of(settings);
+  if (settings.thermal && settings.thermal->closes()) events = shutter_events(settings);
+  const BandRadiances<double> radiances = own_radiances(curves, emission);
+  const Directions<double> open = own_light(camera, pixel, radiances),
+                           closed = closed_shutter(camera, pixel, radiances);
+  warm = {open.cone_e - closed.cone_e, open.around_e - closed.around_e};
+  dark_e = signal(camera, pixel, BandRadiances<double>{}).dark_e;
 }
 
 Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin,

@@ -6,6 +6,7 @@
 //     -> distortion -> presample OTF, sampling at the pitch -> veiling glare, ghost          stage `radiance`
 //     -> cone of light, transmission, vignetting                                             stage `irradiance`
 //     -> shutter -> mean electrons of light + warm optics + stop (narcissus), x responsivity, + dark current -> lag
+//     -> offset of the last closing of a thermal camera's shutter
 //     -> defects, blinking -> shot noise -> full well or blooming -> nonlinearity -> readout OTF
 //     -> offsets, read, 1/f, row, column, 3-D noise                                           stage `electrons`
 //        (a thermal detector has watts for photons and volts for electrons, no dark current, shot noise and full well:
@@ -106,11 +107,13 @@ struct ChainFrame {
   std::vector<std::pair<std::string_view, double>> timing_ms;  ///< of the stages that ran, in their order
 };
 
-/// What one frame of a sequence leaves to the next, for a rolling shutter and lag. A state belongs to one sequence.
+/// What one frame of a sequence leaves to the next, for a rolling shutter, lag and a shutter that closes. A state
+/// belongs to one sequence.
 struct ChainState {
   ShutterState shutter;
   LagState lag;
-  std::optional<std::uint32_t> last;  ///< number of the frame before
+  std::optional<ShutterClosing> closing;  ///< of the shutter of a thermal camera
+  std::optional<std::uint32_t> last;      ///< number of the frame before
 };
 
 struct CompiledChain;

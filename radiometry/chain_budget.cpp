@@ -7,6 +7,7 @@
 
 #include "mtf/survey/statistics.h"
 #include "radiometry/performance/sensor_budget.h"
+#include "radiometry/stages/noise/frame_flicker.h"
 
 namespace radiometry {
 
@@ -16,6 +17,23 @@ bool is_spectral(std::string_view path) {
       "path.transmission",  "path.radiance",           "path.air_temperature",
       "scene.emissivity",   "scene.surroundings"};
   return std::find(paths.begin(), paths.end(), path) != paths.end();
+}
+
+namespace {
+/// Of a blackbody before the camera; 0 where there is none.
+double flat_radiance(const Sensor& sensor, std::optional<double> CorrectionSettings::*temperature_k) {
+  const auto& correction = sensor.settings.correction;
+  if (!correction || !((*correction).*temperature_k)) return 0.0;
+  return scene_radiance(sensor.curves, {.temperature_k = *((*correction).*temperature_k)}, {});
+}
+}  // namespace
+
+double kept_of_flicker(const SensorSettings& settings, int frames) {
+  const ThermalSettings& thermal = *settings.thermal;
+  if (!thermal.corner_hz || !settings.frame || !settings.frame->frame_time_s) return 0.0;
+  const double frame_time_s = *settings.frame->frame_time_s;
+  const FrameFlicker unit{1.0, *thermal.lowest_hz * frame_time_s, *thermal.bandwidth_hz * frame_time_s};
+  return frame_flicker_mean_variance(unit, frames) / frame_flicker_variance(unit);
 }
 
 SpectralNumbers<double> spectral_numbers(const Sensor& sensor, double temperature_k, double warmer_k,
@@ -44,7 +62,9 @@ SpectralNumbers<double> spectral_numbers(const Sensor& sensor, double temperatur
           .per_k = scene_derivative(sensor.curves, surface, path),
           .contrast = warmer_k == 0.0 ? 0.0 : scene_difference(sensor.curves, surface, path, warmer_k),
           .quantum_efficiency = mean_quantum_efficiency(sensor.curves, surface, path),
-          .thermal = thermal_reference(sensor)};
+          .thermal = thermal_reference(sensor),
+          .cold_flat = flat_radiance(sensor, &CorrectionSettings::cold_k),
+          .hot_flat = flat_radiance(sensor, &CorrectionSettings::hot_k)};
 }
 
 SensorSettings budget_settings(const Sensor& sensor) {
@@ -168,6 +188,53 @@ std::vector<BudgetRow> thermal_terms(const Sensor& sensor, const Pixel<double>& 
   return terms;
 }
 
+/// What has warmed from one closing of the shutter to the next, as a temperature of the scene.
+BudgetRow false_offset(const mtf::System<double>& system, const Sensor& sensor, double signal_per_k) {
+  const ShutterEvents events = shutter_events(sensor.settings);
+  const CameraEmission cool = emission_of(sensor.settings), warm = warmed(cool, events.warming_k(events.interval));
+  const auto volts = [&](const CameraEmission& camera) {
+    return own_light(camera_of(system, sensor), pixel_of(system, sensor), own_radiances(sensor.curves, camera))
+        .total_e();
+  };
+  return {"false_offset", "mK", 1e3 * (volts(warm) - volts(cool)) / signal_per_k,
+          "what shutter_drift adds from one closing of the shutter to the next, as a temperature of the scene"};
+}
+
+/// The surface whose signal, beside `rest_e`, meets an end of the converter; NaN where none is that cold.
+double surface_at_k(const Sensor& sensor, double gain, double rest_e, double end_e) {
+  const SensorSettings& settings = sensor.settings;
+  Surface surface{0.0, sensor.emissivity, settings.scene ? settings.scene->surroundings_k.value_or(0.0) : 0.0};
+  const auto above = [&](double temperature_k) {
+    surface.temperature_k = temperature_k;
+    return gain * scene_radiance(sensor.curves, surface, sensor.path) + rest_e - end_e;
+  };
+  double lo = 1e-3, hi = kMostTemperature_k;
+  if (!(above(lo) < 0.0)) return std::numeric_limits<double>::quiet_NaN();
+  if (!(above(hi) > 0.0)) return hi;
+  while (hi > lo * (1.0 + 1e-12)) {
+    const double middle = std::sqrt(lo * hi);
+    (above(middle) < 0.0 ? lo : hi) = middle;
+  }
+  return hi;
+}
+
+/// The scenes that the converter takes.
+std::vector<BudgetRow> scene_range(const mtf::System<double>& system, const Sensor& sensor, const Signal<double>& s) {
+  const Pixel<double> pixel = pixel_of(system, sensor);
+  const double gain = electrons_per_radiance(camera_of(system, sensor), pixel);
+  const PixelRange range = range_numbers(sensor.settings, pixel);
+  const auto row = [&](const char* name, double end_e, const char* doc) {
+    BudgetRow end{name, "K", surface_at_k(sensor, gain, s.total_e() - s.scene_e, end_e), doc};
+    if (std::isnan(end.value)) end.refused = "no scene is so cold that it gives that count";
+    return end;
+  };
+  return {
+      row("coldest_scene", range.least_e, "surface from which on counts are above 0; raise adc.offset for colder ones"),
+      row("hottest_scene", range.most_e,
+          "surface from which on counts are the largest one; raise adc.volts_per_count, or lower "
+          "detector.counts_per_kelvin, for hotter ones")};
+}
+
 std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sensor& sensor, const Budget<double>& b) {
   const Pixel<double> pixel = pixel_of(system, sensor);
   const ThermalSettings& thermal = *sensor.settings.thermal;
@@ -185,8 +252,9 @@ std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sen
       {"signal_per_k", "V/K", b.signal_per_k, "volts per kelvin of the scene"}};
   for (BudgetRow& row : thermal_terms(sensor, pixel, b)) all.push_back(std::move(row));
   const std::vector<BudgetRow> figures{
-      {"prnu", "V", b.prnu_e, "spatial noise of the responsivity (prnu, or its map)"},
-      {"dsnu", "V", b.dsnu_e, "spatial noise of the offset (dsnu, or its map)"},
+      {"prnu", "V", b.prnu_e, "spatial noise of the responsivity (prnu, or its map), after [correction] where given"},
+      {"dsnu", "V", b.dsnu_e, "spatial noise of the offset (dsnu, or its map), after [correction] where given"},
+      {"correction", "V", b.correction_e, "spatial noise of the flat frames of [correction]"},
       {"spatial", "V", b.spatial_e, "spatial noise, root sum of squares"},
       {"snr", "", b.snr, "scene / temporal noise"},
       {"netd", "mK", 1e3 * b.netd_k, "noise-equivalent temperature difference, temporal"},
@@ -197,10 +265,13 @@ std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sen
   if (thermal.heat_capacity_j_k && thermal.conductance_w_k)
     all.push_back({"time_constant", "s", *thermal.heat_capacity_j_k / *thermal.conductance_w_k,
                    "heat capacity / conductance of a pixel"});
+  if (thermal.closes()) all.push_back(false_offset(system, sensor, b.signal_per_k));
   for (BudgetRow& row : all) {
     row.refused = refusal_of(b, row.value);
     row.saturated = is_saturated(b, row.value);
   }
+  if (sensor.settings.adc)
+    for (BudgetRow& row : scene_range(system, sensor, s)) all.push_back(std::move(row));
   return all;
 }
 

@@ -22,6 +22,9 @@ struct Factor {
   bool uniform() const { return map.size() == 0; }
 };
 
+/// number x map + added, or number + added where there is no map.
+Factor factor_of(double number, const mtf::Image& map, double added);
+
 /// image = gain x image + offset.
 void multiply_add(mtf::Image& image, const Factor& gain, const Factor& offset, int threads);
 
@@ -59,11 +62,12 @@ bool goes_through(StageRow::Part part, OutputStage stage);
 
 /// What differs from pixel to pixel, for the pixels of an image or of a tile of one.
 struct PixelMaps {
-  Origin origin;       ///< of the first pixel on the detector
-  mtf::Image corners;  ///< vignetting; empty: none
-  Factor light;        ///< electrons for one unit of weighted radiance
-  Factor glow;         ///< mean electrons of warm optics, stop and dark current
-  mtf::Image offset;   ///< electrons added to every frame; empty: none
+  Origin origin;            ///< of the first pixel on the detector
+  mtf::Image corners;       ///< vignetting; empty: none
+  Factor light;             ///< electrons for one unit of weighted radiance
+  Factor glow;              ///< mean electrons of warm optics, stop and dark current
+  mtf::Image offset;        ///< electrons added to every frame; empty: none
+  mtf::Image responsivity;  ///< kept for a shutter that closes now and then; empty: 1
   std::vector<DefectivePixel> defects;
   std::vector<BlinkingPixel> blinking;
 };
@@ -83,16 +87,19 @@ struct CompiledChain {
   Pixel<double> pixel;
   std::optional<Adc> adc;
   std::optional<Response> response;
-  double gain = 0.0;    ///< electrons (volts of a thermal detector) for one unit of weighted radiance on the axis
-  double warm_e = 0.0;  ///< mean electrons of warm optics and stop on the axis; volts less those of the shutter
-  double dark_e = 0.0;  ///< mean electrons of the dark current
-  double read_e = 0.0;  ///< rms of read, reset and other noise, or of a thermal pixel and its readout
-  FrameFlicker slow;    ///< 1/f noise of a thermal pixel from frame to frame; strength 0: none
+  double gain = 0.0;        ///< electrons (volts of a thermal detector) for one unit of weighted radiance on the axis
+  Directions<double> warm;  ///< mean electrons of warm optics and stop on the axis; volts less those of the shutter
+  double dark_e = 0.0;      ///< mean electrons of the dark current
+  double read_e = 0.0;      ///< rms of read, reset and other noise, or of a thermal pixel and its readout
+  FrameFlicker slow;        ///< 1/f noise of a thermal pixel from frame to frame; strength 0: none
+  SpectralCamera curves;
+  CameraEmission emission;              ///< of frame 0
+  std::optional<ShutterEvents> events;  ///< of a thermal camera whose shutter closes now and then
   double frame_time_s = 0.0;
   double focal_length_mm = 0.0;
   PixelMaps maps;  ///< of the image; empty where the image comes in tiles, each of which has its own
 
-  double glow_e() const { return warm_e + dark_e; }
+  double glow_e() const { return warm.total_e() + dark_e; }
 
   /// The maps of the two-point correction, measured by the first chain of a sequence when it first needs them.
   const TwoPoint& correction(int threads) const;
@@ -107,12 +114,24 @@ struct CompiledChain {
 PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
                      std::int64_t height, int threads);
 
+/// What light of the camera itself gives to each pixel: it is multiplied by `sensitivity` (empty: 1), and `added` comes
+/// on top. Where a thermal camera has a shutter, vignetting (`corners`, empty: none) narrows the cone of light, and the
+/// housing is seen in its place.
+Factor glow_of(const CompiledChain& chain, const Directions<double>& light, const mtf::Image& corners,
+               const mtf::Image& sensitivity, double added);
+
+/// The light of the camera itself at a frame beside that of frame 0, before the lag: what has warmed since then.
+Directions<double> warming_of(const CompiledChain& chain, std::uint32_t frame);
+/// What the closed shutter gave at frame 0, less what it gave when it closed last.
+Directions<double> closing_change(const CompiledChain& chain, std::uint32_t frame, ChainState* state);
+
 /// One frame, or a tile of one, on its way through the chain.
 struct FrameRun {
   const CompiledChain& chain;
   const PixelMaps& maps;
   int threads;
   NoiseKey key{};
+  std::uint32_t number = 0;         ///< of the frame in its sequence
   ChainState* state = nullptr;      ///< of the sequence; null: the frame stands for itself
   double border = 0.0;              ///< value of a constant border at this place of the chain
   std::uint32_t frames_passed = 1;  ///< since the frame before; frames that were left out are time that has passed

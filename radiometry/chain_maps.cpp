@@ -37,16 +37,6 @@ void multiply(mtf::Image& factors, mtf::Image&& map) {
     multiply_by(factors.view(), map.view());
 }
 
-/// number x map + added, or number + added where there is no map.
-Factor factor_of(double number, const mtf::Image& map, double added) {
-  Factor result{number + added};
-  if (map.size() == 0 || number == 0.0) return result;
-  result.map = mtf::Image(map.width(), map.height());
-  for (std::int64_t i = 0; i < map.size(); ++i)
-    result.map.data()[i] = static_cast<float>(number * static_cast<double>(map.data()[i]) + added);
-  return result;
-}
-
 }  // namespace
 
 void require_maps(const Sensor& sensor, std::int64_t columns, std::int64_t rows) {
@@ -97,13 +87,14 @@ PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin or
   mtf::Image seen = maps.corners.clone(), around;
   multiply(seen, responsivity.clone());
   maps.light = factor_of(chain.gain, seen, 0.0);
+  if (chain.events) maps.responsivity = responsivity.clone();
   if (s.narcissus) {
     around = mtf::Image(width, height);
     narcissus_map(around.view(), *s.narcissus, chain.detector, origin);
     for (float& missing : std::span(around.data(), static_cast<std::size_t>(around.size()))) missing = 1.0F - missing;
   }
   multiply(around, std::move(responsivity));
-  maps.glow = factor_of(chain.warm_e, around, chain.dark_e);
+  maps.glow = glow_of(chain, chain.warm, maps.corners, around, chain.dark_e);
   if (s.defects) maps.defects = find_defects(width, height, *s.defects, chain.seed, origin);
   if (s.blinking) maps.blinking = find_blinking(width, height, *s.blinking, chain.seed, origin);
   return maps;

@@ -4,6 +4,7 @@
 // flat frames of the two-point correction.
 
 #include <algorithm>
+#include <utility>
 
 #include "mtf/parallel.h"
 #include "radiometry/chain_impl.h"
@@ -29,8 +30,18 @@ void cast_on_detector(FrameRun& run, mtf::Image& image) {
 void absorb(FrameRun& run, mtf::Image& image) {
   const CompiledChain& chain = run.chain;
   cast_on_detector(run, image);
-  multiply_add(image, {.number = chain.pixel.area_m2() * chain.pixel.quantum_efficiency},
-               {.number = chain.warm_e / chain.pixel.volts_per_watt}, run.threads);
+  std::vector<Directions<double>> light{chain.warm};
+  if (chain.events) {
+    light.push_back(warming_of(chain, run.number));
+    light.push_back(closing_change(chain, run.number, run.state));
+  }
+  double area_m2 = chain.pixel.area_m2() * chain.pixel.quantum_efficiency;
+  for (const Directions<double>& volts : light) {
+    const Directions<double> watts{volts.cone_e / chain.pixel.volts_per_watt,
+                                   volts.around_e / chain.pixel.volts_per_watt};
+    multiply_add(image, {.number = std::exchange(area_m2, 1.0)}, glow_of(chain, watts, run.maps.corners, {}, 0.0),
+                 run.threads);
+  }
   run.lap("watts");
 }
 
@@ -77,6 +88,7 @@ void FrameRun::run(Part part, mtf::Image& image) {
 }
 
 void FrameRun::run_to(OutputStage stage) {
+  frame.held.volts = frame.held_defects.volts = chain.pixel.thermal();
   if (stage == OutputStage::radiance) return;
   if (stage == OutputStage::irradiance) {
     cast_on_detector(*this, frame.image);
@@ -100,11 +112,11 @@ ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, OutputStage sta
                .maps = compiled_->maps,
                .threads = mtf::threads_of(threads),
                .key = {compiled_->seed, number},
+               .number = number,
                .border = border_value};
   run.frame.image = std::move(radiance);
-  run.frame.held.volts = run.frame.held_defects.volts = compiled_->settings.thermal.has_value();
   run.run(Part::optics, run.frame.image);
-  if (state != nullptr && stage >= OutputStage::electrons && !compiled_->settings.microscan) {
+  if (state != nullptr && stage >= OutputStage::watts && !compiled_->settings.microscan) {
     run.state = state;
     if (state->last && number > *state->last) run.frames_passed = number - *state->last;
     state->last = number;
@@ -125,20 +137,23 @@ const TwoPoint& CompiledChain::correction(int threads) const {
 
 TwoPoint CompiledChain::measure(int threads) const {
   const std::int64_t steps = plan.samples_a_pitch;
+  CorrectionSettings flats = *settings.correction;
+  if (settings.thermal) flats.low = 0.0, flats.high = 1.0;
+  const auto radiance_of = [&](double fill) {
+    if (settings.thermal)
+      return scene_radiance(curves, {.temperature_k = fill == flats.low ? *flats.cold_k : *flats.hot_k}, {});
+    require_reachable(flats, fill, glow_e(), pixel.full_well_e);
+    return (fill * pixel.full_well_e - glow_e()) / gain;
+  };
   const auto flat = [&](double fill, std::uint32_t number, mtf::ImageView<float> out) {
-    require_reachable(*settings.correction, fill, glow_e(), pixel.full_well_e);
-    FrameRun run{.chain = *this,
-                 .maps = maps,
-                 .threads = threads,
-                 .key = {seed, number},
-                 .border = (fill * pixel.full_well_e - glow_e()) / gain};
+    FrameRun run{.chain = *this, .maps = maps, .threads = threads, .key = {seed, number}, .border = radiance_of(fill)};
     mtf::Image image(out.width, out.height);
     std::fill_n(image.data(), image.size(), static_cast<float>(run.border));
     run_detector(run, image, OutputStage::dn);
-    require_unsaturated(*settings.correction, fill, run.frame.held);
+    require_unsaturated(flats, fill, run.frame.held);
     for (std::int64_t y = 0; y < out.height; ++y) std::copy_n(image.data() + y * out.width, out.width, out.row(y));
   };
-  return measure_correction(plan.out().width / steps, plan.out().height / steps, *settings.correction, flat);
+  return measure_correction(plan.out().width / steps, plan.out().height / steps, flats, flat);
 }
 
 }  // namespace radiometry

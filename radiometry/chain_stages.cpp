@@ -70,13 +70,16 @@ StageWords light(const System& system, const Sensor& sensor) {
   const Camera<double> camera = camera_of(system, sensor);
   const bool weighted = output_quantity(sensor, OutputStage::irradiance).starts_with("weighted");
   const auto& thermal = sensor.settings.thermal;
-  return {
-      true,
-      rounded(electrons_per_radiance(camera, pixel_of(system, sensor))) + " " + std::string(signal_unit(sensor)) +
-          " for 1 " + (thermal ? "W" : "ph s^-1") + " m^-2 sr^-1" + (weighted ? ", weighted by the curves" : "") +
-          "; cone of " + rounded(cone_sr(camera)) + " sr by the " +
-          std::string(kConeNames[static_cast<std::size_t>(camera.cone)]) +
-          (thermal && thermal->shutter_k ? "; less that of a shutter at " + rounded(*thermal->shutter_k) + " K" : "")};
+  return {true, rounded(electrons_per_radiance(camera, pixel_of(system, sensor))) + " " +
+                    std::string(signal_unit(sensor)) + " for 1 " + (thermal ? "W" : "ph s^-1") + " m^-2 sr^-1" +
+                    (weighted ? ", weighted by the curves" : "") + "; cone of " + rounded(cone_sr(camera)) +
+                    " sr by the " + std::string(kConeNames[static_cast<std::size_t>(camera.cone)]) +
+                    (thermal && thermal->shutter_k
+                         ? "; less that of a shutter " +
+                               std::string(thermal->shutter_place == ShutterPlace::optics ? "before the optics"
+                                                                                          : "before the detector") +
+                               " at " + rounded(*thermal->shutter_k) + " K"
+                         : "")};
 }
 
 /// A map from a file has its name; one that a program made has none.
@@ -141,6 +144,17 @@ StageWords dark_current(const System& system, const Sensor& sensor) {
 StageWords lag(const System&, const Sensor& sensor) {
   const auto& lag = sensor.settings.lag;
   return said(lag ? rounded(lag->time_constant_s) + " s, over a sequence" : "", "no [lag]");
+}
+
+StageWords shutter_offset(const System&, const Sensor& sensor) {
+  const auto& thermal = sensor.settings.thermal;
+  if (!thermal) return {false, "of thermal detectors alone"};
+  const double drift = thermal->drift_k_s;
+  const std::string warming = drift == 0.0 ? "" : ", while the camera warms by " + rounded(drift) + " K/s";
+  if (thermal->shutter_frames > 0)
+    return {true, "new every " + std::to_string(thermal->shutter_frames) + " frames" + warming};
+  return said(thermal->shutter_interval_s ? "new every " + rounded(*thermal->shutter_interval_s) + " s" + warming : "",
+              "no shutter_interval or shutter_frames in [detector]");
 }
 
 StageWords defects(const System&, const Sensor& sensor) {
@@ -232,6 +246,9 @@ StageWords converter(const System&, const Sensor& sensor) {
 StageWords two_points(const System&, const Sensor& sensor) {
   const auto& correction = sensor.settings.correction;
   if (!correction) return {false, "no [correction]"};
+  if (correction->cold_k && correction->hot_k)
+    return {true, "two points, blackbodies at " + rounded(*correction->cold_k) + " K and " +
+                      rounded(*correction->hot_k) + " K, mean of " + std::to_string(correction->frames)};
   return {true, "two points, flats at " + rounded(correction->low) + " and " + rounded(correction->high) +
                     " of full well, mean of " + std::to_string(correction->frames)};
 }
@@ -279,6 +296,7 @@ constexpr std::array kChain{
     StageRow{.name = "dark current", .part = detector, .words = dark_current},
     StageRow{.name = "collect", .part = detector, .step = step::collect},
     StageRow{.name = "lag", .part = detector, .words = lag, .step = step::lag, .in_sequence = true},
+    StageRow{.name = "shutter offset", .part = detector, .words = shutter_offset, .step = step::shutter_offset},
     StageRow{.name = "defects", .part = detector, .words = defects, .step = step::defects},
     StageRow{.name = "blinking", .part = detector, .words = blinking, .step = step::blinking, .timing = "defects"},
     StageRow{.name = "shot noise", .part = detector, .words = shot_noise, .step = step::shot_noise, .timing = "shot"},

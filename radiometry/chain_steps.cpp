@@ -27,6 +27,13 @@ void hold_well(FrameRun& run, mtf::Image& image, const Limit& limit) {
   run.frame.held_defects.full_well += held.stuck.high;
 }
 
+/// Adds light of the camera itself to a frame of volts.
+void add_glow(FrameRun& run, mtf::Image& image, const Directions<double>& light) {
+  if (light.cone_e == 0.0 && light.around_e == 0.0) return;
+  multiply_add(image, {1.0}, glow_of(run.chain, light, run.maps.corners, run.maps.responsivity, 0.0), run.threads);
+  run.border += light.total_e();
+}
+
 /// Where no flat frames can be made, a tenth of the scene or more may be saturated as well; the message names both.
 const TwoPoint& correction_of(const FrameRun& run) {
   try {
@@ -102,6 +109,11 @@ void collect(FrameRun& run, mtf::Image& image) {
   const CompiledChain& chain = run.chain;
   multiply_add(image, run.maps.light, run.maps.glow, run.threads);
   run.border = chain.gain * run.border + chain.glow_e();
+  if (chain.events) add_glow(run, image, warming_of(chain, run.number));
+}
+
+void shutter_offset(FrameRun& run, mtf::Image& volts) {
+  add_glow(run, volts, closing_change(run.chain, run.number, run.state));
 }
 
 void lag(FrameRun& run, mtf::Image& electrons) {

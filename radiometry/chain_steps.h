@@ -18,6 +18,7 @@ void shutter(FrameRun& run, mtf::Image& radiance);
 /// are one factor and one term of each pixel.
 void collect(FrameRun& run, mtf::Image& image);
 void lag(FrameRun& run, mtf::Image& electrons);
+void shutter_offset(FrameRun& run, mtf::Image& volts);
 void defects(FrameRun& run, mtf::Image& electrons);
 void blinking(FrameRun& run, mtf::Image& electrons);
 void shot_noise(FrameRun& run, mtf::Image& electrons);

@@ -20,7 +20,11 @@ TiledChain::TiledChain(const mtf::SensorPlan& tile, const mtf::System<double>& s
 
 ChainFrame TiledChain::run(mtf::Image radiance, Origin origin, std::uint32_t frame, int threads) const {
   const PixelMaps maps = pixel_maps(*compiled_, sensor_, origin, radiance.width(), radiance.height(), threads);
-  FrameRun run{.chain = *compiled_, .maps = maps, .threads = mtf::threads_of(threads), .key = {compiled_->seed, frame}};
+  FrameRun run{.chain = *compiled_,
+               .maps = maps,
+               .threads = mtf::threads_of(threads),
+               .key = {compiled_->seed, frame},
+               .number = frame};
   run.frame.image = std::move(radiance);
   run.run_to(stage_);
   return std::move(run.frame);
@@ -34,8 +38,10 @@ double tile_bytes_a_pixel(const Sensor& sensor) {
   const bool responsivity = unequal && (sensor.responsivity || unequal->prnu > 0.0);
   const bool offset = unequal && (sensor.offset || unequal->dsnu_e > 0.0);
   // The image, the maps of pixel_maps(), and what these are multiplied from while they are made.
-  const double planes = 1.0 + one(corners) + one(offset) + 2.0 * one(corners || responsivity) + one(responsivity) +
-                        one(around) + one(around || responsivity);
+  const bool closes = s.thermal && s.thermal->closes();
+  const double planes = 1.0 + one(closes) * (1.0 + one(responsivity)) + one(corners) + one(offset) +
+                        2.0 * one(corners || responsivity) + one(responsivity) + one(around) +
+                        one(around || responsivity);
   // Lists of single pixels grow by doubling; each pixel is in the list of those held apart too.
   const double listed = (s.defects ? s.defects->dead_fraction + s.defects->hot_fraction : 0.0) +
                         (s.blinking ? 2.0 * s.blinking->fraction : 0.0);

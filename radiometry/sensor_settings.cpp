@@ -52,8 +52,7 @@ mtf::TableInfo in_volts(mtf::TableInfo table) {
     if (info.name == "electrons_per_count") {
       info.name = "volts_per_count";
       info.example = "\"50 uV\"";
-      info.doc = "volts of one count";
-      info.presence = mtf::Presence::required;
+      info.doc = "volts of one count; not with counts_per_kelvin of [detector]";
       table.absent.push_back(
           {"electrons_per_count", "the signal of a thermal detector is in volts; write volts_per_count"});
     }
@@ -63,6 +62,22 @@ mtf::TableInfo in_volts(mtf::TableInfo table) {
 
 void drop_row(mtf::TableInfo& table, std::string_view name) {
   std::erase_if(table.settings, [&](const mtf::SettingInfo& row) { return row.info.name == name; });
+}
+
+/// Flat frames of a thermal detector are those of two blackbodies.
+void set_blackbodies(mtf::TableInfo& table) {
+  const auto blackbody = [](std::string_view name, std::string_view example, std::string_view doc) {
+    return mtf::SettingInfo{
+        optional_row(name, mtf::Dimension::temperature, "K", 1.0, kMostTemperature_k, example, doc)};
+  };
+  for (const auto& [key, row] :
+       {std::pair{"low", blackbody("cold", "\"10 degC\"", "of the blackbody that the cold flat frame shows")},
+        std::pair{"high", blackbody("hot", "\"40 degC\"", "of the blackbody that the hot flat frame shows")}}) {
+    drop_row(table, key);
+    table.settings.push_back(row);
+  }
+  table.absent = {{"low", "a part of the full well, which a thermal detector does not have; write cold = \"10 degC\""},
+                  {"high", "a part of the full well, which a thermal detector does not have; write hot = \"40 degC\""}};
 }
 
 mtf::TableInfo thermal_detector_table() {
@@ -88,13 +103,14 @@ std::vector<mtf::TableInfo> thermal_tables(const std::vector<mtf::TableInfo>& ph
     const bool electrons = std::any_of(table.settings.begin(), table.settings.end(), [](const mtf::SettingInfo& row) {
       return row.info.dimension == mtf::Dimension::electrons;
     });
-    if (table.name == "detector" || !(electrons || table.name == "lag")) continue;
+    if (table.name == "detector" || !(electrons || table.name == "lag" || table.name == "correction")) continue;
     tables.push_back(in_volts(table));
     mtf::TableInfo& added = tables.back();
     if (table.name == "noise") {
       drop_row(added, "shot");
       added.absent.push_back({"shot", "a thermal detector counts no photons and has no shot noise; remove it"});
     }
+    if (table.name == "correction") set_blackbodies(added);
     if (table.name == "lag")
       added.settings.front().info.presence = mtf::Presence::optional;  // or heat_capacity / conductance
   }
@@ -113,6 +129,41 @@ void set_time_constant(Lag& lag, const ThermalSettings& thermal, bool given) {
   if (own) lag.time_constant_s = *thermal.heat_capacity_j_k / *thermal.conductance_w_k;
 }
 
+/// Counts for a kelvin say how many counts a kelvin gives, not how many volts: a count is 1 uV then.
+void set_counts_per_kelvin(SensorSettings& settings) {
+  constexpr double kVoltsOfACount = 1e-6;
+  if (!settings.thermal->counts_per_k) {
+    if (settings.adc && !settings.adc->electrons_per_count)
+      throw mtf::UsageError("adc.volts_per_count: missing; write for example volts_per_count = \"50 uV\"");
+    return;
+  }
+  if (!settings.adc)
+    throw mtf::UsageError(
+        "detector.counts_per_kelvin: there are no counts without [adc]; add it, or give responsivity");
+  if (settings.adc->electrons_per_count)
+    throw mtf::UsageError(
+        "detector.counts_per_kelvin: given beside adc.volts_per_count; it stands for responsivity and volts_per_count "
+        "together: remove it or that");
+  settings.adc->electrons_per_count = kVoltsOfACount;
+}
+
+/// A frame rate as a noise bandwidth: frames of time t that integrate all of it have 1/(2 t), half the rate.
+void set_frame_rates(SensorSettings& settings) {
+  ThermalSettings& thermal = *settings.thermal;
+  if (!thermal.netd_frame_rate_hz) return;
+  for (const auto& [key, given] : {std::pair{"netd_bandwidth", thermal.netd_bandwidth_hz.has_value()},
+                                   std::pair{"noise_bandwidth", thermal.bandwidth_hz.has_value()}})
+    if (given)
+      throw mtf::UsageError(std::string("detector.netd_frame_rate: given beside ") + key +
+                            "; frame rates take the place of both bandwidths: remove it or that");
+  if (!settings.frame || !settings.frame->frame_time_s)
+    throw mtf::UsageError(
+        "frame.frame_time: missing; detector.netd_frame_rate is compared with the rate of this camera: for example "
+        "\"20 ms\"");
+  thermal.netd_bandwidth_hz = 0.5 * *thermal.netd_frame_rate_hz;
+  thermal.bandwidth_hz = 0.5 / *settings.frame->frame_time_s;
+}
+
 }  // namespace
 
 DetectorSettings pixel_settings(const ThermalSettings& thermal) {
@@ -126,8 +177,18 @@ DetectorSettings pixel_settings(const ThermalSettings& thermal) {
 
 CameraEmission emission_of(const SensorSettings& settings) {
   const OpticsSettings optics = settings.optics.value_or(OpticsSettings{});
-  const double shutter_k = settings.thermal ? settings.thermal->shutter_k.value_or(0.0) : 0.0;
-  return {optics.temperature_k, optics.stop_temperature_k, optics.stop_band, shutter_k};
+  const ThermalSettings thermal = settings.thermal.value_or(ThermalSettings{});
+  return {optics.temperature_k, optics.stop_temperature_k, optics.stop_band, thermal.shutter_k.value_or(0.0),
+          thermal.shutter_place};
+}
+
+ShutterEvents shutter_events(const SensorSettings& settings) {
+  const ThermalSettings& thermal = *settings.thermal;
+  const double frame_time_s = *settings.frame->frame_time_s;
+  return {.drift_k_s = thermal.drift_k_s,
+          .frame_time_s = frame_time_s,
+          .interval = thermal.shutter_interval_s ? interval_frames(*thermal.shutter_interval_s, frame_time_s)
+                                                 : static_cast<std::uint32_t>(thermal.shutter_frames)};
 }
 
 std::vector<mtf::TableInfo> sensor_tables() {
@@ -150,9 +211,18 @@ SensorSettings sensor_settings(const std::vector<mtf::SettingsTable>& tables) {
   settings.detector = pixel_settings(*settings.thermal);
   if (settings.lag)
     set_time_constant(*settings.lag, *settings.thermal, find_table(tables, "lag")->find("time_constant") != nullptr);
-  if (settings.adc)
-    if (const mtf::SettingValue* volts = find_table(tables, "adc")->find("volts_per_count"))
-      settings.adc->electrons_per_count = std::get<double>(*volts);
+  const auto number = [&](std::string_view table, std::string_view key) -> std::optional<double> {
+    const mtf::SettingValue* value = find_table(tables, table)->find(key);
+    return value != nullptr ? std::optional(std::get<double>(*value)) : std::nullopt;
+  };
+  if (settings.correction) {
+    settings.correction->low = 0.0, settings.correction->high = 1.0;
+    settings.correction->cold_k = number("correction", "cold");
+    settings.correction->hot_k = number("correction", "hot");
+  }
+  if (settings.adc) settings.adc->electrons_per_count = number("adc", "volts_per_count");
+  set_counts_per_kelvin(settings);
+  set_frame_rates(settings);
   return settings;
 }
 

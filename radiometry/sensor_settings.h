@@ -19,6 +19,7 @@
 #include "radiometry/stages/detector/microscan.h"
 #include "radiometry/stages/detector/nonlinearity.h"
 #include "radiometry/stages/detector/shutter.h"
+#include "radiometry/stages/detector/shutter_events.h"
 #include "radiometry/stages/noise/blinking.h"
 #include "radiometry/stages/noise/fixed_pattern.h"
 #include "radiometry/stages/noise/flicker.h"
@@ -295,8 +296,15 @@ struct SensorSettings {
 /// absorptance.
 DetectorSettings pixel_settings(const ThermalSettings& thermal);
 
+/// What the detector answers to. This alone decides whether a sensor is a thermal one: its curves
+/// (SpectralCamera::flux) and its pixel (Pixel::flux) take it from here.
+inline Flux flux_of(const SensorSettings& settings) { return settings.thermal ? Flux::watts : Flux::photons; }
+
 /// What [optics] and [detector] say of the camera's own emission.
 CameraEmission emission_of(const SensorSettings& settings);
+
+/// Of a thermal camera with frame_time whose shutter closes now and then.
+ShutterEvents shutter_events(const SensorSettings& settings);
 
 /// The tables that a sensor file may hold, for mtf::io::load_config. Those of a thermal detector have a condition.
 std::vector<mtf::TableInfo> sensor_tables();

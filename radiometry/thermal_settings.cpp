@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/thermal_settings.h"
 
+#include <algorithm>
+
 #include "radiometry/performance/thermal_numbers.h"
 
 namespace radiometry {
@@ -57,6 +59,8 @@ void require_thermal(const ThermalSettings& s, double area_m2, double middle_abs
                   {"netd_transmission", s.netd_transmission.has_value(), ""},
                   {"netd_temperature", s.netd_temperature_k.has_value(), ""},
                   {"netd_bandwidth", s.netd_bandwidth_hz.has_value(), ""},
+                  {"netd_frame_rate", s.netd_frame_rate_hz.has_value(), ""},
+                  {"counts_per_kelvin", s.counts_per_k.has_value(), ""},
                   {"netd_shortest", s.netd_shortest_um.has_value(), ""},
                   {"netd_longest", s.netd_longest_um.has_value(), ""},
                   {"netd_of", s.netd_of != NetdOf::focal_plane, ""}});
@@ -76,10 +80,18 @@ void require_thermal(const ThermalSettings& s, double area_m2, double middle_abs
   if (s.nep_bandwidth_hz) require_keys("nep_bandwidth", {bandwidth});
   if (s.nep_density) require_keys("nep_density", {bandwidth});
   if (s.dstar_jones) require_keys("dstar", {bandwidth});
+  for (const auto& [key, given] :
+       {std::pair{"width", s.width_um.has_value()}, std::pair{"height", s.height_um.has_value()}})
+    if (s.fill_factor && given)
+      refuse("fill_factor",
+             std::string("given beside ") + key + ", which says the active area too; remove one of them");
+  if (s.counts_per_k && s.responsivity_v_w)
+    refuse("counts_per_kelvin",
+           "given beside responsivity; it stands for responsivity and volts_per_count together: remove it or that");
   if (!(middle_absorptance > 0.0))
     refuse("absorptance", "0 at the middle of the band, where responsivity, NEP and D* are stated; change [band]");
   if (!s.physics()) {
-    if (!s.responsivity_v_w)
+    if (!s.responsivity_v_w && !s.counts_per_k)
       refuse("responsivity", "missing; volts need it: write responsivity = 1e5 for 1e5 V for a watt of incident power");
     return;
   }
@@ -94,6 +106,24 @@ void require_thermal(const ThermalSettings& s, double area_m2, double middle_abs
                                bandwidth});
   if (s.lowest_hz && !s.corner_hz) refuse("lowest_frequency", "belongs to corner, which is not given; remove it");
   require_physics<double>(s, middle_absorptance, area_m2, {});
+}
+
+std::string bandwidth_warning(const ThermalSettings& s, double time_constant_s) {
+  const bool per_hertz = s.dstar_jones || s.nep_density;
+  const std::optional<double>& stated_hz = s.netd_k ? s.netd_bandwidth_hz : s.nep_bandwidth_hz;
+  if (!s.bandwidth_hz || !(time_constant_s > 0.0) || !(per_hertz || (stated_hz && *stated_hz != *s.bandwidth_hz)))
+    return "";
+  const double pixel_hz = 0.25 / time_constant_s, from_hz = per_hertz ? 1.0 : *stated_hz;
+  const double widest_hz = std::max(from_hz, *s.bandwidth_hz);
+  if (!(widest_hz > 10.0 * pixel_hz)) return "";
+  const std::string figure = s.netd_k ? "netd" : s.nep_w ? "nep" : s.nep_density ? "nep_density" : "dstar";
+  return figure + " is taken from " + three_digits(from_hz) + " Hz to " + three_digits(*s.bandwidth_hz) +
+         " Hz by the root of the bandwidths, as white noise; the temperature fluctuation of pixels with a time "
+         "constant "
+         "of " +
+         three_digits(time_constant_s) + " s has no more than 1/(4 tau) = " + three_digits(pixel_hz) +
+         " Hz, so that its part comes out " + (from_hz < *s.bandwidth_hz ? "too large" : "too small") +
+         "; give the figure for the noise bandwidth of this camera, or the physics";
 }
 
 }  // namespace radiometry

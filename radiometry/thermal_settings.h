@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "radiometry/fields.h"
+#include "radiometry/light/signal.h"
 
 namespace radiometry {
 
@@ -31,12 +32,20 @@ constexpr std::span<const std::string_view> words(NetdOf) { return kNetdOfNames;
 struct ThermalSettings {
   DetectorKind kind = DetectorKind::thermal;
   std::optional<double> width_um{}, height_um{};  ///< of the active area; else the pitch
+  std::optional<double> fill_factor{};            ///< in place of both: active area / pitch^2
   NumberOrFile absorptance{1.0};
   std::optional<double> responsivity_v_w{};
+  std::optional<double>
+      counts_per_k{};  ///< at the reference of the NETD, in place of responsivity and volts of a count
   std::optional<double> shutter_k{};
+  ShutterPlace shutter_place = ShutterPlace::detector;
+  double drift_k_s = 0.0;                      ///< of shutter, housing and optics
+  std::optional<double> shutter_interval_s{};  ///< from one offset to the next
+  int shutter_frames = 0;                      ///< the same in frames; 0: not given
   std::optional<double> bandwidth_hz{};
   double readout_v = 0.0;
   std::optional<double> netd_k{}, netd_f_number{}, netd_transmission{}, netd_temperature_k{}, netd_bandwidth_hz{};
+  std::optional<double> netd_frame_rate_hz{};  ///< in place of both bandwidths (sensor_settings.cpp)
   std::optional<double> netd_shortest_um{}, netd_longest_um{};
   NetdOf netd_of = NetdOf::focal_plane;
   std::optional<double> nep_w{}, nep_bandwidth_hz{}, nep_density{};
@@ -51,6 +60,9 @@ struct ThermalSettings {
            corner_hz || lowest_hz;
   }
 
+  /// True where the shutter closes now and then; else every frame has an offset of its own.
+  bool closes() const { return shutter_interval_s || shutter_frames > 0; }
+
   static constexpr auto fields() {
     using enum mtf::Dimension;
     using T = ThermalSettings;
@@ -60,15 +72,32 @@ struct ThermalSettings {
               &T::width_um},
         Field{optional_row("height", length, "um", 1e-3, 1e6, "\"15 um\"", "of the active area; else the pitch"),
               &T::height_um},
+        Field{optional_row("fill_factor", 1e-6, 1.0, "0.9", "active area over that of the pitch, in place of both"),
+              &T::fill_factor},
         Field{optional_row("absorptance", 0.0, 1.0, "0.8",
                            "part of the incident power that is absorbed: a number or the CSV file of a curve"),
               &T::absorptance},
         Field{optional_row("responsivity", 1e-30, 1e30, "1e5",
                            "V/W of incident power at the middle of the band; not with the physics, which gives it"),
               &T::responsivity_v_w},
+        Field{optional_row("counts_per_kelvin", 1e-30, 1e30, "30.0",
+                           "counts of [adc] for a kelvin at the reference of the NETD, in place of responsivity and "
+                           "volts_per_count"),
+              &T::counts_per_k},
         Field{optional_row("shutter_temperature", temperature, "K", 0.0, 1e6, "\"300 K\"",
                            "of the shutter that offsets are taken from: the signal is the difference to it"),
               &T::shutter_k},
+        Field{optional_row("shutter_place", "\"optics\"",
+                           "between detector and optics (detector), or before the optics (optics)"),
+              &T::shutter_place},
+        Field{optional_row("shutter_drift", -10.0, 10.0, "0.01",
+                           "K/s by which shutter, housing and optics get warmer, from frame 0 on"),
+              &T::drift_k_s},
+        Field{optional_row("shutter_interval", time, "s", 1e-12, 1e12, "\"60 s\"",
+                           "from one closing of the shutter, which gives a new offset, to the next; else every frame "
+                           "has an offset of its own"),
+              &T::shutter_interval_s},
+        Field{optional_row("shutter_frames", 0.0, 1e9, "1800", "the same interval in frames"), &T::shutter_frames},
         Field{optional_row("noise_bandwidth", temporal, "Hz", 1e-12, 1e15, "\"30 Hz\"", "of the readout"),
               &T::bandwidth_hz},
         Field{optional_row("readout_noise", voltage, "V", 0.0, 1e6, "\"10 uV\"",
@@ -86,6 +115,10 @@ struct ThermalSettings {
         Field{optional_row("netd_bandwidth", temporal, "Hz", 1e-12, 1e15, "\"30 Hz\"",
                            "noise bandwidth of the NETD; else that of this camera"),
               &T::netd_bandwidth_hz},
+        Field{optional_row("netd_frame_rate", temporal, "Hz", 1e-12, 1e15, "\"30 Hz\"",
+                           "frame rate at which the NETD was measured, in place of both bandwidths: noise follows the "
+                           "root of the frame rate, which is 1/frame_time for this camera"),
+              &T::netd_frame_rate_hz},
         Field{optional_row("netd_shortest", length, "um", 0.1, 1e4, "\"8 um\"",
                            "wavelength at which the band of the NETD begins; else it is [band]"),
               &T::netd_shortest_um},
@@ -127,5 +160,10 @@ struct ThermalSettings {
 /// Throws UsageError, beginning with the key, for noise that is given in no form or in two, without its reference or
 /// bandwidth, for a missing responsivity, and as require_bolometer. `middle_absorptance`: at the middle of the band.
 void require_thermal(const ThermalSettings& settings, double area_m2, double middle_absorptance);
+
+/// What to say of an NETD, a NEP or a D* that is taken to a noise bandwidth more than ten times 1/(4 tau), or from one:
+/// the root of the bandwidths holds for white noise, and the temperature fluctuation of a pixel is white up to
+/// 1/(2 pi tau) alone (thermal_detector.h). "" where there is nothing to say.
+std::string bandwidth_warning(const ThermalSettings& settings, double time_constant_s);
 
 }  // namespace radiometry

@@ -171,7 +171,7 @@ LoadedSensor load_parts(const mtf::io::SensorConfig& config) {
     add_curve(sensor.curves.optics, settings.optics->transmission, "optics.transmission");
     add_curve(sensor.curves.cold_filter, settings.optics->cold_transmission, "optics.cold_transmission");
   }
-  if (settings.thermal) sensor.curves.flux = radiometry::Flux::watts;
+  sensor.curves.flux = flux_of(settings);
   if (settings.detector)
     add_curve(sensor.curves.quantum_efficiency, settings.detector->quantum_efficiency,
               settings.thermal ? "detector.absorptance" : "detector.quantum_efficiency");
@@ -242,11 +242,16 @@ std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& con
   const mtf::SettingsTable* lag = find_table(config.tables, "lag");
   const mtf::SettingValue* given = lag != nullptr ? lag->find("time_constant") : nullptr;
   const auto moving = radiometry::moving_bolometer(config.system);
-  if (given == nullptr || !moving) return warnings;
   const mtf::SettingsTable* detector = find_table(config.tables, "detector");
   if (detector != nullptr &&
-      radiometry::from_table<radiometry::DetectorSettings>(*detector).kind == radiometry::DetectorKind::thermal)
-    return warnings;  // refused
+      radiometry::from_table<radiometry::DetectorSettings>(*detector).kind == radiometry::DetectorKind::thermal) {
+    const double tau_s = given != nullptr ? std::get<double>(*given) : moving ? moving->time_constant_s : 0.0;
+    const auto thermal = radiometry::from_table<radiometry::ThermalSettings>(*detector);
+    if (std::string text = bandwidth_warning(thermal, tau_s); !text.empty())
+      warnings.push_back({.error = false, .position = {}, .path = "detector.noise_bandwidth", .text = std::move(text)});
+    return warnings;  // [lag] beside a bolometer that moves is refused
+  }
+  if (given == nullptr || !moving) return warnings;
   const double lag_s = std::get<double>(*given), other_s = moving->time_constant_s;
   const bool same = std::abs(other_s - lag_s) <= 1e-6 * lag_s;
   const auto milliseconds = [](double s) {

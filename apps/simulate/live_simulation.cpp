@@ -8,7 +8,7 @@ namespace apps {
 namespace {
 
 radiometry::ChainState clone(const radiometry::ChainState& state) {
-  return {.shutter = {state.shutter.before.clone()}, .lag = state.lag, .last = state.last};
+  return {.shutter = {state.shutter.before.clone()}, .lag = state.lag, .closing = state.closing, .last = state.last};
 }
 
 }  // namespace

@@ -47,7 +47,8 @@ double RadiometricChain::unseen_tolerance(double by_default) const {
 }
 
 bool remembers(const RadiometricChain& radiometric) {
-  return radiometric.loaded.sensor.settings.lag || radiometric.loaded.sensor.settings.shutter;
+  const radiometry::SensorSettings& s = radiometric.loaded.sensor.settings;
+  return s.lag || s.shutter || (s.thermal && s.thermal->closes());
 }
 
 std::string lag_warning(const RadiometricChain& radiometric, std::int64_t steps) {

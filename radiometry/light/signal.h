@@ -8,9 +8,13 @@
 //   around the cone of light   (pi - cone) eps_stop L_bb(T_stop), the rest of the hemisphere
 //   electrons                  (cold transmission x (lens + its emission) + stop) QE x area x time
 //                              + dark current x time
-//   volts of a thermal detector  the same with absorptance x area x volts per watt, radiances in watts; less
-//                              cold transmission x pi L_bb(T_shutter), which the whole hemisphere sends from a closed
-//                              shutter
+//   volts of a thermal detector  the same with absorptance x area x volts per watt, radiances in watts; less those of
+//                              the camera with its shutter closed, which depend on where the shutter stands:
+//     between detector and optics  it takes the place of the lens in the cone of light and that of the housing around
+//                              it, and its light passes what theirs passes:
+//                              cold transmission x cone L_bb(T_shutter) + (pi - cone) L_bb(T_shutter)
+//     before the optics        it takes the place of the scene; lens and housing stay, and cancel in the difference:
+//                              lens x L_bb(T_shutter) + its emission + stop
 // Radiances here are photons per second, m^-2 sr^-1, in the band. eta is the linear obscuration, cone = pi sin^2 theta'
 // the projected solid angle of the cone of light at the image, theta' its half angle. What the f-number N says of
 // theta' is a choice:
@@ -28,6 +32,7 @@
 #include <limits>
 
 #include "radiometry/fields.h"
+#include "radiometry/light/blackbody.h"
 
 namespace radiometry {
 
@@ -35,6 +40,11 @@ namespace radiometry {
 enum class Cone { tangent, sine };
 inline constexpr std::array<std::string_view, 2> kConeNames{"tangent", "sine"};
 constexpr std::span<const std::string_view> words(Cone) { return kConeNames; }
+
+/// Where the shutter of a thermal camera stands, see above.
+enum class ShutterPlace { detector, optics };
+inline constexpr std::array<std::string_view, 2> kShutterPlaceNames{"detector", "optics"};
+constexpr std::span<const std::string_view> words(ShutterPlace) { return kShutterPlaceNames; }
 
 template <class S>
 struct Camera {
@@ -46,6 +56,7 @@ struct Camera {
   S obscuration_emissivity{};
   S stop_emissivity{1};
   Cone cone = Cone::tangent;
+  ShutterPlace shutter_place = ShutterPlace::detector;  ///< of a thermal camera with a shutter
 
   static constexpr auto fields() {
     constexpr auto fraction = [](std::string_view name, std::string_view doc, auto member) {
@@ -78,9 +89,10 @@ struct Pixel {
   S integration_s{};
   S dark_e_s{};  ///< dark current, electrons per second
   S full_well_e{std::numeric_limits<double>::infinity()};
-  S volts_per_watt{};  ///< of a thermal detector, for the power that it absorbs; 0: a photon detector
+  Flux flux = Flux::photons;  ///< what it answers to: watts make it a thermal detector
+  S volts_per_watt{};         ///< of a thermal detector, for the power that it absorbs
 
-  bool thermal() const { return mtf::value_of(volts_per_watt) > 0.0; }
+  bool thermal() const { return flux == Flux::watts; }
   /// Signal for one photon per second, or one watt, that the pixel takes in.
   S signal_per_flux() const { return thermal() ? volts_per_watt : integration_s; }
 
@@ -158,7 +170,17 @@ S irradiance(const Camera<S>& camera, const S& radiance) {
 template <class S>
 struct BandRadiances {
   S scene{}, path{}, optics{}, stop{};
-  S shutter{};  ///< that a thermal camera takes its offsets from; behind the lens, so that the cold filter weights it
+  /// Of the shutter that a thermal camera takes its offsets from: in the cone of light, weighted by what stands between
+  /// shutter and detector; around it, weighted as the stop is.
+  S shutter{}, shutter_around{};
+};
+
+/// Mean electrons of a pixel by their direction: within the cone of light, which vignetting narrows, and around it.
+template <class S>
+struct Directions {
+  S cone_e{}, around_e{};
+
+  S total_e() const { return cone_e + around_e; }
 };
 
 /// Mean electrons in a pixel by where they come from; everything but `scene` is background. Of a thermal detector these
@@ -178,18 +200,42 @@ S electrons_per_radiance(const Camera<S>& camera, const Pixel<S>& pixel) {
   return irradiance(camera, S(1)) * pixel.quantum_efficiency * pixel.area_m2() * pixel.signal_per_flux();
 }
 
+/// Electrons for one unit of radiance and steradian at the detector.
+template <class S>
+S pixel_gain(const Pixel<S>& pixel) {
+  return pixel.quantum_efficiency * pixel.area_m2() * pixel.signal_per_flux();
+}
+
+/// What the camera itself sends to a pixel: the emission of its optics, and of the stop around the cone of light.
+template <class S>
+Directions<S> own_light(const Camera<S>& camera, const Pixel<S>& pixel, const BandRadiances<S>& radiances) {
+  const S obscured = camera.obscuration * camera.obscuration;
+  const S warm = camera.optics_emissivity * (S(1) - obscured) + camera.obscuration_emissivity * obscured;
+  return {pixel_gain(pixel) * camera.cold_transmission * cone_sr(camera) * warm * radiances.optics,
+          pixel_gain(pixel) * around_cone_sr(camera) * camera.stop_emissivity * radiances.stop};
+}
+
+/// What a pixel of a thermal camera receives while the shutter is closed; nothing without one.
+template <class S>
+Directions<S> closed_shutter(const Camera<S>& camera, const Pixel<S>& pixel, const BandRadiances<S>& radiances) {
+  if (camera.shutter_place == ShutterPlace::optics) {
+    const Directions<S> own = own_light(camera, pixel, radiances);
+    return {electrons_per_radiance(camera, pixel) * radiances.shutter + own.cone_e, own.around_e};
+  }
+  return {pixel_gain(pixel) * camera.cold_transmission * cone_sr(camera) * radiances.shutter,
+          pixel_gain(pixel) * around_cone_sr(camera) * radiances.shutter_around};
+}
+
 template <class S>
 Signal<S> signal(const Camera<S>& camera, const Pixel<S>& pixel, const BandRadiances<S>& radiances) {
   const S gain = electrons_per_radiance(camera, pixel);
-  const S pixel_gain = pixel.quantum_efficiency * pixel.area_m2() * pixel.signal_per_flux();
-  const S obscured = camera.obscuration * camera.obscuration;
-  const S warm = camera.optics_emissivity * (S(1) - obscured) + camera.obscuration_emissivity * obscured;
+  const Directions<S> own = own_light(camera, pixel, radiances);
   return {gain * radiances.scene,
           gain * radiances.path,
-          pixel_gain * camera.cold_transmission * cone_sr(camera) * warm * radiances.optics,
-          pixel_gain * around_cone_sr(camera) * camera.stop_emissivity * radiances.stop,
+          own.cone_e,
+          own.around_e,
           pixel.dark_e_s * pixel.integration_s,
-          -(pixel_gain * camera.cold_transmission * S(mtf::kPi) * radiances.shutter)};
+          -closed_shutter(camera, pixel, radiances).total_e()};
 }
 
 /// Part of the full well that is filled; above 1 the pixel saturates.

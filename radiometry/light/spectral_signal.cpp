@@ -42,13 +42,6 @@ Curves scene_curves(const SpectralCamera& camera, const Path& path) {
   return curves;
 }
 
-/// BandRadiances::scene.
-double scene_light(const SpectralCamera& camera, const Surface& surface, const Path& path) {
-  const Curves curves = scene_curves(camera, path);
-  return thermal(camera.flux, camera.band, curves, surface.emissivity, surface.temperature_k) +
-         thermal(camera.flux, camera.band, curves, complement(surface.emissivity), surface.surroundings_k);
-}
-
 }  // namespace
 
 Spectrum photons_per_joule(const Interval& band) {
@@ -70,30 +63,45 @@ Interval stop_range(const SpectralCamera& camera, StopBand stop_band) {
   return own;
 }
 
+double scene_radiance(const SpectralCamera& camera, const Surface& surface, const Path& path) {
+  const Curves curves = scene_curves(camera, path);
+  return thermal(camera.flux, camera.band, curves, surface.emissivity, surface.temperature_k) +
+         thermal(camera.flux, camera.band, curves, complement(surface.emissivity), surface.surroundings_k);
+}
+
 BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface& surface, const Path& path,
                                      const CameraEmission& emission) {
   require_temperature("a surface", surface.temperature_k);
   require_temperature("surroundings", surface.surroundings_k);
   require_temperature("air", path.air_temperature_k);
-  require_temperature("optics", emission.optics_k);
-  require_temperature("a stop", emission.stop_k);
-  require_temperature("a shutter", emission.shutter_k);
-  BandRadiances<double> radiances;
-  const Spectrum black = constant_spectrum("blackbody", 1.0);
-
+  BandRadiances<double> radiances = own_radiances(camera, emission);
   Curves curves = behind_aperture(camera);
   radiances.path = thermal(camera.flux, camera.band, curves, path.emissivity, path.air_temperature_k);
   curves.push_back(path.radiance);
   if (camera.flux == Flux::photons) curves.push_back(photons_per_joule(camera.band));
   radiances.path += BandResponse(camera.band, curves).integral();
 
-  radiances.scene = scene_light(camera, surface, path);
-  radiances.optics = thermal(camera.flux, camera.band, joined({&camera.cold_filter, &camera.quantum_efficiency}), black,
-                             emission.optics_k);
-  radiances.shutter = thermal(camera.flux, camera.band, joined({&camera.cold_filter, &camera.quantum_efficiency}),
-                              black, emission.shutter_k);
-  radiances.stop =
-      thermal(camera.flux, stop_range(camera, emission.stop_band), camera.quantum_efficiency, black, emission.stop_k);
+  radiances.scene = scene_radiance(camera, surface, path);
+  return radiances;
+}
+
+BandRadiances<double> own_radiances(const SpectralCamera& camera, const CameraEmission& emission) {
+  require_temperature("optics", emission.optics_k);
+  require_temperature("a stop", emission.stop_k);
+  require_temperature("a shutter", emission.shutter_k);
+  BandRadiances<double> radiances;
+  const Spectrum black = constant_spectrum("blackbody", 1.0);
+  const Curves behind_optics = joined({&camera.cold_filter, &camera.quantum_efficiency});
+  radiances.optics = thermal(camera.flux, camera.band, behind_optics, black, emission.optics_k);
+  const bool before_optics = emission.shutter_place == ShutterPlace::optics;
+  radiances.shutter = thermal(camera.flux, camera.band, before_optics ? behind_aperture(camera) : behind_optics, black,
+                              emission.shutter_k);
+  const auto around = [&](double temperature_k) {
+    return thermal(camera.flux, stop_range(camera, emission.stop_band), camera.quantum_efficiency, black,
+                   temperature_k);
+  };
+  radiances.stop = around(emission.stop_k);
+  radiances.shutter_around = around(emission.shutter_k);
   return radiances;
 }
 
@@ -101,7 +109,7 @@ double mean_quantum_efficiency(const SpectralCamera& camera, const Surface& surf
   if (camera.quantum_efficiency.empty()) return 1.0;
   SpectralCamera counting = camera;  // all light
   counting.quantum_efficiency.clear();
-  return scene_light(camera, surface, path) / scene_light(counting, surface, path);
+  return scene_radiance(camera, surface, path) / scene_radiance(counting, surface, path);
 }
 
 double scene_difference(const SpectralCamera& camera, const Surface& surface, const Path& path, double warmer_k) {

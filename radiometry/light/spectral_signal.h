@@ -43,6 +43,7 @@ struct CameraEmission {
   double stop_k = 0.0;
   StopBand stop_band = StopBand::band;
   double shutter_k = 0.0;  ///< of the shutter from which a thermal camera takes its offsets
+  ShutterPlace shutter_place = ShutterPlace::detector;
 };
 
 /// The wavelengths over which the stop counts. Throws UsageError for `response` without a curve that says where the
@@ -54,6 +55,12 @@ Interval stop_range(const SpectralCamera& camera, StopBand stop_band);
 /// beyond what Planck's law is worked out for (exponent.h).
 BandRadiances<double> band_radiances(const SpectralCamera& camera, const Surface& surface, const Path& path,
                                      const CameraEmission& emission);
+
+/// BandRadiances::scene alone: temperatures are 0 or above.
+double scene_radiance(const SpectralCamera& camera, const Surface& surface, const Path& path);
+
+/// The same of the camera alone, without scene and path.
+BandRadiances<double> own_radiances(const SpectralCamera& camera, const CameraEmission& emission);
 
 /// Mean of the quantum-efficiency curves over the photons of the scene (not of the path) that arrive at the detector,
 /// or over their power: what a plain number stands for. 1 without curves, NaN where the scene sends no photon.

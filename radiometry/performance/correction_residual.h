@@ -24,6 +24,8 @@ struct FlatFrames {
   S full_well_e{};
   S variance{};  ///< of one frame beside the shot noise, e-^2, without what is common to all pixels of a frame
   double frames = 1.0;
+  S shared{};        ///< covariance of the two means: 1/f noise goes on from one to the other
+  bool shot = true;  ///< the charge has shot noise; the volts of a thermal detector have none
   Nonlinearity response{};
 };
 
@@ -58,11 +60,11 @@ CorrectionResidual<S> correction_residual(const FlatFrames<S>& flats, const S& c
   const S rest = S(1) - w, slope = S(1) + here.slope;
   const auto variance = [&](const detail::Bow<S>& bow, const S& charge) {
     const S gain = S(1) + bow.slope;
-    return gain * gain * charge + flats.variance;
+    return flats.shot ? S(gain * gain * charge + flats.variance) : flats.variance;
   };
   const S flat2 = rest * rest * variance(low, flats.low_e) + w * w * variance(high, flats.high_e);
   return {(here.spread - rest * low.spread - w * high.spread) / slope,
-          detail::root(S(flat2 / S(flats.frames))) / slope};
+          detail::root(S(flat2 / S(flats.frames) + S(2) * rest * w * flats.shared)) / slope};
 }
 
 /// The spatial terms of the budget as the correction leaves them.

@@ -56,17 +56,14 @@ struct MrtdInput {
   }
 };
 
-/// Integral of sinc^2(w f) H(f)^2 df over |f| <= band, cycles/mrad; `noise_mtf`: double -> S. w in mrad, above 0.
+/// Integral of sinc^2(w f) P(f) df over |f| <= band, cycles/mrad; `spectrum`: P, double -> S. w in mrad, above 0.
 /// The lobes of sinc^2 are integrated one by one; of more than 64 those beyond the 32nd are taken by their mean and the
-/// terms of their ends, so that the cost has a bound. The relative error is below 1e-9 where H changes little over a
+/// terms of their ends, so that the cost has a bound. The relative error is below 1e-9 where P changes little over a
 /// 32nd of the band.
-template <class S, class Mtf>
-S averaged_bandwidth(double w_mrad, const S& band_cy_mrad, const Mtf& noise_mtf) {
+template <class S, class Spectrum>
+S averaged_over(double w_mrad, const S& band_cy_mrad, const Spectrum& spectrum) {
   const double band = mtf::value_of(band_cy_mrad), end = w_mrad * band;  // in lobes
-  const auto power = [&](double lobes) {
-    const S h = noise_mtf(lobes / w_mrad);
-    return S(h * h);
-  };
+  const auto power = [&](double lobes) { return S(spectrum(lobes / w_mrad)); };
   const auto window = [](double x) { return mtf::sinc(x).value * mtf::sinc(x).value; };
   const double direct = end > 64.0 ? 32.0 : end;
   const auto windowed = [&](double x) { return S(S(window(x)) * power(x)); };
@@ -86,6 +83,23 @@ S averaged_bandwidth(double w_mrad, const S& band_cy_mrad, const Mtf& noise_mtf)
   }
   // The derivative by the band is the integrand at its end.
   return S(2.0 / w_mrad) * (sum + S(window(end)) * power(end) * S(w_mrad) * (band_cy_mrad - S(band)));
+}
+
+/// What the eye leaves of the variance of white noise after filters of that MTF, as a bandwidth: averaged_over() of its
+/// square.
+template <class S, class Mtf>
+S averaged_bandwidth(double w_mrad, const S& band_cy_mrad, const Mtf& noise_mtf) {
+  return averaged_over(w_mrad, band_cy_mrad, [&](double f) {
+    const S h = noise_mtf(f);
+    return S(h * h);
+  });
+}
+
+/// E_t: the part of the variance of temporal noise that the integration time of the eye leaves.
+template <class S>
+S kept_by_eye(const MrtdInput<S>& in) {
+  const S frames = in.frame_rate_hz * in.eye_time_s;
+  return mtf::value_of(frames) > 1.0 ? S(S(1) / frames) : S(1);
 }
 
 /// MRTD in K along an axis at f >= 0 cycles/mrad; the MTFs are callables double -> S. 0 at f = 0 and without noise,
@@ -110,8 +124,7 @@ S mrtd_k(const MrtdInput<S>& in, mtf::Axis axis, double f_cy_mrad, const SystemM
                 averaged_bandwidth(along_x ? across : along, band(in.noise_band_x_cy_mrad, in.spacing_x_mrad), noise_x);
   const S e_y = in.spacing_y_mrad *
                 averaged_bandwidth(along_x ? along : across, band(in.noise_band_y_cy_mrad, in.spacing_y_mrad), noise_y);
-  const S frames = in.frame_rate_hz * in.eye_time_s;
-  const S e_t = mtf::value_of(frames) > 1.0 ? S(S(1) / frames) : S(1);
+  const S e_t = kept_by_eye(in);
   const S both = (in.tvh_k * in.tvh_k * e_t + in.vh_k * in.vh_k) * e_x * e_y;
   const S one = along_x ? S((in.th_k * in.th_k * e_t + in.h_k * in.h_k) * e_x)
                         : S((in.tv_k * in.tv_k * e_t + in.v_k * in.v_k) * e_y);

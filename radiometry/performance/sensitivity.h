@@ -37,9 +37,6 @@ struct NoiseTerms {
   S step_e{};   ///< electrons per count of the ADC; 0: no quantisation
   S prnu{};     ///< residual, fraction of the electrons of light
   S dsnu_e{};   ///< residual offset
-  /// Electrons have shot noise. The volts of a thermal detector have none beside their read noise, in which the
-  /// fluctuation of the light is counted.
-  bool shot = true;
 
   static constexpr auto fields() {
     constexpr auto electrons = [](std::string_view name, std::string_view doc, auto member) {
@@ -172,7 +169,9 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
   b.well_fill = radiometry::well_fill(signal, pixel);
   b.signal_per_k = signal_per_k;
   const S scene = signal.scene_e + signal.path_e, background = signal.optics_e + signal.stop_e + signal.shutter_e;
-  const S shot(noise.shot ? 1.0 : 0.0);  // variance of the signal for one unit of it
+  // Variance of the signal for one unit of it: electrons have shot noise. The volts of a thermal detector have none
+  // beside their read noise, in which the fluctuation of the light is counted.
+  const S shot(pixel.thermal() ? 0.0 : 1.0);
   b.scene_shot_e = root(S(shot * scene));
   b.background_shot_e = root(S(shot * background));
   b.dark_shot_e = root(S(shot * signal.dark_e));
@@ -193,8 +192,8 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
   set_spatial(b);
   b.nei_ph = b.temporal_e / (pixel.quantum_efficiency * pixel.area_m2() * pixel.signal_per_flux());
   b.dynamic_range = pixel.full_well_e / b.floor_e;
-  b.saturation = saturation_of(scatter_of(b, noise.shot), range, mtf::value_of(pixel.full_well_e));
-  b.saturation.volts = !noise.shot;
+  b.saturation = saturation_of(scatter_of(b, !pixel.thermal()), range, mtf::value_of(pixel.full_well_e));
+  b.saturation.volts = pixel.thermal();
   if (b.saturation.saturated()) refuse_saturated(b);
   return b;
 }

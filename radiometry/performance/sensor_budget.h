@@ -18,10 +18,12 @@ struct SpectralNumbers {
   S contrast{};             ///< scene_difference of a target
   S quantum_efficiency{1};  ///< mean_quantum_efficiency
   ThermalReference<S> thermal{};
+  S cold_flat{}, hot_flat{};  ///< radiance of the blackbodies of [correction], of a thermal detector
 
-  std::array<S*, 10> all() {
-    return {&radiances.scene, &radiances.path, &radiances.optics,   &radiances.stop, &radiances.shutter,
-            &per_k,           &contrast,       &quantum_efficiency, &thermal.per_k,  &thermal.middle};
+  std::array<S*, 13> all() {
+    return {&radiances.scene,          &radiances.path, &radiances.optics, &radiances.stop,     &radiances.shutter,
+            &radiances.shutter_around, &per_k,          &contrast,         &quantum_efficiency, &thermal.per_k,
+            &thermal.middle,           &cold_flat,      &hot_flat};
   }
 };
 
@@ -32,6 +34,28 @@ SpectralNumbers<double> spectral_numbers(const Sensor& sensor, double temperatur
 
 /// True for a number that only spectral_numbers reads.
 bool is_spectral(std::string_view path);
+
+/// The part of the variance of a pixel's 1/f noise that the mean of so many successive frames keeps; 0 without it.
+double kept_of_flicker(const SensorSettings& settings, int frames);
+
+/// The flat frames of [correction] that a thermal detector takes of two blackbodies, the hot ones right after the cold
+/// ones. Their means keep more of its 1/f noise, of that variance, than of white noise, and share some of it.
+template <class S>
+FlatFrames<S> blackbody_flats(const SensorSettings& settings, const SpectralNumbers<S>& spectral, const S& gain,
+                              const Budget<S>& budget, const S& slow_variance, const Overrides<S>& numbers) {
+  const Signal<S>& s = budget.signal;
+  const S own = s.optics_e + s.stop_e + s.shutter_e;
+  const S frame_wide = numbers("noise_3d.t", settings.noise_3d.value_or(Noise3d{}).t);
+  const int frames = settings.correction->frames;
+  const double one = kept_of_flicker(settings, frames), both = kept_of_flicker(settings, 2 * frames);
+  return {.low_e = gain * spectral.cold_flat + own,
+          .high_e = gain * spectral.hot_flat + own,
+          .full_well_e = S(mtf::kInfinity),
+          .variance = budget.floor_e * budget.floor_e - frame_wide * frame_wide + slow_variance * S(frames * one - 1.0),
+          .frames = static_cast<double>(frames),
+          .shared = slow_variance * S(2.0 * both - one),
+          .shot = false};
+}
 
 /// The flat frames of [correction]; nothing where the background alone has more electrons than the cold one, so that no
 /// scene is dark enough for it. `lost_e`: the part of the background that narcissus takes.
@@ -79,17 +103,20 @@ Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& sett
       make_budget(pixel, electrons, noise, S(gain * spectral.per_k), range_numbers(settings, pixel, numbers));
   budget.contrast_e = gain * spectral.contrast;
   if (pixel.thermal()) budget.nep_w = budget.temporal_e / (pixel.volts_per_watt * middle);
-  if (settings.correction) {
+  if (settings.correction && settings.thermal) {
+    const S slow = pixel.volts_per_watt * thermal_noise_of(settings, pixel, spectral.thermal, numbers).flicker_w;
+    apply_correction(budget, noise.prnu, blackbody_flats(settings, spectral, gain, budget, S(slow * slow), numbers));
+  } else if (settings.correction) {
     if (const auto flats = flat_frames(settings, pixel, electrons, lost, budget, numbers)) {
       apply_correction(budget, noise.prnu, *flats);
     } else {
       budget.prnu_e = budget.dsnu_e = budget.correction_e = S(std::numeric_limits<double>::quiet_NaN());
       set_spatial(budget);
     }
-    if (budget.saturation.saturated()) {  // the residual is that at a charge which follows the scene
-      refuse_saturated(budget);
-      budget.dsnu_e = budget.correction_e = S(std::numeric_limits<double>::quiet_NaN());
-    }
+  }
+  if (settings.correction && budget.saturation.saturated()) {  // the residual is that at a charge of the scene
+    refuse_saturated(budget);
+    budget.dsnu_e = budget.correction_e = S(std::numeric_limits<double>::quiet_NaN());
   }
   return budget;
 }

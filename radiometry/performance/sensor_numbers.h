@@ -65,7 +65,21 @@ Camera<S> camera_numbers(const mtf::System<S>& system, const SensorSettings& set
   camera.obscuration_emissivity = numbers("optics.obscuration_emissivity", optics.obscuration_emissivity);
   camera.stop_emissivity = numbers("optics.stop_emissivity", optics.stop_emissivity);
   camera.cone = optics.cone;
+  if (settings.thermal) camera.shutter_place = settings.thermal->shutter_place;
   return camera;
+}
+
+/// Electrons (volts of a thermal detector) of one count: as given, or the full well over the counts that the offset
+/// leaves. It is 0 without [adc].
+template <class S>
+S electrons_per_count(const SensorSettings& settings, const S& full_well_e, const Overrides<S>& numbers = {}) {
+  if (!settings.adc) return S(0);
+  const AdcSettings& adc = *settings.adc;
+  const std::string_view path = settings.thermal ? "adc.volts_per_count" : "adc.electrons_per_count";
+  if (adc.electrons_per_count || numbers.find(path) != nullptr)
+    return numbers(path, adc.electrons_per_count.value_or(0.0));
+  const double most = Adc{.bits = adc.bits}.most_counts();
+  return full_well_e / (S(most) - numbers("adc.offset", adc.offset_counts));
 }
 
 /// The active area is the pitch unless [detector] gives its size. `reference`: of a thermal detector.
@@ -81,6 +95,11 @@ Pixel<S> pixel_numbers(const mtf::System<S>& system, const SensorSettings& setti
                  .integration_s = system.frame.integration_time_s,
                  .dark_e_s = numbers("detector.dark_current", detector.dark_e_s),
                  .full_well_e = numbers("detector.full_well", detector.full_well_e)};
+  if (settings.thermal && settings.thermal->fill_factor) {
+    const S side = detail::root(numbers("detector.fill_factor", *settings.thermal->fill_factor));
+    pixel.width_um = system.frame.pitch_x_um * side;
+    pixel.height_um = system.frame.pitch_y_um * side;
+  }
   if (detector.quantum_efficiency.file.empty())
     pixel.quantum_efficiency = numbers(settings.thermal ? "detector.absorptance" : "detector.quantum_efficiency",
                                        detector.quantum_efficiency.number);
@@ -88,23 +107,17 @@ Pixel<S> pixel_numbers(const mtf::System<S>& system, const SensorSettings& setti
     const S absorptance = pixel.quantum_efficiency * reference.middle;
     if (settings.thermal->physics() && !numbers.empty())
       require_physics(*settings.thermal, absorptance, S(pixel.area_m2()), numbers);
-    pixel.volts_per_watt = volts_per_watt(*settings.thermal, absorptance, numbers);
+    pixel.flux = flux_of(settings);
+    const Cone cone = settings.optics.value_or(OpticsSettings{}).cone;
+    const S watts_per_k = settings.thermal->counts_per_k
+                              ? reference_watts_per_k(*settings.thermal, S(pixel.area_m2()), pixel.quantum_efficiency,
+                                                      cone, reference, numbers)
+                              : S(0);
+    pixel.volts_per_watt = volts_per_watt(*settings.thermal, absorptance, watts_per_k,
+                                          electrons_per_count(settings, pixel.full_well_e, numbers), numbers);
     pixel.integration_s = S(1);  // the signal follows the power, not its sum over a time
   }
   return pixel;
-}
-
-/// Electrons (volts of a thermal detector) of one count: as given, or the full well over the counts that the offset
-/// leaves. It is 0 without [adc].
-template <class S>
-S electrons_per_count(const SensorSettings& settings, const S& full_well_e, const Overrides<S>& numbers = {}) {
-  if (!settings.adc) return S(0);
-  const AdcSettings& adc = *settings.adc;
-  const std::string_view path = settings.thermal ? "adc.volts_per_count" : "adc.electrons_per_count";
-  if (adc.electrons_per_count || numbers.find(path) != nullptr)
-    return numbers(path, adc.electrons_per_count.value_or(0.0));
-  const double most = Adc{.bits = adc.bits}.most_counts();
-  return full_well_e / (S(most) - numbers("adc.offset", adc.offset_counts));
 }
 
 /// The ends of the converter as electrons of the well, where they are held by adc.h.
@@ -190,8 +203,7 @@ NoiseTerms<S> noise_numbers(const SensorSettings& settings, const Pixel<S>& pixe
       .prnu = numbers("nonuniformity.prnu", unequal.prnu),
       .dsnu_e = root_sum({numbers("nonuniformity.dsnu", unequal.dsnu_e), numbers("noise.fixed_row", lines.fixed_row_e),
                           numbers("noise.fixed_column", lines.fixed_column_e), numbers("noise_3d.v", cube.v),
-                          numbers("noise_3d.h", cube.h), numbers("noise_3d.vh", cube.vh)}),
-      .shot = !settings.thermal};
+                          numbers("noise_3d.h", cube.h), numbers("noise_3d.vh", cube.vh)})};
 }
 
 }  // namespace radiometry

@@ -17,7 +17,9 @@ struct ThermalReference {
 };
 
 /// The numbers of `sensor_settings` that these functions read.
-inline constexpr std::array<std::string_view, 17> kThermalNumbers{"detector.absorptance",
+inline constexpr std::array<std::string_view, 19> kThermalNumbers{"detector.absorptance",
+                                                                  "detector.fill_factor",
+                                                                  "detector.counts_per_kelvin",
                                                                   "detector.responsivity",
                                                                   "detector.noise_bandwidth",
                                                                   "detector.readout_noise",
@@ -82,9 +84,24 @@ void require_physics(const ThermalSettings& s, const S& absorptance, const S& ar
                     value(absorptance), value(area_m2));
 }
 
-/// Volts for a watt of absorbed power. `middle_absorptance`: the whole one at the middle of the band.
+/// Absorbed power for a kelvin at the reference of the NETD. `absorptance`: the number without the curve. `cone`: of
+/// [optics].
 template <class S>
-S volts_per_watt(const ThermalSettings& s, const S& middle_absorptance, const Overrides<S>& numbers = {}) {
+S reference_watts_per_k(const ThermalSettings& s, const S& area_m2, const S& absorptance, Cone cone,
+                        const ThermalReference<S>& reference, const Overrides<S>& numbers) {
+  const Camera<S> camera{.f_number = detail::given(numbers, "detector.netd_f_number", s.netd_f_number),
+                         .transmission = detail::given(numbers, "detector.netd_transmission", s.netd_transmission),
+                         .cone = cone};
+  return absorbed_per_k(camera, area_m2, absorptance, reference.per_k);
+}
+
+/// Volts for a watt of absorbed power. `middle_absorptance`: the whole one at the middle of the band. `watts_per_k`:
+/// reference_watts_per_k(), `volts_per_count`: of the converter; for a responsivity that is given in counts per kelvin.
+template <class S>
+S volts_per_watt(const ThermalSettings& s, const S& middle_absorptance, const S& watts_per_k, const S& volts_per_count,
+                 const Overrides<S>& numbers = {}) {
+  if (s.counts_per_k)
+    return detail::given(numbers, "detector.counts_per_kelvin", s.counts_per_k) * volts_per_count / watts_per_k;
   if (s.physics())
     return bolometer_responsivity_v_w(detail::body_numbers(s, numbers), detail::readout_numbers(s, numbers));
   return detail::given(numbers, "detector.responsivity", s.responsivity_v_w) / middle_absorptance;
@@ -102,12 +119,9 @@ ThermalNoise<S> thermal_noise(const ThermalSettings& s, const S& area_m2, const 
   };
   ThermalNoise<S> noise;
   if (s.netd_k) {
-    const Camera<S> camera{.f_number = detail::given(numbers, "detector.netd_f_number", s.netd_f_number),
-                           .transmission = detail::given(numbers, "detector.netd_transmission", s.netd_transmission),
-                           .cone = cone};
     const S netd_k = detail::given(numbers, "detector.netd", s.netd_k);
-    noise.given_w = white(nep_from_netd_w(netd_k, absorbed_per_k(camera, area_m2, absorptance, reference.per_k)),
-                          s.netd_bandwidth_hz);
+    const S watts_per_k = reference_watts_per_k(s, area_m2, absorptance, cone, reference, numbers);
+    noise.given_w = white(nep_from_netd_w(netd_k, watts_per_k), s.netd_bandwidth_hz);
   } else if (s.nep_w) {
     noise.given_w = white(S(detail::given(numbers, "detector.nep", s.nep_w) * middle), s.nep_bandwidth_hz);
   } else if (s.nep_density) {

@@ -2,51 +2,12 @@
 
 // An uncooled camera through the commands: stages and units, budget, sequences, what is refused and warned about.
 
-#include "tests/apps/chain_sensor.h"
+#include "tests/apps/thermal_sensor.h"
 
 namespace apps_test {
 namespace {
 
-const std::string kUncooled = R"(schema = 1
-name = "uncooled"
-[frame]
-focal_length = "18 mm"
-pitch = "17 um"
-frame_time = "20 ms"
-[scene]
-sample = "17 um"
-quantity = "temperature"
-[optics]
-f_number = 1.0
-transmission = 0.9
-emissivity = 0.1
-temperature = "295 K"
-stop_temperature = "295 K"
-[band]
-wavelength = ["8 um", "14 um"]
-[[presample]]
-kind = "footprint"
-fill_factor = 1.0
-[detector]
-kind = "thermal"
-absorptance = 0.8
-responsivity = 1e5
-shutter_temperature = "295 K"
-netd = "50 mK"
-netd_f_number = 1.0
-netd_transmission = 1.0
-netd_temperature = "300 K"
-)";
-const std::string kConverter = "[adc]\nbits = 14\nvolts_per_count = \"0.5 uV\"\noffset = 4000\n";
-
-class ThermalCommand : public ChainSensor {
- protected:
-  void camera(const std::string& more, const std::string& from = "", const std::string& to = "") const {
-    std::string text = kUncooled + more;
-    if (!from.empty()) text.replace(text.find(from), from.size(), to);
-    write_file(scratch / "s.toml", text);
-  }
-};
+class ThermalCommand : public ThermalSensor {};
 
 TEST_F(ThermalCommand, StagesHaveTheirUnitsAndTheValuesOfTheBudget) {
   camera(kConverter);
@@ -107,6 +68,41 @@ TEST_F(ThermalCommand, AScenePastTheRangeIsSaidInTheWordsOfTheFile) {
   EXPECT_EQ(hot.err.find("integration"), std::string::npos) << hot.err;
 }
 
+TEST_F(ThermalCommand, AFigureFarBeyondTheBandwidthOfThePixelsIsWarnedAbout) {
+  const std::string netd = kUncooled.substr(kUncooled.find("netd = "));
+  const std::string dstar = "dstar = 1e9\nnoise_bandwidth = \"8 kHz\"\n";
+  camera("", netd, dstar);
+  EXPECT_EQ(scratch.run("mtf budget s.toml").err.find("1/(4 tau)"), std::string::npos);  // nobody knows tau
+  camera("[lag]\ntime_constant = \"10 ms\"\n", netd, dstar);
+  for (const std::string command : {"config check s.toml", "budget s.toml"}) {
+    const Result r = scratch.run("mtf " + command);
+    EXPECT_EQ(r.status, 0) << r.err;
+    const std::string said = r.out + r.err;
+    EXPECT_NE(said.find("detector.noise_bandwidth: dstar is taken from 1 Hz to 8e+03 Hz"), std::string::npos) << said;
+    EXPECT_NE(said.find("1/(4 tau) = 25 Hz"), std::string::npos) << said;
+  }
+}
+
+TEST_F(ThermalCommand, FlatFramesAreThoseOfTwoBlackbodies) {
+  camera("[nonuniformity]\nprnu = 0.02\ndsnu = \"5 uV\"\n[noise]\nseed = 2\n" + kConverter +
+         "[correction]\ncold = \"10 degC\"\nhot = \"40 degC\"\nframes = 32\n");
+  const Json terms = budget();
+  EXPECT_EQ(terms["prnu"]["value"], 0.0);
+  EXPECT_GT(terms["correction"]["value"].get<double>(), 0.0);
+  EXPECT_GT(terms["hottest_scene"]["value"].get<double>(), 313.15);
+  EXPECT_NE(scratch.run("mtf config explain s.toml").out.find("two points, blackbodies at 283.15 K and 313.15 K"),
+            std::string::npos);
+  ASSERT_EQ(scratch.run("mtf simulate s.toml t300.exr -o out.exr").status, 0);
+  const Image image = read(scratch / "out.exr");
+  double sum = 0.0, squares = 0.0;
+  for (std::int64_t i = 0; i < image.size(); ++i) sum += static_cast<double>(image.data()[i]);
+  const double n = static_cast<double>(image.size()), mean = sum / n;
+  for (std::int64_t i = 0; i < image.size(); ++i) squares += std::pow(static_cast<double>(image.data()[i]) - mean, 2);
+  const double rms_v = 0.5e-6 * std::sqrt(squares / n);
+  const double expected = std::hypot(terms["temporal"]["value"].get<double>(), terms["spatial"]["value"].get<double>());
+  EXPECT_NEAR(rms_v / expected, 1.0, 0.05);  // a standard error of 1.3 % with 3072 pixels
+}
+
 TEST_F(ThermalCommand, ErrorsHaveTheirPlace) {
   camera("", "absorptance = 0.8", "quantum_efficiency = 0.8");
   expect_refused("mtf config check s.toml", {"s.toml:23:22: error: detector.quantum_efficiency", "write absorptance"});
@@ -115,16 +111,21 @@ TEST_F(ThermalCommand, ErrorsHaveTheirPlace) {
     expect_refused("mtf " + command, {"s.toml:26:", "detector.netd: given without netd_temperature"});
   camera("[lag]\n");
   expect_refused("mtf config check s.toml", {"s.toml:30:", "[lag]: time_constant is missing"});
+  camera(kConverter, "responsivity = 1e5", "counts_per_kelvin = 30.0");
+  expect_refused("mtf config check s.toml",
+                 {"s.toml:24:", "detector.counts_per_kelvin: given beside adc.volts_per_count"});
+  camera("[adc]\nbits = 14\n");
+  expect_refused("mtf config check s.toml", {"s.toml:30:", "adc.volts_per_count: missing"});
   camera("[correction]\n");
   expect_refused("mtf config check s.toml", {"s.toml:30:", "[correction]: its flat frames"});
 }
 
 #ifdef MTFKIT_HAVE_STUDY
 TEST_F(ThermalCommand, StudiesHaveItsNetdAndNep) {
-  camera("");
+  camera("[[presample]]\nkind = \"diffraction\"\n");
   const std::string study =
       "schema = 1\nsensor = \"s.toml\"\n[[axis]]\nparameter = \"detector.netd\"\nvalues = [\"25 mK\", \"50 mK\"]\n"
-      "[metrics]\nlist = [\"netd\", \"nep\"";
+      "[metrics]\nlist = [\"netd\", \"nep\", \"mrtd\", \"mdtd\"";
   write_file(scratch / "study.toml", study + "]\n");
   const Result r = scratch.run("mtf sweep study.toml -o sweep");
   ASSERT_EQ(r.status, 0) << r.err;
@@ -142,6 +143,10 @@ TEST_F(ThermalCommand, StudiesHaveItsNetdAndNep) {
   EXPECT_NEAR(number(second, 2), 50.0 / 0.9, 1e-6);
   // pi/5 x 0.83782128952792565 W m^-2 sr^-1 K^-1 x (17 um)^2 x 50 mK, in pW.
   EXPECT_NEAR(number(second, 3), 7.6067493717, 1e-6);
+  for (const int column : {4, 5}) {  // MRTD and MDTD follow the NETD of a camera without spatial noise
+    EXPECT_GT(number(first, column), 0.0);
+    EXPECT_NEAR(number(second, column) / number(first, column), 2.0, 1e-9);
+  }
   write_file(scratch / "study.toml", study + ", \"signal\"]\n");
   const Result wrong = scratch.run("mtf sweep study.toml -o wrong");
   EXPECT_NE((wrong.err + wrong.out).find("a thermal detector has no electrons"), std::string::npos) << wrong.err;

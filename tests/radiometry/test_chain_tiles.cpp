@@ -10,6 +10,7 @@
 
 #include "tests/radiometry/chain_cases.h"
 #include "tests/radiometry/expect_refused.h"
+#include "tests/radiometry/thermal_cases.h"
 
 namespace radiometry {
 namespace {
@@ -103,6 +104,24 @@ TEST(ChainTiles, HaveThePixelsAndCountsOfTheWholeImage) {
   const ChainFrame whole = make_chain(mwir_system(), sensor, kWidth, kHeight, kStep_um)
                                .run(test::flat(kWidth, kHeight, 1e30F), 0, OutputStage::dn);
   EXPECT_GT(whole.held.full_well, 0);
+}
+
+/// Of an uncooled camera that has warmed since its shutter closed, with a lens that vignettes.
+TEST(ChainTiles, HaveTheFalseOffsetOfAThermalCamera) {
+  mtf::System<double> system = test::lwir_system();
+  system.frame.pitch_x_um = system.frame.pitch_y_um = kStep_um;
+  ThermalSettings thermal = test::by_netd();
+  thermal.shutter_k = 295.0;
+  thermal.drift_k_s = 2.0;
+  thermal.shutter_frames = 3;
+  Sensor sensor = test::sensor_of(thermal);
+  sensor.settings.frame = FrameSettings{.frame_time_s = 20e-3};
+  sensor.settings.optics = OpticsSettings{.stop_temperature_k = 295.0};
+  sensor.settings.vignetting = Vignetting{};
+  sensor.settings.nonuniformity = NonuniformitySettings{.prnu = 0.02};
+  sensor.settings.noise = NoiseSettings{.seed = 2};
+  for (const OutputStage stage : {OutputStage::watts, OutputStage::volts})
+    expect_tiles_of_the_whole(system, sensor, stage);
 }
 
 TEST(ChainTiles, TakeTheirPartOfMapsOfTheDetector) {

@@ -102,5 +102,21 @@ TEST(FrameFlicker, what_cannot_be_is_refused) {
     });
 }
 
+/// By another route: the density times the response of a mean of n frames, (sin(pi f n)/(n sin(pi f)))^2.
+TEST(FrameFlicker, the_mean_of_frames_keeps_what_the_density_says) {
+  const FrameFlicker noise{2.0, 1e-3, 40.0};
+  for (const int frames : {1, 2, 7, 64}) {
+    constexpr int kSteps = 400000;
+    double sum = 0.0;  // midpoints of u^3, which crowd where the density peaks
+    for (int i = 0; i < kSteps; ++i) {
+      const double u = (i + 0.5) / kSteps, f = 0.5 * u * u * u;
+      const double mean = std::sin(mtf::kPi * f * frames) / (frames * std::sin(mtf::kPi * f));
+      sum += 2.0 * frame_flicker_density(noise, f) * mean * mean * 1.5 * u * u / kSteps;
+    }
+    EXPECT_NEAR(frame_flicker_mean_variance(noise, frames) / sum, 1.0, 1e-6) << frames;
+  }
+  EXPECT_NEAR(frame_flicker_mean_variance(noise, 1), frame_flicker_variance(noise), 1e-13);
+}
+
 }  // namespace
 }  // namespace radiometry

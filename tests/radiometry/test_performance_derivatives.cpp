@@ -6,7 +6,7 @@
 #include "radiometry/performance/giqe.h"
 #include "radiometry/performance/ground_resolution.h"
 #include "radiometry/performance/johnson.h"
-#include "radiometry/performance/mrtd.h"
+#include "radiometry/performance/mdtd.h"
 #include "radiometry/performance/thermal_detector.h"
 #include "tests/radiometry/performance_cases.h"
 
@@ -150,6 +150,29 @@ TEST(PerformanceJets, mrtd) {
       };
       expect_gradient(model, std::array{0.05, 0.02, 0.01, 0.015, 0.007, 0.009, 0.1, 0.12, 2.5, 0.1, 60.0, 2.0, 4.0});
     }
+}
+
+TEST(PerformanceJets, mdtd) {
+  for (const double w : {0.05, 0.3, 4.0}) {
+    const auto model = [&](const auto& x) {
+      using S = std::decay_t<decltype(x[0])>;
+      const MrtdInput<S> in{.tvh_k = x[0],
+                            .vh_k = x[1],
+                            .th_k = x[2],
+                            .tv_k = x[3],
+                            .h_k = x[4],
+                            .v_k = x[5],
+                            .spacing_x_mrad = x[6],
+                            .spacing_y_mrad = x[7],
+                            .snr_threshold = x[8],
+                            .eye_time_s = x[9],
+                            .frame_rate_hz = x[10]};
+      const auto h = [&](double g) { return gaussian_mtf<S>(g, x[11]); };
+      const auto noise = [&](double g) { return gaussian_mtf<S>(g, x[12]); };
+      return mdtd_k(in, w, S(20), h, h, noise, noise);
+    };
+    expect_gradient(model, std::array{0.05, 0.02, 0.01, 0.015, 0.007, 0.009, 0.1, 0.12, 2.5, 0.1, 60.0, 2.0, 4.0});
+  }
 }
 
 /// A camera's MRTD along both axes, and the range it gives.

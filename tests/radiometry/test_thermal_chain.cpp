@@ -72,6 +72,51 @@ TEST(ThermalChain, an_netd_of_the_camera_has_its_rounding_already) {
   expect_refused({"adc.volts_per_count: rounding"}, [&] { netd_k(lwir_system(), sensor); });
 }
 
+/// The noise of the pixels and their readout is white and follows the root of the bandwidth, rounding does not.
+TEST(ThermalChain, an_netd_of_the_camera_in_another_bandwidth) {
+  Sensor sensor = sensor_of(by_netd());
+  const double volts = budget_of(lwir_system(), sensor, 300.0).temporal_e;  // of 50 mK
+  sensor.settings.adc = AdcSettings{.bits = 16, .electrons_per_count = 1.5 * volts, .offset_counts = 1000.0};
+  sensor.settings.thermal->netd_of = NetdOf::camera;
+  sensor.settings.thermal->netd_bandwidth_hz = 30.0;
+  for (const double bandwidth_hz : {7.5, 30.0, 120.0}) {
+    sensor.settings.thermal->bandwidth_hz = bandwidth_hz;
+    const double rounding = 1.5 * 1.5 / 12.0;
+    EXPECT_NEAR(netd_k(lwir_system(), sensor), 0.05 * std::sqrt((1.0 - rounding) * bandwidth_hz / 30.0 + rounding),
+                1e-14);
+  }
+}
+
+TEST(ThermalChain, a_fill_factor_is_that_part_of_the_pitch) {
+  mtf::System<double> system = lwir_system();
+  system.frame.pitch_y_um = 20.0;
+  ThermalSettings thermal = by_netd();
+  thermal.fill_factor = 0.81;
+  const Pixel<double> pixel = pixel_of(system, sensor_of(thermal));
+  EXPECT_NEAR(pixel.width_um, 0.9 * 17.0, 1e-13);
+  EXPECT_NEAR(pixel.height_um, 0.9 * 20.0, 1e-13);
+  EXPECT_NEAR(netd_k(system, sensor_of(thermal)), 0.05, 1e-15);  // an NETD is that of the pixel as it is
+  thermal = ThermalSettings{.fill_factor = 0.81, .responsivity_v_w = 1e5, .bandwidth_hz = 30.0, .dstar_jones = 1e9};
+  const double part = netd_k(system, sensor_of(thermal));
+  thermal.fill_factor = 1.0;
+  EXPECT_NEAR(part / netd_k(system, sensor_of(thermal)), 1.0 / 0.9, 1e-13);  // sqrt(A)/A
+}
+
+TEST(ThermalChain, counts_for_a_kelvin_are_those_of_frames) {
+  ThermalSettings thermal = by_netd();
+  thermal.responsivity_v_w.reset();
+  thermal.counts_per_k = 30.0;
+  Sensor sensor = sensor_of(thermal);
+  sensor.settings.adc = AdcSettings{.bits = 16, .electrons_per_count = 1e-6};
+  EXPECT_NEAR(budget_of(lwir_system(), sensor, 300.0).signal_per_k, 30e-6, 1e-19);
+  EXPECT_NEAR(netd_k(lwir_system(), sensor), std::hypot(0.05, 1.0 / std::sqrt(12.0) / 30.0), 1e-14);
+  // At F/1.4 through optics of 0.8 it has 1/2.21 of the light.
+  mtf::System<double> slow = lwir_system();
+  slow.optics.f_number = 1.4;
+  sensor.settings.optics = OpticsSettings{.transmission = {0.8}};
+  EXPECT_NEAR(budget_of(slow, sensor, 300.0).signal_per_k, 30e-6 / 2.21, 1e-19);
+}
+
 TEST(ThermalChain, figures_of_data_sheets_come_back) {
   const Spectrum curve = make_spectrum("curve", {8.0, 10.0, 14.0}, {0.5, 0.9, 0.7});  // 0.85 at 11 um, the middle
   for (const bool with_curve : {false, true}) {

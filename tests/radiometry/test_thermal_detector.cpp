@@ -99,17 +99,19 @@ TEST(ThermalDetector, figures_turn_into_each_other) {
 }
 
 /// Cameras worked by hand: dL/dT from 8 to 14 um at 300 K is 0.83782128952792565 W m^-2 sr^-1 K^-1, and
-/// NEP = NETD pi/(1 + 4 N^2) dL/dT p^2 with all of the light absorbed. Figures of the two VOx cameras: FLIR Lepton
-/// Engineering Datasheet 500-0659-00-09 Rev 203 (8 to 14 um, f/1.1, below 50 mK). No data sheet of an a-Si camera could
-/// be had: its figures are those of the class, 17 um and 50 mK at F/1. They state no transmission: 1 is taken.
-TEST(ThermalDetector, three_cameras_by_hand) {
+/// NEP = NETD pi/(1 + 4 N^2) dL/dT p^2 with all of the light absorbed. VOx, 12 um: FLIR Boson Thermal Imaging Core,
+/// data sheet ("as low as <40" mK, f/1.0). VOx, 12 um and 17 um: FLIR Lepton Engineering Datasheet 500-0659-00-09 Rev
+/// 203 (8 to 14 um, f/1.1, below 50 mK). No data sheet of an a-Si camera could be had: its figures are those of the
+/// class, 17 um and 50 mK at F/1. They state no transmission: 1 is taken; and of the Boson no band: 8 to 14 um is
+/// taken.
+TEST(ThermalDetector, published_cameras_by_hand) {
   struct Published {
     double pitch_um, f_number, netd_mk, nep_pw;
   };
   const double per_k = band_derivative(Flux::watts, 8.0, 14.0, 300.0);
   expect_close(per_k, 0.83782128952792565, 1e-13);
-  for (const Published& p : {Published{12, 1.1, 50, 3.24504642107}, Published{17, 1.1, 50, 6.51262788673},
-                             Published{17, 1.0, 50, 7.6067493717}}) {
+  for (const Published& p : {Published{12, 1.0, 40, 3.03217137584877}, Published{12, 1.1, 50, 3.24504642107},
+                             Published{17, 1.1, 50, 6.51262788673}, Published{17, 1.0, 50, 7.6067493717}}) {
     const double area_m2 = p.pitch_um * p.pitch_um * 1e-12;
     const double watts_per_k = absorbed_per_k(Camera<double>{.f_number = p.f_number}, area_m2, 1.0, per_k);
     const double nep_w = nep_from_netd_w(1e-3 * p.netd_mk, watts_per_k);
@@ -118,6 +120,16 @@ TEST(ThermalDetector, three_cameras_by_hand) {
     // No camera beats radiation: at 30 Hz its D* stays below the limit.
     EXPECT_LT(dstar_from_nep_jones(nep_w, area_m2, 30.0, 1.0), radiation_limit_jones(1.0, 300.0, 300.0));
   }
+}
+
+/// FLIR support, "What is the sensitivity of Tau cameras in Watts per m^2?": 50 mK at f/1.0, 300 K, unit
+/// emissivity, 7.5 to 13.5 um, is 0.14 W/m^2. That is the exitance of the scene, of which the cone at f/1.0 takes 1/(1
+/// + 4).
+TEST(ThermalDetector, a_published_netd_as_watts_per_square_metre) {
+  const double per_k = band_derivative(Flux::watts, 7.5, 13.5, 300.0);
+  expect_close(per_k, 0.88248863285299242, 1e-13);
+  const double on_pixel = nep_from_netd_w(0.05, absorbed_per_k(Camera<double>{.f_number = 1.0}, 1.0, 1.0, per_k));
+  EXPECT_EQ(std::round(100.0 * on_pixel * (1.0 + 4.0)), 14.0);
 }
 
 TEST(ThermalDetector, what_cannot_be_is_refused) {

@@ -32,23 +32,6 @@ TEST(ThermalRefusals, what_a_thermal_detector_does_not_have_is_refused) {
   refused({"[narcissus]"}, [](SensorSettings& s) { s.narcissus.emplace(); });
   refused({"detector.shutter_temperature", "give optics.stop_temperature"},
           [](SensorSettings& s) { s.thermal->shutter_k = 300.0; });
-  // A shutter and a housing of one temperature have to give no difference.
-  const auto shuttered = [](SensorSettings& s) {
-    s.thermal->shutter_k = 300.0;
-    s.optics.emplace().stop_temperature_k = 300.0;
-  };
-  refused({"detector.shutter_temperature", "cold_transmission"}, [&](SensorSettings& s) {
-    shuttered(s);
-    s.optics->cold_transmission.number = 0.9;
-  });
-  refused({"detector.shutter_temperature", "stop_band"}, [&](SensorSettings& s) {
-    shuttered(s);
-    s.optics->stop_band = StopBand::response;
-  });
-  refused({"detector.shutter_temperature", "[vignetting]"}, [&](SensorSettings& s) {
-    shuttered(s);
-    s.vignetting.emplace();
-  });
   refused({"frame.frame_time: missing", "rolling"},
           [](SensorSettings& s) { s.shutter = Shutter{.kind = ShutterKind::rolling, .line_time_s = 30e-6}; });
   refused({"adc.volts_per_count: missing"}, [](SensorSettings& s) { s.adc.emplace(); });
@@ -71,6 +54,27 @@ TEST(ThermalRefusals, what_a_thermal_detector_does_not_have_is_refused) {
   EXPECT_NE(said.find("raise adc.volts_per_count or adc.bits"), std::string::npos) << said;
   EXPECT_EQ(said.find("e-"), std::string::npos) << said;
   EXPECT_EQ(said.find("integration"), std::string::npos) << said;
+}
+
+TEST(ThermalRefusals, a_figure_taken_far_beyond_the_bandwidth_of_the_pixel_is_warned_about) {
+  ThermalSettings thermal;
+  thermal.dstar_jones = 1e9;
+  thermal.bandwidth_hz = 8e3;
+  // 1/(4 x 10 ms) = 25 Hz
+  const std::string text = bandwidth_warning(thermal, 10e-3);
+  for (const std::string_view part : {"dstar is taken from 1 Hz to 8e+03 Hz", "1/(4 tau) = 25 Hz", "too large"})
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  EXPECT_EQ(bandwidth_warning(thermal, 0.0), "");  // no time constant is known
+  thermal.bandwidth_hz = 240.0;
+  EXPECT_EQ(bandwidth_warning(thermal, 10e-3), "");
+  thermal = by_netd();
+  thermal.bandwidth_hz = 8e3;
+  EXPECT_EQ(bandwidth_warning(thermal, 10e-3), "");  // the NETD is that of the camera's own bandwidth
+  thermal.netd_bandwidth_hz = 8e3;
+  EXPECT_EQ(bandwidth_warning(thermal, 10e-3), "");
+  thermal.bandwidth_hz = 30.0;
+  EXPECT_NE(bandwidth_warning(thermal, 10e-3).find("netd is taken from 8e+03 Hz to 30 Hz"), std::string::npos);
+  EXPECT_NE(bandwidth_warning(thermal, 10e-3).find("too small"), std::string::npos);
 }
 
 TEST(ThermalRefusals, one_time_constant_is_counted_once) {
@@ -122,6 +126,16 @@ TEST(ThermalRefusals, noise_is_given_once_and_whole) {
   thermal = by_netd();
   thermal.responsivity_v_w.reset();
   refused({"detector.responsivity: missing"}, thermal);
+  thermal.counts_per_k = 30.0;
+  thermal.responsivity_v_w = 1e5;
+  refused({"detector.counts_per_kelvin: given beside responsivity"}, thermal);
+  thermal = by_netd();
+  thermal.fill_factor = 0.9;
+  thermal.height_um = 15.0;
+  refused({"detector.fill_factor: given beside height"}, thermal);
+  thermal = by_physics();
+  thermal.counts_per_k = 30.0;
+  refused({"detector.counts_per_kelvin: belongs to netd"}, thermal);
   thermal = by_netd();
   thermal.nep_bandwidth_hz = 30.0;
   refused({"detector.nep_bandwidth: belongs to nep"}, thermal);

@@ -25,6 +25,11 @@ std::string first_error(const std::string& body) {
   const mtf::io::ConfigResult result = parse(body);
   for (const mtf::io::Diagnostic& d : result.diagnostics)
     if (d.error) return d.path + ": " + d.text;
+  try {
+    sensor_settings(result.config.tables);
+  } catch (const mtf::UsageError& refused) {
+    return refused.what();
+  }
   return "";
 }
 
@@ -83,6 +88,47 @@ TEST(ThermalSettings, keys_of_photon_detectors_name_what_to_write) {
   // And the other way round.
   expect_error("[detector]\nabsorptance = 0.8\n", "detector.absorptance: unknown key in [detector]");
   EXPECT_EQ(first_error("[detector]\nkind = \"photon\"\nquantum_efficiency = 0.7\n"), "");
+}
+
+TEST(ThermalSettings, flat_frames_are_those_of_blackbodies) {
+  const mtf::io::ConfigResult result =
+      parse(kThermal + "[correction]\ncold = \"10 degC\"\nhot = \"40 degC\"\nframes = 8\n");
+  ASSERT_TRUE(result.ok()) << result.diagnostics.front().text;
+  const CorrectionSettings correction = *sensor_settings(result.config.tables).correction;
+  EXPECT_EQ(correction.cold_k, 283.15);
+  EXPECT_EQ(correction.hot_k, 313.15);
+  EXPECT_EQ(correction.frames, 8);
+  expect_error(kThermal + "[correction]\nlow = 0.2\n", "correction.low: a part of the full well");
+  expect_error(kThermal + "[correction]\nhigh = 0.2\n", "correction.high: a part of the full well");
+  expect_error("[detector]\nquantum_efficiency = 0.7\n[correction]\ncold = \"10 degC\"\n",
+               "correction.cold: unknown key in [correction]");
+}
+
+TEST(ThermalSettings, counts_for_a_kelvin_stand_for_responsivity_and_converter) {
+  const std::string converter = "[adc]\nbits = 14\n";
+  std::string by_counts = kThermal;
+  by_counts.replace(by_counts.find("responsivity = 1e5"), 18, "counts_per_kelvin = 30.0");
+  const mtf::io::ConfigResult result = parse(by_counts + converter);
+  ASSERT_TRUE(result.ok()) << result.diagnostics.front().text;
+  EXPECT_EQ(sensor_settings(result.config.tables).adc->electrons_per_count, 1e-6);
+  expect_error(by_counts, "detector.counts_per_kelvin: there are no counts without [adc]");
+  expect_error(by_counts + converter + "volts_per_count = \"1 uV\"\n",
+               "detector.counts_per_kelvin: given beside adc.volts_per_count");
+}
+
+TEST(ThermalSettings, frame_rates_take_the_place_of_bandwidths) {
+  const std::string rate = kThermal + "netd_frame_rate = \"60 Hz\"\n";
+  const mtf::io::ConfigResult result = mtf::io::parse_config(
+      "schema = 1\n[frame]\nfocal_length = \"18 mm\"\npitch = \"17 um\"\nframe_time = \"40 ms\"\n" +
+          kHead.substr(kHead.find("[optics]")) + rate,
+      "s.toml", sensor_tables());
+  ASSERT_TRUE(result.ok()) << result.diagnostics.front().text;
+  const ThermalSettings thermal = *sensor_settings(result.config.tables).thermal;
+  EXPECT_EQ(thermal.netd_bandwidth_hz, 30.0);
+  EXPECT_EQ(thermal.bandwidth_hz, 12.5);
+  expect_error(rate, "frame.frame_time: missing; detector.netd_frame_rate");
+  expect_error(rate + "netd_bandwidth = \"30 Hz\"\n", "detector.netd_frame_rate: given beside netd_bandwidth");
+  expect_error(rate + "noise_bandwidth = \"30 Hz\"\n", "detector.netd_frame_rate: given beside noise_bandwidth");
 }
 
 TEST(ThermalSettings, lag_takes_the_time_constant_of_the_pixel) {

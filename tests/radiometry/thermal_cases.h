@@ -21,9 +21,9 @@ inline mtf::System<double> lwir_system() {
 inline Sensor sensor_of(const ThermalSettings& thermal) {
   Sensor sensor;
   sensor.curves.band = {8.0, 14.0};
-  sensor.curves.flux = Flux::watts;
   sensor.settings.thermal = thermal;
   sensor.settings.detector = pixel_settings(thermal);
+  sensor.curves.flux = flux_of(sensor.settings);
   return sensor;
 }
 

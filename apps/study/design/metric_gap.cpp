@@ -17,9 +17,9 @@ std::string metric_gap(const MetricChoice& choice, const Study& study, const Var
   if ((metric == Metric::gsd || quality) && !given.range_m) return "no [conditions] range";
   if ((metric == Metric::target_snr || quality) && !given.contrast_k && !given.signal_contrast)
     return "no [conditions] contrast or signal_contrast";
-  if (acquisition && metric != Metric::mrtd && !given.contrast_k) return "no [conditions] contrast";
-  if (acquisition && metric != Metric::mrtd && metric != Metric::ttp && !given.target_size_m)
-    return "no [conditions] target_size";
+  const bool of_camera = metric == Metric::mrtd || metric == Metric::mdtd;  // without a target of [conditions]
+  if (acquisition && !of_camera && !given.contrast_k) return "no [conditions] contrast";
+  if (acquisition && !of_camera && metric != Metric::ttp && !given.target_size_m) return "no [conditions] target_size";
   const auto& list = sensor.system.list(mtf::Stage::presample);
   const bool pupil = effort == Effort::light || metric == Metric::cutoff || metric == Metric::q;
   if (pupil && std::none_of(list.begin(), list.end(), [](const auto& e) { return e.component.is_pupil(); }))

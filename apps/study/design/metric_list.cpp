@@ -20,6 +20,7 @@ constexpr std::string_view kCamera = "camera equation: LeMaster and Eismann, Pro
 constexpr std::string_view kNetd = "Lloyd, Thermal Imaging Systems, ch. 5";
 constexpr std::string_view kNvl = "AMSEL-NV-TR-230 (2004), NVThermIP form: E = 1.51 + 0.24 V/V50";
 constexpr std::string_view kMrtd = "FLIR92: Scott and D'Agostino, Proc. SPIE 1689, 55 (1992)";
+constexpr std::string_view kMdtd = "Lloyd, Thermal Imaging Systems, ch. 5, with the noise of FLIR92";
 constexpr std::string_view kJohnson =
     "Johnson 1958 with the 2-D MRTD; N50 0.75, 3, 6: Kennedy 1991, doi 10.1117/12.45802";
 
@@ -135,6 +136,11 @@ constexpr std::array kRows{
               "IBSM 4 (ERIM 253885-4-F), 3-54", kContrast, Effort::grd},
     MetricRow{mrtd, "mrtd", false, "mK", "2-D minimum resolvable temperature difference at half of Nyquist", kMrtd,
               "[detector]", Effort::range},
+    MetricRow{
+        mdtd,
+        "mdtd", false, "mK",
+        "minimum detectable temperature difference of a square of 2 pixels (1 / Nyquist), the width of a bar of mrtd",
+        kMdtd, "[detector]", Effort::range},
     MetricRow{johnson_detect, "johnson_range_detect", false, "m",
               "range of detection, probability 0.5, Johnson's criteria", kJohnson, kTarget, Effort::range},
     MetricRow{johnson_recognise, "johnson_range_recognise", false, "m",

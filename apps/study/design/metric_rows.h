@@ -65,6 +65,7 @@ enum class Metric {
   niirs_giqe5,
   grd,
   mrtd,
+  mdtd,
   johnson_detect,
   johnson_recognise,
   johnson_identify,

@@ -19,7 +19,7 @@ namespace study {
 /// The results of the range models.
 template <class S>
 struct RangeFigures {
-  S mrtd_k{}, ttp_cy_mrad{};
+  S mrtd_k{}, mdtd_k{}, ttp_cy_mrad{};
   S johnson_m[3]{}, ttp_m[3]{};  ///< detect, recognise, identify
 };
 
@@ -256,6 +256,8 @@ S range_value(Metric metric, const RangeFigures<S>& r) {
   switch (metric) {
     case Metric::mrtd:
       return S(1e3) * r.mrtd_k;
+    case Metric::mdtd:
+      return S(1e3) * r.mdtd_k;
     case Metric::johnson_detect:
       return r.johnson_m[0];
     case Metric::johnson_recognise:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// MRTD, ranges by Johnson's criteria and by TTP for a design, from its budget and its OTF. Noise enters as the NETD
-// (temporal) and the spatial NETD of the budget; the observer in front of the display is that of [conditions]. As
+// MRTD, MDTD, ranges by Johnson's criteria and by TTP for a design, from its budget and its OTF. Noise enters as the
+// NETD (temporal) and the spatial NETD of the budget; the observer in front of the display is that of [conditions]. As
 // published (FLIR92, TR-230) these models are linear in the contrast: a temperature difference over NETDs, slopes at
 // the temperature of the background; at 4 K and 3 to 5 um the target's electrons are some 7 % more than that. The
 // contrast falls with range by [conditions] extinction alone: a [path] in the sensor file belongs to the budget.
@@ -10,7 +10,7 @@
 #include "apps/study/design/metric_values.h"
 #include "radiometry/performance/contrast_threshold.h"
 #include "radiometry/performance/johnson.h"
-#include "radiometry/performance/mrtd.h"
+#include "radiometry/performance/mdtd.h"
 #include "radiometry/performance/ttp.h"
 
 namespace study {
@@ -85,6 +85,16 @@ RangeFigures<S> range_figures(const Design<S>& design) {
   // At half of Nyquist, which moves with pitch and focal length.
   const double middle = 0.5 * mtf::value_of(nyquist);
   figures.mrtd_k = both(middle) + S(radiometry::slope_at(both, middle, 1e-3 * middle)) * (S(0.5) * nyquist - S(middle));
+  const double cutoff = design.resolution.cutoff_cy_mm < mtf::kInfinity
+                            ? mtf::value_of(system.frame.cy_per_mrad(S(design.resolution.cutoff_cy_mm)))
+                            : 4.0 * mtf::value_of(nyquist);
+  // A square as wide as a bar there; its width moves with pitch and focal length too.
+  const S width = S(1) / nyquist;
+  const double square = mtf::value_of(width);
+  const auto detected = [&](double w) {
+    return radiometry::mdtd_k(in, w, S(cutoff), whole(Axis::x), whole(Axis::y), after(Axis::x), after(Axis::y));
+  };
+  figures.mdtd_k = detected(square) + S(radiometry::slope_at(detected, square, 1e-3 * square)) * (width - S(square));
   if (!c.contrast_k) return figures;
 
   constexpr std::array<double, 3> kN50{0.75, 3.0, 6.0};
@@ -113,9 +123,6 @@ RangeFigures<S> range_figures(const Design<S>& design) {
   const double eye_end = 8.0 * c.viewing_magnification;  // cycles/mrad: the eye's MTF is below 1e-12 there
   const S across_x = radiometry::bandwidth<S>(eye_end, seen(Axis::x));
   const S across_y = radiometry::bandwidth<S>(eye_end, seen(Axis::y));
-  const double cutoff = design.resolution.cutoff_cy_mm < mtf::kInfinity
-                            ? mtf::value_of(system.frame.cy_per_mrad(S(design.resolution.cutoff_cy_mm)))
-                            : 4.0 * mtf::value_of(nyquist);
   const auto along = [&](Axis axis) {
     return detail::LogSeries<S>(cutoff, [&](double f) { return radiometry::channel_bandwidth<S>(f, seen(axis)); });
   };

@@ -54,6 +54,24 @@ double frame_flicker_variance(const FrameFlicker& noise) {
   return noise.strength * std::log(noise.highest / noise.lowest);
 }
 
+double frame_flicker_mean_variance(const FrameFlicker& noise, int frames) {
+  const Parts parts = parts_of(noise);
+  const double n = frames;
+  double variance = parts.white / n;
+  for (int octave = 1; octave <= std::ssize(parts.octaves); ++octave) {
+    // Two frames k apart share (1/(2 m)) times the overlap of two half cosines of 2 m frames, summed as above.
+    const double m = std::ldexp(1.0, octave), step = mtf::kPi / (2.0 * m);
+    double sum = n;
+    for (int k = 1; k < frames && k < 2.0 * m; ++k) {
+      const double shared =
+          ((2.0 * m - k + 1.0) * std::cos(step * k) + std::sin(step * (k - 1.0)) / std::sin(step)) / (2.0 * m);
+      sum += 2.0 * (n - k) * shared;
+    }
+    variance += parts.octaves[static_cast<std::size_t>(octave - 1)] * sum / (n * n);
+  }
+  return variance;
+}
+
 double frame_flicker_density(const FrameFlicker& noise, double f_cy_frame) {
   const Parts parts = parts_of(noise);
   double sum = parts.white;

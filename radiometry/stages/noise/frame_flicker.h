@@ -23,6 +23,9 @@ struct FrameFlicker {
 
 double frame_flicker_variance(const FrameFlicker& noise);
 
+/// Variance of the mean of that many successive frames.
+double frame_flicker_mean_variance(const FrameFlicker& noise, int frames);
+
 /// Two-sided density in squares of the unit per (cycle per frame), by the sum above; f from 0 to 1/2.
 double frame_flicker_density(const FrameFlicker& noise, double f_cy_frame);
 

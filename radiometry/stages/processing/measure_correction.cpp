@@ -18,9 +18,12 @@ mtf::Image mean_flat(std::int64_t width, std::int64_t height, double fill, int f
   return image;
 }
 
-/// "low = 0.2"
-std::string level_of(const CorrectionSettings& settings, double fill) {
-  return (fill == settings.low ? "low = " : "high = ") + mtf::format_double(fill);
+/// "low = 0.2 of the full well", "cold = 283 K"
+std::string signal_of(const CorrectionSettings& settings, double fill) {
+  const bool low = fill == settings.low;
+  if (settings.cold_k && settings.hot_k)
+    return (low ? "cold = " : "hot = ") + mtf::format_double(low ? *settings.cold_k : *settings.hot_k) + " K";
+  return (low ? "low = " : "high = ") + mtf::format_double(fill) + " of the full well";
 }
 
 }  // namespace
@@ -33,8 +36,8 @@ void require_reachable(const CorrectionSettings& settings, double fill, double b
   if (fill > 0.0) change += " to less than " + at_most(fill / filled) + " of what it is";
   change += ", or raise detector.full_well";
   if (filled < settings.high) change += " or correction.low";
-  throw mtf::UsageError("[correction]: a flat frame at " + level_of(settings, fill) +
-                        " of the full well cannot be had: without any scene warm optics, stop and dark current fill " +
+  throw mtf::UsageError("[correction]: a flat frame at " + signal_of(settings, fill) +
+                        " cannot be had: without any scene warm optics, stop and dark current fill " +
                         three_digits(filled) + " of it (" + three_digits(background_e) + " e-)" +
                         (filled >= 1.0 ? ", the detector is saturated" : "") + "; " + change);
 }
@@ -43,12 +46,13 @@ void require_unsaturated(const CorrectionSettings& settings, double fill, const 
   if (held.share() <= 0.1) return;
   const bool low = held.least_count > std::max(held.most_count, held.full_well);
   const bool converter = held.most_count > held.full_well;
-  throw mtf::UsageError("[correction]: the flat frame at " + level_of(settings, fill) +
-                        " of the full well is saturated: " + where_held(held) + "; " +
-                        (low ? "raise adc.offset or correction.low"
-                         : converter
-                             ? "raise adc.electrons_per_count or adc.bits, or lower adc.offset or correction.high"
-                             : "lower correction.high"));
+  const bool thermal = settings.cold_k.has_value();
+  throw mtf::UsageError(
+      "[correction]: the flat frame at " + signal_of(settings, fill) + " is saturated: " + where_held(held) + "; " +
+      (low         ? std::string("raise adc.offset or correction.") + (thermal ? "cold" : "low")
+       : thermal   ? "raise adc.volts_per_count or adc.bits, or lower adc.offset or correction.hot"
+       : converter ? "raise adc.electrons_per_count or adc.bits, or lower adc.offset or correction.high"
+                   : "lower correction.high"));
 }
 
 TwoPoint measure_correction(std::int64_t width, std::int64_t height, const CorrectionSettings& settings,

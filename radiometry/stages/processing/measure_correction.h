@@ -6,6 +6,7 @@
 // the noise of the means.
 
 #include <functional>
+#include <optional>
 
 #include "radiometry/fields.h"
 #include "radiometry/stages/detector/saturation.h"
@@ -18,6 +19,9 @@ struct CorrectionSettings {
   int frames = 64;
   double limit = 0.5;
   bool replace_bad = true;
+  /// Of a thermal detector, which has no well: the temperatures of two blackbodies that fill the field. `low` and
+  /// `high` are parts of the step from the first to the second then, 0 and 1.
+  std::optional<double> cold_k{}, hot_k{};
 
   static constexpr auto fields() {
     constexpr auto row = [](std::string_view name, double lo, double hi, bool lo_open, std::string_view example,

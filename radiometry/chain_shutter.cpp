@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The light of the camera itself in the chain: warm optics and housing, and the closed shutter of a thermal camera over
+// a sequence (stages/detector/shutter_events.h).
+
+#include "radiometry/chain_impl.h"
+
+namespace radiometry {
+namespace {
+
+Directions<double> difference(const Directions<double>& a, const Directions<double>& b) {
+  return {a.cone_e - b.cone_e, a.around_e - b.around_e};
+}
+
+Directions<double> open_at(const CompiledChain& chain, const CameraEmission& camera) {
+  return own_light(chain.camera, chain.pixel, own_radiances(chain.curves, camera));
+}
+
+Directions<double> closed_at(const CompiledChain& chain, const CameraEmission& camera) {
+  return closed_shutter(chain.camera, chain.pixel, own_radiances(chain.curves, camera));
+}
+
+}  // namespace
+
+Factor factor_of(double number, const mtf::Image& map, double added) {
+  Factor result{number + added};
+  if (map.size() == 0 || number == 0.0) return result;
+  result.map = mtf::Image(map.width(), map.height());
+  for (std::int64_t i = 0; i < map.size(); ++i)
+    result.map.data()[i] = static_cast<float>(number * static_cast<double>(map.data()[i]) + added);
+  return result;
+}
+
+Factor glow_of(const CompiledChain& chain, const Directions<double>& light, const mtf::Image& corners,
+               const mtf::Image& sensitivity, double added) {
+  if (corners.size() == 0 || !chain.settings.thermal || !chain.settings.thermal->shutter_k)
+    return factor_of(light.total_e(), sensitivity, added);
+  // v of the cone is left, and pi - v cone around it.
+  const double cone = cone_sr(chain.camera), around = around_cone_sr(chain.camera);
+  const double around_per_sr = around > 0.0 ? light.around_e / around : 0.0;
+  const double always = mtf::kPi * around_per_sr, by_cone = light.cone_e - cone * around_per_sr;
+  Factor result{.map = mtf::Image(corners.width(), corners.height())};
+  for (std::int64_t i = 0; i < corners.size(); ++i) {
+    const double factor = sensitivity.size() == 0 ? 1.0 : static_cast<double>(sensitivity.data()[i]);
+    const double value = factor * (always + by_cone * static_cast<double>(corners.data()[i])) + added;
+    result.map.data()[i] = static_cast<float>(value);
+  }
+  return result;
+}
+
+Directions<double> warming_of(const CompiledChain& chain, std::uint32_t frame) {
+  const double by_k = chain.events->warming_k(frame);
+  if (by_k == 0.0) return {};
+  return difference(open_at(chain, warmed(chain.emission, by_k)), open_at(chain, chain.emission));
+}
+
+Directions<double> closing_change(const CompiledChain& chain, std::uint32_t frame, ChainState* state) {
+  const std::uint32_t last = chain.events->closing_before(frame);
+  const ShutterClosing now{last, warmed(chain.emission, chain.events->warming_k(last))};
+  if (state != nullptr && (!state->closing || state->closing->frame != last)) state->closing = now;
+  return difference(closed_at(chain, chain.emission),
+                    closed_at(chain, state != nullptr ? state->closing->camera : now.camera));
+}
+
+}  // namespace radiometry
