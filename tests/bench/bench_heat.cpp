@@ -45,15 +45,18 @@ const Named kConstructions[] = {
 struct Scene {
   Batch batch;
   Timeline timeline;
-  std::vector<double> facing, sky;                ///< per facet
-  std::vector<std::array<bool, kIntervals>> lit;  ///< per facet
+  std::vector<double> facing, sky;  ///< per facet
+  std::vector<double> lit;          ///< 1 or 0: [interval * facets + facet]
   Forcing forcing;
 
+  bool flips(std::size_t interval, std::size_t facet) const {
+    return lit[interval * batch.facets + facet] != lit[(interval - 1) * batch.facets + facet];
+  }
   Timeline timeline_of(std::size_t facet) const {
     Timeline own = timeline;
     own.breaks_s.clear();
     for (std::size_t i = 1; i < kIntervals; ++i)
-      if (lit[facet][i] != lit[facet][i - 1]) own.breaks_s.push_back(kInterval_s * static_cast<double>(i));
+      if (flips(i, facet)) own.breaks_s.push_back(kInterval_s * static_cast<double>(i));
     return own;
   }
 };
@@ -69,20 +72,21 @@ Scene scene_of(const Layer& layer, std::size_t facets, std::size_t neighbours, s
               .forcing = {}};
   for (std::size_t i = 1; i <= kIntervals; ++i)
     scene.timeline.outputs_s.push_back(kInterval_s * static_cast<double>(i));
-  scene.lit.resize(facets);
+  scene.lit.assign(kIntervals * facets, 1.0);
   for (std::size_t facet = 0; facet < facets; ++facet) {
     scene.facing.push_back(800.0 * uniform());
     scene.sky.push_back(250.0 + 100.0 * uniform());
-    if (facet % neighbours != 0) {
-      scene.lit[facet] = scene.lit[facet - 1];
-      continue;
+    double now = 1.0;
+    for (std::size_t i = 0; i < kIntervals; ++i) {
+      if (facet % neighbours == 0) now = uniform() < 0.06 ? 1.0 - now : now;
+      scene.lit[i * facets + facet] = facet % neighbours == 0 ? now : scene.lit[i * facets + facet - 1];
     }
-    bool now = true;
-    for (bool& lit : scene.lit[facet]) lit = now = uniform() < 0.06 ? !now : now;
   }
-  for (std::size_t i = 1; i < kIntervals; ++i)
-    if (std::any_of(scene.lit.begin(), scene.lit.end(), [&](const auto& lit) { return lit[i] != lit[i - 1]; }))
-      scene.timeline.breaks_s.push_back(kInterval_s * static_cast<double>(i));
+  for (std::size_t i = 1; i < kIntervals; ++i) {
+    bool any = false;
+    for (std::size_t facet = 0; facet < facets; ++facet) any |= scene.flips(i, facet);
+    if (any) scene.timeline.breaks_s.push_back(kInterval_s * static_cast<double>(i));
+  }
   return scene;
 }
 
@@ -94,9 +98,9 @@ Forcing forcing_of(const Scene& scene) {
     auto i = static_cast<std::size_t>(interval);
     if (at.limit == Instant::Limit::before && interval == static_cast<double>(i)) --i;
     i = std::min(i, kIntervals - 1);
+    const double* lit = &scene.lit[i * scene.batch.facets + first];
     for (std::size_t l = 0; l < values.front.absorbed_w_m2.size(); ++l)
-      values.front.absorbed_w_m2[l] =
-          scene.sky[first + l] + (scene.lit[first + l][i] ? sun * scene.facing[first + l] : 0.0);
+      values.front.absorbed_w_m2[l] = scene.sky[first + l] + lit[l] * sun * scene.facing[first + l];
     values.front.air_k = 285.0 + 5.0 * sine;
     values.front.wind_m_s = 3.0 + 2.0 * sine;
   };
@@ -162,7 +166,7 @@ void steps_alone() {
   std::printf("\nns a facet-step by nodes, the forcing included:");
   for (const double density : {0.35, 0.7, 1.4, 2.8}) {
     Scene scene = scene_of(kConstructions[3].layer, 1024, 1024, 2);
-    for (auto& lit : scene.lit) lit.fill(true);
+    std::fill(scene.lit.begin(), scene.lit.end(), 1.0);
     scene.timeline.breaks_s.clear();
     Grids grids = make_grids(scene.batch.construction, {.short_time_s = kInterval_s, .density = density});
     const Plan plan{scene.batch, grids.fine, grids.fine, {}, 1e9, 0.0};
