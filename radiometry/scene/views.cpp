@@ -144,6 +144,7 @@ Views views(const Rays& rays, const Receivers& receivers, std::span<const std::u
               .sky = std::vector<double>(count * (zones - 1)),
               .ground = std::vector<double>(count),
               .surfaces = std::vector<double>(count),
+              .rays = std::vector<double>(count, options.rays),
               .patches = {}};
   std::vector<std::vector<PatchShare>> shares(finder.wanted() ? count : 0);
 

@@ -50,6 +50,7 @@ struct Views {
   std::vector<double> sky;       ///< ring r has zenith angles from 90 deg r / rings to 90 deg (r + 1) / rings
   std::vector<double> ground;    ///< leaves the scene below the horizon
   std::vector<double> surfaces;  ///< ends on facets of the scene
+  std::vector<double> rays;      ///< that the row comes from
   SparseRows patches;            ///< of `surfaces`, by patch; no rows where no patches were asked for
 
   std::size_t size() const { return ground.size(); }

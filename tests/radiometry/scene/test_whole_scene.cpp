@@ -58,7 +58,7 @@ WholeScene whole_scene(bool traced_once) {
   EXPECT_LT(classes.size(), sides.size());
 
   // Patches of the leaders; tables of the leaders are rows of those of all sides.
-  Views leader_views{.rings = seen.rings, .sky = {}, .ground = {}, .surfaces = {}, .patches = {}};
+  Views leader_views{.rings = seen.rings, .sky = {}, .ground = {}, .surfaces = {}, .rays = {}, .patches = {}};
   SunVisibility leader_sun{sun.points, sun.directions, {}};
   std::vector<Side> leaders;
   std::vector<SideFinish> leader_finish;
