@@ -62,6 +62,7 @@ struct Shell {
   std::uint32_t mesh = 0;
   std::uint64_t facets = 0;
   bool closed = false;
+  bool outward = false;  ///< closed, and its normals point out: a ray that meets the back of a facet is inside
 };
 
 /// What was found and done in a mesh; numbers of faces unless said otherwise.

@@ -136,6 +136,25 @@ TEST(Exchange, ASmallPatchIsNotSpoiledByTheFewRaysOfALargeOne) {
   }
 }
 
+TEST(Exchange, FacetsInsideASolidExchangeNothing) {
+  // Two boxes that overlap, on a ground: some facets of each are inside the other.
+  Mesh mesh = test::empty_mesh();
+  test::add_box(mesh, {0, 0, 0.5}, {2, 2, 2}, 5);
+  test::add_box(mesh, {1.03, 0.97, 1.01}, {2, 2, 2}, 5);
+  test::add_plate(mesh, {-3, -3, 0}, {8, 0, 0}, {0, 8, 0}, 8, 8);
+  const Sampled made = sampled(mesh, 256);
+  expect_reciprocal_and_closed(made.exchange);
+  const auto f = dense(made.exchange.factors);
+  int inside = 0;
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    if (f[i][i] < 1.0 - 1e-12) continue;
+    ++inside;
+    for (std::size_t j = 0; j < f.size(); ++j) EXPECT_NEAR(f[j][i], i == j ? 1.0 : 0.0, 1e-12);
+  }
+  EXPECT_GT(inside, 10);
+  EXPECT_LT(made.exchange.change, 0.05);
+}
+
 TEST(Radiosity, IsThatOfADenseSolve) {
   for (const Sampled& made : {sampled(room(5), 256), sampled(yard(), 64)}) {
     const std::size_t n = made.exchange.patches();
