@@ -40,6 +40,7 @@ Views combined_views(const Views& views, std::span<const double> area, std::span
                  .sky = std::vector<double>(sets * rings, 0.0),
                  .ground = std::vector<double>(sets, 0.0),
                  .surfaces = std::vector<double>(sets, 0.0),
+                 .rays = std::vector<double>(sets, 0.0),
                  .patches = {}};
   std::vector<double> share(patches, 0.0);  // of the set at hand
   std::vector<std::uint32_t> seen;
@@ -53,6 +54,7 @@ Views combined_views(const Views& views, std::span<const double> area, std::span
       for (std::size_t r = 0; r < rings; ++r) combined.sky[set * rings + r] += weight * views.sky[i * rings + r];
       combined.ground[set] += weight * views.ground[i];
       combined.surfaces[set] += weight * views.surfaces[i];
+      combined.rays[set] += views.rays[i];
       for (std::uint64_t e = views.patches.first[i]; e < views.patches.first[i + 1]; ++e) {
         double& sum = share[patch_of[views.patches.column[e]]];
         if (sum == 0.0) seen.push_back(patch_of[views.patches.column[e]]);

@@ -13,10 +13,11 @@
 namespace radiometry::scene {
 namespace {
 
-/// One value of a symmetric matrix, row <= column, and what was sampled: S_ij and S_ji, the same on the diagonal.
+/// One value of a symmetric matrix, row <= column, and what was sampled: S_ij and S_ji, the same on the diagonal. The
+/// variance of the value is itself times `ray_area`.
 struct Pair {
   std::uint32_t row, column;
-  double value, sampled, sampled_back;
+  double value, sampled, sampled_back, ray_area;
 };
 
 /// Exchange areas between patches, m^2.
@@ -24,24 +25,27 @@ struct ExchangeAreas {
   std::vector<Pair> pairs;      // rows, then columns, rising
   std::vector<double> leaving;  // A_i l_i
   std::vector<double> area;
+  std::vector<double> ray_area;  // a_i
 };
 
 ExchangeAreas sampled_areas(const Views& views, std::span<const double> receiver_area,
                             std::span<const std::uint32_t> patch_of, std::size_t patches) {
-  ExchangeAreas areas{
-      .pairs = {}, .leaving = std::vector<double>(patches, 0.0), .area = std::vector<double>(patches, 0.0)};
+  const std::vector<double> zero(patches, 0.0);
+  ExchangeAreas areas{.pairs = {}, .leaving = zero, .area = zero, .ray_area = zero};
   std::vector<Pair> parts;
   parts.reserve(views.patches.value.size());
   for (std::size_t i = 0; i < patch_of.size(); ++i) {
     const std::uint32_t p = patch_of[i];
     areas.area[p] += receiver_area[i];
+    areas.ray_area[p] += receiver_area[i] * receiver_area[i] / views.rays[i];
     areas.leaving[p] += receiver_area[i] * (views.sky_share(i) + views.ground[i]);
     for (std::uint64_t e = views.patches.first[i]; e < views.patches.first[i + 1]; ++e) {
       const std::uint32_t q = views.patches.column[e];
       const double part = receiver_area[i] * views.patches.value[e];
-      parts.push_back({std::min(p, q), std::max(p, q), 0.0, p <= q ? part : 0.0, p >= q ? part : 0.0});
+      parts.push_back({std::min(p, q), std::max(p, q), 0.0, p <= q ? part : 0.0, p >= q ? part : 0.0, 0.0});
     }
   }
+  for (std::size_t p = 0; p < patches; ++p) areas.ray_area[p] /= areas.area[p];
   std::stable_sort(parts.begin(), parts.end(),
                    [](const Pair& a, const Pair& b) { return a.row != b.row ? a.row < b.row : a.column < b.column; });
   for (const Pair& part : parts) {
@@ -52,21 +56,30 @@ ExchangeAreas sampled_areas(const Views& views, std::span<const double> receiver
       areas.pairs.back().sampled_back += part.sampled_back;
     }
   }
-  for (Pair& pair : areas.pairs) pair.value = 0.5 * (pair.sampled + pair.sampled_back);
+  for (Pair& pair : areas.pairs) {
+    const double a = areas.ray_area[pair.row], b = areas.ray_area[pair.column];
+    pair.value = (b * pair.sampled + a * pair.sampled_back) / (a + b);
+    pair.ray_area = pair.row == pair.column ? a : a * b / (a + b);
+  }
   return areas;
 }
 
-/// (S x) added to `image`.
-void add_product(std::span<const Pair> pairs, const std::vector<double>& x, std::vector<double>& image) {
+/// (M x) added to `image`, for the symmetric matrix with the values `value(pair)`.
+template <class Value>
+void add_product(std::span<const Pair> pairs, const Value& value, const std::vector<double>& x,
+                 std::vector<double>& image) {
   for (const Pair& pair : pairs) {
-    image[pair.row] += pair.value * x[pair.column];
-    if (pair.row != pair.column) image[pair.column] += pair.value * x[pair.row];
+    image[pair.row] += value(pair) * x[pair.column];
+    if (pair.row != pair.column) image[pair.column] += value(pair) * x[pair.row];
   }
 }
 
+double value_of(const Pair& pair) { return pair.value; }
+double variance_of(const Pair& pair) { return pair.value * pair.ray_area; }
+
 std::vector<double> row_sums(const ExchangeAreas& areas) {
   std::vector<double> sums = areas.leaving;
-  add_product(areas.pairs, std::vector<double>(sums.size(), 1.0), sums);
+  add_product(areas.pairs, value_of, std::vector<double>(sums.size(), 1.0), sums);
   return sums;
 }
 
@@ -76,23 +89,26 @@ double close(ExchangeAreas& areas) {
   constexpr int kMostIterations = 1000;
   const std::size_t n = areas.area.size();
   const std::vector<double> sums = row_sums(areas);
-  // In y = sqrt(row sum) x, so that patches of a square millimetre and of a hectare are closed alike.
+  std::vector<double> variance(n);  // of the row sums
+  for (std::size_t i = 0; i < n; ++i) variance[i] = areas.leaving[i] * areas.ray_area[i];
+  add_product(areas.pairs, variance_of, std::vector<double>(n, 1.0), variance);
+  // In y = sqrt(variance) x, so that patches of a square millimetre and of a hectare are closed alike.
   std::vector<double> root(n), lack(n);
   for (std::size_t i = 0; i < n; ++i) {
-    root[i] = std::sqrt(sums[i]);
+    root[i] = std::sqrt(variance[i]);
     lack[i] = (areas.area[i] - sums[i]) / root[i];
   }
   const auto multiply = [&](const std::vector<double>& y) {
     std::vector<double> x(n), image(n, 0.0);
     for (std::size_t i = 0; i < n; ++i) x[i] = y[i] / root[i];
-    add_product(areas.pairs, x, image);
+    add_product(areas.pairs, variance_of, x, image);
     for (std::size_t i = 0; i < n; ++i) image[i] = y[i] + image[i] / root[i];
     return image;
   };
   std::vector<double> x = conjugate_gradients(multiply, std::move(lack), kTolerance, kMostIterations).x;
   for (std::size_t i = 0; i < n; ++i) x[i] /= root[i];
-  for (Pair& pair : areas.pairs) pair.value *= std::max(0.0, 1.0 + x[pair.row] + x[pair.column]);
-  for (std::size_t i = 0; i < n; ++i) areas.leaving[i] *= std::max(0.0, 1.0 + x[i]);
+  for (Pair& pair : areas.pairs) pair.value *= std::max(0.0, 1.0 + pair.ray_area * (x[pair.row] + x[pair.column]));
+  for (std::size_t i = 0; i < n; ++i) areas.leaving[i] *= std::max(0.0, 1.0 + areas.ray_area[i] * x[i]);
 
   // Only rounding is left to do, unless a value fell to 0.
   std::vector<double> scale = row_sums(areas);
@@ -109,7 +125,7 @@ double close(ExchangeAreas& areas) {
   for (Pair& pair : areas.pairs)
     if (pair.row == pair.column) pair.value += std::exchange(own[pair.row], 0.0);
   for (std::uint32_t i = 0; i < n; ++i)
-    if (own[i] > 0.0) areas.pairs.push_back({i, i, own[i], 0.0, 0.0});
+    if (own[i] > 0.0) areas.pairs.push_back({i, i, own[i], 0.0, 0.0, 0.0});
   return largest;
 }
 
@@ -150,7 +166,8 @@ double rms_change(const ExchangeAreas& areas) {
 
 Exchange exchange_of(const Views& views, std::span<const double> receiver_area, std::span<const std::uint32_t> patch_of,
                      std::size_t patches) {
-  if (views.patches.rows() != patch_of.size() || receiver_area.size() != patch_of.size())
+  if (views.patches.rows() != patch_of.size() || views.rays.size() != patch_of.size() ||
+      receiver_area.size() != patch_of.size())
     throw mtf::UsageError("exchange_of: there are views of " + std::to_string(views.patches.rows()) +
                           " receivers with patches, areas of " + std::to_string(receiver_area.size()) +
                           " and patches of " + std::to_string(patch_of.size()));

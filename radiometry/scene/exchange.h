@@ -7,9 +7,13 @@
 // Sampled factors keep neither of the laws that the true ones keep, and without them energy would be made or lost:
 //   reciprocity  A_i F_ij = A_j F_ji
 //   closure      sum_j F_ij + l_i = 1,   l_i the share that leaves for the sky or the ground
-// With exchange areas S_ij = A_i F_ij, S is made symmetric, (S + S^T)/2, and then changed by the least amount that
-// closes it, where the square of a change counts inversely to the value (as the variance of a count does):
-//   S_ij <- S_ij (1 + x_i + x_j),   A_i l_i <- A_i l_i (1 + x_i),   (diag(row sums) + S) x = A - row sums
+// Exchange areas S_ij = A_i F_ij are known from the rays of i and from those of j. A ray of patch i stands for the area
+// a_i = A_i over its rays, and S_ij as told by i has the variance S_ij a_i: both are joined with the inverse variances
+// as weights, so that a small patch is not spoiled by the few rays of a large one that hit it. The joint values have
+// the variances V_ij = S_ij a_i a_j / (a_i + a_j), V_ii = S_ii a_i, and A_i l_i has A_i l_i a_i. They are then changed
+// by the least amount, in units of these, that closes the rows:
+//   S_ij <- S_ij + V_ij (x_i + x_j),   A_i l_i <- A_i l_i (1 + a_i x_i),   (diag(row sums of V) + V) x = A - row sums
+//   of S
 // (van Leersum, Int. J. Heat Fluid Flow 10, 1989; Lawson, Proc. 7th Heat Pipe Conf., 1995). A value that would fall
 // below 0 becomes 0; rows that then still exceed their area are scaled down with their columns, and what lacks is given
 // to the view of the patch by itself, where no heat is exchanged.

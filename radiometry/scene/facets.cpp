@@ -59,7 +59,8 @@ void append_mesh(Facets& facets, const PlacedMesh& placed, std::uint32_t mesh, M
   const auto first_shell = static_cast<std::uint32_t>(facets.shells.size());
   const std::size_t first_facet = facets.size();
   facets.vertices.insert(facets.vertices.end(), repaired.vertices.begin(), repaired.vertices.end());
-  for (const char closed : shells.closed) facets.shells.push_back({mesh, 0, closed != 0});
+  for (std::size_t i = 0; i < shells.closed.size(); ++i)
+    facets.shells.push_back({mesh, 0, shells.closed[i] != 0, shells.outward[i] != 0});
 
   std::vector<std::uint32_t> corners;
   std::vector<Triangle> triangles;

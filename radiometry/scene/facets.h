@@ -62,6 +62,7 @@ struct Shell {
   std::uint32_t mesh = 0;
   std::uint64_t facets = 0;
   bool closed = false;
+  bool outward = false;  ///< closed, and its normals point out: a ray that meets the back of a facet is inside
 };
 
 /// What was found and done in a mesh; numbers of faces unless said otherwise.
@@ -100,7 +101,7 @@ struct Facets {
 };
 
 /// Throws mtf::UsageError that names the mesh when nothing is left of all meshes, when arrays of a mesh do not fit each
-/// other, when a flat face has more than 2000 corners, or when coordinates spread over more than 1e9 m. Warns of
+/// other, when a face has more than 2000 corners, or when coordinates spread over more than 1e9 m. Warns of
 /// left-out faces, of shells with a hole, and of extents above 1 km or below 1 cm, which a wrong unit makes.
 Facets facets_of(std::span<const PlacedMesh> meshes);
 

@@ -39,14 +39,15 @@ struct Sample {
   std::vector<HiddenRay> hidden;
 };
 
-/// Patch of the side that a ray meets when it ends on the triangle, or 0 where `patch_of` is empty.
+/// The patch that a ray from a side sees when it ends on a triangle: see views.h for insides.
 class PatchFinder {
  public:
   PatchFinder(const Facets& facets, std::span<const std::uint32_t> patch_of) : facets_(facets), patch_of_(patch_of) {}
   bool wanted() const { return !patch_of_.empty(); }
-  std::uint32_t operator()(std::uint32_t triangle, const Vector& direction) const {
+  std::uint32_t operator()(Side from, std::uint32_t triangle, const Vector& direction) const {
     const std::uint32_t facet = facets_.facet_of[triangle];
-    return patch_of_[index({facet, dot(facets_.facet[facet].normal, direction) > 0.0})];
+    const std::uint32_t patch = patch_of_[index({facet, dot(facets_.facet[facet].normal, direction) > 0.0})];
+    return patch == kNone ? patch_of_[index(from)] : patch;
   }
 
  private:
@@ -62,7 +63,7 @@ Sample sample(const Rays& rays, std::span<const Side> sides, std::uint64_t recei
   Sample sample{.sent = std::vector<int>(static_cast<std::size_t>(rings.rings()) + 1, 0), .hidden = {}};
   for (int i = 0; i < options.rays; ++i) {
     const auto [u, v, p, q] = numbers(static_cast<std::uint64_t>(i));
-    const auto [point, normal] = surface.at(u, v);
+    const auto [point, normal, side] = surface.at(u, v);
     const Vector direction = cosine_direction(normal, p, q);
     const int zone = rings.zone(direction[2]);
     ++sample.sent[static_cast<std::size_t>(zone)];
@@ -70,7 +71,7 @@ Sample sample(const Rays& rays, std::span<const Side> sides, std::uint64_t recei
     if (!patch_of.wanted()) {
       if (embree.blocked(ray)) sample.hidden.push_back({0, zone});
     } else if (const std::uint32_t triangle = embree.first_triangle(ray); triangle != kNone) {
-      sample.hidden.push_back({patch_of(triangle, direction), zone});
+      sample.hidden.push_back({patch_of(side, triangle, direction), zone});
     }
   }
   return sample;
@@ -134,9 +135,12 @@ Views views(const Rays& rays, const Receivers& receivers, std::span<const std::u
     throw mtf::UsageError("views: there are " + std::to_string(patch_of.size()) + " patches of sides and " +
                           std::to_string(2 * facets.size()) + " sides");
   for (const std::uint32_t patch : patch_of)
-    if (patch >= patches)
+    if (patch >= patches && patch != kNone)
       throw mtf::UsageError("views: a side belongs to patch " + std::to_string(patch) + " of " +
                             std::to_string(patches));
+  for (const Side& side : receivers.sides)
+    if (!patch_of.empty() && patch_of[index(side)] == kNone)
+      throw mtf::UsageError("views: a received side of facet " + std::to_string(side.facet) + " has no patch");
   const ZenithRings rings(options.rings);
   const PatchFinder finder(facets, patch_of);
   const std::size_t count = receivers.size(), zones = static_cast<std::size_t>(options.rings) + 1;
@@ -144,6 +148,7 @@ Views views(const Rays& rays, const Receivers& receivers, std::span<const std::u
               .sky = std::vector<double>(count * (zones - 1)),
               .ground = std::vector<double>(count),
               .surfaces = std::vector<double>(count),
+              .rays = std::vector<double>(count, options.rays),
               .patches = {}};
   std::vector<std::vector<PatchShare>> shares(finder.wanted() ? count : 0);
 
@@ -190,7 +195,8 @@ std::vector<std::uint32_t> patches_of_sides(const Facets& facets, const Receiver
     for (const Side& side : receivers[i]) patch_of[index(side)] = patch_of_receiver[i];
   for (std::size_t s = 0; s < patch_of.size(); s += 2) {
     if (patch_of[s] == kNone) patch_of[s] = patch_of[s + 1];
-    if (patch_of[s + 1] == kNone) patch_of[s + 1] = patch_of[s];
+    const bool inside = facets.shells[facets.facet[s / 2].shell].outward;
+    if (patch_of[s + 1] == kNone && !inside) patch_of[s + 1] = patch_of[s];
     if (patch_of[s] == kNone)
       throw mtf::UsageError("patches_of_sides: neither side of facet " + std::to_string(s / 2) +
                             " belongs to a receiver");

@@ -50,6 +50,7 @@ struct Views {
   std::vector<double> sky;       ///< ring r has zenith angles from 90 deg r / rings to 90 deg (r + 1) / rings
   std::vector<double> ground;    ///< leaves the scene below the horizon
   std::vector<double> surfaces;  ///< ends on facets of the scene
+  std::vector<double> rays;      ///< that the row comes from
   SparseRows patches;            ///< of `surfaces`, by patch; no rows where no patches were asked for
 
   std::size_t size() const { return ground.size(); }
@@ -61,20 +62,22 @@ struct Views {
 Views views(const Rays& rays, const Receivers& receivers, const ViewOptions& options = {});
 
 /// The same with the shares of patches, which are groups of sides: `patch_of[index(side)]` for all sides of all facets,
-/// below `patches`. A set of sides is seen from all its sides, by area.
+/// below `patches`, or kNone for the inside of a solid: a ray that ends there started on a facet that another solid
+/// covers, and counts as the view of its own patch, with which no heat is exchanged. A set of sides is seen from all
+/// its sides, by area.
 Views views(const Rays& rays, const Receivers& receivers, std::span<const std::uint32_t> patch_of, std::size_t patches,
             const ViewOptions& options = {});
 
 /// Views of sets of receivers from those of their members, by area, without new rays: row i belongs to set `set_of[i]`
 /// of `sets`, and what is seen of patch j becomes part of `patch_of[j]`, below `patches`. So that rays need to be
-/// traced once, with each side a patch of its own (patch_of[k] = k), before it is known what is merged. Throws
-/// mtf::UsageError when sizes do not fit each other or a set has no member.
+/// traced once, with each receiver a patch of its own, before it is known what is merged. Throws mtf::UsageError when
+/// sizes do not fit each other or a set has no member.
 Views combined_views(const Views& views, std::span<const double> area_m2, std::span<const std::uint32_t> set_of,
                      std::size_t sets, std::span<const std::uint32_t> patch_of, std::size_t patches);
 
-/// A patch for every side: sides of receiver i belong to `patch_of_receiver[i]`; a side that no receiver has belongs to
-/// the patch of the other side of its facet. Throws mtf::UsageError that names a facet of which neither side is
-/// received.
+/// A patch for every side: sides of receiver i belong to `patch_of_receiver[i]`. A side that no receiver has belongs to
+/// the patch of the other side of its facet; the back of a closed shell that no receiver has is the inside of a solid,
+/// kNone. Throws mtf::UsageError that names a facet of which neither side is received.
 std::vector<std::uint32_t> patches_of_sides(const Facets& facets, const Receivers& receivers,
                                             std::span<const std::uint32_t> patch_of_receiver);
 

@@ -144,13 +144,16 @@ void run(double fine, int threads) {
   const std::vector<std::uint32_t> of_sides = patches_of_sides(rays.facets(), sets, patch_of);
   timed("views of classes, 512 rays each",
         [&] { return views(rays, sets, of_sides, patches, {.rays = 512, .threads = threads}); });
-  std::vector<std::uint32_t> each_side(2 * rays.facets().size());
-  std::iota(each_side.begin(), each_side.end(), 0U);
+  std::vector<std::uint32_t> own(receivers.size());
+  std::iota(own.begin(), own.end(), 0U);
+  const std::vector<std::uint32_t> own_of_sides = patches_of_sides(rays.facets(), receivers, own);
   const Views told = timed("sky view, 64 rays, with the sides that are seen",
-                           [&] { return views(rays, receivers, each_side, each_side.size(), view_options); });
+                           [&] { return views(rays, receivers, own_of_sides, own.size(), view_options); });
   const std::vector<double> side_areas = areas_m2(rays.facets(), receivers);
+  std::vector<std::uint32_t> patch_of_receiver;
+  for (const std::uint32_t of_class : classes.class_of) patch_of_receiver.push_back(patch_of[of_class]);
   const Views rows = timed("views of classes from these", [&] {
-    return combined_views(told, side_areas, classes.class_of, classes.size(), of_sides, patches);
+    return combined_views(told, side_areas, classes.class_of, classes.size(), patch_of_receiver, patches);
   });
   const std::vector<double> areas = areas_m2(rays.facets(), sets);
   const Exchange exchange =

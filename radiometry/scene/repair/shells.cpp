@@ -83,7 +83,8 @@ FaceShells shells_of(const Polygons& faces, std::span<const Point> vertices, Win
   const Joints joints = joints_of(uses, faces.size());
   FaceShells shells{.shell_of = std::vector<std::uint32_t>(faces.size(), kNone),
                     .turn = std::vector<char>(faces.size(), 0),
-                    .closed = {}};
+                    .closed = {},
+                    .outward = {}};
   std::vector<std::vector<std::uint32_t>> members;
   for (std::uint32_t seed = 0; seed < faces.size(); ++seed) {
     if (shells.shell_of[seed] != kNone) continue;
@@ -125,15 +126,18 @@ FaceShells shells_of(const Polygons& faces, std::span<const Point> vertices, Win
     }
   });
 
-  if (winding == Winding::as_given) return shells;
   for (std::size_t shell = 0; shell < members.size(); ++shell) {
-    if (shells.closed[shell] == 0) continue;
-    const Point& middle = vertices[faces[members[shell].front()].front()];
     double volumes = 0.0;
-    for (const std::uint32_t f : members[shell])
-      volumes += (shells.turn[f] != 0 ? -1.0 : 1.0) * six_volumes(faces[f], vertices, middle);
-    if (volumes < 0.0)
-      for (const std::uint32_t f : members[shell]) shells.turn[f] ^= 1;
+    if (shells.closed[shell] != 0) {
+      const Point& middle = vertices[faces[members[shell].front()].front()];
+      for (const std::uint32_t f : members[shell])
+        volumes += (shells.turn[f] != 0 ? -1.0 : 1.0) * six_volumes(faces[f], vertices, middle);
+      if (volumes < 0.0 && winding == Winding::outward) {
+        volumes = -volumes;
+        for (const std::uint32_t f : members[shell]) shells.turn[f] ^= 1;
+      }
+    }
+    shells.outward.push_back(volumes > 0.0 ? 1 : 0);
   }
   return shells;
 }

@@ -19,7 +19,7 @@ ReceiverSurface::ReceiverSurface(const Facets& facets, std::span<const Side> sid
       const double inner_radius = twice / (length(ab) + length(ac) + length(ac - ab));
       const double kept = 1.0 - (inner_radius > 4.0 * lift_m ? 2.0 * lift_m / inner_radius : 0.5);
       const Point start = corner + ((1.0 - kept) / 3.0) * (ab + ac) + lift_m * normal;
-      pieces_.push_back({start, kept * ab, kept * ac, normal, area});
+      pieces_.push_back({start, kept * ab, kept * ac, normal, side, area});
     }
   }
   for (Piece& piece : pieces_) piece.until /= area;
@@ -30,7 +30,7 @@ ReceiverSurface::Start ReceiverSurface::at(double u, double v) const {
   const double from = found == pieces_.begin() ? 0.0 : (found - 1)->until;
   const double rest = std::clamp((u - from) / (found->until - from), 0.0, 1.0);
   const double along = std::sqrt(rest);
-  return {found->a + (along * (1.0 - v)) * found->ab + (along * v) * found->ac, found->normal};
+  return {found->a + (along * (1.0 - v)) * found->ab + (along * v) * found->ac, found->normal, found->side};
 }
 
 }  // namespace radiometry::scene

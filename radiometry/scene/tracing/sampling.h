@@ -53,6 +53,7 @@ class ReceiverSurface {
   struct Start {
     Point point;    ///< `lift_m` above the side, and no nearer than about that to the rim of its triangle
     Vector normal;  ///< of the side
+    Side side;
   };
   /// Uniform over the area for `u` and `v` uniform in [0, 1).
   Start at(double u, double v) const;
@@ -61,6 +62,7 @@ class ReceiverSurface {
   struct Piece {
     Point a;
     Vector ab, ac, normal;
+    Side side;
     double until;  ///< share of the area up to and with this piece
   };
   std::vector<Piece> pieces_;

@@ -120,6 +120,41 @@ TEST(Exchange, FactorsOfACube) {
       EXPECT_NEAR(f[i][j], i == j ? 0.0 : i / 2 == j / 2 ? 0.19982489569839 : 0.2000437760754, 3 * 0.0022 / 4);
 }
 
+TEST(Exchange, ASmallPatchIsNotSpoiledByTheFewRaysOfALargeOne) {
+  // A plate of 1 dm2 that faces the middle of a square of 1 a, 1 m below: one ray of the square, if any, hits the
+  // plate.
+  Mesh mesh = test::empty_mesh();
+  test::add_plate(mesh, {-5, -5, 0}, {10, 0, 0}, {0, 10, 0});
+  test::add_plate(mesh, {-0.05, -0.05, 1}, {0, 0.1, 0}, {0.1, 0, 0});
+  for (const int rays_each : {64, 256, 1024}) {
+    const Sampled made = sampled(mesh, rays_each);
+    expect_reciprocal_and_closed(made.exchange);
+    // A small plate above the middle of a rectangle (Howell, B-3), four times its corner.
+    const double x = 5.0, root = std::sqrt(1 + x * x);
+    const double factor = 4.0 / std::numbers::pi * x / root * std::atan(x / root);
+    EXPECT_NEAR(dense(made.exchange.factors)[1][0], factor, 3 * 0.033 * std::sqrt(64.0 / rays_each) * 0.5);
+  }
+}
+
+TEST(Exchange, FacetsInsideASolidExchangeNothing) {
+  // Two boxes that overlap, on a ground: some facets of each are inside the other.
+  Mesh mesh = test::empty_mesh();
+  test::add_box(mesh, {0, 0, 0.5}, {2, 2, 2}, 5);
+  test::add_box(mesh, {1.03, 0.97, 1.01}, {2, 2, 2}, 5);
+  test::add_plate(mesh, {-3, -3, 0}, {8, 0, 0}, {0, 8, 0}, 8, 8);
+  const Sampled made = sampled(mesh, 256);
+  expect_reciprocal_and_closed(made.exchange);
+  const auto f = dense(made.exchange.factors);
+  int inside = 0;
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    if (f[i][i] < 1.0 - 1e-12) continue;
+    ++inside;
+    for (std::size_t j = 0; j < f.size(); ++j) EXPECT_NEAR(f[j][i], i == j ? 1.0 : 0.0, 1e-12);
+  }
+  EXPECT_GT(inside, 10);
+  EXPECT_LT(made.exchange.change, 0.05);
+}
+
 TEST(Radiosity, IsThatOfADenseSolve) {
   for (const Sampled& made : {sampled(room(5), 256), sampled(yard(), 64)}) {
     const std::size_t n = made.exchange.patches();
@@ -150,7 +185,12 @@ TEST(Radiosity, IsThatOfADenseSolve) {
 }
 
 TEST(Radiosity, OfTwoInfinitePlates) {
-  Views seen{.rings = 1, .sky = {0, 0}, .ground = {0, 0}, .surfaces = {1, 1}, .patches = {{0, 1, 2}, {1, 0}, {1, 1}}};
+  Views seen{.rings = 1,
+             .sky = {0, 0},
+             .ground = {0, 0},
+             .surfaces = {1, 1},
+             .rays = {64, 64},
+             .patches = {{0, 1, 2}, {1, 0}, {1, 1}}};
   const std::vector<double> area{1, 1};
   const std::vector<std::uint32_t> patch_of{0, 1};
   const Exchange exchange = exchange_of(seen, area, patch_of, 2);

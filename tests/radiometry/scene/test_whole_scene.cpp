@@ -43,9 +43,9 @@ WholeScene whole_scene(bool traced_once) {
   std::vector<Vector> to_sun;
   for (int h = 1; h < 24; ++h) to_sun.push_back({std::cos(h * 0.13), -0.4, std::sin(h * 0.13)});
   const ViewOptions rough{.rays = 64};
-  std::vector<std::uint32_t> each_side(2 * facets.size());
-  for (std::uint32_t k = 0; k < each_side.size(); ++k) each_side[k] = k;
-  const Views seen = views(rays, each, each_side, each_side.size(), rough);
+  std::vector<std::uint32_t> own(each.size());
+  for (std::uint32_t i = 0; i < own.size(); ++i) own[i] = i;
+  const Views seen = views(rays, each, patches_of_sides(facets, each, own), own.size(), rough);
   const SunVisibility sun = sun_visibility(rays, sides, to_sun);
   const FluxAmplitudes amplitudes{.direct = std::vector<double>(to_sun.size(), 800.0),
                                   .sky_solar = std::vector<double>(9, 100.0),
@@ -58,7 +58,7 @@ WholeScene whole_scene(bool traced_once) {
   EXPECT_LT(classes.size(), sides.size());
 
   // Patches of the leaders; tables of the leaders are rows of those of all sides.
-  Views leader_views{.rings = seen.rings, .sky = {}, .ground = {}, .surfaces = {}, .patches = {}};
+  Views leader_views{.rings = seen.rings, .sky = {}, .ground = {}, .surfaces = {}, .rays = {}, .patches = {}};
   SunVisibility leader_sun{sun.points, sun.directions, {}};
   std::vector<Side> leaders;
   std::vector<SideFinish> leader_finish;
@@ -74,10 +74,12 @@ WholeScene whole_scene(bool traced_once) {
   EXPECT_LE(patches.size(), 40U);
 
   const Receivers sets = sets_of_sides(sides, classes.class_of, classes.size());
-  const std::vector<std::uint32_t> patch_of = patches_of_sides(facets, sets, patches.class_of);
-  Views rows = traced_once ? combined_views(seen, areas_m2(facets, each), classes.class_of, classes.size(), patch_of,
-                                            patches.size())
-                           : views(rays, sets, patch_of, patches.size(), {.rays = 512});
+  const std::vector<std::uint32_t> patch_of_side = patches_of_sides(facets, sets, patches.class_of);
+  std::vector<std::uint32_t> patch_of_receiver;
+  for (const std::uint32_t of_class : classes.class_of) patch_of_receiver.push_back(patches.class_of[of_class]);
+  Views rows = traced_once ? combined_views(seen, areas_m2(facets, each), classes.class_of, classes.size(),
+                                            patch_of_receiver, patches.size())
+                           : views(rays, sets, patch_of_side, patches.size(), {.rays = 512});
   Exchange exchange = exchange_of(rows, areas_m2(facets, sets), patches.class_of, patches.size());
   return {std::move(rays), each, sets, leader_finish, std::move(rows), std::move(exchange)};
 }
