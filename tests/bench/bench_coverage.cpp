@@ -3,8 +3,8 @@
 // Each draw has its own noise and sub-pixel phase; the truth is the analytic MTF.
 //   bench_coverage [draws = 400] [seed = 1] [part of a case's name]
 // A column is a figure: percentage of the intervals that hold, and the median interval in parts of the one without the
-// defect. At the end: percentage of edges refused, of those with a warning, processor time of an edge, and the reason
-// or warning that is stated most often.
+// defect; of "rounded" edges, along the pixels' grid, noise and contrast are in steps. At the end: percentage of edges
+// refused, of those with a warning, processor time of an edge, and the reason or warning that is stated most often.
 
 #include <algorithm>
 #include <array>
@@ -121,15 +121,23 @@ std::vector<Case> cases(std::string_view wanted) {
   for (const double cnr : {12.0, 30.0, 60.0, 1e9})
     for (const Size& size : {kSizes[1], kSizes[2]})
       add({"defocus 1.0" + size_name(size, cnr), made::camera_step(defocused, 5.0), scene_of(size, cnr), {}});
-  for (const double angle_deg : {0.0, 45.0, 90.0}) {
-    made::Scene scene = scene_of(kSizes[2], 200.0);
-    scene.angle_deg = angle_deg;
-    add({"coarse steps " + std::to_string(std::lround(angle_deg)) + " deg",
-         gaussian,
-         scene,
-         [](mtf::Image& image, const made::Scene&, const made::Step&) { made::round_values(image, 0.01); },
-         {.quantum = 0.01}});
-  }
+  for (const double angle_deg : {0.0, 45.0, 90.0})
+    for (const auto& [blur, step] :
+         {std::pair{"Gauss", gaussian}, {"Airy", made::camera_step(made::camera_of(8.0), angle_deg)}})
+      for (const Size& size : {kSizes[0], kSizes[1], kSizes[2]})
+        for (const double steps : {20.0, 60.0, 150.0})
+          for (const double noise : {0.05, 0.1, 0.125, 0.25, 0.5, 1.0}) {
+            made::Scene scene = scene_of(size, steps / noise);
+            scene.angle_deg = angle_deg;
+            scene.quantum = kContrast / steps;
+            add({"rounded " + std::to_string(std::lround(angle_deg)) + " deg " + blur + " " +
+                     std::to_string(size.width) + "x" + std::to_string(size.height) + " " +
+                     std::to_string(noise).substr(0, 5) + " of " + std::to_string(std::lround(steps)),
+                 step,
+                 scene,
+                 {},
+                 {.quantum = scene.quantum}});
+          }
   return all;
 }
 
@@ -186,6 +194,10 @@ void run(Case& one, int draws, std::uint64_t seed) {
   for (int draw = 0; draw < draws; ++draw) {
     one.scene.x = 0.5 * static_cast<double>(one.scene.width) + phase(bits);
     one.scene.y = 0.5 * static_cast<double>(one.scene.height) + phase(bits);
+    if (one.scene.quantum > 0.0) {  // plateaus at any place between two steps
+      one.scene.dark = kDark + one.scene.quantum * phase(bits);
+      one.scene.bright = kDark + kContrast + one.scene.quantum * phase(bits);
+    }
     one.scene.seed = bits();
     mtf::Image image = made::make(one.step, one.scene);
     if (one.defect) {

@@ -124,10 +124,4 @@ void compress_noise(mtf::Image& image, const Scene& scene, const Step& step) {
   change_all(image, [&](std::int64_t i, std::int64_t j, float value) { return value + noise.at(i, j); });
 }
 
-void round_values(mtf::Image& image, double quantum) {
-  change_all(image, [&](std::int64_t, std::int64_t, float value) {
-    return quantum * std::round(static_cast<double>(value) / quantum);
-  });
-}
-
 }  // namespace made

@@ -2,7 +2,7 @@
 #pragma once
 
 // What spoils real images of edges, done to the images of made_edges.h: hot pixels, values cut off at a floor, a second
-// edge, noise that neighbouring pixels share, coarse steps between values.
+// edge, noise that neighbouring pixels share.
 
 #include "tests/calib/made_edges.h"
 
@@ -22,7 +22,5 @@ void interpolate_noise(mtf::Image& image, const Scene& scene, const Step& step);
 /// The noise is drawn again and its cosine coefficients in blocks of 8 x 8 pixels are rounded, the more coarsely the
 /// higher their frequency, as JPEG does.
 void compress_noise(mtf::Image& image, const Scene& scene, const Step& step);
-/// Values become multiples of `quantum`.
-void round_values(mtf::Image& image, double quantum);
 
 }  // namespace made
