@@ -19,8 +19,8 @@ struct HeatOptions {
   int rough_rays = 64;       ///< of each facet: they tell which facets are alike
   int rays = 512;            ///< of each unit
   int sun_points = 4;        ///< of each facet
-  std::size_t patches = 2000;  ///< at most
-  int threads = 0;             ///< 0: all cores; results do not depend on it
+  std::size_t patches = 500;  ///< that surfaces exchange radiation by, at most
+  int threads = 0;            ///< 0: all cores; results do not depend on it
 };
 
 struct HeatScene {

@@ -131,6 +131,15 @@ Surface surface_of(const MaterialSection& material) {
 }
 
 Surfaces read_surfaces(const SceneFile& scene) {
+  const auto require_no_table = [&](const std::optional<GivenTemperature>& given, const std::string& where) {
+    if (given && !given->table.empty())
+      throw mtf::UsageError(one_line(scene.file) + ": " + where +
+                            ": temperatures from a table of facets are not read yet; give a temperature, or a schedule "
+                            "as a CSV file of time and temperature");
+  };
+  for (const RegionSection& region : scene.regions)
+    require_no_table(region.temperature, "region '" + one_line(region.name) + "'");
+  if (scene.ground) require_no_table(scene.ground->temperature, "[ground]");
   Surfaces surfaces;
   for (const MaterialSection& material : scene.materials) surfaces.material.push_back(surface_of(material));
   std::vector<Mesh> meshes;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "apps/scene/heat/stopwatch.h"
 #include "radiometry/light/constants.h"
@@ -129,22 +130,11 @@ void sort_units(Grouping& g, const HeatScene& scene, const geometry::SunVisibili
   g.leader = std::move(leader);
 }
 
-/// Patches of the leaders: classes of a growing tolerance until there are few enough.
-geometry::Classes patches_of(const HeatScene& scene, const std::vector<Side>& leaders,
-                             const std::vector<geometry::SideFinish>& finish, const geometry::Views& views,
-                             const geometry::SunVisibility& sun, const geometry::FluxAmplitudes& amplitudes,
-                             double tolerance_w_m2, std::size_t most) {
-  for (double tolerance = 4.0 * tolerance_w_m2;; tolerance *= 2.0) {
-    geometry::Classes classes = classes_of(scene.facets(), leaders, finish, views, sun,
-                                           scene.surroundings.shadow_to_sun, amplitudes, tolerance);
-    if (classes.size() <= most || tolerance > 1e5) return classes;
-  }
-}
-
 /// Entries of a table for some of its rows.
 geometry::Views rows_of(const geometry::Views& views, const std::vector<std::uint32_t>& rows) {
   geometry::Views some;
   some.rings = views.rings;
+  some.rays = views.rays;
   const auto rings = static_cast<std::size_t>(views.rings);
   for (const std::uint32_t row : rows) {
     const auto ring = views.sky.begin() + static_cast<std::ptrdiff_t>(row * rings);
@@ -190,7 +180,7 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   units.sun = sun_visibility(scene.rays, all.sides, to_sun, sun_options);
   const geometry::FluxAmplitudes amplitudes = amplitudes_of(scene.surroundings, rough.rings);
   const geometry::Classes classes =
-      classes_of(facets, all.sides, finish, seen, units.sun, to_sun, amplitudes, tolerance_w_m2);
+      classes_of(facets, all.sides, finish, seen, units.sun, to_sun, amplitudes, tolerance_w_m2, options.threads);
   units.bound_w_m2 = classes.bound_w_m2;
   Grouping grouping = group(all, classes, facets.size());
   sort_units(grouping, scene, units.sun);
@@ -223,9 +213,11 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   const geometry::Receivers receivers = geometry::sets_of_sides(all.sides, receiver_of, leaders.size());
   std::vector<geometry::SideFinish> leader_finish;
   for (const std::uint32_t row : leader_rows) leader_finish.push_back(finish[row]);
+  std::set<std::uint32_t> finishes;
+  for (const geometry::SideFinish& one : leader_finish) finishes.insert(one.key);
   const geometry::Classes patches =
-      patches_of(scene, leaders, leader_finish, rows_of(seen, leader_rows), rows_of(units.sun, leader_rows), amplitudes,
-                 tolerance_w_m2, options.patches);
+      geometry::patches_of(facets, leaders, leader_finish, rows_of(seen, leader_rows), rows_of(units.sun, leader_rows),
+                           to_sun, amplitudes, std::max(options.patches, 2 * finishes.size()), options.threads);
   const geometry::ViewOptions fine{.rays = options.rays, .threads = options.threads};
   units.views =
       views(scene.rays, receivers, patches_of_sides(facets, receivers, patches.class_of), patches.size(), fine);
