@@ -50,19 +50,24 @@ Command heat_command() {
       "heat", "surface temperatures of a scene over time, by heat balance",
       "Writes a folder with temperatures of all facets (NPY) and of regions (CSV), facets.csv, times.csv,\n"
       "heat.json, a plot, and with [camera] a picture. The tolerance is that of the worst facet at any output;\n"
-      "the sampling error of shadows and views is measured and stated beside it. Conduction along surfaces is\n"
+      "sampling errors of shadows and views are measured and stated beside it. Conduction along surfaces is\n"
       "left out, and formulas of convection and sky are good to 1 to 3 K: they are named in heat.json. Exit code 3\n"
       "where the promised error is above the tolerance.",
       "  mtf heat vehicle/scene.toml -o temperatures\n"
       "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --rays 128"};
   add_file(app, "scene", "scene file (TOML)", options.scene);
   add_text(app, "-o,--out", "FOLDER", "folder to create", options.out).required = true;
-  add_word(app, "--tolerance", "X", "with its unit; default \"0.1 K\"",
-           [&](const std::string& text) { options.tolerance_k = temperature_difference("--tolerance", text); });
+  add_word(app, "--tolerance", "X", "with its unit; default \"0.1 K\"", [&](const std::string& text) {
+    options.tolerance_k = temperature_difference("--tolerance", text);
+    if (options.tolerance_k < 1e-4)
+      throw mtf::UsageError("--tolerance: " + text + " is below 0.0001 K, which rounding does not allow");
+  });
   add_word(app, "--rays", "N", "for the view of each class of facets; default 512",
            [&](const std::string& text) { options.rays = whole_number("--rays", text, 16, 65536); });
   add_word(app, "--sun-directions", "N", "of the table of shadows, a day; default 36",
            [&](const std::string& text) { options.directions = whole_number("--sun-directions", text, 4, 1440); });
+  add_flag(app, "--every-facet", "solve each facet by itself, without classes: slower, and free of their error",
+           options.every_facet);
   add_flag(app, "--ply", "write the mesh with the last temperatures too, for ParaView, MeshLab or Blender",
            options.ply);
   add_choice(app, "--format", "FORMAT", "of standard output: table (default) or json", kTableOrJson, options.format);

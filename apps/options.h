@@ -197,8 +197,9 @@ struct SceneOptions {
 struct HeatCommandOptions {
   std::string scene, out;
   double tolerance_k = 0.1;
-  int rays = 512;       ///< of the view of each class of facets
-  int directions = 36;  ///< of the table of shadows, a day
+  int rays = 512;            ///< of the view of each class of facets
+  int directions = 36;       ///< of the table of shadows, a day
+  bool every_facet = false;  ///< no classes
   bool ply = false;
   bool force = false;
   Format format = Format::table;  ///< of standard output: table or json

@@ -83,13 +83,14 @@ std::string summary_text(const HeatScene& scene, const HeatReport& report, const
   text += plural(static_cast<std::int64_t>(report.facets), "facet") + " as " + std::to_string(report.units) +
           (report.units == 1 ? " class, " : " classes, ") +
           plural(static_cast<std::int64_t>(report.outputs), "output") + "\n";
-  text += "promised error " + significant(p.total_k(), 2) + " K: steps and cells " +
-          significant(p.solver.total_k(), 2) + ", ground " + significant(p.ground_k, 2) + ", classes " +
-          significant(p.units_k, 2) + ", exchange " + significant(p.exchange_k, 2) + ", times " +
-          significant(p.feedback, 3) + " for what exchange passes on\n";
-  text += "not in it: sampling error of shadows " + significant(100.0 * report.sun_error.rms, 2) +
-          " % of the direct light rms, of the view of the sky " + significant(100.0 * report.view_error.sky.rms, 2) +
-          " % rms; models of convection and sky, 1 to 3 K\n";
+  text += "promised error " + significant(p.total_k(), 2) + " K: " + significant(p.feedback, 3) + " (exchange) x (" +
+          significant(p.solver.total_k(), 2) + " steps and cells + " + significant(p.ground_k, 2) + " ground + " +
+          significant(p.units_k, 2) + " classes + " + significant(p.exchange_k, 2) + " iteration of the exchange)\n";
+  const ViewSpread& spread = report.view_spread;
+  text += "measured, not in it: views of facets against those of their class " + significant(spread.error_k.rms, 2) +
+          " K rms, " + significant(spread.error_k.percentile_95, 2) + " K for 95 %, at most " +
+          significant(spread.largest_k, 2) + " K; shadows " + significant(100.0 * report.sun_error.rms, 2) +
+          " % of the direct light rms\nmodels of convection and sky: 1 to 3 K\n";
   double total = 0.0;
   std::string times;
   for (const auto& [name, ms] : report.timing_ms) {
@@ -109,12 +110,14 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   const HeatOptions heat_options{.tolerance_k = options.tolerance_k,
                                  .directions = options.directions,
                                  .rays = options.rays,
+                                 .every_facet = options.every_facet,
                                  .threads = global.threads};
   ProgressLine progress(global);
   const HeatScene scene = prepare_heat(file, heat_options);
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
   const bool existed = fs::exists(options.out);
-  prepare_folder(options.out, options.force);
+  const bool drawn = file.camera && camera_sees(scene, *file.camera);
+  if (file.camera && !drawn) note(global, "warning: [camera] sees nothing of the scene, so there is no picture of it");
   std::string text;
   double promised_k = 0.0;
   std::vector<std::string> paths;
@@ -123,6 +126,9 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
                            "heat.json", "regions.svg", "regions.svg.csv", "scene.png", "facets.ply"})
     paths.push_back(options.out + "/" + name);
   write_together(paths, [&] {
+    prepare_folder(options.out, options.force);
+    for (const char* name : {"temperatures_back.npy", "scene.png", "facets.ply"})  // of an earlier run with --force
+      fs::remove(options.out + "/" + name);
     HeatFiles files(options.out, scene);
     std::vector<double> last;
     const HeatReport report = run_heat(
@@ -135,7 +141,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
     promised_k = report.promised.total_k();
     files.commit(report, heat_options);
     write_figure(options.out + "/regions.svg", region_figure(file, files));
-    if (file.camera)
+    if (drawn)
       write_scene_picture(options.out + "/scene.png", scene, *file.camera, last,
                           "surface temperatures [K] at " + radiometry::heat::instant_text(file.time.end_s));
     if (options.ply) write_ply_of(options.out + "/facets.ply", scene, last);
@@ -145,7 +151,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   if (options.format == Format::table) print("written to " + options.out + "/\n");
   if (promised_k <= options.tolerance_k) return 0;
   complain("mtf: warning: the promised error of " + significant(promised_k, 3) + " K is above the tolerance of " +
-           significant(options.tolerance_k, 3) + " K; ask for a smaller one");
+           significant(options.tolerance_k, 3) + " K");
   return 3;
 }
 

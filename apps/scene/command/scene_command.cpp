@@ -16,6 +16,7 @@
 #include "apps/terminal/text_table.h"
 #include "apps/terminal/write_together.h"
 #include "radiometry/heat/weather/instant.h"
+#include "radiometry/light/constants.h"
 
 namespace apps {
 namespace {
@@ -85,7 +86,7 @@ std::string materials_text(const HeatScene& scene) {
     double thickness = 0.0;
     for (const auto& layer : c.layers) thickness += layer.thickness_m;
     const double h = forced_coefficient(c.convection, wind);
-    const double loss = h + 4.0 * c.emissivity * 5.670374419e-8 * std::pow(air, 3);
+    const double loss = h + 4.0 * c.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(air, 3);
     const double seconds = loss > 0.0 ? capacity(c) / loss : 0.0;
     table.add({one_line(material.name), significant(1e3 * thickness, 3), significant(resistance(c), 3),
                significant(capacity(c) / 1e3, 3), significant(material.solar_absorptance, 3),

@@ -42,18 +42,26 @@ std::vector<geometry::Ray> camera_rays(const SceneFile& file, const CameraSectio
   return rays;
 }
 
-}  // namespace
-
-void write_scene_picture(const std::string& path, const HeatScene& scene, const CameraSection& camera,
-                         std::span<const double> facet_k, const std::string& caption) {
+std::vector<geometry::Hit> camera_hits(const HeatScene& scene, const CameraSection& camera) {
   const std::vector<geometry::Ray> rays = camera_rays(scene.file, camera);
   std::vector<geometry::Hit> hits(rays.size());
   scene.rays.first_hits(rays, hits);
+  return hits;
+}
+
+}  // namespace
+
+bool camera_sees(const HeatScene& scene, const CameraSection& camera) {
+  const std::vector<geometry::Hit> seen = camera_hits(scene, camera);
+  return std::any_of(seen.begin(), seen.end(), [](const geometry::Hit& hit) { return geometry::hits(hit); });
+}
+
+void write_scene_picture(const std::string& path, const HeatScene& scene, const CameraSection& camera,
+                         std::span<const double> facet_k, const std::string& caption) {
+  const std::vector<geometry::Hit> hits = camera_hits(scene, camera);
   std::vector<float> seen;
   for (const geometry::Hit& hit : hits)
     if (geometry::hits(hit)) seen.push_back(static_cast<float>(facet_k[hit.facet]));
-  if (seen.empty())
-    throw mtf::UsageError(one_line(scene.file.file) + ": [camera] sees nothing of the scene; move position or look_at");
   // A hundredth of the pixels may be clipped at each end: single hot facets would take all of the colours.
   std::sort(seen.begin(), seen.end());
   const double low = seen[seen.size() / 100], high = seen[seen.size() - 1 - seen.size() / 100];

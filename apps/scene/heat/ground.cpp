@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "apps/text/words.h"
+#include "mtf/error.h"
 #include "radiometry/heat/solve.h"
 #include "radiometry/heat/weather/instant.h"
 #include "radiometry/light/constants.h"
@@ -52,6 +54,9 @@ Ground ground_of(const HeatScene& scene, double tolerance_k) {
   const Surroundings& s = scene.surroundings;
   const std::optional<GroundSection>& section = scene.file.ground;
   const Surface* surface = section && section->material ? &scene.material[*section->material] : nullptr;
+  if (surface != nullptr && surface->construction.is_sheet())
+    throw mtf::UsageError("[ground]: material '" + one_line(surface->name) +
+                          "' is a sheet, whose back is exposed; the ground needs another inside, such as adiabatic");
   const double emissivity = surface != nullptr ? surface->construction.emissivity : 1.0;
   const double absorptance = surface != nullptr ? surface->solar_absorptance : 1.0;
   Ground ground;

@@ -120,8 +120,11 @@ void HeatBatches::set_window(const Window& window, bool first) {
 }
 
 void HeatBatches::start(Batch& batch, const heat::Timeline& day) {
+  // Made for the whole run, whose later days may be clearer; only the exchange is that of the first day.
   if (!batch.plan)
-    batch.plan = make_plan(batch.heat, batch.forcing, day, heat::RepeatingStart{heat::kDay_s}, batch.wanted_k);
+    batch.plan =
+        make_plan(batch.heat, batch.forcing, timeline_of(scene_.surroundings, {0, scene_.surroundings.nodes() - 1}),
+                  heat::RepeatingStart{heat::kDay_s}, batch.wanted_k);
   batch.begin = periodic_start(*batch.plan, batch.forcing, day, kStartShare * tolerance_k_, 8, threads_).state;
 }
 
@@ -155,17 +158,30 @@ void HeatBatches::run(Batch& batch, const heat::Timeline& timeline, bool first) 
     }
 }
 
-Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k, double loss_w_m2_k) {
+double HeatBatches::line_error() const {
+  const std::vector<double>& times = scene_.surroundings.time_s;
+  double worst = 0.0;
+  for (std::size_t k = window_.first + 1; k < window_.last; ++k) {
+    const double share = (times[k] - times[k - 1]) / (times[k + 1] - times[k - 1]);
+    const std::span<const float> before = longwave_.row(k - 1), here = longwave_.row(k), after = longwave_.row(k + 1);
+    for (std::size_t i = 0; i < here.size(); ++i)
+      worst = std::max(worst, std::abs(here[i] - before[i] - share * (after[i] - before[i])));
+  }
+  return 0.25 * worst;
+}
+
+Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k, double loss_w_m2_k,
+                           double ratio_bound) {
   set_window(window, first);
   update_exchange();
   const heat::Timeline timeline = timeline_of(scene_.surroundings, window);
   Relaxed relaxed;
-  double last = 0.0;
+  double last = 1.0;
   for (;;) {
     for (Batch& batch : batches_) {
-      // The first day repeats itself: its start is found anew while the exchange still changes, then it is run again
-      // from where it ended.
-      if (first && relaxed.iterations < kStarts)
+      // The first day repeats itself: its start is found anew while the exchange still changes, and where it does not
+      // repeat yet; then it is run again from where it ended.
+      if (first && (relaxed.iterations < kStarts || batch.run.start_residual_k > kStartShare * tolerance_k_))
         start(batch, timeline);
       else if (first) {
         batch.begin = std::move(batch.end);
@@ -175,10 +191,9 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
     }
     ++relaxed.iterations;
     const double change = update_exchange() / loss_w_m2_k;
-    // The first change is from a guess: it says nothing about how fast the iteration converges.
-    if (relaxed.iterations > 2 && last > 0.0) relaxed.ratio = std::clamp(change / last, 0.05, 0.99);
-    const double ratio = relaxed.iterations > 2 ? relaxed.ratio : 0.5;
-    relaxed.error_k = change / (1.0 - ratio);
+    // A change becomes smaller by the ratio at least with every iteration; it may do so faster than the bound says.
+    const double ratio = relaxed.iterations > 2 ? std::min(ratio_bound, change / last) : ratio_bound;
+    relaxed.error_k = change / (1.0 - std::clamp(ratio, 0.0, 0.99));
     if (relaxed.error_k <= tolerance_k) break;
     if (relaxed.iterations == kMostIterations)
       throw mtf::RuntimeError("the exchange of radiation between surfaces has an error of " +
@@ -186,6 +201,7 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
                               "; ask for a larger tolerance");
     last = change;
   }
+  relaxed.error_k += line_error() / loss_w_m2_k;
   for (Batch& batch : batches_) {
     batch.begin = std::move(batch.end);
     batch.run.promised = worse(batch.run.promised, batch.promised);

@@ -29,8 +29,7 @@ std::vector<Window> windows_of(const Surroundings& surroundings);
 /// What the iteration of a window came to.
 struct Relaxed {
   int iterations = 0;
-  double error_k = 0.0;  ///< bound of what further iterations would change
-  double ratio = 0.0;    ///< of successive changes
+  double error_k = 0.0;  ///< what further iterations would change, and lines between nodes leave out
 };
 
 class HeatBatches {
@@ -39,15 +38,19 @@ class HeatBatches {
   HeatBatches(const HeatScene& scene, const Units& units, const GroundLight& ground, double tolerance_k, int threads);
 
   /// Solves a window, from the end of the one before or, the first one, from the state that repeats after it.
-  /// `loss_w_m2_k`: what a surface gives off for each kelvin, at least. Throws RuntimeError when the iteration does not
-  /// converge to the tolerance.
-  Relaxed solve(const Window& window, bool first, double tolerance_k, double loss_w_m2_k);
+  /// `loss_w_m2_k`: what a surface gives off for each kelvin, at least. `ratio_bound`: by which an iteration makes a
+  /// change of temperatures smaller, at least. Throws RuntimeError when the iteration does not converge to the
+  /// tolerance.
+  Relaxed solve(const Window& window, bool first, double tolerance_k, double loss_w_m2_k, double ratio_bound);
 
   /// The temperature of a receiver (Unit::receiver, and the next one for the back of a sheet) at a node of the window
   /// solved last.
   double receiver_k(std::size_t node, std::size_t receiver) const {
     return receiver_k_[(node - window_.first) * units_.exchange.receivers() + receiver];
   }
+
+  /// Long-wave irradiance of a receiver by other surfaces at a node of that window.
+  float longwave_w_m2(std::size_t node, std::size_t receiver) const { return longwave_.row(node)[receiver]; }
 
   std::vector<MaterialRun> materials() const;
 
@@ -76,6 +79,9 @@ class HeatBatches {
   }
   /// Long-wave exchange from the temperatures; the largest change of irradiance, W/m2.
   double update_exchange();
+  /// What the straight lines between nodes are off by, W/m2: a quarter of the difference of a node from the line
+  /// between its neighbours.
+  double line_error() const;
 
   const HeatScene& scene_;
   const Units& units_;

@@ -7,6 +7,7 @@
 
 #include "apps/scene/heat/ground.h"
 #include "apps/scene/heat/stopwatch.h"
+#include "radiometry/heat/weather/sky.h"
 #include "radiometry/light/constants.h"
 
 namespace apps::scene {
@@ -14,19 +15,58 @@ namespace {
 
 namespace heat = radiometry::heat;
 
-/// What a surface of the scene gives off for each kelvin, at least: the film in the weakest wind and radiation at the
-/// coldest air.
-double least_loss(const HeatScene& scene) {
+/// No surface of the scene gets colder: the coldest of air, of the sky as a black body, and of what is given.
+double coldest_k(const HeatScene& scene) {
   const Surroundings& s = scene.surroundings;
-  const double coldest = *std::min_element(s.air_k.begin(), s.air_k.end());
-  const double calmest = *std::min_element(s.wind_m_s.begin(), s.wind_m_s.end());
+  double coldest = *std::min_element(s.air_k.begin(), s.air_k.end());
+  for (const double sky : s.sky_longwave_w_m2) coldest = std::min(coldest, heat::sky_temperature_k(std::max(sky, 0.0)));
+  const auto add = [&](const heat::Schedule& schedule) {
+    for (const double kelvin : schedule.value) coldest = std::min(coldest, kelvin);
+  };
+  for (const RegionSection& region : scene.file.regions)
+    if (region.temperature) add(region.temperature->schedule);
+  if (scene.file.ground && scene.file.ground->temperature) add(scene.file.ground->temperature->schedule);
+  for (const Surface& material : scene.material)
+    if (!std::holds_alternative<heat::InnerFlux>(material.construction.inside)) add(material.inside);
+  return coldest;
+}
+
+/// What a side of a material gives off for each kelvin, at least: by radiation, and by the film in the weakest wind.
+struct Loss {
+  double radiation = 0.0, film = 0.0;
+  double total() const { return radiation + film; }
+};
+
+Loss loss_of(const HeatScene& scene, const Surface& material, bool back, double kelvin) {
+  const std::vector<double>& wind = scene.surroundings.wind_m_s;
+  return {4.0 * material.emissivity(back) * radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(kelvin, 3),
+          forced_coefficient(material.construction.convection, *std::min_element(wind.begin(), wind.end()))};
+}
+
+/// The least of all materials that are solved, W/m2/K.
+double least_loss(const HeatScene& scene) {
+  const double coldest = coldest_k(scene);
   double least = std::numeric_limits<double>::infinity();
-  for (const Surface& material : scene.material) {
-    const heat::Construction& c = material.construction;
-    const double radiation = 4.0 * c.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(coldest, 3);
-    least = std::min(least, forced_coefficient(c.convection, calmest) + radiation);
+  for (const Surface& material : scene.material)
+    for (const bool back : {false, true}) least = std::min(least, loss_of(scene, material, back, coldest).total());
+  return std::isfinite(least) && least > 0.0 ? least : 1e-3;
+}
+
+/// The part of a change of all temperatures that comes back to a surface by exchange, at most: its share of other
+/// surfaces times what they radiate, over what it gives off. None is warmer than `warmest`.
+double feedback_ratio(const HeatScene& scene, const Units& units, double warmest) {
+  double most = 0.0;
+  const auto add = [&](const Unit& unit, const UnitSide& side, bool back) {
+    if (unit.given || !unit.material) return;
+    const Loss loss = loss_of(scene, scene.material[*unit.material], back, warmest);
+    const double shares = std::max(0.0, 1.0 - side.sky - side.ground);
+    if (loss.radiation > 0.0) most = std::max(most, shares * loss.radiation / loss.total());
+  };
+  for (const Unit& unit : units.unit) {
+    add(unit, unit.front, false);
+    if (unit.back) add(unit, *unit.back, true);
   }
-  return std::isfinite(least) ? std::max(least, 0.1) : 1.0;
+  return std::min(most, 0.99);
 }
 
 /// Shares of the tolerance.
@@ -50,12 +90,15 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
   report.warnings = scene.warnings;
 
   progress("rays", 0.0);
-  const Units units = units_of(scene, options, shares.units_k * loss);
+  const Units units = units_of(scene, options, options.every_facet ? 0.0 : shares.units_k * loss);
   report.timing_ms.emplace_back("rays", units.rays_ms);
   report.timing_ms.emplace_back("table errors", units.error_ms);
 
   const Stopwatch watch;
   const Ground ground = ground_of(scene, shares.ground_k);
+  constexpr double kSunlit_k = 40.0;  // above the air: the iteration tells when this is too little
+  double warmest = *std::max_element(s.air_k.begin(), s.air_k.end());
+  const double ratio = feedback_ratio(scene, units, warmest + kSunlit_k);
   HeatBatches batches(scene, units, ground.light, shares.solver_k, options.threads);
   const std::vector<Window> windows = windows_of(s);
   std::vector<double> front(scene.region.size()), back(units.has_sheets() ? scene.region.size() : 0);
@@ -63,6 +106,7 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
     for (std::size_t f = 0; f < front.size(); ++f) {
       const Unit& unit = units.unit[units.unit_of[f]];
       front[f] = batches.receiver_k(node, unit.receiver);
+      warmest = std::max(warmest, front[f]);
       if (!back.empty())
         back[f] = unit.back ? batches.receiver_k(node, unit.receiver + 1) : std::numeric_limits<double>::quiet_NaN();
     }
@@ -72,14 +116,15 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
   auto next = s.outputs.begin();
   for (std::size_t w = 0; w < windows.size() && next != s.outputs.end(); ++w) {
     progress("heat", static_cast<double>(w) / static_cast<double>(windows.size()));
-    const Relaxed relaxed = batches.solve(windows[w], w == 0, shares.exchange_k, loss);
+    const Relaxed relaxed = batches.solve(windows[w], w == 0, shares.exchange_k, loss, ratio);
     report.iterations = std::max(report.iterations, relaxed.iterations);
     report.promised.exchange_k = std::max(report.promised.exchange_k, relaxed.error_k);
-    report.promised.feedback = std::max(report.promised.feedback, 1.0 / (1.0 - relaxed.ratio));
+    if (w == 0) report.view_spread = view_spread(scene, units, ground.light, batches, windows[w], options, loss);
     for (; next != s.outputs.end() && *next <= windows[w].last; ++next) emit(*next);
   }
   report.timing_ms.emplace_back("heat", watch.ms());
 
+  report.promised.feedback = 1.0 / (1.0 - feedback_ratio(scene, units, warmest));
   report.materials = batches.materials();
   for (const MaterialRun& run : report.materials)
     if (run.promised.total_k() > report.promised.solver.total_k()) report.promised.solver = run.promised;

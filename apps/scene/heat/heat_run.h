@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "apps/scene/heat/heat_batches.h"
+#include "apps/scene/heat/view_spread.h"
 
 namespace apps::scene {
 
@@ -24,10 +25,10 @@ namespace apps::scene {
 struct HeatPromise {
   radiometry::heat::Promise solver;  ///< the worst material: steps, grid, depth
   double ground_k = 0.0;             ///< the solution of the ground
-  double units_k = 0.0;              ///< facets that are solved as one unit
-  double exchange_k = 0.0;           ///< iteration of the exchange, and the straight lines between its nodes
-  double feedback = 1.0;             ///< exchange passes errors on: the sum of the others is multiplied by this
-  double total_k() const { return feedback * (solver.total_k() + ground_k + units_k) + exchange_k; }
+  double units_k = 0.0;              ///< facets that are solved as one unit: sun, shadows and shares of their views
+  double exchange_k = 0.0;           ///< iteration of the exchange, and its straight lines between nodes
+  double feedback = 1.0;             ///< exchange passes errors on: what they are multiplied by
+  double total_k() const { return feedback * (solver.total_k() + ground_k + units_k + exchange_k); }
 };
 
 struct HeatReport {
@@ -37,8 +38,7 @@ struct HeatReport {
   int iterations = 0;  ///< the most of any window
   radiometry::scene::ViewError view_error;
   radiometry::scene::TableError sun_error;
-  double longwave_error_k = 0.0;  ///< what an rms error of the views means in K
-  double sun_error_k = 0.0;       ///< what an rms error of the shadows means in K
+  ViewSpread view_spread;  ///< facets against their units, in the first day
   std::vector<std::pair<std::string, double>> timing_ms;
   std::vector<std::string> warnings;
 };

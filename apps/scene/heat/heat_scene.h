@@ -20,6 +20,7 @@ struct HeatOptions {
   int rays = 512;            ///< of each unit
   int sun_points = 4;        ///< of each facet
   std::size_t patches = 500;  ///< that surfaces exchange radiation by, at most
+  bool every_facet = false;   ///< each facet is solved by itself
   int threads = 0;            ///< 0: all cores; results do not depend on it
 };
 

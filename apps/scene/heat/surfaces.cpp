@@ -127,6 +127,14 @@ Surface surface_of(const MaterialSection& material) {
   surface.back_solar_absorptance = material.inside.back_solar_absorptance.value_or(material.solar_absorptance);
   set_inside(material, surface);
   require_valid(surface.construction, where);
+  const auto& c = surface.construction;
+  const bool loses = c.emissivity > 0.0 || !std::holds_alternative<heat::NoConvection>(c.convection) ||
+                     std::holds_alternative<heat::FixedTemperature>(c.inside) ||
+                     std::holds_alternative<heat::InnerFilm>(c.inside);
+  if (!loses)
+    throw mtf::UsageError(where +
+                          ": it neither radiates nor has convection or an inside temperature, so that nothing "
+                          "determines its temperature; give an emissivity above 0, or convection");
   return surface;
 }
 

@@ -13,6 +13,7 @@ namespace {
 
 namespace heat = radiometry::heat;
 constexpr double kLongestStep_s = 600.0;
+constexpr double kOnHorizon = 1e-6;
 constexpr double kSame_s = 1e-3;  // times closer than this are one node
 
 /// Rising, without doubles.
@@ -45,6 +46,17 @@ std::size_t node_at(const std::vector<double>& times, double t) {
   return std::min(static_cast<std::size_t>(at - times.begin()), times.size() - 1);
 }
 
+/// What the balance and the sky of the file need; gaps in other columns do not matter.
+std::vector<heat::WeatherQuantity> wanted_of(const SkySection& sky) {
+  using enum heat::WeatherQuantity;
+  std::vector<heat::WeatherQuantity> wanted{air_temperature, wind_speed, direct_normal, diffuse_horizontal};
+  const bool formula = sky.longwave != LongwaveModel::measured;
+  if (!formula || sky.cloud == CloudSource::from_longwave) wanted.push_back(longwave_down);
+  if (formula && sky.longwave != LongwaveModel::swinbank) wanted.push_back(vapour_pressure);
+  if (formula && sky.cloud == CloudSource::from_weather) wanted.push_back(cloud_cover);
+  return wanted;
+}
+
 /// For the interval after each node the entry of the table of shadows that it begins in.
 std::vector<int> entries_of(const Surroundings& s, const SceneFile& scene) {
   std::vector<int> entry(s.nodes(), -1);
@@ -65,8 +77,7 @@ Surroundings surroundings_of(const SceneFile& scene, int directions) {
   const heat::WeatherSeries weather = scene_weather(scene);
   const double start = scene.time.start_s;
   const double end = std::max(scene.time.end_s, start + heat::kDay_s);
-  std::vector<heat::WeatherQuantity> wanted{air_temperature, wind_speed, direct_normal, diffuse_horizontal};
-  if (scene.sky.longwave == LongwaveModel::measured) wanted.push_back(longwave_down);
+  const std::vector<heat::WeatherQuantity> wanted = wanted_of(scene.sky);
   try {
     heat::require(weather, wanted, start, end);
   } catch (const mtf::UsageError& e) {
@@ -84,6 +95,8 @@ Surroundings surroundings_of(const SceneFile& scene, int directions) {
        sun_table(scene.place, start, end, static_cast<int>(std::lround(std::ceil(directions * days))))) {
     s.shadow_time_s.push_back(at.utc_s - start);
     s.shadow_to_sun.push_back(heat::in_scene_axes(at.sun.direction, scene.north_rad));
+    // At sunrise and sunset the sun is on the horizon: rounding may not put it below, where nothing is lit.
+    s.shadow_to_sun.back()[2] = std::max(s.shadow_to_sun.back()[2], kOnHorizon);
     times.push_back(at.utc_s - start);
   }
   for (const double t : break_times(weather, start, end)) times.push_back(t - start);
@@ -99,12 +112,14 @@ Surroundings surroundings_of(const SceneFile& scene, int directions) {
 
   for (const double t : s.time_s) {
     const double utc = std::min(start + t, end);
-    const heat::WeatherAt at = weather_at(weather, utc);
+    heat::WeatherAt at;
+    for (const heat::WeatherQuantity quantity : wanted)
+      at.value[static_cast<std::size_t>(quantity)] = value_at(weather, quantity, utc);
     const heat::SunPosition sun = sun_position(utc, scene.place);
     const double up = sun.direction[2];
     s.air_k.push_back(at[air_temperature]);
     s.wind_m_s.push_back(std::max(at[wind_speed], 0.0));
-    s.direct_w_m2.push_back(up > 0.0 ? std::max(at[direct_normal], 0.0) : 0.0);
+    s.direct_w_m2.push_back(up > -10.0 * kOnHorizon ? std::max(at[direct_normal], 0.0) : 0.0);
     s.diffuse_w_m2.push_back(std::max(at[diffuse_horizontal], 0.0));
     s.global_w_m2.push_back(s.direct_w_m2.back() * std::max(up, 0.0) + s.diffuse_w_m2.back());
     s.sky_longwave_w_m2.push_back(sky_longwave(scene.sky, at).irradiance_w_m2);

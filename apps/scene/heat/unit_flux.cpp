@@ -130,16 +130,18 @@ heat::Forcing forcing_of(std::span<const Unit> batch, const Units& units, const 
                          const heat::Schedule& inside, double start_s) {
   return [=, &units, &s, &ground, &solar, &longwave, &inside](heat::Instant at, std::size_t first,
                                                               heat::ForcingValues& values) {
-    Between place = place_of(s.time_s, at);
-    if (place.node + 1 == solar.first + solar.nodes()) place = {place.node - 1, 1.0};  // the end of the window
+    const Between place = place_of(s.time_s, at);
     const Beam beam = beam_at(s, place, at.time_s);
     const double diffuse = between(s.diffuse_w_m2, place), sky = between(s.sky_longwave_w_m2, place);
     const double ground_solar = between(ground.solar_w_m2, place), ground_warm = between(ground.longwave_w_m2, place);
     values.front.air_k = values.back.air_k = between(s.air_k, place);
     values.front.wind_m_s = values.back.wind_m_s = between(s.wind_m_s, place);
     if (!inside.value.empty()) values.inside = value_at(inside, start_s + at.time_s);
+    // Beyond the window, where only plans are tried, the exchange is that of its end.
+    const std::size_t last = solar.first + solar.nodes() - 1;
+    const std::size_t row = std::min(place.node, last), next = std::min(place.node + 1, last);
     const auto exchanged = [&](const ReceiverTable& table, std::size_t receiver) {
-      const double a = table.row(place.node)[receiver], b = table.row(place.node + 1)[receiver];
+      const double a = table.row(row)[receiver], b = table.row(next)[receiver];
       return a + place.share * (b - a);
     };
     const auto absorbed = [&](const UnitSide& side, std::size_t receiver) {

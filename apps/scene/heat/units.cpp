@@ -8,6 +8,8 @@
 #include <set>
 
 #include "apps/scene/heat/stopwatch.h"
+#include "apps/text/words.h"
+#include "mtf/error.h"
 #include "radiometry/light/constants.h"
 
 namespace apps::scene {
@@ -15,6 +17,10 @@ namespace {
 
 namespace geometry = radiometry::scene;
 using geometry::Side;
+
+constexpr std::uint32_t kTilts = 1024;  // steps of the vertical component of the normal that buoyancy depends on
+
+double blackbody_w_m2(double kelvin) { return radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(kelvin, 4); }
 
 /// The fronts of all facets, then the backs of sheets; where the back of each facet stands.
 struct Sides {
@@ -45,22 +51,25 @@ std::vector<geometry::SideFinish> finishes_of(const HeatScene& scene, const std:
       const Surface& surface = scene.material[*region.material];
       finish.solar_absorptance = surface.absorptance(side.back);
       finish.emissivity = surface.emissivity(side.back);
-      finish.key = static_cast<std::uint32_t>(*region.material) * 64;
+      finish.key = static_cast<std::uint32_t>(*region.material) * kTilts;
       if (std::holds_alternative<radiometry::heat::Tarp>(surface.construction.convection))
         finish.key +=
-            static_cast<std::uint32_t>(std::lround(10.0 * (1.0 + scene.facets().facet[side.facet].normal[2])));
+            static_cast<std::uint32_t>(std::lround(500.0 * (1.0 + scene.facets().facet[side.facet].normal[2])));
     }
     if (region.temperature)
-      finish.key = 64 * static_cast<std::uint32_t>(scene.material.size() + scene.region[side.facet]);
+      finish.key = kTilts * static_cast<std::uint32_t>(scene.material.size() + scene.region[side.facet]);
     finish.key = 2 * finish.key + (side.back ? 1 : 0);
     finishes.push_back(finish);
   }
   return finishes;
 }
 
-/// Largest irradiances of the run. Long-wave shares sum to 1, so that only differences from the air's matter; those of
-/// ground and other surfaces are not known before they are solved: as large as that of the sky is a fair scale.
-geometry::FluxAmplitudes amplitudes_of(const Surroundings& s, int rings) {
+/// Largest irradiances of the run. Long-wave shares sum to 1, so that only differences matter, here those from the sky:
+/// it is colder than the air; ground and other surfaces may be warmer than the air, by as much as a given temperature
+/// or an inside is, or, where only the sun heats them, as the sky is colder. What facets of a unit see differently is
+/// measured afterwards (view_spread.h).
+geometry::FluxAmplitudes amplitudes_of(const HeatScene& scene, int rings) {
+  const Surroundings& s = scene.surroundings;
   const auto largest = [](const std::vector<double>& values) {
     return *std::max_element(values.begin(), values.end());
   };
@@ -72,14 +81,25 @@ geometry::FluxAmplitudes amplitudes_of(const Surroundings& s, int rings) {
         for (const std::size_t node : {k, k + 1})
           a.direct[static_cast<std::size_t>(entry)] =
               std::max(a.direct[static_cast<std::size_t>(entry)], s.direct_w_m2[node]);
-  double longwave = 0.0;
+  double colder = 0.0;
   for (std::size_t k = 0; k < s.nodes(); ++k)
-    longwave = std::max(
-        longwave, std::abs(radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(s.air_k[k], 4) - s.sky_longwave_w_m2[k]));
+    colder = std::max(colder, std::abs(blackbody_w_m2(s.air_k[k]) - s.sky_longwave_w_m2[k]));
+  double warmer = colder;
+  const auto [coldest, warmest] = std::minmax_element(s.air_k.begin(), s.air_k.end());
+  const auto add = [&, least = *coldest, most = *warmest](const radiometry::heat::Schedule& schedule) {
+    for (const double kelvin : schedule.value)
+      warmer = std::max(
+          {warmer, blackbody_w_m2(kelvin) - blackbody_w_m2(least), blackbody_w_m2(most) - blackbody_w_m2(kelvin)});
+  };
+  for (const RegionSection& region : scene.file.regions)
+    if (region.temperature) add(region.temperature->schedule);
+  if (scene.file.ground && scene.file.ground->temperature) add(scene.file.ground->temperature->schedule);
+  for (const Surface& material : scene.material)
+    if (!std::holds_alternative<radiometry::heat::InnerFlux>(material.construction.inside)) add(material.inside);
   a.sky_solar.assign(static_cast<std::size_t>(rings), largest(s.diffuse_w_m2));
-  a.sky_longwave.assign(static_cast<std::size_t>(rings), longwave);
+  a.sky_longwave.assign(static_cast<std::size_t>(rings), 0.0);
   a.ground_solar = a.surfaces_solar = 0.3 * largest(s.global_w_m2);
-  a.ground_longwave = a.surfaces_longwave = 0.5 * longwave;
+  a.ground_longwave = a.surfaces_longwave = colder + warmer;
   return a;
 }
 
@@ -165,6 +185,18 @@ UnitSide side_of(const HeatScene& scene, const Unit& unit, std::uint32_t facet, 
   return side;
 }
 
+/// The table of shadows has a byte, and classes have four, for each side and direction.
+void require_room(const HeatScene& scene, std::size_t sides) {
+  constexpr double kMost = 4.0 * 1024 * 1024 * 1024;
+  const double directions = static_cast<double>(scene.surroundings.shadow_to_sun.size());
+  const double bytes = 5.0 * static_cast<double>(sides) * directions;
+  if (bytes > kMost)
+    throw mtf::UsageError(one_line(scene.file.file) + ": the table of shadows of " + std::to_string(sides) +
+                          " surfaces and " + significant(directions, 6) + " directions of the sun would take " +
+                          significant(bytes / (1024.0 * 1024 * 1024), 3) +
+                          " GiB; shorten [time], or ask for fewer directions a day (--sun-directions)");
+}
+
 }  // namespace
 
 Units units_of(const HeatScene& scene, const HeatOptions& options, double tolerance_w_m2) {
@@ -172,13 +204,14 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   const geometry::Facets& facets = scene.facets();
   const std::vector<geometry::Vector>& to_sun = scene.surroundings.shadow_to_sun;
   const Sides all = sides_of(scene);
+  require_room(scene, all.sides.size());
   const std::vector<geometry::SideFinish> finish = finishes_of(scene, all.sides);
   const geometry::ViewOptions rough{.rays = options.rough_rays, .threads = options.threads};
   const geometry::Views seen = views(scene.rays, geometry::single_sides(all.sides), rough);
   const geometry::SunOptions sun_options{.points = options.sun_points, .threads = options.threads};
   Units units;
   units.sun = sun_visibility(scene.rays, all.sides, to_sun, sun_options);
-  const geometry::FluxAmplitudes amplitudes = amplitudes_of(scene.surroundings, rough.rings);
+  const geometry::FluxAmplitudes amplitudes = amplitudes_of(scene, rough.rings);
   const geometry::Classes classes =
       classes_of(facets, all.sides, finish, seen, units.sun, to_sun, amplitudes, tolerance_w_m2, options.threads);
   units.bound_w_m2 = classes.bound_w_m2;
@@ -219,8 +252,8 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
       geometry::patches_of(facets, leaders, leader_finish, rows_of(seen, leader_rows), rows_of(units.sun, leader_rows),
                            to_sun, amplitudes, std::max(options.patches, 2 * finishes.size()), options.threads);
   const geometry::ViewOptions fine{.rays = options.rays, .threads = options.threads};
-  units.views =
-      views(scene.rays, receivers, patches_of_sides(facets, receivers, patches.class_of), patches.size(), fine);
+  units.patch_of_side = patches_of_sides(facets, receivers, patches.class_of);
+  units.views = views(scene.rays, receivers, units.patch_of_side, patches.size(), fine);
   units.exchange = exchange_of(units.views, areas_m2(facets, receivers), patches.class_of, patches.size());
   const auto add_view = [&](UnitSide& side, std::size_t receiver) {
     side.sky = units.views.sky_share(receiver);

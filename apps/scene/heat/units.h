@@ -35,9 +35,10 @@ struct Units {
   radiometry::scene::SunVisibility sun;  ///< of all sides
   radiometry::scene::Views views;        ///< of receivers: fronts and backs of units
   radiometry::scene::Exchange exchange;
-  double bound_w_m2 = 0.0;                  ///< largest difference of absorbed flux between a facet and its unit
-  radiometry::scene::ViewError view_error;  ///< shares, of units
-  radiometry::scene::TableError sun_error;  ///< shares of the direct normal irradiance, of facets
+  std::vector<std::uint32_t> patch_of_side;  ///< as radiometry/scene/views.h has it
+  double bound_w_m2 = 0.0;                   ///< largest difference of absorbed flux between a facet and its unit
+  radiometry::scene::ViewError view_error;   ///< shares, of units
+  radiometry::scene::TableError sun_error;   ///< shares of the direct normal irradiance, of facets
   double rays_ms = 0.0, error_ms = 0.0;
 
   bool has_sheets() const { return exchange.receivers() > unit.size(); }

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/heat/view_spread.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "radiometry/light/constants.h"
+
+namespace apps::scene {
+namespace {
+
+namespace geometry = radiometry::scene;
+
+/// Facets spread evenly over the list: every n-th. Neighbours in a file are alike, so this is as good as a random pick.
+std::vector<std::uint32_t> picked(std::size_t facets, std::size_t count) {
+  std::vector<std::uint32_t> all;
+  const std::size_t step = std::max<std::size_t>(1, facets / count);
+  for (std::size_t f = step / 2; f < facets; f += step) all.push_back(static_cast<std::uint32_t>(f));
+  return all;
+}
+
+/// Long-wave radiosity of the patches at a node: the mean of their receivers by area.
+std::vector<double> patch_radiosity(const Units& units, const Surroundings& s, const GroundLight& ground,
+                                    const HeatBatches& batches, std::size_t node) {
+  std::vector<double> radiosity(units.exchange.patches(), 0.0);
+  const auto add = [&](const UnitSide& side, std::size_t receiver) {
+    const double kelvin = batches.receiver_k(node, receiver);
+    const double received = side.sky * s.sky_longwave_w_m2[node] + side.ground * ground.longwave_w_m2[node] +
+                            static_cast<double>(batches.longwave_w_m2(node, receiver));
+    const double leaving = side.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(kelvin, 4) +
+                           (1.0 - side.emissivity) * received;
+    const std::uint32_t patch = units.exchange.patch_of[receiver];
+    radiosity[patch] += leaving * units.exchange.receiver_area_m2[receiver] / units.exchange.area_m2[patch];
+  };
+  for (const Unit& unit : units.unit) {
+    add(unit.front, unit.receiver);
+    if (unit.back) add(*unit.back, unit.receiver + 1);
+  }
+  return radiosity;
+}
+
+double from_patches(const geometry::SparseRows& rows, std::size_t row, const std::vector<double>& radiosity) {
+  double sum = 0.0;
+  for (std::uint64_t i = rows.first[row]; i < rows.first[row + 1]; ++i)
+    sum += rows.value[i] * radiosity[rows.column[i]];
+  return sum;
+}
+
+}  // namespace
+
+ViewSpread view_spread(const HeatScene& scene, const Units& units, const GroundLight& ground,
+                       const HeatBatches& batches, const Window& window, const HeatOptions& options, double loss_w_m2_k,
+                       std::size_t count) {
+  constexpr std::size_t kEvery = 6;  // nodes: an hour, where they are 10 minutes apart
+  const Surroundings& s = scene.surroundings;
+  std::vector<std::uint32_t> facets;
+  for (const std::uint32_t f : picked(scene.region.size(), count))
+    if (!units.unit[units.unit_of[f]].given) facets.push_back(f);
+  if (facets.empty()) return {};
+  std::vector<geometry::Side> sides;
+  for (const std::uint32_t f : facets) sides.push_back({f, false});
+  const geometry::Views own =
+      views(scene.rays, geometry::single_sides(std::move(sides)), units.patch_of_side, units.exchange.patches(),
+            {.rays = options.rays, .seed = 1, .threads = options.threads});
+  std::vector<double> largest(facets.size(), 0.0);
+  for (std::size_t node = window.first; node <= window.last; node += kEvery) {
+    const std::vector<double> radiosity = patch_radiosity(units, s, ground, batches, node);
+    const double sky = s.sky_longwave_w_m2[node], below = ground.longwave_w_m2[node];
+    for (std::size_t i = 0; i < facets.size(); ++i) {
+      const Unit& unit = units.unit[units.unit_of[facets[i]]];
+      const double of_facet = own.sky_share(i) * sky + own.ground[i] * below + from_patches(own.patches, i, radiosity);
+      const double of_unit = unit.front.sky * sky + unit.front.ground * below +
+                             from_patches(units.views.patches, unit.receiver, radiosity);
+      largest[i] = std::max(largest[i], unit.front.emissivity * std::abs(of_facet - of_unit) / loss_w_m2_k);
+    }
+  }
+  ViewSpread spread;
+  for (const double kelvin : largest) spread.error_k.rms += kelvin * kelvin / static_cast<double>(largest.size());
+  spread.error_k.rms = std::sqrt(spread.error_k.rms);
+  std::sort(largest.begin(), largest.end());
+  spread.error_k.percentile_95 = largest[(largest.size() - 1) * 95 / 100];
+  spread.error_k.count = largest.size();
+  spread.largest_k = largest.back();
+  return spread;
+}
+
+}  // namespace apps::scene

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// How far facets are from the unit that is solved for them, by what they see: the long-wave irradiance of a facet from
+// its own view of sky, ground and patches, against that of its unit, on facets picked at random. Two facets that see
+// equal shares of other surfaces may see warmer and colder ones; and the view that decides about units is sampled.
+// Both are in this number, and so is the sampling error of the views that are compared. It is measured, not bounded.
+
+#include "apps/scene/heat/heat_batches.h"
+#include "radiometry/scene/table_error.h"
+
+namespace apps::scene {
+
+/// In K: the largest difference of absorbed long-wave flux over the nodes of the window solved last, over the loss.
+struct ViewSpread {
+  radiometry::scene::TableError error_k;
+  double largest_k = 0.0;
+};
+
+ViewSpread view_spread(const HeatScene& scene, const Units& units, const GroundLight& ground,
+                       const HeatBatches& batches, const Window& window, const HeatOptions& options, double loss_w_m2_k,
+                       std::size_t count = 2000);
+
+}  // namespace apps::scene
