@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/options.h"
+#include "apps/sensor/observer_rows.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/sensor/sensor_place.h"
@@ -99,7 +100,9 @@ int run_budget(const BudgetOptions& options, const Global& global) {
     note(global, "note: spatial noise has no number: " + gap);
   const std::vector<std::string> notes = budget_notes(loaded.sensor);
   for (const std::string& text : notes) note(global, "note: " + text);
-  const Rows rows = budget_rows(config.system, loaded.sensor, budget);
+  Rows rows = budget_rows(config.system, loaded.sensor, budget);
+  for (radiometry::BudgetRow& row : observer_rows(with_electron_rate(config.system, loaded), loaded.sensor, budget))
+    rows.push_back(std::move(row));
   const radiometry::Saturation& saturation = budget.saturation;
   if (const std::string said = words(saturation); !said.empty() && options.format != Format::table)
     note(global, (saturation.saturated() ? "warning: " : "note: ") + said);

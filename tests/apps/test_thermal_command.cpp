@@ -143,6 +143,9 @@ TEST_F(ThermalCommand, StudiesHaveItsNetdAndNep) {
   EXPECT_NEAR(number(second, 2), 50.0 / 0.9, 1e-6);
   // pi/5 x 0.83782128952792565 W m^-2 sr^-1 K^-1 x (17 um)^2 x 50 mK, in pW.
   EXPECT_NEAR(number(second, 3), 7.6067493717, 1e-6);
+  const Json terms = budget();  // of 50 mK, the second design
+  EXPECT_NEAR(terms["mrtd"]["value"].get<double>() / number(second, 4), 1.0, 1e-4);
+  EXPECT_NEAR(terms["mdtd"]["value"].get<double>() / number(second, 5), 1.0, 1e-4);
   for (const int column : {4, 5}) {  // MRTD and MDTD follow the NETD of a camera without spatial noise
     EXPECT_GT(number(first, column), 0.0);
     EXPECT_NEAR(number(second, column) / number(first, column), 2.0, 1e-9);
