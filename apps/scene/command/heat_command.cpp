@@ -119,7 +119,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   const bool drawn = file.camera && camera_sees(scene, *file.camera);
   if (file.camera && !drawn) note(global, "warning: [camera] sees nothing of the scene, so there is no picture of it");
   std::string text;
-  double promised_k = 0.0;
+  double promised_k = 0.0, spread_k = 0.0;
   std::vector<std::string> paths;
   if (!existed) paths.push_back(options.out);
   for (const char* name : {"temperatures.npy", "temperatures_back.npy", "facets.csv", "times.csv", "regions.csv",
@@ -139,6 +139,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
         },
         [&](const std::string& step, double share) { progress.update(step, share); });
     promised_k = report.promised.total_k();
+    spread_k = report.view_spread.error_k.percentile_95;
     files.commit(report, heat_options);
     write_figure(options.out + "/regions.svg", region_figure(file, files));
     if (drawn)
@@ -148,6 +149,9 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
     text = options.format == Format::json ? heat_json(scene, report, heat_options) : summary_text(scene, report, files);
   });
   print(text);
+  if (spread_k > options.tolerance_k)
+    note(global, "warning: what facets see differs from what their class sees by up to " + significant(spread_k, 2) +
+                     " K (95 % of them), more than the tolerance; more --rays, or --every-facet, bring it down");
   if (options.format == Format::table) print("written to " + options.out + "/\n");
   if (promised_k <= options.tolerance_k) return 0;
   complain("mtf: warning: the promised error of " + significant(promised_k, 3) + " K is above the tolerance of " +

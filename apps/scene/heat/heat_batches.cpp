@@ -160,14 +160,19 @@ void HeatBatches::run(Batch& batch, const heat::Timeline& timeline, bool first) 
 
 double HeatBatches::line_error() const {
   const std::vector<double>& times = scene_.surroundings.time_s;
-  double worst = 0.0;
+  const std::size_t receivers = units_.exchange.receivers();
+  std::vector<float> off(receivers, 0.0F), off_before(receivers, std::numeric_limits<float>::infinity());
+  float worst = 0.0F;
   for (std::size_t k = window_.first + 1; k < window_.last; ++k) {
-    const double share = (times[k] - times[k - 1]) / (times[k + 1] - times[k - 1]);
+    const auto share = static_cast<float>((times[k] - times[k - 1]) / (times[k + 1] - times[k - 1]));
     const std::span<const float> before = longwave_.row(k - 1), here = longwave_.row(k), after = longwave_.row(k + 1);
-    for (std::size_t i = 0; i < here.size(); ++i)
-      worst = std::max(worst, std::abs(here[i] - before[i] - share * (after[i] - before[i])));
+    for (std::size_t i = 0; i < receivers; ++i) {
+      off[i] = std::abs(here[i] - before[i] - share * (after[i] - before[i]));
+      worst = std::max(worst, std::min(off[i], off_before[i]));
+    }
+    std::swap(off, off_before);
   }
-  return 0.25 * worst;
+  return 0.25 * static_cast<double>(worst);
 }
 
 Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k, double loss_w_m2_k,

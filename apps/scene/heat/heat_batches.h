@@ -80,7 +80,7 @@ class HeatBatches {
   /// Long-wave exchange from the temperatures; the largest change of irradiance, W/m2.
   double update_exchange();
   /// What the straight lines between nodes are off by, W/m2: a quarter of the difference of a node from the line
-  /// between its neighbours.
+  /// between its neighbours, the smaller one of the two ends of an interval, since a bend at a node is no error.
   double line_error() const;
 
   const HeatScene& scene_;

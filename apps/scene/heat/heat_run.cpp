@@ -69,13 +69,19 @@ double feedback_ratio(const HeatScene& scene, const Units& units, double warmest
   return std::min(most, 0.99);
 }
 
-/// Shares of the tolerance.
-struct Shares {
-  double solver_k, ground_k, units_k, exchange_k;
-};
-Shares shares_of(double tolerance_k) {
-  return {0.35 * tolerance_k, 0.05 * tolerance_k, 0.3 * tolerance_k, 0.05 * tolerance_k};
+/// The same for a surface that sees nothing but others, of whichever material; at most 0.6, which closed rooms without
+/// convection would exceed.
+double largest_ratio(const HeatScene& scene, double warmest) {
+  double most = 0.0;
+  for (const Surface& material : scene.material)
+    for (const bool back : {false, true})
+      if (const Loss loss = loss_of(scene, material, back, warmest); loss.radiation > 0.0)
+        most = std::max(most, loss.radiation / loss.total());
+  return std::min(most, 0.6);
 }
+
+/// Shares of what is left of the tolerance when exchange passes errors on.
+constexpr double kSolverShare = 0.45, kUnitsShare = 0.35, kGroundShare = 0.05, kExchangeShare = 0.1;
 
 }  // namespace
 
@@ -83,23 +89,25 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
                     const std::function<void(const HeatOutput&)>& output,
                     const std::function<void(const std::string&, double)>& progress) {
   const Surroundings& s = scene.surroundings;
-  const Shares shares = shares_of(options.tolerance_k);
   const double loss = least_loss(scene);
   HeatReport report;
   report.timing_ms = scene.timing_ms;
   report.warnings = scene.warnings;
 
+  constexpr double kSunlit_k = 40.0;  // above the air: the iteration tells when this is too little
+  double warmest = *std::max_element(s.air_k.begin(), s.air_k.end());
+
   progress("rays", 0.0);
-  const Units units = units_of(scene, options, options.every_facet ? 0.0 : shares.units_k * loss);
+  const double left_k = options.tolerance_k * (1.0 - largest_ratio(scene, warmest + kSunlit_k));
+  const Units units = units_of(scene, options, options.every_facet ? 0.0 : kUnitsShare * left_k * loss);
   report.timing_ms.emplace_back("rays", units.rays_ms);
   report.timing_ms.emplace_back("table errors", units.error_ms);
 
   const Stopwatch watch;
-  const Ground ground = ground_of(scene, shares.ground_k);
-  constexpr double kSunlit_k = 40.0;  // above the air: the iteration tells when this is too little
-  double warmest = *std::max_element(s.air_k.begin(), s.air_k.end());
   const double ratio = feedback_ratio(scene, units, warmest + kSunlit_k);
-  HeatBatches batches(scene, units, ground.light, shares.solver_k, options.threads);
+  const double room_k = options.tolerance_k * (1.0 - ratio);
+  const Ground ground = ground_of(scene, kGroundShare * room_k);
+  HeatBatches batches(scene, units, ground.light, kSolverShare * room_k, options.threads);
   const std::vector<Window> windows = windows_of(s);
   std::vector<double> front(scene.region.size()), back(units.has_sheets() ? scene.region.size() : 0);
   const auto emit = [&](std::size_t node) {
@@ -116,7 +124,7 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
   auto next = s.outputs.begin();
   for (std::size_t w = 0; w < windows.size() && next != s.outputs.end(); ++w) {
     progress("heat", static_cast<double>(w) / static_cast<double>(windows.size()));
-    const Relaxed relaxed = batches.solve(windows[w], w == 0, shares.exchange_k, loss, ratio);
+    const Relaxed relaxed = batches.solve(windows[w], w == 0, kExchangeShare * room_k, loss, ratio);
     report.iterations = std::max(report.iterations, relaxed.iterations);
     report.promised.exchange_k = std::max(report.promised.exchange_k, relaxed.error_k);
     if (w == 0) report.view_spread = view_spread(scene, units, ground.light, batches, windows[w], options, loss);

@@ -12,7 +12,7 @@ namespace apps::scene {
 namespace {
 
 namespace heat = radiometry::heat;
-constexpr double kLongestStep_s = 600.0;
+constexpr double kLongestStep_s = 600.0, kShortestStep_s = 60.0;
 constexpr double kOnHorizon = 1e-6;
 constexpr double kSame_s = 1e-3;  // times closer than this are one node
 
@@ -72,7 +72,7 @@ std::vector<int> entries_of(const Surroundings& s, const SceneFile& scene) {
 
 }  // namespace
 
-Surroundings surroundings_of(const SceneFile& scene, int directions) {
+Surroundings surroundings_of(const SceneFile& scene, int directions, double tolerance_k) {
   using enum heat::WeatherQuantity;
   const heat::WeatherSeries weather = scene_weather(scene);
   const double start = scene.time.start_s;
@@ -106,7 +106,9 @@ Surroundings surroundings_of(const SceneFile& scene, int directions) {
   const auto steps = std::llround((scene.time.end_s - start) / scene.time.step_s);
   for (std::int64_t i = 0; i <= steps; ++i) outputs.push_back(static_cast<double>(i) * scene.time.step_s);
   times.insert(times.end(), outputs.begin(), outputs.end());
-  for (double t = 0.0; t < end - start; t += kLongestStep_s) times.push_back(t);
+  // The exchange between surfaces is a line between nodes, whose error goes with the square of their distance.
+  const double step = std::clamp(kLongestStep_s * std::sqrt(tolerance_k), kShortestStep_s, kLongestStep_s);
+  for (double t = 0.0; t < end - start; t += step) times.push_back(t);
   s.time_s = merged(std::move(times));
   for (const double t : outputs) s.outputs.push_back(node_at(s.time_s, t));
 

@@ -35,8 +35,8 @@ struct Surroundings {
 };
 
 /// From the start of the run to its end, or to a day after the start where that is later: the first day is what the
-/// start repeats. `directions` a day of the table of shadows. Throws UsageError for weather that does not cover this,
-/// with the remedy.
-Surroundings surroundings_of(const SceneFile& scene, int directions);
+/// start repeats. `directions` a day of the table of shadows; nodes are the denser the smaller the tolerance is. Throws
+/// UsageError for weather that does not cover this, with the remedy.
+Surroundings surroundings_of(const SceneFile& scene, int directions, double tolerance_k);
 
 }  // namespace apps::scene

@@ -150,6 +150,36 @@ void sort_units(Grouping& g, const HeatScene& scene, const geometry::SunVisibili
   g.leader = std::move(leader);
 }
 
+/// Two facets that see equal shares of other surfaces may see warmer and colder ones. So surfaces are sorted into a few
+/// kinds of like flux, and the keys get the shares of the view that each kind has, in steps: of the tolerance, but no
+/// finer than sampling resolves. What remains is measured (view_spread.h).
+void add_seen_kinds(const HeatScene& scene, const std::vector<Side>& sides, const geometry::Views& seen,
+                    const geometry::SunVisibility& sun, const geometry::FluxAmplitudes& amplitudes,
+                    double tolerance_w_m2, const geometry::ViewOptions& rough,
+                    std::vector<geometry::SideFinish>& finish) {
+  constexpr std::size_t kKinds = 24;
+  std::set<std::uint32_t> finishes;
+  for (const geometry::SideFinish& one : finish) finishes.insert(one.key);
+  const geometry::Classes kinds =
+      geometry::patches_of(scene.facets(), sides, finish, seen, sun, scene.surroundings.shadow_to_sun, amplitudes,
+                           std::max(kKinds, 2 * finishes.size()), rough.threads);
+  const geometry::Receivers receivers = geometry::single_sides(sides);
+  const geometry::Views by_kind =
+      views(scene.rays, receivers, patches_of_sides(scene.facets(), receivers, kinds.class_of), kinds.size(), rough);
+  const double resolved = 0.25 / std::sqrt(static_cast<double>(rough.rays));
+  const double step = std::max(tolerance_w_m2 / std::max(amplitudes.surfaces_longwave, 1.0), resolved);
+  std::map<std::vector<std::uint32_t>, std::uint32_t> known;
+  std::vector<std::uint32_t> key;
+  for (std::size_t i = 0; i < finish.size(); ++i) {
+    key = {finish[i].key};
+    for (std::uint64_t e = by_kind.patches.first[i]; e < by_kind.patches.first[i + 1]; ++e) {
+      const auto steps = static_cast<std::uint32_t>(std::lround(by_kind.patches.value[e] / step));
+      if (steps > 0) key.insert(key.end(), {by_kind.patches.column[e], steps});
+    }
+    finish[i].key = known.try_emplace(key, static_cast<std::uint32_t>(known.size())).first->second;
+  }
+}
+
 /// Entries of a table for some of its rows.
 geometry::Views rows_of(const geometry::Views& views, const std::vector<std::uint32_t>& rows) {
   geometry::Views some;
@@ -205,13 +235,15 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   const std::vector<geometry::Vector>& to_sun = scene.surroundings.shadow_to_sun;
   const Sides all = sides_of(scene);
   require_room(scene, all.sides.size());
-  const std::vector<geometry::SideFinish> finish = finishes_of(scene, all.sides);
+  std::vector<geometry::SideFinish> finish = finishes_of(scene, all.sides);
   const geometry::ViewOptions rough{.rays = options.rough_rays, .threads = options.threads};
   const geometry::Views seen = views(scene.rays, geometry::single_sides(all.sides), rough);
   const geometry::SunOptions sun_options{.points = options.sun_points, .threads = options.threads};
   Units units;
   units.sun = sun_visibility(scene.rays, all.sides, to_sun, sun_options);
   const geometry::FluxAmplitudes amplitudes = amplitudes_of(scene, rough.rings);
+  const std::vector<geometry::SideFinish> plain = finish;
+  add_seen_kinds(scene, all.sides, seen, units.sun, amplitudes, tolerance_w_m2, rough, finish);
   const geometry::Classes classes =
       classes_of(facets, all.sides, finish, seen, units.sun, to_sun, amplitudes, tolerance_w_m2, options.threads);
   units.bound_w_m2 = classes.bound_w_m2;
@@ -245,7 +277,7 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
         static_cast<std::uint32_t>(units.unit[units.unit_of[side.facet]].receiver + (side.back ? 1 : 0)));
   const geometry::Receivers receivers = geometry::sets_of_sides(all.sides, receiver_of, leaders.size());
   std::vector<geometry::SideFinish> leader_finish;
-  for (const std::uint32_t row : leader_rows) leader_finish.push_back(finish[row]);
+  for (const std::uint32_t row : leader_rows) leader_finish.push_back(plain[row]);
   std::set<std::uint32_t> finishes;
   for (const geometry::SideFinish& one : leader_finish) finishes.insert(one.key);
   const geometry::Classes patches =
