@@ -57,7 +57,7 @@ Command heat_command() {
       "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --rays 128"};
   add_file(app, "scene", "scene file (TOML)", options.scene);
   add_text(app, "-o,--out", "FOLDER", "folder to create", options.out).required = true;
-  add_word(app, "--tolerance", "X", "with its unit; default \"0.1 K\"", [&](const std::string& text) {
+  add_word(app, "--tolerance", "X", "with its unit; default \"1 K\"", [&](const std::string& text) {
     options.tolerance_k = temperature_difference("--tolerance", text);
     if (options.tolerance_k < 1e-4)
       throw mtf::UsageError("--tolerance: " + text + " is below 0.0001 K, which rounding does not allow");

@@ -196,7 +196,7 @@ struct SceneOptions {
 /// `mtf heat`.
 struct HeatCommandOptions {
   std::string scene, out;
-  double tolerance_k = 0.1;
+  double tolerance_k = 1.0;
   int rays = 512;            ///< of the view of each class of facets
   int directions = 36;       ///< of the table of shadows, a day
   bool every_facet = false;  ///< no classes

@@ -65,7 +65,7 @@ std::vector<std::string> lines(const std::string& text) {
 }
 
 TEST_F(HeatCommand, WritesWhatItSays) {
-  const Result result = scratch_.run("mtf heat scene.toml -o out --ply");
+  const Result result = scratch_.run("mtf heat scene.toml -o out --ply --tolerance '0.1 K'");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.out.find("2 facets as 2 classes, 13 outputs"), std::string::npos) << result.out;
   const auto regions = lines(read_file(scratch_ / "out/regions.csv"));
@@ -100,7 +100,7 @@ TEST_F(HeatCommand, CheckAndExplain) {
   const Result explained = scratch_.run("mtf scene explain scene.toml");
   ASSERT_EQ(explained.status, 0) << explained.err;
   // C = 7800 x 480 x 0.005 J/m2/K, h = 5.7 + 3.8 x 2.
-  EXPECT_NE(explained.out.find("steel          5  0.000111         18.7          0.7         0.9         13.3"),
+  EXPECT_NE(explained.out.find("steel          5     0.000111         18.7          0.7         0.9         13.3"),
             std::string::npos)
       << explained.out;
   EXPECT_NE(explained.out.find("the sun rises at 2026-06-21T04:"), std::string::npos) << explained.out;

@@ -14,7 +14,7 @@
 namespace apps::scene {
 
 struct HeatOptions {
-  double tolerance_k = 0.1;  ///< of the worst facet at any output, with the tables of shadows, views and exchange given
+  double tolerance_k = 1.0;  ///< of the worst facet at any output, with the tables of shadows, views and exchange given
   int directions = 36;       ///< of the table of shadows, a day
   int rough_rays = 64;       ///< of each facet: they tell which facets are alike
   int rays = 512;            ///< of each unit
