@@ -166,6 +166,69 @@ TEST_F(HeatRun, RealisedErrorsAreBelowThePromise) {
   }
 }
 
+// A first day without sun must not decide how deep later days are followed into the material.
+TEST_F(HeatRun, LaterDaysMayBeClearer) {
+  std::string csv =
+      "time,air_temperature (K),wind_speed (m/s),direct_normal (W/m2),diffuse_horizontal (W/m2),longwave_down (W/m2)\n";
+  for (int hour = 0; hour <= 72; hour += 1)
+    csv += "2016-03-" + std::to_string(20 + hour / 24) + "T" + (hour % 24 < 10 ? "0" : "") + std::to_string(hour % 24) +
+           ":00:00Z,280,2,0," + (hour < 25 ? "0" : "900") + ",348\n";
+  std::ofstream(folder_ / "weather.csv") << csv;
+  const std::string text =
+      "[time]\nstart = 2016-03-20T00:00:00Z\nend = 2016-03-23T00:00:00Z\nstep = \"1 h\"\n"
+      "[weather]\nfile = \"weather.csv\"\n" +
+      kSky +
+      "[[material]]\nname = \"concrete\"\nsolar_absorptance = 0.7\nemissivity = 0.9\n"
+      "convection = \"mcadams\"\nlayers = [{ conductivity = \"1.5 W/m/K\", density = \"2300 "
+      "kg/m3\", heat_capacity = \"880 J/kg/K\", thickness = \"0.3 m\" }]\n" +
+      kMesh + region("", "material = \"concrete\"");
+  const Outcome fine = run(text, plate(1.0), {.tolerance_k = 2e-3});
+  const Outcome coarse = run(text, plate(1.0), {.tolerance_k = 0.1});
+  ASSERT_EQ(coarse.front.size(), 73U);
+  EXPECT_NEAR(fine.front[24][0], fine.front[0][0], 1e-2);  // the day of the start repeats itself
+  EXPECT_GT(fine.front[72][0], fine.front[24][0] + 20.0);
+  for (std::size_t i = 0; i < coarse.front.size(); ++i)
+    EXPECT_NEAR(coarse.front[i][0], fine.front[i][0], coarse.report.promised.total_k() + fine.report.promised.total_k())
+        << i;
+}
+
+/// A square of 1 m at x that faces east (+x), or west.
+std::string upright(double x, double y, bool east, int first, const std::string& group) {
+  std::string text = "g " + group + "\n";
+  for (const auto& [dy, z] : {std::pair{0, 0}, std::pair{1, 0}, std::pair{1, 1}, std::pair{0, 1}})
+    text += "v " + std::to_string(x) + " " + std::to_string(y + dy) + " " + std::to_string(z) + "\n";
+  const auto corner = [&](int i) { return " " + std::to_string(first + i); };
+  return text + "f" +
+         (east ? corner(0) + corner(1) + corner(2) + corner(3) : corner(3) + corner(2) + corner(1) + corner(0)) + "\n";
+}
+
+// Facets with equal shares of sky, ground and other surfaces, one of which sees hot ones.
+TEST_F(HeatRun, FacetsThatSeeHotSurfacesAreNoClassWithThoseThatSeeColdOnes) {
+  const std::string obj = upright(0.0, 0.0, true, 1, "target") + upright(1.0, 0.0, false, 5, "hot") +
+                          upright(0.0, 50.0, true, 9, "target") + upright(1.0, 50.0, false, 13, "cold");
+  const double longwave = kSigma * std::pow(280.0, 4);
+  const std::string text = kDay + weather(280.0, 1.0, 0.0, 0.0, longwave) + kSky +
+                           material("paint", 0.7, 0.9, "\"mcadams\"") + kMesh +
+                           region("target", "material = \"paint\"") + region("hot", "temperature = \"600 K\"") +
+                           region("cold", "temperature = \"280 K\"");
+  const Outcome outcome = run(text, obj, {.rays = 8192});
+  std::vector<double> target{outcome.front.back()[0], outcome.front.back()[2]};
+  const double factor = 0.19982489569839;
+  const double hot =
+      equilibrium(0.9 * (factor * kSigma * std::pow(600.0, 4) + (1.0 - factor) * longwave), 0.9, 5.7 + 3.8, 280.0);
+  EXPECT_NEAR(target[0], hot, 2.0);  // an rms error of 1.6e-3 in F is 0.7 K here
+  EXPECT_NEAR(target[1], 280.0, 0.1);
+}
+
+TEST_F(HeatRun, BacksThatAreSeenAndNotSolvedAreSaid) {
+  const std::string obj = upright(0.0, 0.0, true, 1, "target") + upright(0.5, 0.0, true, 5, "plate");
+  const std::string text = kDay + weather(280.0, 1.0, 0.0, 0.0, 300.0) + kSky +
+                           material("paint", 0.7, 0.9, "\"mcadams\"") + kMesh + region("", "material = \"paint\"");
+  const HeatScene scene = prepare(text, obj);
+  ASSERT_FALSE(scene.warnings.empty());
+  EXPECT_NE(scene.warnings.back().find("are backs of its open surfaces"), std::string::npos) << scene.warnings.back();
+}
+
 TEST_F(HeatRun, TheSameForEveryNumberOfThreads) {
   const std::string text = kDay + weather(280.0, 3.0, 800.0, 80.0, 280.0) + kSky +
                            material("thin", 0.8, 0.9, "\"mcadams\"") + kMesh + region("", "material = \"thin\"");
@@ -191,6 +254,15 @@ TEST_F(HeatRun, RefusesWhatItCannotSolve) {
                     material("wall", 0.8, 0.9, "\"mcadams\"", "inside = { kind = \"pair\", thickness = \"0.1 m\" }\n") +
                     kMesh + region("", "material = \"wall\""))
                 .find("\"pair\" is not solved yet"),
+            std::string::npos);
+  EXPECT_NE(message_of([&] {
+              run(head + material("wall", 0.8, 0.9, "\"mcadams\"", "inside = { kind = \"sheet\" }\n") + kMesh +
+                      region("", "material = \"wall\"") + "[ground]\nmaterial = \"wall\"\n",
+                  plate(0.0));
+            }).find("[ground]: material 'wall' is a sheet"),
+            std::string::npos);
+  EXPECT_NE(refusal(head + material("wall", 0.8, 0.0, "\"none\"") + kMesh + region("", "material = \"wall\""))
+                .find("nothing determines its temperature"),
             std::string::npos);
   EXPECT_NE(refusal(head + material("wall", 0.8, 0.9, "\"mcadams\"") + kMesh + region("roof", "material = \"wall\""))
                 .find("has no group 'roof' (there are: plate)"),
