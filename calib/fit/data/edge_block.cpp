@@ -295,6 +295,11 @@ bool EdgeBlock::rounds_coarsely() const {
   return data_->quantum > 1e-3 * std::abs(start.bright - start.dark) && rounds();
 }
 
+bool EdgeBlock::rounding_hides_noise() const {
+  const double least = std::min(sd_at(data_->start.dark), sd_at(data_->start.bright)) / noise_factor_;
+  return least * least < kRoundsAlike_steps2 * data_->quantum * data_->quantum;
+}
+
 bool EdgeBlock::noise_follows() const { return data_->start.noise_gain != 0.0 || rounds_coarsely(); }
 
 }  // namespace calib

@@ -57,6 +57,8 @@ class EdgeBlock {
   bool noise_follows() const;
   /// True when the noise is less than rounding leaves uncertain: the residuals are then rounding errors.
   bool rounds() const { return data_->start.noise_sd < 0.6 * data_->quantum; }
+  /// True when the noise on a side is so small that neighbouring pixels round alike.
+  bool rounding_hides_noise() const;
   /// Sets the weights from the fitted values and slopes.
   void update_noise(const Sensors& sensors, std::span<const double> own);
 
