@@ -28,6 +28,7 @@ void blur_noise(mtf::Image& image, const made::Scene& scene, const made::Step& s
 }
 
 constexpr double kContrast = 0.6;
+constexpr double kSlanted_deg = 5.0;
 constexpr double kCount = kContrast / 153.0;  // of 8 bits
 
 void blur_and_round_noise(mtf::Image& image, const made::Scene& scene, const made::Step& step) {
@@ -65,7 +66,8 @@ struct Deviations {
   int known = 0, wrong = 0, warned = 0, left_out = 0;  ///< draws
 };
 
-Deviations deviations(const Model& model, const Noise& noise, double cnr, int draws, double quantum = 0.0) {
+Deviations deviations(const Model& model, const Noise& noise, double cnr, int draws, double quantum = 0.0,
+                      double angle_deg = kSlanted_deg) {
   Deviations rms{.parameter = std::vector<double>(model.truth.size())};
   std::mt19937_64 bits(11);
   std::uniform_real_distribution<double> phase(-0.5, 0.5);
@@ -74,7 +76,13 @@ Deviations deviations(const Model& model, const Noise& noise, double cnr, int dr
     made::Scene scene;
     scene.width = 80, scene.height = 60, scene.half_length_px = 30.0;
     scene.x = 40.0 + phase(bits);
+    scene.angle_deg = angle_deg;
     scene.noise_sd = kContrast / cnr;
+    if (angle_deg != kSlanted_deg) {  // plateaus at any place between two steps
+      scene.dark += quantum * phase(bits);
+      scene.bright += quantum * phase(bits);
+      scene.quantum = quantum;
+    }
     scene.seed = bits();
     mtf::Image image = made::make(model.step, scene);
     noise(image, scene, model.step);
@@ -153,6 +161,22 @@ TEST(FitNoise, ErrorsOfParametersThatCompensateForEachOther) {
   constexpr int kDraws = 200;
   for (const Noise& noise : {Noise(blur_noise), Noise(made::interpolate_noise)})
     expect_stated(deviations(two_widths(), noise, 400.0, kDraws), kDraws);
+}
+
+TEST(FitNoise, RoundingAlongTheGridIsPartOfTheErrors) {
+  constexpr int kDraws = 100;
+  constexpr double kStep = kContrast / 60.0;
+  for (const double angle_deg : {0.0, 45.0, 90.0})
+    for (const double noise : {0.05, 0.125, 0.25}) {
+      SCOPED_TRACE(testing::Message() << angle_deg << " degrees, noise " << noise);
+      const Deviations rms = deviations(one_width(), leave, kContrast / (noise * kStep), kDraws, kStep, angle_deg);
+      EXPECT_EQ(rms.known, kDraws);
+      EXPECT_LE(rms.wrong, kDraws / 10);
+      for (const double one : {rms.parameter.front(), rms.low, rms.high}) {
+        EXPECT_GT(one, 0.65);
+        EXPECT_LT(one, 1.15);
+      }
+    }
 }
 
 struct OneEdge {

@@ -95,6 +95,7 @@ class EdgeBlock {
   double noise_factor_ = 1.0;  // factor on the sd
   double range_px_ = 0.0;
   bool thinned_ = false;
+  double alike_ = 0.0;  // along the pixels' grid: the share of rounding that pixels at one distance have in common
   std::vector<Pixel> pixels_;
 
   // The last table, for the next pass over the pixels at the same point. A block belongs to one thread at a time.
