@@ -57,6 +57,10 @@ struct PixelCorrelation {
 /// `normal` is that of the edge.
 PixelCorrelation correlation_of(const PixelGrid& grid, Point normal);
 
+/// Variance of a pixel, in squared steps between its values and with that of rounding, below which neighbouring pixels
+/// round alike: their residuals are then correlated though the noise is not.
+inline constexpr double kRoundsAlike_steps2 = 0.25;
+
 /// What neighbouring pixels share of their noise.
 struct NoiseCorrelation {
   std::vector<PixelLag> lags;  ///< of one half plane; none: the noise of the pixels is independent

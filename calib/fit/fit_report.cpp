@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kRadian_deg = 180.0 / std::numbers::pi;
 constexpr double kUnseen = 1e18;  // variance of an x that nothing in the data depends on
-constexpr double kTables = 0.1;   // chi-square per degree of freedom: residuals below are those of tables and rounding
 
 /// The size against which an error of x counts as large, see identifiability.h.
 double reference_of(const Variable& v, double x, const FitParameter& parameter) {
@@ -62,9 +61,7 @@ void identify(Solved& solved) {
 
 void judge(Solved& solved, std::span<const FitParameter> parameters) {
   const FitProblem& problem = *solved.problem;
-  solved.tests = test_residuals(problem);
-  for (std::size_t b = 0; b < solved.tests.size(); ++b)
-    if (solved.noise_factor[b] < kTables) solved.tests[b].noise = {};
+  solved.tests = test_residuals(problem, solved.noise_factor);
   solved.scores = problem.score_covariances(noise_of(solved.tests));
   solved.information = information_of(problem, solved.normals, solved.scores, solved.noise_factor);
   solved.reference.clear();

@@ -335,15 +335,20 @@ void widen_to_end(const EdgeMeasurement& end, EdgeMeasurement& out) {
   });
 }
 
-void take_deviations_from_curve(EdgeMeasurement& out) {
-  const bool peak_at_zero = out.mtf50 && out.mtf50p && out.mtf50->value == out.mtf50p->value;
+void take_deviations_from_curve(const EdgeMeasurement& least, EdgeMeasurement& out) {
+  const auto take = [&](std::optional<Estimate> EdgeMeasurement::*figure, const std::optional<Estimate>& found) {
+    if (!(out.*figure) || !found || !(found->sd > 0.0)) return;
+    (out.*figure)->sd = std::max(found->sd, least.*figure ? (least.*figure)->sd : 0.0);
+  };
   for (const auto& [contrast, figure] : {std::pair{0.1, &EdgeMeasurement::mtf10},
                                          {0.2, &EdgeMeasurement::mtf20},
                                          {0.3, &EdgeMeasurement::mtf30},
                                          {0.5, &EdgeMeasurement::mtf50}})
-    if (const auto found = frequency_at(out, contrast); found && out.*figure) (out.*figure)->sd = found->sd;
-  if (peak_at_zero) out.mtf50p = out.mtf50;
-  if (out.sampling_efficiency && out.mtf10) out.sampling_efficiency->sd = 2.0 * out.mtf10->sd;
+    take(figure, frequency_at(out, contrast));
+  const auto peak = std::max_element(out.mtf.begin(), out.mtf.end());
+  take(&EdgeMeasurement::mtf50p,
+       crossing(MtfOfCurve{out}, out, 0.5 * *peak, static_cast<std::size_t>(peak - out.mtf.begin())));
+  if (out.mtf10) take(&EdgeMeasurement::sampling_efficiency, Estimate{0.0, 2.0 * out.mtf10->sd});
 }
 
 void describe_geometry(const EdgeModel& model, const JointFit& joint, const RegionFacts& facts, EdgeMeasurement& out) {

@@ -23,8 +23,8 @@ void take_larger_deviations(const EdgeMeasurement& other, EdgeMeasurement& measu
 void widen_to_end(const EdgeMeasurement& end, EdgeMeasurement& measurement);
 
 /// Gives the frequencies of the contrasts the deviations that follow from those of the sampled curve, where these hold
-/// more than the noise of the response.
-void take_deviations_from_curve(EdgeMeasurement& measurement);
+/// more than the noise of the response; no smaller than those of `least`.
+void take_deviations_from_curve(const EdgeMeasurement& least, EdgeMeasurement& measurement);
 
 /// The edge's curve, length, sagitta and angle.
 void describe_geometry(const EdgeModel& model, const JointFit& joint, const RegionFacts& region,

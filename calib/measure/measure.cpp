@@ -99,9 +99,12 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   if (fitted.facts.large_errors) add_sharper_end(fitted.pixels, corrected, fitted.facts, fitted.settings, out);
   if (fitted.facts.few_distances()) add_other_shapes(fitted.pixels, fit, fitted.facts, fitted.settings, out);
   const bool may_miss_shape = fitted.facts.wide_blur() && joint.shape_in_doubt;
-  if (fitted.facts.short_sides() || may_miss_shape)
+  if (fitted.facts.short_sides() || may_miss_shape) {
+    const EdgeMeasurement before = out;
     add_other_tail(fitted.pixels, corrected, fitted.facts, fitted.settings, out);
-  if (may_miss_shape) take_deviations_from_curve(out);
+    // Short sides need the other tail by themselves: what it adds to the figures stays.
+    if (may_miss_shape) take_deviations_from_curve(fitted.facts.short_sides() ? out : before, out);
+  }
   if (fitted.facts.wide_blur()) add_unseen_frequencies(corrected, fitted.facts, out);
   if (const Outcome outcome = judge_response(out); outcome.refused()) return refused(known, outcome);
 

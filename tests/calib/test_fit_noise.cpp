@@ -27,6 +27,16 @@ void blur_noise(mtf::Image& image, const made::Scene& scene, const made::Step& s
   made::correlate_noise(image, scene, step, 0.8);
 }
 
+constexpr double kContrast = 0.6;
+constexpr double kSlanted_deg = 5.0;
+constexpr double kCount = kContrast / 153.0;  // of 8 bits
+
+void blur_and_round_noise(mtf::Image& image, const made::Scene& scene, const made::Step& step) {
+  blur_noise(image, scene, step);
+  for (std::int64_t i = 0; i < image.size(); ++i)
+    image.data()[i] = static_cast<float>(kCount * std::round(image.data()[i] / kCount));
+}
+
 struct Model {
   made::Step step;
   mtf::System<double> start;
@@ -53,11 +63,11 @@ Model two_widths() {
 struct Deviations {
   std::vector<double> parameter;
   double low = 0.0, high = 0.0;
-  int known = 0, wrong = 0, warned = 0;  ///< draws
+  int known = 0, wrong = 0, warned = 0, left_out = 0;  ///< draws
 };
 
-Deviations deviations(const Model& model, const Noise& noise, double cnr, int draws) {
-  constexpr double kContrast = 0.6;
+Deviations deviations(const Model& model, const Noise& noise, double cnr, int draws, double quantum = 0.0,
+                      double angle_deg = kSlanted_deg) {
   Deviations rms{.parameter = std::vector<double>(model.truth.size())};
   std::mt19937_64 bits(11);
   std::uniform_real_distribution<double> phase(-0.5, 0.5);
@@ -66,19 +76,31 @@ Deviations deviations(const Model& model, const Noise& noise, double cnr, int dr
     made::Scene scene;
     scene.width = 80, scene.height = 60, scene.half_length_px = 30.0;
     scene.x = 40.0 + phase(bits);
+    scene.angle_deg = angle_deg;
     scene.noise_sd = kContrast / cnr;
+    if (angle_deg != kSlanted_deg) {  // plateaus at any place between two steps
+      scene.dark += quantum * phase(bits);
+      scene.bright += quantum * phase(bits);
+      scene.quantum = quantum;
+    }
     scene.seed = bits();
     mtf::Image image = made::make(model.step, scene);
     noise(image, scene, model.step);
     const Roi all{0, 0, image.width(), image.height()};
-    EdgeData edge{
-        .name = "edge", .image = image.view(), .roi = all, .condition = 0, .start = measure_edge(image.view(), all)};
+    EdgeData edge{.name = "edge",
+                  .image = image.view(),
+                  .roi = all,
+                  .condition = 0,
+                  .start = measure_edge(image.view(), all, {.quantum = quantum}),
+                  .quantum = quantum};
     FitOptions options;
     options.threads = 1;
     const FitResult result = fit(data_of(model.start, std::move(edge)), model.parameters, options);
     rms.wrong += result.status == FitStatus::converged_model_wrong ? 1 : 0;
-    for (const std::string& warning : result.warnings)
-      rms.warned += warning.find("correlated between neighbouring pixels") != std::string::npos ? 1 : 0;
+    for (const std::string& warning : result.warnings) {
+      rms.warned += warning.find("noise is correlated between neighbouring pixels") != std::string::npos ? 1 : 0;
+      rms.left_out += warning.find("those of independent pixels") != std::string::npos ? 1 : 0;
+    }
     bool known = true;
     for (const FittedParameter& p : result.parameters) known = known && p.stderr_value.has_value();
     if (!known) continue;
@@ -116,13 +138,45 @@ TEST(FitNoise, ErrorsAreThoseOfTheDraws) {
     const Deviations rms = deviations(one_width(), noises[i], 60.0, kDraws);
     expect_stated(rms, kDraws);
     EXPECT_EQ(rms.warned, i == 0 ? 0 : kDraws);
+    EXPECT_EQ(rms.left_out, 0);
   }
+}
+
+TEST(FitNoise, SharedNoiseOfHalfACountIsPartOfTheErrors) {
+  constexpr int kDraws = 200;
+  const Deviations rms = deviations(one_width(), blur_and_round_noise, kContrast / (0.5 * kCount), kDraws, kCount);
+  expect_stated(rms, kDraws);
+  EXPECT_EQ(rms.warned, kDraws);
+}
+
+// Near the limit the estimate of the noise decides whether it counts; one of the two is said in every case.
+TEST(FitNoise, SharedNoiseThatRoundingHidesIsAWarning) {
+  constexpr int kDraws = 20;
+  const Deviations rms = deviations(one_width(), blur_and_round_noise, kContrast / (0.35 * kCount), kDraws, kCount);
+  EXPECT_GE(rms.left_out, kDraws / 2);
+  EXPECT_EQ(rms.warned + rms.left_out, kDraws);
 }
 
 TEST(FitNoise, ErrorsOfParametersThatCompensateForEachOther) {
   constexpr int kDraws = 200;
   for (const Noise& noise : {Noise(blur_noise), Noise(made::interpolate_noise)})
     expect_stated(deviations(two_widths(), noise, 400.0, kDraws), kDraws);
+}
+
+TEST(FitNoise, RoundingAlongTheGridIsPartOfTheErrors) {
+  constexpr int kDraws = 100;
+  constexpr double kStep = kContrast / 60.0;
+  for (const double angle_deg : {0.0, 45.0, 90.0})
+    for (const double noise : {0.05, 0.125, 0.25}) {
+      SCOPED_TRACE(testing::Message() << angle_deg << " degrees, noise " << noise);
+      const Deviations rms = deviations(one_width(), leave, kContrast / (noise * kStep), kDraws, kStep, angle_deg);
+      EXPECT_EQ(rms.known, kDraws);
+      EXPECT_LE(rms.wrong, kDraws / 10);
+      for (const double one : {rms.parameter.front(), rms.low, rms.high}) {
+        EXPECT_GT(one, 0.65);
+        EXPECT_LT(one, 1.15);
+      }
+    }
 }
 
 struct OneEdge {

@@ -36,8 +36,9 @@ std::vector<Cell> cells_of(std::span<const Residual> residuals, double contrast,
     const double rounding =
         step > 0.0 ? step * step / 12.0 * std::exp(-4.0 * std::numbers::pi * std::numbers::pi * before / (step * step))
                    : 0.0;
+    const double shared = std::max(rounding, r.shared);
     const double model = kModelError * contrast / r.sd;
-    fine[i].add({1.0, r.distance_px, value, value * value, rounding + model * model});
+    fine[i].add({1.0, r.distance_px, value, value * value, shared + model * model});
   }
   std::vector<Cell> cells;
   for (const Cell& cell : fine) {

@@ -15,7 +15,9 @@ mtf::Image residual_image(const Roi& roi, std::span<const Residual> residuals) {
   return image;
 }
 
-void test_edge(const FitProblem& problem, std::size_t b, std::span<const Residual> residuals, ResidualTests& tests) {
+void test_edge(const FitProblem& problem, std::size_t b, std::span<const Residual> residuals, double noise_factor,
+               ResidualTests& tests) {
+  constexpr double kTables = 0.1;  // chi-square per degree of freedom: residuals below are those of tables and rounding
   constexpr double kFlatWidths = 2.0, kFlat_px = 6.0;
   const EdgeBlock& edge = std::get<EdgeBlock>(problem.blocks[b]);
   const std::optional<Estimate>& fwhm_px = edge.data().start.fwhm_px;
@@ -34,12 +36,13 @@ void test_edge(const FitProblem& problem, std::size_t b, std::span<const Residua
   tests.adequacy = judge(some.residuals);
   tests.adequacy.chi2 = chi2;
   tests.adequacy.outlier_share = outlier_share;
-  if (!edge.rounds()) tests.noise = std::move(some.noise);
+  const bool noise = noise_factor >= kTables && !edge.rounding_hides_noise();
+  (noise ? tests.noise : tests.left_out) = std::move(some.noise);
 }
 
 }  // namespace
 
-std::vector<ResidualTests> test_residuals(const FitProblem& problem) {
+std::vector<ResidualTests> test_residuals(const FitProblem& problem, std::span<const double> noise_factor) {
   std::vector<ResidualTests> all(problem.blocks.size());
   for (std::size_t b = 0; b < all.size(); ++b) {
     const Block& block = problem.blocks[b];
@@ -47,7 +50,7 @@ std::vector<ResidualTests> test_residuals(const FitProblem& problem) {
         std::visit([&](const auto& one) { return one.residuals(*problem.sensors, problem.own[b]); }, block);
     all[b].count = residuals.size();
     if (std::holds_alternative<EdgeBlock>(block))
-      test_edge(problem, b, residuals, all[b]);
+      test_edge(problem, b, residuals, noise_factor[b], all[b]);
     else
       all[b].adequacy = judge_sequence(residuals);
     if (const auto* spot = std::get_if<SpotBlock>(&block)) all[b].image = residual_image(spot->roi(), residuals);

@@ -11,12 +11,14 @@ namespace calib {
 struct ResidualTests {
   std::size_t count = 0;
   Adequacy adequacy;         ///< of an edge by pixels that do not share their noise
-  NoiseCorrelation noise{};  ///< of an edge; without lags where the residuals are rounding errors
-  mtf::Image image;          ///< edges and spots: as in FitResiduals
+  NoiseCorrelation noise{};  ///< of an edge: what the errors take into account
+  /// What the residuals of an edge share that is not its noise: most of them are errors of rounding or of tables.
+  NoiseCorrelation left_out{};
+  mtf::Image image;  ///< edges and spots: as in FitResiduals
 };
 
-/// One for each block.
-std::vector<ResidualTests> test_residuals(const FitProblem& problem);
+/// One for each block. `noise_factor`: chi-square per degree of freedom of each.
+std::vector<ResidualTests> test_residuals(const FitProblem& problem, std::span<const double> noise_factor);
 
 std::vector<NoiseCorrelation> noise_of(std::span<const ResidualTests> tests);
 

@@ -34,6 +34,7 @@ struct Residual {
   double value = 0.0;
   double distance_px = 0.0;  ///< distance from an edge; 0 for other data
   double sd = 0.0;           ///< sd of the noise that was assumed
+  double shared = 0.0;       ///< variance, in sd^2, of the rounding error that pixels at one distance have in common
 };
 
 }  // namespace calib

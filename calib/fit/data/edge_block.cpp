@@ -5,8 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "calib/edge/distance_bins.h"
 #include "calib/edge/edge_pixels.h"
 #include "calib/fit/data/pixel_scores.h"
+#include "calib/fit/data/rounding_by_distance.h"
+#include "calib/measure/edge_facts.h"
 
 namespace calib {
 namespace {
@@ -15,8 +18,10 @@ namespace {
 /// needs no more than that.
 constexpr double kTurns = 0.05;
 
-/// Pixels farther from the starting curve would determine the plateaus only, as in measure_edge.
-constexpr double kRange_px = 96.0;
+/// The part of the variance of rounding that pixels of one value share: the first harmonic of rounding, from the
+/// variance of the noise in squared steps (B. Widrow and I. Kollar, Quantization Noise, 2008).
+double shared_share(double noise_steps2) { return std::exp(-4.0 * std::numbers::pi * std::numbers::pi * noise_steps2); }
+
 /// Of 32 bytes.
 constexpr std::size_t kMostPixels = 1000000;
 
@@ -86,6 +91,7 @@ EdgeBlock::EdgeBlock(const EdgeData& data) : data_(&data) {
   const double longest = std::hypot(static_cast<double>(roi.width), static_cast<double>(roi.height));
   for (int i = -64; i <= 64; ++i) rises = std::max(rises, std::abs(offset_at(curve, longest * i / 64.0)));
 
+  // Pixels farther from the starting curve would determine the plateaus only, as in measure_edge.
   const auto visit = [&](const auto& take) {
     for (std::int64_t y = roi.y; y < roi.y + roi.height; ++y)
       for (std::int64_t x = roi.x; x < roi.x + roi.width; ++x) {
@@ -261,29 +267,39 @@ std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<con
     step.at(at.distance, e);
     const double s = at.along / length, u = at.across / length;
     const double low = dark + g[0] * s + g[1] * u, rise = contrast + (g[2] - g[0]) * s + (g[3] - g[1]) * u;
-    all.push_back({pixel.x, pixel.y, (pixel.value - low - rise * e[0]) / pixel.sd, at.distance, pixel.sd});
+    all.push_back({pixel.x, pixel.y, (pixel.value - low - rise * e[0]) / pixel.sd, at.distance, pixel.sd,
+                   alike_ * data_->quantum * data_->quantum / (12.0 * pixel.sd * pixel.sd)});
   }
   return all;
 }
 
 // Rounding errors of noise below half a step repeat among the pixels that round alike: those whose values differ by
 // less than a step, `run` of them along d. Together they hold no more information than one: a plateau is known to half
-// a step, however many pixels it has.
+// a step, however many pixels it has. Along the pixels' grid so do the pixels at one distance (rounding_by_distance.h).
 void EdgeBlock::update_noise(const Sensors& sensors, std::span<const double> own) {
   const std::vector<Residual> all = residuals(sensors, own);
   const StepResponse& step = response(sensors, curve(own));
+  const EdgeMeasurement& start = data_->start;
   const double quantum = data_->quantum, rounding = quantum * quantum / 12.0;
   const double contrast = std::abs(own[contrast_index()]),
                per_px = static_cast<double>(pixels_.size()) / (2.0 * range_px_);
   std::vector<double> e(step.count());
+  RoundingByDistance by_distance;
+  if (rounds_coarsely() && start.oversampling > 0.0 && start.oversampling < kFewDistances) {
+    std::vector<double> esf;
+    for (const Residual& r : all) step.at(r.distance_px, e), esf.push_back(e[0]);
+    by_distance = rounding_by_distance(all, esf, quantum);
+    alike_ = shared_share(by_distance.noise_steps2);
+  }
   for (std::size_t i = 0; i < pixels_.size(); ++i) {
     const double value = pixels_[i].value - all[i].value * pixels_[i].sd, sd = sd_at(value);
     double variance = sd * sd;
     if (rounds_coarsely()) {
-      const double before = std::max(0.0, variance - rounding);
-      const double alike = std::exp(-4.0 * std::numbers::pi * std::numbers::pi * before / (quantum * quantum));
+      const bool along_grid = !by_distance.alike.empty();
+      const double alike = along_grid ? alike_ : shared_share(std::max(0.0, variance - rounding) / (quantum * quantum));
       const double slope = contrast * std::abs(step.at(all[i].distance_px, e));
-      const double run = per_px * std::min(range_px_, quantum / std::max(slope, 1e-300));
+      double run = per_px * std::min(range_px_, quantum / std::max(slope, 1e-300));
+      if (along_grid) run = std::max(run, by_distance.alike[i]);
       variance += rounding * alike * std::max(0.0, run - 1.0);
     }
     pixels_[i].sd = std::sqrt(variance);
@@ -293,6 +309,11 @@ void EdgeBlock::update_noise(const Sensors& sensors, std::span<const double> own
 bool EdgeBlock::rounds_coarsely() const {
   const EdgeMeasurement& start = data_->start;
   return data_->quantum > 1e-3 * std::abs(start.bright - start.dark) && rounds();
+}
+
+bool EdgeBlock::rounding_hides_noise() const {
+  const double least = std::min(sd_at(data_->start.dark), sd_at(data_->start.bright)) / noise_factor_;
+  return least * least < kRoundsAlike_steps2 * data_->quantum * data_->quantum;
 }
 
 bool EdgeBlock::noise_follows() const { return data_->start.noise_gain != 0.0 || rounds_coarsely(); }

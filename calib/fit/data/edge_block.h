@@ -57,6 +57,8 @@ class EdgeBlock {
   bool noise_follows() const;
   /// True when the noise is less than rounding leaves uncertain: the residuals are then rounding errors.
   bool rounds() const { return data_->start.noise_sd < 0.6 * data_->quantum; }
+  /// True when the noise on a side is so small that neighbouring pixels round alike.
+  bool rounding_hides_noise() const;
   /// Sets the weights from the fitted values and slopes.
   void update_noise(const Sensors& sensors, std::span<const double> own);
 
@@ -93,6 +95,7 @@ class EdgeBlock {
   double noise_factor_ = 1.0;  // factor on the sd
   double range_px_ = 0.0;
   bool thinned_ = false;
+  double alike_ = 0.0;  // along the pixels' grid: the share of rounding that pixels at one distance have in common
   std::vector<Pixel> pixels_;
 
   // The last table, for the next pass over the pixels at the same point. A block belongs to one thread at a time.

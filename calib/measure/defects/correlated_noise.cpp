@@ -39,9 +39,8 @@ PixelGrid grid_of(const EdgePixels& pixels, const EdgeModel& model, const FitSta
 
 NoiseCorrelation noise_correlation(const EdgePixels& pixels, const EdgeModel& model, const FitState& state,
                                    const Rounding& rounding) {
-  constexpr double kLeastSteps2 = 0.25;
-  const bool rounded = state.noise.dark < kLeastSteps2 * rounding.dark * rounding.dark ||
-                       state.noise.bright < kLeastSteps2 * rounding.bright * rounding.bright;
+  const bool rounded = state.noise.dark < kRoundsAlike_steps2 * rounding.dark * rounding.dark ||
+                       state.noise.bright < kRoundsAlike_steps2 * rounding.bright * rounding.bright;
   if (pixels.size() == 0 || rounded) return {};
   const PixelGrid grid = grid_of(pixels, model, state);
   NoiseCorrelation noise =
