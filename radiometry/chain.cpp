@@ -315,9 +315,11 @@ CompiledChain::CompiledChain(const mtf::SensorPlan& filters, const mtf::System<d
   emission = emission_of(settings);
   if (settings.thermal && settings.thermal->closes()) events = shutter_events(settings);
   const BandRadiances<double> radiances = own_radiances(curves, emission);
-  const Directions<double> open = own_light(camera, pixel, radiances),
-                           closed = closed_shutter(camera, pixel, radiances);
-  warm = {open.cone_e - closed.cone_e, open.around_e - closed.around_e};
+  warm = own_light(camera, pixel, radiances);
+  if (!events) {
+    const Directions<double> closed = closed_shutter(camera, pixel, radiances);
+    warm = {warm.cone_e - closed.cone_e, warm.around_e - closed.around_e};
+  }
   dark_e = signal(camera, pixel, BandRadiances<double>{}).dark_e;
 }
 

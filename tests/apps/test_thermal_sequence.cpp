@@ -14,13 +14,16 @@ namespace {
 class ThermalSequence : public ThermalSensor {
  protected:
   /// Volts of one pixel in each of the frames 0 to `last`.
-  std::vector<double> volts(int last, const std::string& more = "") const {
-    for (int n = 0; n <= last; ++n) write_flat(scratch / ("t." + std::to_string(n) + ".exr"), 300.0F);
-    const Result r =
-        scratch.run("mtf simulate s.toml t.%d.exr -o o.%d.exr --stage volts --frames 0:" + std::to_string(last) + more);
+  std::vector<double> volts(int last, const std::string& more = "") const { return volts_from(0, last, 1, more); }
+
+  std::vector<double> volts_from(int first, int last, int step, const std::string& more) const {
+    for (int n = first; n <= last; n += step) write_flat(scratch / ("t." + std::to_string(n) + ".exr"), 300.0F);
+    const std::string frames =
+        std::to_string(first) + ":" + std::to_string(last) + (step > 1 ? ":" + std::to_string(step) : "");
+    const Result r = scratch.run("mtf simulate s.toml t.%d.exr -o o.%d.exr --stage volts --frames " + frames + more);
     EXPECT_EQ(r.status, 0) << r.err;
     std::vector<double> values;
-    for (int n = 0; n <= last; ++n)
+    for (int n = first; n <= last; n += step)
       values.push_back(static_cast<double>(read(scratch / ("o." + std::to_string(n) + ".exr")).at(9, 7)));
     return values;
   }
@@ -64,6 +67,15 @@ TEST_F(ThermalSequence, TheOffsetIsThatOfTheLastClosing) {
   EXPECT_NEAR(v[0], expected_v(295.0, 295.0), kTolerance);
   for (const int n : {1, 2, 3}) EXPECT_NEAR(v[static_cast<std::size_t>(n)], expected_v(295.0, 297.0), kTolerance) << n;
   for (const int n : {4, 5}) EXPECT_NEAR(v[static_cast<std::size_t>(n)], expected_v(297.0, 297.0), kTolerance) << n;
+}
+
+/// What the shutter does between two closings is not seen by the pixels, however slow they are.
+TEST_F(ThermalSequence, AShutterThatChangesBetweenClosingsLeavesNoLag) {
+  camera("[lag]\ntime_constant = \"40 ms\"\n", "shutter_temperature", "shutter_frames = 10\nshutter_temperature");
+  write_file(scratch / "schedule.csv", "frame,parameter,value\n4,detector.shutter_temperature,297 K\n");
+  const std::vector<double> v = volts(12, " --schedule schedule.csv");
+  for (std::size_t n = 0; n < v.size(); ++n)
+    EXPECT_NEAR(v[n], expected_v(n < 10 ? 295.0 : 297.0, 295.0), kTolerance) << n;
 }
 
 TEST_F(ThermalSequence, ADriftShowsAsAFalseOffsetUntilTheNextClosing) {
