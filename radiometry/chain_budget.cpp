@@ -93,6 +93,15 @@ std::vector<std::string> budget_notes(const Sensor& sensor) {
     notes.emplace_back(
         "[noise] shot = false leaves shot noise out of simulated frames; the budget counts it, as light and dark "
         "current have it whatever is simulated");
+  const auto& thermal = sensor.settings.thermal;
+  if (thermal && thermal->counts_per_k)
+    notes.emplace_back(
+        "detector.counts_per_kelvin leaves open how many volts a count is, and the budget calls it 1 uV: volts and V/W "
+        "have no meaning of their own, figures in kelvin, watts and counts hold");
+  if (thermal && thermal->corner_hz && sensor.settings.correction)
+    notes.emplace_back(
+        "[correction] together with detector.corner: the spatial noise is that of frames long after the flat frames; "
+        "simulated flat frames lie right before frame 0, whose neighbours share their 1/f noise and are more uniform");
   if (sensor.responsivity) {
     const mtf::Statistics factors = mtf::statistics(sensor.responsivity->view());
     if (!has_mean(*sensor.responsivity, factors, 1.0, 1.0))
