@@ -38,6 +38,11 @@ void require_shutter(const SensorSettings& s) {
            "\"60 s\", or shutter_frames");
   if (closes && !(s.frame && s.frame->frame_time_s))
     refuse("frame.frame_time", "missing; a shutter that closes now and then needs it: for example \"20 ms\"");
+  if (thermal.shutter_interval_s && *thermal.shutter_interval_s < (1.0 - 1e-9) * *s.frame->frame_time_s)
+    refuse("detector.shutter_interval",
+           mtf::format_double(*thermal.shutter_interval_s) + " s is shorter than frame.frame_time, " +
+               mtf::format_double(*s.frame->frame_time_s) +
+               " s; give that at least, or remove it: without it every frame has an offset of its own");
 }
 
 /// The tables that a thermal detector does not have, and the time constant of its pixels, which is counted once.
@@ -315,9 +320,11 @@ CompiledChain::CompiledChain(const mtf::SensorPlan& filters, const mtf::System<d
   emission = emission_of(settings);
   if (settings.thermal && settings.thermal->closes()) events = shutter_events(settings);
   const BandRadiances<double> radiances = own_radiances(curves, emission);
-  const Directions<double> open = own_light(camera, pixel, radiances),
-                           closed = closed_shutter(camera, pixel, radiances);
-  warm = {open.cone_e - closed.cone_e, open.around_e - closed.around_e};
+  warm = own_light(camera, pixel, radiances);
+  if (!events) {
+    const Directions<double> closed = closed_shutter(camera, pixel, radiances);
+    warm = {warm.cone_e - closed.cone_e, warm.around_e - closed.around_e};
+  }
   dark_e = signal(camera, pixel, BandRadiances<double>{}).dark_e;
 }
 

@@ -112,8 +112,10 @@ struct ChainFrame {
 struct ChainState {
   ShutterState shutter;
   LagState lag;
-  std::optional<ShutterClosing> closing;  ///< of the shutter of a thermal camera
-  std::optional<std::uint32_t> last;      ///< number of the frame before
+  /// The last one of the shutter of a thermal camera. A caller with a schedule gives it before each frame; else the
+  /// first frame stands for a closing that was not run.
+  std::optional<ShutterClosing> closing;
+  std::optional<std::uint32_t> last;  ///< number of the frame before
 };
 
 struct CompiledChain;

@@ -93,6 +93,15 @@ std::vector<std::string> budget_notes(const Sensor& sensor) {
     notes.emplace_back(
         "[noise] shot = false leaves shot noise out of simulated frames; the budget counts it, as light and dark "
         "current have it whatever is simulated");
+  const auto& thermal = sensor.settings.thermal;
+  if (thermal && thermal->counts_per_k)
+    notes.emplace_back(
+        "detector.counts_per_kelvin leaves open how many volts a count is, and the budget calls it 1 uV: volts and V/W "
+        "have no meaning of their own, figures in kelvin, watts and counts hold");
+  if (thermal && thermal->corner_hz && sensor.settings.correction)
+    notes.emplace_back(
+        "[correction] together with detector.corner: the spatial noise is that of frames long after the flat frames; "
+        "simulated flat frames lie right before frame 0, whose neighbours share their 1/f noise and are more uniform");
   if (sensor.responsivity) {
     const mtf::Statistics factors = mtf::statistics(sensor.responsivity->view());
     if (!has_mean(*sensor.responsivity, factors, 1.0, 1.0))
@@ -188,19 +197,22 @@ std::vector<BudgetRow> thermal_terms(const Sensor& sensor, const Pixel<double>& 
   return terms;
 }
 
-/// What has warmed from one closing of the shutter to the next, as a temperature of the scene.
+/// What has warmed from a closing of the shutter to the last frame before the next, as a temperature of the scene.
 BudgetRow false_offset(const mtf::System<double>& system, const Sensor& sensor, double signal_per_k) {
   const ShutterEvents events = shutter_events(sensor.settings);
-  const CameraEmission cool = emission_of(sensor.settings), warm = warmed(cool, events.warming_k(events.interval));
+  const CameraEmission cool = emission_of(sensor.settings), warm = warmed(cool, events.warming_k(events.interval - 1));
   const auto volts = [&](const CameraEmission& camera) {
     return own_light(camera_of(system, sensor), pixel_of(system, sensor), own_radiances(sensor.curves, camera))
         .total_e();
   };
-  return {"false_offset", "mK", 1e3 * (volts(warm) - volts(cool)) / signal_per_k,
-          "what shutter_drift adds from one closing of the shutter to the next, as a temperature of the scene"};
+  return {
+      "false_offset", "mK", 1e3 * (volts(warm) - volts(cool)) / signal_per_k,
+      "what shutter_drift adds from a closing of the shutter to the last frame before the next, as a temperature of "
+      "the scene"};
 }
 
-/// The surface whose signal, beside `rest_e`, meets an end of the converter; NaN where none is that cold.
+/// The surface whose signal, beside `rest_e`, meets an end of the converter; 0 where none is that cold, infinity where
+/// none is that hot.
 double surface_at_k(const Sensor& sensor, double gain, double rest_e, double end_e) {
   const SensorSettings& settings = sensor.settings;
   Surface surface{0.0, sensor.emissivity, settings.scene ? settings.scene->surroundings_k.value_or(0.0) : 0.0};
@@ -209,8 +221,8 @@ double surface_at_k(const Sensor& sensor, double gain, double rest_e, double end
     return gain * scene_radiance(sensor.curves, surface, sensor.path) + rest_e - end_e;
   };
   double lo = 1e-3, hi = kMostTemperature_k;
-  if (!(above(lo) < 0.0)) return std::numeric_limits<double>::quiet_NaN();
-  if (!(above(hi) > 0.0)) return hi;
+  if (!(above(lo) < 0.0)) return 0.0;
+  if (!(above(hi) > 0.0)) return mtf::kInfinity;
   while (hi > lo * (1.0 + 1e-12)) {
     const double middle = std::sqrt(lo * hi);
     (above(middle) < 0.0 ? lo : hi) = middle;
@@ -225,7 +237,9 @@ std::vector<BudgetRow> scene_range(const mtf::System<double>& system, const Sens
   const PixelRange range = range_numbers(sensor.settings, pixel);
   const auto row = [&](const char* name, double end_e, const char* doc) {
     BudgetRow end{name, "K", surface_at_k(sensor, gain, s.total_e() - s.scene_e, end_e), doc};
-    if (std::isnan(end.value)) end.refused = "no scene is so cold that it gives that count";
+    if (end.value > 0.0 && std::isfinite(end.value)) return end;
+    end.refused = std::string("no scene is so ") + (end.value > 0.0 ? "hot" : "cold") + " that it gives that count";
+    end.value = std::numeric_limits<double>::quiet_NaN();
     return end;
   };
   return {

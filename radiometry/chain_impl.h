@@ -88,7 +88,8 @@ struct CompiledChain {
   std::optional<Adc> adc;
   std::optional<Response> response;
   double gain = 0.0;        ///< electrons (volts of a thermal detector) for one unit of weighted radiance on the axis
-  Directions<double> warm;  ///< mean electrons of warm optics and stop on the axis; volts less those of the shutter
+  Directions<double> warm;  ///< mean electrons of warm optics and stop on the axis; volts less those of the shutter,
+                            ///< but for `events`, which take them off after the lag
   double dark_e = 0.0;      ///< mean electrons of the dark current
   double read_e = 0.0;      ///< rms of read, reset and other noise, or of a thermal pixel and its readout
   FrameFlicker slow;        ///< 1/f noise of a thermal pixel from frame to frame; strength 0: none
@@ -122,8 +123,8 @@ Factor glow_of(const CompiledChain& chain, const Directions<double>& light, cons
 
 /// The light of the camera itself at a frame beside that of frame 0, before the lag: what has warmed since then.
 Directions<double> warming_of(const CompiledChain& chain, std::uint32_t frame);
-/// What the closed shutter gave at frame 0, less what it gave when it closed last.
-Directions<double> closing_change(const CompiledChain& chain, std::uint32_t frame, ChainState* state);
+/// What the closed shutter gave when it closed last.
+Directions<double> last_closed(const CompiledChain& chain, std::uint32_t frame, ChainState* state);
 
 /// One frame, or a tile of one, on its way through the chain.
 struct FrameRun {

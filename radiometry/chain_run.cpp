@@ -33,7 +33,8 @@ void absorb(FrameRun& run, mtf::Image& image) {
   std::vector<Directions<double>> light{chain.warm};
   if (chain.events) {
     light.push_back(warming_of(chain, run.number));
-    light.push_back(closing_change(chain, run.number, run.state));
+    const Directions<double> closed = last_closed(chain, run.number, run.state);
+    light.push_back({-closed.cone_e, -closed.around_e});
   }
   double area_m2 = chain.pixel.area_m2() * chain.pixel.quantum_efficiency;
   for (const Directions<double>& volts : light) {

@@ -54,12 +54,11 @@ Directions<double> warming_of(const CompiledChain& chain, std::uint32_t frame) {
   return difference(open_at(chain, warmed(chain.emission, by_k)), open_at(chain, chain.emission));
 }
 
-Directions<double> closing_change(const CompiledChain& chain, std::uint32_t frame, ChainState* state) {
+Directions<double> last_closed(const CompiledChain& chain, std::uint32_t frame, ChainState* state) {
   const std::uint32_t last = chain.events->closing_before(frame);
   const ShutterClosing now{last, warmed(chain.emission, chain.events->warming_k(last))};
   if (state != nullptr && (!state->closing || state->closing->frame != last)) state->closing = now;
-  return difference(closed_at(chain, chain.emission),
-                    closed_at(chain, state != nullptr ? state->closing->camera : now.camera));
+  return closed_at(chain, state != nullptr ? state->closing->camera : now.camera);
 }
 
 }  // namespace radiometry

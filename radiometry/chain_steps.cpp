@@ -113,7 +113,8 @@ void collect(FrameRun& run, mtf::Image& image) {
 }
 
 void shutter_offset(FrameRun& run, mtf::Image& volts) {
-  add_glow(run, volts, closing_change(run.chain, run.number, run.state));
+  const Directions<double> closed = last_closed(run.chain, run.number, run.state);
+  add_glow(run, volts, {-closed.cone_e, -closed.around_e});
 }
 
 void lag(FrameRun& run, mtf::Image& electrons) {

@@ -58,8 +58,8 @@ void require_thermal(const ThermalSettings& s, double area_m2, double middle_abs
                  {{"netd_f_number", s.netd_f_number.has_value(), ""},
                   {"netd_transmission", s.netd_transmission.has_value(), ""},
                   {"netd_temperature", s.netd_temperature_k.has_value(), ""},
+                  {"netd_frame_rate", s.netd_frame_rate_hz.has_value(), ""},  // it sets netd_bandwidth
                   {"netd_bandwidth", s.netd_bandwidth_hz.has_value(), ""},
-                  {"netd_frame_rate", s.netd_frame_rate_hz.has_value(), ""},
                   {"counts_per_kelvin", s.counts_per_k.has_value(), ""},
                   {"netd_shortest", s.netd_shortest_um.has_value(), ""},
                   {"netd_longest", s.netd_longest_um.has_value(), ""},

@@ -38,8 +38,8 @@ bool is_spectral(std::string_view path);
 /// The part of the variance of a pixel's 1/f noise that the mean of so many successive frames keeps; 0 without it.
 double kept_of_flicker(const SensorSettings& settings, int frames);
 
-/// The flat frames of [correction] that a thermal detector takes of two blackbodies, the hot ones right after the cold
-/// ones. Their means keep more of its 1/f noise, of that variance, than of white noise, and share some of it.
+/// The flat frames of [correction] that a thermal detector takes of two blackbodies, the hot ones right before the
+/// cold ones. Their means keep more of its 1/f noise, of that variance, than of white noise, and share some of it.
 template <class S>
 FlatFrames<S> blackbody_flats(const SensorSettings& settings, const SpectralNumbers<S>& spectral, const S& gain,
                               const Budget<S>& budget, const S& slow_variance, const Overrides<S>& numbers) {

@@ -83,6 +83,26 @@ TEST_F(ThermalCommand, AFigureFarBeyondTheBandwidthOfThePixelsIsWarnedAbout) {
   }
 }
 
+TEST_F(ThermalCommand, KeysThatContradictEachOtherAreWarnedAbout) {
+  const auto checked = [&] {
+    const Result r = scratch.run("mtf config check s.toml");
+    EXPECT_EQ(r.status, 0) << r.err;
+    return r.out + r.err;
+  };
+  camera("", "absorptance = 0.8", "absorptance = 0.8\nfill_factor = 1.0");
+  EXPECT_EQ(checked().find("fill_factor:"), std::string::npos);
+  camera("", "absorptance = 0.8", "absorptance = 0.8\nfill_factor = 0.7");
+  EXPECT_NE(checked().find("detector.fill_factor: 0.7 here, 1 in \"footprint\""), std::string::npos) << checked();
+  const std::string counts = "[adc]\nbits = 14\noffset = 4000\n";
+  camera(counts, "responsivity = 1e5", "counts_per_kelvin = 30.0");
+  EXPECT_EQ(checked().find("calls it 1 uV"), std::string::npos);
+  camera(counts + "[nonuniformity]\ndsnu = \"2 mV\"\n[noise]\ncolumn = \"5 uV\"\n", "responsivity = 1e5",
+         "counts_per_kelvin = 30.0\nreadout_noise = \"3 uV\"");
+  for (const std::string path : {"detector.readout_noise", "nonuniformity.dsnu", "noise.column"})
+    EXPECT_NE(checked().find(path + ": in volts beside detector.counts_per_kelvin"), std::string::npos) << checked();
+  EXPECT_NE(checked().find("taken for 2e+03 counts"), std::string::npos) << checked();
+}
+
 TEST_F(ThermalCommand, FlatFramesAreThoseOfTwoBlackbodies) {
   camera("[nonuniformity]\nprnu = 0.02\ndsnu = \"5 uV\"\n[noise]\nseed = 2\n" + kConverter +
          "[correction]\ncold = \"10 degC\"\nhot = \"40 degC\"\nframes = 32\n");

@@ -14,13 +14,16 @@ namespace {
 class ThermalSequence : public ThermalSensor {
  protected:
   /// Volts of one pixel in each of the frames 0 to `last`.
-  std::vector<double> volts(int last, const std::string& more = "") const {
-    for (int n = 0; n <= last; ++n) write_flat(scratch / ("t." + std::to_string(n) + ".exr"), 300.0F);
-    const Result r =
-        scratch.run("mtf simulate s.toml t.%d.exr -o o.%d.exr --stage volts --frames 0:" + std::to_string(last) + more);
+  std::vector<double> volts(int last, const std::string& more = "") const { return volts_from(0, last, 1, more); }
+
+  std::vector<double> volts_from(int first, int last, int step, const std::string& more) const {
+    for (int n = first; n <= last; n += step) write_flat(scratch / ("t." + std::to_string(n) + ".exr"), 300.0F);
+    const std::string frames =
+        std::to_string(first) + ":" + std::to_string(last) + (step > 1 ? ":" + std::to_string(step) : "");
+    const Result r = scratch.run("mtf simulate s.toml t.%d.exr -o o.%d.exr --stage volts --frames " + frames + more);
     EXPECT_EQ(r.status, 0) << r.err;
     std::vector<double> values;
-    for (int n = 0; n <= last; ++n)
+    for (int n = first; n <= last; n += step)
       values.push_back(static_cast<double>(read(scratch / ("o." + std::to_string(n) + ".exr")).at(9, 7)));
     return values;
   }
@@ -64,6 +67,53 @@ TEST_F(ThermalSequence, TheOffsetIsThatOfTheLastClosing) {
   EXPECT_NEAR(v[0], expected_v(295.0, 295.0), kTolerance);
   for (const int n : {1, 2, 3}) EXPECT_NEAR(v[static_cast<std::size_t>(n)], expected_v(295.0, 297.0), kTolerance) << n;
   for (const int n : {4, 5}) EXPECT_NEAR(v[static_cast<std::size_t>(n)], expected_v(297.0, 297.0), kTolerance) << n;
+}
+
+/// What the shutter does between two closings is not seen by the pixels, however slow they are.
+TEST_F(ThermalSequence, AShutterThatChangesBetweenClosingsLeavesNoLag) {
+  camera("[lag]\ntime_constant = \"40 ms\"\n", "shutter_temperature", "shutter_frames = 10\nshutter_temperature");
+  write_file(scratch / "schedule.csv", "frame,parameter,value\n4,detector.shutter_temperature,297 K\n");
+  const std::vector<double> v = volts(12, " --schedule schedule.csv");
+  for (std::size_t n = 0; n < v.size(); ++n)
+    EXPECT_NEAR(v[n], expected_v(n < 10 ? 295.0 : 297.0, 295.0), kTolerance) << n;
+}
+
+/// Neither where the frames begin nor what is left out of them changes a frame.
+TEST_F(ThermalSequence, AFrameIsTheSameInEveryRange) {
+  camera("", "shutter_temperature", "shutter_frames = 10\nshutter_temperature");
+  write_file(scratch / "schedule.csv",
+             "frame,parameter,value\n4,detector.shutter_temperature,297 K\n12,detector.shutter_temperature,299 K\n"
+             "17,optics.stop_temperature,296 K\n");
+  const auto shutter_k = [](int n) { return n < 10 ? 295.0 : n < 20 ? 297.0 : 299.0; };
+  for (const auto& [first, last, step] : {std::tuple{5, 6, 1}, std::tuple{13, 22, 1}, std::tuple{5, 23, 9}}) {
+    const std::vector<double> v = volts_from(first, last, step, " --schedule schedule.csv");
+    for (int n = first, i = 0; n <= last; n += step, ++i)
+      EXPECT_NEAR(v[static_cast<std::size_t>(i)], expected_v(shutter_k(n), n < 17 ? 295.0 : 296.0), kTolerance) << n;
+  }
+}
+
+/// A schedule may say in the middle of a sequence that the shutter closes now and then.
+TEST_F(ThermalSequence, AShutterThatTheScheduleLetsCloseNowAndThen) {
+  camera("");
+  write_file(scratch / "schedule.csv",
+             "frame,parameter,value\n1,detector.shutter_frames,4\n2,detector.shutter_temperature,297 K\n");
+  const std::vector<double> v = volts(5, " --schedule schedule.csv");
+  for (std::size_t n = 0; n < v.size(); ++n)
+    EXPECT_NEAR(v[n], expected_v(n < 4 ? 295.0 : 297.0, 295.0), kTolerance) << n;
+}
+
+TEST_F(ThermalSequence, ADriftOfScheduledTemperaturesIsRefused) {
+  camera("", "shutter_temperature", "shutter_drift = 5.0\nshutter_frames = 4\nshutter_temperature");
+  write_file(scratch / "schedule.csv", "frame,parameter,value\n0,optics.temperature,297 K\n");
+  volts(2, " --schedule schedule.csv");  // of frame 0, from which the drift counts
+  for (const std::string name : {"detector.shutter_temperature", "optics.stop_temperature", "optics.temperature"}) {
+    write_file(scratch / "schedule.csv", "frame,parameter,value\n2," + name + ",297 K\n");
+    const Result r =
+        scratch.run("mtf simulate s.toml t.%d.exr -o o.%d.exr --stage volts --frames 0:2 --schedule schedule.csv");
+    EXPECT_NE(r.status, 0);
+    for (const std::string& part : {"schedule.csv:2: error: " + name, std::string("remove shutter_drift")})
+      EXPECT_NE(r.err.find(part), std::string::npos) << r.err;
+  }
 }
 
 TEST_F(ThermalSequence, ADriftShowsAsAFalseOffsetUntilTheNextClosing) {

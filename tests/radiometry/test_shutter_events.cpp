@@ -147,13 +147,13 @@ TEST(ShutterEvents, a_camera_that_warms_has_a_false_offset_between_two_closings)
   }
 }
 
-/// The budget says how large it gets: 0.5 K/s for 50 frames of 20 ms are half a kelvin of housing and lens.
+/// The budget says how large it gets: 0.5 K/s for 49 frames of 20 ms, as the shutter closes again at the 50th.
 TEST(ShutterEvents, the_budget_has_the_false_offset) {
   Sensor sensor = shuttered(ShutterPlace::detector);
   sensor.settings.frame = FrameSettings{.frame_time_s = kFrameTime_s};
   sensor.settings.thermal->drift_k_s = 0.5;
   sensor.settings.thermal->shutter_frames = 50;
-  const double light = watts_of(kWarm_k + 0.5) - watts_of(kWarm_k);
+  const double light = watts_of(kWarm_k + 0.49) - watts_of(kWarm_k);
   const double volts = kVolts * (kCone * 0.1 + mtf::kPi - kCone) * light;
   const Budget<double> budget = budget_of(lwir_system(), sensor, 300.0);
   const std::vector<BudgetRow> rows = budget_rows(lwir_system(), sensor, budget);
@@ -209,6 +209,8 @@ TEST(ShutterEvents, what_cannot_be_is_refused) {
     s.thermal->shutter_interval_s = 1.0;
     s.thermal->shutter_frames = 50;
   });
+  refused({"detector.shutter_interval: 0.019 s is shorter than frame.frame_time, 0.02 s", "remove it"},
+          [](SensorSettings& s) { s.thermal->shutter_interval_s = 19e-3; });
   refused({"detector.shutter_interval", "detector.shutter_temperature"}, [](SensorSettings& s) {
     s.thermal->shutter_k.reset();
     s.thermal->shutter_interval_s = 1.0;

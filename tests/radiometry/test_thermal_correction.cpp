@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "radiometry/performance/sensor_budget.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/statistics.h"
 #include "tests/radiometry/thermal_cases.h"
@@ -126,6 +127,10 @@ TEST(ThermalCorrection, what_cannot_be_is_refused) {
   expect_refused(
       {"[correction]: the flat frame at cold = 283.15 K is saturated", "raise adc.offset or correction.cold"},
       [&] { Blackbody(sensor, 16).frame(300.0, 0, OutputStage::display); });
+  sensor.settings.correction->cold_k = kHot_k - 0.1;
+  sensor.settings.adc->offset_counts = 255.0;
+  expect_refused({"is saturated", "or lower detector.counts_per_kelvin, adc.offset or correction.hot"},
+                 [&] { Blackbody(sensor, 16).frame(300.0, 0, OutputStage::display); });
 }
 
 TEST(ThermalRange, the_scenes_that_the_converter_takes) {
@@ -140,6 +145,30 @@ TEST(ThermalRange, the_scenes_that_the_converter_takes) {
   EXPECT_NEAR(volts(rows.at("coldest_scene")), (-0.5 - 100.0) * 1e-6, 1e-9);
   sensor.settings.adc->offset_counts = 2000.0;
   EXPECT_TRUE(std::isnan(rows_of(sensor, 293.0).at("coldest_scene")));
+  sensor.settings.adc->offset_counts = 100.0, sensor.settings.adc->electrons_per_count = 1e9;
+  for (const BudgetRow& row : budget_rows(lwir_system(), sensor, budget_of(lwir_system(), sensor, 293.0))) {
+    if (row.name != "hottest_scene") continue;
+    EXPECT_TRUE(std::isnan(row.value));
+    EXPECT_EQ(row.refused, "no scene is so hot that it gives that count");
+  }
+}
+
+TEST(ThermalNotes, say_what_of_a_budget_does_not_hold) {
+  const auto noted = [](const Sensor& sensor, std::string_view part) {
+    const std::vector<std::string> notes = budget_notes(sensor);
+    return std::any_of(notes.begin(), notes.end(), [&](const auto& note) { return note.find(part) != note.npos; });
+  };
+  ThermalSettings thermal = by_physics();
+  EXPECT_FALSE(noted(corrected(thermal, 2), "detector.corner"));
+  thermal.corner_hz = 1e3;
+  thermal.lowest_hz = 0.01;
+  EXPECT_FALSE(noted(sensor_of(thermal), "detector.corner"));
+  EXPECT_TRUE(noted(corrected(thermal, 2), "detector.corner: the spatial noise is that of frames long after"));
+  thermal = by_netd();
+  EXPECT_FALSE(noted(corrected(thermal, 2), "volts"));
+  thermal.responsivity_v_w.reset();
+  thermal.counts_per_k = 30.0;
+  EXPECT_TRUE(noted(corrected(thermal, 2), "volts and V/W have no meaning of their own"));
 }
 
 /// What a user does with 20 frames each of a blackbody at 10, 20 and 30 degC: the steps of from_nvtherm.md.

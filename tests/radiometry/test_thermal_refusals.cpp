@@ -139,6 +139,10 @@ TEST(ThermalRefusals, noise_is_given_once_and_whole) {
   thermal = by_netd();
   thermal.nep_bandwidth_hz = 30.0;
   refused({"detector.nep_bandwidth: belongs to nep"}, thermal);
+  thermal = ThermalSettings{.responsivity_v_w = 1e5, .nep_w = 1e-11};
+  thermal.netd_frame_rate_hz = 60.0;
+  thermal.netd_bandwidth_hz = 30.0, thermal.bandwidth_hz = 25.0;  // what a frame rate of the file stands for
+  refused({"detector.netd_frame_rate: belongs to netd, which is not given; remove it"}, thermal);
   thermal = by_physics();
   thermal.responsivity_v_w = 1e5;
   refused({"detector.responsivity: given beside bias"}, thermal);

@@ -5,6 +5,7 @@
 
 #include <exception>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,8 @@ struct Frame {
   std::shared_ptr<const SceneInput> input;
   std::shared_ptr<const mtf::SensorPlan> plan;
   std::shared_ptr<const radiometry::Chain> chain;
-  radiometry::ChainFrame counted;  ///< what the chain says of it, without its image
+  std::optional<radiometry::ShutterClosing> closing;  ///< the last one, of a shutter that closes now and then
+  radiometry::ChainFrame counted;                     ///< what the chain says of it, without its image
   std::vector<std::string> warnings;
   SimulatedImage image;  ///< without planes once a file or the sink has them
   double read_ms = 0.0, plan_ms = 0.0, run_ms = 0.0, write_ms = 0.0;

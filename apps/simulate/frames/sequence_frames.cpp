@@ -72,6 +72,7 @@ SequenceFrames::SequenceFrames(const SimulateOptions& options, const mtf::io::Se
       names_(names),
       read_(scene.read),
       threads_(threads),
+      closings_(sensor, schedule),
       schedule_(sensor, std::move(schedule)),
       planner_(options, threads),
       still_(std::move(scene), options.nan, threads),
@@ -134,6 +135,9 @@ std::shared_ptr<Frame> SequenceFrames::next() {
       sensor_ = std::make_shared<const mtf::io::SensorConfig>(schedule_.sensor());
       radiometric_ = radiometric_chain_of(*sensor_, options_.stage);
     }
+    if (radiometric_)
+      frame->closing =
+          closings_.before(static_cast<std::uint32_t>(frame->number), radiometric_->loaded.sensor.settings);
   });
   frame->sensor = sensor_;
   frame->radiometric = radiometric_;
@@ -186,7 +190,10 @@ void SequenceFrames::plan(Frame& frame) {
 void SequenceFrames::run(Frame& frame) {
   attempt(frame, frame.run_ms, [&] {
     frame.image.frame = frame.number;
-    frame.image.planes = run_planes(frame, remembers() ? &state_ : nullptr, threads_);
+    radiometry::ChainState own;  // a closing is known without the frames before
+    radiometry::ChainState* state = remembers() ? &state_ : frame.closing ? &own : nullptr;
+    if (frame.closing) state->closing = frame.closing;
+    frame.image.planes = run_planes(frame, state, threads_);
   });
   attempt(frame, frame.write_ms, [&] {
     frame.image.metadata = metadata_of(frame);

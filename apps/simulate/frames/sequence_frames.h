@@ -13,6 +13,7 @@
 
 #include "apps/simulate/frames/frame.h"
 #include "apps/simulate/frames/frame_names.h"
+#include "apps/simulate/frames/shutter_closings.h"
 #include "mtf/io/config/schedule.h"
 
 namespace apps {
@@ -73,6 +74,7 @@ class SequenceFrames {
   const SequenceNames& names_;
   mtf::io::ReadOptions read_;  ///< of numbered files
   int threads_ = 1;
+  ShutterClosings closings_;
   mtf::io::ScheduledSensor schedule_;
   SequencePlanner planner_;
   StillScene still_;

@@ -50,7 +50,8 @@ void require_unsaturated(const CorrectionSettings& settings, double fill, const 
   throw mtf::UsageError(
       "[correction]: the flat frame at " + signal_of(settings, fill) + " is saturated: " + where_held(held) + "; " +
       (low         ? std::string("raise adc.offset or correction.") + (thermal ? "cold" : "low")
-       : thermal   ? "raise adc.volts_per_count or adc.bits, or lower adc.offset or correction.hot"
+       : thermal   ? "raise adc.volts_per_count or adc.bits, or lower detector.counts_per_kelvin, adc.offset or "
+                     "correction.hot"
        : converter ? "raise adc.electrons_per_count or adc.bits, or lower adc.offset or correction.high"
                    : "lower correction.high"));
 }
