@@ -9,7 +9,7 @@
 Blocks: `sh` runs under `set -eu` with `mtf` on PATH and notebooks-data beside it; `sh setup` only in --setup; `sh long`
 only with --long; `text output` and `toml output` have to be what the `sh` block before them printed, a line `...` standing
 for lines left out; `cpp` is compiled by CMake and run; `toml` that starts with `schema =` goes through
-`mtf config check`; text, json, csv, toml fragments, cmake and mermaid are shown, not run. Anything else fails.
+`mtf config check`, unless it is a scene file ([place]), which names meshes and weather that are not there; text, json, csv, toml fragments, cmake and mermaid are shown, not run. Anything else fails.
 """
 
 import argparse
@@ -104,7 +104,7 @@ def command_for(block, scratch, mtf, snippet):
     if block.kind == "cpp":
         return [snippet]
     code = [line for line in block.text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    if block.kind == "toml" and code and re.match(r"schema\s*=", code[0]):
+    if block.kind == "toml" and code and re.match(r"schema\s*=", code[0]) and "[place]" not in code:
         config = scratch / f"readme_line_{block.line}.toml"
         config.write_text(block.text, encoding="utf-8")
         return [mtf, "config", "check", config.name]
