@@ -17,7 +17,7 @@
 namespace radiometry::scene {
 namespace {
 
-constexpr double kLargestFlux_w_m2 = 1e6;
+constexpr double kLargestFlux_w_m2 = 1e7;
 
 /// The terms of the absorbed flux of each side: the direct one at each direction of the sun, then diffuse and
 /// long-wave.

@@ -125,10 +125,26 @@ TEST_F(HeatCommand, RefusalsLeaveNothing) {
   refused("mtf heat scene.toml -o out --tolerance 0.1", "\"0.1 K\"");
   refused("mtf heat scene.toml -o out --tolerance '0 K'", "above 0");
   refused("mtf heat missing.toml -o out", "missing.toml");
+  std::string text = kScene;
+  text.replace(text.find("convection = \"mcadams\""), 22, "convection = \"none\"");
+  text.replace(text.find("[[mesh]]"), 8, "inside = { kind = \"flux\", flux = \"-600 W/m2\" }\n[[mesh]]");
+  write_file(scratch_ / "frozen.toml", text);
+  refused("mtf heat frozen.toml -o out", "region 'plates' comes to");
+  write_file(scratch_ / "times.csv",
+             "time,air_temperature (K),wind_speed (m/s),direct_normal (W/m2),diffuse_horizontal (W/m2),longwave_down "
+             "(W/m2)\n1999-06-21T00:00:00Z,288,2,0,0,320\n");
+  text = kScene;
+  const std::size_t values = text.find("air_temperature");
+  text.replace(values, text.find("[[material]]") - values, "file = \"times.csv\"\n");
+  write_file(scratch_ / "once.toml", text);
+  refused("mtf heat once.toml -o out", "it has one record");
+  const Result over = scratch_.run("mtf heat once.toml -o . --force");
+  EXPECT_EQ(over.status, 2);
+  EXPECT_NE(over.err.find("which this run reads"), std::string::npos) << over.err;
   write_file(scratch_ / "plates.obj", "v 0 0 0\n");
   refused("mtf heat scene.toml -o out", "plates.obj");
   write_file(scratch_ / "plates.obj", kPlates);
-  std::string text = kScene;
+  text = kScene;
   text.replace(text.find("2026-06-22T00:00:00Z"), 20, "2026-06-22T00:00:00");
   write_file(scratch_ / "zoneless.toml", text);
   refused("mtf heat zoneless.toml -o out", "zoneless.toml:8:");

@@ -10,6 +10,7 @@
 #include "apps/scene/command/heat_files.h"
 #include "apps/scene/command/scene_picture.h"
 #include "apps/scene/outputs/mesh_files.h"
+#include "apps/simulate/output_files.h"
 #include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"
@@ -100,12 +101,38 @@ std::string summary_text(const HeatScene& scene, const HeatReport& report, const
   return text + "time " + fixed(total / 1000.0, 2) + " s (" + times + ")\n";
 }
 
+std::vector<std::string> outputs_of(const std::string& folder) {
+  std::vector<std::string> paths;
+  for (const char* name : {"temperatures.npy", "temperatures_back.npy", "facets.csv", "times.csv", "regions.csv",
+                           "heat.json", "regions.svg", "regions.svg.csv", "scene.png", "facets.ply"})
+    paths.push_back(folder + "/" + name);
+  return paths;
+}
+
+/// With --force a folder may hold files of an earlier run, but not those that this one reads.
+void require_no_input_in(const std::string& folder, const SceneFile& file) {
+  std::vector<std::string> inputs{file.file, file.weather.file};
+  for (const MeshSection& mesh : file.meshes) inputs.push_back(mesh.file);
+  for (const MaterialSection& material : file.materials)
+    for (const auto* schedule : {&material.inside.temperature, &material.inside.flux})
+      inputs.push_back(schedule->source);
+  for (const RegionSection& region : file.regions)
+    if (region.temperature) inputs.push_back(region.temperature->schedule.source);
+  if (file.ground && file.ground->temperature) inputs.push_back(file.ground->temperature->schedule.source);
+  for (const std::string& output : outputs_of(folder))
+    for (const std::string& input : inputs)
+      if (!input.empty() && is_same_file(input, output))
+        throw mtf::UsageError("-o: " + one_line(folder) + " holds " + one_line(input) +
+                              ", which this run reads and would replace; choose another folder");
+}
+
 }  // namespace
 
 int run_heat(const HeatCommandOptions& options, const Global& global) {
   check_folder(options.out, options.force);
   std::vector<mtf::io::Diagnostic> findings;
   const SceneFile file = load_scene(options.scene, &findings);
+  require_no_input_in(options.out, file);
   for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
   const HeatOptions heat_options{.tolerance_k = options.tolerance_k,
                                  .directions = options.directions,
@@ -115,20 +142,16 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   ProgressLine progress(global);
   const HeatScene scene = prepare_heat(file, heat_options);
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
-  const bool existed = fs::exists(options.out);
   const bool drawn = file.camera && camera_sees(scene, *file.camera);
   if (file.camera && !drawn) note(global, "warning: [camera] sees nothing of the scene, so there is no picture of it");
   std::string text;
   double promised_k = 0.0, spread_k = 0.0;
-  std::vector<std::string> paths;
-  if (!existed) paths.push_back(options.out);
-  for (const char* name : {"temperatures.npy", "temperatures_back.npy", "facets.csv", "times.csv", "regions.csv",
-                           "heat.json", "regions.svg", "regions.svg.csv", "scene.png", "facets.ply"})
-    paths.push_back(options.out + "/" + name);
+  std::error_code ignored;
+  const std::vector<std::string> outputs = outputs_of(options.out);
+  std::vector<std::string> paths = outputs;
+  if (!fs::exists(options.out, ignored)) paths.insert(paths.begin(), options.out);
   write_together(paths, [&] {
     prepare_folder(options.out, options.force);
-    for (const char* name : {"temperatures_back.npy", "scene.png", "facets.ply"})  // of an earlier run with --force
-      fs::remove(options.out + "/" + name);
     HeatFiles files(options.out, scene);
     std::vector<double> last;
     const HeatReport report = run_heat(
@@ -140,6 +163,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
         [&](const std::string& step, double share) { progress.update(step, share); });
     promised_k = report.promised.total_k();
     spread_k = report.view_spread.error_k.percentile_95;
+    for (const std::string& path : outputs) fs::remove(path);  // of an earlier run: no file of two runs stands together
     files.commit(report, heat_options);
     write_figure(options.out + "/regions.svg", region_figure(file, files));
     if (drawn)

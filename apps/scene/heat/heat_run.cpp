@@ -7,6 +7,8 @@
 
 #include "apps/scene/heat/ground.h"
 #include "apps/scene/heat/stopwatch.h"
+#include "apps/text/words.h"
+#include "mtf/error.h"
 #include "radiometry/heat/weather/sky.h"
 #include "radiometry/light/constants.h"
 
@@ -50,6 +52,16 @@ double least_loss(const HeatScene& scene) {
   for (const Surface& material : scene.material)
     for (const bool back : {false, true}) least = std::min(least, loss_of(scene, material, back, coldest).total());
   return std::isfinite(least) && least > 0.0 ? least : 1e-3;
+}
+
+/// No scene is so cold or so hot: a flux or a film of the wrong size makes such numbers.
+void require_plausible(const HeatScene& scene, std::size_t facet, double kelvin, double time_s) {
+  constexpr double kHottest_k = 3000.0;
+  if (kelvin > 0.0 && kelvin <= kHottest_k) return;
+  throw mtf::RuntimeError(one_line(scene.file.file) + ": region '" +
+                          one_line(scene.region_of(static_cast<std::uint32_t>(facet)).name) + "' comes to " +
+                          significant(kelvin, 4) + " K after " + significant(time_s / 3600.0, 3) +
+                          " h, which no surface does; look at its flux, its film, its emissivity and its convection");
 }
 
 /// The part of a change of all temperatures that comes back to a surface by exchange, at most: its share of other
@@ -114,6 +126,7 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
     for (std::size_t f = 0; f < front.size(); ++f) {
       const Unit& unit = units.unit[units.unit_of[f]];
       front[f] = batches.receiver_k(node, unit.receiver);
+      require_plausible(scene, f, front[f], s.time_s[node]);
       warmest = std::max(warmest, front[f]);
       if (!back.empty())
         back[f] = unit.back ? batches.receiver_k(node, unit.receiver + 1) : std::numeric_limits<double>::quiet_NaN();

@@ -2,11 +2,13 @@
 #include "apps/scene/heat/surfaces.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "apps/scene/import/import_mesh.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
+#include "radiometry/light/constants.h"
 
 namespace apps::scene {
 namespace {
@@ -127,14 +129,17 @@ Surface surface_of(const MaterialSection& material) {
   surface.back_solar_absorptance = material.inside.back_solar_absorptance.value_or(material.solar_absorptance);
   set_inside(material, surface);
   require_valid(surface.construction, where);
+  constexpr double kLeast_w_m2_k = 1e-3;  // about a thousandth of what a black surface radiates at 200 K
+  constexpr double kWind_m_s = 1.0, kKelvin = 300.0;
   const auto& c = surface.construction;
-  const bool loses = c.emissivity > 0.0 || !std::holds_alternative<heat::NoConvection>(c.convection) ||
-                     std::holds_alternative<heat::FixedTemperature>(c.inside) ||
-                     std::holds_alternative<heat::InnerFilm>(c.inside);
+  const auto* film = std::get_if<heat::InnerFilm>(&c.inside);
+  const double gives = 4.0 * c.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(kKelvin, 3) +
+                       forced_coefficient(c.convection, kWind_m_s) + (film != nullptr ? film->h_w_m2_k : 0.0);
+  const bool loses = gives > kLeast_w_m2_k || std::holds_alternative<heat::FixedTemperature>(c.inside);
   if (!loses)
     throw mtf::UsageError(where +
-                          ": it neither radiates nor has convection or an inside temperature, so that nothing "
-                          "determines its temperature; give an emissivity above 0, or convection");
+                          ": radiation, convection and film give off next to nothing, so that nothing "
+                          "determines its temperature; give an emissivity, or convection");
   return surface;
 }
 

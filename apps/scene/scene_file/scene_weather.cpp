@@ -41,6 +41,10 @@ heat::WeatherSeries scene_weather(const SceneFile& scene) {
   WeatherFile file = read_weather(
       section.file,
       {.stamp = section.stamp, .origin_s = scene.time.start_s, .year = heat::date_of(scene.time.start_s).year});
+  if (file.weather.time_s.size() == 1)
+    throw mtf::UsageError(section.file +
+                          ": it has one record, which says nothing of other times; for constant weather write its "
+                          "values in [weather]");
   if (section.average_s > 0.0) file.weather = averaged(file.weather, section.average_s);
   heat::WeatherSeries series = make_series(file.weather, scene.place, options);
   series.warnings.insert(series.warnings.begin(), file.warnings.begin(), file.warnings.end());
