@@ -17,6 +17,7 @@ namespace {
 namespace heat = radiometry::heat;
 constexpr int kMostIterations = 60;
 constexpr int kStarts = 2;
+constexpr double kPlanShare = 0.5;   // of the tolerance: plans are made by trial, other units and days may need more
 constexpr double kStartShare = 0.2;  // of the tolerance: what the state at the start may change in a day
 
 heat::Timeline timeline_of(const Surroundings& s, const Window& window) {
@@ -68,7 +69,7 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
   }
   for (Batch& batch : batches_) {
     batch.heat.facets = batch.run.units = batch.units;
-    batch.wanted_k = tolerance_k;
+    batch.wanted_k = kPlanShare * tolerance_k;
     batch.forcing =
         forcing_of(std::span(units.unit).subspan(batch.first, batch.units), units, scene.surroundings, ground, solar_,
                    longwave_, scene.material[batch.material].inside, scene.file.time.start_s);
