@@ -9,7 +9,8 @@
 Blocks: `sh` runs under `set -eu` with `mtf` on PATH and notebooks-data beside it; `sh setup` only in --setup; `sh long`
 only with --long; `text output` and `toml output` have to be what the `sh` block before them printed, a line `...` standing
 for lines left out; `cpp` is compiled by CMake and run; `toml` that starts with `schema =` goes through
-`mtf config check`, unless it is a scene file ([place]), which names meshes and weather that are not there; text, json, csv, toml fragments, cmake and mermaid are shown, not run. Anything else fails.
+`mtf config check`, unless it is a scene file ([place]), which names meshes and weather that are not there; text, json,
+csv, toml fragments, cmake and mermaid are shown, not run. Anything else fails.
 """
 
 import argparse

@@ -88,6 +88,8 @@ double heat_stored(const Plan& plan, const State& start, const State& end, std::
 
 double HeatBalance::exchanged() const { return std::abs(absorbed) + emitted + std::abs(convected) + std::abs(inside); }
 
+double HeatBalance::relative_drift() const { return exchanged() > 0.0 ? std::abs(drift()) / exchanged() : 0.0; }
+
 State uniform_state(const Plan& plan, double time_s, std::span<const double> temperature_k) {
   const std::size_t facets = plan.batch.facets;
   require(temperature_k.size() == facets, "as many temperatures are needed as the batch has facets");

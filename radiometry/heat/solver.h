@@ -55,6 +55,8 @@ struct HeatBalance {
   double drift() const { return absorbed + inside - emitted - convected - stored; }
   /// The sum of the sizes of what was exchanged, against which the drift is judged.
   double exchanged() const;
+  /// The drift as a part of that; 0 where nothing was exchanged.
+  double relative_drift() const;
 };
 
 struct StepCount {

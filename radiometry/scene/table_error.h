@@ -13,7 +13,7 @@
 
 namespace radiometry::scene {
 
-/// Over `count` sides that were looked at: all of them where there are no more.
+/// Over `count` sides, which is all of them where the scene has fewer than were asked for.
 struct TableError {
   double rms = 0.0;
   double percentile_95 = 0.0;  ///< of the absolute difference

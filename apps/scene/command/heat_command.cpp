@@ -113,12 +113,7 @@ std::vector<std::string> outputs_of(const std::string& folder) {
 void require_no_input_in(const std::string& folder, const SceneFile& file) {
   std::vector<std::string> inputs{file.file, file.weather.file};
   for (const MeshSection& mesh : file.meshes) inputs.push_back(mesh.file);
-  for (const MaterialSection& material : file.materials)
-    for (const auto* schedule : {&material.inside.temperature, &material.inside.flux})
-      inputs.push_back(schedule->source);
-  for (const RegionSection& region : file.regions)
-    if (region.temperature) inputs.push_back(region.temperature->schedule.source);
-  if (file.ground && file.ground->temperature) inputs.push_back(file.ground->temperature->schedule.source);
+  for (const radiometry::heat::Schedule* schedule : all_schedules(file)) inputs.push_back(schedule->source);
   for (const std::string& output : outputs_of(folder))
     for (const std::string& input : inputs)
       if (!input.empty() && is_same_file(input, output))
@@ -142,8 +137,10 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   ProgressLine progress(global);
   const HeatScene scene = prepare_heat(file, heat_options);
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
-  const bool drawn = file.camera && camera_sees(scene, *file.camera);
-  if (file.camera && !drawn) note(global, "warning: [camera] sees nothing of the scene, so there is no picture of it");
+  std::vector<radiometry::scene::Hit> seen;
+  if (file.camera) seen = camera_hits(scene, *file.camera);
+  if (file.camera && seen.empty())
+    note(global, "warning: [camera] sees nothing of the scene, so there is no picture of it");
   std::string text;
   double promised_k = 0.0, spread_k = 0.0;
   std::error_code ignored;
@@ -166,8 +163,8 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
     for (const std::string& path : outputs) fs::remove(path);  // of an earlier run: no file of two runs stands together
     files.commit(report, heat_options);
     write_figure(options.out + "/regions.svg", region_figure(file, files));
-    if (drawn)
-      write_scene_picture(options.out + "/scene.png", scene, *file.camera, last,
+    if (!seen.empty())
+      write_scene_picture(options.out + "/scene.png", seen, last,
                           "surface temperatures [K] at " + radiometry::heat::instant_text(file.time.end_s));
     if (options.ply) write_ply_of(options.out + "/facets.ply", scene, last);
     text = options.format == Format::json ? heat_json(scene, report, heat_options) : summary_text(scene, report, files);

@@ -10,7 +10,10 @@
 
 namespace apps::scene {
 
-HeatFiles::HeatFiles(std::string folder, const HeatScene& scene) : folder_(std::move(folder)), scene_(scene) {
+HeatFiles::HeatFiles(std::string folder, const HeatScene& scene)
+    : folder_(std::move(folder)), scene_(scene), region_area_m2_(scene.file.regions.size(), 0.0) {
+  for (std::size_t f = 0; f < scene.region.size(); ++f)
+    region_area_m2_[scene.region[f]] += scene.facets().facet[f].area_m2;
   front_ = std::make_unique<NpyFile>(at("temperatures.npy"), scene.facets().size());
   for (std::uint32_t f = 0; f < scene.facets().size() && !back_; ++f)
     if (scene.is_sheet(f)) back_ = std::make_unique<NpyFile>(at("temperatures_back.npy"), scene.facets().size());
@@ -25,16 +28,14 @@ void HeatFiles::append(const HeatOutput& output) {
   if (back_) back_->append(std::vector<float>(output.back_k.begin(), output.back_k.end()));
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<RegionTemperature> regions(scene_.file.regions.size(), {kInfinity, 0.0, -kInfinity});
-  std::vector<double> areas(regions.size(), 0.0);
   for (std::size_t f = 0; f < output.front_k.size(); ++f) {
     RegionTemperature& region = regions[scene_.region[f]];
     const double kelvin = output.front_k[f], area = scene_.facets().facet[f].area_m2;
     region.least_k = std::min(region.least_k, kelvin);
     region.most_k = std::max(region.most_k, kelvin);
     region.mean_k += area * kelvin;
-    areas[scene_.region[f]] += area;
   }
-  for (std::size_t r = 0; r < regions.size(); ++r) regions[r].mean_k /= areas[r];
+  for (std::size_t r = 0; r < regions.size(); ++r) regions[r].mean_k /= region_area_m2_[r];
   regions_.push_back(std::move(regions));
   times_s_.push_back(output.time_s);
 }
@@ -53,13 +54,6 @@ std::string HeatFiles::facets_csv() const {
     text += "\n";
   }
   return text;
-}
-
-std::vector<std::string> HeatFiles::paths() const {
-  std::vector<std::string> paths{at("temperatures.npy")};
-  if (back_) paths.push_back(at("temperatures_back.npy"));
-  for (const char* name : {"facets.csv", "times.csv", "regions.csv", "heat.json"}) paths.push_back(at(name));
-  return paths;
 }
 
 void HeatFiles::commit(const HeatReport& report, const HeatOptions& options) {

@@ -31,7 +31,6 @@ class HeatFiles {
   void append(const HeatOutput& output);
   /// All files appear.
   void commit(const HeatReport& report, const HeatOptions& options);
-  std::vector<std::string> paths() const;
 
   /// [output][region]
   const std::vector<std::vector<RegionTemperature>>& regions() const { return regions_; }
@@ -44,6 +43,7 @@ class HeatFiles {
 
   std::string folder_;
   const HeatScene& scene_;
+  std::vector<double> region_area_m2_;
   std::unique_ptr<NpyFile> front_, back_;
   std::vector<double> times_s_;
   std::vector<std::vector<RegionTemperature>> regions_;

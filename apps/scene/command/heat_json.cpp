@@ -11,21 +11,16 @@ namespace {
 namespace heat = radiometry::heat;
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kCloudNames{"none", "from_longwave", "from_weather", "constant"};
-
-std::string inside_name(const heat::Inside& inside) {
-  constexpr std::array kNames{"adiabatic", "fixed", "film", "flux", "sheet"};
-  return kNames.at(inside.index());
-}
-
 Json closures(const HeatScene& scene) {
   Json materials = Json::array();
-  for (const Surface& material : scene.material)
+  for (std::size_t i = 0; i < scene.material.size(); ++i) {
+    const Surface& material = scene.material[i];
     materials.push_back({{"material", material.name},
                          {"convection", name_of(material.construction.convection)},
-                         {"inside", inside_name(material.construction.inside)},
+                         {"inside", kInsideNames.at(static_cast<std::size_t>(scene.file.materials[i].inside.kind))},
                          {"solar_absorptance", material.solar_absorptance},
                          {"emissivity", material.construction.emissivity}});
+  }
   const std::optional<GroundSection>& ground = scene.file.ground;
   return {{"materials", materials},
           {"sky_longwave", kLongwaveNames.at(static_cast<std::size_t>(scene.file.sky.longwave))},

@@ -42,23 +42,18 @@ std::vector<geometry::Ray> camera_rays(const SceneFile& file, const CameraSectio
   return rays;
 }
 
+}  // namespace
+
 std::vector<geometry::Hit> camera_hits(const HeatScene& scene, const CameraSection& camera) {
   const std::vector<geometry::Ray> rays = camera_rays(scene.file, camera);
   std::vector<geometry::Hit> hits(rays.size());
   scene.rays.first_hits(rays, hits);
+  if (std::none_of(hits.begin(), hits.end(), [](const geometry::Hit& hit) { return geometry::hits(hit); })) return {};
   return hits;
 }
 
-}  // namespace
-
-bool camera_sees(const HeatScene& scene, const CameraSection& camera) {
-  const std::vector<geometry::Hit> seen = camera_hits(scene, camera);
-  return std::any_of(seen.begin(), seen.end(), [](const geometry::Hit& hit) { return geometry::hits(hit); });
-}
-
-void write_scene_picture(const std::string& path, const HeatScene& scene, const CameraSection& camera,
-                         std::span<const double> facet_k, const std::string& caption) {
-  const std::vector<geometry::Hit> hits = camera_hits(scene, camera);
+void write_scene_picture(const std::string& path, std::span<const geometry::Hit> hits, std::span<const double> facet_k,
+                         const std::string& caption) {
   std::vector<float> seen;
   for (const geometry::Hit& hit : hits)
     if (geometry::hits(hit)) seen.push_back(static_cast<float>(facet_k[hit.facet]));

@@ -5,17 +5,19 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "apps/scene/heat/heat_scene.h"
 
 namespace apps::scene {
 
-/// Whether a facet is in the picture. Throws UsageError for a camera whose view is not defined.
-bool camera_sees(const HeatScene& scene, const CameraSection& camera);
+/// What the pixels of a picture of 1280 x 960, 40 degrees wide, show; empty when none of them shows a facet. Throws
+/// UsageError for a camera whose view is not defined.
+std::vector<radiometry::scene::Hit> camera_hits(const HeatScene& scene, const CameraSection& camera);
 
-/// Writes a PNG of 1280 x 960 pixels, 40 degrees wide, with a bar of temperatures. What the camera does not see of the
-/// scene, and the sky, is black.
-void write_scene_picture(const std::string& path, const HeatScene& scene, const CameraSection& camera,
+/// Writes a PNG of these pixels with a bar of temperatures. What the camera does not see of the scene, and the sky, is
+/// black.
+void write_scene_picture(const std::string& path, std::span<const radiometry::scene::Hit> hits,
                          std::span<const double> facet_k, const std::string& caption);
 
 }  // namespace apps::scene

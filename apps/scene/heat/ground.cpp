@@ -7,7 +7,7 @@
 #include "mtf/error.h"
 #include "radiometry/heat/solve.h"
 #include "radiometry/heat/weather/instant.h"
-#include "radiometry/light/constants.h"
+#include "radiometry/heat/weather/sky.h"
 
 namespace apps::scene {
 namespace {
@@ -43,8 +43,7 @@ std::vector<double> solved_temperatures(const HeatScene& scene, const Surface& s
   run.promised = solution.run.promised;
   run.steps = solution.run.steps;
   run.start_residual_k = solution.residual_k;
-  const heat::HeatBalance& balance = solution.run.balance.front();
-  run.drift = balance.exchanged() > 0.0 ? std::abs(balance.drift()) / balance.exchanged() : 0.0;
+  run.drift = solution.run.balance.front().relative_drift();
   return solution.run.front_k;
 }
 
@@ -68,7 +67,7 @@ Ground ground_of(const HeatScene& scene, double tolerance_k) {
     kelvin = solved_temperatures(scene, *surface, tolerance_k, ground.run.emplace());
   }
   for (std::size_t k = 0; k < kelvin.size(); ++k) {
-    ground.light.longwave_w_m2.push_back(emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(kelvin[k], 4) +
+    ground.light.longwave_w_m2.push_back(emissivity * heat::blackbody_w_m2(kelvin[k]) +
                                          (1.0 - emissivity) * s.sky_longwave_w_m2[k]);
     ground.light.solar_w_m2.push_back((1.0 - absorptance) * s.global_w_m2[k]);
   }

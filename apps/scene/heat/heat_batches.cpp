@@ -33,8 +33,7 @@ heat::Promise worse(const heat::Promise& a, const heat::Promise& b) {
 
 double worst_drift(const std::vector<heat::HeatBalance>& balances) {
   double worst = 0.0;
-  for (const heat::HeatBalance& balance : balances)
-    if (balance.exchanged() > 0.0) worst = std::max(worst, std::abs(balance.drift()) / balance.exchanged());
+  for (const heat::HeatBalance& balance : balances) worst = std::max(worst, balance.relative_drift());
   return worst;
 }
 

@@ -22,14 +22,8 @@ double coldest_k(const HeatScene& scene) {
   const Surroundings& s = scene.surroundings;
   double coldest = *std::min_element(s.air_k.begin(), s.air_k.end());
   for (const double sky : s.sky_longwave_w_m2) coldest = std::min(coldest, heat::sky_temperature_k(std::max(sky, 0.0)));
-  const auto add = [&](const heat::Schedule& schedule) {
-    for (const double kelvin : schedule.value) coldest = std::min(coldest, kelvin);
-  };
-  for (const RegionSection& region : scene.file.regions)
-    if (region.temperature) add(region.temperature->schedule);
-  if (scene.file.ground && scene.file.ground->temperature) add(scene.file.ground->temperature->schedule);
-  for (const Surface& material : scene.material)
-    if (!std::holds_alternative<heat::InnerFlux>(material.construction.inside)) add(material.inside);
+  for (const heat::Schedule* schedule : temperature_schedules(scene.file))
+    coldest = std::min(coldest, *std::min_element(schedule->value.begin(), schedule->value.end()));
   return coldest;
 }
 
@@ -68,16 +62,12 @@ void require_plausible(const HeatScene& scene, std::size_t facet, double kelvin,
 /// surfaces times what they radiate, over what it gives off. None is warmer than `warmest`.
 double feedback_ratio(const HeatScene& scene, const Units& units, double warmest) {
   double most = 0.0;
-  const auto add = [&](const Unit& unit, const UnitSide& side, bool back) {
+  for_receivers(units, [&](std::size_t receiver, const Unit& unit, const UnitSide& side) {
     if (unit.given || !unit.material) return;
-    const Loss loss = loss_of(scene, scene.material[*unit.material], back, warmest);
+    const Loss loss = loss_of(scene, scene.material[*unit.material], receiver != unit.receiver, warmest);
     const double shares = std::max(0.0, 1.0 - side.sky - side.ground);
     if (loss.radiation > 0.0) most = std::max(most, shares * loss.radiation / loss.total());
-  };
-  for (const Unit& unit : units.unit) {
-    add(unit, unit.front, false);
-    if (unit.back) add(unit, *unit.back, true);
-  }
+  });
   return std::min(most, 0.99);
 }
 
@@ -106,7 +96,7 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
   report.timing_ms = scene.timing_ms;
   report.warnings = scene.warnings;
 
-  constexpr double kSunlit_k = 40.0;  // above the air: the iteration tells when this is too little
+  constexpr double kSunlit_k = 40.0;  // above the air, for shares of the tolerance; the promise takes the true one
   double warmest = *std::max_element(s.air_k.begin(), s.air_k.end());
 
   progress("rays", 0.0);

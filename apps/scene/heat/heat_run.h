@@ -8,8 +8,8 @@
 //
 // Units exchange long-wave radiation, so the balance of one needs the temperatures of the others. They are found by
 // iteration over windows of a day: all units are solved with the irradiance that the last iteration's temperatures
-// give, until temperatures change by less than a share of the tolerance. The first day is also the one that the start
-// repeats (radiometry/heat/periodic.h).
+// give, until that irradiance changes by less than a share of the tolerance. The first day is also the one that the
+// start repeats (radiometry/heat/periodic.h).
 
 #include <functional>
 #include <string>
@@ -50,8 +50,9 @@ struct HeatOutput {
   std::span<const double> back_k;   ///< of each facet of a sheet, NaN elsewhere; empty without sheets
 };
 
-/// Calls `output` for every output time, in order, and `progress` with the share that is done. Throws RuntimeError when
-/// the tolerance cannot be kept, naming what can.
+/// Calls `output` for every output time, in order, and `progress` with the share that is done. A promise above the
+/// tolerance is told by the report. Throws RuntimeError when the exchange between surfaces does not converge and when a
+/// temperature is one that no surface has.
 HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
                     const std::function<void(const HeatOutput&)>& output,
                     const std::function<void(const std::string& step, double share)>& progress);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A scene that is ready for its heat balance: what does not depend on the tolerance.
+// A scene that is ready for its heat balance: its weather over time, its surfaces, and the tree that rays are traced
+// in.
 
 #include <string>
 #include <utility>

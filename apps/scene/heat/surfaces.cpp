@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "apps/scene/import/import_mesh.h"
 #include "apps/text/words.h"

@@ -25,22 +25,6 @@ std::vector<double> merged(std::vector<double> times) {
   return kept;
 }
 
-/// Schedules whose samples are nodes: those of insides, regions and the ground.
-std::vector<const heat::Schedule*> schedules_of(const SceneFile& scene) {
-  std::vector<const heat::Schedule*> all;
-  const auto add = [&](const heat::Schedule& timeline) {
-    if (!timeline.value.empty()) all.push_back(&timeline);
-  };
-  for (const MaterialSection& material : scene.materials) {
-    add(material.inside.temperature);
-    add(material.inside.flux);
-  }
-  for (const RegionSection& region : scene.regions)
-    if (region.temperature) add(region.temperature->schedule);
-  if (scene.ground && scene.ground->temperature) add(scene.ground->temperature->schedule);
-  return all;
-}
-
 std::size_t node_at(const std::vector<double>& times, double t) {
   const auto at = std::lower_bound(times.begin(), times.end(), t - kSame_s);
   return std::min(static_cast<std::size_t>(at - times.begin()), times.size() - 1);
@@ -100,7 +84,7 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
     times.push_back(at.utc_s - start);
   }
   for (const double t : break_times(weather, start, end)) times.push_back(t - start);
-  for (const heat::Schedule* schedule : schedules_of(scene))
+  for (const heat::Schedule* schedule : all_schedules(scene))
     for (const double t : break_times(*schedule, start, end)) times.push_back(t - start);
   std::vector<double> outputs;
   const auto steps = std::llround((scene.time.end_s - start) / scene.time.step_s);

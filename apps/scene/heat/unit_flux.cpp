@@ -63,15 +63,6 @@ double direct_w_m2(const UnitSide& side, const geometry::SunVisibility& sun, con
   return beam.irradiance_w_m2 * cosine * (lit[0] + beam.share * (lit[1] - lit[0])) / sun.points;
 }
 
-/// Calls `visit(receiver, unit, side)` for all sides of all units.
-template <class Visit>
-void for_receivers(const Units& units, const Visit& visit) {
-  for (const Unit& unit : units.unit) {
-    visit(unit.receiver, unit, unit.front);
-    if (unit.back) visit(unit.receiver + 1, unit, *unit.back);
-  }
-}
-
 /// Of receivers, what comes from other surfaces: the whole irradiance without that from sky, ground and sun.
 void solve_exchange(const Units& units, const geometry::ReceiverFluxes& fluxes, std::span<float> from_surfaces) {
   const std::vector<double> whole = irradiance_w_m2(units.exchange, fluxes, 1e-11);

@@ -10,7 +10,7 @@
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
-#include "radiometry/light/constants.h"
+#include "radiometry/heat/weather/sky.h"
 
 namespace apps::scene {
 namespace {
@@ -19,8 +19,6 @@ namespace geometry = radiometry::scene;
 using geometry::Side;
 
 constexpr std::uint32_t kTilts = 1024;  // steps of the vertical component of the normal that buoyancy depends on
-
-double blackbody_w_m2(double kelvin) { return radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(kelvin, 4); }
 
 /// The fronts of all facets, then the backs of sheets; where the back of each facet stands.
 struct Sides {
@@ -83,19 +81,13 @@ geometry::FluxAmplitudes amplitudes_of(const HeatScene& scene, int rings) {
               std::max(a.direct[static_cast<std::size_t>(entry)], s.direct_w_m2[node]);
   double colder = 0.0;
   for (std::size_t k = 0; k < s.nodes(); ++k)
-    colder = std::max(colder, std::abs(blackbody_w_m2(s.air_k[k]) - s.sky_longwave_w_m2[k]));
+    colder = std::max(colder, std::abs(radiometry::heat::blackbody_w_m2(s.air_k[k]) - s.sky_longwave_w_m2[k]));
   double warmer = colder;
   const auto [coldest, warmest] = std::minmax_element(s.air_k.begin(), s.air_k.end());
-  const auto add = [&, least = *coldest, most = *warmest](const radiometry::heat::Schedule& schedule) {
-    for (const double kelvin : schedule.value)
-      warmer = std::max(
-          {warmer, blackbody_w_m2(kelvin) - blackbody_w_m2(least), blackbody_w_m2(most) - blackbody_w_m2(kelvin)});
-  };
-  for (const RegionSection& region : scene.file.regions)
-    if (region.temperature) add(region.temperature->schedule);
-  if (scene.file.ground && scene.file.ground->temperature) add(scene.file.ground->temperature->schedule);
-  for (const Surface& material : scene.material)
-    if (!std::holds_alternative<radiometry::heat::InnerFlux>(material.construction.inside)) add(material.inside);
+  for (const radiometry::heat::Schedule* schedule : temperature_schedules(scene.file))
+    for (const double kelvin : schedule->value)
+      warmer = std::max({warmer, radiometry::heat::blackbody_w_m2(kelvin) - radiometry::heat::blackbody_w_m2(*coldest),
+                         radiometry::heat::blackbody_w_m2(*warmest) - radiometry::heat::blackbody_w_m2(kelvin)});
   a.sky_solar.assign(static_cast<std::size_t>(rings), largest(s.diffuse_w_m2));
   a.sky_longwave.assign(static_cast<std::size_t>(rings), 0.0);
   a.ground_solar = a.surfaces_solar = 0.3 * largest(s.global_w_m2);
@@ -150,6 +142,17 @@ void sort_units(Grouping& g, const HeatScene& scene, const geometry::SunVisibili
   g.leader = std::move(leader);
 }
 
+/// Patches by flux; no patch has two finishes, so room for two patches of each is made.
+geometry::Classes patches_of(const HeatScene& scene, const std::vector<Side>& sides,
+                             const std::vector<geometry::SideFinish>& finish, const geometry::Views& seen,
+                             const geometry::SunVisibility& sun, const geometry::FluxAmplitudes& amplitudes,
+                             std::size_t most, int threads) {
+  std::set<std::uint32_t> finishes;
+  for (const geometry::SideFinish& one : finish) finishes.insert(one.key);
+  return geometry::patches_of(scene.facets(), sides, finish, seen, sun, scene.surroundings.shadow_to_sun, amplitudes,
+                              std::max(most, 2 * finishes.size()), threads);
+}
+
 /// Two facets that see equal shares of other surfaces may see warmer and colder ones. So surfaces are sorted into a few
 /// kinds of like flux, and the keys get the shares of the view that each kind has, in steps: of the tolerance, but no
 /// finer than sampling resolves. What remains is measured (view_spread.h).
@@ -158,11 +161,7 @@ void add_seen_kinds(const HeatScene& scene, const std::vector<Side>& sides, cons
                     double tolerance_w_m2, const geometry::ViewOptions& rough,
                     std::vector<geometry::SideFinish>& finish) {
   constexpr std::size_t kKinds = 24;
-  std::set<std::uint32_t> finishes;
-  for (const geometry::SideFinish& one : finish) finishes.insert(one.key);
-  const geometry::Classes kinds =
-      geometry::patches_of(scene.facets(), sides, finish, seen, sun, scene.surroundings.shadow_to_sun, amplitudes,
-                           std::max(kKinds, 2 * finishes.size()), rough.threads);
+  const geometry::Classes kinds = patches_of(scene, sides, finish, seen, sun, amplitudes, kKinds, rough.threads);
   const geometry::Receivers receivers = geometry::single_sides(sides);
   const geometry::Views by_kind =
       views(scene.rays, receivers, patches_of_sides(scene.facets(), receivers, kinds.class_of), kinds.size(), rough);
@@ -278,11 +277,9 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   const geometry::Receivers receivers = geometry::sets_of_sides(all.sides, receiver_of, leaders.size());
   std::vector<geometry::SideFinish> leader_finish;
   for (const std::uint32_t row : leader_rows) leader_finish.push_back(plain[row]);
-  std::set<std::uint32_t> finishes;
-  for (const geometry::SideFinish& one : leader_finish) finishes.insert(one.key);
   const geometry::Classes patches =
-      geometry::patches_of(facets, leaders, leader_finish, rows_of(seen, leader_rows), rows_of(units.sun, leader_rows),
-                           to_sun, amplitudes, std::max(options.patches, 2 * finishes.size()), options.threads);
+      patches_of(scene, leaders, leader_finish, rows_of(seen, leader_rows), rows_of(units.sun, leader_rows), amplitudes,
+                 options.patches, options.threads);
   const geometry::ViewOptions fine{.rays = options.rays, .threads = options.threads};
   units.patch_of_side = patches_of_sides(facets, receivers, patches.class_of);
   units.views = views(scene.rays, receivers, units.patch_of_side, patches.size(), fine);

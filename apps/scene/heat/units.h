@@ -44,6 +44,15 @@ struct Units {
   bool has_sheets() const { return exchange.receivers() > unit.size(); }
 };
 
+/// Calls `visit(receiver, unit, side)` for all sides of all units, where the side is `unit.front` or `*unit.back`.
+template <class Visit>
+void for_receivers(const Units& units, const Visit& visit) {
+  for (const Unit& unit : units.unit) {
+    visit(unit.receiver, unit, unit.front);
+    if (unit.back) visit(unit.receiver + 1, unit, *unit.back);
+  }
+}
+
 /// `tolerance_w_m2`: the largest difference of absorbed flux within a unit.
 Units units_of(const HeatScene& scene, const HeatOptions& options, double tolerance_w_m2);
 

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "radiometry/light/constants.h"
+#include "radiometry/heat/weather/sky.h"
 
 namespace apps::scene {
 namespace {
 
 namespace geometry = radiometry::scene;
 
-/// Facets spread evenly over the list: every n-th. Neighbours in a file are alike, so this is as good as a random pick.
+/// Every n-th facet of the list.
 std::vector<std::uint32_t> picked(std::size_t facets, std::size_t count) {
   std::vector<std::uint32_t> all;
   const std::size_t step = std::max<std::size_t>(1, facets / count);
@@ -23,19 +23,15 @@ std::vector<std::uint32_t> picked(std::size_t facets, std::size_t count) {
 std::vector<double> patch_radiosity(const Units& units, const Surroundings& s, const GroundLight& ground,
                                     const HeatBatches& batches, std::size_t node) {
   std::vector<double> radiosity(units.exchange.patches(), 0.0);
-  const auto add = [&](const UnitSide& side, std::size_t receiver) {
+  for_receivers(units, [&](std::size_t receiver, const Unit&, const UnitSide& side) {
     const double kelvin = batches.receiver_k(node, receiver);
     const double received = side.sky * s.sky_longwave_w_m2[node] + side.ground * ground.longwave_w_m2[node] +
                             static_cast<double>(batches.longwave_w_m2(node, receiver));
-    const double leaving = side.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(kelvin, 4) +
-                           (1.0 - side.emissivity) * received;
+    const double leaving =
+        side.emissivity * radiometry::heat::blackbody_w_m2(kelvin) + (1.0 - side.emissivity) * received;
     const std::uint32_t patch = units.exchange.patch_of[receiver];
     radiosity[patch] += leaving * units.exchange.receiver_area_m2[receiver] / units.exchange.area_m2[patch];
-  };
-  for (const Unit& unit : units.unit) {
-    add(unit.front, unit.receiver);
-    if (unit.back) add(*unit.back, unit.receiver + 1);
-  }
+  });
   return radiosity;
 }
 

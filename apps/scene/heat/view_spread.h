@@ -2,9 +2,10 @@
 #pragma once
 
 // How far facets are from the unit that is solved for them, by what they see: the long-wave irradiance of a facet from
-// its own view of sky, ground and patches, against that of its unit, on facets picked at random. Two facets that see
-// equal shares of other surfaces may see warmer and colder ones; and the view that decides about units is sampled.
-// Both are in this number, and so is the sampling error of the views that are compared. It is measured, not bounded.
+// its own view of sky, ground and patches, against that of its unit, on facets spread evenly over the list. Two facets
+// that see equal shares of other surfaces may see warmer and colder ones; and the view that decides about units is
+// sampled. Both are in this number, and so is the sampling error of the views that are compared. It is measured, not
+// bounded.
 
 #include "apps/scene/heat/heat_batches.h"
 #include "radiometry/scene/table_error.h"

@@ -47,6 +47,7 @@ inline constexpr std::array<std::string_view, 5> kLongwaveNames{"measured", "bru
 /// Where the cloud cover comes from: none (clear), the weather's measured long-wave against the formula, the weather's
 /// own column, or a constant.
 enum class CloudSource { none, from_longwave, from_weather, constant };
+inline constexpr std::array<std::string_view, 4> kCloudNames{"none", "from_longwave", "from_weather", "constant"};
 
 struct SkySection {
   LongwaveModel longwave = LongwaveModel::measured;
@@ -90,6 +91,7 @@ enum class InsideKind {
   sheet,      ///< the back is exposed as the front is
   pair        ///< the opposite face of a closed shell, found by a ray within `thickness`
 };
+inline constexpr std::array<std::string_view, 6> kInsideNames{"adiabatic", "fixed", "film", "flux", "sheet", "pair"};
 struct Inside {
   InsideKind kind = InsideKind::adiabatic;
   double h_w_m2_k = 0.0;                           ///< film
@@ -156,6 +158,10 @@ struct SceneFile {
   std::optional<GroundSection> ground;
   std::optional<CameraSection> camera;
 };
+
+/// The schedules that are in the file, of insides, regions and the ground: those of temperatures (K), and all of them.
+std::vector<const radiometry::heat::Schedule*> temperature_schedules(const SceneFile& scene);
+std::vector<const radiometry::heat::Schedule*> all_schedules(const SceneFile& scene);
 
 struct SceneResult {
   SceneFile scene;                               ///< usable only when there is no error

@@ -83,8 +83,6 @@ constexpr FieldInfo kPairThickness{.name = "thickness",
                                    .example = "\"50 mm\"",
                                    .doc = "longest distance to the opposite face"};
 
-constexpr std::array<std::string_view, 6> kInsideNames{"adiabatic", "fixed", "film", "flux", "sheet", "pair"};
-
 /// The keys of [material.inside] by kind, beside `kind`.
 std::vector<std::string_view> inside_keys(InsideKind kind) {
   switch (kind) {

@@ -198,7 +198,7 @@ void read_sky(SceneReader& s) {
   const Node* cloud = section.find("cloud");
   if (cloud == nullptr) return;
   if (cloud->kind == Node::Kind::string && !cloud->text.ends_with("%")) {
-    constexpr std::array<std::string_view, 3> words{"none", "from_longwave", "from_weather"};
+    constexpr std::span<const std::string_view> words = std::span(kCloudNames).first(3);  // a constant is a number
     if (const auto word = cfg::read_word(section, "cloud", words)) sky.cloud = static_cast<CloudSource>(*word);
   } else if (const auto cover = read_si(section, {.name = "cloud", .lo = 0.0, .hi = 1.0, .example = "0.3"})) {
     sky.cloud = CloudSource::constant;

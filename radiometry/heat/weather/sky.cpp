@@ -53,6 +53,8 @@ double cloud_cover_from_longwave(double measured_w_m2, double clear_w_m2) {
   return std::pow(std::clamp(excess, 0.0, 1.0), 1.0 / kCloudExponent);
 }
 
+double blackbody_w_m2(double temperature_k) { return kStefanBoltzmann_w_m2_k4 * std::pow(temperature_k, 4); }
+
 double sky_temperature_k(double longwave_w_m2) { return std::pow(longwave_w_m2 / kStefanBoltzmann_w_m2_k4, 0.25); }
 
 }  // namespace radiometry::heat

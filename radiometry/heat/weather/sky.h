@@ -30,6 +30,8 @@ double cloud_factor(double cover);
 /// colder than the formula, 1 where it is warmer than covered.
 double cloud_cover_from_longwave(double measured_w_m2, double clear_w_m2);
 
+/// sigma T^4, W/m2.
+double blackbody_w_m2(double temperature_k);
 /// Temperature in K of the black body of that irradiance: (L / sigma)^(1/4).
 double sky_temperature_k(double longwave_w_m2);
 

@@ -8,8 +8,8 @@
 #include <fstream>
 
 #include "apps/scene/heat/heat_run.h"
-#include "mtf/error.h"
 #include "radiometry/light/constants.h"
+#include "tests/apps/scene/weather_texts.h"
 #include "tests/apps/study/temp_folder.h"
 
 namespace apps::scene {
@@ -237,25 +237,15 @@ TEST_F(HeatRun, TheSameForEveryNumberOfThreads) {
             run(text, obj, {.tolerance_k = 0.1, .threads = 2}).front);
 }
 
-template <class Call>
-std::string message_of(const Call& call) {
-  try {
-    call();
-  } catch (const mtf::Error& e) {
-    return e.what();
-  }
-  return "nothing was refused";
-}
-
 TEST_F(HeatRun, RefusesWhatItCannotSolve) {
   const std::string head = kDay + weather(280.0, 3.0, 800.0, 80.0, 280.0) + kSky;
-  const auto refusal = [&](const std::string& text) { return message_of([&] { prepare(text, plate(0.0)); }); };
+  const auto refusal = [&](const std::string& text) { return test::message_of([&] { prepare(text, plate(0.0)); }); };
   EXPECT_NE(refusal(head +
                     material("wall", 0.8, 0.9, "\"mcadams\"", "inside = { kind = \"pair\", thickness = \"0.1 m\" }\n") +
                     kMesh + region("", "material = \"wall\""))
                 .find("\"pair\" is not solved yet"),
             std::string::npos);
-  EXPECT_NE(message_of([&] {
+  EXPECT_NE(test::message_of([&] {
               run(head + material("wall", 0.8, 0.9, "\"mcadams\"", "inside = { kind = \"sheet\" }\n") + kMesh +
                       region("", "material = \"wall\"") + "[ground]\nmaterial = \"wall\"\n",
                   plate(0.0));
