@@ -2,53 +2,42 @@
 #include "apps/scene/heat/heat_scene.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/text/words.h"
+#include "radiometry/scene/views.h"
 
 namespace apps::scene {
 namespace {
 
 namespace geometry = radiometry::scene;
 
-/// A direction of the hemisphere of `normal` with the density of the cosine law; u and v in [0, 1).
-geometry::Vector cosine_direction(const geometry::Vector& normal, double u, double v) {
-  using geometry::operator+, geometry::operator*;
-  const geometry::Vector helper =
-      std::abs(normal[2]) < 0.9 ? geometry::Vector{0.0, 0.0, 1.0} : geometry::Vector{1.0, 0.0, 0.0};
-  geometry::Vector across = geometry::cross(helper, normal);
-  across = (1.0 / geometry::length(across)) * across;
-  const double radius = std::sqrt(u), angle = 2.0 * std::numbers::pi * v;
-  return radius * std::cos(angle) * across + radius * std::sin(angle) * geometry::cross(normal, across) +
-         std::sqrt(1.0 - u) * normal;
-}
-
 /// The backs of open surfaces that are no sheets are not solved: they stand in the light and at the temperature of
 /// their fronts. That is no matter where nothing sees them, as under terrain; else it is said.
-void warn_of_seen_backs(HeatScene& scene) {
-  constexpr std::size_t kFacets = 2000, kRays = 8;
-  constexpr double kGolden = 0.6180339887498949, kSeen = 0.01;
+void warn_of_seen_backs(HeatScene& scene, int threads) {
+  constexpr std::size_t kFacets = 2000;
+  constexpr int kRays = 8;
+  constexpr double kSeen = 0.01;
   const geometry::Facets& facets = scene.facets();
-  std::vector<std::size_t> seen(scene.file.regions.size(), 0);
-  std::size_t rays = 0;
+  std::vector<std::uint32_t> patch_of;  // of each side: its region for such a back, else a patch of what is solved
+  const auto solved = static_cast<std::uint32_t>(scene.file.regions.size());
+  for (std::uint32_t f = 0; f < facets.size(); ++f) {
+    const bool unsolved =
+        !facets.shells[facets.facet[f].shell].closed && !scene.is_sheet(f) && !scene.region_of(f).temperature;
+    patch_of.insert(patch_of.end(), {solved, unsolved ? scene.region[f] : solved});
+  }
+  std::vector<geometry::Side> sides;
   const std::size_t step = std::max<std::size_t>(1, facets.size() / kFacets);
-  for (std::size_t f = step / 2; f < facets.size(); f += step)
-    for (std::size_t j = 0; j < kRays; ++j, ++rays) {
-      using geometry::operator+, geometry::operator*;
-      const geometry::Facet& from = facets.facet[f];
-      const double u = (static_cast<double>(j) + 0.5) / kRays, v = std::fmod(static_cast<double>(rays) * kGolden, 1.0);
-      const geometry::Hit hit = scene.rays.first_hit(
-          {from.centre + 1e-6 * std::sqrt(from.area_m2) * from.normal, cosine_direction(from.normal, u, v)});
-      if (geometry::hits(hit) && hit.back && !facets.shells[facets.facet[hit.facet].shell].closed &&
-          !scene.is_sheet(hit.facet) && !scene.region_of(hit.facet).temperature)
-        ++seen[scene.region[hit.facet]];
-    }
-  for (std::size_t r = 0; r < seen.size(); ++r)
-    if (const double share = static_cast<double>(seen[r]) / static_cast<double>(rays); share > kSeen)
+  for (std::size_t f = step / 2; f < facets.size(); f += step) sides.push_back({static_cast<std::uint32_t>(f), false});
+  const geometry::Views seen = views(scene.rays, geometry::single_sides(std::move(sides)), patch_of, solved + 1,
+                                     {.rays = kRays, .threads = threads});
+  std::vector<double> share(solved + 1, 0.0);
+  for (std::size_t e = 0; e < seen.patches.value.size(); ++e)
+    share[seen.patches.column[e]] += seen.patches.value[e] / static_cast<double>(seen.size());
+  for (std::uint32_t r = 0; r < solved; ++r)
+    if (share[r] > kSeen)
       scene.warnings.push_back("region '" + one_line(scene.file.regions[r].name) +
-                               "': " + significant(100.0 * share, 2) +
+                               "': " + significant(100.0 * share[r], 2) +
                                " % of what surfaces see are backs of its open surfaces, which are taken to be lit and "
                                "warm as their fronts are; with inside.kind = \"sheet\" they are solved");
 }
@@ -78,7 +67,7 @@ HeatScene prepare_heat(const SceneFile& file, const HeatOptions& options) {
                   std::move(rays),
                   {{"weather", weather_ms}, {"meshes", read_ms}, {"tree", tree.ms()}},
                   std::move(warnings)};
-  warn_of_seen_backs(scene);
+  warn_of_seen_backs(scene, options.threads);
   return scene;
 }
 
