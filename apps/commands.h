@@ -11,6 +11,7 @@ Command curve_command();
 Command info_command();
 Command config_command();
 Command budget_command();
+Command atmosphere_command();
 Command check_command();
 Command demo_command();
 Command simulate_command();

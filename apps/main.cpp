@@ -113,8 +113,9 @@ int run(int argc, char** argv) {
       "Exit code: 0 ok, 1 run time or files, 2 usage or config, 3 a check failed, 130 interrupted.\n\n"
       "Examples:\n  mtf demo\n  mtf curve sensor.toml --plot ascii");
   for (const OptionSpec& option : global_options(global).options) add_option(root, option);
-  for (const Command& command : {demo_command(), info_command(), config_command(), curve_command(), budget_command(),
-                                 simulate_command(), bench_command(), check_command(), report_command()})
+  for (const Command& command :
+       {demo_command(), info_command(), config_command(), curve_command(), budget_command(), atmosphere_command(),
+        simulate_command(), bench_command(), check_command(), report_command()})
     add_command(root, command, chosen);
 #ifdef MTFKIT_HAVE_CALIB
   for (const Command& command : {measure_command(), fit_command()}) add_command(root, command, chosen);

@@ -84,6 +84,11 @@ constexpr std::array kUnits{
     Unit{"pW", Dimension::power, 1e-12},
     Unit{"nW", Dimension::power, 1e-9},
     Unit{"W", Dimension::power, 1.0},
+    Unit{"Pa", Dimension::pressure, 1.0},
+    Unit{"hPa", Dimension::pressure, 1e2},
+    Unit{"mbar", Dimension::pressure, 1e2},
+    Unit{"kPa", Dimension::pressure, 1e3},
+    Unit{"mm/h", Dimension::rain_rate, 1.0},
 };
 
 std::string ascii_micro(std::string_view name) {
@@ -217,6 +222,10 @@ std::string_view describe(Dimension dimension) {
       return "a voltage such as \"2 mV\"";
     case Dimension::power:
       return "a power such as \"20 pW\"";
+    case Dimension::pressure:
+      return "a pressure such as \"1013 hPa\"";
+    case Dimension::rain_rate:
+      return "a rain rate such as \"5 mm/h\"";
   }
   return "";
 }

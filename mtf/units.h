@@ -34,7 +34,9 @@ enum class Dimension {
   current,                 ///< electrons per second, base e-/s
   capacitance,             ///< base F
   voltage,                 ///< base V
-  power                    ///< base W
+  power,                   ///< base W
+  pressure,                ///< base Pa
+  rain_rate                ///< depth of water per time, base mm/h
 };
 
 struct Unit {

@@ -18,6 +18,7 @@
 // is finer than the pitch: the stages from `shutter` to the correction run for each position, and the frames are put
 // together.
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,8 +34,10 @@ namespace radiometry {
 /// A sensor, with the contents of the files that its settings name.
 struct Sensor {
   SensorSettings settings;
-  SpectralCamera curves;                                      ///< band, and the curves that were given as files
-  Path path;                                                  ///< between scene and aperture
+  SpectralCamera curves;  ///< band, and the curves that were given as files
+  Path path;              ///< between scene and aperture
+  /// The path through [atmosphere] with other numbers; empty where the file has none, or gives no line of sight.
+  std::function<Path(const AtmosphereSettings&)> air;
   Spectrum emissivity = constant_spectrum("blackbody", 1.0);  ///< of a scene of temperatures
   /// Maps of the whole detector in place of random ones, where they are given.
   std::shared_ptr<const mtf::Image> responsivity, offset, vignetting;

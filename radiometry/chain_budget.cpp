@@ -10,8 +10,24 @@
 #include "radiometry/stages/noise/frame_flicker.h"
 
 namespace radiometry {
+namespace {
+
+constexpr std::string_view kAtmospherePrefix = "atmosphere.";
+
+/// The settings with the numbers that are overridden.
+AtmosphereSettings with_numbers(AtmosphereSettings settings, const Overrides<double>& numbers) {
+  for_each_field(settings, [&](const FieldInfo& info, auto& member) {
+    using Member = std::decay_t<decltype(member)>;
+    if constexpr (std::is_same_v<Member, double> || std::is_same_v<Member, std::optional<double>>)
+      if (const double* value = numbers.find(std::string(kAtmospherePrefix) + std::string(info.name))) member = *value;
+  });
+  return settings;
+}
+
+}  // namespace
 
 bool is_spectral(std::string_view path) {
+  if (path.starts_with(kAtmospherePrefix)) return true;
   constexpr std::array<std::string_view, 8> paths{
       "optics.temperature", "optics.stop_temperature", "detector.shutter_temperature",
       "path.transmission",  "path.radiance",           "path.air_temperature",
@@ -42,6 +58,8 @@ SpectralNumbers<double> spectral_numbers(const Sensor& sensor, double temperatur
   const double given = settings.scene ? settings.scene->surroundings_k.value_or(0.0) : 0.0;
   Surface surface{temperature_k, sensor.emissivity, numbers("scene.surroundings", given)};
   Path path = sensor.path;
+  if (sensor.air && numbers.any([](std::string_view name) { return name.starts_with(kAtmospherePrefix); }))
+    path = sensor.air(with_numbers(*settings.atmosphere, numbers));
   const auto constant = [&](std::string_view name, Spectrum& spectrum, double most) {
     if (const double* value = numbers.find(name)) spectrum = constant_spectrum(std::string(name), *value, most);
   };

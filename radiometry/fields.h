@@ -74,6 +74,8 @@ inline constexpr bool is_optional<std::optional<T>> = true;
 template <class T>
 inline constexpr bool has_bounds = !std::is_same_v<T, bool> && !std::is_enum_v<T> && !std::is_same_v<T, std::string> &&
                                    !std::is_same_v<T, ChannelName>;
+template <class T>
+inline constexpr bool has_bounds<std::optional<T>> = has_bounds<T>;
 
 /// The number that has to lie in the bounds of the row, where there is one.
 template <class T>
@@ -89,7 +91,9 @@ std::optional<double> bounded(const T& field) {
 template <class T>
 mtf::SettingInfo row_of(const FieldInfo& info) {
   using mtf::SettingType;
-  if constexpr (std::is_enum_v<T>)
+  if constexpr (is_optional<T>)
+    return row_of<typename T::value_type>(info);
+  else if constexpr (std::is_enum_v<T>)
     return {info, SettingType::word, words(T{})};
   else if constexpr (std::is_same_v<T, bool>)
     return {info, SettingType::flag};
@@ -107,7 +111,9 @@ mtf::SettingInfo row_of(const FieldInfo& info) {
 
 template <class T>
 void assign(T& member, const mtf::SettingValue& value) {
-  if constexpr (std::is_enum_v<T>) {
+  if constexpr (is_optional<T>) {
+    assign(member.emplace(), value);
+  } else if constexpr (std::is_enum_v<T>) {
     member = static_cast<T>(std::get<int>(value));
   } else if constexpr (std::is_same_v<T, ChannelName>) {
     member.name = std::get<std::string>(value);
@@ -116,8 +122,6 @@ void assign(T& member, const mtf::SettingValue& value) {
       member = {.number = *number, .file = {}};
     else
       member.file = std::get<std::string>(value);
-  } else if constexpr (is_optional<T>) {
-    member = std::get<typename T::value_type>(value);
   } else {
     member = std::get<T>(value);
   }

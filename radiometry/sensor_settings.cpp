@@ -13,6 +13,7 @@ void for_each_table(Settings& s, Visit visit) {
   visit("scene", "what the values of a scene stand for", s.scene);
   visit("camera_counts", "the camera that wrote a scene of raw counts", s.counts);
   visit("path", "what lies between scene and aperture", s.path);
+  visit("atmosphere", "the air between scene and aperture, by a band model; in place of [path]", s.atmosphere);
   visit("optics", "what the optics let through and emit", s.optics);
   visit("optical_axis", "where the optical axis meets the detector", s.axis);
   visit("distortion", "radial distortion of the scene", s.distortion);

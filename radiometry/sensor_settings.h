@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "radiometry/atmosphere/atmosphere_settings.h"
 #include "radiometry/light/raw_counts.h"
 #include "radiometry/light/scene_radiance.h"
 #include "radiometry/light/signal.h"
@@ -267,6 +268,7 @@ struct SensorSettings {
   std::optional<SceneSettings> scene;
   std::optional<CountCamera> counts;
   std::optional<PathSettings> path;
+  std::optional<AtmosphereSettings> atmosphere;  ///< in place of path
   std::optional<OpticsSettings> optics;
   std::optional<OpticalAxis> axis;
   std::optional<Distortion> distortion;

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_place.h"
 #include "mtf/components/footprint.h"
 #include "mtf/error.h"
@@ -160,27 +161,38 @@ std::optional<double> source_temperature_k(const radiometry::SensorSettings& set
 
 namespace {
 
+radiometry::SpectralCamera curves_of(const mtf::io::SensorConfig& config, const radiometry::SensorSettings& settings) {
+  if (!config.system.band)
+    throw mtf::UsageError("band: missing; electrons need it: write [band] wavelength = [\"3.4 um\", \"4.8 um\"]");
+  radiometry::SpectralCamera curves;
+  curves.band = {config.system.band->lo_um, config.system.band->hi_um};
+  if (settings.optics) {
+    add_curve(curves.optics, settings.optics->transmission, "optics.transmission");
+    add_curve(curves.cold_filter, settings.optics->cold_transmission, "optics.cold_transmission");
+  }
+  curves.flux = flux_of(settings);
+  if (settings.detector)
+    add_curve(curves.quantum_efficiency, settings.detector->quantum_efficiency,
+              settings.thermal ? "detector.absorptance" : "detector.quantum_efficiency");
+  return curves;
+}
+
 LoadedSensor load_parts(const mtf::io::SensorConfig& config) {
   LoadedSensor loaded;
   radiometry::Sensor& sensor = loaded.sensor;
   sensor.settings = radiometry::sensor_settings(config.tables);
   const radiometry::SensorSettings& settings = sensor.settings;
-  if (!config.system.band)
-    throw mtf::UsageError("band: missing; electrons need it: write [band] wavelength = [\"3.4 um\", \"4.8 um\"]");
-  sensor.curves.band = {config.system.band->lo_um, config.system.band->hi_um};
-  if (settings.optics) {
-    add_curve(sensor.curves.optics, settings.optics->transmission, "optics.transmission");
-    add_curve(sensor.curves.cold_filter, settings.optics->cold_transmission, "optics.cold_transmission");
-  }
-  sensor.curves.flux = flux_of(settings);
-  if (settings.detector)
-    add_curve(sensor.curves.quantum_efficiency, settings.detector->quantum_efficiency,
-              settings.thermal ? "detector.absorptance" : "detector.quantum_efficiency");
+  sensor.curves = curves_of(config, settings);
   if (settings.scene) sensor.emissivity = curve_of(settings.scene->emissivity, "scene.emissivity", 1.0);
+  if (settings.path && settings.atmosphere)
+    throw mtf::UsageError("[atmosphere]: given together with [path]; the air would count twice, so remove one of them");
   if (settings.path)
     read_path(settings, loaded);
+  else if (settings.atmosphere)
+    read_atmosphere(settings, loaded);
   else if (settings.scene && !settings.scene->depth_channel.name.empty())
-    throw mtf::UsageError("scene.depth_channel: needs path.table, which says what a path of that length does");
+    throw mtf::UsageError(
+        "scene.depth_channel: needs [atmosphere] or path.table, which say what a path of that length does");
   if (settings.nonuniformity) {
     sensor.responsivity = map_of(settings.nonuniformity->responsivity, "nonuniformity.responsivity", true);
     sensor.offset = map_of(settings.nonuniformity->offset, "nonuniformity.offset", false);
@@ -198,6 +210,14 @@ std::string told(const mtf::io::SensorConfig& config, const std::string& message
 }
 
 }  // namespace
+
+radiometry::SpectralCamera load_curves(const mtf::io::SensorConfig& config) try {
+  return curves_of(config, radiometry::sensor_settings(config.tables));
+} catch (const mtf::UsageError& error) {
+  throw mtf::UsageError(told(config, error.what()));
+} catch (const mtf::RuntimeError& error) {
+  throw mtf::RuntimeError(told(config, error.what()));
+}
 
 LoadedSensor load_chain(const mtf::io::SensorConfig& config) try {
   return load_parts(config);
@@ -287,7 +307,7 @@ std::vector<mtf::io::Diagnostic> invented_volts_warnings(const std::vector<mtf::
 }  // namespace
 
 std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& config) {
-  std::vector<mtf::io::Diagnostic> warnings;
+  std::vector<mtf::io::Diagnostic> warnings = atmosphere_warnings(config);
   const mtf::SettingsTable* lag = find_table(config.tables, "lag");
   const mtf::SettingValue* given = lag != nullptr ? lag->find("time_constant") : nullptr;
   const auto moving = radiometry::moving_bolometer(config.system);

@@ -32,12 +32,16 @@ std::optional<double> source_temperature_k(const radiometry::SensorSettings& set
 struct LoadedSensor {
   radiometry::Sensor sensor;
   std::shared_ptr<const radiometry::PathTable> paths;  ///< for the range of each pixel, where the file says so
-  std::optional<double> source_k;                      ///< source_temperature_k() of the quantity that [scene] states
+  double path_error = 0.0;  ///< of a transmission of `paths` between its ranges, or of a radiance over a blackbody's
+  std::optional<double> source_k;  ///< source_temperature_k() of the quantity that [scene] states
 };
 
 /// The sensor with its curves, tables and maps. Throws UsageError with file, line and key for what does not fit,
 /// RuntimeError for files that cannot be read.
 LoadedSensor load_chain(const mtf::io::SensorConfig& config);
+
+/// The curves of the camera alone, from the same tables. Throws as load_chain.
+radiometry::SpectralCamera load_curves(const mtf::io::SensorConfig& config);
 
 /// The system whose band is weighted by the electrons that light of that spectrum gives after all curves; unchanged
 /// where there is neither a curve nor a source temperature. Throws UsageError where that light gives no electrons.

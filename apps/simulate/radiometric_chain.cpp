@@ -69,7 +69,7 @@ bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) 
     const auto *first = find_table(a.tables, name), *second = find_table(b.tables, name);
     return first == nullptr || second == nullptr ? first == second : *first == *second;
   };
-  return band(a) == band(b) && same("scene") && same("camera_counts") && same("path") && same("optics") &&
+  return band(a) == band(b) && same("scene") && same("camera_counts") && same("path") && same("atmosphere") && same("optics") &&
          same("detector");
 }
 

@@ -87,6 +87,10 @@ UnitScale base_of(const mtf::Unit& unit) {
       return {{.metre = 2, .second = -2, .electron = -1, .kilogram = 1}, 1.602176634e-19};
     case power:
       return {{.metre = 2, .second = -3, .kilogram = 1}, 1.0};
+    case pressure:
+      return {{.metre = -1, .second = -2, .kilogram = 1}, 1.0};
+    case rain_rate:
+      return {{.metre = 1, .second = -1}, 1e-3 / 3600.0};
   }
   return {};
 }

@@ -4,6 +4,7 @@
 // A number of the tables of a sensor file may be overridden by its path ("detector.read_noise"); that is how a design
 // of a study differs from its sensor file.
 
+#include <algorithm>
 #include <span>
 #include <string_view>
 
@@ -31,6 +32,11 @@ class Overrides {
     return value != nullptr ? *value : S(given);
   }
   bool empty() const { return list_.empty(); }
+  /// True where one of the paths is such.
+  template <class Is>
+  bool any(const Is& is) const {
+    return std::any_of(list_.begin(), list_.end(), [&](const Override<S>& one) { return is(one.path); });
+  }
 
  private:
   std::span<const Override<S>> list_;

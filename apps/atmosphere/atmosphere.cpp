@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf atmosphere`: spectrum, band averages, sky, and files of the air that other programs read.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "apps/arguments.h"
+#include "apps/atmosphere/atmosphere_options.h"
+#include "apps/atmosphere/atmosphere_report.h"
+#include "apps/atmosphere/spectrum_text.h"
+#include "apps/sensor/sensor_air.h"
+#include "apps/sensor/sensor_file.h"
+#include "apps/sensor/sensor_place.h"
+#include "apps/simulate/output_files.h"
+#include "apps/terminal/output.h"
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "radiometry/atmosphere/range_table.h"
+
+namespace apps {
+
+namespace {
+
+namespace air = radiometry::atmosphere;
+using radiometry::Interval;
+
+constexpr double kTableError = 1e-4;
+constexpr std::size_t kMostRanges = 256, kMostBands = 32;
+constexpr std::array kUsualBands{Interval{3.0, 5.0}, Interval{3.4, 4.8}, Interval{8.0, 12.0}, Interval{8.0, 14.0}};
+
+/// What file and options say together.
+struct Given {
+  radiometry::AtmosphereSettings settings;
+  std::optional<radiometry::SpectralCamera> camera;  ///< of a sensor file
+  std::vector<std::string> files;
+};
+
+Given given_by(const AtmosphereOptions& options, const Global& global) {
+  Given given;
+  if (!options.file.empty()) {
+    const mtf::io::SensorConfig config = read_sensor(options.file, global);
+    const mtf::SettingsTable* table = find_table(config.tables, "atmosphere");
+    if (table == nullptr)
+      throw mtf::UsageError(config.file +
+                            ": has no [atmosphere]; add one (mtf config kinds atmosphere), or say all by options");
+    given.settings = radiometry::from_table<radiometry::AtmosphereSettings>(*table);
+    if (config.system.band) given.camera = load_curves(config);
+    given.files = files_of(config);
+  }
+  for (const auto& [key, text] : options.given) {
+    std::string option = "--" + key;
+    std::replace(option.begin(), option.end(), '_', '-');
+    set_key(given.settings, key, option, text);
+  }
+  if (!given.settings.profile.empty()) given.files.push_back(given.settings.profile);
+  return given;
+}
+
+std::vector<Interval> bands_of(const AtmosphereOptions& options, const Given& given) {
+  if (options.bands.empty())
+    return given.camera ? std::vector{given.camera->band}
+                        : std::vector<Interval>(kUsualBands.begin(), kUsualBands.end());
+  std::vector<Interval> bands;
+  for (std::size_t at = 0; at <= options.bands.size();) {
+    const std::size_t end = std::min(options.bands.find(',', at), options.bands.size());
+    const auto ends = number_range("--bands", options.bands.substr(at, end - at));
+    bands.push_back({ends[0], ends[1]});
+    at = end + 1;
+  }
+  if (bands.size() > kMostBands) throw mtf::UsageError("--bands: at most " + std::to_string(kMostBands) + " bands");
+  return bands;
+}
+
+Interval hull(const std::vector<Interval>& bands) {
+  Interval all = bands.front();
+  for (const Interval& band : bands) all = {std::min(all.lo_um, band.lo_um), std::max(all.hi_um, band.hi_um)};
+  return all;
+}
+
+radiometry::SpectralCamera camera_in(const Given& given, const Interval& band) {
+  radiometry::SpectralCamera camera = given.camera.value_or(radiometry::SpectralCamera{});
+  if (!given.camera) camera.flux = radiometry::Flux::watts;
+  camera.band = band;
+  return camera;
+}
+
+void require_outputs(const AtmosphereOptions& options, const Given& given) {
+  std::vector<std::string> outputs;
+  for (const std::string& file : {options.table, options.tape7, options.plot})
+    if (!file.empty()) outputs.push_back(file);
+  if (!options.plot.empty()) {
+    check_figure_path(options.plot);
+    outputs.push_back(figure_data_path(options.plot));
+  }
+  if (!options.out.empty() && options.out != "-") outputs.push_back(options.out);
+  std::vector<std::string> inputs = given.files;
+  require_writable(outputs, inputs);
+  if (options.sky && (!options.table.empty() || !options.tape7.empty() || !options.plot.empty()))
+    throw mtf::UsageError("--sky: prints the sky; --table, --tape7 and --plot are of a line of sight, remove them");
+  if (!options.ranges.empty() && options.table.empty())
+    throw mtf::UsageError("--ranges: are those of --table FILE; add it");
+}
+
+std::vector<double> table_ranges(const AtmosphereOptions& options, const air::Air<double>& through,
+                                 const air::Sight<double>& sight, const Interval& band, const Global& global) {
+  if (!options.ranges.empty()) return frequency_list("--ranges", options.ranges);
+  const double longest_m = sight_numbers(through, sight).range_m;
+  const air::TableRanges found = ranges_for(through, sight, longest_m, kTableError, band, kMostRanges);
+  note(global, "note: " + std::to_string(found.ranges_m.size()) + " ranges; between them the table is right within " +
+                   significant(found.error, 2));
+  return found.ranges_m;
+}
+
+void write_table(const AtmosphereOptions& options, const air::Air<double>& through, const air::Sight<double>& sight,
+                 const Interval& band, const std::string& what, const Global& global) {
+  const std::vector<double> ranges_m = table_ranges(options, through, sight, band, global);
+  const air::RangeTableResult result =
+      path_table(through, sight, ranges_m, {.band = band, .tolerance = options.tolerance});
+  emit(options.table, path_table_csv(result.table, what));
+}
+
+int run_sky(const AtmosphereOptions& options, const Given& given, const std::vector<Interval>& bands) {
+  const air::Air<double> through = read_air(given.settings);
+  SkyReport report;
+  report.air = air_words(given.settings, through);
+  report.altitude_m = given.settings.sensor_altitude_m;
+  report.bands = bands;
+  std::vector<double> zenith_rad;
+  for (const double degrees : {0.0, 15.0, 30.0, 45.0, 60.0, 70.0, 75.0, 80.0, 85.0, 87.5, 90.0}) {
+    report.zenith_deg.push_back(degrees);
+    zenith_rad.push_back(degrees * std::numbers::pi / 180.0);
+  }
+  for (const air::SkyRadiance& sky : sky_radiances(through, report.altitude_m, zenith_rad)) {
+    report.radiance.push_back(sky.whole);
+    air::SpectralPath<double> path;
+    path.wavenumber_cm = sky.wavenumber_cm;
+    path.radiance = sky.radiance;
+    path.transmission.assign(path.wavenumber_cm.size(), 0.0);
+    auto& row = report.band_radiance.emplace_back();
+    for (const Interval& band : bands)
+      row.push_back(weighted_path_radiance(camera_in({}, band), path_of(path, "the sky")));
+  }
+  report.flux = sky_flux(through, report.altitude_m);
+  emit(options.out, options.format == Format::csv    ? as_csv(report)
+                    : options.format == Format::json ? as_json(report)
+                                                     : as_table(report));
+  return 0;
+}
+
+}  // namespace
+
+int run_atmosphere(const AtmosphereOptions& options, const Global& global) {
+  const Given given = given_by(options, global);
+  require_outputs(options, given);
+  const std::vector<Interval> bands = bands_of(options, given);
+  if (options.sky) return run_sky(options, given, bands);
+
+  const air::Air<double> through = read_air(given.settings);
+  const air::Sight<double> sight = read_sight(given.settings);
+  AtmosphereReport report{
+      .air = air_words(given.settings, through),
+      .path = spectral_path(through, sight, {.band = hull(bands), .components = true, .tolerance = options.tolerance}),
+      .flux = given.camera ? given.camera->flux : radiometry::Flux::watts,
+      .response = given.camera.has_value(),
+      .source_k = options.source_k};
+  report.line = sight_words(report.path.sight, given.settings.sensor_altitude_m);
+  report.limits = limits_of(through, hull(bands));
+  for (const Interval& band : bands)
+    report.bands.push_back(band_average(report.path, camera_in(given, band), options.source_k));
+  // A sensor file has said them already, of its own band.
+  if (options.file.empty() || !options.bands.empty())
+    for (const std::string& limit : report.limits) note(global, "warning: " + limit);
+
+  const std::string what = report.air + "; " + report.line;
+  if (!options.table.empty()) write_table(options, through, sight, hull(bands), what, global);
+  if (!options.tape7.empty()) emit(options.tape7, tape7_text(report.path, what));
+  if (!options.plot.empty() && !write_figures(options.plot, atmosphere_figures(report)))
+    note(global, "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
+                     one_line(figure_data_path(options.plot)));
+  emit(options.out, options.format == Format::csv    ? spectrum_csv(report.path)
+                    : options.format == Format::json ? as_json(report)
+                                                     : as_table(report));
+  return 0;
+}
+
+}  // namespace apps

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What `mtf atmosphere` takes: the keys of [atmosphere], from a file, from options of the same names, or both.
+
+#include <string>
+#include <string_view>
+
+#include "apps/options.h"
+#include "radiometry/atmosphere/atmosphere_settings.h"
+
+namespace apps {
+
+struct AtmosphereOptions {
+  std::string file;                                        ///< sensor file with [atmosphere]; "" = the options alone
+  std::vector<std::pair<std::string, std::string>> given;  ///< key of [atmosphere], text
+  std::string bands;                                       ///< "LO:HI,LO:HI" in um; "" = the sensor's, or four usual
+  double source_k = 300.0;
+  double tolerance = 0.0;
+  bool sky = false;
+  Format format = Format::table;
+  std::string out;     ///< "" = stdout
+  std::string plot;    ///< .svg, .pdf or .png
+  std::string table;   ///< CSV over range and wavelength, as path.table reads it
+  std::string ranges;  ///< of it, in m: "START:STOP:COUNT" or a list; "" = as its tolerance needs
+  std::string tape7;
+};
+
+/// Sets the key of [atmosphere] of that name to what an option says: a quantity with its unit, a plain number, a word
+/// or a file. Throws UsageError that names the option.
+void set_key(radiometry::AtmosphereSettings& settings, std::string_view key, std::string_view option,
+             const std::string& text);
+
+int run_atmosphere(const AtmosphereOptions& options, const Global& global);
+
+}  // namespace apps

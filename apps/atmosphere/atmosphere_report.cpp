@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/atmosphere/atmosphere_report.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "apps/terminal/text_table.h"
+#include "mtf/units.h"
+
+namespace apps {
+
+namespace air = radiometry::atmosphere;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+std::string length_words(double m) { return m >= 1000.0 ? significant(1e-3 * m, 4) + " km" : significant(m, 4) + " m"; }
+
+std::string band_words(const radiometry::Interval& band) {
+  return significant(band.lo_um, 4) + "-" + significant(band.hi_um, 4);
+}
+
+std::string radiance_unit(radiometry::Flux flux) {
+  return flux == radiometry::Flux::watts ? "W m^-2 sr^-1" : "ph s^-1 m^-2 sr^-1";
+}
+
+/// Components that do nothing in any band would only fill the table.
+bool acts(const AtmosphereReport& report, std::size_t component) {
+  return std::any_of(report.bands.begin(), report.bands.end(),
+                     [&](const BandAverage& b) { return b.component[component] < 0.99995; });
+}
+
+Json sight_json(const air::SightNumbers<double>& sight) {
+  return {{"range_m", sight.range_m},
+          {"zenith_angle_deg", kDegrees * sight.zenith_rad},
+          {"target_altitude_m", sight.object_altitude_m},
+          {"lowest_altitude_m", sight.lowest_altitude_m}};
+}
+
+}  // namespace
+
+std::string air_words(const radiometry::AtmosphereSettings& s, const air::Air<double>& through) {
+  std::string text = through.profile.source;
+  if (s.temperature_k && !s.pressure_pa) text += ", " + significant(*s.temperature_k, 5) + " K at the lowest altitude";
+  if (s.relative_humidity && !s.pressure_pa)
+    text += ", " + significant(100.0 * *s.relative_humidity, 4) + " % humidity there";
+  text += ", CO2 " + significant(through.profile.levels.front()[air::Gas::carbon_dioxide], 4) + " ppm";
+  const std::string kind(air::kHazeNames[static_cast<std::size_t>(through.haze.kind)]);
+  text += through.haze.kind == air::HazeKind::none ? ", no aerosol"
+                                                   : ", " + kind + (kind.ends_with("fog") ? "" : " haze") +
+                                                         ", visibility " + length_words(through.haze.visibility_m);
+  if (through.rain_mm_h > 0.0) text += ", rain " + significant(through.rain_mm_h, 4) + " mm/h";
+  return text;
+}
+
+std::string sight_words(const air::SightNumbers<double>& sight, double sensor_altitude_m) {
+  return length_words(sight.range_m) + " from " + length_words(sensor_altitude_m) + " to " +
+         length_words(sight.object_altitude_m) + " altitude, zenith angle " +
+         significant(kDegrees * sight.zenith_rad, 5) + " deg at the sensor, lowest altitude " +
+         length_words(sight.lowest_altitude_m);
+}
+
+std::string as_table(const AtmosphereReport& report) {
+  std::string text = "air   " + one_line(report.air) + "\nline  " + report.line + "\n";
+  TextTable bands({"band [um]", "transmission", "of contrast", "path radiance [" + radiance_unit(report.flux) + "]"});
+  for (const BandAverage& b : report.bands)
+    bands.add({band_words(b.band), fixed(b.transmission, 5), fixed(b.contrast_transmission, 5),
+               b.has_radiance ? significant(b.radiance, 5) : "not modelled"});
+  const std::string source = significant(report.source_k, 5) + " K";
+  text += bands.aligned({Align::left, Align::right, Align::right, Align::right});
+  text += "transmission: of a blackbody of " + source + (report.response ? " through the sensor's response" : "") +
+          "; of contrast: of a small difference from " + source + "\n\n";
+  std::vector<std::string> header{"component"};
+  for (const BandAverage& b : report.bands) header.push_back(band_words(b.band) + " um");
+  TextTable components(header);
+  std::string clear;
+  for (std::size_t c = 0; c < air::kComponents; ++c) {
+    const std::string name(air::kComponentNames[c]);
+    if (!acts(report, c)) {
+      clear += (clear.empty() ? "" : ", ") + name;
+      continue;
+    }
+    std::vector<std::string> row{name};
+    for (const BandAverage& b : report.bands) row.push_back(fixed(b.component[c], 5));
+    components.add(std::move(row));
+  }
+  text += components.aligned({Align::left, Align::right, Align::right, Align::right, Align::right});
+  if (!clear.empty()) text += "above 0.99995 in every band: " + clear + "\n";
+  for (const air::LeftOut& left : report.path.left_out)
+    text += "left out: " + left.what + " (transmission at most " + significant(left.bound, 2) + " too large)\n";
+  return text;
+}
+
+std::string as_json(const AtmosphereReport& report) {
+  Json json{{"air", report.air}, {"line", sight_json(report.path.sight)}, {"source_temperature_k", report.source_k}};
+  json["bands"] = Json::array();
+  for (const BandAverage& b : report.bands) {
+    Json band{{"wavelength_um", {b.band.lo_um, b.band.hi_um}},
+              {"transmission", b.transmission},
+              {"contrast_transmission", b.contrast_transmission},
+              {"path_radiance", b.has_radiance ? Json(b.radiance) : Json()},
+              {"path_radiance_unit", radiance_unit(report.flux)}};
+    for (std::size_t c = 0; c < air::kComponents; ++c)
+      band["components"][std::string(air::kComponentNames[c])] = b.component[c];
+    json["bands"].push_back(std::move(band));
+  }
+  json["wavenumber_cm-1"] = report.path.wavenumber_cm;
+  json["transmittance"] = report.path.transmission;
+  Json& radiance = json["path_radiance_W_m-2_sr-1_per_cm-1"] = report.path.radiance;
+  while (radiance.size() < report.path.wavenumber_cm.size()) radiance.push_back(nullptr);
+  for (std::size_t c = 0; c < air::kComponents; ++c)
+    json["components"][std::string(air::kComponentNames[c])] = report.path.component[c];
+  json["left_out"] = Json::array();
+  for (const air::LeftOut& left : report.path.left_out)
+    json["left_out"].push_back({{"what", left.what}, {"bound", left.bound}});
+  json["limits"] = report.limits;
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::vector<Figure> atmosphere_figures(const AtmosphereReport& report) {
+  const air::SpectralPath<double>& path = report.path;
+  std::vector<double> wavelength_um;
+  for (auto nu = path.wavenumber_cm.rbegin(); nu != path.wavenumber_cm.rend(); ++nu) wavelength_um.push_back(1e4 / *nu);
+  const auto reversed = [](const std::vector<double>& v) { return std::vector<double>(v.rbegin(), v.rend()); };
+  Figure transmission;
+  transmission.title = "transmission: " + report.air;
+  transmission.x_label = "wavelength [um]";
+  transmission.y_label = "transmission over " + length_words(path.sight.range_m);
+  transmission.y_low = 0.0;
+  transmission.y_high = 1.02;
+  for (std::size_t c = 0; c < air::kComponents; ++c) {
+    const auto& curve = path.component[c];
+    if (curve.empty() || *std::min_element(curve.begin(), curve.end()) > 0.99) continue;
+    Series series{std::string(air::kComponentNames[c]), wavelength_um, reversed(curve)};
+    std::replace(series.name.begin(), series.name.end(), '_', ' ');
+    series.style = c;
+    transmission.series.push_back(std::move(series));
+  }
+  transmission.series.push_back({"total", wavelength_um, reversed(path.transmission), true});
+  std::vector<Figure> figures{std::move(transmission)};
+  if (path.radiance.size() != path.wavenumber_cm.size()) return figures;  // no emission in a part of the band
+  Figure radiance;
+  radiance.title = "thermal radiance of the path";
+  radiance.x_label = "wavelength [um]";
+  radiance.y_label = "path radiance [W m^-2 sr^-1 um^-1]";
+  std::vector<double> per_um;
+  for (std::size_t i = path.radiance.size(); i-- > 0;)
+    per_um.push_back(path.radiance[i] * path.wavenumber_cm[i] * path.wavenumber_cm[i] * 1e-4);
+  radiance.series.push_back({"path radiance", wavelength_um, std::move(per_um), true});
+  radiance.y_low = 0.0;
+  figures.push_back(std::move(radiance));
+  return figures;
+}
+
+namespace {
+
+std::vector<std::string> sky_header(const SkyReport& report, const std::string& angle, const std::string& whole,
+                                    const std::string& before, const std::string& after) {
+  std::vector<std::string> header{angle};
+  for (const radiometry::Interval& band : report.bands) header.push_back(before + band_words(band) + after);
+  header.push_back(whole);
+  return header;
+}
+
+}  // namespace
+
+std::string as_table(const SkyReport& report) {
+  TextTable table(sky_header(report, "zenith angle [deg]", "all wavelengths", "", " um"));
+  for (std::size_t i = 0; i < report.zenith_deg.size(); ++i) {
+    std::vector<std::string> row{significant(report.zenith_deg[i], 5)};
+    for (const double value : report.band_radiance[i]) row.push_back(significant(value, 5));
+    row.push_back(significant(report.radiance[i], 5));
+    table.add(std::move(row));
+  }
+  return "air   " + one_line(report.air) + "\nsky   radiance in W m^-2 sr^-1, seen from an altitude of " +
+         length_words(report.altitude_m) + "\n" +
+         table.aligned(std::vector<Align>(report.bands.size() + 2, Align::right)) +
+         "long-wave irradiance of a horizontal plane under this clear sky " + fixed(report.flux.total_w_m2, 1) +
+         " W/m2, of it " + fixed(report.flux.below_650_w_m2, 1) +
+         " W/m2 below 650 cm^-1, where the sky is taken for black\n";
+}
+
+std::string as_csv(const SkyReport& report) {
+  TextTable table(sky_header(report, "zenith_angle_deg", "all_wavelengths_W_m-2_sr-1", "radiance_", "_um_W_m-2_sr-1"));
+  for (std::size_t i = 0; i < report.zenith_deg.size(); ++i) {
+    std::vector<std::string> row{mtf::format_double(report.zenith_deg[i])};
+    for (const double value : report.band_radiance[i]) row.push_back(mtf::format_double(value));
+    row.push_back(mtf::format_double(report.radiance[i]));
+    table.add(std::move(row));
+  }
+  return table.csv();
+}
+
+std::string as_json(const SkyReport& report) {
+  Json json{{"air", report.air},
+            {"altitude_m", report.altitude_m},
+            {"longwave_w_m2", report.flux.total_w_m2},
+            {"longwave_below_650_cm-1_w_m2", report.flux.below_650_w_m2},
+            {"zenith_angle_deg", report.zenith_deg},
+            {"radiance_W_m-2_sr-1", report.radiance}};
+  json["bands"] = Json::array();
+  for (std::size_t b = 0; b < report.bands.size(); ++b) {
+    Json values = Json::array();
+    for (const auto& row : report.band_radiance) values.push_back(row[b]);
+    json["bands"].push_back({{"wavelength_um", {report.bands[b].lo_um, report.bands[b].hi_um}},
+                             {"radiance_W_m-2_sr-1", std::move(values)}});
+  }
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace apps

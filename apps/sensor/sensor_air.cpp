@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/sensor/sensor_air.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mtf/error.h"
+#include "mtf/io/csv/air_profile_csv.h"
+#include "radiometry/atmosphere/range_table.h"
+
+namespace apps {
+
+using radiometry::AtmosphereSettings;
+namespace air = radiometry::atmosphere;
+
+namespace {
+
+/// Of a transmission between the ranges of a table for scene.depth_channel; at most kMostRanges of them.
+constexpr double kTableError = 1e-5;
+constexpr std::size_t kMostRanges = 256;
+
+static_assert(mtf::io::kProfileGases.size() == air::kGases);
+
+/// The mixing ratio of a gas at an altitude, beyond the ends of the model as there.
+double model_ppm(const air::Profile<double>& model, air::Gas gas, double altitude_m) {
+  const double inside_m = std::clamp(altitude_m, model.levels.front().altitude_m, model.levels.back().altitude_m);
+  return air::level_at(model, inside_m)[gas];
+}
+
+air::Profile<double> profile_of(const mtf::io::AirProfileColumns& columns, const AtmosphereSettings& settings) {
+  const air::Profile<double> model =
+      air::model_profile(settings.model.value_or(air::ModelAtmosphere::us_standard_1976), settings.carbon_dioxide_ppm);
+  air::Profile<double> profile{.source = columns.source, .levels = {}};
+  for (std::size_t i = 0; i < columns.altitude_m.size(); ++i) {
+    air::Level<double> level{.altitude_m = columns.altitude_m[i],
+                             .pressure_pa = columns.pressure_pa[i],
+                             .temperature_k = columns.temperature_k[i]};
+    for (std::size_t g = 0; g < air::kGases; ++g) {
+      const auto gas = static_cast<air::Gas>(g);
+      const std::vector<double>& given = columns.mixing_ratio[g];
+      if (!given.empty())
+        level[gas] = given[i];
+      else if (gas == air::Gas::water)
+        level[gas] = air::water_ppm(level.pressure_pa, level.temperature_k, 100.0 * columns.relative_humidity[i]);
+      else
+        level[gas] = model_ppm(model, gas, level.altitude_m);
+    }
+    profile.levels.push_back(level);
+  }
+  return profile;
+}
+
+/// What the model refuses is said of the table.
+template <class Action>
+auto of_table(const Action& action) {
+  try {
+    return action();
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(std::string("[atmosphere]: ") + error.what());
+  }
+}
+
+}  // namespace
+
+std::optional<air::Profile<double>> read_profile(const AtmosphereSettings& settings) {
+  if (settings.profile.empty()) return std::nullopt;
+  try {
+    return profile_of(mtf::io::read_air_profile_csv(settings.profile), settings);
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(std::string("atmosphere.profile: ") + error.what());
+  } catch (const mtf::RuntimeError& error) {
+    throw mtf::RuntimeError(std::string("atmosphere.profile: ") + error.what());
+  }
+}
+
+air::Sight<double> read_sight(const AtmosphereSettings& settings) {
+  if (const auto sight = sight_of(settings)) return *sight;
+  throw mtf::UsageError(
+      "[atmosphere]: gives no line of sight; write range = \"2 km\" for a horizontal one, target_altitude or "
+      "zenith_angle for others");
+}
+
+air::Air<double> read_air(const AtmosphereSettings& settings) { return air_of(settings, read_profile(settings)); }
+
+void read_atmosphere(const radiometry::SensorSettings& settings, LoadedSensor& loaded) {
+  const AtmosphereSettings& given = *settings.atmosphere;
+  const radiometry::Interval band = loaded.sensor.curves.band;
+  const auto profile = read_profile(given);
+  if (!settings.scene || settings.scene->depth_channel.name.empty()) {
+    loaded.sensor.air = [profile, band](const AtmosphereSettings& numbers) {
+      const air::Air<double> through = air_of(numbers, profile);
+      const air::Sight<double> sight = read_sight(numbers);
+      return of_table([&] { return path_of(spectral_path(through, sight, {.band = band}), "[atmosphere]"); });
+    };
+    loaded.sensor.path = loaded.sensor.air(given);
+    return;
+  }
+  if (!given.range_m)
+    throw mtf::UsageError("atmosphere.range: missing; with scene.depth_channel it is the longest range of a pixel");
+  const air::Air<double> through = air_of(given, profile);
+  const air::Sight<double> sight = read_sight(given);
+  of_table([&] {
+    const air::TableRanges ranges = ranges_for(through, sight, *given.range_m, kTableError, band, kMostRanges);
+    loaded.path_error = ranges.error;
+    loaded.paths = std::make_shared<const radiometry::PathTable>(
+        path_table(through, sight, ranges.ranges_m, {.band = band}).table);
+  });
+}
+
+std::vector<mtf::io::Diagnostic> atmosphere_warnings(const mtf::io::SensorConfig& config) {
+  std::vector<mtf::io::Diagnostic> warnings;
+  const mtf::SettingsTable* table = find_table(config.tables, "atmosphere");
+  if (table == nullptr || !config.system.band) return warnings;
+  try {
+    const auto settings = radiometry::from_table<AtmosphereSettings>(*table);
+    for (std::string& text : air::limits_of(read_air(settings), {config.system.band->lo_um, config.system.band->hi_um}))
+      warnings.push_back({.error = false, .position = {}, .path = "atmosphere", .text = std::move(text)});
+  } catch (const mtf::Error&) {  // refused where the sensor is loaded
+  }
+  return warnings;
+}
+
+}  // namespace apps

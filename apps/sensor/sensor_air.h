@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// [atmosphere] of a sensor file: its profile read, its path through the band model of radiometry/atmosphere.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/sensor/sensor_chain.h"
+#include "radiometry/atmosphere/atmosphere_settings.h"
+
+namespace apps {
+
+/// The profile that the table names; nothing where it names none. Gases that the file lacks are those of
+/// [atmosphere] model, at equal altitudes. Throws UsageError "atmosphere.profile: ...", RuntimeError when it cannot be
+/// read.
+std::optional<radiometry::atmosphere::Profile<double>> read_profile(const radiometry::AtmosphereSettings& settings);
+
+/// The air and line of sight that the table states. Throws UsageError as air_of and sight_of do.
+radiometry::atmosphere::Air<double> read_air(const radiometry::AtmosphereSettings& settings);
+
+/// The line of sight; throws UsageError for a table without one.
+radiometry::atmosphere::Sight<double> read_sight(const radiometry::AtmosphereSettings& settings);
+
+/// Fills the path of a sensor with [atmosphere]: the path itself, how it follows from other numbers, or, with
+/// scene.depth_channel, the table over ranges and its error. Throws UsageError as above and for a table without a line.
+void read_atmosphere(const radiometry::SensorSettings& settings, LoadedSensor& loaded);
+
+/// What the model is not good for in the band of this sensor (radiometry/atmosphere: limits_of).
+std::vector<mtf::io::Diagnostic> atmosphere_warnings(const mtf::io::SensorConfig& config);
+
+}  // namespace apps
