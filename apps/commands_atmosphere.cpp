@@ -74,8 +74,8 @@ Command atmosphere_command() {
   add_text(app, "--table", "FILE", "CSV over range and wavelength, which path.table of a sensor file reads",
            options.table);
   add_text(app, "--ranges", "LIST",
-           "of --table in m: START:STOP:COUNT or a comma list; default: as many up to --range as 1e-4 in transmission "
-           "needs",
+           "of --table in m: START:STOP:COUNT or a comma list; default: from a hundredth of --range to it, as "
+           "many as 1e-4 in transmission needs",
            options.ranges);
   add_text(app, "--tape7", "FILE", "the spectrum in columns as in MODTRAN's tape7", options.tape7);
   add_format(app, "table (default), csv or json", options.format);

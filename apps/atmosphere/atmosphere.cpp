@@ -26,7 +26,7 @@ namespace {
 namespace air = radiometry::atmosphere;
 using radiometry::Interval;
 
-constexpr double kTableError = 1e-4;
+constexpr double kTableError = 1e-4, kNearest = 1e-2;  // of a table up to --range
 constexpr std::size_t kMostRanges = 256, kMostBands = 32;
 constexpr std::array kUsualBands{Interval{3.0, 5.0}, Interval{3.4, 4.8}, Interval{8.0, 12.0}, Interval{8.0, 14.0}};
 
@@ -107,8 +107,10 @@ std::vector<double> table_ranges(const AtmosphereOptions& options, const air::Ai
                                  const air::Sight<double>& sight, const Interval& band, const Global& global) {
   if (!options.ranges.empty()) return frequency_list("--ranges", options.ranges);
   const double longest_m = sight_numbers(through, sight).range_m;
-  const air::TableRanges found = ranges_for(through, sight, longest_m, kTableError, band, kMostRanges);
-  note(global, "note: " + std::to_string(found.ranges_m.size()) + " ranges; between them the table is right within " +
+  const air::TableRanges found =
+      ranges_for(through, sight, kNearest * longest_m, longest_m, kTableError, band, kMostRanges);
+  note(global, "note: " + std::to_string(found.ranges_m.size()) + " ranges from " +
+                   significant(found.ranges_m.front(), 4) + " m on; between them the table is right within " +
                    significant(found.error, 2));
   return found.ranges_m;
 }
@@ -159,12 +161,13 @@ int run_atmosphere(const AtmosphereOptions& options, const Global& global) {
 
   const air::Air<double> through = read_air(given.settings);
   const air::Sight<double> sight = read_sight(given.settings);
-  AtmosphereReport report{
-      .air = air_words(given.settings, through),
-      .path = spectral_path(through, sight, {.band = hull(bands), .components = true, .tolerance = options.tolerance}),
-      .flux = given.camera ? given.camera->flux : radiometry::Flux::watts,
-      .response = given.camera.has_value(),
-      .source_k = options.source_k};
+  AtmosphereReport report;
+  report.air = air_words(given.settings, through);
+  report.path =
+      spectral_path(through, sight, {.band = hull(bands), .components = true, .tolerance = options.tolerance});
+  report.flux = given.camera ? given.camera->flux : radiometry::Flux::watts;
+  report.response = given.camera.has_value();
+  report.source_k = options.source_k;
   report.line = sight_words(report.path.sight, given.settings.sensor_altitude_m);
   report.limits = limits_of(through, hull(bands));
   for (const Interval& band : bands)

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <mutex>
 
 #include "mtf/error.h"
 #include "mtf/io/csv/air_profile_csv.h"
@@ -60,6 +62,48 @@ auto of_table(const Action& action) {
   }
 }
 
+/// Tables over the ranges of images. One is kept until an image needs nearer or longer ranges, so that the frames of a
+/// sequence share it.
+class AirTables {
+ public:
+  AirTables(air::Air<double> through, AtmosphereSettings settings, const radiometry::Interval& band)
+      : through_(std::move(through)), settings_(std::move(settings)), band_(band) {}
+
+  RangedPaths covering(double nearest_m, double longest_m) const {
+    if (!(nearest_m > 0.0 && longest_m < std::numeric_limits<double>::infinity()))
+      throw mtf::UsageError("scene.depth_channel: ranges from " + mtf::format_double(nearest_m) + " to " +
+                            mtf::format_double(longest_m) + " m; they are above 0 and finite");
+    const std::scoped_lock lock(mutex_);
+    if (!made_.table || nearest_m < nearest_m_ || longest_m > longest_m_) make(nearest_m, longest_m);
+    return made_;
+  }
+
+ private:
+  void make(double nearest_m, double longest_m) const {
+    AtmosphereSettings line = settings_;
+    line.range_m = longest_m;
+    const air::Sight<double> sight = read_sight(line);
+    of_table([&] {
+      const air::TableRanges ranges =
+          ranges_for(through_, sight, nearest_m, longest_m, kTableError, band_, kMostRanges);
+      double warmest_k = 0.0;
+      for (const auto& level : through_.profile.levels) warmest_k = std::max(warmest_k, level.temperature_k);
+      made_ = {std::make_shared<const radiometry::PathTable>(
+                   path_table(through_, sight, ranges.ranges_m, {.band = band_}).table),
+               ranges.error, warmest_k};
+    });
+    nearest_m_ = nearest_m;
+    longest_m_ = longest_m;
+  }
+
+  air::Air<double> through_;
+  AtmosphereSettings settings_;
+  radiometry::Interval band_;
+  mutable std::mutex mutex_;
+  mutable RangedPaths made_;
+  mutable double nearest_m_ = 0.0, longest_m_ = 0.0;
+};
+
 }  // namespace
 
 std::optional<air::Profile<double>> read_profile(const AtmosphereSettings& settings) {
@@ -95,16 +139,13 @@ void read_atmosphere(const radiometry::SensorSettings& settings, LoadedSensor& l
     loaded.sensor.path = loaded.sensor.air(given);
     return;
   }
-  if (!given.range_m)
-    throw mtf::UsageError("atmosphere.range: missing; with scene.depth_channel it is the longest range of a pixel");
-  const air::Air<double> through = air_of(given, profile);
-  const air::Sight<double> sight = read_sight(given);
-  of_table([&] {
-    const air::TableRanges ranges = ranges_for(through, sight, *given.range_m, kTableError, band, kMostRanges);
-    loaded.path_error = ranges.error;
-    loaded.paths = std::make_shared<const radiometry::PathTable>(
-        path_table(through, sight, ranges.ranges_m, {.band = band}).table);
-  });
+  if (given.range_m)
+    throw mtf::UsageError("atmosphere.range: given together with scene.depth_channel; remove one of them");
+  if (given.target_altitude_m && given.zenith_deg)
+    throw mtf::UsageError(
+        "atmosphere.zenith_angle: given together with target_altitude and scene.depth_channel; remove one of them");
+  const auto tables = std::make_shared<const AirTables>(air_of(given, profile), given, band);
+  loaded.paths = [tables](double nearest_m, double longest_m) { return tables->covering(nearest_m, longest_m); };
 }
 
 std::vector<mtf::io::Diagnostic> atmosphere_warnings(const mtf::io::SensorConfig& config) {

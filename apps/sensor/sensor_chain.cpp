@@ -113,7 +113,7 @@ void read_path(const radiometry::SensorSettings& settings, LoadedSensor& loaded)
   if (by_pixel && given.range_m)
     throw mtf::UsageError("path.range: given together with scene.depth_channel; remove one of them");
   if (by_pixel)
-    loaded.paths = std::move(table);
+    loaded.paths = [table](double, double) { return RangedPaths{table}; };
   else if (given.range_m)
     path = at_key("path.range", [&] { return table->at(*given.range_m); });
   else

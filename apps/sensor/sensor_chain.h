@@ -3,6 +3,8 @@
 
 // From a sensor file to the chain of radiometry: the files that its tables name, read and checked.
 
+#include <functional>
+
 #include "mtf/io/config/config.h"
 #include "radiometry/chain.h"
 #include "radiometry/light/path.h"
@@ -28,11 +30,19 @@ inline constexpr double kSurface_k = 300.0;
 std::optional<double> source_temperature_k(const radiometry::SensorSettings& settings,
                                            std::optional<mtf::io::Quantity> quantity);
 
+/// A table of paths and how much it errs between its ranges: in transmission, and in radiance relative to a blackbody
+/// of air_k.
+struct RangedPaths {
+  std::shared_ptr<const radiometry::PathTable> table;
+  double error = 0.0, air_k = 0.0;
+};
+
 /// A sensor and the path in front of its aperture.
 struct LoadedSensor {
   radiometry::Sensor sensor;
-  std::shared_ptr<const radiometry::PathTable> paths;  ///< for the range of each pixel, where the file says so
-  double path_error = 0.0;  ///< of a transmission of `paths` between its ranges, or of a radiance over a blackbody's
+  /// For an image whose pixels have ranges from the nearest to the longest; empty where all have one path. It may be
+  /// called from several threads at once.
+  std::function<RangedPaths(double nearest_m, double longest_m)> paths;
   std::optional<double> source_k;  ///< source_temperature_k() of the quantity that [scene] states
 };
 

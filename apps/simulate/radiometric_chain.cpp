@@ -69,12 +69,12 @@ bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) 
     const auto *first = find_table(a.tables, name), *second = find_table(b.tables, name);
     return first == nullptr || second == nullptr ? first == second : *first == *second;
   };
-  return band(a) == band(b) && same("scene") && same("camera_counts") && same("path") && same("atmosphere") && same("optics") &&
-         same("detector");
+  return band(a) == band(b) && same("scene") && same("camera_counts") && same("path") && same("atmosphere") &&
+         same("optics") && same("detector");
 }
 
-double to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,
-                std::vector<mtf::Image>& masks, const SceneSource& source, int threads) {
+SceneLight to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,
+                    std::vector<mtf::Image>& masks, const SceneSource& source, int threads) {
   mtf::Image bad;
   for (mtf::Image& mask : masks) {
     if (mask.size() == 0) continue;
@@ -85,11 +85,11 @@ double to_light(const mtf::io::SensorConfig& config, const RadiometricChain& rad
   }
   masks.clear();
   masks.push_back(std::move(bad));
-  const double border_value =
+  const SceneLight light =
       at_its_place(config, [&] { return to_light(config, radiometric.loaded, scene, source, threads); });
   // The scene's own values are finite here: bad pixels have been filled or refused.
   if (!mtf::all_finite(scene.planes.front().view())) refuse_overflow(scene.names.front());
-  return border_value;
+  return light;
 }
 
 ChainReport report_of(const RadiometricChain& radiometric) {

@@ -46,8 +46,8 @@ std::string lag_warning(const RadiometricChain& radiometric, std::int64_t steps)
 bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
 
 /// to_light() of scene_light.h; the masks of bad pixels become one. Throws RuntimeError where light exceeds float32.
-double to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,
-                std::vector<mtf::Image>& masks, const SceneSource& source, int threads);
+SceneLight to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,
+                    std::vector<mtf::Image>& masks, const SceneSource& source, int threads);
 
 /// What reports say of it before anything has run.
 ChainReport report_of(const RadiometricChain& radiometric);

@@ -90,8 +90,16 @@ class Converter {
   /// What a path that is the same for all pixels adds.
   void add_path(mtf::Image& image) const { add(path_light(), image.view()); }
 
-  void through_paths(mtf::Image& image, const mtf::Image& range_m) const {
-    radiometry::RangeTable(band_, *loaded_.paths, source_k()).apply(image.view(), range_m.view(), options_.threads);
+  /// Returns how much a pixel errs at most: the table's error of a transmission times the light that it takes from, and
+  /// of an emission times the light of a blackbody.
+  double through_paths(mtf::Image& image, const mtf::Image& range_m) const {
+    const mtf::Statistics ranges = mtf::statistics(range_m.view());
+    const RangedPaths paths = loaded_.paths(ranges.min, ranges.max);
+    const double before = mtf::statistics(image.view()).max;
+    radiometry::RangeTable(band_, *paths.table, source_k()).apply(image.view(), range_m.view(), options_.threads);
+    if (paths.error == 0.0) return 0.0;
+    const radiometry::Surface air{.temperature_k = paths.air_k};
+    return paths.error * (before + scene_radiance(loaded_.sensor.curves, air, {}));
   }
 
   /// What a constant border of that value is worth.
@@ -171,8 +179,8 @@ void merge_spectrum(mtf::io::Scene& scene, const Converter& convert, int threads
 
 }  // namespace
 
-double to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, mtf::io::Scene& scene,
-                const SceneSource& source, int threads) {
+SceneLight to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, mtf::io::Scene& scene,
+                    const SceneSource& source, int threads) {
   const Converter convert(config, loaded, scene.quantity, threads);
   const mtf::Image emissivity = channel_of(source, convert.scene().emissivity_channel.name, "emissivity_channel");
   const mtf::Image range_m = channel_of(source, convert.scene().depth_channel.name, "depth_channel");
@@ -182,13 +190,15 @@ double to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
   mtf::Image& plane = scene.planes.front();
   if (!spectrum) convert.to_radiance(plane, emissivity);
   convert.add_path(plane);
-  if (loaded.paths) convert.through_paths(plane, range_m);
-  if (config.scene.border != mtf::Border::constant) return 0.0;
+  SceneLight light;
+  if (loaded.paths) light.error = convert.through_paths(plane, range_m);
+  if (config.scene.border != mtf::Border::constant) return light;
   if (loaded.paths)
     throw mtf::UsageError(config.file +
                           ": scene.border: a constant border has no range, which scene.depth_channel gives each pixel; "
                           "use border = \"reflect\"");
-  return convert.border(config.scene.border_value);
+  light.border_value = convert.border(config.scene.border_value);
+  return light;
 }
 
 std::string refusal_of_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,

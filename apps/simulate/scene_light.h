@@ -14,11 +14,16 @@
 
 namespace apps {
 
-/// The planes of `scene` become the one of its radiance; returns what a constant border is worth in that unit.
+struct SceneLight {
+  double border_value = 0.0;  ///< what a constant border is worth
+  double error = 0.0;         ///< of a pixel, at most: what the table of the path lacks between its ranges
+};
+
+/// The planes of `scene` become the one of its radiance.
 /// `source`: of the channels of emissivity and depth that [scene] names. Throws UsageError for a scene of several
 /// channels that are no spectrum, and for values that cannot be (how many, and the first one).
-double to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, mtf::io::Scene& scene,
-                const SceneSource& source, int threads);
+SceneLight to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, mtf::io::Scene& scene,
+                    const SceneSource& source, int threads);
 
 /// Turns the values of a window of a scene into light, in place. From several threads at once.
 using WindowToLight = std::function<void(mtf::ImageView<float> window)>;

@@ -58,14 +58,16 @@ SimulateResult simulate_whole(const mtf::io::SensorConfig& config, SceneSource& 
   if (!report.bad_pixels.empty()) watch.note(report.bad_pixels);
   watch.tell_stage("read");
   mtf::io::SceneDefaults defaults = config.scene;
+  SceneLight light;
   if (radiometric != nullptr) {
-    defaults.border_value = to_light(config, *radiometric, scene, masks, source, options.threads);
+    light = to_light(config, *radiometric, scene, masks, source, options.threads);
+    defaults.border_value = light.border_value;
     watch.tell_stage("light");
   }
   const mtf::System<double>& system = radiometric != nullptr ? radiometric->system : config.system;
 
   mtf::PlanOptions plan_options = plan_options_of(options, config, scene.grid);
-  plan_options.scene = summarise_all(scene, defaults);
+  plan_options.scene = summarise_all(scene, defaults, light.error);
   plan_options.separate_readout = radiometric != nullptr;
   if (radiometric != nullptr && !options.tolerance && plan_options.scene)
     plan_options.tolerance = radiometric->tolerance(plan_options.tolerance, plan_options.scene->std);

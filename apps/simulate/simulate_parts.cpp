@@ -68,16 +68,19 @@ std::optional<mtf::SceneSummary> harder_of(std::optional<mtf::SceneSummary> a,
                                            const std::optional<mtf::SceneSummary>& b) {
   if (!a || !b) return a ? a : b;
   a->largest = std::max(a->largest, b->largest / b->std * a->std);
+  a->error = std::max(a->error, b->error / b->std * a->std);
   a->canvas_norm = std::max(a->canvas_norm, b->canvas_norm / b->std * a->std);
   a->flat_rows = std::min(a->flat_rows, b->flat_rows);
   a->flat_columns = std::min(a->flat_columns, b->flat_columns);
   return a;
 }
 
-std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults) {
+std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults,
+                                               double error) {
   std::optional<mtf::SceneSummary> worst;
   for (const mtf::Image& plane : scene.planes)
     worst = harder_of(worst, mtf::summarise(plane.view(), defaults.border, defaults.border_value));
+  if (worst) worst->error = error;
   return worst;
 }
 

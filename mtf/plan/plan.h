@@ -37,6 +37,7 @@ struct SceneSummary {
   double canvas_norm = 2.0;   ///< canvas_norm of mtf/survey/statistics.h, in units of value
   double flat_rows = 0.0;     ///< share of the rows that are uniform
   double flat_columns = 0.0;  ///< share of the columns, counted in groups of 16 that are all uniform
+  double error = 0.0;         ///< of the values as they come, at most: a table they were made with
 };
 
 /// Summary of a plane, or nothing when it is uniform: every tolerance is met then, but for the light that enters from a

@@ -35,7 +35,8 @@ double dropped_error(const FactoredOtf& sampler) {
 
 double storage_error(const PlanOptions& options) {
   if (!options.scene) return kFloatUnit;
-  return std::max(options.scene->largest * kFloatUnit, kSmallestFloat) / options.scene->std;
+  const SceneSummary& scene = *options.scene;
+  return (std::max(scene.largest * kFloatUnit, kSmallestFloat) + scene.error) / scene.std;
 }
 
 // rms rounding of float32: a transform pair errs by about 0.4 units per doubling of its length (measured in tests), the
@@ -77,8 +78,11 @@ UnreachableTolerance unreachable_tolerance(double asked, double reachable, const
                                            double in_float) {
   if (reachable < 1.0) {
     const bool both = in_float > reachable && in_float < 1.0;
+    const bool made = scene && scene->error > scene->largest * kFloatUnit;
     return {
-        "tolerance " + format_double(asked) + " is below what can be kept here (samples are float32" +
+        "tolerance " + format_double(asked) + " is below what can be kept here (" +
+            (made ? "the values of the scene, made with a table, err by up to " + format_double(scene->error)
+                  : std::string("samples are float32")) +
             (both ? "; transforms in float reach " + format_double(in_float) + ", in double " + format_double(reachable)
                   : std::string()) +
             "); use " + format_double(reachable) + " or more",

@@ -35,6 +35,7 @@ SceneSummary after_sampling(SceneSummary scene, const PlanOptions& options, cons
   scene.canvas_norm *=
       std::sqrt(std::max(1.0, in.area_um2() / out.area_um2()) * samples_per_pixel(in, out)) * correction;
   scene.largest *= correction;
+  scene.error *= correction;
   scene.flat_rows = scene.flat_columns = 0.0;  // the filter has brought light from elsewhere
   // Held edges repeat what may be the largest value; nine images make their canvas.
   if (options.border == Border::replicate || options.border == Border::constant)

@@ -65,8 +65,7 @@ struct AtmosphereSettings {
         Field{optional_row("zenith_angle", angle, "deg", 0.0, 180.0, "\"120 deg\"",
                            "of the line at the sensor: 0 straight up, 180 straight down"),
               &A::zenith_deg},
-        Field{optional_row("range", length, "m", 0.0, 1e9, "\"2 km\"",
-                           "along the line; with scene.depth_channel the longest one"),
+        Field{optional_row("range", length, "m", 0.0, 1e9, "\"2 km\"", "along the line; or scene.depth_channel"),
               &A::range_m}};
   }
 };

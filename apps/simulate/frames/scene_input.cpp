@@ -23,10 +23,12 @@ SceneInput load_input(SceneSource source, const mtf::io::SensorConfig& sensor, c
                    .border_value = sensor.scene.border_value};
   input.masks = treat_bad_pixels(input.scene, nan, input.bad_pixels);
   mtf::io::SceneDefaults defaults = sensor.scene;
-  if (radiometric != nullptr)
-    defaults.border_value = input.border_value =
-        to_light(sensor, *radiometric, input.scene, input.masks, source, threads);
-  input.summary = summarise_all(input.scene, defaults);
+  SceneLight light;
+  if (radiometric != nullptr) {
+    light = to_light(sensor, *radiometric, input.scene, input.masks, source, threads);
+    defaults.border_value = input.border_value = light.border_value;
+  }
+  input.summary = summarise_all(input.scene, defaults, light.error);
   return input;
 }
 

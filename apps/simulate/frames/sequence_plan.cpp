@@ -17,7 +17,8 @@ constexpr double kRoomContrast = 2.0;
 constexpr double kFloatUnit = 0x1p-24, kSmallestFloat = 0x1p-150;  // of float32: relative, and half a denormal step
 
 SceneDifficulty difficulty(const mtf::SceneSummary& scene) {
-  return {std::max(scene.largest * kFloatUnit, kSmallestFloat) / scene.std, scene.canvas_norm / scene.std};
+  return {(std::max(scene.largest * kFloatUnit, kSmallestFloat) + scene.error) / scene.std,
+          scene.canvas_norm / scene.std};
 }
 
 SceneDifficulty harder(const SceneDifficulty& a, const SceneDifficulty& b) {
