@@ -62,8 +62,8 @@ auto of_table(const Action& action) {
   }
 }
 
-/// Tables over the ranges of images. One is kept until an image needs nearer or longer ranges, so that the frames of a
-/// sequence share it.
+/// Tables over the ranges of images, a function of the nearest and the longest range alone, so that a frame does not
+/// depend on those before it. Horizontal lines take ranges of whole powers of 2 in m, whose table frames then share.
 class AirTables {
  public:
   AirTables(air::Air<double> through, AtmosphereSettings settings, const radiometry::Interval& band)
@@ -73,34 +73,40 @@ class AirTables {
     if (!(nearest_m > 0.0 && longest_m < std::numeric_limits<double>::infinity()))
       throw mtf::UsageError("scene.depth_channel: ranges from " + mtf::format_double(nearest_m) + " to " +
                             mtf::format_double(longest_m) + " m; they are above 0 and finite");
+    if (!settings_.target_altitude_m && !settings_.zenith_deg) {
+      nearest_m = std::exp2(std::floor(std::log2(nearest_m)));
+      longest_m = std::exp2(std::ceil(std::log2(longest_m)));
+    }
     const std::scoped_lock lock(mutex_);
-    if (!made_.table || nearest_m < nearest_m_ || longest_m > longest_m_) make(nearest_m, longest_m);
-    return made_;
+    if (!last_.table || nearest_m != nearest_m_ || longest_m != longest_m_) {
+      last_ = made(nearest_m, longest_m);
+      nearest_m_ = nearest_m;
+      longest_m_ = longest_m;
+    }
+    return last_;
   }
 
  private:
-  void make(double nearest_m, double longest_m) const {
+  RangedPaths made(double nearest_m, double longest_m) const {
     AtmosphereSettings line = settings_;
     line.range_m = longest_m;
     const air::Sight<double> sight = read_sight(line);
-    of_table([&] {
+    return of_table([&] {
       const air::TableRanges ranges =
           ranges_for(through_, sight, nearest_m, longest_m, kTableError, band_, kMostRanges);
       double warmest_k = 0.0;
       for (const auto& level : through_.profile.levels) warmest_k = std::max(warmest_k, level.temperature_k);
-      made_ = {std::make_shared<const radiometry::PathTable>(
-                   path_table(through_, sight, ranges.ranges_m, {.band = band_}).table),
-               ranges.error, warmest_k};
+      return RangedPaths{std::make_shared<const radiometry::PathTable>(
+                             path_table(through_, sight, ranges.ranges_m, {.band = band_}).table),
+                         ranges.error, warmest_k};
     });
-    nearest_m_ = nearest_m;
-    longest_m_ = longest_m;
   }
 
   air::Air<double> through_;
   AtmosphereSettings settings_;
   radiometry::Interval band_;
   mutable std::mutex mutex_;
-  mutable RangedPaths made_;
+  mutable RangedPaths last_;
   mutable double nearest_m_ = 0.0, longest_m_ = 0.0;
 };
 
