@@ -38,6 +38,22 @@ std::string reasons(const Rows& rows) {
   return text;
 }
 
+/// What the path lets through of the light of the surface, and of that of a small difference of its temperature. A
+/// band average of the transmission alone would be another number.
+void add_path_rows(const radiometry::Sensor& sensor, double temperature_k, Rows& rows) {
+  if (!sensor.settings.path && !sensor.settings.atmosphere) return;
+  const double reflected_k = sensor.settings.scene ? sensor.settings.scene->surroundings_k.value_or(0.0) : 0.0;
+  const radiometry::Surface surface{temperature_k, sensor.emissivity, reflected_k};
+  const auto add = [&](const char* name, const char* doc, const auto& light) {
+    const double clear = light(sensor.curves, surface, radiometry::Path{});
+    radiometry::BudgetRow row{name, "", light(sensor.curves, surface, sensor.path) / clear, doc};
+    if (!(clear > 0.0)) row.refused = "no light of the scene makes electrons";
+    rows.push_back(std::move(row));
+  };
+  add("path_transmission", "share of the scene's light that the path lets through", radiometry::scene_radiance);
+  add("contrast_transmission", "the same of a small temperature difference", radiometry::scene_derivative);
+}
+
 std::string as_table(const Rows& rows, const radiometry::Saturation& saturation) {
   TextTable table({"term", "value", "unit", "what it is"});
   for (const auto& row : rows)
@@ -103,6 +119,7 @@ int run_budget(const BudgetOptions& options, const Global& global) {
   Rows rows = budget_rows(config.system, loaded.sensor, budget);
   for (radiometry::BudgetRow& row : observer_rows(with_electron_rate(config.system, loaded), loaded.sensor, budget))
     rows.push_back(std::move(row));
+  if (!loaded.paths) add_path_rows(loaded.sensor, options.temperature_k, rows);
   const radiometry::Saturation& saturation = budget.saturation;
   if (const std::string said = words(saturation); !said.empty() && options.format != Format::table)
     note(global, (saturation.saturated() ? "warning: " : "note: ") + said);
