@@ -154,5 +154,43 @@ TEST_F(HeatCommand, RefusalsLeaveNothing) {
   refused("mtf heat skyless.toml -o out", "longwave_down");
 }
 
+// The shipped day was made with other numbers than the file's, which it keeps: make_ground_day.py has them.
+TEST(HeatFitCommand, FindsTheNumbersOfTheExample) {
+  const Scratch scratch;
+  const std::filesystem::path data = std::filesystem::path(MTFKIT_SOURCE_DIR) / "notebooks-data/heat";
+  for (const char* name : {"ground.toml", "ground_weather.csv"}) write_file(scratch / name, read_file(data / name));
+  const Result fit = scratch.run("mtf heat ground.toml --fit -o fitted.toml --format json --plot fit.svg");
+  ASSERT_EQ(fit.status, 0) << fit.err;
+  const nlohmann::json json = nlohmann::json::parse(fit.out);
+  EXPECT_EQ(json.at("status"), "converged");
+  const std::array<double, 4> truth{9.0, 2.2, 0.55, 6.0};
+  ASSERT_EQ(json.at("parameters").size(), truth.size());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const nlohmann::json& p = json.at("parameters")[i];
+    EXPECT_EQ(p.at("knowledge"), "determined") << p;
+    EXPECT_NEAR(p.at("value").get<double>(), truth[i], 3.0 * p.at("stderr").get<double>()) << p;
+  }
+  EXPECT_LT(json.at("after").at("rms_K").get<double>(), 0.3);
+  EXPECT_GT(json.at("before").at("rms_K").get<double>(), 1.0);
+  EXPECT_TRUE(std::filesystem::exists(scratch / "fit.svg.csv"));
+
+  const std::string text = read_file(scratch / "fitted.toml");
+  EXPECT_TRUE(text.starts_with("# ground.toml (sha256 ")) << text;
+  EXPECT_NE(text.find("# The first guess: dry sandy soil"), std::string::npos);
+  EXPECT_NE(text.find("stderr = "), std::string::npos);
+  const Result again = scratch.run("mtf heat fitted.toml -o day");
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(lines(read_file(scratch / "day/facets.csv")).size(), 2U);
+  // Fitted again it stays, and the head is not doubled.
+  ASSERT_EQ(scratch.run("mtf heat fitted.toml --fit -o twice.toml").status, 0);
+  const std::string twice = read_file(scratch / "twice.toml");
+  EXPECT_EQ(twice.find("fitted by mtf"), twice.rfind("fitted by mtf"));
+
+  EXPECT_EQ(scratch.run("mtf heat ground.toml --fit -o ground_weather.csv").status, 2);
+  EXPECT_EQ(scratch.run("mtf heat ground.toml -o out --plot fit.svg").status, 2);
+  EXPECT_EQ(scratch.run("mtf heat ground.toml --fit -o x.toml --ply").status, 2);
+  EXPECT_FALSE(std::filesystem::exists(scratch / "x.toml"));
+}
+
 }  // namespace
 }  // namespace apps_test

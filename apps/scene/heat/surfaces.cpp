@@ -59,6 +59,17 @@ void set_inside(const MaterialSection& material, Surface& surface) {
   }
 }
 
+/// A scene of [ground] alone.
+Mesh open_facet() {
+  Mesh mesh;
+  mesh.vertices = {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {1.0, 1.0, 0.0}, {0.0, 1.0, 0.0}};
+  mesh.corners = {0, 1, 2, 3};
+  mesh.first = {0, 4};
+  mesh.group = mesh.material = {0};
+  mesh.group_names = mesh.material_names = {""};
+  return mesh;
+}
+
 /// Of each face of the mesh, the region that has it.
 std::vector<std::uint32_t> regions_of_faces(const SceneFile& scene, std::size_t mesh_index, const Mesh& mesh) {
   constexpr std::uint32_t kNobody = radiometry::scene::kNone;
@@ -155,7 +166,8 @@ Surfaces read_surfaces(const SceneFile& scene) {
   Surfaces surfaces;
   for (const MaterialSection& material : scene.materials) surfaces.material.push_back(surface_of(material));
   std::vector<Mesh> meshes;
-  for (const MeshSection& mesh : scene.meshes) meshes.push_back(import_mesh(mesh.file, mesh.unit_m));
+  for (const MeshSection& mesh : scene.meshes)
+    meshes.push_back(mesh.file.empty() ? open_facet() : import_mesh(mesh.file, mesh.unit_m));
   std::vector<radiometry::scene::PlacedMesh> placed;
   std::vector<std::vector<std::uint32_t>> regions;
   for (std::size_t m = 0; m < meshes.size(); ++m) {

@@ -14,8 +14,8 @@ namespace {
 namespace cfg = mtf::io::cfg;
 using mtf::io::Diagnostic;
 
-constexpr std::array<std::string_view, 10> kTables{"schema",   "place", "time",   "weather", "sky",
-                                                   "material", "mesh",  "region", "ground",  "camera"};
+constexpr std::array<std::string_view, 11> kTables{"schema", "place",  "time",   "weather",  "sky",   "material",
+                                                   "mesh",   "region", "ground", "measured", "camera"};
 
 /// False when the file is of another version: its keys mean something else then.
 bool read_schema(SceneReader& s) {
@@ -24,6 +24,18 @@ bool read_schema(SceneReader& s) {
   s.reader.error(schema != nullptr ? schema->position : mtf::io::Position{}, "schema",
                  schema == nullptr ? "missing; write schema = 1 on the first line" : "this mtfkit reads schema = 1");
   return schema == nullptr;
+}
+
+/// Such a scene is one open facet of what the ground is.
+void add_open_facet(SceneFile& scene) {
+  if (!scene.ground) return;
+  scene.meshes.push_back({.name = "ground", .file = {}});
+  scene.regions.push_back({.name = "ground",
+                           .mesh = 0,
+                           .group = {},
+                           .mesh_material = {},
+                           .material = scene.ground->material,
+                           .temperature = scene.ground->temperature});
 }
 
 /// What is defined and not used is more often a slip than a wish.
@@ -82,7 +94,9 @@ SceneResult parse_scene(const std::string& text, const std::string& file) {
     read_meshes(s);
     read_regions(s);
     read_ground(s);
+    read_measured(s);
     read_camera(s);
+    if (is_ground_alone(s)) add_open_facet(s.scene);
     if (s.reader.failed.empty()) note_unused(s);
   }
   std::stable_sort(s.reader.diagnostics.begin(), s.reader.diagnostics.end(),
@@ -90,6 +104,7 @@ SceneResult parse_scene(const std::string& text, const std::string& file) {
                      return std::tuple(!a.error, a.position.line, a.position.column) <
                             std::tuple(!b.error, b.position.line, b.position.column);
                    });
+  s.scene.fits = std::move(s.reader.fits);
   return {.scene = std::move(s.scene), .diagnostics = std::move(s.reader.diagnostics)};
 }
 
