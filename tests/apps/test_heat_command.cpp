@@ -154,6 +154,44 @@ TEST_F(HeatCommand, RefusalsLeaveNothing) {
   refused("mtf heat skyless.toml -o out", "longwave_down");
 }
 
+/// A folder's names, sorted.
+std::vector<std::string> names_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// Half a year of days takes long enough to be interrupted, wherever that is.
+TEST_F(HeatCommand, KeepsFinishedDaysWhenItIsInterrupted) {
+  std::string text = kScene;
+  text.replace(text.find("end = 2026-06-22"), 16, "end = 2026-12-21");
+  write_file(scratch_ / "scene.toml", text);
+  bool kept = false;
+  for (const std::string wait : {"0.05", "1", "2", "4", "8"}) {
+    const Result result = scratch_.run("timeout -s INT " + wait + " mtf heat scene.toml -o days");
+    if (result.status != 130 && result.status != 124) continue;  // done before
+    if (!std::filesystem::exists(scratch_ / "days")) continue;   // before the first day was finished
+    ASSERT_NE(result.err.find("the temperatures end at"), std::string::npos) << result.err;
+    kept = true;
+    const nlohmann::json json = nlohmann::json::parse(read_file(scratch_ / "days/heat.json"));
+    EXPECT_FALSE(json.at("finished").get<bool>());
+    const std::size_t outputs = json.at("outputs").get<std::size_t>();
+    EXPECT_LT(outputs, 183U * 12U + 1U);
+    EXPECT_EQ(outputs % 12, 1U);  // whole days of outputs every two hours
+    EXPECT_EQ(lines(read_file(scratch_ / "days/times.csv")).size(), outputs + 1);
+    for (const std::string& name : names_in(scratch_ / "days"))
+      EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
+    break;
+  }
+  ASSERT_TRUE(kept);
+  write_file(scratch_ / "scene.toml", kScene);
+  ASSERT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 0);  // its own unfinished folder
+  EXPECT_TRUE(nlohmann::json::parse(read_file(scratch_ / "days/heat.json")).at("finished").get<bool>());
+  EXPECT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 2);  // a finished one asks for --force
+}
+
 // The shipped day was made with other numbers than the file's, which it keeps: make_ground_day.py has them.
 TEST(HeatFitCommand, FindsTheNumbersOfTheExample) {
   const Scratch scratch;

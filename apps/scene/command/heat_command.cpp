@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "apps/figures/plot.h"
 #include "apps/options.h"
@@ -12,6 +14,7 @@
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/simulate/output_files.h"
 #include "apps/sweep/output_folder.h"
+#include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
@@ -121,19 +124,33 @@ void require_no_input_in(const std::string& folder, const SceneFile& file) {
                               ", which this run reads and would replace; choose another folder");
 }
 
+/// An interrupted run is replaced without --force.
+bool is_unfinished(const std::string& folder) {
+  std::ifstream file(folder + "/heat.json");
+  const nlohmann::json json = file ? nlohmann::json::parse(file, nullptr, false) : nlohmann::json();
+  return json.is_object() && json.contains("closures") && json.value("finished", true) == false;
+}
+
 }  // namespace
 
 int run_heat(const HeatCommandOptions& options, const Global& global) {
-  check_folder(options.out, options.force);
+  const bool force = options.force || is_unfinished(options.out);
+  check_folder(options.out, force);
   std::vector<mtf::io::Diagnostic> findings;
   const SceneFile file = load_scene(options.scene, &findings);
   require_no_input_in(options.out, file);
   for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
+  std::error_code ignored;
+  const bool fresh = !fs::exists(options.out, ignored);
+  StopInGoodOrder interrupt(
+      "mtf: interrupted: the day that is being solved is finished and written first; once more to stop at once\n",
+      fresh ? options.out : std::string());
   const HeatOptions heat_options{.tolerance_k = options.tolerance_k,
                                  .directions = options.directions,
                                  .rays = options.rays,
                                  .every_facet = options.every_facet,
-                                 .threads = global.threads};
+                                 .threads = global.threads,
+                                 .go_on = [&] { return !interrupt.asked(); }};
   ProgressLine progress(global);
   const HeatScene scene = prepare_heat(file, heat_options);
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
@@ -143,12 +160,12 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
     note(global, "warning: [camera] sees nothing of the scene, so there is no picture of it");
   std::string text;
   double promised_k = 0.0, spread_k = 0.0;
-  std::error_code ignored;
   const std::vector<std::string> outputs = outputs_of(options.out);
   std::vector<std::string> paths = outputs;
-  if (!fs::exists(options.out, ignored)) paths.insert(paths.begin(), options.out);
+  if (fresh) paths.insert(paths.begin(), options.out);
+  double until_s = 0.0;
   write_together(paths, [&] {
-    prepare_folder(options.out, options.force);
+    prepare_folder(options.out, force);
     HeatFiles files(options.out, scene);
     std::vector<double> last;
     const HeatReport report = run_heat(
@@ -156,6 +173,8 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
         [&](const HeatOutput& output) {
           files.append(output);
           last.assign(output.front_k.begin(), output.front_k.end());
+          until_s = output.time_s;
+          interrupt.keep();
         },
         [&](const std::string& step, double share) { progress.update(step, share); });
     promised_k = report.promised.total_k();
@@ -165,7 +184,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
     write_figure(options.out + "/regions.svg", region_figure(file, files));
     if (!seen.empty())
       write_scene_picture(options.out + "/scene.png", seen, last,
-                          "surface temperatures [K] at " + radiometry::heat::instant_text(file.time.end_s));
+                          "surface temperatures [K] at " + radiometry::heat::instant_text(file.time.start_s + until_s));
     if (options.ply) write_ply_of(options.out + "/facets.ply", scene, last);
     text = options.format == Format::json ? heat_json(scene, report, heat_options) : summary_text(scene, report, files);
   });
@@ -174,6 +193,11 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
     note(global, "warning: what facets see differs from what their class sees by up to " + significant(spread_k, 2) +
                      " K (95 % of them), more than the tolerance; more --rays, or --every-facet, bring it down");
   if (options.format == Format::table) print("written to " + options.out + "/\n");
+  if (until_s + 0.01 < file.time.end_s - file.time.start_s) {
+    complain("mtf: interrupted: the temperatures end at " +
+             radiometry::heat::instant_text(file.time.start_s + until_s) + "; the same command starts anew");
+    return 130;
+  }
   if (promised_k <= options.tolerance_k) return 0;
   complain("mtf: warning: the promised error of " + significant(promised_k, 3) + " K is above the tolerance of " +
            significant(options.tolerance_k, 3) + " K");

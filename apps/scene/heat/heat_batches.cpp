@@ -154,7 +154,7 @@ void HeatBatches::run(Batch& batch, const heat::Timeline& timeline, bool first) 
     for (std::size_t i = 0; i < batch.units; ++i) {
       const Unit& unit = units_.unit[batch.first + i];
       kelvin(window_.first + k, unit.receiver) = run.front_k[k * batch.units + i];
-      if (unit.back) kelvin(window_.first + k, unit.receiver + 1) = run.back_k[k * batch.units + i];
+      if (unit.has_own_back()) kelvin(window_.first + k, unit.back_receiver) = run.back_k[k * batch.units + i];
     }
 }
 

@@ -119,13 +119,15 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
       require_plausible(scene, f, front[f], s.time_s[node]);
       warmest = std::max(warmest, front[f]);
       if (!back.empty())
-        back[f] = unit.back ? batches.receiver_k(node, unit.receiver + 1) : std::numeric_limits<double>::quiet_NaN();
+        back[f] = unit.has_own_back() ? batches.receiver_k(node, unit.back_receiver)
+                                      : std::numeric_limits<double>::quiet_NaN();
     }
     output({s.time_s[node], front, back});
     ++report.outputs;
   };
   auto next = s.outputs.begin();
   for (std::size_t w = 0; w < windows.size() && next != s.outputs.end(); ++w) {
+    if (w > 0 && options.go_on && !options.go_on()) break;
     progress("heat", static_cast<double>(w) / static_cast<double>(windows.size()));
     const Relaxed relaxed = batches.solve(windows[w], w == 0, kExchangeShare * room_k, loss, ratio);
     report.iterations = std::max(report.iterations, relaxed.iterations);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "apps/scene/heat/opposite_walls.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/text/words.h"
 #include "radiometry/scene/views.h"
@@ -46,7 +47,17 @@ void warn_of_seen_backs(HeatScene& scene, int threads) {
 
 bool HeatScene::is_sheet(std::uint32_t facet) const {
   const RegionSection& of = region_of(facet);
-  return of.material && !of.temperature && material[*of.material].construction.is_sheet();
+  return of.material && !of.temperature && material[*of.material].construction.is_sheet() &&
+         material[*of.material].pair_m == 0.0;
+}
+
+std::uint32_t HeatScene::opposite_of(std::uint32_t facet) const {
+  return opposite.empty() ? geometry::kNone : opposite[facet];
+}
+
+std::size_t HeatScene::material_of(std::uint32_t facet) const {
+  const std::size_t of = *region_of(facet).material;
+  return material[of].pair_m > 0.0 && opposite_of(facet) == geometry::kNone ? adiabatic_twin(*this, of) : of;
 }
 
 HeatScene prepare_heat(const SceneFile& file, const HeatOptions& options) {
@@ -67,6 +78,7 @@ HeatScene prepare_heat(const SceneFile& file, const HeatOptions& options) {
                   std::move(rays),
                   {{"weather", weather_ms}, {"meshes", read_ms}, {"tree", tree.ms()}},
                   std::move(warnings)};
+  pair_walls(scene, options.threads);
   warn_of_seen_backs(scene, options.threads);
   return scene;
 }

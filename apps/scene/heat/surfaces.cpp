@@ -52,10 +52,15 @@ void set_inside(const MaterialSection& material, Surface& surface) {
           heat::Sheet{inside.back_emissivity ? inside.back_emissivity->value : material.emissivity.value,
                       convection_of(material.convection)};
       break;
-    case InsideKind::pair:
-      throw mtf::UsageError("material '" + one_line(material.name) +
-                            "': inside.kind = \"pair\" is not solved yet; use \"adiabatic\" with half of the "
-                            "thickness, or \"sheet\" for plates that are exposed on both sides");
+    case InsideKind::pair: {
+      // Meshes of walls are seldom as thick as the layers say to the millimetre.
+      constexpr double kRoom = 2.0;
+      double thickness = 0.0;
+      for (const LayerSection& layer : material.layers) thickness += layer.thickness_m;
+      surface.construction.inside = heat::Sheet{material.emissivity.value, convection_of(material.convection)};
+      surface.pair_m = inside.thickness_m.value_or(kRoom * thickness);
+      break;
+    }
   }
 }
 

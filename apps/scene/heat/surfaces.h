@@ -20,6 +20,7 @@ struct Surface {
   std::string name;
   radiometry::heat::Construction construction;
   double solar_absorptance = 0.0, back_solar_absorptance = 0.0;
+  double pair_m = 0.0;                ///< inside.kind = "pair": the longest distance of opposite faces; else 0
   radiometry::heat::Schedule inside;  ///< K or W/m2, what the construction's inside asks for; empty: nothing
 
   double emissivity(bool back) const;
@@ -34,7 +35,7 @@ struct Surfaces {
 };
 
 /// The material of the file as the heat solver has it. Throws UsageError, beginning with the material's name, for what
-/// is not solved yet: evaporation, sources within layers, and opposite faces of a shell (`pair`).
+/// is not solved yet: evaporation and sources within layers.
 Surface surface_of(const MaterialSection& material);
 
 /// Reads the meshes of the scene and finds the region of every facet. Throws UsageError for a face that no region has,

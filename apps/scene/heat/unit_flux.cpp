@@ -143,7 +143,7 @@ heat::Forcing forcing_of(std::span<const Unit> batch, const Units& units, const 
     for (std::size_t i = 0; i < values.front.absorbed_w_m2.size(); ++i) {
       const Unit& unit = batch[first + i];
       values.front.absorbed_w_m2[i] = absorbed(unit.front, unit.receiver);
-      if (unit.back) values.back.absorbed_w_m2[i] = absorbed(*unit.back, unit.receiver + 1);
+      if (unit.back) values.back.absorbed_w_m2[i] = absorbed(*unit.back, unit.back_receiver);
     }
   };
 }

@@ -20,7 +20,8 @@ using geometry::Side;
 
 constexpr std::uint32_t kTilts = 1024;  // steps of the vertical component of the normal that buoyancy depends on
 
-/// The fronts of all facets, then the backs of sheets; where the back of each facet stands.
+/// The fronts of all facets, then the backs of sheets; where the back of each facet stands: for a pair, the front of
+/// the opposite facet.
 struct Sides {
   std::vector<Side> sides;
   std::vector<std::uint32_t> back_of;  ///< of each facet, kNone without
@@ -32,7 +33,9 @@ Sides sides_of(const HeatScene& scene) {
   all.back_of.assign(facets, geometry::kNone);
   for (std::uint32_t f = 0; f < facets; ++f) all.sides.push_back({f, false});
   for (std::uint32_t f = 0; f < facets; ++f)
-    if (scene.is_sheet(f)) {
+    if (const std::uint32_t opposite = scene.opposite_of(f); opposite != geometry::kNone) {
+      all.back_of[f] = opposite;
+    } else if (scene.is_sheet(f)) {
       all.back_of[f] = static_cast<std::uint32_t>(all.sides.size());
       all.sides.push_back({f, true});
     }
@@ -121,7 +124,7 @@ void sort_units(Grouping& g, const HeatScene& scene, const geometry::SunVisibili
   std::iota(order.begin(), order.end(), 0U);
   const auto rank = [&](std::uint32_t facet) {
     const RegionSection& region = scene.region_of(facet);
-    return region.temperature ? scene.material.size() : *region.material;
+    return region.temperature ? scene.material.size() : scene.material_of(facet);
   };
   const auto shadows = [&](std::uint32_t facet) {
     return std::span(sun.lit).subspan(facet * sun.directions, sun.directions);
@@ -256,13 +259,18 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
     const RegionSection& region = scene.region_of(facet);
     Unit unit;
     unit.region = scene.region[facet];
-    if (region.material) unit.material = static_cast<std::uint32_t>(*region.material);
+    if (region.material) unit.material = static_cast<std::uint32_t>(scene.material_of(facet));
     unit.given = region.temperature.has_value();
     unit.receiver = leaders.size();
     unit.front = side_of(scene, unit, facet, false, facet);
     leader_rows.push_back(facet);
     leaders.push_back({facet, false});
-    if (const std::uint32_t back = all.back_of[facet]; back != geometry::kNone) {
+    const std::uint32_t back = all.back_of[facet];
+    unit.paired = scene.opposite_of(facet) != geometry::kNone;
+    unit.back_receiver = unit.receiver + 1;
+    if (unit.paired) {
+      unit.back = side_of(scene, unit, back, false, back);
+    } else if (back != geometry::kNone) {
       unit.back = side_of(scene, unit, facet, true, back);
       leader_rows.push_back(back);
       leaders.push_back({facet, true});
@@ -288,9 +296,11 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
     side.sky = units.views.sky_share(receiver);
     side.ground = units.views.ground[receiver];
   };
-  for (Unit& unit : units.unit) {
+  for (std::size_t i = 0; i < units.unit.size(); ++i) {
+    Unit& unit = units.unit[i];
+    if (unit.paired) unit.back_receiver = units.unit[units.unit_of[scene.opposite_of(grouping.leader[i])]].receiver;
     add_view(unit.front, unit.receiver);
-    if (unit.back) add_view(*unit.back, unit.receiver + 1);
+    if (unit.back) add_view(*unit.back, unit.back_receiver);
   }
   units.rays_ms = watch.ms();
 

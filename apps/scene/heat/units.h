@@ -25,8 +25,12 @@ struct Unit {
   std::optional<std::uint32_t> material{};  ///< absent: black, of given temperature
   bool given = false;                       ///< its temperature is given
   UnitSide front;
-  std::optional<UnitSide> back{};  ///< of sheets
-  std::size_t receiver = 0;        ///< of the front in Units::views; that of the back is the next
+  std::optional<UnitSide> back{};  ///< of sheets and pairs
+  bool paired = false;             ///< its back is the front of another unit
+  std::size_t receiver = 0;        ///< of the front in Units::views
+  std::size_t back_receiver = 0;   ///< of the back: the next for a sheet, for a pair that of the opposite unit's front
+
+  bool has_own_back() const { return back && !paired; }
 };
 
 struct Units {
@@ -44,12 +48,13 @@ struct Units {
   bool has_sheets() const { return exchange.receivers() > unit.size(); }
 };
 
-/// Calls `visit(receiver, unit, side)` for all sides of all units, where the side is `unit.front` or `*unit.back`.
+/// Calls `visit(receiver, unit, side)` for all sides of all units, where the side is `unit.front` or `*unit.back`; the
+/// back of a pair belongs to another unit.
 template <class Visit>
 void for_receivers(const Units& units, const Visit& visit) {
   for (const Unit& unit : units.unit) {
     visit(unit.receiver, unit, unit.front);
-    if (unit.back) visit(unit.receiver + 1, unit, *unit.back);
+    if (unit.has_own_back()) visit(unit.back_receiver, unit, *unit.back);
   }
 }
 
