@@ -74,6 +74,10 @@ Command heat_command() {
            options.every_facet);
   add_flag(app, "--ply", "write the mesh with the last temperatures too, for ParaView, MeshLab or Blender",
            options.ply);
+  add_flag(app, "--vtk", "the same as VTK, which ParaView reads with values of facets", options.vtk);
+  add_flag(app, "--sensitivity",
+           "run six times more, with convection, sky or materials changed, and say what it changes",
+           options.sensitivity);
 #ifdef MTFKIT_HAVE_CALIB
   add_flag(app, "--fit", "fit numbers of the ground that the file marks, to its measured temperature", options.fit);
   add_text(app, "--report", "FILE", "with --fit: write the results as JSON", options.fit_report);

@@ -200,7 +200,8 @@ struct HeatCommandOptions {
   int rays = 512;            ///< of the view of each class of facets
   int directions = 36;       ///< of the table of shadows, a day
   bool every_facet = false;  ///< no classes
-  bool ply = false;
+  bool ply = false, vtk = false;
+  bool sensitivity = false;  ///< six more runs, with one thing changed each
   bool force = false;
   bool fit = false;  ///< numbers of the ground to what was measured; `out` is the fitted scene file then
   std::string fit_report, fit_plot;  ///< of a fit: JSON and figure

@@ -31,8 +31,9 @@ std::string outcome_of(const HeatFit& fit) {
 }  // namespace
 
 int run_heat_fit(const HeatCommandOptions& options, const Global& global) {
-  if (options.ply || options.every_facet)
-    throw mtf::UsageError("--fit solves the ground alone: --ply and --every-facet do not go with it");
+  if (options.ply || options.vtk || options.sensitivity || options.every_facet)
+    throw mtf::UsageError(
+        "--fit solves the ground alone: --ply, --vtk, --sensitivity and --every-facet do not go with it");
   std::vector<mtf::io::Diagnostic> findings;
   const SceneFile file = load_scene(options.scene, &findings);
   std::vector<std::string> outputs{options.out, options.fit_report};

@@ -114,6 +114,7 @@ HeatFit fit_heat(const SceneFile& scene, const HeatFitOptions& options) {
   if (!scene.ground || !scene.ground->material || scene.ground->temperature)
     throw mtf::UsageError(one_line(scene.file) +
                           ": a fit compares the ground with what was measured; write [ground] with a material");
+  require_files(scene);
   const MaterialSection& material = scene.materials[*scene.ground->material];
   HeatFit fit;
   fit.measured = measured_surface(scene, material.emissivity.value);

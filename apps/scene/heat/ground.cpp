@@ -21,6 +21,7 @@ Units level_unit(const Surface& surface) {
   unit.front.normal = {0.0, 0.0, 1.0};
   unit.front.absorptance = surface.solar_absorptance;
   unit.front.emissivity = surface.construction.emissivity;
+  unit.front.source_w_m2 = surface.source_w_m2;
   units.unit.push_back(unit);
   return units;
 }

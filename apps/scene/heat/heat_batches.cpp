@@ -110,9 +110,7 @@ void HeatBatches::set_window(const Window& window, bool first) {
                   &kelvin(k, 0));
     }
     for (const Unit& unit : units_.unit)
-      if (unit.given)
-        kelvin(k, unit.receiver) =
-            value_at(scene_.file.regions[unit.region].temperature->schedule, scene_.file.time.start_s + times[k]);
+      if (unit.given) kelvin(k, unit.receiver) = scene_.given_k(unit.leader, times[k]);
   }
   solar_ = make_receiver_table(window.first, window.last, receivers);
   longwave_ = solar_;

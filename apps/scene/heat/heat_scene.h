@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/scene/heat/facet_table.h"
 #include "apps/scene/heat/surfaces.h"
 #include "apps/scene/heat/surroundings.h"
 #include "radiometry/scene/rays.h"
@@ -39,6 +40,10 @@ struct HeatScene {
   std::vector<std::string> warnings;
   std::vector<std::uint32_t> opposite{};  ///< of each facet of a pair, else kNone (opposite_walls.h); empty: no pairs
 
+  std::vector<std::optional<FacetTable>> tables{};  ///< of each region, where facets have temperatures of their own
+
+  /// The temperature that a facet has been given, at seconds from the start of the run.
+  double given_k(std::uint32_t facet, double time_s) const;
   const radiometry::scene::Facets& facets() const { return rays.facets(); }
   const RegionSection& region_of(std::uint32_t facet) const { return file.regions[region[facet]]; }
   /// Whether the facet is solved with two exposed sides.

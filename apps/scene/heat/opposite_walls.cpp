@@ -71,6 +71,7 @@ void pair_walls(HeatScene& scene, int threads) {
     twin.name += " (no opposite face)";
     twin.construction.inside = radiometry::heat::Adiabatic{};
     twin.pair_m = 0.0;
+    twin.source_w_m2 += twin.back_source_w_m2;  // what no longer comes out of the back
     pair_material(scene, m, threads);
     scene.material.push_back(std::move(twin));
   }

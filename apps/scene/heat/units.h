@@ -18,10 +18,12 @@ struct UnitSide {
   std::size_t sun_row = 0;         ///< of Units::sun
   double sky = 1.0, ground = 0.0;  ///< shares of the view
   double absorptance = 0.0, emissivity = 0.0;
+  double source_w_m2 = 0.0;  ///< of the layers, as Surface has it
 };
 
 struct Unit {
-  std::uint32_t region = 0;                 ///< of the facet that leads
+  std::uint32_t leader = 0;                 ///< the facet that is solved for all
+  std::uint32_t region = 0;                 ///< of that facet
   std::optional<std::uint32_t> material{};  ///< absent: black, of given temperature
   bool given = false;                       ///< its temperature is given
   UnitSide front;

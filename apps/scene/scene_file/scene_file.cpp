@@ -2,10 +2,13 @@
 #include "apps/scene/scene_file/scene_file.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <tuple>
 
 #include "apps/scene/scene_file/scene_reader.h"
+#include "mtf/error.h"
 #include "mtf/io/csv/curve_csv.h"
+#include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
 
 namespace apps::scene {
@@ -106,6 +109,23 @@ SceneResult parse_scene(const std::string& text, const std::string& file) {
                    });
   s.scene.fits = std::move(s.reader.fits);
   return {.scene = std::move(s.scene), .diagnostics = std::move(s.reader.diagnostics)};
+}
+
+void require_files(const SceneFile& scene) {
+  std::string missing;
+  const auto look = [&](const std::string& file, mtf::io::Position at, const std::string& path) {
+    std::error_code ignored;
+    if (file.empty() || std::filesystem::exists(file, ignored)) return;
+    missing +=
+        (missing.empty() ? "" : "\n") +
+        mtf::io::format_diagnostic(
+            {.error = true, .position = at, .path = path, .text = "there is no file " + mtf::io::printable(file, 400)},
+            scene.file);
+  };
+  look(scene.weather.file, scene.weather.file_at, "weather.file");
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+    look(scene.meshes[m].file, scene.meshes[m].file_at, "mesh[" + std::to_string(m) + "].file");
+  if (!missing.empty()) throw mtf::RuntimeError(missing);
 }
 
 SceneFile load_scene(const std::string& file, std::vector<Diagnostic>* warnings) {

@@ -33,6 +33,7 @@ struct TimeSection {
 /// [weather]: a file, or constant values as one record.
 struct WeatherSection {
   std::string file;                              ///< path, "" for constant values
+  mtf::io::Position file_at{};                   ///< of its name, for messages
   radiometry::heat::Weather constant;            ///< one record at the start; empty where a file is named
   std::optional<radiometry::heat::Stamp> stamp;  ///< absent where the file does not say
   radiometry::heat::Repeat repeat = radiometry::heat::Repeat::none;
@@ -116,6 +117,7 @@ struct MeshSection {
   std::string name;
   std::string file;     ///< path; "": one level square of 1 m, for a scene of [ground] alone
   double unit_m = 1.0;  ///< length of the file's unit
+  mtf::io::Position file_at{};
 };
 
 /// Temperatures given instead of solved: a constant or a schedule, or the path of a facet table.
@@ -189,6 +191,9 @@ SceneResult parse_scene(const std::string& text, const std::string& file);
 /// Throws RuntimeError when the file cannot be read, UsageError with every error as "file:line:col: error: ..." lines
 /// when it is wrong. Warnings go to `warnings` when given.
 SceneFile load_scene(const std::string& file, std::vector<mtf::io::Diagnostic>* warnings = nullptr);
+
+/// Throws RuntimeError with a line "file:line:col: error: ..." for each weather and mesh file that is not there.
+void require_files(const SceneFile& scene);
 
 /// The weather of a scene, ready for use: the file read, or the constant values, checked and prepared with the scene's
 /// place, stamp, repeat and start. Warnings are in the series. Throws as read_weather and make_series.

@@ -60,6 +60,7 @@ void read_meshes(SceneReader& s) {
     if (section.find("file") == nullptr && !s.reader.has_failed(section.at("file")))
       section.error("file", "missing; write file = \"vehicle.obj\" (OBJ, PLY, STL or glTF 2)");
     mesh.file = read_path(section, "file").value_or("");
+    if (const Node* file = section.find("file")) mesh.file_at = file->position;
     mesh.unit_m =
         read_si(
             section,

@@ -230,6 +230,55 @@ TEST_F(HeatRun, BacksThatAreSeenAndNotSolvedAreSaid) {
   EXPECT_NE(scene.warnings.back().find("are backs of its open surfaces"), std::string::npos) << scene.warnings.back();
 }
 
+/// An NPY file of float32, rows of facets.
+void write_npy(const std::filesystem::path& path, const std::vector<std::vector<float>>& rows) {
+  std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + std::to_string(rows.size()) + ", " +
+                       std::to_string(rows.front().size()) + "), }";
+  header.resize(117, ' ');
+  std::ofstream file(path, std::ios::binary);
+  file << std::string("\x93NUMPY\x01\0\x76\0", 10) << header << "\n";
+  for (const auto& row : rows)
+    file.write(reinterpret_cast<const char*>(row.data()), static_cast<std::streamsize>(4 * row.size()));
+}
+
+// A plate below one of given temperature is the same whether that comes from the file, a CSV or an NPY; a table that
+// changes is a straight line between its times, and stands in the output as it is.
+TEST_F(HeatRun, TemperaturesOfFacetsComeFromTables) {
+  std::string obj = plate(0.0, 1, "cold") + "g hot\n";
+  for (const auto& [x, y] : {std::pair{0, 0}, std::pair{1, 0}, std::pair{1, 1}, std::pair{0, 1}})
+    obj += "v " + std::to_string(x) + " " + std::to_string(y) + " 1\n";
+  obj += "f 8 7 6 5\n";
+  const auto text = [&](const std::string& hot) {
+    return kDay + weather(300.0, 1.0, 0.0, 0.0, 300.0) + kSky + material("black", 1.0, 1.0, "\"mcadams\"") + kMesh +
+           region("cold", "material = \"black\"") + region("hot", "temperature = \"" + hot + "\"");
+  };
+  const Outcome constant = run(text("400 K"), obj);
+  std::ofstream(folder_ / "hot.csv") << "facet,temperature_K\n1,400\n";
+  EXPECT_EQ(run(text("hot.csv"), obj).front, constant.front);
+  write_npy(folder_ / "hot.npy", {{300.0F, 400.0F}});
+  EXPECT_EQ(run(text("hot.npy"), obj).front, constant.front);
+
+  write_npy(folder_ / "warming.npy", {{0.5F, 300.0F}, {0.5F, 420.0F}});
+  std::ofstream(folder_ / "times.csv")
+      << "output,time,time_s\n0,2016-03-20T00:00:00Z,0\n1,2016-03-21T00:00:00Z,86400\n";
+  const Outcome warming = run(text("warming.npy"), obj);
+  for (std::size_t i = 0; i < warming.times_s.size(); ++i)
+    EXPECT_NEAR(warming.front[i][1], 300.0 + 120.0 * warming.times_s[i] / 86400.0, 1e-3);
+  EXPECT_GT(warming.front.back()[0], warming.front[6][0] + 5.0);
+
+  const auto refusal = [&](const std::string& hot) { return test::message_of([&] { prepare(text(hot), obj); }); };
+  write_npy(folder_ / "many.npy", {{300.0F, 400.0F, 400.0F}});
+  EXPECT_NE(refusal("many.npy").find("has 3 facets, the scene 2"), std::string::npos);
+  std::ofstream(folder_ / "other.csv") << "facet,temperature_K\n0,400\n";
+  EXPECT_NE(refusal("other.csv").find("facet 1 of region 'hot' has no temperature"), std::string::npos);
+  std::ofstream(folder_ / "far.csv") << "facet,temperature_K\n7,400\n";
+  EXPECT_NE(refusal("far.csv").find("far.csv:2: error: the scene has no such facet"), std::string::npos);
+  std::ofstream(folder_ / "cut.npy") << "\x93NUMPY";
+  EXPECT_NE(refusal("cut.npy").find("is no NPY file"), std::string::npos);
+  write_npy(folder_ / "wrong.npy", {{300.0F, -4.0F}});
+  EXPECT_NE(refusal("wrong.npy").find("which no surface has"), std::string::npos);
+}
+
 /// A closed box of 1 m x 1 m, from z = 1 to z = 1 + thickness: bottom, top, four rims.
 std::string box(double thickness) {
   std::string text;
@@ -280,6 +329,37 @@ TEST_F(HeatRun, WallsOfAClosedBoxConductToTheOtherSide) {
   EXPECT_TRUE(std::any_of(thick.warnings.begin(), thick.warnings.end(), [](const std::string& warning) {
     return warning.find("the walls of the mesh 0.019 m (median)") != std::string::npos;
   }));
+}
+
+// A slab with a uniform source q between a surface that gives off what equilibrium() has and a film of the inside:
+//   k T' = loss(T0) - absorbed at x = 0,  T = T0 + T' x - q x^2 / (2 k),  -k T'(d) = h_in (T(d) - T_in)
+TEST_F(HeatRun, SourcesInLayersComeOutOfTheSurfaces) {
+  constexpr double air = 290.0, sky = 300.0, h = 8.0, eps = 0.9, k = 0.2, d = 0.04, q = 8000.0;
+  constexpr double h_in = 10.0, inner = 280.0;
+  const auto scene = [&](const std::string& inside) {
+    return kDay + weather(air, 1.0, 0.0, 0.0, sky) + kSky +
+           "[[material]]\nname = \"heater\"\nsolar_absorptance = 0.7\nemissivity = 0.9\nconvection = { h0 = \"8 "
+           "W/m2/K\", "
+           "h1 = \"0 J/m3/K\" }\nlayers = [{ conductivity = \"0.2 W/m/K\", density = \"500 kg/m3\", heat_capacity = "
+           "\"1000 J/kg/K\", thickness = \"40 mm\", source = \"8000 W/m3\" }]\ninside = " +
+           inside + "\n" + kMesh + region("", "material = \"heater\"");
+  };
+  const HeatOptions options{.tolerance_k = 0.01};
+  const double insulated = run(scene("{ kind = \"adiabatic\" }"), plate(1.0), options).front.back()[0];
+  EXPECT_NEAR(insulated, equilibrium(eps * sky + q * d, eps, h, air), 0.02);
+
+  double low = 200.0, high = 500.0;
+  for (int i = 0; i < 200; ++i) {
+    const double t0 = 0.5 * (low + high);
+    const double slope = (eps * kSigma * std::pow(t0, 4) + h * (t0 - air) - eps * sky) / k;
+    const double back = t0 + slope * d - q * d * d / (2.0 * k);
+    // Too warm a surface asks for more heat than the slab generates less what the inside takes.
+    (-k * (slope - q * d / k) > h_in * (back - inner) ? low : high) = t0;
+  }
+  const double film = run(scene("{ kind = \"film\", h = \"10 W/m2/K\", temperature = \"280 K\" }"), plate(1.0), options)
+                          .front.back()[0];
+  EXPECT_NEAR(film, low, 0.02);
+  EXPECT_GT(insulated - film, 3.0);
 }
 
 // Over a day of sun the pair and a sheet of the same layers are the same: top and bottom, front and back.
