@@ -110,9 +110,7 @@ void HeatBatches::set_window(const Window& window, bool first) {
                   &kelvin(k, 0));
     }
     for (const Unit& unit : units_.unit)
-      if (unit.given)
-        kelvin(k, unit.receiver) =
-            value_at(scene_.file.regions[unit.region].temperature->schedule, scene_.file.time.start_s + times[k]);
+      if (unit.given) kelvin(k, unit.receiver) = scene_.given_k(unit.leader, times[k]);
   }
   solar_ = make_receiver_table(window.first, window.last, receivers);
   longwave_ = solar_;
@@ -154,7 +152,7 @@ void HeatBatches::run(Batch& batch, const heat::Timeline& timeline, bool first) 
     for (std::size_t i = 0; i < batch.units; ++i) {
       const Unit& unit = units_.unit[batch.first + i];
       kelvin(window_.first + k, unit.receiver) = run.front_k[k * batch.units + i];
-      if (unit.back) kelvin(window_.first + k, unit.receiver + 1) = run.back_k[k * batch.units + i];
+      if (unit.has_own_back()) kelvin(window_.first + k, unit.back_receiver) = run.back_k[k * batch.units + i];
     }
 }
 

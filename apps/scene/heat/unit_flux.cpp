@@ -136,14 +136,15 @@ heat::Forcing forcing_of(std::span<const Unit> batch, const Units& units, const 
       return a + place.share * (b - a);
     };
     const auto absorbed = [&](const UnitSide& side, std::size_t receiver) {
-      return side.absorptance * (direct_w_m2(side, units.sun, beam) + side.sky * diffuse + side.ground * ground_solar +
+      return side.source_w_m2 +
+             side.absorptance * (direct_w_m2(side, units.sun, beam) + side.sky * diffuse + side.ground * ground_solar +
                                  exchanged(solar, receiver)) +
              side.emissivity * (side.sky * sky + side.ground * ground_warm + exchanged(longwave, receiver));
     };
     for (std::size_t i = 0; i < values.front.absorbed_w_m2.size(); ++i) {
       const Unit& unit = batch[first + i];
       values.front.absorbed_w_m2[i] = absorbed(unit.front, unit.receiver);
-      if (unit.back) values.back.absorbed_w_m2[i] = absorbed(*unit.back, unit.receiver + 1);
+      if (unit.back) values.back.absorbed_w_m2[i] = absorbed(*unit.back, unit.back_receiver);
     }
   };
 }
