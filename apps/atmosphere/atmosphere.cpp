@@ -134,7 +134,8 @@ int run_sky(const AtmosphereOptions& options, const Given& given, const std::vec
     report.zenith_deg.push_back(degrees);
     zenith_rad.push_back(degrees * std::numbers::pi / 180.0);
   }
-  for (const air::SkyRadiance& sky : sky_radiances(through, report.altitude_m, zenith_rad)) {
+  for (const double zenith : zenith_rad) {
+    const air::SkyRadiance sky = sky_radiance(through, report.altitude_m, zenith, options.tolerance);
     report.radiance.push_back(sky.whole);
     air::SpectralPath<double> path;
     path.wavenumber_cm = sky.wavenumber_cm;

@@ -96,6 +96,7 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
   s.time_s = merged(std::move(times));
   for (const double t : outputs) s.outputs.push_back(node_at(s.time_s, t));
 
+  std::optional<ClearSkyFlux> air = clear_sky_of(scene);
   for (const double t : s.time_s) {
     const double utc = std::min(start + t, end);
     heat::WeatherAt at;
@@ -108,7 +109,7 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
     s.direct_w_m2.push_back(up > -10.0 * kOnHorizon ? std::max(at[direct_normal], 0.0) : 0.0);
     s.diffuse_w_m2.push_back(std::max(at[diffuse_horizontal], 0.0));
     s.global_w_m2.push_back(s.direct_w_m2.back() * std::max(up, 0.0) + s.diffuse_w_m2.back());
-    s.sky_longwave_w_m2.push_back(sky_longwave(scene.sky, at).irradiance_w_m2);
+    s.sky_longwave_w_m2.push_back(sky_longwave(scene.sky, at, air ? &*air : nullptr).irradiance_w_m2);
     s.to_sun.push_back(heat::in_scene_axes(sun.direction, scene.north_rad));
   }
   s.shadow_entry = entries_of(s, scene);

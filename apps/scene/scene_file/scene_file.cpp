@@ -17,8 +17,18 @@ namespace {
 namespace cfg = mtf::io::cfg;
 using mtf::io::Diagnostic;
 
-constexpr std::array<std::string_view, 11> kTables{"schema", "place",  "time",   "weather",  "sky",   "material",
-                                                   "mesh",   "region", "ground", "measured", "camera"};
+constexpr std::array<std::string_view, 12> kTables{"schema",   "place", "time",   "weather", "sky",      "atmosphere",
+                                                   "material", "mesh",  "region", "ground",  "measured", "camera"};
+
+/// The air, by the same table as in sensor files.
+void read_atmosphere(SceneReader& s) {
+  const std::array schema{
+      radiometry::table_info<radiometry::AtmosphereSettings>("atmosphere", "the air, by a band model")};
+  s.reader.schema = schema;
+  for (const mtf::SettingsTable& table : cfg::read_settings(s.root()))
+    s.scene.atmosphere = radiometry::from_table<radiometry::AtmosphereSettings>(table);
+  s.reader.schema = {};
+}
 
 /// False when the file is of another version: its keys mean something else then.
 bool read_schema(SceneReader& s) {
@@ -93,6 +103,7 @@ SceneResult parse_scene(const std::string& text, const std::string& file) {
     read_time(s);
     read_weather_section(s);
     read_sky(s);
+    read_atmosphere(s);
     read_materials(s);
     read_meshes(s);
     read_regions(s);

@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "apps/scene/scene_file/clear_sky_flux.h"
 #include "apps/scene/weather/weather_file.h"
 #include "mtf/io/config/config.h"
 #include "radiometry/heat/weather/schedule.h"
@@ -160,6 +161,7 @@ struct SceneFile {
   TimeSection time;
   WeatherSection weather;
   SkySection sky;
+  std::optional<radiometry::AtmosphereSettings> atmosphere;
   std::vector<MaterialSection> materials;
   std::vector<MeshSection> meshes;
   std::vector<RegionSection> regions;
@@ -202,11 +204,14 @@ radiometry::heat::WeatherSeries scene_weather(const SceneFile& scene);
 WeatherFile scene_weather_records(const SceneFile& scene);
 
 /// Long-wave irradiance of a horizontal plane by the sky as [sky] has it, W/m2, with the cloud cover that it was made
-/// with. Throws UsageError for LongwaveModel::atmosphere and where a column is missing.
+/// with. `air`: of LongwaveModel::atmosphere. Throws UsageError where a column is missing.
 struct SkyLongwave {
   double irradiance_w_m2 = 0.0;
   double cloud_cover = 0.0;
 };
-SkyLongwave sky_longwave(const SkySection& sky, const radiometry::heat::WeatherAt& weather);
+SkyLongwave sky_longwave(const SkySection& sky, const radiometry::heat::WeatherAt& weather,
+                         ClearSkyFlux* air = nullptr);
+/// The model of the clear sky that [sky] asks for; nothing where it asks for none.
+std::optional<ClearSkyFlux> clear_sky_of(const SceneFile& scene);
 
 }  // namespace apps::scene

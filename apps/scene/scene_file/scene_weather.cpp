@@ -66,12 +66,24 @@ heat::WeatherSeries scene_weather(const SceneFile& scene) {
   return series;
 }
 
-SkyLongwave sky_longwave(const SkySection& sky, const heat::WeatherAt& weather) {
-  if (sky.longwave == LongwaveModel::atmosphere)
-    throw mtf::UsageError(
-        "[sky] longwave = \"atmosphere\" is not there yet; write \"measured\", \"brunt\", \"brutsaert\" or "
-        "\"swinbank\"");
+std::optional<ClearSkyFlux> clear_sky_of(const SceneFile& scene) {
+  if (scene.sky.longwave != LongwaveModel::atmosphere) return std::nullopt;
+  if (!scene.atmosphere)
+    throw mtf::UsageError(scene.file +
+                          ": [sky] longwave = \"atmosphere\" needs [atmosphere], for example with model = "
+                          "\"mid_latitude_summer\"");
+  try {
+    return ClearSkyFlux(*scene.atmosphere, scene.place.altitude_m);
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(scene.file + ": " + error.what());
+  }
+}
+
+SkyLongwave sky_longwave(const SkySection& sky, const heat::WeatherAt& weather, ClearSkyFlux* air) {
   const auto clear = [&](std::string_view what) {
+    if (air != nullptr)
+      return air->at(value_of(weather, WeatherQuantity::air_temperature, what),
+                     value_of(weather, WeatherQuantity::vapour_pressure, what));
     const heat::SkyModel model = model_of(sky.longwave);
     const double vapour =
         model == heat::SkyModel::swinbank ? 0.0 : value_of(weather, WeatherQuantity::vapour_pressure, what);

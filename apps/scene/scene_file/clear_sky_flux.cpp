@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/scene_file/clear_sky_flux.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/sensor/sensor_air.h"
+#include "mtf/error.h"
+#include "radiometry/atmosphere/sky_radiance.h"
+#include "radiometry/light/constants.h"
+
+namespace apps::scene {
+
+namespace air = radiometry::atmosphere;
+
+namespace {
+
+constexpr double kStep_k = 5.0, kStep_percent = 10.0;
+constexpr double kColdest_k = 180.0, kWarmest_k = 340.0;
+constexpr int kAngles = 4;  // Gauss's nodes over the cosine of the zenith angle: within 0.1 W/m2 of eight
+
+/// The levels from an altitude on.
+air::Profile<double> above(const air::Profile<double>& profile, double altitude_m) {
+  air::Profile<double> cut{.source = profile.source, .levels = {level_at(profile, altitude_m)}};
+  for (const air::Level<double>& level : profile.levels)
+    if (level.altitude_m > altitude_m + 1.0) cut.levels.push_back(level);
+  return cut;
+}
+
+double humidity_percent(double air_k, double vapour_pressure_pa) {
+  const double saturated_pa = 1e6 * air::saturation_per_cm3(air_k) * radiometry::kBoltzmann_j_k * air_k;
+  return std::clamp(100.0 * vapour_pressure_pa / saturated_pa, 0.0, 100.0);
+}
+
+}  // namespace
+
+ClearSkyFlux::ClearSkyFlux(const radiometry::AtmosphereSettings& settings, double altitude_m)
+    : air_(read_air(settings)) {
+  if (settings.pressure_pa)
+    throw mtf::UsageError(
+        "atmosphere.pressure: is the air of a horizontal line; the sky needs model or profile, whose lowest part "
+        "follows the weather");
+  air_.profile = above(air_.profile, std::max(altitude_m, air_.profile.levels.front().altitude_m));
+}
+
+double ClearSkyFlux::node(int temperature, int humidity) {
+  const auto known = nodes_.find({temperature, humidity});
+  if (known != nodes_.end()) return known->second;
+  air::Air<double> today = air_;
+  today.profile = with_surface(air_.profile, kStep_k * temperature, std::min(kStep_percent * humidity, 100.0));
+  const double flux = sky_flux(today, today.profile.levels.front().altitude_m, kAngles).total_w_m2;
+  nodes_.emplace(std::pair{temperature, humidity}, flux);
+  return flux;
+}
+
+double ClearSkyFlux::at(double air_k, double vapour_pressure_pa) {
+  if (!(air_k >= kColdest_k && air_k <= kWarmest_k))
+    throw mtf::UsageError("[sky] longwave = \"atmosphere\": air of " + mtf::format_double(air_k) +
+                          " K; the model is for " + mtf::format_double(kColdest_k) + " to " +
+                          mtf::format_double(kWarmest_k) + " K");
+  const double t = air_k / kStep_k, h = humidity_percent(air_k, vapour_pressure_pa) / kStep_percent;
+  const int t0 = static_cast<int>(t), h0 = std::min(static_cast<int>(h), 9);
+  const double dt = t - t0, dh = h - h0;
+  const double dry = (1.0 - dt) * node(t0, h0) + dt * node(t0 + 1, h0);
+  const double humid = (1.0 - dt) * node(t0, h0 + 1) + dt * node(t0 + 1, h0 + 1);
+  return (1.0 - dh) * dry + dh * humid;
+}
+
+}  // namespace apps::scene

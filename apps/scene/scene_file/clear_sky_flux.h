@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Long wave of the clear sky by the band model of the air (radiometry/atmosphere/sky_radiance.h), for the temperature
+// and humidity that the weather has at the ground. The air above is that of [atmosphere], from the altitude of [place]
+// on; its lowest 2 km follow the weather. The flux is computed at temperatures 5 K and humidities a tenth apart, where
+// the weather needs them, and goes as straight lines between, which is within 0.5 W/m2 of the model. The model itself
+// takes the sky for black below 650 cm^-1.
+
+#include <map>
+#include <utility>
+
+#include "radiometry/atmosphere/atmosphere_settings.h"
+
+namespace apps::scene {
+
+class ClearSkyFlux {
+ public:
+  /// Throws UsageError "atmosphere.KEY: ..." as read_air does, and for an altitude that the air does not have.
+  ClearSkyFlux(const radiometry::AtmosphereSettings& settings, double altitude_m);
+
+  /// W/m2 on a horizontal plane. Throws UsageError for air outside 180 ... 340 K.
+  double at(double air_k, double vapour_pressure_pa);
+
+ private:
+  double node(int temperature, int humidity);
+
+  radiometry::atmosphere::Air<double> air_;
+  std::map<std::pair<int, int>, double> nodes_;  ///< by multiples of the steps
+};
+
+}  // namespace apps::scene
