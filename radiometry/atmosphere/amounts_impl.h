@@ -73,7 +73,7 @@ std::array<S, kDensities> integrals(const Column<S>& column, const Piece<S>& pie
   return out;
 }
 
-/// Amounts of integrals over a layer of that mean temperature.
+/// Amounts of integrals over a layer of that mean temperature, but for the aerosol.
 template <class S>
 Amounts<S> amounts_of(const std::array<S, kDensities>& sum, const S& temperature_k) {
   constexpr double kCold_k = 260.0, kWarm_k = 296.0, kOxygenFrom_k = 200.0, kOxygenTo_k = 310.0;
@@ -91,25 +91,77 @@ Amounts<S> amounts_of(const std::array<S, kDensities>& sum, const S& temperature
   out.oxygen = {sum[kOxygenDensity], sum[kOxygenDensity] * t, sum[kOxygenDensity] * t * t};
   out.molecules = sum[kMoleculesDensity];
   out.rain = sum[kRainDensity];
-  std::copy_n(sum.begin() + kAerosolDensity, kAerosolNodes, out.aerosol.begin());
   return out;
 }
 
-/// What a piece of the line goes through.
 template <class S>
-PathLayer<S> layer_of(const Line<S>& line, const Piece<S>& piece) {
-  if (line.horizontal) {
-    auto sum = line.at_sensor;
-    const S temperature = sum[kPressureDensity] / sum[kMassDensity];
-    for (S& s : sum) s = 1e-3 * piece.length_m * s;
-    return {amounts_of(sum, temperature), temperature, piece.length_m};
-  }
-  const auto sum = integrals(line.column, piece);
-  const S temperature = value_of(sum[kMassDensity]) > 0.0
-                            ? S(sum[kPressureDensity] / sum[kMassDensity])
-                            : S(line.at_sensor[kPressureDensity] / line.at_sensor[kMassDensity]);
-  return {amounts_of(sum, temperature), temperature, piece.length_m};
+std::array<S, kDensities> integrals(const Line<S>& line, const Piece<S>& piece) {
+  if (!line.horizontal) return integrals(line.column, piece);
+  auto sum = line.at_sensor;
+  for (S& s : sum) s = 1e-3 * piece.length_m * s;
+  return sum;
 }
+
+/// The layers of a line, and parts of them.
+template <class S>
+class LineLayers {
+ public:
+  explicit LineLayers(const Line<S>& line) : line_(line) {
+    S extinction(0.0), humid(0.0);
+    std::array<S, kAerosolNodes> before{};
+    for (const Piece<S>& piece : line.pieces) {
+      // The humidity of a layer that is cut is that of the whole layer: what is cut is a share of its optical depth.
+      const Piece<S> whole = line.horizontal ? piece : way_through(line.column, piece, false).piece;
+      auto sum = integrals(line, whole);
+      Boundary boundary{.extinction = sum[kAerosolDensity], .depth = {}};
+      extinction = extinction + sum[kAerosolDensity];
+      humid = humid + sum[kHumidAerosolDensity];
+      if (value_of(sum[kAerosolDensity]) > 0.0) {
+        const auto spectrum = boundary_spectrum(line.haze, S(humid / extinction));
+        for (std::size_t k = 0; k < kAerosolNodes; ++k) {
+          const S depth = extinction * spectrum[k];
+          if (value_of(depth) <= value_of(before[k])) continue;
+          boundary.depth[k] = depth - before[k];
+          before[k] = depth;
+        }
+      }
+      boundaries_.push_back(boundary);
+      layers.push_back(part(boundaries_.size() - 1, piece));
+    }
+  }
+
+  /// A piece that is the i-th one up to some length.
+  PathLayer<S> part(std::size_t i, const Piece<S>& piece) const {
+    const auto sum = integrals(line_, piece);
+    const auto& air = value_of(sum[kMassDensity]) > 0.0 ? sum : line_.at_sensor;
+    const S temperature = air[kPressureDensity] / air[kMassDensity];
+    PathLayer<S> layer{amounts_of(sum, temperature), temperature, piece.length_m};
+    const Boundary& boundary = boundaries_[i];
+    if (value_of(boundary.extinction) > 0.0) {
+      const S share = sum[kAerosolDensity] / boundary.extinction;
+      for (std::size_t k = 0; k < kAerosolNodes; ++k) layer.amounts.aerosol[k] = share * boundary.depth[k];
+    }
+    for (std::size_t region = 1; region < kAerosolRegions; ++region) {
+      const S& extinction = sum[kAerosolDensity + region];
+      if (!(value_of(extinction) > 0.0)) continue;
+      const auto spectrum = upper_spectrum(static_cast<AerosolRegion>(region));
+      for (std::size_t k = 0; k < kAerosolNodes; ++k)
+        layer.amounts.aerosol[k] = layer.amounts.aerosol[k] + extinction * spectrum[k];
+    }
+    return layer;
+  }
+
+  std::vector<PathLayer<S>> layers;
+
+ private:
+  /// Extinction at 0.55 um of the boundary region in a whole layer, and its optical depths.
+  struct Boundary {
+    S extinction;
+    std::array<S, kAerosolNodes> depth;
+  };
+  const Line<S>& line_;
+  std::vector<Boundary> boundaries_;
+};
 
 /// Calls f(value, value) for the amounts of both, one by one.
 template <class S, class F>
@@ -134,9 +186,7 @@ Amounts<S> sum_of(Amounts<S> a, const Amounts<S>& b) {
 template <class S>
 std::vector<PathLayer<S>> path_layers(const Air<S>& air, const Sight<S>& sight) {
   const Line<S> line = line_of(air, sight);
-  std::vector<PathLayer<S>> layers;
-  for (const Piece<S>& piece : line.pieces) layers.push_back(layer_of(line, piece));
-  return layers;
+  return LineLayers<S>(line).layers;
 }
 
 template <class S>

@@ -79,6 +79,7 @@ const BandModel& band_model() {
   return model;
 }
 
+double haze_humidity_share() { return kHazeHumidityShare; }
 AerosolSpectrum haze_spectrum(HazeKind kind, std::size_t humidity) {
   return AerosolSpectrum(
       kHazeSpectra[static_cast<std::size_t>(kind) - static_cast<std::size_t>(HazeKind::rural)][humidity]);

@@ -42,6 +42,7 @@ const BandModel& band_model();
 /// Extinction over that at 0.55 um at the wavelengths of the spectra.
 using AerosolSpectrum = std::span<const double, kAerosolNodes>;
 inline constexpr std::array<double, 4> kHazeHumidities{0.0, 70.0, 80.0, 99.0};
+double haze_humidity_share();  ///< of the relative humidity that counts: see tables/coefficients.inc
 AerosolSpectrum haze_spectrum(HazeKind kind, std::size_t humidity);  ///< rural, urban, maritime, tropospheric
 AerosolSpectrum fog_spectrum(HazeKind kind);
 AerosolSpectrum upper_spectrum(AerosolRegion region);  ///< all but the boundary

@@ -21,8 +21,10 @@ enum Density : std::size_t {
   kRainDensity,
   kPressureDensity,  ///< Pa
   kMassDensity,      ///< Pa / K
-  kAerosolDensity,
-  kDensities = kAerosolDensity + kAerosolNodes
+  kAerosolDensity,   ///< extinction at 0.55 um, of each region
+  kHumidAerosolDensity =
+      kAerosolDensity + kAerosolRegions,  ///< that of the boundary region times the humidity in percent
+  kDensities
 };
 
 template <class S>
@@ -67,17 +69,9 @@ std::array<S, kDensities> densities_of(const Air<S>& air, Level<S> level) {
   out[kPressureDensity] = level.pressure_pa;
   out[kMassDensity] = level.pressure_pa / level.temperature_k;
   const auto aerosol = aerosol_per_km(air.haze, level.altitude_m);
-  const auto boundary = value_of(aerosol[0]) > 0.0
-                            ? boundary_spectrum(air.haze.kind, rains ? S(100.0) : relative_humidity_percent(level))
-                            : std::array<S, kAerosolNodes>{};
-  for (std::size_t k = 0; k < kAerosolNodes; ++k) {
-    S sum(0.0);
-    if (value_of(aerosol[0]) > 0.0) sum = aerosol[0] * boundary[k];
-    for (std::size_t region = 1; region < kAerosolRegions; ++region)
-      if (value_of(aerosol[region]) > 0.0)
-        sum = sum + aerosol[region] * upper_spectrum(static_cast<AerosolRegion>(region))[k];
-    out[kAerosolDensity + k] = sum;
-  }
+  std::ranges::copy(aerosol, out.begin() + kAerosolDensity);
+  out[kHumidAerosolDensity] =
+      value_of(aerosol[0]) > 0.0 ? S(aerosol[0] * (rains ? S(100.0) : relative_humidity_percent(level))) : S(0.0);
   return out;
 }
 

@@ -95,8 +95,8 @@ std::array<S, kAerosolNodes> boundary_spectrum(HazeKind kind, const S& relative_
     std::ranges::transform(fog_spectrum(kind), out.begin(), [](double v) { return S(v); });
     return out;
   }
-  const S humidity = value_of(relative_humidity_percent) > kHazeHumidities.back() ? S(kHazeHumidities.back())
-                                                                                  : relative_humidity_percent;
+  S humidity = haze_humidity_share() * relative_humidity_percent;
+  if (value_of(humidity) > kHazeHumidities.back()) humidity = S(kHazeHumidities.back());
   std::size_t i = 1;
   while (i + 1 < kHazeHumidities.size() && value_of(humidity) > kHazeHumidities[i]) ++i;
   const double dry = std::log(100.0 - kHazeHumidities[i - 1]), humid = std::log(100.0 - kHazeHumidities[i]);

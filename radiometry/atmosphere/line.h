@@ -13,6 +13,7 @@ struct Line {
   Column<S> column;              ///< of Horizontal: one level, the air of the line
   std::vector<Piece<S>> pieces;  ///< of Horizontal: one
   std::array<S, kDensities> at_sensor{};
+  HazeKind haze = HazeKind::none;
   SightNumbers<S> numbers;
 };
 
@@ -48,7 +49,7 @@ S cosine_between(const Column<S>& column, double from_m, double to_m, const S& r
   if (range == 0.0) return S(0.0);
   if (std::abs(to_m - from_m) > range * (1.0 + 1e-12)) refuse_nearer(range, from_m, to_m);
   const auto miss = [&](double cosine) {
-    return value_of(trace(column, from_m, S(cosine), {.range_m = S(range), .altitude_m = {}}, false).end_m) - to_m;
+    return value_of(trace(column, from_m, S(cosine), {.range_m = S(range), .altitude_m = {}}, true).end_m) - to_m;
   };
   double lo = -1.0, hi = 1.0, at_lo = miss(lo), at_hi = miss(hi);
   double x = std::clamp((to_m - from_m) / range - range / (2.0 * kEarthRadius_m), -1.0, 1.0);
@@ -68,7 +69,7 @@ S cosine_between(const Column<S>& column, double from_m, double to_m, const S& r
   } else {
     const double h = 1e-6, slope = (miss(std::min(x + h, 1.0)) - miss(std::max(x - h, -1.0))) /
                                    (std::min(x + h, 1.0) - std::max(x - h, -1.0));
-    const S missed = trace(column, from_m, S(x), {.range_m = range_m, .altitude_m = {}}, false).end_m;
+    const S missed = trace(column, from_m, S(x), {.range_m = range_m, .altitude_m = {}}, true).end_m;
     return S(x) - (missed - S(value_of(missed))) / slope;
   }
 }
@@ -157,7 +158,7 @@ Line<S> line_of(const Air<S>& air, const AtAngle<S>& sight) {
   Ray<S> ray = trace(line.column, sight.sensor_altitude_m, cosine, {.range_m = sight.range_m, .altitude_m = {}});
   if (ray.end == Ray<S>::End::ground) refuse_ground(range, value_of(ray.length_m), sight.sensor_altitude_m);
   const S beyond =
-      trace(line.column, sight.sensor_altitude_m, cosine, {.range_m = sight.range_m, .altitude_m = {}}, false).end_m;
+      trace(line.column, sight.sensor_altitude_m, cosine, {.range_m = sight.range_m, .altitude_m = {}}, true).end_m;
   take(line, std::move(ray), sight.zenith_rad);
   line.numbers.range_m = sight.range_m;  // the end may lie in space
   line.numbers.object_altitude_m = beyond;
@@ -202,7 +203,9 @@ Line<S> line_of(const Air<S>& air, const ToSpace<S>& sight) {
 template <class S>
 Line<S> line_of(const Air<S>& air, const Sight<S>& sight) {
   require_valid(air);
-  return std::visit([&](const auto& one) { return line_of(air, one); }, sight);
+  Line<S> line = std::visit([&](const auto& one) { return line_of(air, one); }, sight);
+  line.haze = air.haze.kind;
+  return line;
 }
 
 }  // namespace radiometry::atmosphere

@@ -67,90 +67,99 @@ Piece<S> cut(const Piece<S>& piece, const S& length_m) {
   return out;
 }
 
-/// From an altitude within the column along the cosine of the zenith angle. `bounded`: the ground ends it and pieces
-/// are kept; otherwise the lowest and the highest layer go on for ever.
+/// A piece from where a ray is to where it leaves the layer or, on the way down, has its tangent height. `unbounded`:
+/// the lowest and the highest layer go on for ever.
 template <class S>
-Ray<S> trace(const Column<S>& column, double from_m, const S& cosine, const RayEnd<S>& end, bool bounded = true) {
+struct WayThrough {
+  Piece<S> piece;
+  S bent{}, root{};  ///< m and sqrt(C) at its end
+  bool turns = false;
+};
+template <class S>
+WayThrough<S> way_through(const Column<S>& column, Piece<S> piece, bool unbounded) {
   using std::sqrt;
   const auto& z = column.altitude_m;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const bool lowest = piece.layer == 0, highest = piece.layer + 2 == z.size();
+  const double stop = piece.up ? (highest && unbounded ? kInfinity : z[piece.layer + 1])
+                               : (!lowest     ? z[piece.layer]
+                                  : unbounded ? -kInfinity
+                                              : z[0] - kGroundSlack_m);
+  WayThrough<S> way{.piece = piece, .bent = S(0.0), .root = S(0.0)};
+  if (std::isfinite(stop)) {
+    way.bent = column.bent[piece.layer] + (stop - z[piece.layer]) * piece.slope;
+    const S more = (way.bent - piece.bent) * (way.bent + piece.bent), left = more + piece.root * piece.root;
+    way.turns = !piece.up && value_of(left) <= 0.0;
+    way.root = root_of(left);
+    const S sum = way.root + piece.root;
+    way.piece.length_m = value_of(sum) > 0.0 ? S(more / (piece.slope * sum)) : S(0.0);
+    if (!piece.up) way.piece.length_m = -way.piece.length_m;
+    way.piece.to_m = S(stop);
+  } else {
+    way.turns = !piece.up;
+    way.piece.length_m = S(kInfinity);
+  }
+  if (way.turns) {
+    way.bent = sqrt(piece.bent * piece.bent - piece.root * piece.root);
+    way.root = S(0.0);
+    way.piece.length_m = piece.root / piece.slope;
+    way.piece.to_m = piece.from_m - piece.root * piece.root / ((way.bent + piece.bent) * piece.slope);
+  }
+  return way;
+}
+
+/// From an altitude within the column along the cosine of the zenith angle, to the end or, if `unbounded` is false, to
+/// the ground or the highest level.
+template <class S>
+Ray<S> trace(const Column<S>& column, double from_m, const S& cosine, const RayEnd<S>& end, bool unbounded = false) {
+  const auto& z = column.altitude_m;
   const std::size_t last = z.size() - 2;
-  bool up = value_of(cosine) >= 0.0;
-  std::size_t layer = 0;
-  while (layer < last && (up ? from_m >= z[layer + 1] : from_m > z[layer + 1])) ++layer;
-  S at(from_m), slope = slope_of(column, layer);
-  const S start = column.bent[layer] + (from_m - z[layer]) * slope;
-  const S invariant2 = start * start * (1.0 - cosine * cosine);
-  S bent = start, root = start * (up ? cosine : S(-cosine));
-  Ray<S> ray{.pieces = {}, .end_m = at, .length_m = S(0.0), .lowest_m = at};
+  Piece<S> next{.layer = 0, .up = value_of(cosine) >= 0.0, .from_m = S(from_m), .to_m = S(from_m), .length_m = S(0.0)};
+  while (next.layer < last && (next.up ? from_m >= z[next.layer + 1] : from_m > z[next.layer + 1])) ++next.layer;
+  next.slope = slope_of(column, next.layer);
+  next.bent = column.bent[next.layer] + (from_m - z[next.layer]) * next.slope;
+  next.root = next.bent * (next.up ? cosine : S(-cosine));
+  Ray<S> ray{.pieces = {}, .end_m = next.from_m, .length_m = S(0.0), .lowest_m = next.from_m};
   for (;;) {
-    slope = slope_of(column, layer);
-    const double lower = layer > 0 ? z[layer]
-                         : bounded ? z[0] - kGroundSlack_m
-                                   : -std::numeric_limits<double>::infinity();
-    const double upper = layer < last || bounded ? z[layer + 1] : std::numeric_limits<double>::infinity();
-    double stop = up ? upper : lower;
+    next.slope = slope_of(column, next.layer);
+    const WayThrough<S> way = way_through(column, next, unbounded);
+    Piece<S> piece = way.piece;
     bool arrives = false;
-    if (end.altitude_m && (up ? *end.altitude_m <= upper && *end.altitude_m > value_of(at)
-                              : *end.altitude_m >= lower && *end.altitude_m < value_of(at))) {
-      stop = *end.altitude_m;
-      arrives = true;
-    }
-    Piece<S> piece{.layer = layer,
-                   .up = up,
-                   .from_m = at,
-                   .to_m = S(stop),
-                   .length_m = S(0.0),
-                   .bent = bent,
-                   .root = root,
-                   .slope = slope};
-    S next_bent(0.0), next_root(0.0);
-    bool turns = false;
-    if (std::isfinite(stop)) {
-      next_bent = column.bent[layer] + (stop - z[layer]) * slope;
-      const S left = (next_bent - start) * (next_bent + start) + start * start * cosine * cosine;
-      turns = !up && value_of(left) <= 0.0;
-      next_root = root_of(left);
-      const S sum = next_root + root;
-      piece.length_m = value_of(sum) > 0.0 ? S((next_bent - bent) * (next_bent + bent) / (slope * sum)) : S(0.0);
-      if (!up) piece.length_m = -piece.length_m;
-    } else {
-      turns = !up;
-      if (up) piece.length_m = S(std::numeric_limits<double>::infinity());
-    }
-    if (turns) {  // the tangent height lies in this layer
-      arrives = false;
-      next_bent = sqrt(invariant2);
-      next_root = S(0.0);
-      piece.length_m = root / slope;
-      piece.to_m = at - root * root / ((next_bent + bent) * slope);
+    if (end.altitude_m) {
+      const double to = *end.altitude_m, at = value_of(piece.from_m), stop = value_of(piece.to_m);
+      if (piece.up ? to > at && to <= stop : to < at && to >= stop) {
+        const S bent = piece.bent + (S(to) - piece.from_m) * piece.slope;
+        const S more = (bent - piece.bent) * (bent + piece.bent);
+        const S sum = root_of(S(more + piece.root * piece.root)) + piece.root;
+        piece.to_m = S(to);
+        piece.length_m = value_of(sum) > 0.0 ? S(more / (piece.slope * sum)) : S(0.0);
+        if (!piece.up) piece.length_m = -piece.length_m;
+        arrives = true;
+      }
     }
     if (end.range_m && value_of(ray.length_m + piece.length_m) >= value_of(*end.range_m)) {
       piece = cut(piece, S(*end.range_m - ray.length_m));
       arrives = true;
-      turns = false;
     }
     if (value_of(piece.length_m) > 0.0 || arrives) ray.pieces.push_back(piece);
     ray.length_m = ray.length_m + piece.length_m;
-    at = ray.end_m = piece.to_m;
-    bent = next_bent;
-    root = next_root;
-    if (value_of(at) < value_of(ray.lowest_m)) ray.lowest_m = at;
+    ray.end_m = piece.to_m;
+    if (value_of(ray.end_m) < value_of(ray.lowest_m)) ray.lowest_m = ray.end_m;
     if (arrives) return ray;
-    if (turns) {
-      up = true;
-    } else if (up) {
-      if (layer == last) {
-        ray.end = Ray<S>::End::space;
-        return ray;
-      }
-      ++layer;
-    } else {
-      if (layer == 0) {
-        ray.end = Ray<S>::End::ground;
-        return ray;
-      }
-      --layer;
+    next = {.layer = next.layer,
+            .up = next.up || way.turns,
+            .from_m = piece.to_m,
+            .to_m = piece.to_m,
+            .length_m = S(0.0),
+            .bent = way.bent,
+            .root = way.root,
+            .slope = next.slope};
+    if (way.turns) continue;
+    if (next.layer == (next.up ? last : 0)) {
+      ray.end = next.up ? Ray<S>::End::space : Ray<S>::End::ground;
+      return ray;
     }
+    next.up ? ++next.layer : --next.layer;
   }
 }
 

@@ -21,7 +21,7 @@ SkyRadiance sky_radiance(const Air<double>& air, double altitude_m, double zenit
   SpectralPath<double> path = SpectralLine<double>(line, options).whole();
   SkyRadiance sky;
   sky.lowest_layer_k = line.pieces.empty() ? line.at_sensor[kPressureDensity] / line.at_sensor[kMassDensity]
-                                           : layer_of(line, line.pieces.front()).temperature_k;
+                                           : LineLayers<double>(line).layers.front().temperature_k;
   sky.below_650 = line.pieces.empty() ? 0.0
                                       : band_radiance(Flux::watts, kLongest_um, std::numeric_limits<double>::infinity(),
                                                       sky.lowest_layer_k);

@@ -111,8 +111,11 @@ template <class S>
 class SpectralLine {
  public:
   SpectralLine(const Line<S>& line, const SpectralOptions& options)
-      : line_(line), options_(options), slice_(slice_of(options.band)) {
-    for (const Piece<S>& piece : line.pieces) layers_.push_back(layer_of(line, piece));
+      : line_(line),
+        options_(options),
+        slice_(slice_of(options.band)),
+        layers_of_line_(line),
+        layers_(layers_of_line_.layers) {
     if (value_of(line.numbers.range_m) < 1.0)
       for (std::size_t i = 0; i < kLineBands; ++i) least_[i] = 1e-3 * value_of(line.at_sensor[i]);
     leave_out();
@@ -129,7 +132,8 @@ class SpectralLine {
       const bool last = i + 1 == layers_.size();
       while (next < ranges_m.size() && value_of(ranges_m[next]) < value_of(end)) {
         const S rest = ranges_m[next] - length;
-        out.push_back(result(advanced(state, layer_of(line_, cut_piece(line_.pieces[i], rest)), i), ranges_m[next]));
+        out.push_back(
+            result(advanced(state, layers_of_line_.part(i, cut_piece(line_.pieces[i], rest)), i), ranges_m[next]));
         ++next;
       }
       if (next == ranges_m.size()) break;
@@ -250,7 +254,8 @@ class SpectralLine {
   const Line<S>& line_;
   SpectralOptions options_;
   Slice slice_;
-  std::vector<PathLayer<S>> layers_;
+  LineLayers<S> layers_of_line_;
+  const std::vector<PathLayer<S>>& layers_;
   std::array<double, kLineBands> least_{};
   Kept kept_ = kAllComponents;
   std::size_t kept_layers_ = 0;
