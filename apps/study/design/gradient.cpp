@@ -33,10 +33,14 @@ radiometry::SpectralNumbers<Jet4> spectral_jets(const VariantSensor& variant, co
   for (std::size_t n = 0; n < numbers.size(); ++n) *numbers[n] = Jet4(*values[n]);
   for (std::size_t i = 0; i < plain.size(); ++i) {
     if (!radiometry::is_spectral(plain[i].path) || overrides[i].value.v.isZero()) continue;
-    const double value = plain[i].value, h = 1e-3 * std::max(std::abs(value), 1e-3);
-    // Inside of what is allowed, on one side where the value lies at the end of it: fractions stop at 0 and 1.
-    const bool fraction = plain[i].path == "path.transmission" || plain[i].path == "scene.emissivity";
-    const double middle = fraction ? std::clamp(value, 2.0 * h, 1.0 - 2.0 * h) : std::max(value, 2.0 * h);
+    const double value = plain[i].value;
+    // Inside of what is allowed, on one side where the value lies at the end of it: fractions stop at 0 and 1. The
+    // slope of a band model at range 0 is infinite; the one at 1 m stands for it.
+    const bool fraction = plain[i].path == "path.transmission" || plain[i].path == "scene.emissivity" ||
+                          plain[i].path == "atmosphere.relative_humidity";
+    const double least = plain[i].path == "atmosphere.range" ? 1.0 : 0.0;
+    const double h = 1e-3 * std::max({std::abs(value), 1e-3, least});
+    const double middle = fraction ? std::clamp(value, 2.0 * h, 1.0 - 2.0 * h) : std::max(value, least + 2.0 * h);
     std::array<radiometry::SpectralNumbers<double>, 4> around;
     constexpr std::array<double, 4> steps{-2.0, -1.0, 1.0, 2.0};
     for (std::size_t k = 0; k < steps.size(); ++k) {
