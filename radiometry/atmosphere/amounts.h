@@ -2,17 +2,21 @@
 #pragma once
 
 // How much of each absorber a line of sight goes through.
-//   lines of a gas      W = integral of u (P / P0)^n (T0 / T)^m ds, one per gas and band (n and m belong to the band:
-//                       band_model.h); u in molecules per cm^2 over 1e20
-//   water continuum     integral of h^2 ds (self), theta h^2 ds (its rise with cold), h (N - h) ds (foreign), h and N
-//                       molecules per cm^3 of vapour and air; theta = (296 K - T) / 36 K within 0 ... 1, T the mean of
-//                       the layer
-//   N2 continuum        integral of (P / P0)^2 (T0 / T)^1.5 ds; O2 continuum: three powers of the temperature
-//   molecules           integral of (P / P0) (T0 / T) ds (Rayleigh)
-//   aerosol             extinction at 0.55 um, of each region; rain: extinction
-// A layer lies between two neighbouring levels, cut where the line starts and ends. Inside of it each of these
-// densities goes exponentially with altitude (as a straight line where an end is 0), its mean temperature is the
-// integral of the pressure over that of the density.
+//   lines of a gas    W = integral of u (P / P0)^n (T0 / T)^m ds, one per gas and band (n and m belong to the band); u
+//   in
+//                     1e20 molecules per cm^2, P0 = 1013.25 hPa, T0 = 296 K
+//   water continuum   integral of h (N - h) ds (foreign) and of h^2 ds (self), the latter shared between 296 K and 260
+//   K
+//                     by theta = (296 K - T) / 36 K within 0 ... 1; h and N molecules of vapour and air, 1e19 per cm^3
+//   nitrogen          integral of (P / P0)^2 (T0 / T)^1.5 ds
+//   oxygen            collision-induced: integral of u (P / P0) ds, times 1, t, t^2 with t = (T - 250 K) / 100 K
+//   molecules         integral of (P / P0) (T0 / T) ds, Rayleigh scattering
+//   aerosol           optical depth at the wavelengths between which the spectra are straight lines
+//   rain              optical depth
+// Lengths in km but for u. A layer lies between two neighbouring levels, those of the profile and, within the profile,
+// every kilometre to 25 km and 30, 35, 40, 45, 50, 70 and 100 km; it is cut where the line starts and ends. In it each
+// of these densities goes exponentially with altitude (as a straight line where an end is 0). theta and t are those of
+// the layer's mean temperature, the integral of the pressure over that of the density.
 
 #include <array>
 #include <vector>
@@ -21,15 +25,17 @@
 
 namespace radiometry::atmosphere {
 
-/// Of one layer of a line of sight, or summed from the sensor on.
+inline constexpr std::size_t kLineBands = 36;     ///< gases x bands of equal n and m
+inline constexpr std::size_t kAerosolNodes = 32;  ///< wavelengths
+
 template <class S>
 struct Amounts {
-  std::vector<S> lines;  ///< one a band of the model, in its order (band_model.h)
-  S water_self{}, water_self_cold{}, water_foreign{};
+  std::array<S, kLineBands> lines{};
+  S water_foreign{}, water_self_296{}, water_self_260{};
   S nitrogen{};
   std::array<S, 3> oxygen{};
   S molecules{};
-  std::vector<S> aerosol;  ///< one a spectrum of the model, in its order: the boundary region's by humidity
+  std::array<S, kAerosolNodes> aerosol{};
   S rain{};
 };
 
@@ -40,7 +46,7 @@ struct PathLayer {
   S length_m{};
 };
 
-/// From the sensor on. Throws UsageError as sight_numbers.
+/// From the sensor on. Throws UsageError as sight_numbers does.
 template <class S>
 std::vector<PathLayer<S>> path_layers(const Air<S>& air, const Sight<S>& sight);
 

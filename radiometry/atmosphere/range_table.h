@@ -29,14 +29,15 @@ template <class S>
 std::vector<SpectralPath<S>> spectral_paths(const Air<S>& air, const Sight<S>& sight, std::span<const double> ranges_m,
                                             const SpectralOptions& options = {});
 
-/// Ranges from 0 to the longest, so dense that no transmission or (relative to a blackbody of the air) radiance of
-/// PathTable between them is wrong by more than the tolerance, as found by comparing midpoints. `error` is what was
-/// found; above the tolerance when `most` ranges did not do.
+/// Ranges from the nearest to the longest, so dense that PathTable is wrong by no more than the tolerance between them:
+/// in transmission, and in radiance relative to a blackbody of the sensor's air; found by comparing with the model
+/// halfway (geometrically). `error` is the largest difference found; it is above the tolerance when `most` ranges did
+/// not do. Nothing is said of ranges nearer than the nearest: strong lines saturate within centimetres.
 struct TableRanges {
   std::vector<double> ranges_m;
   double error = 0.0;
 };
-TableRanges ranges_for(const Air<double>& air, const Sight<double>& sight, double longest_m, double tolerance,
-                       const Interval& band, std::size_t most = 256);
+TableRanges ranges_for(const Air<double>& air, const Sight<double>& sight, double nearest_m, double longest_m,
+                       double tolerance, const Interval& band, std::size_t most = 256);
 
 }  // namespace radiometry::atmosphere
