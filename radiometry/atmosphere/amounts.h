@@ -11,7 +11,10 @@
 //   nitrogen          integral of (P / P0)^2 (T0 / T)^1.5 ds
 //   oxygen            collision-induced: integral of u (P / P0) ds, times 1, t, t^2 with t = (T - 250 K) / 100 K
 //   molecules         integral of (P / P0) (T0 / T) ds, Rayleigh scattering
-//   aerosol           optical depth at the wavelengths between which the spectra are straight lines
+//   aerosol           optical depth at the wavelengths between which the spectra are straight lines: extinction at 0.55
+//   um
+//                     from the sensor to the layer's end times the spectrum at their mean humidity (weighted by
+//                     extinction), less that to its start. Where that would fall with range it stays
 //   rain              optical depth
 // Lengths in km but for u. A layer lies between two neighbouring levels, those of the profile and, within the profile,
 // every kilometre to 25 km and 30, 35, 40, 45, 50, 70 and 100 km; it is cut where the line starts and ends. In it each

@@ -23,14 +23,9 @@ struct SkyRadiance {
   double lowest_layer_k = 0.0;        ///< the temperature that below_650 has
 };
 
-/// Zenith angles from 0 to pi / 2, and beyond the horizon where the observer is above the ground and the line passes
-/// it.
-SkyRadiance sky_radiance(const Air<double>& air, double altitude_m, double zenith_rad,
-                         const SpectralOptions& options = {});
-
-/// The same for many angles at once.
-std::vector<SkyRadiance> sky_radiances(const Air<double>& air, double altitude_m, std::span<const double> zenith_rad,
-                                       const SpectralOptions& options = {});
+/// Zenith angles from 0 to pi / 2, and beyond where the observer is above the ground and the line passes it. Layers and
+/// absorbers below the tolerance of transmission are left out.
+SkyRadiance sky_radiance(const Air<double>& air, double altitude_m, double zenith_rad, double tolerance = 0.0);
 
 struct SkyFlux {
   double total_w_m2 = 0.0;

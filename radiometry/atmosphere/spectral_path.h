@@ -81,8 +81,6 @@ struct SpectralPath {
 template <class S>
 SpectralPath<S> spectral_path(const Air<S>& air, const Sight<S>& sight, const SpectralOptions& options = {});
 
-extern template SpectralPath<double> spectral_path(const Air<double>&, const Sight<double>&, const SpectralOptions&);
-
 /// The same as curves of the wavelength: transmission, and radiance in W m^-2 sr^-1 um^-1, 0 below 2.857 um (where
 /// nothing is known of it: see limits_of).
 Path path_of(const SpectralPath<double>& path, const std::string& source);

@@ -329,6 +329,8 @@ inline constexpr BandLaw kBands[{len(bands)}] = {{
     text += f"inline constexpr double kRayleighA = {rayleigh_a:.6g}, kRayleighB = {rayleigh_b:.6g};\n"
     text += "\n// Aerosol spectra, extinction over that at 0.55 um, straight lines between these wavelengths (um).\n"
     text += array("kAerosolWavelength_um", NODES_UM, "{:.7g}")
+    text += "// The program's humidity at the conditions of its runs, as part of the model's; that of the spectra.\n"
+    text += f"inline constexpr double kHazeHumidityShare = {HUMIDITY_OF_RUNS};\n"
     text += "// rural, urban, maritime, tropospheric; each at a relative humidity of 0, 70, 80 and 99 %.\n"
     text += array("kHazeSpectra", [hazes[h] for h in HAZES], "{:.5g}")
     text += "// Advection and radiation fog.\n" + array("kFogSpectra", fogs, "{:.5g}")
