@@ -79,7 +79,7 @@ void add_component(Component component, const Amounts<S>& amounts, const std::ar
       add({0, model.molecules}, amounts.molecules, slice, depth);
       break;
     case Component::aerosol:
-      if (value_of(amounts.aerosol.front()) > 0.0)
+      if (value_of(amounts.aerosol.front()) != 0.0 || requires(S s) { s.a; })
         for (std::size_t i = 0; i < slice.count; ++i) {
           const auto node = static_cast<std::size_t>(model.aerosol_node[slice.first + i]);
           const double share = model.aerosol_share[slice.first + i];
@@ -310,6 +310,9 @@ std::vector<SpectralPath<S>> spectral_paths(const Air<S>& air, const Sight<S>& s
         numbers.lowest_altitude_m = numbers.object_altitude_m;
       rest -= value_of(piece.length_m);
     }
+    const Piece<S>& back = line.pieces.back();
+    if (!line.horizontal && rest > 0.0)
+      numbers.object_altitude_m = altitude_along(back, S(back.length_m + rest));  // in space
   }
   return paths;
 }
