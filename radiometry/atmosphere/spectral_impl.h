@@ -23,6 +23,12 @@ void require_options(const SpectralOptions& options);
 /// W m^-2 sr^-1 per cm^-1 and its slope by the temperature.
 mtf::ValueSlope planck_per_cm(double wavenumber_cm, double temperature_k);
 
+/// A path by rising wavelength, radiance per um.
+struct WavelengthCurves {
+  std::vector<double> wavelength_um, transmission, radiance;
+};
+WavelengthCurves curves_of(const SpectralPath<double>& path);
+
 /// Which components are computed.
 using Kept = std::array<bool, kComponents>;
 inline constexpr Kept kAllComponents = [] {
