@@ -25,7 +25,7 @@ foreach(line IN LISTS readmes)
     add_executable(${snippet} "${snippets_dir}/${snippet}.cpp")
     set_target_properties(${snippet} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${snippets_dir}")
     target_link_libraries(${snippet} PRIVATE mtfkit::simulate $<TARGET_NAME_IF_EXISTS:mtfkit::calib>
-      $<TARGET_NAME_IF_EXISTS:mtfkit::weather> $<TARGET_NAME_IF_EXISTS:mtfkit::heat>)
+      $<TARGET_NAME_IF_EXISTS:mtfkit::weather> $<TARGET_NAME_IF_EXISTS:mtfkit::heat> mtfkit::atmosphere)
   endforeach()
 
   set(run "${blocks_script}" --run "${readme}" --mtf "$<TARGET_FILE:mtfkit_cli>" --snippets "${snippets_dir}")

@@ -8,7 +8,7 @@
 //
 // Vapour that saturates air of temperature T over water (McClatchey et al., AFCRL-71-0279 (1971), the formula of the
 // band models of that laboratory):
-//   n_sat = (N_A / 18.015) A exp(18.9766 - 14.9595 A - 2.43882 A^2) 1e-6 cm^-3,   A = T0 / T, N_A = 6.022e23.
+//   n_sat = (N_A / 18.015) A exp(18.9766 - 14.9595 A - 2.43882 A^2) 1e-6 cm^-3,   A = T0 / T, N_A = 6.02214076e23.
 //
 // S is double or a number with derivatives (ceres::Jet<double, N>): those of humidity, temperature, pressure, CO2.
 

@@ -15,7 +15,7 @@ using mtf::lift;
 using mtf::value_of;
 
 inline constexpr double kZero_c_k = 273.15, kStandard_pa = 101325.0;
-inline constexpr double kMoleculesPerGramOfWater = 6.022e23 / 18.015;
+inline constexpr double kMoleculesPerGramOfWater = 6.02214076e23 / 18.015;
 
 /// What the checks see of a level.
 struct LevelValues {

@@ -111,8 +111,8 @@ class LineLayers {
     std::array<S, kAerosolNodes> before{};
     for (const Piece<S>& piece : line.pieces) {
       // The humidity of a layer that is cut is that of the whole layer: what is cut is a share of its optical depth.
-      const Piece<S> whole = line.horizontal ? piece : way_through(line.column, piece, false).piece;
-      auto sum = integrals(line, whole);
+      const auto sum =
+          line.horizontal ? line.at_sensor : integrals(line.column, way_through(line.column, piece, false).piece);
       Boundary boundary{.extinction = sum[kAerosolDensity], .depth = {}};
       extinction = extinction + sum[kAerosolDensity];
       humid = humid + sum[kHumidAerosolDensity];
@@ -141,9 +141,8 @@ class LineLayers {
       const S share = sum[kAerosolDensity] / boundary.extinction;
       for (std::size_t k = 0; k < kAerosolNodes; ++k) layer.amounts.aerosol[k] = share * boundary.depth[k];
     }
-    for (std::size_t region = 1; region < kAerosolRegions; ++region) {
+    for (std::size_t region = 1; line_.haze != HazeKind::none && region < kAerosolRegions; ++region) {
       const S& extinction = sum[kAerosolDensity + region];
-      if (!(value_of(extinction) > 0.0)) continue;
       const auto spectrum = upper_spectrum(static_cast<AerosolRegion>(region));
       for (std::size_t k = 0; k < kAerosolNodes; ++k)
         layer.amounts.aerosol[k] = layer.amounts.aerosol[k] + extinction * spectrum[k];

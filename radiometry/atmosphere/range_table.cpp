@@ -32,10 +32,10 @@ RangeTableResult path_table(const Air<double>& air, const Sight<double>& sight, 
   std::vector<double> um;
   std::vector<std::vector<double>> transmission, radiance;
   for (const SpectralPath<double>& one : paths) {
-    Path path = path_of(one, "built-in atmosphere");
-    um = path.transmission.wavelength_um;
-    transmission.push_back(std::move(path.transmission.value));
-    radiance.push_back(std::move(path.radiance.value));
+    WavelengthCurves curves = curves_of(one);
+    um = std::move(curves.wavelength_um);
+    transmission.push_back(std::move(curves.transmission));
+    radiance.push_back(std::move(curves.radiance));
   }
   return {PathTable("built-in atmosphere", {ranges_m.begin(), ranges_m.end()}, std::move(um), std::move(transmission),
                     std::move(radiance)),

@@ -23,6 +23,12 @@ void require_options(const SpectralOptions& options);
 /// W m^-2 sr^-1 per cm^-1 and its slope by the temperature.
 mtf::ValueSlope planck_per_cm(double wavenumber_cm, double temperature_k);
 
+/// A path by rising wavelength, radiance per um.
+struct WavelengthCurves {
+  std::vector<double> wavelength_um, transmission, radiance;
+};
+WavelengthCurves curves_of(const SpectralPath<double>& path);
+
 /// Which components are computed.
 using Kept = std::array<bool, kComponents>;
 inline constexpr Kept kAllComponents = [] {
@@ -79,7 +85,7 @@ void add_component(Component component, const Amounts<S>& amounts, const std::ar
       add({0, model.molecules}, amounts.molecules, slice, depth);
       break;
     case Component::aerosol:
-      if (value_of(amounts.aerosol.front()) > 0.0)
+      if (value_of(amounts.aerosol.front()) != 0.0 || requires(S s) { s.a; })
         for (std::size_t i = 0; i < slice.count; ++i) {
           const auto node = static_cast<std::size_t>(model.aerosol_node[slice.first + i]);
           const double share = model.aerosol_share[slice.first + i];
@@ -310,6 +316,9 @@ std::vector<SpectralPath<S>> spectral_paths(const Air<S>& air, const Sight<S>& s
         numbers.lowest_altitude_m = numbers.object_altitude_m;
       rest -= value_of(piece.length_m);
     }
+    const Piece<S>& back = line.pieces.back();
+    if (!line.horizontal && rest > 0.0)
+      numbers.object_altitude_m = altitude_along(back, S(back.length_m + rest));  // in space
   }
   return paths;
 }

@@ -35,17 +35,23 @@ mtf::ValueSlope planck_per_cm(double wavenumber_cm, double temperature_k) {
   return {value, value * x / temperature_k * (1.0 + 1.0 / e)};
 }
 
-Path path_of(const SpectralPath<double>& path, const std::string& source) {
-  std::vector<double> um, transmission, radiance;
+WavelengthCurves curves_of(const SpectralPath<double>& path) {
+  WavelengthCurves curves;
   for (std::size_t i = path.wavenumber_cm.size(); i-- > 0;) {
     const double nu = path.wavenumber_cm[i];
-    um.push_back(1e4 / nu);
-    transmission.push_back(path.transmission[i]);
-    radiance.push_back(i < path.radiance.size() ? path.radiance[i] * nu * nu * 1e-4 : 0.0);
+    curves.wavelength_um.push_back(1e4 / nu);
+    curves.transmission.push_back(path.transmission[i]);
+    curves.radiance.push_back(i < path.radiance.size() ? path.radiance[i] * nu * nu * 1e-4 : 0.0);
   }
+  return curves;
+}
+
+Path path_of(const SpectralPath<double>& path, const std::string& source) {
+  WavelengthCurves curves = curves_of(path);
   Path out;
-  out.transmission = make_spectrum(source + ": transmission", um, std::move(transmission), 1.0);
-  out.radiance = make_spectrum(source + ": radiance", std::move(um), std::move(radiance));
+  out.transmission =
+      make_spectrum(source + ": transmission", curves.wavelength_um, std::move(curves.transmission), 1.0);
+  out.radiance = make_spectrum(source + ": radiance", std::move(curves.wavelength_um), std::move(curves.radiance));
   return out;
 }
 

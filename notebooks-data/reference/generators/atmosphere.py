@@ -37,9 +37,9 @@ NODES_UM = [0.4, 0.55, 0.6943, 1.06, 1.536, 2.0, 2.25, 2.5, 2.7, 3.0, 3.3923, 3.
             7.9, 8.2, 8.7, 9.0, 9.2, 10.0, 10.591, 11.0, 11.5, 12.5, 14.8, 15.0, 1e4 / 650]
 HUMIDITIES = (0, 70, 80, 99)  # percent, between which the logarithm of a spectrum is linear in ln(100 - RH)
 # The runs took the mass of a water molecule as 2.989e-23 g where their conditions, as the model here, have 18.015 g/mol
-# over 6.022e23 / mol: the aerosol met this part of the humidity that the columns say. (Without it the humidities between
+# over 6.02214e23 / mol: the aerosol met this part of the humidity that the columns say. (Without it the humidities between
 # the four are missed by 0.5 %.)
-HUMIDITY_OF_RUNS = 0.99916
+HUMIDITY_OF_RUNS = round(2.989e-23 * 6.02214076e23 / 18.015, 5)
 HAZES = ("rural", "urban", "maritime", "tropospheric")
 EXTINCTION_550 = {"23": 0.158, "5": 0.77, "1": 3.89, "0.2": 19.49}  # per km, by visibility in km
 

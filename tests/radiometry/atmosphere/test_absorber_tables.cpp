@@ -114,9 +114,8 @@ TEST(AtmosphereTables, FogAndHaze) {
         const std::string column =
             std::string("ext_") + name + "_vis" + visibility + "km" + (fog ? "" : "_rh" + std::to_string(humidity));
         if (std::ranges::find(table.names, column) == table.names.end()) continue;
-        Air<double> air{
-            .profile = surface_air(101325.0, 290.0, 0.99916 * humidity),
-            .haze = {.kind = kind, .visibility_m = 1e3 * std::stod(visibility)}};  // 0.99916: the script of the fit
+        Air<double> air{.profile = surface_air(101325.0, 290.0, 1.0 * humidity),
+                        .haze = {.kind = kind, .visibility_m = 1e3 * std::stod(visibility)}};
         const double km = 0.01;
         const auto model = spectral_path(air, Sight<double>(Horizontal<double>{0.0, 1e3 * km}), {.components = true});
         for (std::size_t row = 0; row < table.rows.size(); ++row) {
