@@ -78,7 +78,7 @@ class HeatRun : public testing::Test {
     return outcome;
   }
 
-  study_TempFolder folder_;
+  study_test::TempFolder folder_;
 };
 
 inline std::string region(const std::string& group, const std::string& rest) {
