@@ -21,6 +21,10 @@ inline constexpr double kFewDistances = 3.0;
 /// Widths of the blur, 1 / (largest line spread), below which a side is short.
 inline constexpr double kShortSide = 4.4;
 
+/// Equivalent width of the line spread above which the reference may miss the shape of a blur: that of a Gaussian of
+/// MTF50 0.285.
+inline constexpr double kDoubtfulShape_px = 1.65;
+
 /// Equivalent width of the line spread above which a blur is wide: that of a Gaussian of MTF50 0.21.
 inline constexpr double kWideBlur_px = 2.2;
 
@@ -53,6 +57,8 @@ struct EdgeFacts {
 
   /// Sides so short that tails of the blur may count as their plateaus.
   bool short_sides() const { return std::min(extent_dark_px, extent_bright_px) < kShortSide * width_px; }
+  /// A blur in which a lens out of focus can hide in the noise.
+  bool doubtful_shape() const { return width_px > kDoubtfulShape_px; }
   /// A blur so wide that its MTF has all but vanished at frequencies that are reported.
   bool wide_blur() const { return width_px > kWideBlur_px; }
   /// With fewer distances a pixel than three, a correction of the reference cannot be told from aliases.

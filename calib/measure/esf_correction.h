@@ -34,8 +34,8 @@ struct JointFit {
   Eigen::MatrixXd covariance;
   double chi2_per_dof = 0.0;
   double tau_odd = 0.0, tau_even = 0.0;
-  /// The residuals follow the real part of a correction more closely than noise does on average, whether or not that is
-  /// enough to correct the reference.
+  /// The residuals follow the real part of a correction, in the direction that they know best, by more than one
+  /// standard deviation, whether or not that is enough to correct the reference.
   bool shape_in_doubt = false;
   double contrast_ratio = 1.0;  ///< old / new contrast: changes of E are in parts of the old one
 };

@@ -50,32 +50,34 @@ void add_other_tail(const EdgePixels& pixels, const CorrectedFit& corrected, con
   other.diffraction = Diffraction::absent;
   settings.unknowns = other.unknowns;
   other.state = fit_reference(pixels, other.model, settings);
-  const double extent_px = std::min(facts.extent_dark_px, facts.extent_bright_px);
-  const auto add = [&](const EdgeModel& model, const JointFit& joint) {
-    EdgeMeasurement described;
-    describe(EdgeResponse(model, joint), described);
-    take_larger_deviations(described, measurement);
-    add_difference(described, measurement);
-  };
   const CorrectedFit found = correct(pixels, std::move(other), facts, settings);
-  add(found.fit.model, found.joint);
-  const EdgeFit& own = corrected.fit;
-  add(own.model,
-      solve_jointly(own.state, own.model, own.unknowns, Detail::coarse, facts.width_px, extent_px, Smoothing::least));
+  EdgeMeasurement described;
+  describe(EdgeResponse(found.fit.model, found.joint), described);
+  take_larger_deviations(described, measurement);
+  add_difference(described, measurement);
 }
 
-void add_unseen_frequencies(const CorrectedFit& corrected, const EdgeFacts& facts, EdgeMeasurement& measurement) {
-  constexpr double kVanished = 0.03;
+EdgeMeasurement with_largest_correction(const CorrectedFit& corrected, const EdgeFacts& facts) {
   const EdgeFit& own = corrected.fit;
   const double extent_px = std::min(facts.extent_dark_px, facts.extent_bright_px);
-  EdgeMeasurement rougher;
+  EdgeMeasurement described;
   describe(EdgeResponse(own.model, solve_jointly(own.state, own.model, own.unknowns, Detail::coarse, facts.width_px,
                                                  extent_px, Smoothing::least)),
-           rougher);
+           described);
+  return described;
+}
+
+void add_missed_shape(const EdgeMeasurement& with_largest, EdgeMeasurement& measurement) {
+  take_larger_deviations(with_largest, measurement);
+  add_difference(with_largest, measurement);
+}
+
+void add_unseen_frequencies(const EdgeMeasurement& with_largest, EdgeMeasurement& measurement) {
+  constexpr double kVanished = 0.03;
   for (std::size_t i = 0; i < measurement.mtf.size(); ++i)
-    if (measurement.mtf[i] < kVanished) measurement.mtf_sd[i] = std::max(measurement.mtf_sd[i], rougher.mtf_sd[i]);
+    if (measurement.mtf[i] < kVanished) measurement.mtf_sd[i] = std::max(measurement.mtf_sd[i], with_largest.mtf_sd[i]);
   if (measurement.nyquist && measurement.nyquist->value < kVanished)
-    measurement.nyquist->sd = std::max(measurement.nyquist->sd, rougher.nyquist->sd);
+    measurement.nyquist->sd = std::max(measurement.nyquist->sd, with_largest.nyquist->sd);
 }
 
 void add_sharper_end(const EdgePixels& pixels, const CorrectedFit& corrected, const EdgeFacts& facts,
