@@ -54,7 +54,7 @@ struct Profile {
   std::vector<Level<S>> levels;
 };
 
-/// The model atmospheres of AFGL-TR-86-0110 (Anderson et al., 1986): 50 levels from 0 to 100 km.
+/// The model atmospheres of AFGL-TR-86-0110 (Anderson et al., 1986): 46 levels from 0 to 100 km.
 enum class ModelAtmosphere {
   tropical,
   mid_latitude_summer,
