@@ -22,6 +22,9 @@ Units level_unit(const Surface& surface) {
   unit.front.absorptance = surface.solar_absorptance;
   unit.front.emissivity = surface.construction.emissivity;
   units.unit.push_back(unit);
+  units.exchange.area_m2 = units.exchange.receiver_area_m2 = {1.0};
+  units.exchange.patch_of = {0};
+  units.exchange.rows.first = {0, 0};
   return units;
 }
 
@@ -31,9 +34,9 @@ std::vector<double> solved_temperatures(const HeatScene& scene, const Surface& s
   Units units = level_unit(surface);
   units.sun = {1, s.shadow_to_sun.size(), std::vector<std::uint8_t>(s.shadow_to_sun.size(), 1)};
   const GroundLight none{std::vector<double>(s.nodes(), 0.0), std::vector<double>(s.nodes(), 0.0)};
-  const ReceiverTable table = make_receiver_table(0, s.nodes() - 1, 1);
-  const heat::Forcing forcing =
-      forcing_of(units.unit, units, s, none, table, table, surface.inside, scene.file.time.start_s);
+  const PatchLight dark = make_patch_light(units, 0, s.nodes() - 1);
+  const heat::GroupForcing forcing = forcing_of({{&units.unit.front()}, 0, s.nodes() - 1}, units, s, none, dark,
+                                                surface.inside, scene.file.time.start_s);
   const heat::Timeline timeline{s.time_s.front(), s.time_s.back(), s.time_s, s.time_s};
   const heat::Solution solution =
       solve({surface.construction, 1, {1.0}}, forcing, timeline, heat::RepeatingStart{heat::kDay_s}, tolerance_k);

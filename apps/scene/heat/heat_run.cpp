@@ -103,6 +103,7 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
   const double left_k = options.tolerance_k * (1.0 - largest_ratio(scene, warmest + kSunlit_k));
   const Units units = units_of(scene, options, options.every_facet ? 0.0 : kUnitsShare * left_k * loss);
   report.timing_ms.emplace_back("rays", units.rays_ms);
+  report.timing_ms.emplace_back("classes", units.classes_ms);
   report.timing_ms.emplace_back("table errors", units.error_ms);
 
   const Stopwatch watch;

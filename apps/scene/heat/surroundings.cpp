@@ -90,8 +90,8 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
   const auto steps = std::llround((scene.time.end_s - start) / scene.time.step_s);
   for (std::int64_t i = 0; i <= steps; ++i) outputs.push_back(static_cast<double>(i) * scene.time.step_s);
   times.insert(times.end(), outputs.begin(), outputs.end());
-  // The exchange between surfaces is a line between nodes, whose error goes with the square of their distance.
-  const double step = std::clamp(kLongestStep_s * std::sqrt(tolerance_k), kShortestStep_s, kLongestStep_s);
+  // The exchange between surfaces is a parabola between nodes, whose error goes with the cube of their distance.
+  const double step = std::clamp(kLongestStep_s * std::cbrt(10.0 * tolerance_k), kShortestStep_s, kLongestStep_s);
   for (double t = 0.0; t < end - start; t += step) times.push_back(t);
   s.time_s = merged(std::move(times));
   for (const double t : outputs) s.outputs.push_back(node_at(s.time_s, t));
