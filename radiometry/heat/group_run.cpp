@@ -189,8 +189,7 @@ void GroupRun::advance(double t0_s, double t1_s) {
   evaluate(interval.at(0.0), begin_);
   for (std::int64_t at = 0; at < kWhole;) {
     std::int64_t step = kWhole;
-    while (step > 2 &&
-           (step > kWhole - at || interval.length_s() * (static_cast<double>(step) * kUnit) > wanted_s_))
+    while (step > 2 && (step > kWhole - at || interval.length_s() * (static_cast<double>(step) * kUnit) > wanted_s_))
       step /= 2;
     if (step <= 2)
       throw mtf::RuntimeError("heat: no step keeps the tolerance at " +

@@ -53,8 +53,8 @@ double sample_time(const Timeline& period, std::size_t j) {
 }
 
 /// The forcing of some facets at all sample times.
-std::vector<FacetSamples> sample(const Plan& plan, const GroupForcing& of_group, const Timeline& period, std::size_t first,
-                                 std::size_t count) {
+std::vector<FacetSamples> sample(const Plan& plan, const GroupForcing& of_group, const Timeline& period,
+                                 std::size_t first, std::size_t count) {
   const Construction& construction = plan.batch.construction;
   const auto* sheet = std::get_if<Sheet>(&construction.inside);
   const Forcing forcing = of_group(first, count);

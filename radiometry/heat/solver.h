@@ -78,7 +78,7 @@ struct Run {
   std::vector<double> outputs_s;  ///< the outputs of the timeline that lie in the run, start included
   std::vector<double> front_k;    ///< [output * facets + facet]
   std::vector<double> back_k;     ///< of sheets; else empty
-  Promise promised;                  ///< infinite for Runs::one
+  Promise promised;               ///< infinite for Runs::one
   StepCount steps;
   std::vector<HeatBalance> balance;  ///< per facet; empty for Runs::one
   State end;

@@ -9,6 +9,7 @@
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
+#include "radiometry/heat/lanes.h"
 #include "radiometry/heat/solve.h"
 #include "radiometry/heat/weather/instant.h"
 #include "radiometry/heat/weather/sky.h"
@@ -19,10 +20,12 @@ namespace {
 
 namespace heat = radiometry::heat;
 constexpr int kMostIterations = 60;
-constexpr int kMostRounds = 12;      // solutions of all units
-constexpr double kPlanShare = 0.5;   // of the tolerance: plans are made by trial, other units and days may need more
-constexpr double kStartShare = 0.2;  // of the tolerance: what the state at the start may change in a day
-constexpr double kStepsFactor = 2.0;  // see the header
+constexpr int kStarts = 2;             // iterations of the sample that find the state which repeats anew
+constexpr int kMostRounds = 20;        // solutions of units
+constexpr double kPlanShare = 0.5;     // of the tolerance: plans are made by trial, other units and days may need more
+constexpr double kStartShare = 0.4;    // of the tolerance: what the state at the start may change in a day
+constexpr double kStepsFactor = 2.0;   // see the header
+constexpr double kAgainShare = 0.6;    // of what is allowed: with more a unit is solved again, once another has to be
 constexpr double kSampleShare = 0.25;  // of what is allowed: where the iteration of the sample ends
 
 /// The larger of two promises, part by part.
@@ -36,10 +39,19 @@ double worst_drift(const std::vector<heat::HeatBalance>& balances) {
   return worst;
 }
 
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
+/// The states of some facets, and back.
+heat::State picked(const heat::State& all, const std::vector<std::uint32_t>& places) {
+  heat::State some{all.time_s, places.size(), {}, {}, {}, {}};
+  for (std::size_t node = 0; node < all.fine.size() / all.facets; ++node)
+    for (const std::uint32_t place : places) some.fine.push_back(all.fine[node * all.facets + place]);
+  some.step_s.assign((places.size() + heat::kLanes - 1) / heat::kLanes, std::numeric_limits<double>::infinity());
+  return some;
+}
+
+void put_back(const heat::State& some, const std::vector<std::uint32_t>& places, heat::State& all) {
+  for (std::size_t node = 0; node < all.fine.size() / all.facets; ++node)
+    for (std::size_t i = 0; i < places.size(); ++i)
+      all.fine[node * all.facets + places[i]] = some.fine[node * some.facets + i];
 }
 
 void add(heat::StepCount& sum, const heat::StepCount& steps) {
@@ -119,8 +131,9 @@ void HeatBatches::set_window(const Window& window, bool first) {
   const std::vector<double> emitted = std::move(emitted_), beyond = std::move(beyond_sample_);
   window_ = window;
   light_ = make_patch_light(units_, window.first, window.last);
-  receiver_k_.assign((window.last + 1 - window.first) * receivers, 0.0);
   const std::size_t moments = light_.moments();
+  receiver_k_.assign(moments * receivers, 0.0);
+  samples_ = 0;
   emitted_.assign(moments * patches, 0.0);
   beyond_sample_.assign(moments * patches, 0.0);
   given_.assign(moments * patches, 0.0);
@@ -130,7 +143,9 @@ void HeatBatches::set_window(const Window& window, bool first) {
   };
   for (std::size_t m = 0; m < moments; ++m) {
     const double time = time_of(2 * window.first + m), utc = scene_.file.time.start_s + time;
-    while (!first && near < 2 * old.last && time_of(near) < time - heat::kDay_s) ++near;
+    while (!first && near + 1 < 2 * old.last && time_of(near + 1) < time - heat::kDay_s) ++near;
+    const double step_s = first ? 1.0 : time_of(near + 1) - time_of(near);
+    const double share = first ? 0.0 : std::clamp((time - heat::kDay_s - time_of(near)) / step_s, 0.0, 1.0);
     const double air = scene_.surroundings.air_k[window.first + m / 2];
     for_receivers(units_, [&](std::size_t i, const Unit& unit, const UnitSide& side) {
       const std::uint32_t p = units_.exchange.patch_of[i];
@@ -140,14 +155,17 @@ void HeatBatches::set_window(const Window& window, bool first) {
       const double part = units_.exchange.receiver_area_m2[i] / units_.exchange.area_m2[p] * side.emissivity *
                           heat::blackbody_w_m2(kelvin_here);
       (unit.given ? given_ : emitted_)[m * patches + p] += part;
-      if (unit.given && m % 2 == 0) kelvin(window.first + m / 2, i) = kelvin_here;
+      if (unit.given) receiver_k_[m * receivers + i] = kelvin_here;
     });
     for (std::size_t p = 0; p < patches; ++p) {
       double& value = emitted_[m * patches + p];
       if (!first) {  // a guess: the day before
         const std::size_t from = (near - 2 * old.first) * patches + p;
-        value = sampled_area_[p] > 0.0 ? emitted[from] : 0.0;
-        beyond_sample_[m * patches + p] = beyond[from];
+        const auto then = [&](const std::vector<double>& of) {
+          return of[from] + share * (of[from + patches] - of[from]);
+        };
+        value = sampled_area_[p] > 0.0 ? then(emitted) : 0.0;
+        beyond_sample_[m * patches + p] = then(beyond);
       }
       value += given_[m * patches + p];
     }
@@ -188,12 +206,9 @@ heat::Run HeatBatches::run(Batch& batch, Group& group, int days, heat::Runs runs
     heat::PeriodicStart repeating =
         periodic_start(*group.plan, group.forcing, line, kStartShare * tolerance_k_, days, threads_, runs);
     group.begin = std::move(repeating.state);
-    group.residual_k = repeating.residual_k;
     run = std::move(repeating.last);
   } else {
     run = advance(*group.plan, group.begin, group.forcing, line, threads_);
-    group.residual_k = std::max(largest_difference(run.end.fine, group.begin.fine),
-                                largest_difference(run.end.coarse, group.begin.coarse));
   }
   group.end = run.end;
   add(batch.run.steps, run.steps);
@@ -221,20 +236,20 @@ void HeatBatches::promise(Batch& batch, bool first) {
 void HeatBatches::add_emitted(const Group& group, const heat::Run& run, std::vector<double>& emitted) const {
   const radiometry::scene::Exchange& exchange = units_.exchange;
   const std::size_t patches = exchange.patches(), units = group.unit.size();
-  mtf::parallel_for(static_cast<std::int64_t>(light_.moments()), 8, threads_,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
-                        for (std::size_t i = 0; i < units; ++i) {
-                          const Unit& unit = units_.unit[group.unit[i]];
-                          const auto side = [&](const UnitSide& of, std::size_t r, double kelvin_here) {
-                            const double square = kelvin_here * kelvin_here;
-                            emitted[m * patches + exchange.patch_of[r]] +=
-                                exchange.receiver_area_m2[r] * of.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * square * square;
-                          };
-                          side(unit.front, unit.receiver, run.front_k[m * units + i]);
-                          if (unit.back) side(*unit.back, unit.receiver + 1, run.back_k[m * units + i]);
-                        }
-                    });
+  mtf::parallel_for(
+      static_cast<std::int64_t>(light_.moments()), 8, threads_, [&](std::int64_t begin, std::int64_t end) {
+        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
+          for (std::size_t i = 0; i < units; ++i) {
+            const Unit& unit = units_.unit[group.unit[i]];
+            const auto side = [&](const UnitSide& of, std::size_t r, double kelvin_here) {
+              const double square = kelvin_here * kelvin_here;
+              emitted[m * patches + exchange.patch_of[r]] +=
+                  exchange.receiver_area_m2[r] * of.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * square * square;
+            };
+            side(unit.front, unit.receiver, run.front_k[m * units + i]);
+            if (unit.back) side(*unit.back, unit.receiver + 1, run.back_k[m * units + i]);
+          }
+      });
 }
 
 std::vector<double> HeatBatches::run_sample(int days) {
@@ -256,30 +271,88 @@ std::vector<double> HeatBatches::run_sample(int days) {
   return emitted;
 }
 
-std::vector<double> HeatBatches::run_all(int days) {
-  const std::size_t patches = units_.exchange.patches();
+void HeatBatches::keep_temperatures(const std::vector<std::uint32_t>& units, const heat::Run& run) {
+  const std::size_t receivers = units_.exchange.receivers(), count = units.size();
+  mtf::parallel_for(static_cast<std::int64_t>(light_.moments()), 8, threads_,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
+                        for (std::size_t i = 0; i < count; ++i) {
+                          const Unit& unit = units_.unit[units[i]];
+                          receiver_k_[m * receivers + unit.receiver] = run.front_k[m * count + i];
+                          if (unit.back) receiver_k_[m * receivers + unit.receiver + 1] = run.back_k[m * count + i];
+                        }
+                    });
+}
+
+std::vector<double> HeatBatches::emitted_by_all() const {
+  const radiometry::scene::Exchange& exchange = units_.exchange;
+  const std::size_t patches = exchange.patches();
   std::vector<double> emitted(light_.moments() * patches, 0.0);
-  for (Batch& batch : batches_) {
-    const heat::Run all = run(batch, batch.all, days, heat::Runs::one);
-    add_emitted(batch.all, all, emitted);
-    const std::size_t units = batch.all.unit.size();
-    for (std::size_t k = window_.first; k <= window_.last; ++k)
-      for (std::size_t i = 0; i < units; ++i) {
-        const Unit& unit = units_.unit[batch.all.unit[i]];
-        const std::size_t at = 2 * (k - window_.first) * units + i;
-        kelvin(k, unit.receiver) = all.front_k[at];
-        if (unit.back) kelvin(k, unit.receiver + 1) = all.back_k[at];
-      }
-  }
-  for (std::size_t e = 0; e < emitted.size(); ++e)
-    emitted[e] = emitted[e] / units_.exchange.area_m2[e % patches] + given_[e];
+  mtf::parallel_for(
+      static_cast<std::int64_t>(light_.moments()), 8, threads_, [&](std::int64_t begin, std::int64_t end) {
+        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
+          for_receivers(units_, [&](std::size_t r, const Unit&, const UnitSide& side) {
+            const double kelvin = receiver_k_[m * exchange.receivers() + r], square = kelvin * kelvin;
+            emitted[m * patches + exchange.patch_of[r]] += exchange.receiver_area_m2[r] /
+                                                           exchange.area_m2[exchange.patch_of[r]] * side.emissivity *
+                                                           radiometry::kStefanBoltzmann_w_m2_k4 * square * square;
+          });
+      });
   return emitted;
 }
 
-double HeatBatches::start_residual() const {
+void HeatBatches::run_all(int days) {
+  for (Batch& batch : batches_) keep_temperatures(batch.all.unit, run(batch, batch.all, days, heat::Runs::one));
+}
+
+void HeatBatches::run_again(const std::vector<std::vector<std::uint32_t>>& places, bool first) {
+  for (std::size_t b = 0; b < batches_.size(); ++b) {
+    if (places[b].empty()) continue;
+    Batch& batch = batches_[b];
+    Group some;
+    some.heat.construction = batch.all.heat.construction;
+    some.heat.facets = places[b].size();
+    for (const std::uint32_t place : places[b]) {
+      some.unit.push_back(batch.all.unit[place]);
+      some.heat.up.push_back(batch.all.heat.up[place]);
+    }
+    set_forcing(some, batch);
+    some.begin = picked(first ? batch.all.end : batch.all.begin, places[b]);  // the first day repeats itself
+    some.begin.time_s = scene_.surroundings.time_s[window_.first];
+    keep_temperatures(some.unit, run(batch, some, 0, heat::Runs::one));
+    put_back(some.begin, places[b], batch.all.begin);
+    put_back(some.end, places[b], batch.all.end);
+  }
+}
+
+double HeatBatches::residual_k(const Batch& batch, std::uint32_t place) const {
+  const std::size_t units = batch.all.unit.size();
   double most = 0.0;
-  for (const Batch& batch : batches_) most = std::max(most, batch.all.residual_k);
+  for (std::size_t at = place; at < batch.all.end.fine.size(); at += units)
+    most = std::max(most, std::abs(batch.all.end.fine[at] - batch.all.begin.fine[at]));
   return most;
+}
+
+void HeatBatches::relax_sample(bool first, double enough_k, double loss_w_m2_k, double ratio_bound) {
+  const PatchScene patch = patch_scene();
+  double last = 0.0;
+  for (int iteration = 1;; ++iteration) {
+    const std::vector<double> emitted = run_sample(first && samples_ < kStarts ? kStarts : 0);
+    ++samples_;
+    for (std::size_t e = 0; e < emitted.size(); ++e) emitted_[e] = emitted[e] + beyond_sample_[e];
+    const PatchTable before = light_.longwave;
+    fill_longwave(patch, emitted_, light_);
+    const std::vector<double> change = changes(patch, before, light_.longwave);
+    const double most = *std::max_element(change.begin(), change.end()) / loss_w_m2_k;
+    // A change becomes smaller by the ratio at least with every iteration; it may do so faster than the bound says.
+    const double ratio = iteration > 2 && last > 0.0 ? std::min(ratio_bound, most / last) : ratio_bound;
+    const double error = most / (1.0 - std::clamp(ratio, 0.0, 0.99));
+    if (error <= enough_k && (!first || samples_ > kStarts)) return;
+    if (iteration == kMostIterations)
+      throw mtf::RuntimeError("the exchange of radiation between surfaces has an error of " + significant(error, 2) +
+                              " K after " + plural(kMostIterations, "iteration") + "; ask for a larger tolerance");
+    last = most;
+  }
 }
 
 Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k, double loss_w_m2_k,
@@ -287,57 +360,65 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
   set_window(window, first);
   const PatchScene patch = patch_scene();
   fill_longwave(patch, emitted_, light_);
-  Relaxed relaxed;
-  const auto left_by = [&](const PatchTable& before, double ratio) {
-    return largest_change(patch, before, light_.longwave) / loss_w_m2_k / (1.0 - std::clamp(ratio, 0.0, 0.99));
-  };
-  int samples = 0;
-  for (int round = 1;; ++round) {
-    // The sample, until it no longer changes.
-    double last = 0.0;
-    for (int iteration = 1;; ++iteration) {
-      const std::vector<double> emitted = run_sample(first && samples < 2 ? 2 : 0);
-      ++samples;
-      for (std::size_t e = 0; e < emitted.size(); ++e) emitted_[e] = emitted[e] + beyond_sample_[e];
-      const PatchTable before = light_.longwave;
-      fill_longwave(patch, emitted_, light_);
-      const double change = left_by(before, 0.0);
-      const double error = change / (1.0 - std::clamp(iteration > 2 ? std::min(ratio_bound, change / last) : ratio_bound,
-                                                      0.0, 0.99));
-      if (error <= kSampleShare * tolerance_k && (!first || samples > 2)) break;
-      if (iteration == kMostIterations)
-        throw mtf::RuntimeError("the exchange of radiation between surfaces has an error of " + significant(error, 2) +
-                                " K after " + plural(kMostIterations, "iteration") + "; ask for a larger tolerance");
-      last = change;
-    }
-    if (round == 1)
-      for (Batch& batch : batches_) promise(batch, first);
+  const double enough_k = kSampleShare * tolerance_k;
+  relax_sample(first, enough_k, loss_w_m2_k, ratio_bound);
+  for (Batch& batch : batches_) promise(batch, first);
+  if (first) {
+    // The day that finds the state which repeats tells what all units emit beyond the sample, when both are run so.
+    const std::vector<double> sample = run_sample(1);
+    run_all(1);
+    const std::vector<double> all = emitted_by_all();
+    for (std::size_t e = 0; e < all.size(); ++e) beyond_sample_[e] = all[e] - sample[e];
+    relax_sample(first, enough_k, loss_w_m2_k, ratio_bound);
+  }
 
-    // All units; the first time in the day that finds the state which repeats.
-    const bool trial = first && round == 1;
-    if (first && round > 2)
-      for (Batch& batch : batches_) {
-        batch.all.begin = std::move(batch.all.end);
-        batch.all.begin.time_s = scene_.surroundings.time_s[window_.first];
-      }
-    const std::vector<double> all = run_all(trial ? 1 : 0);
-    ++relaxed.iterations;
+  // All units; then those again that saw another light than this one comes to, or whose day does not repeat.
+  run_all(0);
+  Relaxed relaxed{.iterations = 1, .error_k = 0.0};
+  const PatchTable of_all = light_.longwave;  // with which units were solved, and those that were solved again
+  PatchTable of_again = of_all;
+  std::vector<bool> again(units_.unit.size(), false);
+  for (;; ++relaxed.iterations) {
+    const std::vector<double> all = emitted_by_all();
     for (std::size_t e = 0; e < all.size(); ++e) {
       beyond_sample_[e] += all[e] - emitted_[e];
       emitted_[e] = all[e];
     }
-    const PatchTable before = light_.longwave;
     fill_longwave(patch, emitted_, light_);
-    relaxed.error_k = left_by(before, ratio_bound);
-    if (!trial && relaxed.error_k <= tolerance_k && (!first || start_residual() <= kStartShare * tolerance_k_)) break;
-    if (round == kMostRounds)
+    const std::vector<double> change = changes(patch, of_all, light_.longwave),
+                              change_again = changes(patch, of_again, light_.longwave);
+    relaxed.error_k = 0.0;
+    std::vector<std::vector<std::uint32_t>> places(batches_.size());
+    bool enough = true;
+    for (std::size_t b = 0; b < batches_.size(); ++b) {
+      Batch& batch = batches_[b];
+      batch.run.start_residual_k = 0.0;
+      for (std::uint32_t place = 0; place < batch.all.unit.size(); ++place) {
+        const std::uint32_t u = batch.all.unit[place];
+        const Unit& unit = units_.unit[u];
+        const std::vector<double>& of = again[u] ? change_again : change;
+        const double error_k = std::max(of[unit.receiver], unit.back ? of[unit.receiver + 1] : 0.0) / loss_w_m2_k /
+                               (1.0 - std::clamp(ratio_bound, 0.0, 0.99));
+        const double residual = first ? residual_k(batch, place) : 0.0;
+        relaxed.error_k = std::max(relaxed.error_k, error_k);
+        batch.run.start_residual_k = std::max(batch.run.start_residual_k, residual);
+        const double part = std::max(error_k / tolerance_k, residual / (kStartShare * tolerance_k_));
+        enough = enough && part <= 1.0;
+        again[u] = again[u] || part > kAgainShare;
+        if (again[u]) places[b].push_back(place);
+      }
+    }
+    if (enough) break;
+    if (relaxed.iterations == kMostRounds)
       throw mtf::RuntimeError("the exchange of radiation between surfaces has an error of " +
                               significant(relaxed.error_k, 2) + " K after " + plural(kMostRounds, "solution") +
-                              " of all surfaces; ask for a larger tolerance");
+                              "; ask for a larger tolerance");
+    relax_sample(first, enough_k, loss_w_m2_k, ratio_bound);
+    run_again(places, first);
+    of_again = light_.longwave;
   }
   relaxed.error_k += parabola_error(patch, light_.longwave) / loss_w_m2_k;
   for (Batch& batch : batches_) {
-    if (first) batch.run.start_residual_k = batch.all.residual_k;
     batch.all.begin = std::move(batch.all.end);
     batch.sample.begin = std::move(batch.sample.end);
     batch.sample.begin.time_s = batch.all.begin.time_s;

@@ -5,8 +5,8 @@
 //
 // Units exchange radiation by way of patches, and what patches emit follows from the temperatures of all units. A few
 // units of each patch are its sample: they are solved again and again until what they emit no longer changes. Then all
-// units are solved, once, and what they emit in the mean beyond the sample is kept as a difference: with it the sample
-// is solved again, and all units for the last time. What one more solution of the exchange would change is measured.
+// units are solved, and what they emit in the mean beyond the sample is kept as a difference: with it the sample is
+// solved again. What that changes is measured for every unit; those for which it is too much are solved again.
 //
 // The sample also carries what the promise of the solver needs (Runs::three), the other units are carried once, in the
 // steps of the second of the three runs. Its error is 4/3 of the difference to the first; the promise is twice the
@@ -37,7 +37,7 @@ std::vector<Window> windows_of(const Surroundings& surroundings);
 
 /// What the iteration of a window came to.
 struct Relaxed {
-  int iterations = 0;    ///< solutions of all units
+  int iterations = 0;    ///< solutions of all units, or of some again
   double error_k = 0.0;  ///< what further iterations would change, and parabolas between nodes leave out
 };
 
@@ -55,7 +55,7 @@ class HeatBatches {
   /// The temperature of a receiver (Unit::receiver, and the next one for the back of a sheet) at a node of the window
   /// solved last.
   double receiver_k(std::size_t node, std::size_t receiver) const {
-    return receiver_k_[(node - window_.first) * units_.exchange.receivers() + receiver];
+    return receiver_k_[2 * (node - window_.first) * units_.exchange.receivers() + receiver];
   }
 
   /// Long-wave radiosity of the patches at a node of that window, W/m2.
@@ -72,7 +72,6 @@ class HeatBatches {
     std::optional<radiometry::heat::Plan> plan;
     radiometry::heat::State begin;  ///< at the begin of the window
     radiometry::heat::State end;    ///< at its end, by the last run
-    double residual_k = 0.0;        ///< of the state that repeats
   };
   struct Batch {
     std::size_t material = 0;
@@ -89,19 +88,21 @@ class HeatBatches {
   radiometry::heat::Plan make_plan_of(const Batch& batch);
   /// One group over the window: from its begin, or one that repeats (`days` at most).
   radiometry::heat::Run run(Batch& batch, Group& group, int days, radiometry::heat::Runs runs);
-  /// Adds what the units of a run emit, times their area, to the sums of their patches.
+  /// Adds what the units emit in a run of theirs, times their area, to the sums of their patches.
   void add_emitted(const Group& group, const radiometry::heat::Run& run, std::vector<double>& emitted) const;
-  /// Runs of the sample, or of all units; what patches emit, [moment * patches + patch].
+  /// What patches emit by a run of the sample, and by the temperatures of all units; [moment * patches + patch].
   std::vector<double> run_sample(int days);
-  std::vector<double> run_all(int days);
-  double start_residual() const;
+  std::vector<double> emitted_by_all() const;
+  /// Iterates the sample until the long-wave light changes by less than `enough_k`.
+  void relax_sample(bool first, double enough_k, double loss_w_m2_k, double ratio_bound);
+  void run_all(int days);
+  /// Runs units again: those of each batch at the given places of Batch::all.
+  void run_again(const std::vector<std::vector<std::uint32_t>>& places, bool first);
+  void keep_temperatures(const std::vector<std::uint32_t>& units, const radiometry::heat::Run& run);
+  /// What a unit of a batch changes in a day that should repeat, K.
+  double residual_k(const Batch& batch, std::uint32_t place) const;
   radiometry::heat::Timeline timeline(std::size_t first, std::size_t last, bool middles) const;
-  double& kelvin(std::size_t node, std::size_t receiver) {
-    return receiver_k_[(node - window_.first) * units_.exchange.receivers() + receiver];
-  }
-  PatchScene patch_scene() const {
-    return {&units_, &means_, &scene_.surroundings, &ground_, threads_};
-  }
+  PatchScene patch_scene() const { return {&units_, &means_, &scene_.surroundings, &ground_, threads_}; }
 
   const HeatScene& scene_;
   const Units& units_;
@@ -112,7 +113,8 @@ class HeatBatches {
   PatchLight light_;
   std::vector<Batch> batches_;
   Window window_;
-  std::vector<double> receiver_k_;     ///< [node of the window * receivers + receiver]
+  std::vector<double> receiver_k_;     ///< [moment of the window * receivers + receiver]
+  int samples_ = 0;                    ///< runs of the sample in this window
   std::vector<double> sampled_area_;   ///< of each patch: of the units of the sample
   std::vector<double> given_;          ///< what patches of given temperature emit, times area / area of the patch
   std::vector<double> emitted_;        ///< [moment * patches + patch], W/m2

@@ -83,7 +83,7 @@ double largest_ratio(const HeatScene& scene, double warmest) {
 }
 
 /// Shares of what is left of the tolerance when exchange passes errors on.
-constexpr double kSolverShare = 0.45, kUnitsShare = 0.35, kGroundShare = 0.05, kExchangeShare = 0.1;
+constexpr double kSolverShare = 0.4, kUnitsShare = 0.15, kGroundShare = 0.03, kExchangeShare = 0.25;
 
 }  // namespace
 

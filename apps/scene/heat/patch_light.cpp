@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <numeric>
 
 #include "apps/scene/heat/unit_flux.h"
@@ -59,25 +58,17 @@ void solve_moment(const PatchScene& scene, const Outside& from, std::span<const 
   }
 }
 
-/// The largest of `value(receiver)` over all receivers that are solved.
+/// `value(receiver, scratch)` of all receivers.
 template <class Value>
-double largest_of_receivers(const PatchScene& scene, const Value& value) {
-  std::vector<std::size_t> receivers;
-  for_receivers(*scene.units, [&](std::size_t receiver, const Unit& unit, const UnitSide&) {
-    if (!unit.given) receivers.push_back(receiver);
-  });
-  double largest = 0.0;
-  std::mutex merging;
-  mtf::parallel_for(static_cast<std::int64_t>(receivers.size()), 1024, scene.threads,
+std::vector<double> of_receivers(const PatchScene& scene, const Value& value) {
+  std::vector<double> values(scene.units->exchange.receivers());
+  mtf::parallel_for(static_cast<std::int64_t>(values.size()), 1024, scene.threads,
                     [&](std::int64_t begin, std::int64_t end) {
                       std::vector<float> series;
-                      double most = 0.0;
-                      for (std::int64_t i = begin; i < end; ++i)
-                        most = std::max(most, value(receivers[static_cast<std::size_t>(i)], series));
-                      const std::lock_guard lock(merging);
-                      largest = std::max(largest, most);
+                      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+                        values[i] = value(i, series);
                     });
-  return largest;
+  return values;
 }
 
 PatchTable make_table(std::size_t patches, std::size_t moments) {
@@ -92,8 +83,8 @@ void PatchTable::irradiance(const Units& units, std::size_t receiver, std::vecto
   const float* own = shift.data() + units.exchange.patch_of[receiver] * moments;
   all.assign(own, own + moments);
   for (std::uint64_t e = rows.first[receiver]; e < rows.first[receiver + 1]; ++e)
-    mtf::simd::run<AddScaled>(moments, static_cast<float>(rows.value[e]),
-                              radiosity.data() + rows.column[e] * moments, all.data());
+    mtf::simd::run<AddScaled>(moments, static_cast<float>(rows.value[e]), radiosity.data() + rows.column[e] * moments,
+                              all.data());
 }
 
 double PatchTable::share(const Units& units, std::size_t receiver) {
@@ -160,8 +151,7 @@ void fill_solar(const PatchScene& scene, PatchLight& light) {
           if (at_moment(s.global_w_m2, light.first, m) <= 0.0) continue;
           // A node belongs to the interval before it where that is the one in which the sun is up.
           const std::size_t node = light.first + m / 2;
-          const bool from_before =
-              m % 2 == 0 && node > 0 && (node + 1 == s.nodes() || s.shadow_entry[node] < 0);
+          const bool from_before = m % 2 == 0 && node > 0 && (node + 1 == s.nodes() || s.shadow_entry[node] < 0);
           const Beam beam = from_before ? beam_at(s, node - 1, 1.0) : beam_at(s, node, m % 2 == 0 ? 0.0 : 0.5);
           direct.assign(exchange.patches(), 0.0);
           if (beam.irradiance_w_m2 > 0.0)
@@ -169,10 +159,10 @@ void fill_solar(const PatchScene& scene, PatchLight& light) {
               const std::uint32_t p = exchange.patch_of[i];
               direct[p] += exchange.receiver_area_m2[i] / exchange.area_m2[p] * direct_w_m2(side, units.sun, beam);
             });
-          solve_moment(scene,
-                       {at_moment(s.diffuse_w_m2, light.first, m),
-                        at_moment(scene.ground->solar_w_m2, light.first, m), direct},
-                       none, scene.means->solar_reflectance, m, false, light.solar);
+          solve_moment(
+              scene,
+              {at_moment(s.diffuse_w_m2, light.first, m), at_moment(scene.ground->solar_w_m2, light.first, m), direct},
+              none, scene.means->solar_reflectance, m, false, light.solar);
         }
       });
 }
@@ -180,26 +170,25 @@ void fill_solar(const PatchScene& scene, PatchLight& light) {
 void fill_longwave(const PatchScene& scene, std::span<const double> emitted, PatchLight& light) {
   const Surroundings& s = *scene.surroundings;
   const std::size_t patches = scene.units->exchange.patches();
-  mtf::parallel_for(static_cast<std::int64_t>(light.moments()), 4, scene.threads,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      const std::vector<double> none(patches, 0.0);
-                      for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
-                        solve_moment(scene,
-                                     {at_moment(s.sky_longwave_w_m2, light.first, m),
-                                      at_moment(scene.ground->longwave_w_m2, light.first, m), none},
-                                     emitted.subspan(m * patches, patches), scene.means->long_reflectance, m, true,
-                                     light.longwave);
-                    });
+  mtf::parallel_for(
+      static_cast<std::int64_t>(light.moments()), 4, scene.threads, [&](std::int64_t begin, std::int64_t end) {
+        const std::vector<double> none(patches, 0.0);
+        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
+          solve_moment(scene,
+                       {at_moment(s.sky_longwave_w_m2, light.first, m),
+                        at_moment(scene.ground->longwave_w_m2, light.first, m), none},
+                       emitted.subspan(m * patches, patches), scene.means->long_reflectance, m, true, light.longwave);
+      });
 }
 
-double largest_change(const PatchScene& scene, const PatchTable& before, const PatchTable& after) {
+std::vector<double> changes(const PatchScene& scene, const PatchTable& before, const PatchTable& after) {
   PatchTable change = after;
   for (std::size_t m = 0; m < change.moments; ++m) change.reference_w_m2[m] -= before.reference_w_m2[m];
   for (std::size_t e = 0; e < change.radiosity.size(); ++e) {
     change.radiosity[e] -= before.radiosity[e];
     change.shift[e] -= before.shift[e];
   }
-  return largest_of_receivers(scene, [&](std::size_t receiver, std::vector<float>& series) {
+  return of_receivers(scene, [&](std::size_t receiver, std::vector<float>& series) {
     change.irradiance(*scene.units, receiver, series);
     const double share = PatchTable::share(*scene.units, receiver);
     double most = 0.0;
@@ -213,7 +202,7 @@ double parabola_error(const PatchScene& scene, const PatchTable& table) {
   constexpr double kOff = 4.0 / 124.7;  // of the change of the second difference
   const std::size_t intervals = table.moments / 2;
   if (intervals < 3) return 0.0;
-  return largest_of_receivers(scene, [&](std::size_t receiver, std::vector<float>& series) {
+  const std::vector<double> errors = of_receivers(scene, [&](std::size_t receiver, std::vector<float>& series) {
     table.irradiance(*scene.units, receiver, series);
     const double share = PatchTable::share(*scene.units, receiver);
     const auto second = [&](std::size_t i) {
@@ -231,6 +220,11 @@ double parabola_error(const PatchScene& scene, const PatchTable& table) {
     }
     return kOff * most;
   });
+  double worst = 0.0;
+  for_receivers(*scene.units, [&](std::size_t receiver, const Unit& unit, const UnitSide&) {
+    if (!unit.given) worst = std::max(worst, errors[receiver]);
+  });
+  return worst;
 }
 
 }  // namespace apps::scene

@@ -23,7 +23,7 @@ struct PatchTable {
   std::size_t moments = 0;
   std::vector<double> reference_w_m2;  ///< of each moment
   std::vector<float> radiosity;        ///< [patch * moments + moment]
-  std::vector<float> shift;  ///< the same: what a receiver of the patch gets besides, so that no heat is lost
+  std::vector<float> shift;            ///< the same: what a receiver of the patch gets besides, so that no heat is lost
 
   /// What a receiver gets at all moments, W/m2, without its share of the reference.
   void irradiance(const Units& units, std::size_t receiver, std::vector<float>& all) const;
@@ -45,7 +45,7 @@ PatchLight make_patch_light(const Units& units, std::size_t first, std::size_t l
 
 /// Means over the receivers of each patch, by area.
 struct PatchMeans {
-  std::vector<double> sky, ground;                         ///< shares of the view
+  std::vector<double> sky, ground;  ///< shares of the view
   std::vector<double> solar_reflectance, long_reflectance;
   radiometry::scene::SparseRows seen;  ///< of patches, as sampled
 };
@@ -65,8 +65,8 @@ void fill_solar(const PatchScene& scene, PatchLight& light);
 /// From what patches emit, W/m2, [moment * patches + patch].
 void fill_longwave(const PatchScene& scene, std::span<const double> emitted, PatchLight& light);
 
-/// The largest difference of what a receiver that is solved gets, between two tables.
-double largest_change(const PatchScene& scene, const PatchTable& before, const PatchTable& after);
+/// Of each receiver, the largest difference of what it gets between two tables, W/m2.
+std::vector<double> changes(const PatchScene& scene, const PatchTable& before, const PatchTable& after);
 
 /// What parabolas through the moments of each interval are off by: from the change of the second difference from
 /// interval to interval, the smaller one at both ends, since a bend at a node is no error. A cubic with the third

@@ -6,7 +6,7 @@
 namespace apps::scene {
 namespace {
 
-constexpr std::size_t kOfPatch = 3, kOfMaterial = 64, kWorthwhile = 4;
+constexpr std::size_t kOfPatch = 6, kOfMaterial = 64, kWorthwhile = 4;
 
 /// The largest change of direct light between neighbouring directions, W/m2 absorbed.
 double largest_jump(const Unit& unit, const Units& units, const Surroundings& s, const std::vector<double>& direct) {

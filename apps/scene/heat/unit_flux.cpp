@@ -113,8 +113,7 @@ SideLanes lanes_of(const Context& context, const std::vector<const UnitSide*>& s
     for (std::size_t axis = 0; axis < 3; ++axis) lanes.normal[axis].push_back(side.normal[axis]);
     const double scale = side.absorptance / sun.points;
     for (std::size_t e = entries.first; e < entries.second; ++e)
-      lanes.lit[(e - entries.first) * n + i] =
-          static_cast<float>(scale * sun.lit[side.sun_row * sun.directions + e]);
+      lanes.lit[(e - entries.first) * n + i] = static_cast<float>(scale * sun.lit[side.sun_row * sun.directions + e]);
     light.solar.irradiance(*context.units, receivers[i], solar);
     light.longwave.irradiance(*context.units, receivers[i], longwave);
     double share_of_reference = light.longwave.share(*context.units, receivers[i]);
@@ -126,12 +125,11 @@ SideLanes lanes_of(const Context& context, const std::vector<const UnitSide*>& s
         return m % 2 == 0 ? values[node] : 0.5 * (values[node] + values[node + 1]);
       };
       const std::size_t in_light = light.moment_of(2 * context.batch.first + m);
-      exact[m] =
-          side.absorptance * (side.sky * here(s.diffuse_w_m2) + side.ground * here(ground.solar_w_m2) +
-                              static_cast<double>(solar[in_light])) +
-          side.emissivity * (side.sky * here(s.sky_longwave_w_m2) + side.ground * here(ground.longwave_w_m2) +
-                             share_of_reference * light.longwave.reference_w_m2[in_light] +
-                             static_cast<double>(longwave[in_light]));
+      exact[m] = side.absorptance * (side.sky * here(s.diffuse_w_m2) + side.ground * here(ground.solar_w_m2) +
+                                     static_cast<double>(solar[in_light])) +
+                 side.emissivity * (side.sky * here(s.sky_longwave_w_m2) + side.ground * here(ground.longwave_w_m2) +
+                                    share_of_reference * light.longwave.reference_w_m2[in_light] +
+                                    static_cast<double>(longwave[in_light]));
       sum += exact[m];
     }
     lanes.base[i] = sum / static_cast<double>(moments);
@@ -196,9 +194,9 @@ heat::GroupForcing forcing_of(ForcedUnits batch, const Units& units, const Surro
       back.push_back(&*unit.back);
       back_receivers.push_back(unit.receiver + 1);
     }
-    const auto lanes = std::make_shared<const GroupLanes>(
-        GroupLanes{lanes_of(*context, front, receivers, entries), lanes_of(*context, back, back_receivers, entries),
-                   entries.first});
+    const auto lanes = std::make_shared<const GroupLanes>(GroupLanes{lanes_of(*context, front, receivers, entries),
+                                                                     lanes_of(*context, back, back_receivers, entries),
+                                                                     entries.first});
     return [context, lanes](heat::Instant at, std::size_t, heat::ForcingValues& values) {
       const Surroundings& around = *context->surroundings;
       Between place = place_of(around.time_s, at);

@@ -33,8 +33,8 @@ struct ForcedUnits {
   std::size_t first = 0, last = 0;  ///< nodes
 };
 
-/// The forcing of the batch within its nodes. Where they go beyond the window of the light of patches, as when plans are
-/// tried, the exchange is that of the end of the window. All references have to live as long as the forcing.
+/// The forcing of the batch within its nodes. Where they go beyond the window of the light of patches, as when plans
+/// are tried, the exchange is that of the end of the window. All references have to live as long as the forcing.
 radiometry::heat::GroupForcing forcing_of(ForcedUnits batch, const Units& units, const Surroundings& surroundings,
                                           const GroundLight& ground, const PatchLight& light,
                                           const radiometry::heat::Schedule& inside, double start_s);

@@ -289,7 +289,8 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   const geometry::Receivers single = geometry::single_sides(all.sides);
   std::vector<std::uint32_t> own(all.sides.size());
   std::iota(own.begin(), own.end(), 0U);
-  const geometry::Views seen = views(scene.rays, single, patches_of_sides(facets, single, own), own.size(), view_options);
+  const geometry::Views seen =
+      views(scene.rays, single, patches_of_sides(facets, single, own), own.size(), view_options);
   const geometry::SunOptions sun_options{.points = options.sun_points, .threads = options.threads};
   Units units;
   units.sun = sun_of(scene, all.sides, seen, sun_options);
@@ -344,7 +345,8 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   units.patch_of_side = patches_of_sides(facets, receivers, patches.class_of);
   std::vector<std::uint32_t> patch_of_row;
   for (const std::uint32_t receiver : receiver_of) patch_of_row.push_back(patches.class_of[receiver]);
-  units.views = combined_views(seen, areas_m2(facets, single), receiver_of, leaders.size(), patch_of_row, patches.size());
+  units.views =
+      combined_views(seen, areas_m2(facets, single), receiver_of, leaders.size(), patch_of_row, patches.size());
   units.exchange = exchange_of(units.views, areas_m2(facets, receivers), patches.class_of, patches.size());
   const auto add_view = [&](UnitSide& side, std::size_t receiver) {
     side.sky = units.views.sky_share(receiver);
