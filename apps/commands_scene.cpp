@@ -54,7 +54,7 @@ Command heat_command() {
       "left out, and formulas of convection and sky are good to 1 to 3 K: they are named in heat.json. Exit code 3\n"
       "where the promised error is above the tolerance.",
       "  mtf heat vehicle/scene.toml -o temperatures\n"
-      "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --rays 128"};
+      "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --rays 256"};
   add_file(app, "scene", "scene file (TOML)", options.scene);
   add_text(app, "-o,--out", "FOLDER", "folder to create", options.out).required = true;
   add_word(app, "--tolerance", "X", "with its unit; default \"1 K\"", [&](const std::string& text) {
@@ -62,7 +62,7 @@ Command heat_command() {
     if (options.tolerance_k < 1e-4)
       throw mtf::UsageError("--tolerance: " + text + " is below 0.0001 K, which rounding does not allow");
   });
-  add_word(app, "--rays", "N", "for the view of each class of facets; default 512",
+  add_word(app, "--rays", "N", "for the view of each side of a facet; default 128",
            [&](const std::string& text) { options.rays = whole_number("--rays", text, 16, 65536); });
   add_word(app, "--sun-directions", "N", "of the table of shadows, a day; default 36",
            [&](const std::string& text) { options.directions = whole_number("--sun-directions", text, 4, 1440); });

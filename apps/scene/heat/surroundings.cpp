@@ -43,8 +43,8 @@ std::vector<heat::WeatherQuantity> wanted_of(const SkySection& sky) {
 
 /// About so many directions a day, at the begin and the end of every stretch of daylight and at nodes between them, the
 /// same times every day: so shadows repeat from day to day, and no more steps end than at nodes.
-std::vector<heat::SunAt> shadow_directions(const heat::Place& place, double start, double end, int directions,
-                                           double step) {
+std::vector<heat::SunAt> shadow_directions(const heat::Place& place, double start, double end, int directions) {
+  constexpr double step = kLongestStep_s;  // whatever the tolerance: the table does not depend on it
   // Begin and end of each stretch.
   std::vector<double> edges;
   if (sun_position(start, place).direction[2] > 0.0) edges.push_back(start);
@@ -102,7 +102,7 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
   std::vector<double> times{0.0, end - start};
   // The exchange between surfaces is a parabola between nodes, whose error goes with the cube of their distance.
   const double step = std::clamp(kLongestStep_s * std::cbrt(10.0 * tolerance_k), kShortestStep_s, kLongestStep_s);
-  for (const heat::SunAt& at : shadow_directions(scene.place, start, end, directions, step)) {
+  for (const heat::SunAt& at : shadow_directions(scene.place, start, end, directions)) {
     s.shadow_time_s.push_back(at.utc_s - start);
     s.shadow_to_sun.push_back(heat::in_scene_axes(at.sun.direction, scene.north_rad));
     // At sunrise and sunset the sun is on the horizon: rounding may not put it below, where nothing is lit.
