@@ -52,16 +52,20 @@ Command heat_command() {
       "heat.json, a plot, and with [camera] a picture. The tolerance is that of the worst facet at any output;\n"
       "sampling errors of shadows and views are measured and stated beside it. Conduction along surfaces is\n"
       "left out, and formulas of convection and sky are good to 1 to 3 K: they are named in heat.json. Exit code 3\n"
-      "where the promised error is above the tolerance.",
+      "where the promised error is above the tolerance.\n"
+      "--fit writes a scene file instead: numbers { value, fit = true, min, max } of the ground's material fitted to\n"
+      "its measured temperature, with their standard errors.",
       "  mtf heat vehicle/scene.toml -o temperatures\n"
       "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --rays 256"};
   add_file(app, "scene", "scene file (TOML)", options.scene);
-  add_text(app, "-o,--out", "FOLDER", "folder to create", options.out).required = true;
-  add_word(app, "--tolerance", "X", "with its unit; default \"1 K\"", [&](const std::string& text) {
-    options.tolerance_k = temperature_difference("--tolerance", text);
-    if (options.tolerance_k < 1e-4)
-      throw mtf::UsageError("--tolerance: " + text + " is below 0.0001 K, which rounding does not allow");
-  });
+  add_text(app, "-o,--out", "PATH", "folder to create; with --fit the fitted scene file", options.out).required = true;
+  add_word(app, "--tolerance", "X", "with its unit; default \"1 K\", with --fit \"0.05 K\"",
+           [&](const std::string& text) {
+             options.tolerance_k = temperature_difference("--tolerance", text);
+             options.has_tolerance = true;
+             if (options.tolerance_k < 1e-4)
+               throw mtf::UsageError("--tolerance: " + text + " is below 0.0001 K, which rounding does not allow");
+           });
   add_word(app, "--rays", "N", "for the view of each side of a facet; default 128",
            [&](const std::string& text) { options.rays = whole_number("--rays", text, 16, 65536); });
   add_word(app, "--sun-directions", "N", "of the table of shadows, a day; default 36",
@@ -70,9 +74,28 @@ Command heat_command() {
            options.every_facet);
   add_flag(app, "--ply", "write the mesh with the last temperatures too, for ParaView, MeshLab or Blender",
            options.ply);
+  add_flag(app, "--vtk", "the same as VTK, which ParaView reads with values of facets", options.vtk);
+  add_flag(app, "--sensitivity",
+           "run six times more, with convection, sky or materials changed, and say what it changes",
+           options.sensitivity);
+#ifdef MTFKIT_HAVE_CALIB
+  add_flag(app, "--fit", "fit numbers of the ground that the file marks, to its measured temperature", options.fit);
+  add_text(app, "--report", "FILE", "with --fit: write the results as JSON", options.fit_report);
+  add_text(app, "--plot", "FILE", "with --fit: draw measured and solved temperatures (.svg, .png, .pdf)",
+           options.fit_plot);
+  add_flag(app, "--allow-misfit", "with --fit: exit code 0 where the model does not describe the data",
+           options.allow_misfit);
+#endif
   add_choice(app, "--format", "FORMAT", "of standard output: table (default) or json", kTableOrJson, options.format);
   add_force(app, options.force);
-  app.run = [shared](const Global& global) { return run_heat(*shared, global); };
+  app.run = [shared](const Global& global) {
+#ifdef MTFKIT_HAVE_CALIB
+    if (shared->fit) return run_heat_fit(*shared, global);
+    if (!shared->fit_report.empty() || !shared->fit_plot.empty() || shared->allow_misfit)
+      throw mtf::UsageError("--report, --plot and --allow-misfit belong to --fit");
+#endif
+    return run_heat(*shared, global);
+  };
   return app;
 }
 

@@ -200,8 +200,13 @@ struct HeatCommandOptions {
   int rays = 128;            ///< of the view of each side of a facet
   int directions = 36;       ///< of the table of shadows, a day
   bool every_facet = false;  ///< no classes
-  bool ply = false;
+  bool ply = false, vtk = false;
+  bool sensitivity = false;  ///< six more runs, with one thing changed each
   bool force = false;
+  bool fit = false;  ///< numbers of the ground to what was measured; `out` is the fitted scene file then
+  std::string fit_report, fit_plot;  ///< of a fit: JSON and figure
+  bool allow_misfit = false;
+  bool has_tolerance = false;
   Format format = Format::table;  ///< of standard output: table or json
 };
 
@@ -220,5 +225,6 @@ int run_check(const CheckOptions& options, const Global& global);
 int run_report(const ReportOptions& options, const Global& global);
 int run_scene(const SceneOptions& options, const Global& global);
 int run_heat(const HeatCommandOptions& options, const Global& global);
+int run_heat_fit(const HeatCommandOptions& options, const Global& global);
 
 }  // namespace apps

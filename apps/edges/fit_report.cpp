@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "apps/edges/fit_parameters.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/io/sha256.h"
@@ -20,87 +21,10 @@ using calib::FittedParameter;
 using calib::Knowledge;
 using Json = nlohmann::ordered_json;
 
-bool has_value(const FittedParameter& p) {
-  return p.knowledge == Knowledge::determined || p.knowledge == Knowledge::at_bound ||
-         p.knowledge == Knowledge::interval;
-}
+std::string shown(const calib::Estimate& e) { return shown_with_error(e.value, e.sd) + " +- " + significant(e.sd, 2); }
 
-/// As many digits as the standard error has, two more than its first.
-std::string shown(double value, double sd) {
-  if (!(sd > 0.0) || !std::isfinite(sd)) return significant(value, 6);
-  const int digits = static_cast<int>(std::floor(std::log10(std::max(std::abs(value), sd) / sd))) + 2;
-  return significant(value, std::clamp(digits, 2, 12), true);
-}
-
-std::string shown(const calib::Estimate& e) { return shown(e.value, e.sd) + " +- " + significant(e.sd, 2); }
-
-std::string interval_text(const std::array<double, 2>& interval) {
-  return significant(interval[0], 5) + " to " + significant(interval[1], 5);
-}
-
-/// 95 %, an open end in words.
-std::string profiled_text(const calib::ProfiledInterval& interval) {
-  if (interval.low && interval.high) return interval_text({*interval.low, *interval.high});
-  if (interval.low) return "above " + significant(*interval.low, 5);
-  return interval.high ? "below " + significant(*interval.high, 5) : "not bounded";
-}
-
-std::string value_text(const FittedParameter& p) {
-  const std::string unit = p.parameter.unit.empty() ? "" : " " + p.parameter.unit;
-  if (p.knowledge == Knowledge::interval)
-    return shown(p.value, 0.25 * ((*p.interval95)[1] - (*p.interval95)[0])) + unit +
-           " (95 %: " + profiled_text(*p.interval) + unit + ")";
-  if (p.knowledge == Knowledge::at_bound)
-    return significant(p.value, 6) + unit + " (at its bound" +
-           (p.limit95 ? std::string("; 95 %: at ") + (p.limit_is_upper ? "most " : "least ") +
-                            significant(*p.limit95, 4) + unit
-                      : std::string()) +
-           ")";
-  if (p.knowledge != Knowledge::determined) return std::string(knowledge_name(p.knowledge));
-  return (p.stderr_value ? shown({p.value, *p.stderr_value}) : significant(p.value, 8)) + unit;
-}
-
-std::string correlation_table(const FitResult& result) {
-  std::vector<std::string> header{"correlation"};
-  for (const FittedParameter& p : result.parameters) header.push_back(one_line(p.parameter.name));
-  const std::vector<Align> align = [&] {
-    std::vector<Align> columns(header.size(), Align::right);
-    columns.front() = Align::left;
-    return columns;
-  }();
-  TextTable table(std::move(header));
-  for (std::size_t i = 0; i < result.correlation.size(); ++i) {
-    std::vector<std::string> row{one_line(result.parameters[i].parameter.name)};
-    for (const double rho : result.correlation[i]) row.push_back(std::isfinite(rho) ? fixed(rho, 3) : "not determined");
-    table.add(std::move(row));
-  }
-  return table.aligned(align);
-}
-
-Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-Json optional_json(const std::optional<std::array<double, 2>>& value) { return value ? Json(*value) : Json(); }
 Json optional_json(const std::optional<calib::Estimate>& value) {
   return value ? Json{{"value", value->value}, {"sd", value->sd}} : Json();
-}
-
-Json parameter_json(const FittedParameter& p) {
-  const bool known = has_value(p);
-  return {{"name", p.parameter.name},
-          {"path", p.parameter.path},
-          {"value", known ? Json(p.value) : Json()},
-          {"stderr", known ? optional_json(p.stderr_value) : Json()},
-          {"unit", p.parameter.unit},
-          {"knowledge", knowledge_name(p.knowledge)},
-          {"start", p.start},
-          {"limit95", optional_json(p.limit95)},
-          {"limit_is", p.limit95 ? Json(p.limit_is_upper ? "upper" : "lower") : Json()},
-          {"interval68", optional_json(p.interval68)},
-          {"interval95", optional_json(p.interval95)},
-          {"interval", p.interval ? Json{{"confidence", 0.95},
-                                         {"low", optional_json(p.interval->low)},
-                                         {"high", optional_json(p.interval->high)},
-                                         {"reason", p.interval->reason.empty() ? Json() : Json(p.interval->reason)}}
-                                  : Json()}};
 }
 
 /// The direction of FitResult::mtf.
@@ -122,35 +46,12 @@ Json provenance(const mtf::io::SensorConfig& sensor, const std::vector<std::stri
   return json;
 }
 
-/// Without the lines that an earlier fit has put above, up to the empty one.
-std::string without_head(const std::string& text) {
-  const std::size_t line = text.find('\n');
-  if (!text.starts_with("# ") || text.substr(0, line).find(") fitted by mtf ") == std::string::npos) return text;
-  const std::size_t end = text.find("\n\n");
-  return end == std::string::npos ? text : text.substr(end + 2);
-}
-
 }  // namespace
 
 std::string fit_table(const FitResult& result) {
   std::string text =
       std::string(status_name(result.status)) + (result.reason.empty() ? "" : ": " + result.reason) + "\n";
-  if (!result.parameters.empty()) {
-    TextTable table({"parameter", "value", "start"});
-    for (const FittedParameter& p : result.parameters) {
-      const std::string unit = p.parameter.unit.empty() ? "" : " " + p.parameter.unit;
-      table.add({one_line(p.parameter.name), value_text(p), significant(p.start, 6) + unit});
-    }
-    text += "\n" + table.aligned();
-  }
-  for (const FittedParameter& p : result.parameters) {
-    if (p.interval68) text += one_line(p.parameter.name) + ": 68 % " + interval_text(*p.interval68);
-    if (p.interval) text += ", 95 % " + profiled_text(*p.interval);
-    if (p.interval68 || p.interval) text += p.parameter.unit.empty() ? "" : " " + p.parameter.unit;
-    if (p.interval) text += (p.interval->reason.empty() ? "" : "; " + p.interval->reason) + "\n";
-  }
-  for (const calib::NullDirection& direction : result.not_separable) text += "\n" + direction.text + "\n";
-  if (result.parameters.size() > 1 && !result.correlation.empty()) text += "\n" + correlation_table(result);
+  text += parameters_table(result.parameters, result.not_separable, result.correlation);
   text += "\n";
   if (result.mtf50)
     text += "MTF50                " + shown(*result.mtf50) + " cy/px along " + direction_of(result) + "\n";
@@ -171,15 +72,7 @@ std::string fit_json(const FitResult& result, const mtf::io::SensorConfig& senso
   Json json{{"version", mtf::version}, {"status", status_name(result.status)}};
   json["reason"] = result.reason.empty() ? Json() : Json(result.reason);
   json["warnings"] = result.warnings;
-  json["parameters"] = Json::array();
-  for (const FittedParameter& p : result.parameters) json["parameters"].push_back(parameter_json(p));
-  json["correlation"] = result.correlation;
-  json["not_separable"] = Json::array();
-  for (const calib::NullDirection& direction : result.not_separable) {
-    Json names = Json::array();
-    for (const std::size_t i : direction.parameters) names.push_back(result.parameters[i].parameter.name);
-    json["not_separable"].push_back({{"parameters", names}, {"weight", direction.weight}, {"text", direction.text}});
-  }
+  add_parameters(json, result.parameters, result.not_separable, result.correlation);
   json["equivalent_variance_px2"] = optional_json(result.equivalent_variance_px2);
   json["chi2_per_dof"] = result.chi2_per_dof;
   json["whiteness_p"] = result.whiteness_p;
@@ -244,12 +137,10 @@ std::vector<Figure> fit_figures(const FitResult& result, const std::vector<Measu
 std::string fitted_config(const FitResult& result, const mtf::io::SensorConfig& sensor,
                           const std::vector<std::string>& inputs, const std::string& destination) {
   mtf::io::SensorConfig fitted = sensor;
-  std::string head = "# " + one_line(sensor.file) + " (sha256 " + sensor.sha256.substr(0, 16) + ") fitted by mtf " +
-                     mtf::version + ": " + std::string(status_name(result.status)) + ", chi2 per dof " +
-                     significant(result.chi2_per_dof, 4) + "\n";
-  for (const std::string& input : inputs)
-    head += "# to " + one_line(input) + " (sha256 " + mtf::io::sha256_file(input).substr(0, 16) + ")\n";
-  for (const calib::NullDirection& direction : result.not_separable) head += "# " + one_line(direction.text) + "\n";
+  const std::string head =
+      fit_head({sensor.file, sensor.sha256,
+                std::string(status_name(result.status)) + ", chi2 per dof " + significant(result.chi2_per_dof, 4)},
+               inputs, result.parameters, result.not_separable);
   std::vector<std::optional<double>> values(fitted.fits.size());
   for (const FittedParameter& p : result.parameters) {
     calib::set_parameter(fitted.system, p.parameter.path, p.value);
@@ -258,18 +149,12 @@ std::string fitted_config(const FitResult& result, const mtf::io::SensorConfig& 
     if (spec == fitted.fits.end()) continue;
     values[static_cast<std::size_t>(spec - fitted.fits.begin())] = p.value;
     spec->stderr_value = p.knowledge == Knowledge::determined ? p.stderr_value : std::nullopt;
-    if (p.knowledge != Knowledge::determined)
-      head += "# " + one_line(p.parameter.name) + ": " + std::string(knowledge_name(p.knowledge)) +
-              (p.interval ? ", 95 % " + profiled_text(*p.interval) +
-                                (p.parameter.unit.empty() ? "" : " " + one_line(p.parameter.unit))
-                          : "") +
-              "\n";
   }
   // The user's own text with the new numbers, where that says the same; curve files are named relative to it.
   const std::string whole = write_config(fitted, destination);
-  const std::string own = without_head(splice_fits(fitted, values));
+  const std::string own = without_fit_head(splice_fits(fitted, values));
   const mtf::io::ConfigResult read = mtf::io::parse_config(own, destination.empty() ? sensor.file : destination);
-  return head + "\n" + (read.ok() && write_config(read.config, destination) == whole ? own : whole);
+  return head + (read.ok() && write_config(read.config, destination) == whole ? own : whole);
 }
 
 }  // namespace apps

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <string_view>
@@ -16,13 +17,20 @@ namespace {
 std::atomic<const char*> last_note = nullptr;  // global, because a signal handler has no arguments of its own
 static_assert(std::atomic<const char*>::is_always_lock_free);
 
+std::atomic<const char*> stop_note = nullptr;  ///< of StopInGoodOrder, after keep
+std::atomic<bool> stop_asked = false;
+std::array<char, 4096> new_folder{};
+std::atomic<bool> has_folder = false;
+
 void say(std::string_view text) {
   if (::write(STDERR_FILENO, text.data(), text.size()) < 0) ::_exit(130);
 }
 
 // Only async-signal-safe calls. Handlers of these signals block each other.
 extern "C" void stop(int) {
+  if (const char* text = stop_note; text != nullptr && !stop_asked.exchange(true)) return say(text);
   mtf::io::remove_temporaries();
+  if (has_folder) static_cast<void>(::rmdir(new_folder.data()));  // where it is empty
   say("mtf: interrupted\n");
   if (const char* text = last_note) say(text);
   ::_exit(130);
@@ -32,6 +40,20 @@ extern "C" void stop(int) {
 
 InterruptNote::InterruptNote(const char* text) { last_note = text; }
 InterruptNote::~InterruptNote() { last_note = nullptr; }
+
+StopInGoodOrder::StopInGoodOrder(const char* text, const std::string& folder) : text_(text) {
+  stop_asked = false;
+  if (folder.empty() || folder.size() >= new_folder.size()) return;
+  folder.copy(new_folder.data(), folder.size());
+  new_folder.at(folder.size()) = '\0';
+  has_folder = true;
+}
+StopInGoodOrder::~StopInGoodOrder() {
+  stop_note = nullptr;
+  has_folder = false;
+}
+void StopInGoodOrder::keep() { stop_note = text_; }
+bool StopInGoodOrder::asked() const { return stop_asked; }
 
 void prepare_process() {
   // A standard stream that is closed would give its number to the next file that is opened, which results or messages

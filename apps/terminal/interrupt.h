@@ -3,6 +3,8 @@
 
 // How the process meets signals, broken pipes and missing standard streams.
 
+#include <string>
+
 namespace apps {
 
 /// SIGINT, SIGTERM and SIGHUP remove the temporaries of unfinished output files and end the process with 130 at once. A
@@ -16,6 +18,23 @@ class InterruptNote {
   ~InterruptNote();
   InterruptNote(const InterruptNote&) = delete;
   InterruptNote& operator=(const InterruptNote&) = delete;
+};
+
+/// While it lives, an interrupted process leaves no empty `folder`. After `keep`, when there is something worth
+/// keeping, the first signal says `text`, a literal that ends with a new line, and `asked` tells the work to come to
+/// its end; the second one ends the process. One at a time.
+class StopInGoodOrder {
+ public:
+  StopInGoodOrder(const char* text, const std::string& folder);
+  ~StopInGoodOrder();
+  StopInGoodOrder(const StopInGoodOrder&) = delete;
+  StopInGoodOrder& operator=(const StopInGoodOrder&) = delete;
+
+  void keep();
+  bool asked() const;
+
+ private:
+  const char* text_;
 };
 
 }  // namespace apps

@@ -138,8 +138,7 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
       p.knowledge = Knowledge::prior_only;
       p.stderr_value = p.linear_sd;
     } else if (near_lo || near_hi) {
-      // The minimum may press against the bound: its gradient, the others at their best, is the first term of the
-      // profile g t + t^2 / (2 sd^2), which is at the 95 % point at t.
+      // The minimum may press against the bound.
       p.knowledge = Knowledge::at_bound;
       double gradient = 0.0;
       for (std::size_t b = 0; b < solved.normals.size(); ++b) {
@@ -153,13 +152,12 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
       }
       // Shared noise makes the profile lower by the ratio of the variances (J. T. Kent, Biometrika 69, 19 (1982)).
       gradient /= solved.variance_ratio[i];
-      const double push = std::max(0.0, near_lo ? gradient : -gradient), variance = sd * sd;
-      const double t = variance * (std::sqrt(push * push + k95_sd * k95_sd / variance) - push);
-      p.limit95 = v.value(near_lo ? std::min(v.hi, x + t) : std::max(v.lo, x - t));
+      const BoundLimit limit = limit_at_bound(sd, near_lo ? gradient : -gradient);
+      p.limit95 = v.value(near_lo ? std::min(v.hi, x + limit.distance) : std::max(v.lo, x - limit.distance));
       const double bound = near_lo ? v.lo : v.hi;
       p.value = v.squared && bound <= 1e-8 ? 0.0 : v.value(bound);
       p.limit_is_upper = *p.limit95 > p.value;
-      p.pressed_sd = push * sd;
+      p.pressed_sd = limit.pressed_sd;
     } else {
       p.knowledge = Knowledge::determined;
       p.stderr_value = p.linear_sd;
@@ -169,18 +167,30 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
   return all;
 }
 
-std::vector<std::vector<double>> correlations(const Solved& solved) {
-  const Eigen::MatrixXd& c = solved.identified.covariance;
+BoundLimit limit_at_bound(double sd, double inward_gradient) {
+  const double push = std::max(0.0, inward_gradient), variance = sd * sd;
+  return {variance * (std::sqrt(push * push + k95_sd * k95_sd / variance) - push), push * sd};
+}
+
+std::vector<std::vector<double>> correlations_of(const Eigen::MatrixXd& c) {
   const auto n = static_cast<std::size_t>(c.rows());
   std::vector<std::vector<double>> all(n, std::vector<double>(n, std::numeric_limits<double>::quiet_NaN()));
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j) {
       const auto a = static_cast<Eigen::Index>(i), b = static_cast<Eigen::Index>(j);
-      const std::vector<Variable>& v = solved.problem->variables;
       if (!(c(a, a) < kUnseen && c(b, b) < kUnseen)) continue;
-      // A value may fall as its variable rises.
-      all[i][j] = i == j ? 1.0 : v[i].sign * v[j].sign * c(a, b) / std::sqrt(c(a, a) * c(b, b));
+      all[i][j] = i == j ? 1.0 : c(a, b) / std::sqrt(c(a, a) * c(b, b));
     }
+  return all;
+}
+
+std::vector<std::vector<double>> correlations(const Solved& solved) {
+  std::vector<std::vector<double>> all = correlations_of(solved.identified.covariance);
+  const std::vector<Variable>& v = solved.problem->variables;
+  // A value may fall as its variable rises.
+  for (std::size_t i = 0; i < all.size(); ++i)
+    for (std::size_t j = 0; j < all.size(); ++j)
+      if (i != j) all[i][j] *= v[i].sign * v[j].sign;
   return all;
 }
 

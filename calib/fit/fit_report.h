@@ -65,6 +65,17 @@ std::vector<Functional> mtf_of(const Solved& solved, std::span<const double> f_c
 /// -|H|''(0) / (4 pi^2) in px^2, the linear term of diffraction apart, by a polynomial through `nodes` samples of |H|.
 Functional equivalent_variance(const Solved& solved, int nodes = 7);
 
+/// The words of a weak direction that are not its parameters.
+struct WeakWords {
+  std::string from;  ///< "one edge"
+  std::string known = "what they do together is known";
+  std::string advice = "give one of them a prior, or fix it";
+  std::string single_advice = "fix it, or give it a prior";
+};
+/// In so many digits, as in printf's %g.
+std::string short_text(double value, int digits);
+std::string weak_direction_text(std::span<const std::string> names, const WeakWords& words);
+
 /// A sentence for each weak direction, with what would determine it.
 std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& solved,
                                            std::span<const FitParameter> parameters);
@@ -72,6 +83,18 @@ std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& so
 /// Parameters with their errors, one-sided limits and what is known of them.
 std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<const FitParameter> parameters,
                                                std::span<const double> start);
+
+/// Where a variable is at its bound or within one sd of it: the distance from it of the far end of the 95 % interval
+/// that begins there, and how many sd beyond the bound the minimum lies. The gradient of chi-square / 2 into the
+/// allowed range, the other variables at their best, is the first term of the profile g t + t^2 / (2 sd^2), which is at
+/// the 95 % point at t.
+struct BoundLimit {
+  double distance = 0.0, pressed_sd = 0.0;
+};
+BoundLimit limit_at_bound(double sd, double inward_gradient);
+
+/// Of variables; NaN where nothing depends on one.
+std::vector<std::vector<double>> correlations_of(const Eigen::MatrixXd& covariance);
 
 /// The correlation of the parameters' values; NaN where the data do not depend on one at all.
 std::vector<std::vector<double>> correlations(const Solved& solved);

@@ -14,18 +14,10 @@
 namespace calib {
 namespace {
 
-std::string short_text(double value, int digits) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.*g", digits, value);
-  return text.data();
-}
-
-std::string list_of(std::span<const std::size_t> members, std::span<const FitParameter> parameters) {
+std::string list_of(std::span<const std::string> names) {
   std::string text;
-  for (std::size_t k = 0; k < members.size(); ++k) {
-    const FitParameter& p = parameters[members[k]];
-    text += (k == 0 ? "" : k + 1 == members.size() ? " and " : ", ") + (p.name.empty() ? p.path : p.name);
-  }
+  for (std::size_t k = 0; k < names.size(); ++k)
+    text += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + names[k];
   return text;
 }
 
@@ -97,6 +89,18 @@ std::optional<Estimate> combined_moment(FitProblem& problem, const Solved& solve
 
 }  // namespace
 
+std::string short_text(double value, int digits) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.*g", digits, value);
+  return text.data();
+}
+
+std::string weak_direction_text(std::span<const std::string> names, const WeakWords& words) {
+  if (names.size() == 1)
+    return names.front() + " is not determined: the data hardly depend on it; " + words.single_advice;
+  return list_of(names) + " are not separable from " + words.from + ": only " + words.known + "; " + words.advice;
+}
+
 std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& solved,
                                            std::span<const FitParameter> parameters) {
   std::vector<NullDirection> all;
@@ -112,24 +116,19 @@ std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& so
                         std::all_of(weak.members.begin(), weak.members.end(),
                                     [&](std::size_t i) { return with_across.determined[i]; }) &&
                         with_across.covariance(lead, lead) < 0.25 * with_same.covariance(lead, lead);
-    const std::string names = list_of(weak.members, parameters);
-    std::string text;
-    if (weak.members.size() == 1) {
-      text = names + " is not determined: the data hardly depend on it; " +
-             (helped ? "add an edge across" : "fix it, or give it a prior");
-    } else {
-      const std::string from = solved.normals_rad.empty()       ? "these data"
-                               : solved.normals_rad.size() == 1 ? "one edge"
-                               : single                         ? "edges of one direction"
-                                                                : "these edges";
-      text = names + " are not separable from " + from + ": only ";
+    std::vector<std::string> names;
+    for (const std::size_t i : weak.members)
+      names.push_back(parameters[i].name.empty() ? parameters[i].path : parameters[i].name);
+    WeakWords words{.from = solved.normals_rad.empty()       ? "these data"
+                            : solved.normals_rad.size() == 1 ? "one edge"
+                            : single                         ? "edges of one direction"
+                                                             : "these edges"};
+    if (helped) words.advice = words.single_advice = "add an edge across";
+    if (names.size() > 1)
       if (const auto moment = combined_moment(problem, solved, weak.members))
-        text += "their combined second moment is known (" + short_text(moment->value, 3) + " +- " +
-                short_text(moment->sd, 2) + " px^2); ";
-      else
-        text += "what they do together is known; ";
-      text += helped ? "add an edge across" : "give one of them a prior, or fix it";
-    }
+        words.known = "their combined second moment is known (" + short_text(moment->value, 3) + " +- " +
+                      short_text(moment->sd, 2) + " px^2)";
+    std::string text = weak_direction_text(names, words);
     all.push_back({weak.members, weak.weight, std::move(text)});
   }
   return all;

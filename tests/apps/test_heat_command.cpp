@@ -154,5 +154,81 @@ TEST_F(HeatCommand, RefusalsLeaveNothing) {
   refused("mtf heat skyless.toml -o out", "longwave_down");
 }
 
+/// A folder's names, sorted.
+std::vector<std::string> names_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// Half a year of days takes long enough to be interrupted, wherever that is.
+TEST_F(HeatCommand, KeepsFinishedDaysWhenItIsInterrupted) {
+  std::string text = kScene;
+  text.replace(text.find("end = 2026-06-22"), 16, "end = 2026-12-21");
+  write_file(scratch_ / "scene.toml", text);
+  bool kept = false;
+  for (const std::string wait : {"0.05", "1", "2", "4", "8"}) {
+    const Result result = scratch_.run("timeout --preserve-status -s INT " + wait + " mtf heat scene.toml -o days");
+    if (result.status != 130) continue;  // done before
+    if (!std::filesystem::exists(scratch_ / "days")) continue;   // before the first day was finished
+    ASSERT_NE(result.err.find("the temperatures end at"), std::string::npos) << result.err;
+    kept = true;
+    const nlohmann::json json = nlohmann::json::parse(read_file(scratch_ / "days/heat.json"));
+    EXPECT_FALSE(json.at("finished").get<bool>());
+    const std::size_t outputs = json.at("outputs").get<std::size_t>();
+    EXPECT_LT(outputs, 183U * 12U + 1U);
+    EXPECT_EQ(outputs % 12, 1U);  // whole days of outputs every two hours
+    EXPECT_EQ(lines(read_file(scratch_ / "days/times.csv")).size(), outputs + 1);
+    for (const std::string& name : names_in(scratch_ / "days"))
+      EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
+    break;
+  }
+  ASSERT_TRUE(kept);
+  write_file(scratch_ / "scene.toml", kScene);
+  ASSERT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 0);  // its own unfinished folder
+  EXPECT_TRUE(nlohmann::json::parse(read_file(scratch_ / "days/heat.json")).at("finished").get<bool>());
+  EXPECT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 2);  // a finished one asks for --force
+}
+
+// The shipped day was made with other numbers than the file's, which it keeps: make_ground_day.py has them.
+TEST(HeatFitCommand, FindsTheNumbersOfTheExample) {
+  const Scratch scratch;
+  const std::filesystem::path data = std::filesystem::path(MTFKIT_SOURCE_DIR) / "notebooks-data/heat";
+  for (const char* name : {"ground.toml", "ground_weather.csv"}) write_file(scratch / name, read_file(data / name));
+  const Result fit = scratch.run("mtf heat ground.toml --fit -o fitted.toml --format json --plot fit.svg");
+  ASSERT_EQ(fit.status, 0) << fit.err;
+  const nlohmann::json json = nlohmann::json::parse(fit.out);
+  EXPECT_EQ(json.at("status"), "converged");
+  const std::array<double, 4> truth{9.0, 2.2, 0.55, 6.0};
+  ASSERT_EQ(json.at("parameters").size(), truth.size());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const nlohmann::json& p = json.at("parameters")[i];
+    EXPECT_EQ(p.at("knowledge"), "determined") << p;
+    EXPECT_NEAR(p.at("value").get<double>(), truth[i], 3.0 * p.at("stderr").get<double>()) << p;
+  }
+  EXPECT_LT(json.at("after").at("rms_K").get<double>(), 0.3);
+  EXPECT_GT(json.at("before").at("rms_K").get<double>(), 1.0);
+  EXPECT_TRUE(std::filesystem::exists(scratch / "fit.svg.csv"));
+
+  const std::string text = read_file(scratch / "fitted.toml");
+  EXPECT_TRUE(text.starts_with("# ground.toml (sha256 ")) << text;
+  EXPECT_NE(text.find("# The first guess: dry sandy soil"), std::string::npos);
+  EXPECT_NE(text.find("stderr = "), std::string::npos);
+  const Result again = scratch.run("mtf heat fitted.toml -o day");
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(lines(read_file(scratch / "day/facets.csv")).size(), 2U);
+  // Fitted again it stays, and the head is not doubled.
+  ASSERT_EQ(scratch.run("mtf heat fitted.toml --fit -o twice.toml").status, 0);
+  const std::string twice = read_file(scratch / "twice.toml");
+  EXPECT_EQ(twice.find("fitted by mtf"), twice.rfind("fitted by mtf"));
+
+  EXPECT_EQ(scratch.run("mtf heat ground.toml --fit -o ground_weather.csv").status, 2);
+  EXPECT_EQ(scratch.run("mtf heat ground.toml -o out --plot fit.svg").status, 2);
+  EXPECT_EQ(scratch.run("mtf heat ground.toml --fit -o x.toml --ply").status, 2);
+  EXPECT_FALSE(std::filesystem::exists(scratch / "x.toml"));
+}
+
 }  // namespace
 }  // namespace apps_test

@@ -4,14 +4,18 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "apps/figures/plot.h"
 #include "apps/options.h"
 #include "apps/scene/command/heat_files.h"
+#include "apps/scene/command/heat_sensitivity.h"
 #include "apps/scene/command/scene_picture.h"
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/simulate/output_files.h"
 #include "apps/sweep/output_folder.h"
+#include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
@@ -43,7 +47,7 @@ Figure region_figure(const SceneFile& file, const HeatFiles& files) {
 }
 
 /// The facets as a mesh of triangles, with their temperatures.
-void write_ply_of(const std::string& path, const HeatScene& scene, std::span<const double> facet_k) {
+void write_mesh_of(const std::string& path, const HeatScene& scene, std::span<const double> facet_k, bool vtk) {
   const radiometry::scene::Facets& facets = scene.facets();
   radiometry::scene::Mesh mesh;
   mesh.vertices = facets.vertices;
@@ -65,7 +69,8 @@ void write_ply_of(const std::string& path, const HeatScene& scene, std::span<con
   }
   std::vector<float> of_vertex;
   for (std::size_t v = 0; v < sum.size(); ++v) of_vertex.push_back(static_cast<float>(sum[v] / area[v]));
-  write_ply(path, mesh, {{"temperature", of_vertex}}, {{"temperature", of_face}});
+  const auto write = vtk ? write_vtk : write_ply;
+  write(path, mesh, {{"temperature", of_vertex}}, {{"temperature", of_face}});
 }
 
 std::string summary_text(const HeatScene& scene, const HeatReport& report, const HeatFiles& files) {
@@ -103,8 +108,9 @@ std::string summary_text(const HeatScene& scene, const HeatReport& report, const
 
 std::vector<std::string> outputs_of(const std::string& folder) {
   std::vector<std::string> paths;
-  for (const char* name : {"temperatures.npy", "temperatures_back.npy", "facets.csv", "times.csv", "regions.csv",
-                           "heat.json", "regions.svg", "regions.svg.csv", "scene.png", "facets.ply"})
+  for (const char* name :
+       {"temperatures.npy", "temperatures_back.npy", "facets.csv", "times.csv", "regions.csv", "heat.json",
+        "regions.svg", "regions.svg.csv", "scene.png", "facets.ply", "facets.vtk", "sensitivity.csv"})
     paths.push_back(folder + "/" + name);
   return paths;
 }
@@ -114,6 +120,11 @@ void require_no_input_in(const std::string& folder, const SceneFile& file) {
   std::vector<std::string> inputs{file.file, file.weather.file};
   for (const MeshSection& mesh : file.meshes) inputs.push_back(mesh.file);
   for (const radiometry::heat::Schedule* schedule : all_schedules(file)) inputs.push_back(schedule->source);
+  for (const RegionSection& region : file.regions)
+    if (region.temperature && !region.temperature->table.empty()) {
+      inputs.push_back(region.temperature->table);
+      inputs.push_back((fs::path(region.temperature->table).parent_path() / "times.csv").string());
+    }
   for (const std::string& output : outputs_of(folder))
     for (const std::string& input : inputs)
       if (!input.empty() && is_same_file(input, output))
@@ -121,34 +132,51 @@ void require_no_input_in(const std::string& folder, const SceneFile& file) {
                               ", which this run reads and would replace; choose another folder");
 }
 
+/// An interrupted run is replaced without --force.
+bool is_unfinished(const std::string& folder) {
+  std::ifstream file(folder + "/heat.json");
+  const nlohmann::json json = file ? nlohmann::json::parse(file, nullptr, false) : nlohmann::json();
+  return json.is_object() && json.contains("closures") && json.value("finished", true) == false;
+}
+
 }  // namespace
 
 int run_heat(const HeatCommandOptions& options, const Global& global) {
-  check_folder(options.out, options.force);
+  const bool force = options.force || is_unfinished(options.out);
+  check_folder(options.out, force);
   std::vector<mtf::io::Diagnostic> findings;
   const SceneFile file = load_scene(options.scene, &findings);
   require_no_input_in(options.out, file);
   for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
+  std::error_code ignored;
+  const bool fresh = !fs::exists(options.out, ignored);
+  StopInGoodOrder interrupt(
+      "mtf: interrupted: the day that is being solved is finished and written first; once more to stop at once\n",
+      fresh ? options.out : std::string());
   const HeatOptions heat_options{.tolerance_k = options.tolerance_k,
                                  .directions = options.directions,
                                  .rays = options.rays,
                                  .every_facet = options.every_facet,
-                                 .threads = global.threads};
+                                 .threads = global.threads,
+                                 .go_on = [&] { return !interrupt.asked(); }};
   ProgressLine progress(global);
-  const HeatScene scene = prepare_heat(file, heat_options);
+  HeatScene scene = prepare_heat(file, heat_options);
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
   std::vector<radiometry::scene::Hit> seen;
   if (file.camera) seen = camera_hits(scene, *file.camera);
   if (file.camera && seen.empty())
     note(global, "warning: [camera] sees nothing of the scene, so there is no picture of it");
-  std::string text;
+  if (const auto mesh = mesh_around_camera(scene, seen))
+    note(global, "warning: [camera] stands inside of a closed mesh, '" + one_line(*mesh) +
+                     "': the picture shows the inner sides of its faces");
+  std::string text, sensitivity;
   double promised_k = 0.0, spread_k = 0.0;
-  std::error_code ignored;
   const std::vector<std::string> outputs = outputs_of(options.out);
   std::vector<std::string> paths = outputs;
-  if (!fs::exists(options.out, ignored)) paths.insert(paths.begin(), options.out);
+  if (fresh) paths.insert(paths.begin(), options.out);
+  double until_s = 0.0;
   write_together(paths, [&] {
-    prepare_folder(options.out, options.force);
+    prepare_folder(options.out, force);
     HeatFiles files(options.out, scene);
     std::vector<double> last;
     const HeatReport report = run_heat(
@@ -156,6 +184,8 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
         [&](const HeatOutput& output) {
           files.append(output);
           last.assign(output.front_k.begin(), output.front_k.end());
+          until_s = output.time_s;
+          interrupt.keep();
         },
         [&](const std::string& step, double share) { progress.update(step, share); });
     promised_k = report.promised.total_k();
@@ -165,15 +195,34 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
     write_figure(options.out + "/regions.svg", region_figure(file, files));
     if (!seen.empty())
       write_scene_picture(options.out + "/scene.png", seen, last,
-                          "surface temperatures [K] at " + radiometry::heat::instant_text(file.time.end_s));
-    if (options.ply) write_ply_of(options.out + "/facets.ply", scene, last);
-    text = options.format == Format::json ? heat_json(scene, report, heat_options) : summary_text(scene, report, files);
+                          "surface temperatures [K] at " + radiometry::heat::instant_text(file.time.start_s + until_s));
+    if (options.ply) write_mesh_of(options.out + "/facets.ply", scene, last, false);
+    if (options.vtk) write_mesh_of(options.out + "/facets.vtk", scene, last, true);
+    if (options.sensitivity && until_s + 0.01 >= file.time.end_s - file.time.start_s) {
+      RegionMeans means;
+      for (const auto& regions : files.regions()) {
+        means.emplace_back();
+        for (const RegionTemperature& region : regions) means.back().push_back(region.mean_k);
+      }
+      const std::vector<Sensitivity> all =
+          sensitivities(scene, heat_options, means,
+                        [&](const std::string& step, double share) { progress.update("sensitivity: " + step, share); });
+      emit(options.out + "/sensitivity.csv", sensitivity_csv(scene, all));
+      sensitivity = "\n" + sensitivity_table(scene, all);
+    }
+    text = options.format == Format::json ? heat_json(scene, report, heat_options)
+                                          : summary_text(scene, report, files) + sensitivity;
   });
   print(text);
   if (spread_k > options.tolerance_k)
     note(global, "warning: what facets see differs from what their class sees by up to " + significant(spread_k, 2) +
                      " K (95 % of them), more than the tolerance; more --rays, or --every-facet, bring it down");
   if (options.format == Format::table) print("written to " + options.out + "/\n");
+  if (until_s + 0.01 < file.time.end_s - file.time.start_s) {
+    complain("mtf: interrupted: the temperatures end at " +
+             radiometry::heat::instant_text(file.time.start_s + until_s) + "; the same command starts anew");
+    return 130;
+  }
   if (promised_k <= options.tolerance_k) return 0;
   complain("mtf: warning: the promised error of " + significant(promised_k, 3) + " K is above the tolerance of " +
            significant(options.tolerance_k, 3) + " K");

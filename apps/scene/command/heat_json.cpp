@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 Json closures(const HeatScene& scene) {
   Json materials = Json::array();
-  for (std::size_t i = 0; i < scene.material.size(); ++i) {
+  for (std::size_t i = 0; i < scene.file.materials.size(); ++i) {
     const Surface& material = scene.material[i];
     materials.push_back({{"material", material.name},
                          {"convection", name_of(material.construction.convection)},
@@ -69,6 +69,7 @@ std::string heat_json(const HeatScene& scene, const HeatReport& report, const He
                      {"start", heat::instant_text(scene.file.time.start_s)},
                      {"end", heat::instant_text(scene.file.time.end_s)},
                      {"outputs", report.outputs},
+                     {"finished", report.outputs == scene.surroundings.outputs.size()},
                      {"facets", report.facets},
                      {"classes", report.units},
                      {"patches", report.patches},

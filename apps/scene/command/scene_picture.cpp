@@ -52,6 +52,17 @@ std::vector<geometry::Hit> camera_hits(const HeatScene& scene, const CameraSecti
   return hits;
 }
 
+std::optional<std::string> mesh_around_camera(const HeatScene& scene, std::span<const geometry::Hit> hits) {
+  const geometry::Facets& facets = scene.facets();
+  std::vector<std::size_t> inside(scene.file.meshes.size(), 0);
+  for (const geometry::Hit& hit : hits)
+    if (geometry::hits(hit) && hit.back && facets.shells[facets.facet[hit.facet].shell].closed)
+      ++inside[facets.facet[hit.facet].mesh];
+  const auto most = std::max_element(inside.begin(), inside.end());
+  if (most == inside.end() || 2 * *most <= hits.size()) return std::nullopt;
+  return scene.file.meshes[static_cast<std::size_t>(most - inside.begin())].name;
+}
+
 void write_scene_picture(const std::string& path, std::span<const geometry::Hit> hits, std::span<const double> facet_k,
                          const std::string& caption) {
   std::vector<float> seen;

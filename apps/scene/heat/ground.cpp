@@ -21,6 +21,7 @@ Units level_unit(const Surface& surface) {
   unit.front.normal = {0.0, 0.0, 1.0};
   unit.front.absorptance = surface.solar_absorptance;
   unit.front.emissivity = surface.construction.emissivity;
+  unit.front.source_w_m2 = surface.source_w_m2;
   units.unit.push_back(unit);
   units.exchange.area_m2 = units.exchange.receiver_area_m2 = {1.0};
   units.exchange.patch_of = {0};
@@ -28,29 +29,57 @@ Units level_unit(const Surface& surface) {
   return units;
 }
 
-std::vector<double> solved_temperatures(const HeatScene& scene, const Surface& surface, double tolerance_k,
-                                        MaterialRun& run) {
-  const Surroundings& s = scene.surroundings;
+/// The plan for another construction with the same cells per length and steps.
+heat::Plan plan_like(const heat::Plan& like, const heat::Batch& batch) {
+  heat::Plan plan = like;
+  plan.batch = batch;
+  heat::Grids grids = make_grids(batch.construction, like.request);
+  plan.fine = std::move(grids.fine);
+  plan.coarse = std::move(grids.coarse);
+  return plan;
+}
+
+heat::Solution solve_like(const heat::Plan& like, const heat::Batch& batch, const heat::GroupForcing& forcing,
+                          const heat::Timeline& timeline, double tolerance_k) {
+  constexpr double kResidualShare = 0.1;
+  heat::Plan plan = plan_like(like, batch);
+  heat::Timeline day = timeline;
+  day.end_s = timeline.start_s + heat::kDay_s;
+  const heat::PeriodicStart start = periodic_start(plan, forcing, day, kResidualShare * tolerance_k);
+  heat::Run run = advance(plan, start.state, forcing, timeline);
+  return {std::move(plan), std::move(run), start.residual_k};
+}
+
+}  // namespace
+
+LevelRun level_run(const Surroundings& s, double utc_s, const Surface& surface, double tolerance_k,
+                   const heat::Plan* like) {
   Units units = level_unit(surface);
   units.sun = {1, s.shadow_to_sun.size(), std::vector<std::uint8_t>(s.shadow_to_sun.size(), 1)};
   const GroundLight none{std::vector<double>(s.nodes(), 0.0), std::vector<double>(s.nodes(), 0.0)};
   const PatchLight dark = make_patch_light(units, 0, s.nodes() - 1);
-  const heat::GroupForcing forcing = forcing_of({{&units.unit.front()}, 0, s.nodes() - 1}, units, s, none, dark,
-                                                surface.inside, scene.file.time.start_s);
+  const heat::GroupForcing forcing =
+      forcing_of({{&units.unit.front()}, 0, s.nodes() - 1}, units, s, none, dark, surface.inside, utc_s);
   const heat::Timeline timeline{s.time_s.front(), s.time_s.back(), s.time_s, s.time_s};
-  const heat::Solution solution =
-      solve({surface.construction, 1, {1.0}}, forcing, timeline, heat::RepeatingStart{heat::kDay_s}, tolerance_k);
-  run.name = "ground (" + surface.name + ")";
-  run.units = 1;
-  run.nodes = solution.plan.fine.nodes();
-  run.promised = solution.run.promised;
-  run.steps = solution.run.steps;
-  run.start_residual_k = solution.residual_k;
-  run.drift = solution.run.balance.front().relative_drift();
-  return solution.run.front_k;
+  const heat::Batch batch{surface.construction, 1, {1.0}};
+  std::optional<heat::Solution> solution;
+  if (like != nullptr && like->fine.nodes() > 1) {
+    solution = solve_like(*like, batch, forcing, timeline, tolerance_k);
+    if (solution->run.promised.total_k() > 2.0 * tolerance_k) solution.reset();
+  }
+  if (!solution) solution = solve(batch, forcing, timeline, heat::RepeatingStart{heat::kDay_s}, tolerance_k);
+  LevelRun level;
+  level.kelvin = std::move(solution->run.front_k);
+  level.run.name = "ground (" + surface.name + ")";
+  level.run.units = 1;
+  level.run.nodes = solution->plan.fine.nodes();
+  level.run.promised = solution->run.promised;
+  level.run.steps = solution->run.steps;
+  level.run.start_residual_k = solution->residual_k;
+  level.run.drift = solution->run.balance.front().relative_drift();
+  level.plan = std::move(solution->plan);
+  return level;
 }
-
-}  // namespace
 
 Ground ground_of(const HeatScene& scene, double tolerance_k) {
   const Surroundings& s = scene.surroundings;
@@ -67,7 +96,9 @@ Ground ground_of(const HeatScene& scene, double tolerance_k) {
     for (std::size_t k = 0; k < kelvin.size(); ++k)
       kelvin[k] = value_at(section->temperature->schedule, scene.file.time.start_s + s.time_s[k]);
   } else if (surface != nullptr) {
-    kelvin = solved_temperatures(scene, *surface, tolerance_k, ground.run.emplace());
+    LevelRun level = level_run(s, scene.file.time.start_s, *surface, tolerance_k);
+    kelvin = std::move(level.kelvin);
+    ground.run = std::move(level.run);
   }
   for (std::size_t k = 0; k < kelvin.size(); ++k) {
     ground.light.longwave_w_m2.push_back(emissivity * heat::blackbody_w_m2(kelvin[k]) +

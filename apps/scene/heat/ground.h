@@ -18,4 +18,15 @@ struct Ground {
 
 Ground ground_of(const HeatScene& scene, double tolerance_k);
 
+/// A level surface under the whole sky, whose first day repeats.
+struct LevelRun {
+  std::vector<double> kelvin;  ///< at the nodes of the surroundings
+  MaterialRun run;
+  radiometry::heat::Plan plan;
+};
+/// `utc_s`: of the start of the run. `like`: the plan of a similar surface, whose cells and steps are taken where they
+/// keep twice the tolerance; then small changes of the surface make small changes of the temperatures. Throws as solve.
+LevelRun level_run(const Surroundings& surroundings, double utc_s, const Surface& surface, double tolerance_k,
+                   const radiometry::heat::Plan* like = nullptr);
+
 }  // namespace apps::scene

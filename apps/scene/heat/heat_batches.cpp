@@ -107,7 +107,7 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
     }
     for (const std::uint32_t i : batch.sample.unit) {
       const Unit& unit = units.unit[i];
-      for (std::size_t r = unit.receiver; r <= unit.receiver + (unit.back ? 1 : 0); ++r)
+      for (std::size_t r = unit.receiver; r <= unit.receiver + (unit.has_own_back() ? 1 : 0); ++r)
         sampled_area_[units.exchange.patch_of[r]] += units.exchange.receiver_area_m2[r];
     }
   }
@@ -142,7 +142,7 @@ void HeatBatches::set_window(const Window& window, bool first) {
     return moment % 2 == 0 ? times[moment / 2] : 0.5 * (times[moment / 2] + times[moment / 2 + 1]);
   };
   for (std::size_t m = 0; m < moments; ++m) {
-    const double time = time_of(2 * window.first + m), utc = scene_.file.time.start_s + time;
+    const double time = time_of(2 * window.first + m);
     while (!first && near + 1 < 2 * old.last && time_of(near + 1) < time - heat::kDay_s) ++near;
     const double step_s = first ? 1.0 : time_of(near + 1) - time_of(near);
     const double share = first ? 0.0 : std::clamp((time - heat::kDay_s - time_of(near)) / step_s, 0.0, 1.0);
@@ -150,8 +150,7 @@ void HeatBatches::set_window(const Window& window, bool first) {
     for_receivers(units_, [&](std::size_t i, const Unit& unit, const UnitSide& side) {
       const std::uint32_t p = units_.exchange.patch_of[i];
       if (!unit.given && !first) return;
-      const double kelvin_here =
-          unit.given ? value_at(scene_.file.regions[unit.region].temperature->schedule, utc) : air;
+      const double kelvin_here = unit.given ? scene_.given_k(unit.leader, time) : air;
       const double part = units_.exchange.receiver_area_m2[i] / units_.exchange.area_m2[p] * side.emissivity *
                           heat::blackbody_w_m2(kelvin_here);
       (unit.given ? given_ : emitted_)[m * patches + p] += part;
@@ -247,7 +246,7 @@ void HeatBatches::add_emitted(const Group& group, const heat::Run& run, std::vec
                   exchange.receiver_area_m2[r] * of.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * square * square;
             };
             side(unit.front, unit.receiver, run.front_k[m * units + i]);
-            if (unit.back) side(*unit.back, unit.receiver + 1, run.back_k[m * units + i]);
+            if (unit.has_own_back()) side(*unit.back, unit.back_receiver, run.back_k[m * units + i]);
           }
       });
 }
@@ -279,7 +278,8 @@ void HeatBatches::keep_temperatures(const std::vector<std::uint32_t>& units, con
                         for (std::size_t i = 0; i < count; ++i) {
                           const Unit& unit = units_.unit[units[i]];
                           receiver_k_[m * receivers + unit.receiver] = run.front_k[m * count + i];
-                          if (unit.back) receiver_k_[m * receivers + unit.receiver + 1] = run.back_k[m * count + i];
+                          if (unit.has_own_back())
+                            receiver_k_[m * receivers + unit.back_receiver] = run.back_k[m * count + i];
                         }
                     });
 }
@@ -397,7 +397,7 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
         const std::uint32_t u = batch.all.unit[place];
         const Unit& unit = units_.unit[u];
         const std::vector<double>& of = again[u] ? change_again : change;
-        const double error_k = std::max(of[unit.receiver], unit.back ? of[unit.receiver + 1] : 0.0) / loss_w_m2_k /
+        const double error_k = std::max(of[unit.receiver], unit.back ? of[unit.back_receiver] : 0.0) / loss_w_m2_k /
                                (1.0 - std::clamp(ratio_bound, 0.0, 0.99));
         const double residual = first ? residual_k(batch, place) : 0.0;
         relaxed.error_k = std::max(relaxed.error_k, error_k);

@@ -24,6 +24,10 @@ double coldest_k(const HeatScene& scene) {
   for (const double sky : s.sky_longwave_w_m2) coldest = std::min(coldest, heat::sky_temperature_k(std::max(sky, 0.0)));
   for (const heat::Schedule* schedule : temperature_schedules(scene.file))
     coldest = std::min(coldest, *std::min_element(schedule->value.begin(), schedule->value.end()));
+  for (const auto& table : scene.tables)
+    if (table)
+      for (const float kelvin : table->kelvin)
+        if (!std::isnan(kelvin)) coldest = std::min(coldest, static_cast<double>(kelvin));
   return coldest;
 }
 
@@ -116,17 +120,20 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
   const auto emit = [&](std::size_t node) {
     for (std::size_t f = 0; f < front.size(); ++f) {
       const Unit& unit = units.unit[units.unit_of[f]];
-      front[f] = batches.receiver_k(node, unit.receiver);
+      front[f] = unit.given ? scene.given_k(static_cast<std::uint32_t>(f), s.time_s[node])
+                            : batches.receiver_k(node, unit.receiver);
       require_plausible(scene, f, front[f], s.time_s[node]);
       warmest = std::max(warmest, front[f]);
       if (!back.empty())
-        back[f] = unit.back ? batches.receiver_k(node, unit.receiver + 1) : std::numeric_limits<double>::quiet_NaN();
+        back[f] = unit.has_own_back() ? batches.receiver_k(node, unit.back_receiver)
+                                      : std::numeric_limits<double>::quiet_NaN();
     }
     output({s.time_s[node], front, back});
     ++report.outputs;
   };
   auto next = s.outputs.begin();
   for (std::size_t w = 0; w < windows.size() && next != s.outputs.end(); ++w) {
+    if (w > 0 && options.go_on && !options.go_on()) break;
     progress("heat", static_cast<double>(w) / static_cast<double>(windows.size()));
     const Relaxed relaxed = batches.solve(windows[w], w == 0, kExchangeShare * room_k, loss, ratio);
     report.iterations = std::max(report.iterations, relaxed.iterations);

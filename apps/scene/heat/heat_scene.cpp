@@ -2,9 +2,12 @@
 #include "apps/scene/heat/heat_scene.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "apps/scene/heat/opposite_walls.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/text/words.h"
+#include "mtf/error.h"
 #include "radiometry/scene/views.h"
 
 namespace apps::scene {
@@ -42,14 +45,43 @@ void warn_of_seen_backs(HeatScene& scene, int threads) {
                                "warm as their fronts are; with inside.kind = \"sheet\" they are solved");
 }
 
+/// Every facet of a region with a table has to stand in it.
+void read_tables(HeatScene& scene) {
+  for (const RegionSection& region : scene.file.regions)
+    scene.tables.push_back(region.temperature && !region.temperature->table.empty()
+                               ? std::optional(read_facet_table(region.temperature->table, scene.facets().size()))
+                               : std::nullopt);
+  for (std::uint32_t f = 0; f < scene.facets().size(); ++f)
+    if (const auto& table = scene.tables[scene.region[f]]; table && std::isnan(table->mean(f)))
+      throw mtf::UsageError(one_line(table->source) + ": facet " + std::to_string(f) + " of region '" +
+                            one_line(scene.region_of(f).name) + "' has no temperature");
+}
+
 }  // namespace
 
 bool HeatScene::is_sheet(std::uint32_t facet) const {
   const RegionSection& of = region_of(facet);
-  return of.material && !of.temperature && material[*of.material].construction.is_sheet();
+  return of.material && !of.temperature && material[*of.material].construction.is_sheet() &&
+         material[*of.material].pair_m == 0.0;
+}
+
+double HeatScene::given_k(std::uint32_t facet, double time_s) const {
+  const double utc_s = file.time.start_s + time_s;
+  if (const auto& table = tables[region[facet]]) return table->at(facet, utc_s);
+  return value_at(region_of(facet).temperature->schedule, utc_s);
+}
+
+std::uint32_t HeatScene::opposite_of(std::uint32_t facet) const {
+  return opposite.empty() ? geometry::kNone : opposite[facet];
+}
+
+std::size_t HeatScene::material_of(std::uint32_t facet) const {
+  const std::size_t of = *region_of(facet).material;
+  return material[of].pair_m > 0.0 && opposite_of(facet) == geometry::kNone ? adiabatic_twin(*this, of) : of;
 }
 
 HeatScene prepare_heat(const SceneFile& file, const HeatOptions& options) {
+  require_files(file);
   const Stopwatch weather;
   Surroundings surroundings = surroundings_of(file, options.directions, options.tolerance_k);
   const double weather_ms = weather.ms();
@@ -67,6 +99,8 @@ HeatScene prepare_heat(const SceneFile& file, const HeatOptions& options) {
                   std::move(rays),
                   {{"weather", weather_ms}, {"meshes", read_ms}, {"tree", tree.ms()}},
                   std::move(warnings)};
+  read_tables(scene);
+  pair_walls(scene, options.threads);
   warn_of_seen_backs(scene, options.threads);
   return scene;
 }

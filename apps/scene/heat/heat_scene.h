@@ -4,10 +4,12 @@
 // A scene that is ready for its heat balance: its weather over time, its surfaces, and the tree that rays are traced
 // in.
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "apps/scene/heat/facet_table.h"
 #include "apps/scene/heat/surfaces.h"
 #include "apps/scene/heat/surroundings.h"
 #include "radiometry/scene/rays.h"
@@ -22,21 +24,33 @@ struct HeatOptions {
   std::size_t patches = 500;  ///< that surfaces exchange radiation by, at most
   bool every_facet = false;   ///< no facets are solved as one but those that others cover
   int threads = 0;            ///< 0: all cores; results do not depend on it
+  /// Asked after each day; false ends the run with the outputs that are finished.
+  std::function<bool()> go_on{};
 };
 
 struct HeatScene {
   SceneFile file;
   Surroundings surroundings;
   std::vector<std::uint32_t> region;  ///< of each facet, an index into file.regions
-  std::vector<Surface> material;      ///< as file.materials
-  radiometry::scene::Rays rays;       ///< with the facets
+  /// As file.materials; those of pairs follow once more, adiabatic, for facets without an opposite one.
+  std::vector<Surface> material;
+  radiometry::scene::Rays rays;  ///< with the facets
   std::vector<std::pair<std::string, double>> timing_ms;
   std::vector<std::string> warnings;
+  std::vector<std::uint32_t> opposite{};  ///< of each facet of a pair, else kNone (opposite_walls.h); empty: no pairs
 
+  std::vector<std::optional<FacetTable>> tables{};  ///< of each region, where facets have temperatures of their own
+
+  /// The temperature that a facet has been given, at seconds from the start of the run.
+  double given_k(std::uint32_t facet, double time_s) const;
   const radiometry::scene::Facets& facets() const { return rays.facets(); }
   const RegionSection& region_of(std::uint32_t facet) const { return file.regions[region[facet]]; }
   /// Whether the facet is solved with two exposed sides.
   bool is_sheet(std::uint32_t facet) const;
+  /// The facet on the other side of its wall, kNone without.
+  std::uint32_t opposite_of(std::uint32_t facet) const;
+  /// Index into `material`, for a facet of a region with one.
+  std::size_t material_of(std::uint32_t facet) const;
 };
 
 /// Reads weather and meshes. Throws as surroundings_of and read_surfaces.

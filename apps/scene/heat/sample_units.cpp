@@ -38,7 +38,7 @@ std::vector<bool> sampled_units(const Units& units, const Surroundings& s) {
     const Unit& unit = units.unit[i];
     if (unit.given) continue;
     ++solved;
-    for (std::size_t r = unit.receiver; r <= unit.receiver + (unit.back ? 1 : 0); ++r)
+    for (std::size_t r = unit.receiver; r <= unit.receiver + (unit.has_own_back() ? 1 : 0); ++r)
       of_patch[units.exchange.patch_of[r]].push_back(i);
     of_material.resize(std::max<std::size_t>(of_material.size(), *unit.material + 1));
     of_material[*unit.material].emplace_back(-largest_jump(unit, units, s, direct), i);

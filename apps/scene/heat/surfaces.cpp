@@ -7,6 +7,7 @@
 #include "apps/scene/import/import_mesh.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
+#include "radiometry/heat/layer_sources.h"
 #include "radiometry/light/constants.h"
 
 namespace apps::scene {
@@ -52,11 +53,27 @@ void set_inside(const MaterialSection& material, Surface& surface) {
           heat::Sheet{inside.back_emissivity ? inside.back_emissivity->value : material.emissivity.value,
                       convection_of(material.convection)};
       break;
-    case InsideKind::pair:
-      throw mtf::UsageError("material '" + one_line(material.name) +
-                            "': inside.kind = \"pair\" is not solved yet; use \"adiabatic\" with half of the "
-                            "thickness, or \"sheet\" for plates that are exposed on both sides");
+    case InsideKind::pair: {
+      // Meshes of walls are seldom as thick as the layers say to the millimetre.
+      constexpr double kRoom = 2.0;
+      double thickness = 0.0;
+      for (const LayerSection& layer : material.layers) thickness += layer.thickness_m;
+      surface.construction.inside = heat::Sheet{material.emissivity.value, convection_of(material.convection)};
+      surface.pair_m = inside.thickness_m.value_or(kRoom * thickness);
+      break;
+    }
   }
+}
+
+/// A scene of [ground] alone.
+Mesh open_facet() {
+  Mesh mesh;
+  mesh.vertices = {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {1.0, 1.0, 0.0}, {0.0, 1.0, 0.0}};
+  mesh.corners = {0, 1, 2, 3};
+  mesh.first = {0, 4};
+  mesh.group = mesh.material = {0};
+  mesh.group_names = mesh.material_names = {""};
+  return mesh;
 }
 
 /// Of each face of the mesh, the region that has it.
@@ -117,8 +134,6 @@ Surface surface_of(const MaterialSection& material) {
   Surface surface;
   surface.name = material.name;
   for (const LayerSection& layer : material.layers) {
-    if (layer.source_w_m3 != 0.0)
-      throw mtf::UsageError(where + ": a source within a layer is not solved yet; use inside.kind = \"flux\"");
     surface.construction.layers.push_back(
         {layer.conductivity_w_m_k, layer.density_kg_m3, layer.heat_capacity_j_kg_k, layer.thickness_m});
   }
@@ -128,6 +143,11 @@ Surface surface_of(const MaterialSection& material) {
   surface.back_solar_absorptance = material.inside.back_solar_absorptance.value_or(material.solar_absorptance);
   set_inside(material, surface);
   require_valid(surface.construction, where);
+  std::vector<double> sources;
+  for (const LayerSection& layer : material.layers) sources.push_back(layer.source_w_m3);
+  const heat::SourceHeat generated = heat::source_heat(surface.construction, sources);
+  surface.source_w_m2 = generated.front_w_m2;
+  surface.back_source_w_m2 = generated.back_w_m2;
   constexpr double kLeast_w_m2_k = 1e-3;  // about a thousandth of what a black surface radiates at 200 K
   constexpr double kWind_m_s = 1.0, kKelvin = 300.0;
   const auto& c = surface.construction;
@@ -143,19 +163,15 @@ Surface surface_of(const MaterialSection& material) {
 }
 
 Surfaces read_surfaces(const SceneFile& scene) {
-  const auto require_no_table = [&](const std::optional<GivenTemperature>& given, const std::string& where) {
-    if (given && !given->table.empty())
-      throw mtf::UsageError(one_line(scene.file) + ": " + where +
-                            ": temperatures from a table of facets are not read yet; give a temperature, or a schedule "
-                            "as a CSV file of time and temperature");
-  };
-  for (const RegionSection& region : scene.regions)
-    require_no_table(region.temperature, "region '" + one_line(region.name) + "'");
-  if (scene.ground) require_no_table(scene.ground->temperature, "[ground]");
+  if (scene.ground && scene.ground->temperature && !scene.ground->temperature->table.empty())
+    throw mtf::UsageError(one_line(scene.file) +
+                          ": [ground]: it has no facets, so that no table of them tells its temperature; give a "
+                          "temperature, or a schedule as a CSV file of time and temperature");
   Surfaces surfaces;
   for (const MaterialSection& material : scene.materials) surfaces.material.push_back(surface_of(material));
   std::vector<Mesh> meshes;
-  for (const MeshSection& mesh : scene.meshes) meshes.push_back(import_mesh(mesh.file, mesh.unit_m));
+  for (const MeshSection& mesh : scene.meshes)
+    meshes.push_back(mesh.file.empty() ? open_facet() : import_mesh(mesh.file, mesh.unit_m));
   std::vector<radiometry::scene::PlacedMesh> placed;
   std::vector<std::vector<std::uint32_t>> regions;
   for (std::size_t m = 0; m < meshes.size(); ++m) {

@@ -20,6 +20,9 @@ struct Surface {
   std::string name;
   radiometry::heat::Construction construction;
   double solar_absorptance = 0.0, back_solar_absorptance = 0.0;
+  /// Heat generated in the layers that comes out of the front and of the back, W/m2 (layer_sources.h).
+  double source_w_m2 = 0.0, back_source_w_m2 = 0.0;
+  double pair_m = 0.0;                ///< inside.kind = "pair": the longest distance of opposite faces; else 0
   radiometry::heat::Schedule inside;  ///< K or W/m2, what the construction's inside asks for; empty: nothing
 
   double emissivity(bool back) const;
@@ -34,7 +37,7 @@ struct Surfaces {
 };
 
 /// The material of the file as the heat solver has it. Throws UsageError, beginning with the material's name, for what
-/// is not solved yet: evaporation, sources within layers, and opposite faces of a shell (`pair`).
+/// is not solved yet: evaporation.
 Surface surface_of(const MaterialSection& material);
 
 /// Reads the meshes of the scene and finds the region of every facet. Throws UsageError for a face that no region has,

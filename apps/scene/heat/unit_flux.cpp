@@ -125,7 +125,8 @@ SideLanes lanes_of(const Context& context, const std::vector<const UnitSide*>& s
         return m % 2 == 0 ? values[node] : 0.5 * (values[node] + values[node + 1]);
       };
       const std::size_t in_light = light.moment_of(2 * context.batch.first + m);
-      exact[m] = side.absorptance * (side.sky * here(s.diffuse_w_m2) + side.ground * here(ground.solar_w_m2) +
+      exact[m] = side.source_w_m2 +
+                 side.absorptance * (side.sky * here(s.diffuse_w_m2) + side.ground * here(ground.solar_w_m2) +
                                      static_cast<double>(solar[in_light])) +
                  side.emissivity * (side.sky * here(s.sky_longwave_w_m2) + side.ground * here(ground.longwave_w_m2) +
                                     share_of_reference * light.longwave.reference_w_m2[in_light] +
@@ -192,7 +193,7 @@ heat::GroupForcing forcing_of(ForcedUnits batch, const Units& units, const Surro
       receivers.push_back(unit.receiver);
       if (!unit.back) continue;
       back.push_back(&*unit.back);
-      back_receivers.push_back(unit.receiver + 1);
+      back_receivers.push_back(unit.back_receiver);
     }
     const auto lanes = std::make_shared<const GroupLanes>(GroupLanes{lanes_of(*context, front, receivers, entries),
                                                                      lanes_of(*context, back, back_receivers, entries),

@@ -3,6 +3,7 @@
 
 // What units absorb, W/m2 of surface, as functions of time:
 //   a [E max(0, n . s) V + F_sky D + F_ground rho_g G + H_solar] + eps [F_sky L_sky + F_ground B_ground + H_longwave]
+// and the heat that the layers generate.
 // a solar absorptance, eps emissivity, E direct normal, D diffuse and G global irradiance, s the direction to the sun,
 // V the table of shadows (linear in time between its directions), F shares of the view. H is what arrives from other
 // surfaces of the scene (patch_light.h). All but the beam is known at the nodes of the surroundings and in the middle

@@ -20,7 +20,8 @@ using geometry::Side;
 
 constexpr std::uint32_t kTilts = 1024;  // steps of the vertical component of the normal that buoyancy depends on
 
-/// The fronts of all facets, then the backs of sheets; where the back of each facet stands.
+/// The fronts of all facets, then the backs of sheets; where the back of each facet stands: for a pair, the front of
+/// the opposite facet.
 struct Sides {
   std::vector<Side> sides;
   std::vector<std::uint32_t> back_of;  ///< of each facet, kNone without
@@ -32,11 +33,20 @@ Sides sides_of(const HeatScene& scene) {
   all.back_of.assign(facets, geometry::kNone);
   for (std::uint32_t f = 0; f < facets; ++f) all.sides.push_back({f, false});
   for (std::uint32_t f = 0; f < facets; ++f)
-    if (scene.is_sheet(f)) {
+    if (const std::uint32_t opposite = scene.opposite_of(f); opposite != geometry::kNone) {
+      all.back_of[f] = opposite;
+    } else if (scene.is_sheet(f)) {
       all.back_of[f] = static_cast<std::uint32_t>(all.sides.size());
       all.sides.push_back({f, true});
     }
   return all;
+}
+
+/// Facets of a table whose mean temperatures are within 1 K radiate alike: the step of a facet's.
+std::uint32_t temperature_step(const HeatScene& scene, std::uint32_t facet) {
+  constexpr double kStep_k = 1.0;
+  const auto& table = scene.tables[scene.region[facet]];
+  return table ? static_cast<std::uint32_t>(std::min(table->mean(facet) / kStep_k, kTilts - 1.0)) : 0;
 }
 
 /// What decides beside the view: region of given temperature or material, and the tilt where convection depends on it.
@@ -55,7 +65,8 @@ std::vector<geometry::SideFinish> finishes_of(const HeatScene& scene, const std:
             static_cast<std::uint32_t>(std::lround(500.0 * (1.0 + scene.facets().facet[side.facet].normal[2])));
     }
     if (region.temperature)
-      finish.key = kTilts * static_cast<std::uint32_t>(scene.material.size() + scene.region[side.facet]);
+      finish.key = kTilts * static_cast<std::uint32_t>(scene.material.size() + scene.region[side.facet]) +
+                   temperature_step(scene, side.facet);
     finish.key = 2 * finish.key + (side.back ? 1 : 0);
     finishes.push_back(finish);
   }
@@ -84,10 +95,16 @@ geometry::FluxAmplitudes amplitudes_of(const HeatScene& scene, int rings) {
     colder = std::max(colder, std::abs(radiometry::heat::blackbody_w_m2(s.air_k[k]) - s.sky_longwave_w_m2[k]));
   double warmer = colder;
   const auto [coldest, warmest] = std::minmax_element(s.air_k.begin(), s.air_k.end());
+  const auto widen = [&](double kelvin) {
+    warmer = std::max({warmer, radiometry::heat::blackbody_w_m2(kelvin) - radiometry::heat::blackbody_w_m2(*coldest),
+                       radiometry::heat::blackbody_w_m2(*warmest) - radiometry::heat::blackbody_w_m2(kelvin)});
+  };
   for (const radiometry::heat::Schedule* schedule : temperature_schedules(scene.file))
-    for (const double kelvin : schedule->value)
-      warmer = std::max({warmer, radiometry::heat::blackbody_w_m2(kelvin) - radiometry::heat::blackbody_w_m2(*coldest),
-                         radiometry::heat::blackbody_w_m2(*warmest) - radiometry::heat::blackbody_w_m2(kelvin)});
+    for (const double kelvin : schedule->value) widen(kelvin);
+  for (const auto& table : scene.tables)
+    if (table)
+      for (const float kelvin : table->kelvin)
+        if (!std::isnan(kelvin)) widen(static_cast<double>(kelvin));
   a.sky_solar.assign(static_cast<std::size_t>(rings), largest(s.diffuse_w_m2));
   a.sky_longwave.assign(static_cast<std::size_t>(rings), 0.0);
   a.ground_solar = a.surfaces_solar = 0.3 * largest(s.global_w_m2);
@@ -121,7 +138,7 @@ void sort_units(Grouping& g, const HeatScene& scene, const geometry::SunVisibili
   std::iota(order.begin(), order.end(), 0U);
   const auto rank = [&](std::uint32_t facet) {
     const RegionSection& region = scene.region_of(facet);
-    return region.temperature ? scene.material.size() : *region.material;
+    return region.temperature ? scene.material.size() : scene.material_of(facet);
   };
   const auto shadows = [&](std::uint32_t facet) {
     return std::span(sun.lit).subspan(facet * sun.directions, sun.directions);
@@ -260,6 +277,9 @@ UnitSide side_of(const HeatScene& scene, const Unit& unit, std::uint32_t facet, 
   side.sun_row = sun_row;
   side.absorptance = unit.material ? scene.material[*unit.material].absorptance(back) : 1.0;
   side.emissivity = unit.material ? scene.material[*unit.material].emissivity(back) : 1.0;
+  if (unit.material)
+    side.source_w_m2 =
+        back ? scene.material[*unit.material].back_source_w_m2 : scene.material[*unit.material].source_w_m2;
   return side;
 }
 
@@ -317,14 +337,21 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   for (const std::uint32_t facet : grouping.leader) {
     const RegionSection& region = scene.region_of(facet);
     Unit unit;
+    unit.leader = facet;
     unit.region = scene.region[facet];
-    if (region.material) unit.material = static_cast<std::uint32_t>(*region.material);
+    if (region.material) unit.material = static_cast<std::uint32_t>(scene.material_of(facet));
     unit.given = region.temperature.has_value();
     unit.receiver = leaders.size();
     unit.front = side_of(scene, unit, facet, false, facet);
     leader_rows.push_back(facet);
     leaders.push_back({facet, false});
-    if (const std::uint32_t back = all.back_of[facet]; back != geometry::kNone) {
+    const std::uint32_t back = all.back_of[facet];
+    unit.paired = scene.opposite_of(facet) != geometry::kNone;
+    unit.back_receiver = unit.receiver + 1;
+    if (unit.paired) {
+      unit.back = side_of(scene, unit, back, false, back);
+      unit.back->source_w_m2 = scene.material[*unit.material].back_source_w_m2;
+    } else if (back != geometry::kNone) {
       unit.back = side_of(scene, unit, facet, true, back);
       leader_rows.push_back(back);
       leaders.push_back({facet, true});
@@ -352,9 +379,11 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
     side.sky = units.views.sky_share(receiver);
     side.ground = units.views.ground[receiver];
   };
-  for (Unit& unit : units.unit) {
+  for (std::size_t i = 0; i < units.unit.size(); ++i) {
+    Unit& unit = units.unit[i];
+    if (unit.paired) unit.back_receiver = units.unit[units.unit_of[scene.opposite_of(grouping.leader[i])]].receiver;
     add_view(unit.front, unit.receiver);
-    if (unit.back) add_view(*unit.back, unit.receiver + 1);
+    if (unit.back) add_view(*unit.back, unit.back_receiver);
   }
   units.classes_ms = classing.ms();
 

@@ -18,15 +18,21 @@ struct UnitSide {
   std::size_t sun_row = 0;         ///< of Units::sun
   double sky = 1.0, ground = 0.0;  ///< shares of the view
   double absorptance = 0.0, emissivity = 0.0;
+  double source_w_m2 = 0.0;  ///< of the layers, as Surface has it
 };
 
 struct Unit {
-  std::uint32_t region = 0;                 ///< of the facet that leads
+  std::uint32_t leader = 0;                 ///< the facet that is solved for all
+  std::uint32_t region = 0;                 ///< of that facet
   std::optional<std::uint32_t> material{};  ///< absent: black, of given temperature
   bool given = false;                       ///< its temperature is given
   UnitSide front;
-  std::optional<UnitSide> back{};  ///< of sheets
-  std::size_t receiver = 0;        ///< of the front in Units::views; that of the back is the next
+  std::optional<UnitSide> back{};  ///< of sheets and pairs
+  bool paired = false;             ///< its back is the front of another unit
+  std::size_t receiver = 0;        ///< of the front in Units::views
+  std::size_t back_receiver = 0;   ///< of the back: the next for a sheet, for a pair that of the opposite unit's front
+
+  bool has_own_back() const { return back && !paired; }
 };
 
 struct Units {
@@ -45,12 +51,13 @@ struct Units {
   bool has_sheets() const { return exchange.receivers() > unit.size(); }
 };
 
-/// Calls `visit(receiver, unit, side)` for all sides of all units, where the side is `unit.front` or `*unit.back`.
+/// Calls `visit(receiver, unit, side)` for all sides of all units, where the side is `unit.front` or `*unit.back`; the
+/// back of a pair belongs to another unit.
 template <class Visit>
 void for_receivers(const Units& units, const Visit& visit) {
   for (const Unit& unit : units.unit) {
     visit(unit.receiver, unit, unit.front);
-    if (unit.back) visit(unit.receiver + 1, unit, *unit.back);
+    if (unit.has_own_back()) visit(unit.back_receiver, unit, *unit.back);
   }
 }
 

@@ -2,10 +2,13 @@
 #include "apps/scene/scene_file/scene_file.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <tuple>
 
 #include "apps/scene/scene_file/scene_reader.h"
+#include "mtf/error.h"
 #include "mtf/io/csv/curve_csv.h"
+#include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
 
 namespace apps::scene {
@@ -14,8 +17,8 @@ namespace {
 namespace cfg = mtf::io::cfg;
 using mtf::io::Diagnostic;
 
-constexpr std::array<std::string_view, 10> kTables{"schema",   "place", "time",   "weather", "sky",
-                                                   "material", "mesh",  "region", "ground",  "camera"};
+constexpr std::array<std::string_view, 11> kTables{"schema", "place",  "time",   "weather",  "sky",   "material",
+                                                   "mesh",   "region", "ground", "measured", "camera"};
 
 /// False when the file is of another version: its keys mean something else then.
 bool read_schema(SceneReader& s) {
@@ -24,6 +27,18 @@ bool read_schema(SceneReader& s) {
   s.reader.error(schema != nullptr ? schema->position : mtf::io::Position{}, "schema",
                  schema == nullptr ? "missing; write schema = 1 on the first line" : "this mtfkit reads schema = 1");
   return schema == nullptr;
+}
+
+/// Such a scene is one open facet of what the ground is.
+void add_open_facet(SceneFile& scene) {
+  if (!scene.ground) return;
+  scene.meshes.push_back({.name = "ground", .file = {}});
+  scene.regions.push_back({.name = "ground",
+                           .mesh = 0,
+                           .group = {},
+                           .mesh_material = {},
+                           .material = scene.ground->material,
+                           .temperature = scene.ground->temperature});
 }
 
 /// What is defined and not used is more often a slip than a wish.
@@ -82,7 +97,9 @@ SceneResult parse_scene(const std::string& text, const std::string& file) {
     read_meshes(s);
     read_regions(s);
     read_ground(s);
+    read_measured(s);
     read_camera(s);
+    if (is_ground_alone(s)) add_open_facet(s.scene);
     if (s.reader.failed.empty()) note_unused(s);
   }
   std::stable_sort(s.reader.diagnostics.begin(), s.reader.diagnostics.end(),
@@ -90,7 +107,25 @@ SceneResult parse_scene(const std::string& text, const std::string& file) {
                      return std::tuple(!a.error, a.position.line, a.position.column) <
                             std::tuple(!b.error, b.position.line, b.position.column);
                    });
+  s.scene.fits = std::move(s.reader.fits);
   return {.scene = std::move(s.scene), .diagnostics = std::move(s.reader.diagnostics)};
+}
+
+void require_files(const SceneFile& scene) {
+  std::string missing;
+  const auto look = [&](const std::string& file, mtf::io::Position at, const std::string& path) {
+    std::error_code ignored;
+    if (file.empty() || std::filesystem::exists(file, ignored)) return;
+    missing +=
+        (missing.empty() ? "" : "\n") +
+        mtf::io::format_diagnostic(
+            {.error = true, .position = at, .path = path, .text = "there is no file " + mtf::io::printable(file, 400)},
+            scene.file);
+  };
+  look(scene.weather.file, scene.weather.file_at, "weather.file");
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+    look(scene.meshes[m].file, scene.meshes[m].file_at, "mesh[" + std::to_string(m) + "].file");
+  if (!missing.empty()) throw mtf::RuntimeError(missing);
 }
 
 SceneFile load_scene(const std::string& file, std::vector<Diagnostic>* warnings) {

@@ -33,6 +33,7 @@ struct TimeSection {
 /// [weather]: a file, or constant values as one record.
 struct WeatherSection {
   std::string file;                              ///< path, "" for constant values
+  mtf::io::Position file_at{};                   ///< of its name, for messages
   radiometry::heat::Weather constant;            ///< one record at the start; empty where a file is named
   std::optional<radiometry::heat::Stamp> stamp;  ///< absent where the file does not say
   radiometry::heat::Repeat repeat = radiometry::heat::Repeat::none;
@@ -114,8 +115,9 @@ struct MaterialSection {
 
 struct MeshSection {
   std::string name;
-  std::string file;     ///< path
+  std::string file;     ///< path; "": one level square of 1 m, for a scene of [ground] alone
   double unit_m = 1.0;  ///< length of the file's unit
+  mtf::io::Position file_at{};
 };
 
 /// Temperatures given instead of solved: a constant or a schedule, or the path of a facet table.
@@ -139,6 +141,12 @@ struct GroundSection {
   std::optional<GivenTemperature> temperature{};  ///< instead of solving
 };
 
+/// [measured]: what the ground is known to have been, for a fit. Absent: the weather's long wave from the ground.
+struct MeasuredSection {
+  radiometry::heat::Schedule temperature{};  ///< K; empty: from the weather
+  std::optional<double> sd_k{};              ///< of a value, independent of the others
+};
+
 struct CameraSection {
   std::array<double, 3> position_m{}, look_at_m{}, up{0.0, 0.0, 1.0};
 };
@@ -156,8 +164,16 @@ struct SceneFile {
   std::vector<MeshSection> meshes;
   std::vector<RegionSection> regions;
   std::optional<GroundSection> ground;
+  std::optional<MeasuredSection> measured;
   std::optional<CameraSection> camera;
+  /// Numbers that stand as tables { value, fit, min, max, prior, stderr }, in the unit that the value was written in
+  /// (spreads of degC in K). Where the file gives no min and max, they are those of the key.
+  std::vector<mtf::io::FitSpec> fits;
 };
+
+/// The text of the scene with new values of its fits and the standard errors that `fits` hold; all else as written.
+std::string scene_text_with(const SceneFile& scene, std::span<const mtf::io::FitSpec> fits,
+                            std::span<const std::optional<double>> values);
 
 /// The schedules that are in the file, of insides, regions and the ground: those of temperatures (K), and all of them.
 std::vector<const radiometry::heat::Schedule*> temperature_schedules(const SceneFile& scene);
@@ -176,9 +192,14 @@ SceneResult parse_scene(const std::string& text, const std::string& file);
 /// when it is wrong. Warnings go to `warnings` when given.
 SceneFile load_scene(const std::string& file, std::vector<mtf::io::Diagnostic>* warnings = nullptr);
 
+/// Throws RuntimeError with a line "file:line:col: error: ..." for each weather and mesh file that is not there.
+void require_files(const SceneFile& scene);
+
 /// The weather of a scene, ready for use: the file read, or the constant values, checked and prepared with the scene's
 /// place, stamp, repeat and start. Warnings are in the series. Throws as read_weather and make_series.
 radiometry::heat::WeatherSeries scene_weather(const SceneFile& scene);
+/// The records that it is made of, averaged as [weather] asks; of a scene whose weather is a file.
+WeatherFile scene_weather_records(const SceneFile& scene);
 
 /// Long-wave irradiance of a horizontal plane by the sky as [sky] has it, W/m2, with the cloud cover that it was made
 /// with. Throws UsageError for LongwaveModel::atmosphere and where a column is missing.

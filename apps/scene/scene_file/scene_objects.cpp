@@ -38,11 +38,17 @@ double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) 
 
 }  // namespace
 
+bool is_ground_alone(const SceneReader& s) {
+  return s.tree.find("ground") != nullptr && s.tree.find("mesh") == nullptr && s.tree.find("region") == nullptr;
+}
+
 void read_meshes(SceneReader& s) {
   const Node* list = find_tables(s, "mesh");
   if (list == nullptr) {
-    if (s.tree.find("mesh") == nullptr && !s.reader.has_failed("mesh"))
-      s.reader.error({}, "mesh", "missing; write [[mesh]] with name = \"vehicle\" and file = \"vehicle.obj\"");
+    if (s.tree.find("mesh") == nullptr && !s.reader.has_failed("mesh") && !is_ground_alone(s))
+      s.reader.error({}, "mesh",
+                     "missing; write [[mesh]] with name = \"vehicle\" and file = \"vehicle.obj\"; a scene of one open "
+                     "facet has [ground], no mesh and no region");
     return;
   }
   for (std::size_t i = 0; i < list->items.size(); ++i) {
@@ -54,6 +60,7 @@ void read_meshes(SceneReader& s) {
     if (section.find("file") == nullptr && !s.reader.has_failed(section.at("file")))
       section.error("file", "missing; write file = \"vehicle.obj\" (OBJ, PLY, STL or glTF 2)");
     mesh.file = read_path(section, "file").value_or("");
+    if (const Node* file = section.find("file")) mesh.file_at = file->position;
     mesh.unit_m =
         read_si(
             section,
@@ -66,7 +73,7 @@ void read_meshes(SceneReader& s) {
 void read_regions(SceneReader& s) {
   const Node* list = find_tables(s, "region");
   if (list == nullptr) {
-    if (s.tree.find("region") == nullptr && !s.reader.has_failed("region"))
+    if (s.tree.find("region") == nullptr && !s.reader.has_failed("region") && !is_ground_alone(s))
       s.reader.error({}, "region", "missing; write [[region]] with mesh = \"vehicle\" and material = \"armour\"");
     return;
   }
@@ -108,6 +115,24 @@ void read_ground(SceneReader& s) {
   cfg::check_keys(section, std::array<std::string_view, 2>{"material", "temperature"});
   GroundSection& ground = s.scene.ground.emplace();
   read_surface(s, section, ground.material, ground.temperature);
+}
+
+void read_measured(SceneReader& s) {
+  const Node* table = find_section(s, "measured", "");
+  if (table == nullptr) return;
+  const Section section{s.reader, *table, "measured", "[measured]"};
+  cfg::check_keys(section, std::array<std::string_view, 2>{"temperature", "sd"});
+  MeasuredSection& measured = s.scene.measured.emplace();
+  measured.temperature = read_schedule_value(s, section, kTemperature).value_or(radiometry::heat::Schedule{});
+  if (measured.temperature.constant())
+    section.error("temperature", "a measured day is a table of times; write the name of a CSV file");
+  measured.sd_k = read_si(section, {.name = "sd",
+                                    .unit = "K",
+                                    .lo = 0.0,
+                                    .hi = 100.0,
+                                    .lo_open = true,
+                                    .presence = Presence::optional,
+                                    .example = "\"0.3 K\""});
 }
 
 void read_camera(SceneReader& s) {

@@ -27,8 +27,16 @@ struct SceneReader {
 };
 
 /// The value of `field.name` in `field.unit` ("" for plain numbers), which is in the range of `field`; `field.example`
-/// is a value as written. Reports a missing required one.
+/// is a value as written. A table { value, fit, min, max, prior, stderr } leaves a FitSpec. Reports a missing required
+/// one.
 std::optional<double> read_si(const mtf::io::cfg::Section& section, const mtf::FieldInfo& field);
+
+/// A fit table; its value when usable. In scene_fits.cpp.
+std::optional<double> read_marked(const mtf::io::cfg::Section& section, const mtf::io::cfg::Node& table,
+                                  const mtf::FieldInfo& field, const std::string& path);
+/// A number or a string with its unit, no table.
+std::optional<double> read_plain_si(const mtf::io::cfg::Section& section, const mtf::io::cfg::Node& node,
+                                    const mtf::FieldInfo& field, const std::string& path);
 
 /// A table `key` of the file, which has to be there if `remedy` is not empty; reports what is wrong.
 const mtf::io::cfg::Node* find_section(SceneReader& s, std::string_view key, std::string_view remedy);
@@ -65,10 +73,13 @@ void read_weather_section(SceneReader& s);
 void read_sky(SceneReader& s);
 /// [[material]].
 void read_materials(SceneReader& s);
-/// [[mesh]], [[region]], [ground], [camera].
+/// Whether the file has [ground] and neither meshes nor regions.
+bool is_ground_alone(const SceneReader& s);
+/// [[mesh]], [[region]], [ground], [measured], [camera].
 void read_meshes(SceneReader& s);
 void read_regions(SceneReader& s);
 void read_ground(SceneReader& s);
+void read_measured(SceneReader& s);
 void read_camera(SceneReader& s);
 
 /// A schedule has to stay within the range of a field; the value that does not, in words.

@@ -173,6 +173,7 @@ void read_weather_section(SceneReader& s) {
                                         .example = "\"5 min\""})
                           .value_or(weather.average_s);
   weather.file = read_path(section, "file").value_or("");
+  if (const Node* file = section.find("file")) weather.file_at = file->position;
   const auto constant = std::find_if(constants.begin(), constants.end(),
                                      [&](std::string_view key) { return section.find(key) != nullptr; });
   if (constant == constants.end()) {

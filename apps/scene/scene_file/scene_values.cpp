@@ -43,8 +43,22 @@ std::string example_unit(const FieldInfo& field) {
   return blank == std::string::npos ? std::string(field.unit) : text.substr(blank + 1);
 }
 
-std::optional<double> read_si_node(const Section& section, const Node& node, const FieldInfo& field,
-                                   const std::string& path) {
+bool names_table(std::string_view text) { return text.ends_with(".csv") || text.ends_with(".CSV"); }
+
+/// The first cell of the first line that is no comment.
+std::string first_cell(std::string_view text) {
+  text = mtf::io::without_mark(text);
+  while (!text.empty()) {
+    const std::string_view row = mtf::io::take_text_line(text);
+    if (!mtf::io::is_comment(row)) return std::string(mtf::io::split_cells(row, mtf::io::separator_of(row)).front());
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<double> read_plain_si(const Section& section, const Node& node, const FieldInfo& field,
+                                    const std::string& path) {
   const auto fail = [&](const std::string& text) {
     section.reader.error(node.position, path, text);
     return std::nullopt;
@@ -71,24 +85,11 @@ std::optional<double> read_si_node(const Section& section, const Node& node, con
               (field.unit.empty() ? "" : " " + std::string(field.unit)));
 }
 
-bool names_table(std::string_view text) { return text.ends_with(".csv") || text.ends_with(".CSV"); }
-
-/// The first cell of the first line that is no comment.
-std::string first_cell(std::string_view text) {
-  text = mtf::io::without_mark(text);
-  while (!text.empty()) {
-    const std::string_view row = mtf::io::take_text_line(text);
-    if (!mtf::io::is_comment(row)) return std::string(mtf::io::split_cells(row, mtf::io::separator_of(row)).front());
-  }
-  return {};
-}
-
-}  // namespace
-
 std::optional<double> read_si(const Section& section, const FieldInfo& field) {
   const Node* node = section.find(field.name);
   const std::string path = section.at(field.name);
-  if (node != nullptr) return read_si_node(section, *node, field, path);
+  if (node != nullptr && node->kind == Node::Kind::table) return read_marked(section, *node, field, path);
+  if (node != nullptr) return read_plain_si(section, *node, field, path);
   if (field.presence == mtf::Presence::required && !section.reader.has_failed(path))
     section.error(field.name, cfg::missing_text(field));
   return std::nullopt;
@@ -191,7 +192,7 @@ std::optional<std::array<double, 3>> read_point(const Section& section, std::str
   std::array<double, 3> point{};
   bool good = true;
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto value = read_si_node(section, node->items[i], field, section.at(key) + "[" + std::to_string(i) + "]");
+    const auto value = read_plain_si(section, node->items[i], field, section.at(key) + "[" + std::to_string(i) + "]");
     good = good && value;
     point[i] = value.value_or(0.0);
   }

@@ -34,10 +34,8 @@ heat::SkyModel model_of(LongwaveModel longwave) {
 
 }  // namespace
 
-heat::WeatherSeries scene_weather(const SceneFile& scene) {
+WeatherFile scene_weather_records(const SceneFile& scene) {
   const WeatherSection& section = scene.weather;
-  const heat::SeriesOptions options{.repeat = section.repeat, .longest_bridge_s = section.longest_bridge_s};
-  if (section.file.empty()) return make_series(section.constant, scene.place, options);
   WeatherFile file = read_weather(
       section.file,
       {.stamp = section.stamp, .origin_s = scene.time.start_s, .year = heat::date_of(scene.time.start_s).year});
@@ -46,6 +44,14 @@ heat::WeatherSeries scene_weather(const SceneFile& scene) {
                           ": it has one record, which says nothing of other times; for constant weather write its "
                           "values in [weather]");
   if (section.average_s > 0.0) file.weather = averaged(file.weather, section.average_s);
+  return file;
+}
+
+heat::WeatherSeries scene_weather(const SceneFile& scene) {
+  const WeatherSection& section = scene.weather;
+  const heat::SeriesOptions options{.repeat = section.repeat, .longest_bridge_s = section.longest_bridge_s};
+  if (section.file.empty()) return make_series(section.constant, scene.place, options);
+  const WeatherFile file = scene_weather_records(scene);
   heat::WeatherSeries series = make_series(file.weather, scene.place, options);
   series.warnings.insert(series.warnings.begin(), file.warnings.begin(), file.warnings.end());
   if (file.place) {

@@ -5,6 +5,7 @@
 // written through the field tables of mtf/component.h, so a new component needs nothing here.
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -55,6 +56,7 @@ struct FitSpec {
   std::string path;
   bool fit = false;
   std::string unit{};  ///< that the numbers are in, "" for plain ones
+  double value = 0.0;  ///< as the file has it
   std::optional<double> min, max, stderr_value;
   std::optional<std::array<double, 2>> prior;  ///< mean, sd
   Position value_at{}, stderr_at{};            ///< where the file has them
@@ -106,6 +108,11 @@ std::string write_config(const SensorConfig& config, const std::string& destinat
 /// fits hold now; all else as it was written. Fit tables that are not written in one piece (value and stderr as keys of
 /// a [table]) may come out wrong: parse the text before use.
 std::string splice_fits(const SensorConfig& config, std::span<const std::optional<double>> values);
+
+/// The same for any file that has such tables. `toml`: a number as the file writes it, a value or its standard error.
+std::string splice_numbers(std::string_view text, std::span<const FitSpec> fits,
+                           std::span<const std::optional<double>> values,
+                           const std::function<std::string(const FitSpec& fit, double number, bool is_error)>& toml);
 
 /// A commented starter file (`mtf config init`): the MWIR sensor of the README, every table explained.
 std::string starter_config();

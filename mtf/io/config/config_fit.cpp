@@ -47,6 +47,7 @@ std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInf
   }
   FitSpec spec{.path = path, .fit = false, .min = {}, .max = {}, .stderr_value = {}, .prior = {}};
   if (value->unit != nullptr) spec.unit = value->unit->name;
+  spec.value = value->value;
   if (const Node* fit = section.find("fit")) {
     if (fit->kind != Node::Kind::boolean)
       section.error("fit", std::string(kind_word(fit->kind)) + " where true or false belongs");

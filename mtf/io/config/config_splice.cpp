@@ -27,22 +27,29 @@ std::size_t begin_of_stderr(std::string_view text, std::size_t value) {
 
 }  // namespace
 
-std::string splice_fits(const SensorConfig& config, std::span<const std::optional<double>> values) {
+std::string splice_numbers(std::string_view text, std::span<const FitSpec> fits,
+                           std::span<const std::optional<double>> values,
+                           const std::function<std::string(const FitSpec& fit, double number, bool is_error)>& toml) {
   std::vector<Edit> edits;
-  for (std::size_t i = 0; i < config.fits.size() && i < values.size(); ++i) {
-    const FitSpec& fit = config.fits[i];
+  for (std::size_t i = 0; i < fits.size() && i < values.size(); ++i) {
+    const FitSpec& fit = fits[i];
     if (!values[i] || fit.value_at.line == 0) continue;
-    const Unit* unit = fit.unit.empty() ? nullptr : find_unit(fit.unit);
-    const std::size_t begin = offset_of(config.text, fit.value_at), end = end_of_value(config.text, begin);
-    const std::string error = fit.stderr_value ? cfg::toml_scalar({*fit.stderr_value, unit}) : "";
+    const std::size_t begin = offset_of(text, fit.value_at), end = end_of_value(text, begin);
+    const std::string error = fit.stderr_value ? toml(fit, *fit.stderr_value, true) : "";
     const bool has_error = fit.stderr_at.line > 0;
-    edits.push_back({begin, end, cfg::toml_scalar({*values[i], unit})});
+    edits.push_back({begin, end, toml(fit, *values[i], false)});
     if (!has_error && !error.empty()) edits.back().text += ", stderr = " + error;
     if (!has_error) continue;
-    const std::size_t old = offset_of(config.text, fit.stderr_at);
-    edits.push_back({error.empty() ? begin_of_stderr(config.text, old) : old, end_of_value(config.text, old), error});
+    const std::size_t old = offset_of(text, fit.stderr_at);
+    edits.push_back({error.empty() ? begin_of_stderr(text, old) : old, end_of_value(text, old), error});
   }
-  return cfg::edited(config.text, std::move(edits));
+  return cfg::edited(text, std::move(edits));
+}
+
+std::string splice_fits(const SensorConfig& config, std::span<const std::optional<double>> values) {
+  return splice_numbers(config.text, config.fits, values, [](const FitSpec& fit, double number, bool) {
+    return cfg::toml_scalar({number, fit.unit.empty() ? nullptr : find_unit(fit.unit)});
+  });
 }
 
 }  // namespace mtf::io

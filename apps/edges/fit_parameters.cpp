@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/edges/fit_parameters.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
+#include "mtf/io/sha256.h"
+#include "mtf/version.h"
+
+namespace apps {
+namespace {
+
+using calib::FittedParameter;
+using calib::Knowledge;
+using Json = nlohmann::ordered_json;
+using Correlation = std::vector<std::vector<double>>;
+
+bool has_value(const FittedParameter& p) {
+  return p.knowledge == Knowledge::determined || p.knowledge == Knowledge::at_bound ||
+         p.knowledge == Knowledge::interval;
+}
+
+std::string interval_text(const std::array<double, 2>& interval) {
+  return significant(interval[0], 5) + " to " + significant(interval[1], 5);
+}
+
+/// 95 %, an open end in words.
+std::string profiled_text(const calib::ProfiledInterval& interval) {
+  if (interval.low && interval.high) return interval_text({*interval.low, *interval.high});
+  if (interval.low) return "above " + significant(*interval.low, 5);
+  return interval.high ? "below " + significant(*interval.high, 5) : "not bounded";
+}
+
+std::string value_text(const FittedParameter& p) {
+  const std::string unit = p.parameter.unit.empty() ? "" : " " + p.parameter.unit;
+  if (p.knowledge == Knowledge::interval)
+    return shown_with_error(p.value, 0.25 * ((*p.interval95)[1] - (*p.interval95)[0])) + unit +
+           " (95 %: " + profiled_text(*p.interval) + unit + ")";
+  if (p.knowledge == Knowledge::at_bound)
+    return significant(p.value, 6) + unit + " (at its bound" +
+           (p.limit95 ? std::string("; 95 %: at ") + (p.limit_is_upper ? "most " : "least ") +
+                            significant(*p.limit95, 4) + unit
+                      : std::string()) +
+           ")";
+  if (p.knowledge != Knowledge::determined) return std::string(knowledge_name(p.knowledge));
+  return (p.stderr_value ? shown_with_error(p.value, *p.stderr_value) + " +- " + significant(*p.stderr_value, 2)
+                         : significant(p.value, 8)) +
+         unit;
+}
+
+std::string correlation_table(std::span<const FittedParameter> parameters, const Correlation& correlation) {
+  std::vector<std::string> header{"correlation"};
+  for (const FittedParameter& p : parameters) header.push_back(one_line(p.parameter.name));
+  const std::vector<Align> align = [&] {
+    std::vector<Align> columns(header.size(), Align::right);
+    columns.front() = Align::left;
+    return columns;
+  }();
+  TextTable table(std::move(header));
+  for (std::size_t i = 0; i < correlation.size(); ++i) {
+    std::vector<std::string> row{one_line(parameters[i].parameter.name)};
+    for (const double rho : correlation[i]) row.push_back(std::isfinite(rho) ? fixed(rho, 3) : "not determined");
+    table.add(std::move(row));
+  }
+  return table.aligned(align);
+}
+
+Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+Json optional_json(const std::optional<std::array<double, 2>>& value) { return value ? Json(*value) : Json(); }
+
+Json parameter_json(const FittedParameter& p) {
+  const bool known = has_value(p);
+  return {{"name", p.parameter.name},
+          {"path", p.parameter.path},
+          {"value", known ? Json(p.value) : Json()},
+          {"stderr", known ? optional_json(p.stderr_value) : Json()},
+          {"unit", p.parameter.unit},
+          {"knowledge", knowledge_name(p.knowledge)},
+          {"start", p.start},
+          {"limit95", optional_json(p.limit95)},
+          {"limit_is", p.limit95 ? Json(p.limit_is_upper ? "upper" : "lower") : Json()},
+          {"interval68", optional_json(p.interval68)},
+          {"interval95", optional_json(p.interval95)},
+          {"interval", p.interval ? Json{{"confidence", 0.95},
+                                         {"low", optional_json(p.interval->low)},
+                                         {"high", optional_json(p.interval->high)},
+                                         {"reason", p.interval->reason.empty() ? Json() : Json(p.interval->reason)}}
+                                  : Json()}};
+}
+
+}  // namespace
+
+std::string shown_with_error(double value, double sd) {
+  if (!(sd > 0.0) || !std::isfinite(sd)) return significant(value, 6);
+  const int digits = static_cast<int>(std::floor(std::log10(std::max(std::abs(value), sd) / sd))) + 2;
+  return significant(value, std::clamp(digits, 2, 12), true);
+}
+
+std::string parameters_table(std::span<const FittedParameter> parameters,
+                             std::span<const calib::NullDirection> not_separable, const Correlation& correlation) {
+  std::string text;
+  if (!parameters.empty()) {
+    TextTable table({"parameter", "value", "start"});
+    for (const FittedParameter& p : parameters) {
+      const std::string unit = p.parameter.unit.empty() ? "" : " " + p.parameter.unit;
+      table.add({one_line(p.parameter.name), value_text(p), significant(p.start, 6) + unit});
+    }
+    text += "\n" + table.aligned();
+  }
+  for (const FittedParameter& p : parameters) {
+    if (p.interval68) text += one_line(p.parameter.name) + ": 68 % " + interval_text(*p.interval68);
+    if (p.interval) text += ", 95 % " + profiled_text(*p.interval);
+    if (p.interval68 || p.interval) text += p.parameter.unit.empty() ? "" : " " + p.parameter.unit;
+    if (p.interval) text += (p.interval->reason.empty() ? "" : "; " + p.interval->reason) + "\n";
+  }
+  for (const calib::NullDirection& direction : not_separable) text += "\n" + direction.text + "\n";
+  if (parameters.size() > 1 && !correlation.empty()) text += "\n" + correlation_table(parameters, correlation);
+  return text;
+}
+
+void add_parameters(Json& json, std::span<const FittedParameter> parameters,
+                    std::span<const calib::NullDirection> not_separable, const Correlation& correlation) {
+  json["parameters"] = Json::array();
+  for (const FittedParameter& p : parameters) json["parameters"].push_back(parameter_json(p));
+  json["correlation"] = correlation;
+  json["not_separable"] = Json::array();
+  for (const calib::NullDirection& direction : not_separable) {
+    Json names = Json::array();
+    for (const std::size_t i : direction.parameters) names.push_back(parameters[i].parameter.name);
+    json["not_separable"].push_back({{"parameters", names}, {"weight", direction.weight}, {"text", direction.text}});
+  }
+}
+
+std::string fit_head(const FitOrigin& origin, const std::vector<std::string>& inputs,
+                     std::span<const FittedParameter> parameters, std::span<const calib::NullDirection> not_separable) {
+  std::string head = "# " + one_line(origin.file) + " (sha256 " + origin.sha256.substr(0, 16) + ") fitted by mtf " +
+                     mtf::version + ": " + origin.outcome + "\n";
+  for (const std::string& input : inputs)
+    head += "# to " + one_line(input) + " (sha256 " + mtf::io::sha256_file(input).substr(0, 16) + ")\n";
+  for (const calib::NullDirection& direction : not_separable) head += "# " + one_line(direction.text) + "\n";
+  for (const FittedParameter& p : parameters)
+    if (p.knowledge != Knowledge::determined)
+      head += "# " + one_line(p.parameter.name) + ": " + std::string(knowledge_name(p.knowledge)) +
+              (p.interval ? ", 95 % " + profiled_text(*p.interval) +
+                                (p.parameter.unit.empty() ? "" : " " + one_line(p.parameter.unit))
+                          : "") +
+              "\n";
+  return head + "\n";
+}
+
+std::string without_fit_head(const std::string& text) {
+  const std::size_t line = text.find('\n');
+  if (!text.starts_with("# ") || text.substr(0, line).find(") fitted by mtf ") == std::string::npos) return text;
+  const std::size_t end = text.find("\n\n");
+  return end == std::string::npos ? text : text.substr(end + 2);
+}
+
+}  // namespace apps

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Fitted numbers as a table, as JSON and as lines above a fitted file: what all fits of the command have in common.
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "calib/fit/fit.h"
+
+namespace apps {
+
+/// As many digits as the standard error has, two more than its first.
+std::string shown_with_error(double value, double sd);
+
+/// Values, intervals, what is not separable, and the correlation.
+std::string parameters_table(std::span<const calib::FittedParameter> parameters,
+                             std::span<const calib::NullDirection> not_separable,
+                             const std::vector<std::vector<double>>& correlation);
+
+/// "parameters", "correlation", "not_separable".
+void add_parameters(nlohmann::ordered_json& json, std::span<const calib::FittedParameter> parameters,
+                    std::span<const calib::NullDirection> not_separable,
+                    const std::vector<std::vector<double>>& correlation);
+
+/// The file whose numbers were fitted.
+struct FitOrigin {
+  std::string file, sha256;
+  std::string outcome;  ///< "converged, chi2 per dof 1.02"
+};
+/// Comments at the top of a fitted file, up to an empty line: where it comes from, and what has no standard error.
+std::string fit_head(const FitOrigin& origin, const std::vector<std::string>& inputs,
+                     std::span<const calib::FittedParameter> parameters,
+                     std::span<const calib::NullDirection> not_separable);
+
+/// A fitted file without the lines that an earlier fit has put above, up to the empty one.
+std::string without_fit_head(const std::string& text);
+
+}  // namespace apps

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/series/series_fit.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "calib/fit/confidence/identifiability.h"
+#include "calib/fit/fit_report.h"
+#include "calib/series/series_minimum.h"
+#include "calib/series/series_noise.h"
+#include "mtf/error.h"
+#include "mtf/units.h"
+
+namespace calib {
+namespace {
+
+constexpr double kOnBound = 1e-6;  ///< of x
+
+double lower(const SeriesParameter& p) { return std::max(p.lo, p.parameter.min.value_or(p.lo)); }
+double upper(const SeriesParameter& p) { return std::min(p.hi, p.parameter.max.value_or(p.hi)); }
+
+SeriesProblem problem_of(const Series& series, std::span<const SeriesParameter> parameters, const SeriesModel& model,
+                         const SeriesFitOptions& options) {
+  SeriesProblem problem;
+  for (std::size_t i = 0; i < series.measured.size(); ++i) {
+    if (!std::isfinite(series.measured[i])) continue;
+    problem.measured.push_back(series.measured[i]);
+    problem.place.push_back(i);
+  }
+  if (parameters.empty()) throw mtf::UsageError("fit: no number is marked with fit = true");
+  if (problem.measured.size() <= parameters.size())
+    throw mtf::UsageError("fit: " + std::to_string(problem.measured.size()) + " measured values do not determine " +
+                          std::to_string(parameters.size()) + " numbers");
+  for (const SeriesParameter& p : parameters) {
+    const double lo = lower(p), hi = upper(p);
+    if (!(lo < hi) || !(p.start >= lo && p.start <= hi))
+      throw mtf::UsageError("fit: " + p.parameter.name + ": the start " + mtf::format_double(p.start) +
+                            " has to be within its bounds " + mtf::format_double(lo) + " ... " +
+                            mtf::format_double(hi) + ", which have to differ");
+    double scale = p.scale > 0.0 ? p.scale : std::abs(p.start);
+    if (!(scale > 0.0)) scale = std::isfinite(hi - lo) ? 0.1 * (hi - lo) : 1.0;
+    problem.scale.push_back(scale);
+    problem.lo.push_back(lo / scale);
+    problem.hi.push_back(hi / scale);
+    problem.x.push_back(p.start / scale);
+    problem.prior.push_back(p.parameter.prior);
+  }
+  problem.model = &model;
+  problem.options = options;
+  problem.weight = 1.0 / series.sd.value_or(1.0);
+  return problem;
+}
+
+SeriesResidual residual_of(const SeriesProblem& problem, std::span<const double> x) {
+  SeriesResidual residual;
+  residual.model = (*problem.model)(problem.values(x));
+  if (residual.model.empty()) return residual;
+  for (std::size_t i = 0; i < problem.measured.size(); ++i) {
+    const double r = std::abs(residual.model[problem.place[i]] - problem.measured[i]);
+    residual.rms += r * r / static_cast<double>(problem.measured.size());
+    residual.worst = std::max(residual.worst, r);
+  }
+  residual.rms = std::sqrt(residual.rms);
+  return residual;
+}
+
+/// What the errors are made of, at the solution.
+struct Judged {
+  SeriesProblem::Linear linear;
+  SeriesNoise noise;
+  double variance = 0.0;
+  Identified identified;
+  std::vector<double> ratio;  ///< of the variance to that of independent residuals
+  Eigen::VectorXd gradient;
+};
+
+/// Against which an error of x counts as large (identifiability.h): a size by itself, others by their scale, at most
+/// what is allowed.
+double reference_of(const SeriesParameter& p, double x, double lo, double hi) {
+  const double reference = p.scale > 0.0 ? 1.0 : std::max(std::abs(x), 1e-3);
+  return p.parameter.min || p.parameter.max ? std::min(reference, hi - lo) : reference;
+}
+
+/// J'J less what its derivatives do not resolve: those of twice the difference differ by D = the error of the model
+/// and of the differences. Along each eigenvector v of J'J, |D v|^2 is taken from |J v|^2; so a model that is exactly
+/// degenerate, and solved to a tolerance, is seen to be.
+Eigen::MatrixXd resolved_information(const Eigen::MatrixXd& j, const Eigen::MatrixXd& wide) {
+  const Eigen::MatrixXd difference = wide - j;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(j.transpose() * j);
+  Eigen::VectorXd values = eigen.eigenvalues();
+  const double least = 1e-14 * std::max(values.maxCoeff(), 1e-300);
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    values[i] = std::max(values[i] - (difference * eigen.eigenvectors().col(i)).squaredNorm(), least);
+  return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+std::optional<Judged> judge(SeriesProblem& problem, const Series& series, std::span<const SeriesParameter> parameters) {
+  auto linear = problem.linear(problem.x);
+  const auto wide = problem.linear(problem.x, 2.0 * kDifference);
+  if (!linear || !wide) return std::nullopt;
+  Judged judged{std::move(*linear), {}, 0.0, {}, {}, {}};
+  judged.noise = series_noise(judged.linear.jacobian, judged.linear.residual, problem.place);
+  const double stated = series.sd ? *series.sd * *series.sd : judged.noise.variance;
+  judged.variance = stated * (series.sd ? trusted_noise(judged.noise.variance / stated) : 1.0);
+  judged.variance = std::max(judged.variance, 1e-300);
+  const Eigen::MatrixXd& j = judged.linear.jacobian;
+  Eigen::MatrixXd priors = Eigen::MatrixXd::Zero(j.cols(), j.cols());
+  for (Eigen::Index i = 0; i < j.cols(); ++i)
+    if (const auto& prior = problem.prior[static_cast<std::size_t>(i)]) {
+      const double weight = problem.scale[static_cast<std::size_t>(i)] / (*prior)[1];
+      priors(i, i) = weight * weight;
+    }
+  const Eigen::MatrixXd independent = resolved_information(j, wide->jacobian) / judged.variance + priors;
+  const Eigen::MatrixXd scores = judged.noise.joint / judged.variance + priors;
+  std::vector<double> reference;
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    reference.push_back(reference_of(parameters[i], problem.x[i], problem.lo[i], problem.hi[i]));
+  judged.identified = identify(sandwich_information(independent, scores), reference);
+  const Eigen::MatrixXd least = identify(independent, reference).covariance;
+  for (Eigen::Index i = 0; i < j.cols(); ++i)
+    judged.ratio.push_back(std::max(1.0, judged.identified.covariance(i, i) / least(i, i)));
+  problem.weight = 1.0 / std::sqrt(judged.variance);
+  judged.gradient = problem.gradient(judged.linear);
+  return judged;
+}
+
+std::vector<FittedParameter> parameters_of(const SeriesProblem& problem, const Judged& judged,
+                                           std::span<const SeriesParameter> parameters) {
+  std::vector<FittedParameter> all;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto index = static_cast<Eigen::Index>(i);
+    const double scale = problem.scale[i], x = problem.x[i];
+    const double sd = std::sqrt(judged.identified.covariance(index, index));
+    FittedParameter p{.parameter = parameters[i].parameter, .start = parameters[i].start};
+    p.value = scale * x;
+    p.linear_sd = scale * sd;
+    const bool near_lo = x - problem.lo[i] < sd, near_hi = problem.hi[i] - x < sd;
+    if (!judged.identified.determined[i]) {
+      p.knowledge = Knowledge::not_determined;
+    } else if (problem.prior[i] && p.linear_sd > 0.9 * (*problem.prior[i])[1]) {
+      p.knowledge = Knowledge::prior_only;
+      p.stderr_value = p.linear_sd;
+    } else if (near_lo || near_hi) {
+      p.knowledge = Knowledge::at_bound;
+      const double g = judged.gradient[index] / judged.ratio[i];
+      const BoundLimit limit = limit_at_bound(sd, near_lo ? g : -g);
+      p.limit95 =
+          scale * (near_lo ? std::min(problem.hi[i], x + limit.distance) : std::max(problem.lo[i], x - limit.distance));
+      p.value = scale * (near_lo ? problem.lo[i] : problem.hi[i]);
+      p.limit_is_upper = near_lo;
+      p.pressed_sd = limit.pressed_sd;
+    } else {
+      p.knowledge = Knowledge::determined;
+      p.stderr_value = p.linear_sd;
+    }
+    all.push_back(std::move(p));
+  }
+  return all;
+}
+
+/// The verdict needs a noise that somebody has stated.
+void decide(const Series& series, SeriesFit& fit) {
+  fit.status = FitStatus::converged;
+  if (!series.sd) return;
+  const double spread = 5.0 * std::sqrt(2.0 / std::max(1.0, static_cast<double>(fit.count)));
+  const double structure = 5.0 / std::sqrt(static_cast<double>(fit.count));
+  if (fit.chi2_per_dof <= 1.0 + spread && fit.phi <= structure) return;
+  fit.status = FitStatus::converged_model_wrong;
+  fit.reason = "the residuals are not those of independent values with the stated standard deviation of " +
+               short_text(*series.sd, 3) + ": they scatter by " + short_text(fit.sd, 3) +
+               ", and neighbours are correlated by " + short_text(fit.phi, 3);
+}
+
+}  // namespace
+
+SeriesFit fit_series(const Series& series, std::span<const SeriesParameter> parameters, const SeriesModel& model,
+                     const SeriesFitOptions& options) {
+  SeriesProblem problem = problem_of(series, parameters, model, options);
+  SeriesFit fit;
+  fit.count = problem.measured.size();
+  fit.before = residual_of(problem, problem.x);
+  if (fit.before.model.empty()) throw mtf::UsageError("fit: the model cannot be solved at the starting values");
+  std::optional<Judged> judged;
+  // A prior counts against what the data know, which correlated residuals lessen.
+  const bool priors =
+      std::any_of(problem.prior.begin(), problem.prior.end(), [](const auto& p) { return p.has_value(); });
+  for (int round = 0; round < (priors ? 3 : 1); ++round) {
+    if (round > 0) problem.weight *= std::sqrt((1.0 - judged->noise.phi) / (1.0 + judged->noise.phi));
+    const SeriesMinimum minimum = minimise(problem);
+    fit.iterations += minimum.iterations;
+    judged = judge(problem, series, parameters);
+    if (minimum.converged && judged) continue;
+    fit.status = FitStatus::not_converged;
+    fit.reason = "the least squares did not converge; narrow the bounds, or start nearer";
+    fit.evaluations = problem.evaluations;
+    return fit;
+  }
+  fit.after = residual_of(problem, problem.x);
+  fit.evaluations = problem.evaluations + 2;
+  fit.sd = std::sqrt(judged->noise.variance);
+  fit.phi = judged->noise.phi;
+  fit.independent_values = static_cast<double>(fit.count) * (1.0 - fit.phi) / (1.0 + fit.phi);
+  fit.chi2_per_dof = series.sd ? judged->noise.variance / (*series.sd * *series.sd) : 1.0;
+  fit.parameters = parameters_of(problem, *judged, parameters);
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const FittedParameter& p = fit.parameters[i];
+    const double room = std::min(problem.x[i] - problem.lo[i], problem.hi[i] - problem.x[i]);
+    if (p.knowledge == Knowledge::not_determined && room < kOnBound * std::max(1.0, std::abs(problem.x[i])))
+      fit.warnings.push_back(p.parameter.name + " ran to its bound of " + short_text(p.value, 6) +
+                             (p.parameter.unit.empty() ? "" : " " + p.parameter.unit) +
+                             ", and what it does is not separable from what others do");
+  }
+  fit.correlation = correlations_of(judged->identified.covariance);
+  for (const WeakDirection& weak : judged->identified.weak) {
+    std::vector<std::string> names;
+    for (const std::size_t i : weak.members) names.push_back(parameters[i].parameter.name);
+    fit.not_separable.push_back({weak.members, weak.weight, weak_direction_text(names, {.from = "this series"})});
+  }
+  decide(series, fit);
+  return fit;
+}
+
+}  // namespace calib
